@@ -1,0 +1,13 @@
+#include "core/base/check.h"
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace hermite {
+
+void check_failed(const char* file, int line, const char* condition, const std::string& words) {
+  std::fprintf(stderr, "%s:%d: CHECK(%s) failed: %s\n", file, line, condition, words.c_str());
+  std::abort();
+}
+
+}  // namespace hermite

@@ -1,0 +1,54 @@
+// A recorded (or synthetic) RGB-D sequence, whatever its format.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/image.h"
+#include "core/base/result.h"
+#include "core/dataset/trajectory.h"
+#include "core/frame/rgbd_frame.h"
+#include "core/math/camera.h"
+
+namespace hermite {
+
+// A frame as recorded: depth decoded, colour still as the bytes of its file, which is what a client sends.
+struct RecordedFrame {
+  double timestamp_s = 0;
+  DepthImage depth;                       // sensor units
+  std::vector<std::uint8_t> color_bytes;  // JPEG or PNG, as in the recording
+};
+
+// Const functions are thread-safe.
+class Sequence {
+ public:
+  virtual ~Sequence() = default;
+  virtual std::string format() const = 0;  // "tum", "icl-nuim", "7-scenes", "synthetic"
+  virtual std::string name() const = 0;    // for titles: the folder's name
+  virtual const Camera& camera() const = 0;
+  virtual double frame_rate_hz() const = 0;  // nominal
+  virtual std::int64_t frame_count() const = 0;
+  // Time stamps are strictly ascending over index.
+  virtual double timestamp_s(std::int64_t index) const = 0;
+  // An unreadable frame is an error of that frame alone: the caller goes on with the next.
+  virtual Result<RecordedFrame> read(std::int64_t index) const = 0;
+  // world_from_camera at the ground truth's own times; empty when the sequence has none.
+  virtual const Trajectory& groundtruth() const = 0;
+};
+
+// `source` is a folder (format detected by content: 7-Scenes, ICL-NUIM or TUM) or "synthetic[:key=value,...]" (synthetic_camera.h).
+// The camera: `camera` when given, else the folder's camera.json, else its own files (7-Scenes camera-intrinsics.txt), else a known name
+// (freiburg1, 2, 3; ICL-NUIM). None of these is an error that says so.
+// Colour and depth are paired by time, at most 20 ms apart, each image used once.
+Result<std::unique_ptr<Sequence>> open_sequence(const std::string& source, const std::optional<Camera>& camera = std::nullopt);
+
+// camera.json as described in the README, or one of the names fr1, fr2, fr3.
+Result<Camera> read_camera(const std::string& path_or_name);
+
+// Decodes the colour: what the pipeline eats. The same function serves the server's end of the wire.
+Result<RgbdFrame> decode_frame(RecordedFrame recorded);
+
+}  // namespace hermite

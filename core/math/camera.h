@@ -1,0 +1,34 @@
+// A pinhole camera with depth registered to colour. Pixel centres are integers: u = fx x / z + cx.
+// The camera frame is x right, y down, z forward, in metres. Plain value.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/base/result.h"
+
+namespace hermite {
+
+// Sizes a camera may have. The lower bound leaves three pyramid levels a useful size, the upper bounds the memory of a scan.
+inline constexpr int kMinImageSide_px = 64;
+inline constexpr int kMaxImageSide_px = 2048;
+
+struct Camera {
+  int width = 0;                           // pixels
+  int height = 0;                          // pixels
+  double fx = 0, fy = 0, cx = 0, cy = 0;   // pixels
+  double depth_units_per_metre = 1000;     // sensor depth value of one metre
+  bool operator==(const Camera&) const = default;
+
+  Eigen::Vector2d project(const Eigen::Vector3d& point_in_camera) const {
+    return {fx * point_in_camera.x() / point_in_camera.z() + cx, fy * point_in_camera.y() / point_in_camera.z() + cy};
+  }
+  Eigen::Vector3d unproject(double u, double v, double depth_m) const {
+    return {(u - cx) / fx * depth_m, (v - cy) / fy * depth_m, depth_m};
+  }
+};
+
+// kInvalidArgument, naming the field and its limits: sizes outside [kMinImageSide_px, kMaxImageSide_px], focal lengths that are
+// not positive and finite or give a field of view outside 10 to 150 degrees, a principal point outside the image, a depth scale outside [1, 1e6].
+Status validate(const Camera& camera);
+
+}  // namespace hermite
