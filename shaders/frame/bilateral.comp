@@ -1,0 +1,49 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// Sensor units to metres, and the bilateral filter (paper section 3.2; window and sigmas as in the authors' program).
+// Two outputs: the measured depth, and the filtered one; 0 where nothing was measured inside the range.
+#include "shared/frame.h"
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(scalar, binding = 0) readonly buffer Units { uint units[]; };  // two pixels a word
+layout(scalar, binding = 1) writeonly buffer Raw { float raw_m[]; };
+layout(scalar, binding = 2) writeonly buffer Filtered { float filtered_m[]; };
+layout(scalar, push_constant) uniform Push { BilateralParams p; };
+
+const int kRadius = 6;
+const int kTile = 16 + 2 * kRadius;
+shared float tile[kTile * kTile];
+
+float measured_depth_m(ivec2 pixel) {
+  if (pixel.x < 0 || pixel.y < 0 || pixel.x >= int(p.camera.width) || pixel.y >= int(p.camera.height)) return 0.0;
+  uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
+  uint word = units[index >> 1];
+  float depth_m = float((index & 1u) == 0u ? word & 0xffffu : word >> 16) * p.metres_per_unit;
+  return depth_m >= p.depth_min_m && depth_m <= p.depth_max_m ? depth_m : 0.0;
+}
+
+void main() {
+  ivec2 corner = ivec2(gl_WorkGroupID.xy) * 16 - kRadius;
+  for (uint i = gl_LocalInvocationIndex; i < kTile * kTile; i += 256u)
+    tile[i] = measured_depth_m(corner + ivec2(i % kTile, i / kTile));
+  barrier();
+
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (pixel.x >= int(p.camera.width) || pixel.y >= int(p.camera.height)) return;
+  ivec2 local = ivec2(gl_LocalInvocationID.xy) + kRadius;
+  float centre_m = tile[local.y * kTile + local.x];
+  float sum = 0.0, weights = 0.0;
+  for (int dy = -kRadius; dy <= kRadius; ++dy) {
+    for (int dx = -kRadius; dx <= kRadius; ++dx) {
+      float depth_m = tile[(local.y + dy) * kTile + local.x + dx];
+      float difference = depth_m - centre_m;
+      float w = exp(-float(dx * dx + dy * dy) * p.inverse_two_sigma_space2 - difference * difference * p.inverse_two_sigma_depth2);
+      w = depth_m > 0.0 ? w : 0.0;
+      sum += w * depth_m;
+      weights += w;
+    }
+  }
+  uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
+  raw_m[index] = centre_m;
+  filtered_m[index] = centre_m > 0.0 ? sum / weights : 0.0;
+}

@@ -1,0 +1,20 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// Second half of the index map: which surfel that is; of several at exactly the same depth the lowest slot.
+#include "shared/map.h"
+#include "lib/geometry.glsl"
+#include "lib/surfel.glsl"
+layout(local_size_x = 256) in;
+layout(scalar, binding = 0) readonly buffer Positions { vec4 position_confidence[]; };
+layout(scalar, binding = 1) readonly buffer Attributes { SurfelAttributes attributes[]; };
+layout(scalar, binding = 2) readonly buffer Submaps { Transform camera_from_submap[]; };
+layout(scalar, binding = 3) buffer Depths { uint depth_bits[]; };
+layout(scalar, binding = 4) buffer Ids { uint ids[]; };
+layout(scalar, push_constant) uniform Push { IndexParams p; };
+#include "lib/index_cell.glsl"
+
+void main() {
+  uint cell, bits;
+  if (index_cell(gl_GlobalInvocationID.x, cell, bits) && depth_bits[cell] == bits) atomicMin(ids[cell], gl_GlobalInvocationID.x);
+}

@@ -1,0 +1,47 @@
+// Push constants of the passes that turn a frame into frame maps.
+#ifndef HERMITE_SHARED_FRAME_H
+#define HERMITE_SHARED_FRAME_H
+
+#include "shared/types.h"
+
+#ifdef __cplusplus
+namespace hermite::shared {
+#endif
+
+struct BilateralParams {
+  Intrinsics camera;
+  float metres_per_unit;
+  float depth_min_m, depth_max_m;
+  float inverse_two_sigma_space2;  // 1/px^2
+  float inverse_two_sigma_depth2;  // 1/m^2
+};
+
+struct NormalParams {
+  Intrinsics camera;
+  float radius_scale;    // support radius in pixel diagonals of a frontal surface
+  float depth_gate_m;    // neighbours further apart in depth lie on another surface
+};
+
+struct SurfaceParams {
+  Intrinsics camera;
+  float depth_gate_m;
+  float confidence_epsilon;    // paper Eq. 5, in units of sqrt(|gradient|)
+  float curvature_limit_per_m; // beyond it a curvature says nothing
+  uint use_hrbf_confidence;
+  uint project_to_surface;
+};
+
+struct IntensityParams {
+  Intrinsics camera;
+};
+
+struct DownsampleParams {
+  uint width, height;  // of the coarser level
+  uint fine_width;
+  float depth_gate_m;
+};
+
+#ifdef __cplusplus
+}  // namespace hermite::shared
+#endif
+#endif

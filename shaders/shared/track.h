@@ -1,0 +1,39 @@
+// Push constants and sums of the odometry.
+#ifndef HERMITE_SHARED_TRACK_H
+#define HERMITE_SHARED_TRACK_H
+
+#include "shared/types.h"
+
+#ifdef __cplusplus
+namespace hermite::shared {
+#endif
+
+// Sums of one workgroup; the host adds the groups in order, in double precision.
+#define HERMITE_ODOMETRY_GROUPS 128
+#define HERMITE_ODOMETRY_GROUP_SIZE 64
+#define HERMITE_ODOMETRY_TERMS 31   // 21 of H (upper triangle by rows), 6 of b, geometric error and count, photometric error and count
+#define HERMITE_ROTATION_TERMS 11   // 6 of H, 3 of b, error, count
+
+struct OdometryParams {
+  Transform reference_from_camera;
+  Intrinsics camera;        // of this level
+  float geometric_weight;   // of a squared metre beside a squared grey value
+  float distance_gate_m;
+  float sine_normal_gate;
+  float photometric_sigma;  // grey values: rows are weighted by 1 / (sigma + |residual|)
+  float gradient_min;       // grey values per pixel
+  float photometric_depth_gate_m;
+  uint search_radius;       // 0: projective association
+  uint stride;              // take every stride-th pixel in x and y
+};
+
+struct RotationParams {
+  // current_from_previous as a homography of pixels, K R K^-1, and K R for the derivative: rows.
+  vec4 homography_row0, homography_row1, homography_row2;
+  Intrinsics camera;
+};
+
+#ifdef __cplusplus
+}  // namespace hermite::shared
+#endif
+#endif

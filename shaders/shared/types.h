@@ -1,0 +1,37 @@
+// Plain data seen by C++ and GLSL alike, written once. Scalar layout: what C++ lays out, the shader reads.
+#ifndef HERMITE_SHARED_TYPES_H
+#define HERMITE_SHARED_TYPES_H
+
+#ifdef __cplusplus
+#include <cstdint>
+namespace hermite::shared {
+using uint = std::uint32_t;
+struct vec2 {
+  float x, y;
+};
+struct vec4 {
+  float x, y, z, w;
+};
+struct uvec2 {
+  uint x, y;
+};
+struct uvec4 {
+  uint x, y, z, w;
+};
+#endif
+
+// Pinhole camera of one pyramid level. Pixel centres are integers.
+struct Intrinsics {
+  float fx, fy, cx, cy;  // pixels
+  uint width, height;    // pixels
+};
+
+// target_from_source: p_target = (dot(row0.xyz, p) + row0.w, ...). Metres.
+struct Transform {
+  vec4 row0, row1, row2;
+};
+
+#ifdef __cplusplus
+}  // namespace hermite::shared
+#endif
+#endif
