@@ -1,0 +1,143 @@
+#include "proto/wire/client_message.h"
+
+#include <utility>
+
+#include "proto/wire/fields.h"
+
+namespace hermite::wire {
+
+namespace {
+
+// Codecs of a newer client are skipped, so that it may offer them without asking first.
+template <class Codec>
+Result<std::vector<Codec>> known_codecs(const std::string& field, const google::protobuf::RepeatedField<int>& offered, const char* names) {
+  if (offered.size() > kMaxCodecs)
+    return Error{ErrorCode::kTooLarge,
+                 field + " has " + std::to_string(offered.size()) + " entries, allowed are " + std::to_string(kMaxCodecs)};
+  std::vector<Codec> known;
+  for (const int codec : offered)
+    if (codec == 1 || codec == 2) known.push_back(static_cast<Codec>(codec));
+  if (known.empty()) return Error{ErrorCode::kUnsupported, field + " offers none of those this server knows: " + names};
+  return known;
+}
+
+Status check_settings(const google::protobuf::Map<std::string, std::string>& settings) {
+  if (settings.size() > static_cast<std::size_t>(kMaxSettings))
+    return Error{ErrorCode::kTooLarge,
+                 "start_scan.settings has " + std::to_string(settings.size()) + " entries, allowed are " + std::to_string(kMaxSettings)};
+  for (const auto& [key, value] : settings) {
+    if (Status status = check_text("a key of start_scan.settings", key, kMaxSettingBytes); !status.ok()) return status;
+    if (Status status = check_text("start_scan.settings[" + key + "]", value, kMaxSettingBytes); !status.ok()) return status;
+  }
+  return Done{};
+}
+
+Result<StartScan> start_scan_from(const v1::StartScan& message) {
+  StartScan start;
+  if (Status status = check_text("start_scan.title", message.title(), kMaxTitleBytes); !status.ok()) return status.error();
+  start.title = message.title();
+  start.camera = camera_from(message.camera());
+  if (Status status = validate(start.camera); !status.ok()) return in_context("start_scan", status.error());
+  auto depth = known_codecs<DepthCodec>("start_scan.depth_codecs", message.depth_codecs(), "RVL_ZSTD, PNG16");
+  if (!depth.ok()) return depth.error();
+  start.depth_codecs = *std::move(depth);
+  auto color = known_codecs<ColorCodec>("start_scan.color_codecs", message.color_codecs(), "JPEG, PNG");
+  if (!color.ok()) return color.error();
+  start.color_codecs = *std::move(color);
+  if (message.mode() != v1::MODE_BATCH && message.mode() != v1::MODE_LIVE)
+    return Error{ErrorCode::kInvalidArgument,
+                 "start_scan.mode is " + std::to_string(message.mode()) + ", allowed are 1 (batch) and 2 (live)"};
+  start.mode = static_cast<Mode>(message.mode());
+  if (Status status = check_settings(message.settings()); !status.ok()) return status.error();
+  start.settings.insert(message.settings().begin(), message.settings().end());
+  start.expected_frames = message.expected_frames();
+  return start;
+}
+
+Result<ClientMessage> hello_from(v1::Hello& message) {
+  Hello hello;
+  hello.protocol_minor = message.protocol_minor();
+  if (Status status = check_text("hello.client", message.client(), kMaxClientNameBytes); !status.ok()) return status.error();
+  if (Status status = check_text("hello.token", message.token(), kMaxTokenBytes); !status.ok()) return status.error();
+  hello.client = std::move(*message.mutable_client());
+  hello.token = std::move(*message.mutable_token());
+  switch (message.role_case()) {
+    case v1::Hello::kStartScan: {
+      Result<StartScan> start = start_scan_from(message.start_scan());
+      if (!start.ok()) return start.error();
+      hello.role = *std::move(start);
+      return ClientMessage(std::move(hello));
+    }
+    case v1::Hello::kViewScan: {
+      if (Status status = check_text("view_scan.scan_id", message.view_scan().scan_id(), kMaxScanIdBytes); !status.ok())
+        return status.error();
+      hello.role = ViewScan{message.view_scan().scan_id()};
+      return ClientMessage(std::move(hello));
+    }
+    case v1::Hello::ROLE_NOT_SET: break;
+  }
+  return Error{ErrorCode::kUnsupported, "hello.role is missing or unknown; allowed are start_scan and view_scan"};
+}
+
+void write_start_scan(const StartScan& start, v1::StartScan& message) {
+  message.set_title(start.title);
+  write_camera(start.camera, *message.mutable_camera());
+  for (const DepthCodec codec : start.depth_codecs) message.add_depth_codecs(static_cast<v1::DepthCodec>(codec));
+  for (const ColorCodec codec : start.color_codecs) message.add_color_codecs(static_cast<v1::ColorCodec>(codec));
+  message.set_mode(static_cast<v1::Mode>(start.mode));
+  message.mutable_settings()->insert(start.settings.begin(), start.settings.end());
+  message.set_expected_frames(start.expected_frames);
+}
+
+// One overload a body: a new one does not compile until it is written here.
+struct Writer {
+  v1::ClientMessage& message;
+
+  void operator()(Unknown&) const {}
+  void operator()(Hello& hello) const {
+    v1::Hello& out = *message.mutable_hello();
+    out.set_protocol_minor(hello.protocol_minor);
+    out.set_client(std::move(hello.client));
+    out.set_token(std::move(hello.token));
+    if (const StartScan* start = std::get_if<StartScan>(&hello.role)) write_start_scan(*start, *out.mutable_start_scan());
+    if (const ViewScan* view = std::get_if<ViewScan>(&hello.role)) out.mutable_view_scan()->set_scan_id(view->scan_id);
+  }
+  void operator()(Frame& frame) const {
+    v1::Frame& out = *message.mutable_frame();
+    out.set_sequence(frame.sequence);
+    out.set_timestamp_s(frame.timestamp_s);
+    out.set_depth(std::move(frame.depth));
+    out.set_color(std::move(frame.color));
+  }
+  void operator()(Finish&) const { message.mutable_finish(); }
+  void operator()(ViewerAck& ack) const { message.mutable_viewer_ack()->set_bytes(ack.bytes); }
+  void operator()(Ping& ping) const { message.mutable_ping()->set_id(ping.id); }
+};
+
+}  // namespace
+
+Result<ClientMessage> parse_client_message(std::string_view bytes, std::size_t max_bytes) {
+  v1::ClientMessage message;
+  if (Status status = parse_bytes(bytes, max_bytes, message); !status.ok()) return status.error();
+  switch (message.body_case()) {
+    case v1::ClientMessage::kHello: return hello_from(*message.mutable_hello());
+    case v1::ClientMessage::kFrame: {
+      v1::Frame& frame = *message.mutable_frame();
+      return ClientMessage(
+          Frame{frame.sequence(), frame.timestamp_s(), std::move(*frame.mutable_depth()), std::move(*frame.mutable_color())});
+    }
+    case v1::ClientMessage::kFinish: return ClientMessage(Finish{});
+    case v1::ClientMessage::kViewerAck: return ClientMessage(ViewerAck{message.viewer_ack().bytes()});
+    case v1::ClientMessage::kPing: return ClientMessage(Ping{message.ping().id()});
+    case v1::ClientMessage::BODY_NOT_SET: break;
+  }
+  return ClientMessage(Unknown{});
+}
+
+std::string format_client_message(ClientMessage message) {
+  v1::ClientMessage out;
+  std::visit(Writer{out}, message);
+  return out.SerializeAsString();
+}
+
+}  // namespace hermite::wire

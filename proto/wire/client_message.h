@@ -1,0 +1,20 @@
+// ClientMessage: bytes to value and back. Pure and thread-safe.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/base/result.h"
+#include "proto/wire/messages.h"
+
+namespace hermite::wire {
+
+// Takes no more memory than a small multiple of `max_bytes`. A message whose body is not known is Unknown, not an error.
+// kTooLarge: more than `max_bytes`. kCorruptData: not a ClientMessage (cut, garbage, text that is not UTF-8).
+// kInvalidArgument, kUnsupported or kTooLarge, naming field and limit: a field breaks a rule of messages.h.
+Result<ClientMessage> parse_client_message(std::string_view bytes, std::size_t max_bytes);
+
+// The bytes of one message; Unknown gives an empty message.
+std::string format_client_message(ClientMessage message);
+
+}  // namespace hermite::wire

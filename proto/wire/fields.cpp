@@ -1,0 +1,74 @@
+#include "proto/wire/fields.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hermite::wire {
+
+Status parse_bytes(std::string_view bytes, std::size_t max_bytes, google::protobuf::MessageLite& message) {
+  // Protobuf's own lengths are int: the cap keeps the cast below whole whatever the caller allows.
+  const std::size_t limit = std::min<std::size_t>(max_bytes, std::numeric_limits<int>::max());
+  if (bytes.size() > limit)
+    return Error{ErrorCode::kTooLarge, "message of " + std::to_string(bytes.size()) + " bytes, allowed are " + std::to_string(limit)};
+  if (!message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
+    return Error{ErrorCode::kCorruptData, "these " + std::to_string(bytes.size()) + " bytes are not a message of the protocol " +
+                                              std::string(kSubprotocol) + " (cut, damaged, or text that is not UTF-8)"};
+  return Done{};
+}
+
+Status check_text(const std::string& field, const std::string& text, std::size_t max_bytes) {
+  if (text.size() > max_bytes)
+    return Error{ErrorCode::kTooLarge, field + " has " + std::to_string(text.size()) + " bytes, allowed are " + std::to_string(max_bytes)};
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  if (std::any_of(text.begin(), text.end(), is_control))
+    return Error{ErrorCode::kInvalidArgument, field + " holds a control character; allowed is printable UTF-8"};
+  return Done{};
+}
+
+Camera camera_from(const v1::Camera& message) {
+  // A size beyond int is clamped and then refused by validate() as any other size that is too large.
+  const auto side = [](std::uint32_t px) { return static_cast<int>(std::min<std::uint32_t>(px, std::numeric_limits<int>::max())); };
+  Camera camera;
+  camera.width = side(message.width());
+  camera.height = side(message.height());
+  camera.fx = message.fx();
+  camera.fy = message.fy();
+  camera.cx = message.cx();
+  camera.cy = message.cy();
+  camera.depth_units_per_metre = message.depth_units_per_metre();
+  return camera;
+}
+
+void write_camera(const Camera& camera, v1::Camera& message) {
+  message.set_width(static_cast<std::uint32_t>(camera.width));
+  message.set_height(static_cast<std::uint32_t>(camera.height));
+  message.set_fx(camera.fx);
+  message.set_fy(camera.fy);
+  message.set_cx(camera.cx);
+  message.set_cy(camera.cy);
+  message.set_depth_units_per_metre(camera.depth_units_per_metre);
+}
+
+Result<Rigid3> rigid3_from(const std::string& field, const v1::Rigid3& message) {
+  Rigid3 transform;
+  transform.translation = {message.tx(), message.ty(), message.tz()};
+  transform.rotation = Eigen::Quaterniond(message.qw(), message.qx(), message.qy(), message.qz());
+  const double norm = transform.rotation.norm();
+  if (!transform.translation.allFinite() || !std::isfinite(norm)) return Error{ErrorCode::kInvalidArgument, field + " is not finite"};
+  if (std::abs(norm - 1) > 1e-3)
+    return Error{ErrorCode::kInvalidArgument, field + " has a quaternion of length " + std::to_string(norm) + ", it must be 1"};
+  return transform;
+}
+
+void write_rigid3(const Rigid3& transform, v1::Rigid3& message) {
+  message.set_tx(transform.translation.x());
+  message.set_ty(transform.translation.y());
+  message.set_tz(transform.translation.z());
+  message.set_qx(transform.rotation.x());
+  message.set_qy(transform.rotation.y());
+  message.set_qz(transform.rotation.z());
+  message.set_qw(transform.rotation.w());
+}
+
+}  // namespace hermite::wire

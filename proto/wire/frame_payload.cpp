@@ -1,0 +1,48 @@
+#include "proto/wire/frame_payload.h"
+
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include "core/image/depth_codec.h"
+#include "core/image/image_codec.h"
+
+namespace hermite::wire {
+
+namespace {
+
+std::span<const std::uint8_t> bytes_of(const std::string& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+}  // namespace
+
+std::size_t max_frame_message_bytes(const Camera& camera) {
+  return kMaxBytesBeforeWelcome + 8 * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+}
+
+Result<RgbdFrame> decode_frame_payload(const Frame& frame, DepthCodec depth_codec, const Camera& camera) {
+  const ImageSize expected{camera.width, camera.height};
+  Result<DepthImage> depth = depth_codec == DepthCodec::kRvlZstd ? decode_depth_rvl_zstd(bytes_of(frame.depth), expected)
+                                                                 : decode_depth_png(bytes_of(frame.depth), expected);
+  if (!depth.ok()) return in_context("frame.depth", depth.error());
+  Result<ColorImage> color = decode_color(bytes_of(frame.color), expected);
+  if (!color.ok()) return in_context("frame.color", color.error());
+  return RgbdFrame{frame.timestamp_s, *std::move(depth), *std::move(color)};
+}
+
+Result<std::string> encode_depth_payload(const DepthImage& depth, DepthCodec depth_codec) {
+  if (depth_codec == DepthCodec::kRvlZstd) {
+    const std::vector<std::uint8_t> bytes = encode_depth_rvl_zstd(depth);
+    return std::string(bytes.begin(), bytes.end());
+  }
+  Result<std::vector<std::uint8_t>> bytes = encode_depth_png(depth);
+  if (!bytes.ok()) return bytes.error();
+  return std::string(bytes->begin(), bytes->end());
+}
+
+RgbdFrame empty_frame(double timestamp_s, const Camera& camera) {
+  return {timestamp_s, DepthImage(camera.width, camera.height), ColorImage(camera.width, camera.height)};
+}
+
+}  // namespace hermite::wire

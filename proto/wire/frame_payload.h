@@ -1,0 +1,27 @@
+// The images of a Frame message: encoded by the client, decoded by the server with the decoders that also read files. Pure and thread-safe.
+#pragma once
+
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/frame/rgbd_frame.h"
+#include "core/math/camera.h"
+#include "proto/wire/messages.h"
+
+namespace hermite::wire {
+
+// Enough for any frame a camera can give: depth as RVL of noise (3 bytes a pixel) and colour as a PNG of noise (3 bytes a pixel), and some
+// room.
+std::size_t max_frame_message_bytes(const Camera& camera);
+
+// Both images must have the camera's size; nothing larger is ever allocated. Takes the frame's time as it is.
+// Errors name the image ("frame.depth: ..."): kCorruptData, kTooLarge, kUnsupported.
+Result<RgbdFrame> decode_frame_payload(const Frame& frame, DepthCodec depth_codec, const Camera& camera);
+
+// `depth` in sensor units, encoded losslessly.
+Result<std::string> encode_depth_payload(const DepthImage& depth, DepthCodec depth_codec);
+
+// What the pipeline gets for a frame whose images cannot be used: no depth and black, so that every frame has its line in the trajectory.
+RgbdFrame empty_frame(double timestamp_s, const Camera& camera);
+
+}  // namespace hermite::wire

@@ -1,0 +1,153 @@
+// The messages of proto/scan.proto as plain values: what both ends work with, so that protobuf stays inside proto/wire.
+//
+// A value that came out of parse_client_message or parse_server_message keeps the limits below; a value that is to be sent should.
+// The rules of order, credit and closing are in proto/README.md.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/math/camera.h"
+#include "core/math/rigid3.h"
+
+namespace hermite::wire {
+
+inline constexpr const char* kSubprotocol = "hermite.v1";
+inline constexpr const char* kEndpoint = "/api/v1/ws";
+inline constexpr std::uint32_t kProtocolMinor = 0;
+
+inline constexpr std::size_t kMaxBytesBeforeWelcome = 64 * 1024;  // a Hello, and all that a viewer ever sends
+inline constexpr std::size_t kMaxServerMessageBytes = 64 * 1024 * 1024;
+inline constexpr std::size_t kMaxTitleBytes = 200;
+inline constexpr std::size_t kMaxClientNameBytes = 200;
+inline constexpr std::size_t kMaxTokenBytes = 256;
+inline constexpr std::size_t kMaxScanIdBytes = 64;
+inline constexpr int kMaxSettings = 64;
+inline constexpr std::size_t kMaxSettingBytes = 200;  // key, and value
+inline constexpr int kMaxCodecs = 16;
+inline constexpr std::uint32_t kMaxSubmaps = 65536;
+
+enum class DepthCodec { kRvlZstd = 1, kPng16 = 2 };
+enum class ColorCodec { kJpeg = 1, kPng = 2 };
+enum class Mode { kBatch = 1, kLive = 2 };
+enum class ScanPhase { kRunning = 1, kFinished = 2, kFailed = 3, kInterrupted = 4 };
+
+// A body (or none) that this version does not know. To be ignored and counted.
+struct Unknown {};
+
+// ---- client to server
+
+struct StartScan {
+  std::string title;                     // UTF-8 without control characters
+  Camera camera;                         // valid, see validate(Camera)
+  std::vector<DepthCodec> depth_codecs;  // known ones only, best first, never empty
+  std::vector<ColorCodec> color_codecs;  // known ones only, never empty
+  Mode mode = Mode::kBatch;
+  std::map<std::string, std::string> settings;
+  std::uint64_t expected_frames = 0;  // 0: unknown
+};
+struct ViewScan {
+  std::string scan_id;
+};
+struct Hello {
+  std::uint32_t protocol_minor = kProtocolMinor;
+  std::string client;  // name and version, for the log
+  std::string token;
+  std::variant<StartScan, ViewScan> role;
+};
+// `timestamp_s` is as sent, not finite maybe; the images are still encoded: decode_frame_payload.
+struct Frame {
+  std::uint64_t sequence = 0;
+  double timestamp_s = 0;
+  std::string depth;
+  std::string color;
+};
+struct Finish {};
+struct ViewerAck {
+  std::uint64_t bytes = 0;
+};
+struct Ping {
+  std::uint64_t id = 0;
+};
+using ClientMessage = std::variant<Unknown, Hello, Frame, Finish, ViewerAck, Ping>;
+
+// ---- server to client
+
+struct Welcome {
+  std::uint32_t protocol_minor = kProtocolMinor;
+  std::string server;
+  std::string scan_id;
+  std::uint64_t max_message_bytes = 0;
+  std::uint32_t frame_credit = 0;
+  DepthCodec depth_codec = DepthCodec::kRvlZstd;
+  std::vector<ColorCodec> color_codecs;
+  Camera camera;
+  std::string title;
+};
+struct FrameResult {
+  std::uint64_t sequence = 0;
+  double timestamp_s = 0;
+  Rigid3 world_from_camera;
+  bool tracked = false;
+  std::string reason;  // words, when not tracked
+  std::uint64_t inlier_count = 0;
+  double inlier_ratio = 0;
+  double residual_rms_m = 0;
+  std::uint64_t surfel_count = 0;
+  double frame_ms = 0;
+};
+struct Credit {
+  std::uint64_t frames_granted = 0;  // in all, since the start
+};
+struct ChunkKey {
+  std::uint32_t submap = 0;
+  std::uint32_t level = 0;
+  std::int32_t x = 0, y = 0, z = 0;
+  bool operator==(const ChunkKey&) const = default;
+};
+struct Chunk {
+  ChunkKey key;
+  std::uint64_t version = 0;
+  std::uint32_t point_count = 0;  // 0 removes the chunk
+  std::string draco;
+};
+struct SubmapPose {
+  std::uint32_t submap = 0;
+  Rigid3 world_from_submap;
+};
+struct SubmapPoses {
+  std::vector<SubmapPose> poses;
+};
+struct ScanState {
+  ScanPhase phase = ScanPhase::kRunning;
+  std::string words;
+  std::uint64_t frames_received = 0;
+  std::uint64_t frames_processed = 0;
+  std::uint64_t frames_dropped = 0;
+};
+struct Finished {
+  std::string report_json;
+  std::string trajectory_tum;
+};
+struct ErrorMessage {
+  std::string code;     // name_of(ErrorCode)
+  std::string message;  // words
+  bool about_frame = false;
+  std::uint64_t sequence = 0;  // when about_frame
+};
+struct Pong {
+  std::uint64_t id = 0;
+};
+struct SnapshotEnd {};
+struct TrajectoryPart {
+  std::vector<float> positions_m;  // x y z, x y z, ... in the world
+};
+using ServerMessage = std::variant<Unknown, Welcome, FrameResult, Credit, Chunk, SubmapPoses, ScanState, Finished, ErrorMessage, Pong,
+                                   SnapshotEnd, TrajectoryPart>;
+
+}  // namespace hermite::wire

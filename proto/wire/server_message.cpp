@@ -1,0 +1,190 @@
+#include "proto/wire/server_message.h"
+
+#include <cmath>
+#include <utility>
+
+#include "proto/wire/fields.h"
+
+namespace hermite::wire {
+
+namespace {
+
+Result<ServerMessage> welcome_from(const v1::Welcome& message) {
+  Welcome welcome;
+  welcome.protocol_minor = message.protocol_minor();
+  welcome.server = message.server();
+  welcome.scan_id = message.scan_id();
+  welcome.max_message_bytes = message.max_message_bytes();
+  welcome.frame_credit = message.frame_credit();
+  if (message.depth_codec() != v1::DEPTH_CODEC_RVL_ZSTD && message.depth_codec() != v1::DEPTH_CODEC_PNG16)
+    return Error{ErrorCode::kUnsupported, "welcome.depth_codec is " + std::to_string(message.depth_codec()) + ", known are 1 and 2"};
+  welcome.depth_codec = static_cast<DepthCodec>(message.depth_codec());
+  for (const int codec : message.color_codecs())
+    if (codec == 1 || codec == 2) welcome.color_codecs.push_back(static_cast<ColorCodec>(codec));
+  welcome.camera = camera_from(message.camera());
+  if (Status status = validate(welcome.camera); !status.ok()) return in_context("welcome", status.error());
+  welcome.title = message.title();
+  return ServerMessage(std::move(welcome));
+}
+
+Result<ServerMessage> frame_result_from(v1::FrameResult& message) {
+  FrameResult result;
+  result.sequence = message.sequence();
+  result.timestamp_s = message.timestamp_s();
+  Result<Rigid3> pose = rigid3_from("frame_result.world_from_camera", message.world_from_camera());
+  if (!pose.ok()) return pose.error();
+  result.world_from_camera = *pose;
+  result.tracked = message.status() == v1::TRACKING_STATUS_TRACKED;
+  result.reason = std::move(*message.mutable_reason());
+  result.inlier_count = message.inlier_count();
+  result.inlier_ratio = message.inlier_ratio();
+  result.residual_rms_m = message.residual_rms_m();
+  result.surfel_count = message.surfel_count();
+  result.frame_ms = message.frame_ms();
+  return ServerMessage(std::move(result));
+}
+
+ServerMessage chunk_from(v1::Chunk& message) {
+  const v1::ChunkKey& key = message.key();
+  return Chunk{{key.submap(), key.level(), key.x(), key.y(), key.z()},
+               message.version(),
+               message.point_count(),
+               std::move(*message.mutable_draco())};
+}
+
+Result<ServerMessage> submap_poses_from(const v1::SubmapPoses& message) {
+  if (message.poses_size() > static_cast<int>(kMaxSubmaps))
+    return Error{ErrorCode::kTooLarge,
+                 "submap_poses has " + std::to_string(message.poses_size()) + " poses, allowed are " + std::to_string(kMaxSubmaps)};
+  SubmapPoses poses;
+  for (const v1::SubmapPose& pose : message.poses()) {
+    Result<Rigid3> transform = rigid3_from("submap_poses.world_from_submap", pose.world_from_submap());
+    if (!transform.ok()) return transform.error();
+    poses.poses.push_back({pose.submap(), *transform});
+  }
+  return ServerMessage(std::move(poses));
+}
+
+Result<ServerMessage> scan_state_from(v1::ScanState& message) {
+  if (message.phase() < v1::SCAN_PHASE_RUNNING || message.phase() > v1::SCAN_PHASE_INTERRUPTED)
+    return Error{ErrorCode::kUnsupported, "scan_state.phase is " + std::to_string(message.phase()) + ", known are 1 to 4"};
+  return ServerMessage(ScanState{static_cast<ScanPhase>(message.phase()), std::move(*message.mutable_words()), message.frames_received(),
+                                 message.frames_processed(), message.frames_dropped()});
+}
+
+Result<ServerMessage> trajectory_from(const v1::TrajectoryPart& message) {
+  if (message.positions_size() % 3 != 0)
+    return Error{ErrorCode::kCorruptData,
+                 "trajectory_part.positions has " + std::to_string(message.positions_size()) + " numbers, which is no multiple of 3"};
+  return ServerMessage(TrajectoryPart{{message.positions().begin(), message.positions().end()}});
+}
+
+// One overload a body: a new one does not compile until it is written here.
+struct Writer {
+  v1::ServerMessage& message;
+
+  void operator()(Unknown&) const {}
+  void operator()(Welcome& welcome) const {
+    v1::Welcome& out = *message.mutable_welcome();
+    out.set_protocol_minor(welcome.protocol_minor);
+    out.set_server(std::move(welcome.server));
+    out.set_scan_id(std::move(welcome.scan_id));
+    out.set_max_message_bytes(welcome.max_message_bytes);
+    out.set_frame_credit(welcome.frame_credit);
+    out.set_depth_codec(static_cast<v1::DepthCodec>(welcome.depth_codec));
+    for (const ColorCodec codec : welcome.color_codecs) out.add_color_codecs(static_cast<v1::ColorCodec>(codec));
+    write_camera(welcome.camera, *out.mutable_camera());
+    out.set_title(std::move(welcome.title));
+  }
+  void operator()(FrameResult& result) const {
+    v1::FrameResult& out = *message.mutable_frame_result();
+    out.set_sequence(result.sequence);
+    out.set_timestamp_s(result.timestamp_s);
+    write_rigid3(result.world_from_camera, *out.mutable_world_from_camera());
+    out.set_status(result.tracked ? v1::TRACKING_STATUS_TRACKED : v1::TRACKING_STATUS_LOST);
+    out.set_reason(std::move(result.reason));
+    out.set_inlier_count(result.inlier_count);
+    out.set_inlier_ratio(result.inlier_ratio);
+    out.set_residual_rms_m(result.residual_rms_m);
+    out.set_surfel_count(result.surfel_count);
+    out.set_frame_ms(result.frame_ms);
+  }
+  void operator()(Credit& credit) const { message.mutable_credit()->set_frames_granted(credit.frames_granted); }
+  void operator()(Chunk& chunk) const {
+    v1::Chunk& out = *message.mutable_chunk();
+    out.mutable_key()->set_submap(chunk.key.submap);
+    out.mutable_key()->set_level(chunk.key.level);
+    out.mutable_key()->set_x(chunk.key.x);
+    out.mutable_key()->set_y(chunk.key.y);
+    out.mutable_key()->set_z(chunk.key.z);
+    out.set_version(chunk.version);
+    out.set_point_count(chunk.point_count);
+    out.set_draco(std::move(chunk.draco));
+  }
+  void operator()(SubmapPoses& poses) const {
+    v1::SubmapPoses& out = *message.mutable_submap_poses();
+    for (const SubmapPose& pose : poses.poses) {
+      v1::SubmapPose& entry = *out.add_poses();
+      entry.set_submap(pose.submap);
+      write_rigid3(pose.world_from_submap, *entry.mutable_world_from_submap());
+    }
+  }
+  void operator()(ScanState& state) const {
+    v1::ScanState& out = *message.mutable_scan_state();
+    out.set_phase(static_cast<v1::ScanPhase>(state.phase));
+    out.set_words(std::move(state.words));
+    out.set_frames_received(state.frames_received);
+    out.set_frames_processed(state.frames_processed);
+    out.set_frames_dropped(state.frames_dropped);
+  }
+  void operator()(Finished& finished) const {
+    message.mutable_finished()->set_report_json(std::move(finished.report_json));
+    message.mutable_finished()->set_trajectory_tum(std::move(finished.trajectory_tum));
+  }
+  void operator()(ErrorMessage& error) const {
+    v1::Error& out = *message.mutable_error();
+    out.set_code(std::move(error.code));
+    out.set_message(std::move(error.message));
+    out.set_sequence(error.sequence);
+    out.set_about_frame(error.about_frame);
+  }
+  void operator()(Pong& pong) const { message.mutable_pong()->set_id(pong.id); }
+  void operator()(SnapshotEnd&) const { message.mutable_snapshot_end(); }
+  void operator()(TrajectoryPart& part) const {
+    message.mutable_trajectory_part()->mutable_positions()->Add(part.positions_m.begin(), part.positions_m.end());
+  }
+};
+
+}  // namespace
+
+Result<ServerMessage> parse_server_message(std::string_view bytes, std::size_t max_bytes) {
+  v1::ServerMessage message;
+  if (Status status = parse_bytes(bytes, max_bytes, message); !status.ok()) return status.error();
+  switch (message.body_case()) {
+    case v1::ServerMessage::kWelcome: return welcome_from(message.welcome());
+    case v1::ServerMessage::kFrameResult: return frame_result_from(*message.mutable_frame_result());
+    case v1::ServerMessage::kCredit: return ServerMessage(Credit{message.credit().frames_granted()});
+    case v1::ServerMessage::kChunk: return chunk_from(*message.mutable_chunk());
+    case v1::ServerMessage::kSubmapPoses: return submap_poses_from(message.submap_poses());
+    case v1::ServerMessage::kScanState: return scan_state_from(*message.mutable_scan_state());
+    case v1::ServerMessage::kFinished:
+      return ServerMessage(Finished{std::move(*message.mutable_finished()->mutable_report_json()),
+                                    std::move(*message.mutable_finished()->mutable_trajectory_tum())});
+    case v1::ServerMessage::kError:
+      return ServerMessage(
+          ErrorMessage{message.error().code(), message.error().message(), message.error().about_frame(), message.error().sequence()});
+    case v1::ServerMessage::kPong: return ServerMessage(Pong{message.pong().id()});
+    case v1::ServerMessage::kSnapshotEnd: return ServerMessage(SnapshotEnd{});
+    case v1::ServerMessage::kTrajectoryPart: return trajectory_from(message.trajectory_part());
+    case v1::ServerMessage::BODY_NOT_SET: break;
+  }
+  return ServerMessage(Unknown{});
+}
+
+std::string format_server_message(ServerMessage message) {
+  v1::ServerMessage out;
+  std::visit(Writer{out}, message);
+  return out.SerializeAsString();
+}
+
+}  // namespace hermite::wire
