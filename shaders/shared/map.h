@@ -61,18 +61,12 @@ struct CleanParams {
   float stable_confidence;
   uint max_unstable_age;       // frames
   float redundancy_depth_m;
-  uint slot_count;
+  float curvature_limit_per_m;
 };
 
 struct ScanParams {
   uint group_count;
-  uint destination;  // which counter of MapState receives the sum
-};
-
-struct ChangesParams {
-  uint slot_count;
-  uint since_frame;
-  float min_confidence;
+  uint ends_frame;  // 0: the counts are of new surfels, 1: of free slots, which also brings slot_count up to date
 };
 
 #ifdef __cplusplus

@@ -1,0 +1,31 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// New surfels take free slots in order, then slots at the end: the same measurement gets the same slot on every run.
+#include "shared/map.h"
+#include "lib/geometry.glsl"
+#include "lib/surfel.glsl"
+#include "lib/fuse_bindings.glsl"
+layout(local_size_x = 256) in;
+layout(scalar, binding = 13) readonly buffer FreeList { uint free_slots[]; };
+shared uint is_new[256];
+
+void main() {
+  uint quarter = gl_GlobalInvocationID.x;
+  ivec2 pixel;
+  uint index;
+  bool fresh = quarter_pixel(quarter, pixel, index) && candidates[quarter] == kNew;
+  is_new[gl_LocalInvocationID.x] = fresh ? 1u : 0u;
+  barrier();
+  if (!fresh) return;
+  uint rank = new_by_group[gl_WorkGroupID.x];
+  for (uint i = 0u; i < gl_LocalInvocationID.x; ++i) rank += is_new[i];
+  uint slot = rank < state.free_count ? free_slots[rank] : state.slot_count + rank - state.free_count;
+  if (slot >= p.slot_capacity) return;
+  Measurement m = measure(pixel, index);
+  Transform t = camera_from_submap[p.submap];
+  position_confidence[slot] = vec4(transform_back(t, m.position), m.confidence);
+  attributes[slot] = SurfelAttributes(pack_unit(rotate_back(t, m.normal)), pack_radius_submap(m.radius_m, p.submap), pack_color(m.color),
+                                      packHalf2x16(m.curvatures));
+  times[slot] = uvec2(p.frame_number);
+}

@@ -1,0 +1,54 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// For a quarter of the pixels: which surfel does this measurement continue? (Paper section 5, reference notes 4.1.)
+// A 5x5 window of the index map; gates on depth along the ray and on the normal; the surfel nearest to the ray wins.
+// Several pixels may want one surfel: the claim of its cell goes to the closest, then to the lowest pixel, whatever the order of threads.
+#include "shared/map.h"
+#include "lib/geometry.glsl"
+#include "lib/surfel.glsl"
+#include "lib/fuse_bindings.glsl"
+layout(local_size_x = 256) in;
+layout(scalar, binding = 13) readonly buffer Ids { uint ids[]; };
+layout(scalar, binding = 14) buffer Claims { uint claims[]; };
+
+uint claim_key(float distance_px, uint quarter) { return (min(uint(distance_px * 512.0), 4095u) << 20) | quarter; }
+
+void main() {
+  uint quarter = gl_GlobalInvocationID.x;
+  ivec2 pixel;
+  uint index;
+  if (!quarter_pixel(quarter, pixel, index)) return;
+  if (!can_be_fused(index)) {
+    candidates[quarter] = kInvalid;
+    return;
+  }
+  vec3 ray = pixel_ray(p.camera, vec2(pixel));
+  float ray_length = length(ray);
+  float z = fused_depth_m(index);
+  vec3 normal = frame_normal_radius[index].xyz;
+  uint best_cell = kNew;
+  float best = 1e9;
+  for (int dy = -2; dy <= 2; ++dy) {
+    for (int dx = -2; dx <= 2; ++dx) {
+      ivec2 q = pixel + ivec2(dx, dy);
+      if (!inside(p.camera, q)) continue;
+      uint cell = uint(q.y) * p.camera.width + uint(q.x);
+      uint slot = ids[cell];
+      if (slot == kInvalid) continue;
+      SurfelAttributes a = attributes[slot];
+      Transform t = camera_from_submap[surfel_submap(a)];
+      vec3 position = transform_point(t, position_confidence[slot].xyz);
+      if (abs(position.z - z) * ray_length > p.depth_gate_m) continue;
+      vec3 n = rotate(t, unpack_unit(a.normal));
+      if (abs(n.z) >= 0.75 && dot(n, normal) < p.cos_normal_gate) continue;
+      float distance_px = length(cross(position, ray)) / ray_length * p.camera.fx / z;
+      if (distance_px < best) {
+        best = distance_px;
+        best_cell = cell;
+      }
+    }
+  }
+  candidates[quarter] = best_cell;
+  if (best_cell != kNew) atomicMin(claims[best_cell], claim_key(best, quarter));
+}

@@ -1,0 +1,80 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// Removes surfels that should not be there (paper section 5, reference notes 4.4) and counts free slots by workgroup:
+//   redundant   most neighbours in the index map of stable surfels are older and lie just behind it
+//   free space  stable surfels seen in this very frame lie clearly behind it
+//   unstable    never confirmed for max_unstable_age frames
+#include "shared/map.h"
+#include "lib/geometry.glsl"
+#include "lib/surfel.glsl"
+layout(local_size_x = 256) in;
+layout(scalar, binding = 0) buffer Positions { vec4 position_confidence[]; };
+layout(scalar, binding = 1) readonly buffer Attributes { SurfelAttributes attributes[]; };
+layout(scalar, binding = 2) buffer Times { uvec2 times[]; };
+layout(scalar, binding = 3) readonly buffer Submaps { Transform camera_from_submap[]; };
+layout(scalar, binding = 4) readonly buffer StableIds { uint stable_ids[]; };
+layout(scalar, binding = 5) writeonly buffer Groups { uint free_by_group[]; };
+layout(scalar, binding = 6) readonly buffer State { MapState state; };
+layout(scalar, push_constant) uniform Push { CleanParams p; };
+shared uint is_free[256];
+
+bool contradicted(uint slot, vec4 surfel) {
+  SurfelAttributes a = attributes[slot];
+  Transform t = camera_from_submap[surfel_submap(a)];
+  vec3 point = transform_point(t, surfel.xyz);
+  if (point.z <= 0.05) return false;
+  ivec2 pixel = ivec2(floor(project(p.camera, point) + 0.5));
+  if (!inside(p.camera, pixel)) return false;
+  float radius = surfel_radius(a);
+  uvec2 time = times[slot];
+  float normal_z = abs(rotate(t, unpack_unit(a.normal)).z);
+  int redundant = 0, seen_through = 0;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      ivec2 q = pixel + ivec2(dx, dy);
+      if (!inside(p.camera, q)) continue;
+      uint other = stable_ids[uint(q.y) * p.camera.width + uint(q.x)];
+      if (other == 0xffffffffu || other == slot) continue;
+      vec3 behind = transform_point(camera_from_submap[surfel_submap(attributes[other])], position_confidence[other].xyz);
+      float gap = behind.z - point.z;
+      vec2 lateral = behind.xy - point.xy;
+      uvec2 other_time = times[other];
+      bool near = gap > 0.0 && gap < p.redundancy_depth_m && dot(lateral, lateral) < 1.96 * radius * radius;
+      redundant += near && other_time.x < time.x ? 1 : 0;
+      seen_through += gap >= p.redundancy_depth_m && other_time.y == p.frame_number && normal_z > 0.85 ? 1 : 0;
+    }
+  }
+  // More than half, and more than a quarter, of the nine cells.
+  return redundant > 4 || seen_through > 2;
+}
+
+bool outlived(vec4 surfel, uint slot) {
+  vec2 kappa = unpackHalf2x16(attributes[slot].curvatures);
+  return (surfel.w < p.stable_confidence && p.frame_number - times[slot].y > p.max_unstable_age) ||
+         max(abs(kappa.x), abs(kappa.y)) > p.curvature_limit_per_m;
+}
+
+void main() {
+  uint slot = gl_GlobalInvocationID.x;
+  // Fusion has appended, but the count is brought up to date after this pass.
+  uint appended = state.new_count > state.free_count ? state.new_count - state.free_count : 0u;
+  bool exists = slot < state.slot_count + appended;
+  bool dead = false;
+  if (exists) {
+    vec4 surfel = position_confidence[slot];
+    dead = surfel.w <= 0.0;
+    if (!dead && (outlived(surfel, slot) || contradicted(slot, surfel))) {
+      dead = true;
+      position_confidence[slot].w = 0.0;
+      times[slot].y = p.frame_number;
+    }
+  }
+  is_free[gl_LocalInvocationID.x] = dead ? 1u : 0u;
+  barrier();
+  if (gl_LocalInvocationID.x == 0u) {
+    uint sum = 0u;
+    for (uint i = 0u; i < 256u; ++i) sum += is_free[i];
+    free_by_group[gl_WorkGroupID.x] = sum;
+  }
+}

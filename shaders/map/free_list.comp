@@ -1,0 +1,22 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// Writes the free slots in ascending order.
+#include "shared/map.h"
+layout(local_size_x = 256) in;
+layout(scalar, binding = 0) readonly buffer Positions { vec4 position_confidence[]; };
+layout(scalar, binding = 1) readonly buffer Groups { uint free_by_group[]; };
+layout(scalar, binding = 2) readonly buffer State { MapState state; };
+layout(scalar, binding = 3) writeonly buffer FreeList { uint free_slots[]; };
+shared uint is_free[256];
+
+void main() {
+  uint slot = gl_GlobalInvocationID.x;
+  bool dead = slot < state.slot_count && position_confidence[slot].w <= 0.0;
+  is_free[gl_LocalInvocationID.x] = dead ? 1u : 0u;
+  barrier();
+  if (!dead) return;
+  uint rank = free_by_group[gl_WorkGroupID.x];
+  for (uint i = 0u; i < gl_LocalInvocationID.x; ++i) rank += is_free[i];
+  free_slots[rank] = slot;
+}

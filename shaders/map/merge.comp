@@ -1,0 +1,58 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// Winners of the association update their surfel in place by confidence-weighted means (paper Eq. 11, reference notes 4.2);
+// new measurements are counted by workgroup.
+#include "shared/map.h"
+#include "lib/geometry.glsl"
+#include "lib/surfel.glsl"
+#include "lib/fuse_bindings.glsl"
+layout(local_size_x = 256) in;
+layout(scalar, binding = 13) readonly buffer Ids { uint ids[]; };
+layout(scalar, binding = 14) readonly buffer Claims { uint claims[]; };
+shared uint is_new[256];
+
+void merge(uint slot, Measurement m) {
+  vec4 surfel = position_confidence[slot];
+  SurfelAttributes a = attributes[slot];
+  Transform t = camera_from_submap[surfel_submap(a)];
+  float total = surfel.w + m.confidence;
+  float radius = surfel_radius(a);
+  // A much coarser measurement (further away or more slanted) confirms the surfel but does not move it.
+  if (m.radius_m < 1.5 * radius) {
+    float gain = m.confidence / total;
+    surfel.xyz = mix(surfel.xyz, transform_back(t, m.position), gain);
+    vec3 normal = normalize(mix(unpack_unit(a.normal), rotate_back(t, m.normal), gain));
+    a.normal = pack_unit(normal);
+    a.radius_submap = pack_radius_submap(mix(radius, m.radius_m, gain), surfel_submap(a));
+    a.color = pack_color(mix(surfel_color(a), m.color, gain));
+    a.curvatures = packHalf2x16(mix(unpackHalf2x16(a.curvatures), m.curvatures, gain));
+    attributes[slot] = a;
+  }
+  // The cap keeps old surfels able to move (reference notes, defect M9).
+  surfel.w = min(total, max(surfel.w, p.max_confidence));
+  position_confidence[slot] = surfel;
+  times[slot].y = p.frame_number;
+}
+
+void main() {
+  uint quarter = gl_GlobalInvocationID.x;
+  ivec2 pixel;
+  uint index;
+  uint fresh = 0u;
+  if (quarter_pixel(quarter, pixel, index)) {
+    uint cell = candidates[quarter];
+    if (cell == kNew) {
+      fresh = 1u;
+    } else if (cell != kInvalid && (claims[cell] & 0xfffffu) == quarter) {
+      merge(ids[cell], measure(pixel, index));
+    }
+  }
+  is_new[gl_LocalInvocationID.x] = fresh;
+  barrier();
+  if (gl_LocalInvocationID.x == 0u) {
+    uint sum = 0u;
+    for (uint i = 0u; i < 256u; ++i) sum += is_new[i];
+    new_by_group[gl_WorkGroupID.x] = sum;
+  }
+}
