@@ -7,6 +7,7 @@
 #include "shared/map.h"
 #include "lib/geometry.glsl"
 #include "lib/surfel.glsl"
+#include "lib/weight.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(constant_id = 0) const int kRadius = 3;  // window of 2 kRadius + 1
 layout(scalar, binding = 0) readonly buffer Positions { vec4 position_confidence[]; };
@@ -17,6 +18,7 @@ layout(scalar, binding = 4) writeonly buffer Depth { float depth_m[]; };
 layout(scalar, binding = 5) writeonly buffer Normals { vec4 normal_weight[]; };
 layout(scalar, binding = 6) writeonly buffer Curvatures { vec2 curvatures[]; };
 layout(scalar, binding = 7) writeonly buffer Intensity { float intensity[]; };
+layout(scalar, binding = 8) buffer State { MapState state; };
 layout(scalar, push_constant) uniform Push { PredictParams p; };
 
 const uint kNone = 0xffffffffu;
@@ -162,11 +164,9 @@ void main() {
   uint slot = ids[uint(source.y) * p.camera.width + uint(source.x)];
   SurfelAttributes a = attributes[slot];
   vec2 kappa = unpackHalf2x16(a.curvatures);
-  float largest = max(max(abs(kappa.x), abs(kappa.y)), 1e-3);
-  float lambda = p.curvature_lambda_per_m;
-  float confidence = position_confidence[slot].w * p.confidence_scale;
   depth_m[index] = z;
-  normal_weight[index] = vec4(normal, (confidence + exp(-lambda * lambda / (2.0 * largest * largest))) / (z * z));
+  normal_weight[index] = vec4(normal, tracking_weight(kappa, position_confidence[slot].w * p.confidence_scale, p.curvature_lambda_per_m, z));
   curvatures[index] = kappa;
   intensity[index] = grey(surfel_color(a));
+  atomicAdd(state.covered_count, 1u);
 }

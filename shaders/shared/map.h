@@ -22,7 +22,7 @@ struct MapState {
   uint slot_count;   // slots in use or free below this
   uint free_count;   // of these, free ones (listed in order)
   uint new_count;    // appended by the last fusion
-  uint merged_count; // merged by the last fusion
+  uint covered_count; // pixels that the last prediction reached
 };
 
 struct IndexParams {
@@ -40,6 +40,13 @@ struct PredictParams {
   uint max_iterations;
   uint correct_bias;
   uint hrbf;                     // 0: surfel splatting, for comparison
+};
+
+struct FillInParams {
+  Intrinsics camera;
+  float curvature_lambda_per_m;
+  float confidence_scale;
+  uint covered_below;  // fill only when the prediction covers fewer pixels
 };
 
 struct FuseParams {

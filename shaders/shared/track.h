@@ -28,9 +28,12 @@ struct OdometryParams {
 };
 
 struct RotationParams {
-  // current_from_previous as a homography of pixels, K R K^-1, and K R for the derivative: rows.
-  vec4 homography_row0, homography_row1, homography_row2;
+  Transform current_from_previous;  // rotation only
   Intrinsics camera;
+};
+
+struct GradientParams {
+  uint width, height;
 };
 
 #ifdef __cplusplus

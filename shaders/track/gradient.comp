@@ -1,0 +1,24 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// Sobel gradient of the frame's grey image, grey values per pixel; zero on the border.
+#include "shared/track.h"
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(scalar, binding = 0) readonly buffer Intensity { float intensity[]; };
+layout(scalar, binding = 1) writeonly buffer Gradient { vec2 gradient[]; };
+layout(scalar, push_constant) uniform Push { GradientParams p; };
+
+void main() {
+  uvec2 pixel = gl_GlobalInvocationID.xy;
+  if (pixel.x >= p.width || pixel.y >= p.height) return;
+  uint i = pixel.y * p.width + pixel.x;
+  vec2 g = vec2(0.0);
+  if (pixel.x > 0u && pixel.y > 0u && pixel.x + 1u < p.width && pixel.y + 1u < p.height) {
+    uint above = i - p.width, below = i + p.width;
+    float nw = intensity[above - 1u], n = intensity[above], ne = intensity[above + 1u];
+    float w = intensity[i - 1u], e = intensity[i + 1u];
+    float sw = intensity[below - 1u], s = intensity[below], se = intensity[below + 1u];
+    g = 0.125 * vec2(ne + 2.0 * e + se - nw - 2.0 * w - sw, sw + 2.0 * s + se - nw - 2.0 * n - ne);
+  }
+  gradient[i] = g;
+}

@@ -1,0 +1,60 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// Photometric terms of a pure rotation between two grey images (SO(3) pre-alignment, reference notes 3.2):
+// residual I_current(pi(R ray)) - I_previous(x), linearised for R <- exp(omega) R.
+#include "shared/track.h"
+#include "lib/geometry.glsl"
+const uint kTerms = HERMITE_ROTATION_TERMS;
+const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
+layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
+layout(scalar, binding = 0) readonly buffer Previous { float previous[]; };
+layout(scalar, binding = 1) readonly buffer Current { float current[]; };
+layout(scalar, binding = 2) writeonly buffer Sums { float partial_sums[]; };
+layout(scalar, push_constant) uniform Push { RotationParams p; };
+#include "lib/sums.glsl"
+
+bool has_neighbours(ivec2 pixel) {
+  return pixel.x >= 1 && pixel.y >= 1 && pixel.x + 2 < int(p.camera.width) && pixel.y + 2 < int(p.camera.height);
+}
+uint at(ivec2 pixel) { return uint(pixel.y) * p.camera.width + uint(pixel.x); }
+vec2 slope_previous(uint i) {
+  return 0.5 * vec2(previous[i + 1u] - previous[i - 1u], previous[i + p.camera.width] - previous[i - p.camera.width]);
+}
+vec2 slope_current(uint i) {
+  return 0.5 * vec2(current[i + 1u] - current[i - 1u], current[i + p.camera.width] - current[i - p.camera.width]);
+}
+
+void main() {
+  float sums[kTerms];
+  for (uint i = 0u; i < kTerms; ++i) sums[i] = 0.0;
+  uint pixels = p.camera.width * p.camera.height;
+  for (uint i = gl_GlobalInvocationID.x; i < pixels; i += HERMITE_ODOMETRY_GROUPS * kGroupSize) {
+    ivec2 x = ivec2(i % p.camera.width, i / p.camera.width);
+    vec3 q = rotate(p.current_from_previous, pixel_ray(p.camera, vec2(x)));
+    if (!has_neighbours(x) || q.z < 0.1) continue;
+    vec2 uv = project(p.camera, q);
+    ivec2 y = ivec2(floor(uv));
+    if (!has_neighbours(y)) continue;
+    vec2 f = uv - vec2(y);
+    uint j = at(y);
+    float value = mix(mix(current[j], current[j + 1u], f.x), mix(current[j + p.camera.width], current[j + p.camera.width + 1u], f.x), f.y);
+    float residual = value - previous[i];
+    vec2 g = 0.5 * (slope_previous(i) + slope_current(at(ivec2(floor(uv + 0.5)))));
+    vec2 scaled = g * vec2(p.camera.fx, p.camera.fy) / q.z;
+    vec3 a = vec3(scaled, -dot(scaled, q.xy) / q.z);
+    vec3 row = cross(q, a);
+    sums[0] += row.x * row.x;
+    sums[1] += row.x * row.y;
+    sums[2] += row.x * row.z;
+    sums[3] += row.y * row.y;
+    sums[4] += row.y * row.z;
+    sums[5] += row.z * row.z;
+    sums[6] -= row.x * residual;
+    sums[7] -= row.y * residual;
+    sums[8] -= row.z * residual;
+    sums[9] += residual * residual;
+    sums[10] += 1.0;
+  }
+  write_group_sums(sums);
+}
