@@ -1,4 +1,5 @@
-// Binary little-endian PLY: x y z nx ny nz red green blue confidence curvature_max curvature_min radius submap.
+// Binary little-endian PLY: x y z nx ny nz (float) red green blue (uchar) confidence curvature_max curvature_min radius (float) submap
+// (uint). Metres and 1/metres. Thread-safe.
 #pragma once
 
 #include <string>
@@ -10,7 +11,8 @@ namespace hermite {
 
 std::string format_ply(const Cloud& cloud);
 
-// Writes beside `path`, syncs, renames: the file is whole or absent.
+// Writes beside `path`, syncs, renames: after a crash the file is whole, or what it was before. kIo with the system's words; nothing is
+// left behind.
 Status write_file_atomically(const std::string& path, const std::string& bytes);
 
 }  // namespace hermite

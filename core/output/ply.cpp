@@ -1,0 +1,115 @@
+#include "core/output/ply.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <bit>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+namespace hermite {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "values are copied as they lie in memory");
+
+constexpr const char* kProperties =
+    "property float x\nproperty float y\nproperty float z\n"
+    "property float nx\nproperty float ny\nproperty float nz\n"
+    "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+    "property float confidence\nproperty float curvature_max\nproperty float curvature_min\nproperty float radius\n"
+    "property uint submap\n";
+constexpr std::size_t kVertex_bytes = 6 * sizeof(float) + sizeof(Rgb8) + 4 * sizeof(float) + sizeof(std::uint32_t);
+
+template <class... Values>
+void append(std::string& bytes, const Values&... values) {
+  (bytes.append(reinterpret_cast<const char*>(&values), sizeof(values)), ...);
+}
+
+Error io_error(const std::string& what, const std::string& path) {
+  return {ErrorCode::kIo, "cannot " + what + " " + path + ": " + std::generic_category().message(errno)};
+}
+
+class FileDescriptor {
+ public:
+  explicit FileDescriptor(int descriptor) : descriptor_(descriptor) {}
+  ~FileDescriptor() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  FileDescriptor(const FileDescriptor&) = delete;
+  FileDescriptor& operator=(const FileDescriptor&) = delete;
+
+  int get() const { return descriptor_; }
+  bool valid() const { return descriptor_ >= 0; }
+  bool close() { return ::close(std::exchange(descriptor_, -1)) == 0; }
+
+ private:
+  int descriptor_;
+};
+
+bool write_all(int descriptor, const std::string& bytes) {
+  std::size_t written = 0;
+  while (written < bytes.size()) {
+    const ssize_t count = ::write(descriptor, bytes.data() + written, bytes.size() - written);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return false;
+    written += static_cast<std::size_t>(count);
+  }
+  return true;
+}
+
+Status write_and_sync(const std::string& path, const std::string& bytes) {
+  FileDescriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666));
+  if (!file.valid()) return io_error("create", path);
+  if (!write_all(file.get(), bytes)) return io_error("write", path);
+  if (::fsync(file.get()) != 0) return io_error("sync", path);
+  if (!file.close()) return io_error("close", path);
+  return Done{};
+}
+
+// A renamed file is only safe from a power cut once its folder is on disk too.
+Status sync_folder(const std::string& path) {
+  const FileDescriptor folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!folder.valid()) return io_error("open", path);
+  if (::fsync(folder.get()) != 0) return io_error("sync", path);
+  return Done{};
+}
+
+}  // namespace
+
+std::string format_ply(const Cloud& cloud) {
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\ncomment Hermite: metres, 1/metres, normals towards the camera\nelement vertex " +
+      std::to_string(cloud.size()) + "\n" + kProperties + "end_header\n";
+  bytes.reserve(bytes.size() + cloud.size() * kVertex_bytes);
+  for (const CloudPoint& point : cloud) {
+    append(bytes, point.position_m.x(), point.position_m.y(), point.position_m.z(), point.normal.x(), point.normal.y(), point.normal.z());
+    append(bytes, point.color.r, point.color.g, point.color.b);
+    append(bytes, point.confidence, point.curvature_max_per_m, point.curvature_min_per_m, point.radius_m, point.submap);
+  }
+  return bytes;
+}
+
+Status write_file_atomically(const std::string& path, const std::string& bytes) {
+  static std::atomic<std::uint64_t> count = 0;  // two threads of one process must not meet in one temporary file
+  const std::size_t slash = path.rfind('/');
+  const std::string folder = slash == std::string::npos ? "." : slash == 0 ? "/" : path.substr(0, slash);
+  const std::string temporary = path + "." + std::to_string(::getpid()) + "-" + std::to_string(count++) + ".tmp";
+
+  if (const Status written = write_and_sync(temporary, bytes); !written.ok()) {
+    ::unlink(temporary.c_str());
+    return written.error();
+  }
+  if (::rename(temporary.c_str(), path.c_str()) != 0) {
+    const Error error = io_error("rename " + temporary + " to", path);
+    ::unlink(temporary.c_str());
+    return error;
+  }
+  return sync_folder(folder);
+}
+
+}  // namespace hermite
