@@ -1,0 +1,54 @@
+// How far an estimated trajectory is from the true one: absolute (ATE) and relative (RPE) error as the TUM benchmark defines them
+// (Sturm et al. 2012), after a rigid alignment without scale. Pure functions.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/dataset/associate.h"
+#include "core/dataset/trajectory.h"
+
+namespace hermite {
+
+struct ErrorStatistics {
+  double rmse = 0, mean = 0, median = 0, max = 0;
+};
+
+// All zero for no values; the median of an even count is the mean of the middle two.
+ErrorStatistics statistics_of(std::vector<double> values);
+
+// Of the motion over a fixed time: inverse(true motion) * estimated motion. Needs no alignment.
+struct RelativeError {
+  std::int64_t pair_count = 0;
+  ErrorStatistics translation_m;
+  ErrorStatistics rotation_deg;
+};
+
+struct TrajectoryError {
+  std::int64_t matched_count = 0;    // poses of the estimate with a true pose at most the gap away
+  std::int64_t estimate_count = 0;   // poses of the estimate
+  Rigid3 groundtruth_from_estimate;  // the alignment used: true world from the estimate's world
+  ErrorStatistics ate_m;             // distance of matched positions after the alignment
+  RelativeError per_frame;           // neighbouring frames of the estimate, both matched
+  // Poses one second apart (within the gap); none when the trajectory is shorter or has no such pairs.
+  std::optional<RelativeError> per_second;
+};
+
+// Poses match by time, nearest first, each used once, at most `max_gap_s` apart. The alignment is Horn's (Umeyama without scale) on the
+// matched positions; where they leave the rotation free (all on one line, or one point) any best one is taken: ATE does not depend on it.
+// kInvalidArgument, in words: fewer than 3 poses match, a pose that is not finite, times not ascending.
+Result<TrajectoryError> trajectory_error(const Trajectory& estimate, const Trajectory& groundtruth,
+                                         double max_gap_s = kMaxAssociationGap_s);
+
+// target_from_source that minimises the squared distances of paired points; the arrays have the same length, at least 1 point.
+Rigid3 align_points(const std::vector<Eigen::Vector3d>& target, const std::vector<Eigen::Vector3d>& source);
+
+// One object, keys: matched_poses, estimate_poses, ate_{rmse,mean,median,max}_m, rpe_translation_{rmse,mean,median,max}_m,
+// rpe_rotation_{...}_deg, and rpe_1s_translation_..., rpe_1s_rotation_... where there are such pairs; groundtruth_from_estimate as 16
+// numbers, row major.
+std::string format_trajectory_error_json(const TrajectoryError& error);
+
+}  // namespace hermite
