@@ -1,0 +1,112 @@
+// Storage buffers: arrays in GPU memory, zero when made.
+//
+// Host access is immediate: it does not wait for commands that are recorded but not yet submitted, and these will see what it wrote.
+// A buffer must die before its device and must not be used by commands after it is gone. Moving is cheap; a moved-from buffer is empty.
+// Throws DeviceError when the device refuses: the words name purpose and size.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "core/base/check.h"
+#include "core/gpu/device.h"
+
+namespace hermite::gpu {
+
+enum class Memory {
+  kDevice,    // fast for the GPU; the host copies through a staging buffer, or directly where both share the memory (integrated, CPU)
+  kReadback,  // always mapped and cached for the host; the GPU may read and write it, slowly on discrete devices
+};
+
+// What a dispatch binds. `bytes` is rounded up to 4 and at least 4.
+struct BufferRef {
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceSize bytes = 0;
+};
+
+class RawBuffer {
+ public:
+  RawBuffer() = default;
+  RawBuffer(Device& device, std::size_t bytes, std::string purpose, Memory memory);
+  ~RawBuffer();
+  RawBuffer(RawBuffer&& other) noexcept;
+  RawBuffer& operator=(RawBuffer&& other) noexcept;
+
+  std::size_t bytes() const { return bytes_; }
+  BufferRef ref() const { return {buffer_, allocated_bytes_}; }
+  void* mapped() const { return mapped_; }  // null where the host cannot see the memory
+
+  // CHECK: within bytes().
+  void upload(const void* source, std::size_t bytes, std::size_t first_byte);
+  void download(void* target, std::size_t bytes, std::size_t first_byte) const;
+
+ private:
+  void allocate(Memory memory);
+  void clear();
+  void release() noexcept;
+
+  Device* device_ = nullptr;
+  VkBuffer buffer_ = VK_NULL_HANDLE;
+  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  void* mapped_ = nullptr;
+  std::size_t bytes_ = 0;
+  VkDeviceSize allocated_bytes_ = 0;
+  std::string purpose_;
+};
+
+template <class T>
+class Buffer {
+  static_assert(std::is_trivially_copyable_v<T>);
+
+ public:
+  Buffer() = default;  // empty, cannot be bound
+  Buffer(Device& device, std::size_t count, std::string purpose, Memory memory = Memory::kDevice)
+      : raw_(device, bytes_of(count), std::move(purpose), memory), count_(count) {}
+  Buffer(Buffer&& other) noexcept : raw_(std::move(other.raw_)), count_(std::exchange(other.count_, 0)) {}
+  Buffer& operator=(Buffer&& other) noexcept {
+    raw_ = std::move(other.raw_);
+    count_ = std::exchange(other.count_, 0);
+    return *this;
+  }
+
+  std::size_t count() const { return count_; }
+  std::size_t bytes() const { return raw_.bytes(); }
+
+  // Elements from `first` on. CHECK: within count().
+  void upload(std::span<const T> values, std::size_t first = 0) { raw_.upload(values.data(), values.size_bytes(), first * sizeof(T)); }
+  void download_into(std::span<T> values, std::size_t first = 0) const {
+    raw_.download(values.data(), values.size_bytes(), first * sizeof(T));
+  }
+  std::vector<T> download() const { return download(count_); }
+  std::vector<T> download(std::size_t count_wanted, std::size_t first = 0) const {
+    CHECK(count_wanted <= count_ && first <= count_ - count_wanted, "download outside the buffer");
+    std::vector<T> values(count_wanted);
+    download_into(values, first);
+    return values;
+  }
+
+  // Direct view, without a copy. CHECK: is_mapped(), which kReadback always is.
+  bool is_mapped() const { return raw_.mapped() != nullptr; }
+  std::span<const T> mapped() const {
+    CHECK(is_mapped(), "mapped() of memory that the host cannot see");
+    return {static_cast<const T*>(raw_.mapped()), count_};
+  }
+
+  operator BufferRef() const { return raw_.ref(); }
+
+ private:
+  // An absurd count stays absurd instead of wrapping round to a small one.
+  static std::size_t bytes_of(std::size_t count) { return count > SIZE_MAX / sizeof(T) ? SIZE_MAX : count * sizeof(T); }
+
+  RawBuffer raw_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace hermite::gpu

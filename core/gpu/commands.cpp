@@ -1,0 +1,154 @@
+#include "core/gpu/commands.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "core/base/check.h"
+
+namespace hermite::gpu {
+
+namespace {
+constexpr std::uint32_t kQueriesPerPool = 256;
+constexpr std::size_t kMaxPools = 64;  // commands of one submission beyond 16384 are not timed
+constexpr std::uint32_t kMaxBindings = 32;
+
+std::uint32_t group_count(std::uint32_t threads, std::uint32_t local_size) {
+  return static_cast<std::uint32_t>((std::uint64_t{threads} + local_size - 1) / local_size);
+}
+}  // namespace
+
+Commands::Commands(Device& device)
+    : device_(device), commands_(device), fill_slot_(device.pass_slot("(fill)")), copy_slot_(device.pass_slot("(copy)")) {}
+
+Commands::~Commands() {
+  if (!device_.may_release()) return;
+  for (VkQueryPool pool : query_pools_) vkDestroyQueryPool(device_.vk(), pool, nullptr);
+}
+
+VkCommandBuffer Commands::next() {
+  const bool first = !commands_.recording();
+  commands_.barrier();
+  if (first) write_timestamp(0);
+  return commands_.vk();
+}
+
+void Commands::record(const Kernel& kernel, Threads threads, Constants constants, std::initializer_list<BufferRef> buffers) {
+  CHECK(buffers.size() == kernel.binding_count(),
+        kernel.name() + " binds " + std::to_string(kernel.binding_count()) + " buffers, not " + std::to_string(buffers.size()));
+  CHECK(constants.size == (kernel.push_constant_bytes() + std::size_t{3}) / 4 * 4,
+        kernel.name() + " takes " + std::to_string(kernel.push_constant_bytes()) + " bytes of parameters, not " +
+            std::to_string(constants.size));
+  const std::array<std::uint32_t, 3> groups = {group_count(threads.x, kernel.local_size()[0]),
+                                               group_count(threads.y, kernel.local_size()[1]),
+                                               group_count(threads.z, kernel.local_size()[2])};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (groups[axis] == 0) return;
+    const std::uint32_t limit = device_.limits().maxComputeWorkGroupCount[axis];
+    if (groups[axis] > limit)
+      throw DeviceError(kernel.name() + ": " + std::to_string(groups[axis]) + " work groups along axis " + std::to_string(axis) +
+                        ", the device has at most " + std::to_string(limit));
+  }
+  VkCommandBuffer commands = next();
+  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.pipeline());
+  push_buffers(kernel, buffers);
+  if (constants.size > 0)
+    vkCmdPushConstants(commands, kernel.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, static_cast<std::uint32_t>(constants.size),
+                       constants.bytes);
+  vkCmdDispatch(commands, groups[0], groups[1], groups[2]);
+  stamp(kernel.pass_slot());
+}
+
+void Commands::push_buffers(const Kernel& kernel, std::initializer_list<BufferRef> buffers) {
+  if (buffers.size() == 0) return;
+  CHECK(buffers.size() <= kMaxBindings, kernel.name() + " binds more than 32 buffers");
+  std::array<VkDescriptorBufferInfo, kMaxBindings> infos;
+  std::array<VkWriteDescriptorSet, kMaxBindings> writes;
+  std::uint32_t count = 0;
+  for (const BufferRef& buffer : buffers) {
+    CHECK(buffer.buffer != VK_NULL_HANDLE, kernel.name() + ": buffer " + std::to_string(count) + " is empty");
+    infos[count] = {buffer.buffer, 0, buffer.bytes};
+    VkWriteDescriptorSet& write = writes[count];
+    write = {};
+    write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+    write.dstBinding = count;
+    write.descriptorCount = 1;
+    write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    write.pBufferInfo = &infos[count];
+    ++count;
+  }
+  device_.push_descriptors()(commands_.vk(), VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0, count, writes.data());
+}
+
+void Commands::fill(BufferRef buffer, std::uint32_t value) {
+  CHECK(buffer.buffer != VK_NULL_HANDLE, "fill of an empty buffer");
+  vkCmdFillBuffer(next(), buffer.buffer, 0, buffer.bytes, value);
+  stamp(fill_slot_);
+}
+
+void Commands::copy(BufferRef from, BufferRef to, VkDeviceSize bytes) {
+  CHECK(bytes <= from.bytes && bytes <= to.bytes, "copy outside a buffer");
+  CHECK(bytes % 4 == 0, "copy of a part of a word");
+  if (bytes == 0) return;
+  const VkBufferCopy region{0, 0, bytes};
+  vkCmdCopyBuffer(next(), from.buffer, to.buffer, 1, &region);
+  stamp(copy_slot_);
+}
+
+void Commands::stamp(std::uint32_t pass_slot) {
+  pass_slots_.push_back(pass_slot);
+  write_timestamp(static_cast<std::uint32_t>(pass_slots_.size()));
+}
+
+// Stamp i is written when command i is done, so each command's time is the difference to the stamp before: with a barrier between any two
+// commands nothing overlaps.
+void Commands::write_timestamp(std::uint32_t index) {
+  if (device_.timestamp_period_ns() <= 0) return;
+  const std::size_t pool = index / kQueriesPerPool;
+  if (pool >= kMaxPools) return;
+  if (pool >= query_pools_.size()) {
+    VkQueryPoolCreateInfo create{};
+    create.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
+    create.queryType = VK_QUERY_TYPE_TIMESTAMP;
+    create.queryCount = kQueriesPerPool;
+    VkQueryPool made = VK_NULL_HANDLE;
+    throw_if_failed(vkCreateQueryPool(device_.vk(), &create, nullptr, &made), "make a query pool");
+    query_pools_.push_back(made);
+  }
+  if (index % kQueriesPerPool == 0) vkCmdResetQueryPool(commands_.vk(), query_pools_[pool], 0, kQueriesPerPool);
+  vkCmdWriteTimestamp(commands_.vk(), VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, query_pools_[pool], index % kQueriesPerPool);
+}
+
+void Commands::submit_and_wait(std::chrono::milliseconds limit) {
+  if (!commands_.recording()) return;
+  try {
+    commands_.run(limit);
+    collect_times();
+  } catch (...) {
+    pass_slots_.clear();
+    throw;
+  }
+  pass_slots_.clear();
+}
+
+void Commands::collect_times() {
+  ticks_.clear();
+  const std::size_t stamp_count = std::min(pass_slots_.size() + 1, query_pools_.size() * kQueriesPerPool);
+  ticks_.resize(stamp_count);
+  for (std::size_t first = 0; first < stamp_count; first += kQueriesPerPool) {
+    const std::size_t count = std::min<std::size_t>(kQueriesPerPool, stamp_count - first);
+    const VkResult result =
+        vkGetQueryPoolResults(device_.vk(), query_pools_[first / kQueriesPerPool], 0, static_cast<std::uint32_t>(count),
+                              count * sizeof(std::uint64_t), &ticks_[first], sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
+    throw_if_failed(result, "read time stamps");
+    if (result == VK_NOT_READY) ticks_.resize(first);
+    if (result == VK_NOT_READY) break;
+  }
+  for (std::size_t i = 0; i < pass_slots_.size(); ++i) {
+    const bool timed = i + 1 < ticks_.size();
+    const std::uint64_t ticks = timed ? (ticks_[i + 1] - ticks_[i]) & device_.timestamp_mask() : 0;
+    device_.add_pass_time(pass_slots_[i], static_cast<double>(ticks) * device_.timestamp_period_ns() * 1e-6);
+  }
+}
+
+}  // namespace hermite::gpu

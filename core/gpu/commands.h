@@ -1,0 +1,72 @@
+// A list of dispatches, fills and copies, run in order: each sees all that those before it wrote.
+//
+//   commands.dispatch(bilateral_, {width, height}, params, {depth_, filtered_});
+//   commands.submit_and_wait();
+//
+// Recording costs a few microseconds and no allocation once warm. Buffers and kernels must live until submit_and_wait() returns.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <chrono>
+#include <cstdint>
+#include <initializer_list>
+#include <type_traits>
+#include <vector>
+
+#include "core/gpu/buffer.h"
+#include "core/gpu/command_buffer.h"
+#include "core/gpu/kernel.h"
+
+namespace hermite::gpu {
+
+// Invocations wanted. Whole work groups run, so shaders check their bounds. Zero anywhere: nothing runs.
+struct Threads {
+  std::uint32_t x = 1, y = 1, z = 1;
+};
+
+class Commands {
+ public:
+  explicit Commands(Device& device);
+  ~Commands();
+  Commands(const Commands&) = delete;
+  Commands& operator=(const Commands&) = delete;
+
+  // `buffers` in binding order. CHECK: as many as the shader binds, and sizeof(Params) is the shader's push-constant size (rounded up to
+  // 4). Throws DeviceError when the device has no grid this large.
+  template <class Params>
+  void dispatch(const Kernel& kernel, Threads threads, const Params& params, std::initializer_list<BufferRef> buffers) {
+    static_assert(std::is_trivially_copyable_v<Params> && sizeof(Params) % 4 == 0);
+    record(kernel, threads, {&params, sizeof(Params)}, buffers);
+  }
+  void dispatch(const Kernel& kernel, Threads threads, std::initializer_list<BufferRef> buffers) { record(kernel, threads, {}, buffers); }
+
+  void fill(BufferRef buffer, std::uint32_t value);
+  // The first `bytes` of each. CHECK: both are that large, `bytes` is a multiple of 4.
+  void copy(BufferRef from, BufferRef to, VkDeviceSize bytes);
+
+  // Blocks until the GPU is done, adds the times to Device::pass_times(), and is ready for more. Nothing recorded: returns at once.
+  // Throws DeviceError when the device is lost or does not answer within `limit`; what was recorded is dropped.
+  void submit_and_wait(std::chrono::milliseconds limit = kWaitLimit);
+
+ private:
+  struct Constants {
+    const void* bytes = nullptr;
+    std::size_t size = 0;
+  };
+  void record(const Kernel& kernel, Threads threads, Constants constants, std::initializer_list<BufferRef> buffers);
+  void push_buffers(const Kernel& kernel, std::initializer_list<BufferRef> buffers);
+  VkCommandBuffer next();               // after a barrier; the first also writes the first time stamp
+  void stamp(std::uint32_t pass_slot);  // after each command
+  void write_timestamp(std::uint32_t index);
+  void collect_times();
+
+  Device& device_;
+  CommandBuffer commands_;
+  std::vector<VkQueryPool> query_pools_;   // grows to the longest list seen, within a bound
+  std::vector<std::uint32_t> pass_slots_;  // of each stamp after the first
+  std::vector<std::uint64_t> ticks_;       // scratch of collect_times()
+  std::uint32_t fill_slot_ = 0, copy_slot_ = 0;
+};
+
+}  // namespace hermite::gpu

@@ -1,0 +1,108 @@
+// One GPU, opened for compute. Owns instance, device and queue; buffers, kernels and commands are made from it and must die before it.
+//
+// Everything is synchronous: after any call of core/gpu returns, the GPU is idle. A device and all made from it belong to one thread at a
+// time. A lost or hung device throws DeviceError from then on; a new Device may be made.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/gpu/device_info.h"
+#include "core/gpu/error.h"
+#include "core/gpu/instance.h"
+
+namespace hermite::gpu {
+
+// Longer than any pass on the slowest machine, shorter than a person waits.
+inline constexpr std::chrono::milliseconds kWaitLimit = std::chrono::seconds(120);
+
+// Throws SetupError(kDevice) when there is no Vulkan loader or driver.
+std::vector<DeviceInfo> list_devices();
+
+class Transfer;
+
+class Device {
+ public:
+  // `select` as in choose_device. Throws SetupError(kDevice) in words, listing what there is.
+  // The validation layer is on when built with HERMITE_VALIDATION=1 and installed; the environment's HERMITE_VALIDATION=0 or 1 overrides.
+  explicit Device(const std::string& select = "");
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  const DeviceInfo& info() const { return info_; }
+
+  // Bytes of live buffers by the purpose they were made for.
+  std::map<std::string, std::int64_t> memory_by_purpose() const { return memory_by_purpose_; }
+
+  struct PassTime {
+    std::string kernel;   // "frame/bilateral"; "(fill)" and "(copy)" for those commands
+    double total_ms = 0;  // GPU time stamps; 0 where the device has none
+    std::int64_t dispatch_count = 0;
+  };
+  // Summed since construction or the last reset, in the order in which they first ran.
+  std::vector<PassTime> pass_times() const;
+  void reset_pass_times();
+
+  bool validation_active() const { return instance_->validation_active(); }
+  std::int64_t validation_error_count() const { return instance_->validation_error_count(); }
+
+  // --- For the rest of core/gpu ---
+  VkDevice vk() const { return handle_.device; }
+  VkQueue queue() const { return queue_; }
+  std::uint32_t queue_family() const { return queue_family_; }
+  VkPipelineCache pipeline_cache() const { return pipeline_cache_; }
+  PFN_vkCmdPushDescriptorSetKHR push_descriptors() const { return push_descriptors_; }
+  const VkPhysicalDeviceLimits& limits() const { return limits_; }
+  const VkPhysicalDeviceMemoryProperties& memory() const { return memory_; }
+  std::uint32_t max_push_descriptors() const { return max_push_descriptors_; }
+  // 0 when the queue has no time stamps.
+  double timestamp_period_ns() const { return timestamp_period_ns_; }
+  std::uint64_t timestamp_mask() const { return timestamp_mask_; }
+  Transfer& transfer();  // made at first use
+
+  void note_memory(const std::string& purpose, std::int64_t change_bytes);
+  std::uint32_t pass_slot(std::string_view kernel);
+  void add_pass_time(std::uint32_t slot, double ms);
+
+  // Submits and waits until the GPU is done, or throws DeviceError; then `fence` is signalled no more and may be used again.
+  void submit_and_wait(VkCommandBuffer commands, VkFence fence, std::chrono::milliseconds limit);
+  // False while the GPU may still use what a timed-out submission referred to: then memory must rather leak than be freed.
+  bool may_release() noexcept;
+
+ private:
+  struct Handle {  // first to be made, last to go, also when the constructor throws half-way
+    VkDevice device = VK_NULL_HANDLE;
+    ~Handle() { vkDestroyDevice(device, nullptr); }
+  };
+  void open(VkPhysicalDevice physical);
+  void read_properties(VkPhysicalDevice physical);
+  void throw_if_lost() const;
+
+  std::unique_ptr<Instance> instance_;
+  Handle handle_;
+  DeviceInfo info_;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  std::uint32_t queue_family_ = 0;
+  VkPipelineCache pipeline_cache_ = VK_NULL_HANDLE;
+  PFN_vkCmdPushDescriptorSetKHR push_descriptors_ = nullptr;
+  VkPhysicalDeviceLimits limits_{};
+  VkPhysicalDeviceMemoryProperties memory_{};
+  std::uint32_t max_push_descriptors_ = 0;
+  double timestamp_period_ns_ = 0;
+  std::uint64_t timestamp_mask_ = 0;
+  std::unique_ptr<Transfer> transfer_;
+  std::map<std::string, std::int64_t> memory_by_purpose_;
+  std::vector<PassTime> pass_times_;
+  std::string lost_;                  // why the device cannot be used any more, in words
+  VkFence hung_on_ = VK_NULL_HANDLE;  // what the timed-out submission would signal
+};
+
+}  // namespace hermite::gpu

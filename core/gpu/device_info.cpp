@@ -1,0 +1,68 @@
+#include "core/gpu/device_info.h"
+
+#include <algorithm>
+#include <cctype>
+#include <optional>
+
+#include "core/base/result.h"
+
+namespace hermite::gpu {
+
+namespace {
+
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+bool is_index(const std::string& text) {
+  return !text.empty() && text.size() <= 4 && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+bool matches(const DeviceInfo& info, const std::string& select) {
+  if (select.empty()) return true;
+  if (is_index(select)) return info.index == std::stoi(select);
+  return lower_case(info.name).find(lower_case(select)) != std::string::npos;
+}
+
+[[noreturn]] void refuse(const std::vector<DeviceInfo>& devices, const std::string& reason) {
+  std::string words = reason + "; present:";
+  if (devices.empty()) words += " no Vulkan device at all";
+  for (const DeviceInfo& info : devices) words += "\n  " + in_words(info);
+  throw SetupError(Error{ErrorCode::kDevice, words});
+}
+
+}  // namespace
+
+const char* name_of(DeviceKind kind) {
+  switch (kind) {
+    case DeviceKind::kDiscrete: return "discrete";
+    case DeviceKind::kIntegrated: return "integrated";
+    case DeviceKind::kVirtual: return "virtual";
+    case DeviceKind::kCpu: return "cpu";
+    case DeviceKind::kOther: return "other";
+  }
+  return "other";
+}
+
+std::string in_words(const DeviceInfo& info) {
+  std::string words = std::to_string(info.index) + ": " + info.name + " (" + name_of(info.kind) + ", " + info.driver + ")";
+  if (!info.unsuitable.empty()) words += " cannot be used: " + info.unsuitable;
+  return words;
+}
+
+std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& select) {
+  std::optional<std::size_t> best;
+  bool any_match = false;
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    if (!matches(devices[i], select)) continue;
+    any_match = true;
+    if (!devices[i].unsuitable.empty()) continue;
+    if (!best || devices[i].kind < devices[*best].kind) best = i;  // the enumeration is in order of preference
+  }
+  if (best) return *best;
+  if (select.empty()) refuse(devices, "no usable GPU");
+  refuse(devices, any_match ? "the GPU selected by '" + select + "' cannot be used" : "no GPU matches '" + select + "'");
+}
+
+}  // namespace hermite::gpu

@@ -1,0 +1,32 @@
+// What is known of a GPU before it is used. Plain values.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace hermite::gpu {
+
+enum class DeviceKind { kDiscrete, kIntegrated, kVirtual, kCpu, kOther };
+const char* name_of(DeviceKind kind);  // "discrete", "integrated", "virtual", "cpu", "other"
+
+struct DeviceInfo {
+  int index = 0;  // in the order of list_devices()
+  std::string name;
+  DeviceKind kind = DeviceKind::kOther;
+  std::string driver;                  // name and version
+  std::uint32_t api_version = 0;       // as VK_MAKE_API_VERSION
+  std::uint64_t memory_bytes = 0;      // largest device-local heap
+  std::uint64_t max_buffer_bytes = 0;  // largest storage buffer that can be allocated and bound whole
+  std::uint32_t max_shared_memory_bytes = 0;
+  std::string unsuitable;  // why it cannot be used, in words; empty when it can
+};
+
+// One line: "0: llvmpipe (cpu, Mesa 22.3.6)", and why not if so.
+std::string in_words(const DeviceInfo& info);
+
+// Position in `devices` of the one meant by `select`: empty for the best suitable one (discrete, integrated, virtual, cpu, other; then the
+// first), an index, or a part of the name in any case (the best of those that match). Throws SetupError(kDevice) listing what there is.
+std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& select);
+
+}  // namespace hermite::gpu

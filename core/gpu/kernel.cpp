@@ -1,0 +1,143 @@
+#include "core/gpu/kernel.h"
+
+#include <utility>
+
+#include "core/base/check.h"
+#include "core/gpu/embedded.h"
+
+namespace hermite::gpu {
+
+namespace {
+
+std::span<const std::uint32_t> find_embedded(std::string_view name) {
+  for (const auto& [kernel, words] : embedded_kernels())
+    if (kernel == name) return words;
+  CHECK(false, "there is no shader '" + std::string(name) + "'");
+  return {};
+}
+
+// A shader module only lives while its pipeline is made.
+struct Module {
+  VkDevice device = VK_NULL_HANDLE;
+  VkShaderModule handle = VK_NULL_HANDLE;
+  ~Module() { vkDestroyShaderModule(device, handle, nullptr); }
+};
+
+std::uint32_t round_up_to_4(std::uint32_t bytes) { return (bytes + 3) / 4 * 4; }
+
+}  // namespace
+
+Kernel::Kernel(Device& device, std::string_view name, std::vector<std::uint32_t> specialization)
+    : Kernel(device, name, find_embedded(name), specialization) {}
+
+Kernel::Kernel(Device& device, std::string_view name, std::span<const std::uint32_t> words,
+               const std::vector<std::uint32_t>& specialization)
+    : device_(&device), name_(name), pass_slot_(device.pass_slot(name)) {
+  read(words, specialization);
+  try {
+    create_layout();
+    create_pipeline(words, specialization);
+  } catch (const DeviceError& error) {
+    release();
+    throw DeviceError("shader '" + name_ + "': " + error.what());
+  }
+}
+
+void Kernel::read(std::span<const std::uint32_t> words, const std::vector<std::uint32_t>& specialization) {
+  const Result<ShaderInterface> found = read_interface(words);
+  CHECK(found.ok(), "shader '" + name_ + "': " + found.error().message);
+  interface_ = *found;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::optional<std::uint32_t> constant = interface_.local_size_constant[axis];
+    if (constant && *constant < specialization.size()) interface_.local_size[axis] = specialization[*constant];
+  }
+  const VkPhysicalDeviceLimits& limits = device_->limits();
+  std::uint64_t invocations = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::uint32_t size = interface_.local_size[axis];
+    CHECK(size > 0, "shader '" + name_ + "': a local size of 0");
+    if (size > limits.maxComputeWorkGroupSize[axis]) invocations = UINT32_MAX;  // refused below
+    invocations *= size;
+  }
+  if (invocations > limits.maxComputeWorkGroupInvocations)
+    throw DeviceError("shader '" + name_ + "': the device's work groups are smaller than the shader's");
+  if (binding_count() > device_->max_push_descriptors())
+    throw DeviceError("shader '" + name_ + "': " + std::to_string(binding_count()) + " buffers, the device binds " +
+                      std::to_string(device_->max_push_descriptors()));
+  if (push_constant_bytes() > limits.maxPushConstantsSize)
+    throw DeviceError("shader '" + name_ + "': " + std::to_string(push_constant_bytes()) + " bytes of push constants, the device takes " +
+                      std::to_string(limits.maxPushConstantsSize));
+}
+
+void Kernel::create_layout() {
+  std::vector<VkDescriptorSetLayoutBinding> bindings(binding_count());
+  for (std::uint32_t i = 0; i < binding_count(); ++i)
+    bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+  VkDescriptorSetLayoutCreateInfo set{};
+  set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
+  set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
+  set.bindingCount = binding_count();
+  set.pBindings = bindings.data();
+  throw_if_failed(vkCreateDescriptorSetLayout(device_->vk(), &set, nullptr, &set_layout_), "make a descriptor set layout");
+
+  const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, round_up_to_4(push_constant_bytes())};
+  VkPipelineLayoutCreateInfo layout{};
+  layout.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
+  layout.setLayoutCount = 1;
+  layout.pSetLayouts = &set_layout_;
+  layout.pushConstantRangeCount = range.size > 0 ? 1 : 0;
+  layout.pPushConstantRanges = &range;
+  throw_if_failed(vkCreatePipelineLayout(device_->vk(), &layout, nullptr, &layout_), "make a pipeline layout");
+}
+
+void Kernel::create_pipeline(std::span<const std::uint32_t> words, const std::vector<std::uint32_t>& specialization) {
+  VkShaderModuleCreateInfo code{};
+  code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
+  code.codeSize = words.size_bytes();
+  code.pCode = words.data();
+  Module shader{device_->vk()};
+  throw_if_failed(vkCreateShaderModule(device_->vk(), &code, nullptr, &shader.handle), "load it");
+
+  std::vector<VkSpecializationMapEntry> entries;
+  for (std::uint32_t i = 0; i < specialization.size(); ++i) entries.push_back({i, i * 4, 4});
+  const VkSpecializationInfo constants{static_cast<std::uint32_t>(entries.size()), entries.data(), specialization.size() * 4,
+                                       specialization.data()};
+  VkComputePipelineCreateInfo create{};
+  create.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
+  create.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+  create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+  create.stage.module = shader.handle;
+  create.stage.pName = "main";
+  create.stage.pSpecializationInfo = &constants;
+  create.layout = layout_;
+  throw_if_failed(vkCreateComputePipelines(device_->vk(), device_->pipeline_cache(), 1, &create, nullptr, &pipeline_), "compile it");
+}
+
+Kernel::~Kernel() { release(); }
+
+void Kernel::release() noexcept {
+  if (!device_) return;
+  if (device_->may_release()) {
+    vkDestroyPipeline(device_->vk(), pipeline_, nullptr);
+    vkDestroyPipelineLayout(device_->vk(), layout_, nullptr);
+    vkDestroyDescriptorSetLayout(device_->vk(), set_layout_, nullptr);
+  }
+  device_ = nullptr;
+}
+
+Kernel::Kernel(Kernel&& other) noexcept { *this = std::move(other); }
+
+Kernel& Kernel::operator=(Kernel&& other) noexcept {
+  if (this == &other) return *this;
+  release();
+  device_ = std::exchange(other.device_, nullptr);
+  name_ = std::move(other.name_);
+  interface_ = other.interface_;
+  pass_slot_ = other.pass_slot_;
+  set_layout_ = std::exchange(other.set_layout_, VK_NULL_HANDLE);
+  layout_ = std::exchange(other.layout_, VK_NULL_HANDLE);
+  pipeline_ = std::exchange(other.pipeline_, VK_NULL_HANDLE);
+  return *this;
+}
+
+}  // namespace hermite::gpu
