@@ -1,0 +1,36 @@
+// The chunks of a finished scan on disk, so that a later viewer gets what a viewer of the running scan got. Little endian:
+//
+//   "HRMCHNK1"
+//   u32 submap_count, then for each: u32 submap, f64 tx ty tz qx qy qz qw (world_from_submap)
+//   u32 chunk_count, then for each: u32 submap, u8 level, i16 x y z, u32 point_count, u32 byte_count, bytes (Draco)
+//
+// and nothing behind. Pure functions.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/math/rigid3.h"
+#include "core/output/chunks.h"
+
+namespace hermite {
+
+struct StoredSubmap {
+  std::uint32_t submap = 0;
+  Rigid3 world_from_submap;
+};
+
+struct StoredChunks {
+  std::vector<StoredSubmap> submaps;
+  std::vector<EncodedChunk> chunks;
+};
+
+std::string format_chunk_file(const StoredChunks& stored);
+
+// kCorruptData naming what is wrong: magic, a length beyond the file, bytes behind the end, a pose that is none, more than
+// kMaxPointsPerChunk.
+Result<StoredChunks> parse_chunk_file(std::string_view bytes);
+
+}  // namespace hermite

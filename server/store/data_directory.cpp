@@ -1,0 +1,120 @@
+#include "server/store/data_directory.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include "core/base/check.h"
+#include "server/store/scan_id.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr int kTokenBytes = 32;
+constexpr std::size_t kTokenDigits = 2 * kTokenBytes;
+
+SetupError io_failure(const std::string& what) { return SetupError({ErrorCode::kIo, what + ": " + std::strerror(errno)}); }
+
+// A file descriptor that closes itself.
+struct File {
+  int descriptor;
+  explicit File(int opened) : descriptor(opened) {}
+  ~File() {
+    if (descriptor >= 0) close(descriptor);
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+};
+
+bool is_token(const std::string& text) {
+  return text.size() == kTokenDigits && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+std::string create_token(const std::string& path) {
+  const File file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (file.descriptor < 0) throw io_failure("creating " + path);
+  const std::string token = random_hex(kTokenBytes);
+  const std::string line = token + "\n";
+  if (write(file.descriptor, line.data(), line.size()) != static_cast<ssize_t>(line.size()) || fsync(file.descriptor) != 0)
+    throw io_failure("writing " + path);
+  return token;
+}
+
+std::string read_or_create_token(const std::string& path) {
+  const File file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (file.descriptor < 0 && errno == ENOENT) return create_token(path);
+  if (file.descriptor < 0) throw io_failure("opening " + path);
+  char buffer[kTokenDigits + 2];
+  const ssize_t count = read(file.descriptor, buffer, sizeof buffer);
+  std::string token(buffer, static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  while (!token.empty() && token.back() == '\n') token.pop_back();
+  if (!is_token(token))
+    throw SetupError({ErrorCode::kCorruptData, path + " holds no token of 64 hex digits; remove it and a new one is made"});
+  if (fchmod(file.descriptor, 0600) != 0) throw io_failure("making " + path + " private");
+  return token;
+}
+
+int take_lock(const std::string& path) {
+  const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (descriptor < 0) throw io_failure("creating " + path);
+  if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
+  const bool taken = errno == EWOULDBLOCK;
+  close(descriptor);
+  if (taken) throw SetupError({ErrorCode::kBusy, "another server holds " + path + "; give each server its own --data folder"});
+  throw io_failure("locking " + path);
+}
+
+}  // namespace
+
+DataDirectory::DataDirectory(const std::string& path) : path_(path) {
+  std::error_code error;
+  const bool created = std::filesystem::create_directories(path_, error);
+  if (error) throw SetupError({ErrorCode::kIo, "creating the data folder " + path_ + ": " + error.message()});
+  if (created) chmod(path_.c_str(), 0700);
+  std::filesystem::create_directories(path_ + "/scans", error);
+  if (error) throw SetupError({ErrorCode::kIo, "creating " + path_ + "/scans: " + error.message()});
+  lock_file_ = take_lock(path_ + "/lock");
+  try {
+    token_ = read_or_create_token(path_ + "/token");
+  } catch (...) {
+    close(lock_file_);  // no destructor runs for a constructor that throws
+    throw;
+  }
+}
+
+DataDirectory::~DataDirectory() { close(lock_file_); }
+
+std::string DataDirectory::scan_folder(const std::string& scan_id) const {
+  CHECK(is_scan_id(scan_id), "a path from something that is no scan id");
+  return path_ + "/scans/" + scan_id;
+}
+
+Status DataDirectory::create_scan_folder(const std::string& scan_id) const {
+  const std::string folder = scan_folder(scan_id);
+  if (mkdir(folder.c_str(), 0700) != 0) return Error{ErrorCode::kIo, "creating " + folder + ": " + std::strerror(errno)};
+  return Done{};
+}
+
+Status DataDirectory::remove_scan_folder(const std::string& scan_id) const {
+  std::error_code error;
+  std::filesystem::remove_all(scan_folder(scan_id), error);
+  if (error) return Error{ErrorCode::kIo, "removing the files of scan " + scan_id + ": " + error.message()};
+  return Done{};
+}
+
+Result<std::uint64_t> free_bytes(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(path, error);
+  if (error) return Error{ErrorCode::kIo, "asking for the free space of " + path + ": " + error.message()};
+  return static_cast<std::uint64_t>(space.available);
+}
+
+}  // namespace hermite

@@ -1,0 +1,55 @@
+#include "server/store/scan_id.h"
+
+#include <sys/random.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr std::size_t kLength = 26;
+constexpr std::string_view kAlphabet = "abcdefghijklmnopqrstuvwxyz0123456789";
+
+std::vector<std::uint8_t> random_bytes(std::size_t count) {
+  std::vector<std::uint8_t> bytes(count);
+  // Requests of up to 256 bytes are never cut short once the source is seeded.
+  if (count > 256 || getrandom(bytes.data(), count, 0) != static_cast<ssize_t>(count))
+    throw SetupError({ErrorCode::kIo, "the system gave no random bytes (getrandom)"});
+  return bytes;
+}
+
+}  // namespace
+
+std::string new_scan_id() {
+  std::string id;
+  while (id.size() < kLength) {
+    for (const std::uint8_t byte : random_bytes(64)) {
+      // 252 is the largest multiple of 36 below 256: what lies above would favour the first letters.
+      if (byte >= 252 || id.size() == kLength) continue;
+      id += kAlphabet[byte % kAlphabet.size()];
+    }
+  }
+  return id;
+}
+
+bool is_scan_id(std::string_view text) {
+  return text.size() == kLength &&
+         std::all_of(text.begin(), text.end(), [](char c) { return kAlphabet.find(c) != std::string_view::npos; });
+}
+
+std::string random_hex(int byte_count) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string text;
+  for (const std::uint8_t byte : random_bytes(static_cast<std::size_t>(byte_count))) {
+    text += kDigits[byte >> 4];
+    text += kDigits[byte & 15];
+  }
+  return text;
+}
+
+}  // namespace hermite

@@ -1,0 +1,192 @@
+#include "server/store/store.h"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+
+#include <array>
+#include <string_view>
+
+namespace hermite {
+
+namespace {
+
+constexpr int kApplicationId = 0x48524246;  // "HRBF"
+
+// Migration N brings user_version from N to N + 1. Never edit one that was released: add one.
+constexpr std::array<std::string_view, 1> kMigrations = {R"sql(
+CREATE TABLE scans(
+  id TEXT PRIMARY KEY NOT NULL,
+  title TEXT NOT NULL,
+  phase TEXT NOT NULL CHECK (phase IN ('running', 'finished', 'failed', 'interrupted')),
+  words TEXT NOT NULL,
+  width INTEGER NOT NULL, height INTEGER NOT NULL,
+  fx REAL NOT NULL, fy REAL NOT NULL, cx REAL NOT NULL, cy REAL NOT NULL,
+  depth_units_per_metre REAL NOT NULL,
+  frames_received INTEGER NOT NULL,
+  frames_processed INTEGER NOT NULL,
+  frames_dropped INTEGER NOT NULL,
+  created_at_ms INTEGER NOT NULL,
+  finished_at_ms INTEGER NOT NULL
+) STRICT;
+CREATE INDEX scans_by_time ON scans(created_at_ms DESC, id);
+)sql"};
+
+constexpr const char* kColumns =
+    "id, title, phase, words, width, height, fx, fy, cx, cy, depth_units_per_metre, frames_received, frames_processed, frames_dropped, "
+    "created_at_ms, finished_at_ms";
+
+ScanPhase phase_of(const std::string& name) {
+  for (const ScanPhase phase : {ScanPhase::kRunning, ScanPhase::kFinished, ScanPhase::kFailed})
+    if (name == name_of(phase)) return phase;
+  return ScanPhase::kInterrupted;
+}
+
+ScanRow row_of(const SQLite::Statement& query) {
+  ScanRow row;
+  row.id = query.getColumn(0).getString();
+  row.title = query.getColumn(1).getString();
+  row.phase = phase_of(query.getColumn(2).getString());
+  row.words = query.getColumn(3).getString();
+  row.camera.width = query.getColumn(4).getInt();
+  row.camera.height = query.getColumn(5).getInt();
+  row.camera.fx = query.getColumn(6).getDouble();
+  row.camera.fy = query.getColumn(7).getDouble();
+  row.camera.cx = query.getColumn(8).getDouble();
+  row.camera.cy = query.getColumn(9).getDouble();
+  row.camera.depth_units_per_metre = query.getColumn(10).getDouble();
+  row.frames_received = query.getColumn(11).getInt64();
+  row.frames_processed = query.getColumn(12).getInt64();
+  row.frames_dropped = query.getColumn(13).getInt64();
+  row.created_at_ms = query.getColumn(14).getInt64();
+  row.finished_at_ms = query.getColumn(15).getInt64();
+  return row;
+}
+
+int pragma(SQLite::Database& database, const std::string& name) { return database.execAndGet("PRAGMA " + name).getInt(); }
+
+void migrate(SQLite::Database& database, const std::string& path) {
+  const int version = pragma(database, "user_version"), application = pragma(database, "application_id");
+  const bool empty = database.execAndGet("SELECT count(*) FROM sqlite_schema").getInt() == 0;
+  if (!(empty && application == 0) && application != kApplicationId)
+    throw SetupError({ErrorCode::kUnsupported, path + " is a database of another program"});
+  if (version > static_cast<int>(kMigrations.size()))
+    throw SetupError({ErrorCode::kUnsupported, path + " has schema " + std::to_string(version) + ", this program knows up to " +
+                                                   std::to_string(kMigrations.size()) + ": run the newer hermite that wrote it"});
+  for (int step = version; step < static_cast<int>(kMigrations.size()); ++step) {
+    SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+    database.exec(std::string(kMigrations[static_cast<std::size_t>(step)]));
+    database.exec("PRAGMA application_id = " + std::to_string(kApplicationId));
+    database.exec("PRAGMA user_version = " + std::to_string(step + 1));
+    transaction.commit();
+  }
+}
+
+Error words_of(const SQLite::Exception& failure) { return {ErrorCode::kIo, std::string("database: ") + failure.what()}; }
+
+}  // namespace
+
+const char* name_of(ScanPhase phase) {
+  switch (phase) {
+    case ScanPhase::kRunning: return "running";
+    case ScanPhase::kFinished: return "finished";
+    case ScanPhase::kFailed: return "failed";
+    case ScanPhase::kInterrupted: return "interrupted";
+  }
+  return "unknown";
+}
+
+struct Store::Impl {
+  SQLite::Database database;
+  explicit Impl(const std::string& path) : database(path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE) {
+    database.setBusyTimeout(5000);
+    for (const char* setting : {"trusted_schema = OFF", "cell_size_check = ON", "foreign_keys = ON"})
+      database.exec(std::string("PRAGMA ") + setting);
+  }
+};
+
+Store::Store(const std::string& path) {
+  try {
+    impl_ = std::make_unique<Impl>(path);
+    migrate(impl_->database, path);
+    // Only now: a database that was refused above stays as it was found.
+    for (const char* setting : {"journal_mode = WAL", "synchronous = FULL", "journal_size_limit = 67108864"})
+      impl_->database.exec(std::string("PRAGMA ") + setting);
+  } catch (const SQLite::Exception& failure) {
+    throw SetupError({ErrorCode::kIo, "opening the database " + path + ": " + failure.what()});
+  }
+}
+
+Store::~Store() = default;
+
+Status Store::add(const ScanRow& row) try {
+  SQLite::Statement insert(impl_->database, std::string("INSERT INTO scans(") + kColumns + ") VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+  int column = 0;
+  for (const std::string& text : {row.id, row.title, std::string(name_of(row.phase)), row.words}) insert.bind(++column, text);
+  for (const int side : {row.camera.width, row.camera.height}) insert.bind(++column, side);
+  for (const double value : {row.camera.fx, row.camera.fy, row.camera.cx, row.camera.cy, row.camera.depth_units_per_metre})
+    insert.bind(++column, value);
+  for (const std::int64_t value : {row.frames_received, row.frames_processed, row.frames_dropped, row.created_at_ms, row.finished_at_ms})
+    insert.bind(++column, value);
+  insert.exec();
+  return Done{};
+} catch (const SQLite::Exception& failure) {
+  constexpr int kConstraint = 19;  // SQLITE_CONSTRAINT
+  if (failure.getErrorCode() == kConstraint) return Error{ErrorCode::kInvalidArgument, "scan " + row.id + ": " + failure.what()};
+  return words_of(failure);
+}
+
+Status Store::update(const ScanRow& row) try {
+  SQLite::Statement change(impl_->database,
+                           "UPDATE scans SET phase = ?, words = ?, frames_received = ?, frames_processed = ?, frames_dropped = ?, "
+                           "finished_at_ms = ? WHERE id = ?");
+  change.bind(1, std::string(name_of(row.phase)));
+  change.bind(2, row.words);
+  change.bind(3, row.frames_received);
+  change.bind(4, row.frames_processed);
+  change.bind(5, row.frames_dropped);
+  change.bind(6, row.finished_at_ms);
+  change.bind(7, row.id);
+  if (change.exec() == 0) return Error{ErrorCode::kNotFound, "there is no scan " + row.id};
+  return Done{};
+} catch (const SQLite::Exception& failure) {
+  return words_of(failure);
+}
+
+Result<ScanRow> Store::find(const std::string& id) try {
+  SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM scans WHERE id = ?");
+  query.bind(1, id);
+  if (!query.executeStep()) return Error{ErrorCode::kNotFound, "there is no scan " + id};
+  return row_of(query);
+} catch (const SQLite::Exception& failure) {
+  return words_of(failure);
+}
+
+Status Store::remove(const std::string& id) try {
+  SQLite::Statement change(impl_->database, "DELETE FROM scans WHERE id = ?");
+  change.bind(1, id);
+  if (change.exec() == 0) return Error{ErrorCode::kNotFound, "there is no scan " + id};
+  return Done{};
+} catch (const SQLite::Exception& failure) {
+  return words_of(failure);
+}
+
+Result<std::vector<ScanRow>> Store::list() try {
+  SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM scans ORDER BY created_at_ms DESC, id LIMIT ?");
+  query.bind(1, kMaxListedScans);
+  std::vector<ScanRow> rows;
+  while (query.executeStep()) rows.push_back(row_of(query));
+  return rows;
+} catch (const SQLite::Exception& failure) {
+  return words_of(failure);
+}
+
+Result<int> Store::interrupt_running(const std::string& words, std::int64_t now_ms) try {
+  SQLite::Statement change(impl_->database,
+                           "UPDATE scans SET phase = 'interrupted', words = ?, finished_at_ms = ? WHERE phase = 'running'");
+  change.bind(1, words);
+  change.bind(2, now_ms);
+  return change.exec();
+} catch (const SQLite::Exception& failure) {
+  return words_of(failure);
+}
+
+}  // namespace hermite

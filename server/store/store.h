@@ -1,0 +1,66 @@
+// One row a scan, in SQLite. Rows outlive the server; the results themselves are files (data_directory.h).
+//
+// One connection, which is also the only one that writes checkpoints: SQLite 3.40 can lose a WAL that two connections reset. It belongs to
+// one thread at a time. Failures of the database are kIo with SQLite's own words.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/math/camera.h"
+
+namespace hermite {
+
+enum class ScanPhase { kRunning, kFinished, kFailed, kInterrupted };
+const char* name_of(ScanPhase phase);  // "running", "finished", "failed", "interrupted"
+
+struct ScanRow {
+  std::string id;
+  std::string title;
+  ScanPhase phase = ScanPhase::kRunning;
+  std::string words;  // why, when it failed or was interrupted
+  Camera camera;
+  std::int64_t frames_received = 0;
+  std::int64_t frames_processed = 0;
+  std::int64_t frames_dropped = 0;
+  std::int64_t created_at_ms = 0;   // Unix time
+  std::int64_t finished_at_ms = 0;  // 0 while running
+};
+
+inline constexpr int kMaxListedScans = 1000;
+
+class Store {
+ public:
+  // Opens or creates, and migrates an older schema. Throws SetupError in words: not a database, a database of another program, or one
+  // with a newer schema than this program knows (which is left untouched).
+  explicit Store(const std::string& path);
+  ~Store();
+  Store(const Store&) = delete;
+  Store& operator=(const Store&) = delete;
+
+  // kInvalidArgument: the id is there already.
+  Status add(const ScanRow& row);
+
+  // Everything but id, title, camera and created_at_ms. kNotFound: no such scan.
+  Status update(const ScanRow& row);
+
+  // kNotFound: no such scan.
+  Result<ScanRow> find(const std::string& id);
+  Status remove(const std::string& id);
+
+  // Newest first, at most kMaxListedScans.
+  Result<std::vector<ScanRow>> list();
+
+  // Scans that still claim to run, which after a start none can: marked interrupted with `words`. How many.
+  Result<int> interrupt_running(const std::string& words, std::int64_t now_ms);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace hermite
