@@ -1,0 +1,88 @@
+#include "core/pipeline/report.h"
+
+#include <openssl/evp.h>
+#include <sys/resource.h>
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+
+#include "core/base/check.h"
+#include "core/evaluate/trajectory_error.h"
+
+namespace hermite {
+
+namespace {
+
+using Json = nlohmann::ordered_json;  // a person reads it: in the order in which it is written
+
+constexpr double kMegabyte = 1e6;
+
+std::string sha256_hex(const std::string& bytes) {
+  unsigned char digest[EVP_MAX_MD_SIZE];
+  unsigned int size = 0;
+  CHECK(EVP_Digest(bytes.data(), bytes.size(), digest, &size, EVP_sha256(), nullptr) == 1, "SHA-256 is always there");
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string text;
+  for (unsigned int i = 0; i < size; ++i) {
+    text += kDigits[digest[i] >> 4];
+    text += kDigits[digest[i] & 15];
+  }
+  return text;
+}
+
+double peak_rss_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024 / kMegabyte;  // Linux counts KiB
+}
+
+// A number or a truth value where the text is one, so that readers need no second parser.
+Json setting_value(const std::string& text) {
+  Json value = Json::parse(text, nullptr, false);
+  return value.is_number() || value.is_boolean() ? value : Json(text);
+}
+
+void add_accuracy(const Trajectory& estimate, const Trajectory& groundtruth, Json& report) {
+  if (groundtruth.empty()) return;
+  const Result<TrajectoryError> error = trajectory_error(estimate, groundtruth);
+  if (!error.ok()) {
+    report["groundtruth_problem"] = error.error().message;
+    return;
+  }
+  report["groundtruth_matched_frames"] = error->matched_count;
+  report["ate_rmse_m"] = error->ate_m.rmse;
+  report["ate_max_m"] = error->ate_m.max;
+  report["rpe_translation_rmse_m"] = error->per_frame.translation_m.rmse;
+  report["rpe_rotation_rmse_deg"] = error->per_frame.rotation_deg.rmse;
+}
+
+}  // namespace
+
+std::string format_report_json(const RunReport& run, const Trajectory& estimate, const Trajectory& groundtruth) {
+  const PipelineStatistics& statistics = run.statistics;
+  Json report;
+  report["frames"] = statistics.frame_count;
+  report["tracked_frames"] = statistics.tracked_frame_count;
+  report["surfels"] = statistics.surfel_count;
+  report["mean_frame_ms"] = statistics.mean_frame_ms;
+  report["stages_ms"] = Json::object();
+  for (const auto& [stage, ms] : statistics.stages_ms) report["stages_ms"][stage] = ms;
+  report["peak_rss_mb"] = peak_rss_mb();
+  double gpu_bytes = 0;
+  Json by_purpose = Json::object();
+  for (const auto& [purpose, bytes] : statistics.gpu_memory_bytes) {
+    gpu_bytes += static_cast<double>(bytes);
+    by_purpose[purpose] = static_cast<double>(bytes) / kMegabyte;
+  }
+  report["gpu_memory_mb"] = gpu_bytes / kMegabyte;
+  report["gpu_memory_by_purpose_mb"] = by_purpose;
+  report["device"] = statistics.device;
+  report["settings"] = Json::object();
+  for (const Setting& setting : list_settings(run.options)) report["settings"][setting.key] = setting_value(setting.value);
+  report["trajectory_sha256"] = sha256_hex(run.trajectory_text);
+  report["cloud_sha256"] = sha256_hex(run.cloud_ply);
+  add_accuracy(estimate, groundtruth, report);
+  return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace hermite
