@@ -53,7 +53,7 @@ TEST(Report, HashesAreSha256OfTheExactBytes) {
 
 TEST(Report, HoldsEverySettingAsANumberWhereItIsOne) {
   RunReport run = small_run();
-  run.options.depth_max_m = 2.5;
+  ASSERT_TRUE(apply_setting(run.options, "frame.depth_max_m", "2.5").ok());
   const auto report = nlohmann::json::parse(format_report_json(run, {}, {}));
   ASSERT_EQ(report["settings"].size(), list_settings(run.options).size());
   EXPECT_EQ(report["settings"]["frame.depth_max_m"], 2.5);
