@@ -1,0 +1,208 @@
+#include "server/client/connection.h"
+
+#include <utility>
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "proto/wire/messages.h"
+
+namespace hermite {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using tcp = asio::ip::tcp;
+using Socket = websocket::stream<beast::tcp_stream>;
+using SteadyTime = std::chrono::steady_clock::time_point;
+
+// A server that answers no ping for so long is gone. Half of it is the interval of the pings, which also keeps proxies from closing (60 s).
+constexpr std::chrono::seconds kSilence(100);
+// Halves the cost of a write against Beast's 4 KiB.
+constexpr std::size_t kWriteBuffer_bytes = 65536;
+
+void prepare(Socket& socket, std::chrono::milliseconds patience) {
+  websocket::stream_base::timeout timeouts{};
+  timeouts.handshake_timeout = patience;
+  timeouts.idle_timeout = kSilence;
+  timeouts.keep_alive_pings = true;
+  socket.set_option(timeouts);
+  socket.set_option(websocket::stream_base::decorator([](websocket::request_type& request) {
+    request.set(http::field::sec_websocket_protocol, wire::kSubprotocol);
+    request.set(http::field::user_agent, "hermite-client");
+  }));
+  socket.binary(true);
+  socket.auto_fragment(false);
+  socket.write_buffer_bytes(kWriteBuffer_bytes);
+  socket.read_message_max(wire::kMaxServerMessageBytes);
+}
+
+Error refusal(const std::string& server, const websocket::response_type& response, const beast::error_code& error) {
+  if (error != websocket::error::upgrade_declined) {
+    return {ErrorCode::kIo, "the WebSocket handshake with " + server + " failed: " + error.message()};
+  }
+  const unsigned status = response.result_int();
+  const std::string answer = "HTTP " + std::to_string(status) + " " + std::string(response.reason());
+  if (status == 401 || status == 403) return {ErrorCode::kUnauthorized, server + " refuses the connection: " + answer};
+  if (status == 429 || status == 503) return {ErrorCode::kBusy, server + " is busy: " + answer};
+  return {ErrorCode::kUnsupported, server + " is no Hermite server: it answers " + answer};
+}
+
+// Resolve, connect, upgrade. Leaves its outcome in `failure` (none: connected).
+asio::awaitable<void> connect(Socket& socket, const ServerUrl& url, std::optional<Error>& failure) {
+  const std::string server = url.host_and_port();
+  beast::error_code error;
+  const auto then = [&error] { return asio::redirect_error(asio::use_awaitable, error); };
+  tcp::resolver resolver(socket.get_executor());
+  const auto addresses = co_await resolver.async_resolve(url.host, std::to_string(url.port), then());
+  if (error) {
+    failure = Error{ErrorCode::kIo, "cannot find " + server + ": " + error.message()};
+    co_return;
+  }
+  co_await beast::get_lowest_layer(socket).async_connect(addresses, then());
+  if (error) {
+    failure = Error{ErrorCode::kIo, "cannot connect to " + server + ": " + error.message()};
+    co_return;
+  }
+  beast::get_lowest_layer(socket).socket().set_option(tcp::no_delay(true));
+  websocket::response_type response;
+  co_await socket.async_handshake(response, server, wire::kEndpoint, then());
+  if (error) {
+    failure = refusal(server, response, error);
+    co_return;
+  }
+  if (response[http::field::sec_websocket_protocol] != wire::kSubprotocol) {
+    failure = Error{ErrorCode::kUnsupported, server + " does not speak the protocol " + wire::kSubprotocol};
+  }
+}
+
+}  // namespace
+
+struct Connection::Impl {
+  asio::io_context io{1};
+  asio::executor_work_guard<asio::io_context::executor_type> work = asio::make_work_guard(io);
+  Socket socket{io};
+  std::string server;  // for words
+
+  bool happened = false;  // something that a waiter wants to know
+  std::optional<Error> ended;
+  beast::flat_buffer incoming;
+  std::optional<std::string> received;
+  std::string outgoing;
+  bool writing = false;
+  bool closed = false;
+  std::uint64_t sent_bytes = 0;
+
+  void run_until(SteadyTime deadline) {
+    while (!happened && io.run_one_until(deadline) > 0) {
+    }
+    happened = false;
+  }
+
+  void end(const std::string& words, const beast::error_code& error) {
+    if (!ended) ended = Error{ErrorCode::kIo, words + ": " + explain(error)};
+    happened = true;
+  }
+
+  std::string explain(const beast::error_code& error) const {
+    if (error == websocket::error::closed) {
+      const auto& reason = socket.reason();
+      return "the server closed it (code " + std::to_string(reason.code) + (reason.reason.empty() ? "" : ", ") +
+             std::string(reason.reason.data(), reason.reason.size()) + ")";
+    }
+    if (error == beast::error::timeout) return "no sign of life for " + std::to_string(kSilence.count()) + " s";
+    return error.message();
+  }
+
+  void start_reading() {
+    socket.async_read(incoming, [this](const beast::error_code& error, std::size_t) {
+      if (error) return end("the connection to " + server + " ended", error);
+      received = beast::buffers_to_string(incoming.data());
+      incoming.consume(incoming.size());
+      happened = true;
+    });
+  }
+
+  // A failed write ends nothing by itself: the server may have said why before it closed, and the read that is under way tells.
+  void start_writing() {
+    writing = true;
+    socket.async_write(asio::buffer(outgoing), [this](const beast::error_code& error, std::size_t) {
+      if (error) return;
+      writing = false;
+      sent_bytes += outgoing.size();
+      happened = true;
+    });
+  }
+};
+
+Connection::Connection(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Connection::~Connection() = default;
+
+Result<std::unique_ptr<Connection>> Connection::open(const ServerUrl& url, std::chrono::milliseconds patience) {
+  bool connected = false;
+  std::optional<Error> failure;
+  auto impl = std::make_unique<Impl>();  // after what its coroutine refers to: it goes first
+  impl->server = url.host_and_port();
+  prepare(impl->socket, patience);
+  asio::co_spawn(impl->io, connect(impl->socket, url, failure),
+                 [&connected, raw = impl.get()](std::exception_ptr) { connected = raw->happened = true; });
+  impl->run_until(std::chrono::steady_clock::now() + patience);
+  if (!connected) {
+    return Error{ErrorCode::kIo, impl->server + " does not answer within " + std::to_string(patience.count()) + " ms"};
+  }
+  if (failure) return *failure;
+  impl->start_reading();
+  return std::unique_ptr<Connection>(new Connection(std::move(impl)));
+}
+
+bool Connection::can_send() const { return !impl_->writing && !impl_->ended && !impl_->closed; }
+
+void Connection::send(std::string message) {
+  CHECK(can_send(), "one message at a time");
+  impl_->outgoing = std::move(message);
+  impl_->start_writing();
+}
+
+std::uint64_t Connection::sent_bytes() const { return impl_->sent_bytes; }
+
+std::optional<std::string> Connection::take_message() {
+  if (!impl_->received) return std::nullopt;
+  auto message = std::exchange(impl_->received, std::nullopt);
+  if (!impl_->ended && !impl_->closed) impl_->start_reading();
+  return message;
+}
+
+void Connection::wait_until(std::chrono::steady_clock::time_point deadline) {
+  if (impl_->ended || impl_->received) return;
+  impl_->run_until(deadline);
+}
+
+void Connection::wake() {
+  asio::post(impl_->io, [impl = impl_.get()] { impl->happened = true; });
+}
+
+const std::optional<Error>& Connection::ended() const { return impl_->ended; }
+
+void Connection::close(std::chrono::milliseconds patience) {
+  if (impl_->ended || impl_->closed) return;
+  impl_->closed = true;
+  bool done = false;
+  impl_->socket.async_close(websocket::close_code::normal, [&](const beast::error_code&) { done = impl_->happened = true; });
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  while (!done && std::chrono::steady_clock::now() < deadline) impl_->run_until(deadline);
+  if (!done) beast::get_lowest_layer(impl_->socket).close();
+  impl_->io.poll();
+}
+
+}  // namespace hermite

@@ -1,0 +1,131 @@
+#include "server/client/frame_encoder.h"
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/image/image_codec.h"
+#include "proto/wire/frame_payload.h"
+
+namespace hermite {
+namespace {
+
+std::string as_text(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
+
+// Bytes that are no PNG are left for the server to judge: it decodes with the same functions as a run without a server.
+Result<std::string> encode_color(const std::vector<std::uint8_t>& recorded, ImageSize size, bool accepts_png) {
+  if (accepts_png) return as_text(recorded);
+  const auto format = detect_image_format(recorded);
+  if (!format.ok() || *format != ImageFormat::kPng) return as_text(recorded);
+  const auto image = decode_color(recorded, size);
+  if (!image.ok()) return image.error();
+  const auto jpeg = encode_jpeg(*image, kJpegQuality);
+  if (!jpeg.ok()) return jpeg.error();
+  return as_text(*jpeg);
+}
+
+Status encode_recording(const Sequence& sequence, const WireEncoding& encoding, EncodedFrame& encoded) {
+  const auto recorded = sequence.read(encoded.index);
+  if (!recorded.ok()) return recorded.error();
+  const ImageSize size{sequence.camera().width, sequence.camera().height};
+  auto depth = wire::encode_depth_payload(recorded->depth, encoding.depth);
+  if (!depth.ok()) return in_context("depth", depth.error());
+  auto color = encode_color(recorded->color_bytes, size, encoding.png_color);
+  if (!color.ok()) return in_context("colour", color.error());
+  encoded.frame.depth = *std::move(depth);
+  encoded.frame.color = *std::move(color);
+  return Done{};
+}
+
+// JPEG keeps black exactly, so the server's pipeline gets wire::empty_frame.
+void encode_black(const Camera& camera, const WireEncoding& encoding, EncodedFrame& encoded) {
+  const RgbdFrame black = wire::empty_frame(encoded.frame.timestamp_s, camera);
+  auto depth = wire::encode_depth_payload(black.depth, encoding.depth);
+  const auto color = encode_jpeg(black.color, kJpegQuality);
+  CHECK(depth.ok() && color.ok(), "a black image of a valid camera can be encoded");
+  encoded.frame.depth = *std::move(depth);
+  encoded.frame.color = as_text(*color);
+}
+
+}  // namespace
+
+EncodedFrame encode_frame(const Sequence& sequence, std::int64_t index, const WireEncoding& encoding) {
+  EncodedFrame encoded;
+  encoded.index = index;
+  encoded.frame.timestamp_s = sequence.timestamp_s(index);
+  const Status status = encode_recording(sequence, encoding, encoded);
+  if (!status.ok()) {
+    encoded.problem = "frame " + std::to_string(index) + ": " + status.error().message;
+    encode_black(sequence.camera(), encoding, encoded);
+  }
+  return encoded;
+}
+
+struct FrameEncoder::Worker {
+  Worker(const Sequence& recorded, const Settings& wanted, std::function<void()> notify)
+      : sequence(recorded), settings(wanted), on_ready(std::move(notify)), next_to_take(wanted.range.begin) {
+    CHECK(settings.read_ahead > 0, "an encoder that may hold no frame never ends");
+    thread = std::thread([this] { run(); });
+  }
+
+  ~Worker() {
+    {
+      const std::lock_guard lock(mutex);
+      stopping = true;
+    }
+    room_or_stop.notify_all();
+    thread.join();
+  }
+
+  void run() {
+    for (std::int64_t index = settings.range.begin; index < settings.range.end; ++index) {
+      {
+        std::unique_lock lock(mutex);
+        room_or_stop.wait(lock, [this] { return stopping || ready.size() < settings.read_ahead; });
+        if (stopping) return;
+      }
+      EncodedFrame frame = encode_frame(sequence, index, settings.encoding);
+      {
+        const std::lock_guard lock(mutex);
+        ready.push_back(std::move(frame));
+      }
+      on_ready();
+    }
+  }
+
+  const Sequence& sequence;
+  const Settings settings;
+  const std::function<void()> on_ready;
+  std::int64_t next_to_take;  // the taker's thread only
+
+  std::mutex mutex;
+  std::condition_variable room_or_stop;
+  std::deque<EncodedFrame> ready;  // guarded by mutex
+  bool stopping = false;           // guarded by mutex
+  std::thread thread;
+};
+
+FrameEncoder::FrameEncoder(const Sequence& sequence, const Settings& settings, std::function<void()> on_ready)
+    : worker_(std::make_unique<Worker>(sequence, settings, std::move(on_ready))) {}
+
+FrameEncoder::~FrameEncoder() = default;
+
+std::optional<EncodedFrame> FrameEncoder::take() {
+  std::optional<EncodedFrame> frame;
+  {
+    const std::lock_guard lock(worker_->mutex);
+    if (worker_->ready.empty()) return std::nullopt;
+    frame = std::move(worker_->ready.front());
+    worker_->ready.pop_front();
+  }
+  worker_->room_or_stop.notify_one();
+  ++worker_->next_to_take;
+  return frame;
+}
+
+bool FrameEncoder::exhausted() const { return worker_->next_to_take >= worker_->settings.range.end; }
+
+}  // namespace hermite

@@ -1,0 +1,96 @@
+#include "server/client/progress.h"
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+#include <ostream>
+
+namespace hermite {
+namespace {
+
+constexpr double kTerminalInterval_s = 0.2;
+constexpr double kPlainInterval_s = 5;
+constexpr double kMaxShown_s = 100.0 * 3600;
+
+std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
+std::string format(const char* pattern, ...) {
+  char text[160];
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(text, sizeof(text), pattern, arguments);
+  va_end(arguments);
+  return text;
+}
+
+std::string count_of(std::uint64_t count, const char* words) {
+  return count == 0 ? std::string() : "  " + std::to_string(count) + " " + words;
+}
+
+double sent_Mbit_per_s(const StreamProgress& progress) {
+  return progress.elapsed_s > 0 ? 8e-6 * static_cast<double>(progress.sent_bytes) / progress.elapsed_s : 0;
+}
+
+}  // namespace
+
+std::string format_duration(double seconds) {
+  const auto whole = static_cast<long long>(std::clamp(seconds, 0.0, kMaxShown_s) + 0.5);
+  if (whole < 60) return format("%lld s", whole);
+  if (whole < 3600) return format("%lld:%02lld", whole / 60, whole % 60);
+  return format("%lld:%02lld:%02lld", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+std::string format_summary(const StreamProgress& progress) {
+  std::string text = "scan " + progress.scan_id + " is finished: " + std::to_string(progress.sent_frames) + " frames sent in " +
+                     format_duration(progress.elapsed_s) + ", " + std::to_string(progress.tracked_frames) + " tracked";
+  const std::uint64_t dropped = progress.dropped_frames + progress.server_dropped_frames;
+  if (dropped > 0) text += ", " + std::to_string(dropped) + " dropped";
+  if (progress.problem_frames > 0) text += ", " + std::to_string(progress.problem_frames) + " with problems";
+  return text + format(", %.1f Mbit/s", sent_Mbit_per_s(progress));
+}
+
+std::string format_progress(const StreamProgress& progress) {
+  const auto total = static_cast<std::uint64_t>(progress.frame_count);
+  const double processed_per_s = progress.elapsed_s > 0 ? static_cast<double>(progress.processed_frames) / progress.elapsed_s : 0;
+  std::string text = "frame " + std::to_string(progress.processed_frames) + "/" + std::to_string(total) + " (sent " +
+                     std::to_string(progress.sent_frames) + ")" +
+                     format("  %.1f fps  %.1f Mbit/s", processed_per_s, sent_Mbit_per_s(progress));
+  if (progress.last_result) {
+    const auto& position_m = progress.last_result->world_from_camera.translation;
+    text += format("  position %.2f %.2f %.2f m", position_m.x(), position_m.y(), position_m.z());
+    text += progress.last_result->tracked ? "  tracked" : "  LOST";
+  }
+  text += count_of(progress.dropped_frames + progress.server_dropped_frames, "dropped");
+  text += count_of(progress.problem_frames, "with problems");
+  const std::uint64_t done = progress.processed_frames + progress.dropped_frames + progress.server_dropped_frames;
+  if (progress.finishing && done >= progress.sent_frames) return text + "  finishing";
+  if (processed_per_s > 0 && done < total) text += "  " + format_duration(static_cast<double>(total - done) / processed_per_s) + " left";
+  return text;
+}
+
+void ProgressPrinter::show(const StreamProgress& progress) {
+  const double interval_s = is_terminal_ ? kTerminalInterval_s : kPlainInterval_s;
+  if (shown_at_s_ && progress.elapsed_s < *shown_at_s_ + interval_s) return;
+  show_now(progress);
+}
+
+void ProgressPrinter::show_now(const StreamProgress& progress) {
+  shown_at_s_ = progress.elapsed_s;
+  clear();
+  out_ << format_progress(progress);
+  line_is_open_ = is_terminal_;
+  if (!is_terminal_) out_ << '\n';
+  out_.flush();
+}
+
+void ProgressPrinter::line(const std::string& words) {
+  clear();
+  out_ << words << '\n';
+  out_.flush();
+}
+
+void ProgressPrinter::clear() {
+  if (line_is_open_) out_ << "\r\033[K";
+  line_is_open_ = false;
+}
+
+}  // namespace hermite

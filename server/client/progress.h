@@ -1,0 +1,40 @@
+// What a person sees while a scan is streamed: one line that is rewritten on a terminal, a plain line every few seconds elsewhere.
+#pragma once
+
+#include <iosfwd>
+#include <optional>
+#include <string>
+
+#include "server/client/stream.h"
+
+namespace hermite {
+
+// "frame 42/1000 (sent 46)  2.1 fps  18.3 Mbit/s  position 0.12 -0.03 1.40 m  tracked  3 dropped  7:36 left". No line feed.
+std::string format_progress(const StreamProgress& progress);
+
+// The last line: "scan 4f is finished: 1000 frames sent in 7:36, 998 tracked, 3 dropped, 18.3 Mbit/s".
+std::string format_summary(const StreamProgress& progress);
+
+// "59 s", "7:36", "2:05:09".
+std::string format_duration(double seconds);
+
+// Writes to a stream that it does not own. One thread.
+class ProgressPrinter {
+ public:
+  ProgressPrinter(std::ostream& out, bool is_terminal) : out_(out), is_terminal_(is_terminal) {}
+
+  // At most 5 times a second on a terminal, else every 5 s, by the progress's own clock.
+  void show(const StreamProgress& progress);
+  void show_now(const StreamProgress& progress);
+  void line(const std::string& words);  // a line of its own, which the progress does not overwrite
+
+ private:
+  void clear();
+
+  std::ostream& out_;
+  bool is_terminal_;
+  bool line_is_open_ = false;
+  std::optional<double> shown_at_s_;
+};
+
+}  // namespace hermite

@@ -1,0 +1,63 @@
+// Streams a recorded sequence to a Hermite server and waits for the result: connect, hello, frames, finish, report.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "core/dataset/frame_range.h"
+#include "core/dataset/sequence.h"
+#include "proto/wire/messages.h"
+#include "server/client/flow_control.h"
+#include "server/client/server_url.h"
+
+namespace hermite {
+
+struct StreamRequest {
+  ServerUrl server;  // with its token
+  std::string title;
+  FrameRange frames;
+  Pacing pacing;  // newest_wins asks the server for its live mode
+  std::map<std::string, std::string> settings;
+  std::chrono::milliseconds connect_patience{10'000};   // for the WebSocket, then for the welcome
+  std::chrono::milliseconds silence_patience{120'000};  // without a word from a server that has something to do
+};
+
+struct StreamProgress {
+  std::string scan_id;
+  std::int64_t frame_count = 0;  // of the range
+  std::uint64_t sent_frames = 0;
+  std::uint64_t processed_frames = 0;       // results that came back
+  std::uint64_t tracked_frames = 0;         // of these
+  std::uint64_t dropped_frames = 0;         // here, for want of credit (live)
+  std::uint64_t server_dropped_frames = 0;  // there (live)
+  std::uint64_t problem_frames = 0;         // could not be read here, or not be used there
+  std::uint64_t unknown_messages = 0;       // of a newer server
+  std::uint64_t sent_bytes = 0;
+  std::optional<wire::FrameResult> last_result;
+  bool finishing = false;  // no more frames will be sent
+  double elapsed_s = 0;    // since the welcome
+};
+
+// Called on the thread of stream_sequence; each may be empty.
+struct StreamObserver {
+  std::function<void(const StreamProgress&)> on_progress;    // several times a second
+  std::function<void(const std::string& words)> on_problem;  // of one frame; the scan goes on
+  std::function<int()> interrupt_count;                      // 1: send no more frames and finish. 2: give up
+};
+
+struct StreamOutcome {
+  std::string report_json;     // as the server sent it
+  std::string trajectory_tum;  // a line a frame that the server processed
+  StreamProgress progress;     // at the end
+};
+
+// Blocks until the server's report is here or the scan has failed. Reads and encodes on a second thread.
+// Errors in words: those of Connection::open; what the server says when it ends the scan; the end of the connection before the report;
+// silence beyond the patience; kTooLarge for a frame above the server's limit for a message; kIo when given up by interrupt.
+Result<StreamOutcome> stream_sequence(const Sequence& sequence, const StreamRequest& request, const StreamObserver& observer);
+
+}  // namespace hermite

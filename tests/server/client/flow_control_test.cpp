@@ -1,0 +1,128 @@
+#include "server/client/flow_control.h"
+
+#include <gtest/gtest.h>
+
+namespace hermite {
+namespace {
+
+using std::chrono::milliseconds;
+
+EncodedFrame frame(std::int64_t index) {
+  EncodedFrame made;
+  made.index = index;
+  return made;
+}
+
+// Time is a number the test chooses.
+SteadyTime at_ms(int ms) { return SteadyTime(milliseconds(100000 + ms)); }
+
+TEST(CreditWindow, LetsOutAsManyFramesAsWereGrantedInAll) {
+  CreditWindow credit(2);
+  for (int k = 0; k < 2; ++k) {
+    ASSERT_TRUE(credit.available());
+    credit.take();
+  }
+  EXPECT_FALSE(credit.available());
+  credit.grant_in_all(3);
+  ASSERT_TRUE(credit.available());
+  credit.take();
+  EXPECT_FALSE(credit.available());
+  EXPECT_EQ(credit.sent(), 3u);
+}
+
+TEST(CreditWindow, ARepeatedOrLateGrantChangesNothing) {
+  CreditWindow credit(4);
+  credit.grant_in_all(2);
+  for (int k = 0; k < 4; ++k) credit.take();
+  credit.grant_in_all(4);
+  credit.grant_in_all(0);
+  EXPECT_FALSE(credit.available());
+}
+
+TEST(CreditWindow, WithoutAGrantNothingLeaves) { EXPECT_FALSE(CreditWindow().available()); }
+
+TEST(CreditWindowDeathTest, AFrameWithoutCreditIsOurMistake) { EXPECT_DEATH(CreditWindow(0).take(), "without credit"); }
+
+TEST(FrameGate, BatchSendsEveryFrameInOrderAndWaitsForCredit) {
+  FrameGate gate({});
+  for (int k = 0; k < 5; ++k) {
+    ASSERT_TRUE(gate.wants(at_ms(k)));
+    gate.offer(frame(k), at_ms(k));
+    EXPECT_FALSE(gate.wants(at_ms(1000000)));
+    EXPECT_FALSE(gate.take(at_ms(1000000), false));
+    const auto taken = gate.take(at_ms(k), true);
+    ASSERT_TRUE(taken);
+    EXPECT_EQ(taken->index, k);
+    EXPECT_TRUE(gate.empty());
+  }
+  EXPECT_EQ(gate.dropped_count(), 0u);
+}
+
+TEST(FrameGate, ARateHoldsFramesBackUntilTheyAreDue) {
+  FrameGate gate({.rate_hz = 10, .newest_wins = false});
+  gate.offer(frame(0), at_ms(0));
+  EXPECT_TRUE(gate.take(at_ms(0), true));
+  gate.offer(frame(1), at_ms(5));
+  EXPECT_FALSE(gate.take(at_ms(99), true));
+  EXPECT_EQ(gate.next_event(at_ms(5)), at_ms(100));
+  EXPECT_TRUE(gate.take(at_ms(100), true));
+  gate.offer(frame(2), at_ms(100));
+  // The clock of the recording does not shift when one frame was late.
+  EXPECT_TRUE(gate.take(at_ms(250), true));
+  gate.offer(frame(3), at_ms(250));
+  EXPECT_EQ(gate.next_event(at_ms(250)), at_ms(300));
+}
+
+TEST(FrameGate, BatchWithARateNeverDrops) {
+  FrameGate gate({.rate_hz = 10, .newest_wins = false});
+  gate.offer(frame(0), at_ms(0));
+  EXPECT_FALSE(gate.wants(at_ms(5000)));
+  EXPECT_EQ(gate.next_event(at_ms(5000)), std::nullopt);
+  EXPECT_EQ(gate.take(at_ms(5000), true)->index, 0);
+  EXPECT_EQ(gate.dropped_count(), 0u);
+}
+
+TEST(FrameGate, LiveReplacesTheWaitingFrameByTheNewestAndCounts) {
+  FrameGate gate({.rate_hz = 10, .newest_wins = true});
+  gate.offer(frame(0), at_ms(0));
+  EXPECT_FALSE(gate.take(at_ms(0), false));
+  EXPECT_FALSE(gate.wants(at_ms(99)));
+  EXPECT_EQ(gate.next_event(at_ms(0)), at_ms(100));
+  for (int k = 1; k <= 3; ++k) {
+    ASSERT_TRUE(gate.wants(at_ms(100 * k)));
+    gate.offer(frame(k), at_ms(100 * k));
+    EXPECT_FALSE(gate.wants(at_ms(100 * k)));
+  }
+  const auto taken = gate.take(at_ms(310), true);
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->index, 3);
+  EXPECT_EQ(gate.dropped_count(), 3u);
+}
+
+TEST(FrameGate, LiveWithEnoughCreditDropsNothing) {
+  FrameGate gate({.rate_hz = 10, .newest_wins = true});
+  for (int k = 0; k < 20; ++k) {
+    ASSERT_TRUE(gate.wants(at_ms(100 * k)));
+    gate.offer(frame(k), at_ms(100 * k));
+    EXPECT_EQ(gate.take(at_ms(100 * k), true)->index, k);
+  }
+  EXPECT_EQ(gate.dropped_count(), 0u);
+}
+
+TEST(FrameGate, LiveFramesThatAreEarlyWaitForTheirTime) {
+  FrameGate gate({.rate_hz = 10, .newest_wins = true});
+  gate.offer(frame(0), at_ms(0));
+  EXPECT_TRUE(gate.take(at_ms(0), true));
+  gate.offer(frame(1), at_ms(1));
+  EXPECT_FALSE(gate.wants(at_ms(50)));
+  EXPECT_FALSE(gate.take(at_ms(50), true));
+  EXPECT_EQ(gate.next_event(at_ms(50)), at_ms(100));
+}
+
+TEST(FrameGate, AnEmptyGateWaitsForNoClock) {
+  EXPECT_EQ(FrameGate({.rate_hz = 10, .newest_wins = true}).next_event(at_ms(0)), std::nullopt);
+  EXPECT_EQ(FrameGate({}).next_event(at_ms(0)), std::nullopt);
+}
+
+}  // namespace
+}  // namespace hermite

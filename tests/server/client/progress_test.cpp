@@ -1,0 +1,103 @@
+#include "server/client/progress.h"
+
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace hermite {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+StreamProgress half_way() {
+  StreamProgress progress;
+  progress.frame_count = 100;
+  progress.sent_frames = 54;
+  progress.processed_frames = 50;
+  progress.sent_bytes = 25'000'000;
+  progress.elapsed_s = 20;
+  progress.last_result = wire::FrameResult{};
+  progress.last_result->tracked = true;
+  progress.last_result->world_from_camera.translation = {0.125, -1, 2};
+  return progress;
+}
+
+TEST(Progress, SaysHowFarHowFastWhereAndHowLong) {
+  EXPECT_EQ(format_progress(half_way()), "frame 50/100 (sent 54)  2.5 fps  10.0 Mbit/s  position 0.12 -1.00 2.00 m  tracked  20 s left");
+}
+
+TEST(Progress, LostFramesDropsAndProblemsShow) {
+  StreamProgress progress = half_way();
+  progress.last_result->tracked = false;
+  progress.dropped_frames = 2;
+  progress.server_dropped_frames = 3;
+  progress.problem_frames = 1;
+  const std::string text = format_progress(progress);
+  EXPECT_THAT(text, HasSubstr("LOST"));
+  EXPECT_THAT(text, HasSubstr("5 dropped"));
+  EXPECT_THAT(text, HasSubstr("1 with problems"));
+  EXPECT_THAT(text, HasSubstr("18 s left"));
+}
+
+TEST(Progress, BeforeTheFirstResultItMakesNoPromises) {
+  StreamProgress progress;
+  progress.frame_count = 10;
+  EXPECT_EQ(format_progress(progress), "frame 0/10 (sent 0)  0.0 fps  0.0 Mbit/s");
+}
+
+TEST(Progress, AfterTheLastResultItSaysFinishing) {
+  StreamProgress progress = half_way();
+  progress.finishing = true;
+  EXPECT_THAT(format_progress(progress), HasSubstr("left"));
+  progress.processed_frames = progress.sent_frames;
+  EXPECT_THAT(format_progress(progress), HasSubstr("finishing"));
+  EXPECT_THAT(format_progress(progress), Not(HasSubstr("left")));
+}
+
+TEST(Progress, TheSummaryCountsWhatWentWrongOnlyWhenSomethingDid) {
+  StreamProgress progress = half_way();
+  progress.scan_id = "4f";
+  progress.tracked_frames = 49;
+  EXPECT_EQ(format_summary(progress), "scan 4f is finished: 54 frames sent in 20 s, 49 tracked, 10.0 Mbit/s");
+  progress.dropped_frames = 3;
+  progress.problem_frames = 2;
+  EXPECT_THAT(format_summary(progress), HasSubstr("49 tracked, 3 dropped, 2 with problems,"));
+}
+
+TEST(Progress, DurationsReadLikeAClock) {
+  EXPECT_EQ(format_duration(0), "0 s");
+  EXPECT_EQ(format_duration(59.4), "59 s");
+  EXPECT_EQ(format_duration(59.6), "1:00");
+  EXPECT_EQ(format_duration(456), "7:36");
+  EXPECT_EQ(format_duration(7509), "2:05:09");
+  EXPECT_EQ(format_duration(-1), "0 s");
+  EXPECT_EQ(format_duration(1e300), "100:00:00");
+}
+
+TEST(ProgressPrinter, OffATerminalItWritesAPlainLineEveryFewSeconds) {
+  std::ostringstream out;
+  ProgressPrinter printer(out, false);
+  StreamProgress progress = half_way();
+  for (int k = 0; k < 120; ++k) {
+    progress.elapsed_s = 0.1 * k;
+    printer.show(progress);
+  }
+  const std::string text = out.str();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);  // at 0, 5 and 10 s
+  EXPECT_EQ(text.find('\r'), std::string::npos);
+}
+
+TEST(ProgressPrinter, OnATerminalItRewritesOneLineAndKeepsOthers) {
+  std::ostringstream out;
+  ProgressPrinter printer(out, true);
+  printer.show_now(half_way());
+  printer.line("frame 7: damaged");
+  printer.show_now(half_way());
+  const std::string line = format_progress(half_way());
+  EXPECT_EQ(out.str(), line + "\r\033[Kframe 7: damaged\n" + line);
+}
+
+}  // namespace
+}  // namespace hermite
