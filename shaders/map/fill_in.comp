@@ -15,12 +15,12 @@ layout(scalar, binding = 5) buffer Depth { float depth_m[]; };
 layout(scalar, binding = 6) buffer Normals { vec4 normal_weight[]; };
 layout(scalar, binding = 7) buffer Curvatures { vec2 curvatures[]; };
 layout(scalar, binding = 8) buffer Intensity { float intensity[]; };
-layout(scalar, binding = 9) readonly buffer State { MapState state; };
+layout(scalar, binding = 9) readonly buffer Covered { uint covered_count; };
 layout(scalar, push_constant) uniform Push { FillInParams p; };
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
-  if (i >= p.camera.width * p.camera.height || state.covered_count >= p.covered_below) return;
+  if (i >= p.camera.width * p.camera.height || covered_count >= p.covered_below) return;
   if (depth_m[i] > 0.0 || frame_depth_m[i] <= 0.0) return;
   depth_m[i] = frame_depth_m[i];
   normal_weight[i] = vec4(frame_normal_radius[i].xyz, tracking_weight(frame_curvatures[i], frame_confidence[i] * p.confidence_scale,

@@ -18,7 +18,7 @@ layout(scalar, binding = 4) writeonly buffer Depth { float depth_m[]; };
 layout(scalar, binding = 5) writeonly buffer Normals { vec4 normal_weight[]; };
 layout(scalar, binding = 6) writeonly buffer Curvatures { vec2 curvatures[]; };
 layout(scalar, binding = 7) writeonly buffer Intensity { float intensity[]; };
-layout(scalar, binding = 8) buffer State { MapState state; };
+layout(scalar, binding = 8) buffer Covered { uint covered_count; };
 layout(scalar, push_constant) uniform Push { PredictParams p; };
 
 const uint kNone = 0xffffffffu;
@@ -168,5 +168,5 @@ void main() {
   normal_weight[index] = vec4(normal, tracking_weight(kappa, position_confidence[slot].w * p.confidence_scale, p.curvature_lambda_per_m, z));
   curvatures[index] = kappa;
   intensity[index] = grey(surfel_color(a));
-  atomicAdd(state.covered_count, 1u);
+  atomicAdd(covered_count, 1u);
 }

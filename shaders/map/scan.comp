@@ -28,6 +28,7 @@ void main() {
   if (p.ends_frame != 0u) {
     state.slot_count += state.new_count > state.free_count ? state.new_count - state.free_count : 0u;
     state.free_count = offset;
+    state.new_count = 0u;
   } else {
     state.new_count = offset;
   }

@@ -35,6 +35,10 @@ struct IntensityParams {
   Intrinsics camera;
 };
 
+struct GradientParams {
+  uint width, height;
+};
+
 struct DownsampleParams {
   uint width, height;  // of the coarser level
   uint fine_width;

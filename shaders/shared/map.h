@@ -21,8 +21,7 @@ struct SurfelAttributes {
 struct MapState {
   uint slot_count;   // slots in use or free below this
   uint free_count;   // of these, free ones (listed in order)
-  uint new_count;    // appended by the last fusion
-  uint covered_count; // pixels that the last prediction reached
+  uint new_count;    // being appended; 0 between frames
 };
 
 struct IndexParams {

@@ -11,7 +11,7 @@ namespace hermite::shared {
 // Sums of one workgroup; the host adds the groups in order, in double precision.
 #define HERMITE_ODOMETRY_GROUPS 128
 #define HERMITE_ODOMETRY_GROUP_SIZE 64
-#define HERMITE_ODOMETRY_TERMS 31   // 21 of H (upper triangle by rows), 6 of b, geometric error and count, photometric error and count
+#define HERMITE_ODOMETRY_TERMS 32   // 21 of H (upper triangle by rows), 6 of b, geometric error and count, photometric error and count, pixels with a surface
 #define HERMITE_ROTATION_TERMS 11   // 6 of H, 3 of b, error, count
 
 struct OdometryParams {
@@ -30,10 +30,6 @@ struct OdometryParams {
 struct RotationParams {
   Transform current_from_previous;  // rotation only
   Intrinsics camera;
-};
-
-struct GradientParams {
-  uint width, height;
 };
 
 #ifdef __cplusplus

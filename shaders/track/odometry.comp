@@ -112,6 +112,7 @@ void main() {
     uint i = uint(pixel.y) * p.camera.width + uint(pixel.x);
     float z = depth_m[i];
     if (z <= 0.0) continue;
+    sums[31] += 1.0;
     vec3 s = transform_point(p.reference_from_camera, pixel_ray(p.camera, vec2(pixel)) * z);
     if (s.z < 0.05) continue;
     vec2 uv = project(p.camera, s);

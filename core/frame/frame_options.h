@@ -1,0 +1,19 @@
+// How a depth frame becomes surface maps. Values; each has its key and reason in core/pipeline/options.cpp.
+#pragma once
+
+namespace hermite {
+
+struct FrameOptions {
+  double depth_min_m = 0.3;
+  double depth_max_m = 5.0;
+  double bilateral_sigma_space_px = 4.5;
+  double bilateral_sigma_depth_m = 0.03;
+  double support_radius_scale = 4.0;
+  double depth_gate_m = 0.1;
+  double curvature_limit_per_m = 300;
+  double confidence_epsilon = 1000;
+  bool hrbf_confidence = true;
+  bool project_to_surface = true;
+};
+
+}  // namespace hermite

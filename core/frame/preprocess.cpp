@@ -1,0 +1,76 @@
+#include "core/frame/preprocess.h"
+
+#include <cstring>
+
+namespace hermite {
+
+namespace {
+
+FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera) {
+  const std::size_t pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+  FrameMaps maps{{device, pixels, "frame"}, {device, pixels, "frame"}, {device, pixels, "frame"},
+                 {device, pixels, "frame"}, {device, pixels, "frame"}, make_surface_pyramid(device, camera, "frame"), {}};
+  for (std::size_t level = 0; level < maps.gradients.size(); ++level)
+    maps.gradients[level] = {device, maps.surface.levels[level].intensity.count(), "frame"};
+  return maps;
+}
+
+float squash(double sigma) { return static_cast<float>(1.0 / (2.0 * sigma * sigma)); }
+
+}  // namespace
+
+Preprocessor::Preprocessor(gpu::Device& device, const Camera& camera, const FrameOptions& options)
+    : camera_(camera),
+      options_(options),
+      bilateral_(device, "frame/bilateral"),
+      normals_(device, "frame/normals"),
+      surface_(device, "frame/surface"),
+      intensity_(device, "frame/intensity"),
+      gradient_(device, "frame/gradient"),
+      downsample_(device, "frame/downsample"),
+      units_(device, (static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height) + 1) / 2, "frame"),
+      maps_(make_frame_maps(device, camera)) {}
+
+void Preprocessor::upload(const RgbdFrame& frame) {
+  staging_.assign(units_.count(), 0);
+  std::memcpy(staging_.data(), frame.depth.pixels.data(), frame.depth.pixels.size() * sizeof(std::uint16_t));
+  units_.upload(staging_);
+  staging_.resize(frame.color.pixels.size());
+  for (std::size_t i = 0; i < staging_.size(); ++i) {
+    const Rgb8 c = frame.color.pixels[i];
+    staging_[i] = static_cast<shared::uint>(c.r | (c.g << 8) | (c.b << 16));
+  }
+  maps_.color.upload(staging_);
+}
+
+const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& frame) {
+  upload(frame);
+  const shared::Intrinsics camera = maps_.surface.levels[0].camera;
+  const gpu::Threads image{camera.width, camera.height};
+  SurfaceLevel& surface = maps_.surface.levels[0];
+  const float depth_gate_m = static_cast<float>(options_.depth_gate_m);
+
+  commands.dispatch(bilateral_, image,
+                    shared::BilateralParams{camera, static_cast<float>(1.0 / camera_.depth_units_per_metre),
+                                            static_cast<float>(options_.depth_min_m), static_cast<float>(options_.depth_max_m),
+                                            squash(options_.bilateral_sigma_space_px), squash(options_.bilateral_sigma_depth_m)},
+                    {units_, maps_.raw_depth_m, maps_.filtered_depth_m});
+  commands.dispatch(normals_, image, shared::NormalParams{camera, static_cast<float>(options_.support_radius_scale), 0.5f * depth_gate_m},
+                    {maps_.filtered_depth_m, maps_.first_normals});
+  commands.dispatch(surface_, image,
+                    shared::SurfaceParams{camera, depth_gate_m, static_cast<float>(options_.confidence_epsilon),
+                                          static_cast<float>(options_.curvature_limit_per_m), options_.hrbf_confidence ? 1u : 0u,
+                                          options_.project_to_surface ? 1u : 0u},
+                    {maps_.filtered_depth_m, maps_.first_normals, surface.depth_m, surface.normals, surface.curvatures, maps_.confidence});
+  commands.dispatch(intensity_, {camera.width * camera.height}, shared::IntensityParams{camera}, {maps_.color, surface.intensity});
+  downsample(commands, downsample_, maps_.surface, 0.5 * options_.depth_gate_m);
+  for (std::size_t level = 0; level < maps_.gradients.size(); ++level) {
+    const SurfaceLevel& image_level = maps_.surface.levels[level];
+    commands.dispatch(gradient_, {image_level.camera.width, image_level.camera.height},
+                      shared::GradientParams{image_level.camera.width, image_level.camera.height},
+                      {image_level.intensity, maps_.gradients[level]});
+  }
+  return maps_;
+}
+
+}  // namespace hermite

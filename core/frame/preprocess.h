@@ -1,0 +1,45 @@
+// From a sensor frame to frame maps: filtered depth, the HRBF surface with normals, curvatures and confidence, and grey images
+// (paper section 3.2 to 3.4).
+#pragma once
+
+#include <array>
+
+#include "core/frame/frame_options.h"
+#include "core/frame/rgbd_frame.h"
+#include "core/frame/surface_pyramid.h"
+
+namespace hermite {
+
+struct FrameMaps {
+  gpu::Buffer<float> raw_depth_m;       // as measured, inside the range
+  gpu::Buffer<float> filtered_depth_m;  // after the bilateral filter
+  gpu::Buffer<shared::vec4> first_normals;  // central differences and support radius
+  gpu::Buffer<float> confidence;        // c = c_r c_d, 0 to 1
+  gpu::Buffer<shared::uint> color;      // r | g << 8 | b << 16
+  SurfacePyramid surface;               // normals.w is the support radius [m]
+  std::array<gpu::Buffer<shared::vec2>, kPyramidLevels> gradients;  // grey values per pixel
+};
+
+// Owns the maps of the current frame. One thread at a time: the device's.
+class Preprocessor {
+ public:
+  Preprocessor(gpu::Device& device, const Camera& camera, const FrameOptions& options);
+
+  // Uploads the frame (same size as the camera, checked by the caller) and records the passes; the maps are valid once `commands` has run.
+  const FrameMaps& run(gpu::Commands& commands, const RgbdFrame& frame);
+
+  const FrameMaps& maps() const { return maps_; }
+  const gpu::Kernel& downsample_kernel() const { return downsample_; }
+
+ private:
+  void upload(const RgbdFrame& frame);
+
+  const Camera camera_;
+  const FrameOptions options_;
+  gpu::Kernel bilateral_, normals_, surface_, intensity_, gradient_, downsample_;
+  gpu::Buffer<shared::uint> units_;  // two 16-bit depths a word
+  std::vector<shared::uint> staging_;
+  FrameMaps maps_;
+};
+
+}  // namespace hermite

@@ -1,0 +1,38 @@
+// A surface as seen from one pose, at three resolutions: what the odometry compares, of a frame or of the map's prediction.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "core/gpu/buffer.h"
+#include "core/gpu/commands.h"
+#include "core/gpu/kernel.h"
+#include "core/math/camera.h"
+#include "shaders/shared/frame.h"
+
+namespace hermite {
+
+inline constexpr int kPyramidLevels = 3;
+
+// Camera of a pyramid level: the centre of a coarse pixel is the centre of the 2x2 finer ones.
+shared::Intrinsics intrinsics_of_level(const Camera& camera, int level);
+
+// Row major, camera.width * camera.height entries each. Empty pixels have depth 0, a zero normal and, where there is no colour, intensity -1.
+struct SurfaceLevel {
+  shared::Intrinsics camera;
+  gpu::Buffer<float> depth_m;              // z along the pixel's ray
+  gpu::Buffer<shared::vec4> normals;       // unit, camera frame, away from the camera; w: support radius [m] or tracking weight
+  gpu::Buffer<shared::vec2> curvatures;    // max, min [1/m]
+  gpu::Buffer<float> intensity;            // grey, 0 to 255
+};
+
+struct SurfacePyramid {
+  std::array<SurfaceLevel, kPyramidLevels> levels;
+};
+
+SurfacePyramid make_surface_pyramid(gpu::Device& device, const Camera& camera, const std::string& purpose);
+
+// Records the passes that fill levels 1 and 2 from level 0.
+void downsample(gpu::Commands& commands, const gpu::Kernel& kernel, SurfacePyramid& pyramid, double depth_gate_m);
+
+}  // namespace hermite

@@ -1,0 +1,27 @@
+// Which surfel is nearest in every pixel of a view. Built by two passes of integer minima: deterministic.
+#pragma once
+
+#include "core/gpu/kernel.h"
+#include "core/map/surfel_store.h"
+
+namespace hermite {
+
+inline constexpr shared::uint kNoSurfel = 0xffffffffu;
+
+class IndexMap {
+ public:
+  IndexMap(gpu::Device& device, const shared::Intrinsics& camera);
+
+  // Records the passes: surfels of at least `min_confidence` (and alive), as seen by the camera that the store was set to, at most depth_max_m away.
+  // `slot_count` bounds the slots looked at.
+  void build(gpu::Commands& commands, const SurfelStore& store, std::uint32_t slot_count, double min_confidence);
+
+  const gpu::Buffer<shared::uint>& slots() const { return ids_; }  // by pixel, kNoSurfel where there is none
+
+ private:
+  const shared::Intrinsics camera_;
+  gpu::Kernel depth_kernel_, id_kernel_;
+  gpu::Buffer<shared::uint> depth_bits_, ids_;
+};
+
+}  // namespace hermite

@@ -1,0 +1,24 @@
+// How the map predicts, fuses and forgets. Values; each has its key and reason in core/pipeline/options.cpp.
+#pragma once
+
+namespace hermite {
+
+struct MapOptions {
+  double stable_confidence = 3.0;
+  double max_confidence = 100.0;
+  bool hrbf_prediction = true;
+  bool correct_bias = true;
+  int window = 7;
+  double curvature_lambda_per_m = 10.0;
+  double confidence_scale = 1.0 / 256.0;
+  int min_support = 7;
+  int max_iterations = 5;
+  double fill_in_below = 0.75;
+  double fuse_depth_gate_m = 0.05;
+  double fuse_normal_gate_rad = 0.5;
+  bool fuse_surface = false;
+  int max_unstable_age_frames = 200;
+  double redundancy_depth_m = 0.01;
+};
+
+}  // namespace hermite

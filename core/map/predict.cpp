@@ -1,0 +1,33 @@
+#include "core/map/predict.h"
+
+namespace hermite {
+
+Predictor::Predictor(gpu::Device& device, const Camera& camera, const MapOptions& options)
+    : options_(options),
+      predict_(device, "map/predict", {static_cast<std::uint32_t>(options.window / 2)}),
+      fill_in_(device, "map/fill_in"),
+      covered_pixel_count_(device, 1, "prediction"),
+      surface_(make_surface_pyramid(device, camera, "prediction")) {}
+
+void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const FrameMaps& frame) {
+  SurfaceLevel& out = surface_.levels[0];
+  const SurfaceLevel& own = frame.surface.levels[0];
+  const float lambda_per_m = static_cast<float>(options_.curvature_lambda_per_m);
+  const float confidence_scale = static_cast<float>(options_.confidence_scale);
+  const shared::uint pixels = out.camera.width * out.camera.height;
+
+  commands.fill(covered_pixel_count_, 0);
+  commands.dispatch(predict_, {out.camera.width, out.camera.height},
+                    shared::PredictParams{out.camera, lambda_per_m, confidence_scale, static_cast<shared::uint>(options_.min_support),
+                                          static_cast<shared::uint>(options_.max_iterations), options_.correct_bias ? 1u : 0u,
+                                          options_.hrbf_prediction ? 1u : 0u},
+                    {store.positions, store.attributes, store.camera_from_submap, stable.slots(), out.depth_m, out.normals, out.curvatures,
+                     out.intensity, covered_pixel_count_});
+  commands.dispatch(fill_in_, {pixels},
+                    shared::FillInParams{out.camera, lambda_per_m, confidence_scale,
+                                         static_cast<shared::uint>(options_.fill_in_below * static_cast<double>(pixels))},
+                    {own.depth_m, own.normals, own.curvatures, own.intensity, frame.confidence, out.depth_m, out.normals, out.curvatures,
+                     out.intensity, covered_pixel_count_});
+}
+
+}  // namespace hermite

@@ -1,0 +1,29 @@
+// The surface that the map predicts for a pose, with a pyramid for the odometry (paper section 3.1).
+#pragma once
+
+#include "core/frame/preprocess.h"
+#include "core/map/index_map.h"
+#include "core/map/map_options.h"
+
+namespace hermite {
+
+class Predictor {
+ public:
+  Predictor(gpu::Device& device, const Camera& camera, const MapOptions& options);
+
+  // Records the prediction from an index map of stable surfels, for the camera the store was set to. Where the map covers less than
+  // options.fill_in_below of the view, the surface of `frame` (seen from the same pose) stands in.
+  void run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const FrameMaps& frame);
+
+  // normals.w is the tracking weight; intensity -1 where there is no colour. `downsample` must be recorded by the caller for levels 1 and 2.
+  SurfacePyramid& surface() { return surface_; }
+  const SurfacePyramid& surface() const { return surface_; }
+
+ private:
+  const MapOptions options_;
+  gpu::Kernel predict_, fill_in_;
+  gpu::Buffer<shared::uint> covered_pixel_count_;
+  SurfacePyramid surface_;
+};
+
+}  // namespace hermite

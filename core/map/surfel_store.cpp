@@ -1,0 +1,104 @@
+#include "core/map/surfel_store.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace hermite {
+
+namespace {
+
+constexpr std::uint32_t kFirstCapacity = 1u << 19;
+
+// The IEEE half as GLSL's unpackHalf2x16 reads it.
+float half_to_float(std::uint32_t half) {
+  const std::uint32_t exponent = (half >> 10) & 31u, mantissa = half & 1023u;
+  const float magnitude = exponent == 0 ? std::ldexp(static_cast<float>(mantissa), -24)
+                                        : std::ldexp(static_cast<float>(mantissa | 1024u), static_cast<int>(exponent) - 25);
+  return (half & 0x8000u) != 0 ? -magnitude : magnitude;
+}
+
+// The octahedral code of shaders/lib/geometry.glsl.
+Eigen::Vector3f unpack_unit(std::uint32_t packed) {
+  const auto snorm = [](std::uint32_t bits) {
+    return std::clamp(static_cast<float>(static_cast<std::int16_t>(bits & 0xffffu)) / 32767.0f, -1.0f, 1.0f);
+  };
+  const float x = snorm(packed), y = snorm(packed >> 16);
+  Eigen::Vector3f n(x, y, 1.0f - std::abs(x) - std::abs(y));
+  if (n.z() < 0) {
+    n.x() = (1.0f - std::abs(y)) * (x >= 0 ? 1.0f : -1.0f);
+    n.y() = (1.0f - std::abs(x)) * (y >= 0 ? 1.0f : -1.0f);
+  }
+  return n.normalized();
+}
+
+Surfel unpack(const shared::vec4& p, const shared::SurfelAttributes& a, const shared::uvec2& t) {
+  Surfel s;
+  s.position_in_submap_m = {p.x, p.y, p.z};
+  s.normal_in_submap = unpack_unit(a.normal);
+  s.radius_m = half_to_float(a.radius_submap & 0xffffu);
+  s.confidence = p.w;
+  s.curvature_max_per_m = half_to_float(a.curvatures & 0xffffu);
+  s.curvature_min_per_m = half_to_float(a.curvatures >> 16);
+  s.r = static_cast<std::uint8_t>(a.color & 255u);
+  s.g = static_cast<std::uint8_t>((a.color >> 8) & 255u);
+  s.b = static_cast<std::uint8_t>((a.color >> 16) & 255u);
+  s.submap = a.radius_submap >> 16;
+  s.created_frame = t.x;
+  s.observed_frame = t.y;
+  return s;
+}
+
+// A larger buffer with the old content in front.
+template <class T>
+void grow(gpu::Device& device, gpu::Buffer<T>& buffer, std::size_t count) {
+  gpu::Buffer<T> larger(device, count, "map");
+  if (buffer.count() > 0) {
+    gpu::Commands commands(device);
+    commands.copy(buffer, larger, buffer.bytes());
+    commands.submit_and_wait();
+  }
+  buffer = std::move(larger);
+}
+
+}  // namespace
+
+shared::Transform to_shared(const Rigid3& target_from_source) {
+  const Eigen::Matrix<float, 3, 4> m = target_from_source.matrix().topRows<3>().cast<float>();
+  const auto row = [&m](int i) { return shared::vec4{m(i, 0), m(i, 1), m(i, 2), m(i, 3)}; };
+  return {row(0), row(1), row(2)};
+}
+
+SurfelStore::SurfelStore(gpu::Device& device)
+    : state(device, 1, "map", gpu::Memory::kReadback), camera_from_submap(device, 1, "map"), device_(device), world_from_submap_(1) {
+  reserve(kFirstCapacity);
+}
+
+void SurfelStore::reserve(std::uint32_t additional) {
+  const std::uint32_t wanted = slot_count() + additional;
+  if (wanted <= capacity_) return;
+  const std::uint32_t capacity = std::max(wanted, capacity_ + capacity_ / 2);
+  grow(device_, positions, capacity);
+  grow(device_, attributes, capacity);
+  grow(device_, times, capacity);
+  grow(device_, free_slots, capacity);
+  group_counts = gpu::Buffer<shared::uint>(device_, capacity / 256 + 1, "map");
+  capacity_ = capacity;
+}
+
+void SurfelStore::set_camera(const Rigid3& world_from_camera) {
+  std::vector<shared::Transform> transforms;
+  for (const Rigid3& pose : world_from_submap_) transforms.push_back(to_shared(inverse(world_from_camera) * pose));
+  camera_from_submap.upload(transforms);
+}
+
+std::vector<Surfel> SurfelStore::download() const {
+  const std::vector<shared::vec4> p = positions.download(slot_count());
+  const std::vector<shared::SurfelAttributes> a = attributes.download(slot_count());
+  const std::vector<shared::uvec2> t = times.download(slot_count());
+  std::vector<Surfel> surfels(p.size());
+  for (std::size_t i = 0; i < p.size(); ++i) surfels[i] = unpack(p[i], a[i], t[i]);
+  return surfels;
+}
+
+}  // namespace hermite

@@ -1,0 +1,64 @@
+// The surfels of a map in GPU memory: three arrays of 40 bytes a slot in all, a list of free slots, and the poses of submaps.
+//
+// A surfel's position and normal are in the frame of its submap. A slot keeps its number while its surfel lives and is used again afterwards.
+// One thread at a time: the device's.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/gpu/buffer.h"
+#include "core/gpu/commands.h"
+#include "core/math/rigid3.h"
+#include "shaders/shared/map.h"
+
+namespace hermite {
+
+struct Surfel {
+  Eigen::Vector3f position_in_submap_m;
+  Eigen::Vector3f normal_in_submap;  // unit, away from the camera that saw it
+  float radius_m = 0;
+  float confidence = 0;  // 0: the slot is free
+  float curvature_max_per_m = 0, curvature_min_per_m = 0;
+  std::uint8_t r = 0, g = 0, b = 0;
+  std::uint32_t submap = 0;
+  std::uint32_t created_frame = 0, observed_frame = 0;
+};
+
+shared::Transform to_shared(const Rigid3& target_from_source);
+
+class SurfelStore {
+ public:
+  explicit SurfelStore(gpu::Device& device);
+
+  // Room for `additional` more slots; grows by half, keeping the content. Throws gpu::DeviceError when the device has no more.
+  void reserve(std::uint32_t additional);
+
+  // Poses seen by the next passes.
+  void set_camera(const Rigid3& world_from_camera);
+
+  std::uint32_t slot_count() const { return counters().slot_count; }
+  std::uint32_t alive_count() const { return counters().slot_count - counters().free_count; }
+  std::uint32_t capacity() const { return capacity_; }
+  const std::vector<Rigid3>& world_from_submap() const { return world_from_submap_; }
+
+  // Slots below slot_count(), free ones too.
+  std::vector<Surfel> download() const;
+
+  gpu::Buffer<shared::vec4> positions;
+  gpu::Buffer<shared::SurfelAttributes> attributes;
+  gpu::Buffer<shared::uvec2> times;
+  gpu::Buffer<shared::uint> free_slots;
+  gpu::Buffer<shared::uint> group_counts;  // scratch of the prefix sums, one entry for every 256 slots or pixels
+  gpu::Buffer<shared::MapState> state;     // valid on the host between frames
+  gpu::Buffer<shared::Transform> camera_from_submap;
+
+ private:
+  shared::MapState counters() const { return state.mapped()[0]; }
+
+  gpu::Device& device_;
+  std::uint32_t capacity_ = 0;
+  std::vector<Rigid3> world_from_submap_;
+};
+
+}  // namespace hermite

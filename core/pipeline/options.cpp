@@ -1,0 +1,129 @@
+#include "core/pipeline/options.h"
+
+#include <charconv>
+#include <functional>
+#include <sstream>
+#include <variant>
+
+namespace hermite {
+
+namespace {
+
+using Field = std::variant<double*, int*, bool*>;
+
+struct Row {
+  const char* key;
+  std::function<Field(Options&)> field;
+  double low, high;  // of numbers, inclusive
+  const char* description;
+};
+
+template <class Group, class Value>
+std::function<Field(Options&)> member(Group Options::*group, Value Group::*value) {
+  return [group, value](Options& options) -> Field { return &(options.*group.*value); };
+}
+
+const std::vector<Row>& rows() {
+  using F = FrameOptions;
+  using M = MapOptions;
+  using T = TrackOptions;
+  const auto f = [](auto value) { return member(&Options::frame, value); };
+  const auto m = [](auto value) { return member(&Options::map, value); };
+  const auto t = [](auto value) { return member(&Options::track, value); };
+  static const std::vector<Row> table{
+      {"frame.depth_min_m", f(&F::depth_min_m), 0.05, 5, "nearer measurements are ignored [m]"},
+      {"frame.depth_max_m", f(&F::depth_max_m), 0.5, 20, "farther measurements are ignored [m]"},
+      {"frame.bilateral_sigma_space_px", f(&F::bilateral_sigma_space_px), 0.1, 20, "bilateral filter: width over the image [px]"},
+      {"frame.bilateral_sigma_depth_m", f(&F::bilateral_sigma_depth_m), 1e-4, 1, "bilateral filter: width over depth [m]"},
+      {"frame.support_radius_scale", f(&F::support_radius_scale), 1, 10, "support radius of a kernel in pixel diagonals"},
+      {"frame.depth_gate_m", f(&F::depth_gate_m), 0.01, 1, "pixels further apart in depth are on different surfaces [m]"},
+      {"frame.curvature_limit_per_m", f(&F::curvature_limit_per_m), 10, 1e4, "larger curvatures are not believed [1/m]"},
+      {"frame.hrbf_confidence", f(&F::hrbf_confidence), 0, 1, "confidence from the HRBF gradient times lens distortion, or distortion only"},
+      {"frame.confidence_epsilon", f(&F::confidence_epsilon), 1, 1e5, "HRBF confidence exp(-epsilon / sqrt(gradient))"},
+      {"frame.project_to_surface", f(&F::project_to_surface), 0, 1, "move vertices onto the frame's own HRBF surface"},
+      {"track.rotation_prealignment", t(&T::rotation_prealignment), 0, 1, "start from the rotation that aligns the grey images"},
+      {"track.geometric_weight", t(&T::geometric_weight), 0, 1e9, "weight of the geometric beside the photometric term"},
+      {"track.photometric_sigma", t(&T::photometric_sigma), 1, 1e4, "softening of photometric residuals [grey values]"},
+      {"track.distance_gate_m", t(&T::distance_gate_m), 0.005, 1, "farther points do not correspond [m]"},
+      {"track.normal_gate_deg", t(&T::normal_gate_deg), 1, 90, "points with normals further apart do not correspond [deg]"},
+      {"track.photometric_depth_gate_m", t(&T::photometric_depth_gate_m), 0.005, 1, "photometric pairs agree in depth to this [m]"},
+      {"track.dissimilarity_search", t(&T::dissimilarity_search), 0, 1, "5x5 dissimilarity search, or projective association only"},
+      {"track.max_iterations_coarse", t(&T::max_iterations_coarse), 1, 100, "Gauss-Newton steps at a quarter of the resolution"},
+      {"track.max_iterations_middle", t(&T::max_iterations_middle), 1, 100, "Gauss-Newton steps at half the resolution"},
+      {"track.max_iterations_fine", t(&T::max_iterations_fine), 1, 100, "Gauss-Newton steps at full resolution"},
+      {"track.max_step_m", t(&T::max_step_m), 0.01, 10, "a larger motion between frames is not believed [m]"},
+      {"track.min_surface_ratio", t(&T::min_surface_ratio), 0, 1, "with depth in a smaller share of the pixels the camera is lost"},
+      {"track.min_inlier_ratio", t(&T::min_inlier_ratio), 0, 1, "with a smaller share of matching pixels the camera is lost"},
+      {"map.stable_confidence", m(&M::stable_confidence), 0, 100, "surfels of at least this confidence are stable"},
+      {"map.max_confidence", m(&M::max_confidence), 1, 1e6, "cap that lets old surfels move"},
+      {"map.hrbf_prediction", m(&M::hrbf_prediction), 0, 1, "predict by HRBF ray intersection, or by surfel splatting"},
+      {"map.correct_bias", m(&M::correct_bias), 0, 1, "remove the outward bias of the zero set on curved surfaces"},
+      {"map.window", m(&M::window), 5, 9, "side of the window of kernels (5, 7 or 9) [px]"},
+      {"map.curvature_lambda_per_m", m(&M::curvature_lambda_per_m), 0, 1e3, "curvature at which tracking weight rises [1/m]"},
+      {"map.confidence_scale", m(&M::confidence_scale), 0, 1, "share of surfel confidence in the tracking weight"},
+      {"map.min_support", m(&M::min_support), 1, 49, "kernels that must support a predicted point"},
+      {"map.max_iterations", m(&M::max_iterations), 1, 50, "steps along the ray"},
+      {"map.fill_in_below", m(&M::fill_in_below), 0, 1.01, "coverage below which the frame's own surface completes the prediction"},
+      {"map.fuse_depth_gate_m", m(&M::fuse_depth_gate_m), 0.005, 1, "a measurement and its surfel agree to this along the ray [m]"},
+      {"map.fuse_normal_gate_rad", m(&M::fuse_normal_gate_rad), 0.01, 3.2, "and to this in the normal [rad]"},
+      {"map.fuse_surface", m(&M::fuse_surface), 0, 1, "fuse points of the HRBF surface, or raw depth"},
+      {"map.max_unstable_age_frames", m(&M::max_unstable_age_frames), 1, 1e6, "unstable surfels not seen for longer are removed [frames]"},
+      {"map.redundancy_depth_m", m(&M::redundancy_depth_m), 0.001, 0.1, "surfels this close before an older surface are redundant [m]"},
+      {"output.unstable", [](Options& o) -> Field { return &o.output_unstable; }, 0, 1, "export surfels that are not stable too"},
+  };
+  return table;
+}
+
+std::string to_text(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+std::string text_of(const Field& field) {
+  if (const auto* flag = std::get_if<bool*>(&field)) return **flag ? "true" : "false";
+  if (const auto* number = std::get_if<int*>(&field)) return std::to_string(**number);
+  return to_text(*std::get<double*>(field));
+}
+
+bool parse_number(const std::string& text, double& number) {
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc() && stop == end;
+}
+
+}  // namespace
+
+std::vector<Setting> list_settings(const Options& options) {
+  Options copy = options;
+  std::vector<Setting> settings;
+  for (const Row& row : rows()) settings.push_back({row.key, text_of(row.field(copy)), row.description});
+  return settings;
+}
+
+Status apply_setting(Options& options, const std::string& key, const std::string& value) {
+  for (const Row& row : rows()) {
+    if (key != row.key) continue;
+    const Field field = row.field(options);
+    if (auto* const* flag = std::get_if<bool*>(&field)) {
+      if (value != "true" && value != "false" && value != "1" && value != "0")
+        return Error{ErrorCode::kInvalidArgument, "setting " + key + " is '" + value + "', allowed is true or false"};
+      **flag = value == "true" || value == "1";
+      return Done{};
+    }
+    double number = 0;
+    const bool whole = std::holds_alternative<int*>(field);
+    // Written so that NaN fails too.
+    if (!parse_number(value, number) || !(number >= row.low && number <= row.high) || (whole && number != static_cast<int>(number)))
+      return Error{ErrorCode::kInvalidArgument, "setting " + key + " is '" + value + "', allowed is " + (whole ? "a whole number " : "") +
+                                                    to_text(row.low) + " to " + to_text(row.high)};
+    if (whole)
+      *std::get<int*>(field) = static_cast<int>(number);
+    else
+      *std::get<double*>(field) = number;
+    return Done{};
+  }
+  return Error{ErrorCode::kNotFound, "there is no setting '" + key + "'; `hermite reconstruct --help` lists them"};
+}
+
+}  // namespace hermite

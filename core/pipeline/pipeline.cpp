@@ -1,0 +1,224 @@
+#include "core/pipeline/pipeline.h"
+
+#include <chrono>
+#include <optional>
+
+#include "core/frame/preprocess.h"
+#include "core/gpu/device.h"
+#include "core/map/fuse.h"
+#include "core/map/index_map.h"
+#include "core/map/predict.h"
+#include "core/map/surfel_store.h"
+#include "core/track/odometry.h"
+
+namespace hermite {
+
+namespace {
+
+CloudPoint to_cloud_point(const Surfel& surfel, const Rigid3& target_from_submap) {
+  CloudPoint point;
+  point.position_m = (target_from_submap * surfel.position_in_submap_m.cast<double>()).cast<float>();
+  // Inside, normals point away from the camera; outside, everybody expects them towards it.
+  point.normal = (target_from_submap.rotation * -surfel.normal_in_submap.cast<double>()).cast<float>();
+  point.color = {surfel.r, surfel.g, surfel.b};
+  point.confidence = surfel.confidence;
+  point.curvature_max_per_m = surfel.curvature_max_per_m;
+  point.curvature_min_per_m = surfel.curvature_min_per_m;
+  point.radius_m = surfel.radius_m;
+  point.submap = surfel.submap;
+  return point;
+}
+
+Error wrong_size(const RgbdFrame& frame, const Camera& camera) {
+  const auto size = [](int width, int height) { return std::to_string(width) + "x" + std::to_string(height); };
+  return {ErrorCode::kInvalidArgument, "the frame is " + size(frame.depth.width, frame.depth.height) + " depth and " +
+                                           size(frame.color.width, frame.color.height) + " colour, the camera " +
+                                           size(camera.width, camera.height)};
+}
+
+gpu::Device& checked(gpu::Device& device, const Camera& camera) {
+  const Status valid = validate(camera);
+  if (!valid.ok()) throw SetupError(valid.error());
+  return device;
+}
+
+}  // namespace
+
+const char* name_of(TrackingStatus status) { return status == TrackingStatus::kTracked ? "tracked" : "lost"; }
+
+struct Pipeline::Impl {
+  Impl(const std::string& device_choice, const Camera& camera_of_scan, const Options& options_of_scan)
+      : camera(camera_of_scan),
+        options(options_of_scan),
+        device(device_choice),
+        commands(checked(device, camera)),
+        preprocessor(device, camera, options.frame),
+        odometry(device, camera, options.track),
+        store(device),
+        index(device, intrinsics_of_level(camera, 0)),
+        fuser(device, camera, options.map, options.frame.curvature_limit_per_m),
+        predictor(device, camera, options.map) {}
+
+  FrameResult process(const RgbdFrame& frame);
+  OdometryResult track(const FrameMaps& maps);
+  void fuse(const FrameMaps& maps);
+  void predict(const FrameMaps& maps);
+  bool is_output(const Surfel& surfel) const {
+    return surfel.confidence >= (options.output_unstable ? 1e-6 : options.map.stable_confidence);
+  }
+
+  // Runs `work`, waits for the GPU, and books the wall clock time under `stage`.
+  template <class Work>
+  void timed(const char* stage, Work work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    commands.submit_and_wait();
+    stage_total_ms[stage] += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  }
+
+  const Camera camera;
+  const Options options;
+  gpu::Device device;
+  gpu::Commands commands;
+  Preprocessor preprocessor;
+  Odometry odometry;
+  SurfelStore store;
+  IndexMap index;
+  Fuser fuser;
+  Predictor predictor;
+
+  std::uint32_t frame_number = 0;  // of the map: frames fused so far, the first is 1
+  Rigid3 world_from_camera;        // of the last tracked frame; the prediction is seen from here
+  Trajectory trajectory;
+  std::int64_t tracked_frame_count = 0;
+  double total_ms = 0;
+  std::map<std::string, double> stage_total_ms;
+  std::uint32_t changes_since = 0;
+  std::vector<bool> published;  // by slot: take_changes() has reported it alive
+};
+
+OdometryResult Pipeline::Impl::track(const FrameMaps& maps) {
+  if (frame_number == 0) {
+    const bool starts = odometry.has_surface(maps, predictor.surface());
+    return {.tracked = starts, .reason = starts ? "" : "too few points: the depth camera sees almost nothing"};
+  }
+  Rigid3 guess;
+  if (options.track.rotation_prealignment) guess.rotation = odometry.align_rotation(maps).conjugate();
+  return odometry.track(maps, predictor.surface(), guess);
+}
+
+void Pipeline::Impl::fuse(const FrameMaps& maps) {
+  ++frame_number;
+  store.reserve(fuser.new_slots_bound(store));
+  store.set_camera(world_from_camera);
+  index.build(commands, store, store.slot_count(), 0);
+  fuser.fuse(commands, maps, store, index, frame_number);
+}
+
+void Pipeline::Impl::predict(const FrameMaps& maps) {
+  index.build(commands, store, store.slot_count() + fuser.new_slots_bound(store), options.map.stable_confidence);
+  fuser.clean(commands, store, index, frame_number);
+  predictor.run(commands, store, index, maps);
+  downsample(commands, preprocessor.downsample_kernel(), predictor.surface(), 0.5 * options.frame.depth_gate_m);
+  odometry.remember(commands, maps);
+}
+
+FrameResult Pipeline::Impl::process(const RgbdFrame& frame) {
+  const auto start = std::chrono::steady_clock::now();
+  FrameResult result;
+  result.frame_index = static_cast<std::int64_t>(trajectory.size());
+  result.timestamp_s = frame.timestamp_s;
+
+  timed("preprocess", [&] { preprocessor.run(commands, frame); });
+  const FrameMaps& maps = preprocessor.maps();
+  OdometryResult motion;
+  timed("track", [&] { motion = track(maps); });
+  if (motion.tracked) {
+    world_from_camera = world_from_camera * motion.reference_from_camera;
+    timed("fuse", [&] { fuse(maps); });
+    timed("predict", [&] { predict(maps); });
+    ++tracked_frame_count;
+  }
+
+  result.status = motion.tracked ? TrackingStatus::kTracked : TrackingStatus::kLost;
+  result.reason = motion.reason;
+  result.world_from_camera = world_from_camera;
+  result.inlier_count = motion.inlier_count;
+  result.inlier_ratio = motion.inlier_ratio;
+  result.residual_rms_m = motion.residual_rms_m;
+  result.surfel_count = store.alive_count();
+  trajectory.push_back({frame.timestamp_s, world_from_camera});
+  total_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+Pipeline::Pipeline(const std::string& device, const Camera& camera, const Options& options)
+    : impl_(std::make_unique<Impl>(device, camera, options)) {}
+Pipeline::~Pipeline() = default;
+
+Result<FrameResult> Pipeline::process(const RgbdFrame& frame) {
+  const Camera& camera = impl_->camera;
+  const auto fits = [&camera](int width, int height) { return width == camera.width && height == camera.height; };
+  if (!fits(frame.depth.width, frame.depth.height) || !fits(frame.color.width, frame.color.height)) return wrong_size(frame, camera);
+  try {
+    return impl_->process(frame);
+  } catch (const SetupError& error) {
+    return error.error();
+  }
+}
+
+const Trajectory& Pipeline::trajectory() const { return impl_->trajectory; }
+
+Result<Cloud> Pipeline::cloud() {
+  try {
+    Cloud cloud;
+    for (const Surfel& surfel : impl_->store.download())
+      if (impl_->is_output(surfel)) cloud.push_back(to_cloud_point(surfel, impl_->store.world_from_submap()[surfel.submap]));
+    return cloud;
+  } catch (const SetupError& error) {
+    return error.error();
+  }
+}
+
+Result<std::vector<SlotChange>> Pipeline::take_changes() {
+  Impl& impl = *impl_;
+  try {
+    std::vector<SlotChange> changes;
+    const std::vector<Surfel> surfels = impl.store.download();
+    impl.published.resize(surfels.size(), false);
+    for (std::size_t slot = 0; slot < surfels.size(); ++slot) {
+      const Surfel& surfel = surfels[slot];
+      if (surfel.observed_frame <= impl.changes_since) continue;
+      const bool alive = impl.is_output(surfel);
+      if (alive || impl.published[slot])
+        changes.push_back({static_cast<std::uint32_t>(slot), alive, alive ? to_cloud_point(surfel, Rigid3{}) : CloudPoint{}});
+      impl.published[slot] = alive;
+    }
+    impl.changes_since = impl.frame_number;
+    return changes;
+  } catch (const SetupError& error) {
+    return error.error();
+  }
+}
+
+std::vector<SubmapPose> Pipeline::submap_poses() const {
+  std::vector<SubmapPose> poses;
+  for (const Rigid3& pose : impl_->store.world_from_submap()) poses.push_back({static_cast<std::uint32_t>(poses.size()), pose});
+  return poses;
+}
+
+PipelineStatistics Pipeline::statistics() const {
+  const Impl& impl = *impl_;
+  PipelineStatistics statistics;
+  statistics.frame_count = static_cast<std::int64_t>(impl.trajectory.size());
+  statistics.tracked_frame_count = impl.tracked_frame_count;
+  statistics.surfel_count = impl.store.alive_count();
+  const double frames = static_cast<double>(std::max<std::size_t>(impl.trajectory.size(), 1));
+  statistics.mean_frame_ms = impl.total_ms / frames;
+  for (const auto& [stage, ms] : impl.stage_total_ms) statistics.stages_ms[stage] = ms / frames;
+  statistics.gpu_memory_bytes = impl.device.memory_by_purpose();
+  statistics.device = impl.device.info().name;
+  return statistics;
+}
+
+}  // namespace hermite

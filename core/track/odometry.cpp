@@ -1,0 +1,159 @@
+#include "core/track/odometry.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "core/map/surfel_store.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr int kGroups = HERMITE_ODOMETRY_GROUPS;
+constexpr int kThreads = HERMITE_ODOMETRY_GROUPS * HERMITE_ODOMETRY_GROUP_SIZE;
+constexpr int kTerms = HERMITE_ODOMETRY_TERMS;
+constexpr int kRotationTerms = HERMITE_ROTATION_TERMS;
+
+// Smaller steps than this are far below the noise of any depth camera: 0.01 mm and 0.0006 degrees at full resolution.
+constexpr double kConverged_m = 1e-5, kConverged_rad = 1e-5;
+
+// The smallest image gradient that says where a pixel is, in grey values per pixel and level (reference notes 3.5).
+constexpr float kGradientMin[kPyramidLevels] = {5, 3, 1};
+
+// Sums of all workgroups, in order.
+template <int N>
+Eigen::Matrix<double, N, 1> total(std::span<const float> partial_sums) {
+  Eigen::Matrix<double, N, 1> sums = Eigen::Matrix<double, N, 1>::Zero();
+  for (int group = 0; group < kGroups; ++group)
+    for (int term = 0; term < N; ++term) sums[term] += static_cast<double>(partial_sums[static_cast<std::size_t>(group * N + term)]);
+  return sums;
+}
+
+template <int N, int Terms>
+Eigen::Matrix<double, N, N> symmetric(const Eigen::Matrix<double, Terms, 1>& sums) {
+  Eigen::Matrix<double, N, N> matrix;
+  int k = 0;
+  for (int i = 0; i < N; ++i)
+    for (int j = i; j < N; ++j) matrix(i, j) = matrix(j, i) = sums[k++];
+  return matrix;
+}
+
+}  // namespace
+
+struct Odometry::Sums {
+  Matrix6d hessian;
+  Vector6d gradient;  // right-hand side: hessian * step = gradient
+  double geometric_error_m2 = 0, geometric_count = 0, photometric_count = 0, surface_count = 0, pixel_count = 0;
+};
+
+Odometry::Odometry(gpu::Device& device, const Camera& camera, const TrackOptions& options)
+    : options_(options),
+      odometry_(device, "track/odometry"),
+      rotation_(device, "track/rotation"),
+      commands_(device),
+      partial_sums_(device, static_cast<std::size_t>(kGroups * kTerms), "odometry", gpu::Memory::kReadback),
+      previous_intensity_(device, static_cast<std::size_t>(camera.width >> 2) * static_cast<std::size_t>(camera.height >> 2), "odometry") {}
+
+Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, int level, bool search) {
+  const auto l = static_cast<std::size_t>(level);
+  const SurfaceLevel& from = frame.surface.levels[l];
+  const SurfaceLevel& to = reference.levels[l];
+  const shared::OdometryParams params{to_shared(guess),
+                                      from.camera,
+                                      static_cast<float>(options_.geometric_weight),
+                                      static_cast<float>(options_.distance_gate_m),
+                                      static_cast<float>(std::sin(options_.normal_gate_deg * M_PI / 180.0)),
+                                      static_cast<float>(options_.photometric_sigma),
+                                      kGradientMin[l],
+                                      static_cast<float>(options_.photometric_depth_gate_m),
+                                      search ? 2u : 0u,
+                                      1};
+  commands_.dispatch(odometry_, {static_cast<std::uint32_t>(kThreads)}, params,
+                     {from.depth_m, from.normals, from.curvatures, from.intensity, frame.gradients[l], to.depth_m, to.normals, to.curvatures,
+                      to.intensity, partial_sums_});
+  commands_.submit_and_wait();
+  const auto sums = total<kTerms>(partial_sums_.mapped());
+  return {symmetric<6>(sums), sums.segment<6>(21), sums[27], sums[28], sums[30], sums[31], static_cast<double>(from.camera.width) * from.camera.height};
+}
+
+OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess) {
+  OdometryResult result{.reference_from_camera = guess, .reason = {}};
+  const int iterations[kPyramidLevels] = {options_.max_iterations_fine, options_.max_iterations_middle, options_.max_iterations_coarse};
+  Sums sums{};
+  for (int level = kPyramidLevels - 1; level >= 0; --level) {
+    const double scale = std::ldexp(1.0, level);
+    bool refining = false;  // at full resolution the costly search starts where projection has converged
+    for (int i = 0; i < iterations[level]; ++i) {
+      sums = linearise(frame, reference, result.reference_from_camera, level, refining);
+      ++result.iteration_count;
+      const Vector6d step = sums.hessian.ldlt().solve(sums.gradient);
+      if (!step.allFinite()) {
+        result.reason = "too few points";
+        return result;
+      }
+      result.reference_from_camera = exp_se3(step) * result.reference_from_camera;
+      const bool converged = step.head<3>().norm() < scale * kConverged_m && step.tail<3>().norm() < scale * kConverged_rad;
+      if (converged && (refining || level > 0 || !options_.dissimilarity_search)) break;
+      const bool last_two = i + 3 >= iterations[level];
+      refining = level == 0 && options_.dissimilarity_search && (converged || refining || last_two);
+    }
+  }
+  judge(sums, guess, result);
+  return result;
+}
+
+// Is the result to be believed?
+void Odometry::judge(const Sums& sums, const Rigid3& guess, OdometryResult& result) const {
+  result.inlier_count = static_cast<std::int64_t>(sums.geometric_count);
+  result.photometric_count = static_cast<std::int64_t>(sums.photometric_count);
+  result.inlier_ratio = sums.surface_count > 0 ? sums.geometric_count / sums.surface_count : 0;
+  result.residual_rms_m = sums.geometric_count > 0 ? std::sqrt(sums.geometric_error_m2 / sums.geometric_count) : 0;
+  const double step_m = (result.reference_from_camera.translation - guess.translation).norm();
+  if (sums.surface_count < options_.min_surface_ratio * sums.pixel_count)
+    result.reason = "too few points: the depth camera sees almost nothing";
+  else if (result.inlier_ratio < options_.min_inlier_ratio)
+    result.reason = "too little in common with the scan so far";
+  else if (step_m > options_.max_step_m)
+    result.reason = "too fast: the camera would have jumped " + std::to_string(static_cast<int>(step_m * 100)) + " cm";
+  else
+    result.tracked = true;
+}
+
+bool Odometry::has_surface(const FrameMaps& frame, const SurfacePyramid& reference) {
+  const Sums sums = linearise(frame, reference, Rigid3{}, kPyramidLevels - 1, false);
+  return sums.surface_count >= options_.min_surface_ratio * sums.pixel_count;
+}
+
+Eigen::Quaterniond Odometry::align_rotation(const FrameMaps& frame) {
+  Eigen::Quaterniond current_from_previous = Eigen::Quaterniond::Identity();
+  if (!has_previous_) return current_from_previous;
+  const SurfaceLevel& coarse = frame.surface.levels[2];
+  Eigen::Quaterniond best = current_from_previous;
+  double best_error = 1e300;
+  for (int i = 0; i < 10; ++i) {
+    commands_.dispatch(rotation_, {static_cast<std::uint32_t>(kThreads)},
+                       shared::RotationParams{to_shared({current_from_previous, Eigen::Vector3d::Zero()}), coarse.camera},
+                       {previous_intensity_, coarse.intensity, partial_sums_});
+    commands_.submit_and_wait();
+    const auto sums = total<kRotationTerms>(partial_sums_.mapped());
+    const double count = sums[10], error = count > 0 ? sums[9] / count : 1e300;
+    if (error >= best_error) break;  // also when it does not fall any more
+    best_error = error;
+    best = current_from_previous;
+    const Eigen::Vector3d step = symmetric<3>(sums).ldlt().solve(sums.segment<3>(6));
+    if (!step.allFinite() || step.norm() < 1e-5) break;
+    Vector6d twist = Vector6d::Zero();
+    twist.tail<3>() = step;
+    current_from_previous = (exp_se3(twist).rotation * current_from_previous).normalized();
+  }
+  return best;
+}
+
+void Odometry::remember(gpu::Commands& commands, const FrameMaps& frame) {
+  const gpu::Buffer<float>& intensity = frame.surface.levels[2].intensity;
+  commands.copy(intensity, previous_intensity_, intensity.bytes());
+  has_previous_ = true;
+}
+
+}  // namespace hermite

@@ -1,0 +1,22 @@
+// How the camera is tracked. Values; each has its key and reason in core/pipeline/options.cpp.
+#pragma once
+
+namespace hermite {
+
+struct TrackOptions {
+  bool rotation_prealignment = true;
+  double geometric_weight = 10.0;
+  double photometric_sigma = 200.0;
+  double distance_gate_m = 0.10;
+  double normal_gate_deg = 20.0;
+  double photometric_depth_gate_m = 0.07;
+  bool dissimilarity_search = true;
+  int max_iterations_coarse = 4;
+  int max_iterations_middle = 5;
+  int max_iterations_fine = 10;
+  double max_step_m = 0.3;
+  double min_surface_ratio = 0.03;
+  double min_inlier_ratio = 0.25;
+};
+
+}  // namespace hermite
