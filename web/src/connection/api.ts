@@ -1,0 +1,95 @@
+// The HTTP side of the server: the list of scans and the files of one. Failures are ApiErrors in words; every request ends after a time limit.
+
+const listLimit_ms = 10_000;
+const downloadLimit_ms = 10 * 60_000;
+
+export type ScanStateName = 'running' | 'finished' | 'failed' | 'interrupted' | 'unknown';
+
+export interface ScanSummary {
+  readonly id: string;
+  readonly title: string;
+  readonly state: ScanStateName;
+  readonly words: string; // why it failed, or empty
+  readonly frameCount: number;
+  readonly pointCount: number | null;
+  readonly started: Date | null;
+}
+
+export class ApiError extends Error {
+  constructor(
+    message: string,
+    readonly unauthorized: boolean,
+  ) {
+    super(message);
+  }
+}
+
+export async function fetchScans(token: string): Promise<ScanSummary[]> {
+  const response = await request('api/v1/scans', token, listLimit_ms);
+  return parseScans(await response.json());
+}
+
+// Saves the file under a readable name. A link cannot carry the token, hence the detour over a blob.
+export async function downloadCloud(scan: { id: string; title: string }, token: string): Promise<void> {
+  const response = await request(`api/v1/scans/${encodeURIComponent(scan.id)}/cloud.ply`, token, downloadLimit_ms);
+  const url = URL.createObjectURL(await response.blob());
+  const link = document.createElement('a');
+  link.href = url;
+  link.download = `${fileNameOf(scan.title) || scan.id}.ply`;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(url), 60_000);
+}
+
+export function fileNameOf(title: string): string {
+  return title.normalize('NFKD').replace(/[^A-Za-z0-9._-]+/g, '_').replace(/^[._]+|[._]+$/g, '').slice(0, 80);
+}
+
+async function request(path: string, token: string, limit_ms: number): Promise<Response> {
+  let response: Response;
+  try {
+    response = await fetch(path, { headers: { Authorization: `Bearer ${token}` }, signal: AbortSignal.timeout(limit_ms) });
+  } catch {
+    throw new ApiError('The server cannot be reached.', false);
+  }
+  if (response.status === 401 || response.status === 403) throw new ApiError('The server does not accept this access token.', true);
+  if (response.status === 404) throw new ApiError('The server does not have this.', false);
+  if (!response.ok) throw new ApiError(`The server answered with HTTP ${response.status}.`, false);
+  return response;
+}
+
+// Newest first. Rows that are not scans are left out.
+export function parseScans(json: unknown): ScanSummary[] {
+  const rows = isRecord(json) && Array.isArray(json['scans']) ? json['scans'] : null;
+  if (!rows) throw new ApiError('The server’s list of scans cannot be read.', false);
+  const scans = rows.filter(isRecord).filter((row) => typeof row['id'] === 'string').map(summaryOf);
+  return scans.sort((a, b) => (b.started?.getTime() ?? 0) - (a.started?.getTime() ?? 0));
+}
+
+function summaryOf(row: Record<string, unknown>): ScanSummary {
+  const id = String(row['id']);
+  return {
+    id,
+    title: textOf(row['title']) || 'Untitled scan',
+    state: stateOf(row['state']),
+    words: textOf(row['words']),
+    frameCount: numberOf(row['frames_processed']) ?? 0,
+    pointCount: numberOf(row['points']),
+    started: dateOf(row['started']),
+  };
+}
+
+function stateOf(value: unknown): ScanStateName {
+  return value === 'running' || value === 'finished' || value === 'failed' || value === 'interrupted' ? value : 'unknown';
+}
+
+const textOf = (value: unknown): string => (typeof value === 'string' ? value : '');
+const numberOf = (value: unknown): number | null => (typeof value === 'number' && Number.isFinite(value) ? value : null);
+
+function dateOf(value: unknown): Date | null {
+  const date = typeof value === 'string' || typeof value === 'number' ? new Date(value) : null;
+  return date && !Number.isNaN(date.getTime()) ? date : null;
+}
+
+function isRecord(value: unknown): value is Record<string, unknown> {
+  return typeof value === 'object' && value !== null;
+}

@@ -1,0 +1,77 @@
+// What the worker tells the page about one scan: plain values, already decoded and checked. Lengths are metres, the frame is in the name.
+
+export interface Pose {
+  readonly translation: readonly [number, number, number];
+  readonly rotation: readonly [number, number, number, number]; // unit quaternion x y z w
+}
+
+// Pixel centres are integers, lengths in pixels.
+export interface CameraIntrinsics {
+  readonly width: number;
+  readonly height: number;
+  readonly fx: number;
+  readonly fy: number;
+  readonly cx: number;
+  readonly cy: number;
+}
+
+export interface ChunkKey {
+  readonly submap: number;
+  readonly level: number;
+  readonly x: number;
+  readonly y: number;
+  readonly z: number;
+}
+
+// `count` points in the frame of their submap.
+export interface ChunkPoints {
+  readonly count: number;
+  readonly positions_m: Float32Array; // 3 a point
+  readonly colors: Uint8Array; // 4 a point: red, green, blue (sRGB) and confidence * 8
+  readonly normals: Int8Array; // 4 a point: x, y, z times 127 and a zero; all zero where there is none
+  readonly min_m: readonly [number, number, number];
+  readonly max_m: readonly [number, number, number];
+}
+
+export type ScanPhaseName = 'unknown' | 'running' | 'finished' | 'failed' | 'interrupted';
+
+export interface FrameEvent {
+  readonly kind: 'frame';
+  readonly sequence: number;
+  readonly timestamp_s: number;
+  readonly worldFromCamera: Pose;
+  readonly tracked: boolean;
+  readonly reason: string; // words, when not tracked
+  readonly inlierRatio: number;
+  readonly residual_m: number;
+  readonly surfelCount: number;
+  readonly frame_ms: number;
+}
+
+export type ScanEvent =
+  | { readonly kind: 'connecting'; readonly attempt: number }
+  | { readonly kind: 'welcome'; readonly title: string; readonly camera: CameraIntrinsics | null }
+  | { readonly kind: 'waiting'; readonly retryIn_ms: number; readonly reason: string }
+  | { readonly kind: 'closed'; readonly code: string; readonly reason: string } // for good: nobody tries again
+  | FrameEvent
+  | { readonly kind: 'submapPoses'; readonly poses: readonly { readonly submap: number; readonly worldFromSubmap: Pose }[] }
+  | { readonly kind: 'trajectory'; readonly positions_m: Float32Array }
+  | { readonly kind: 'chunk'; readonly key: ChunkKey; readonly version: bigint; readonly points: ChunkPoints | null } // null: removed
+  | { readonly kind: 'chunkFailed'; readonly key: ChunkKey; readonly reason: string }
+  | { readonly kind: 'snapshotEnd' }
+  | {
+      readonly kind: 'scanState';
+      readonly phase: ScanPhaseName;
+      readonly words: string;
+      readonly received: number;
+      readonly processed: number;
+      readonly dropped: number;
+    }
+  | { readonly kind: 'finished'; readonly reportJson: string }
+  | { readonly kind: 'serverError'; readonly code: string; readonly message: string };
+
+export type ToWorker =
+  | { readonly kind: 'open'; readonly url: string; readonly scanId: string; readonly token: string }
+  | { readonly kind: 'alive?' };
+
+export type FromWorker = { readonly kind: 'event'; readonly event: ScanEvent } | { readonly kind: 'alive' };

@@ -1,0 +1,150 @@
+// Protobuf bytes <-> the values of events.ts. Everything read is checked here once; what is wrong throws a WireError in words.
+import { create, fromBinary, toBinary, type MessageInitShape } from '@bufbuild/protobuf';
+import {
+  ClientMessageSchema,
+  ScanPhase,
+  ServerMessageSchema,
+  TrackingStatus,
+  type Camera,
+  type Chunk,
+  type FrameResult,
+  type Rigid3,
+  type ServerMessage,
+} from '../gen/scan_pb';
+import type { CameraIntrinsics, ChunkKey, FrameEvent, Pose, ScanEvent, ScanPhaseName } from './events';
+
+export class WireError extends Error {}
+
+export const protocolMinor = 0;
+export const maxPointsPerChunk = 262144;
+
+export interface WireChunk {
+  readonly kind: 'wireChunk';
+  readonly key: ChunkKey;
+  readonly version: bigint;
+  readonly pointCount: number; // 0: the chunk is gone
+  readonly draco: Uint8Array;
+}
+
+export type Incoming = ScanEvent | WireChunk | { readonly kind: 'pong' } | { readonly kind: 'unknown' };
+
+export function helloBytes(scanId: string, token: string): Uint8Array<ArrayBuffer> {
+  return encode({ case: 'hello', value: { protocolMinor, client: 'hermite-viewer 0.1.0', token, role: { case: 'viewScan', value: { scanId } } } });
+}
+
+// Bytes received so far on this connection.
+export function ackBytes(received: number): Uint8Array<ArrayBuffer> {
+  return encode({ case: 'viewerAck', value: { bytes: BigInt(received) } });
+}
+
+export function pingBytes(id: number): Uint8Array<ArrayBuffer> {
+  return encode({ case: 'ping', value: { id: BigInt(id) } });
+}
+
+function encode(body: NonNullable<MessageInitShape<typeof ClientMessageSchema>['body']>): Uint8Array<ArrayBuffer> {
+  return toBinary(ClientMessageSchema, create(ClientMessageSchema, { body }));
+}
+
+export function decode(bytes: Uint8Array): Incoming {
+  let message: ServerMessage;
+  try {
+    message = fromBinary(ServerMessageSchema, bytes);
+  } catch (error) {
+    throw new WireError(`a message of ${bytes.length} bytes is not a ServerMessage: ${(error as Error).message}`);
+  }
+  const body = message.body;
+  switch (body.case) {
+    case 'welcome':
+      return { kind: 'welcome', title: body.value.title, camera: cameraOf(body.value.camera) };
+    case 'frameResult':
+      return frameOf(body.value);
+    case 'chunk':
+      return chunkOf(body.value);
+    case 'submapPoses':
+      return {
+        kind: 'submapPoses',
+        poses: body.value.poses.map((pose) => ({ submap: pose.submap, worldFromSubmap: poseOf(pose.worldFromSubmap, 'world_from_submap') })),
+      };
+    case 'trajectoryPart':
+      return { kind: 'trajectory', positions_m: positionsOf(body.value.positions) };
+    case 'scanState':
+      return {
+        kind: 'scanState',
+        phase: phaseOf(body.value.phase),
+        words: body.value.words,
+        received: Number(body.value.framesReceived),
+        processed: Number(body.value.framesProcessed),
+        dropped: Number(body.value.framesDropped),
+      };
+    case 'finished':
+      return { kind: 'finished', reportJson: body.value.reportJson };
+    case 'error':
+      return { kind: 'serverError', code: body.value.code, message: body.value.message };
+    case 'snapshotEnd':
+      return { kind: 'snapshotEnd' };
+    case 'pong':
+      return { kind: 'pong' };
+    default:
+      return { kind: 'unknown' }; // of a newer minor version, or not for viewers
+  }
+}
+
+function frameOf(frame: FrameResult): FrameEvent {
+  return {
+    kind: 'frame',
+    sequence: Number(frame.sequence),
+    timestamp_s: frame.timestampS,
+    worldFromCamera: poseOf(frame.worldFromCamera, 'world_from_camera'),
+    tracked: frame.status === TrackingStatus.TRACKED,
+    reason: frame.reason,
+    inlierRatio: frame.inlierRatio,
+    residual_m: frame.residualRmsM,
+    surfelCount: Number(frame.surfelCount),
+    frame_ms: frame.frameMs,
+  };
+}
+
+function chunkOf(chunk: Chunk): WireChunk {
+  if (!chunk.key) throw new WireError('a chunk has no key');
+  const { submap, level, x, y, z } = chunk.key;
+  if (chunk.pointCount > maxPointsPerChunk) {
+    throw new WireError(`a chunk declares ${chunk.pointCount} points, the limit is ${maxPointsPerChunk}`);
+  }
+  return { kind: 'wireChunk', key: { submap, level, x, y, z }, version: chunk.version, pointCount: chunk.pointCount, draco: chunk.draco };
+}
+
+function cameraOf(camera: Camera | undefined): CameraIntrinsics | null {
+  if (!camera || camera.width === 0 || camera.height === 0) return null;
+  const { width, height, fx, fy, cx, cy } = camera;
+  if (![fx, fy, cx, cy].every(Number.isFinite) || fx === 0 || fy === 0) return null;
+  return { width, height, fx, fy, cx, cy };
+}
+
+function poseOf(pose: Rigid3 | undefined, field: string): Pose {
+  if (!pose) throw new WireError(`${field} is missing`);
+  const { tx, ty, tz, qx, qy, qz, qw } = pose;
+  const norm = Math.hypot(qx, qy, qz, qw);
+  if (![tx, ty, tz].every(Number.isFinite) || !Number.isFinite(norm) || norm < 1e-6) throw new WireError(`${field} is not a pose`);
+  return { translation: [tx, ty, tz], rotation: [qx / norm, qy / norm, qz / norm, qw / norm] };
+}
+
+function positionsOf(positions: readonly number[]): Float32Array {
+  if (positions.length % 3 !== 0) throw new WireError(`a trajectory part has ${positions.length} numbers, not a multiple of 3`);
+  if (!positions.every(Number.isFinite)) throw new WireError('a trajectory part has a position that is not finite');
+  return Float32Array.from(positions);
+}
+
+function phaseOf(phase: ScanPhase): ScanPhaseName {
+  switch (phase) {
+    case ScanPhase.RUNNING:
+      return 'running';
+    case ScanPhase.FINISHED:
+      return 'finished';
+    case ScanPhase.FAILED:
+      return 'failed';
+    case ScanPhase.INTERRUPTED:
+      return 'interrupted';
+    default:
+      return 'unknown';
+  }
+}

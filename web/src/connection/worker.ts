@@ -1,0 +1,51 @@
+// The Web Worker: owns the socket and the Draco decoder, so that neither parsing nor decoding ever stops the picture.
+/// <reference lib="webworker" />
+import wasmUrl from 'three/examples/jsm/libs/draco/draco_decoder.wasm?url';
+import { DracoDecoder } from './draco';
+import type { FromWorker, ScanEvent, ToWorker } from './events';
+import { ScanSession, type SessionTarget } from './session';
+
+declare const self: DedicatedWorkerGlobalScope;
+
+function post(message: FromWorker, transfer: Transferable[] = []): void {
+  self.postMessage(message, transfer);
+}
+
+function emit(event: ScanEvent): void {
+  if (event.kind === 'chunk' && event.points) {
+    const { positions_m, colors, normals } = event.points;
+    post({ kind: 'event', event }, [positions_m.buffer, colors.buffer, normals.buffer]);
+  } else {
+    post({ kind: 'event', event });
+  }
+}
+
+async function open(target: SessionTarget): Promise<void> {
+  const response = await fetch(wasmUrl, { signal: AbortSignal.timeout(30_000) });
+  if (!response.ok) throw new Error(`the Draco decoder could not be loaded: HTTP ${response.status}`);
+  const decoder = new DracoDecoder(await response.arrayBuffer());
+  const session = new ScanSession(target, {
+    openSocket: (url, protocol) => new WebSocket(url, protocol),
+    decodeChunk: (draco, pointCount) => decoder.decode(draco, pointCount),
+    emit,
+    after: (delay_ms, action) => {
+      const timer = setTimeout(action, delay_ms);
+      return () => clearTimeout(timer);
+    },
+    now_ms: () => performance.now(),
+    random: Math.random,
+  });
+  session.start();
+}
+
+self.onmessage = (message: MessageEvent<ToWorker>) => {
+  const order = message.data;
+  if (order.kind === 'alive?') post({ kind: 'alive' });
+  else
+    void open(order).catch((error: unknown) => {
+      // An error event is what tells the page to start another worker.
+      setTimeout(() => {
+        throw error;
+      });
+    });
+};

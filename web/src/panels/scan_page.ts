@@ -1,0 +1,138 @@
+// The page of one scan: the picture fills it, the panels float above. Wires the connection, the ledger, the state and the scene together.
+import { ApiError, downloadCloud } from '../connection/api';
+import type { ScanEvent } from '../connection/events';
+import { ScanLink } from '../connection/link';
+import { ScanScene } from '../scene/scene';
+import { ChunkLedger } from '../state/chunk_ledger';
+import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
+import { createStore, type Store } from '../state/store';
+import { initialViewOptions, reduceViewOptions, type ViewOptions } from '../state/view_options';
+import { emptyWords, phaseWords } from '../state/words';
+import { element, setText, type Panel } from './dom';
+import { statusMark } from './mark';
+import { statusPanel } from './status_panel';
+import { viewPanel } from './view_panel';
+
+export interface ScanPage extends Panel {
+  readonly scan: Store<LiveScan, LiveScanEvent>;
+}
+
+export function scanPage(scanId: string, token: string): ScanPage {
+  const scan = createStore(initialLiveScan(scanId), reduceLiveScan);
+  const options = createStore<ViewOptions, Partial<ViewOptions>>(initialViewOptions, reduceViewOptions);
+  const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': 'The scan as a cloud of points. Arrow keys move, plus and minus zoom.' });
+  const stage = element('div', { class: 'stage' }, canvas);
+  const empty = element('p', { class: 'empty', role: 'status' });
+  const scene = openScene(canvas, () => options.dispatch({ follow: false }));
+  const bar = titleBar(scan, token);
+  const panels: Panel[] = [bar];
+  const node = element('main', { class: 'scan-page' }, stage, empty, bar.element);
+  if (scene) {
+    panels.push(statusPanel(scan, () => scene.framesPerSecond()));
+    panels.push(viewPanel(options, () => frameAll(scene, options)));
+    for (const panel of panels.slice(1)) node.append(panel.element);
+  }
+  const unsubscribers = [
+    scan.subscribe((state) => showEmpty(empty, scene ? emptyWords(state) : 'This browser cannot show 3D pictures: it has no WebGL 2.')),
+    options.subscribe((state) => scene?.onOptions(state)),
+  ];
+  const link = scene && new ScanLink({ scanId, token, onEvent: receiver(scan, scene) });
+  const onKey = (event: KeyboardEvent): void => shortcut(event, scene, options);
+  document.addEventListener('keydown', onKey);
+  return {
+    element: node,
+    scan,
+    dispose() {
+      document.removeEventListener('keydown', onKey);
+      link?.close();
+      for (const unsubscribe of unsubscribers) unsubscribe();
+      for (const panel of panels) panel.dispose();
+      scene?.dispose();
+    },
+  };
+}
+
+// Chunks pass the ledger first; the scene only gets what is new, the state only the counts.
+function receiver(scan: Store<LiveScan, LiveScanEvent>, scene: ScanScene): (event: ScanEvent) => void {
+  const ledger = new ChunkLedger();
+  let full = false;
+  return (event) => {
+    if (event.kind === 'chunk') {
+      const verdict = ledger.accept(event.key, event.version, event.points?.count ?? 0);
+      full ||= verdict === 'full';
+      if (verdict === 'apply') scene.onEvent(event);
+    } else {
+      if (event.kind === 'welcome') ledger.beginSnapshot();
+      scene.onEvent(event);
+    }
+    if (event.kind === 'snapshotEnd') {
+      for (const key of ledger.endSnapshot()) scene.onEvent({ kind: 'chunk', key, version: 0n, points: null });
+    }
+    scan.dispatch(event);
+    if (event.kind === 'chunk' || event.kind === 'snapshotEnd') {
+      scan.dispatch({ kind: 'content', points: ledger.points, chunks: ledger.chunks, full });
+    }
+  };
+}
+
+function openScene(canvas: HTMLCanvasElement, onTouched: () => void): ScanScene | null {
+  try {
+    return new ScanScene(canvas, onTouched);
+  } catch {
+    return null; // said in words on the page
+  }
+}
+
+function titleBar(scan: Store<LiveScan, LiveScanEvent>, token: string): Panel {
+  const title = element('h1');
+  const phase = statusMark();
+  const download = element('button', { type: 'button', class: 'button', title: 'Downloads the finished cloud as a PLY file' }, 'Download PLY');
+  const problem = element('span', { class: 'problem', role: 'alert' });
+  download.addEventListener('click', () => void save(scan.get(), { token, download, problem }));
+  const node = element(
+    'header',
+    { class: 'title-bar' },
+    element('a', { class: 'back', href: '#/' }, element('span', { 'aria-hidden': 'true' }, '←'), ' Scans'),
+    title,
+    phase.element,
+    element('span', { class: 'space' }),
+    problem,
+    download,
+  );
+  const dispose = scan.subscribe((state) => {
+    setText(title, state.title || 'Scan');
+    document.title = state.title ? `${state.title} – Hermite` : 'Hermite';
+    phase.show(phaseWords(state.phase));
+    phase.element.hidden = state.phase === 'unknown';
+    download.hidden = state.phase !== 'finished';
+  });
+  return { element: node, dispose };
+}
+
+async function save(scan: LiveScan, ui: { token: string; download: HTMLButtonElement; problem: HTMLElement }): Promise<void> {
+  ui.download.disabled = true;
+  setText(ui.problem, '');
+  try {
+    await downloadCloud({ id: scan.scanId, title: scan.title }, ui.token);
+  } catch (error) {
+    setText(ui.problem, error instanceof ApiError ? error.message : 'The cloud could not be downloaded.');
+  }
+  ui.download.disabled = false;
+}
+
+function frameAll(scene: ScanScene, options: Store<ViewOptions, Partial<ViewOptions>>): void {
+  options.dispatch({ follow: false });
+  scene.frameAll();
+}
+
+function showEmpty(node: HTMLElement, words: string | null): void {
+  node.hidden = words === null;
+  if (words !== null) setText(node, words);
+}
+
+function shortcut(event: KeyboardEvent, scene: ScanScene | null, options: Store<ViewOptions, Partial<ViewOptions>>): void {
+  const typing = event.target instanceof HTMLInputElement && event.target.type !== 'radio';
+  if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.key === 'f' && scene) frameAll(scene, options);
+  if (event.key === 'c') options.dispatch({ follow: !options.get().follow });
+}

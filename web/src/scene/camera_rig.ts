@@ -1,0 +1,124 @@
+// Where the viewer's eye is: orbiting by hand, framing the scan by itself until touched, or riding behind the scanning camera. Up is -y of the world.
+import { PerspectiveCamera, Vector3 } from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { fittingDistance_m, type Framing } from './framing';
+import type { GlidingPose } from './motion';
+
+const verticalFov_deg = 50;
+const settle_ms = 350; // time constant of the eye's own movements
+const fromDirection = new Vector3(0.45, -0.8, -1).normalize(); // behind the first camera, from the right and above
+const behind_m = new Vector3(0, -0.35, -0.9); // in the scanning camera's frame
+const sphereShare = 0.88; // a scan is smaller than the sphere around it
+const lift = 0.1; // of the radius, upwards on the screen: the panel below covers some of it
+const ahead_m = new Vector3(0, 0, 1.5);
+
+export class CameraRig {
+  readonly camera = new PerspectiveCamera(verticalFov_deg, 1, 0.02, 200);
+  private readonly controls: OrbitControls;
+  private readonly eye = new Vector3();
+  private readonly target = new Vector3();
+  private mode: 'framing' | 'free' | 'following' = 'framing';
+  private framing: Framing | null = null;
+  private placed = false;
+
+  constructor(
+    canvas: HTMLCanvasElement,
+    private readonly changed: () => void,
+    private readonly touched: () => void,
+  ) {
+    this.camera.up.set(0, -1, 0);
+    this.camera.position.set(0, -0.6, -1.6);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = true;
+    this.controls.dampingFactor = 0.12;
+    this.controls.minDistance = 0.05;
+    this.controls.maxDistance = 100;
+    this.controls.target.set(0, 0, 1);
+    this.controls.listenToKeyEvents(canvas);
+    this.controls.addEventListener('change', this.changed);
+    this.controls.addEventListener('start', () => this.release());
+    canvas.addEventListener('keydown', (event) => this.onKey(event));
+    this.controls.update();
+  }
+
+  get verticalFov_rad(): number {
+    return (this.camera.fov * Math.PI) / 180;
+  }
+
+  resize(aspect: number): void {
+    this.camera.aspect = aspect;
+    this.camera.updateProjectionMatrix();
+    this.aim();
+  }
+
+  // New content: only moves the eye while it frames the scan by itself.
+  setFraming(framing: Framing): void {
+    this.framing = framing;
+    this.aim();
+  }
+
+  frameAll(): void {
+    this.mode = 'framing';
+    this.aim();
+  }
+
+  follow(on: boolean): void {
+    if (on) this.mode = 'following';
+    else if (this.mode === 'following') this.mode = 'free';
+    this.changed();
+  }
+
+  // True while the eye still moves by itself.
+  tick(elapsed_ms: number, scanner: GlidingPose): boolean {
+    if (this.mode === 'following' && scanner.known) {
+      this.eye.copy(behind_m).applyQuaternion(scanner.rotation).add(scanner.translation);
+      this.target.copy(ahead_m).applyQuaternion(scanner.rotation).add(scanner.translation);
+      this.placed = true;
+    }
+    const gliding = this.mode !== 'free' && this.placed && this.glide(elapsed_ms);
+    return this.controls.update(elapsed_ms / 1000) || gliding;
+  }
+
+  dispose(): void {
+    this.controls.dispose();
+  }
+
+  private aim(): void {
+    if (this.mode !== 'framing' || !this.framing) return;
+    const distance_m = fittingDistance_m(this.framing.radius_m, this.verticalFov_rad, this.camera.aspect) * sphereShare;
+    this.target.fromArray(this.framing.center_m);
+    this.target.y += lift * this.framing.radius_m;
+    this.eye.copy(fromDirection).multiplyScalar(distance_m).add(this.target);
+    if (!this.placed) {
+      this.camera.position.copy(this.eye);
+      this.controls.target.copy(this.target);
+      this.placed = true;
+    }
+    this.changed();
+  }
+
+  private glide(elapsed_ms: number): boolean {
+    const remaining_m = Math.max(this.camera.position.distanceTo(this.eye), this.controls.target.distanceTo(this.target));
+    if (remaining_m < 1e-3) return false;
+    const share = 1 - Math.exp(-elapsed_ms / settle_ms);
+    this.camera.position.lerp(this.eye, share);
+    this.controls.target.lerp(this.target, share);
+    return true;
+  }
+
+  // The hand on the view always wins.
+  private release(): void {
+    if (this.mode === 'free') return;
+    this.mode = 'free';
+    this.touched();
+  }
+
+  private onKey(event: KeyboardEvent): void {
+    if (event.key.startsWith('Arrow')) this.release();
+    const zoom = event.key === '+' ? 0.85 : event.key === '-' ? 1 / 0.85 : 0;
+    if (zoom === 0) return;
+    this.release();
+    this.camera.position.sub(this.controls.target).multiplyScalar(zoom).add(this.controls.target);
+    this.changed();
+  }
+}

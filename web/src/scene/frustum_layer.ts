@@ -1,0 +1,64 @@
+// The scanning camera: its field of view at the pose of the newest frame; amber while tracking is lost.
+import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments } from 'three';
+import type { CameraIntrinsics, ScanEvent } from '../connection/events';
+import type { Layer } from './layer';
+import { GlidingPose } from './motion';
+
+const depth_m = 0.22;
+const glide_ms = 150;
+const trackedColor = 0x7fd1b9;
+const lostColor = 0xe0b15c;
+
+export class FrustumLayer implements Layer {
+  readonly object: LineSegments<BufferGeometry, LineBasicMaterial>;
+  readonly worldFromCamera = new GlidingPose(glide_ms);
+
+  constructor() {
+    this.object = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: trackedColor }));
+    this.object.matrixAutoUpdate = false;
+    this.object.frustumCulled = false;
+    this.object.visible = false;
+  }
+
+  onEvent(event: ScanEvent): void {
+    if (event.kind === 'welcome' && event.camera) this.shape(event.camera);
+    if (event.kind !== 'frame') return;
+    if (event.tracked) this.worldFromCamera.moveTo(event.worldFromCamera);
+    this.object.material.color.setHex(event.tracked ? trackedColor : lostColor);
+    this.place();
+  }
+
+  tick(elapsed_ms: number): boolean {
+    const moving = this.worldFromCamera.tick(elapsed_ms);
+    if (moving) this.place();
+    return moving;
+  }
+
+  dispose(): void {
+    this.object.geometry.dispose();
+    this.object.material.dispose();
+  }
+
+  private shape(camera: CameraIntrinsics): void {
+    this.object.geometry.setAttribute('position', new BufferAttribute(frustumLines(camera, depth_m), 3));
+  }
+
+  private place(): void {
+    this.object.visible = this.worldFromCamera.known && this.object.geometry.hasAttribute('position');
+    this.worldFromCamera.matrix(this.object.matrix);
+    this.object.matrixWorldNeedsUpdate = true;
+  }
+}
+
+// Line segments (pairs of points) in the camera's frame: four rays, the image's border, and a roof that says where up is.
+export function frustumLines(camera: CameraIntrinsics, atDepth_m: number): Float32Array {
+  const { width, height, fx, fy, cx, cy } = camera;
+  const at = (u: number, v: number): number[] => [((u - cx) / fx) * atDepth_m, ((v - cy) / fy) * atDepth_m, atDepth_m];
+  const corners = [at(-0.5, -0.5), at(width - 0.5, -0.5), at(width - 0.5, height - 0.5), at(-0.5, height - 0.5)];
+  const lines = corners.flatMap((corner, i) => [[0, 0, 0], corner, corner, corners[(i + 1) % 4]!]);
+  // Of the two horizontal borders the roof stands on the upper one in space: y points down (some recordings have a negative fy).
+  const top = fy > 0 ? -0.5 : height - 0.5;
+  const away = fy > 0 ? -height / 6 : height / 6;
+  const roof = [at(width * 0.4, top), at(width * 0.5, top + away), at(width * 0.5, top + away), at(width * 0.6, top)];
+  return Float32Array.from([...lines, ...roof].flat());
+}

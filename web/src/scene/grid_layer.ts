@@ -1,0 +1,50 @@
+// A quiet floor: one line a metre, fading away from the middle of the scan. Hidden until the floor's height is known.
+import { BufferAttribute, BufferGeometry, Color, LineBasicMaterial, LineSegments } from 'three';
+import type { Framing } from './framing';
+import type { Layer } from './layer';
+
+const halfExtent_m = 12;
+const lineColor = new Color(0x3a414b);
+
+export class GridLayer implements Layer {
+  readonly object: LineSegments<BufferGeometry, LineBasicMaterial>;
+
+  constructor() {
+    this.object = new LineSegments(gridGeometry(), new LineBasicMaterial({ vertexColors: true, transparent: true, depthWrite: false }));
+    this.object.visible = false;
+    this.object.renderOrder = -1;
+  }
+
+  // On whole metres, so that the lines stay put while the scan grows.
+  placeUnder(framing: Framing): void {
+    this.object.position.set(Math.round(framing.center_m[0]), framing.floor_y_m + 0.01, Math.round(framing.center_m[2]));
+    this.object.visible = true;
+  }
+
+  dispose(): void {
+    this.object.geometry.dispose();
+    this.object.material.dispose();
+  }
+}
+
+function gridGeometry(): BufferGeometry {
+  const positions: number[] = [];
+  const colors: number[] = [];
+  const vertex = (x: number, z: number): void => {
+    positions.push(x, 0, z);
+    const strength = Math.max(0, 1 - Math.hypot(x, z) / halfExtent_m);
+    colors.push(lineColor.r, lineColor.g, lineColor.b, strength * strength);
+  };
+  for (let line = -halfExtent_m; line <= halfExtent_m; ++line) {
+    for (let step = -halfExtent_m; step < halfExtent_m; ++step) {
+      vertex(line, step);
+      vertex(line, step + 1);
+      vertex(step, line);
+      vertex(step + 1, line);
+    }
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(Float32Array.from(positions), 3));
+  geometry.setAttribute('color', new BufferAttribute(Float32Array.from(colors), 4));
+  return geometry;
+}

@@ -1,0 +1,46 @@
+// Poses that glide to where they belong instead of jumping.
+import { Matrix4, Quaternion, Vector3 } from 'three';
+import type { Pose } from '../connection/events';
+
+const one = new Vector3(1, 1, 1);
+
+export class GlidingPose {
+  readonly translation = new Vector3();
+  readonly rotation = new Quaternion();
+  private readonly fromTranslation = new Vector3();
+  private readonly fromRotation = new Quaternion();
+  private readonly toTranslation = new Vector3();
+  private readonly toRotation = new Quaternion();
+  private progress = 1;
+  private placed = false;
+
+  constructor(private readonly duration_ms: number) {}
+
+  get known(): boolean {
+    return this.placed;
+  }
+
+  // The first pose is taken at once.
+  moveTo(pose: Pose): void {
+    this.toTranslation.fromArray(pose.translation);
+    this.toRotation.fromArray(pose.rotation);
+    this.fromTranslation.copy(this.placed ? this.translation : this.toTranslation);
+    this.fromRotation.copy(this.placed ? this.rotation : this.toRotation);
+    this.progress = 0;
+    if (!this.placed) this.tick(this.duration_ms);
+    this.placed = true;
+  }
+
+  // True while it moves.
+  tick(elapsed_ms: number): boolean {
+    if (this.progress >= 1) return false;
+    this.progress = Math.min(1, this.progress + elapsed_ms / this.duration_ms);
+    this.translation.lerpVectors(this.fromTranslation, this.toTranslation, this.progress);
+    this.rotation.slerpQuaternions(this.fromRotation, this.toRotation, this.progress);
+    return true;
+  }
+
+  matrix(target: Matrix4): Matrix4 {
+    return target.compose(this.translation, this.rotation, one);
+  }
+}

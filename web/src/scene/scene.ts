@@ -1,0 +1,122 @@
+// The picture of one scan. Draws only when something changed: an idle page costs nothing.
+import { Color, Scene, WebGLRenderer } from 'three';
+import type { ScanEvent } from '../connection/events';
+import type { ViewOptions } from '../state/view_options';
+import { CameraRig } from './camera_rig';
+import { framingOf } from './framing';
+import { FrustumLayer } from './frustum_layer';
+import { GridLayer } from './grid_layer';
+import type { Layer, ViewSize } from './layer';
+import { PointsLayer } from './points_layer';
+import { TrajectoryLayer } from './trajectory_layer';
+
+const background = new Color(0x0e1013);
+const reframeEvery_ms = 400;
+const longestStep_ms = 100; // after an idle time nothing leaps
+const fpsWindow_ms = 1000;
+
+export class ScanScene {
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly rig: CameraRig;
+  private readonly points = new PointsLayer();
+  private readonly frustum = new FrustumLayer();
+  private readonly grid = new GridLayer();
+  private readonly layers: readonly Layer[] = [this.grid, this.points, new TrajectoryLayer(), this.frustum];
+  private readonly resizeObserver: ResizeObserver;
+  private frameRequest = 0;
+  private drawn_ms: number[] = [];
+  private last_ms = 0;
+  private reframed_ms = 0;
+  private grew = false;
+  private disposed = false;
+
+  // Throws when the browser has no WebGL 2. `onTouched`: the viewer took the view into their own hands.
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    onTouched: () => void,
+  ) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.scene.background = background;
+    for (const layer of this.layers) this.scene.add(layer.object);
+    this.rig = new CameraRig(canvas, () => this.requestDraw(), onTouched);
+    this.resizeObserver = new ResizeObserver(() => this.resize());
+    this.resizeObserver.observe(canvas.parentElement ?? canvas);
+    canvas.addEventListener('webglcontextrestored', () => this.requestDraw());
+    this.resize();
+  }
+
+  onEvent(event: ScanEvent): void {
+    for (const layer of this.layers) layer.onEvent?.(event);
+    if (event.kind === 'chunk' || event.kind === 'submapPoses') this.grew = true;
+    this.requestDraw();
+  }
+
+  onOptions(options: ViewOptions): void {
+    for (const layer of this.layers) layer.onOptions?.(options);
+    this.rig.follow(options.follow);
+    this.requestDraw();
+  }
+
+  frameAll(): void {
+    this.rig.frameAll();
+  }
+
+  // Pictures drawn in the last second; 0 while nothing changes.
+  framesPerSecond(): number {
+    const since_ms = performance.now() - fpsWindow_ms;
+    this.drawn_ms = this.drawn_ms.filter((time) => time >= since_ms);
+    return this.drawn_ms.length;
+  }
+
+  dispose(): void {
+    this.disposed = true;
+    cancelAnimationFrame(this.frameRequest);
+    this.resizeObserver.disconnect();
+    for (const layer of this.layers) layer.dispose();
+    this.rig.dispose();
+    this.renderer.dispose();
+  }
+
+  private requestDraw(): void {
+    if (this.frameRequest === 0 && !this.disposed) this.frameRequest = requestAnimationFrame((now_ms) => this.draw(now_ms));
+  }
+
+  private draw(now_ms: number): void {
+    this.frameRequest = 0;
+    const elapsed_ms = Math.min(longestStep_ms, Math.max(0, now_ms - this.last_ms));
+    this.last_ms = now_ms;
+    let moving = false;
+    for (const layer of this.layers) moving = (layer.tick?.(elapsed_ms) ?? false) || moving;
+    moving = this.rig.tick(elapsed_ms, this.frustum.worldFromCamera) || moving;
+    if (this.reframe(now_ms)) moving = true;
+    this.renderer.render(this.scene, this.rig.camera);
+    this.drawn_ms.push(performance.now());
+    if (this.drawn_ms.length > 240) this.framesPerSecond(); // forgets the old ones
+    if (moving) this.requestDraw();
+  }
+
+  // True while it still has to happen: the boxes of a large scan are not gone through for every picture.
+  private reframe(now_ms: number): boolean {
+    if (!this.grew) return false;
+    if (now_ms - this.reframed_ms < reframeEvery_ms) return true;
+    this.grew = false;
+    this.reframed_ms = now_ms;
+    const framing = framingOf(this.points.boxes());
+    if (!framing) return false;
+    this.grid.placeUnder(framing);
+    this.rig.setFraming(framing);
+    return true;
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.canvas.parentElement ?? this.canvas;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.rig.resize(clientWidth / clientHeight);
+    const size: ViewSize = { width_px: this.canvas.width, height_px: this.canvas.height, verticalFov_rad: this.rig.verticalFov_rad };
+    for (const layer of this.layers) layer.onResize?.(size);
+    this.requestDraw();
+  }
+}

@@ -1,0 +1,115 @@
+// Everything that the panels say about one scan, as one value; points and poses themselves live in the scene.
+import type { ScanEvent, ScanPhaseName } from '../connection/events';
+
+export type ConnectionName = 'connecting' | 'open' | 'waiting' | 'closed';
+
+export interface LiveScan {
+  readonly scanId: string;
+  readonly title: string;
+  readonly connection: ConnectionName;
+  readonly connectionWords: string; // why it waits or closed
+  readonly retryIn_ms: number;
+  readonly snapshotComplete: boolean;
+  readonly phase: ScanPhaseName;
+  readonly phaseWords: string;
+  readonly framesReceived: number;
+  readonly framesProcessed: number;
+  readonly framesDropped: number;
+  readonly tracking: 'none' | 'tracked' | 'lost';
+  readonly trackingReason: string;
+  readonly frame_ms: number;
+  readonly surfels: number;
+  readonly cameraPosition_m: readonly [number, number, number] | null; // of the newest tracked frame, world
+  readonly poses: number; // camera positions known, those before this viewer came included
+  readonly points: number;
+  readonly chunks: number;
+  readonly problem: { readonly code: string; readonly message: string } | null;
+  readonly failedChunks: number;
+  readonly full: boolean; // the browser's point limit is reached
+  readonly reportJson: string;
+}
+
+// What the scene and the ledger tell the state, besides the events of the connection.
+export type LiveScanEvent =
+  | ScanEvent
+  | { readonly kind: 'content'; readonly points: number; readonly chunks: number; readonly full: boolean };
+
+export function initialLiveScan(scanId: string): LiveScan {
+  return {
+    scanId,
+    title: '',
+    connection: 'connecting',
+    connectionWords: '',
+    retryIn_ms: 0,
+    snapshotComplete: false,
+    phase: 'unknown',
+    phaseWords: '',
+    framesReceived: 0,
+    framesProcessed: 0,
+    framesDropped: 0,
+    tracking: 'none',
+    trackingReason: '',
+    frame_ms: 0,
+    surfels: 0,
+    cameraPosition_m: null,
+    poses: 0,
+    points: 0,
+    chunks: 0,
+    problem: null,
+    failedChunks: 0,
+    full: false,
+    reportJson: '',
+  };
+}
+
+export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan {
+  switch (event.kind) {
+    case 'connecting':
+      return { ...state, connection: 'connecting', connectionWords: '', snapshotComplete: false };
+    case 'welcome':
+      return { ...state, connection: 'open', title: event.title, poses: 0, problem: null, failedChunks: 0 };
+    case 'waiting':
+      return { ...state, connection: 'waiting', connectionWords: event.reason, retryIn_ms: event.retryIn_ms };
+    case 'closed':
+      return { ...state, connection: 'closed', connectionWords: event.reason, problem: problemOf(state, event) };
+    case 'frame':
+      return {
+        ...state,
+        tracking: event.tracked ? 'tracked' : 'lost',
+        trackingReason: event.tracked ? '' : event.reason,
+        frame_ms: event.frame_ms,
+        surfels: event.surfelCount,
+        cameraPosition_m: event.tracked ? event.worldFromCamera.translation : state.cameraPosition_m,
+        poses: state.poses + 1,
+      };
+    case 'trajectory':
+      return { ...state, poses: state.poses + event.positions_m.length / 3 };
+    case 'scanState':
+      return {
+        ...state,
+        phase: event.phase,
+        phaseWords: event.words,
+        framesReceived: event.received,
+        framesProcessed: event.processed,
+        framesDropped: event.dropped,
+      };
+    case 'finished':
+      return { ...state, phase: 'finished', reportJson: event.reportJson };
+    case 'serverError':
+      return { ...state, problem: { code: event.code, message: event.message } };
+    case 'chunkFailed':
+      return { ...state, failedChunks: state.failedChunks + 1 };
+    case 'snapshotEnd':
+      return { ...state, snapshotComplete: true };
+    case 'content':
+      return { ...state, points: event.points, chunks: event.chunks, full: event.full };
+    case 'chunk':
+    case 'submapPoses':
+      return state; // the scene's business
+  }
+}
+
+function problemOf(state: LiveScan, closed: { code: string; reason: string }): LiveScan['problem'] {
+  if (closed.code === 'complete') return null;
+  return state.problem ?? { code: closed.code, message: closed.reason };
+}
