@@ -23,10 +23,9 @@ constexpr int kJpegEncodeFlags = TJFLAG_ACCURATEDCT | TJFLAG_NOREALLOC;
 // and each thumbnail in the metadata has its own.
 constexpr int kMaxJpegScans = 32;
 
-// What we read of a PNG beside pixels is nothing, so what it may make us keep is little.
+// What we read of a PNG beside pixels is nothing, so what it may make us keep is little. (libspng itself stops at 1000 chunks.)
 constexpr std::size_t kMaxPngChunk_bytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxPngChunkCache_bytes = std::size_t{2} << 20;
-constexpr int kMaxPngChunks = 1000;
 constexpr int kPngLevel = 1;
 
 std::string words_of(ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
@@ -43,9 +42,6 @@ template <std::size_t N>
 bool starts_with(std::span<const std::uint8_t> bytes, const std::array<std::uint8_t, N>& start) {
   return bytes.size() >= N && std::equal(start.begin(), start.end(), bytes.begin());
 }
-
-// --- JPEG
-// -----------------------------------------------------------------------------------------------------------------------------------
 
 struct TurboRelease {
   void operator()(void* handle) const { tjDestroy(handle); }
@@ -71,6 +67,7 @@ Result<JpegHeader> read_jpeg_header(const Turbo& turbo, std::span<const std::uin
                           &header.color_space) != 0) {
     return jpeg_error(turbo);
   }
+  if (header.size.width < 1 || header.size.height < 1) return corrupt("JPEG: no image in it");
   if (!check_image_size(header.size).ok()) {
     return Error{ErrorCode::kTooLarge,
                  "JPEG of " + words_of(header.size) + " pixels, the limit is " + std::to_string(kMaxImageEdge_px) + " an edge"};
@@ -104,9 +101,6 @@ Result<ColorImage> decode_jpeg(std::span<const std::uint8_t> bytes, ImageSize ex
   return image;
 }
 
-// --- PNG
-// ------------------------------------------------------------------------------------------------------------------------------------
-
 struct SpngRelease {
   void operator()(spng_ctx* context) const { spng_ctx_free(context); }
 };
@@ -128,11 +122,10 @@ Error png_error(int code) {
 Result<Spng> open_png(std::span<const std::uint8_t> bytes) {
   Spng png(spng_ctx_new(0));
   if (!png) throw std::bad_alloc();
-  for (const int code :
-       {spng_set_crc_action(png.get(), SPNG_CRC_ERROR, SPNG_CRC_ERROR),
-        spng_set_image_limits(png.get(), kMaxImageEdge_px, kMaxImageEdge_px),
-        spng_set_chunk_limits(png.get(), kMaxPngChunk_bytes, kMaxPngChunkCache_bytes),
-        spng_set_option(png.get(), SPNG_CHUNK_COUNT_LIMIT, kMaxPngChunks), spng_set_png_buffer(png.get(), bytes.data(), bytes.size())}) {
+  for (const int code : {spng_set_crc_action(png.get(), SPNG_CRC_ERROR, SPNG_CRC_ERROR),
+                         spng_set_image_limits(png.get(), kMaxImageEdge_px, kMaxImageEdge_px),
+                         spng_set_chunk_limits(png.get(), kMaxPngChunk_bytes, kMaxPngChunkCache_bytes),
+                         spng_set_png_buffer(png.get(), bytes.data(), bytes.size())}) {
     if (code != 0) return png_error(code);
   }
   return png;
