@@ -122,14 +122,11 @@ Result<std::unique_ptr<Sequence>> open_with_camera(const StreamArguments& argume
 }
 
 // The server's report, with the accuracy where the recording knows the truth.
-std::string complete_report(const StreamOutcome& outcome, const Sequence& sequence, ProgressPrinter& printer) {
+Result<std::string> complete_report(const StreamOutcome& outcome, const Sequence& sequence) {
   if (sequence.groundtruth().empty()) return outcome.report_json;
   const auto trajectory = parse_tum_trajectory(outcome.trajectory_tum);
-  const auto report = trajectory.ok() ? add_accuracy(outcome.report_json, *trajectory, sequence.groundtruth())
-                                      : Result<std::string>(in_context("the server's trajectory", trajectory.error()));
-  if (report.ok()) return *report;
-  printer.line("no accuracy in the report: " + report.error().message);
-  return outcome.report_json;
+  if (!trajectory.ok()) return in_context("the server's trajectory", trajectory.error());
+  return add_accuracy(outcome.report_json, *trajectory, sequence.groundtruth());
 }
 
 void on_signal(int) { interrupts.fetch_add(1); }
@@ -159,10 +156,11 @@ int run_stream(const StreamArguments& arguments) {
     return fail(kFailed, outcome.error().message);
   }
   printer.line(format_summary(outcome->progress));
-  const std::string report = complete_report(*outcome, **sequence, printer);
-  std::cout << report << std::endl;
+  const auto report = complete_report(*outcome, **sequence);
+  if (!report.ok()) return fail(kFailed, report.error().message);
+  std::cout << *report << std::flush;
   if (arguments.report_path.empty()) return 0;
-  const Status written = write_file_atomically(arguments.report_path, report + "\n");
+  const Status written = write_file_atomically(arguments.report_path, *report);
   return written.ok() ? 0 : fail(kFailed, written.error().message);
 }
 

@@ -10,13 +10,19 @@ Result<std::string> add_accuracy(const std::string& report_json, const Trajector
   using Json = nlohmann::ordered_json;
   Json report = Json::parse(report_json, nullptr, /*allow_exceptions=*/false);
   if (!report.is_object()) return Error{ErrorCode::kCorruptData, "the report is not a JSON object"};
-  const auto error = trajectory_error(estimate, groundtruth);
-  if (!error.ok()) return in_context("accuracy against the ground truth", error.error());
-  const Json accuracy = Json::parse(format_trajectory_error_json(*error));
-  for (const auto& [key, value] : accuracy.items()) {
-    if (key.starts_with("ate_") || key.starts_with("rpe_")) report[key] = value;
+  if (!groundtruth.empty()) {
+    const auto error = trajectory_error(estimate, groundtruth);
+    if (error.ok()) {
+      report["groundtruth_matched_frames"] = error->matched_count;
+      report["ate_rmse_m"] = error->ate_m.rmse;
+      report["ate_max_m"] = error->ate_m.max;
+      report["rpe_translation_rmse_m"] = error->per_frame.translation_m.rmse;
+      report["rpe_rotation_rmse_deg"] = error->per_frame.rotation_deg.rmse;
+    } else {
+      report["groundtruth_problem"] = error.error().message;
+    }
   }
-  return report.dump(2);
+  return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace hermite

@@ -8,9 +8,9 @@
 
 namespace hermite {
 
-// `report_json`, one object, with every ate_… and rpe_… key of format_trajectory_error_json added at its end (or replaced); other keys keep
-// their place and value. Indented by 2. kCorruptData: not one JSON object. kInvalidArgument: as trajectory_error, few poses that match for
-// one.
+// `report_json`, one object, with these keys added at its end: groundtruth_matched_frames, ate_rmse_m, ate_max_m, rpe_translation_rmse_m,
+// rpe_rotation_rmse_deg, or only groundtruth_problem in words when the two cannot be compared. Nothing is added without a ground truth.
+// Other keys keep their place and value. Indented by 2, with a line feed at the end. kCorruptData: not one JSON object in UTF-8.
 Result<std::string> add_accuracy(const std::string& report_json, const Trajectory& estimate, const Trajectory& groundtruth);
 
 }  // namespace hermite

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/check.h"
-#include "core/evaluate/trajectory_error.h"
+#include "core/evaluate/accuracy_report.h"
 
 namespace hermite {
 
@@ -42,20 +42,6 @@ Json setting_value(const std::string& text) {
   return value.is_number() || value.is_boolean() ? value : Json(text);
 }
 
-void add_accuracy(const Trajectory& estimate, const Trajectory& groundtruth, Json& report) {
-  if (groundtruth.empty()) return;
-  const Result<TrajectoryError> error = trajectory_error(estimate, groundtruth);
-  if (!error.ok()) {
-    report["groundtruth_problem"] = error.error().message;
-    return;
-  }
-  report["groundtruth_matched_frames"] = error->matched_count;
-  report["ate_rmse_m"] = error->ate_m.rmse;
-  report["ate_max_m"] = error->ate_m.max;
-  report["rpe_translation_rmse_m"] = error->per_frame.translation_m.rmse;
-  report["rpe_rotation_rmse_deg"] = error->per_frame.rotation_deg.rmse;
-}
-
 }  // namespace
 
 std::string format_report_json(const RunReport& run, const Trajectory& estimate, const Trajectory& groundtruth) {
@@ -81,8 +67,7 @@ std::string format_report_json(const RunReport& run, const Trajectory& estimate,
   for (const Setting& setting : list_settings(run.options)) report["settings"][setting.key] = setting_value(setting.value);
   report["trajectory_sha256"] = sha256_hex(run.trajectory_text);
   report["cloud_sha256"] = sha256_hex(run.cloud_ply);
-  add_accuracy(estimate, groundtruth, report);
-  return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return *add_accuracy(report.dump(2, ' ', false, Json::error_handler_t::replace), estimate, groundtruth);
 }
 
 }  // namespace hermite

@@ -31,7 +31,7 @@ TEST(AccuracyReport, AddsTheKeysOfReportJsonAndKeepsTheOthersInPlace) {
     ASSERT_TRUE(report.contains(key)) << key;
     EXPECT_NEAR(report[key].get<double>(), 0, 1e-6) << key;
   }
-  EXPECT_FALSE(report.contains("groundtruth_from_estimate"));
+  EXPECT_EQ(report["groundtruth_matched_frames"], 10);
 }
 
 TEST(AccuracyReport, NumbersAreThoseOfTheTrajectory) {
@@ -54,11 +54,15 @@ TEST(AccuracyReport, WhatIsNoObjectIsRefused) {
   }
 }
 
-TEST(AccuracyReport, TooFewMatchingPosesAreAnErrorInWords) {
-  const auto report = add_accuracy("{}", line(0), {});
-  ASSERT_FALSE(report.ok());
-  EXPECT_EQ(report.error().code, ErrorCode::kInvalidArgument);
+TEST(AccuracyReport, TooFewMatchingPosesAreAProblemInWords) {
+  Trajectory elsewhere = line(0);
+  for (TimedPose& pose : elsewhere) pose.timestamp_s += 1000;
+  const Json report = Json::parse(*add_accuracy("{}", line(0), elsewhere));
+  EXPECT_FALSE(report.contains("ate_rmse_m"));
+  EXPECT_NE(report["groundtruth_problem"].get<std::string>(), "");
 }
+
+TEST(AccuracyReport, WithoutAGroundTruthNothingIsAdded) { EXPECT_EQ(*add_accuracy("{\"a\": 1}", line(0), {}), "{\n  \"a\": 1\n}\n"); }
 
 }  // namespace
 }  // namespace hermite
