@@ -17,7 +17,7 @@ class CommandBuffer {
   CommandBuffer& operator=(const CommandBuffer&) = delete;
 
   bool recording() const { return recording_; }
-  // The buffer to record into; begins it if need be.
+  // The buffer to record into; begins it if need be. Throws DeviceError once the device is lost.
   VkCommandBuffer vk();
   // Everything recorded before is done and seen by everything recorded after, shaders and transfers alike.
   void barrier();

@@ -195,7 +195,10 @@ void Device::submit_and_wait(VkCommandBuffer commands, VkFence fence, std::chron
 bool Device::may_release() noexcept {
   if (hung_on_ == VK_NULL_HANDLE) return true;
   constexpr std::uint64_t kLastChance_ns = 5'000'000'000;  // often it was only slow
-  if (vkWaitForFences(vk(), 1, &hung_on_, VK_TRUE, kLastChance_ns) == VK_TIMEOUT) return false;
+  if (given_up_ || vkWaitForFences(vk(), 1, &hung_on_, VK_TRUE, kLastChance_ns) == VK_TIMEOUT) {
+    given_up_ = true;
+    return false;
+  }
   hung_on_ = VK_NULL_HANDLE;
   return true;
 }

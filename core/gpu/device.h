@@ -72,6 +72,7 @@ class Device {
   std::uint32_t pass_slot(std::string_view kernel);
   void add_pass_time(std::uint32_t slot, double ms);
 
+  void throw_if_lost() const;
   // Submits and waits until the GPU is done, or throws DeviceError; then `fence` is signalled no more and may be used again.
   void submit_and_wait(VkCommandBuffer commands, VkFence fence, std::chrono::milliseconds limit);
   // False while the GPU may still use what a timed-out submission referred to: then memory must rather leak than be freed.
@@ -84,7 +85,6 @@ class Device {
   };
   void open(VkPhysicalDevice physical);
   void read_properties(VkPhysicalDevice physical);
-  void throw_if_lost() const;
 
   std::unique_ptr<Instance> instance_;
   Handle handle_;
@@ -103,6 +103,7 @@ class Device {
   std::vector<PassTime> pass_times_;
   std::string lost_;                  // why the device cannot be used any more, in words
   VkFence hung_on_ = VK_NULL_HANDLE;  // what the timed-out submission would signal
+  bool given_up_ = false;             // it never was: everything it may use is leaked, the device too
 };
 
 }  // namespace hermite::gpu

@@ -1,0 +1,14 @@
+// For the tests of core/gpu: takes as long as asked, to see that waits have an end.
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+
+layout(local_size_x = 1) in;
+layout(scalar, binding = 0) buffer Result { uint result[]; };
+layout(scalar, push_constant) uniform Params { uint rounds; } params;
+
+void main() {
+  uint state = result[0];
+  for (uint round = 0; round < params.rounds; ++round)
+    for (uint i = 0; i < 10000; ++i) state = state * 1664525u + 1013904223u + result[state & 1u];
+  result[0] = state;
+}

@@ -1,0 +1,98 @@
+#include "core/gpu/device.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "core/gpu/buffer.h"
+
+namespace hermite::gpu {
+namespace {
+
+// Sets HERMITE_VALIDATION for one test.
+class Environment {
+ public:
+  explicit Environment(const char* value) {
+    if (const char* was = std::getenv(kName)) before_ = was;
+    setenv(kName, value, 1);
+  }
+  ~Environment() { before_.empty() ? unsetenv(kName) : setenv(kName, before_.c_str(), 1); }
+
+ private:
+  static constexpr const char* kName = "HERMITE_VALIDATION";
+  std::string before_;
+};
+
+TEST(Device, ListSaysWhatAPersonAsksFor) {
+  const std::vector<DeviceInfo> devices = list_devices();
+  ASSERT_FALSE(devices.empty()) << "these tests need a Vulkan device; Mesa's software one will do";
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    EXPECT_EQ(devices[i].index, static_cast<int>(i));
+    EXPECT_FALSE(devices[i].name.empty());
+    EXPECT_FALSE(devices[i].driver.empty());
+    EXPECT_GT(devices[i].memory_bytes, 0u);
+    EXPECT_GE(devices[i].max_buffer_bytes, 128u << 20) << "the least that Vulkan promises";
+    EXPECT_GE(devices[i].max_shared_memory_bytes, 16384u);
+  }
+}
+
+TEST(Device, OpensTheOneSelectedAndAgreesWithTheList) {
+  const std::vector<DeviceInfo> devices = list_devices();
+  for (const DeviceInfo& info : devices) {
+    if (!info.unsuitable.empty()) continue;
+    const Device device(std::to_string(info.index));
+    EXPECT_EQ(device.info().name, info.name);
+    EXPECT_EQ(device.info().max_buffer_bytes, info.max_buffer_bytes);
+  }
+}
+
+TEST(Device, RefusesWhatIsNotThere) {
+  try {
+    const Device device("no such GPU");
+    FAIL();
+  } catch (const SetupError& error) {
+    EXPECT_EQ(error.error().code, ErrorCode::kDevice);
+    EXPECT_THAT(error.what(), testing::HasSubstr("no such GPU"));
+    EXPECT_THAT(error.what(), testing::HasSubstr(list_devices().at(0).name));
+  }
+}
+
+TEST(Device, SeveralLiveSideBySide) {
+  Device first, second;
+  Buffer<int> a(first, 4, "a"), b(second, 4, "b");
+  a.upload(std::vector<int>{1, 2, 3, 4});
+  b.upload(std::vector<int>{5, 6, 7, 8});
+  EXPECT_EQ(a.download(), (std::vector<int>{1, 2, 3, 4}));
+  EXPECT_EQ(b.download(), (std::vector<int>{5, 6, 7, 8}));
+  EXPECT_FALSE(second.memory_by_purpose().contains("a"));
+}
+
+TEST(Device, ValidationFollowsTheEnvironment) {
+  {
+    const Environment off("0");
+    EXPECT_FALSE(Device().validation_active());
+  }
+  const Environment on("1");
+  const Device device;
+  if (!device.validation_active()) GTEST_SKIP() << "VK_LAYER_KHRONOS_validation is not installed";
+  EXPECT_EQ(device.validation_error_count(), 0);
+}
+
+TEST(Device, ValidationErrorsAreCountedAndPrinted) {
+  const Environment on("1");
+  Device device;
+  if (!device.validation_active()) GTEST_SKIP() << "VK_LAYER_KHRONOS_validation is not installed";
+  VkBufferCreateInfo nonsense{};
+  nonsense.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
+  nonsense.size = 0;  // buffers have at least one byte
+  nonsense.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+  VkBuffer buffer = VK_NULL_HANDLE;
+  testing::internal::CaptureStderr();
+  if (vkCreateBuffer(device.vk(), &nonsense, nullptr, &buffer) == VK_SUCCESS) vkDestroyBuffer(device.vk(), buffer, nullptr);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), testing::HasSubstr("VUID-VkBufferCreateInfo-size"));
+  EXPECT_GT(device.validation_error_count(), 0);
+}
+
+}  // namespace
+}  // namespace hermite::gpu
