@@ -53,6 +53,8 @@ std::string format_report_json(const RunReport& run, const Trajectory& estimate,
   report["mean_frame_ms"] = statistics.mean_frame_ms;
   report["stages_ms"] = Json::object();
   for (const auto& [stage, ms] : statistics.stages_ms) report["stages_ms"][stage] = ms;
+  report["gpu_passes_ms"] = Json::object();
+  for (const auto& [pass, ms] : statistics.gpu_passes_ms) report["gpu_passes_ms"][pass] = ms;
   report["peak_rss_mb"] = peak_rss_mb();
   double gpu_bytes = 0;
   Json by_purpose = Json::object();

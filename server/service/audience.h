@@ -1,0 +1,106 @@
+// What viewers of one scan see, and who they are. Every viewer has a set of chunks it does not have yet instead of a queue: one that is
+// slow skips versions, one that joins late starts with every chunk in the set, and memory is bounded by the model's size.
+//
+// Messages are formatted once and shared. All of it belongs to the network thread.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/math/camera.h"
+#include "core/output/chunks.h"
+#include "proto/wire/messages.h"
+#include "server/service/scan_worker.h"
+
+namespace hermite {
+
+inline constexpr int kMaxViewersPerScan = 32;
+inline constexpr std::uint64_t kMaxUnackedBytes = 4 * 1024 * 1024;
+
+struct SceneInfo {
+  std::string scan_id;
+  std::string title;
+  Camera camera;
+};
+
+class Viewer;
+
+class Audience {
+ public:
+  explicit Audience(SceneInfo info) : info_(std::move(info)) {}
+  Audience(const Audience&) = delete;
+  Audience& operator=(const Audience&) = delete;
+
+  const SceneInfo& info() const { return info_; }
+
+  void show_state(const wire::ScanState& state);
+  void show_result(const wire::FrameResult& result);  // and adds its position to the trajectory
+  void show_model(ModelUpdate update);
+  void add_positions(const std::vector<float>& positions_m);
+
+  // The scan has ended and its last state and model were shown: viewers may leave once they have everything.
+  void close();
+
+  // `wake` is called when the viewer may have something to send. kBusy: kMaxViewersPerScan are there.
+  static Result<std::unique_ptr<Viewer>> join(const std::shared_ptr<Audience>& audience, std::function<void()> wake);
+
+ private:
+  friend class Viewer;
+  struct Shown {
+    SharedBytes message;
+    bool empty = false;
+  };
+  void wake_all();
+
+  const SceneInfo info_;
+  SharedBytes state_, poses_, result_;
+  std::map<ChunkKey, Shown> chunks_;
+  std::vector<float> positions_m_;  // x y z of every result
+  bool closed_ = false;
+  std::set<Viewer*> viewers_;
+};
+
+// One viewer's share of an audience: what to send next. The audience outlives it.
+class Viewer {
+ public:
+  Viewer(std::shared_ptr<Audience> audience, std::function<void()> wake);
+  ~Viewer();
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
+
+  // The next message, to be called when the socket is free; none when there is nothing, or when more than kMaxUnackedBytes are under way.
+  SharedBytes next();
+
+  // kInvalidArgument: more than was sent.
+  Status acknowledge(std::uint64_t bytes);
+
+  // The scan has ended and all of it was sent.
+  bool complete() const;
+
+  // Bytes of a message that reached the viewer another way (Welcome, Pong): they count, since the viewer counts them.
+  void count_sent(std::size_t bytes) { sent_bytes_ += bytes; }
+
+ private:
+  friend class Audience;
+  SharedBytes next_chunk();
+  SharedBytes counted(SharedBytes message);
+
+  const std::shared_ptr<Audience> audience_;
+  const std::function<void()> wake_;
+  SharedBytes state_, poses_, result_, trajectory_;  // newest not yet sent
+  std::set<ChunkKey> dirty_;
+  std::set<ChunkKey> snapshot_;  // of the chunks at the time of joining, those not yet sent
+  bool snapshot_ended_ = false;
+  std::optional<ChunkKey> last_sent_;
+  std::uint64_t sent_bytes_ = 0, acknowledged_bytes_ = 0;
+};
+
+}  // namespace hermite

@@ -1,0 +1,198 @@
+#include "server/service/scan_worker.h"
+
+#include <chrono>
+#include <exception>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <utility>
+
+#include "core/output/ply.h"
+#include "core/pipeline/pipeline.h"
+#include "proto/wire/frame_payload.h"
+#include "proto/wire/server_message.h"
+#include "server/service/frame_queue.h"
+#include "server/service/results.h"
+#include "server/store/chunk_file.h"
+
+namespace hermite {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kUpdatePeriod(kMsPerUpdate);
+
+double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
+
+wire::FrameResult wire_result(const FrameResult& result, std::uint64_t sequence, double frame_ms) {
+  wire::FrameResult sent;
+  sent.sequence = sequence;
+  sent.timestamp_s = result.timestamp_s;
+  sent.world_from_camera = result.world_from_camera;
+  sent.tracked = result.status == TrackingStatus::kTracked;
+  sent.reason = result.reason;
+  sent.inlier_count = static_cast<std::uint64_t>(result.inlier_count);
+  sent.inlier_ratio = result.inlier_ratio;
+  sent.residual_rms_m = result.residual_rms_m;
+  sent.surfel_count = static_cast<std::uint64_t>(result.surfel_count);
+  sent.frame_ms = frame_ms;
+  return sent;
+}
+
+wire::SubmapPoses wire_poses(const Pipeline& pipeline) {
+  wire::SubmapPoses poses;
+  for (const SubmapPose& pose : pipeline.submap_poses()) poses.poses.push_back({pose.submap, pose.world_from_submap});
+  return poses;
+}
+
+ScanEnd failure(Error error) { return {wire::ScanPhase::kFailed, std::move(error), {}}; }
+
+// The worker's thread: one scan from the first frame to its files.
+class ScanRun {
+ public:
+  ScanRun(const ScanSetup& setup, const ScanEvents& events, FrameQueue& queue)
+      : setup_(setup), events_(events), queue_(queue), pipeline_(setup.device, setup.camera, setup.options) {}
+
+  Status take_frames() {
+    for (;;) {
+      FrameQueue::Popped popped = queue_.pop(kUpdatePeriod);
+      if (popped.closed) return Done{};
+      if (popped.frame) {
+        if (Status status = take_frame(*popped.frame); !status.ok()) return status;
+      }
+      if (frames_since_update_ >= kFramesPerUpdate || (frames_since_update_ > 0 && Clock::now() - updated_at_ >= kUpdatePeriod)) {
+        if (Status status = update_viewers(); !status.ok()) return status;
+      }
+    }
+  }
+
+  Result<wire::Finished> write() {
+    if (Status status = update_viewers(); !status.ok()) return status.error();
+    Result<RunResults> results = write_results(setup_.folder, pipeline_, setup_.options, {});
+    if (!results.ok()) return results.error();
+    StoredChunks stored;
+    for (const SubmapPose& pose : pipeline_.submap_poses()) stored.submaps.push_back({pose.submap, pose.world_from_submap});
+    for (const ChunkKey& key : filled_) {
+      Result<EncodedChunk> chunk = model_.encode(key);
+      if (!chunk.ok()) return chunk.error();
+      stored.chunks.push_back(*std::move(chunk));
+    }
+    if (Status status = write_file_atomically(setup_.folder + "/chunks.bin", format_chunk_file(stored)); !status.ok())
+      return in_context("writing chunks.bin", status.error());
+    return wire::Finished{std::move(results->report_json), std::move(results->trajectory_text)};
+  }
+
+ private:
+  Status take_frame(const wire::Frame& frame) {
+    const Clock::time_point start = Clock::now();
+    FrameOutcome outcome;
+    Result<RgbdFrame> decoded = wire::decode_frame_payload(frame, setup_.depth_codec, setup_.camera);
+    if (!decoded.ok()) outcome.bad_images = decoded.error();
+    // A frame that cannot be read counts as one that shows nothing, as in `hermite reconstruct`: every frame has its pose.
+    Result<FrameResult> result = pipeline_.process(decoded.ok() ? *decoded : wire::empty_frame(frame.timestamp_s, setup_.camera));
+    if (!result.ok()) return result.error();
+    outcome.result = wire_result(*result, frame.sequence, ms_since(start));
+    events_.frame_done(std::move(outcome));
+    ++frames_since_update_;
+    return Done{};
+  }
+
+  Status update_viewers() {
+    Result<std::vector<SlotChange>> changes = pipeline_.take_changes();
+    if (!changes.ok()) return changes.error();
+    model_.apply(*changes);
+    ModelUpdate update;
+    for (const ChunkKey& key : model_.take_dirty()) {
+      Result<EncodedChunk> chunk = model_.encode(key);
+      if (!chunk.ok()) return chunk.error();
+      const bool empty = chunk->point_count == 0;
+      if (empty) filled_.erase(key);
+      if (!empty) filled_.insert(key);
+      wire::Chunk message{{key.submap, key.level, key.x, key.y, key.z}, ++version_, chunk->point_count, std::move(chunk->draco)};
+      update.chunks.push_back({key, empty, std::make_shared<const std::string>(wire::format_server_message(std::move(message)))});
+    }
+    update.poses = wire_poses(pipeline_);
+    events_.model_changed(std::move(update));
+    frames_since_update_ = 0;
+    updated_at_ = Clock::now();
+    return Done{};
+  }
+
+  const ScanSetup& setup_;
+  const ScanEvents& events_;
+  FrameQueue& queue_;
+  Pipeline pipeline_;
+  ChunkedModel model_;
+  std::set<ChunkKey> filled_;  // chunks that have points
+  std::uint64_t version_ = 0;  // of the chunks, one count for all
+  int frames_since_update_ = 0;
+  Clock::time_point updated_at_ = Clock::now();
+};
+
+}  // namespace
+
+struct ScanWorker::Impl {
+  const ScanSetup setup;
+  const ScanEvents events;
+  FrameQueue queue;
+  std::mutex mutex;
+  std::optional<Error> interrupted;  // guarded by mutex; why the scan ended early
+  bool finishing = false;            // guarded by mutex
+  std::thread thread;
+
+  Impl(ScanSetup scan_setup, ScanEvents scan_events)
+      : setup(std::move(scan_setup)), events(std::move(scan_events)), queue(setup.queue_capacity) {}
+
+  std::optional<Error> why_interrupted() {
+    const std::lock_guard lock(mutex);
+    return interrupted;
+  }
+
+  ScanEnd run() try {
+    ScanRun scan(setup, events, queue);
+    if (Status status = scan.take_frames(); !status.ok()) return failure(status.error());
+    Result<wire::Finished> results = scan.write();
+    if (!results.ok()) return failure(results.error());
+    if (const std::optional<Error> reason = why_interrupted()) return {wire::ScanPhase::kInterrupted, *reason, *std::move(results)};
+    return {wire::ScanPhase::kFinished, {}, *std::move(results)};
+  } catch (const SetupError& error) {
+    return failure(error.error());
+  } catch (const std::exception& error) {
+    // Out of memory and what libraries throw: this scan is over, the others are not.
+    return failure({ErrorCode::kDevice, std::string("the scan failed: ") + error.what()});
+  }
+};
+
+ScanWorker::ScanWorker(ScanSetup setup, ScanEvents events) : impl_(std::make_unique<Impl>(std::move(setup), std::move(events))) {
+  impl_->thread = std::thread([impl = impl_.get()] {
+    ScanEnd end = impl->run();
+    // From here on nobody takes frames: they must not pile up.
+    impl->queue.close(true);
+    impl->events.ended(std::move(end));
+  });
+}
+
+ScanWorker::~ScanWorker() {
+  impl_->queue.close(true);
+  impl_->thread.join();
+}
+
+std::optional<wire::Frame> ScanWorker::push(wire::Frame frame) { return impl_->queue.push(std::move(frame)); }
+
+void ScanWorker::finish() {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->finishing = true;
+  }
+  impl_->queue.close(false);
+}
+
+void ScanWorker::interrupt(const Error& reason, bool discard) {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    if (!impl_->interrupted && (!impl_->finishing || discard)) impl_->interrupted = reason;
+  }
+  impl_->queue.close(discard);
+}
+
+}  // namespace hermite

@@ -1,0 +1,91 @@
+// The thread that owns one scan's pipeline: takes frames from a bounded queue, reconstructs, and tells what came of it.
+//
+// The pipeline is made, used and destroyed on that thread. Nothing here touches a socket or the store; what happens is told through
+// ScanEvents, which are called on the worker's thread and are expected to hand over to another one.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/math/camera.h"
+#include "core/output/chunks.h"
+#include "core/pipeline/options.h"
+#include "proto/wire/messages.h"
+
+namespace hermite {
+
+// Viewers are told of a changed model after this many frames or this much time, whichever comes first. It has no influence on poses or
+// cloud.
+inline constexpr int kFramesPerUpdate = 15;
+inline constexpr int kMsPerUpdate = 500;
+
+using SharedBytes = std::shared_ptr<const std::string>;
+
+struct ScanSetup {
+  std::string device;
+  Camera camera;
+  Options options;
+  wire::DepthCodec depth_codec = wire::DepthCodec::kRvlZstd;
+  std::size_t queue_capacity = 16;  // frames
+  std::string folder;               // for the results; exists
+};
+
+struct FrameOutcome {
+  wire::FrameResult result;
+  std::optional<Error> bad_images;  // why the pipeline got an empty frame instead of this one's images
+};
+
+// A chunk message ready to be sent, made once for all viewers.
+struct ChunkUpdate {
+  ChunkKey key;
+  bool empty = false;
+  SharedBytes message;
+};
+
+struct ModelUpdate {
+  std::vector<ChunkUpdate> chunks;
+  wire::SubmapPoses poses;
+};
+
+struct ScanEnd {
+  wire::ScanPhase phase = wire::ScanPhase::kFinished;
+  Error error;             // when failed, or why it was interrupted
+  wire::Finished results;  // when not failed
+};
+
+// The last event is `ended`, always and once.
+struct ScanEvents {
+  std::function<void(FrameOutcome)> frame_done;  // once for every frame taken from the queue, in order
+  std::function<void(ModelUpdate)> model_changed;
+  std::function<void(ScanEnd)> ended;
+};
+
+// Call from one thread.
+class ScanWorker {
+ public:
+  ScanWorker(ScanSetup setup, ScanEvents events);  // starts the thread
+  ~ScanWorker();                                   // ends it: drops waiting frames and waits for the one in work
+  ScanWorker(const ScanWorker&) = delete;
+  ScanWorker& operator=(const ScanWorker&) = delete;
+
+  // Never blocks. Returns the frame that had to make room: the oldest in the queue.
+  std::optional<wire::Frame> push(wire::Frame frame);
+
+  // All frames have come: the worker takes those in the queue, writes the results and ends as finished.
+  void finish();
+
+  // As finish(), but ends as interrupted for the reason given. With `discard` frames in the queue are dropped.
+  // After finish() only a discard has an effect.
+  void interrupt(const Error& reason, bool discard);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace hermite
