@@ -100,7 +100,10 @@ struct Pipeline::Impl {
 OdometryResult Pipeline::Impl::track(const FrameMaps& maps) {
   if (frame_number == 0) {
     const bool starts = odometry.has_surface(maps, predictor.surface());
-    return {.tracked = starts, .reason = starts ? "" : "too few points: the depth camera sees almost nothing"};
+    OdometryResult first;
+    first.tracked = starts;
+    if (!starts) first.reason = "too few points: the depth camera sees almost nothing";
+    return first;
   }
   Rigid3 guess;
   if (options.track.rotation_prealignment) guess.rotation = odometry.align_rotation(maps).conjugate();
@@ -216,6 +219,7 @@ PipelineStatistics Pipeline::statistics() const {
   const double frames = static_cast<double>(std::max<std::size_t>(impl.trajectory.size(), 1));
   statistics.mean_frame_ms = impl.total_ms / frames;
   for (const auto& [stage, ms] : impl.stage_total_ms) statistics.stages_ms[stage] = ms / frames;
+  for (const auto& pass : impl.device.pass_times()) statistics.gpu_passes_ms[pass.kernel] = pass.total_ms / frames;
   statistics.gpu_memory_bytes = impl.device.memory_by_purpose();
   statistics.device = impl.device.info().name;
   return statistics;

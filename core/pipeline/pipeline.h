@@ -44,6 +44,7 @@ struct PipelineStatistics {
   std::int64_t surfel_count = 0;
   double mean_frame_ms = 0;                     // wall clock inside process()
   std::map<std::string, double> stages_ms;      // mean per frame, by stage
+  std::map<std::string, double> gpu_passes_ms;  // mean per frame, by shader; GPU time stamps
   std::map<std::string, std::int64_t> gpu_memory_bytes;  // by purpose
   std::string device;
 };

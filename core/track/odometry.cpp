@@ -78,7 +78,8 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
 }
 
 OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess) {
-  OdometryResult result{.reference_from_camera = guess, .reason = {}};
+  OdometryResult result;
+  result.reference_from_camera = guess;
   const int iterations[kPyramidLevels] = {options_.max_iterations_fine, options_.max_iterations_middle, options_.max_iterations_coarse};
   Sums sums{};
   for (int level = kPyramidLevels - 1; level >= 0; --level) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/frame/preprocess.h"
+#include "core/math/rigid3.h"
 #include "core/track/track_options.h"
 #include "shaders/shared/track.h"
 

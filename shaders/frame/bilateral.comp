@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Sensor units to metres, and the bilateral filter (paper section 3.2; window and sigmas as in the authors' program).
 // Two outputs: the measured depth, and the filtered one; 0 where nothing was measured inside the range.
-#include "shared/frame.h"
+#include "shaders/shared/frame.h"
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(scalar, binding = 0) readonly buffer Units { uint units[]; };  // two pixels a word
 layout(scalar, binding = 1) writeonly buffer Raw { float raw_m[]; };

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 // One pyramid level of surface maps: the mean of 2x2 pixels, nothing where one of them is missing or lies on another surface.
 // The centre of the coarse pixel is the centre of the four, so the coarse camera has cx' = (cx - 0.5) / 2.
-#include "shared/frame.h"
+#include "shaders/shared/frame.h"
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(scalar, binding = 0) readonly buffer FineDepth { float fine_depth_m[]; };
 layout(scalar, binding = 1) readonly buffer FineNormals { vec4 fine_normals[]; };

@@ -2,7 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // Sobel gradient of the frame's grey image, grey values per pixel; zero on the border.
-#include "shared/frame.h"
+#include "shaders/shared/frame.h"
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(scalar, binding = 0) readonly buffer Intensity { float intensity[]; };
 layout(scalar, binding = 1) writeonly buffer Gradient { vec2 gradient[]; };

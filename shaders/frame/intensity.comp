@@ -2,9 +2,9 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // Grey values of the frame, 0 to 255.
-#include "shared/frame.h"
-#include "shared/map.h"
-#include "lib/surfel.glsl"
+#include "shaders/shared/frame.h"
+#include "shaders/shared/map.h"
+#include "shaders/lib/surfel.glsl"
 layout(local_size_x = 256) in;
 layout(scalar, binding = 0) readonly buffer Color { uint color[]; };
 layout(scalar, binding = 1) writeonly buffer Intensity { float intensity[]; };

@@ -3,8 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 // First normals by central differences of the filtered depth (paper section 3.2), pointing away from the camera,
 // and the support radius of each kernel (reference notes 1.4): radius_scale pixel diagonals, more on slanted surfaces.
-#include "shared/frame.h"
-#include "lib/geometry.glsl"
+#include "shaders/shared/frame.h"
+#include "shaders/lib/geometry.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(scalar, binding = 0) readonly buffer Depth { float depth_m[]; };
 layout(scalar, binding = 1) writeonly buffer Normals { vec4 normal_radius[]; };

@@ -4,8 +4,8 @@
 // The Hermite RBF implicit of the input frame in a 7x7 window (paper Eq. 2-5): moves each vertex along its ray onto the zero set,
 // takes the normal from the gradient, principal curvatures from gradient and Hessian, and the confidence c = c_r c_d.
 // Normals point away from the camera, so surfaces that bulge towards it have positive curvature.
-#include "shared/frame.h"
-#include "lib/geometry.glsl"
+#include "shaders/shared/frame.h"
+#include "shaders/lib/geometry.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(scalar, binding = 0) readonly buffer Filtered { float filtered_m[]; };
 layout(scalar, binding = 1) readonly buffer Normals { vec4 normal_radius[]; };

@@ -2,10 +2,10 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // New surfels take free slots in order, then slots at the end: the same measurement gets the same slot on every run.
-#include "shared/map.h"
-#include "lib/geometry.glsl"
-#include "lib/surfel.glsl"
-#include "lib/fuse_bindings.glsl"
+#include "shaders/shared/map.h"
+#include "shaders/lib/geometry.glsl"
+#include "shaders/lib/surfel.glsl"
+#include "shaders/lib/fuse_bindings.glsl"
 layout(local_size_x = 256) in;
 layout(scalar, binding = 13) readonly buffer FreeList { uint free_slots[]; };
 shared uint is_new[256];

@@ -4,10 +4,10 @@
 // For a quarter of the pixels: which surfel does this measurement continue? (Paper section 5, reference notes 4.1.)
 // A 5x5 window of the index map; gates on depth along the ray and on the normal; the surfel nearest to the ray wins.
 // Several pixels may want one surfel: the claim of its cell goes to the closest, then to the lowest pixel, whatever the order of threads.
-#include "shared/map.h"
-#include "lib/geometry.glsl"
-#include "lib/surfel.glsl"
-#include "lib/fuse_bindings.glsl"
+#include "shaders/shared/map.h"
+#include "shaders/lib/geometry.glsl"
+#include "shaders/lib/surfel.glsl"
+#include "shaders/lib/fuse_bindings.glsl"
 layout(local_size_x = 256) in;
 layout(scalar, binding = 13) readonly buffer Ids { uint ids[]; };
 layout(scalar, binding = 14) buffer Claims { uint claims[]; };

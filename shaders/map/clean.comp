@@ -5,9 +5,9 @@
 //   redundant   most neighbours in the index map of stable surfels are older and lie just behind it
 //   free space  stable surfels seen in this very frame lie clearly behind it
 //   unstable    never confirmed for max_unstable_age frames
-#include "shared/map.h"
-#include "lib/geometry.glsl"
-#include "lib/surfel.glsl"
+#include "shaders/shared/map.h"
+#include "shaders/lib/geometry.glsl"
+#include "shaders/lib/surfel.glsl"
 layout(local_size_x = 256) in;
 layout(scalar, binding = 0) buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 1) readonly buffer Attributes { SurfelAttributes attributes[]; };

@@ -3,8 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 // Where the map predicts too little of the view, as in the first frames, the frame's own surface stands in for it (reference notes 2.5).
 // Frame and prediction are seen from the same pose.
-#include "shared/map.h"
-#include "lib/weight.glsl"
+#include "shaders/shared/map.h"
+#include "shaders/lib/weight.glsl"
 layout(local_size_x = 256) in;
 layout(scalar, binding = 0) readonly buffer FrameDepth { float frame_depth_m[]; };
 layout(scalar, binding = 1) readonly buffer FrameNormals { vec4 frame_normal_radius[]; };

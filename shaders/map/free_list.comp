@@ -2,7 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // Writes the free slots in ascending order.
-#include "shared/map.h"
+#include "shaders/shared/map.h"
 layout(local_size_x = 256) in;
 layout(scalar, binding = 0) readonly buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 1) readonly buffer Groups { uint free_by_group[]; };

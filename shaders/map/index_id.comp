@@ -2,9 +2,9 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // Second half of the index map: which surfel that is; of several at exactly the same depth the lowest slot.
-#include "shared/map.h"
-#include "lib/geometry.glsl"
-#include "lib/surfel.glsl"
+#include "shaders/shared/map.h"
+#include "shaders/lib/geometry.glsl"
+#include "shaders/lib/surfel.glsl"
 layout(local_size_x = 256) in;
 layout(scalar, binding = 0) readonly buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 1) readonly buffer Attributes { SurfelAttributes attributes[]; };
@@ -12,7 +12,7 @@ layout(scalar, binding = 2) readonly buffer Submaps { Transform camera_from_subm
 layout(scalar, binding = 3) buffer Depths { uint depth_bits[]; };
 layout(scalar, binding = 4) buffer Ids { uint ids[]; };
 layout(scalar, push_constant) uniform Push { IndexParams p; };
-#include "lib/index_cell.glsl"
+#include "shaders/lib/index_cell.glsl"
 
 void main() {
   uint cell, bits;

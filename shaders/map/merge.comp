@@ -3,10 +3,10 @@
 #extension GL_GOOGLE_include_directive : require
 // Winners of the association update their surfel in place by confidence-weighted means (paper Eq. 11, reference notes 4.2);
 // new measurements are counted by workgroup.
-#include "shared/map.h"
-#include "lib/geometry.glsl"
-#include "lib/surfel.glsl"
-#include "lib/fuse_bindings.glsl"
+#include "shaders/shared/map.h"
+#include "shaders/lib/geometry.glsl"
+#include "shaders/lib/surfel.glsl"
+#include "shaders/lib/fuse_bindings.glsl"
 layout(local_size_x = 256) in;
 layout(scalar, binding = 13) readonly buffer Ids { uint ids[]; };
 layout(scalar, binding = 14) readonly buffer Claims { uint claims[]; };

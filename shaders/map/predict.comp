@@ -4,10 +4,10 @@
 // The surface seen from a pose (paper section 3.1): each pixel's ray is met with the zero set of the Hermite RBF implicit of the surfels
 // in a window of the index map. Weighted-plane iteration along the ray (reference notes 8.2.1) instead of a bisection.
 // Attributes come from the kernel nearest to the solution. With hrbf == 0: the nearest surfel disc that the ray meets.
-#include "shared/map.h"
-#include "lib/geometry.glsl"
-#include "lib/surfel.glsl"
-#include "lib/weight.glsl"
+#include "shaders/shared/map.h"
+#include "shaders/lib/geometry.glsl"
+#include "shaders/lib/surfel.glsl"
+#include "shaders/lib/weight.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(constant_id = 0) const int kRadius = 3;  // window of 2 kRadius + 1
 layout(scalar, binding = 0) readonly buffer Positions { vec4 position_confidence[]; };

@@ -2,7 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // Exclusive prefix sum of the counts of all workgroups, in place, by one workgroup; the total goes into the map's state.
-#include "shared/map.h"
+#include "shaders/shared/map.h"
 layout(local_size_x = 256) in;
 layout(scalar, binding = 0) buffer Counts { uint counts[]; };
 layout(scalar, binding = 1) buffer State { MapState state; };

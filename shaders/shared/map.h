@@ -2,7 +2,7 @@
 #ifndef HERMITE_SHARED_MAP_H
 #define HERMITE_SHARED_MAP_H
 
-#include "shared/types.h"
+#include "shaders/shared/types.h"
 
 #ifdef __cplusplus
 namespace hermite::shared {

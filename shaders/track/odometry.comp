@@ -4,8 +4,8 @@
 // Normal equations of one Gauss-Newton step: curvature-weighted point-to-plane terms against the predicted surface (paper Eq. 6-9) plus
 // photometric terms against its colour (Eq. 10), linearised for reference_from_camera <- exp(x) reference_from_camera,
 // x = (translation, rotation). One scale for both sides: H = H_rgb + w H_icp, b = b_rgb + w b_icp.
-#include "shared/track.h"
-#include "lib/geometry.glsl"
+#include "shaders/shared/track.h"
+#include "shaders/lib/geometry.glsl"
 const uint kTerms = HERMITE_ODOMETRY_TERMS;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
 layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
@@ -20,7 +20,7 @@ layout(scalar, binding = 7) readonly buffer ReferenceCurvatures { vec2 reference
 layout(scalar, binding = 8) readonly buffer ReferenceIntensity { float reference_intensity[]; };
 layout(scalar, binding = 9) writeonly buffer Sums { float partial_sums[]; };
 layout(scalar, push_constant) uniform Push { OdometryParams p; };
-#include "lib/sums.glsl"
+#include "shaders/lib/sums.glsl"
 
 float sums[kTerms];
 

@@ -3,8 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 // Photometric terms of a pure rotation between two grey images (SO(3) pre-alignment, reference notes 3.2):
 // residual I_current(pi(R ray)) - I_previous(x), linearised for R <- exp(omega) R.
-#include "shared/track.h"
-#include "lib/geometry.glsl"
+#include "shaders/shared/track.h"
+#include "shaders/lib/geometry.glsl"
 const uint kTerms = HERMITE_ROTATION_TERMS;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
 layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
@@ -12,7 +12,7 @@ layout(scalar, binding = 0) readonly buffer Previous { float previous[]; };
 layout(scalar, binding = 1) readonly buffer Current { float current[]; };
 layout(scalar, binding = 2) writeonly buffer Sums { float partial_sums[]; };
 layout(scalar, push_constant) uniform Push { RotationParams p; };
-#include "lib/sums.glsl"
+#include "shaders/lib/sums.glsl"
 
 bool has_neighbours(ivec2 pixel) {
   return pixel.x >= 1 && pixel.y >= 1 && pixel.x + 2 < int(p.camera.width) && pixel.y + 2 < int(p.camera.height);
