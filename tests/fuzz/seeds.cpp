@@ -1,0 +1,135 @@
+// Writes the first inputs of every fuzz target, so that a short run starts behind the headers: fuzz_seeds FOLDER.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "core/image/depth_codec.h"
+#include "core/image/image_codec.h"
+#include "proto/wire/client_message.h"
+#include "proto/wire/server_message.h"
+
+namespace {
+
+using namespace hermite;
+namespace fs = std::filesystem;
+
+constexpr ImageSize kSize{16, 12};
+
+std::string text(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
+
+DepthImage depth_image(unsigned kind) {
+  DepthImage depth(kSize.width, kSize.height);
+  for (std::size_t i = 0; i < depth.pixels.size(); ++i) {
+    depth.pixels[i] = static_cast<std::uint16_t>(kind == 0 ? 0 : kind == 1 ? i * 331 : i % 5 == 0 ? 0 : 1000 + i * i % 17);
+  }
+  return depth;
+}
+
+ColorImage color_image() {
+  ColorImage color(kSize.width, kSize.height);
+  for (std::size_t i = 0; i < color.pixels.size(); ++i) {
+    color.pixels[i] = {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(255 - i), static_cast<std::uint8_t>(i * 7)};
+  }
+  return color;
+}
+
+class SeedFolder {
+ public:
+  explicit SeedFolder(fs::path folder) : folder_(std::move(folder)) { fs::create_directories(folder_); }
+  void add(const std::string& bytes) {
+    std::ofstream file(folder_ / ("seed-" + std::to_string(count_++)), std::ios::binary);
+    file << bytes;
+    if (!file.flush()) throw std::runtime_error("cannot write a seed into " + folder_.string());
+  }
+
+ private:
+  fs::path folder_;
+  int count_ = 0;
+};
+
+void add_depth_seeds(SeedFolder seeds) {
+  const std::string size(1, static_cast<char>((kSize.height - 1) * 16 + kSize.width - 1));
+  for (unsigned kind = 0; kind < 3; ++kind) {
+    const DepthImage depth = depth_image(kind);
+    seeds.add(std::string(1, 0) + size + text(encode_depth_rvl_zstd(depth)));
+    seeds.add(std::string(1, 2) + size + std::string(reinterpret_cast<const char*>(depth.pixels.data()), depth.pixels.size() * 2));
+  }
+  // RVL of {0, 0, 5, 7}, see tests/core/image/depth_codec_test.cpp, for the path that packs it.
+  seeds.add(std::string("\x01\x03\x00\x40\xa1\x22", 6));
+}
+
+void add_image_seeds(SeedFolder seeds) {
+  for (const int quality : {30, 95}) seeds.add(text(*encode_jpeg(color_image(), quality)));
+  seeds.add(text(*encode_png(color_image())));
+  seeds.add(text(*encode_depth_png(depth_image(1))));
+}
+
+Camera camera() {
+  Camera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.fx = camera.fy = 585;
+  camera.cx = 320;
+  camera.cy = 240;
+  return camera;
+}
+
+void add_client_seeds(SeedFolder& seeds) {
+  const auto add = [&](const wire::ClientMessage& message) { seeds.add(std::string(1, 0) + wire::format_client_message(message)); };
+  wire::StartScan start;
+  start.title = "kitchen";
+  start.camera = camera();
+  start.depth_codecs = {wire::DepthCodec::kRvlZstd, wire::DepthCodec::kPng16};
+  start.color_codecs = {wire::ColorCodec::kJpeg};
+  start.settings = {{"voxel", "5"}};
+  start.expected_frames = 100;
+  add(wire::Hello{0, "client 1", "secret", start});
+  add(wire::Hello{0, "viewer 1", "secret", wire::ViewScan{"01arz3ndektsv4rrffq69g5fav"}});
+  add(wire::Frame{1, 0.033, text(encode_depth_rvl_zstd(depth_image(2))), text(*encode_jpeg(color_image(), 80))});
+  add(wire::Frame{2, 0.066, text(*encode_depth_png(depth_image(2))), text(*encode_png(color_image()))});
+  add(wire::Finish{});
+  add(wire::ViewerAck{100000});
+  add(wire::Ping{7});
+}
+
+void add_server_seeds(SeedFolder& seeds) {
+  const auto add = [&](const wire::ServerMessage& message) { seeds.add(std::string(1, 1) + wire::format_server_message(message)); };
+  wire::Welcome welcome;
+  welcome.server = "hermite 0.1";
+  welcome.scan_id = "01arz3ndektsv4rrffq69g5fav";
+  welcome.max_message_bytes = 1 << 20;
+  welcome.frame_credit = 4;
+  welcome.color_codecs = {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng};
+  welcome.camera = camera();
+  welcome.title = "kitchen";
+  add(welcome);
+  add(wire::FrameResult{});
+  add(wire::Credit{12});
+  add(wire::Chunk{{1, 0, -1, 2, -3}, 9, 3, "draco bytes"});
+  add(wire::SubmapPoses{{{0, {}}, {1, {}}}});
+  add(wire::ScanState{wire::ScanPhase::kRunning, "words", 3, 2, 1});
+  add(wire::Finished{"{}", "0 0 0 0 0 0 0 1\n"});
+  add(wire::ErrorMessage{"corrupt_data", "frame.depth: cut", true, 5});
+  add(wire::Pong{7});
+  add(wire::SnapshotEnd{});
+  add(wire::TrajectoryPart{{1, 2, 3, 4, 5, 6}});
+}
+
+void add_message_seeds(SeedFolder seeds) {
+  add_client_seeds(seeds);
+  add_server_seeds(seeds);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: fuzz_seeds FOLDER\n");
+    return 2;
+  }
+  add_depth_seeds(SeedFolder(fs::path(argv[1]) / "depth"));
+  add_image_seeds(SeedFolder(fs::path(argv[1]) / "image"));
+  add_message_seeds(SeedFolder(fs::path(argv[1]) / "message"));
+  return 0;
+}
