@@ -28,6 +28,16 @@ Result<Bytes> read_file(const std::string& path, std::size_t max_bytes) {
 
 }  // namespace
 
+bool is_file(const std::string& path) {
+  std::error_code failure;
+  return std::filesystem::is_regular_file(path, failure);
+}
+
+bool is_folder(const std::string& path) {
+  std::error_code failure;
+  return std::filesystem::is_directory(path, failure);
+}
+
 Result<std::vector<std::uint8_t>> read_binary_file(const std::string& path, std::size_t max_bytes) {
   return read_file<std::vector<std::uint8_t>>(path, max_bytes);
 }

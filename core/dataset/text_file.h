@@ -16,6 +16,10 @@ namespace hermite {
 inline constexpr std::size_t kMaxTextFile_bytes = std::size_t{64} << 20;   // a day of 100 Hz poses is 800 KiB an hour
 inline constexpr std::size_t kMaxImageFile_bytes = std::size_t{64} << 20;  // an uncompressed 16-bit PNG of the largest camera is 8 MiB
 
+// False where the system cannot tell.
+bool is_file(const std::string& path);
+bool is_folder(const std::string& path);
+
 // kNotFound, kIo or kTooLarge, naming the path.
 Result<std::vector<std::uint8_t>> read_binary_file(const std::string& path, std::size_t max_bytes);
 Result<std::string> read_text_file(const std::string& path, std::size_t max_bytes = kMaxTextFile_bytes);

@@ -1,0 +1,111 @@
+#include "core/dataset/camera_file.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/dataset/sequence.h"
+#include "core/dataset/text_file.h"
+
+namespace hermite {
+namespace {
+
+constexpr std::size_t kMaxCameraFile_bytes = 64 << 10;
+constexpr double kMinFrameRate_hz = 0.1, kMaxFrameRate_hz = 1000;
+
+struct KnownCamera {
+  std::string_view name;       // --camera
+  std::string_view mentioned;  // in folder names and comments
+  Camera camera;
+};
+
+// The TUM benchmark's own calibration of its three Kinects; its depth files already contain the depth correction factors.
+// ICL-NUIM publishes fy = -480: its reader turns that world so that the camera frame is x right, y down, z forward.
+constexpr KnownCamera kKnownCameras[] = {
+    {"fr1", "freiburg1", {640, 480, 517.3, 516.5, 318.6, 255.3, 5000}},
+    {"fr2", "freiburg2", {640, 480, 520.9, 521.0, 325.1, 249.7, 5000}},
+    {"fr3", "freiburg3", {640, 480, 535.4, 539.2, 320.1, 247.6, 5000}},
+    {"icl-nuim", "", {640, 480, 481.2, 480.0, 319.5, 239.5, 5000}},
+};
+
+Error key_error(const std::string& key, const std::string& words) { return {ErrorCode::kCorruptData, "\"" + key + "\" " + words}; }
+
+Result<double> number_of(const nlohmann::json& object, const std::string& key) {
+  const auto found = object.find(key);
+  if (found == object.end()) return key_error(key, "is missing");
+  if (!found->is_number()) return key_error(key, "is not a number");
+  const double value = found->get<double>();
+  if (!std::isfinite(value)) return key_error(key, "is not finite");
+  return value;
+}
+
+Result<int> side_of(const nlohmann::json& object, const std::string& key) {
+  const Result<double> value = number_of(object, key);
+  if (!value.ok()) return value.error();
+  if (*value != std::floor(*value) || *value < kMinImageSide_px || *value > kMaxImageSide_px)
+    return key_error(
+        key, "must be a whole number of pixels from " + std::to_string(kMinImageSide_px) + " to " + std::to_string(kMaxImageSide_px));
+  return static_cast<int>(*value);
+}
+
+}  // namespace
+
+Result<CameraFile> parse_camera_json(const std::string& text) {
+  const nlohmann::json object = nlohmann::json::parse(text, nullptr, false);
+  if (!object.is_object()) return Error{ErrorCode::kCorruptData, "this is not one JSON object"};
+  CameraFile file;
+  const std::pair<const char*, int*> sides[] = {{"width", &file.camera.width}, {"height", &file.camera.height}};
+  for (const auto& [key, side] : sides) {
+    const Result<int> value = side_of(object, key);
+    if (!value.ok()) return value.error();
+    *side = *value;
+  }
+  const std::pair<const char*, double*> numbers[] = {{"fx", &file.camera.fx},
+                                                     {"fy", &file.camera.fy},
+                                                     {"cx", &file.camera.cx},
+                                                     {"cy", &file.camera.cy},
+                                                     {"depth_units_per_metre", &file.camera.depth_units_per_metre}};
+  for (const auto& [key, number] : numbers) {
+    const Result<double> value = number_of(object, key);
+    if (!value.ok()) return value.error();
+    *number = *value;
+  }
+  if (const Status status = validate(file.camera); !status.ok()) return status.error();
+  if (object.contains("frame_rate_hz")) {
+    const Result<double> rate = number_of(object, "frame_rate_hz");
+    if (!rate.ok()) return rate.error();
+    if (*rate < kMinFrameRate_hz || *rate > kMaxFrameRate_hz) return key_error("frame_rate_hz", "must be from 0.1 to 1000");
+    file.frame_rate_hz = *rate;
+  }
+  return file;
+}
+
+Result<CameraFile> read_camera_json(const std::string& path) {
+  const Result<std::string> text = read_text_file(path, kMaxCameraFile_bytes);
+  if (!text.ok()) return text.error();
+  Result<CameraFile> file = parse_camera_json(*text);
+  if (!file.ok()) return in_context(path, file.error());
+  return file;
+}
+
+std::optional<Camera> known_camera(std::string_view name) {
+  for (const KnownCamera& known : kKnownCameras)
+    if (known.name == name) return known.camera;
+  return std::nullopt;
+}
+
+std::optional<Camera> camera_mentioned_in(std::string_view text) {
+  for (const KnownCamera& known : kKnownCameras)
+    if (!known.mentioned.empty() && text.find(known.mentioned) != std::string_view::npos) return known.camera;
+  return std::nullopt;
+}
+
+Result<Camera> read_camera(const std::string& path_or_name) {
+  if (const auto camera = known_camera(path_or_name)) return *camera;
+  const Result<CameraFile> file = read_camera_json(path_or_name);
+  if (file.ok()) return file->camera;
+  if (file.error().code == ErrorCode::kNotFound)
+    return Error{ErrorCode::kNotFound, "camera \"" + path_or_name + "\" is neither a file nor one of fr1, fr2, fr3, icl-nuim"};
+  return file.error();
+}
+
+}  // namespace hermite

@@ -1,0 +1,34 @@
+// Where a sequence's camera comes from: camera.json or a name everybody knows. See also read_camera in sequence.h.
+//
+// camera.json is one object: width, height (pixels), fx, fy, cx, cy (pixels, pixel centres are integers), depth_units_per_metre and,
+// optionally, frame_rate_hz. Other keys are ignored, color_distortion among them: depth is registered to the colour image as it is, so both
+// are used unrectified.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/base/result.h"
+#include "core/math/camera.h"
+
+namespace hermite {
+
+inline constexpr double kDefaultFrameRate_hz = 30.0;
+
+struct CameraFile {
+  Camera camera;
+  double frame_rate_hz = kDefaultFrameRate_hz;
+};
+
+// Errors name the key and what is allowed.
+Result<CameraFile> parse_camera_json(const std::string& text);
+Result<CameraFile> read_camera_json(const std::string& path);
+
+// "fr1", "fr2", "fr3" or "icl-nuim"; nothing for any other name.
+std::optional<Camera> known_camera(std::string_view name);
+
+// The camera of the TUM benchmark whose name (freiburg1, 2 or 3) appears in `text`: a folder's name or a file's comment.
+std::optional<Camera> camera_mentioned_in(std::string_view text);
+
+}  // namespace hermite

@@ -1,0 +1,128 @@
+#include "core/dataset/depth_noise.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/dataset/key_values.h"
+
+namespace hermite {
+namespace {
+
+constexpr double kMaxSigma_mm = 200;
+constexpr double kKinectFocalTimesBaseline_px_m = 525.0 * 0.075;
+constexpr double kKinectLateralSigma_px = 0.5;
+constexpr double kKinectDisparitySigma_px = 1.0 / 18.0;
+constexpr double kKinectDisparitySteps_per_px = 8;
+constexpr double kKinectMinDepth_m = 0.4, kKinectMaxDepth_m = 5.0;
+
+// splitmix64's finaliser: counters in, independent bits out. Needs no state, so frames can be read in any order by any thread.
+std::uint64_t mix(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15u;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
+}
+
+// Two independent standard normal numbers by Box and Muller; the first uniform is in (0, 1] so that its logarithm is finite.
+struct NormalPair {
+  double a, b;
+};
+NormalPair normal_pair(std::uint64_t frame_key, std::uint64_t counter) {
+  const std::uint64_t bits = mix(frame_key ^ mix(counter));
+  const double uniform = (static_cast<double>(bits >> 32) + 1.0) * 0x1p-32;
+  const double angle = static_cast<double>(bits & 0xffffffffu) * (2.0 * M_PI * 0x1p-32);
+  const double radius = std::sqrt(-2.0 * std::log(uniform));
+  return {radius * std::cos(angle), radius * std::sin(angle)};
+}
+
+std::uint16_t to_units(double depth_m, double units_per_metre) {
+  const double units = std::round(depth_m * units_per_metre);
+  return units >= 1 && units <= 65535 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
+}
+
+// The depth the sensor's triangulation would report, 0 outside its range.
+double kinect_depth_m(double true_depth_m, double normal) {
+  if (true_depth_m <= 0) return 0;
+  const double disparity_px = kKinectFocalTimesBaseline_px_m / true_depth_m + kKinectDisparitySigma_px * normal;
+  const double rounded_px = std::round(disparity_px * kKinectDisparitySteps_per_px) / kKinectDisparitySteps_per_px;
+  if (rounded_px <= 0) return 0;
+  const double depth_m = kKinectFocalTimesBaseline_px_m / rounded_px;
+  return depth_m >= kKinectMinDepth_m && depth_m <= kKinectMaxDepth_m ? depth_m : 0;
+}
+
+int shifted(int position, double normal, int side) {
+  return std::clamp(position + static_cast<int>(std::lround(kKinectLateralSigma_px * normal)), 0, side - 1);
+}
+
+class NoisySequence : public Sequence {
+ public:
+  NoisySequence(std::unique_ptr<Sequence> clean, const NoiseOptions& options) : clean_(std::move(clean)), options_(options) {}
+
+  std::string format() const override { return clean_->format(); }
+  std::string name() const override { return clean_->name(); }
+  const Camera& camera() const override { return clean_->camera(); }
+  double frame_rate_hz() const override { return clean_->frame_rate_hz(); }
+  std::int64_t frame_count() const override { return clean_->frame_count(); }
+  double timestamp_s(std::int64_t index) const override { return clean_->timestamp_s(index); }
+  const Trajectory& groundtruth() const override { return clean_->groundtruth(); }
+
+  Result<RecordedFrame> read(std::int64_t index) const override {
+    Result<RecordedFrame> frame = clean_->read(index);
+    if (frame.ok()) frame->depth = add_noise(frame->depth, camera(), options_, index);
+    return frame;
+  }
+
+ private:
+  const std::unique_ptr<Sequence> clean_;
+  const NoiseOptions options_;
+};
+
+}  // namespace
+
+Result<NoiseOptions> parse_noise(const std::string& text) {
+  const std::size_t comma = std::min(text.find(','), text.size());
+  const std::string model = text.substr(0, comma);
+  NoiseOptions options;
+  if (model == "gaussian")
+    options.model = NoiseModel::kGaussian;
+  else if (model == "kinect")
+    options.model = NoiseModel::kKinect;
+  else if (model != "none")
+    return Error{ErrorCode::kInvalidArgument, "noise is \"" + model + "\", allowed is none, gaussian or kinect"};
+  double sigma_mm = options.sigma_m * 1000;
+  std::vector<KeyValueRule> rules = {
+      whole_rule("seed", 0, INT64_MAX, [&](std::int64_t value) { options.seed = static_cast<std::uint64_t>(value); })};
+  if (options.model == NoiseModel::kGaussian) rules.push_back(number_rule("sigma_mm", 0, kMaxSigma_mm, sigma_mm));
+  const Status status = apply_key_values(std::string_view(text).substr(std::min(comma + 1, text.size())), rules);
+  if (!status.ok()) return in_context("noise " + model, status.error());
+  options.sigma_m = sigma_mm / 1000;
+  return options;
+}
+
+DepthImage add_noise(const DepthImage& depth, const Camera& camera, const NoiseOptions& options, std::int64_t frame_index) {
+  if (options.model == NoiseModel::kNone) return depth;
+  const double scale = camera.depth_units_per_metre;
+  const std::uint64_t frame_key = mix(mix(options.seed) + static_cast<std::uint64_t>(frame_index));
+  DepthImage noisy(depth.width, depth.height);
+  for (int y = 0; y < depth.height; ++y)
+    for (int x = 0; x < depth.width; ++x) {
+      const std::size_t pixel = depth.index(x, y);
+      const NormalPair first = normal_pair(frame_key, 2 * pixel);
+      if (options.model == NoiseModel::kGaussian) {
+        if (depth.pixels[pixel] == 0) continue;
+        noisy.pixels[pixel] = to_units(depth.pixels[pixel] / scale + options.sigma_m * first.a, scale);
+        continue;
+      }
+      const NormalPair second = normal_pair(frame_key, 2 * pixel + 1);
+      const std::uint16_t seen = depth.at(shifted(x, first.a, depth.width), shifted(y, first.b, depth.height));
+      noisy.pixels[pixel] = to_units(kinect_depth_m(seen / scale, second.a), scale);
+    }
+  return noisy;
+}
+
+std::unique_ptr<Sequence> with_noise(std::unique_ptr<Sequence> sequence, const NoiseOptions& options) {
+  if (options.model == NoiseModel::kNone) return sequence;
+  return std::make_unique<NoisySequence>(std::move(sequence), options);
+}
+
+}  // namespace hermite

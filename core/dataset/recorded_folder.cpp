@@ -1,0 +1,136 @@
+#include "core/dataset/recorded_folder.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "core/dataset/associate.h"
+#include "core/dataset/text_file.h"
+#include "core/image/image_codec.h"
+
+namespace hermite {
+namespace {
+
+Error size_error(ImageSize found, const Camera& camera) {
+  const auto text = [](int width, int height) { return std::to_string(width) + "x" + std::to_string(height); };
+  return {ErrorCode::kCorruptData,
+          "the image has " + text(found.width, found.height) + " pixels, the camera " + text(camera.width, camera.height)};
+}
+
+Result<std::vector<std::uint8_t>> read_image_of(const std::string& path, const Camera& camera) {
+  Result<std::vector<std::uint8_t>> bytes = read_binary_file(path, kMaxImageFile_bytes);
+  if (!bytes.ok()) return bytes.error();
+  const Result<ImageSize> size = read_image_size(*bytes);
+  if (!size.ok()) return in_context(path, size.error());
+  if (!(*size == ImageSize{camera.width, camera.height})) return in_context(path, size_error(*size, camera));
+  return bytes;
+}
+
+std::string folder_name(const std::string& folder) {
+  const std::filesystem::path path = std::filesystem::absolute(folder).lexically_normal();
+  return path.has_filename() ? path.filename().string() : path.parent_path().filename().string();
+}
+
+class FolderSequence : public Sequence {
+ public:
+  FolderSequence(std::string folder, FolderContents contents, double frame_rate_hz)
+      : folder_(std::move(folder)), contents_(std::move(contents)), frame_rate_hz_(frame_rate_hz) {}
+
+  std::string format() const override { return contents_.format; }
+  std::string name() const override { return folder_name(folder_); }
+  const Camera& camera() const override { return *contents_.camera; }
+  double frame_rate_hz() const override { return frame_rate_hz_; }
+  std::int64_t frame_count() const override { return static_cast<std::int64_t>(contents_.frames.size()); }
+  double timestamp_s(std::int64_t index) const override { return frame(index).timestamp_s; }
+  const Trajectory& groundtruth() const override { return contents_.groundtruth; }
+
+  Result<RecordedFrame> read(std::int64_t index) const override {
+    const FramePaths& paths = frame(index);
+    const std::string depth_path = folder_ + "/" + paths.depth;
+    const auto depth_bytes = read_image_of(depth_path, camera());
+    if (!depth_bytes.ok()) return in_context("frame " + std::to_string(index), depth_bytes.error());
+    auto depth = decode_depth_png(*depth_bytes, {camera().width, camera().height});
+    if (!depth.ok()) return in_context("frame " + std::to_string(index) + ": " + depth_path, depth.error());
+    auto color_bytes = read_image_of(folder_ + "/" + paths.color, camera());
+    if (!color_bytes.ok()) return in_context("frame " + std::to_string(index), color_bytes.error());
+    for (const std::uint16_t invalid : contents_.invalid_depth)
+      std::replace(depth->pixels.begin(), depth->pixels.end(), invalid, std::uint16_t{0});
+    return RecordedFrame{paths.timestamp_s, std::move(*depth), std::move(*color_bytes)};
+  }
+
+ private:
+  const FramePaths& frame(std::int64_t index) const {
+    CHECK(index >= 0 && index < frame_count(), "frame index outside the sequence");
+    return contents_.frames[static_cast<std::size_t>(index)];
+  }
+
+  const std::string folder_;
+  const FolderContents contents_;
+  const double frame_rate_hz_;
+};
+
+// associate.py keeps its lists in dictionaries: of two images with the same time the later line counts.
+void sort_by_time(std::vector<TimedFile>& files) {
+  std::stable_sort(files.begin(), files.end(), [](const TimedFile& a, const TimedFile& b) { return a.timestamp_s < b.timestamp_s; });
+  const auto same_time = [](const TimedFile& a, const TimedFile& b) { return a.timestamp_s == b.timestamp_s; };
+  const auto kept = std::unique(files.rbegin(), files.rend(), same_time);
+  files.erase(files.begin(), kept.base());
+}
+
+std::vector<double> times_of(const std::vector<TimedFile>& files) {
+  std::vector<double> times_s;
+  times_s.reserve(files.size());
+  for (const TimedFile& file : files) times_s.push_back(file.timestamp_s);
+  return times_s;
+}
+
+}  // namespace
+
+bool stays_inside(std::string_view relative_path) {
+  if (relative_path.empty() || relative_path.find('\\') != std::string_view::npos || relative_path.find('\0') != std::string_view::npos)
+    return false;
+  const std::filesystem::path path(relative_path);
+  if (path.has_root_path()) return false;
+  return std::none_of(path.begin(), path.end(), [](const std::filesystem::path& part) { return part == ".."; });
+}
+
+Result<std::vector<std::string>> file_names(const std::string& folder) {
+  std::error_code failure;
+  std::filesystem::directory_iterator entries(folder, failure);
+  if (failure) return Error{ErrorCode::kNotFound, "cannot list the folder " + folder + ": " + failure.message()};
+  std::vector<std::string> names;
+  for (; entries != std::filesystem::directory_iterator(); entries.increment(failure)) {
+    if (failure) return Error{ErrorCode::kIo, "cannot list the folder " + folder + ": " + failure.message()};
+    if (names.size() == 4 * kMaxFrames) return Error{ErrorCode::kTooLarge, folder + " has too many files"};
+    if (!entries->is_directory(failure)) names.push_back(entries->path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+Result<std::vector<FramePaths>> pair_by_time(std::vector<TimedFile> colors, std::vector<TimedFile> depths) {
+  sort_by_time(colors);
+  sort_by_time(depths);
+  const auto pairs = associate_by_time(times_of(depths), times_of(colors));
+  if (!pairs.ok()) return pairs.error();
+  std::vector<FramePaths> frames;
+  for (const IndexPair& pair : *pairs)
+    frames.push_back({depths[pair.first].timestamp_s, colors[pair.second].path, depths[pair.first].path});
+  return frames;
+}
+
+Result<std::unique_ptr<Sequence>> make_folder_sequence(const std::string& folder, FolderContents contents, double frame_rate_hz) {
+  CHECK(contents.camera.has_value(), "a folder's sequence needs its camera");
+  if (contents.frames.empty())
+    return Error{ErrorCode::kCorruptData, folder + " (" + contents.format + ") has no depth image with a colour image at most 20 ms away"};
+  // A wrong camera would fail every single frame: say it once, at the first image there is.
+  for (const FramePaths& frame : contents.frames) {
+    const auto image = read_image_of(folder + "/" + frame.depth, *contents.camera);
+    if (image.ok()) break;
+    const auto bytes = read_binary_file(folder + "/" + frame.depth, kMaxImageFile_bytes);
+    if (bytes.ok() && read_image_size(*bytes).ok()) return image.error();
+  }
+  return std::unique_ptr<Sequence>(std::make_unique<FolderSequence>(folder, std::move(contents), frame_rate_hz));
+}
+
+}  // namespace hermite

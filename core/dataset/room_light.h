@@ -1,0 +1,34 @@
+// Light in the synthetic room: a lamp under the ceiling, the window and the glow of the walls, dimmed in corners. Independent of the
+// viewer.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/base/image.h"
+#include "core/dataset/room_furniture.h"
+
+namespace hermite {
+
+// Of the union of all bodies: positive in free space. Exact there, and inside as far as the deepest body around the point.
+double signed_distance(const Furniture& furniture, const Eigen::Vector3d& point_in_world);
+
+// Immutable once made; thread-safe.
+class RoomLight {
+ public:
+  explicit RoomLight(const Furniture& furniture);
+
+  // Light arriving at a surface point with this unit normal, linear RGB; about 1 on a bright wall.
+  Eigen::Vector3f at(const Eigen::Vector3d& point_in_world, const Eigen::Vector3d& normal_in_world) const;
+
+ private:
+  float clearance_m(const Eigen::Vector3f& point_in_world) const;
+
+  int size_x_ = 0, size_y_ = 0, size_z_ = 0;
+  std::vector<float> clearance_grid_m_;  // distance to the nearest surface at grid points, x fastest
+};
+
+// 8-bit sRGB, clamped.
+Rgb8 srgb_from_linear(const Eigen::Vector3f& linear);
+
+}  // namespace hermite

@@ -1,0 +1,50 @@
+// Procedural textures of the synthetic room: detail from half a metre down to millimetres, faded out where a pixel would no longer resolve
+// it. Deterministic, pure functions of a place on a face.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+namespace hermite {
+
+enum class Pattern : std::uint8_t {
+  kPlaster,    // a wall: blotches and grain
+  kWallpaper,  // plaster with stripes and diamonds
+  kPlanks,     // floor boards
+  kWood,       // furniture
+  kRug,        // borders and diamonds
+  kFabric,     // weave with a plaid
+  kBook,       // a spine with bands
+  kLandscape,  // a picture: sky, sun and hills
+  kMosaic,     // a picture: coloured cells
+  kRings,      // a picture: overlapping rings
+  kCeramic,    // glaze with bands
+  kTiles,      // checker
+  kLeaves,     // plants
+  kMetal,      // brushed
+  kSky,        // seen through a window
+  kScreen,     // of a computer
+};
+
+struct Material {
+  Pattern pattern = Pattern::kPlaster;
+  Eigen::Vector3f first = Eigen::Vector3f::Constant(0.5f);   // linear RGB, 0 to 1
+  Eigen::Vector3f second = Eigen::Vector3f::Constant(0.5f);  // the pattern's other colour
+  float glow = 0;                                            // 0: lit by the room; 1: shows its colour by its own light
+  std::uint32_t seed = 0;
+};
+
+struct TexturePoint {
+  float u_m = 0, v_m = 0;                     // along the face, from its centre
+  float half_width_m = 1, half_height_m = 1;  // of the face
+  float footprint_m = 0;                      // side of what one pixel covers here
+  int face = 0;                               // opposite faces look different
+};
+
+// Linear RGB, 0 to 1.
+Eigen::Vector3f texture_color(const Material& material, const TexturePoint& point);
+
+// 0xRRGGBB as sRGB to linear RGB.
+Eigen::Vector3f linear_from_srgb(std::uint32_t rrggbb);
+
+}  // namespace hermite

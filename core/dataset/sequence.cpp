@@ -1,0 +1,81 @@
+#include "core/dataset/sequence.h"
+
+#include "core/dataset/camera_file.h"
+#include "core/dataset/depth_noise.h"
+#include "core/dataset/recorded_folder.h"
+#include "core/dataset/synthetic_camera.h"
+#include "core/dataset/text_file.h"
+#include "core/image/image_codec.h"
+
+namespace hermite {
+namespace {
+
+constexpr FolderFormat kFolderFormats[] = {
+    {"7-Scenes", is_seven_scenes, list_seven_scenes},
+    {"TUM", is_tum, list_tum},
+    {"ICL-NUIM", is_icl_nuim, list_icl_nuim},
+};
+
+constexpr std::string_view kSynthetic = "synthetic";
+constexpr std::string_view kNoiseSuffix = "+noise=";
+
+Result<std::unique_ptr<Sequence>> open_folder(const std::string& folder, const std::optional<Camera>& given_camera) {
+  const FolderFormat* format = nullptr;
+  for (const FolderFormat& candidate : kFolderFormats)
+    if (!format && candidate.recognises(folder)) format = &candidate;
+  if (!format)
+    return Error{ErrorCode::kUnsupported, folder +
+                                              " is no sequence we know: neither frame-NNNNNN.depth.png files (7-Scenes), nor rgb.txt and "
+                                              "depth.txt (TUM), nor depth/ and rgb/ with numbered PNG files (ICL-NUIM)"};
+  double frame_rate_hz = kDefaultFrameRate_hz;
+  std::optional<Camera> camera = given_camera;
+  if (const std::string path = folder + "/camera.json"; is_file(path)) {
+    const Result<CameraFile> file = read_camera_json(path);
+    // A broken file is an error even where the caller brings a camera: its frame rate is wanted too.
+    if (!file.ok()) return file.error();
+    frame_rate_hz = file->frame_rate_hz;
+    if (!camera) camera = file->camera;
+  }
+  Result<FolderContents> contents = format->list(folder);
+  if (!contents.ok()) return contents.error();
+  if (camera) contents->camera = camera;
+  if (!contents->camera)
+    return Error{ErrorCode::kNotFound,
+                 folder + " (" + format->name +
+                     ") does not say which camera took it: give one (a file like camera.json, or fr1, fr2, fr3), or put a "
+                     "camera.json into the folder"};
+  return make_folder_sequence(folder, std::move(*contents), frame_rate_hz);
+}
+
+Result<std::unique_ptr<Sequence>> open_synthetic(const std::string& source, const std::optional<Camera>& camera) {
+  const bool has_options = source.size() > kSynthetic.size();
+  Result<SyntheticOptions> options = parse_synthetic_options(has_options ? source.substr(kSynthetic.size() + 1) : "");
+  if (!options.ok()) return in_context("source \"" + source + "\"", options.error());
+  if (camera) options->camera = *camera;
+  return make_synthetic_sequence(*options);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Sequence>> open_sequence(const std::string& source, const std::optional<Camera>& camera) {
+  if (camera)
+    if (const Status status = validate(*camera); !status.ok()) return status.error();
+  if (is_folder(source)) return open_folder(source, camera);
+  if (const std::size_t suffix = source.rfind(kNoiseSuffix); suffix != std::string::npos) {
+    const Result<NoiseOptions> noise = parse_noise(source.substr(suffix + kNoiseSuffix.size()));
+    if (!noise.ok()) return in_context("source \"" + source + "\"", noise.error());
+    Result<std::unique_ptr<Sequence>> clean = open_sequence(source.substr(0, suffix), camera);
+    if (!clean.ok()) return clean;
+    return with_noise(std::move(*clean), *noise);
+  }
+  if (source == kSynthetic || source.rfind(std::string(kSynthetic) + ":", 0) == 0) return open_synthetic(source, camera);
+  return Error{ErrorCode::kNotFound, "\"" + source + "\" is neither a folder nor synthetic[:key=value,...]"};
+}
+
+Result<RgbdFrame> decode_frame(RecordedFrame recorded) {
+  auto color = decode_color(recorded.color_bytes, {recorded.depth.width, recorded.depth.height});
+  if (!color.ok()) return in_context("colour image", color.error());
+  return RgbdFrame{recorded.timestamp_s, std::move(recorded.depth), std::move(*color)};
+}
+
+}  // namespace hermite

@@ -1,0 +1,117 @@
+#include "core/dataset/synthetic_camera.h"
+
+#include <cmath>
+
+#include "core/dataset/key_values.h"
+#include "core/image/image_codec.h"
+
+namespace hermite {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kLap_s = 10.0;
+constexpr std::int64_t kMaxFrameCount = 1'000'000;
+constexpr double kFocalOverWidth = 525.0 / 640.0;
+constexpr int kJpegQuality = 90;
+constexpr double kDegree = M_PI / 180;
+
+class SyntheticSequence : public Sequence {
+ public:
+  explicit SyntheticSequence(const SyntheticOptions& options) : options_(options), room_(options.scene) {
+    groundtruth_.reserve(static_cast<std::size_t>(options.frame_count));
+    for (std::int64_t i = 0; i < options.frame_count; ++i)
+      groundtruth_.push_back({timestamp_s(i), synthetic_pose(timestamp_s(i), options.speed)});
+  }
+
+  std::string format() const override { return "synthetic"; }
+  std::string name() const override { return "synthetic room"; }
+  const Camera& camera() const override { return options_.camera; }
+  double frame_rate_hz() const override { return options_.frame_rate_hz; }
+  std::int64_t frame_count() const override { return options_.frame_count; }
+  double timestamp_s(std::int64_t index) const override { return static_cast<double>(index) / options_.frame_rate_hz; }
+  const Trajectory& groundtruth() const override { return groundtruth_; }
+
+  Result<RecordedFrame> read(std::int64_t index) const override {
+    CHECK(index >= 0 && index < frame_count(), "frame index outside the sequence");
+    RoomView view = room_.render(options_.camera, groundtruth_[static_cast<std::size_t>(index)].world_from_camera);
+    auto color = encode_jpeg(view.color, kJpegQuality);
+    if (!color.ok()) return color.error();
+    return RecordedFrame{timestamp_s(index), std::move(view.depth), std::move(*color)};
+  }
+
+ private:
+  const SyntheticOptions options_;
+  const SyntheticRoom room_;
+  Trajectory groundtruth_;
+};
+
+}  // namespace
+
+Result<SyntheticOptions> parse_synthetic_options(const std::string& text) {
+  SyntheticOptions options;
+  std::string noise = "none", noise_options;
+  const auto keep_for_noise = [&noise_options](const std::string& key) {
+    return [key, &noise_options](std::string_view value) {
+      noise_options += "," + key + "=" + std::string(value);
+      return true;
+    };
+  };
+  const auto take_scene = [&options](std::string_view value) {
+    if (value != "room" && value != "bare") return false;
+    options.scene = value == "room" ? RoomScene::kRoom : RoomScene::kBare;
+    return true;
+  };
+  const auto take_noise = [&noise](std::string_view value) {
+    noise = value;
+    return value == "none" || value == "gaussian" || value == "kinect";
+  };
+  Camera& camera = options.camera;
+  const Status status = apply_key_values(
+      text, {whole_rule("frames", 1, kMaxFrameCount, [&](std::int64_t value) { options.frame_count = value; }),
+             whole_rule("width", kMinImageSide_px, kMaxImageSide_px, [&](std::int64_t value) { camera.width = static_cast<int>(value); }),
+             whole_rule("height", kMinImageSide_px, kMaxImageSide_px, [&](std::int64_t value) { camera.height = static_cast<int>(value); }),
+             number_rule("rate", 1, 240, options.frame_rate_hz),
+             number_rule("speed", 0.05, 5, options.speed),
+             {"scene", "room or bare", take_scene},
+             {"noise", "none, gaussian or kinect", take_noise},
+             {"sigma_mm", "a number", keep_for_noise("sigma_mm")},
+             {"seed", "a whole number", keep_for_noise("seed")}});
+  if (!status.ok()) return status.error();
+  camera.fx = camera.fy = kFocalOverWidth * camera.width;
+  camera.cx = 0.5 * (camera.width - 1);
+  camera.cy = 0.5 * (camera.height - 1);
+  const Result<NoiseOptions> parsed = parse_noise(noise + noise_options);
+  if (!parsed.ok()) return parsed.error();
+  options.noise = *parsed;
+  return options;
+}
+
+Rigid3 synthetic_pose(double time_s, double speed) {
+  // Whole multiples of the lap's phase close after one lap. Half of it changes sign between laps: the first looks from higher up and
+  // down at the furniture, the second from lower and up.
+  const double lap = 2 * M_PI * speed * time_s / kLap_s;
+  const double alternating = std::sin(0.5 * lap);
+  const Vector3d position(0.74 * std::cos(lap) + 0.025 * std::sin(3 * lap + 1.0), 0.64 * std::sin(lap) + 0.020 * std::sin(4 * lap + 2.0),
+                          1.36 + 0.05 * std::sin(2 * lap + 0.7) + 0.15 * alternating);
+  // Looks across the middle of the room at the opposite side.
+  const double heading = lap + M_PI + 0.03 * std::sin(2 * lap + 0.4);
+  const double pitch = kDegree * (-13 + 4 * std::sin(2 * lap + 2.0) - 7 * alternating);
+  const double roll = kDegree * 2 * std::sin(3 * lap + 0.3);
+
+  const Vector3d forward(std::cos(pitch) * std::cos(heading), std::cos(pitch) * std::sin(heading), std::sin(pitch));
+  const Vector3d right(std::sin(heading), -std::cos(heading), 0);
+  Eigen::Matrix3d world_from_camera;
+  world_from_camera.col(0) = right;
+  world_from_camera.col(1) = forward.cross(right);
+  world_from_camera.col(2) = forward;
+  const Eigen::Quaterniond rolled(world_from_camera * Eigen::AngleAxisd(roll, Vector3d::UnitZ()).toRotationMatrix());
+  return {rolled.normalized(), position};
+}
+
+Result<std::unique_ptr<Sequence>> make_synthetic_sequence(const SyntheticOptions& options) {
+  if (const Status status = validate(options.camera); !status.ok()) return in_context("synthetic camera", status.error());
+  return with_noise(std::make_unique<SyntheticSequence>(options), options.noise);
+}
+
+}  // namespace hermite

@@ -1,0 +1,43 @@
+// A camera carried through the synthetic room (synthetic_room.h): a sequence with exact poses and an exact surface, without a recording.
+// For demos, load tests and the truth in accuracy tests.
+//
+// "synthetic[:key=value,...]":
+//   frames    1 to 1000000 (300)          number of frames; one lap of the room takes 10 s at speed 1
+//   width, height  64 to 2048 (640x480)   pixels; the field of view stays 62.7 degrees across
+//   rate      1 to 240 (30)               frames per second
+//   speed     0.05 to 5 (1)               of the hand: 1 is about 0.45 m/s and 37 degrees/s; more frames mean more laps, not a faster hand
+//   noise     none, gaussian, kinect (none)   see depth_noise.h
+//   sigma_mm  0 to 200 (3)                of noise=gaussian only
+//   seed      0 to 2^63 - 1 (1)           of the noise
+//   scene     room, bare (room)           bare: the same room without furniture
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/dataset/depth_noise.h"
+#include "core/dataset/sequence.h"
+#include "core/dataset/synthetic_room.h"
+
+namespace hermite {
+
+struct SyntheticOptions {
+  std::int64_t frame_count = 300;
+  Camera camera{640, 480, 525, 525, 319.5, 239.5, 5000};
+  double frame_rate_hz = 30;
+  double speed = 1;
+  RoomScene scene = RoomScene::kRoom;
+  NoiseOptions noise;
+};
+
+// `text` is what stands behind "synthetic:", may be empty. kInvalidArgument, naming key and range.
+Result<SyntheticOptions> parse_synthetic_options(const std::string& text);
+
+// world_from_camera at a time: a closed lap every 10 s / speed whose height and pitch alternate between laps (so it repeats after two),
+// smooth in every derivative. The world is the room's: z up, the floor at z = 0, its centre at the origin.
+Rigid3 synthetic_pose(double time_s, double speed);
+
+// kInvalidArgument for a camera that validate() refuses. Frames are rendered when they are read; the ground truth has a pose per frame.
+Result<std::unique_ptr<Sequence>> make_synthetic_sequence(const SyntheticOptions& options);
+
+}  // namespace hermite

@@ -1,0 +1,207 @@
+#include "core/dataset/synthetic_room.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/dataset/room_furniture.h"
+#include "core/dataset/room_light.h"
+
+namespace hermite {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr double kNearest_m = 0.05;
+constexpr int kTile_px = 16;
+constexpr int kNothing = -1;
+
+// A shape as seen from one camera: rays start at the same point, so everything but their direction is prepared.
+struct PlacedShape {
+  const Shape* shape;
+  Matrix3d shape_from_camera;  // rotation
+  Vector3d origin_in_shape;    // of all rays
+  Vector3d center_in_camera;
+  Vector3d half_sides;
+};
+
+// The first surface along a ray. Rays have z = 1 in the camera, so that `depth_m` is both their parameter and the depth.
+struct Hit {
+  double depth_m = std::numeric_limits<double>::infinity();
+  int shape = kNothing;
+  int face = 0;
+};
+
+struct Ray {
+  Vector3d direction_in_camera;
+};
+
+class Renderer {
+ public:
+  Renderer(const Furniture& furniture, const RoomLight& light, const Camera& camera, const Rigid3& world_from_camera)
+      : furniture_(furniture), light_(light), camera_(camera), world_from_camera_(world_from_camera) {
+    const Matrix3d rotation = world_from_camera.rotation.toRotationMatrix();
+    for (const Shape& shape : furniture.shapes) {
+      const Matrix3d shape_from_world = shape.world_from_shape.transpose();
+      placed_.push_back({&shape, shape_from_world * rotation, shape_from_world * (world_from_camera.translation - shape.center),
+                         rotation.transpose() * (shape.center - world_from_camera.translation), bounding_half_sides(shape)});
+    }
+  }
+
+  RoomView render() {
+    const int columns = (camera_.width + kTile_px - 1) / kTile_px, rows = (camera_.height + kTile_px - 1) / kTile_px;
+    hits_ = Image<Hit>(camera_.width, camera_.height);
+    candidates_.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+    for (int row = 0; row < rows; ++row) {
+      const std::vector<int> in_row = shapes_in({0, row * kTile_px, camera_.width, (row + 1) * kTile_px}, all_shapes());
+      for (int column = 0; column < columns; ++column) {
+        auto& in_tile = candidates_[static_cast<std::size_t>(row * columns + column)];
+        in_tile = shapes_in({column * kTile_px, row * kTile_px, (column + 1) * kTile_px, (row + 1) * kTile_px}, in_row);
+        trace_tile(column, row, in_tile);
+      }
+    }
+    RoomView view{DepthImage(camera_.width, camera_.height), ColorImage(camera_.width, camera_.height)};
+    for (int y = 0; y < camera_.height; ++y)
+      for (int x = 0; x < camera_.width; ++x) {
+        view.depth.at(x, y) = depth_units(hits_.at(x, y).depth_m);
+        const auto& in_tile = candidates_[static_cast<std::size_t>((y / kTile_px) * columns + x / kTile_px)];
+        view.color.at(x, y) = srgb_from_linear(is_edge(x, y) ? supersample(x, y, in_tile) : shade(ray(x, y), hits_.at(x, y)));
+      }
+    return view;
+  }
+
+ private:
+  struct PixelRange {
+    int left, top, right, bottom;  // half open
+  };
+
+  std::vector<int> all_shapes() const {
+    std::vector<int> indices(placed_.size());
+    for (std::size_t i = 0; i < indices.size(); ++i) indices[i] = static_cast<int>(i);
+    return indices;
+  }
+
+  Ray ray(double u, double v) const { return {{(u - camera_.cx) / camera_.fx, (v - camera_.cy) / camera_.fy, 1.0}}; }
+
+  // Shapes whose bounding box is not entirely outside one side of the pyramid through the range, widened by half a pixel for supersampling.
+  std::vector<int> shapes_in(const PixelRange& range, const std::vector<int>& among) const {
+    const Vector3d low = ray(range.left - 1.0, range.top - 1.0).direction_in_camera,
+                   high = ray(range.right, range.bottom).direction_in_camera;
+    const Vector3d inwards[] = {{1, 0, -low.x()}, {-1, 0, high.x()}, {0, 1, -low.y()}, {0, -1, high.y()}, {0, 0, 1}};
+    std::vector<int> inside;
+    for (const int index : among) {
+      const PlacedShape& placed = placed_[static_cast<std::size_t>(index)];
+      const bool seen = std::all_of(std::begin(inwards), std::end(inwards), [&](const Vector3d& normal) {
+        const double reach = (placed.shape_from_camera * normal).cwiseAbs().dot(placed.half_sides);
+        return normal.dot(placed.center_in_camera) + reach >= 0;
+      });
+      if (seen) inside.push_back(index);
+    }
+    return inside;
+  }
+
+  Hit trace(const Ray& ray, const std::vector<int>& among) const {
+    Hit hit;
+    for (const int index : among) {
+      const PlacedShape& placed = placed_[static_cast<std::size_t>(index)];
+      const Vector3d direction = placed.shape_from_camera * ray.direction_in_camera;
+      const double depth_m = intersect(*placed.shape, placed.origin_in_shape, direction, kNearest_m);
+      if (depth_m < hit.depth_m) hit = {depth_m, index, 0};
+    }
+    if (hit.shape != kNothing) {
+      const PlacedShape& placed = placed_[static_cast<std::size_t>(hit.shape)];
+      const Vector3d point = placed.origin_in_shape + hit.depth_m * (placed.shape_from_camera * ray.direction_in_camera);
+      hit.face = face_of(*placed.shape, point);
+    }
+    return hit;
+  }
+
+  void trace_tile(int column, int row, const std::vector<int>& among) {
+    for (int y = row * kTile_px; y < std::min((row + 1) * kTile_px, camera_.height); ++y)
+      for (int x = column * kTile_px; x < std::min((column + 1) * kTile_px, camera_.width); ++x) hits_.at(x, y) = trace(ray(x, y), among);
+  }
+
+  std::uint16_t depth_units(double depth_m) const {
+    const double units = std::round(depth_m * camera_.depth_units_per_metre);
+    return units >= 1 && units <= 65535 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
+  }
+
+  // A pixel beside another body or face: its colour is a mixture.
+  bool is_edge(int x, int y) const {
+    const Hit& here = hits_.at(x, y);
+    const auto differs = [&](int other_x, int other_y) {
+      if (other_x < 0 || other_y < 0 || other_x >= camera_.width || other_y >= camera_.height) return false;
+      const Hit& other = hits_.at(other_x, other_y);
+      return other.shape != here.shape || other.face != here.face;
+    };
+    return differs(x - 1, y) || differs(x + 1, y) || differs(x, y - 1) || differs(x, y + 1);
+  }
+
+  Vector3f supersample(int x, int y, const std::vector<int>& among) const {
+    Vector3f sum = Vector3f::Zero();
+    for (const double dy : {-0.25, 0.25})
+      for (const double dx : {-0.25, 0.25}) {
+        const Ray sample = ray(x + dx, y + dy);
+        sum += shade(sample, trace(sample, among));
+      }
+    return 0.25f * sum;
+  }
+
+  Vector3f shade(const Ray& ray, const Hit& hit) const {
+    if (hit.shape == kNothing) return Vector3f::Zero();
+    const PlacedShape& placed = placed_[static_cast<std::size_t>(hit.shape)];
+    const Shape& shape = *placed.shape;
+    const Vector3d direction = placed.shape_from_camera * ray.direction_in_camera;
+    const SurfacePoint surface = describe(shape, placed.origin_in_shape + hit.depth_m * direction);
+    const bool is_wall = shape.kind == ShapeKind::kRoom;
+    const auto material_index = static_cast<std::size_t>(is_wall ? room_material_of_face(surface.face) : shape.material);
+    const Material& material = furniture_.materials[material_index];
+
+    // A pixel covers a square seen at an angle; its side is taken between the short and the long one.
+    const double cosine = std::max(0.05, -surface.normal.dot(direction) / direction.norm());
+    const double footprint_m = hit.depth_m / camera_.fx / std::sqrt(cosine);
+    const auto as_float = [](double value) { return static_cast<float>(value); };
+    const Vector3f albedo =
+        texture_color(material, {as_float(surface.position_m.x()), as_float(surface.position_m.y()), as_float(surface.half_size_m.x()),
+                                 as_float(surface.half_size_m.y()), as_float(footprint_m), surface.face});
+    const Vector3d point_in_world = world_from_camera_ * (hit.depth_m * ray.direction_in_camera);
+    const Vector3f lit = light_.at(point_in_world, shape.world_from_shape * surface.normal);
+    return albedo.cwiseProduct(material.glow * Vector3f::Ones() + (1.0f - material.glow) * lit);
+  }
+
+  const Furniture& furniture_;
+  const RoomLight& light_;
+  const Camera camera_;
+  const Rigid3 world_from_camera_;
+  std::vector<PlacedShape> placed_;
+  Image<Hit> hits_;
+  std::vector<std::vector<int>> candidates_;  // per tile
+};
+
+}  // namespace
+
+struct SyntheticRoom::Contents {
+  Furniture furniture;
+  RoomLight light;
+};
+
+SyntheticRoom::SyntheticRoom(RoomScene scene) {
+  Furniture furniture = furnish(scene);
+  RoomLight light(furniture);
+  contents_ = std::make_unique<const Contents>(Contents{std::move(furniture), std::move(light)});
+}
+SyntheticRoom::~SyntheticRoom() = default;
+SyntheticRoom::SyntheticRoom(SyntheticRoom&&) noexcept = default;
+
+RoomView SyntheticRoom::render(const Camera& camera, const Rigid3& world_from_camera) const {
+  return Renderer(contents_->furniture, contents_->light, camera, world_from_camera).render();
+}
+
+double SyntheticRoom::surface_distance(const Eigen::Vector3d& point_in_world) const {
+  return std::abs(signed_distance(contents_->furniture, point_in_world));
+}
+
+}  // namespace hermite

@@ -1,0 +1,43 @@
+// A furnished room given by formulas: walls, tables, chairs with thin legs, shelves with books, spheres, cylinders, tori, thin panels.
+// Its picture, depth and the distance to its surface are exact. World frame: metres, z up, floor at z = 0, centre of the room at x = y = 0.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "core/base/image.h"
+#include "core/math/camera.h"
+#include "core/math/rigid3.h"
+
+namespace hermite {
+
+enum class RoomScene {
+  kRoom,  // furnished
+  kBare,  // floor, ceiling and walls only
+};
+
+struct RoomView {
+  DepthImage depth;  // z along the optical axis in the camera's units, rounded; 0 outside 0.05 m to the largest value of 16 bits
+  ColorImage color;  // lit by a fixed light, the same from every direction; anti-aliased
+};
+
+// Immutable once made; const functions are thread-safe.
+class SyntheticRoom {
+ public:
+  explicit SyntheticRoom(RoomScene scene);
+  ~SyntheticRoom();
+  SyntheticRoom(SyntheticRoom&&) noexcept;
+
+  // Rays through the pixel centres; depth is exact to rounding. The camera must be inside the room and outside the furniture.
+  RoomView render(const Camera& camera, const Rigid3& world_from_camera) const;
+
+  // Unsigned distance [m] to the nearest surface. Exact for points in free space and for points that have sunk into one body; bodies stand
+  // sunk into each other, so hidden faces (a shelf's back in the wall) do not count as surface.
+  double surface_distance(const Eigen::Vector3d& point_in_world) const;
+
+ private:
+  struct Contents;
+  std::unique_ptr<const Contents> contents_;
+};
+
+}  // namespace hermite
