@@ -7,7 +7,9 @@ const dracoAsModule: Plugin = {
   enforce: 'pre',
   transform(code, id) {
     if (!id.split('?')[0]!.endsWith('/draco_wasm_wrapper.js')) return null;
-    return { code: `${code}\nexport default DracoDecoderModule;\n`, map: null };
+    const oldExports = code.lastIndexOf('"object"===typeof exports&&"object"===typeof module');
+    if (oldExports < 0) throw new Error('draco_wasm_wrapper.js no longer ends as expected');
+    return { code: `${code.slice(0, oldExports)}\nexport default DracoDecoderModule;\n`, map: null };
   },
 };
 

@@ -1,17 +1,15 @@
 // The HTTP side of the server: the list of scans and the files of one. Failures are ApiErrors in words; every request ends after a time limit.
+import type { ScanPhaseName } from './events';
 
 const listLimit_ms = 10_000;
 const downloadLimit_ms = 10 * 60_000;
 
-export type ScanStateName = 'running' | 'finished' | 'failed' | 'interrupted' | 'unknown';
-
 export interface ScanSummary {
   readonly id: string;
   readonly title: string;
-  readonly state: ScanStateName;
+  readonly phase: ScanPhaseName;
   readonly words: string; // why it failed, or empty
   readonly frameCount: number;
-  readonly pointCount: number | null;
   readonly started: Date | null;
 }
 
@@ -70,15 +68,14 @@ function summaryOf(row: Record<string, unknown>): ScanSummary {
   return {
     id,
     title: textOf(row['title']) || 'Untitled scan',
-    state: stateOf(row['state']),
+    phase: phaseOf(row['phase']),
     words: textOf(row['words']),
     frameCount: numberOf(row['frames_processed']) ?? 0,
-    pointCount: numberOf(row['points']),
-    started: dateOf(row['started']),
+    started: dateOf(row['created_at_ms']),
   };
 }
 
-function stateOf(value: unknown): ScanStateName {
+function phaseOf(value: unknown): ScanPhaseName {
   return value === 'running' || value === 'finished' || value === 'failed' || value === 'interrupted' ? value : 'unknown';
 }
 
@@ -86,8 +83,8 @@ const textOf = (value: unknown): string => (typeof value === 'string' ? value : 
 const numberOf = (value: unknown): number | null => (typeof value === 'number' && Number.isFinite(value) ? value : null);
 
 function dateOf(value: unknown): Date | null {
-  const date = typeof value === 'string' || typeof value === 'number' ? new Date(value) : null;
-  return date && !Number.isNaN(date.getTime()) ? date : null;
+  const time_ms = numberOf(value);
+  return time_ms === null || time_ms <= 0 ? null : new Date(time_ms);
 }
 
 function isRecord(value: unknown): value is Record<string, unknown> {

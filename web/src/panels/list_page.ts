@@ -85,10 +85,9 @@ function listOf(scans: readonly ScanSummary[], now: Date): HTMLElement {
 
 function rowOf(scan: ScanSummary, now: Date): HTMLElement {
   const mark = statusMark();
-  mark.show(phaseWords(scan.state));
+  mark.show(phaseWords(scan.phase));
   const facts = [
     `${count(scan.frameCount)} ${scan.frameCount === 1 ? 'frame' : 'frames'}`,
-    scan.pointCount === null ? null : `${count(scan.pointCount)} points`,
     scan.started && ago(scan.started, now),
   ];
   return element(

@@ -12,6 +12,11 @@ const sphereShare = 0.88; // a scan is smaller than the sphere around it
 const lift = 0.1; // of the radius, upwards on the screen: the panel below covers some of it
 const ahead_m = new Vector3(0, 0, 1.5);
 
+export interface EyeMotion {
+  readonly byHand: boolean; // and what is left of it afterwards
+  readonly byItself: boolean;
+}
+
 export class CameraRig {
   readonly camera = new PerspectiveCamera(verticalFov_deg, 1, 0.02, 200);
   private readonly controls: OrbitControls;
@@ -20,6 +25,7 @@ export class CameraRig {
   private mode: 'framing' | 'free' | 'following' = 'framing';
   private framing: Framing | null = null;
   private placed = false;
+  private ticking = false;
 
   constructor(
     canvas: HTMLCanvasElement,
@@ -35,7 +41,9 @@ export class CameraRig {
     this.controls.maxDistance = 100;
     this.controls.target.set(0, 0, 1);
     this.controls.listenToKeyEvents(canvas);
-    this.controls.addEventListener('change', this.changed);
+    this.controls.addEventListener('change', () => {
+      if (!this.ticking) this.changed();
+    });
     this.controls.addEventListener('start', () => this.release());
     canvas.addEventListener('keydown', (event) => this.onKey(event));
     this.controls.update();
@@ -68,15 +76,18 @@ export class CameraRig {
     this.changed();
   }
 
-  // True while the eye still moves by itself.
-  tick(elapsed_ms: number, scanner: GlidingPose): boolean {
+  // How the eye still moves after this.
+  tick(elapsed_ms: number, scanner: GlidingPose): EyeMotion {
     if (this.mode === 'following' && scanner.known) {
       this.eye.copy(behind_m).applyQuaternion(scanner.rotation).add(scanner.translation);
       this.target.copy(ahead_m).applyQuaternion(scanner.rotation).add(scanner.translation);
       this.placed = true;
     }
-    const gliding = this.mode !== 'free' && this.placed && this.glide(elapsed_ms);
-    return this.controls.update(elapsed_ms / 1000) || gliding;
+    const byItself = this.mode !== 'free' && this.placed && this.glide(elapsed_ms);
+    this.ticking = true; // the controls report their own update as a change: not a reason to draw once more
+    const changed = this.controls.update(elapsed_ms / 1000);
+    this.ticking = false;
+    return { byHand: changed && !byItself, byItself };
   }
 
   dispose(): void {

@@ -12,8 +12,10 @@ import { TrajectoryLayer } from './trajectory_layer';
 
 const background = new Color(0x0e1013);
 const reframeEvery_ms = 400;
-const longestStep_ms = 100; // after an idle time nothing leaps
-const fpsWindow_ms = 1000;
+const longestStep_ms = 400; // after an idle time nothing leaps
+const fpsWindow_ms = 2000;
+const slowPicture_ms = 60;
+const longestPause_ms = 1000;
 
 export class ScanScene {
   private readonly renderer: WebGLRenderer;
@@ -25,6 +27,9 @@ export class ScanScene {
   private readonly layers: readonly Layer[] = [this.grid, this.points, new TrajectoryLayer(), this.frustum];
   private readonly resizeObserver: ResizeObserver;
   private frameRequest = 0;
+  private pause: ReturnType<typeof setTimeout> | undefined;
+  private requested_ms = 0;
+  private picture_ms = 0; // how long a picture takes lately, from asking for it to drawing it
   private drawn_ms: number[] = [];
   private last_ms = 0;
   private reframed_ms = 0;
@@ -50,7 +55,7 @@ export class ScanScene {
   onEvent(event: ScanEvent): void {
     for (const layer of this.layers) layer.onEvent?.(event);
     if (event.kind === 'chunk' || event.kind === 'submapPoses') this.grew = true;
-    this.requestDraw();
+    this.requestDrawInTime();
   }
 
   onOptions(options: ViewOptions): void {
@@ -63,16 +68,17 @@ export class ScanScene {
     this.rig.frameAll();
   }
 
-  // Pictures drawn in the last second; 0 while nothing changes.
+  // Pictures a second, over the last two; 0 while nothing changes.
   framesPerSecond(): number {
     const since_ms = performance.now() - fpsWindow_ms;
     this.drawn_ms = this.drawn_ms.filter((time) => time >= since_ms);
-    return this.drawn_ms.length;
+    return Math.ceil(this.drawn_ms.length / (fpsWindow_ms / 1000));
   }
 
   dispose(): void {
     this.disposed = true;
     cancelAnimationFrame(this.frameRequest);
+    clearTimeout(this.pause);
     this.resizeObserver.disconnect();
     for (const layer of this.layers) layer.dispose();
     this.rig.dispose();
@@ -80,21 +86,33 @@ export class ScanScene {
   }
 
   private requestDraw(): void {
-    if (this.frameRequest === 0 && !this.disposed) this.frameRequest = requestAnimationFrame((now_ms) => this.draw(now_ms));
+    if (this.frameRequest !== 0 || this.disposed) return;
+    clearTimeout(this.pause);
+    this.pause = undefined;
+    this.requested_ms = performance.now();
+    this.frameRequest = requestAnimationFrame((now_ms) => this.draw(now_ms));
+  }
+
+  // For what changes by itself. Where pictures are slow (no graphics card), a pause leaves the processor to decoding and to the viewer's own hand.
+  private requestDrawInTime(): void {
+    if (this.picture_ms < slowPicture_ms) this.requestDraw();
+    else this.pause ??= setTimeout(() => this.requestDraw(), Math.min(longestPause_ms, 3 * this.picture_ms));
   }
 
   private draw(now_ms: number): void {
     this.frameRequest = 0;
+    this.picture_ms = 0.7 * this.picture_ms + 0.3 * (performance.now() - this.requested_ms);
     const elapsed_ms = Math.min(longestStep_ms, Math.max(0, now_ms - this.last_ms));
     this.last_ms = now_ms;
     let moving = false;
     for (const layer of this.layers) moving = (layer.tick?.(elapsed_ms) ?? false) || moving;
-    moving = this.rig.tick(elapsed_ms, this.frustum.worldFromCamera) || moving;
+    const eye = this.rig.tick(elapsed_ms, this.frustum.worldFromCamera);
     if (this.reframe(now_ms)) moving = true;
     this.renderer.render(this.scene, this.rig.camera);
     this.drawn_ms.push(performance.now());
-    if (this.drawn_ms.length > 240) this.framesPerSecond(); // forgets the old ones
-    if (moving) this.requestDraw();
+    if (this.drawn_ms.length > 480) this.framesPerSecond(); // forgets the old ones
+    if (eye.byHand) this.requestDraw();
+    else if (moving || eye.byItself) this.requestDrawInTime();
   }
 
   // True while it still has to happen: the boxes of a large scan are not gone through for every picture.

@@ -1,0 +1,33 @@
+import { describe, expect, it } from 'vitest';
+import { ApiError, fileNameOf, parseScans } from './api';
+
+describe('parseScans', () => {
+  it('lists the newest scan first', () => {
+    const scans = parseScans({
+      scans: [
+        { id: 'old', title: 'Hall', phase: 'finished', frames_processed: 10, created_at_ms: 1000 },
+        { id: 'new', title: '', phase: 'running', frames_processed: 3, created_at_ms: 2000 },
+      ],
+    });
+    expect(scans.map((scan) => scan.id)).toEqual(['new', 'old']);
+    expect(scans[0]).toMatchObject({ title: 'Untitled scan', phase: 'running', frameCount: 3, started: new Date(2000) });
+  });
+
+  it('survives rows with fields that are missing or of the wrong kind', () => {
+    const scans = parseScans({ scans: [{ id: 'a', phase: 7, frames_processed: 'many', created_at_ms: 'soon' }, null, { title: 'no id' }] });
+    expect(scans).toEqual([{ id: 'a', title: 'Untitled scan', phase: 'unknown', words: '', frameCount: 0, started: null }]);
+  });
+
+  it('says so when the answer is no list', () => {
+    for (const answer of [null, [], {}, { scans: 3 }]) expect(() => parseScans(answer)).toThrow(ApiError);
+  });
+});
+
+describe('fileNameOf', () => {
+  it('keeps what every file system takes', () => {
+    expect(fileNameOf('Café: 2nd floor / east')).toBe('Cafe_2nd_floor_east');
+    expect(fileNameOf('../../etc/passwd')).toBe('etc_passwd');
+    expect(fileNameOf('日本')).toBe('');
+    expect(fileNameOf('a'.repeat(300))).toHaveLength(80);
+  });
+});

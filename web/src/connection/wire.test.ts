@@ -1,0 +1,96 @@
+import { create, fromBinary, toBinary, type MessageInitShape } from '@bufbuild/protobuf';
+import fc from 'fast-check';
+import { describe, expect, it } from 'vitest';
+import { ClientMessageSchema, ScanPhase, ServerMessageSchema, TrackingStatus } from '../gen/scan_pb';
+import { ackBytes, decode, helloBytes, maxPointsPerChunk, pingBytes, WireError } from './wire';
+
+type Body = NonNullable<MessageInitShape<typeof ServerMessageSchema>['body']>;
+const serverBytes = (body: Body): Uint8Array => toBinary(ServerMessageSchema, create(ServerMessageSchema, { body }));
+const identity = { tx: 1, ty: 2, tz: 3, qx: 0, qy: 0, qz: 0, qw: 2 };
+
+describe('what the viewer sends', () => {
+  it('says hello with the scan and the token', () => {
+    const body = fromBinary(ClientMessageSchema, helloBytes('scan1', 'secret')).body;
+    expect(body).toMatchObject({ case: 'hello', value: { token: 'secret', role: { case: 'viewScan', value: { scanId: 'scan1' } } } });
+  });
+
+  it('acknowledges more bytes than 32 bits hold', () => {
+    expect(fromBinary(ClientMessageSchema, ackBytes(2 ** 40)).body).toMatchObject({ case: 'viewerAck', value: { bytes: 2n ** 40n } });
+  });
+
+  it('pings with an id', () => {
+    expect(fromBinary(ClientMessageSchema, pingBytes(7)).body).toMatchObject({ case: 'ping', value: { id: 7n } });
+  });
+});
+
+describe('decode', () => {
+  it('reads a frame and makes its quaternion a unit one', () => {
+    const frame = { sequence: 5n, worldFromCamera: identity, status: TrackingStatus.LOST, reason: 'too dark', surfelCount: 9n, frameMs: 12.5 };
+    expect(decode(serverBytes({ case: 'frameResult', value: frame }))).toMatchObject({
+      kind: 'frame',
+      sequence: 5,
+      worldFromCamera: { translation: [1, 2, 3], rotation: [0, 0, 0, 1] },
+      tracked: false,
+      reason: 'too dark',
+      surfelCount: 9,
+      frame_ms: 12.5,
+    });
+  });
+
+  it('reads every chunk key and version that the protocol can carry', () => {
+    const int32 = fc.integer({ min: -(2 ** 31), max: 2 ** 31 - 1 });
+    const uint32 = fc.integer({ min: 0, max: 2 ** 32 - 1 });
+    const keys = fc.record({ submap: uint32, level: uint32, x: int32, y: int32, z: int32 });
+    fc.assert(
+      fc.property(keys, fc.bigInt({ min: 0n, max: 2n ** 64n - 1n }), fc.uint8Array(), (key, version, draco) => {
+        const bytes = serverBytes({ case: 'chunk', value: { key, version, pointCount: 3, draco: new Uint8Array(draco) } });
+        expect(decode(bytes)).toEqual({ kind: 'wireChunk', key, version, pointCount: 3, draco: new Uint8Array(draco) });
+      }),
+    );
+  });
+
+  it('reads the state of a scan', () => {
+    const value = { phase: ScanPhase.FINISHED, framesReceived: 3n, framesProcessed: 2n, framesDropped: 1n };
+    expect(decode(serverBytes({ case: 'scanState', value }))).toEqual({
+      kind: 'scanState',
+      phase: 'finished',
+      words: '',
+      received: 3,
+      processed: 2,
+      dropped: 1,
+    });
+  });
+
+  it('takes a camera without a size for none', () => {
+    expect(decode(serverBytes({ case: 'welcome', value: { title: 'Room' } }))).toEqual({ kind: 'welcome', title: 'Room', camera: null });
+    expect(decode(serverBytes({ case: 'welcome', value: { camera: { width: 640, height: 480, fx: NaN, fy: 1 } } }))).toMatchObject({ camera: null });
+  });
+
+  it('ignores messages of a newer protocol', () => {
+    expect(decode(Uint8Array.from([0xfa, 0x07, 0x01, 0x00]))).toEqual({ kind: 'unknown' }); // field 127
+  });
+
+  it.each<[string, Body]>([
+    ['a pose that is missing', { case: 'frameResult', value: {} }],
+    ['a pose that is not finite', { case: 'frameResult', value: { worldFromCamera: { ...identity, ty: Infinity } } }],
+    ['a zero quaternion', { case: 'submapPoses', value: { poses: [{ submap: 1, worldFromSubmap: {} }] } }],
+    ['a chunk without a key', { case: 'chunk', value: { pointCount: 1 } }],
+    ['too many points', { case: 'chunk', value: { key: {}, pointCount: maxPointsPerChunk + 1 } }],
+    ['half a position', { case: 'trajectoryPart', value: { positions: [1, 2, 3, 4] } }],
+    ['a position that is not a number', { case: 'trajectoryPart', value: { positions: [1, NaN, 3] } }],
+  ])('refuses %s', (_, body) => {
+    expect(() => decode(serverBytes(body))).toThrow(WireError);
+  });
+
+  it('answers any bytes with an event or a WireError', () => {
+    fc.assert(
+      fc.property(fc.uint8Array({ maxLength: 200 }), (bytes) => {
+        try {
+          decode(bytes);
+        } catch (error) {
+          expect(error).toBeInstanceOf(WireError);
+        }
+      }),
+    );
+  });
+});

@@ -1,0 +1,65 @@
+import { describe, expect, it } from 'vitest';
+import type { FrameEvent } from '../connection/events';
+import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from './live_scan';
+import { connectionWords, emptyWords, trackingWords } from './words';
+
+const after = (...events: LiveScanEvent[]): LiveScan => events.reduce(reduceLiveScan, initialLiveScan('scan1'));
+
+const frame = (tracked: boolean, x: number): FrameEvent => ({
+  kind: 'frame',
+  sequence: 0,
+  timestamp_s: 0,
+  worldFromCamera: { translation: [x, 0, 0], rotation: [0, 0, 0, 1] },
+  tracked,
+  reason: tracked ? '' : 'few points fit',
+  inlierRatio: 1,
+  residual_m: 0,
+  surfelCount: 5,
+  frame_ms: 10,
+});
+
+const welcome: LiveScanEvent = { kind: 'welcome', title: 'Room', camera: null };
+const running: LiveScanEvent = { kind: 'scanState', phase: 'running', words: '', received: 2, processed: 1, dropped: 0 };
+
+describe('reduceLiveScan', () => {
+  it('counts the poses before and since the viewer came, afresh after reconnecting', () => {
+    const past: LiveScanEvent = { kind: 'trajectory', positions_m: new Float32Array(9) };
+    const seen = after(welcome, past, frame(true, 1));
+    expect(seen.poses).toBe(4);
+    expect(reduceLiveScan(seen, welcome).poses).toBe(0);
+  });
+
+  it('keeps the last tracked camera position while tracking is lost, and says why', () => {
+    const lost = after(welcome, running, frame(true, 1), frame(false, 99));
+    expect(lost.cameraPosition_m).toEqual([1, 0, 0]);
+    expect(trackingWords(lost)).toEqual({ text: 'Lost: few points fit', tone: 'warn' });
+    expect(trackingWords(reduceLiveScan(lost, frame(true, 2))).text).toBe('Tracking');
+  });
+
+  it('keeps what it shows while it reconnects', () => {
+    const cut = after(welcome, { kind: 'content', points: 7, chunks: 1, full: false }, { kind: 'waiting', retryIn_ms: 4000, reason: 'cut' });
+    expect(cut).toMatchObject({ connection: 'waiting', points: 7, title: 'Room' });
+    expect(connectionWords(cut).text).toBe('Reconnecting in 4 s');
+    expect(emptyWords(cut)).toBeNull();
+  });
+
+  it('takes a complete scan for no problem, a refused token for one', () => {
+    expect(connectionWords(after(welcome, { kind: 'closed', code: 'complete', reason: '' })).text).toBe('Complete');
+    const refused = after({ kind: 'closed', code: 'unauthorized', reason: '' });
+    expect(emptyWords(refused)).toBe('The server does not accept this access token.');
+    expect(connectionWords(refused).tone).toBe('bad');
+  });
+
+  it('forgets an error once the server welcomes it again', () => {
+    const error: LiveScanEvent = { kind: 'serverError', code: 'busy', message: 'too many viewers' };
+    expect(after(error).problem?.message).toBe('too many viewers');
+    expect(after(error, welcome).problem).toBeNull();
+  });
+
+  it('has words for every empty picture', () => {
+    expect(emptyWords(after())).toBe('Loading the scan.');
+    expect(emptyWords(after(welcome, running, { kind: 'snapshotEnd' }))).toContain('first points');
+    expect(emptyWords(after(welcome, { kind: 'finished', reportJson: '{}' }, { kind: 'snapshotEnd' }))).toBe('This scan has no points.');
+    expect(emptyWords(after({ kind: 'waiting', retryIn_ms: 1, reason: 'cut' }))).toContain('cannot be reached');
+  });
+});
