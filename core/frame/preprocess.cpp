@@ -8,8 +8,7 @@ namespace {
 
 FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera) {
   const std::size_t pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
-  FrameMaps maps{{device, pixels, "frame"}, {device, pixels, "frame"}, {device, pixels, "frame"},
-                 {device, pixels, "frame"}, {device, pixels, "frame"}, make_surface_pyramid(device, camera, "frame"), {}};
+  FrameMaps maps{{device, pixels, "frame"}, {device, pixels, "frame"}, {device, pixels, "frame"}, {device, pixels, "frame"}, make_surface_pyramid(device, camera, "frame"), {}};
   for (std::size_t level = 0; level < maps.gradients.size(); ++level)
     maps.gradients[level] = {device, maps.surface.levels[level].intensity.count(), "frame"};
   return maps;
@@ -55,13 +54,13 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
                                             static_cast<float>(options_.depth_min_m), static_cast<float>(options_.depth_max_m),
                                             squash(options_.bilateral_sigma_space_px), squash(options_.bilateral_sigma_depth_m)},
                     {units_, maps_.raw_depth_m, maps_.filtered_depth_m});
-  commands.dispatch(normals_, image, shared::NormalParams{camera, static_cast<float>(options_.support_radius_scale), 0.5f * depth_gate_m},
+  commands.dispatch(normals_, image, shared::NormalParams{camera, 0.5f * depth_gate_m},
                     {maps_.filtered_depth_m, maps_.first_normals});
   commands.dispatch(surface_, image,
-                    shared::SurfaceParams{camera, depth_gate_m, static_cast<float>(options_.confidence_epsilon),
+                    shared::SurfaceParams{camera, static_cast<float>(options_.support_radius_scale), depth_gate_m, static_cast<float>(options_.confidence_epsilon),
                                           static_cast<float>(options_.curvature_limit_per_m), options_.hrbf_confidence ? 1u : 0u,
                                           options_.project_to_surface ? 1u : 0u},
-                    {maps_.filtered_depth_m, maps_.first_normals, surface.depth_m, surface.normals, surface.curvatures, maps_.confidence});
+                    {maps_.filtered_depth_m, maps_.first_normals, surface.depth_m, surface.normals, surface.curvatures, surface.weight});
   commands.dispatch(intensity_, {camera.width * camera.height}, shared::IntensityParams{camera}, {maps_.color, surface.intensity});
   downsample(commands, downsample_, maps_.surface, 0.5 * options_.depth_gate_m);
   for (std::size_t level = 0; level < maps_.gradients.size(); ++level) {

@@ -13,11 +13,10 @@ namespace hermite {
 struct FrameMaps {
   gpu::Buffer<float> raw_depth_m;       // as measured, inside the range
   gpu::Buffer<float> filtered_depth_m;  // after the bilateral filter
-  gpu::Buffer<shared::vec4> first_normals;  // central differences and support radius
-  gpu::Buffer<float> confidence;        // c = c_r c_d, 0 to 1
+  gpu::Buffer<shared::uint> first_normals;  // from central differences, packed as in SurfaceLevel
   gpu::Buffer<shared::uint> color;      // r | g << 8 | b << 16
-  SurfacePyramid surface;               // normals.w is the support radius [m]
-  std::array<gpu::Buffer<shared::vec2>, kPyramidLevels> gradients;  // grey values per pixel
+  SurfacePyramid surface;               // weight is the confidence c = c_r c_d
+  std::array<gpu::Buffer<shared::uint>, kPyramidLevels> gradients;  // grey values per pixel, 2 x half float
 };
 
 // Owns the maps of the current frame. One thread at a time: the device's.

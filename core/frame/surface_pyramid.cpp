@@ -17,7 +17,7 @@ SurfacePyramid make_surface_pyramid(gpu::Device& device, const Camera& camera, c
     const shared::Intrinsics intrinsics = intrinsics_of_level(camera, level);
     const std::size_t pixels = static_cast<std::size_t>(intrinsics.width) * intrinsics.height;
     pyramid.levels[static_cast<std::size_t>(level)] = {intrinsics, {device, pixels, purpose}, {device, pixels, purpose},
-                                                       {device, pixels, purpose}, {device, pixels, purpose}};
+                                                       {device, pixels, purpose}, {device, pixels, purpose}, {device, pixels, purpose}};
   }
   return pyramid;
 }
@@ -28,8 +28,8 @@ void downsample(gpu::Commands& commands, const gpu::Kernel& kernel, SurfacePyram
     SurfaceLevel& coarse = pyramid.levels[level];
     const shared::DownsampleParams params{coarse.camera.width, coarse.camera.height, fine.camera.width, static_cast<float>(depth_gate_m)};
     commands.dispatch(kernel, {coarse.camera.width, coarse.camera.height}, params,
-                      {fine.depth_m, fine.normals, fine.curvatures, fine.intensity, coarse.depth_m, coarse.normals, coarse.curvatures,
-                       coarse.intensity});
+                      {fine.depth_m, fine.normals, fine.curvatures, fine.weight, fine.intensity, coarse.depth_m, coarse.normals,
+                       coarse.curvatures, coarse.weight, coarse.intensity});
   }
 }
 

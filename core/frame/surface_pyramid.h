@@ -17,12 +17,13 @@ inline constexpr int kPyramidLevels = 3;
 // Camera of a pyramid level: the centre of a coarse pixel is the centre of the 2x2 finer ones.
 shared::Intrinsics intrinsics_of_level(const Camera& camera, int level);
 
-// Row major, camera.width * camera.height entries each. Empty pixels have depth 0, a zero normal and, where there is no colour, intensity -1.
+// Row major, camera.width * camera.height entries each. Empty pixels have depth 0 and, where there is no colour, intensity -1.
 struct SurfaceLevel {
   shared::Intrinsics camera;
   gpu::Buffer<float> depth_m;              // z along the pixel's ray
-  gpu::Buffer<shared::vec4> normals;       // unit, camera frame, away from the camera; w: support radius [m] or tracking weight
-  gpu::Buffer<shared::vec2> curvatures;    // max, min [1/m]
+  gpu::Buffer<shared::uint> normals;       // unit, camera frame, away from the camera: x and y as 2 x snorm16
+  gpu::Buffer<shared::uint> curvatures;    // max, min [1/m] as 2 x half float
+  gpu::Buffer<float> weight;               // of a frame: confidence, 0 to 1; of a prediction: tracking weight
   gpu::Buffer<float> intensity;            // grey, 0 to 255
 };
 

@@ -14,10 +14,11 @@ std::uint32_t groups_of(std::uint32_t threads) { return (threads + 255) / 256; }
 
 }  // namespace
 
-Fuser::Fuser(gpu::Device& device, const Camera& camera, const MapOptions& options, double curvature_limit_per_m)
+Fuser::Fuser(gpu::Device& device, const Camera& camera, const MapOptions& options, const FrameOptions& frame_options)
     : camera_(intrinsics_of_level(camera, 0)),
       options_(options),
-      curvature_limit_per_m_(curvature_limit_per_m),
+      curvature_limit_per_m_(frame_options.curvature_limit_per_m),
+      radius_scale_(frame_options.support_radius_scale),
       associate_(device, "map/associate"),
       merge_(device, "map/merge"),
       scan_(device, "map/scan"),
@@ -43,12 +44,12 @@ void Fuser::fuse_quarter(gpu::Commands& commands, const FrameMaps& frame, Surfel
   commands.fill(claims_, kNoSurfel);
   for (const gpu::Kernel* kernel : {&associate_, &merge_})
     commands.dispatch(*kernel, {quarter}, params,
-                      {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, frame.confidence, frame.color, store.positions,
+                      {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
                        store.attributes, store.times, store.camera_from_submap, candidates_, store.group_counts, store.state, all.slots(),
                        claims_});
   end_counting(commands, store, groups_of(quarter), false);
   commands.dispatch(append_, {quarter}, params,
-                    {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, frame.confidence, frame.color, store.positions,
+                    {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
                      store.attributes, store.times, store.camera_from_submap, candidates_, store.group_counts, store.state,
                      store.free_slots});
 }
@@ -64,7 +65,8 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
                             static_cast<float>(options_.max_confidence),
                             static_cast<float>(curvature_limit_per_m_),
                             0,
-                            options_.fuse_surface ? 1u : 0u};
+                            options_.fuse_surface ? 1u : 0u,
+                            static_cast<float>(radius_scale_)};
   if (store.slot_count() > 0) {
     const auto& parity = kParities[frame_number % kParities.size()];
     params.parity_x = parity[0];

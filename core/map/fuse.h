@@ -9,7 +9,7 @@ namespace hermite {
 
 class Fuser {
  public:
-  Fuser(gpu::Device& device, const Camera& camera, const MapOptions& options, double curvature_limit_per_m);
+  Fuser(gpu::Device& device, const Camera& camera, const MapOptions& options, const FrameOptions& frame_options);
 
   // Records: a quarter of the pixels (which one depends on the frame number; all of them into an empty map) is merged into the surfels of
   // `all`, an index map of every surfel, or appended. The store must be set to the frame's pose and have room for new_slots_bound() more.
@@ -28,7 +28,7 @@ class Fuser {
 
   const shared::Intrinsics camera_;
   const MapOptions options_;
-  const double curvature_limit_per_m_;
+  const double curvature_limit_per_m_, radius_scale_;
   gpu::Kernel associate_, merge_, scan_, append_, clean_, free_list_;
   gpu::Buffer<shared::uint> candidates_;  // by quarter pixel
   gpu::Buffer<shared::uint> claims_;      // by pixel of the index map

@@ -22,12 +22,12 @@ void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const Ind
                                           static_cast<shared::uint>(options_.max_iterations), options_.correct_bias ? 1u : 0u,
                                           options_.hrbf_prediction ? 1u : 0u},
                     {store.positions, store.attributes, store.camera_from_submap, stable.slots(), out.depth_m, out.normals, out.curvatures,
-                     out.intensity, covered_pixel_count_});
+                     out.weight, out.intensity, covered_pixel_count_});
   commands.dispatch(fill_in_, {pixels},
                     shared::FillInParams{out.camera, lambda_per_m, confidence_scale,
                                          static_cast<shared::uint>(options_.fill_in_below * static_cast<double>(pixels))},
-                    {own.depth_m, own.normals, own.curvatures, own.intensity, frame.confidence, out.depth_m, out.normals, out.curvatures,
-                     out.intensity, covered_pixel_count_});
+                    {own.depth_m, own.normals, own.curvatures, own.weight, own.intensity, out.depth_m, out.normals, out.curvatures,
+                     out.weight, out.intensity, covered_pixel_count_});
 }
 
 }  // namespace hermite

@@ -51,6 +51,7 @@ const std::vector<Row>& rows() {
       {"track.max_iterations_coarse", t(&T::max_iterations_coarse), 1, 100, "Gauss-Newton steps at a quarter of the resolution"},
       {"track.max_iterations_middle", t(&T::max_iterations_middle), 1, 100, "Gauss-Newton steps at half the resolution"},
       {"track.max_iterations_fine", t(&T::max_iterations_fine), 1, 100, "Gauss-Newton steps at full resolution"},
+      {"track.fine_stride", t(&T::fine_stride), 1, 8, "at full resolution every so-many-th pixel is used, in x and y"},
       {"track.max_step_m", t(&T::max_step_m), 0.01, 10, "a larger motion between frames is not believed [m]"},
       {"track.min_surface_ratio", t(&T::min_surface_ratio), 0, 1, "with depth in a smaller share of the pixels the camera is lost"},
       {"track.min_inlier_ratio", t(&T::min_inlier_ratio), 0, 1, "with a smaller share of matching pixels the camera is lost"},

@@ -56,7 +56,7 @@ struct Pipeline::Impl {
         odometry(device, camera, options.track),
         store(device),
         index(device, intrinsics_of_level(camera, 0)),
-        fuser(device, camera, options.map, options.frame.curvature_limit_per_m),
+        fuser(device, camera, options.map, options.frame),
         predictor(device, camera, options.map) {}
 
   FrameResult process(const RgbdFrame& frame);

@@ -30,15 +30,6 @@ Eigen::Matrix<double, N, 1> total(std::span<const float> partial_sums) {
   return sums;
 }
 
-template <int N, int Terms>
-Eigen::Matrix<double, N, N> symmetric(const Eigen::Matrix<double, Terms, 1>& sums) {
-  Eigen::Matrix<double, N, N> matrix;
-  int k = 0;
-  for (int i = 0; i < N; ++i)
-    for (int j = i; j < N; ++j) matrix(i, j) = matrix(j, i) = sums[k++];
-  return matrix;
-}
-
 }  // namespace
 
 struct Odometry::Sums {
@@ -59,6 +50,8 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
   const auto l = static_cast<std::size_t>(level);
   const SurfaceLevel& from = frame.surface.levels[l];
   const SurfaceLevel& to = reference.levels[l];
+  const auto stride = level == 0 ? static_cast<shared::uint>(options_.fine_stride) : 1u;
+  const shared::uint columns = from.camera.width / stride, rows = from.camera.height / stride;
   const shared::OdometryParams params{to_shared(guess),
                                       from.camera,
                                       static_cast<float>(options_.geometric_weight),
@@ -68,13 +61,29 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
                                       kGradientMin[l],
                                       static_cast<float>(options_.photometric_depth_gate_m),
                                       search ? 2u : 0u,
-                                      1};
+                                      stride};
   commands_.dispatch(odometry_, {static_cast<std::uint32_t>(kThreads)}, params,
                      {from.depth_m, from.normals, from.curvatures, from.intensity, frame.gradients[l], to.depth_m, to.normals, to.curvatures,
-                      to.intensity, partial_sums_});
+                      to.weight, to.intensity, partial_sums_});
   commands_.submit_and_wait();
-  const auto sums = total<kTerms>(partial_sums_.mapped());
-  return {symmetric<6>(sums), sums.segment<6>(21), sums[27], sums[28], sums[30], sums[31], static_cast<double>(from.camera.width) * from.camera.height};
+  const auto terms = total<kTerms>(partial_sums_.mapped());
+  Sums sums{};
+  for (int i = 0; i < 3; ++i) {
+    const auto row = terms.segment<11>(11 * i);  // as laid out in shaders/shared/track.h
+    for (int j = 0; j < 3; ++j) {
+      sums.hessian(i, j) = row[3 * j];
+      sums.hessian(i, j + 3) = sums.hessian(j + 3, i) = row[3 * j + 1];
+      sums.hessian(i + 3, j + 3) = row[3 * j + 2];
+    }
+    sums.gradient[i] = row[9];
+    sums.gradient[i + 3] = row[10];
+  }
+  sums.geometric_error_m2 = terms[33];
+  sums.geometric_count = terms[34];
+  sums.photometric_count = terms[36];
+  sums.surface_count = terms[37];
+  sums.pixel_count = static_cast<double>(columns) * rows;
+  return sums;
 }
 
 OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess) {
@@ -138,11 +147,12 @@ Eigen::Quaterniond Odometry::align_rotation(const FrameMaps& frame) {
                        {previous_intensity_, coarse.intensity, partial_sums_});
     commands_.submit_and_wait();
     const auto sums = total<kRotationTerms>(partial_sums_.mapped());
-    const double count = sums[10], error = count > 0 ? sums[9] / count : 1e300;
+    const double count = sums[13], error = count > 0 ? sums[12] / count : 1e300;
     if (error >= best_error) break;  // also when it does not fall any more
     best_error = error;
     best = current_from_previous;
-    const Eigen::Vector3d step = symmetric<3>(sums).ldlt().solve(sums.segment<3>(6));
+    const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> system(sums.data());  // H | b
+    const Eigen::Vector3d step = system.leftCols<3>().eval().ldlt().solve(system.col(3));
     if (!step.allFinite() || step.norm() < 1e-5) break;
     Vector6d twist = Vector6d::Zero();
     twist.tail<3>() = step;

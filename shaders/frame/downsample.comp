@@ -4,15 +4,18 @@
 // One pyramid level of surface maps: the mean of 2x2 pixels, nothing where one of them is missing or lies on another surface.
 // The centre of the coarse pixel is the centre of the four, so the coarse camera has cx' = (cx - 0.5) / 2.
 #include "shaders/shared/frame.h"
+#include "shaders/lib/geometry.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(scalar, binding = 0) readonly buffer FineDepth { float fine_depth_m[]; };
-layout(scalar, binding = 1) readonly buffer FineNormals { vec4 fine_normals[]; };
-layout(scalar, binding = 2) readonly buffer FineCurvatures { vec2 fine_curvatures[]; };
-layout(scalar, binding = 3) readonly buffer FineIntensity { float fine_intensity[]; };
-layout(scalar, binding = 4) writeonly buffer Depth { float depth_m[]; };
-layout(scalar, binding = 5) writeonly buffer Normals { vec4 normals[]; };
-layout(scalar, binding = 6) writeonly buffer Curvatures { vec2 curvatures[]; };
-layout(scalar, binding = 7) writeonly buffer Intensity { float intensity[]; };
+layout(scalar, binding = 1) readonly buffer FineNormals { uint fine_normals[]; };
+layout(scalar, binding = 2) readonly buffer FineCurvatures { uint fine_curvatures[]; };
+layout(scalar, binding = 3) readonly buffer FineWeight { float fine_weight[]; };
+layout(scalar, binding = 4) readonly buffer FineIntensity { float fine_intensity[]; };
+layout(scalar, binding = 5) writeonly buffer Depth { float depth_m[]; };
+layout(scalar, binding = 6) writeonly buffer Normals { uint normals[]; };
+layout(scalar, binding = 7) writeonly buffer Curvatures { uint curvatures[]; };
+layout(scalar, binding = 8) writeonly buffer Weight { float weight[]; };
+layout(scalar, binding = 9) writeonly buffer Intensity { float intensity[]; };
 layout(scalar, push_constant) uniform Push { DownsampleParams p; };
 
 void main() {
@@ -23,7 +26,8 @@ void main() {
   uint fine[4] = uint[4](first, first + 1u, first + fine_width, first + fine_width + 1u);
   float depth_sum = 0.0, low = 1e9, high = 0.0, grey_sum = 0.0;
   float grey_low = 1e9;
-  vec4 normal_sum = vec4(0.0);
+  vec3 normal_sum = vec3(0.0);
+  float weight_sum = 0.0;
   vec2 curvature_sum = vec2(0.0);
   for (int i = 0; i < 4; ++i) {
     float z = fine_depth_m[fine[i]];
@@ -31,16 +35,17 @@ void main() {
     low = min(low, z);
     high = max(high, z);
     depth_sum += z;
-    normal_sum += fine_normals[fine[i]];
-    curvature_sum += fine_curvatures[fine[i]];
+    normal_sum += unpack_normal(fine_normals[fine[i]]);
+    weight_sum += fine_weight[fine[i]];
+    curvature_sum += unpackHalf2x16(fine_curvatures[fine[i]]);
     grey_sum += g;
     grey_low = min(grey_low, g);
   }
   uint index = pixel.y * p.width + pixel.x;
-  float normal_length = length(normal_sum.xyz);
-  bool valid = low > 0.0 && high - low < p.depth_gate_m && normal_length > 1e-3;
+  bool valid = low > 0.0 && high - low < p.depth_gate_m;
   depth_m[index] = valid ? 0.25 * depth_sum : 0.0;
-  normals[index] = valid ? vec4(normal_sum.xyz / normal_length, 0.25 * normal_sum.w) : vec4(0.0);
-  curvatures[index] = valid ? 0.25 * curvature_sum : vec2(0.0);
+  normals[index] = valid ? pack_normal(normalize(normal_sum)) : kNoNormal;
+  curvatures[index] = valid ? packHalf2x16(0.25 * curvature_sum) : 0u;
+  weight[index] = valid ? 0.25 * weight_sum : 0.0;
   intensity[index] = grey_low >= 0.0 ? 0.25 * grey_sum : -1.0;  // negative: no colour here (a hole of the prediction)
 }

@@ -5,7 +5,7 @@
 #include "shaders/shared/frame.h"
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(scalar, binding = 0) readonly buffer Intensity { float intensity[]; };
-layout(scalar, binding = 1) writeonly buffer Gradient { vec2 gradient[]; };
+layout(scalar, binding = 1) writeonly buffer Gradient { uint gradient[]; };  // 2 x half float
 layout(scalar, push_constant) uniform Push { GradientParams p; };
 
 void main() {
@@ -20,5 +20,5 @@ void main() {
     float sw = intensity[below - 1u], s = intensity[below], se = intensity[below + 1u];
     g = 0.125 * vec2(ne + 2.0 * e + se - nw - 2.0 * w - sw, sw + 2.0 * s + se - nw - 2.0 * n - ne);
   }
-  gradient[i] = g;
+  gradient[i] = packHalf2x16(g);
 }

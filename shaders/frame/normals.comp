@@ -1,13 +1,12 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// First normals by central differences of the filtered depth (paper section 3.2), pointing away from the camera,
-// and the support radius of each kernel (reference notes 1.4): radius_scale pixel diagonals, more on slanted surfaces.
+// First normals by central differences of the filtered depth (paper section 3.2), pointing away from the camera.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(scalar, binding = 0) readonly buffer Depth { float depth_m[]; };
-layout(scalar, binding = 1) writeonly buffer Normals { vec4 normal_radius[]; };
+layout(scalar, binding = 1) writeonly buffer Normals { uint normals[]; };  // kNoNormal where there is none
 layout(scalar, push_constant) uniform Push { NormalParams p; };
 
 vec3 vertex_at(ivec2 pixel) {
@@ -30,11 +29,6 @@ void main() {
   vec3 centre = vertex_at(pixel);
   vec3 normal = cross(difference(centre, pixel, ivec2(1, 0)), difference(centre, pixel, ivec2(0, 1)));
   float length_squared = dot(normal, normal);
-  if (centre.z <= 0.0 || length_squared < 1e-20) {
-    normal_radius[index] = vec4(0.0);
-    return;
-  }
-  normal *= inversesqrt(length_squared);
-  float diagonal_m = sqrt(2.0) * centre.z / (0.5 * (p.camera.fx + p.camera.fy));
-  normal_radius[index] = vec4(normal, p.radius_scale * diagonal_m / max(0.5, abs(normal.z)));
+  bool valid = centre.z > 0.0 && length_squared > 1e-20 && normal.z > 0.0;
+  normals[index] = valid ? pack_normal(normal * inversesqrt(length_squared)) : kNoNormal;
 }

@@ -8,18 +8,24 @@
 #include "shaders/lib/geometry.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(scalar, binding = 0) readonly buffer Filtered { float filtered_m[]; };
-layout(scalar, binding = 1) readonly buffer Normals { vec4 normal_radius[]; };
+layout(scalar, binding = 1) readonly buffer Normals { uint normals[]; };
 layout(scalar, binding = 2) writeonly buffer Depth { float depth_m[]; };
-layout(scalar, binding = 3) writeonly buffer SurfaceNormals { vec4 surface_normal_radius[]; };
-layout(scalar, binding = 4) writeonly buffer Curvatures { vec2 curvatures[]; };
+layout(scalar, binding = 3) writeonly buffer SurfaceNormals { uint surface_normals[]; };
+layout(scalar, binding = 4) writeonly buffer Curvatures { uint curvatures[]; };
 layout(scalar, binding = 5) writeonly buffer Confidence { float confidence[]; };
 layout(scalar, push_constant) uniform Push { SurfaceParams p; };
 
 const int kRadius = 3;
 const int kTile = 16 + 2 * kRadius;
 const uint kMinKernels = 16;  // reference notes 1.6
-shared vec4 tile_position_radius[kTile * kTile];
-shared vec4 tile_normal_weight[kTile * kTile];
+// Two words a kernel: everything else follows from the pixel.
+shared float tile_depth[kTile * kTile];
+shared uint tile_normal[kTile * kTile];
+
+struct Kernel {
+  vec3 position, normal;
+  float radius;  // 0: there is none
+};
 
 struct Field {
   vec3 gradient;
@@ -32,18 +38,20 @@ void load_tile() {
   ivec2 corner = ivec2(gl_WorkGroupID.xy) * 16 - kRadius;
   for (uint i = gl_LocalInvocationIndex; i < kTile * kTile; i += 256u) {
     ivec2 pixel = corner + ivec2(i % kTile, i / kTile);
-    vec4 position_radius = vec4(0.0), normal_weight = vec4(0.0);
-    if (inside(p.camera, pixel)) {
-      uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
-      vec4 n = normal_radius[index];
-      if (n.w > 0.0) {
-        position_radius = vec4(pixel_ray(p.camera, vec2(pixel)) * filtered_m[index], n.w);
-        normal_weight = vec4(n.xyz, 1.0 / (n.w * n.w));
-      }
-    }
-    tile_position_radius[i] = position_radius;
-    tile_normal_weight[i] = normal_weight;
+    bool visible = inside(p.camera, pixel);
+    uint index = visible ? uint(pixel.y) * p.camera.width + uint(pixel.x) : 0u;
+    uint normal = visible ? normals[index] : kNoNormal;
+    tile_normal[i] = normal;
+    tile_depth[i] = normal != kNoNormal ? filtered_m[index] : 0.0;
   }
+}
+
+Kernel kernel_at(ivec2 local, int dx, int dy, vec3 ray) {
+  int i = (local.y + dy) * kTile + local.x + dx;
+  float z = tile_depth[i];
+  vec3 normal = unpack_normal(tile_normal[i]);
+  vec3 position = z * (ray + vec3(float(dx) / p.camera.fx, float(dy) / p.camera.fy, 0.0));
+  return Kernel(position, normal, support_radius(p.camera, p.radius_scale, z, normal.z));
 }
 
 // One weighted-plane step along the ray (reference notes 8.2.1): t = sum(w n.p) / sum(w n.d), w = s^3 / r^2.
@@ -52,41 +60,42 @@ float step_to_surface(ivec2 local, vec3 ray, float t, float centre_z) {
   float numerator = 0.0, denominator = 0.0;
   for (int dy = -kRadius; dy <= kRadius; ++dy) {
     for (int dx = -kRadius; dx <= kRadius; ++dx) {
-      int i = (local.y + dy) * kTile + local.x + dx;
-      vec4 k = tile_position_radius[i];
-      vec4 n = tile_normal_weight[i];
-      vec3 v = x - k.xyz;
-      float s = 1.0 - sqrt(dot(v, v)) / max(k.w, 1e-6);
-      float w = abs(k.z - centre_z) < p.depth_gate_m ? max(s, 0.0) : 0.0;
-      w = w * w * w * n.w;
-      numerator += w * dot(n.xyz, k.xyz);
-      denominator += w * dot(n.xyz, ray);
+      Kernel k = kernel_at(local, dx, dy, ray);
+      vec3 v = x - k.position;
+      float inverse_radius = 1.0 / max(k.radius, 1e-6);
+      float s = max(1.0 - sqrt(dot(v, v)) * inverse_radius, 0.0);
+      float w = abs(k.position.z - centre_z) < p.depth_gate_m ? s * s * s * inverse_radius * inverse_radius : 0.0;
+      numerator += w * dot(k.normal, k.position);
+      denominator += w * dot(k.normal, ray);
     }
   }
   return abs(denominator) > 0.0 ? numerator / denominator : t;
 }
 
-Field evaluate(ivec2 local, vec3 x, float centre_z) {
+Field evaluate(ivec2 local, vec3 ray, float t, float centre_z) {
+  vec3 x = t * ray;
   Field f = Field(vec3(0.0), vec3(0.0), vec3(0.0), 0u);
   for (int dy = -kRadius; dy <= kRadius; ++dy) {
     for (int dx = -kRadius; dx <= kRadius; ++dx) {
-      int i = (local.y + dy) * kTile + local.x + dx;
-      vec4 k = tile_position_radius[i];
-      vec4 n = tile_normal_weight[i];
-      vec3 v = x - k.xyz;
-      float rho = sqrt(dot(v, v)) / max(k.w, 1e-6);
-      if (abs(k.z - centre_z) >= p.depth_gate_m || rho >= 1.0 || k.w <= 0.0) continue;
-      f.count += 1u;
+      Kernel k = kernel_at(local, dx, dy, ray);
+      vec3 n = k.normal;
+      vec3 v = x - k.position;
+      float inverse_radius = 1.0 / max(k.radius, 1e-6);
+      float weight = inverse_radius * inverse_radius;
+      float rho = sqrt(dot(v, v)) * inverse_radius;
+      bool supports = rho < 1.0 && abs(k.position.z - centre_z) < p.depth_gate_m && k.radius > 0.0;
+      f.count += supports ? 1u : 0u;
+      float a = supports ? 200.0 * weight : 0.0;  // 20 C / r^2 with C = 10
       float s = 1.0 - rho;
-      float u = dot(n.xyz, v);
-      float a = 200.0 * n.w;  // 20 C / r^2 with C = 10
+      float u = dot(n, v);
       // The second derivative jumps at the kernel's own centre: there its terms are left out (reference notes 1.5).
       bool own = dx == 0 && dy == 0;
-      float q = own ? 0.0 : s * s / rho;
-      f.gradient += a * (s * s * s * n.xyz - (own && rho < 1e-6 ? 0.0 : 3.0 * n.w * s * s / max(rho, 1e-6) * u) * v);
-      float h = own ? 0.0 : -3.0 * a * n.w;
-      float c = own ? 0.0 : (1.0 / (rho * rho) - 1.0) / rho * n.w * u;
-      f.hessian_diagonal += h * (q * (2.0 * n.xyz * v + u) - c * v * v);
+      float inverse_rho = 1.0 / max(rho, 1e-6);
+      float q = s * s * inverse_rho;
+      f.gradient += a * (s * s * s * n - 3.0 * weight * q * u * v);
+      float h = own ? 0.0 : -3.0 * a * weight;
+      float c = (inverse_rho * inverse_rho - 1.0) * inverse_rho * weight * u;
+      f.hessian_diagonal += h * (q * (2.0 * n * v + u) - c * v * v);
       f.hessian_mixed += h * (q * (n.xxy * v.yzz + v.xxy * n.yzz) - c * v.xxy * v.yzz);
     }
   }
@@ -115,34 +124,24 @@ void main() {
   if (!inside(p.camera, pixel)) return;
   ivec2 local = ivec2(gl_LocalInvocationID.xy) + kRadius;
   uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
-  vec4 k = tile_position_radius[local.y * kTile + local.x];
-  vec3 first_normal = tile_normal_weight[local.y * kTile + local.x].xyz;
-
   vec3 ray = pixel_ray(p.camera, vec2(pixel));
-  float z = k.z;
-  if (k.w > 0.0 && p.project_to_surface != 0u) {
-    float moved = step_to_surface(local, ray, z, k.z);
-    if (abs(moved - z) < 0.5 * k.w) z = moved;
+  Kernel own = kernel_at(local, 0, 0, ray);
+  float z = own.position.z;
+  if (z > 0.0 && p.project_to_surface != 0u) {
+    float moved = step_to_surface(local, ray, z, z);
+    if (abs(moved - z) < 0.5 * own.radius) z = moved;
   }
-  Field f = evaluate(local, ray * z, k.z);
+  Field f = evaluate(local, ray, z, own.position.z);
   float gradient2 = dot(f.gradient, f.gradient);
-  if (k.w <= 0.0 || f.count < kMinKernels || gradient2 <= 0.0) {
-    depth_m[index] = 0.0;
-    surface_normal_radius[index] = vec4(0.0);
-    curvatures[index] = vec2(0.0);
-    confidence[index] = 0.0;
-    return;
-  }
   vec2 kappa = principal_curvatures(f);
-  bool curvature_valid = abs(kappa.x) < p.curvature_limit_per_m && abs(kappa.y) < p.curvature_limit_per_m;
-  vec2 centre = vec2(p.camera.cx, p.camera.cy);
+  bool valid = z > 0.0 && f.count >= kMinKernels && gradient2 > 0.0 && f.gradient.z > 0.0 && abs(kappa.x) < p.curvature_limit_per_m &&
+               abs(kappa.y) < p.curvature_limit_per_m;
   vec2 half_size = 0.5 * vec2(p.camera.width, p.camera.height);
-  vec2 offset = vec2(pixel) - centre;
-  float radial2 = dot(offset, offset) / dot(half_size, half_size);
-  float c_d = exp(-radial2 / 0.72);  // 2 sigma^2, sigma = 0.6 (Keller et al. 2013)
-  float c_r = p.use_hrbf_confidence != 0u ? exp(-p.confidence_epsilon * inversesqrt(max(abs(dot(f.gradient, first_normal)), 1e-6))) : 1.0;
-  depth_m[index] = curvature_valid ? z : 0.0;
-  surface_normal_radius[index] = curvature_valid ? vec4(f.gradient * inversesqrt(gradient2), k.w) : vec4(0.0);
-  curvatures[index] = kappa;
-  confidence[index] = c_d * c_r;
+  vec2 offset = vec2(pixel) - vec2(p.camera.cx, p.camera.cy);
+  float c_d = exp(-dot(offset, offset) / dot(half_size, half_size) / 0.72);  // 2 sigma^2, sigma = 0.6 (Keller et al. 2013)
+  float c_r = p.use_hrbf_confidence != 0u ? exp(-p.confidence_epsilon * inversesqrt(max(abs(dot(f.gradient, own.normal)), 1e-6))) : 1.0;
+  depth_m[index] = valid ? z : 0.0;
+  surface_normals[index] = valid ? pack_normal(f.gradient * inversesqrt(gradient2)) : kNoNormal;
+  curvatures[index] = valid ? packHalf2x16(kappa) : 0u;
+  confidence[index] = valid ? c_d * c_r : 0.0;
 }

@@ -1,8 +1,8 @@
 // What the passes of fusion share: the frame maps, the map, and the measurement at a pixel.
 layout(scalar, binding = 0) readonly buffer RawDepth { float raw_depth_m[]; };
 layout(scalar, binding = 1) readonly buffer SurfaceDepth { float surface_depth_m[]; };
-layout(scalar, binding = 2) readonly buffer FrameNormals { vec4 frame_normal_radius[]; };
-layout(scalar, binding = 3) readonly buffer FrameCurvatures { vec2 frame_curvatures[]; };
+layout(scalar, binding = 2) readonly buffer FrameNormals { uint frame_normals[]; };
+layout(scalar, binding = 3) readonly buffer FrameCurvatures { uint frame_curvatures[]; };
 layout(scalar, binding = 4) readonly buffer FrameConfidence { float frame_confidence[]; };
 layout(scalar, binding = 5) readonly buffer FrameColor { uint frame_color[]; };
 layout(scalar, binding = 6) buffer Positions { vec4 position_confidence[]; };
@@ -38,15 +38,12 @@ bool quarter_pixel(uint quarter, out ivec2 pixel, out uint index) {
 
 float fused_depth_m(uint index) { return p.fuse_surface != 0u ? surface_depth_m[index] : raw_depth_m[index]; }
 
-bool can_be_fused(uint index) {
-  vec2 kappa = frame_curvatures[index];
-  return surface_depth_m[index] > 0.0 && raw_depth_m[index] > 0.0 && frame_normal_radius[index].w > 0.0 &&
-         max(abs(kappa.x), abs(kappa.y)) < p.curvature_limit_per_m && frame_confidence[index] > 0.0;
-}
+bool can_be_fused(uint index) { return surface_depth_m[index] > 0.0 && raw_depth_m[index] > 0.0; }
 
 Measurement measure(ivec2 pixel, uint index) {
-  vec4 n = frame_normal_radius[index];
+  vec3 normal = unpack_normal(frame_normals[index]);
   uint c = frame_color[index];
-  return Measurement(pixel_ray(p.camera, vec2(pixel)) * fused_depth_m(index), n.xyz, n.w, frame_curvatures[index],
+  return Measurement(pixel_ray(p.camera, vec2(pixel)) * fused_depth_m(index), normal,
+                     support_radius(p.camera, p.radius_scale, surface_depth_m[index], normal.z), unpackHalf2x16(frame_curvatures[index]),
                      vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u), frame_confidence[index]);
 }

@@ -24,3 +24,16 @@ vec3 unpack_unit(uint packed) {
   if (n.z < 0.0) n.xy = (1.0 - abs(n.yx)) * sign_not_zero(n.xy);
   return normalize(n);
 }
+
+// Unit vectors with z >= 0, such as normals that point away from the camera: x and y as 2 x snorm16. One word keeps the maps small.
+const uint kNoNormal = 0x80008000u;  // (-1, -1) is no unit vector
+uint pack_normal(vec3 n) { return packSnorm2x16(n.xy); }
+vec3 unpack_normal(uint packed) {
+  vec2 xy = unpackSnorm2x16(packed);
+  return vec3(xy, sqrt(max(0.0, 1.0 - dot(xy, xy))));
+}
+
+// Support radius of a measurement (reference notes 1.4): `scale` pixel diagonals at its depth, up to twice that on slanted surfaces.
+float support_radius(Intrinsics c, float scale, float depth_m, float normal_z) {
+  return scale * 2.8284271 * depth_m / ((c.fx + c.fy) * max(0.5, normal_z));
+}

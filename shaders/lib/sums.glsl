@@ -1,9 +1,15 @@
-// Sums over all pixels without float atomics: every thread adds its own pixels, then each of the first `terms` threads adds one term over
-// the workgroup in order; the host adds the workgroups. Needs kTerms and kGroupSize.
+// Sums over all pixels without float atomics: every thread adds its own pixels, then each of the first kTerms threads adds one term over
+// the workgroup in order; the host adds the workgroups. Needs kTerms, kGroupSize and partial_sums.
 shared float group_terms[kTerms * kGroupSize];
+uint next_term;
 
-void write_group_sums(float sums[kTerms]) {
-  for (uint i = 0u; i < kTerms; ++i) group_terms[i * kGroupSize + gl_LocalInvocationID.x] = sums[i];
+void begin_terms() { next_term = 0u; }
+void put_term(float value) {
+  group_terms[next_term * kGroupSize + gl_LocalInvocationID.x] = value;
+  next_term += 1u;
+}
+
+void write_group_sums() {
   barrier();
   uint term = gl_LocalInvocationID.x;
   if (term < kTerms) {

@@ -26,7 +26,7 @@ void main() {
   vec3 ray = pixel_ray(p.camera, vec2(pixel));
   float ray_length = length(ray);
   float z = fused_depth_m(index);
-  vec3 normal = frame_normal_radius[index].xyz;
+  vec3 normal = unpack_normal(frame_normals[index]);
   uint best_cell = kNew;
   float best = 1e9;
   for (int dy = -2; dy <= 2; ++dy) {

@@ -7,15 +7,16 @@
 #include "shaders/lib/weight.glsl"
 layout(local_size_x = 256) in;
 layout(scalar, binding = 0) readonly buffer FrameDepth { float frame_depth_m[]; };
-layout(scalar, binding = 1) readonly buffer FrameNormals { vec4 frame_normal_radius[]; };
-layout(scalar, binding = 2) readonly buffer FrameCurvatures { vec2 frame_curvatures[]; };
-layout(scalar, binding = 3) readonly buffer FrameIntensity { float frame_intensity[]; };
-layout(scalar, binding = 4) readonly buffer FrameConfidence { float frame_confidence[]; };
+layout(scalar, binding = 1) readonly buffer FrameNormals { uint frame_normals[]; };
+layout(scalar, binding = 2) readonly buffer FrameCurvatures { uint frame_curvatures[]; };
+layout(scalar, binding = 3) readonly buffer FrameConfidence { float frame_confidence[]; };
+layout(scalar, binding = 4) readonly buffer FrameIntensity { float frame_intensity[]; };
 layout(scalar, binding = 5) buffer Depth { float depth_m[]; };
-layout(scalar, binding = 6) buffer Normals { vec4 normal_weight[]; };
-layout(scalar, binding = 7) buffer Curvatures { vec2 curvatures[]; };
-layout(scalar, binding = 8) buffer Intensity { float intensity[]; };
-layout(scalar, binding = 9) readonly buffer Covered { uint covered_count; };
+layout(scalar, binding = 6) buffer Normals { uint normals[]; };
+layout(scalar, binding = 7) buffer Curvatures { uint curvatures[]; };
+layout(scalar, binding = 8) buffer Weight { float weight[]; };
+layout(scalar, binding = 9) buffer Intensity { float intensity[]; };
+layout(scalar, binding = 10) readonly buffer Covered { uint covered_count; };
 layout(scalar, push_constant) uniform Push { FillInParams p; };
 
 void main() {
@@ -23,8 +24,9 @@ void main() {
   if (i >= p.camera.width * p.camera.height || covered_count >= p.covered_below) return;
   if (depth_m[i] > 0.0 || frame_depth_m[i] <= 0.0) return;
   depth_m[i] = frame_depth_m[i];
-  normal_weight[i] = vec4(frame_normal_radius[i].xyz, tracking_weight(frame_curvatures[i], frame_confidence[i] * p.confidence_scale,
-                                                                      p.curvature_lambda_per_m, frame_depth_m[i]));
+  normals[i] = frame_normals[i];
   curvatures[i] = frame_curvatures[i];
+  weight[i] = tracking_weight(unpackHalf2x16(frame_curvatures[i]), frame_confidence[i] * p.confidence_scale, p.curvature_lambda_per_m,
+                              frame_depth_m[i]);
   intensity[i] = frame_intensity[i];
 }

@@ -15,37 +15,59 @@ layout(scalar, binding = 1) readonly buffer Attributes { SurfelAttributes attrib
 layout(scalar, binding = 2) readonly buffer Submaps { Transform camera_from_submap[]; };
 layout(scalar, binding = 3) readonly buffer Ids { uint ids[]; };
 layout(scalar, binding = 4) writeonly buffer Depth { float depth_m[]; };
-layout(scalar, binding = 5) writeonly buffer Normals { vec4 normal_weight[]; };
-layout(scalar, binding = 6) writeonly buffer Curvatures { vec2 curvatures[]; };
-layout(scalar, binding = 7) writeonly buffer Intensity { float intensity[]; };
-layout(scalar, binding = 8) buffer Covered { uint covered_count; };
+layout(scalar, binding = 5) writeonly buffer Normals { uint normals[]; };
+layout(scalar, binding = 6) writeonly buffer Curvatures { uint curvatures[]; };
+layout(scalar, binding = 7) writeonly buffer Weight { float weight[]; };
+layout(scalar, binding = 8) writeonly buffer Intensity { float intensity[]; };
+layout(scalar, binding = 9) buffer Covered { uint covered_count; };
 layout(scalar, push_constant) uniform Push { PredictParams p; };
 
 const uint kNone = 0xffffffffu;
 const int kTile = 16 + 2 * kRadius;
-shared vec4 tile_position_radius[kTile * kTile];
-shared vec4 tile_normal_weight[kTile * kTile];
+// Four words a kernel: loads are what this pass spends its time on.
+shared float tile_depth[kTile * kTile];
+shared uint tile_offset[kTile * kTile];  // from the pixel's centre, half pixels, 2 x snorm16
+shared uint tile_normal[kTile * kTile];
+shared float tile_radius[kTile * kTile];  // 0: there is no kernel
+
+struct Kernel {
+  vec3 position, normal;
+  float radius;
+};
 
 void load_tile() {
   ivec2 corner = ivec2(gl_WorkGroupID.xy) * 16 - kRadius;
   for (uint i = gl_LocalInvocationIndex; i < kTile * kTile; i += 256u) {
     ivec2 pixel = corner + ivec2(i % kTile, i / kTile);
-    vec4 position_radius = vec4(0.0), normal = vec4(0.0);
     uint slot = inside(p.camera, pixel) ? ids[uint(pixel.y) * p.camera.width + uint(pixel.x)] : kNone;
+    float depth = 0.0, radius = 0.0;
+    uint offset = 0u, packed_normal = 0u;
     if (slot != kNone) {
       SurfelAttributes a = attributes[slot];
       Transform t = camera_from_submap[surfel_submap(a)];
       vec3 n = rotate(t, unpack_unit(a.normal));
-      float radius = surfel_radius(a);
       vec4 surfel = position_confidence[slot];
-      if (n.z >= 0.0 && radius > 0.0 && surfel.w > 0.0) {
-        position_radius = vec4(transform_point(t, surfel.xyz), radius);
-        normal = vec4(n, 1.0 / (radius * radius));
+      if (n.z >= 0.0 && surfel.w > 0.0) {
+        vec3 position = transform_point(t, surfel.xyz);
+        depth = position.z;
+        offset = packSnorm2x16(2.0 * (project(p.camera, position) - vec2(pixel)));
+        packed_normal = pack_normal(n);
+        radius = surfel_radius(a);
       }
     }
-    tile_position_radius[i] = position_radius;
-    tile_normal_weight[i] = normal;
+    tile_depth[i] = depth;
+    tile_offset[i] = offset;
+    tile_normal[i] = packed_normal;
+    tile_radius[i] = radius;
   }
+}
+
+// `first` is the window's corner in the tile, `ray` belongs to its centre.
+Kernel kernel_at(int first, int dx, int dy, vec3 ray) {
+  int i = first + dy * kTile + dx;
+  vec2 offset = vec2(float(dx - kRadius), float(dy - kRadius)) + 0.5 * unpackSnorm2x16(tile_offset[i]);
+  vec3 direction = ray + vec3(offset / vec2(p.camera.fx, p.camera.fy), 0.0);
+  return Kernel(tile_depth[i] * direction, unpack_normal(tile_normal[i]), tile_radius[i]);
 }
 
 struct Sums {
@@ -59,18 +81,17 @@ Sums evaluate(int first, vec3 ray, float t, vec3 mid_normal, float mix_normal) {
   Sums sums = Sums(0.0, 0.0, vec3(0.0), 0u);
   for (int dy = 0; dy <= 2 * kRadius; ++dy) {
     for (int dx = 0; dx <= 2 * kRadius; ++dx) {
-      int i = first + dy * kTile + dx;
-      vec4 k = tile_position_radius[i];
-      vec4 n = tile_normal_weight[i];
-      vec3 v = x - k.xyz;
-      float rho = sqrt(dot(v, v)) / max(k.w, 1e-6);
+      Kernel k = kernel_at(first, dx, dy, ray);
+      vec3 v = x - k.position;
+      float inverse_radius = 1.0 / max(k.radius, 1e-6);
+      float rho = sqrt(dot(v, v)) * inverse_radius;
       float s = max(1.0 - rho, 0.0);
       sums.support += s > 0.0 ? 1u : 0u;
-      float s2 = s * s * n.w;
-      vec3 m = mix(n.xyz, mid_normal, mix_normal);
-      sums.plane += s2 * s * dot(m, k.xyz);
+      float s2 = s * s * inverse_radius * inverse_radius;
+      vec3 m = mix(k.normal, mid_normal, mix_normal);
+      sums.plane += s2 * s * dot(m, k.position);
       sums.slope += s2 * s * dot(m, ray);
-      sums.gradient += s2 * (s * n.xyz - (3.0 * n.w / max(rho, 1e-4)) * dot(n.xyz, v) * v);
+      sums.gradient += s2 * (s * k.normal - (3.0 * inverse_radius * inverse_radius / max(rho, 1e-4)) * dot(k.normal, v) * v);
     }
   }
   return sums;
@@ -83,8 +104,8 @@ float intersect_hrbf(int first, vec3 ray, out vec3 normal) {
   float t = 1e9;
   for (int dy = 0; dy <= 2 * kRadius; ++dy)
     for (int dx = 0; dx <= 2 * kRadius; ++dx) {
-      vec4 k = tile_position_radius[first + dy * kTile + dx];
-      if (k.w > 0.0) t = min(t, dot(k.xyz, ray) / ray2);
+      Kernel k = kernel_at(first, dx, dy, ray);
+      if (k.radius > 0.0) t = min(t, dot(k.position, ray) / ray2);
     }
   if (t >= 1e9) return 0.0;
   Sums sums;
@@ -111,30 +132,29 @@ float intersect_disc(int first, vec3 ray, out vec3 normal) {
   normal = vec3(0.0);
   for (int dy = 0; dy <= 2 * kRadius; ++dy)
     for (int dx = 0; dx <= 2 * kRadius; ++dx) {
-      vec4 k = tile_position_radius[first + dy * kTile + dx];
-      vec3 n = tile_normal_weight[first + dy * kTile + dx].xyz;
-      float slope = dot(n, ray);
-      if (k.w <= 0.0 || slope <= 0.1) continue;
-      float candidate = dot(n, k.xyz) / slope;
-      vec3 v = candidate * ray - k.xyz;
+      Kernel k = kernel_at(first, dx, dy, ray);
+      float slope = dot(k.normal, ray);
+      if (k.radius <= 0.0 || slope <= 0.1) continue;
+      float candidate = dot(k.normal, k.position) / slope;
+      vec3 v = candidate * ray - k.position;
       // The support of a kernel spans four pixel diagonals, a splat a quarter of it.
-      if (candidate < t && dot(v, v) < 0.0625 * k.w * k.w) {
+      if (candidate < t && dot(v, v) < 0.0625 * k.radius * k.radius) {
         t = candidate;
-        normal = n;
+        normal = k.normal;
       }
     }
   return t < 1e9 ? t : 0.0;
 }
 
-uint nearest_kernel(int first, vec3 x) {
+uint nearest_kernel(int first, vec3 ray, vec3 x) {
   float best = 1e9;
   uint cell = kNone;
   for (int dy = 0; dy <= 2 * kRadius; ++dy)
     for (int dx = 0; dx <= 2 * kRadius; ++dx) {
-      vec4 k = tile_position_radius[first + dy * kTile + dx];
-      vec3 v = x - k.xyz;
+      Kernel k = kernel_at(first, dx, dy, ray);
+      vec3 v = x - k.position;
       float d = dot(v, v);
-      if (k.w > 0.0 && d < best) {
+      if (k.radius > 0.0 && d < best) {
         best = d;
         cell = uint(dy * 256 + dx);
       }
@@ -152,11 +172,12 @@ void main() {
   vec3 ray = pixel_ray(p.camera, vec2(pixel));
   vec3 normal;
   float z = p.hrbf != 0u ? intersect_hrbf(first, ray, normal) : intersect_disc(first, ray, normal);
-  uint cell = z > 0.0 ? nearest_kernel(first, z * ray) : kNone;
+  uint cell = z > 0.0 ? nearest_kernel(first, ray, z * ray) : kNone;
   if (cell == kNone) {
     depth_m[index] = 0.0;
-    normal_weight[index] = vec4(0.0);
-    curvatures[index] = vec2(0.0);
+    normals[index] = kNoNormal;
+    curvatures[index] = 0u;
+    weight[index] = 0.0;
     intensity[index] = -1.0;
     return;
   }
@@ -165,8 +186,9 @@ void main() {
   SurfelAttributes a = attributes[slot];
   vec2 kappa = unpackHalf2x16(a.curvatures);
   depth_m[index] = z;
-  normal_weight[index] = vec4(normal, tracking_weight(kappa, position_confidence[slot].w * p.confidence_scale, p.curvature_lambda_per_m, z));
-  curvatures[index] = kappa;
+  normals[index] = pack_normal(normal);
+  curvatures[index] = a.curvatures;
+  weight[index] = tracking_weight(kappa, position_confidence[slot].w * p.confidence_scale, p.curvature_lambda_per_m, z);
   intensity[index] = grey(surfel_color(a));
   atomicAdd(covered_count, 1u);
 }

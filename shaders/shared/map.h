@@ -59,6 +59,7 @@ struct FuseParams {
   float curvature_limit_per_m;
   uint submap;                 // new surfels belong to it
   uint fuse_surface;           // 1: fuse the HRBF surface, 0: the raw depth
+  float radius_scale;
 };
 
 struct CleanParams {

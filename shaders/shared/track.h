@@ -11,8 +11,11 @@ namespace hermite::shared {
 // Sums of one workgroup; the host adds the groups in order, in double precision.
 #define HERMITE_ODOMETRY_GROUPS 128
 #define HERMITE_ODOMETRY_GROUP_SIZE 64
-#define HERMITE_ODOMETRY_TERMS 32   // 21 of H (upper triangle by rows), 6 of b, geometric error and count, photometric error and count, pixels with a surface
-#define HERMITE_ROTATION_TERMS 11   // 6 of H, 3 of b, error, count
+// By rows i of 3x3 blocks: for each column j H_tt, H_tr, H_rr; then b_t, b_r of the row. At the end geometric squared error and count,
+// photometric squared error and count, pixels with a surface.
+#define HERMITE_ODOMETRY_TERMS 38
+// By rows: three of H and one of b; then squared error and count.
+#define HERMITE_ROTATION_TERMS 14
 
 struct OdometryParams {
   Transform reference_from_camera;

@@ -10,34 +10,48 @@ const uint kTerms = HERMITE_ODOMETRY_TERMS;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
 layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
 layout(scalar, binding = 0) readonly buffer Depth { float depth_m[]; };
-layout(scalar, binding = 1) readonly buffer Normals { vec4 normals[]; };
-layout(scalar, binding = 2) readonly buffer Curvatures { vec2 curvatures[]; };
+layout(scalar, binding = 1) readonly buffer Normals { uint normals[]; };
+layout(scalar, binding = 2) readonly buffer Curvatures { uint curvatures[]; };
 layout(scalar, binding = 3) readonly buffer Intensity { float intensity[]; };
-layout(scalar, binding = 4) readonly buffer Gradient { vec2 gradient[]; };
+layout(scalar, binding = 4) readonly buffer Gradient { uint gradient[]; };
 layout(scalar, binding = 5) readonly buffer ReferenceDepth { float reference_depth_m[]; };
-layout(scalar, binding = 6) readonly buffer ReferenceNormals { vec4 reference_normal_weight[]; };
-layout(scalar, binding = 7) readonly buffer ReferenceCurvatures { vec2 reference_curvatures[]; };
-layout(scalar, binding = 8) readonly buffer ReferenceIntensity { float reference_intensity[]; };
-layout(scalar, binding = 9) writeonly buffer Sums { float partial_sums[]; };
+layout(scalar, binding = 6) readonly buffer ReferenceNormals { uint reference_normals[]; };
+layout(scalar, binding = 7) readonly buffer ReferenceCurvatures { uint reference_curvatures[]; };
+layout(scalar, binding = 8) readonly buffer ReferenceWeight { float reference_weight[]; };
+layout(scalar, binding = 9) readonly buffer ReferenceIntensity { float reference_intensity[]; };
+layout(scalar, binding = 10) writeonly buffer Sums { float partial_sums[]; };
 layout(scalar, push_constant) uniform Push { OdometryParams p; };
 #include "shaders/lib/sums.glsl"
 
-float sums[kTerms];
+const uint kNone = 0xffffffffu;
+
+// Blocks of the normal equations: named registers, since indexed arrays would live in memory.
+mat3 h_tt = mat3(0.0), h_tr = mat3(0.0), h_rr = mat3(0.0);
+vec3 b_t = vec3(0.0), b_r = vec3(0.0);
+vec2 geometric = vec2(0.0), photometric = vec2(0.0);  // squared error, count
+float surface_count = 0.0;
 
 void add_row(vec3 translation, vec3 rotation, float residual, float weight) {
-  float row[6] = float[6](translation.x, translation.y, translation.z, rotation.x, rotation.y, rotation.z);
-  uint k = 0u;
-  for (uint i = 0u; i < 6u; ++i)
-    for (uint j = i; j < 6u; ++j) sums[k++] += weight * row[i] * row[j];
-  for (uint i = 0u; i < 6u; ++i) sums[21u + i] -= weight * row[i] * residual;
+  vec3 t = weight * translation, r = weight * rotation;
+  h_tt += outerProduct(translation, t);
+  h_tr += outerProduct(translation, r);  // column r, row t
+  h_rr += outerProduct(rotation, r);
+  b_t -= residual * t;
+  b_r -= residual * r;
 }
 
 vec3 reference_vertex(ivec2 pixel, uint i) { return pixel_ray(p.camera, vec2(pixel)) * reference_depth_m[i]; }
 
-// The pixel of the prediction that corresponds to a transformed point: the projected one, or the least dissimilar in a window (paper Eq. 6, 7).
-uint correspond(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
+bool agree(vec3 point, vec3 normal, vec3 vertex, vec3 n) {
+  vec3 v = point - vertex, c = cross(n, normal);
+  return vertex.z > 0.0 && dot(v, v) < p.distance_gate_m * p.distance_gate_m && dot(n, normal) > 0.0 &&
+         dot(c, c) < p.sine_normal_gate * p.sine_normal_gate;
+}
+
+// The least dissimilar point of the prediction in a window around the projection (paper Eq. 6, 7). R_max is the farthest that agrees.
+uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
   int radius = int(p.search_radius);
-  float farthest = 0.0;
+  float farthest = 1e-9;
   for (int dy = -radius; dy <= radius; ++dy)
     for (int dx = -radius; dx <= radius; ++dx) {
       ivec2 q = centre + ivec2(dx, dy);
@@ -47,21 +61,19 @@ uint correspond(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
       if (d < p.distance_gate_m) farthest = max(farthest, d);
     }
   float best = 1e9;
-  uint found = 0xffffffffu;
+  uint found = kNone;
   for (int dy = -radius; dy <= radius; ++dy)
     for (int dx = -radius; dx <= radius; ++dx) {
       ivec2 q = centre + ivec2(dx, dy);
       if (!inside(p.camera, q)) continue;
       uint i = uint(q.y) * p.camera.width + uint(q.x);
-      float d = distance(point, reference_vertex(q, i));
-      if (reference_depth_m[i] <= 0.0 || d >= p.distance_gate_m) continue;
-      vec3 n = reference_normal_weight[i].xyz;
-      float cosine = dot(n, normal);
-      if (cosine <= 0.0 || dot(cross(n, normal), cross(n, normal)) > p.sine_normal_gate * p.sine_normal_gate) continue;
-      vec2 k = reference_curvatures[i];
+      vec3 vertex = reference_vertex(q, i);
+      vec3 n = unpack_normal(reference_normals[i]);
+      if (!agree(point, normal, vertex, n)) continue;
+      vec2 k = unpackHalf2x16(reference_curvatures[i]);
       float scale = max(max(abs(k.x), abs(k.y)), 1e-3);
-      float dissimilarity = d / max(farthest, 1e-9) + (1.0 - cosine) + (1.0 - exp(-(abs(kappa.x - k.x) + abs(kappa.y - k.y)) / scale));
-      if (radius == 0) dissimilarity = 0.0;
+      float dissimilarity =
+          distance(point, vertex) / farthest + 1.0 - dot(n, normal) + 1.0 - exp(-(abs(kappa.x - k.x) + abs(kappa.y - k.y)) / scale);
       if (dissimilarity < best) {
         best = dissimilarity;
         found = i;
@@ -71,19 +83,23 @@ uint correspond(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
 }
 
 void add_geometry(ivec2 centre, vec3 s, uint i) {
-  vec3 normal = rotate(p.reference_from_camera, normals[i].xyz);
-  uint j = correspond(centre, s, normal, curvatures[i]);
-  if (j == 0xffffffffu) return;
-  vec4 n = reference_normal_weight[j];
-  vec3 d = reference_vertex(ivec2(j % p.camera.width, j / p.camera.width), j);
-  float residual = dot(n.xyz, s - d);
-  add_row(n.xyz, cross(s, n.xyz), residual, p.geometric_weight * n.w);
-  sums[27] += residual * residual;
-  sums[28] += 1.0;
+  vec3 normal = rotate(p.reference_from_camera, unpack_normal(normals[i]));
+  uint j = uint(centre.y) * p.camera.width + uint(centre.x);
+  if (p.search_radius > 0u) {
+    j = search(centre, s, normal, unpackHalf2x16(curvatures[i]));
+    if (j == kNone) return;
+    centre = ivec2(j % p.camera.width, j / p.camera.width);
+  }
+  vec3 d = reference_vertex(centre, j);
+  vec3 n = unpack_normal(reference_normals[j]);
+  if (!agree(s, normal, d, n)) return;
+  float residual = dot(n, s - d);
+  add_row(n, cross(s, n), residual, p.geometric_weight * reference_weight[j]);
+  geometric += vec2(residual * residual, 1.0);
 }
 
 void add_photometry(vec2 uv, vec3 s, uint i) {
-  vec2 g = gradient[i];
+  vec2 g = unpackHalf2x16(gradient[i]);
   if (dot(g, g) < p.gradient_min * p.gradient_min) return;
   ivec2 q = ivec2(floor(uv));
   if (q.x < 0 || q.y < 0 || q.x + 1 >= int(p.camera.width) || q.y + 1 >= int(p.camera.height)) return;
@@ -100,19 +116,17 @@ void add_photometry(vec2 uv, vec3 s, uint i) {
   vec3 a = -vec3(scaled, -dot(scaled, s.xy) / s.z);
   float weight = 1.0 / (p.photometric_sigma + abs(residual));
   add_row(a, cross(s, a), residual, weight * weight);
-  sums[29] += residual * residual;
-  sums[30] += 1.0;
+  photometric += vec2(residual * residual, 1.0);
 }
 
 void main() {
-  for (uint i = 0u; i < kTerms; ++i) sums[i] = 0.0;
   uint columns = p.camera.width / p.stride, rows = p.camera.height / p.stride;
   for (uint k = gl_GlobalInvocationID.x; k < columns * rows; k += HERMITE_ODOMETRY_GROUPS * kGroupSize) {
     ivec2 pixel = ivec2(k % columns, k / columns) * int(p.stride);
     uint i = uint(pixel.y) * p.camera.width + uint(pixel.x);
     float z = depth_m[i];
     if (z <= 0.0) continue;
-    sums[31] += 1.0;
+    surface_count += 1.0;
     vec3 s = transform_point(p.reference_from_camera, pixel_ray(p.camera, vec2(pixel)) * z);
     if (s.z < 0.05) continue;
     vec2 uv = project(p.camera, s);
@@ -121,5 +135,20 @@ void main() {
     add_geometry(centre, s, i);
     add_photometry(uv, s, i);
   }
-  write_group_sums(sums);
+  begin_terms();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      put_term(h_tt[j][i]);
+      put_term(h_tr[j][i]);
+      put_term(h_rr[j][i]);
+    }
+    put_term(b_t[i]);
+    put_term(b_r[i]);
+  }
+  put_term(geometric.x);
+  put_term(geometric.y);
+  put_term(photometric.x);
+  put_term(photometric.y);
+  put_term(surface_count);
+  write_group_sums();
 }

@@ -26,8 +26,9 @@ vec2 slope_current(uint i) {
 }
 
 void main() {
-  float sums[kTerms];
-  for (uint i = 0u; i < kTerms; ++i) sums[i] = 0.0;
+  mat3 h = mat3(0.0);
+  vec3 b = vec3(0.0);
+  vec2 error_count = vec2(0.0);
   uint pixels = p.camera.width * p.camera.height;
   for (uint i = gl_GlobalInvocationID.x; i < pixels; i += HERMITE_ODOMETRY_GROUPS * kGroupSize) {
     ivec2 x = ivec2(i % p.camera.width, i / p.camera.width);
@@ -44,17 +45,16 @@ void main() {
     vec2 scaled = g * vec2(p.camera.fx, p.camera.fy) / q.z;
     vec3 a = vec3(scaled, -dot(scaled, q.xy) / q.z);
     vec3 row = cross(q, a);
-    sums[0] += row.x * row.x;
-    sums[1] += row.x * row.y;
-    sums[2] += row.x * row.z;
-    sums[3] += row.y * row.y;
-    sums[4] += row.y * row.z;
-    sums[5] += row.z * row.z;
-    sums[6] -= row.x * residual;
-    sums[7] -= row.y * residual;
-    sums[8] -= row.z * residual;
-    sums[9] += residual * residual;
-    sums[10] += 1.0;
+    h += outerProduct(row, row);
+    b -= residual * row;
+    error_count += vec2(residual * residual, 1.0);
   }
-  write_group_sums(sums);
+  begin_terms();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) put_term(h[j][i]);
+    put_term(b[i]);
+  }
+  put_term(error_count.x);
+  put_term(error_count.y);
+  write_group_sums();
 }
