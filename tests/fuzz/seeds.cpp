@@ -1,7 +1,10 @@
 // Writes the first inputs of every fuzz target, so that a short run starts behind the headers: fuzz_seeds FOLDER.
+#include <zstd.h>
+
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 
 #include "core/image/depth_codec.h"
@@ -55,6 +58,11 @@ void add_depth_seeds(SeedFolder seeds) {
     seeds.add(std::string(1, 0) + size + text(encode_depth_rvl_zstd(depth)));
     seeds.add(std::string(1, 2) + size + std::string(reinterpret_cast<const char*>(depth.pixels.data()), depth.pixels.size() * 2));
   }
+  // 40 MB of zeros in 1.3 kB, where RVL of less than 1 kB belongs.
+  const std::string zeros(40'000'000, 0);
+  std::string bomb(ZSTD_compressBound(zeros.size()), 0);
+  bomb.resize(ZSTD_compress(bomb.data(), bomb.size(), zeros.data(), zeros.size(), 1));
+  seeds.add(std::string(1, 0) + size + bomb);
   // RVL of {0, 0, 5, 7}, see tests/core/image/depth_codec_test.cpp, for the path that packs it.
   seeds.add(std::string("\x01\x03\x00\x40\xa1\x22", 6));
 }
