@@ -5,16 +5,16 @@ describe('parseScans', () => {
   it('lists the newest scan first', () => {
     const scans = parseScans({
       scans: [
-        { id: 'old', title: 'Hall', phase: 'finished', frames_processed: 10, created_at_ms: 1000 },
-        { id: 'new', title: '', phase: 'running', frames_processed: 3, created_at_ms: 2000 },
+        { id: 'old', title: 'Hall', state: 'finished', frames_processed: 10, created_at: '2026-05-01T12:00:00.000Z' },
+        { id: 'new', title: '', state: 'running', frames_processed: 3, created_at: '2026-05-01T12:00:00.001Z' },
       ],
     });
     expect(scans.map((scan) => scan.id)).toEqual(['new', 'old']);
-    expect(scans[0]).toMatchObject({ title: 'Untitled scan', phase: 'running', frameCount: 3, started: new Date(2000) });
+    expect(scans[0]).toMatchObject({ title: 'Untitled scan', phase: 'running', frameCount: 3, started: new Date('2026-05-01T12:00:00.001Z') });
   });
 
   it('survives rows with fields that are missing or of the wrong kind', () => {
-    const scans = parseScans({ scans: [{ id: 'a', phase: 7, frames_processed: 'many', created_at_ms: 'soon' }, null, { title: 'no id' }] });
+    const scans = parseScans({ scans: [{ id: 'a', state: 7, frames_processed: 'many', created_at: 'soon' }, null, { title: 'no id' }] });
     expect(scans).toEqual([{ id: 'a', title: 'Untitled scan', phase: 'unknown', words: '', frameCount: 0, started: null }]);
   });
 

@@ -68,10 +68,10 @@ function summaryOf(row: Record<string, unknown>): ScanSummary {
   return {
     id,
     title: textOf(row['title']) || 'Untitled scan',
-    phase: phaseOf(row['phase']),
+    phase: phaseOf(row['state']),
     words: textOf(row['words']),
     frameCount: numberOf(row['frames_processed']) ?? 0,
-    started: dateOf(row['created_at_ms']),
+    started: dateOf(row['created_at']),
   };
 }
 
@@ -83,8 +83,8 @@ const textOf = (value: unknown): string => (typeof value === 'string' ? value : 
 const numberOf = (value: unknown): number | null => (typeof value === 'number' && Number.isFinite(value) ? value : null);
 
 function dateOf(value: unknown): Date | null {
-  const time_ms = numberOf(value);
-  return time_ms === null || time_ms <= 0 ? null : new Date(time_ms);
+  const time_ms = typeof value === 'string' ? Date.parse(value) : NaN;
+  return Number.isNaN(time_ms) ? null : new Date(time_ms);
 }
 
 function isRecord(value: unknown): value is Record<string, unknown> {

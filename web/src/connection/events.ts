@@ -67,7 +67,6 @@ export type ScanEvent =
       readonly processed: number;
       readonly dropped: number;
     }
-  | { readonly kind: 'finished'; readonly reportJson: string }
   | { readonly kind: 'serverError'; readonly code: string; readonly message: string };
 
 export type ToWorker =

@@ -76,8 +76,6 @@ export function decode(bytes: Uint8Array): Incoming {
         processed: Number(body.value.framesProcessed),
         dropped: Number(body.value.framesDropped),
       };
-    case 'finished':
-      return { kind: 'finished', reportJson: body.value.reportJson };
     case 'error':
       return { kind: 'serverError', code: body.value.code, message: body.value.message };
     case 'snapshotEnd':

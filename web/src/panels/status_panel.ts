@@ -9,14 +9,14 @@ const refresh_ms = 500;
 
 interface Row {
   readonly label: string;
-  readonly value: (scan: LiveScan, picturesPerSecond: number) => string;
+  readonly value: (scan: LiveScan, picturesPerSecond: number) => string | null; // null: nothing to say
 }
 
 const rows: readonly Row[] = [
   { label: 'Points', value: (scan) => count(scan.points) },
   { label: 'Frames', value: (scan) => framesText(scan) },
   { label: 'Dropped', value: (scan) => count(scan.framesDropped) },
-  { label: 'Per frame', value: (scan) => (scan.frame_ms > 0 ? `${Math.round(scan.frame_ms)} ms` : '–') },
+  { label: 'Per frame', value: (scan) => (scan.frame_ms > 0 ? `${Math.round(scan.frame_ms)} ms` : null) },
   { label: 'Picture', value: (_, fps) => (fps > 0 ? `${fps} fps` : 'at rest') },
 ];
 
@@ -24,8 +24,8 @@ export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () 
   const tracking = statusMark();
   const connection = statusMark();
   const values = rows.map(() => element('dd'));
-  const list = element('dl', { class: 'figures' });
-  rows.forEach((row, i) => list.append(element('dt', {}, row.label), values[i]!));
+  const pairs = rows.map((row, i) => element('div', {}, element('dt', {}, row.label), values[i]!));
+  const list = element('dl', { class: 'figures' }, ...pairs);
   const notice = element('p', { class: 'notice', role: 'status' });
   const node = element(
     'section',
@@ -37,11 +37,15 @@ export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () 
 
   const show = (): void => {
     const state = scan.get();
-    tracking.element.hidden = state.phase === 'finished' && state.tracking !== 'lost';
+    tracking.element.hidden = state.phase !== 'running' && state.phase !== 'unknown';
     tracking.show(trackingWords(state));
     connection.show(connectionWords(state));
     const fps = picturesPerSecond();
-    rows.forEach((row, i) => setText(values[i]!, row.value(state, fps)));
+    rows.forEach((row, i) => {
+      const value = row.value(state, fps);
+      pairs[i]!.hidden = value === null;
+      setText(values[i]!, value ?? '');
+    });
     const words = noticeText(state);
     setText(notice, words);
     notice.hidden = words === '';

@@ -19,7 +19,7 @@ const frame = (tracked: boolean, x: number): FrameEvent => ({
 });
 
 const welcome: LiveScanEvent = { kind: 'welcome', title: 'Room', camera: null };
-const running: LiveScanEvent = { kind: 'scanState', phase: 'running', words: '', received: 2, processed: 1, dropped: 0 };
+const running = { kind: 'scanState', phase: 'running', words: '', received: 2, processed: 1, dropped: 0 } as const satisfies LiveScanEvent;
 
 describe('reduceLiveScan', () => {
   it('counts the poses before and since the viewer came, afresh after reconnecting', () => {
@@ -59,7 +59,7 @@ describe('reduceLiveScan', () => {
   it('has words for every empty picture', () => {
     expect(emptyWords(after())).toBe('Loading the scan.');
     expect(emptyWords(after(welcome, running, { kind: 'snapshotEnd' }))).toContain('first points');
-    expect(emptyWords(after(welcome, { kind: 'finished', reportJson: '{}' }, { kind: 'snapshotEnd' }))).toBe('This scan has no points.');
+    expect(emptyWords(after(welcome, { ...running, phase: 'finished' }, { kind: 'snapshotEnd' }))).toBe('This scan has no points.');
     expect(emptyWords(after({ kind: 'waiting', retryIn_ms: 1, reason: 'cut' }))).toContain('cannot be reached');
   });
 });

@@ -26,7 +26,6 @@ export interface LiveScan {
   readonly problem: { readonly code: string; readonly message: string } | null;
   readonly failedChunks: number;
   readonly full: boolean; // the browser's point limit is reached
-  readonly reportJson: string;
 }
 
 // What the scene and the ledger tell the state, besides the events of the connection.
@@ -58,7 +57,6 @@ export function initialLiveScan(scanId: string): LiveScan {
     problem: null,
     failedChunks: 0,
     full: false,
-    reportJson: '',
   };
 }
 
@@ -93,8 +91,6 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
         framesProcessed: event.processed,
         framesDropped: event.dropped,
       };
-    case 'finished':
-      return { ...state, phase: 'finished', reportJson: event.reportJson };
     case 'serverError':
       return { ...state, problem: { code: event.code, message: event.message } };
     case 'chunkFailed':

@@ -1,0 +1,67 @@
+// A real Chromium without a screen, and what the test asks of its pages.
+import { createRequire } from 'node:module';
+import path from 'node:path';
+import { root } from './programs.mjs';
+
+const { chromium } = createRequire(path.join(root, 'web/package.json'))('playwright-core');
+
+// WebGL 2 comes from SwiftShader: no graphics card needed.
+const flags = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-background-networking', '--disable-component-update'];
+
+export async function openBrowser() {
+  const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: flags });
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, acceptDownloads: true });
+  return { browser, context, close: () => browser.close() };
+}
+
+// A page together with everything it complained about. While `outage.on`, a connection that is refused is no complaint.
+export async function openPage(context, url) {
+  const page = await context.newPage();
+  const complaints = [];
+  const outage = { on: false };
+  const complain = (words) => {
+    if (outage.on && /ERR_CONNECTION_(REFUSED|RESET|CLOSED)|WebSocket connection to|ERR_EMPTY_RESPONSE/.test(words)) return;
+    complaints.push(words);
+  };
+  page.on('console', (message) => ['error', 'warning'].includes(message.type()) && complain(`${message.type()}: ${message.text()}`));
+  page.on('pageerror', (error) => complain(`exception: ${error.message}`));
+  await page.exposeFunction('reportViolation', (words) => complain(`policy: ${words}`));
+  await page.addInitScript(() => {
+    document.addEventListener('securitypolicyviolation', (event) => window.reportViolation(`${event.violatedDirective} ${event.blockedURI}`));
+  });
+  await page.goto(url);
+  return { page, complaints, outage };
+}
+
+export const scanOf = (page) => page.evaluate(() => window.hermite.scan());
+
+// `condition` is given the state of the scan; the error has the last state in it.
+export async function untilScan(page, words, limit_ms, condition) {
+  const end_ms = Date.now() + limit_ms;
+  for (;;) {
+    const scan = await scanOf(page);
+    if (scan && condition(scan)) return scan;
+    if (Date.now() > end_ms) throw new Error(`after ${limit_ms} ms not yet: ${words}. The page says ${JSON.stringify(scan)}`);
+    await page.waitForTimeout(200);
+  }
+}
+
+// The middle of the picture, where no panel is: share of pixels brighter than the ground, and number of different colours.
+export async function lookAt(context, page) {
+  const png = await page.screenshot({ clip: { x: 60, y: 90, width: 940, height: 620 } });
+  const canvas = await context.newPage();
+  try {
+    return await canvas.evaluate(async (base64) => {
+      const image = new Image();
+      image.src = `data:image/png;base64,${base64}`;
+      await image.decode();
+      const drawing = Object.assign(document.createElement('canvas'), { width: image.width, height: image.height }).getContext('2d');
+      drawing.drawImage(image, 0, 0);
+      const pixels = new Uint32Array(drawing.getImageData(0, 0, image.width, image.height).data.buffer);
+      const bright = pixels.filter((p) => Math.max(p & 255, (p >> 8) & 255, (p >> 16) & 255) > 70).length;
+      return { brightShare: bright / pixels.length, colors: new Set(pixels).size };
+    }, png.toString('base64'));
+  } finally {
+    await canvas.close();
+  }
+}
