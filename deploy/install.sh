@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # Sourced by demo.sh and test.sh, from the root of the source tree: what has to be on the machine.
 #
 #   install_packages   the Debian packages of packages.txt that are missing

@@ -1,0 +1,65 @@
+#!/usr/bin/env bash
+# Everything that has to hold, from a fresh Debian 12: installs, builds, tests. Exits non-zero when any step fails, and says which.
+#
+#   deploy/test.sh                 all steps
+#   deploy/test.sh web browser     only these
+set -euo pipefail
+cd "$(dirname "$0")/.."
+source deploy/install.sh
+
+export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1}
+export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
+export LSAN_OPTIONS=${LSAN_OPTIONS:-suppressions=$PWD/tests/support/lsan.supp:print_suppressions=0}
+export CTEST_OUTPUT_ON_FAILURE=1
+jobs=$(nproc)
+
+step_web() {
+  npm --prefix web run --silent build
+  npm --prefix web test --silent
+}
+
+step_release() {
+  cmake --preset release
+  cmake --build --preset release
+}
+
+step_release_tests() { ctest --preset release -j "$jobs" --no-tests=error; }
+
+step_sanitized() {
+  cmake --preset dev
+  cmake --build --preset dev
+}
+
+step_sanitized_tests() { ctest --preset dev -j "$jobs" --no-tests=error; }
+
+step_fuzz() { tests/fuzz/run; }
+
+step_browser() { npm --prefix web run --silent test:browser; }
+
+step_demo() { DEMO_EXIT=1 DEMO_DATA=$(mktemp -d) DEMO_SEQUENCE=synthetic:frames=10,width=320,height=240 deploy/demo.sh; }
+
+run_steps() {
+  local step started passed=0 failed=0 summary=""
+  for step in "$@"; do
+    printf '\n=== %s\n' "$step"
+    started=$SECONDS
+    # In the background because a shell that is asked "if" would go on after a failing command.
+    "step_$step" &
+    if wait $!; then
+      passed=$((passed + 1))
+      summary+=$(printf '\n  ok      %-16s %4d s' "$step" $((SECONDS - started)))
+    else
+      failed=$((failed + 1))
+      summary+=$(printf '\n  FAILED  %-16s %4d s' "$step" $((SECONDS - started)))
+    fi
+  done
+  printf '\n=== summary%s\n\n%d passed, %d failed\n' "$summary" "$passed" "$failed"
+  [ "$failed" -eq 0 ]
+}
+
+install_packages
+provide_node
+install_viewer
+steps=("$@")
+[ $# -gt 0 ] || steps=(web release release_tests browser demo fuzz sanitized sanitized_tests)
+run_steps "${steps[@]}"
