@@ -152,8 +152,8 @@ int run_stream(const StreamArguments& arguments) {
   };
   const auto outcome = stream_sequence(**sequence, *request, observer);
   if (!outcome.ok()) {
-    printer.line("");
-    return fail(kFailed, outcome.error().message);
+    printer.line("hermite-client: " + outcome.error().message);
+    return kFailed;
   }
   printer.line(format_summary(outcome->progress));
   const auto report = complete_report(*outcome, **sequence);
