@@ -46,13 +46,19 @@ struct Octaves {
   float falloff = 0.6f;
 };
 
+// Octaves of noise, each lattice turned against the one before so that its axes do not show; stretched ones keep their direction.
 float fractal(const TexturePoint& p, const Octaves& octaves, std::uint32_t seed) {
   float sum = 0, amplitude = 1, wavelength_m = octaves.longest_m;
+  float u_m = p.u_m, v_m = p.v_m * octaves.stretch;
   for (int i = 0; i < octaves.count; ++i, amplitude *= octaves.falloff, wavelength_m *= 0.45f) {
     const float shown = visible(wavelength_m, p.footprint_m);
     if (shown <= 0) break;
-    sum += shown * amplitude *
-           noise(p.u_m / wavelength_m, p.v_m * octaves.stretch / wavelength_m, seed + static_cast<std::uint32_t>(i) * 101u);
+    sum += shown * amplitude * noise(u_m / wavelength_m, v_m / wavelength_m, seed + static_cast<std::uint32_t>(i) * 101u);
+    if (octaves.stretch == 1.0f) {
+      const float turned_m = 0.8f * u_m - 0.6f * v_m;
+      v_m = 0.6f * u_m + 0.8f * v_m;
+      u_m = turned_m;
+    }
   }
   return sum;
 }
@@ -81,7 +87,10 @@ float square_wave(float x, float period, float footprint) {
 Vector3f plaster(const Material& m, const TexturePoint& p) {
   const std::uint32_t seed = m.seed + static_cast<std::uint32_t>(p.face) * 977u;
   const float tone = fractal(p, {0.55f, 6, 1, 0.72f}, seed);
-  const float speck = visible(0.03f, p.footprint_m) * smooth(clamp01(noise(p.u_m / 0.03f, p.v_m / 0.03f, seed + 7) * 3.0f - 1.7f));
+  // Specks about 2 cm apart; two lattices at an angle, so that they do not line up.
+  const float x = p.u_m / 0.022f, y = p.v_m / 0.022f;
+  const float specks = noise(x, y, seed + 7) + noise(0.8f * x - 0.6f * y, 0.6f * x + 0.8f * y, seed + 8);
+  const float speck = visible(0.022f, p.footprint_m) * smooth(clamp01(specks * 2.5f - 1.9f));
   return mix(m.first, m.second, clamp01(0.35f + 0.28f * tone)) * (1.0f - 0.3f * speck);
 }
 

@@ -1,0 +1,75 @@
+#include "core/dataset/camera_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/dataset/sequence.h"
+#include "tests/core/dataset/temp_folder.h"
+
+namespace hermite {
+namespace {
+
+using testing::HasSubstr;
+
+const char* const kGood =
+    R"({"width": 640, "height": 480, "fx": 525.5, "fy": 526, "cx": 319.5, "cy": 239.5, "depth_units_per_metre": 5000, "frame_rate_hz": 15,
+        "color_distortion": {"k1": 0.2}})";
+
+TEST(CameraFile, ReadsAllKeys) {
+  const auto file = parse_camera_json(kGood);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->camera, (Camera{640, 480, 525.5, 526, 319.5, 239.5, 5000}));
+  EXPECT_EQ(file->frame_rate_hz, 15);
+}
+
+TEST(CameraFile, WithoutARateItIsThirty) {
+  const auto file =
+      parse_camera_json(R"({"width": 64, "height": 64, "fx": 60, "fy": 60, "cx": 32, "cy": 32, "depth_units_per_metre": 1000})");
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->frame_rate_hz, 30);
+}
+
+TEST(CameraFile, ErrorsNameTheKey) {
+  const auto with = [](const std::string& old_text, const std::string& new_text) {
+    std::string text = kGood;
+    text.replace(text.find(old_text), old_text.size(), new_text);
+    const auto file = parse_camera_json(text);
+    return file.ok() ? std::string("accepted") : file.error().message;
+  };
+  EXPECT_THAT(with("\"fx\"", "\"gx\""), HasSubstr("\"fx\" is missing"));
+  EXPECT_THAT(with("525.5", "\"525\""), HasSubstr("\"fx\" is not a number"));
+  EXPECT_THAT(with("640", "640.5"), HasSubstr("\"width\" must be a whole number of pixels from 64 to 2048"));
+  EXPECT_THAT(with("640", "1e12"), HasSubstr("\"width\""));
+  EXPECT_THAT(with("525.5", "-525.5"), HasSubstr("fx"));
+  EXPECT_THAT(with("319.5", "641"), HasSubstr("cx"));
+  EXPECT_THAT(with("5000", "0"), HasSubstr("depth_units_per_metre"));
+  EXPECT_THAT(with(": 15", ": 0"), HasSubstr("frame_rate_hz"));
+  EXPECT_THAT(with("{\"width\"", "[\"width\""), HasSubstr("JSON"));
+  EXPECT_THAT(parse_camera_json("").error().message, HasSubstr("JSON"));
+  EXPECT_THAT(parse_camera_json("[1,2]").error().message, HasSubstr("JSON"));
+}
+
+TEST(CameraFile, NamesEverybodyKnows) {
+  EXPECT_EQ(known_camera("fr1")->fx, 517.3);
+  EXPECT_EQ(known_camera("fr2")->fy, 521.0);
+  EXPECT_EQ(known_camera("fr3")->cy, 247.6);
+  EXPECT_EQ(known_camera("icl-nuim")->fy, 480.0) << "the published fy is negative; the reader turns the world instead";
+  EXPECT_FALSE(known_camera("fr4"));
+  EXPECT_FALSE(known_camera(""));
+  EXPECT_EQ(camera_mentioned_in("/data/rgbd_dataset_freiburg2_desk")->fx, 520.9);
+  EXPECT_FALSE(camera_mentioned_in("/data/desk"));
+  for (const char* name : {"fr1", "fr2", "fr3", "icl-nuim"}) EXPECT_TRUE(validate(*known_camera(name)).ok()) << name;
+}
+
+TEST(CameraFile, ReadCameraTakesAPathOrAName) {
+  const TempFolder folder;
+  folder.write("camera.json", kGood);
+  EXPECT_EQ(read_camera("fr3")->fx, 535.4);
+  EXPECT_EQ(read_camera(folder.path("camera.json"))->fx, 525.5);
+  EXPECT_THAT(read_camera("fr9").error().message, HasSubstr("\"fr9\" is neither a file nor one of fr1"));
+  folder.write("broken.json", "{");
+  EXPECT_THAT(read_camera(folder.path("broken.json")).error().message, HasSubstr("broken.json"));
+}
+
+}  // namespace
+}  // namespace hermite
