@@ -7,7 +7,10 @@ struct FrameOptions {
   double depth_min_m = 0.3;
   double depth_max_m = 5.0;
   double bilateral_sigma_space_px = 4.5;
-  double bilateral_sigma_depth_m = 0.03;
+  double bilateral_noise_sigmas = 2.0;
+  // Standard deviation of a Kinect v1 depth at z: floor + growth (z - 0.4 m)^2 (Nguyen, Izadi, Lovell 2012).
+  double noise_floor_m = 0.0012;
+  double noise_growth_per_m = 0.0019;
   double support_radius_scale = 4.0;
   double depth_gate_m = 0.1;
   double curvature_limit_per_m = 300;

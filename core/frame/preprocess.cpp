@@ -1,5 +1,6 @@
 #include "core/frame/preprocess.h"
 
+#include <cmath>
 #include <cstring>
 
 namespace hermite {
@@ -14,14 +15,15 @@ FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera) {
   return maps;
 }
 
-float squash(double sigma) { return static_cast<float>(1.0 / (2.0 * sigma * sigma)); }
+// The window ends where the Gaussian has fallen to about 0.4 (radius 6 for 4.5 px, as in the authors' program).
+std::uint32_t window_radius(double sigma_px) { return static_cast<std::uint32_t>(std::lround(sigma_px * 4.0 / 3.0)); }
 
 }  // namespace
 
 Preprocessor::Preprocessor(gpu::Device& device, const Camera& camera, const FrameOptions& options)
     : camera_(camera),
       options_(options),
-      bilateral_(device, "frame/bilateral"),
+      bilateral_(device, "frame/bilateral", {window_radius(options.bilateral_sigma_space_px)}),
       normals_(device, "frame/normals"),
       surface_(device, "frame/surface"),
       intensity_(device, "frame/intensity"),
@@ -52,7 +54,9 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
   commands.dispatch(bilateral_, image,
                     shared::BilateralParams{camera, static_cast<float>(1.0 / camera_.depth_units_per_metre),
                                             static_cast<float>(options_.depth_min_m), static_cast<float>(options_.depth_max_m),
-                                            squash(options_.bilateral_sigma_space_px), squash(options_.bilateral_sigma_depth_m)},
+                                            static_cast<float>(0.5 / (options_.bilateral_sigma_space_px * options_.bilateral_sigma_space_px)),
+                                            static_cast<float>(options_.noise_floor_m), static_cast<float>(options_.noise_growth_per_m),
+                                            static_cast<float>(options_.bilateral_noise_sigmas)},
                     {units_, maps_.raw_depth_m, maps_.filtered_depth_m});
   commands.dispatch(normals_, image, shared::NormalParams{camera, 0.5f * depth_gate_m},
                     {maps_.filtered_depth_m, maps_.first_normals});

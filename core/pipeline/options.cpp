@@ -33,8 +33,10 @@ const std::vector<Row>& rows() {
   static const std::vector<Row> table{
       {"frame.depth_min_m", f(&F::depth_min_m), 0.05, 5, "nearer measurements are ignored [m]"},
       {"frame.depth_max_m", f(&F::depth_max_m), 0.5, 20, "farther measurements are ignored [m]"},
-      {"frame.bilateral_sigma_space_px", f(&F::bilateral_sigma_space_px), 0.1, 20, "bilateral filter: width over the image [px]"},
-      {"frame.bilateral_sigma_depth_m", f(&F::bilateral_sigma_depth_m), 1e-4, 1, "bilateral filter: width over depth [m]"},
+      {"frame.bilateral_sigma_space_px", f(&F::bilateral_sigma_space_px), 0.4, 6, "bilateral filter: width over the image [px]"},
+      {"frame.bilateral_noise_sigmas", f(&F::bilateral_noise_sigmas), 0.01, 100, "bilateral filter: width over depth in standard deviations of the noise"},
+      {"frame.noise_floor_m", f(&F::noise_floor_m), 1e-5, 0.1, "standard deviation of depth at 0.4 m [m]"},
+      {"frame.noise_growth_per_m", f(&F::noise_growth_per_m), 0, 0.1, "its growth with the square of the distance beyond [1/m]"},
       {"frame.support_radius_scale", f(&F::support_radius_scale), 1, 10, "support radius of a kernel in pixel diagonals"},
       {"frame.depth_gate_m", f(&F::depth_gate_m), 0.01, 1, "pixels further apart in depth are on different surfaces [m]"},
       {"frame.curvature_limit_per_m", f(&F::curvature_limit_per_m), 10, 1e4, "larger curvatures are not believed [1/m]"},

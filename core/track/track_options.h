@@ -5,16 +5,16 @@ namespace hermite {
 
 struct TrackOptions {
   bool rotation_prealignment = true;
-  double geometric_weight = 10.0;
+  double geometric_weight = 1000.0;
   double photometric_sigma = 200.0;
   double distance_gate_m = 0.10;
   double normal_gate_deg = 20.0;
   double photometric_depth_gate_m = 0.07;
-  bool dissimilarity_search = true;
+  bool dissimilarity_search = false;
   int max_iterations_coarse = 4;
   int max_iterations_middle = 5;
   int max_iterations_fine = 10;
-  int fine_stride = 1;
+  int fine_stride = 2;
   double max_step_m = 0.3;
   double min_surface_ratio = 0.03;
   double min_inlier_ratio = 0.25;

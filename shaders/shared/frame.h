@@ -13,7 +13,8 @@ struct BilateralParams {
   float metres_per_unit;
   float depth_min_m, depth_max_m;
   float inverse_two_sigma_space2;  // 1/px^2
-  float inverse_two_sigma_depth2;  // 1/m^2
+  float noise_floor_m, noise_growth_per_m;  // standard deviation of a measurement: floor + growth (z - 0.4 m)^2
+  float noise_sigmas;                       // sigma over depth, in these
 };
 
 struct NormalParams {
