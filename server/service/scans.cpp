@@ -129,7 +129,10 @@ Result<StartedScan> Scans::start(const wire::StartScan& request) {
   row.camera = request.camera;
   row.created_at_ms = now_ms();
   if (Status status = data_.create_scan_folder(row.id); !status.ok()) return status.error();
-  if (Status status = store_.add(row); !status.ok()) return status.error();
+  if (Status status = store_.add(row); !status.ok()) {
+    if (Status removed = data_.remove_scan_folder(row.id); !removed.ok()) spdlog::error("{}", removed.error().message);
+    return status.error();
+  }
 
   const std::size_t max_message_bytes = wire::max_frame_message_bytes(request.camera);
   const auto window = static_cast<std::uint32_t>(std::clamp<std::size_t>(kMaxQueuedBytes / max_message_bytes, 1, options_.credit_window));

@@ -1,0 +1,48 @@
+#include "core/pipeline/doctor.h"
+
+#include <cstdio>
+
+#include "core/base/result.h"
+#include "core/gpu/device.h"
+#include "core/gpu/device_check.h"
+
+namespace hermite {
+
+namespace {
+
+std::string rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", value);
+  return text;
+}
+
+void describe(const gpu::DeviceCheck& check, DeviceReport& report) {
+  report.facts.push_back("using " + gpu::in_words(check.info));
+  for (const gpu::DeviceCheck::Heap& heap : check.heaps)
+    report.facts.push_back("memory heap: " + gpu::bytes_in_words(heap.bytes) + (heap.device_local ? ", on the device" : ", of the host"));
+  report.facts.push_back("largest buffer: " + gpu::bytes_in_words(check.info.max_buffer_bytes) +
+                         "; shared memory: " + gpu::bytes_in_words(check.info.max_shared_memory_bytes));
+  report.facts.push_back("copies: upload " + rounded(check.upload_gib_per_s) + ", download " + rounded(check.download_gib_per_s) +
+                         ", on the device " + rounded(check.device_copy_gib_per_s) + " GiB/s; one submission " +
+                         rounded(check.submission_us) + " us");
+  double compile_ms = 0;
+  for (const gpu::DeviceCheck::Compiled& kernel : check.kernels) compile_ms += kernel.compile_ms;
+  report.facts.push_back(std::to_string(check.kernels.size()) + " shaders compiled in " + rounded(compile_ms / 1000) + " s");
+  report.facts.push_back(std::string("time stamps: ") + (check.has_timestamps ? "yes" : "no: times per pass will be missing"));
+  report.problems.insert(report.problems.end(), check.problems.begin(), check.problems.end());
+}
+
+}  // namespace
+
+DeviceReport examine_device(const std::string& device) {
+  DeviceReport report;
+  try {
+    for (const gpu::DeviceInfo& info : gpu::list_devices()) report.facts.push_back("device " + gpu::in_words(info));
+    describe(gpu::check_device(device), report);
+  } catch (const SetupError& error) {
+    report.problems.push_back(error.what());
+  }
+  return report;
+}
+
+}  // namespace hermite

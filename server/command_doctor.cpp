@@ -1,0 +1,82 @@
+// hermite doctor
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "core/pipeline/doctor.h"
+#include "server/commands.h"
+#include "server/store/data_directory.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr std::uint64_t kEnoughDisk_bytes = 5ull << 30;  // a few hundred large scans' results
+
+struct DoctorArguments {
+  std::string device;
+  std::string data_folder;
+};
+
+// The folder itself, or the nearest one above it that is there.
+std::filesystem::path existing_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::path path = std::filesystem::absolute(folder, error);
+  while (!std::filesystem::is_directory(path, error) && path.has_parent_path() && path != path.parent_path()) path = path.parent_path();
+  return path;
+}
+
+DeviceReport examine_disk(const std::string& data_folder) {
+  DeviceReport report;
+  const std::string folder = existing_folder(data_folder).string();
+  if (access(folder.c_str(), W_OK | X_OK) != 0)
+    report.problems.push_back("the data folder " + data_folder + " cannot be written: " + folder + ": " + std::strerror(errno));
+  const Result<std::uint64_t> free = free_bytes(folder);
+  if (!free.ok()) {
+    report.problems.push_back(free.error().message);
+    return report;
+  }
+  const std::string words = std::to_string(*free >> 20) + " MiB free for the data folder " + data_folder;
+  (*free < kEnoughDisk_bytes ? report.problems : report.facts).push_back(words + (*free < kEnoughDisk_bytes ? ": less than 5 GiB" : ""));
+  return report;
+}
+
+void print(const DeviceReport& report) {
+  for (const std::string& fact : report.facts) std::cout << "  " << fact << '\n';
+  for (const std::string& problem : report.problems) std::cout << "  PROBLEM: " << problem << '\n';
+}
+
+int run_doctor(const DoctorArguments& arguments) {
+  std::cout << "GPU" << std::endl;
+  const DeviceReport gpu = examine_device(arguments.device);
+  print(gpu);
+  std::cout << "Disk" << std::endl;
+  const DeviceReport disk = examine_disk(arguments.data_folder);
+  print(disk);
+  const std::size_t problem_count = gpu.problems.size() + disk.problems.size();
+  if (problem_count == 0) {
+    std::cout << "All well: scans can run here.\n";
+    return 0;
+  }
+  std::cout << problem_count << (problem_count == 1 ? " problem.\n" : " problems.\n");
+  return kFailed;
+}
+
+}  // namespace
+
+Command add_doctor_command(CLI::App& app) {
+  auto arguments = std::make_shared<DoctorArguments>();
+  arguments->data_folder = default_data_folder();
+  CLI::App& doctor = *app.add_subcommand("doctor", "Check GPU, shaders and disk, and say in words what is wrong");
+  doctor.add_option("--device", arguments->device, "GPU: an index or a part of its name (default: the best one)");
+  doctor.add_option("--data", arguments->data_folder, "Folder that the server would use")->capture_default_str();
+  return {&doctor, [arguments] { return run_doctor(*arguments); }};
+}
+
+}  // namespace hermite

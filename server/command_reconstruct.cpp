@@ -1,0 +1,158 @@
+// hermite reconstruct
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <system_error>
+
+#include "core/dataset/depth_noise.h"
+#include "core/dataset/frame_range.h"
+#include "core/dataset/sequence.h"
+#include "core/pipeline/pipeline.h"
+#include "server/commands.h"
+#include "server/service/frame_reader.h"
+#include "server/service/results.h"
+
+namespace hermite {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kFramesAhead = 4;
+constexpr double kMsPerProgress = 200;
+
+struct ReconstructArguments {
+  std::string sequence;
+  std::string out_folder;
+  std::string frames;
+  std::string camera;
+  std::string noise;
+  std::string device;
+  std::vector<std::string> settings;
+};
+
+template <class T>
+T or_throw(Result<T> result) {
+  if (!result.ok()) throw SetupError(result.error());
+  return *std::move(result);
+}
+
+std::unique_ptr<Sequence> open_source(const ReconstructArguments& arguments) {
+  std::optional<Camera> camera;
+  if (!arguments.camera.empty()) camera = or_throw(read_camera(arguments.camera));
+  std::unique_ptr<Sequence> sequence = or_throw(open_sequence(arguments.sequence, camera));
+  if (arguments.noise.empty()) return sequence;
+  return with_noise(std::move(sequence), or_throw(parse_noise(arguments.noise)));
+}
+
+Options parse_options(const std::vector<std::string>& settings) {
+  Options options;
+  for (const std::string& text : settings) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos) throw SetupError({ErrorCode::kInvalidArgument, "--set \"" + text + "\": expected key=value"});
+    or_throw(apply_setting(options, text.substr(0, equals), text.substr(equals + 1)));
+  }
+  return options;
+}
+
+std::string duration_words(double seconds) {
+  const long total = static_cast<long>(seconds + 0.5);
+  char text[32];
+  if (total >= 3600) {
+    std::snprintf(text, sizeof text, "%ld:%02ld:%02ld", total / 3600, total / 60 % 60, total % 60);
+  } else {
+    std::snprintf(text, sizeof text, "%ld:%02ld", total / 60, total % 60);
+  }
+  return text;
+}
+
+// One line that is rewritten, on a terminal only: a log file has no use for it.
+class Progress {
+ public:
+  explicit Progress(std::int64_t frame_count) : on_terminal_(isatty(STDERR_FILENO) != 0), frame_count_(frame_count) {}
+
+  void show(std::int64_t done, const FrameResult& result) {
+    if (!on_terminal_) return;
+    const Clock::time_point now = Clock::now();
+    if (done < frame_count_ && std::chrono::duration<double, std::milli>(now - shown_at_).count() < kMsPerProgress) return;
+    shown_at_ = now;
+    constexpr int kWidth = 24;
+    const int filled = static_cast<int>(kWidth * done / frame_count_);
+    const double elapsed_s = std::chrono::duration<double>(now - start_).count();
+    const double rate_hz = static_cast<double>(done) / std::max(elapsed_s, 1e-3);
+    std::fprintf(stderr, "\r\033[K[%s%s] %lld/%lld  %.1f fps  %s left  %lld surfels%s",
+                 std::string(static_cast<std::size_t>(filled), '#').c_str(),
+                 std::string(static_cast<std::size_t>(kWidth - filled), '.').c_str(), static_cast<long long>(done),
+                 static_cast<long long>(frame_count_), rate_hz, duration_words(static_cast<double>(frame_count_ - done) / rate_hz).c_str(),
+                 static_cast<long long>(result.surfel_count), result.status == TrackingStatus::kTracked ? "" : "  lost");
+    if (done == frame_count_) std::fputc('\n', stderr);
+  }
+
+  void line(const std::string& words) { std::fprintf(stderr, "%s%s\n", on_terminal_ ? "\r\033[K" : "", words.c_str()); }
+
+ private:
+  const bool on_terminal_;
+  const std::int64_t frame_count_;
+  const Clock::time_point start_ = Clock::now();
+  Clock::time_point shown_at_;
+};
+
+void process_frames(const Sequence& sequence, FrameRange range, Pipeline& pipeline) {
+  FrameReader reader(sequence, range, kFramesAhead);
+  Progress progress(range.count());
+  std::int64_t done = 0;
+  while (const std::optional<ReadFrame> read = reader.next()) {
+    if (!read->problem.empty())
+      progress.line("frame " + std::to_string(read->index) + " cannot be read and counts as empty: " + read->problem);
+    const FrameResult result = or_throw(pipeline.process(read->frame));
+    if (result.status == TrackingStatus::kLost) progress.line("frame " + std::to_string(read->index) + " lost: " + result.reason);
+    progress.show(++done, result);
+  }
+}
+
+int run_reconstruct(const ReconstructArguments& arguments) {
+  const std::unique_ptr<Sequence> sequence = open_source(arguments);
+  const FrameRange range = or_throw(parse_frame_range(arguments.frames, sequence->frame_count()));
+  const Options options = parse_options(arguments.settings);
+  std::error_code error;
+  std::filesystem::create_directories(arguments.out_folder, error);
+  if (error) throw SetupError({ErrorCode::kIo, "creating " + arguments.out_folder + ": " + error.message()});
+  Pipeline pipeline(arguments.device, sequence->camera(), options);
+  process_frames(*sequence, range, pipeline);
+  const RunResults results = or_throw(write_results(arguments.out_folder, pipeline, options, sequence->groundtruth()));
+  std::cout << results.report_json;
+  return 0;
+}
+
+std::string settings_table() {
+  std::string table = "Settings for --set, with their defaults:\n";
+  for (const Setting& setting : list_settings({})) {
+    std::string key = "  " + setting.key + "=" + setting.value;
+    key.resize(std::max<std::size_t>(key.size() + 2, 44), ' ');
+    table += key + setting.description + "\n";
+  }
+  return table;
+}
+
+}  // namespace
+
+Command add_reconstruct_command(CLI::App& app) {
+  auto arguments = std::make_shared<ReconstructArguments>();
+  CLI::App& reconstruct = *app.add_subcommand("reconstruct", "Reconstruct a recorded sequence here, without a server");
+  reconstruct.add_option("SEQUENCE", arguments->sequence, "Folder (TUM, ICL-NUIM, 7-Scenes) or synthetic[:key=value,...]")->required();
+  reconstruct.add_option("--out", arguments->out_folder, "Folder for trajectory.txt, cloud.ply and report.json")->required();
+  reconstruct.add_option("--frames", arguments->frames, "A:B takes frames A to B-1");
+  reconstruct.add_option("--set", arguments->settings, "Setting, key=value; may be repeated")->allow_extra_args(false);
+  reconstruct.add_option("--device", arguments->device, "GPU: an index or a part of its name (default: the best one)");
+  reconstruct.add_option("--camera", arguments->camera, "camera.json, or one of fr1, fr2, fr3");
+  reconstruct.add_option("--noise", arguments->noise, "Add noise to the depth: kinect[,seed=N] or gaussian,sigma_mm=S[,seed=N]");
+  reconstruct.footer(settings_table());
+  return {&reconstruct, [arguments] { return run_reconstruct(*arguments); }};
+}
+
+}  // namespace hermite

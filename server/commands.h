@@ -1,0 +1,30 @@
+// The subcommands of `hermite`: each adds itself to the command line and returns what runs it. Exit status: 0 well, 1 failed, 2 usage.
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace hermite {
+
+inline constexpr int kFailed = 1;
+inline constexpr int kUsage = 2;
+
+// Runs the subcommand after the arguments were parsed. May throw SetupError, which main puts into words.
+struct Command {
+  CLI::App* app = nullptr;
+  std::function<int()> run;
+};
+
+Command add_serve_command(CLI::App& app);
+Command add_reconstruct_command(CLI::App& app);
+Command add_evaluate_command(CLI::App& app);
+Command add_doctor_command(CLI::App& app);
+
+// $XDG_DATA_HOME/hermite, else ~/.local/share/hermite.
+std::string default_data_folder();
+
+}  // namespace hermite

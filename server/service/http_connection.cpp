@@ -1,0 +1,178 @@
+#include "server/service/http_connection.h"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "server/service/websocket.h"
+
+namespace hermite {
+
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using boost::system::error_code;
+using Request = http::request<http::empty_body>;
+
+constexpr std::chrono::seconds kRequestPatience(10);  // for a whole header, also between two requests
+constexpr std::chrono::seconds kAnswerPatience(60);   // without progress while an answer is written
+
+std::string text_of(beast::string_view view) { return {view.data(), view.size()}; }
+
+template <class Response>
+void set_headers(Response& response, const HttpAnswer& answer, bool keep_alive) {
+  response.set(http::field::server, "hermite");
+  response.set(http::field::content_type, answer.content_type);
+  response.set(http::field::cache_control, answer.cache_control);
+  // The viewer's Draco decoder is WebAssembly in a worker; nothing comes from anywhere else.
+  response.set("Content-Security-Policy",
+               "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self'; style-src 'self'; "
+               "img-src 'self' data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set("Referrer-Policy", "no-referrer");
+  response.set("Cross-Origin-Opener-Policy", "same-origin");
+  response.set("Cross-Origin-Resource-Policy", "same-origin");
+  if (!answer.download_name.empty())
+    response.set(http::field::content_disposition, "attachment; filename=\"" + answer.download_name + "\"");
+  if (!answer.allow.empty()) response.set(http::field::allow, answer.allow);
+  if (answer.status == 401) response.set(http::field::www_authenticate, "Bearer");
+  response.keep_alive(keep_alive);
+}
+
+struct Answering {
+  unsigned int version = 11;
+  bool head = false;  // the answer goes without its body
+  bool keep_alive = false;
+};
+
+asio::awaitable<bool> write_file(beast::tcp_stream& stream, const HttpAnswer& answer, const Answering& how) {
+  http::response<http::file_body> response{http::status::ok, how.version};
+  error_code error;
+  response.body().open(answer.file.c_str(), beast::file_mode::scan, error);
+  if (error) co_return false;  // deleted this moment: the connection ends
+  set_headers(response, answer, how.keep_alive);
+  response.prepare_payload();
+  http::response_serializer<http::file_body> serializer(response);
+  if (how.head) {
+    stream.expires_after(kAnswerPatience);
+    co_await http::async_write_header(stream, serializer, asio::redirect_error(asio::use_awaitable, error));
+    co_return !error;
+  }
+  // Piece by piece, so that the patience is for progress and not for the whole of a large cloud.
+  while (!error && !serializer.is_done()) {
+    stream.expires_after(kAnswerPatience);
+    co_await http::async_write_some(stream, serializer, asio::redirect_error(asio::use_awaitable, error));
+  }
+  co_return !error;
+}
+
+// True when the connection can go on.
+asio::awaitable<bool> write_answer(beast::tcp_stream& stream, HttpAnswer answer, const Answering& how) {
+  if (!answer.file.empty()) {
+    const bool written = co_await write_file(stream, answer, how);
+    co_return written&& how.keep_alive;
+  }
+  const bool keep_alive = how.keep_alive && answer.status < 400;
+  http::response<http::string_body> response{static_cast<http::status>(answer.status), how.version};
+  set_headers(response, answer, keep_alive);
+  response.content_length(answer.body.size());
+  if (!how.head) response.body() = std::move(answer.body);
+  error_code error;
+  stream.expires_after(kAnswerPatience);
+  co_await http::async_write(stream, response, asio::redirect_error(asio::use_awaitable, error));
+  co_return !error && keep_alive;
+}
+
+// What is wrong with a request as such, whatever it asks for.
+std::optional<HttpAnswer> check_request(const Request& request, const AllowedHosts& hosts) {
+  const auto refuse = [](int status, const std::string& words) {
+    return error_answer(status, {status == 403 ? ErrorCode::kUnauthorized : ErrorCode::kInvalidArgument, words});
+  };
+  if (request.version() != 11 && request.version() != 10) return refuse(505, "HTTP/1.1 or 1.0 is spoken here");
+  // Transfer codings are where proxies and servers disagree about the end of a request; none is needed here.
+  if (request.count(http::field::transfer_encoding) != 0) return refuse(400, "requests with Transfer-Encoding are not accepted");
+  const std::string length = text_of(request[http::field::content_length]);
+  if (length.find_first_not_of('0') != std::string::npos) return refuse(413, "requests with a body are not accepted");
+  if (request.count(http::field::host) != 1) return refuse(400, "a request must have one Host header");
+  if (!host_allowed(hosts, text_of(request[http::field::host])))
+    return refuse(403, "the Host header names a host that this server does not answer for (see --allow-host)");
+  const std::string origin = text_of(request[http::field::origin]);
+  if (request.count(http::field::origin) > 1 || (request.count(http::field::origin) == 1 && !origin_allowed(hosts, origin)))
+    return refuse(403, "the Origin header names a site that may not use this server (see --allow-host)");
+  if (request.target().empty() || request.target().front() != '/') return refuse(400, "the request target must start with /");
+  return std::nullopt;
+}
+
+std::optional<HttpAnswer> check_upgrade(const Request& request) {
+  if (request.target() != wire::kEndpoint)
+    return error_answer(404, {ErrorCode::kNotFound, "WebSockets are at " + std::string(wire::kEndpoint)});
+  if (!offers_subprotocol(request))
+    return error_answer(400, {ErrorCode::kUnsupported, "the WebSocket must offer the subprotocol " + std::string(wire::kSubprotocol)});
+  return std::nullopt;
+}
+
+HttpRequest plain(const Request& request) {
+  const std::string target = text_of(request.target());
+  return {text_of(request.method_string()), target.substr(0, target.find('?')), text_of(request[http::field::authorization])};
+}
+
+// The answer to a header that could not be read; none when there is nobody to answer.
+std::optional<HttpAnswer> answer_to(const error_code& error) {
+  if (error == http::error::header_limit || error == http::error::buffer_overflow)
+    return error_answer(431, {ErrorCode::kTooLarge, "the request's header is longer than " + std::to_string(kMaxHeaderBytes) + " bytes"});
+  // What is cut short by the other side or by the clock has no reader left.
+  const bool cut = error == http::error::end_of_stream || error == http::error::partial_message;
+  if (cut || error.category() != http::make_error_code(http::error::bad_method).category()) return std::nullopt;
+  return error_answer(400, {ErrorCode::kCorruptData, "this is no HTTP request: " + error.message()});
+}
+
+// After an answer that ends the connection: lets the client read it before the socket goes.
+void shut_down(beast::tcp_stream& stream) {
+  error_code ignored;
+  stream.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+}
+
+}  // namespace
+
+asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, const HttpWorld& world, const AllowedHosts& hosts) {
+  error_code error;
+  socket.set_option(asio::ip::tcp::no_delay(true), error);  // three times slower without, on small messages
+  beast::tcp_stream stream(std::move(socket));
+  beast::flat_buffer buffer(2 * kMaxHeaderBytes);
+  bool go_on = !error;
+  while (go_on) {
+    http::request_parser<http::empty_body> parser;
+    parser.header_limit(kMaxHeaderBytes);
+    stream.expires_after(kRequestPatience);
+    co_await http::async_read_header(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
+    if (error) {
+      std::optional<HttpAnswer> words = answer_to(error);
+      if (words) co_await write_answer(stream, *std::move(words), {});
+      break;
+    }
+    const Request& request = parser.get();
+    Answering how{request.version(), request.method() == http::verb::head, request.keep_alive()};
+    std::optional<HttpAnswer> wrong = check_request(request, hosts);
+    const bool upgrade = !wrong && beast::websocket::is_upgrade(request);
+    if (upgrade) wrong = check_upgrade(request);
+    if (upgrade && !wrong) {
+      co_await serve_websocket(std::move(stream), parser.release(), world.scans, world.token);
+      co_return;
+    }
+    if (wrong) how.keep_alive = false;
+    HttpAnswer reply = wrong ? *std::move(wrong) : answer(world, plain(request));
+    go_on = co_await write_answer(stream, std::move(reply), how);
+  }
+  shut_down(stream);
+}
+
+}  // namespace hermite

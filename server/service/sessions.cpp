@@ -1,0 +1,212 @@
+#include "server/service/sessions.h"
+
+#include <spdlog/spdlog.h>
+
+#include <deque>
+#include <utility>
+
+#include "proto/wire/client_message.h"
+#include "proto/wire/server_message.h"
+#include "server/service/access.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr const char* kServerName = "hermite 0.1";
+// Messages that a client has not taken yet. Results come one a frame, so this is only reached by one that does not read.
+constexpr std::size_t kMaxWaitingMessages = 4096;
+constexpr std::size_t kMaxWaitingBytes = 8 * 1024 * 1024;
+
+CloseCode close_code_of(const Error& error) {
+  switch (error.code) {
+    case ErrorCode::kCorruptData: return CloseCode::kCorrupt;
+    case ErrorCode::kTooLarge: return CloseCode::kTooBig;
+    case ErrorCode::kUnauthorized: return CloseCode::kUnauthorized;
+    case ErrorCode::kNotFound: return CloseCode::kNoSuchScan;
+    case ErrorCode::kBusy: return CloseCode::kBusy;
+    case ErrorCode::kInvalidArgument:
+    case ErrorCode::kUnsupported: return CloseCode::kProtocolError;
+    case ErrorCode::kIo:
+    case ErrorCode::kDevice: return CloseCode::kInternal;
+  }
+  return CloseCode::kInternal;
+}
+
+// Messages in order, and the end: what both kinds of session have in common.
+class BasicSession : public Session {
+ public:
+  explicit BasicSession(std::function<void()> wake) : wake_(std::move(wake)) {}
+
+  void receive(std::string_view bytes) final {
+    if (closing_) return;
+    Result<wire::ClientMessage> message = wire::parse_client_message(bytes, max_message_bytes());
+    if (!message.ok()) return fail(message.error(), close_code_of(message.error()));
+    std::visit([this](auto& body) { handle(body); }, *message);
+  }
+
+  std::optional<Closing> closing() const override { return closing_; }
+
+  void fail(const Error& error, CloseCode code) final {
+    if (closing_) return;
+    queue(format_error(error));
+    close({code, error.message});
+  }
+
+ protected:
+  void queue(std::string message) {
+    if (closing_ && closing_->code == CloseCode::kSlow) return;
+    // A single message may be long: a scan's results are.
+    if (waiting_.size() >= kMaxWaitingMessages || (waiting_bytes_ > 0 && waiting_bytes_ + message.size() > kMaxWaitingBytes)) {
+      waiting_.clear();
+      waiting_bytes_ = 0;
+      return close({CloseCode::kSlow, "too many messages wait to be read by this client"});
+    }
+    waiting_bytes_ += message.size();
+    waiting_.push_back(std::make_shared<const std::string>(std::move(message)));
+    wake_();
+  }
+  SharedBytes next_waiting() {
+    if (waiting_.empty()) return nullptr;
+    SharedBytes message = std::move(waiting_.front());
+    waiting_.pop_front();
+    waiting_bytes_ -= message->size();
+    return message;
+  }
+  void close(Closing closing) {
+    if (!closing_) closing_ = std::move(closing);
+    wake_();
+  }
+  void wake() { wake_(); }
+  void broken_rule(const std::string& words) { fail({ErrorCode::kInvalidArgument, words}, CloseCode::kProtocolError); }
+
+  virtual void handle(wire::Frame&) { broken_rule("frame is a message of cameras; this connection is a viewer's"); }
+  virtual void handle(wire::Finish&) { broken_rule("finish is a message of cameras; this connection is a viewer's"); }
+  virtual void handle(wire::ViewerAck&) { broken_rule("viewer_ack is a message of viewers; this connection is a camera's"); }
+  void handle(wire::Hello&) { broken_rule("hello came twice; it is the first message and no other"); }
+  void handle(wire::Ping& ping) { queue(wire::format_server_message(wire::Pong{ping.id})); }
+  void handle(wire::Unknown&) {
+    if (++unknown_count_ > kMaxUnknownMessages)
+      fail({ErrorCode::kUnsupported, "more than " + std::to_string(kMaxUnknownMessages) + " messages that this server does not know"},
+           CloseCode::kPolicy);
+  }
+
+ private:
+  const std::function<void()> wake_;
+  std::deque<SharedBytes> waiting_;
+  std::size_t waiting_bytes_ = 0;
+  std::optional<Closing> closing_;
+  int unknown_count_ = 0;
+};
+
+class CameraSession final : public BasicSession {
+ public:
+  CameraSession(StartedScan started, std::function<void()> wake)
+      : BasicSession(std::move(wake)), scan_(std::move(started.scan)), max_message_bytes_(started.welcome.max_message_bytes) {
+    queue(wire::format_server_message(std::move(started.welcome)));
+    scan_->attach_camera({[this](wire::ServerMessage message) { queue(wire::format_server_message(std::move(message))); },
+                          [this] {
+                            close({CloseCode::kNormal, "the scan has ended"});
+                          }});
+  }
+
+  std::size_t max_message_bytes() const override { return max_message_bytes_; }
+  SharedBytes next() override { return next_waiting(); }
+
+  void disconnected() override {
+    // A scan that has ended may be gone from the server already; this keeps it until here.
+    scan_->camera_left();
+  }
+
+ private:
+  void handle(wire::Frame& frame) override {
+    if (Status status = scan_->receive(std::move(frame)); !status.ok()) fail(status.error(), close_code_of(status.error()));
+  }
+  void handle(wire::Finish&) override { scan_->finish(); }
+
+  const std::shared_ptr<LiveScan> scan_;
+  const std::size_t max_message_bytes_;
+};
+
+class ViewerSession final : public BasicSession {
+ public:
+  ViewerSession(std::unique_ptr<Viewer> viewer, wire::Welcome welcome, std::function<void()> wake)
+      : BasicSession(std::move(wake)), viewer_(std::move(viewer)) {
+    queue(wire::format_server_message(std::move(welcome)));
+  }
+
+  std::size_t max_message_bytes() const override { return wire::kMaxBytesBeforeWelcome; }
+
+  SharedBytes next() override {
+    if (SharedBytes message = next_waiting()) {
+      viewer_->count_sent(message->size());
+      return message;
+    }
+    return BasicSession::closing() ? nullptr : viewer_->next();
+  }
+
+  std::optional<Closing> closing() const override {
+    if (BasicSession::closing()) return BasicSession::closing();
+    if (viewer_->complete()) return Closing{CloseCode::kNormal, "the scan has ended and was sent whole"};
+    return std::nullopt;
+  }
+
+  void disconnected() override {}
+
+ private:
+  void handle(wire::ViewerAck& ack) override {
+    if (Status status = viewer_->acknowledge(ack.bytes); !status.ok()) return fail(status.error(), CloseCode::kProtocolError);
+    wake();
+  }
+
+  const std::unique_ptr<Viewer> viewer_;
+};
+
+using Greeting = std::variant<std::unique_ptr<Session>, Refusal>;
+
+Greeting refuse(const Error& error) { return Refusal{error, close_code_of(error)}; }
+
+wire::Welcome complete_welcome(wire::Welcome welcome) {
+  welcome.server = kServerName;
+  welcome.color_codecs = {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng};
+  return welcome;
+}
+
+Greeting greet_camera(Scans& scans, const wire::StartScan& request, std::function<void()> wake) {
+  Result<StartedScan> started = scans.start(request);
+  if (!started.ok()) return refuse(started.error());
+  started->welcome = complete_welcome(std::move(started->welcome));
+  return std::make_unique<CameraSession>(*std::move(started), std::move(wake));
+}
+
+Greeting greet_viewer(Scans& scans, const wire::ViewScan& request, std::function<void()> wake) {
+  Result<std::shared_ptr<Audience>> audience = scans.watch(request.scan_id);
+  if (!audience.ok()) return refuse(audience.error());
+  Result<std::unique_ptr<Viewer>> viewer = Audience::join(*audience, wake);
+  if (!viewer.ok()) return refuse(viewer.error());
+  const SceneInfo& info = (*audience)->info();
+  wire::Welcome welcome;
+  welcome.scan_id = info.scan_id;
+  welcome.title = info.title;
+  welcome.camera = info.camera;
+  welcome.max_message_bytes = wire::kMaxBytesBeforeWelcome;
+  return std::make_unique<ViewerSession>(*std::move(viewer), complete_welcome(std::move(welcome)), std::move(wake));
+}
+
+}  // namespace
+
+std::string format_error(const Error& error) {
+  return wire::format_server_message(wire::ErrorMessage{name_of(error.code), error.message, false, 0});
+}
+
+Greeting greet(Scans& scans, const std::string& token, std::string_view first_message, std::function<void()> wake) {
+  const Result<wire::ClientMessage> message = wire::parse_client_message(first_message, wire::kMaxBytesBeforeWelcome);
+  if (!message.ok()) return refuse(message.error());
+  const wire::Hello* hello = std::get_if<wire::Hello>(&*message);
+  if (!hello) return refuse({ErrorCode::kInvalidArgument, "the first message must be a hello"});
+  if (!tokens_equal(hello->token, token)) return refuse({ErrorCode::kUnauthorized, "hello.token is not the token of this server"});
+  if (const auto* start = std::get_if<wire::StartScan>(&hello->role)) return greet_camera(scans, *start, std::move(wake));
+  return greet_viewer(scans, std::get<wire::ViewScan>(hello->role), std::move(wake));
+}
+
+}  // namespace hermite

@@ -1,0 +1,193 @@
+#include "server/service/websocket.h"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/field.hpp>
+#include <boost/beast/http/rfc7230.hpp>
+#include <boost/beast/websocket.hpp>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <variant>
+
+#include "proto/wire/messages.h"
+#include "server/service/sessions.h"
+
+namespace hermite {
+
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace websocket = boost::beast::websocket;
+using boost::system::error_code;
+
+constexpr std::chrono::seconds kHelloPatience(10);  // from the request to the end of the first message
+constexpr std::chrono::seconds kClosePatience(10);
+constexpr std::chrono::seconds kIdleLimit(45);  // below the 60 s after which proxies cut; a ping is sent at half of it
+constexpr std::size_t kReadBytes = 64 * 1024;
+
+// Shared by the reading and the writing half of one connection.
+struct Connection {
+  websocket::stream<beast::tcp_stream> socket;
+  asio::steady_timer something_to_send;
+  asio::steady_timer hello_deadline;
+  beast::flat_buffer message;
+  std::unique_ptr<Session> session;
+  bool reading = true;
+
+  explicit Connection(beast::tcp_stream stream)
+      : socket(std::move(stream)), something_to_send(socket.get_executor()), hello_deadline(socket.get_executor()) {}
+
+  std::string_view text() const { return {static_cast<const char*>(message.data().data()), message.size()}; }
+};
+
+// A whole message into connection.message, at most a little more than `max_bytes`. What is wrong with it, if the client still can be told.
+struct Read {
+  error_code error;  // the connection is over
+  std::optional<Refusal> wrong;
+};
+
+asio::awaitable<Read> read_message(Connection& connection, std::size_t max_bytes) {
+  Read read;
+  connection.message.consume(connection.message.size());
+  // Our own limit instead of Beast's: that one closes without a word about why.
+  do {
+    co_await connection.socket.async_read_some(connection.message, kReadBytes, asio::redirect_error(asio::use_awaitable, read.error));
+    if (read.error) co_return read;
+    if (connection.message.size() > max_bytes) {
+      read.wrong = Refusal{{ErrorCode::kTooLarge, "the message is longer than the " + std::to_string(max_bytes) + " bytes allowed"},
+                           CloseCode::kTooBig};
+      co_return read;
+    }
+  } while (!connection.socket.is_message_done());
+  if (connection.socket.got_text())
+    read.wrong = Refusal{{ErrorCode::kUnsupported, "messages must be binary, this one is text"}, CloseCode::kNotBinary};
+  co_return read;
+}
+
+asio::awaitable<void> close(Connection& connection, const Closing& closing) {
+  websocket::close_reason reason;
+  reason.code = static_cast<std::uint16_t>(closing.code);
+  // A control frame has room for 123 bytes of words; cut between characters.
+  std::size_t length = std::min<std::size_t>(closing.words.size(), 120);
+  while (length > 0 && length < closing.words.size() && (static_cast<unsigned char>(closing.words[length]) & 0xC0) == 0x80) --length;
+  reason.reason = websocket::reason_string(closing.words.data(), length);
+  error_code ignored;
+  co_await connection.socket.async_close(reason, asio::redirect_error(asio::use_awaitable, ignored));
+}
+
+asio::awaitable<void> write(Connection& connection, const std::string& bytes, error_code& error) {
+  co_await connection.socket.async_write(asio::buffer(bytes), asio::redirect_error(asio::use_awaitable, error));
+}
+
+asio::awaitable<void> write_messages(std::shared_ptr<Connection> connection) {
+  error_code error;
+  while (!error) {
+    if (const SharedBytes message = connection->session->next()) {
+      co_await write(*connection, *message, error);
+    } else if (const std::optional<Closing> closing = connection->session->closing()) {
+      co_await close(*connection, *closing);
+      break;
+    } else if (!connection->reading) {
+      break;
+    } else {
+      // Whoever has something new cancels the wait; the error that this gives means nothing.
+      error_code woken;
+      connection->something_to_send.expires_at(asio::steady_timer::time_point::max());
+      co_await connection->something_to_send.async_wait(asio::redirect_error(asio::use_awaitable, woken));
+    }
+  }
+  // The reading half ends with the socket.
+  beast::get_lowest_layer(connection->socket).close();
+}
+
+asio::awaitable<void> read_messages(Connection& connection) {
+  for (;;) {
+    const Read read = co_await read_message(connection, connection.session->max_message_bytes());
+    if (read.error) co_return;
+    if (read.wrong) {
+      connection.session->fail(read.wrong->error, read.wrong->code);
+      co_return;
+    }
+    connection.session->receive(connection.text());
+  }
+}
+
+void set_options(Connection& connection) {
+  connection.socket.set_option(websocket::stream_base::timeout{kClosePatience, kIdleLimit, true});
+  connection.socket.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
+    response.set(beast::http::field::sec_websocket_protocol, wire::kSubprotocol);
+    response.set(beast::http::field::server, "hermite");
+  }));
+  websocket::permessage_deflate off;
+  off.server_enable = false;
+  connection.socket.set_option(off);
+  connection.socket.read_message_max(std::size_t{1} << 40);  // see read_message
+  connection.socket.write_buffer_bytes(65536);
+  connection.socket.auto_fragment(false);
+  connection.socket.binary(true);
+}
+
+// The first message and its answer. A session is there afterwards, or the connection is over.
+asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, Scans& scans, const std::string& token) {
+  connection->hello_deadline.expires_after(kHelloPatience);
+  connection->hello_deadline.async_wait([weak = std::weak_ptr(connection)](const error_code& cancelled) {
+    const std::shared_ptr<Connection> late = weak.lock();
+    if (!cancelled && late && !late->session) beast::get_lowest_layer(late->socket).close();
+  });
+  Read read = co_await read_message(*connection, wire::kMaxBytesBeforeWelcome);
+  if (read.error) co_return;
+  if (!read.wrong) {
+    auto wake = [weak = std::weak_ptr(connection)] {
+      if (const std::shared_ptr<Connection> awake = weak.lock()) awake->something_to_send.cancel();
+    };
+    auto greeting = greet(scans, token, connection->text(), std::move(wake));
+    if (auto* session = std::get_if<std::unique_ptr<Session>>(&greeting)) {
+      connection->session = std::move(*session);
+      co_return;
+    }
+    read.wrong = std::get<Refusal>(std::move(greeting));
+  }
+  spdlog::info("connection refused: {}", read.wrong->error.message);
+  error_code error;
+  const std::string words = format_error(read.wrong->error);
+  co_await write(*connection, words, error);
+  if (!error) co_await close(*connection, {read.wrong->code, read.wrong->error.message});
+}
+
+}  // namespace
+
+bool offers_subprotocol(const beast::http::request<beast::http::empty_body>& upgrade) {
+  const beast::http::token_list offered(upgrade[beast::http::field::sec_websocket_protocol]);
+  for (const auto name : offered)
+    if (name == wire::kSubprotocol) return true;
+  return false;
+}
+
+asio::awaitable<void> serve_websocket(beast::tcp_stream stream, beast::http::request<beast::http::empty_body> upgrade, Scans& scans,
+                                      const std::string& token) {
+  stream.expires_never();
+  const auto connection = std::make_shared<Connection>(std::move(stream));
+  set_options(*connection);
+  error_code error;
+  co_await connection->socket.async_accept(upgrade, asio::redirect_error(asio::use_awaitable, error));
+  if (error) co_return;
+  co_await begin(connection, scans, token);
+  connection->hello_deadline.cancel();
+  if (!connection->session) co_return;
+  asio::co_spawn(connection->socket.get_executor(), write_messages(connection), asio::detached);
+  co_await read_messages(*connection);
+  connection->session->disconnected();
+  connection->reading = false;
+  connection->something_to_send.cancel();
+}
+
+}  // namespace hermite
