@@ -26,9 +26,14 @@ std::string count_of(std::uint64_t count, const char* words) {
   return count == 0 ? std::string() : "  " + std::to_string(count) + " " + words;
 }
 
-double sent_Mbit_per_s(const StreamProgress& progress) {
-  return progress.elapsed_s > 0 ? 8e-6 * static_cast<double>(progress.sent_bytes) / progress.elapsed_s : 0;
+// A mean over less than this says nothing.
+constexpr double kMinRateTime_s = 0.1;
+
+double per_second(double amount, const StreamProgress& progress) {
+  return progress.elapsed_s >= kMinRateTime_s ? amount / progress.elapsed_s : 0;
 }
+
+double sent_Mbit_per_s(const StreamProgress& progress) { return per_second(8e-6 * static_cast<double>(progress.sent_bytes), progress); }
 
 }  // namespace
 
@@ -50,7 +55,7 @@ std::string format_summary(const StreamProgress& progress) {
 
 std::string format_progress(const StreamProgress& progress) {
   const auto total = static_cast<std::uint64_t>(progress.frame_count);
-  const double processed_per_s = progress.elapsed_s > 0 ? static_cast<double>(progress.processed_frames) / progress.elapsed_s : 0;
+  const double processed_per_s = per_second(static_cast<double>(progress.processed_frames), progress);
   std::string text = "frame " + std::to_string(progress.processed_frames) + "/" + std::to_string(total) + " (sent " +
                      std::to_string(progress.sent_frames) + ")" +
                      format("  %.1f fps  %.1f Mbit/s", processed_per_s, sent_Mbit_per_s(progress));

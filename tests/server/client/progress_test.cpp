@@ -44,6 +44,8 @@ TEST(Progress, LostFramesDropsAndProblemsShow) {
 TEST(Progress, BeforeTheFirstResultItMakesNoPromises) {
   StreamProgress progress;
   progress.frame_count = 10;
+  progress.sent_bytes = 300;  // the hello
+  progress.elapsed_s = 1e-6;
   EXPECT_EQ(format_progress(progress), "frame 0/10 (sent 0)  0.0 fps  0.0 Mbit/s");
 }
 
