@@ -1,6 +1,7 @@
 #include "core/dataset/room_textures.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace hermite {
@@ -9,13 +10,35 @@ namespace {
 using Eigen::Vector3f;
 
 std::uint32_t hash(std::int32_t x, std::int32_t y, std::uint32_t seed) {
-  std::uint32_t h = static_cast<std::uint32_t>(x) * 0x8da6b343u ^ static_cast<std::uint32_t>(y) * 0xd8163841u ^ seed * 0xcb1ab31fu;
-  h = (h ^ (h >> 15)) * 0x2c1b3c6du;
+  std::uint32_t h = (static_cast<std::uint32_t>(y) * 0xd8163841u ^ seed) * 0xcb1ab31fu;
+  h = ((static_cast<std::uint32_t>(x) * 0x8da6b343u) ^ h ^ (h >> 15)) * 0x2c1b3c6du;
   h = (h ^ (h >> 12)) * 0x297a2d39u;
   return h ^ (h >> 15);
 }
 
 float uniform(std::int32_t x, std::int32_t y, std::uint32_t seed) { return static_cast<float>(hash(x, y, seed) >> 8) * 0x1p-24f; }
+
+// Numbers from -1 to 1. A row of a noise lattice is this table from a place that depends on the row: one hash a row instead of one a
+// corner.
+constexpr std::uint32_t kTableMask = 4095;
+constexpr std::array<float, kTableMask + 2> kNoiseTable = [] {
+  std::array<float, kTableMask + 2> table{};
+  std::uint32_t state = 1;
+  for (std::uint32_t i = 0; i <= kTableMask; ++i) {
+    state = state * 1664525u + 1013904223u;
+    std::uint32_t h = (state ^ (state >> 15)) * 0x2c1b3c6du;
+    h = (h ^ (h >> 12)) * 0x297a2d39u;
+    table[i] = static_cast<float>((h ^ (h >> 15)) >> 8) * 0x1p-23f - 1.0f;
+  }
+  table[kTableMask + 1] = table[0];
+  return table;
+}();
+
+const float* lattice_row(std::int32_t x, std::int32_t y, std::uint32_t seed) {
+  std::uint32_t h = (static_cast<std::uint32_t>(y) * 0xd8163841u ^ seed) * 0xcb1ab31fu;
+  h = (h ^ (h >> 15)) * 0x2c1b3c6du;
+  return kNoiseTable.data() + ((static_cast<std::uint32_t>(x) + (h >> 16)) & kTableMask);
+}
 
 std::int32_t floor_int(float x) {
   const auto truncated = static_cast<std::int32_t>(x);
@@ -31,9 +54,9 @@ float clamp01(float x) { return std::clamp(x, 0.0f, 1.0f); }
 float noise(float x, float y, std::uint32_t seed) {
   const std::int32_t ix = floor_int(x), iy = floor_int(y);
   const float tx = smooth(x - static_cast<float>(ix)), ty = smooth(y - static_cast<float>(iy));
-  const float low = mix(uniform(ix, iy, seed), uniform(ix + 1, iy, seed), tx);
-  const float high = mix(uniform(ix, iy + 1, seed), uniform(ix + 1, iy + 1, seed), tx);
-  return 2.0f * mix(low, high, ty) - 1.0f;
+  const float* low = lattice_row(ix, iy, seed);
+  const float* high = lattice_row(ix, iy + 1, seed);
+  return mix(mix(low[0], low[1], tx), mix(high[0], high[1], tx), ty);
 }
 
 // How much of a pattern of this wavelength a pixel can still show: all from 4 footprints on, nothing below 2 (Nyquist).

@@ -1,8 +1,11 @@
 #include "core/dataset/synthetic_room.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <thread>
 #include <vector>
 
 #include "core/dataset/room_furniture.h"
@@ -17,6 +20,7 @@ using Eigen::Vector3f;
 
 constexpr double kNearest_m = 0.05;
 constexpr int kTile_px = 16;
+constexpr int kMaxThreads = 4;  // a 640x480 frame takes one core about 60 ms, a camera gives it 33 ms
 constexpr int kNothing = -1;
 
 // A shape as seen from one camera: rays start at the same point, so everything but their direction is prepared.
@@ -26,6 +30,7 @@ struct PlacedShape {
   Vector3d origin_in_shape;    // of all rays
   Vector3d center_in_camera;
   Vector3d half_sides;
+  double nearest_m;  // no part of it has less depth
 };
 
 // The first surface along a ray. Rays have z = 1 in the camera, so that `depth_m` is both their parameter and the depth.
@@ -35,6 +40,18 @@ struct Hit {
   int face = 0;
 };
 
+// Rows of tiles share nothing, so helper threads of this call may take them in any order; returns when all are done.
+void for_each_row(int row_count, const std::function<void(int)>& work) {
+  std::atomic<int> next{0};
+  const auto take_rows = [&] {
+    for (int row = next++; row < row_count; row = next++) work(row);
+  };
+  const int helper_count = std::min({static_cast<int>(std::thread::hardware_concurrency()), kMaxThreads, row_count}) - 1;
+  std::vector<std::jthread> helpers;
+  for (int i = 0; i < helper_count; ++i) helpers.emplace_back(take_rows);
+  take_rows();
+}
+
 struct Ray {
   Vector3d direction_in_camera;
 };
@@ -42,34 +59,33 @@ struct Ray {
 class Renderer {
  public:
   Renderer(const Furniture& furniture, const RoomLight& light, const Camera& camera, const Rigid3& world_from_camera)
-      : furniture_(furniture), light_(light), camera_(camera), world_from_camera_(world_from_camera) {
-    const Matrix3d rotation = world_from_camera.rotation.toRotationMatrix();
+      : furniture_(furniture),
+        light_(light),
+        camera_(camera),
+        world_rotation_(world_from_camera.rotation.toRotationMatrix()),
+        camera_in_world_(world_from_camera.translation) {
+    const Matrix3d rotation = world_rotation_;
     for (const Shape& shape : furniture.shapes) {
       const Matrix3d shape_from_world = shape.world_from_shape.transpose();
-      placed_.push_back({&shape, shape_from_world * rotation, shape_from_world * (world_from_camera.translation - shape.center),
-                         rotation.transpose() * (shape.center - world_from_camera.translation), bounding_half_sides(shape)});
+      const Matrix3d shape_from_camera = shape_from_world * rotation;
+      const Vector3d center_in_camera = rotation.transpose() * (shape.center - world_from_camera.translation);
+      const Vector3d half_sides = bounding_half_sides(shape);
+      placed_.push_back({&shape, shape_from_camera, shape_from_world * (world_from_camera.translation - shape.center), center_in_camera,
+                         half_sides, center_in_camera.z() - shape_from_camera.col(2).cwiseAbs().dot(half_sides)});
     }
+    // From near to far, so that a ray can stop at the first body that only begins behind what it has hit. The room goes first: every ray
+    // meets it, and bodies reach into its walls.
+    placed_.front().nearest_m = -std::numeric_limits<double>::infinity();
+    std::stable_sort(placed_.begin(), placed_.end(), [](const PlacedShape& a, const PlacedShape& b) { return a.nearest_m < b.nearest_m; });
   }
 
   RoomView render() {
     const int columns = (camera_.width + kTile_px - 1) / kTile_px, rows = (camera_.height + kTile_px - 1) / kTile_px;
     hits_ = Image<Hit>(camera_.width, camera_.height);
     candidates_.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-    for (int row = 0; row < rows; ++row) {
-      const std::vector<int> in_row = shapes_in({0, row * kTile_px, camera_.width, (row + 1) * kTile_px}, all_shapes());
-      for (int column = 0; column < columns; ++column) {
-        auto& in_tile = candidates_[static_cast<std::size_t>(row * columns + column)];
-        in_tile = shapes_in({column * kTile_px, row * kTile_px, (column + 1) * kTile_px, (row + 1) * kTile_px}, in_row);
-        trace_tile(column, row, in_tile);
-      }
-    }
     RoomView view{DepthImage(camera_.width, camera_.height), ColorImage(camera_.width, camera_.height)};
-    for (int y = 0; y < camera_.height; ++y)
-      for (int x = 0; x < camera_.width; ++x) {
-        view.depth.at(x, y) = depth_units(hits_.at(x, y).depth_m);
-        const auto& in_tile = candidates_[static_cast<std::size_t>((y / kTile_px) * columns + x / kTile_px)];
-        view.color.at(x, y) = srgb_from_linear(is_edge(x, y) ? supersample(x, y, in_tile) : shade(ray(x, y), hits_.at(x, y)));
-      }
+    for_each_row(rows, [&](int row) { trace_row(row, columns); });
+    for_each_row(rows, [&](int row) { shade_row(row, columns, view); });  // looks at the neighbours' hits
     return view;
   }
 
@@ -107,6 +123,7 @@ class Renderer {
     Hit hit;
     for (const int index : among) {
       const PlacedShape& placed = placed_[static_cast<std::size_t>(index)];
+      if (placed.nearest_m > hit.depth_m) break;
       const Vector3d direction = placed.shape_from_camera * ray.direction_in_camera;
       const double depth_m = intersect(*placed.shape, placed.origin_in_shape, direction, kNearest_m);
       if (depth_m < hit.depth_m) hit = {depth_m, index, 0};
@@ -119,9 +136,26 @@ class Renderer {
     return hit;
   }
 
-  void trace_tile(int column, int row, const std::vector<int>& among) {
-    for (int y = row * kTile_px; y < std::min((row + 1) * kTile_px, camera_.height); ++y)
-      for (int x = column * kTile_px; x < std::min((column + 1) * kTile_px, camera_.width); ++x) hits_.at(x, y) = trace(ray(x, y), among);
+  void trace_row(int row, int columns) {
+    const int top = row * kTile_px, bottom = std::min(top + kTile_px, camera_.height);
+    const std::vector<int> in_row = shapes_in({0, top, camera_.width, bottom}, all_shapes());
+    for (int column = 0; column < columns; ++column) {
+      const int left = column * kTile_px, right = std::min(left + kTile_px, camera_.width);
+      auto& in_tile = candidates_[static_cast<std::size_t>(row * columns + column)];
+      in_tile = shapes_in({left, top, right, bottom}, in_row);
+      for (int y = top; y < bottom; ++y)
+        for (int x = left; x < right; ++x) hits_.at(x, y) = trace(ray(x, y), in_tile);
+    }
+  }
+
+  void shade_row(int row, int columns, RoomView& view) const {
+    const int top = row * kTile_px, bottom = std::min(top + kTile_px, camera_.height);
+    for (int y = top; y < bottom; ++y)
+      for (int x = 0; x < camera_.width; ++x) {
+        view.depth.at(x, y) = depth_units(hits_.at(x, y).depth_m);
+        const auto& in_tile = candidates_[static_cast<std::size_t>(row * columns + x / kTile_px)];
+        view.color.at(x, y) = srgb_from_linear(is_edge(x, y) ? supersample(x, y, in_tile) : shade(ray(x, y), hits_.at(x, y)));
+      }
   }
 
   std::uint16_t depth_units(double depth_m) const {
@@ -167,7 +201,7 @@ class Renderer {
     const Vector3f albedo =
         texture_color(material, {as_float(surface.position_m.x()), as_float(surface.position_m.y()), as_float(surface.half_size_m.x()),
                                  as_float(surface.half_size_m.y()), as_float(footprint_m), surface.face});
-    const Vector3d point_in_world = world_from_camera_ * (hit.depth_m * ray.direction_in_camera);
+    const Vector3d point_in_world = camera_in_world_ + hit.depth_m * (world_rotation_ * ray.direction_in_camera);
     const Vector3f lit = light_.at(point_in_world, shape.world_from_shape * surface.normal);
     return albedo.cwiseProduct(material.glow * Vector3f::Ones() + (1.0f - material.glow) * lit);
   }
@@ -175,7 +209,8 @@ class Renderer {
   const Furniture& furniture_;
   const RoomLight& light_;
   const Camera camera_;
-  const Rigid3 world_from_camera_;
+  const Matrix3d world_rotation_;  // world_from_camera
+  const Vector3d camera_in_world_;
   std::vector<PlacedShape> placed_;
   Image<Hit> hits_;
   std::vector<std::vector<int>> candidates_;  // per tile

@@ -21,7 +21,7 @@ struct RoomView {
   ColorImage color;  // lit by a fixed light, the same from every direction; anti-aliased
 };
 
-// Immutable once made; const functions are thread-safe.
+// Immutable once made; const functions are thread-safe. Rendering starts up to 3 helper threads and waits for them.
 class SyntheticRoom {
  public:
   explicit SyntheticRoom(RoomScene scene);

@@ -27,7 +27,7 @@ TEST(Associate, TheGapIsTwentyMillisecondsInclusive) {
   EXPECT_THAT(*associate_by_time({0.0}, {0.04}, 0.05), ElementsAre(IndexPair{0, 0}));
 }
 
-TEST(Associate, TiesGoToTheEarlierEntries) { EXPECT_THAT(*associate_by_time({0.010}, {0.005, 0.015}), ElementsAre(IndexPair{0, 0})); }
+TEST(Associate, TiesGoToTheEarlierEntries) { EXPECT_THAT(*associate_by_time({1.0}, {0.5, 1.5}, 0.75), ElementsAre(IndexPair{0, 0})); }
 
 TEST(Associate, EmptyListsGiveNoPairs) {
   EXPECT_THAT(*associate_by_time({}, {1.0}), IsEmpty());

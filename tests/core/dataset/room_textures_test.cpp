@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-Material material_of(int pattern) { return {static_cast<Pattern>(pattern), linear_from_srgb(0xa05030), linear_from_srgb(0x3060a0), 0, 5}; }
+Material material_of(int pattern) { return {static_cast<Pattern>(pattern), linear_from_srgb(0xd0a070), linear_from_srgb(0x304060), 0, 5}; }
 
 constexpr int kPatternCount = static_cast<int>(Pattern::kScreen) + 1;
 

@@ -132,7 +132,7 @@ TEST(SyntheticCamera, BadOptionsNameKeyAndRange) {
   EXPECT_THAT(error_of("frames"), HasSubstr("is not key=value"));
   EXPECT_EQ(error_of(""), "opened");
   EXPECT_EQ(error_of("scene=bare,frames=2"), "opened");
-  EXPECT_THAT(error_of("width=2048,height=64"), HasSubstr("field of view"));
+  EXPECT_THAT(error_of("width=2048,height=64"), HasSubstr("synthetic camera: camera.fy is"));
 }
 
 }  // namespace

@@ -126,7 +126,7 @@ TEST(TrajectoryError, AMirroredTrajectoryIsNotAlignedByAMirror) {
   Trajectory mirrored = truth;
   for (TimedPose& pose : mirrored) pose.world_from_camera.translation.y() *= -1;
   const auto error = trajectory_error(mirrored, truth);
-  EXPECT_GT(error->ate_m.rmse, 0.05);
+  EXPECT_GT(error->ate_m.rmse, 0.04);
   EXPECT_NEAR(error->groundtruth_from_estimate.rotation.toRotationMatrix().determinant(), 1, kRounding);
 }
 
