@@ -1,0 +1,179 @@
+#include "proto/wire/client_message.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace hermite::wire {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::size_t kLimit = kMaxBytesBeforeWelcome;
+
+Camera vga() { return {640, 480, 525, 525, 319.5, 239.5, 5000}; }
+
+StartScan good_start() {
+  StartScan start;
+  start.title = "Küche, zweiter Versuch";
+  start.camera = vga();
+  start.depth_codecs = {DepthCodec::kPng16, DepthCodec::kRvlZstd};
+  start.color_codecs = {ColorCodec::kJpeg};
+  start.mode = Mode::kLive;
+  start.settings = {{"frame.depth_max_m", "3"}, {"map.window", "5"}};
+  start.expected_frames = 42;
+  return start;
+}
+
+Result<ClientMessage> round_trip(ClientMessage message) { return parse_client_message(format_client_message(std::move(message)), kLimit); }
+
+Hello hello_with(StartScan start) { return {7, "a test 1.0", "secret", std::move(start)}; }
+
+// The error of a hello whose start_scan was changed by `spoil`.
+template <class Spoil>
+Error error_of(const Spoil& spoil) {
+  StartScan start = good_start();
+  spoil(start);
+  const Result<ClientMessage> message = round_trip(hello_with(std::move(start)));
+  if (!message.ok()) return message.error();
+  ADD_FAILURE() << "was accepted";
+  return {};
+}
+
+TEST(ClientMessage, HelloOfACameraComesBackAsItWas) {
+  const Result<ClientMessage> message = round_trip(hello_with(good_start()));
+  ASSERT_TRUE(message.ok()) << message.error().message;
+  const Hello& hello = std::get<Hello>(*message);
+  EXPECT_EQ(hello.protocol_minor, 7u);
+  EXPECT_EQ(hello.client, "a test 1.0");
+  EXPECT_EQ(hello.token, "secret");
+  const StartScan& start = std::get<StartScan>(hello.role);
+  const StartScan expected = good_start();
+  EXPECT_EQ(start.title, expected.title);
+  EXPECT_EQ(start.camera, expected.camera);
+  EXPECT_EQ(start.depth_codecs, expected.depth_codecs);
+  EXPECT_EQ(start.color_codecs, expected.color_codecs);
+  EXPECT_EQ(start.mode, expected.mode);
+  EXPECT_EQ(start.settings, expected.settings);
+  EXPECT_EQ(start.expected_frames, 42u);
+}
+
+TEST(ClientMessage, TheOtherBodiesComeBackAsTheyWere) {
+  const auto view = round_trip(Hello{0, "viewer", "t", ViewScan{"abc"}});
+  EXPECT_EQ(std::get<ViewScan>(std::get<Hello>(*view).role).scan_id, "abc");
+  const auto frame = round_trip(Frame{3, 1.5, std::string("\0\1\2", 3), "color"});
+  EXPECT_EQ(std::get<Frame>(*frame).sequence, 3u);
+  EXPECT_EQ(std::get<Frame>(*frame).timestamp_s, 1.5);
+  EXPECT_EQ(std::get<Frame>(*frame).depth, std::string("\0\1\2", 3));
+  EXPECT_EQ(std::get<Frame>(*frame).color, "color");
+  EXPECT_TRUE(std::holds_alternative<Finish>(*round_trip(Finish{})));
+  EXPECT_EQ(std::get<ViewerAck>(*round_trip(ViewerAck{1ull << 40})).bytes, 1ull << 40);
+  EXPECT_EQ(std::get<Ping>(*round_trip(Ping{9})).id, 9u);
+}
+
+TEST(ClientMessage, AFramesTimeIsNotJudgedHere) {
+  const auto frame = round_trip(Frame{0, std::nan(""), "d", "c"});
+  ASSERT_TRUE(frame.ok());
+  EXPECT_TRUE(std::isnan(std::get<Frame>(*frame).timestamp_s));
+}
+
+TEST(ClientMessage, ABodyOfTheFutureIsUnknownAndNoError) {
+  // Field 90, length-delimited, 3 bytes: what a newer client could send.
+  const auto message = parse_client_message(std::string("\xd2\x05\x03xyz", 6), kLimit);
+  ASSERT_TRUE(message.ok()) << message.error().message;
+  EXPECT_TRUE(std::holds_alternative<Unknown>(*message));
+  EXPECT_TRUE(std::holds_alternative<Unknown>(*parse_client_message("", kLimit)));
+}
+
+TEST(ClientMessage, LongerThanTheLimitIsTooLarge) {
+  const std::string bytes = format_client_message(Frame{0, 0, std::string(1000, 'x'), ""});
+  EXPECT_TRUE(parse_client_message(bytes, bytes.size()).ok());
+  const auto message = parse_client_message(bytes, bytes.size() - 1);
+  ASSERT_FALSE(message.ok());
+  EXPECT_EQ(message.error().code, ErrorCode::kTooLarge);
+  EXPECT_THAT(message.error().message, HasSubstr(std::to_string(bytes.size() - 1)));
+}
+
+TEST(ClientMessage, EveryCutHelloIsAnErrorOrLacksSomething) {
+  const std::string bytes = format_client_message(hello_with(good_start()));
+  for (std::size_t length = 1; length < bytes.size(); ++length) {
+    const auto message = parse_client_message(std::string_view(bytes).substr(0, length), kLimit);
+    ASSERT_FALSE(message.ok()) << "cut to " << length << " of " << bytes.size();
+    EXPECT_FALSE(message.error().message.empty());
+  }
+}
+
+TEST(ClientMessage, GarbageIsCorruptData) {
+  for (const std::string& bytes :
+       {std::string(100, '\xff'), std::string("GET / HTTP/1.1\r\n\r\n"), std::string("\x0a\xff\xff\xff\xff\x0f", 6)}) {
+    const auto message = parse_client_message(bytes, kLimit);
+    ASSERT_FALSE(message.ok());
+    EXPECT_EQ(message.error().code, ErrorCode::kCorruptData);
+  }
+}
+
+TEST(ClientMessage, TextThatIsNotUtf8IsCorruptData) {
+  // hello { client: "\xff\xfe" } by hand: our own writer would not do it.
+  const auto message = parse_client_message(std::string("\x0a\x04\x12\x02\xff\xfe", 6), kLimit);
+  ASSERT_FALSE(message.ok());
+  EXPECT_EQ(message.error().code, ErrorCode::kCorruptData);
+  EXPECT_THAT(message.error().message, HasSubstr("UTF-8"));
+}
+
+TEST(ClientMessage, LongOrUnprintableTextsAreNamed) {
+  EXPECT_THAT(error_of([](StartScan& start) { start.title.assign(201, 'x'); }).message, HasSubstr("start_scan.title has 201 bytes"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.title = "two\nlines"; }).message, HasSubstr("start_scan.title"));
+  EXPECT_TRUE(round_trip(Hello{0, "c", std::string(256, 't'), ViewScan{"a"}}).ok());
+  EXPECT_THAT(round_trip(Hello{0, "c", std::string(257, 't'), ViewScan{"a"}}).error().message, HasSubstr("hello.token"));
+  EXPECT_THAT(round_trip(Hello{0, std::string(201, 'c'), "t", ViewScan{"a"}}).error().message, HasSubstr("hello.client"));
+  EXPECT_THAT(round_trip(Hello{0, "c", "t", ViewScan{std::string(65, 'a')}}).error().message, HasSubstr("view_scan.scan_id"));
+}
+
+TEST(ClientMessage, ACameraThatCannotBeIsNamed) {
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.width = 63; }).message, HasSubstr("camera.width is 63"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.height = 100000; }).message, HasSubstr("camera.height"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.width = -1; }).message, HasSubstr("camera.width"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.fx = std::nan(""); }).message, HasSubstr("camera.fx"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.fy = -525; }).message, HasSubstr("camera.fy"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.cx = 1e9; }).message, HasSubstr("camera.cx"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.depth_units_per_metre = std::numeric_limits<double>::infinity(); }).message,
+              HasSubstr("camera.depth_units_per_metre"));
+}
+
+TEST(ClientMessage, CodecsOfTheFutureAreSkippedButOneMustBeKnown) {
+  StartScan start = good_start();
+  start.depth_codecs = {static_cast<DepthCodec>(77), DepthCodec::kRvlZstd};
+  const auto message = round_trip(hello_with(start));
+  ASSERT_TRUE(message.ok());
+  EXPECT_EQ(std::get<StartScan>(std::get<Hello>(*message).role).depth_codecs, std::vector<DepthCodec>{DepthCodec::kRvlZstd});
+  const Error unknown = error_of([](StartScan& changed) { changed.depth_codecs = {static_cast<DepthCodec>(77)}; });
+  EXPECT_EQ(unknown.code, ErrorCode::kUnsupported);
+  EXPECT_THAT(unknown.message, HasSubstr("start_scan.depth_codecs"));
+  EXPECT_THAT(error_of([](StartScan& changed) { changed.color_codecs.clear(); }).message, HasSubstr("start_scan.color_codecs"));
+  EXPECT_THAT(error_of([](StartScan& changed) { changed.color_codecs.assign(17, ColorCodec::kPng); }).message, HasSubstr("17 entries"));
+}
+
+TEST(ClientMessage, ModeAndSettingsAreBounded) {
+  EXPECT_THAT(error_of([](StartScan& start) { start.mode = static_cast<Mode>(0); }).message, HasSubstr("start_scan.mode is 0"));
+  EXPECT_THAT(error_of([](StartScan& start) {
+                for (int i = 0; i < 65; ++i) start.settings["key" + std::to_string(i)] = "1";
+              }).message,
+              HasSubstr("allowed are 64"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.settings["k"].assign(201, '1'); }).message, HasSubstr("start_scan.settings[k]"));
+}
+
+TEST(ClientMessage, AHelloWithoutARoleSaysWhatIsMissing) {
+  // hello { client: "a" }
+  const auto message = parse_client_message(std::string("\x0a\x03\x12\x01"
+                                                        "a",
+                                                        5),
+                                            kLimit);
+  ASSERT_FALSE(message.ok());
+  EXPECT_EQ(message.error().code, ErrorCode::kUnsupported);
+  EXPECT_THAT(message.error().message, HasSubstr("hello.role"));
+}
+
+}  // namespace
+}  // namespace hermite::wire

@@ -1,0 +1,102 @@
+#include "server/store/data_directory.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "server/store/scan_id.h"
+#include "tests/support/temporary_folder.h"
+
+namespace hermite {
+namespace {
+
+using testing::HasSubstr;
+
+std::string words_of_open(const std::string& path) {
+  try {
+    DataDirectory directory(path);
+  } catch (const SetupError& error) {
+    return error.what();
+  }
+  return "opened";
+}
+
+int mode_of(const std::string& path) {
+  struct stat status {};
+  return stat(path.c_str(), &status) == 0 ? static_cast<int>(status.st_mode & 0777) : -1;
+}
+
+TEST(DataDirectory, MakesAPrivateTokenAndKeepsIt) {
+  const test::TemporaryFolder folder;
+  std::string token;
+  {
+    const DataDirectory directory(folder / "data");
+    token = directory.token();
+  }
+  EXPECT_EQ(token.size(), 64u);
+  EXPECT_EQ(mode_of(folder / "data/token"), 0600);
+  EXPECT_EQ(mode_of(folder / "data"), 0700);
+  const DataDirectory again(folder / "data");
+  EXPECT_EQ(again.token(), token);
+}
+
+TEST(DataDirectory, MakesATokenThatOthersCouldReadPrivateAgain) {
+  const test::TemporaryFolder folder;
+  { const DataDirectory directory(folder / "data"); }
+  chmod((folder / "data/token").c_str(), 0644);
+  const DataDirectory again(folder / "data");
+  EXPECT_EQ(mode_of(folder / "data/token"), 0600);
+}
+
+TEST(DataDirectory, IsOneServersAlone) {
+  const test::TemporaryFolder folder;
+  {
+    const DataDirectory first(folder / "data");
+    EXPECT_THAT(words_of_open(folder / "data"), HasSubstr("another server"));
+  }
+  EXPECT_EQ(words_of_open(folder / "data"), "opened");
+}
+
+TEST(DataDirectory, RefusesATokenFileWithoutAToken) {
+  const test::TemporaryFolder folder;
+  for (const std::string& text : {std::string(), std::string("short\n"), std::string(64, 'G'), std::string(65, 'a')}) {
+    std::filesystem::create_directories(folder / "data");
+    std::ofstream(folder / "data/token", std::ios::trunc) << text;
+    EXPECT_THAT(words_of_open(folder / "data"), HasSubstr("token")) << text;
+  }
+}
+
+TEST(DataDirectory, SaysWhatCannotBeCreated) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "file") << "x";
+  EXPECT_THAT(words_of_open(folder / "file/data"), HasSubstr("file/data"));
+}
+
+TEST(DataDirectory, CreatesAndRemovesAScansFolder) {
+  const test::TemporaryFolder folder;
+  const DataDirectory directory(folder / "data");
+  const std::string id = new_scan_id();
+  ASSERT_TRUE(directory.create_scan_folder(id).ok());
+  std::ofstream(directory.scan_folder(id) + "/cloud.ply") << "x";
+  EXPECT_FALSE(directory.create_scan_folder(id).ok());
+  ASSERT_TRUE(directory.remove_scan_folder(id).ok());
+  EXPECT_FALSE(std::filesystem::exists(directory.scan_folder(id)));
+}
+
+TEST(DataDirectoryDeathTest, MakesNoPathFromAnythingButAnId) {
+  const test::TemporaryFolder folder;
+  const DataDirectory directory(folder / "data");
+  EXPECT_DEATH(directory.scan_folder("../../etc"), "no scan id");
+}
+
+TEST(FreeBytes, OfAFolderAndOfNone) {
+  const test::TemporaryFolder folder;
+  EXPECT_GT(*free_bytes(folder.path()), 0u);
+  EXPECT_EQ(free_bytes(folder / "none").error().code, ErrorCode::kIo);
+}
+
+}  // namespace
+}  // namespace hermite
