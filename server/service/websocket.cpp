@@ -160,7 +160,9 @@ asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, Scans
   error_code error;
   const std::string words = format_error(read.wrong->error);
   co_await write(*connection, words, error);
-  if (!error) co_await close(*connection, {read.wrong->code, read.wrong->error.message});
+  // A named value: GCC 12 destroys a temporary made of braces twice when it is an argument of co_await.
+  const Closing closing{read.wrong->code, read.wrong->error.message};
+  if (!error) co_await close(*connection, closing);
 }
 
 }  // namespace
