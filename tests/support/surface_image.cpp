@@ -1,0 +1,87 @@
+#include "tests/support/surface_image.h"
+
+#include <algorithm>
+
+#include "tests/support/packing.h"
+
+namespace hermite::test {
+
+SurfaceImage::SurfaceImage(const shared::Intrinsics& intrinsics)
+    : camera(intrinsics),
+      depth_m(static_cast<std::size_t>(camera.width) * camera.height),
+      normals(depth_m.size(), Eigen::Vector3d::Zero()),
+      curvatures(depth_m.size(), Eigen::Vector2d::Zero()),
+      weight(depth_m.size()),
+      intensity(depth_m.size(), -1.0f) {}
+
+Eigen::Vector3d SurfaceImage::ray(int x, int y) const {
+  return {(x - static_cast<double>(camera.cx)) / static_cast<double>(camera.fx),
+          (y - static_cast<double>(camera.cy)) / static_cast<double>(camera.fy), 1};
+}
+
+std::vector<Eigen::Vector3d> unpack_normals(const std::vector<shared::uint>& packed) {
+  std::vector<Eigen::Vector3d> normals(packed.size());
+  std::transform(packed.begin(), packed.end(), normals.begin(), unpack_normal);
+  return normals;
+}
+
+SurfaceImage download(const SurfaceLevel& level) {
+  SurfaceImage image(level.camera);
+  image.depth_m = level.depth_m.download();
+  image.normals = unpack_normals(level.normals.download());
+  const std::vector<shared::uint> curvatures = level.curvatures.download();
+  std::transform(curvatures.begin(), curvatures.end(), image.curvatures.begin(), unpack_halves);
+  image.weight = level.weight.download();
+  image.intensity = level.intensity.download();
+  return image;
+}
+
+void upload(const SurfaceImage& image, SurfaceLevel& level) {
+  std::vector<shared::uint> words(image.size());
+  level.depth_m.upload(image.depth_m);
+  std::transform(image.normals.begin(), image.normals.end(), words.begin(), pack_normal);
+  level.normals.upload(words);
+  std::transform(image.curvatures.begin(), image.curvatures.end(), words.begin(),
+                 [](const Eigen::Vector2d& k) { return pack_halves(k.x(), k.y()); });
+  level.curvatures.upload(words);
+  level.weight.upload(image.weight);
+  level.intensity.upload(image.intensity);
+}
+
+FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera) {
+  const std::size_t pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+  FrameMaps maps{.raw_depth_m = {device, pixels, "test"},
+                 .filtered_depth_m = {device, pixels, "test"},
+                 .first_normals = {device, pixels, "test"},
+                 .color = {device, pixels, "test"},
+                 .surface = make_surface_pyramid(device, camera, "test"),
+                 .gradients = {}};
+  for (std::size_t level = 0; level < maps.gradients.size(); ++level)
+    maps.gradients[level] = {device, maps.surface.levels[level].intensity.count(), "test"};
+  return maps;
+}
+
+void upload(const std::vector<Surfel>& surfels, SurfelStore& store) {
+  store.reserve(static_cast<std::uint32_t>(surfels.size()));
+  std::vector<shared::vec4> positions;
+  std::vector<shared::SurfelAttributes> attributes;
+  std::vector<shared::uvec2> times;
+  std::vector<shared::uint> free;
+  for (const Surfel& s : surfels) {
+    if (s.confidence <= 0) free.push_back(static_cast<shared::uint>(positions.size()));
+    positions.push_back({s.position_in_submap_m.x(), s.position_in_submap_m.y(), s.position_in_submap_m.z(), s.confidence});
+    attributes.push_back({pack_unit(s.normal_in_submap.cast<double>()), float_to_half(static_cast<double>(s.radius_m)) | (s.submap << 16),
+                          static_cast<shared::uint>(s.r | (s.g << 8) | (s.b << 16)),
+                          pack_halves(static_cast<double>(s.curvature_max_per_m), static_cast<double>(s.curvature_min_per_m))});
+    times.push_back({s.created_frame, s.observed_frame});
+  }
+  store.positions.upload(positions);
+  store.attributes.upload(attributes);
+  store.times.upload(times);
+  store.free_slots.upload(free);
+  store.state.upload(std::vector<shared::MapState>{{static_cast<shared::uint>(surfels.size()), static_cast<shared::uint>(free.size()), 0}});
+}
+
+std::vector<std::uint32_t> free_slots(const SurfelStore& store) { return store.free_slots.download(store.state.mapped()[0].free_count); }
+
+}  // namespace hermite::test
