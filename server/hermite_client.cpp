@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <charconv>
+#include <chrono>
 #include <csignal>
 #include <iostream>
 #include <map>
@@ -131,6 +132,24 @@ Result<std::string> complete_report(const StreamOutcome& outcome, const Sequence
 
 void on_signal(int) { interrupts.fetch_add(1); }
 
+// 0, 1 or 2: whether somebody wants an end, and then whether somebody insists. Signals within a second of the first are the same wish:
+// wrappers pass on what the terminal has sent to everyone already.
+class InterruptCounter {
+ public:
+  int count() {
+    const int signals = interrupts.load();
+    if (signals == 0) return 0;
+    const auto now = std::chrono::steady_clock::now();
+    if (!first_) first_ = now;
+    if (now - *first_ < std::chrono::seconds(1)) first_wish_ = signals;
+    return signals > first_wish_ ? 2 : 1;
+  }
+
+ private:
+  std::optional<std::chrono::steady_clock::time_point> first_;
+  int first_wish_ = 1;
+};
+
 int run_stream(const StreamArguments& arguments) {
   const auto sequence = open_with_camera(arguments);
   if (!sequence.ok()) return fail(kFailed, sequence.error().message);
@@ -140,14 +159,15 @@ int run_stream(const StreamArguments& arguments) {
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
   ProgressPrinter printer(std::cerr, isatty(STDERR_FILENO) != 0);
+  InterruptCounter wishes;
   bool told_interrupt = false;
   StreamObserver observer;
-  observer.interrupt_count = [] { return interrupts.load(); };
+  observer.interrupt_count = [&] { return wishes.count(); };
   observer.on_problem = [&](const std::string& words) { printer.line(words); };
   observer.on_progress = [&](const StreamProgress& progress) {
-    if (interrupts.load() > 0 && !told_interrupt)
+    if (wishes.count() > 0 && !told_interrupt)
       printer.line("interrupted: waiting for the result of the frames sent so far; again to give up");
-    told_interrupt = interrupts.load() > 0;
+    told_interrupt = wishes.count() > 0;
     printer.show(progress);
   };
   const auto outcome = stream_sequence(**sequence, *request, observer);

@@ -1,6 +1,7 @@
 #include "server/client/progress.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <ostream>
@@ -21,6 +22,9 @@ std::string format(const char* pattern, ...) {
   va_end(arguments);
   return text;
 }
+
+// To centimetres, without a "-0.00".
+double rounded(double length_m) { return std::round(length_m * 100) / 100 + 0.0; }
 
 std::string count_of(std::uint64_t count, const char* words) {
   return count == 0 ? std::string() : "  " + std::to_string(count) + " " + words;
@@ -61,7 +65,7 @@ std::string format_progress(const StreamProgress& progress) {
                      format("  %.1f fps  %.1f Mbit/s", processed_per_s, sent_Mbit_per_s(progress));
   if (progress.last_result) {
     const auto& position_m = progress.last_result->world_from_camera.translation;
-    text += format("  position %.2f %.2f %.2f m", position_m.x(), position_m.y(), position_m.z());
+    text += format("  position %.2f %.2f %.2f m", rounded(position_m.x()), rounded(position_m.y()), rounded(position_m.z()));
     text += progress.last_result->tracked ? "  tracked" : "  LOST";
   }
   text += count_of(progress.dropped_frames + progress.server_dropped_frames, "dropped");

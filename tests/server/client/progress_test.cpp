@@ -20,12 +20,12 @@ StreamProgress half_way() {
   progress.elapsed_s = 20;
   progress.last_result = wire::FrameResult{};
   progress.last_result->tracked = true;
-  progress.last_result->world_from_camera.translation = {0.125, -1, 2};
+  progress.last_result->world_from_camera.translation = {0.126, -0.001, 2};
   return progress;
 }
 
 TEST(Progress, SaysHowFarHowFastWhereAndHowLong) {
-  EXPECT_EQ(format_progress(half_way()), "frame 50/100 (sent 54)  2.5 fps  10.0 Mbit/s  position 0.12 -1.00 2.00 m  tracked  20 s left");
+  EXPECT_EQ(format_progress(half_way()), "frame 50/100 (sent 54)  2.5 fps  10.0 Mbit/s  position 0.13 0.00 2.00 m  tracked  20 s left");
 }
 
 TEST(Progress, LostFramesDropsAndProblemsShow) {
