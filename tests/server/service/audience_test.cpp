@@ -1,0 +1,184 @@
+#include "server/service/audience.h"
+
+#include <gtest/gtest.h>
+
+#include <variant>
+
+#include "proto/wire/server_message.h"
+
+namespace hermite {
+namespace {
+
+ChunkUpdate chunk(std::int16_t x, std::uint64_t version, std::size_t bytes = 100) {
+  wire::Chunk message{{0, 0, x, 0, 0}, version, bytes == 0 ? 0u : 10u, std::string(bytes, 'd')};
+  return {{0, 0, x, 0, 0}, bytes == 0, std::make_shared<const std::string>(wire::format_server_message(std::move(message)))};
+}
+
+ModelUpdate model(std::vector<ChunkUpdate> chunks) { return {std::move(chunks), {{{0, Rigid3{}}}}}; }
+
+std::shared_ptr<Audience> empty_audience() { return std::make_shared<Audience>(SceneInfo{"id", "title", {}}); }
+
+struct Joined {
+  int woken = 0;
+  std::unique_ptr<Viewer> viewer;
+  explicit Joined(const std::shared_ptr<Audience>& audience) {
+    auto result = Audience::join(audience, [this] { ++woken; });
+    if (result.ok()) viewer = *std::move(result);
+  }
+};
+
+wire::ServerMessage parsed(const SharedBytes& bytes) { return *wire::parse_server_message(*bytes); }
+
+// Everything there is to send, with every byte acknowledged at once.
+std::vector<wire::ServerMessage> take_all(Viewer& viewer) {
+  std::vector<wire::ServerMessage> messages;
+  std::uint64_t bytes = 0;
+  while (const SharedBytes message = viewer.next()) {
+    messages.push_back(parsed(message));
+    bytes += message->size();
+    viewer.acknowledge(bytes).ok();
+  }
+  return messages;
+}
+
+template <class Body>
+std::vector<Body> only(const std::vector<wire::ServerMessage>& messages) {
+  std::vector<Body> bodies;
+  for (const wire::ServerMessage& message : messages)
+    if (const Body* body = std::get_if<Body>(&message)) bodies.push_back(*body);
+  return bodies;
+}
+
+TEST(Audience, ALateViewerGetsEverythingAndThenTheEndOfTheSnapshot) {
+  const auto audience = empty_audience();
+  audience->show_state({});
+  wire::FrameResult result;
+  result.world_from_camera.translation = {1, 2, 3};
+  audience->show_result(result);
+  audience->show_result(result);
+  audience->show_model(model({chunk(0, 1), chunk(1, 2), chunk(2, 3, 0)}));
+  Joined joined(audience);
+  const auto messages = take_all(*joined.viewer);
+  EXPECT_EQ(only<wire::ScanState>(messages).size(), 1u);
+  EXPECT_EQ(only<wire::SubmapPoses>(messages).size(), 1u);
+  EXPECT_EQ(only<wire::FrameResult>(messages).size(), 1u) << "the latest only";
+  ASSERT_EQ(only<wire::TrajectoryPart>(messages).size(), 1u);
+  EXPECT_EQ(only<wire::TrajectoryPart>(messages)[0].positions_m, (std::vector<float>{1, 2, 3, 1, 2, 3}));
+  EXPECT_EQ(only<wire::Chunk>(messages).size(), 2u) << "an empty chunk is nothing to a newcomer";
+  EXPECT_TRUE(std::holds_alternative<wire::SnapshotEnd>(messages.back()));
+}
+
+TEST(Audience, TheSnapshotOfAnEmptyScanEndsAtOnce) {
+  const auto audience = empty_audience();
+  Joined joined(audience);
+  const auto messages = take_all(*joined.viewer);
+  ASSERT_EQ(messages.size(), 1u);
+  EXPECT_TRUE(std::holds_alternative<wire::SnapshotEnd>(messages[0]));
+}
+
+TEST(Audience, ASlowViewerGetsTheNewestOfEverythingOnce) {
+  const auto audience = empty_audience();
+  Joined joined(audience);
+  take_all(*joined.viewer);
+  for (std::uint64_t i = 1; i <= 100; ++i) {
+    wire::FrameResult result;
+    result.sequence = i;
+    audience->show_result(result);
+    audience->show_model(model({chunk(0, i)}));
+  }
+  const auto messages = take_all(*joined.viewer);
+  ASSERT_EQ(only<wire::FrameResult>(messages).size(), 1u);
+  EXPECT_EQ(only<wire::FrameResult>(messages)[0].sequence, 100u);
+  ASSERT_EQ(only<wire::Chunk>(messages).size(), 1u);
+  EXPECT_EQ(only<wire::Chunk>(messages)[0].version, 100u);
+  EXPECT_GE(joined.woken, 200);
+}
+
+TEST(Audience, ARemovedChunkIsTold) {
+  const auto audience = empty_audience();
+  audience->show_model(model({chunk(0, 1)}));
+  Joined joined(audience);
+  take_all(*joined.viewer);
+  audience->show_model(model({chunk(0, 2, 0)}));
+  const auto chunks = only<wire::Chunk>(take_all(*joined.viewer));
+  ASSERT_EQ(chunks.size(), 1u);
+  EXPECT_EQ(chunks[0].point_count, 0u);
+}
+
+TEST(Audience, UnacknowledgedBytesAreBoundedForChunksAndNotForPoses) {
+  const auto audience = empty_audience();
+  std::vector<ChunkUpdate> chunks;
+  for (std::int16_t x = 0; x < 100; ++x) chunks.push_back(chunk(x, 1, 100'000));
+  audience->show_model(model(std::move(chunks)));
+  Joined joined(audience);
+  std::uint64_t sent_bytes = 0;
+  while (const SharedBytes message = joined.viewer->next()) sent_bytes += message->size();
+  EXPECT_LE(sent_bytes, kMaxUnackedBytes);
+  EXPECT_GT(sent_bytes, kMaxUnackedBytes - 200'000);
+  audience->show_result({});
+  const SharedBytes pose = joined.viewer->next();
+  ASSERT_TRUE(pose);
+  EXPECT_TRUE(std::holds_alternative<wire::FrameResult>(parsed(pose)));
+  EXPECT_FALSE(joined.viewer->next());
+  ASSERT_TRUE(joined.viewer->acknowledge(sent_bytes).ok());
+  EXPECT_TRUE(joined.viewer->next());
+}
+
+TEST(Audience, AnAcknowledgementOfMoreThanWasSentIsRefused) {
+  const auto audience = empty_audience();
+  Joined joined(audience);
+  const std::uint64_t sent_bytes = joined.viewer->next()->size();
+  EXPECT_TRUE(joined.viewer->acknowledge(sent_bytes).ok());
+  EXPECT_TRUE(joined.viewer->acknowledge(0).ok()) << "an old one is no harm";
+  const Status status = joined.viewer->acknowledge(sent_bytes + 1);
+  ASSERT_FALSE(status.ok());
+  EXPECT_EQ(status.error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST(Audience, ChunksThatChangeAllTheTimeDoNotKeepOthersBack) {
+  const auto audience = empty_audience();
+  audience->show_model(model({chunk(0, 1), chunk(1, 1), chunk(2, 1)}));
+  Joined joined(audience);
+  bool snapshot_ended = false;
+  std::uint64_t bytes = 0;
+  for (std::uint64_t round = 2; round < 30 && !snapshot_ended; ++round) {
+    audience->show_model(model({chunk(0, round)}));
+    const SharedBytes message = joined.viewer->next();
+    bytes += message->size();
+    joined.viewer->acknowledge(bytes).ok();
+    snapshot_ended = std::holds_alternative<wire::SnapshotEnd>(parsed(message));
+    if (std::holds_alternative<wire::SubmapPoses>(parsed(message))) {
+      const SharedBytes next = joined.viewer->next();
+      bytes += next->size();
+      snapshot_ended = std::holds_alternative<wire::SnapshotEnd>(parsed(next));
+    }
+  }
+  EXPECT_TRUE(snapshot_ended);
+}
+
+TEST(Audience, HasAtMostItsViewersAndAPlaceIsFreeAfterOneLeaves) {
+  const auto audience = empty_audience();
+  std::vector<std::unique_ptr<Joined>> all;
+  for (int i = 0; i < kMaxViewersPerScan; ++i) all.push_back(std::make_unique<Joined>(audience));
+  auto refused = Audience::join(audience, [] {});
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kBusy);
+  all.pop_back();
+  EXPECT_TRUE(Audience::join(audience, [] {}).ok());
+}
+
+TEST(Audience, AViewerIsCompleteWhenTheScanHasEndedAndAllIsSent) {
+  const auto audience = empty_audience();
+  audience->show_model(model({chunk(0, 1)}));
+  Joined joined(audience);
+  take_all(*joined.viewer);
+  EXPECT_FALSE(joined.viewer->complete());
+  audience->show_state({wire::ScanPhase::kFinished, "", 1, 1, 0});
+  audience->close();
+  EXPECT_FALSE(joined.viewer->complete()) << "the last state is not sent yet";
+  take_all(*joined.viewer);
+  EXPECT_TRUE(joined.viewer->complete());
+}
+
+}  // namespace
+}  // namespace hermite

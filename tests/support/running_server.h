@@ -1,0 +1,44 @@
+// A real server on a free port, on a thread of this process. Header only.
+#pragma once
+
+#include <string>
+#include <thread>
+
+#include "server/service/service.h"
+
+namespace hermite::test {
+
+inline ServiceOptions test_options(const std::string& data_folder) {
+  ServiceOptions options;
+  options.listen = "127.0.0.1:0";
+  options.data_folder = data_folder;
+  options.stop_on_signals = false;
+  return options;
+}
+
+class RunningServer {
+ public:
+  explicit RunningServer(const ServiceOptions& options) : service_(options), thread_([this] { ended_in_time_ = service_.run(); }) {}
+  ~RunningServer() { stop(); }
+  RunningServer(const RunningServer&) = delete;
+  RunningServer& operator=(const RunningServer&) = delete;
+
+  // Waits for the end; whether all scans ended in time.
+  bool stop() {
+    if (thread_.joinable()) {
+      service_.stop();
+      thread_.join();
+    }
+    return ended_in_time_;
+  }
+
+  int port() const { return std::stoi(service_.url().substr(service_.url().rfind(':') + 1)); }
+  const std::string& token() const { return service_.token(); }
+
+ private:
+  Service service_;
+  bool ended_in_time_ = false;
+  std::thread thread_;
+};
+
+}  // namespace hermite::test
