@@ -1,20 +1,21 @@
 // The client against the real server, in one process.
 #include "server/client/stream.h"
 
-#include <unistd.h>
-
 #include <atomic>
-#include <filesystem>
 #include <memory>
+#include <string>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/output/ply.h"
 #include "core/pipeline/pipeline.h"
+#include "core/pipeline/report.h"
 #include "proto/wire/frame_payload.h"
-#include "server/service/service.h"
+#include "tests/support/running_server.h"
+#include "tests/support/temporary_folder.h"
 
 namespace hermite {
 namespace {
@@ -24,43 +25,19 @@ using Json = nlohmann::json;
 
 constexpr int kFrameCount = 6;
 
-// A server on a free port with an empty data folder, which goes when the test is over.
-class RunningServer {
- public:
-  explicit RunningServer(int credit_window = 16) : folder_(make_folder()), service_(options(folder_, credit_window)) {
-    thread_ = std::thread([this] { service_.run(); });
-  }
-  ~RunningServer() {
-    service_.stop();
-    thread_.join();
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
-  void stop() { service_.stop(); }
-  ServerUrl url() const {
-    ServerUrl url = *parse_server_url(service_.url());
-    url.token = service_.token();
-    return url;
-  }
+// A server with a data folder of its own, which goes when the test is over.
+struct TestServer {
+  explicit TestServer(int credit_window = 16) : server(options(folder.path(), credit_window)) {}
+  ServerUrl url() const { return {"127.0.0.1", static_cast<std::uint16_t>(server.port()), server.token()}; }
 
- private:
-  static std::string make_folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "hermite_stream_test_XXXXXX").string();
-    if (!mkdtemp(name.data())) ADD_FAILURE() << "no temporary folder " << name;
-    return name;
-  }
-  static ServiceOptions options(const std::string& folder, int credit_window) {
-    ServiceOptions options;
-    options.listen = "127.0.0.1:0";
-    options.data_folder = folder;
+  static ServiceOptions options(const std::string& data_folder, int credit_window) {
+    ServiceOptions options = test::test_options(data_folder);
     options.credit_window = credit_window;
-    options.stop_on_signals = false;
     return options;
   }
 
-  std::string folder_;
-  Service service_;
-  std::thread thread_;
+  test::TemporaryFolder folder;
+  test::RunningServer server;
 };
 
 // Another sequence, one of whose frames cannot be read, as when a file is missing.
@@ -88,25 +65,38 @@ std::unique_ptr<Sequence> synthetic_room() {
   return *open_sequence("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
 }
 
-StreamRequest request_for(const RunningServer& server, const Sequence& sequence) {
+StreamRequest request_for(const TestServer& server, const Sequence& sequence) {
   StreamRequest request;
   request.server = server.url();
   request.title = "a test";
   request.frames = {0, sequence.frame_count()};
+  request.settings = {{"output.unstable", "true"}};  // a few frames make no stable surfels
   return request;
 }
 
-// The trajectory of a run without a server.
-std::string local_trajectory(const Sequence& sequence) {
-  Pipeline pipeline("", sequence.camera(), {});
+struct Expected {
+  std::string trajectory_tum;
+  std::string cloud_sha256;
+};
+
+// What a run without a server gives.
+Expected local_run(const Sequence& sequence) {
+  Options options;
+  options.output_unstable = true;
+  Pipeline pipeline("", sequence.camera(), options);
   for (std::int64_t index = 0; index < sequence.frame_count(); ++index) {
     auto recorded = sequence.read(index);
     const RgbdFrame frame =
         recorded.ok() ? *decode_frame(*std::move(recorded)) : wire::empty_frame(sequence.timestamp_s(index), sequence.camera());
     EXPECT_TRUE(pipeline.process(frame).ok());
   }
-  return format_tum_trajectory(pipeline.trajectory());
+  const Cloud cloud = *pipeline.cloud();
+  EXPECT_FALSE(cloud.empty());
+  const RunReport report{pipeline.statistics(), options, format_tum_trajectory(pipeline.trajectory()), format_ply(cloud)};
+  return {report.trajectory_text, Json::parse(format_report_json(report, {}, {}))["cloud_sha256"].get<std::string>()};
 }
+
+std::string cloud_sha256(const StreamOutcome& outcome) { return Json::parse(outcome.report_json)["cloud_sha256"].get<std::string>(); }
 
 std::int64_t pose_count(const std::string& trajectory_tum) {
   return static_cast<std::int64_t>(parse_tum_trajectory(trajectory_tum)->size());
@@ -114,12 +104,13 @@ std::int64_t pose_count(const std::string& trajectory_tum) {
 
 TEST(Stream, GivesWhatALocalRunGivesForAnyCreditWindow) {
   const auto sequence = synthetic_room();
-  const std::string expected = local_trajectory(*sequence);
+  const Expected expected = local_run(*sequence);
   for (const int credit_window : {1, 3, 16}) {
-    const RunningServer server(credit_window);
+    const TestServer server(credit_window);
     const auto outcome = stream_sequence(*sequence, request_for(server, *sequence), {});
     ASSERT_TRUE(outcome.ok()) << outcome.error().message;
-    EXPECT_EQ(outcome->trajectory_tum, expected) << "credit window " << credit_window;
+    EXPECT_EQ(cloud_sha256(*outcome), expected.cloud_sha256);
+    EXPECT_EQ(outcome->trajectory_tum, expected.trajectory_tum) << "credit window " << credit_window;
     EXPECT_EQ(outcome->progress.sent_frames, kFrameCount);
     EXPECT_EQ(outcome->progress.processed_frames, kFrameCount);
     EXPECT_EQ(outcome->progress.dropped_frames, 0u);
@@ -132,33 +123,31 @@ TEST(Stream, GivesWhatALocalRunGivesForAnyCreditWindow) {
 
 TEST(Stream, TwoScansAtOnceAreTheSameAsOne) {
   const auto sequence = synthetic_room();
-  const std::string expected = local_trajectory(*sequence);
-  const RunningServer server(2);
-  std::string hashes[2];
-  const auto stream = [&](std::string& hash) {
+  const Expected expected = local_run(*sequence);
+  const TestServer server(2);
+  const auto stream = [&] {
     const auto outcome = stream_sequence(*sequence, request_for(server, *sequence), {});
     ASSERT_TRUE(outcome.ok()) << outcome.error().message;
-    EXPECT_EQ(outcome->trajectory_tum, expected);
-    hash = Json::parse(outcome->report_json)["cloud_sha256"].get<std::string>();
+    EXPECT_EQ(outcome->trajectory_tum, expected.trajectory_tum);
+    EXPECT_EQ(cloud_sha256(*outcome), expected.cloud_sha256);
   };
-  std::thread other([&] { stream(hashes[0]); });
-  stream(hashes[1]);
+  std::thread other(stream);
+  stream();
   other.join();
-  EXPECT_NE(hashes[0], "");
-  EXPECT_EQ(hashes[0], hashes[1]);
 }
 
 TEST(Stream, AFrameThatCannotBeReadStillHasItsLineAndIsReported) {
   const auto whole = synthetic_room();
   const WithAHole sequence(*whole, 2);
-  const std::string expected = local_trajectory(sequence);
-  const RunningServer server;
+  const Expected expected = local_run(sequence);
+  const TestServer server;
   std::vector<std::string> problems;
   StreamObserver observer;
   observer.on_problem = [&](const std::string& words) { problems.push_back(words); };
   const auto outcome = stream_sequence(sequence, request_for(server, sequence), observer);
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
-  EXPECT_EQ(outcome->trajectory_tum, expected);
+  EXPECT_EQ(outcome->trajectory_tum, expected.trajectory_tum);
+  EXPECT_EQ(cloud_sha256(*outcome), expected.cloud_sha256);
   EXPECT_EQ(pose_count(outcome->trajectory_tum), kFrameCount);
   EXPECT_THAT(problems, testing::ElementsAre(HasSubstr("frame 2: the file is gone")));
   EXPECT_EQ(outcome->progress.problem_frames, 1u);
@@ -166,7 +155,7 @@ TEST(Stream, AFrameThatCannotBeReadStillHasItsLineAndIsReported) {
 
 TEST(Stream, ALiveCameraAccountsForEveryFrame) {
   const auto sequence = synthetic_room();
-  const RunningServer server(1);
+  const TestServer server(1);
   StreamRequest request = request_for(server, *sequence);
   request.pacing = {.rate_hz = 1000, .newest_wins = true};
   const auto outcome = stream_sequence(*sequence, request, {});
@@ -179,7 +168,7 @@ TEST(Stream, ALiveCameraAccountsForEveryFrame) {
 
 TEST(Stream, AWrongTokenIsSaidInWords) {
   const auto sequence = synthetic_room();
-  const RunningServer server;
+  const TestServer server;
   StreamRequest request = request_for(server, *sequence);
   request.server.token = "not the token";
   const auto outcome = stream_sequence(*sequence, request, {});
@@ -192,7 +181,7 @@ TEST(Stream, AServerThatIsNotThereIsSaidInWords) {
   const auto sequence = synthetic_room();
   StreamRequest request;
   {
-    const RunningServer gone;
+    const TestServer gone;
     request = request_for(gone, *sequence);
   }
   const auto outcome = stream_sequence(*sequence, request, {});
@@ -202,7 +191,7 @@ TEST(Stream, AServerThatIsNotThereIsSaidInWords) {
 
 TEST(Stream, ASettingThatTheServerRefusesIsNamed) {
   const auto sequence = synthetic_room();
-  const RunningServer server;
+  const TestServer server;
   StreamRequest request = request_for(server, *sequence);
   request.settings = {{"no.such_setting", "1"}};
   const auto outcome = stream_sequence(*sequence, request, {});
@@ -212,7 +201,7 @@ TEST(Stream, ASettingThatTheServerRefusesIsNamed) {
 
 TEST(Stream, AnInterruptFinishesWithTheFramesSentSoFar) {
   const auto sequence = synthetic_room();
-  const RunningServer server(1);
+  const TestServer server(1);
   std::atomic<int> interrupts{0};
   StreamObserver observer;
   observer.interrupt_count = [&] { return interrupts.load(); };
@@ -228,7 +217,7 @@ TEST(Stream, AnInterruptFinishesWithTheFramesSentSoFar) {
 
 TEST(Stream, ASecondInterruptGivesUp) {
   const auto sequence = synthetic_room();
-  const RunningServer server(1);
+  const TestServer server(1);
   std::atomic<int> interrupts{0};
   StreamObserver observer;
   observer.interrupt_count = [&] { return interrupts.load(); };
@@ -240,10 +229,10 @@ TEST(Stream, ASecondInterruptGivesUp) {
 
 TEST(Stream, AServerThatStopsSaysWhy) {
   const auto sequence = synthetic_room();
-  RunningServer server(1);
+  TestServer server(1);
   StreamObserver observer;
   observer.on_progress = [&](const StreamProgress& progress) {
-    if (progress.processed_frames >= 1) server.stop();
+    if (progress.processed_frames >= 1) server.server.stop();
   };
   const auto outcome = stream_sequence(*sequence, request_for(server, *sequence), observer);
   ASSERT_FALSE(outcome.ok());
