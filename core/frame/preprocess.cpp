@@ -7,6 +7,10 @@ namespace hermite {
 
 namespace {
 
+// The paper's epsilon "reflects the resolution" of a Kinect v1. The gradient falls with the pixels' footprint, so epsilon follows the focal
+// length: otherwise the same surface would be worth less to a coarser camera, and a small image would never make a stable surfel.
+constexpr double kKinectFocalLength_px = 525;
+
 FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera) {
   const std::size_t pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   FrameMaps maps{{device, pixels, "frame"}, {device, pixels, "frame"}, {device, pixels, "frame"}, {device, pixels, "frame"}, make_surface_pyramid(device, camera, "frame"), {}};
@@ -60,8 +64,8 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
                     {units_, maps_.raw_depth_m, maps_.filtered_depth_m});
   commands.dispatch(normals_, image, shared::NormalParams{camera, 0.5f * depth_gate_m},
                     {maps_.filtered_depth_m, maps_.first_normals});
-  commands.dispatch(surface_, image,
-                    shared::SurfaceParams{camera, static_cast<float>(options_.support_radius_scale), depth_gate_m, static_cast<float>(options_.confidence_epsilon),
+  commands.dispatch(surface_, {(camera.width + 3) / 4, camera.height},  // four pixels an invocation
+                    shared::SurfaceParams{camera, static_cast<float>(options_.support_radius_scale), depth_gate_m, static_cast<float>(options_.confidence_epsilon * camera_.fx / kKinectFocalLength_px),
                                           static_cast<float>(options_.curvature_limit_per_m), options_.hrbf_confidence ? 1u : 0u,
                                           options_.project_to_surface ? 1u : 0u},
                     {maps_.filtered_depth_m, maps_.first_normals, surface.depth_m, surface.normals, surface.curvatures, surface.weight});

@@ -90,7 +90,8 @@ void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& s
                                         static_cast<float>(options_.redundancy_depth_m), static_cast<float>(curvature_limit_per_m_)},
                     {store.positions, store.attributes, store.times, store.camera_from_submap, stable.slots(), store.group_counts, store.state});
   end_counting(commands, store, groups_of(slots), true);
-  commands.dispatch(free_list_, {slots}, {store.positions, store.group_counts, store.state, store.free_slots});
+  commands.dispatch(free_list_, {slots}, shared::FreeListParams{frame_number},
+                    {store.positions, store.group_counts, store.state, store.free_slots, store.times});
 }
 
 }  // namespace hermite

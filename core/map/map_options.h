@@ -12,7 +12,7 @@ struct MapOptions {
   double curvature_lambda_per_m = 10.0;
   double confidence_scale = 1.0 / 256.0;
   int min_support = 7;
-  int max_iterations = 5;
+  int max_iterations = 2;
   double fill_in_below = 0.75;
   double fuse_depth_gate_m = 0.05;
   double fuse_normal_gate_rad = 0.5;

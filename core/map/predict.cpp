@@ -17,7 +17,7 @@ void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const Ind
   const shared::uint pixels = out.camera.width * out.camera.height;
 
   commands.fill(covered_pixel_count_, 0);
-  commands.dispatch(predict_, {out.camera.width, out.camera.height},
+  commands.dispatch(predict_, {(out.camera.width + 3) / 4, out.camera.height},  // four pixels an invocation
                     shared::PredictParams{out.camera, lambda_per_m, confidence_scale, static_cast<shared::uint>(options_.min_support),
                                           static_cast<shared::uint>(options_.max_iterations), options_.correct_bias ? 1u : 0u,
                                           options_.hrbf_prediction ? 1u : 0u},

@@ -65,7 +65,7 @@ const std::vector<Row>& rows() {
       {"map.curvature_lambda_per_m", m(&M::curvature_lambda_per_m), 0, 1e3, "curvature at which tracking weight rises [1/m]"},
       {"map.confidence_scale", m(&M::confidence_scale), 0, 1, "share of surfel confidence in the tracking weight"},
       {"map.min_support", m(&M::min_support), 1, 49, "kernels that must support a predicted point"},
-      {"map.max_iterations", m(&M::max_iterations), 1, 50, "steps along the ray"},
+      {"map.max_iterations", m(&M::max_iterations), 1, 50, "steps along the ray before the solution is judged and refined once more"},
       {"map.fill_in_below", m(&M::fill_in_below), 0, 1.01, "coverage below which the frame's own surface completes the prediction"},
       {"map.fuse_depth_gate_m", m(&M::fuse_depth_gate_m), 0.005, 1, "a measurement and its surfel agree to this along the ray [m]"},
       {"map.fuse_normal_gate_rad", m(&M::fuse_normal_gate_rad), 0.01, 3.2, "and to this in the normal [rad]"},

@@ -6,7 +6,7 @@
 // Normals point away from the camera, so surfaces that bulge towards it have positive curvature.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
-layout(local_size_x = 16, local_size_y = 16) in;
+layout(local_size_x = 8, local_size_y = 16) in;  // four neighbouring pixels an invocation: a kernel is unpacked once for all of them
 layout(scalar, binding = 0) readonly buffer Filtered { float filtered_m[]; };
 layout(scalar, binding = 1) readonly buffer Normals { uint normals[]; };
 layout(scalar, binding = 2) writeonly buffer Depth { float depth_m[]; };
@@ -16,28 +16,37 @@ layout(scalar, binding = 5) writeonly buffer Confidence { float confidence[]; };
 layout(scalar, push_constant) uniform Push { SurfaceParams p; };
 
 const int kRadius = 3;
-const int kTile = 16 + 2 * kRadius;
+const int kTileWidth = 32 + 2 * kRadius;
+const int kTileHeight = 16 + 2 * kRadius;
+const int kTileSize = kTileWidth * kTileHeight;
 const uint kMinKernels = 16;  // reference notes 1.6
 // Two words a kernel: everything else follows from the pixel.
-shared float tile_depth[kTile * kTile];
-shared uint tile_normal[kTile * kTile];
+shared float tile_depth[kTileSize];
+shared uint tile_normal[kTileSize];
 
 struct Kernel {
   vec3 position, normal;
   float radius;  // 0: there is none
 };
 
+// Of four points, one a component.
 struct Field {
-  vec3 gradient;
-  vec3 hessian_diagonal;  // xx yy zz
-  vec3 hessian_mixed;     // xy xz yz
-  uint count;
+  vec4 gradient_x, gradient_y, gradient_z;
+  vec4 xx, yy, zz, xy, xz, yz;  // Hessian
+  vec4 count;                   // kernels that contribute
+};
+
+// Rays of the four pixels, (x, y, 1), and the depths of their vertices.
+struct Rays {
+  vec4 x;
+  float y;
+  vec4 vertex_z;
 };
 
 void load_tile() {
-  ivec2 corner = ivec2(gl_WorkGroupID.xy) * 16 - kRadius;
-  for (uint i = gl_LocalInvocationIndex; i < kTile * kTile; i += 256u) {
-    ivec2 pixel = corner + ivec2(i % kTile, i / kTile);
+  ivec2 corner = ivec2(gl_WorkGroupID.xy) * ivec2(32, 16) - kRadius;
+  for (uint i = gl_LocalInvocationIndex; i < kTileSize; i += 128u) {
+    ivec2 pixel = corner + ivec2(i % kTileWidth, i / kTileWidth);
     bool visible = inside(p.camera, pixel);
     uint index = visible ? uint(pixel.y) * p.camera.width + uint(pixel.x) : 0u;
     uint normal = visible ? normals[index] : kNoNormal;
@@ -46,67 +55,84 @@ void load_tile() {
   }
 }
 
-Kernel kernel_at(ivec2 local, int dx, int dy, vec3 ray) {
-  int i = (local.y + dy) * kTile + local.x + dx;
+// `first` is the corner of the first pixel's window in the tile, `ray` belongs to its centre.
+Kernel kernel_at(int first, int dx, int dy, vec3 ray) {
+  int i = first + dy * kTileWidth + dx;
   float z = tile_depth[i];
   vec3 normal = unpack_normal(tile_normal[i]);
-  vec3 position = z * (ray + vec3(float(dx) / p.camera.fx, float(dy) / p.camera.fy, 0.0));
+  vec3 position = z * (ray + vec3(float(dx - kRadius) / p.camera.fx, float(dy - kRadius) / p.camera.fy, 0.0));
   return Kernel(position, normal, support_radius(p.camera, p.radius_scale, z, normal.z));
 }
 
-// One weighted-plane step along the ray (reference notes 8.2.1): t = sum(w n.p) / sum(w n.d), w = s^3 / r^2.
-float step_to_surface(ivec2 local, vec3 ray, float t, float centre_z) {
-  vec3 x = t * ray;
-  float numerator = 0.0, denominator = 0.0;
-  for (int dy = -kRadius; dy <= kRadius; ++dy) {
-    for (int dx = -kRadius; dx <= kRadius; ++dx) {
-      Kernel k = kernel_at(local, dx, dy, ray);
-      vec3 v = x - k.position;
-      float inverse_radius = 1.0 / max(k.radius, 1e-6);
-      float s = max(1.0 - sqrt(dot(v, v)) * inverse_radius, 0.0);
-      float w = abs(k.position.z - centre_z) < p.depth_gate_m ? s * s * s * inverse_radius * inverse_radius : 0.0;
-      numerator += w * dot(k.normal, k.position);
-      denominator += w * dot(k.normal, ray);
-    }
-  }
-  return abs(denominator) > 0.0 ? numerator / denominator : t;
+// 1 where column dx of the first pixel's window is in the window of each pixel and the kernel lies on the same surface as its vertex.
+vec4 admits(int dx, Kernel k, Rays rays) {
+  vec4 column = float(dx) - vec4(0.0, 1.0, 2.0, 3.0);
+  vec4 near = vec4(lessThan(abs(k.position.z - rays.vertex_z), vec4(p.depth_gate_m)));
+  return step(0.0, column) * step(column, vec4(2.0 * kRadius)) * near * (k.radius > 0.0 ? 1.0 : 0.0);
 }
 
-Field evaluate(ivec2 local, vec3 ray, float t, float centre_z) {
-  vec3 x = t * ray;
-  Field f = Field(vec3(0.0), vec3(0.0), vec3(0.0), 0u);
-  for (int dy = -kRadius; dy <= kRadius; ++dy) {
-    for (int dx = -kRadius; dx <= kRadius; ++dx) {
-      Kernel k = kernel_at(local, dx, dy, ray);
+// One weighted-plane step along the rays (reference notes 8.2.1): t = sum(w n.p) / sum(w n.d), w = s^3 / r^2.
+vec4 step_to_surface(int first, Rays rays) {
+  vec4 t = rays.vertex_z, x = t * rays.x, y = t * rays.y;
+  vec4 plane = vec4(0.0), slope = vec4(0.0);
+  vec3 ray = vec3(rays.x.x, rays.y, 1.0);
+  for (int dy = 0; dy <= 2 * kRadius; ++dy) {
+    for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
+      Kernel k = kernel_at(first, dx, dy, ray);
+      vec4 vx = x - k.position.x, vy = y - k.position.y, vz = t - k.position.z;
+      float inverse_radius = 1.0 / max(k.radius, 1e-6);
+      vec4 s = max(1.0 - sqrt(vx * vx + vy * vy + vz * vz) * inverse_radius, 0.0);
+      vec4 w = s * s * s * (inverse_radius * inverse_radius) * admits(dx, k, rays);
+      plane += w * dot(k.normal, k.position);
+      slope += w * (k.normal.x * rays.x + (k.normal.y * rays.y + k.normal.z));
+    }
+  }
+  return mix(t, plane / slope, greaterThan(slope, vec4(0.0)));
+}
+
+Field evaluate(int first, Rays rays, vec4 t) {
+  const vec4 kZero = vec4(0.0);
+  Field f = Field(kZero, kZero, kZero, kZero, kZero, kZero, kZero, kZero, kZero, kZero);
+  vec4 x = t * rays.x, y = t * rays.y;
+  vec3 ray = vec3(rays.x.x, rays.y, 1.0);
+  for (int dy = 0; dy <= 2 * kRadius; ++dy) {
+    for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
+      Kernel k = kernel_at(first, dx, dy, ray);
       vec3 n = k.normal;
-      vec3 v = x - k.position;
+      vec4 vx = x - k.position.x, vy = y - k.position.y, vz = t - k.position.z;
       float inverse_radius = 1.0 / max(k.radius, 1e-6);
       float weight = inverse_radius * inverse_radius;
-      float rho = sqrt(dot(v, v)) * inverse_radius;
-      bool supports = rho < 1.0 && abs(k.position.z - centre_z) < p.depth_gate_m && k.radius > 0.0;
-      f.count += supports ? 1u : 0u;
-      float a = supports ? 200.0 * weight : 0.0;  // 20 C / r^2 with C = 10
-      float s = 1.0 - rho;
-      float u = dot(n, v);
+      vec4 rho = sqrt(vx * vx + vy * vy + vz * vz) * inverse_radius;
+      vec4 supports = admits(dx, k, rays) * vec4(lessThan(rho, vec4(1.0)));
+      f.count += supports;
+      vec4 a = supports * (200.0 * weight);  // 20 C / r^2 with C = 10
+      vec4 s = 1.0 - rho;
+      vec4 u = n.x * vx + n.y * vy + n.z * vz;
+      vec4 inverse_rho = 1.0 / max(rho, 1e-6);
+      vec4 q = s * s * inverse_rho;
+      vec4 toward_normal = a * s * s * s, along = a * (3.0 * weight) * q * u;
+      f.gradient_x += toward_normal * n.x - along * vx;
+      f.gradient_y += toward_normal * n.y - along * vy;
+      f.gradient_z += toward_normal * n.z - along * vz;
       // The second derivative jumps at the kernel's own centre: there its terms are left out (reference notes 1.5).
-      bool own = dx == 0 && dy == 0;
-      float inverse_rho = 1.0 / max(rho, 1e-6);
-      float q = s * s * inverse_rho;
-      f.gradient += a * (s * s * s * n - 3.0 * weight * q * u * v);
-      float h = own ? 0.0 : -3.0 * a * weight;
-      float c = (inverse_rho * inverse_rho - 1.0) * inverse_rho * weight * u;
-      f.hessian_diagonal += h * (q * (2.0 * n * v + u) - c * v * v);
-      f.hessian_mixed += h * (q * (n.xxy * v.yzz + v.xxy * n.yzz) - c * v.xxy * v.yzz);
+      vec4 other = vec4(notEqual(ivec4(dx), kRadius + ivec4(0, 1, 2, 3))) + (dy != kRadius ? 1.0 : 0.0);
+      vec4 h = a * (-3.0 * weight) * min(other, 1.0);
+      vec4 c = (inverse_rho * inverse_rho - 1.0) * inverse_rho * weight * u;
+      f.xx += h * (q * (2.0 * n.x * vx + u) - c * vx * vx);
+      f.yy += h * (q * (2.0 * n.y * vy + u) - c * vy * vy);
+      f.zz += h * (q * (2.0 * n.z * vz + u) - c * vz * vz);
+      f.xy += h * (q * (n.x * vy + n.y * vx) - c * vx * vy);
+      f.xz += h * (q * (n.x * vz + n.z * vx) - c * vx * vz);
+      f.yz += h * (q * (n.y * vz + n.z * vy) - c * vy * vz);
     }
   }
   return f;
 }
 
-// Mean and Gaussian curvature of an implicit surface (paper Eq. 4), then kappa = H +- sqrt(H^2 - K).
-vec2 principal_curvatures(Field f) {
-  vec3 g = f.gradient;
-  float g2 = dot(g, g);
-  vec3 d = f.hessian_diagonal, m = f.hessian_mixed;
+// Mean and Gaussian curvature of an implicit surface (paper Eq. 4), then kappa = H +- sqrt(H^2 - K). g, d and m: gradient, diagonal
+// (xx yy zz) and mixed (xy xz yz) second derivatives.
+vec2 principal_curvatures(vec3 g, vec3 d, vec3 m) {
+  float g2 = max(dot(g, g), 1e-30);
   vec3 hg = vec3(d.x * g.x + m.x * g.y + m.y * g.z, m.x * g.x + d.y * g.y + m.z * g.z, m.y * g.x + m.z * g.y + d.z * g.z);
   float mean = (dot(g, hg) - g2 * (d.x + d.y + d.z)) / (2.0 * g2 * sqrt(g2));
   // g^T adj(Hessian) g
@@ -117,31 +143,46 @@ vec2 principal_curvatures(Field f) {
   return vec2(mean + root, mean - root);
 }
 
-void main() {
-  load_tile();
-  barrier();
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (!inside(p.camera, pixel)) return;
-  ivec2 local = ivec2(gl_LocalInvocationID.xy) + kRadius;
-  uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
-  vec3 ray = pixel_ray(p.camera, vec2(pixel));
-  Kernel own = kernel_at(local, 0, 0, ray);
-  float z = own.position.z;
-  if (z > 0.0 && p.project_to_surface != 0u) {
-    float moved = step_to_surface(local, ray, z, z);
-    if (abs(moved - z) < 0.5 * own.radius) z = moved;
-  }
-  Field f = evaluate(local, ray, z, own.position.z);
-  float gradient2 = dot(f.gradient, f.gradient);
-  vec2 kappa = principal_curvatures(f);
-  bool valid = z > 0.0 && f.count >= kMinKernels && gradient2 > 0.0 && f.gradient.z > 0.0 && abs(kappa.x) < p.curvature_limit_per_m &&
-               abs(kappa.y) < p.curvature_limit_per_m;
+float confidence_at(ivec2 pixel, float gradient) {
   vec2 half_size = 0.5 * vec2(p.camera.width, p.camera.height);
   vec2 offset = vec2(pixel) - vec2(p.camera.cx, p.camera.cy);
   float c_d = exp(-dot(offset, offset) / dot(half_size, half_size) / 0.72);  // 2 sigma^2, sigma = 0.6 (Keller et al. 2013)
-  float c_r = p.use_hrbf_confidence != 0u ? exp(-p.confidence_epsilon * inversesqrt(max(abs(dot(f.gradient, own.normal)), 1e-6))) : 1.0;
+  return p.use_hrbf_confidence != 0u ? c_d * exp(-p.confidence_epsilon * inversesqrt(max(gradient, 1e-6))) : c_d;
+}
+
+void write(ivec2 pixel, float z, vec3 gradient, vec3 diagonal, vec3 mixed, float count, vec3 first_normal) {
+  uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
+  vec2 kappa = principal_curvatures(gradient, diagonal, mixed);
+  bool valid = z > 0.0 && count >= float(kMinKernels) && gradient.z > 0.0 && abs(kappa.x) < p.curvature_limit_per_m &&
+               abs(kappa.y) < p.curvature_limit_per_m;
   depth_m[index] = valid ? z : 0.0;
-  surface_normals[index] = valid ? pack_normal(f.gradient * inversesqrt(gradient2)) : kNoNormal;
+  surface_normals[index] = valid ? pack_normal(normalize(gradient)) : kNoNormal;
   curvatures[index] = valid ? packHalf2x16(kappa) : 0u;
-  confidence[index] = valid ? c_d * c_r : 0.0;
+  confidence[index] = valid ? confidence_at(pixel, abs(dot(gradient, first_normal))) : 0.0;
+}
+
+void main() {
+  load_tile();
+  barrier();
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.x * 4u, gl_GlobalInvocationID.y);
+  if (!inside(p.camera, pixel)) return;
+  int first = int(gl_LocalInvocationID.y) * kTileWidth + int(gl_LocalInvocationID.x) * 4;
+  int centre = first + kRadius * kTileWidth + kRadius;
+  vec3 ray = pixel_ray(p.camera, vec2(pixel));
+  Rays rays = Rays(ray.x + vec4(0.0, 1.0, 2.0, 3.0) / p.camera.fx, ray.y,
+                   vec4(tile_depth[centre], tile_depth[centre + 1], tile_depth[centre + 2], tile_depth[centre + 3]));
+  vec4 z = rays.vertex_z;
+  if (p.project_to_surface != 0u) {
+    vec4 moved = step_to_surface(first, rays);
+    // Half a frontal support radius: farther is another surface.
+    vec4 limit = 0.5 * p.radius_scale * 2.8284271 / (p.camera.fx + p.camera.fy) * z;
+    z = mix(z, moved, lessThan(abs(moved - z), limit));
+  }
+  Field f = evaluate(first, rays, z);
+  for (int i = 0; i < 4; ++i) {
+    ivec2 q = pixel + ivec2(i, 0);
+    if (!inside(p.camera, q)) continue;
+    write(q, z[i], vec3(f.gradient_x[i], f.gradient_y[i], f.gradient_z[i]), vec3(f.xx[i], f.yy[i], f.zz[i]),
+          vec3(f.xy[i], f.xz[i], f.yz[i]), f.count[i], unpack_normal(tile_normal[centre + i]));
+  }
 }

@@ -11,7 +11,7 @@
 layout(local_size_x = 256) in;
 layout(scalar, binding = 0) buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 1) readonly buffer Attributes { SurfelAttributes attributes[]; };
-layout(scalar, binding = 2) buffer Times { uvec2 times[]; };
+layout(scalar, binding = 2) readonly buffer Times { uvec2 times[]; };
 layout(scalar, binding = 3) readonly buffer Submaps { Transform camera_from_submap[]; };
 layout(scalar, binding = 4) readonly buffer StableIds { uint stable_ids[]; };
 layout(scalar, binding = 5) writeonly buffer Groups { uint free_by_group[]; };
@@ -66,8 +66,8 @@ void main() {
     dead = surfel.w <= 0.0;
     if (!dead && (outlived(surfel, slot) || contradicted(slot, surfel))) {
       dead = true;
-      position_confidence[slot].w = 0.0;
-      times[slot].y = p.frame_number;
+      // map/free_list writes when it went: here its neighbours may still be asking when it was last seen.
+      position_confidence[slot].w = -1.0;
     }
   }
   is_free[gl_LocalInvocationID.x] = dead ? 1u : 0u;

@@ -1,13 +1,15 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Writes the free slots in ascending order.
+// Writes the free slots in ascending order. Those that cleaning has just freed (confidence -1) get this frame's number.
 #include "shaders/shared/map.h"
 layout(local_size_x = 256) in;
-layout(scalar, binding = 0) readonly buffer Positions { vec4 position_confidence[]; };
+layout(scalar, binding = 0) buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 1) readonly buffer Groups { uint free_by_group[]; };
 layout(scalar, binding = 2) readonly buffer State { MapState state; };
 layout(scalar, binding = 3) writeonly buffer FreeList { uint free_slots[]; };
+layout(scalar, binding = 4) writeonly buffer Times { uvec2 times[]; };
+layout(scalar, push_constant) uniform Push { FreeListParams p; };
 shared uint is_free[256];
 
 void main() {
@@ -19,4 +21,8 @@ void main() {
   uint rank = free_by_group[gl_WorkGroupID.x];
   for (uint i = 0u; i < gl_LocalInvocationID.x; ++i) rank += is_free[i];
   free_slots[rank] = slot;
+  if (position_confidence[slot].w < 0.0) {
+    position_confidence[slot].w = 0.0;
+    times[slot].y = p.frame_number;
+  }
 }

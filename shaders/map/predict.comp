@@ -4,11 +4,12 @@
 // The surface seen from a pose (paper section 3.1): each pixel's ray is met with the zero set of the Hermite RBF implicit of the surfels
 // in a window of the index map. Weighted-plane iteration along the ray (reference notes 8.2.1) instead of a bisection.
 // Attributes come from the kernel nearest to the solution. With hrbf == 0: the nearest surfel disc that the ray meets.
+// Each invocation answers four neighbouring pixels (the components of a vec4), so that a kernel is loaded and unpacked once for all of them.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/weight.glsl"
-layout(local_size_x = 16, local_size_y = 16) in;
+layout(local_size_x = 8, local_size_y = 16) in;
 layout(constant_id = 0) const int kRadius = 3;  // window of 2 kRadius + 1
 layout(scalar, binding = 0) readonly buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 1) readonly buffer Attributes { SurfelAttributes attributes[]; };
@@ -23,12 +24,14 @@ layout(scalar, binding = 9) buffer Covered { uint covered_count; };
 layout(scalar, push_constant) uniform Push { PredictParams p; };
 
 const uint kNone = 0xffffffffu;
-const int kTile = 16 + 2 * kRadius;
+const int kTileWidth = 32 + 2 * kRadius;
+const int kTileHeight = 16 + 2 * kRadius;
+const int kTileSize = kTileWidth * kTileHeight;
 // Four words a kernel: loads are what this pass spends its time on.
-shared float tile_depth[kTile * kTile];
-shared uint tile_offset[kTile * kTile];  // from the pixel's centre, half pixels, 2 x snorm16
-shared uint tile_normal[kTile * kTile];
-shared float tile_radius[kTile * kTile];  // 0: there is no kernel
+shared float tile_depth[kTileSize];
+shared uint tile_offset[kTileSize];  // from the pixel's centre, half pixels, 2 x snorm16
+shared uint tile_normal[kTileSize];
+shared float tile_radius[kTileSize];  // 0: there is no kernel
 
 struct Kernel {
   vec3 position, normal;
@@ -36,9 +39,9 @@ struct Kernel {
 };
 
 void load_tile() {
-  ivec2 corner = ivec2(gl_WorkGroupID.xy) * 16 - kRadius;
-  for (uint i = gl_LocalInvocationIndex; i < kTile * kTile; i += 256u) {
-    ivec2 pixel = corner + ivec2(i % kTile, i / kTile);
+  ivec2 corner = ivec2(gl_WorkGroupID.xy) * ivec2(32, 16) - kRadius;
+  for (uint i = gl_LocalInvocationIndex; i < kTileSize; i += 128u) {
+    ivec2 pixel = corner + ivec2(i % kTileWidth, i / kTileWidth);
     uint slot = inside(p.camera, pixel) ? ids[uint(pixel.y) * p.camera.width + uint(pixel.x)] : kNone;
     float depth = 0.0, radius = 0.0;
     uint offset = 0u, packed_normal = 0u;
@@ -62,74 +65,132 @@ void load_tile() {
   }
 }
 
-// `first` is the window's corner in the tile, `ray` belongs to its centre.
+// `first` is the window's corner in the tile for the first pixel, `ray` belongs to its centre.
 Kernel kernel_at(int first, int dx, int dy, vec3 ray) {
-  int i = first + dy * kTile + dx;
+  int i = first + dy * kTileWidth + dx;
   vec2 offset = vec2(float(dx - kRadius), float(dy - kRadius)) + 0.5 * unpackSnorm2x16(tile_offset[i]);
   vec3 direction = ray + vec3(offset / vec2(p.camera.fx, p.camera.fy), 0.0);
   return Kernel(tile_depth[i] * direction, unpack_normal(tile_normal[i]), tile_radius[i]);
 }
 
-struct Sums {
-  float plane, slope;  // sum w n.p and sum w n.d: the next t is their quotient
-  vec3 gradient;       // proportional to the gradient of f
-  uint support;
+// Rays of the four pixels: (x, y, 1).
+struct Rays {
+  vec4 x;
+  float y;
 };
 
-Sums evaluate(int first, vec3 ray, float t, vec3 mid_normal, float mix_normal) {
-  vec3 x = t * ray;
-  Sums sums = Sums(0.0, 0.0, vec3(0.0), 0u);
-  for (int dy = 0; dy <= 2 * kRadius; ++dy) {
-    for (int dx = 0; dx <= 2 * kRadius; ++dx) {
-      Kernel k = kernel_at(first, dx, dy, ray);
-      vec3 v = x - k.position;
-      float inverse_radius = 1.0 / max(k.radius, 1e-6);
-      float rho = sqrt(dot(v, v)) * inverse_radius;
-      float s = max(1.0 - rho, 0.0);
-      sums.support += s > 0.0 ? 1u : 0u;
-      float s2 = s * s * inverse_radius * inverse_radius;
-      vec3 m = mix(k.normal, mid_normal, mix_normal);
-      sums.plane += s2 * s * dot(m, k.position);
-      sums.slope += s2 * s * dot(m, ray);
-      sums.gradient += s2 * (s * k.normal - (3.0 * inverse_radius * inverse_radius / max(rho, 1e-4)) * dot(k.normal, v) * v);
-    }
-  }
-  return sums;
+struct Normals4 {
+  vec4 x, y, z;
+};
+
+struct Field {
+  Normals4 gradient;    // proportional to the gradient of f
+  vec4 support;         // kernels that contribute
+  vec4 nearest;         // squared distance of the nearest kernel [m^2]
+  uvec4 nearest_cell;   // its dx | dy << 8 in the first pixel's window
+};
+
+vec4 window_mask(int dx) {
+  vec4 column = float(dx) - vec4(0.0, 1.0, 2.0, 3.0);
+  return step(0.0, column) * step(column, vec4(2.0 * kRadius));
 }
 
-// Where the ray meets the zero set; 0 when it does not.
-float intersect_hrbf(int first, vec3 ray, out vec3 normal) {
-  normal = vec3(0.0);
-  float ray2 = dot(ray, ray);
-  float t = 1e9;
+// One weighted-plane step from t: sum(w n.p) / sum(w n.d), w = s^3 / r^2; 0 where nothing supports the point.
+// The planes' normals are mixed with `mid` by `share`.
+vec4 step_to_surface(int first, Rays rays, vec4 t, Normals4 mid, float share) {
+  vec4 plane = vec4(0.0), slope = vec4(0.0);
+  vec3 ray = vec3(rays.x.x, rays.y, 1.0);
+  vec4 x = t * rays.x, y = t * rays.y;
+  vec4 mid_slope = mid.x * rays.x + mid.y * rays.y + mid.z;
+  for (int dy = 0; dy <= 2 * kRadius; ++dy) {
+    for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
+      Kernel k = kernel_at(first, dx, dy, ray);
+      vec4 vx = x - k.position.x, vy = y - k.position.y, vz = t - k.position.z;
+      float inverse_radius = k.radius > 0.0 ? 1.0 / k.radius : 1e6;
+      vec4 s = max(1.0 - sqrt(vx * vx + vy * vy + vz * vz) * inverse_radius, 0.0);
+      vec4 w = s * s * s * (inverse_radius * inverse_radius) * window_mask(dx);
+      vec4 mid_plane = mid.x * k.position.x + mid.y * k.position.y + mid.z * k.position.z;
+      plane += w * mix(vec4(dot(k.normal, k.position)), mid_plane, share);
+      slope += w * mix(k.normal.x * rays.x + (k.normal.y * rays.y + k.normal.z), mid_slope, share);
+    }
+  }
+  return mix(vec4(0.0), plane / slope, greaterThan(slope, vec4(0.0)));
+}
+
+// Gradient, support and nearest kernel at the points t * ray.
+Field evaluate(int first, Rays rays, vec4 t) {
+  const vec4 kZero = vec4(0.0);
+  Field f = Field(Normals4(kZero, kZero, kZero), kZero, vec4(1e9), uvec4(kNone));
+  vec3 ray = vec3(rays.x.x, rays.y, 1.0);
+  vec4 x = t * rays.x, y = t * rays.y;
+  for (int dy = 0; dy <= 2 * kRadius; ++dy) {
+    for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
+      Kernel k = kernel_at(first, dx, dy, ray);
+      vec4 vx = x - k.position.x, vy = y - k.position.y, vz = t - k.position.z;
+      float inverse_radius = k.radius > 0.0 ? 1.0 / k.radius : 1e6;
+      float weight = inverse_radius * inverse_radius;
+      vec4 in_window = window_mask(dx);
+      vec4 d2 = vx * vx + vy * vy + vz * vz;
+      vec4 rho = sqrt(d2) * inverse_radius;
+      vec4 s = max(1.0 - rho, 0.0) * in_window;
+      vec4 w = s * s * weight;
+      vec4 along = w * (3.0 * weight) / max(rho, 1e-4) * (k.normal.x * vx + k.normal.y * vy + k.normal.z * vz);
+      w *= s;
+      f.support += sign(s);
+      f.gradient.x += w * k.normal.x - along * vx;
+      f.gradient.y += w * k.normal.y - along * vy;
+      f.gradient.z += w * k.normal.z - along * vz;
+      bvec4 closer = lessThan(mix(vec4(1e9), d2, bvec4(uvec4(in_window) * uint(k.radius > 0.0))), f.nearest);
+      f.nearest = mix(f.nearest, d2, closer);
+      f.nearest_cell = mix(f.nearest_cell, uvec4(dx | (dy << 8)), closer);
+    }
+  }
+  return f;
+}
+
+// Depth to start from: of the pixel's own surfel, or the nearest in the window where it has none.
+float first_guess(int first, int pixel) {
+  float depth = tile_depth[first + pixel + kRadius * kTileWidth + kRadius];
+  if (depth > 0.0) return depth;
+  float nearest = 1e9;
   for (int dy = 0; dy <= 2 * kRadius; ++dy)
     for (int dx = 0; dx <= 2 * kRadius; ++dx) {
-      Kernel k = kernel_at(first, dx, dy, ray);
-      if (k.radius > 0.0) t = min(t, dot(k.position, ray) / ray2);
+      float z = tile_depth[first + pixel + dy * kTileWidth + dx];
+      nearest = z > 0.0 ? min(nearest, z) : nearest;
     }
-  if (t >= 1e9) return 0.0;
-  Sums sums;
-  bool converged = false;
-  for (uint i = 0u; i < p.max_iterations && !converged; ++i) {
-    sums = evaluate(first, ray, t, vec3(0.0), 0.0);
-    if (abs(sums.slope) <= 0.0) return 0.0;
-    float next = sums.plane / sums.slope;
-    converged = abs(next - t) < 1e-5;
-    t = next;
-  }
-  normal = normalize(sums.gradient);
-  if (p.correct_bias != 0u) {
-    // The zero set lies off a curved surface by about 0.075 H r^2; planes with the mean of both normals remove that (notes 8.2.4).
-    Sums corrected = evaluate(first, ray, t, normal, 0.5);
-    if (abs(corrected.slope) > 0.0) t = corrected.plane / corrected.slope;
-  }
-  return sums.support >= p.min_support && normal.z > 0.0 && !isnan(t) && t > 0.0 ? t : 0.0;
+  return nearest < 1e9 ? nearest : 0.0;
+}
+
+Normals4 unit(vec4 x, vec4 y, vec4 z) {
+  vec4 scale = inversesqrt(max(x * x + y * y + z * z, 1e-30));
+  return Normals4(x * scale, y * scale, z * scale);
+}
+
+// Where the rays meet the zero set; 0 where they do not.
+vec4 intersect_hrbf(int first, Rays rays, out Normals4 normals, out uvec4 cells) {
+  vec4 t;
+  for (int i = 0; i < 4; ++i) t[i] = first_guess(first, i);
+  normals = Normals4(vec4(0.0), vec4(0.0), vec4(0.0));
+  cells = uvec4(kNone);
+  if (all(equal(t, vec4(0.0)))) return t;
+  for (uint i = 0u; i < p.max_iterations; ++i) t = step_to_surface(first, rays, t, normals, 0.0);
+  Field f = evaluate(first, rays, t);
+  normals = unit(f.gradient.x, f.gradient.y, f.gradient.z);
+  cells = f.nearest_cell;
+  // The zero set lies off a curved surface by about 0.075 H r^2; planes with the mean of both normals remove that (notes 8.2.4).
+  vec4 solution = step_to_surface(first, rays, t, normals, p.correct_bias != 0u ? 0.5 : 0.0);
+  // A point that still moves by a millimetre or so has no surface under it: the bias is smaller than that.
+  bvec4 settled = lessThan(abs(solution - t), 0.002 * t);
+  bvec4 supported = greaterThanEqual(f.support, vec4(float(p.min_support)));
+  bvec4 facing = greaterThan(normals.z, vec4(0.0));
+  return mix(vec4(0.0), solution, bvec4(uvec4(settled) * uvec4(supported) * uvec4(facing)));
 }
 
 // The nearest disc that the ray meets, as Keller et al. 2013 splat them.
-float intersect_disc(int first, vec3 ray, out vec3 normal) {
+float intersect_disc(int first, vec3 ray, out vec3 normal, out uint cell) {
   float t = 1e9;
   normal = vec3(0.0);
+  cell = kNone;
   for (int dy = 0; dy <= 2 * kRadius; ++dy)
     for (int dx = 0; dx <= 2 * kRadius; ++dx) {
       Kernel k = kernel_at(first, dx, dy, ray);
@@ -141,39 +202,16 @@ float intersect_disc(int first, vec3 ray, out vec3 normal) {
       if (candidate < t && dot(v, v) < 0.0625 * k.radius * k.radius) {
         t = candidate;
         normal = k.normal;
+        cell = uint(dx | (dy << 8));
       }
     }
   return t < 1e9 ? t : 0.0;
 }
 
-uint nearest_kernel(int first, vec3 ray, vec3 x) {
-  float best = 1e9;
-  uint cell = kNone;
-  for (int dy = 0; dy <= 2 * kRadius; ++dy)
-    for (int dx = 0; dx <= 2 * kRadius; ++dx) {
-      Kernel k = kernel_at(first, dx, dy, ray);
-      vec3 v = x - k.position;
-      float d = dot(v, v);
-      if (k.radius > 0.0 && d < best) {
-        best = d;
-        cell = uint(dy * 256 + dx);
-      }
-    }
-  return cell;
-}
-
-void main() {
-  load_tile();
-  barrier();
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (!inside(p.camera, pixel)) return;
-  int first = int(gl_LocalInvocationID.y) * kTile + int(gl_LocalInvocationID.x);
+// `cell` counts from the window's corner of `pixel`.
+void write(ivec2 pixel, float z, vec3 normal, uint cell) {
   uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
-  vec3 ray = pixel_ray(p.camera, vec2(pixel));
-  vec3 normal;
-  float z = p.hrbf != 0u ? intersect_hrbf(first, ray, normal) : intersect_disc(first, ray, normal);
-  uint cell = z > 0.0 ? nearest_kernel(first, ray, z * ray) : kNone;
-  if (cell == kNone) {
+  if (z <= 0.0 || cell == kNone) {
     depth_m[index] = 0.0;
     normals[index] = kNoNormal;
     curvatures[index] = 0u;
@@ -184,11 +222,41 @@ void main() {
   ivec2 source = pixel + ivec2(int(cell & 255u), int(cell >> 8)) - kRadius;
   uint slot = ids[uint(source.y) * p.camera.width + uint(source.x)];
   SurfelAttributes a = attributes[slot];
-  vec2 kappa = unpackHalf2x16(a.curvatures);
   depth_m[index] = z;
   normals[index] = pack_normal(normal);
   curvatures[index] = a.curvatures;
-  weight[index] = tracking_weight(kappa, position_confidence[slot].w * p.confidence_scale, p.curvature_lambda_per_m, z);
+  weight[index] =
+      tracking_weight(unpackHalf2x16(a.curvatures), position_confidence[slot].w * p.confidence_scale, p.curvature_lambda_per_m, z);
   intensity[index] = grey(surfel_color(a));
   atomicAdd(covered_count, 1u);
+}
+
+void main() {
+  load_tile();
+  barrier();
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.x * 4u, gl_GlobalInvocationID.y);
+  if (!inside(p.camera, pixel)) return;
+  int first = int(gl_LocalInvocationID.y) * kTileWidth + int(gl_LocalInvocationID.x) * 4;
+  vec3 ray = pixel_ray(p.camera, vec2(pixel));
+  vec4 z = vec4(0.0);
+  Normals4 n = Normals4(vec4(0.0), vec4(0.0), vec4(0.0));
+  uvec4 cells = uvec4(kNone);
+  if (p.hrbf != 0u) {
+    z = intersect_hrbf(first, Rays(ray.x + vec4(0.0, 1.0, 2.0, 3.0) / p.camera.fx, ray.y), n, cells);
+  } else {
+    for (int i = 0; i < 4; ++i) {
+      vec3 normal;
+      uint cell;
+      z[i] = intersect_disc(first + i, ray + vec3(float(i) / p.camera.fx, 0.0, 0.0), normal, cell);
+      n.x[i] = normal.x;
+      n.y[i] = normal.y;
+      n.z[i] = normal.z;
+      cells[i] = cell == kNone ? kNone : cell + uint(i);
+    }
+  }
+  for (int i = 0; i < 4; ++i) {
+    ivec2 q = pixel + ivec2(i, 0);
+    // The cells count from the first pixel's window.
+    if (inside(p.camera, q)) write(q, z[i], vec3(n.x[i], n.y[i], n.z[i]), cells[i] == kNone ? kNone : cells[i] - uint(i));
+  }
 }

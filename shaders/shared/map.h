@@ -71,6 +71,10 @@ struct CleanParams {
   float curvature_limit_per_m;
 };
 
+struct FreeListParams {
+  uint frame_number;
+};
+
 struct ScanParams {
   uint group_count;
   uint ends_frame;  // 0: the counts are of new surfels, 1: of free slots, which also brings slot_count up to date
