@@ -42,7 +42,7 @@ provide_node() {
   if [ ! -x "$folder/node_modules/.bin/node" ]; then
     echo "Fetching Node $kFetchedNode: Vite needs at least $kOldestNode"
     mkdir -p "$folder"
-    npm install --silent --no-audit --no-fund --no-save --prefix "$folder" "node-linux-$machine@$kFetchedNode" npm@10.9.4
+    npm install --loglevel=error --no-audit --no-fund --no-save --prefix "$folder" "node-linux-$machine@$kFetchedNode" npm@10.9.4
     ln -sf "../node-linux-$machine/bin/node" "$folder/node_modules/.bin/node"
   fi
   export PATH=$folder/node_modules/.bin:$PATH

@@ -48,6 +48,10 @@ export async function startServer(dataFolder, port = 0) {
   return {
     ...where,
     output: server.output,
+    kill() {
+      server.child.kill('SIGKILL');
+      return server.ended;
+    },
     async stop() {
       server.child.kill('SIGTERM');
       return within(60_000, server.ended, () => 'hermite serve does not stop on SIGTERM').catch((error) => {

@@ -10,6 +10,7 @@ uniform float pixelsPerMetre;  // at a distance of one metre
 uniform int colorMode;
 uniform bool hideBacks;
 varying vec3 vColor;
+varying float vRound;  // discs would tear holes into surfaces of very small points
 
 vec3 confidenceColor(float confidence) {
   vec3 low = vec3(0.24, 0.16, 0.42), middle = vec3(0.16, 0.57, 0.55), high = vec3(0.95, 0.88, 0.45);
@@ -29,15 +30,17 @@ void main() {
   else if (colorMode == 1) vColor = hasNormal ? mat3(modelMatrix) * normal * vec3(0.5, -0.5, -0.5) + 0.5 : vec3(0.4);
   else vColor = confidenceColor(min(pointColor.a * 255.0 / 160.0, 1.0));
   gl_Position = projectionMatrix * inView;
-  gl_PointSize = clamp(pointSize_m * pixelsPerMetre / -inView.z, 1.5, 64.0);
+  gl_PointSize = clamp(pointSize_m * pixelsPerMetre / -inView.z, 2.0, 64.0);
+  vRound = step(5.0, gl_PointSize);
 }`;
 
 const fragmentShader = /* glsl */ `
 varying vec3 vColor;
+varying float vRound;
 
 void main() {
   vec2 offset = gl_PointCoord - 0.5;
-  if (dot(offset, offset) > 0.25) discard;
+  if (vRound * dot(offset, offset) > 0.25) discard;
   gl_FragColor = vec4(vColor, 1.0);
 }`;
 

@@ -3,7 +3,7 @@
 export const colorModes = ['rgb', 'normal', 'confidence'] as const;
 export type ColorMode = (typeof colorModes)[number];
 
-export const pointSizeRange_mm = { min: 1, max: 20, step: 1 } as const;
+export const pointSizeRange_mm = { min: 1, max: 30, step: 1 } as const;
 
 export interface ViewOptions {
   readonly color: ColorMode;
@@ -12,7 +12,7 @@ export interface ViewOptions {
   readonly follow: boolean; // the view rides behind the scanning camera
 }
 
-export const initialViewOptions: ViewOptions = { color: 'rgb', pointSize_mm: 10, hideBacks: true, follow: false };
+export const initialViewOptions: ViewOptions = { color: 'rgb', pointSize_mm: 12, hideBacks: true, follow: false };
 
 export function reduceViewOptions(options: ViewOptions, change: Partial<ViewOptions>): ViewOptions {
   return { ...options, ...change };
