@@ -71,9 +71,9 @@ void LiveScan::finish() {
   if (worker_) worker_->finish();
 }
 
-void LiveScan::camera_left() {
+void LiveScan::camera_left(const Error& why) {
   camera_.reset();
-  if (worker_ && !finishing_) worker_->interrupt({ErrorCode::kIo, "the camera's connection ended before it had finished"}, false);
+  if (worker_ && !finishing_) worker_->interrupt(why, false);
 }
 
 void LiveScan::stop() {

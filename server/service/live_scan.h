@@ -49,8 +49,8 @@ class LiveScan {
   // the scan goes on.
   Status receive(wire::Frame frame);
   void finish();
-  void camera_left();
-  void stop();  // the server is stopping
+  void camera_left(const Error& why);  // nothing more comes from it, and nothing is sent to it
+  void stop();                         // the server is stopping
 
   // Told by the worker, through the network thread.
   void frame_done(const FrameOutcome& outcome);

@@ -51,6 +51,7 @@ class BasicSession : public Session {
     if (closing_) return;
     queue(format_error(error));
     close({code, error.message});
+    failed(error);
   }
 
  protected:
@@ -77,6 +78,8 @@ class BasicSession : public Session {
     if (!closing_) closing_ = std::move(closing);
     wake_();
   }
+  // After fail(). Not called while the scan tells this session something.
+  virtual void failed(const Error&) {}
   void wake() { wake_(); }
   void broken_rule(const std::string& words) { fail({ErrorCode::kInvalidArgument, words}, CloseCode::kProtocolError); }
 
@@ -115,7 +118,7 @@ class CameraSession final : public BasicSession {
 
   void disconnected() override {
     // A scan that has ended may be gone from the server already; this keeps it until here.
-    scan_->camera_left();
+    scan_->camera_left({ErrorCode::kIo, "the camera's connection ended before it had finished"});
   }
 
  private:
@@ -123,6 +126,8 @@ class CameraSession final : public BasicSession {
     if (Status status = scan_->receive(std::move(frame)); !status.ok()) fail(status.error(), close_code_of(status.error()));
   }
   void handle(wire::Finish&) override { scan_->finish(); }
+  // At once: a client may take its time to close the socket.
+  void failed(const Error& error) override { scan_->camera_left(error); }
 
   const std::shared_ptr<LiveScan> scan_;
   const std::size_t max_message_bytes_;
