@@ -75,6 +75,7 @@ void upload(const std::vector<Surfel>& surfels, SurfelStore& store) {
                           pack_halves(static_cast<double>(s.curvature_max_per_m), static_cast<double>(s.curvature_min_per_m))});
     times.push_back({s.created_frame, s.observed_frame});
   }
+  positions.resize(store.capacity());  // nothing of what was there before
   store.positions.upload(positions);
   store.attributes.upload(attributes);
   store.times.upload(times);

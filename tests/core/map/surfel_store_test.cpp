@@ -1,0 +1,108 @@
+#include "core/map/surfel_store.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/support/gpu_test.h"
+#include "tests/support/packing.h"
+#include "tests/support/surface_image.h"
+
+namespace hermite {
+namespace {
+
+using SurfelStoreTest = test::GpuTest;
+
+std::vector<Surfel> random_surfels(std::size_t count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  std::vector<Surfel> surfels(count);
+  for (Surfel& s : surfels) {
+    s.position_in_submap_m = {9 * unit(random), 9 * unit(random), 9 * unit(random)};
+    s.normal_in_submap = Eigen::Vector3f(unit(random), unit(random), unit(random)).normalized();
+    s.radius_m = 0.05f + 0.04f * unit(random);
+    s.confidence = std::max(0.0f, 10 * unit(random));
+    s.curvature_max_per_m = 300 * unit(random);
+    s.curvature_min_per_m = 300 * unit(random);
+    s.r = static_cast<std::uint8_t>(random());
+    s.g = static_cast<std::uint8_t>(random());
+    s.b = static_cast<std::uint8_t>(random());
+    s.submap = static_cast<std::uint32_t>(random() & 0xffffu);
+    s.created_frame = static_cast<std::uint32_t>(random());
+    s.observed_frame = static_cast<std::uint32_t>(random());
+  }
+  return surfels;
+}
+
+void expect_same(const Surfel& actual, const Surfel& expected, std::size_t slot) {
+  ASSERT_EQ(actual.position_in_submap_m, expected.position_in_submap_m) << slot;
+  ASSERT_EQ(actual.confidence, expected.confidence) << slot;
+  ASSERT_LT((actual.normal_in_submap - expected.normal_in_submap).norm(), test::kNormalLoss) << slot;
+  ASSERT_NEAR(actual.radius_m, expected.radius_m, test::kHalfLoss * expected.radius_m) << slot;
+  ASSERT_NEAR(actual.curvature_max_per_m, expected.curvature_max_per_m, test::kHalfLoss * std::abs(expected.curvature_max_per_m)) << slot;
+  ASSERT_NEAR(actual.curvature_min_per_m, expected.curvature_min_per_m, test::kHalfLoss * std::abs(expected.curvature_min_per_m)) << slot;
+  ASSERT_TRUE(actual.r == expected.r && actual.g == expected.g && actual.b == expected.b) << slot;
+  ASSERT_EQ(actual.submap, expected.submap) << slot;
+  ASSERT_EQ(actual.created_frame, expected.created_frame) << slot;
+  ASSERT_EQ(actual.observed_frame, expected.observed_frame) << slot;
+}
+
+TEST_F(SurfelStoreTest, StartsEmpty) {
+  const SurfelStore store(device());
+  EXPECT_EQ(store.slot_count(), 0u);
+  EXPECT_EQ(store.alive_count(), 0u);
+  EXPECT_TRUE(store.download().empty());
+  ASSERT_EQ(store.world_from_submap().size(), 1u);
+}
+
+TEST_F(SurfelStoreTest, DownloadsWhatWasStored) {
+  SurfelStore store(device());
+  const std::vector<Surfel> surfels = random_surfels(1000, 1);
+  test::upload(surfels, store);
+  const std::vector<Surfel> actual = store.download();
+  ASSERT_EQ(actual.size(), surfels.size());
+  for (std::size_t i = 0; i < actual.size(); ++i) expect_same(actual[i], surfels[i], i);
+  EXPECT_EQ(store.slot_count(), 1000u);
+  EXPECT_EQ(store.alive_count() + test::free_slots(store).size(), 1000u);
+}
+
+TEST_F(SurfelStoreTest, GrowsByHalfAndKeepsItsContent) {
+  SurfelStore store(device());
+  const std::uint32_t first = store.capacity();
+  const std::vector<Surfel> surfels = random_surfels(2000, 2);
+  test::upload(surfels, store);
+  const std::vector<std::uint32_t> free = test::free_slots(store);
+  store.reserve(first - 2000);
+  EXPECT_EQ(store.capacity(), first) << "there was room";
+  store.reserve(first - 1999);
+  EXPECT_EQ(store.capacity(), first + first / 2);
+  EXPECT_GE(store.positions.count(), store.capacity());
+  EXPECT_GE(store.attributes.count(), store.capacity());
+  EXPECT_GE(store.times.count(), store.capacity());
+  EXPECT_GE(store.free_slots.count(), store.capacity());
+  EXPECT_GE(store.group_counts.count(), (store.capacity() + 255) / 256);
+  const std::vector<Surfel> actual = store.download();
+  ASSERT_EQ(actual.size(), surfels.size());
+  for (std::size_t i = 0; i < actual.size(); ++i) expect_same(actual[i], surfels[i], i);
+  EXPECT_EQ(test::free_slots(store), free);
+  store.reserve(2 * store.capacity());
+  EXPECT_EQ(store.capacity(), 2000 + 3 * first) << "as much as asked for where half is not enough";
+}
+
+TEST_F(SurfelStoreTest, TheCameraGoesToThePasses) {
+  SurfelStore store(device());
+  const Rigid3 world_from_camera = exp_se3((Vector6d() << 1, 2, 3, 0.1, 0.2, 0.3).finished());
+  store.set_camera(world_from_camera);
+  const shared::Transform t = store.camera_from_submap.download()[0];
+  const Eigen::Matrix4d expected = inverse(world_from_camera).matrix();
+  const shared::vec4 rows[3] = {t.row0, t.row1, t.row2};
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(rows[i].x, expected(i, 0), 1e-6);
+    EXPECT_NEAR(rows[i].y, expected(i, 1), 1e-6);
+    EXPECT_NEAR(rows[i].z, expected(i, 2), 1e-6);
+    EXPECT_NEAR(rows[i].w, expected(i, 3), 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace hermite

@@ -1,0 +1,86 @@
+// A map, a fuser and what they need, for tests that feed measurements by hand. Header only.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "core/map/fuse.h"
+#include "tests/reference/map_twin.h"
+#include "tests/support/surface_image.h"
+
+namespace hermite::test {
+
+// A frontal plane with a colour, everywhere or nowhere; tests change single pixels.
+inline FuseInput frontal_frame(const Camera& camera, float depth_m, float confidence) {
+  FuseInput frame{SurfaceImage(intrinsics_of_level(camera, 0)), {}, {}};
+  const std::size_t pixels = frame.surface.size();
+  frame.raw_depth_m.assign(pixels, depth_m);
+  frame.color.assign(pixels, Rgb8{100, 110, 120});
+  if (depth_m > 0) {
+    frame.surface.depth_m.assign(pixels, depth_m);
+    frame.surface.weight.assign(pixels, confidence);
+    frame.surface.normals.assign(pixels, Eigen::Vector3d::UnitZ());
+  }
+  return frame;
+}
+
+class MapBench {
+ public:
+  MapBench(gpu::Device& device, const Camera& camera, const MapOptions& options, const FrameOptions& frame_options = {})
+      : store(device),
+        index(device, intrinsics_of_level(camera, 0)),
+        fuser(device, camera, options, frame_options),
+        options_(options),
+        commands_(device),
+        maps_(make_frame_maps(device, camera)) {}
+
+  void fuse(const FuseInput& frame, std::uint32_t frame_number, const Rigid3& world_from_camera = {}) {
+    upload_frame(frame);
+    store.reserve(fuser.new_slots_bound(store));
+    store.set_camera(world_from_camera);
+    index.build(commands_, store, store.slot_count(), 0);
+    fuser.fuse(commands_, maps_, store, index, frame_number);
+    commands_.submit_and_wait();
+  }
+
+  // Also brings the counters up to date.
+  void clean(std::uint32_t frame_number, const Rigid3& world_from_camera = {}) {
+    store.set_camera(world_from_camera);
+    index.build(commands_, store, store.slot_count() + fuser.new_slots_bound(store), options_.stable_confidence);
+    fuser.clean(commands_, store, index, frame_number);
+    commands_.submit_and_wait();
+  }
+
+  SurfelStore store;
+  IndexMap index;
+  Fuser fuser;
+
+ private:
+  void upload_frame(const FuseInput& frame) {
+    upload(frame.surface, maps_.surface.levels[0]);
+    maps_.raw_depth_m.upload(frame.raw_depth_m);
+    std::vector<shared::uint> colors;
+    for (const Rgb8 c : frame.color) colors.push_back(static_cast<shared::uint>(c.r | (c.g << 8) | (c.b << 16)));
+    maps_.color.upload(colors);
+  }
+
+  const MapOptions options_;
+  gpu::Commands commands_;
+  FrameMaps maps_;
+};
+
+// Slots that are free by what they hold; the store's own list must be the same.
+inline std::vector<std::uint32_t> empty_slots(const std::vector<Surfel>& surfels) {
+  std::vector<std::uint32_t> empty;
+  for (std::uint32_t slot = 0; slot < surfels.size(); ++slot)
+    if (surfels[slot].confidence <= 0) empty.push_back(slot);
+  return empty;
+}
+
+inline void expect_consistent(const SurfelStore& store) {
+  const std::vector<std::uint32_t> empty = empty_slots(store.download());
+  EXPECT_EQ(free_slots(store), empty) << "the list of free slots, in ascending order";
+  EXPECT_EQ(store.alive_count(), store.slot_count() - empty.size());
+  EXPECT_EQ(store.state.mapped()[0].new_count, 0u);
+}
+
+}  // namespace hermite::test
