@@ -13,7 +13,7 @@ import { root, startServer, startStream } from './programs.mjs';
 
 const artifacts = path.join(root, 'tests/web/artifacts');
 const title = 'Synthetic room';
-const sequence = 'synthetic:frames=40,rate=10';
+const sequence = 'synthetic:frames=40,rate=15';
 const scan_ms = 5 * 60_000; // two slow cores do three things at once here
 
 let folder, server, browser, viewer;

@@ -37,7 +37,7 @@ export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () 
 
   const show = (): void => {
     const state = scan.get();
-    tracking.element.hidden = state.phase !== 'running' && state.phase !== 'unknown';
+    tracking.element.hidden = state.phase !== 'running' || state.connection !== 'open'; // else it would be old news
     tracking.show(trackingWords(state));
     connection.show(connectionWords(state));
     const fps = picturesPerSecond();

@@ -15,6 +15,11 @@ export interface Framing {
 // A few stray points behind a window must not push the room away: this share of the points is left out at either end of each axis.
 const strayShare = 0.01;
 
+// A handful of points is the beginning of a room rather than a very small thing.
+const beginning_points = 2000;
+const beginningRadius_m = 1.5;
+const smallestRadius_m = 0.1;
+
 // Null when there is nothing to look at.
 export function framingOf(boxes: readonly Box[]): Framing | null {
   const filled = boxes.filter((box) => box.weight > 0);
@@ -22,7 +27,9 @@ export function framingOf(boxes: readonly Box[]): Framing | null {
   const low = [0, 1, 2].map((axis) => quantile(filled, strayShare, (box) => box.min_m[axis]!));
   const high = [0, 1, 2].map((axis) => quantile(filled, 1 - strayShare, (box) => box.max_m[axis]!));
   const center_m = [0, 1, 2].map((axis) => (low[axis]! + high[axis]!) / 2) as [number, number, number];
-  const radius_m = Math.max(0.1, Math.hypot(high[0]! - low[0]!, high[1]! - low[1]!, high[2]! - low[2]!) / 2);
+  const points = filled.reduce((sum, box) => sum + box.weight, 0);
+  const atLeast_m = points < beginning_points ? beginningRadius_m : smallestRadius_m;
+  const radius_m = Math.max(atLeast_m, Math.hypot(high[0]! - low[0]!, high[1]! - low[1]!, high[2]! - low[2]!) / 2);
   return { center_m, radius_m, floor_y_m: high[1]! };
 }
 
