@@ -9,9 +9,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kWindow = 3;           // half side of the window of the frame's HRBF
-constexpr int kMinKernels = 16;      // reference notes 1.6
-constexpr double kTwoSigma2 = 0.72;  // 2 * 0.6^2 of the distortion term (Keller et al. 2013)
+constexpr int kWindow = 3;                     // half side of the window of the frame's HRBF
+constexpr int kMinKernels = 16;                // reference notes 1.6
+constexpr double kKinectFocalLength_px = 525;  // that the paper's epsilon is made for
+constexpr double kTwoSigma2 = 0.72;            // 2 * 0.6^2 of the distortion term (Keller et al. 2013)
 
 bool inside(const shared::Intrinsics& camera, int x, int y) {
   return x >= 0 && y >= 0 && x < static_cast<int>(camera.width) && y < static_cast<int>(camera.height);
@@ -133,8 +134,9 @@ SurfaceImage surface_twin(const std::vector<float>& depth_m, const std::vector<V
     out.depth_m[i] = static_cast<float>(z);
     out.normals[i] = sample.gradient.normalized();
     out.curvatures[i] = {curvatures->max_per_m, curvatures->min_per_m};
-    const double hrbf =
-        options.hrbf_confidence ? std::exp(-options.confidence_epsilon / std::sqrt(std::abs(sample.gradient.dot(kernels[own].normal)))) : 1;
+    const double epsilon = options.confidence_epsilon * camera.fx / kKinectFocalLength_px;
+    const double gradient = std::abs(sample.gradient.dot(kernels[own].normal));
+    const double hrbf = options.hrbf_confidence ? std::exp(-epsilon / std::sqrt(gradient)) : 1;
     out.weight[i] = static_cast<float>(hrbf * distortion(camera, x, y));
   });
   return out;

@@ -45,14 +45,18 @@ std::optional<Hit> meet_disc(const std::vector<HrbfKernel>& kernels, const Vecto
   return nearest;
 }
 
+// Normal and attributes are those of the zero set; the correction moves the point only.
 std::optional<Hit> meet_surface(const std::vector<HrbfKernel>& kernels, const Vector3d& ray, const MapOptions& options) {
-  const auto hit = intersect_hrbf(kernels, ray, {.min_support_count = options.min_support, .correct_bias = options.correct_bias});
-  if (!hit) return std::nullopt;
+  HrbfRayOptions by_ray{.min_support_count = options.min_support};
+  const auto hit = intersect_hrbf(kernels, ray, by_ray);
+  by_ray.correct_bias = options.correct_bias;
+  const auto corrected = intersect_hrbf(kernels, ray, by_ray);
+  if (!hit || !corrected) return std::nullopt;
   const auto nearer = [&](const HrbfKernel& a, const HrbfKernel& b) {
     return (a.position_m - hit->point_m).norm() < (b.position_m - hit->point_m).norm();
   };
   const auto nearest = std::min_element(kernels.begin(), kernels.end(), nearer);
-  return Hit{hit->ray_parameter, hit->normal, static_cast<std::size_t>(nearest - kernels.begin())};
+  return Hit{corrected->ray_parameter, hit->normal, static_cast<std::size_t>(nearest - kernels.begin())};
 }
 
 double grey(const Surfel& s) { return 0.299 * s.r + 0.587 * s.g + 0.114 * s.b; }

@@ -248,12 +248,23 @@ TEST_F(PreprocessTest, ConfidenceOfPlanesIsAsMeasured) {
   for (const Row& row : {Row{0.5, 0, 0.886}, Row{1.0, 0, 0.785}, Row{1.0, 60, 0.676}, Row{2.0, 0, 0.617}, Row{3.0, 0, 0.484}}) {
     FrameOptions options = unfiltered();
     options.project_to_surface = false;
-    options.depth_gate_m = 0.2;  // 60 degrees at 1 m fall by 3.3 mm a pixel
+    options.confidence_epsilon = 1000 * 525 / kKinect.fx;  // 1000 for these pixels, as in the table
+    options.depth_gate_m = 0.2;                            // 60 degrees at 1 m fall by 3.3 mm a pixel
     const SurfaceImage surface =
         test::download(run(kKinect, options, test::plane_scene(row.depth_m, row.tilt_deg * M_PI / 180)).surface.levels[0]);
     // Three digits, and normals that sensor units have tilted.
     EXPECT_NEAR(static_cast<double>(surface.weight[surface.index(48, 32)]), row.confidence, 2e-3) << row.depth_m << " m, " << row.tilt_deg;
   }
+}
+
+TEST_F(PreprocessTest, ConfidenceDoesNotDependOnTheNumberOfPixels) {
+  std::vector<double> confidences;
+  for (const double focal_px : {132.0, 528.0}) {
+    const Camera camera{97, 65, focal_px, focal_px, 48, 32, 20000};
+    const SurfaceImage surface = test::download(run(camera, unfiltered(), test::plane_scene(1)).surface.levels[0]);
+    confidences.push_back(surface.weight[surface.index(48, 32)]);
+  }
+  EXPECT_NEAR(confidences[0], confidences[1], 1e-3);
 }
 
 TEST_F(PreprocessTest, ConfidenceFallsTowardsTheCorners) {
