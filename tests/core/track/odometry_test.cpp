@@ -1,0 +1,342 @@
+#include "core/track/odometry.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "tests/reference/frame_twin.h"
+#include "tests/reference/track_twin.h"
+#include "tests/support/analytic_scene.h"
+#include "tests/support/gpu_test.h"
+#include "tests/support/packing.h"
+
+namespace hermite {
+namespace {
+
+using Eigen::Vector3d;
+using test::SurfaceImage;
+using testing::HasSubstr;
+
+constexpr Camera kCamera{160, 120, 130, 130, 79.5, 59.5, 5000};
+constexpr double kGradientMin[kPyramidLevels] = {5, 3, 1};  // grey values per pixel (reference notes 3.5)
+
+// About a centimetre and a degree: what a hand does between two frames.
+Rigid3 small_motion() { return exp_se3((Vector6d() << 0.012, -0.008, 0.010, 0.010, 0.015, -0.012).finished()); }
+
+// Steps at one level only.
+TrackOptions one_step_at(int level) {
+  TrackOptions options;
+  options.max_iterations_coarse = level == 2 ? 1 : 0;
+  options.max_iterations_middle = level == 1 ? 1 : 0;
+  options.max_iterations_fine = level == 0 ? 1 : 0;
+  return options;
+}
+
+TrackOptions until_converged() {
+  TrackOptions options;
+  options.max_iterations_coarse = options.max_iterations_middle = options.max_iterations_fine = 30;
+  options.fine_stride = 1;
+  return options;
+}
+
+class OdometryTest : public test::GpuTest {
+ protected:
+  using Levels = std::vector<SurfaceImage>;
+
+  OdometryTest() : frame(test::make_frame_maps(device(), kCamera)), reference(make_surface_pyramid(device(), kCamera, "test")) {}
+
+  static Levels render(const test::Scene& scene, const Rigid3& world_from_camera) {
+    Levels levels;
+    for (int level = 0; level < kPyramidLevels; ++level)
+      levels.push_back(test::render(scene, intrinsics_of_level(kCamera, level), world_from_camera));
+    return levels;
+  }
+  void set_frame(const Levels& levels) {
+    for (std::size_t level = 0; level < levels.size(); ++level) {
+      test::upload(levels[level], frame.surface.levels[level]);
+      std::vector<shared::uint> packed;
+      for (const Eigen::Vector2d& g : test::gradient_twin(levels[level].intensity, levels[level].camera))
+        packed.push_back(test::pack_halves(g.x(), g.y()));
+      frame.gradients[level].upload(packed);
+    }
+  }
+  void set_reference(const Levels& levels) {
+    for (std::size_t level = 0; level < levels.size(); ++level) test::upload(levels[level], reference.levels[level]);
+  }
+  // The frame is seen from where `reference_from_camera` says, the reference from the origin.
+  void set_both(const test::Scene& scene, const Rigid3& reference_from_camera) {
+    set_frame(render(scene, reference_from_camera));
+    set_reference(render(scene, Rigid3{}));
+  }
+  OdometryResult track(const TrackOptions& options, const Rigid3& guess = {}) {
+    return Odometry(device(), kCamera, options).track(frame, reference, guess);
+  }
+
+  FrameMaps frame;
+  SurfacePyramid reference;
+};
+
+void expect_close(const Rigid3& actual, const Rigid3& expected, double translation_m, double rotation_deg) {
+  const Rigid3 difference = inverse(expected) * actual;
+  EXPECT_LT(difference.translation.norm(), translation_m);
+  EXPECT_LT(angle_rad(difference.rotation) * 180 / M_PI, rotation_deg);
+}
+
+// A smooth surface without noise leaves the pairing of points by whole pixels: half of one is 4 mm here, which its curvature of
+// 4 / m turns into some hundredths of a millimetre.
+TEST_F(OdometryTest, GeometryAloneFindsASmallMotion) {
+  set_both(test::wave_scene(1), small_motion());
+  TrackOptions options = until_converged();
+  options.geometric_weight = 1e9;  // beside it the picture counts nothing
+  const OdometryResult result = track(options);
+  EXPECT_TRUE(result.tracked) << result.reason;
+  expect_close(result.reference_from_camera, small_motion(), 1e-4, 0.005);
+  EXPECT_LT(result.residual_rms_m, 5e-5);
+  EXPECT_GT(result.inlier_ratio, 0.9);
+}
+
+// Grey values between pixels are interpolated: a tenth of a pixel of error at most, averaged over thousands.
+TEST_F(OdometryTest, ThePictureAloneFindsASmallMotion) {
+  set_both(test::wave_scene(1), small_motion());
+  TrackOptions options = until_converged();
+  options.geometric_weight = 0;
+  const OdometryResult result = track(options);
+  EXPECT_TRUE(result.tracked) << result.reason;
+  EXPECT_GT(result.photometric_count, 5000);
+  expect_close(result.reference_from_camera, small_motion(), 5e-4, 0.03);
+}
+
+TEST_F(OdometryTest, BothTogetherFindASmallMotionWithTheDefaults) {
+  set_both(test::wave_scene(1), small_motion());
+  const OdometryResult result = track(TrackOptions{});
+  EXPECT_TRUE(result.tracked) << result.reason;
+  expect_close(result.reference_from_camera, small_motion(), 1e-4, 0.006);
+}
+
+TEST_F(OdometryTest, TheDissimilaritySearchFindsItToo) {
+  set_both(test::wave_scene(1), small_motion());
+  TrackOptions options = until_converged();
+  options.dissimilarity_search = true;
+  const OdometryResult result = track(options);
+  EXPECT_TRUE(result.tracked) << result.reason;
+  expect_close(result.reference_from_camera, small_motion(), 3e-4, 0.02);
+}
+
+TEST_F(OdometryTest, AGuessIsTheStartAndTheSameMotionTheEnd) {
+  const Rigid3 motion = exp_se3((Vector6d() << 0.03, 0.02, -0.05, 0.02, 0.1, -0.03).finished());
+  set_both(test::wave_scene(1), motion);
+  const Rigid3 guess = exp_se3((Vector6d() << 0.005, -0.004, 0.003, 0.004, -0.006, 0.005).finished()) * motion;
+  const OdometryResult result = track(until_converged(), guess);
+  EXPECT_TRUE(result.tracked) << result.reason;
+  expect_close(result.reference_from_camera, motion, 1.5e-4, 0.01);
+}
+
+TEST_F(OdometryTest, AStillCameraStaysStillAndStopsEarly) {
+  set_both(test::wave_scene(1), Rigid3{});
+  const OdometryResult result = track(TrackOptions{});
+  EXPECT_TRUE(result.tracked) << result.reason;
+  expect_close(result.reference_from_camera, Rigid3{}, 1e-6, 1e-4);
+  EXPECT_EQ(result.iteration_count, kPyramidLevels) << "one step a level";
+  EXPECT_NEAR(result.inlier_ratio, 1, 1e-9);
+}
+
+// H and b are as the twin has them: the step that solves them is the same. Half a dozen pairs at the gates may differ.
+TEST_F(OdometryTest, OneStepAgreesWithTheTwinAtEveryLevel) {
+  const Levels seen = render(test::wave_scene(1), small_motion()), expected_view = render(test::wave_scene(1), Rigid3{});
+  set_frame(seen);
+  set_reference(expected_view);
+  const Rigid3 guess = exp_se3((Vector6d() << 0.002, 0, -0.001, 0, 0.002, 0.001).finished());
+  for (const double geometric_weight : {0.0, 1000.0, 1e9})
+    for (const int level : {0, 1, 2})
+      for (const int stride : {1, 3}) {
+        SCOPED_TRACE("level " + std::to_string(level) + ", weight " + std::to_string(geometric_weight) + ", stride " +
+                     std::to_string(stride));
+        if (stride > 1 && level > 0) continue;
+        TrackOptions options = one_step_at(level);
+        options.geometric_weight = geometric_weight;
+        options.fine_stride = stride;
+        const OdometryResult actual = track(options, guess);
+        // Packed on the way, as the GPU has them.
+        const SurfaceImage current = test::download(frame.surface.levels[static_cast<std::size_t>(level)]);
+        const SurfaceImage model = test::download(reference.levels[static_cast<std::size_t>(level)]);
+        const test::TrackStep expected = test::track_step_twin(current, test::gradient_twin(current.intensity, current.camera), model,
+                                                               guess, options, kGradientMin[level], stride);
+        EXPECT_NEAR(static_cast<double>(actual.inlier_count), expected.geometric_count, 6);
+        EXPECT_NEAR(static_cast<double>(actual.photometric_count), expected.photometric_count, 6);
+        EXPECT_NEAR(actual.residual_rms_m, std::sqrt(expected.geometric_error_m2 / expected.geometric_count), 1e-5);
+        const Vector6d step = log_se3(actual.reference_from_camera * inverse(guess));
+        EXPECT_LT((step - expected.step).norm(), 0.01 * expected.step.norm()) << step.transpose() << "\n" << expected.step.transpose();
+        EXPECT_GT(expected.step.norm(), 0.01);
+      }
+}
+
+TEST_F(OdometryTest, WeightsOfTheReferenceCount) {
+  // Two planes at right angles to the view, told apart by their weights: the frame is pushed back by 4 and by 8 mm.
+  Levels model = render(test::plane_scene(1), Rigid3{}), seen = model;
+  for (std::size_t level = 0; level < model.size(); ++level)
+    for (std::size_t i = 0; i < model[level].size(); ++i) {
+      const bool left = i % model[level].camera.width < model[level].camera.width / 2;
+      model[level].weight[i] = left ? 3 : 1;
+      seen[level].depth_m[i] += left ? 0.004f : 0.008f;
+      seen[level].intensity[i] = model[level].intensity[i] = 100;
+    }
+  // Only z and tilts are determined; the others get the least step, none.
+  set_frame(seen);
+  set_reference(model);
+  const OdometryResult result = track(one_step_at(0));
+  EXPECT_GT(result.inlier_count, 1000);
+  // A plane fitted to the step, its middle at the left's share: nearer to 4 mm than to 8.
+  const double moved_m = -result.reference_from_camera.translation.z();
+  EXPECT_GT(moved_m, 0.0045);
+  EXPECT_LT(moved_m, 0.0065);
+}
+
+TEST_F(OdometryTest, PairsBeyondTheGatesDoNotCount) {
+  set_reference(render(test::plane_scene(1), Rigid3{}));
+  set_frame(render(test::plane_scene(1.12), Rigid3{}));
+  EXPECT_EQ(track(one_step_at(0)).inlier_count, 0) << "12 cm apart";
+  set_frame(render(test::plane_scene(1.08), Rigid3{}));
+  EXPECT_GT(track(one_step_at(0)).inlier_count, 1000);
+  for (const double degrees : {18.0, 22.0}) {
+    set_frame(render(test::plane_scene(1, degrees * M_PI / 180), Rigid3{}));
+    EXPECT_EQ(track(one_step_at(0)).inlier_count > 1000, degrees < 20);
+  }
+}
+
+TEST_F(OdometryTest, HolesAreNoSurface) {
+  Levels seen = render(test::wave_scene(1), small_motion()), model = render(test::wave_scene(1), Rigid3{});
+  std::mt19937 random(1);
+  for (Levels* levels : {&seen, &model})
+    for (SurfaceImage& image : *levels)
+      for (std::size_t i = 0; i < image.size(); ++i)
+        if (random() % 2 == 0) {
+          image.depth_m[i] = 0;
+          image.normals[i].setZero();
+          image.weight[i] = 0;
+        }
+  set_frame(seen);
+  set_reference(model);
+  const OdometryResult result = track(until_converged());
+  EXPECT_TRUE(result.tracked) << result.reason;
+  EXPECT_NEAR(result.inlier_ratio, 0.5, 0.05);
+  expect_close(result.reference_from_camera, small_motion(), 3e-4, 0.02);
+}
+
+TEST_F(OdometryTest, WithoutDepthItIsLost) {
+  set_reference(render(test::wave_scene(1), Rigid3{}));
+  const OdometryResult result = track(TrackOptions{});
+  EXPECT_FALSE(result.tracked);
+  EXPECT_THAT(result.reason, HasSubstr("almost nothing"));
+  EXPECT_EQ(result.inlier_count, 0);
+  EXPECT_TRUE(is_finite(result.reference_from_camera));
+}
+
+TEST_F(OdometryTest, WithoutAReferenceItIsLost) {
+  set_frame(render(test::wave_scene(1), Rigid3{}));
+  const OdometryResult result = track(TrackOptions{});
+  EXPECT_FALSE(result.tracked);
+  EXPECT_THAT(result.reason, HasSubstr("in common"));
+  EXPECT_TRUE(is_finite(result.reference_from_camera));
+}
+
+TEST_F(OdometryTest, ElsewhereItIsLost) {
+  set_both(test::wave_scene(1), Rigid3{});
+  set_frame(render(test::plane_scene(2), Rigid3{}));
+  const OdometryResult result = track(TrackOptions{});
+  EXPECT_FALSE(result.tracked);
+  EXPECT_THAT(result.reason, HasSubstr("in common"));
+  EXPECT_TRUE(is_finite(result.reference_from_camera));
+}
+
+TEST_F(OdometryTest, AJumpIsNotBelieved) {
+  set_both(test::wave_scene(1), exp_se3((Vector6d() << 0.05, 0, 0, 0, 0, 0).finished()));
+  TrackOptions options = until_converged();
+  options.max_step_m = 0.045;
+  const OdometryResult result = track(options);
+  EXPECT_FALSE(result.tracked);
+  EXPECT_THAT(result.reason, HasSubstr("too fast"));
+  EXPECT_THAT(result.reason, testing::AnyOf(HasSubstr("4 cm"), HasSubstr("5 cm")));
+  options.max_step_m = 0.055;
+  EXPECT_TRUE(track(options).tracked);
+}
+
+TEST_F(OdometryTest, SaysWhetherAFrameHasSurface) {
+  Odometry odometry(device(), kCamera, TrackOptions{});
+  EXPECT_FALSE(odometry.has_surface(frame, reference)) << "an empty frame";
+  Levels seen = render(test::wave_scene(1), Rigid3{});
+  const auto keep = [&](double share) {
+    Levels few = seen;
+    for (SurfaceImage& image : few)
+      for (std::size_t i = static_cast<std::size_t>(share * static_cast<double>(image.size())); i < image.size(); ++i) image.depth_m[i] = 0;
+    return few;
+  };
+  set_frame(keep(0.02));
+  EXPECT_FALSE(odometry.has_surface(frame, reference)) << "less than 3 %";
+  set_frame(keep(0.04));
+  EXPECT_TRUE(odometry.has_surface(frame, reference));
+}
+
+// --- Rotation from grey images ---
+
+class RotationTest : public OdometryTest {
+ protected:
+  using Picture = std::function<double(const Vector3d& direction)>;
+
+  // What a camera that only turns sees of a picture infinitely far away.
+  void set_picture(const Picture& picture, const Eigen::Quaterniond& world_from_camera) {
+    SurfaceImage image(intrinsics_of_level(kCamera, 2));
+    for (int y = 0; y < static_cast<int>(image.camera.height); ++y)
+      for (int x = 0; x < static_cast<int>(image.camera.width); ++x)
+        image.intensity[image.index(x, y)] = static_cast<float>(picture(world_from_camera * image.ray(x, y).normalized()));
+    test::upload(image, frame.surface.levels[2]);
+  }
+  Eigen::Quaterniond align(const Picture& picture, const Eigen::Quaterniond& world_from_current) {
+    Odometry odometry(device(), kCamera, TrackOptions{});
+    gpu::Commands commands(device());
+    set_picture(picture, Eigen::Quaterniond::Identity());
+    odometry.remember(commands, frame);
+    commands.submit_and_wait();
+    set_picture(picture, world_from_current);
+    return odometry.align_rotation(frame);
+  }
+  static double smooth(const Vector3d& d) {
+    return 128 + 40 * std::sin(9 * d.x() + 2 * d.y()) + 40 * std::cos(11 * d.y() - 3 * d.x()) + 30 * std::sin(8 * d.x() * d.y() + 3);
+  }
+};
+
+TEST_F(RotationTest, OfAFarPictureIsFound) {
+  for (const Vector3d& axis : {Vector3d(1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, 0, 1), Vector3d(0.5, -0.7, 0.5)})
+    for (const double degrees : {-4.0, 0.5, 3.0}) {
+      const Eigen::Quaterniond world_from_current(Eigen::AngleAxisd(degrees * M_PI / 180, axis.normalized()));
+      const Eigen::Quaterniond current_from_previous = align(smooth, world_from_current);
+      // A fiftieth of a pixel of 1.8 degrees.
+      EXPECT_LT(angle_rad(current_from_previous * world_from_current) * 180 / M_PI, 0.04) << axis.transpose() << ", " << degrees;
+    }
+}
+
+TEST_F(RotationTest, WithoutAnEarlierPictureIsNone) {
+  set_picture(smooth, Eigen::Quaterniond::Identity());
+  Odometry odometry(device(), kCamera, TrackOptions{});
+  EXPECT_EQ(angle_rad(odometry.align_rotation(frame)), 0);
+}
+
+TEST_F(RotationTest, OfAFlatPictureIsNone) {
+  const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.1, Vector3d::UnitX()));
+  EXPECT_LT(angle_rad(align([](const Vector3d&) { return 255.0; }, turned)), 1e-6);
+}
+
+TEST_F(RotationTest, OfUnrelatedPicturesIsAtLeastARotation) {
+  std::mt19937 random(1);
+  const Picture noise = [&random](const Vector3d&) { return static_cast<double>(random() % 256); };
+  for (int i = 0; i < 5; ++i) {
+    const Eigen::Quaterniond rotation = align(noise, Eigen::Quaterniond::Identity());
+    EXPECT_TRUE(rotation.coeffs().allFinite());
+    EXPECT_NEAR(rotation.norm(), 1, 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace hermite

@@ -1,0 +1,26 @@
+// One Gauss-Newton step of the odometry on the CPU in double precision, with derivatives by differences instead of formulas (paper section
+// 4, reference notes 3.3 to 3.6). Pure functions.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/math/rigid3.h"
+#include "core/track/track_options.h"
+#include "tests/support/surface_image.h"
+
+namespace hermite::test {
+
+struct TrackStep {
+  Matrix6d hessian = Matrix6d::Zero();
+  Vector6d right_hand_side = Vector6d::Zero();
+  Vector6d step = Vector6d::Zero();  // translation, rotation: guess <- exp(step) guess
+  double geometric_error_m2 = 0;
+  int geometric_count = 0, photometric_count = 0, surface_count = 0;
+};
+
+// `gradients` are the frame's, grey values per pixel; `gradient_min` the least that counts at this level; projective association.
+TrackStep track_step_twin(const SurfaceImage& frame, const std::vector<Eigen::Vector2d>& gradients, const SurfaceImage& reference,
+                          const Rigid3& reference_from_camera, const TrackOptions& options, double gradient_min, int stride);
+
+}  // namespace hermite::test
