@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
 # From nothing to a finished scan in the browser: installs, builds, starts the server, streams the synthetic room into it, and prints where to look.
 #
-#   deploy/demo.sh            keeps the server running until Ctrl-C
-#   DEMO_EXIT=1 deploy/demo.sh    ends once the scan is finished (for tests)
-#   DEMO_SEQUENCE=FOLDER          streams a recording instead (TUM, ICL-NUIM, 7-Scenes)
+#   deploy/demo.sh     keeps the server running until Ctrl-C
+#   DEMO_EXIT=1        ends once the scan is finished (so does CI=true)
+#   DEMO_SEQUENCE=...  streams this instead: a folder (TUM, ICL-NUIM, 7-Scenes) or synthetic:options
+#   DEMO_DATA=FOLDER   keeps scans there instead of build/demo-data
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source deploy/install.sh
 
 readonly kPort=8080
-readonly sequence=${DEMO_SEQUENCE:-synthetic:frames=150,rate=15}
+readonly sequence=${DEMO_SEQUENCE:-synthetic:frames=150}
 readonly data=${DEMO_DATA:-build/demo-data}
 
 build() {
@@ -47,7 +48,7 @@ start_server
 printf '\nWatch it grow: %s\n\n' "$url"
 build/release/server/hermite-client stream "$sequence" --server "$url" --report build/demo-report.json >/dev/null
 printf '\nThe scan is finished: %s\nIts report: build/demo-report.json\n' "$url"
-[ "${DEMO_EXIT:-}" != 1 ] || exit 0
+[ -z "${DEMO_EXIT:-${CI:-}}" ] || exit 0
 echo "The server runs until Ctrl-C."
 trap 'exit 0' INT TERM
 wait "$server"

@@ -36,7 +36,10 @@ step_fuzz() { tests/fuzz/run; }
 
 step_browser() { npm --prefix web run --silent test:browser; }
 
-step_demo() { DEMO_EXIT=1 DEMO_DATA=$(mktemp -d) DEMO_SEQUENCE=synthetic:frames=10,width=320,height=240 deploy/demo.sh; }
+step_demo() {
+  rm -rf build/test-demo
+  DEMO_EXIT=1 DEMO_DATA=build/test-demo DEMO_SEQUENCE=synthetic:frames=10,width=320,height=240 deploy/demo.sh
+}
 
 run_steps() {
   local step started passed=0 failed=0 summary=""
