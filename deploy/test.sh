@@ -46,9 +46,8 @@ run_steps() {
   for step in "$@"; do
     printf '\n=== %s\n' "$step"
     started=$SECONDS
-    # In the background because a shell that is asked "if" would go on after a failing command.
-    "step_$step" &
-    if wait $!; then
+    # In a process of its own: a function that is asked "if" would go on after a failing command.
+    if HERMITE_TEST_STEP=$step deploy/test.sh; then
       passed=$((passed + 1))
       summary+=$(printf '\n  ok      %-16s %4d s' "$step" $((SECONDS - started)))
     else
@@ -60,6 +59,10 @@ run_steps() {
   [ "$failed" -eq 0 ]
 }
 
+if [ -n "${HERMITE_TEST_STEP:-}" ]; then
+  "step_$HERMITE_TEST_STEP"
+  exit
+fi
 install_packages
 provide_node
 install_viewer
