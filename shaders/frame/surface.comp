@@ -153,7 +153,8 @@ float confidence_at(ivec2 pixel, float gradient) {
 void write(ivec2 pixel, float z, vec3 gradient, vec3 diagonal, vec3 mixed, float count, vec3 first_normal) {
   uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
   vec2 kappa = principal_curvatures(gradient, diagonal, mixed);
-  bool valid = z > 0.0 && count >= float(kMinKernels) && gradient.z > 0.0 && abs(kappa.x) < p.curvature_limit_per_m &&
+  bool facing = gradient.z > 0.0 && dot(gradient, pixel_ray(p.camera, vec2(pixel))) > 0.0;  // nobody sees a back side
+  bool valid = z > 0.0 && count >= float(kMinKernels) && facing && abs(kappa.x) < p.curvature_limit_per_m &&
                abs(kappa.y) < p.curvature_limit_per_m;
   depth_m[index] = valid ? z : 0.0;
   surface_normals[index] = valid ? pack_normal(normalize(gradient)) : kNoNormal;

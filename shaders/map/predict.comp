@@ -182,7 +182,7 @@ vec4 intersect_hrbf(int first, Rays rays, out Normals4 normals, out uvec4 cells)
   // A point that still moves by a millimetre or so has no surface under it: the bias is smaller than that.
   bvec4 settled = lessThan(abs(solution - t), 0.002 * t);
   bvec4 supported = greaterThanEqual(f.support, vec4(float(p.min_support)));
-  bvec4 facing = greaterThan(normals.z, vec4(0.0));
+  bvec4 facing = greaterThan(min(normals.z, normals.x * rays.x + normals.y * rays.y + normals.z), vec4(0.0));
   return mix(vec4(0.0), solution, bvec4(uvec4(settled) * uvec4(supported) * uvec4(facing)));
 }
 

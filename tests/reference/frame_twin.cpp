@@ -129,7 +129,7 @@ SurfaceImage surface_twin(const std::vector<float>& depth_m, const std::vector<V
     }
     const HrbfSample sample = evaluate_hrbf(kernels, z * first.ray(x, y), own);
     const auto curvatures = principal_curvatures(sample.gradient, sample.hessian);
-    if (sample.support_count < kMinKernels || !curvatures || sample.gradient.z() <= 0) return;
+    if (sample.support_count < kMinKernels || !curvatures || sample.gradient.z() <= 0 || sample.gradient.dot(first.ray(x, y)) <= 0) return;
     if (std::max(std::abs(curvatures->max_per_m), std::abs(curvatures->min_per_m)) >= options.curvature_limit_per_m) return;
     out.depth_m[i] = static_cast<float>(z);
     out.normals[i] = sample.gradient.normalized();
