@@ -1,8 +1,8 @@
 #include "core/pipeline/options.h"
 
+#include <array>
 #include <charconv>
 #include <functional>
-#include <sstream>
 #include <variant>
 
 namespace hermite {
@@ -34,13 +34,15 @@ const std::vector<Row>& rows() {
       {"frame.depth_min_m", f(&F::depth_min_m), 0.05, 5, "nearer measurements are ignored [m]"},
       {"frame.depth_max_m", f(&F::depth_max_m), 0.5, 20, "farther measurements are ignored [m]"},
       {"frame.bilateral_sigma_space_px", f(&F::bilateral_sigma_space_px), 0.4, 6, "bilateral filter: width over the image [px]"},
-      {"frame.bilateral_noise_sigmas", f(&F::bilateral_noise_sigmas), 0.01, 100, "bilateral filter: width over depth in standard deviations of the noise"},
+      {"frame.bilateral_noise_sigmas", f(&F::bilateral_noise_sigmas), 0.01, 100,
+       "bilateral filter: width over depth in standard deviations of the noise"},
       {"frame.noise_floor_m", f(&F::noise_floor_m), 1e-5, 0.1, "standard deviation of depth at 0.4 m [m]"},
       {"frame.noise_growth_per_m", f(&F::noise_growth_per_m), 0, 0.1, "its growth with the square of the distance beyond [1/m]"},
       {"frame.support_radius_scale", f(&F::support_radius_scale), 1, 10, "support radius of a kernel in pixel diagonals"},
       {"frame.depth_gate_m", f(&F::depth_gate_m), 0.01, 1, "pixels further apart in depth are on different surfaces [m]"},
       {"frame.curvature_limit_per_m", f(&F::curvature_limit_per_m), 10, 1e4, "larger curvatures are not believed [1/m]"},
-      {"frame.hrbf_confidence", f(&F::hrbf_confidence), 0, 1, "confidence from the HRBF gradient times lens distortion, or distortion only"},
+      {"frame.hrbf_confidence", f(&F::hrbf_confidence), 0, 1,
+       "confidence from the HRBF gradient times lens distortion, or distortion only"},
       {"frame.confidence_epsilon", f(&F::confidence_epsilon), 1, 1e5, "HRBF confidence exp(-epsilon / sqrt(gradient))"},
       {"frame.project_to_surface", f(&F::project_to_surface), 0, 1, "move vertices onto the frame's own HRBF surface"},
       {"track.rotation_prealignment", t(&T::rotation_prealignment), 0, 1, "start from the rotation that aligns the grey images"},
@@ -77,10 +79,10 @@ const std::vector<Row>& rows() {
   return table;
 }
 
+// The shortest text that reads back as the same number.
 std::string to_text(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
 std::string text_of(const Field& field) {
@@ -120,6 +122,8 @@ Status apply_setting(Options& options, const std::string& key, const std::string
     if (!parse_number(value, number) || !(number >= row.low && number <= row.high) || (whole && number != static_cast<int>(number)))
       return Error{ErrorCode::kInvalidArgument, "setting " + key + " is '" + value + "', allowed is " + (whole ? "a whole number " : "") +
                                                     to_text(row.low) + " to " + to_text(row.high)};
+    if (key == "map.window" && static_cast<int>(number) % 2 == 0)
+      return Error{ErrorCode::kInvalidArgument, "setting " + key + " is '" + value + "', allowed is 5, 7 or 9: a window has a middle"};
     if (whole)
       *std::get<int*>(field) = static_cast<int>(number);
     else

@@ -225,6 +225,26 @@ TEST_F(OdometryTest, HolesAreNoSurface) {
   expect_close(result.reference_from_camera, small_motion(), 3e-4, 0.02);
 }
 
+// Nothing holds a camera in front of a bare wall in the wall's own directions. It must not be carried off along them.
+TEST_F(OdometryTest, ABareWallDoesNotCarryTheCameraAway) {
+  std::mt19937 random(1);
+  std::normal_distribution<float> noise_m(0, 0.002f);
+  Levels seen = render(test::plane_scene(1.5), Rigid3{}), model = render(test::plane_scene(1.5), Rigid3{});
+  for (std::size_t level = 0; level < seen.size(); ++level)
+    for (std::size_t i = 0; i < seen[level].size(); ++i) {
+      seen[level].depth_m[i] += noise_m(random);
+      seen[level].normals[i] = Vector3d(5 * noise_m(random), 5 * noise_m(random), 1).normalized();
+      model[level].normals[i] = Vector3d(5 * noise_m(random), 5 * noise_m(random), 1).normalized();
+      seen[level].intensity[i] = model[level].intensity[i] = 100;
+    }
+  set_frame(seen);
+  set_reference(model);
+  const OdometryResult result = track(TrackOptions{});
+  // Noise in the normals is all that says anything there: a centimetre or two, not more.
+  EXPECT_LT(result.reference_from_camera.translation.norm(), 0.05);
+  EXPECT_NEAR(result.reference_from_camera.translation.z(), 0, 2e-4) << "the wall itself holds this one";
+}
+
 TEST_F(OdometryTest, WithoutDepthItIsLost) {
   set_reference(render(test::wave_scene(1), Rigid3{}));
   const OdometryResult result = track(TrackOptions{});

@@ -1,0 +1,351 @@
+#include "core/pipeline/pipeline.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "core/dataset/sequence.h"
+#include "core/evaluate/trajectory_error.h"
+
+namespace hermite {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kFrameCount = 12;
+
+// A hand's motion through a furnished room, at a size that a software device does in milliseconds.
+struct Recording {
+  Camera camera;
+  Trajectory groundtruth;
+  std::vector<RgbdFrame> frames;
+};
+
+const Recording& recording() {
+  static const Recording made = [] {
+    const auto sequence = open_sequence("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
+    CHECK(sequence.ok(), sequence.ok() ? "" : sequence.error().message);
+    Recording result{(*sequence)->camera(), (*sequence)->groundtruth(), {}};
+    for (std::int64_t i = 0; i < (*sequence)->frame_count(); ++i) {
+      Result<RecordedFrame> recorded = (*sequence)->read(i);
+      CHECK(recorded.ok(), "a frame of the synthetic camera");
+      Result<RgbdFrame> frame = decode_frame(*std::move(recorded));
+      CHECK(frame.ok(), "a frame of the synthetic camera");
+      result.frames.push_back(*std::move(frame));
+    }
+    return result;
+  }();
+  return made;
+}
+
+// So that a few frames suffice to make surfels that are put out.
+Options soon_stable() {
+  Options options;
+  options.map.stable_confidence = 1;
+  return options;
+}
+
+FrameResult process(Pipeline& pipeline, const RgbdFrame& frame) {
+  const Result<FrameResult> result = pipeline.process(frame);
+  EXPECT_TRUE(result.ok()) << result.error().message;
+  return *result;
+}
+
+bool same_pose(const Rigid3& a, const Rigid3& b) { return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs(); }
+
+bool same_point(const CloudPoint& a, const CloudPoint& b) {
+  return a.position_m == b.position_m && a.normal == b.normal && a.color == b.color && a.confidence == b.confidence &&
+         a.curvature_max_per_m == b.curvature_max_per_m && a.curvature_min_per_m == b.curvature_min_per_m && a.radius_m == b.radius_m &&
+         a.submap == b.submap;
+}
+
+TEST(Pipeline, FollowsASyntheticCamera) {
+  const Recording& room = recording();
+  Pipeline pipeline("", room.camera, Options{});
+  for (int i = 0; i < kFrameCount; ++i) {
+    const FrameResult result = process(pipeline, room.frames[static_cast<std::size_t>(i)]);
+    EXPECT_EQ(result.frame_index, i);
+    EXPECT_EQ(result.timestamp_s, room.frames[static_cast<std::size_t>(i)].timestamp_s);
+    EXPECT_EQ(result.status, TrackingStatus::kTracked) << i << ": " << result.reason;
+    EXPECT_EQ(result.reason, "");
+    EXPECT_GT(result.surfel_count, 1000);
+    if (i == 0) continue;
+    EXPECT_GT(result.inlier_count, 1000);
+    EXPECT_GT(result.inlier_ratio, 0.5);
+    EXPECT_LE(result.inlier_ratio, 1);
+    EXPECT_LT(result.residual_rms_m, 0.01);
+  }
+  const auto error = trajectory_error(pipeline.trajectory(), room.groundtruth);
+  ASSERT_TRUE(error.ok()) << error.error().message;
+  // The hand moves by 18 cm and 15 degrees. One pixel is 2 cm wide where the room is 2.5 m away.
+  EXPECT_LT(error->ate_m.rmse, 0.005);
+  EXPECT_LT(error->per_frame.rotation_deg.rmse, 0.2);
+}
+
+TEST(Pipeline, TheWorldIsTheFirstCamera) {
+  Pipeline pipeline("", recording().camera, Options{});
+  EXPECT_TRUE(same_pose(process(pipeline, recording().frames[0]).world_from_camera, Rigid3{}));
+  const std::vector<SubmapPose> poses = pipeline.submap_poses();
+  ASSERT_EQ(poses.size(), 1u);
+  EXPECT_TRUE(same_pose(poses[0].world_from_submap, Rigid3{}));
+}
+
+TEST(Pipeline, TwoRunsAreTheSameBitForBit) {
+  std::vector<Trajectory> trajectories;
+  std::vector<Cloud> clouds;
+  for (int run = 0; run < 2; ++run) {
+    Pipeline pipeline("", recording().camera, soon_stable());
+    for (const RgbdFrame& frame : recording().frames) process(pipeline, frame);
+    trajectories.push_back(pipeline.trajectory());
+    clouds.push_back(*pipeline.cloud());
+  }
+  ASSERT_EQ(trajectories[0].size(), trajectories[1].size());
+  for (std::size_t i = 0; i < trajectories[0].size(); ++i)
+    EXPECT_TRUE(same_pose(trajectories[0][i].world_from_camera, trajectories[1][i].world_from_camera)) << i;
+  ASSERT_EQ(clouds[0].size(), clouds[1].size());
+  EXPECT_GT(clouds[0].size(), 1000u);
+  for (std::size_t i = 0; i < clouds[0].size(); ++i) ASSERT_TRUE(same_point(clouds[0][i], clouds[1][i])) << i;
+}
+
+// --- What frames may contain ---
+
+RgbdFrame changed(const RgbdFrame& frame, const std::function<void(std::uint16_t& depth, Rgb8& color)>& change) {
+  RgbdFrame result = frame;
+  for (std::size_t i = 0; i < result.depth.pixels.size(); ++i) change(result.depth.pixels[i], result.color.pixels[i]);
+  return result;
+}
+
+std::uint8_t random_byte() {
+  static std::mt19937 random(1);
+  return static_cast<std::uint8_t>(random());
+}
+
+struct Garbage {
+  const char* name;
+  std::function<void(std::uint16_t&, Rgb8&)> change;
+};
+
+std::vector<Garbage> garbage() {
+  return {{"no depth", [](std::uint16_t& d, Rgb8&) { d = 0; }},
+          {"nothing at all",
+           [](std::uint16_t& d, Rgb8& c) {
+             d = 0;
+             c = {};
+           }},
+          {"depth out of range, white",
+           [](std::uint16_t& d, Rgb8& c) {
+             d = 65535, c = {255, 255, 255};
+           }},
+          {"noise",
+           [](std::uint16_t& d, Rgb8& c) {
+             d = static_cast<std::uint16_t>(256 * random_byte() + random_byte());
+             c = {random_byte(), random_byte(), random_byte()};
+           }},
+          {"a wall right in front of it", [](std::uint16_t& d, Rgb8&) { d = 2000; }}};
+}
+
+TEST(Pipeline, AFrameThatCannotBeUsedIsLostAndTheNextOneIsNot) {
+  for (const Garbage& bad : garbage()) {
+    SCOPED_TRACE(bad.name);
+    const Recording& room = recording();
+    Pipeline pipeline("", room.camera, Options{});
+    FrameResult before;
+    for (std::size_t i = 0; i < 4; ++i) before = process(pipeline, room.frames[i]);
+    const FrameResult lost = process(pipeline, changed(room.frames[4], bad.change));
+    EXPECT_EQ(lost.status, TrackingStatus::kLost);
+    EXPECT_FALSE(lost.reason.empty());
+    EXPECT_TRUE(same_pose(lost.world_from_camera, before.world_from_camera)) << "the last good pose";
+    EXPECT_EQ(lost.surfel_count, before.surfel_count) << "nothing is fused";
+    EXPECT_EQ(lost.frame_index, 4);
+    const FrameResult after = process(pipeline, room.frames[5]);
+    EXPECT_EQ(after.status, TrackingStatus::kTracked) << after.reason;
+    ASSERT_EQ(pipeline.trajectory().size(), 6u) << "a pose for every frame, lost ones included";
+    EXPECT_EQ(pipeline.trajectory()[4].timestamp_s, room.frames[4].timestamp_s);
+    EXPECT_EQ(pipeline.statistics().frame_count, 6);
+    EXPECT_EQ(pipeline.statistics().tracked_frame_count, 5);
+    const Rigid3 true_motion = inverse(room.groundtruth[3].world_from_camera) * room.groundtruth[5].world_from_camera;
+    const Rigid3 motion = inverse(before.world_from_camera) * after.world_from_camera;
+    EXPECT_LT((motion.translation - true_motion.translation).norm(), 0.01);
+  }
+}
+
+TEST(Pipeline, WithoutColourDepthIsEnough) {
+  Pipeline pipeline("", recording().camera, Options{});
+  for (const Rgb8 color : {Rgb8{255, 255, 255}, Rgb8{0, 0, 0}})
+    for (std::size_t i = 0; i < 3; ++i) {
+      const RgbdFrame frame = changed(recording().frames[i], [color](std::uint16_t&, Rgb8& c) { c = color; });
+      EXPECT_EQ(process(pipeline, frame).status, TrackingStatus::kTracked) << i;
+    }
+}
+
+TEST(Pipeline, StartsWithTheFirstFrameThatShowsSomething) {
+  const Recording& room = recording();
+  Pipeline pipeline("", room.camera, Options{});
+  const RgbdFrame empty = changed(room.frames[0], [](std::uint16_t& d, Rgb8&) { d = 0; });
+  for (int i = 0; i < 2; ++i) {
+    const FrameResult result = process(pipeline, empty);
+    EXPECT_EQ(result.status, TrackingStatus::kLost);
+    EXPECT_THAT(result.reason, HasSubstr("almost nothing"));
+    EXPECT_EQ(result.surfel_count, 0);
+  }
+  EXPECT_TRUE(pipeline.cloud()->empty());
+  EXPECT_TRUE(pipeline.take_changes()->empty());
+  EXPECT_EQ(process(pipeline, room.frames[3]).status, TrackingStatus::kTracked);
+  EXPECT_TRUE(same_pose(pipeline.trajectory()[2].world_from_camera, Rigid3{}));
+  EXPECT_EQ(process(pipeline, room.frames[4]).status, TrackingStatus::kTracked);
+}
+
+TEST(Pipeline, AFrameOfAnotherSizeIsAnErrorAndNothingElse) {
+  const Recording& room = recording();
+  Pipeline pipeline("", room.camera, Options{});
+  process(pipeline, room.frames[0]);
+  RgbdFrame small_depth = room.frames[1], small_color = room.frames[1];
+  small_depth.depth = DepthImage(80, 60);
+  small_color.color = ColorImage(120, 160);
+  for (const RgbdFrame& frame : {small_depth, small_color, RgbdFrame{}}) {
+    const Result<FrameResult> result = pipeline.process(frame);
+    ASSERT_FALSE(result.ok());
+    EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_THAT(result.error().message, HasSubstr("160x120"));
+  }
+  EXPECT_EQ(pipeline.trajectory().size(), 1u);
+  const FrameResult next = process(pipeline, room.frames[1]);
+  EXPECT_EQ(next.status, TrackingStatus::kTracked) << next.reason;
+  EXPECT_EQ(next.frame_index, 1);
+}
+
+TEST(Pipeline, ACameraOrDeviceThatCannotBeIsSaidAtOnce) {
+  Camera camera = recording().camera;
+  camera.fx = -1;
+  try {
+    Pipeline("", camera, Options{});
+    FAIL();
+  } catch (const SetupError& error) {
+    EXPECT_EQ(error.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_THAT(error.what(), HasSubstr("camera.fx"));
+  }
+  EXPECT_THROW(Pipeline("", Camera{}, Options{}), SetupError);
+  EXPECT_THROW(Pipeline("a device that nobody has", recording().camera, Options{}), SetupError);
+}
+
+// --- What comes out ---
+
+TEST(Pipeline, ChangesKeepAMirrorOfTheCloud) {
+  Options options = soon_stable();
+  options.map.max_unstable_age_frames = 4;  // so that slots are freed and used again
+  Pipeline pipeline("", recording().camera, options);
+  std::map<std::uint32_t, CloudPoint> mirror;
+  int gone_count = 0;
+  const auto follow = [&] {
+    std::int64_t last_slot = -1;
+    const std::vector<SlotChange> changes = *pipeline.take_changes();
+    for (const SlotChange& change : changes) {
+      EXPECT_GT(std::int64_t{change.slot}, last_slot) << "in slot order";
+      last_slot = change.slot;
+      if (change.alive)
+        mirror[change.slot] = change.point;
+      else
+        gone_count += static_cast<int>(mirror.erase(change.slot));
+    }
+  };
+  for (std::size_t i = 0; i < recording().frames.size(); ++i) {
+    process(pipeline, recording().frames[i]);
+    if (i % 3 != 1) follow();  // not after every frame
+    if (i % 3 == 1) continue;
+    const Cloud cloud = *pipeline.cloud();
+    ASSERT_EQ(mirror.size(), cloud.size()) << i;
+    std::size_t next = 0;
+    for (const auto& [slot, point] : mirror) ASSERT_TRUE(same_point(point, cloud[next++])) << "frame " << i << ", slot " << slot;
+  }
+  EXPECT_GT(mirror.size(), 1000u);
+  EXPECT_TRUE(pipeline.take_changes()->empty()) << "nothing has happened since";
+  RecordProperty("gone", gone_count);
+}
+
+TEST(Pipeline, OnlyStableSurfelsAreOutputUnlessAskedFor) {
+  std::vector<std::size_t> counts;
+  for (const bool unstable : {false, true}) {
+    Options options = soon_stable();
+    options.output_unstable = unstable;
+    Pipeline pipeline("", recording().camera, options);
+    FrameResult last;
+    for (std::size_t i = 0; i < 6; ++i) last = process(pipeline, recording().frames[i]);
+    const Cloud cloud = *pipeline.cloud();
+    counts.push_back(cloud.size());
+    for (const CloudPoint& point : cloud) ASSERT_TRUE(unstable ? point.confidence > 0 : point.confidence >= 1);
+    EXPECT_TRUE(!unstable || static_cast<std::int64_t>(cloud.size()) == last.surfel_count);
+  }
+  EXPECT_GT(counts[0], 100u);
+  EXPECT_LT(counts[0], counts[1]);
+}
+
+TEST(Pipeline, NormalsInTheCloudLookAtTheCamera) {
+  Options options;
+  options.output_unstable = true;
+  Pipeline pipeline("", recording().camera, options);
+  process(pipeline, recording().frames[0]);
+  const Cloud cloud = *pipeline.cloud();
+  EXPECT_GT(cloud.size(), 1000u);
+  for (const CloudPoint& point : cloud) {
+    ASSERT_LT(point.normal.dot(point.position_m), 0);
+    ASSERT_NEAR(point.normal.norm(), 1, 1e-4);
+    ASSERT_GT(point.radius_m, 0);
+  }
+}
+
+TEST(Pipeline, EverySwitchStillTracks) {
+  for (const auto& [key, value] : std::vector<std::pair<const char*, const char*>>{{"map.hrbf_prediction", "false"},
+                                                                                   {"map.correct_bias", "false"},
+                                                                                   {"map.window", "5"},
+                                                                                   {"map.window", "9"},
+                                                                                   {"map.fuse_surface", "true"},
+                                                                                   {"map.fill_in_below", "0"},
+                                                                                   {"track.dissimilarity_search", "true"},
+                                                                                   {"track.rotation_prealignment", "false"},
+                                                                                   {"frame.hrbf_confidence", "false"},
+                                                                                   {"frame.project_to_surface", "false"}}) {
+    SCOPED_TRACE(std::string(key) + "=" + value);
+    Options options;
+    options.map.stable_confidence = 0.1;  // predictions from the first frame on
+    ASSERT_TRUE(apply_setting(options, key, value).ok());
+    Pipeline pipeline("", recording().camera, options);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const FrameResult result = process(pipeline, recording().frames[i]);
+      EXPECT_EQ(result.status, TrackingStatus::kTracked) << i << ": " << result.reason;
+    }
+    const Rigid3 true_motion = inverse(recording().groundtruth[0].world_from_camera) * recording().groundtruth[3].world_from_camera;
+    // Of 45 mm, in a hundredth of the pixels: splats are the coarsest.
+    EXPECT_LT((pipeline.trajectory()[3].world_from_camera.translation - true_motion.translation).norm(), 0.02);
+  }
+}
+
+TEST(Pipeline, StatisticsSayWhatItCost) {
+  Pipeline pipeline("", recording().camera, Options{});
+  EXPECT_EQ(pipeline.statistics().frame_count, 0);
+  for (std::size_t i = 0; i < 3; ++i) process(pipeline, recording().frames[i]);
+  const PipelineStatistics statistics = pipeline.statistics();
+  EXPECT_EQ(statistics.frame_count, 3);
+  EXPECT_EQ(statistics.tracked_frame_count, 3);
+  EXPECT_GT(statistics.surfel_count, 1000);
+  EXPECT_FALSE(statistics.device.empty());
+  double sum_ms = 0;
+  for (const char* stage : {"preprocess", "track", "fuse", "predict"}) {
+    ASSERT_EQ(statistics.stages_ms.count(stage), 1u) << stage;
+    sum_ms += statistics.stages_ms.at(stage);
+  }
+  EXPECT_GT(sum_ms, 0);
+  EXPECT_LE(sum_ms, statistics.mean_frame_ms);
+  for (const char* purpose : {"map", "frame", "prediction"}) EXPECT_GT(statistics.gpu_memory_bytes.at(purpose), 0) << purpose;
+  EXPECT_EQ(statistics.gpu_passes_ms.count("map/predict"), 1u);
+}
+
+TEST(Pipeline, StatusesHaveNames) {
+  EXPECT_STREQ(name_of(TrackingStatus::kTracked), "tracked");
+  EXPECT_STREQ(name_of(TrackingStatus::kLost), "lost");
+}
+
+}  // namespace
+}  // namespace hermite

@@ -1,0 +1,161 @@
+// Who may include whom (the layers of the project, bottom to top), and which folder is the door to which library. Reads the source tree.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace hermite {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Besides itself and the standard library. An entry is a folder or a single header.
+struct Layer {
+  std::string folder;
+  std::vector<std::string> may_include;
+};
+
+const std::vector<Layer>& layers() {
+  static const std::vector<Layer> table{
+      {"core/base", {}},
+      {"core/math", {"core/base"}},
+      {"core/gpu", {"core/base", "shaders/shared"}},
+      {"core/frame", {"core/gpu", "core/math", "core/base", "shaders/shared"}},
+      {"core/map", {"core/frame", "core/gpu", "core/math", "core/base", "shaders/shared"}},
+      {"core/track", {"core/map", "core/frame", "core/gpu", "core/math", "core/base", "shaders/shared"}},
+      {"core/mesh", {"core/map", "core/frame", "core/gpu", "core/math", "core/base", "shaders/shared"}},
+      {"core/image", {"core/base"}},
+      {"core/adjust", {"core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
+      {"core/dataset", {"core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
+      {"core/evaluate", {"core/dataset", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
+      {"core/output", {"core/math", "core/base"}},
+      {"core/pipeline", {"core"}},
+      {"proto/wire", {"core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
+      {"server",
+       {"core/pipeline", "core/output", "core/dataset", "core/evaluate", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base",
+        "proto/wire"}},
+      {"shaders", {}},
+  };
+  return table;
+}
+
+// What an include starts with, and the only folders or files that may have it.
+struct Door {
+  std::string include;
+  std::vector<std::string> folders;
+};
+
+const std::vector<Door>& doors() {
+  static const std::vector<Door> table{
+      {"vulkan/", {"core/gpu"}},
+      {"ceres/", {"core/adjust"}},
+      {"opencv2/", {"core/adjust"}},
+      {"turbojpeg.h", {"core/image"}},
+      {"jpeglib.h", {"core/image"}},
+      {"spng.h", {"core/image"}},
+      {"zstd.h", {"core/image"}},
+      {"draco/", {"core/output"}},
+      {"SQLiteCpp/", {"server/store"}},
+      {"sqlite3.h", {"server/store"}},
+      {"boost/beast",
+       {"server/service/websocket.h", "server/service/websocket.cpp", "server/service/http_connection.cpp",
+        "server/client/connection.cpp"}},
+      {"boost/", {"server"}},
+      {"google/protobuf", {"proto/wire"}},
+      {"scan.pb.h", {"proto/wire"}},
+  };
+  return table;
+}
+
+// Is `path` that file, or inside that folder?
+bool lies_in(const std::string& path, const std::string& place) { return path == place || path.starts_with(place + "/"); }
+
+bool lies_in_any(const std::string& path, const std::vector<std::string>& places) {
+  for (const std::string& place : places)
+    if (lies_in(path, place)) return true;
+  return false;
+}
+
+// Of `path`: what stands between quotes or angle brackets, empty when the line is no include.
+std::string included(const std::string& line, char& bracket) {
+  const std::size_t word = line.find_first_not_of(" \t");
+  if (word == std::string::npos || line.compare(word, 8, "#include") != 0) return {};
+  const std::size_t open = line.find_first_of("\"<", word);
+  if (open == std::string::npos) return {};
+  bracket = line[open];
+  const std::size_t close = line.find(bracket == '<' ? '>' : '"', open + 1);
+  return close == std::string::npos ? std::string() : line.substr(open + 1, close - open - 1);
+}
+
+// Words about one include of a file, empty when it is allowed.
+std::string objection(const std::string& path, const std::string& include, char bracket) {
+  for (const Door& door : doors()) {
+    if (!include.starts_with(door.include)) continue;
+    return lies_in_any(path, door.folders) ? "" : "is not the door to " + door.include;
+  }
+  if (bracket == '<') return {};
+  for (const Layer& layer : layers())
+    if (lies_in(path, layer.folder))
+      return lies_in(include, layer.folder) || lies_in_any(include, layer.may_include) ? "" : layer.folder + " may not include this";
+  return "lies in no layer: add its folder to the table of this test";
+}
+
+// "path:line: #include ...: why" for each offence.
+std::vector<std::string> offences(const std::string& path, std::istream& text) {
+  std::vector<std::string> found;
+  int number = 0;
+  for (std::string line; std::getline(text, line);) {
+    ++number;
+    char bracket = 0;
+    const std::string include = included(line, bracket);
+    if (include.empty()) continue;
+    const std::string why = objection(path, include, bracket);
+    if (!why.empty()) found.push_back(path + ":" + std::to_string(number) + ": " + line + ": " + why);
+  }
+  return found;
+}
+
+std::vector<std::string> offences(const std::string& path, const std::string& text) {
+  std::istringstream stream(text);
+  return offences(path, stream);
+}
+
+bool is_source(const fs::path& path) {
+  const std::string extension = path.extension();
+  return extension == ".h" || extension == ".cpp" || extension == ".comp" || extension == ".glsl";
+}
+
+TEST(Includes, KeepToTheLayers) {
+  const fs::path root = fs::path(__FILE__).parent_path().parent_path().parent_path();
+  int file_count = 0;
+  for (const char* top : {"core", "proto", "server", "shaders"})
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / top)) {
+      if (!entry.is_regular_file() || !is_source(entry.path())) continue;
+      ++file_count;
+      std::ifstream text(entry.path());
+      for (const std::string& offence : offences(fs::relative(entry.path(), root).generic_string(), text)) ADD_FAILURE() << offence;
+    }
+  EXPECT_GT(file_count, 100) << "is this the source tree? " << root;
+}
+
+TEST(Includes, OffencesAreSeen) {
+  const auto count = [](const std::string& path, const std::string& text) { return offences(path, text).size(); };
+  EXPECT_EQ(count("core/base/a.h", "#include \"core/math/camera.h\"\n"), 1u);
+  EXPECT_EQ(count("core/math/a.cpp", "#include <vector>\n#include \"core/base/result.h\"\n"), 0u);
+  EXPECT_EQ(count("core/dataset/a.cpp", "#include \"core/frame/rgbd_frame.h\"\n#include \"core/frame/preprocess.h\"\n"), 1u);
+  EXPECT_EQ(count("core/map/a.cpp", "#include \"core/track/odometry.h\"\n"), 1u);
+  EXPECT_EQ(count("server/service/a.cpp", "  #include \"core/gpu/device.h\"\n"), 1u);
+  EXPECT_EQ(count("server/service/a.cpp", "#include <boost/beast/http.hpp>\n#include <boost/asio/post.hpp>\n"), 1u);
+  EXPECT_EQ(count("core/map/a.h", "#include <vulkan/vulkan.h>\n"), 1u);
+  EXPECT_EQ(count("core/mapper/a.h", "#include \"core/base/check.h\"\n"), 1u) << "a folder that nobody has placed";
+  EXPECT_EQ(count("core/frame/a.h", "#include \"preprocess.h\"\n"), 1u) << "not from the root";
+  EXPECT_EQ(count("shaders/frame/a.comp", "#include \"shaders/lib/geometry.glsl\"\n#include \"core/base/check.h\"\n"), 1u);
+  EXPECT_EQ(offences("core/base/a.h", "\n#include <zstd.h>\n").at(0), "core/base/a.h:2: #include <zstd.h>: is not the door to zstd.h");
+}
+
+}  // namespace
+}  // namespace hermite
