@@ -12,7 +12,7 @@ class IndexMap {
  public:
   IndexMap(gpu::Device& device, const shared::Intrinsics& camera);
 
-  // Records the passes: surfels of at least `min_confidence` (and alive), as seen by the camera that the store was set to, at most depth_max_m away.
+  // Records the passes: surfels of at least `min_confidence` (and alive), as seen by the camera that the store was set to, 5 cm to 20 m away.
   // `slot_count` bounds the slots looked at.
   void build(gpu::Commands& commands, const SurfelStore& store, std::uint32_t slot_count, double min_confidence);
 

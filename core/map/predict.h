@@ -15,7 +15,7 @@ class Predictor {
   // options.fill_in_below of the view, the surface of `frame` (seen from the same pose) stands in.
   void run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const FrameMaps& frame);
 
-  // normals.w is the tracking weight; intensity -1 where there is no colour. `downsample` must be recorded by the caller for levels 1 and 2.
+  // weight is the tracking weight; intensity -1 where there is no colour. `downsample` must be recorded by the caller for levels 1 and 2.
   SurfacePyramid& surface() { return surface_; }
   const SurfacePyramid& surface() const { return surface_; }
 
