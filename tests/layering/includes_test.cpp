@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/source_root/source_root.h"
+
 namespace hermite {
 namespace {
 
@@ -130,7 +132,7 @@ bool is_source(const fs::path& path) {
 }
 
 TEST(Includes, KeepToTheLayers) {
-  const fs::path root = fs::path(__FILE__).parent_path().parent_path().parent_path();
+  const fs::path root = hermite::test::source_root();
   int file_count = 0;
   for (const char* top : {"core", "proto", "server", "shaders"})
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / top)) {

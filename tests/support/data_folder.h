@@ -6,13 +6,14 @@
 #include <optional>
 #include <string>
 
+#include "tests/source_root/source_root.h"
+
 namespace hermite::test {
 
 // The folder of that sequence, or nothing: the test then calls GTEST_SKIP() << skip_words(name).
 inline std::optional<std::filesystem::path> data_folder(const std::string& sequence) {
   const char* stated = std::getenv("HERMITE_DATA");
-  const std::filesystem::path source_root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
-  const std::filesystem::path folder = (stated != nullptr ? std::filesystem::path(stated) : source_root / "../shared/data") / sequence;
+  const std::filesystem::path folder = (stated != nullptr ? std::filesystem::path(stated) : source_root() / "../shared/data") / sequence;
   if (!std::filesystem::is_directory(folder)) return std::nullopt;
   return folder;
 }

@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "core/output/chunks.h"
+#include "tests/source_root/source_root.h"
 #include "tests/support/file_bytes.h"
 
 namespace hermite {
@@ -41,7 +42,7 @@ std::vector<SlotChange> sphere() {
 }
 
 TEST(GoldenChunk, IsEncodedAsTheViewersTestReadsIt) {
-  const std::filesystem::path root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path().parent_path();
+  const std::filesystem::path root = hermite::test::source_root();
   const std::filesystem::path golden = root / "web/src/connection/testdata/sphere_chunk.drc";
   ChunkedModel model;
   model.apply(sphere());
