@@ -1,17 +1,64 @@
 #include "proto/wire/fields.h"
 
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/wire_format_lite.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace hermite::wire {
 
-Status parse_bytes(std::string_view bytes, std::size_t max_bytes, google::protobuf::MessageLite& message) {
+namespace {
+
+using google::protobuf::Descriptor;
+using google::protobuf::FieldDescriptor;
+using google::protobuf::io::CodedInputStream;
+using google::protobuf::internal::WireFormatLite;
+
+// Whether every length stated in a message of `type` ends inside that message. Protobuf 3.21 finds out only after it has reserved up to
+// 50 MB for a string that ends nowhere. Types of this protocol do not nest in themselves: the recursion is bounded by scan.proto.
+bool lengths_fit(CodedInputStream& input, const Descriptor& type) {
+  while (const std::uint32_t tag = input.ReadTag()) {
+    std::uint64_t ignored = 0;
+    std::uint32_t ignored_32 = 0, length = 0;
+    bool fits = false;
+    switch (WireFormatLite::GetTagWireType(tag)) {
+      case WireFormatLite::WIRETYPE_VARINT: fits = input.ReadVarint64(&ignored); break;
+      case WireFormatLite::WIRETYPE_FIXED64: fits = input.ReadLittleEndian64(&ignored); break;
+      case WireFormatLite::WIRETYPE_FIXED32: fits = input.ReadLittleEndian32(&ignored_32); break;
+      case WireFormatLite::WIRETYPE_LENGTH_DELIMITED: {
+        if (!input.ReadVarint32(&length) || length > static_cast<std::uint32_t>(input.BytesUntilLimit())) return false;
+        const FieldDescriptor* field = type.FindFieldByNumber(WireFormatLite::GetTagFieldNumber(tag));
+        const Descriptor* nested = field == nullptr ? nullptr : field->message_type();
+        const CodedInputStream::Limit outer = input.PushLimit(static_cast<int>(length));
+        fits = nested != nullptr ? lengths_fit(input, *nested) : input.Skip(static_cast<int>(length));
+        input.PopLimit(outer);
+        break;
+      }
+      default: break;  // groups: proto3 has none
+    }
+    if (!fits) return false;
+  }
+  return input.BytesUntilLimit() == 0;
+}
+
+bool parse(std::string_view bytes, google::protobuf::Message& message) {
+  const int size = static_cast<int>(bytes.size());
+  CodedInputStream input(reinterpret_cast<const std::uint8_t*>(bytes.data()), size);
+  input.PushLimit(size);
+  return lengths_fit(input, *message.GetDescriptor()) && message.ParseFromArray(bytes.data(), size);
+}
+
+}  // namespace
+
+Status parse_bytes(std::string_view bytes, std::size_t max_bytes, google::protobuf::Message& message) {
   // Protobuf's own lengths are int: the cap keeps the cast below whole whatever the caller allows.
   const std::size_t limit = std::min<std::size_t>(max_bytes, std::numeric_limits<int>::max());
   if (bytes.size() > limit)
     return Error{ErrorCode::kTooLarge, "message of " + std::to_string(bytes.size()) + " bytes, allowed are " + std::to_string(limit)};
-  if (!message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
+  if (!parse(bytes, message))
     return Error{ErrorCode::kCorruptData, "these " + std::to_string(bytes.size()) + " bytes are not a message of the protocol " +
                                               std::string(kSubprotocol) + " (cut, damaged, or text that is not UTF-8)"};
   return Done{};

@@ -1,7 +1,7 @@
 // Field by field between scan.proto and messages.h: what both directions share. Only for the sources of proto/wire.
 #pragma once
 
-#include <google/protobuf/message_lite.h>
+#include <google/protobuf/message.h>
 
 #include <string>
 #include <string_view>
@@ -15,7 +15,7 @@
 namespace hermite::wire {
 
 // kTooLarge over `max_bytes`, kCorruptData when protobuf refuses.
-Status parse_bytes(std::string_view bytes, std::size_t max_bytes, google::protobuf::MessageLite& message);
+Status parse_bytes(std::string_view bytes, std::size_t max_bytes, google::protobuf::Message& message);
 
 // kTooLarge naming the field; kInvalidArgument for control characters. UTF-8 was checked by protobuf.
 Status check_text(const std::string& field, const std::string& text, std::size_t max_bytes);
