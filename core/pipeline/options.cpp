@@ -47,6 +47,8 @@ const std::vector<Row>& rows() {
       {"frame.project_to_surface", f(&F::project_to_surface), 0, 1, "move vertices onto the frame's own HRBF surface"},
       {"track.rotation_prealignment", t(&T::rotation_prealignment), 0, 1, "start from the rotation that aligns the grey images"},
       {"track.geometric_weight", t(&T::geometric_weight), 0, 1e9, "weight of the geometric beside the photometric term"},
+      {"track.discount_normal_noise", t(&T::discount_normal_noise), 0, 1,
+       "geometry counts only in motions it sees beyond the noise of its normals, or in all"},
       {"track.photometric_sigma", t(&T::photometric_sigma), 1, 1e4, "softening of photometric residuals [grey values]"},
       {"track.distance_gate_m", t(&T::distance_gate_m), 0.005, 1, "farther points do not correspond [m]"},
       {"track.normal_gate_deg", t(&T::normal_gate_deg), 1, 90, "points with normals further apart do not correspond [deg]"},

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/map/surfel_store.h"
+#include "core/track/normal_equations.h"
 
 namespace hermite {
 
@@ -30,11 +31,42 @@ Eigen::Matrix<double, N, 1> total(std::span<const float> partial_sums) {
   return sums;
 }
 
+template <class Matrix>
+Matrix read_upper_triangle(const double*& next) {
+  Matrix matrix;
+  for (int i = 0; i < matrix.rows(); ++i)
+    for (int j = i; j < matrix.cols(); ++j) matrix(i, j) = matrix(j, i) = *next++;
+  return matrix;
+}
+
+NormalEquations read_system(const double*& next) {
+  NormalEquations system;
+  system.hessian = read_upper_triangle<Matrix6d>(next);
+  system.right_hand_side = Eigen::Map<const Vector6d>(next);
+  next += 6;
+  return system;
+}
+
+// Of the points s: weighted sum of A^T A with A = [1, -[s]x], what a twist moves them by.
+Matrix6d read_displacement(const double*& next) {
+  const double weight = *next++;
+  const Eigen::Vector3d first(next[0], next[1], next[2]);
+  next += 3;
+  const auto second = read_upper_triangle<Eigen::Matrix3d>(next);
+  Matrix6d displacement = Matrix6d::Zero();
+  displacement.topLeftCorner<3, 3>() = weight * Eigen::Matrix3d::Identity();
+  displacement.bottomLeftCorner<3, 3>() << 0, -first.z(), first.y(), first.z(), 0, -first.x(), -first.y(), first.x(), 0;
+  displacement.topRightCorner<3, 3>() = displacement.bottomLeftCorner<3, 3>().transpose();
+  displacement.bottomRightCorner<3, 3>() = second.trace() * Eigen::Matrix3d::Identity() - second;
+  return displacement;
+}
+
 }  // namespace
 
 struct Odometry::Sums {
-  Matrix6d hessian;
-  Vector6d gradient;  // right-hand side: hessian * step = gradient
+  NormalEquations geometric, photometric;
+  Matrix6d displacement;  // of the geometric pairs
+  double disagreement = 0;
   double geometric_error_m2 = 0, geometric_count = 0, photometric_count = 0, surface_count = 0, pixel_count = 0;
 };
 
@@ -67,21 +99,18 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
                       to.weight, to.intensity, partial_sums_});
   commands_.submit_and_wait();
   const auto terms = total<kTerms>(partial_sums_.mapped());
+  // As laid out in shaders/shared/track.h.
+  const double* next = terms.data();
   Sums sums{};
-  for (int i = 0; i < 3; ++i) {
-    const auto row = terms.segment<11>(11 * i);  // as laid out in shaders/shared/track.h
-    for (int j = 0; j < 3; ++j) {
-      sums.hessian(i, j) = row[3 * j];
-      sums.hessian(i, j + 3) = sums.hessian(j + 3, i) = row[3 * j + 1];
-      sums.hessian(i + 3, j + 3) = row[3 * j + 2];
-    }
-    sums.gradient[i] = row[9];
-    sums.gradient[i + 3] = row[10];
-  }
-  sums.geometric_error_m2 = terms[33];
-  sums.geometric_count = terms[34];
-  sums.photometric_count = terms[36];
-  sums.surface_count = terms[37];
+  sums.geometric = read_system(next);
+  sums.photometric = read_system(next);
+  sums.displacement = read_displacement(next);
+  const double weight = sums.displacement(0, 0);
+  sums.disagreement = weight > 0 ? *next / weight : 0;
+  sums.geometric_error_m2 = next[1];
+  sums.geometric_count = next[2];
+  sums.photometric_count = next[4];
+  sums.surface_count = next[5];
   sums.pixel_count = static_cast<double>(columns) * rows;
   return sums;
 }
@@ -97,7 +126,9 @@ OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& ref
     for (int i = 0; i < iterations[level]; ++i) {
       sums = linearise(frame, reference, result.reference_from_camera, level, refining);
       ++result.iteration_count;
-      const Vector6d step = sums.hessian.ldlt().solve(sums.gradient);
+      if (options_.discount_normal_noise)
+        sums.geometric = discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement);
+      const Vector6d step = solve(sums.geometric, sums.photometric, sums.displacement);
       if (!step.allFinite()) {
         result.reason = "too few points";
         return result;

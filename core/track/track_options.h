@@ -5,7 +5,8 @@ namespace hermite {
 
 struct TrackOptions {
   bool rotation_prealignment = true;
-  double geometric_weight = 10000.0;
+  double geometric_weight = 100000.0;
+  bool discount_normal_noise = true;
   double photometric_sigma = 200.0;
   double distance_gate_m = 0.10;
   double normal_gate_deg = 20.0;

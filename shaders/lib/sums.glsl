@@ -1,4 +1,4 @@
-// Sums over all pixels without float atomics: every thread adds its own pixels, then each of the first kTerms threads adds one term over
+// Sums over all pixels without float atomics: every thread adds its own pixels, then the threads add one term each over
 // the workgroup in order; the host adds the workgroups. Needs kTerms, kGroupSize and partial_sums.
 shared float group_terms[kTerms * kGroupSize];
 uint next_term;
@@ -11,8 +11,7 @@ void put_term(float value) {
 
 void write_group_sums() {
   barrier();
-  uint term = gl_LocalInvocationID.x;
-  if (term < kTerms) {
+  for (uint term = gl_LocalInvocationID.x; term < kTerms; term += kGroupSize) {
     float sum = 0.0;
     for (uint i = 0u; i < kGroupSize; ++i) sum += group_terms[term * kGroupSize + i];
     partial_sums[gl_WorkGroupID.x * kTerms + term] = sum;

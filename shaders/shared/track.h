@@ -9,11 +9,12 @@ namespace hermite::shared {
 #endif
 
 // Sums of one workgroup; the host adds the groups in order, in double precision.
-#define HERMITE_ODOMETRY_GROUPS 128
-#define HERMITE_ODOMETRY_GROUP_SIZE 64
-// By rows i of 3x3 blocks: for each column j H_tt, H_tr, H_rr; then b_t, b_r of the row. At the end geometric squared error and count,
-// photometric squared error and count, pixels with a surface.
-#define HERMITE_ODOMETRY_TERMS 38
+#define HERMITE_ODOMETRY_GROUPS 256
+#define HERMITE_ODOMETRY_GROUP_SIZE 32
+// Of the geometric, then of the photometric system: upper triangle of H by rows, b. Then of the geometric pairs, weighted: 1, s, upper
+// triangle of s s^T, squared sine between the normals. At the end geometric squared error and count, photometric squared error and count,
+// pixels with a surface.
+#define HERMITE_ODOMETRY_TERMS 70
 // By rows: three of H and one of b; then squared error and count.
 #define HERMITE_ROTATION_TERMS 14
 

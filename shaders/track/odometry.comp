@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Normal equations of one Gauss-Newton step: curvature-weighted point-to-plane terms against the predicted surface (paper Eq. 6-9) plus
 // photometric terms against its colour (Eq. 10), linearised for reference_from_camera <- exp(x) reference_from_camera,
-// x = (translation, rotation). One scale for both sides: H = H_rgb + w H_icp, b = b_rgb + w b_icp.
+// x = (translation, rotation). Both systems apart: the host judges the geometric one before it adds them (core/track/normal_equations.h).
 #include "shaders/shared/track.h"
 #include "shaders/lib/geometry.glsl"
 const uint kTerms = HERMITE_ODOMETRY_TERMS;
@@ -25,19 +25,47 @@ layout(scalar, push_constant) uniform Push { OdometryParams p; };
 
 const uint kNone = 0xffffffffu;
 
-// Blocks of the normal equations: named registers, since indexed arrays would live in memory.
-mat3 h_tt = mat3(0.0), h_tr = mat3(0.0), h_rr = mat3(0.0);
-vec3 b_t = vec3(0.0), b_r = vec3(0.0);
-vec2 geometric = vec2(0.0), photometric = vec2(0.0);  // squared error, count
+// Blocks of normal equations H x = b: named registers, since indexed arrays would live in memory.
+struct System {
+  mat3 tt, tr, rr;  // tr: column r, row t
+  vec3 t, r;
+};
+const System kEmpty = System(mat3(0.0), mat3(0.0), mat3(0.0), vec3(0.0), vec3(0.0));
+System geometric = kEmpty, photometric = kEmpty;
+// Of the geometric pairs, weighted: how far a motion would move their points.
+float moment_0 = 0.0;
+vec3 moment_1 = vec3(0.0);
+mat3 moment_2 = mat3(0.0);
+float disagreement = 0.0;                                       // squared sine between the normals, weighted
+vec2 geometric_error = vec2(0.0), photometric_error = vec2(0.0);  // squared error, count
 float surface_count = 0.0;
 
-void add_row(vec3 translation, vec3 rotation, float residual, float weight) {
+void add_row(inout System system, vec3 translation, vec3 rotation, float residual, float weight) {
   vec3 t = weight * translation, r = weight * rotation;
-  h_tt += outerProduct(translation, t);
-  h_tr += outerProduct(translation, r);  // column r, row t
-  h_rr += outerProduct(rotation, r);
-  b_t -= residual * t;
-  b_r -= residual * r;
+  system.tt += outerProduct(translation, t);
+  system.tr += outerProduct(translation, r);
+  system.rr += outerProduct(rotation, r);
+  system.t -= residual * t;
+  system.r -= residual * r;
+}
+
+void put_upper_triangle(mat3 m) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j) put_term(m[j][i]);
+}
+
+void put_vector(vec3 v) {
+  for (int i = 0; i < 3; ++i) put_term(v[i]);
+}
+
+void put_system(System system) {
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) put_term(system.tt[j][i]);
+    for (int j = 0; j < 3; ++j) put_term(system.tr[j][i]);
+  }
+  put_upper_triangle(system.rr);
+  put_vector(system.t);
+  put_vector(system.r);
 }
 
 vec3 reference_vertex(ivec2 pixel, uint i) { return pixel_ray(p.camera, vec2(pixel)) * reference_depth_m[i]; }
@@ -93,9 +121,14 @@ void add_geometry(ivec2 centre, vec3 s, uint i) {
   vec3 d = reference_vertex(centre, j);
   vec3 n = unpack_normal(reference_normals[j]);
   if (!agree(s, normal, d, n)) return;
-  float residual = dot(n, s - d);
-  add_row(n, cross(s, n), residual, p.geometric_weight * reference_weight[j]);
-  geometric += vec2(residual * residual, 1.0);
+  float residual = dot(n, s - d), weight = p.geometric_weight * reference_weight[j];
+  add_row(geometric, n, cross(s, n), residual, weight);
+  vec3 sine = cross(n, normal);
+  moment_0 += weight;
+  moment_1 += weight * s;
+  moment_2 += outerProduct(s, weight * s);
+  disagreement += weight * dot(sine, sine);
+  geometric_error += vec2(residual * residual, 1.0);
 }
 
 void add_photometry(vec2 uv, vec3 s, uint i) {
@@ -115,8 +148,8 @@ void add_photometry(vec2 uv, vec3 s, uint i) {
   vec2 scaled = g * vec2(p.camera.fx, p.camera.fy) / s.z;
   vec3 a = -vec3(scaled, -dot(scaled, s.xy) / s.z);
   float weight = 1.0 / (p.photometric_sigma + abs(residual));
-  add_row(a, cross(s, a), residual, weight * weight);
-  photometric += vec2(residual * residual, 1.0);
+  add_row(photometric, a, cross(s, a), residual, weight * weight);
+  photometric_error += vec2(residual * residual, 1.0);
 }
 
 void main() {
@@ -136,19 +169,16 @@ void main() {
     add_photometry(uv, s, i);
   }
   begin_terms();
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      put_term(h_tt[j][i]);
-      put_term(h_tr[j][i]);
-      put_term(h_rr[j][i]);
-    }
-    put_term(b_t[i]);
-    put_term(b_r[i]);
-  }
-  put_term(geometric.x);
-  put_term(geometric.y);
-  put_term(photometric.x);
-  put_term(photometric.y);
+  put_system(geometric);
+  put_system(photometric);
+  put_term(moment_0);
+  put_vector(moment_1);
+  put_upper_triangle(moment_2);
+  put_term(disagreement);
+  put_term(geometric_error.x);
+  put_term(geometric_error.y);
+  put_term(photometric_error.x);
+  put_term(photometric_error.y);
   put_term(surface_count);
   write_group_sums();
 }

@@ -26,7 +26,7 @@ Vector6d derivative(const Vector3d& s, const std::function<double(const Vector3d
   return result;
 }
 
-void add_row(TrackStep& sums, const Vector6d& row, double residual, double weight) {
+void add_row(NormalEquations& sums, const Vector6d& row, double residual, double weight) {
   sums.hessian += weight * row * row.transpose();
   sums.right_hand_side -= weight * residual * row;
 }
@@ -39,7 +39,13 @@ void add_geometry(TrackStep& sums, const SurfaceImage& reference, const Vector3d
   if (reference.depth_m[j] <= 0 || (s - d).norm() >= options.distance_gate_m || n.dot(normal) <= 0) return;
   if (n.cross(normal).norm() >= std::sin(options.normal_gate_deg * M_PI / 180)) return;
   const auto distance = [&](const Vector3d& point) { return n.dot(point - d); };
-  add_row(sums, derivative(s, distance), distance(s), options.geometric_weight * reference.weight[j]);
+  const double weight = options.geometric_weight * reference.weight[j];
+  add_row(sums.geometric, derivative(s, distance), distance(s), weight);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector6d moved = derivative(s, [axis](const Vector3d& point) { return point[axis]; });
+    sums.displacement += weight * moved * moved.transpose();
+  }
+  sums.disagreement += weight * n.cross(normal).squaredNorm();
   sums.geometric_error_m2 += distance(s) * distance(s);
   ++sums.geometric_count;
 }
@@ -69,7 +75,7 @@ void add_photometry(TrackStep& sums, const SurfaceImage& reference, const Vector
   // The reference changes along the motion as the frame does around its pixel.
   const Vector6d row = derivative(s, [&](const Vector3d& point) { return -gradient.dot(project(reference.camera, point)); });
   const double weight = 1 / (options.photometric_sigma + std::abs(residual));
-  add_row(sums, row, residual, weight * weight);
+  add_row(sums.photometric, row, residual, weight * weight);
   ++sums.photometric_count;
 }
 
@@ -91,7 +97,12 @@ TrackStep track_step_twin(const SurfaceImage& frame, const std::vector<Vector2d>
       add_geometry(sums, reference, s, reference_from_camera.rotation * frame.normals[i], options);
       if (gradients[i].norm() >= gradient_min) add_photometry(sums, reference, s, frame.intensity[i], gradients[i], options);
     }
-  sums.step = sums.hessian.ldlt().solve(sums.right_hand_side);
+  const double weight = sums.displacement(0, 0);
+  if (weight > 0) sums.disagreement /= weight;
+  const NormalEquations geometric = options.discount_normal_noise
+                                        ? discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement)
+                                        : sums.geometric;
+  sums.step = (geometric.hessian + sums.photometric.hessian).ldlt().solve(geometric.right_hand_side + sums.photometric.right_hand_side);
   return sums;
 }
 

@@ -6,14 +6,16 @@
 #include <vector>
 
 #include "core/math/rigid3.h"
+#include "core/track/normal_equations.h"
 #include "core/track/track_options.h"
 #include "tests/support/surface_image.h"
 
 namespace hermite::test {
 
 struct TrackStep {
-  Matrix6d hessian = Matrix6d::Zero();
-  Vector6d right_hand_side = Vector6d::Zero();
+  NormalEquations geometric, photometric;
+  Matrix6d displacement = Matrix6d::Zero();  // sum of weight A^T A over the geometric pairs, A = d(exp(x) s)/dx
+  double disagreement = 0;                   // their weighted mean squared sine between the normals
   Vector6d step = Vector6d::Zero();  // translation, rotation: guess <- exp(step) guess
   double geometric_error_m2 = 0;
   int geometric_count = 0, photometric_count = 0, surface_count = 0;

@@ -158,6 +158,7 @@ TEST_F(OdometryTest, OneStepAgreesWithTheTwinAtEveryLevel) {
         TrackOptions options = one_step_at(level);
         options.geometric_weight = geometric_weight;
         options.fine_stride = stride;
+        options.discount_normal_noise = stride == 1;
         const OdometryResult actual = track(options, guess);
         // Packed on the way, as the GPU has them.
         const SurfaceImage current = test::download(frame.surface.levels[static_cast<std::size_t>(level)]);
@@ -240,8 +241,8 @@ TEST_F(OdometryTest, ABareWallDoesNotCarryTheCameraAway) {
   set_frame(seen);
   set_reference(model);
   const OdometryResult result = track(TrackOptions{});
-  // Noise in the normals is all that says anything there: a centimetre or two, not more.
-  EXPECT_LT(result.reference_from_camera.translation.norm(), 0.05);
+  // Noise in the normals is all that says anything there, and it is not believed.
+  EXPECT_LT(result.reference_from_camera.translation.norm(), 0.002);
   EXPECT_NEAR(result.reference_from_camera.translation.z(), 0, 2e-4) << "the wall itself holds this one";
 }
 
