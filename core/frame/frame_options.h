@@ -6,6 +6,7 @@ namespace hermite {
 struct FrameOptions {
   double depth_min_m = 0.3;
   double depth_max_m = 5.0;
+  int sampling = 2;
   double bilateral_sigma_space_px = 2.25;
   double bilateral_noise_sigmas = 0.5;
   // Standard deviation of a Kinect v1 depth at z: floor + growth (z - 0.4 m)^2 (Nguyen, Izadi, Lovell 2012).

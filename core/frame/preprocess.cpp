@@ -11,9 +11,16 @@ namespace {
 // length: otherwise the same surface would be worth less to a coarser camera, and a small image would never make a stable surfel.
 constexpr double kKinectFocalLength_px = 525;
 
-FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera) {
+FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera, int step) {
   const std::size_t pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
-  FrameMaps maps{{device, pixels, "frame"}, {device, pixels, "frame"}, {device, pixels, "frame"}, {device, pixels, "frame"}, make_surface_pyramid(device, camera, "frame"), {}};
+  const shared::Sampling sampling = sampling_of_frame(step, 0);
+  FrameMaps maps{sampling,
+                 {device, pixels, "frame"},
+                 {device, pixels, "frame"},
+                 {device, pixels, "frame"},
+                 {device, pixels, "frame"},
+                 make_surface_pyramid(device, sampled(intrinsics_of(camera), sampling), "frame"),
+                 {}};
   for (std::size_t level = 0; level < maps.gradients.size(); ++level)
     maps.gradients[level] = {device, maps.surface.levels[level].intensity.count(), "frame"};
   return maps;
@@ -29,12 +36,12 @@ Preprocessor::Preprocessor(gpu::Device& device, const Camera& camera, const Fram
       options_(options),
       bilateral_(device, "frame/bilateral", {window_radius(options.bilateral_sigma_space_px)}),
       normals_(device, "frame/normals"),
-      surface_(device, "frame/surface"),
+      surface_(device, "frame/surface", {static_cast<std::uint32_t>(options.sampling)}),
       intensity_(device, "frame/intensity"),
       gradient_(device, "frame/gradient"),
       downsample_(device, "frame/downsample"),
       units_(device, (static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height) + 1) / 2, "frame"),
-      maps_(make_frame_maps(device, camera)) {}
+      maps_(make_frame_maps(device, camera, options.sampling)) {}
 
 void Preprocessor::upload(const RgbdFrame& frame) {
   staging_.assign(units_.count(), 0);
@@ -48,9 +55,11 @@ void Preprocessor::upload(const RgbdFrame& frame) {
   maps_.color.upload(staging_);
 }
 
-const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& frame) {
+const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& frame, std::int64_t frame_index) {
   upload(frame);
-  const shared::Intrinsics camera = maps_.surface.levels[0].camera;
+  const shared::Intrinsics camera = intrinsics_of(camera_);
+  maps_.sampling = sampling_of_frame(options_.sampling, frame_index);
+  set_camera(maps_.surface, sampled(camera, maps_.sampling));
   const gpu::Threads image{camera.width, camera.height};
   SurfaceLevel& surface = maps_.surface.levels[0];
   const float depth_gate_m = static_cast<float>(options_.depth_gate_m);
@@ -64,14 +73,15 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
                     {units_, maps_.raw_depth_m, maps_.filtered_depth_m});
   commands.dispatch(normals_, image, shared::NormalParams{camera, 0.5f * depth_gate_m},
                     {maps_.filtered_depth_m, maps_.first_normals});
-  commands.dispatch(surface_, {(camera.width + 3) / 4, camera.height},  // four pixels an invocation
-                    shared::SurfaceParams{camera, static_cast<float>(options_.support_radius_scale), depth_gate_m, static_cast<float>(options_.confidence_epsilon * camera_.fx / kKinectFocalLength_px),
+  commands.dispatch(surface_, {(surface.camera.width + 3) / 4, surface.camera.height},  // four samples an invocation
+                    shared::SurfaceParams{camera, maps_.sampling, static_cast<float>(options_.support_radius_scale), depth_gate_m, static_cast<float>(options_.confidence_epsilon * camera_.fx / kKinectFocalLength_px),
                                           static_cast<float>(options_.curvature_limit_per_m), options_.hrbf_confidence ? 1u : 0u,
                                           options_.project_to_surface ? 1u : 0u},
                     {maps_.filtered_depth_m, maps_.first_normals, surface.depth_m, surface.normals, surface.curvatures, surface.weight});
-  commands.dispatch(intensity_, {camera.width * camera.height}, shared::IntensityParams{camera}, {maps_.color, surface.intensity});
+  commands.dispatch(intensity_, {surface.camera.width, surface.camera.height}, shared::IntensityParams{camera, maps_.sampling},
+                    {maps_.color, surface.intensity, maps_.gradients[0]});
   downsample(commands, downsample_, maps_.surface, 0.5 * options_.depth_gate_m);
-  for (std::size_t level = 0; level < maps_.gradients.size(); ++level) {
+  for (std::size_t level = 1; level < maps_.gradients.size(); ++level) {
     const SurfaceLevel& image_level = maps_.surface.levels[level];
     commands.dispatch(gradient_, {image_level.camera.width, image_level.camera.height},
                       shared::GradientParams{image_level.camera.width, image_level.camera.height},

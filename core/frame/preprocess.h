@@ -11,12 +11,13 @@
 namespace hermite {
 
 struct FrameMaps {
+  shared::Sampling sampling;            // what the surface's finest level is of the image
   gpu::Buffer<float> raw_depth_m;       // as measured, inside the range
   gpu::Buffer<float> filtered_depth_m;  // after the bilateral filter
   gpu::Buffer<shared::uint> first_normals;  // from central differences, packed as in SurfaceLevel
   gpu::Buffer<shared::uint> color;      // r | g << 8 | b << 16
   SurfacePyramid surface;               // weight is the confidence c = c_r c_d
-  std::array<gpu::Buffer<shared::uint>, kPyramidLevels> gradients;  // grey values per pixel, 2 x half float
+  std::array<gpu::Buffer<shared::uint>, kPyramidLevels> gradients;  // grey values per pixel of the level, 2 x half float
 };
 
 // Owns the maps of the current frame. One thread at a time: the device's.
@@ -25,7 +26,8 @@ class Preprocessor {
   Preprocessor(gpu::Device& device, const Camera& camera, const FrameOptions& options);
 
   // Uploads the frame (same size as the camera, checked by the caller) and records the passes; the maps are valid once `commands` has run.
-  const FrameMaps& run(gpu::Commands& commands, const RgbdFrame& frame);
+  // `frame_index` decides which pixels are sampled.
+  const FrameMaps& run(gpu::Commands& commands, const RgbdFrame& frame, std::int64_t frame_index);
 
   const FrameMaps& maps() const { return maps_; }
   const gpu::Kernel& downsample_kernel() const { return downsample_; }

@@ -7,15 +7,12 @@
 #include "core/gpu/buffer.h"
 #include "core/gpu/commands.h"
 #include "core/gpu/kernel.h"
-#include "core/math/camera.h"
+#include "core/frame/sampling.h"
 #include "shaders/shared/frame.h"
 
 namespace hermite {
 
 inline constexpr int kPyramidLevels = 3;
-
-// Camera of a pyramid level: the centre of a coarse pixel is the centre of the 2x2 finer ones.
-shared::Intrinsics intrinsics_of_level(const Camera& camera, int level);
 
 // Row major, camera.width * camera.height entries each. Empty pixels have depth 0 and, where there is no colour, intensity -1.
 struct SurfaceLevel {
@@ -31,7 +28,10 @@ struct SurfacePyramid {
   std::array<SurfaceLevel, kPyramidLevels> levels;
 };
 
-SurfacePyramid make_surface_pyramid(gpu::Device& device, const Camera& camera, const std::string& purpose);
+SurfacePyramid make_surface_pyramid(gpu::Device& device, const shared::Intrinsics& finest, const std::string& purpose);
+
+// Another camera of the same size, as when other pixels are sampled.
+void set_camera(SurfacePyramid& pyramid, const shared::Intrinsics& finest);
 
 // Records the passes that fill levels 1 and 2 from level 0.
 void downsample(gpu::Commands& commands, const gpu::Kernel& kernel, SurfacePyramid& pyramid, double depth_gate_m);

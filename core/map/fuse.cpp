@@ -1,21 +1,22 @@
 #include "core/map/fuse.h"
 
-#include <array>
 #include <cmath>
 
 namespace hermite {
 
 namespace {
 
-// The four quarters in turn, diagonal neighbours first so that two frames already cover a checkerboard.
-constexpr std::array<std::array<shared::uint, 2>, 4> kParities{{{0, 0}, {1, 1}, {1, 0}, {0, 1}}};
+std::size_t sample_count(const shared::Intrinsics& camera, int sampling) {
+  const shared::Intrinsics samples = sampled(camera, sampling_of_frame(sampling, 0));
+  return static_cast<std::size_t>(samples.width) * samples.height;
+}
 
 std::uint32_t groups_of(std::uint32_t threads) { return (threads + 255) / 256; }
 
 }  // namespace
 
 Fuser::Fuser(gpu::Device& device, const Camera& camera, const MapOptions& options, const FrameOptions& frame_options)
-    : camera_(intrinsics_of_level(camera, 0)),
+    : camera_(intrinsics_of(camera)),
       options_(options),
       curvature_limit_per_m_(frame_options.curvature_limit_per_m),
       radius_scale_(frame_options.support_radius_scale),
@@ -25,65 +26,42 @@ Fuser::Fuser(gpu::Device& device, const Camera& camera, const MapOptions& option
       append_(device, "map/append"),
       clean_(device, "map/clean"),
       free_list_(device, "map/free_list"),
-      candidates_(device, static_cast<std::size_t>((camera_.width + 1) / 2) * ((camera_.height + 1) / 2), "fusion"),
+      candidates_(device, sample_count(camera_, frame_options.sampling), "fusion"),
       claims_(device, static_cast<std::size_t>(camera_.width) * camera_.height, "fusion") {}
-
-std::uint32_t Fuser::new_slots_bound(const SurfelStore& store) const {
-  const auto quarter = static_cast<std::uint32_t>(candidates_.count());
-  return store.slot_count() == 0 ? 4 * quarter : quarter;
-}
 
 void Fuser::end_counting(gpu::Commands& commands, SurfelStore& store, std::uint32_t groups, bool ends_frame) {
   commands.dispatch(scan_, {256}, shared::ScanParams{groups, ends_frame ? 1u : 0u}, {store.group_counts, store.state});
 }
 
-void Fuser::fuse_quarter(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all,
-                         const shared::FuseParams& params) {
-  const auto quarter = static_cast<std::uint32_t>(candidates_.count());
+void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, std::uint32_t frame_number) {
+  const std::uint32_t samples = new_slots_bound();
   const SurfaceLevel& surface = frame.surface.levels[0];
+  const shared::FuseParams params{camera_,
+                                  frame.sampling,
+                                  frame_number,
+                                  store.capacity(),
+                                  static_cast<float>(options_.fuse_depth_gate_m),
+                                  static_cast<float>(std::cos(options_.fuse_normal_gate_rad)),
+                                  static_cast<float>(options_.max_confidence),
+                                  static_cast<float>(curvature_limit_per_m_),
+                                  0,
+                                  options_.fuse_surface ? 1u : 0u,
+                                  static_cast<float>(radius_scale_)};
   commands.fill(claims_, kNoSurfel);
   for (const gpu::Kernel* kernel : {&associate_, &merge_})
-    commands.dispatch(*kernel, {quarter}, params,
+    commands.dispatch(*kernel, {samples}, params,
                       {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
                        store.attributes, store.times, store.camera_from_submap, candidates_, store.group_counts, store.state, all.slots(),
                        claims_});
-  end_counting(commands, store, groups_of(quarter), false);
-  commands.dispatch(append_, {quarter}, params,
+  end_counting(commands, store, groups_of(samples), false);
+  commands.dispatch(append_, {samples}, params,
                     {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
                      store.attributes, store.times, store.camera_from_submap, candidates_, store.group_counts, store.state,
                      store.free_slots});
 }
 
-void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, std::uint32_t frame_number) {
-  shared::FuseParams params{camera_,
-                            frame_number,
-                            0,
-                            0,
-                            store.capacity(),
-                            static_cast<float>(options_.fuse_depth_gate_m),
-                            static_cast<float>(std::cos(options_.fuse_normal_gate_rad)),
-                            static_cast<float>(options_.max_confidence),
-                            static_cast<float>(curvature_limit_per_m_),
-                            0,
-                            options_.fuse_surface ? 1u : 0u,
-                            static_cast<float>(radius_scale_)};
-  if (store.slot_count() > 0) {
-    const auto& parity = kParities[frame_number % kParities.size()];
-    params.parity_x = parity[0];
-    params.parity_y = parity[1];
-    fuse_quarter(commands, frame, store, all, params);
-    return;
-  }
-  for (const auto& parity : kParities) {
-    params.parity_x = parity[0];
-    params.parity_y = parity[1];
-    fuse_quarter(commands, frame, store, all, params);
-    end_counting(commands, store, 0, true);  // so that the next quarter is appended behind this one
-  }
-}
-
 void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, std::uint32_t frame_number) {
-  const std::uint32_t slots = store.slot_count() + new_slots_bound(store);
+  const std::uint32_t slots = store.slot_count() + new_slots_bound();
   commands.dispatch(clean_, {slots},
                     shared::CleanParams{camera_, frame_number, static_cast<float>(options_.stable_confidence),
                                         static_cast<shared::uint>(options_.max_unstable_age_frames),

@@ -33,6 +33,7 @@ const std::vector<Row>& rows() {
   static const std::vector<Row> table{
       {"frame.depth_min_m", f(&F::depth_min_m), 0.05, 5, "nearer measurements are ignored [m]"},
       {"frame.depth_max_m", f(&F::depth_max_m), 0.5, 20, "farther measurements are ignored [m]"},
+      {"frame.sampling", f(&F::sampling), 1, 2, "1: every pixel of every frame, 2: a quarter of them, another quarter in every frame"},
       {"frame.bilateral_sigma_space_px", f(&F::bilateral_sigma_space_px), 0.4, 6, "bilateral filter: width over the image [px]"},
       {"frame.bilateral_noise_sigmas", f(&F::bilateral_noise_sigmas), 0.01, 100,
        "bilateral filter: width over depth in standard deviations of the noise"},
@@ -57,7 +58,6 @@ const std::vector<Row>& rows() {
       {"track.max_iterations_coarse", t(&T::max_iterations_coarse), 1, 100, "Gauss-Newton steps at a quarter of the resolution"},
       {"track.max_iterations_middle", t(&T::max_iterations_middle), 1, 100, "Gauss-Newton steps at half the resolution"},
       {"track.max_iterations_fine", t(&T::max_iterations_fine), 1, 100, "Gauss-Newton steps at full resolution"},
-      {"track.fine_stride", t(&T::fine_stride), 1, 8, "at full resolution every so-many-th pixel is used, in x and y"},
       {"track.max_step_m", t(&T::max_step_m), 0.01, 10, "a larger motion between frames is not believed [m]"},
       {"track.min_surface_ratio", t(&T::min_surface_ratio), 0, 1, "with depth in a smaller share of the pixels the camera is lost"},
       {"track.min_inlier_ratio", t(&T::min_inlier_ratio), 0, 1, "with a smaller share of matching pixels the camera is lost"},

@@ -53,11 +53,11 @@ struct Pipeline::Impl {
         device(device_choice),
         commands(checked(device, camera)),
         preprocessor(device, camera, options.frame),
-        odometry(device, camera, options.track),
+        odometry(device, preprocessor.maps().surface.levels[0].camera, options.track),
         store(device),
-        index(device, intrinsics_of_level(camera, 0)),
+        index(device, intrinsics_of(camera)),
         fuser(device, camera, options.map, options.frame),
-        predictor(device, camera, options.map) {}
+        predictor(device, camera, options.frame.sampling, options.map) {}
 
   FrameResult process(const RgbdFrame& frame);
   OdometryResult track(const FrameMaps& maps);
@@ -112,14 +112,14 @@ OdometryResult Pipeline::Impl::track(const FrameMaps& maps) {
 
 void Pipeline::Impl::fuse(const FrameMaps& maps) {
   ++frame_number;
-  store.reserve(fuser.new_slots_bound(store));
+  store.reserve(fuser.new_slots_bound());
   store.set_camera(world_from_camera);
   index.build(commands, store, store.slot_count(), 0);
   fuser.fuse(commands, maps, store, index, frame_number);
 }
 
 void Pipeline::Impl::predict(const FrameMaps& maps) {
-  index.build(commands, store, store.slot_count() + fuser.new_slots_bound(store), options.map.stable_confidence);
+  index.build(commands, store, store.slot_count() + fuser.new_slots_bound(), options.map.stable_confidence);
   fuser.clean(commands, store, index, frame_number);
   predictor.run(commands, store, index, maps);
   downsample(commands, preprocessor.downsample_kernel(), predictor.surface(), 0.5 * options.frame.depth_gate_m);
@@ -132,7 +132,7 @@ FrameResult Pipeline::Impl::process(const RgbdFrame& frame) {
   result.frame_index = static_cast<std::int64_t>(trajectory.size());
   result.timestamp_s = frame.timestamp_s;
 
-  timed("preprocess", [&] { preprocessor.run(commands, frame); });
+  timed("preprocess", [&] { preprocessor.run(commands, frame, result.frame_index); });
   const FrameMaps& maps = preprocessor.maps();
   OdometryResult motion;
   timed("track", [&] { motion = track(maps); });

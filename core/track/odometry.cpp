@@ -16,6 +16,9 @@ constexpr int kThreads = HERMITE_ODOMETRY_GROUPS * HERMITE_ODOMETRY_GROUP_SIZE;
 constexpr int kTerms = HERMITE_ODOMETRY_TERMS;
 constexpr int kRotationTerms = HERMITE_ROTATION_TERMS;
 
+// Fine enough for a tenth of a degree, coarse enough for several.
+constexpr std::size_t kRotationLevel = 1;
+
 // Smaller steps than this are far below the noise of any depth camera: 0.01 mm and 0.0006 degrees at full resolution.
 constexpr double kConverged_m = 1e-5, kConverged_rad = 1e-5;
 
@@ -70,30 +73,28 @@ struct Odometry::Sums {
   double geometric_error_m2 = 0, geometric_count = 0, photometric_count = 0, surface_count = 0, pixel_count = 0;
 };
 
-Odometry::Odometry(gpu::Device& device, const Camera& camera, const TrackOptions& options)
+Odometry::Odometry(gpu::Device& device, const shared::Intrinsics& finest, const TrackOptions& options)
     : options_(options),
       odometry_(device, "track/odometry"),
       rotation_(device, "track/rotation"),
       commands_(device),
       partial_sums_(device, static_cast<std::size_t>(kGroups * kTerms), "odometry", gpu::Memory::kReadback),
-      previous_intensity_(device, static_cast<std::size_t>(camera.width >> 2) * static_cast<std::size_t>(camera.height >> 2), "odometry") {}
+      previous_intensity_(device, static_cast<std::size_t>(finest.width >> kRotationLevel) * (finest.height >> kRotationLevel), "odometry") {}
 
 Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, int level, bool search) {
   const auto l = static_cast<std::size_t>(level);
   const SurfaceLevel& from = frame.surface.levels[l];
   const SurfaceLevel& to = reference.levels[l];
-  const auto stride = level == 0 ? static_cast<shared::uint>(options_.fine_stride) : 1u;
-  const shared::uint columns = from.camera.width / stride, rows = from.camera.height / stride;
   const shared::OdometryParams params{to_shared(guess),
                                       from.camera,
+                                      to.camera,
                                       static_cast<float>(options_.geometric_weight),
                                       static_cast<float>(options_.distance_gate_m),
                                       static_cast<float>(std::sin(options_.normal_gate_deg * M_PI / 180.0)),
                                       static_cast<float>(options_.photometric_sigma),
                                       kGradientMin[l],
                                       static_cast<float>(options_.photometric_depth_gate_m),
-                                      search ? 2u : 0u,
-                                      stride};
+                                      search ? 2u : 0u};
   commands_.dispatch(odometry_, {static_cast<std::uint32_t>(kThreads)}, params,
                      {from.depth_m, from.normals, from.curvatures, from.intensity, frame.gradients[l], to.depth_m, to.normals, to.curvatures,
                       to.weight, to.intensity, partial_sums_});
@@ -111,7 +112,7 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
   sums.geometric_count = next[2];
   sums.photometric_count = next[4];
   sums.surface_count = next[5];
-  sums.pixel_count = static_cast<double>(columns) * rows;
+  sums.pixel_count = static_cast<double>(from.camera.width) * from.camera.height;
   return sums;
 }
 
@@ -169,13 +170,13 @@ bool Odometry::has_surface(const FrameMaps& frame, const SurfacePyramid& referen
 Eigen::Quaterniond Odometry::align_rotation(const FrameMaps& frame) {
   Eigen::Quaterniond current_from_previous = Eigen::Quaterniond::Identity();
   if (!has_previous_) return current_from_previous;
-  const SurfaceLevel& coarse = frame.surface.levels[2];
+  const SurfaceLevel& image = frame.surface.levels[kRotationLevel];
   Eigen::Quaterniond best = current_from_previous;
   double best_error = 1e300;
   for (int i = 0; i < 10; ++i) {
     commands_.dispatch(rotation_, {static_cast<std::uint32_t>(kThreads)},
-                       shared::RotationParams{to_shared({current_from_previous, Eigen::Vector3d::Zero()}), coarse.camera},
-                       {previous_intensity_, coarse.intensity, partial_sums_});
+                       shared::RotationParams{to_shared({current_from_previous, Eigen::Vector3d::Zero()}), previous_camera_, image.camera},
+                       {previous_intensity_, image.intensity, partial_sums_});
     commands_.submit_and_wait();
     const auto sums = total<kRotationTerms>(partial_sums_.mapped());
     const double count = sums[13], error = count > 0 ? sums[12] / count : 1e300;
@@ -193,8 +194,9 @@ Eigen::Quaterniond Odometry::align_rotation(const FrameMaps& frame) {
 }
 
 void Odometry::remember(gpu::Commands& commands, const FrameMaps& frame) {
-  const gpu::Buffer<float>& intensity = frame.surface.levels[2].intensity;
-  commands.copy(intensity, previous_intensity_, intensity.bytes());
+  const SurfaceLevel& image = frame.surface.levels[kRotationLevel];
+  commands.copy(image.intensity, previous_intensity_, image.intensity.bytes());
+  previous_camera_ = image.camera;
   has_previous_ = true;
 }
 

@@ -24,18 +24,19 @@ struct OdometryResult {
 
 class Odometry {
  public:
-  Odometry(gpu::Device& device, const Camera& camera, const TrackOptions& options);
+  // `finest` is the size of the frames' and the references' finest level.
+  Odometry(gpu::Device& device, const shared::Intrinsics& finest, const TrackOptions& options);
 
   // The frame against the surface predicted from the reference pose, starting at `guess`. Blocks until the GPU is done.
   OdometryResult track(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess);
 
-  // current_from_previous, from the coarse grey images of the frame and of the last one remembered; identity when there is none or it does not fit.
+  // current_from_previous, from the grey images of the frame and of the last one remembered; identity when there is none or it does not fit.
   Eigen::Quaterniond align_rotation(const FrameMaps& frame);
 
   // Whether the frame shows enough surface to start a map from. `reference` may be empty.
   bool has_surface(const FrameMaps& frame, const SurfacePyramid& reference);
 
-  // Keeps the frame's coarse grey image for the next align_rotation.
+  // Keeps the frame's grey image for the next align_rotation.
   void remember(gpu::Commands& commands, const FrameMaps& frame);
 
  private:
@@ -47,7 +48,8 @@ class Odometry {
   gpu::Kernel odometry_, rotation_;
   gpu::Commands commands_;
   gpu::Buffer<float> partial_sums_;
-  gpu::Buffer<float> previous_intensity_;  // of the coarsest level
+  gpu::Buffer<float> previous_intensity_;  // of level kRotationLevel
+  shared::Intrinsics previous_camera_{};
   bool has_previous_ = false;
 };
 

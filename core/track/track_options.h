@@ -15,7 +15,6 @@ struct TrackOptions {
   int max_iterations_coarse = 4;
   int max_iterations_middle = 5;
   int max_iterations_fine = 10;
-  int fine_stride = 2;
   double max_step_m = 0.3;
   double min_surface_ratio = 0.03;
   double min_inlier_ratio = 0.25;

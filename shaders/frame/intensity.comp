@@ -1,18 +1,38 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Grey values of the frame, 0 to 255.
+// Grey values, 0 to 255, of the sampled pixels, smoothed over 3x3 pixels of the image, and their Sobel gradient in grey values per sample;
+// the gradient is zero on the border.
 #include "shaders/shared/frame.h"
 #include "shaders/shared/map.h"
+#include "shaders/lib/geometry.glsl"
 #include "shaders/lib/surfel.glsl"
-layout(local_size_x = 256) in;
+layout(local_size_x = 16, local_size_y = 16) in;
 layout(scalar, binding = 0) readonly buffer Color { uint color[]; };
 layout(scalar, binding = 1) writeonly buffer Intensity { float intensity[]; };
+layout(scalar, binding = 2) writeonly buffer Gradient { uint gradient[]; };  // 2 x half float
 layout(scalar, push_constant) uniform Push { IntensityParams p; };
 
+float grey_at(ivec2 pixel) {
+  ivec2 q = clamp(pixel, ivec2(0), ivec2(p.camera.width, p.camera.height) - 1);
+  uint c = color[uint(q.y) * p.camera.width + uint(q.x)];
+  return grey(vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u));
+}
+
+// (1 2 1) / 4 and (-1 0 1) / 2 along a row.
+vec2 row(ivec2 pixel) {
+  float left = grey_at(pixel - ivec2(1, 0)), middle = grey_at(pixel), right = grey_at(pixel + ivec2(1, 0));
+  return vec2(0.25 * (left + 2.0 * middle + right), 0.5 * (right - left));
+}
+
 void main() {
-  uint i = gl_GlobalInvocationID.x;
-  if (i >= p.camera.width * p.camera.height) return;
-  uint c = color[i];
-  intensity[i] = grey(vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u));
+  uvec2 sampled = gl_GlobalInvocationID.xy, size = sampled_size(p.camera, p.sampling);
+  if (sampled.x >= size.x || sampled.y >= size.y) return;
+  ivec2 pixel = pixel_of_sample(p.sampling, sampled);
+  vec2 above = row(pixel - ivec2(0, 1)), here = row(pixel), below = row(pixel + ivec2(0, 1));
+  bool border = !inside(p.camera, pixel - 1) || !inside(p.camera, pixel + 1);
+  vec2 slope = vec2(0.25 * (above.y + 2.0 * here.y + below.y), 0.5 * (below.x - above.x));
+  uint index = sampled.y * size.x + sampled.x;
+  intensity[index] = 0.25 * (above.x + 2.0 * here.x + below.x);
+  gradient[index] = border ? 0u : packHalf2x16(float(p.sampling.step) * slope);
 }

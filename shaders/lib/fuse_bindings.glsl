@@ -1,4 +1,5 @@
-// What the passes of fusion share: the frame maps, the map, and the measurement at a pixel.
+// What the passes of fusion share: the frame maps, the map, and the measurement at a sampled pixel. Raw depth and colour are those of the
+// whole image, everything else is by sample.
 layout(scalar, binding = 0) readonly buffer RawDepth { float raw_depth_m[]; };
 layout(scalar, binding = 1) readonly buffer SurfaceDepth { float surface_depth_m[]; };
 layout(scalar, binding = 2) readonly buffer FrameNormals { uint frame_normals[]; };
@@ -9,7 +10,7 @@ layout(scalar, binding = 6) buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 7) buffer Attributes { SurfelAttributes attributes[]; };
 layout(scalar, binding = 8) buffer Times { uvec2 times[]; };
 layout(scalar, binding = 9) readonly buffer Submaps { Transform camera_from_submap[]; };
-layout(scalar, binding = 10) buffer Candidates { uint candidates[]; };  // by quarter pixel: a cell of the index map, or one of these
+layout(scalar, binding = 10) buffer Candidates { uint candidates[]; };  // by sample: a cell of the index map, or one of these
 layout(scalar, binding = 11) buffer Groups { uint new_by_group[]; };
 layout(scalar, binding = 12) buffer State { MapState state; };
 layout(scalar, push_constant) uniform Push { FuseParams p; };
@@ -26,24 +27,22 @@ struct Measurement {
   float confidence;
 };
 
-uvec2 quarter_size() { return uvec2((p.camera.width + 1u) / 2u, (p.camera.height + 1u) / 2u); }
-
-// The pixel of a quarter-grid invocation; false outside the image.
-bool quarter_pixel(uint quarter, out ivec2 pixel, out uint index) {
-  uvec2 size = quarter_size();
-  pixel = ivec2(2u * (quarter % size.x) + p.parity_x, 2u * (quarter / size.x) + p.parity_y);
+// The pixel of a sample, and its index in the whole image; false when there is no such sample.
+bool sampled_pixel(uint i, out ivec2 pixel, out uint index) {
+  uvec2 size = sampled_size(p.camera, p.sampling);
+  pixel = pixel_of_sample(p.sampling, uvec2(i % size.x, i / size.x));
   index = uint(pixel.y) * p.camera.width + uint(pixel.x);
-  return quarter < size.x * size.y && inside(p.camera, pixel);
+  return i < size.x * size.y;
 }
 
-float fused_depth_m(uint index) { return p.fuse_surface != 0u ? surface_depth_m[index] : raw_depth_m[index]; }
+float fused_depth_m(uint i, uint index) { return p.fuse_surface != 0u ? surface_depth_m[i] : raw_depth_m[index]; }
 
-bool can_be_fused(uint index) { return surface_depth_m[index] > 0.0 && raw_depth_m[index] > 0.0; }
+bool can_be_fused(uint i, uint index) { return surface_depth_m[i] > 0.0 && raw_depth_m[index] > 0.0; }
 
-Measurement measure(ivec2 pixel, uint index) {
-  vec3 normal = unpack_normal(frame_normals[index]);
+Measurement measure(uint i, ivec2 pixel, uint index) {
+  vec3 normal = unpack_normal(frame_normals[i]);
   uint c = frame_color[index];
-  return Measurement(pixel_ray(p.camera, vec2(pixel)) * fused_depth_m(index), normal,
-                     support_radius(p.camera, p.radius_scale, surface_depth_m[index], normal.z), unpackHalf2x16(frame_curvatures[index]),
-                     vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u), frame_confidence[index]);
+  return Measurement(pixel_ray(p.camera, vec2(pixel)) * fused_depth_m(i, index), normal,
+                     support_radius(p.camera, p.radius_scale, surface_depth_m[i], normal.z), unpackHalf2x16(frame_curvatures[i]),
+                     vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u), frame_confidence[i]);
 }

@@ -9,6 +9,8 @@ vec3 transform_back(Transform t, vec3 p) { return rotate_back(t, p - vec3(t.row0
 // The point of pixel (x, y) with z = 1.
 vec3 pixel_ray(Intrinsics c, vec2 pixel) { return vec3((pixel.x - c.cx) / c.fx, (pixel.y - c.cy) / c.fy, 1.0); }
 vec2 project(Intrinsics c, vec3 p) { return vec2(c.fx * p.x / p.z + c.cx, c.fy * p.y / p.z + c.cy); }
+uvec2 sampled_size(Intrinsics c, Sampling s) { return uvec2(c.width, c.height) / s.step; }
+ivec2 pixel_of_sample(Sampling s, uvec2 i) { return ivec2(s.step * i + uvec2(s.x, s.y)); }
 bool inside(Intrinsics c, ivec2 pixel) { return pixel.x >= 0 && pixel.y >= 0 && pixel.x < int(c.width) && pixel.y < int(c.height); }
 
 // Octahedral unit vectors (Cigolle et al. 2014), 2 x snorm16.

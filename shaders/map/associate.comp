@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// For a quarter of the pixels: which surfel does this measurement continue? (Paper section 5, reference notes 4.1.)
+// For every sampled pixel: which surfel does this measurement continue? (Paper section 5, reference notes 4.1.)
 // A 5x5 window of the index map; gates on depth along the ray and on the normal; the surfel nearest to the ray wins.
 // Several pixels may want one surfel: the claim of its cell goes to the closest, then to the lowest pixel, whatever the order of threads.
 #include "shaders/shared/map.h"
@@ -12,21 +12,21 @@ layout(local_size_x = 256) in;
 layout(scalar, binding = 13) readonly buffer Ids { uint ids[]; };
 layout(scalar, binding = 14) buffer Claims { uint claims[]; };
 
-uint claim_key(float distance_px, uint quarter) { return (min(uint(distance_px * 512.0), 4095u) << 20) | quarter; }
+uint claim_key(float distance_px, uint i) { return (min(uint(distance_px * 512.0), 4095u) << 20) | i; }
 
 void main() {
-  uint quarter = gl_GlobalInvocationID.x;
+  uint i = gl_GlobalInvocationID.x;
   ivec2 pixel;
   uint index;
-  if (!quarter_pixel(quarter, pixel, index)) return;
-  if (!can_be_fused(index)) {
-    candidates[quarter] = kInvalid;
+  if (!sampled_pixel(i, pixel, index)) return;
+  if (!can_be_fused(i, index)) {
+    candidates[i] = kInvalid;
     return;
   }
   vec3 ray = pixel_ray(p.camera, vec2(pixel));
   float ray_length = length(ray);
-  float z = fused_depth_m(index);
-  vec3 normal = unpack_normal(frame_normals[index]);
+  float z = fused_depth_m(i, index);
+  vec3 normal = unpack_normal(frame_normals[i]);
   uint best_cell = kNew;
   float best = 1e9;
   for (int dy = -2; dy <= 2; ++dy) {
@@ -49,6 +49,6 @@ void main() {
       }
     }
   }
-  candidates[quarter] = best_cell;
-  if (best_cell != kNew) atomicMin(claims[best_cell], claim_key(best, quarter));
+  candidates[i] = best_cell;
+  if (best_cell != kNew) atomicMin(claims[best_cell], claim_key(best, i));
 }

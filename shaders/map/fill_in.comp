@@ -21,7 +21,7 @@ layout(scalar, push_constant) uniform Push { FillInParams p; };
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
-  if (i >= p.camera.width * p.camera.height || covered_count >= p.covered_below) return;
+  if (i >= p.pixel_count || covered_count >= p.covered_below) return;
   if (depth_m[i] > 0.0 || frame_depth_m[i] <= 0.0) return;
   depth_m[i] = frame_depth_m[i];
   normals[i] = frame_normals[i];

@@ -36,23 +36,23 @@ void merge(uint slot, Measurement m) {
 }
 
 void main() {
-  uint quarter = gl_GlobalInvocationID.x;
+  uint i = gl_GlobalInvocationID.x;
   ivec2 pixel;
   uint index;
   uint fresh = 0u;
-  if (quarter_pixel(quarter, pixel, index)) {
-    uint cell = candidates[quarter];
+  if (sampled_pixel(i, pixel, index)) {
+    uint cell = candidates[i];
     if (cell == kNew) {
       fresh = 1u;
-    } else if (cell != kInvalid && (claims[cell] & 0xfffffu) == quarter) {
-      merge(ids[cell], measure(pixel, index));
+    } else if (cell != kInvalid && (claims[cell] & 0xfffffu) == i) {
+      merge(ids[cell], measure(i, pixel, index));
     }
   }
   is_new[gl_LocalInvocationID.x] = fresh;
   barrier();
   if (gl_LocalInvocationID.x == 0u) {
     uint sum = 0u;
-    for (uint i = 0u; i < 256u; ++i) sum += is_new[i];
+    for (uint k = 0u; k < 256u; ++k) sum += is_new[k];
     new_by_group[gl_WorkGroupID.x] = sum;
   }
 }

@@ -24,6 +24,7 @@ struct NormalParams {
 
 struct SurfaceParams {
   Intrinsics camera;
+  Sampling sampling;
   float radius_scale;          // support radius in pixel diagonals of a frontal surface
   float depth_gate_m;
   float confidence_epsilon;    // paper Eq. 5, in units of sqrt(|gradient|)
@@ -34,6 +35,7 @@ struct SurfaceParams {
 
 struct IntensityParams {
   Intrinsics camera;
+  Sampling sampling;
 };
 
 struct GradientParams {

@@ -33,6 +33,7 @@ struct IndexParams {
 
 struct PredictParams {
   Intrinsics camera;
+  Sampling sampling;
   float curvature_lambda_per_m;  // curvature at which a surface starts to count as a feature (reference, section 2.4)
   float confidence_scale;
   uint min_support;              // kernels that must support the solution
@@ -42,7 +43,7 @@ struct PredictParams {
 };
 
 struct FillInParams {
-  Intrinsics camera;
+  uint pixel_count;
   float curvature_lambda_per_m;
   float confidence_scale;
   uint covered_below;  // fill only when the prediction covers fewer pixels
@@ -50,8 +51,8 @@ struct FillInParams {
 
 struct FuseParams {
   Intrinsics camera;
+  Sampling sampling;
   uint frame_number;
-  uint parity_x, parity_y;     // which quarter of the pixels
   uint slot_capacity;
   float depth_gate_m;          // along the ray
   float cos_normal_gate;

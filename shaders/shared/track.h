@@ -20,7 +20,7 @@ namespace hermite::shared {
 
 struct OdometryParams {
   Transform reference_from_camera;
-  Intrinsics camera;        // of this level
+  Intrinsics camera, reference;  // of this level
   float geometric_weight;   // of a squared metre beside a squared grey value
   float distance_gate_m;
   float sine_normal_gate;
@@ -28,12 +28,11 @@ struct OdometryParams {
   float gradient_min;       // grey values per pixel
   float photometric_depth_gate_m;
   uint search_radius;       // 0: projective association
-  uint stride;              // take every stride-th pixel in x and y
 };
 
 struct RotationParams {
   Transform current_from_previous;  // rotation only
-  Intrinsics camera;
+  Intrinsics previous, current;
 };
 
 #ifdef __cplusplus

@@ -26,6 +26,12 @@ struct Intrinsics {
   uint width, height;    // pixels
 };
 
+// Sample (x, y) is pixel step * (x, y) + offset (x, y) of the image.
+struct Sampling {
+  uint step;
+  uint x, y;  // offset, below step
+};
+
 // target_from_source: p_target = (dot(row0.xyz, p) + row0.w, ...). Metres.
 struct Transform {
   vec4 row0, row1, row2;

@@ -68,7 +68,7 @@ void put_system(System system) {
   put_vector(system.r);
 }
 
-vec3 reference_vertex(ivec2 pixel, uint i) { return pixel_ray(p.camera, vec2(pixel)) * reference_depth_m[i]; }
+vec3 reference_vertex(ivec2 pixel, uint i) { return pixel_ray(p.reference, vec2(pixel)) * reference_depth_m[i]; }
 
 bool agree(vec3 point, vec3 normal, vec3 vertex, vec3 n) {
   vec3 v = point - vertex, c = cross(n, normal);
@@ -83,8 +83,8 @@ uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
   for (int dy = -radius; dy <= radius; ++dy)
     for (int dx = -radius; dx <= radius; ++dx) {
       ivec2 q = centre + ivec2(dx, dy);
-      if (!inside(p.camera, q)) continue;
-      uint i = uint(q.y) * p.camera.width + uint(q.x);
+      if (!inside(p.reference, q)) continue;
+      uint i = uint(q.y) * p.reference.width + uint(q.x);
       float d = distance(point, reference_vertex(q, i));
       if (d < p.distance_gate_m) farthest = max(farthest, d);
     }
@@ -93,8 +93,8 @@ uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
   for (int dy = -radius; dy <= radius; ++dy)
     for (int dx = -radius; dx <= radius; ++dx) {
       ivec2 q = centre + ivec2(dx, dy);
-      if (!inside(p.camera, q)) continue;
-      uint i = uint(q.y) * p.camera.width + uint(q.x);
+      if (!inside(p.reference, q)) continue;
+      uint i = uint(q.y) * p.reference.width + uint(q.x);
       vec3 vertex = reference_vertex(q, i);
       vec3 n = unpack_normal(reference_normals[i]);
       if (!agree(point, normal, vertex, n)) continue;
@@ -112,11 +112,11 @@ uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
 
 void add_geometry(ivec2 centre, vec3 s, uint i) {
   vec3 normal = rotate(p.reference_from_camera, unpack_normal(normals[i]));
-  uint j = uint(centre.y) * p.camera.width + uint(centre.x);
+  uint j = uint(centre.y) * p.reference.width + uint(centre.x);
   if (p.search_radius > 0u) {
     j = search(centre, s, normal, unpackHalf2x16(curvatures[i]));
     if (j == kNone) return;
-    centre = ivec2(j % p.camera.width, j / p.camera.width);
+    centre = ivec2(j % p.reference.width, j / p.reference.width);
   }
   vec3 d = reference_vertex(centre, j);
   vec3 n = unpack_normal(reference_normals[j]);
@@ -135,13 +135,13 @@ void add_photometry(vec2 uv, vec3 s, uint i) {
   vec2 g = unpackHalf2x16(gradient[i]);
   if (dot(g, g) < p.gradient_min * p.gradient_min) return;
   ivec2 q = ivec2(floor(uv));
-  if (q.x < 0 || q.y < 0 || q.x + 1 >= int(p.camera.width) || q.y + 1 >= int(p.camera.height)) return;
-  uint j = uint(q.y) * p.camera.width + uint(q.x);
+  if (q.x < 0 || q.y < 0 || q.x + 1 >= int(p.reference.width) || q.y + 1 >= int(p.reference.height)) return;
+  uint j = uint(q.y) * p.reference.width + uint(q.x);
   float i00 = reference_intensity[j], i10 = reference_intensity[j + 1u];
-  float i01 = reference_intensity[j + p.camera.width], i11 = reference_intensity[j + p.camera.width + 1u];
+  float i01 = reference_intensity[j + p.reference.width], i11 = reference_intensity[j + p.reference.width + 1u];
   if (min(min(i00, i10), min(i01, i11)) < 0.0) return;
   vec2 f = uv - vec2(q);
-  uint nearest = j + (f.x >= 0.5 ? 1u : 0u) + (f.y >= 0.5 ? p.camera.width : 0u);
+  uint nearest = j + (f.x >= 0.5 ? 1u : 0u) + (f.y >= 0.5 ? p.reference.width : 0u);
   float z = reference_depth_m[nearest];
   if (z <= 0.0 || abs(z - s.z) > p.photometric_depth_gate_m) return;
   float residual = intensity[i] - mix(mix(i00, i10, f.x), mix(i01, i11, f.x), f.y);
@@ -153,18 +153,16 @@ void add_photometry(vec2 uv, vec3 s, uint i) {
 }
 
 void main() {
-  uint columns = p.camera.width / p.stride, rows = p.camera.height / p.stride;
-  for (uint k = gl_GlobalInvocationID.x; k < columns * rows; k += HERMITE_ODOMETRY_GROUPS * kGroupSize) {
-    ivec2 pixel = ivec2(k % columns, k / columns) * int(p.stride);
-    uint i = uint(pixel.y) * p.camera.width + uint(pixel.x);
+  for (uint i = gl_GlobalInvocationID.x; i < p.camera.width * p.camera.height; i += HERMITE_ODOMETRY_GROUPS * kGroupSize) {
+    ivec2 pixel = ivec2(i % p.camera.width, i / p.camera.width);
     float z = depth_m[i];
     if (z <= 0.0) continue;
     surface_count += 1.0;
     vec3 s = transform_point(p.reference_from_camera, pixel_ray(p.camera, vec2(pixel)) * z);
     if (s.z < 0.05) continue;
-    vec2 uv = project(p.camera, s);
+    vec2 uv = project(p.reference, s);
     ivec2 centre = ivec2(floor(uv + 0.5));
-    if (!inside(p.camera, centre)) continue;
+    if (!inside(p.reference, centre)) continue;
     add_geometry(centre, s, i);
     add_photometry(uv, s, i);
   }

@@ -14,35 +14,36 @@ layout(scalar, binding = 2) writeonly buffer Sums { float partial_sums[]; };
 layout(scalar, push_constant) uniform Push { RotationParams p; };
 #include "shaders/lib/sums.glsl"
 
+// Both images have the same size.
 bool has_neighbours(ivec2 pixel) {
-  return pixel.x >= 1 && pixel.y >= 1 && pixel.x + 2 < int(p.camera.width) && pixel.y + 2 < int(p.camera.height);
+  return pixel.x >= 1 && pixel.y >= 1 && pixel.x + 2 < int(p.previous.width) && pixel.y + 2 < int(p.previous.height);
 }
-uint at(ivec2 pixel) { return uint(pixel.y) * p.camera.width + uint(pixel.x); }
+uint at(ivec2 pixel) { return uint(pixel.y) * p.previous.width + uint(pixel.x); }
 vec2 slope_previous(uint i) {
-  return 0.5 * vec2(previous[i + 1u] - previous[i - 1u], previous[i + p.camera.width] - previous[i - p.camera.width]);
+  return 0.5 * vec2(previous[i + 1u] - previous[i - 1u], previous[i + p.previous.width] - previous[i - p.previous.width]);
 }
 vec2 slope_current(uint i) {
-  return 0.5 * vec2(current[i + 1u] - current[i - 1u], current[i + p.camera.width] - current[i - p.camera.width]);
+  return 0.5 * vec2(current[i + 1u] - current[i - 1u], current[i + p.previous.width] - current[i - p.previous.width]);
 }
 
 void main() {
   mat3 h = mat3(0.0);
   vec3 b = vec3(0.0);
   vec2 error_count = vec2(0.0);
-  uint pixels = p.camera.width * p.camera.height;
+  uint pixels = p.previous.width * p.previous.height;
   for (uint i = gl_GlobalInvocationID.x; i < pixels; i += HERMITE_ODOMETRY_GROUPS * kGroupSize) {
-    ivec2 x = ivec2(i % p.camera.width, i / p.camera.width);
-    vec3 q = rotate(p.current_from_previous, pixel_ray(p.camera, vec2(x)));
+    ivec2 x = ivec2(i % p.previous.width, i / p.previous.width);
+    vec3 q = rotate(p.current_from_previous, pixel_ray(p.previous, vec2(x)));
     if (!has_neighbours(x) || q.z < 0.1) continue;
-    vec2 uv = project(p.camera, q);
+    vec2 uv = project(p.current, q);
     ivec2 y = ivec2(floor(uv));
     if (!has_neighbours(y)) continue;
     vec2 f = uv - vec2(y);
     uint j = at(y);
-    float value = mix(mix(current[j], current[j + 1u], f.x), mix(current[j + p.camera.width], current[j + p.camera.width + 1u], f.x), f.y);
+    float value = mix(mix(current[j], current[j + 1u], f.x), mix(current[j + p.previous.width], current[j + p.previous.width + 1u], f.x), f.y);
     float residual = value - previous[i];
     vec2 g = 0.5 * (slope_previous(i) + slope_current(at(ivec2(floor(uv + 0.5)))));
-    vec2 scaled = g * vec2(p.camera.fx, p.camera.fy) / q.z;
+    vec2 scaled = g * vec2(p.current.fx, p.current.fy) / q.z;
     vec3 a = vec3(scaled, -dot(scaled, q.xy) / q.z);
     vec3 row = cross(q, a);
     h += outerProduct(row, row);
