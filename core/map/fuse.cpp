@@ -63,7 +63,7 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
 void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, std::uint32_t frame_number) {
   const std::uint32_t slots = store.slot_count() + new_slots_bound();
   commands.dispatch(clean_, {slots},
-                    shared::CleanParams{camera_, frame_number, static_cast<float>(options_.stable_confidence),
+                    shared::CleanParams{camera_, frame_number, static_cast<shared::uint>(options_.clean_interval_frames), static_cast<float>(options_.stable_confidence),
                                         static_cast<shared::uint>(options_.max_unstable_age_frames),
                                         static_cast<float>(options_.redundancy_depth_m), static_cast<float>(curvature_limit_per_m_)},
                     {store.positions, store.attributes, store.times, store.camera_from_submap, stable.slots(), store.group_counts, store.state});

@@ -15,7 +15,7 @@ class Fuser {
   // set to the frame's pose and have room for new_slots_bound() more.
   void fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, std::uint32_t frame_number);
 
-  // Records: contradicted and forgotten surfels are removed and their slots listed. `stable` is an index map of stable surfels after fusion.
+  // Records: contradicted and forgotten surfels among those in turn are removed and all free slots listed. `stable` is an index map of stable surfels after fusion.
   // Brings the store's counters up to date.
   void clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, std::uint32_t frame_number);
 

@@ -74,6 +74,7 @@ const std::vector<Row>& rows() {
       {"map.fuse_depth_gate_m", m(&M::fuse_depth_gate_m), 0.005, 1, "a measurement and its surfel agree to this along the ray [m]"},
       {"map.fuse_normal_gate_rad", m(&M::fuse_normal_gate_rad), 0.01, 3.2, "and to this in the normal [rad]"},
       {"map.fuse_surface", m(&M::fuse_surface), 0, 1, "fuse points of the HRBF surface, or raw depth"},
+      {"map.clean_interval_frames", m(&M::clean_interval_frames), 1, 100, "every surfel is examined for removal once in so many frames"},
       {"map.max_unstable_age_frames", m(&M::max_unstable_age_frames), 1, 1e6, "unstable surfels not seen for longer are removed [frames]"},
       {"map.redundancy_depth_m", m(&M::redundancy_depth_m), 0.001, 0.1, "surfels this close before an older surface are redundant [m]"},
       {"output.unstable", [](Options& o) -> Field { return &o.output_unstable; }, 0, 1, "export surfels that are not stable too"},

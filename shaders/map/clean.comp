@@ -2,7 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // Removes surfels that should not be there (paper section 5, reference notes 4.4) and counts free slots by workgroup:
-//   redundant   most neighbours in the index map of stable surfels are older and lie just behind it
+//   redundant   most neighbours in 5x5 pixels of the index map of stable surfels are older and lie just behind it
 //   free space  stable surfels seen in this very frame lie clearly behind it
 //   unstable    never confirmed for max_unstable_age frames
 #include "shaders/shared/map.h"
@@ -29,13 +29,14 @@ bool contradicted(uint slot, vec4 surfel) {
   float radius = surfel_radius(a);
   uvec2 time = times[slot];
   float normal_z = abs(rotate(t, unpack_unit(a.normal)).z);
-  int redundant = 0, seen_through = 0;
-  for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx) {
+  int neighbours = 0, redundant = 0, seen_through = 0;
+  for (int dy = -2; dy <= 2; ++dy) {
+    for (int dx = -2; dx <= 2; ++dx) {
       ivec2 q = pixel + ivec2(dx, dy);
       if (!inside(p.camera, q)) continue;
       uint other = stable_ids[uint(q.y) * p.camera.width + uint(q.x)];
       if (other == 0xffffffffu || other == slot) continue;
+      ++neighbours;
       vec3 behind = transform_point(camera_from_submap[surfel_submap(attributes[other])], position_confidence[other].xyz);
       float gap = behind.z - point.z;
       vec2 lateral = behind.xy - point.xy;
@@ -45,8 +46,8 @@ bool contradicted(uint slot, vec4 surfel) {
       seen_through += gap >= p.redundancy_depth_m && other_time.y == p.frame_number && normal_z > 0.85 ? 1 : 0;
     }
   }
-  // More than half, and more than a quarter, of the nine cells.
-  return redundant > 4 || seen_through > 2;
+  // More than half, or more than a quarter, of those that are there; fewer than three may be the edge of something.
+  return (redundant > 2 && 2 * redundant > neighbours) || (seen_through > 2 && 4 * seen_through > neighbours);
 }
 
 bool outlived(vec4 surfel, uint slot) {
@@ -64,7 +65,8 @@ void main() {
   if (exists) {
     vec4 surfel = position_confidence[slot];
     dead = surfel.w <= 0.0;
-    if (!dead && (outlived(surfel, slot) || contradicted(slot, surfel))) {
+    bool in_turn = (gl_WorkGroupID.x + p.frame_number) % p.interval == 0u;
+    if (!dead && in_turn && (outlived(surfel, slot) || contradicted(slot, surfel))) {
       dead = true;
       // map/free_list writes when it went: here its neighbours may still be asking when it was last seen.
       position_confidence[slot].w = -1.0;

@@ -66,6 +66,7 @@ struct FuseParams {
 struct CleanParams {
   Intrinsics camera;
   uint frame_number;
+  uint interval;               // every so-many-th workgroup is looked at, another one in every frame
   float stable_confidence;
   uint max_unstable_age;       // frames
   float redundancy_depth_m;

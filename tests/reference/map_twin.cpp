@@ -101,8 +101,11 @@ class Fusion {
 
   Association associate(const std::vector<std::uint32_t>& ids) {
     Association association;
-    for (int y = settings_.parity_y; y < static_cast<int>(view_.camera.height); y += 2)
-      for (int x = settings_.parity_x; x < static_cast<int>(view_.camera.width); x += 2) {
+    const shared::Sampling& sampling = settings_.sampling;
+    const int step = static_cast<int>(sampling.step);
+    for (int v = 0; v < static_cast<int>(view_.camera.height) / step; ++v)
+      for (int u = 0; u < static_cast<int>(view_.camera.width) / step; ++u) {
+        const int x = step * u + static_cast<int>(sampling.x), y = step * v + static_cast<int>(sampling.y);
         const std::size_t i = index(view_.camera, x, y);
         if (frame_.surface.depth_m[i] <= 0 || frame_.raw_depth_m[i] <= 0) continue;
         double distance_px = 0;

@@ -50,7 +50,7 @@ struct FuseSettings {
   MapOptions map;
   double curvature_limit_per_m = 300, support_radius_scale = 4;
   std::uint32_t frame_number = 0;
-  int parity_x = 0, parity_y = 0;
+  shared::Sampling sampling;
 };
 
 struct FuseOutcome {
@@ -60,7 +60,7 @@ struct FuseOutcome {
   double closest_decision = 1e9;
 };
 
-// One quarter of the pixels fused. `free_slots` are used first, in order.
+// The sampled pixels fused. `free_slots` are used first, in order.
 FuseOutcome fuse_twin(const std::vector<Surfel>& surfels, const std::vector<std::uint32_t>& free_slots, const MapView& view,
                       const std::vector<std::uint32_t>& ids, const FuseInput& frame, const FuseSettings& settings);
 

@@ -82,11 +82,11 @@ void add_photometry(TrackStep& sums, const SurfaceImage& reference, const Vector
 }  // namespace
 
 TrackStep track_step_twin(const SurfaceImage& frame, const std::vector<Vector2d>& gradients, const SurfaceImage& reference,
-                          const Rigid3& reference_from_camera, const TrackOptions& options, double gradient_min, int stride) {
+                          const Rigid3& reference_from_camera, const TrackOptions& options, double gradient_min) {
   TrackStep sums;
   const int width = static_cast<int>(frame.camera.width), height = static_cast<int>(frame.camera.height);
-  for (int y = 0; y / stride < height / stride; y += stride)
-    for (int x = 0; x / stride < width / stride; x += stride) {
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
       const std::size_t i = frame.index(x, y);
       if (frame.depth_m[i] <= 0) continue;
       ++sums.surface_count;

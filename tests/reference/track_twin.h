@@ -23,6 +23,6 @@ struct TrackStep {
 
 // `gradients` are the frame's, grey values per pixel; `gradient_min` the least that counts at this level; projective association.
 TrackStep track_step_twin(const SurfaceImage& frame, const std::vector<Eigen::Vector2d>& gradients, const SurfaceImage& reference,
-                          const Rigid3& reference_from_camera, const TrackOptions& options, double gradient_min, int stride);
+                          const Rigid3& reference_from_camera, const TrackOptions& options, double gradient_min);
 
 }  // namespace hermite::test

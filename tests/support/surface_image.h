@@ -32,8 +32,14 @@ void upload(const SurfaceImage& image, SurfaceLevel& level);
 
 std::vector<Eigen::Vector3d> unpack_normals(const std::vector<shared::uint>& packed);
 
-// Empty maps of a frame, to be filled by the test instead of a Preprocessor.
-FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera);
+// Camera of a pyramid level when every pixel is sampled.
+shared::Intrinsics intrinsics_of_level(const Camera& camera, int level);
+
+// Empty maps of a frame, to be filled by the test instead of a Preprocessor; `step` as FrameOptions.sampling.
+FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera, int step = 1);
+
+// What is left of an image of every pixel when only some are sampled.
+SurfaceImage sampled(const SurfaceImage& image, const shared::Sampling& sampling);
 
 // Replaces the content of the store: surfel i in slot i. Those without confidence become its free slots.
 void upload(const std::vector<Surfel>& surfels, SurfelStore& store);

@@ -26,6 +26,11 @@ constexpr double kDepthLoss_m = 3e-6;
 // Depths in whole sensor units tilt a normal from central differences: half a unit on either side of two pixels.
 double quantisation_rad(const Camera& camera, double depth_m) { return 1 / camera.depth_units_per_metre / (2 * depth_m / camera.fx); }
 
+FrameOptions of_every_pixel(FrameOptions options) {
+  options.sampling = 1;
+  return options;
+}
+
 // Lets the depth through as it is: no neighbour has any weight.
 FrameOptions unfiltered() {
   FrameOptions options;
@@ -38,9 +43,9 @@ class PreprocessTest : public test::GpuTest {
  protected:
   // The maps of one frame. They stay valid until the next call.
   const FrameMaps& run(const Camera& camera, const FrameOptions& options, const RgbdFrame& frame) {
-    preprocessor_ = std::make_unique<Preprocessor>(device(), camera, options);
+    preprocessor_ = std::make_unique<Preprocessor>(device(), camera, of_every_pixel(options));
     gpu::Commands commands(device());
-    preprocessor_->run(commands, frame);
+    preprocessor_->run(commands, frame, 0);
     commands.submit_and_wait();
     return preprocessor_->maps();
   }
@@ -311,20 +316,63 @@ TEST_F(PreprocessTest, CurvaturesBeyondTheLimitAreNoSurface) {
   EXPECT_GT(wider.depth_m[wider.index(48, 32)], 0);
 }
 
-TEST_F(PreprocessTest, GreyIsTheWeightedSumOfColours) {
+std::vector<float> grey_of(const ColorImage& color) {
+  std::vector<float> grey;
+  for (const Rgb8 c : color.pixels) grey.push_back(static_cast<float>(0.299 * c.r + 0.587 * c.g + 0.114 * c.b));
+  return grey;
+}
+
+TEST_F(PreprocessTest, GreyIsTheSmoothedWeightedSumOfColours) {
   const RgbdFrame frame = colourful_frame(kOdd, 4);
-  const std::vector<float> grey = run(kOdd, FrameOptions{}, frame).surface.levels[0].intensity.download();
-  for (std::size_t i = 0; i < grey.size(); ++i) {
-    const Rgb8 c = frame.color.pixels[i];
-    ASSERT_NEAR(static_cast<double>(grey[i]), 0.299 * c.r + 0.587 * c.g + 0.114 * c.b, 1e-3) << i;
+  const std::vector<float> grey = grey_of(frame.color), actual = run(kOdd, FrameOptions{}, frame).surface.levels[0].intensity.download();
+  for (int y = 0; y < kOdd.height; ++y)
+    for (int x = 0; x < kOdd.width; ++x) {
+      double expected = 0;
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+          const int v = std::clamp(y + dy, 0, kOdd.height - 1), u = std::clamp(x + dx, 0, kOdd.width - 1);
+          expected += (2 - std::abs(dx)) * (2 - std::abs(dy)) / 16.0 * static_cast<double>(grey[static_cast<std::size_t>(v * kOdd.width + u)]);
+        }
+      ASSERT_NEAR(static_cast<double>(actual[static_cast<std::size_t>(y * kOdd.width + x)]), expected, 1e-3) << x << ", " << y;
+    }
+}
+
+TEST_F(PreprocessTest, AQuarterOfThePixelsSeesWhatAllOfThemSee) {
+  const FrameOptions options;
+  const RgbdFrame frame = colourful_frame(kOdd, 8);
+  const FrameMaps& every_pixel = run(kOdd, options, frame);
+  const SurfaceImage all = test::download(every_pixel.surface.levels[0]);
+  const std::vector<shared::uint> all_gradients = every_pixel.gradients[0].download();
+  Preprocessor preprocessor(device(), kOdd, options);
+  gpu::Commands commands(device());
+  for (std::int64_t frame_index = 0; frame_index < 4; ++frame_index) {
+    const FrameMaps& maps = preprocessor.run(commands, frame, frame_index);
+    commands.submit_and_wait();
+    const SurfaceImage quarter = test::download(maps.surface.levels[0]), expected = test::sampled(all, maps.sampling);
+    const std::vector<shared::uint> gradients = maps.gradients[0].download();
+    ASSERT_EQ(quarter.size(), 48u * 32);
+    EXPECT_NEAR(static_cast<double>(quarter.ray(5, 6).x()), (2 * 5 + maps.sampling.x - kOdd.cx) / kOdd.fx, 1e-6);
+    EXPECT_NEAR(static_cast<double>(quarter.ray(5, 6).y()), (2 * 6 + maps.sampling.y - kOdd.cy) / kOdd.fy, 1e-6);
+    for (std::size_t i = 0; i < quarter.size(); ++i) {
+      ASSERT_NEAR(quarter.depth_m[i], expected.depth_m[i], kDepthLoss_m) << i;
+      ASSERT_LT((quarter.normals[i] - expected.normals[i]).norm(), 2 * test::kNormalLoss) << i;
+      ASSERT_NEAR(quarter.weight[i], expected.weight[i], 1e-5) << i;
+      ASSERT_NEAR(quarter.intensity[i], expected.intensity[i], 1e-3) << i;
+      const std::size_t x = 2 * (i % 48) + maps.sampling.x, y = 2 * (i / 48) + maps.sampling.y;
+      const Eigen::Vector2d slope = 2 * test::unpack_halves(all_gradients[y * 97 + x]);
+      ASSERT_LT((test::unpack_halves(gradients[i]) - slope).norm(), 1e-3 + test::kHalfLoss * slope.norm()) << i;
+    }
   }
 }
 
 TEST_F(PreprocessTest, GradientsOfAllLevelsAgreeWithTheirTwin) {
-  const FrameMaps& maps = run(kOdd, FrameOptions{}, colourful_frame(kOdd, 5));
+  const RgbdFrame frame = colourful_frame(kOdd, 5);
+  const FrameMaps& maps = run(kOdd, FrameOptions{}, frame);
   for (std::size_t level = 0; level < kPyramidLevels; ++level) {
     const SurfaceLevel& image = maps.surface.levels[level];
-    const std::vector<Eigen::Vector2d> expected = test::gradient_twin(image.intensity.download(), image.camera);
+    // The finest level's is smoothed after, not before: a Sobel operator smooths by itself.
+    const std::vector<Eigen::Vector2d> expected =
+        test::gradient_twin(level == 0 ? grey_of(frame.color) : image.intensity.download(), image.camera);
     const std::vector<shared::uint> gradient = maps.gradients[level].download();
     for (std::size_t i = 0; i < gradient.size(); ++i)
       ASSERT_LT((test::unpack_halves(gradient[i]) - expected[i]).norm(), 1e-3 + test::kHalfLoss * expected[i].norm()) << level << ": " << i;
@@ -352,11 +400,11 @@ TEST_F(PreprocessTest, LevelsAgreeWithTheirTwins) {
 }
 
 TEST_F(PreprocessTest, TheNextFrameLeavesNothingOfTheLast) {
-  Preprocessor preprocessor(device(), kOdd, FrameOptions{});
+  Preprocessor preprocessor(device(), kOdd, of_every_pixel({}));
   gpu::Commands commands(device());
-  preprocessor.run(commands, colourful_frame(kOdd, 7));
+  preprocessor.run(commands, colourful_frame(kOdd, 7), 0);
   commands.submit_and_wait();
-  preprocessor.run(commands, test::grey_frame(DepthImage(kOdd.width, kOdd.height), {0, 0, 0}));
+  preprocessor.run(commands, test::grey_frame(DepthImage(kOdd.width, kOdd.height), {0, 0, 0}), 1);
   commands.submit_and_wait();
   for (const SurfaceLevel& level : preprocessor.maps().surface.levels) {
     const SurfaceImage image = test::download(level);

@@ -15,7 +15,7 @@ constexpr Camera kCamera{66, 67, 80, 81, 32.5, 30, 1000};
 
 class SurfacePyramidTest : public test::GpuTest {
  protected:
-  SurfacePyramidTest() : pyramid(make_surface_pyramid(device(), kCamera, "test")), kernel(device(), "frame/downsample") {}
+  SurfacePyramidTest() : pyramid(make_surface_pyramid(device(), intrinsics_of(kCamera), "test")), kernel(device(), "frame/downsample") {}
 
   // Levels 1 and 2 from this level 0.
   SurfaceImage level(const SurfaceImage& finest, std::size_t which, double depth_gate_m = 0.05) {
@@ -30,9 +30,9 @@ class SurfacePyramidTest : public test::GpuTest {
   gpu::Kernel kernel;
 };
 
-TEST(IntrinsicsOfLevel, SeeTheSamePointsAtHalfTheResolution) {
+TEST(CoarserCameras, SeeTheSamePointsAtHalfTheResolution) {
   for (int level = 0; level < kPyramidLevels; ++level) {
-    const shared::Intrinsics c = intrinsics_of_level(kCamera, level);
+    const shared::Intrinsics c = test::intrinsics_of_level(kCamera, level);
     const int scale = 1 << level;
     EXPECT_EQ(c.width, static_cast<std::uint32_t>(66 / scale));
     EXPECT_EQ(c.height, static_cast<std::uint32_t>(67 / scale));

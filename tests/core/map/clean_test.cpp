@@ -20,6 +20,7 @@ constexpr std::uint32_t kNow = 300;
 
 MapOptions cleaning() {
   MapOptions options;
+  options.clean_interval_frames = 1;
   options.stable_confidence = 3;
   options.redundancy_depth_m = 0.01;
   options.max_unstable_age_frames = 200;
@@ -30,7 +31,7 @@ Surfel surfel_seen_at(double u, double v, double depth_m, float confidence, std:
   Surfel s;
   s.position_in_submap_m = kCamera.unproject(u, v, depth_m).cast<float>();
   s.normal_in_submap = Eigen::Vector3f::UnitZ();
-  s.radius_m = static_cast<float>(test::support_radius_m(intrinsics_of_level(kCamera, 0), 4, depth_m, 1));
+  s.radius_m = static_cast<float>(test::support_radius_m(intrinsics_of(kCamera), 4, depth_m, 1));
   s.confidence = confidence;
   s.created_frame = s.observed_frame = created_frame;
   return s;
@@ -40,6 +41,7 @@ Surfel surfel_seen_at(double u, double v, double depth_m, float confidence, std:
 struct Scene {
   double gap_m = 0.005;
   int count = 9;
+  int elsewhere_count = 0;  // and far behind, seen long ago
   float background_confidence = 10;
   std::uint32_t background_created = 5, background_observed = 290;
   Surfel victim = surfel_seen_at(20, 20, 1, 1, 250);
@@ -52,6 +54,8 @@ std::vector<Surfel> surfels_of(const Scene& scene) {
     s.observed_frame = scene.background_observed;
     surfels.push_back(s);
   }
+  for (int i = scene.count; i < scene.count + scene.elsewhere_count; ++i)
+    surfels.push_back(surfel_seen_at(19 + i % 3, 19 + i / 3, 1.3, 10, 5));
   return surfels;
 }
 
@@ -76,8 +80,10 @@ class CleanTest : public test::GpuTest {
 
 TEST_F(CleanTest, SurfelsJustInFrontOfOlderOnesAreRedundant) {
   EXPECT_FALSE(survives({}));
-  EXPECT_FALSE(survives({.count = 5}));
-  EXPECT_TRUE(survives({.count = 4})) << "not most of nine";
+  EXPECT_FALSE(survives({.count = 3}));
+  EXPECT_TRUE(survives({.count = 2})) << "too few to say";
+  EXPECT_FALSE(survives({.count = 5, .elsewhere_count = 4}));
+  EXPECT_TRUE(survives({.count = 4, .elsewhere_count = 4})) << "not most of the neighbours";
 }
 
 TEST_F(CleanTest, RedundantIsOnlyWhatIsNewerAndCloseInFront) {

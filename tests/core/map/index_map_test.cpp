@@ -33,7 +33,7 @@ Surfel surfel_seen_at(double u, double v, double depth_m, float confidence = 1) 
 
 class IndexMapTest : public test::GpuTest {
  protected:
-  IndexMapTest() : store(device()), map(device(), intrinsics_of_level(kCamera, 0)) { view.camera = intrinsics_of_level(kCamera, 0); }
+  IndexMapTest() : store(device()), map(device(), intrinsics_of(kCamera)) { view.camera = intrinsics_of(kCamera); }
 
   std::vector<std::uint32_t> build(double min_confidence = kLowest) {
     gpu::Commands commands(device());

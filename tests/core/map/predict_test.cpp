@@ -35,7 +35,7 @@ std::vector<Surfel> surfels_on(const test::Scene& scene, const Camera& camera, d
       Surfel s;
       s.position_in_submap_m = hit->position_m.cast<float>();
       s.normal_in_submap = hit->normal.cast<float>();
-      s.radius_m = static_cast<float>(test::support_radius_m(intrinsics_of_level(camera, 0), 4, hit->position_m.z(), hit->normal.z()));
+      s.radius_m = static_cast<float>(test::support_radius_m(intrinsics_of(camera), 4, hit->position_m.z(), hit->normal.z()));
       s.confidence = 5;
       surfels.push_back(s);
     }
@@ -65,16 +65,20 @@ class PredictTest : public test::GpuTest {
  protected:
   // Of an empty frame, so that nothing can stand in.
   SurfaceImage predict(const Camera& camera, const std::vector<Surfel>& surfels, const MapOptions& options) {
-    return predict(camera, surfels, options, SurfaceImage(intrinsics_of_level(camera, 0)));
+    return predict(camera, surfels, options, SurfaceImage(intrinsics_of(camera)));
   }
-  SurfaceImage predict(const Camera& camera, const std::vector<Surfel>& surfels, const MapOptions& options, const SurfaceImage& frame) {
+  SurfaceImage predict(const Camera& camera, const std::vector<Surfel>& surfels, const MapOptions& options, const SurfaceImage& frame,
+                       const shared::Sampling& sampling = {1, 0, 0}) {
+    const int step = static_cast<int>(sampling.step);
     SurfelStore store(device());
     test::upload(surfels, store);
     store.set_camera(Rigid3{});
-    IndexMap index(device(), intrinsics_of_level(camera, 0));
-    Predictor predictor(device(), camera, options);
-    FrameMaps maps = test::make_frame_maps(device(), camera);
-    test::upload(frame, maps.surface.levels[0]);
+    IndexMap index(device(), intrinsics_of(camera));
+    Predictor predictor(device(), camera, step, options);
+    FrameMaps maps = test::make_frame_maps(device(), camera, step);
+    maps.sampling = sampling;
+    test::upload(test::sampled(frame, sampling), maps.surface.levels[0]);
+    set_camera(maps.surface, sampled(intrinsics_of(camera), sampling));
     gpu::Commands commands(device());
     index.build(commands, store, store.slot_count(), options.stable_confidence);
     predictor.run(commands, store, index, maps);
@@ -84,7 +88,7 @@ class PredictTest : public test::GpuTest {
     return test::download(predictor.surface().levels[0]);
   }
   SurfaceImage twin(const Camera& camera, const MapOptions& options) const {
-    return test::predict_twin(stored_, MapView{intrinsics_of_level(camera, 0)}, ids_, options);
+    return test::predict_twin(stored_, MapView{intrinsics_of(camera)}, ids_, options);
   }
 
  private:
@@ -119,7 +123,7 @@ TEST_F(PredictTest, SpheresAreMetOutsideUnlessCorrected) {
   constexpr double kRadius_m = 0.1, kDepth_m = 1;
   const test::Scene scene = test::sphere_scene(kDepth_m, kRadius_m);
   const std::vector<Surfel> surfels = surfels_on(scene, kKinect, 0, 1);
-  const double support_m = test::support_radius_m(intrinsics_of_level(kKinect, 0), 4, kDepth_m, 1);
+  const double support_m = test::support_radius_m(intrinsics_of(kKinect), 4, kDepth_m, 1);
   const double offset_m = 0.063 * support_m * support_m / kRadius_m;
   for (const bool correct : {true, false}) {
     MapOptions options;
@@ -258,7 +262,7 @@ TEST_F(PredictTest, BackSidesAndWeakSurfelsAreNoKernels) {
 // The left half of the view is mapped, the frame sees all of it 5 cm farther away.
 struct HalfMapped {
   std::vector<Surfel> surfels = surfels_on(test::plane_scene(1), kCamera, 0, 1);
-  SurfaceImage frame = test::render(test::plane_scene(1.05), intrinsics_of_level(kCamera, 0));
+  SurfaceImage frame = test::render(test::plane_scene(1.05), intrinsics_of(kCamera));
   HalfMapped() {
     std::erase_if(surfels, [](const Surfel& s) { return s.position_in_submap_m.x() > 0; });
     for (std::size_t i = 0; i < frame.size(); ++i) {
@@ -299,6 +303,32 @@ TEST_F(PredictTest, StandingInDependsOnTheShareCovered) {
   options.fill_in_below = share + 0.001;
   const SurfaceImage too_little = predict(kCamera, half.surfels, options, half.frame);
   EXPECT_GT(too_little.depth_m[too_little.index(50, 20)], 0);
+}
+
+TEST_F(PredictTest, AQuarterOfThePixelsSeesWhatAllOfThemSee) {
+  const std::vector<Surfel> surfels = rough_surfels(4);
+  for (const bool hrbf : {true, false})
+    for (const int window : {5, 9}) {
+      MapOptions options;
+      options.hrbf_prediction = hrbf;
+      options.window = window;
+      const SurfaceImage empty(intrinsics_of(kCamera));
+      const SurfaceImage all = predict(kCamera, surfels, options, empty);
+      for (std::int64_t frame_index = 0; frame_index < 4; ++frame_index) {
+        const shared::Sampling sampling = sampling_of_frame(2, frame_index);
+        const SurfaceImage quarter = predict(kCamera, surfels, options, empty, sampling), expected = test::sampled(all, sampling);
+        ASSERT_EQ(quarter.size(), 30u * 21);
+        int count = 0;
+        for (std::size_t i = 0; i < quarter.size(); ++i) {
+          ASSERT_NEAR(quarter.depth_m[i], expected.depth_m[i], kPlaneLoss_m) << i;
+          ASSERT_LT((quarter.normals[i] - expected.normals[i]).norm(), 3 * test::kNormalLoss) << i;
+          ASSERT_NEAR(quarter.weight[i], expected.weight[i], 1e-4 * std::abs(expected.weight[i])) << i;
+          ASSERT_EQ(quarter.intensity[i], expected.intensity[i]) << i;
+          count += quarter.depth_m[i] > 0 ? 1 : 0;
+        }
+        EXPECT_GT(count, 300);
+      }
+    }
 }
 
 }  // namespace

@@ -38,7 +38,6 @@ TrackOptions one_step_at(int level) {
 TrackOptions until_converged() {
   TrackOptions options;
   options.max_iterations_coarse = options.max_iterations_middle = options.max_iterations_fine = 30;
-  options.fine_stride = 1;
   return options;
 }
 
@@ -46,12 +45,12 @@ class OdometryTest : public test::GpuTest {
  protected:
   using Levels = std::vector<SurfaceImage>;
 
-  OdometryTest() : frame(test::make_frame_maps(device(), kCamera)), reference(make_surface_pyramid(device(), kCamera, "test")) {}
+  OdometryTest() : frame(test::make_frame_maps(device(), kCamera)), reference(make_surface_pyramid(device(), intrinsics_of(kCamera), "test")) {}
 
   static Levels render(const test::Scene& scene, const Rigid3& world_from_camera) {
     Levels levels;
     for (int level = 0; level < kPyramidLevels; ++level)
-      levels.push_back(test::render(scene, intrinsics_of_level(kCamera, level), world_from_camera));
+      levels.push_back(test::render(scene, test::intrinsics_of_level(kCamera, level), world_from_camera));
     return levels;
   }
   void set_frame(const Levels& levels) {
@@ -72,7 +71,7 @@ class OdometryTest : public test::GpuTest {
     set_reference(render(scene, Rigid3{}));
   }
   OdometryResult track(const TrackOptions& options, const Rigid3& guess = {}) {
-    return Odometry(device(), kCamera, options).track(frame, reference, guess);
+    return Odometry(device(), intrinsics_of(kCamera), options).track(frame, reference, guess);
   }
 
   FrameMaps frame;
@@ -151,20 +150,18 @@ TEST_F(OdometryTest, OneStepAgreesWithTheTwinAtEveryLevel) {
   const Rigid3 guess = exp_se3((Vector6d() << 0.002, 0, -0.001, 0, 0.002, 0.001).finished());
   for (const double geometric_weight : {0.0, 1000.0, 1e9})
     for (const int level : {0, 1, 2})
-      for (const int stride : {1, 3}) {
-        SCOPED_TRACE("level " + std::to_string(level) + ", weight " + std::to_string(geometric_weight) + ", stride " +
-                     std::to_string(stride));
-        if (stride > 1 && level > 0) continue;
+      for (const bool discount : {false, true}) {
+        SCOPED_TRACE("level " + std::to_string(level) + ", weight " + std::to_string(geometric_weight) + ", discount " +
+                     std::to_string(discount));
         TrackOptions options = one_step_at(level);
         options.geometric_weight = geometric_weight;
-        options.fine_stride = stride;
-        options.discount_normal_noise = stride == 1;
+        options.discount_normal_noise = discount;
         const OdometryResult actual = track(options, guess);
         // Packed on the way, as the GPU has them.
         const SurfaceImage current = test::download(frame.surface.levels[static_cast<std::size_t>(level)]);
         const SurfaceImage model = test::download(reference.levels[static_cast<std::size_t>(level)]);
         const test::TrackStep expected = test::track_step_twin(current, test::gradient_twin(current.intensity, current.camera), model,
-                                                               guess, options, kGradientMin[level], stride);
+                                                               guess, options, kGradientMin[level]);
         EXPECT_NEAR(static_cast<double>(actual.inlier_count), expected.geometric_count, 6);
         EXPECT_NEAR(static_cast<double>(actual.photometric_count), expected.photometric_count, 6);
         EXPECT_NEAR(actual.residual_rms_m, std::sqrt(expected.geometric_error_m2 / expected.geometric_count), 1e-5);
@@ -242,7 +239,7 @@ TEST_F(OdometryTest, ABareWallDoesNotCarryTheCameraAway) {
   set_reference(model);
   const OdometryResult result = track(TrackOptions{});
   // Noise in the normals is all that says anything there, and it is not believed.
-  EXPECT_LT(result.reference_from_camera.translation.norm(), 0.002);
+  EXPECT_LT(result.reference_from_camera.translation.norm(), 0.01);
   EXPECT_NEAR(result.reference_from_camera.translation.z(), 0, 2e-4) << "the wall itself holds this one";
 }
 
@@ -285,7 +282,7 @@ TEST_F(OdometryTest, AJumpIsNotBelieved) {
 }
 
 TEST_F(OdometryTest, SaysWhetherAFrameHasSurface) {
-  Odometry odometry(device(), kCamera, TrackOptions{});
+  Odometry odometry(device(), intrinsics_of(kCamera), TrackOptions{});
   EXPECT_FALSE(odometry.has_surface(frame, reference)) << "an empty frame";
   Levels seen = render(test::wave_scene(1), Rigid3{});
   const auto keep = [&](double share) {
@@ -308,14 +305,14 @@ class RotationTest : public OdometryTest {
 
   // What a camera that only turns sees of a picture infinitely far away.
   void set_picture(const Picture& picture, const Eigen::Quaterniond& world_from_camera) {
-    SurfaceImage image(intrinsics_of_level(kCamera, 2));
+    SurfaceImage image(test::intrinsics_of_level(kCamera, 1));
     for (int y = 0; y < static_cast<int>(image.camera.height); ++y)
       for (int x = 0; x < static_cast<int>(image.camera.width); ++x)
         image.intensity[image.index(x, y)] = static_cast<float>(picture(world_from_camera * image.ray(x, y).normalized()));
-    test::upload(image, frame.surface.levels[2]);
+    test::upload(image, frame.surface.levels[1]);
   }
   Eigen::Quaterniond align(const Picture& picture, const Eigen::Quaterniond& world_from_current) {
-    Odometry odometry(device(), kCamera, TrackOptions{});
+    Odometry odometry(device(), intrinsics_of(kCamera), TrackOptions{});
     gpu::Commands commands(device());
     set_picture(picture, Eigen::Quaterniond::Identity());
     odometry.remember(commands, frame);
@@ -340,7 +337,7 @@ TEST_F(RotationTest, OfAFarPictureIsFound) {
 
 TEST_F(RotationTest, WithoutAnEarlierPictureIsNone) {
   set_picture(smooth, Eigen::Quaterniond::Identity());
-  Odometry odometry(device(), kCamera, TrackOptions{});
+  Odometry odometry(device(), intrinsics_of(kCamera), TrackOptions{});
   EXPECT_EQ(angle_rad(odometry.align_rotation(frame)), 0);
 }
 
