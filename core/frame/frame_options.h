@@ -12,7 +12,7 @@ struct FrameOptions {
   // Standard deviation of a Kinect v1 depth at z: floor + growth (z - 0.4 m)^2 (Nguyen, Izadi, Lovell 2012).
   double noise_floor_m = 0.0012;
   double noise_growth_per_m = 0.0019;
-  double support_radius_scale = 4.0;
+  double support_radius_scale = 2.5;
   double depth_gate_m = 0.1;
   double curvature_limit_per_m = 300;
   double confidence_epsilon = 1000;

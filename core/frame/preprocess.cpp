@@ -12,15 +12,9 @@ namespace {
 constexpr double kKinectFocalLength_px = 525;
 
 FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera, int step) {
-  const std::size_t pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
-  const shared::Sampling sampling = sampling_of_frame(step, 0);
-  FrameMaps maps{sampling,
-                 {device, pixels, "frame"},
-                 {device, pixels, "frame"},
-                 {device, pixels, "frame"},
-                 {device, pixels, "frame"},
-                 make_surface_pyramid(device, sampled(intrinsics_of(camera), sampling), "frame"),
-                 {}};
+  const shared::Intrinsics finest = sampled(intrinsics_of(camera), sampling_of_frame(step, 0));
+  const std::size_t pixels = static_cast<std::size_t>(finest.width) * finest.height;
+  FrameMaps maps{{device, pixels, "frame"}, {device, pixels, "frame"}, {device, pixels, "frame"}, {device, pixels, "frame"}, make_surface_pyramid(device, finest, "frame"), {}};
   for (std::size_t level = 0; level < maps.gradients.size(); ++level)
     maps.gradients[level] = {device, maps.surface.levels[level].intensity.count(), "frame"};
   return maps;
@@ -34,13 +28,14 @@ std::uint32_t window_radius(double sigma_px) { return static_cast<std::uint32_t>
 Preprocessor::Preprocessor(gpu::Device& device, const Camera& camera, const FrameOptions& options)
     : camera_(camera),
       options_(options),
-      bilateral_(device, "frame/bilateral", {window_radius(options.bilateral_sigma_space_px)}),
+      bilateral_(device, "frame/bilateral", {window_radius(options.bilateral_sigma_space_px), static_cast<std::uint32_t>(options.sampling)}),
       normals_(device, "frame/normals"),
-      surface_(device, "frame/surface", {static_cast<std::uint32_t>(options.sampling)}),
+      surface_(device, "frame/surface"),
       intensity_(device, "frame/intensity"),
       gradient_(device, "frame/gradient"),
       downsample_(device, "frame/downsample"),
       units_(device, (static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height) + 1) / 2, "frame"),
+      color_(device, static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height), "frame"),
       maps_(make_frame_maps(device, camera, options.sampling)) {}
 
 void Preprocessor::upload(const RgbdFrame& frame) {
@@ -52,20 +47,21 @@ void Preprocessor::upload(const RgbdFrame& frame) {
     const Rgb8 c = frame.color.pixels[i];
     staging_[i] = static_cast<shared::uint>(c.r | (c.g << 8) | (c.b << 16));
   }
-  maps_.color.upload(staging_);
+  color_.upload(staging_);
 }
 
 const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& frame, std::int64_t frame_index) {
   upload(frame);
-  const shared::Intrinsics camera = intrinsics_of(camera_);
-  maps_.sampling = sampling_of_frame(options_.sampling, frame_index);
-  set_camera(maps_.surface, sampled(camera, maps_.sampling));
+  const shared::Intrinsics whole = intrinsics_of(camera_);
+  const shared::Sampling sampling = sampling_of_frame(options_.sampling, frame_index);
+  set_camera(maps_.surface, sampled(whole, sampling));
+  const shared::Intrinsics& camera = maps_.camera();
   const gpu::Threads image{camera.width, camera.height};
   SurfaceLevel& surface = maps_.surface.levels[0];
   const float depth_gate_m = static_cast<float>(options_.depth_gate_m);
 
   commands.dispatch(bilateral_, image,
-                    shared::BilateralParams{camera, static_cast<float>(1.0 / camera_.depth_units_per_metre),
+                    shared::BilateralParams{whole, sampling, static_cast<float>(1.0 / camera_.depth_units_per_metre),
                                             static_cast<float>(options_.depth_min_m), static_cast<float>(options_.depth_max_m),
                                             static_cast<float>(0.5 / (options_.bilateral_sigma_space_px * options_.bilateral_sigma_space_px)),
                                             static_cast<float>(options_.noise_floor_m), static_cast<float>(options_.noise_growth_per_m),
@@ -73,13 +69,13 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
                     {units_, maps_.raw_depth_m, maps_.filtered_depth_m});
   commands.dispatch(normals_, image, shared::NormalParams{camera, 0.5f * depth_gate_m},
                     {maps_.filtered_depth_m, maps_.first_normals});
-  commands.dispatch(surface_, {(surface.camera.width + 3) / 4, surface.camera.height},  // four samples an invocation
-                    shared::SurfaceParams{camera, maps_.sampling, static_cast<float>(options_.support_radius_scale), depth_gate_m, static_cast<float>(options_.confidence_epsilon * camera_.fx / kKinectFocalLength_px),
+  commands.dispatch(surface_, {(camera.width + 3) / 4, camera.height},  // four pixels an invocation
+                    shared::SurfaceParams{camera, static_cast<float>(options_.support_radius_scale), depth_gate_m, static_cast<float>(options_.confidence_epsilon * static_cast<double>(camera.fx) / kKinectFocalLength_px),
                                           static_cast<float>(options_.curvature_limit_per_m), options_.hrbf_confidence ? 1u : 0u,
                                           options_.project_to_surface ? 1u : 0u},
                     {maps_.filtered_depth_m, maps_.first_normals, surface.depth_m, surface.normals, surface.curvatures, surface.weight});
-  commands.dispatch(intensity_, {surface.camera.width, surface.camera.height}, shared::IntensityParams{camera, maps_.sampling},
-                    {maps_.color, surface.intensity, maps_.gradients[0]});
+  commands.dispatch(intensity_, image, shared::IntensityParams{whole, sampling},
+                    {color_, surface.intensity, maps_.gradients[0], maps_.color});
   downsample(commands, downsample_, maps_.surface, 0.5 * options_.depth_gate_m);
   for (std::size_t level = 1; level < maps_.gradients.size(); ++level) {
     const SurfaceLevel& image_level = maps_.surface.levels[level];

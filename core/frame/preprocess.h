@@ -10,14 +10,16 @@
 
 namespace hermite {
 
+// All of the sampled pixels only.
 struct FrameMaps {
-  shared::Sampling sampling;            // what the surface's finest level is of the image
   gpu::Buffer<float> raw_depth_m;       // as measured, inside the range
   gpu::Buffer<float> filtered_depth_m;  // after the bilateral filter
   gpu::Buffer<shared::uint> first_normals;  // from central differences, packed as in SurfaceLevel
   gpu::Buffer<shared::uint> color;      // r | g << 8 | b << 16
   SurfacePyramid surface;               // weight is the confidence c = c_r c_d
   std::array<gpu::Buffer<shared::uint>, kPyramidLevels> gradients;  // grey values per pixel of the level, 2 x half float
+
+  const shared::Intrinsics& camera() const { return surface.levels[0].camera; }
 };
 
 // Owns the maps of the current frame. One thread at a time: the device's.
@@ -38,7 +40,8 @@ class Preprocessor {
   const Camera camera_;
   const FrameOptions options_;
   gpu::Kernel bilateral_, normals_, surface_, intensity_, gradient_, downsample_;
-  gpu::Buffer<shared::uint> units_;  // two 16-bit depths a word
+  gpu::Buffer<shared::uint> units_;  // of the whole image, two 16-bit depths a word
+  gpu::Buffer<shared::uint> color_;  // of the whole image
   std::vector<shared::uint> staging_;
   FrameMaps maps_;
 };

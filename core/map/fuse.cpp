@@ -6,18 +6,12 @@ namespace hermite {
 
 namespace {
 
-std::size_t sample_count(const shared::Intrinsics& camera, int sampling) {
-  const shared::Intrinsics samples = sampled(camera, sampling_of_frame(sampling, 0));
-  return static_cast<std::size_t>(samples.width) * samples.height;
-}
-
 std::uint32_t groups_of(std::uint32_t threads) { return (threads + 255) / 256; }
 
 }  // namespace
 
-Fuser::Fuser(gpu::Device& device, const Camera& camera, const MapOptions& options, const FrameOptions& frame_options)
-    : camera_(intrinsics_of(camera)),
-      options_(options),
+Fuser::Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options, const FrameOptions& frame_options)
+    : options_(options),
       curvature_limit_per_m_(frame_options.curvature_limit_per_m),
       radius_scale_(frame_options.support_radius_scale),
       associate_(device, "map/associate"),
@@ -26,18 +20,17 @@ Fuser::Fuser(gpu::Device& device, const Camera& camera, const MapOptions& option
       append_(device, "map/append"),
       clean_(device, "map/clean"),
       free_list_(device, "map/free_list"),
-      candidates_(device, sample_count(camera_, frame_options.sampling), "fusion"),
-      claims_(device, static_cast<std::size_t>(camera_.width) * camera_.height, "fusion") {}
+      candidates_(device, static_cast<std::size_t>(camera.width) * camera.height, "fusion"),
+      claims_(device, static_cast<std::size_t>(camera.width) * camera.height, "fusion") {}
 
 void Fuser::end_counting(gpu::Commands& commands, SurfelStore& store, std::uint32_t groups, bool ends_frame) {
   commands.dispatch(scan_, {256}, shared::ScanParams{groups, ends_frame ? 1u : 0u}, {store.group_counts, store.state});
 }
 
 void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, std::uint32_t frame_number) {
-  const std::uint32_t samples = new_slots_bound();
+  const std::uint32_t pixels = new_slots_bound();
   const SurfaceLevel& surface = frame.surface.levels[0];
-  const shared::FuseParams params{camera_,
-                                  frame.sampling,
+  const shared::FuseParams params{surface.camera,
                                   frame_number,
                                   store.capacity(),
                                   static_cast<float>(options_.fuse_depth_gate_m),
@@ -49,21 +42,22 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
                                   static_cast<float>(radius_scale_)};
   commands.fill(claims_, kNoSurfel);
   for (const gpu::Kernel* kernel : {&associate_, &merge_})
-    commands.dispatch(*kernel, {samples}, params,
+    commands.dispatch(*kernel, {pixels}, params,
                       {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
                        store.attributes, store.times, store.camera_from_submap, candidates_, store.group_counts, store.state, all.slots(),
                        claims_});
-  end_counting(commands, store, groups_of(samples), false);
-  commands.dispatch(append_, {samples}, params,
+  end_counting(commands, store, groups_of(pixels), false);
+  commands.dispatch(append_, {pixels}, params,
                     {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
                      store.attributes, store.times, store.camera_from_submap, candidates_, store.group_counts, store.state,
                      store.free_slots});
 }
 
-void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, std::uint32_t frame_number) {
+void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, const shared::Intrinsics& camera,
+                  std::uint32_t frame_number) {
   const std::uint32_t slots = store.slot_count() + new_slots_bound();
   commands.dispatch(clean_, {slots},
-                    shared::CleanParams{camera_, frame_number, static_cast<shared::uint>(options_.clean_interval_frames), static_cast<float>(options_.stable_confidence),
+                    shared::CleanParams{camera, frame_number, static_cast<shared::uint>(options_.clean_interval_frames), static_cast<float>(options_.stable_confidence),
                                         static_cast<shared::uint>(options_.max_unstable_age_frames),
                                         static_cast<float>(options_.redundancy_depth_m), static_cast<float>(curvature_limit_per_m_)},
                     {store.positions, store.attributes, store.times, store.camera_from_submap, stable.slots(), store.group_counts, store.state});

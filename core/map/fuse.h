@@ -9,15 +9,16 @@ namespace hermite {
 
 class Fuser {
  public:
-  Fuser(gpu::Device& device, const Camera& camera, const MapOptions& options, const FrameOptions& frame_options);
+  // `camera` has the size of all frames.
+  Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options, const FrameOptions& frame_options);
 
-  // Records: the frame's sampled pixels are merged into the surfels of `all`, an index map of every surfel, or appended. The store must be
+  // Records: the frame's pixels are merged into the surfels of `all`, an index map of every surfel, or appended. The store must be
   // set to the frame's pose and have room for new_slots_bound() more.
   void fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, std::uint32_t frame_number);
 
   // Records: contradicted and forgotten surfels among those in turn are removed and all free slots listed. `stable` is an index map of stable surfels after fusion.
-  // Brings the store's counters up to date.
-  void clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, std::uint32_t frame_number);
+  // Brings the store's counters up to date. `camera` is that of the index map.
+  void clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, const shared::Intrinsics& camera, std::uint32_t frame_number);
 
   // Slots that one frame can add at most.
   std::uint32_t new_slots_bound() const { return static_cast<std::uint32_t>(candidates_.count()); }
@@ -25,11 +26,10 @@ class Fuser {
  private:
   void end_counting(gpu::Commands& commands, SurfelStore& store, std::uint32_t groups, bool ends_frame);
 
-  const shared::Intrinsics camera_;
   const MapOptions options_;
   const double curvature_limit_per_m_, radius_scale_;
   gpu::Kernel associate_, merge_, scan_, append_, clean_, free_list_;
-  gpu::Buffer<shared::uint> candidates_;  // by sample
+  gpu::Buffer<shared::uint> candidates_;  // by pixel
   gpu::Buffer<shared::uint> claims_;      // by pixel of the index map
 };
 

@@ -10,16 +10,16 @@ inline constexpr shared::uint kNoSurfel = 0xffffffffu;
 
 class IndexMap {
  public:
+  // `camera` has the size of all views.
   IndexMap(gpu::Device& device, const shared::Intrinsics& camera);
 
   // Records the passes: surfels of at least `min_confidence` (and alive), as seen by the camera that the store was set to, 5 cm to 20 m away.
   // `slot_count` bounds the slots looked at.
-  void build(gpu::Commands& commands, const SurfelStore& store, std::uint32_t slot_count, double min_confidence);
+  void build(gpu::Commands& commands, const SurfelStore& store, const shared::Intrinsics& camera, std::uint32_t slot_count, double min_confidence);
 
   const gpu::Buffer<shared::uint>& slots() const { return ids_; }  // by pixel, kNoSurfel where there is none
 
  private:
-  const shared::Intrinsics camera_;
   gpu::Kernel depth_kernel_, id_kernel_;
   gpu::Buffer<shared::uint> depth_bits_, ids_;
 };

@@ -8,7 +8,7 @@ struct MapOptions {
   double max_confidence = 100.0;
   bool hrbf_prediction = true;
   bool correct_bias = true;
-  int window = 7;
+  int window = 5;
   double curvature_lambda_per_m = 10.0;
   double confidence_scale = 1.0 / 256.0;
   int min_support = 7;

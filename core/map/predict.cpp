@@ -2,13 +2,12 @@
 
 namespace hermite {
 
-Predictor::Predictor(gpu::Device& device, const Camera& camera, int sampling, const MapOptions& options)
-    : camera_(intrinsics_of(camera)),
-      options_(options),
-      predict_(device, "map/predict", {static_cast<std::uint32_t>(options.window / 2), static_cast<std::uint32_t>(sampling)}),
+Predictor::Predictor(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options)
+    : options_(options),
+      predict_(device, "map/predict", {static_cast<std::uint32_t>(options.window / 2)}),
       fill_in_(device, "map/fill_in"),
       covered_pixel_count_(device, 1, "prediction"),
-      surface_(make_surface_pyramid(device, sampled(camera_, sampling_of_frame(sampling, 0)), "prediction")) {}
+      surface_(make_surface_pyramid(device, camera, "prediction")) {}
 
 void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const FrameMaps& frame) {
   SurfaceLevel& out = surface_.levels[0];
@@ -19,8 +18,8 @@ void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const Ind
   const shared::uint pixels = out.camera.width * out.camera.height;
 
   commands.fill(covered_pixel_count_, 0);
-  commands.dispatch(predict_, {(out.camera.width + 3) / 4, out.camera.height},  // four samples an invocation
-                    shared::PredictParams{camera_, frame.sampling, lambda_per_m, confidence_scale, static_cast<shared::uint>(options_.min_support),
+  commands.dispatch(predict_, {(out.camera.width + 3) / 4, out.camera.height},  // four pixels an invocation
+                    shared::PredictParams{out.camera, lambda_per_m, confidence_scale, static_cast<shared::uint>(options_.min_support),
                                           static_cast<shared::uint>(options_.max_iterations), options_.correct_bias ? 1u : 0u,
                                           options_.hrbf_prediction ? 1u : 0u},
                     {store.positions, store.attributes, store.camera_from_submap, stable.slots(), out.depth_m, out.normals, out.curvatures,

@@ -9,10 +9,10 @@ namespace hermite {
 
 class Predictor {
  public:
-  // `sampling` as in FrameOptions.
-  Predictor(gpu::Device& device, const Camera& camera, int sampling, const MapOptions& options);
+  // `camera` has the size of all frames.
+  Predictor(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options);
 
-  // Records the prediction from an index map of stable surfels, for the camera the store was set to and the pixels sampled of `frame`. Where the map covers less than
+  // Records the prediction from an index map of stable surfels, for the camera the store was set to and the pixels of `frame`. Where the map covers less than
   // options.fill_in_below of the view, the surface of `frame` (seen from the same pose) stands in.
   void run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const FrameMaps& frame);
 
@@ -21,7 +21,6 @@ class Predictor {
   const SurfacePyramid& surface() const { return surface_; }
 
  private:
-  const shared::Intrinsics camera_;
   const MapOptions options_;
   gpu::Kernel predict_, fill_in_;
   gpu::Buffer<shared::uint> covered_pixel_count_;

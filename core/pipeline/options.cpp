@@ -39,7 +39,7 @@ const std::vector<Row>& rows() {
        "bilateral filter: width over depth in standard deviations of the noise"},
       {"frame.noise_floor_m", f(&F::noise_floor_m), 1e-5, 0.1, "standard deviation of depth at 0.4 m [m]"},
       {"frame.noise_growth_per_m", f(&F::noise_growth_per_m), 0, 0.1, "its growth with the square of the distance beyond [1/m]"},
-      {"frame.support_radius_scale", f(&F::support_radius_scale), 1, 10, "support radius of a kernel in pixel diagonals"},
+      {"frame.support_radius_scale", f(&F::support_radius_scale), 1, 10, "support radius of a kernel in diagonals of sampled pixels"},
       {"frame.depth_gate_m", f(&F::depth_gate_m), 0.01, 1, "pixels further apart in depth are on different surfaces [m]"},
       {"frame.curvature_limit_per_m", f(&F::curvature_limit_per_m), 10, 1e4, "larger curvatures are not believed [1/m]"},
       {"frame.hrbf_confidence", f(&F::hrbf_confidence), 0, 1,

@@ -53,11 +53,11 @@ struct Pipeline::Impl {
         device(device_choice),
         commands(checked(device, camera)),
         preprocessor(device, camera, options.frame),
-        odometry(device, preprocessor.maps().surface.levels[0].camera, options.track),
+        odometry(device, preprocessor.maps().camera(), options.track),
         store(device),
-        index(device, intrinsics_of(camera)),
-        fuser(device, camera, options.map, options.frame),
-        predictor(device, camera, options.frame.sampling, options.map) {}
+        index(device, preprocessor.maps().camera()),
+        fuser(device, preprocessor.maps().camera(), options.map, options.frame),
+        predictor(device, preprocessor.maps().camera(), options.map) {}
 
   FrameResult process(const RgbdFrame& frame);
   OdometryResult track(const FrameMaps& maps);
@@ -114,13 +114,13 @@ void Pipeline::Impl::fuse(const FrameMaps& maps) {
   ++frame_number;
   store.reserve(fuser.new_slots_bound());
   store.set_camera(world_from_camera);
-  index.build(commands, store, store.slot_count(), 0);
+  index.build(commands, store, maps.camera(), store.slot_count(), 0);
   fuser.fuse(commands, maps, store, index, frame_number);
 }
 
 void Pipeline::Impl::predict(const FrameMaps& maps) {
-  index.build(commands, store, store.slot_count() + fuser.new_slots_bound(), options.map.stable_confidence);
-  fuser.clean(commands, store, index, frame_number);
+  index.build(commands, store, maps.camera(), store.slot_count() + fuser.new_slots_bound(), options.map.stable_confidence);
+  fuser.clean(commands, store, index, maps.camera(), frame_number);
   predictor.run(commands, store, index, maps);
   downsample(commands, preprocessor.downsample_kernel(), predictor.surface(), 0.5 * options.frame.depth_gate_m);
   odometry.remember(commands, maps);

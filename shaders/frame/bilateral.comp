@@ -3,8 +3,10 @@
 #extension GL_GOOGLE_include_directive : require
 // Sensor units to metres, and the bilateral filter (paper section 3.2). Its width over depth follows the sensor's noise at that depth
 // instead of being fixed: 30 mm everywhere, as in the authors' program, rounds off what a Kinect still resolves at 1 m.
-// Two outputs: the measured depth, and the filtered one; 0 where nothing was measured inside the range.
+// Two outputs, by sampled pixel: the measured depth, and the filtered one; 0 where nothing was measured inside the range. The filter looks at
+// all pixels.
 #include "shaders/shared/frame.h"
+#include "shaders/lib/geometry.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(scalar, binding = 0) readonly buffer Units { uint units[]; };  // two pixels a word
 layout(scalar, binding = 1) writeonly buffer Raw { float raw_m[]; };
@@ -12,11 +14,12 @@ layout(scalar, binding = 2) writeonly buffer Filtered { float filtered_m[]; };
 layout(scalar, push_constant) uniform Push { BilateralParams p; };
 
 layout(constant_id = 0) const int kRadius = 6;  // of the window
-const int kTile = 16 + 2 * kRadius;
+layout(constant_id = 1) const int kStep = 1;    // as in p.sampling
+const int kTile = 16 * kStep + 2 * kRadius;
 shared float tile[kTile * kTile];
 
 float measured_depth_m(ivec2 pixel) {
-  if (pixel.x < 0 || pixel.y < 0 || pixel.x >= int(p.camera.width) || pixel.y >= int(p.camera.height)) return 0.0;
+  if (!inside(p.camera, pixel)) return 0.0;
   uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
   uint word = units[index >> 1];
   float depth_m = float((index & 1u) == 0u ? word & 0xffffu : word >> 16) * p.metres_per_unit;
@@ -24,14 +27,14 @@ float measured_depth_m(ivec2 pixel) {
 }
 
 void main() {
-  ivec2 corner = ivec2(gl_WorkGroupID.xy) * 16 - kRadius;
+  ivec2 corner = pixel_of_sample(p.sampling, gl_WorkGroupID.xy * 16u) - kRadius;
   for (uint i = gl_LocalInvocationIndex; i < kTile * kTile; i += 256u)
     tile[i] = measured_depth_m(corner + ivec2(i % kTile, i / kTile));
   barrier();
 
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (pixel.x >= int(p.camera.width) || pixel.y >= int(p.camera.height)) return;
-  ivec2 local = ivec2(gl_LocalInvocationID.xy) + kRadius;
+  uvec2 sampled = gl_GlobalInvocationID.xy, size = sampled_size(p.camera, p.sampling);
+  if (sampled.x >= size.x || sampled.y >= size.y) return;
+  ivec2 local = ivec2(gl_LocalInvocationID.xy) * kStep + kRadius;
   float centre_m = tile[local.y * kTile + local.x];
   float beyond = max(centre_m - 0.4, 0.0);
   float sigma_m = p.noise_sigmas * (p.noise_floor_m + p.noise_growth_per_m * beyond * beyond);
@@ -47,7 +50,7 @@ void main() {
       weights += w;
     }
   }
-  uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
+  uint index = sampled.y * size.x + sampled.x;
   raw_m[index] = centre_m;
   filtered_m[index] = centre_m > 0.0 ? sum / weights : 0.0;
 }

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Grey values, 0 to 255, of the sampled pixels, smoothed over 3x3 pixels of the image, and their Sobel gradient in grey values per sample;
+// Colours of the sampled pixels; their grey values, 0 to 255, smoothed over 3x3 pixels of the image, and their Sobel gradient in grey values per sample;
 // the gradient is zero on the border.
 #include "shaders/shared/frame.h"
 #include "shaders/shared/map.h"
@@ -11,6 +11,7 @@ layout(local_size_x = 16, local_size_y = 16) in;
 layout(scalar, binding = 0) readonly buffer Color { uint color[]; };
 layout(scalar, binding = 1) writeonly buffer Intensity { float intensity[]; };
 layout(scalar, binding = 2) writeonly buffer Gradient { uint gradient[]; };  // 2 x half float
+layout(scalar, binding = 3) writeonly buffer SampledColor { uint sampled_color[]; };
 layout(scalar, push_constant) uniform Push { IntensityParams p; };
 
 float grey_at(ivec2 pixel) {
@@ -33,6 +34,7 @@ void main() {
   bool border = !inside(p.camera, pixel - 1) || !inside(p.camera, pixel + 1);
   vec2 slope = vec2(0.25 * (above.y + 2.0 * here.y + below.y), 0.5 * (below.x - above.x));
   uint index = sampled.y * size.x + sampled.x;
+  sampled_color[index] = color[uint(pixel.y) * p.camera.width + uint(pixel.x)];
   intensity[index] = 0.25 * (above.x + 2.0 * here.x + below.x);
   gradient[index] = border ? 0u : packHalf2x16(float(p.sampling.step) * slope);
 }

@@ -6,8 +6,7 @@
 // Normals point away from the camera, so surfaces that bulge towards it have positive curvature.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;  // four neighbouring samples an invocation: a kernel is unpacked once for all of them
-layout(constant_id = 0) const int kStep = 1;    // as in p.sampling
+layout(local_size_x = 8, local_size_y = 16) in;  // four neighbouring pixels an invocation: a kernel is unpacked once for all of them
 layout(scalar, binding = 0) readonly buffer Filtered { float filtered_m[]; };
 layout(scalar, binding = 1) readonly buffer Normals { uint normals[]; };
 layout(scalar, binding = 2) writeonly buffer Depth { float depth_m[]; };
@@ -17,8 +16,8 @@ layout(scalar, binding = 5) writeonly buffer Confidence { float confidence[]; };
 layout(scalar, push_constant) uniform Push { SurfaceParams p; };
 
 const int kRadius = 3;
-const int kTileWidth = 32 * kStep + 2 * kRadius;
-const int kTileHeight = 8 * kStep + 2 * kRadius;
+const int kTileWidth = 32 + 2 * kRadius;
+const int kTileHeight = 16 + 2 * kRadius;
 const int kTileSize = kTileWidth * kTileHeight;
 const uint kMinKernels = 16;  // reference notes 1.6
 // Two words a kernel: everything else follows from the pixel.
@@ -37,7 +36,7 @@ struct Field {
   vec4 count;                   // kernels that contribute
 };
 
-// Rays of the four samples, (x, y, 1), and the depths of their vertices.
+// Rays of the four pixels, (x, y, 1), and the depths of their vertices.
 struct Rays {
   vec4 x;
   float y;
@@ -45,8 +44,8 @@ struct Rays {
 };
 
 void load_tile() {
-  ivec2 corner = pixel_of_sample(p.sampling, gl_WorkGroupID.xy * uvec2(32, 8)) - kRadius;
-  for (uint i = gl_LocalInvocationIndex; i < kTileSize; i += 64u) {
+  ivec2 corner = ivec2(gl_WorkGroupID.xy) * ivec2(32, 16) - kRadius;
+  for (uint i = gl_LocalInvocationIndex; i < kTileSize; i += 128u) {
     ivec2 pixel = corner + ivec2(i % kTileWidth, i / kTileWidth);
     bool visible = inside(p.camera, pixel);
     uint index = visible ? uint(pixel.y) * p.camera.width + uint(pixel.x) : 0u;
@@ -67,7 +66,7 @@ Kernel kernel_at(int first, int dx, int dy, vec3 ray) {
 
 // 1 where column dx of the first pixel's window is in the window of each pixel and the kernel lies on the same surface as its vertex.
 vec4 admits(int dx, Kernel k, Rays rays) {
-  vec4 column = float(dx) - float(kStep) * vec4(0.0, 1.0, 2.0, 3.0);
+  vec4 column = float(dx) - vec4(0.0, 1.0, 2.0, 3.0);
   vec4 near = vec4(lessThan(abs(k.position.z - rays.vertex_z), vec4(p.depth_gate_m)));
   return step(0.0, column) * step(column, vec4(2.0 * kRadius)) * near * (k.radius > 0.0 ? 1.0 : 0.0);
 }
@@ -78,7 +77,7 @@ vec4 step_to_surface(int first, Rays rays) {
   vec4 plane = vec4(0.0), slope = vec4(0.0);
   vec3 ray = vec3(rays.x.x, rays.y, 1.0);
   for (int dy = 0; dy <= 2 * kRadius; ++dy) {
-    for (int dx = 0; dx <= 2 * kRadius + 3 * kStep; ++dx) {
+    for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
       Kernel k = kernel_at(first, dx, dy, ray);
       vec4 vx = x - k.position.x, vy = y - k.position.y, vz = t - k.position.z;
       float inverse_radius = 1.0 / max(k.radius, 1e-6);
@@ -97,7 +96,7 @@ Field evaluate(int first, Rays rays, vec4 t) {
   vec4 x = t * rays.x, y = t * rays.y;
   vec3 ray = vec3(rays.x.x, rays.y, 1.0);
   for (int dy = 0; dy <= 2 * kRadius; ++dy) {
-    for (int dx = 0; dx <= 2 * kRadius + 3 * kStep; ++dx) {
+    for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
       Kernel k = kernel_at(first, dx, dy, ray);
       vec3 n = k.normal;
       vec4 vx = x - k.position.x, vy = y - k.position.y, vz = t - k.position.z;
@@ -116,7 +115,7 @@ Field evaluate(int first, Rays rays, vec4 t) {
       f.gradient_y += toward_normal * n.y - along * vy;
       f.gradient_z += toward_normal * n.z - along * vz;
       // The second derivative jumps at the kernel's own centre: there its terms are left out (reference notes 1.5).
-      vec4 other = vec4(notEqual(ivec4(dx), kRadius + kStep * ivec4(0, 1, 2, 3))) + (dy != kRadius ? 1.0 : 0.0);
+      vec4 other = vec4(notEqual(ivec4(dx), kRadius + ivec4(0, 1, 2, 3))) + (dy != kRadius ? 1.0 : 0.0);
       vec4 h = a * (-3.0 * weight) * min(other, 1.0);
       vec4 c = (inverse_rho * inverse_rho - 1.0) * inverse_rho * weight * u;
       f.xx += h * (q * (2.0 * n.x * vx + u) - c * vx * vx);
@@ -151,9 +150,8 @@ float confidence_at(ivec2 pixel, float gradient) {
   return p.use_hrbf_confidence != 0u ? c_d * exp(-p.confidence_epsilon * inversesqrt(max(gradient, 1e-6))) : c_d;
 }
 
-void write(uvec2 sampled, float z, vec3 gradient, vec3 diagonal, vec3 mixed, float count, vec3 first_normal) {
-  uint index = sampled.y * sampled_size(p.camera, p.sampling).x + sampled.x;
-  ivec2 pixel = pixel_of_sample(p.sampling, sampled);
+void write(ivec2 pixel, float z, vec3 gradient, vec3 diagonal, vec3 mixed, float count, vec3 first_normal) {
+  uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
   vec2 kappa = principal_curvatures(gradient, diagonal, mixed);
   bool facing = gradient.z > 0.0 && dot(gradient, pixel_ray(p.camera, vec2(pixel))) > 0.0;  // nobody sees a back side
   bool valid = z > 0.0 && count >= float(kMinKernels) && facing && abs(kappa.x) < p.curvature_limit_per_m &&
@@ -167,13 +165,13 @@ void write(uvec2 sampled, float z, vec3 gradient, vec3 diagonal, vec3 mixed, flo
 void main() {
   load_tile();
   barrier();
-  uvec2 size = sampled_size(p.camera, p.sampling), sampled = uvec2(gl_GlobalInvocationID.x * 4u, gl_GlobalInvocationID.y);
-  if (sampled.x >= size.x || sampled.y >= size.y) return;
-  int first = (int(gl_LocalInvocationID.y) * kTileWidth + int(gl_LocalInvocationID.x) * 4) * kStep;
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.x * 4u, gl_GlobalInvocationID.y);
+  if (!inside(p.camera, pixel)) return;
+  int first = int(gl_LocalInvocationID.y) * kTileWidth + int(gl_LocalInvocationID.x) * 4;
   int centre = first + kRadius * kTileWidth + kRadius;
-  vec3 ray = pixel_ray(p.camera, vec2(pixel_of_sample(p.sampling, sampled)));
-  Rays rays = Rays(ray.x + float(kStep) * vec4(0.0, 1.0, 2.0, 3.0) / p.camera.fx, ray.y,
-                   vec4(tile_depth[centre], tile_depth[centre + kStep], tile_depth[centre + 2 * kStep], tile_depth[centre + 3 * kStep]));
+  vec3 ray = pixel_ray(p.camera, vec2(pixel));
+  Rays rays = Rays(ray.x + vec4(0.0, 1.0, 2.0, 3.0) / p.camera.fx, ray.y,
+                   vec4(tile_depth[centre], tile_depth[centre + 1], tile_depth[centre + 2], tile_depth[centre + 3]));
   vec4 z = rays.vertex_z;
   if (p.project_to_surface != 0u) {
     vec4 moved = step_to_surface(first, rays);
@@ -182,7 +180,10 @@ void main() {
     z = mix(z, moved, lessThan(abs(moved - z), limit));
   }
   Field f = evaluate(first, rays, z);
-  for (uint i = 0u; i < 4u && sampled.x + i < size.x; ++i)
-    write(sampled + uvec2(i, 0u), z[i], vec3(f.gradient_x[i], f.gradient_y[i], f.gradient_z[i]), vec3(f.xx[i], f.yy[i], f.zz[i]),
-          vec3(f.xy[i], f.xz[i], f.yz[i]), f.count[i], unpack_normal(tile_normal[centre + int(i) * kStep]));
+  for (int i = 0; i < 4; ++i) {
+    ivec2 q = pixel + ivec2(i, 0);
+    if (!inside(p.camera, q)) continue;
+    write(q, z[i], vec3(f.gradient_x[i], f.gradient_y[i], f.gradient_z[i]), vec3(f.xx[i], f.yy[i], f.zz[i]),
+          vec3(f.xy[i], f.xz[i], f.yz[i]), f.count[i], unpack_normal(tile_normal[centre + i]));
+  }
 }

@@ -1,5 +1,4 @@
-// What the passes of fusion share: the frame maps, the map, and the measurement at a sampled pixel. Raw depth and colour are those of the
-// whole image, everything else is by sample.
+// What the passes of fusion share: the frame maps, the map, and the measurement at a pixel.
 layout(scalar, binding = 0) readonly buffer RawDepth { float raw_depth_m[]; };
 layout(scalar, binding = 1) readonly buffer SurfaceDepth { float surface_depth_m[]; };
 layout(scalar, binding = 2) readonly buffer FrameNormals { uint frame_normals[]; };
@@ -10,12 +9,13 @@ layout(scalar, binding = 6) buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 7) buffer Attributes { SurfelAttributes attributes[]; };
 layout(scalar, binding = 8) buffer Times { uvec2 times[]; };
 layout(scalar, binding = 9) readonly buffer Submaps { Transform camera_from_submap[]; };
-layout(scalar, binding = 10) buffer Candidates { uint candidates[]; };  // by sample: a cell of the index map, or one of these
+layout(scalar, binding = 10) buffer Candidates { uint candidates[]; };  // by pixel: a cell of the index map, or one of these
 layout(scalar, binding = 11) buffer Groups { uint new_by_group[]; };
 layout(scalar, binding = 12) buffer State { MapState state; };
 layout(scalar, push_constant) uniform Push { FuseParams p; };
 
 const uint kInvalid = 0xffffffffu;  // nothing to fuse here
+const uint kPixelBits = 22u;        // of a claim: 2048 x 2048 pixels; the distance takes the other bits
 const uint kNew = 0xfffffffeu;      // a surface the map does not have yet
 
 struct Measurement {
@@ -27,22 +27,16 @@ struct Measurement {
   float confidence;
 };
 
-// The pixel of a sample, and its index in the whole image; false when there is no such sample.
-bool sampled_pixel(uint i, out ivec2 pixel, out uint index) {
-  uvec2 size = sampled_size(p.camera, p.sampling);
-  pixel = pixel_of_sample(p.sampling, uvec2(i % size.x, i / size.x));
-  index = uint(pixel.y) * p.camera.width + uint(pixel.x);
-  return i < size.x * size.y;
-}
+ivec2 pixel_of(uint i) { return ivec2(i % p.camera.width, i / p.camera.width); }
 
-float fused_depth_m(uint i, uint index) { return p.fuse_surface != 0u ? surface_depth_m[i] : raw_depth_m[index]; }
+float fused_depth_m(uint i) { return p.fuse_surface != 0u ? surface_depth_m[i] : raw_depth_m[i]; }
 
-bool can_be_fused(uint i, uint index) { return surface_depth_m[i] > 0.0 && raw_depth_m[index] > 0.0; }
+bool can_be_fused(uint i) { return surface_depth_m[i] > 0.0 && raw_depth_m[i] > 0.0; }
 
-Measurement measure(uint i, ivec2 pixel, uint index) {
+Measurement measure(uint i) {
   vec3 normal = unpack_normal(frame_normals[i]);
-  uint c = frame_color[index];
-  return Measurement(pixel_ray(p.camera, vec2(pixel)) * fused_depth_m(i, index), normal,
+  uint c = frame_color[i];
+  return Measurement(pixel_ray(p.camera, vec2(pixel_of(i))) * fused_depth_m(i), normal,
                      support_radius(p.camera, p.radius_scale, surface_depth_m[i], normal.z), unpackHalf2x16(frame_curvatures[i]),
                      vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u), frame_confidence[i]);
 }

@@ -12,9 +12,7 @@ shared uint is_new[256];
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
-  ivec2 pixel;
-  uint index;
-  bool fresh = sampled_pixel(i, pixel, index) && candidates[i] == kNew;
+  bool fresh = i < p.camera.width * p.camera.height && candidates[i] == kNew;
   is_new[gl_LocalInvocationID.x] = fresh ? 1u : 0u;
   barrier();
   if (!fresh) return;
@@ -22,7 +20,7 @@ void main() {
   for (uint k = 0u; k < gl_LocalInvocationID.x; ++k) rank += is_new[k];
   uint slot = rank < state.free_count ? free_slots[rank] : state.slot_count + rank - state.free_count;
   if (slot >= p.slot_capacity) return;
-  Measurement m = measure(i, pixel, index);
+  Measurement m = measure(i);
   Transform t = camera_from_submap[p.submap];
   position_confidence[slot] = vec4(transform_back(t, m.position), m.confidence);
   attributes[slot] = SurfelAttributes(pack_unit(rotate_back(t, m.normal)), pack_radius_submap(m.radius_m, p.submap), pack_color(m.color),

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// For every sampled pixel: which surfel does this measurement continue? (Paper section 5, reference notes 4.1.)
-// A 5x5 window of the index map; gates on depth along the ray and on the normal; the surfel nearest to the ray wins.
+// For every pixel: which surfel does this measurement continue? (Paper section 5, reference notes 4.1.)
+// A 3x3 window of the index map; gates on depth along the ray and on the normal; the surfel nearest to the ray wins.
 // Several pixels may want one surfel: the claim of its cell goes to the closest, then to the lowest pixel, whatever the order of threads.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
@@ -12,25 +12,24 @@ layout(local_size_x = 256) in;
 layout(scalar, binding = 13) readonly buffer Ids { uint ids[]; };
 layout(scalar, binding = 14) buffer Claims { uint claims[]; };
 
-uint claim_key(float distance_px, uint i) { return (min(uint(distance_px * 512.0), 4095u) << 20) | i; }
+uint claim_key(float distance_px, uint i) { return (min(uint(distance_px * 256.0), 1023u) << kPixelBits) | i; }
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
-  ivec2 pixel;
-  uint index;
-  if (!sampled_pixel(i, pixel, index)) return;
-  if (!can_be_fused(i, index)) {
+  if (i >= p.camera.width * p.camera.height) return;
+  if (!can_be_fused(i)) {
     candidates[i] = kInvalid;
     return;
   }
+  ivec2 pixel = pixel_of(i);
   vec3 ray = pixel_ray(p.camera, vec2(pixel));
   float ray_length = length(ray);
-  float z = fused_depth_m(i, index);
+  float z = fused_depth_m(i);
   vec3 normal = unpack_normal(frame_normals[i]);
   uint best_cell = kNew;
   float best = 1e9;
-  for (int dy = -2; dy <= 2; ++dy) {
-    for (int dx = -2; dx <= 2; ++dx) {
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
       ivec2 q = pixel + ivec2(dx, dy);
       if (!inside(p.camera, q)) continue;
       uint cell = uint(q.y) * p.camera.width + uint(q.x);

@@ -21,8 +21,9 @@ void merge(uint slot, Measurement m) {
   // A much coarser measurement (further away or more slanted) confirms the surfel but does not move it.
   if (m.radius_m < 1.5 * radius) {
     float gain = m.confidence / total;
-    surfel.xyz = mix(surfel.xyz, transform_back(t, m.position), gain);
     vec3 normal = normalize(mix(unpack_unit(a.normal), rotate_back(t, m.normal), gain));
+    // Along the normal only: the measurement beside the surfel says nothing about its place within the surface.
+    surfel.xyz += gain * dot(normal, transform_back(t, m.position) - surfel.xyz) * normal;
     a.normal = pack_unit(normal);
     a.radius_submap = pack_radius_submap(mix(radius, m.radius_m, gain), surfel_submap(a));
     a.color = pack_color(mix(surfel_color(a), m.color, gain));
@@ -37,15 +38,13 @@ void merge(uint slot, Measurement m) {
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
-  ivec2 pixel;
-  uint index;
   uint fresh = 0u;
-  if (sampled_pixel(i, pixel, index)) {
+  if (i < p.camera.width * p.camera.height) {
     uint cell = candidates[i];
     if (cell == kNew) {
       fresh = 1u;
-    } else if (cell != kInvalid && (claims[cell] & 0xfffffu) == i) {
-      merge(ids[cell], measure(i, pixel, index));
+    } else if (cell != kInvalid && (claims[cell] & ((1u << kPixelBits) - 1u)) == i) {
+      merge(ids[cell], measure(i));
     }
   }
   is_new[gl_LocalInvocationID.x] = fresh;

@@ -4,14 +4,13 @@
 // The surface seen from a pose (paper section 3.1): each pixel's ray is met with the zero set of the Hermite RBF implicit of the surfels
 // in a window of the index map. Weighted-plane iteration along the ray (reference notes 8.2.1) instead of a bisection.
 // Attributes come from the kernel nearest to the solution. With hrbf == 0: the nearest surfel disc that the ray meets.
-// Each invocation answers four neighbouring samples (the components of a vec4), so that a kernel is loaded and unpacked once for all of them.
+// Each invocation answers four neighbouring pixels (the components of a vec4), so that a kernel is loaded and unpacked once for all of them.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/weight.glsl"
-layout(local_size_x = 4, local_size_y = 8) in;
+layout(local_size_x = 8, local_size_y = 16) in;
 layout(constant_id = 0) const int kRadius = 3;  // window of 2 kRadius + 1
-layout(constant_id = 1) const int kStep = 1;    // as in p.sampling
 layout(scalar, binding = 0) readonly buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 1) readonly buffer Attributes { SurfelAttributes attributes[]; };
 layout(scalar, binding = 2) readonly buffer Submaps { Transform camera_from_submap[]; };
@@ -25,8 +24,8 @@ layout(scalar, binding = 9) buffer Covered { uint covered_count; };
 layout(scalar, push_constant) uniform Push { PredictParams p; };
 
 const uint kNone = 0xffffffffu;
-const int kTileWidth = 16 * kStep + 2 * kRadius;
-const int kTileHeight = 8 * kStep + 2 * kRadius;
+const int kTileWidth = 32 + 2 * kRadius;
+const int kTileHeight = 16 + 2 * kRadius;
 const int kTileSize = kTileWidth * kTileHeight;
 // Four words a kernel: loads are what this pass spends its time on.
 shared float tile_depth[kTileSize];
@@ -40,8 +39,8 @@ struct Kernel {
 };
 
 void load_tile() {
-  ivec2 corner = pixel_of_sample(p.sampling, gl_WorkGroupID.xy * uvec2(16, 8)) - kRadius;
-  for (uint i = gl_LocalInvocationIndex; i < kTileSize; i += 32u) {
+  ivec2 corner = ivec2(gl_WorkGroupID.xy) * ivec2(32, 16) - kRadius;
+  for (uint i = gl_LocalInvocationIndex; i < kTileSize; i += 128u) {
     ivec2 pixel = corner + ivec2(i % kTileWidth, i / kTileWidth);
     uint slot = inside(p.camera, pixel) ? ids[uint(pixel.y) * p.camera.width + uint(pixel.x)] : kNone;
     float depth = 0.0, radius = 0.0;
@@ -74,7 +73,7 @@ Kernel kernel_at(int first, int dx, int dy, vec3 ray) {
   return Kernel(tile_depth[i] * direction, unpack_normal(tile_normal[i]), tile_radius[i]);
 }
 
-// Rays of the four samples: (x, y, 1).
+// Rays of the four pixels: (x, y, 1).
 struct Rays {
   vec4 x;
   float y;
@@ -92,7 +91,7 @@ struct Field {
 };
 
 vec4 window_mask(int dx) {
-  vec4 column = float(dx) - float(kStep) * vec4(0.0, 1.0, 2.0, 3.0);
+  vec4 column = float(dx) - vec4(0.0, 1.0, 2.0, 3.0);
   return step(0.0, column) * step(column, vec4(2.0 * kRadius));
 }
 
@@ -104,7 +103,7 @@ vec4 step_to_surface(int first, Rays rays, vec4 t, Normals4 mid, float share) {
   vec4 x = t * rays.x, y = t * rays.y;
   vec4 mid_slope = mid.x * rays.x + mid.y * rays.y + mid.z;
   for (int dy = 0; dy <= 2 * kRadius; ++dy) {
-    for (int dx = 0; dx <= 2 * kRadius + 3 * kStep; ++dx) {
+    for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
       Kernel k = kernel_at(first, dx, dy, ray);
       vec4 vx = x - k.position.x, vy = y - k.position.y, vz = t - k.position.z;
       float inverse_radius = k.radius > 0.0 ? 1.0 / k.radius : 1e6;
@@ -125,7 +124,7 @@ Field evaluate(int first, Rays rays, vec4 t) {
   vec3 ray = vec3(rays.x.x, rays.y, 1.0);
   vec4 x = t * rays.x, y = t * rays.y;
   for (int dy = 0; dy <= 2 * kRadius; ++dy) {
-    for (int dx = 0; dx <= 2 * kRadius + 3 * kStep; ++dx) {
+    for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
       Kernel k = kernel_at(first, dx, dy, ray);
       vec4 vx = x - k.position.x, vy = y - k.position.y, vz = t - k.position.z;
       float inverse_radius = k.radius > 0.0 ? 1.0 / k.radius : 1e6;
@@ -170,7 +169,7 @@ Normals4 unit(vec4 x, vec4 y, vec4 z) {
 // Where the rays meet the zero set; 0 where they do not.
 vec4 intersect_hrbf(int first, Rays rays, out Normals4 normals, out uvec4 cells) {
   vec4 t;
-  for (int i = 0; i < 4; ++i) t[i] = first_guess(first, i * kStep);
+  for (int i = 0; i < 4; ++i) t[i] = first_guess(first, i);
   normals = Normals4(vec4(0.0), vec4(0.0), vec4(0.0));
   cells = uvec4(kNone);
   if (all(equal(t, vec4(0.0)))) return t;
@@ -199,8 +198,8 @@ float intersect_disc(int first, vec3 ray, out vec3 normal, out uint cell) {
       if (k.radius <= 0.0 || slope <= 0.1) continue;
       float candidate = dot(k.normal, k.position) / slope;
       vec3 v = candidate * ray - k.position;
-      // The support of a kernel spans four pixel diagonals, a splat a quarter of it.
-      if (candidate < t && dot(v, v) < 0.0625 * k.radius * k.radius) {
+      // The support of a kernel spans 2.5 pixel diagonals, a splat one.
+      if (candidate < t && dot(v, v) < 0.16 * k.radius * k.radius) {
         t = candidate;
         normal = k.normal;
         cell = uint(dx | (dy << 8));
@@ -209,9 +208,9 @@ float intersect_disc(int first, vec3 ray, out vec3 normal, out uint cell) {
   return t < 1e9 ? t : 0.0;
 }
 
-// `cell` counts from the window's corner of the sampled pixel.
-void write(uvec2 sampled, float z, vec3 normal, uint cell) {
-  uint index = sampled.y * sampled_size(p.camera, p.sampling).x + sampled.x;
+// `cell` counts from the window's corner of `pixel`.
+void write(ivec2 pixel, float z, vec3 normal, uint cell) {
+  uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
   if (z <= 0.0 || cell == kNone) {
     depth_m[index] = 0.0;
     normals[index] = kNoNormal;
@@ -220,7 +219,7 @@ void write(uvec2 sampled, float z, vec3 normal, uint cell) {
     intensity[index] = -1.0;
     return;
   }
-  ivec2 source = pixel_of_sample(p.sampling, sampled) + ivec2(int(cell & 255u), int(cell >> 8)) - kRadius;
+  ivec2 source = pixel + ivec2(int(cell & 255u), int(cell >> 8)) - kRadius;
   uint slot = ids[uint(source.y) * p.camera.width + uint(source.x)];
   SurfelAttributes a = attributes[slot];
   depth_m[index] = z;
@@ -235,26 +234,29 @@ void write(uvec2 sampled, float z, vec3 normal, uint cell) {
 void main() {
   load_tile();
   barrier();
-  uvec2 size = sampled_size(p.camera, p.sampling), sampled = uvec2(gl_GlobalInvocationID.x * 4u, gl_GlobalInvocationID.y);
-  if (sampled.x >= size.x || sampled.y >= size.y) return;
-  int first = (int(gl_LocalInvocationID.y) * kTileWidth + int(gl_LocalInvocationID.x) * 4) * kStep;
-  vec3 ray = pixel_ray(p.camera, vec2(pixel_of_sample(p.sampling, sampled)));
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.x * 4u, gl_GlobalInvocationID.y);
+  if (!inside(p.camera, pixel)) return;
+  int first = int(gl_LocalInvocationID.y) * kTileWidth + int(gl_LocalInvocationID.x) * 4;
+  vec3 ray = pixel_ray(p.camera, vec2(pixel));
   vec4 z = vec4(0.0);
   Normals4 n = Normals4(vec4(0.0), vec4(0.0), vec4(0.0));
-  uvec4 cells = uvec4(kNone);  // counted from the first sample's window
+  uvec4 cells = uvec4(kNone);
   if (p.hrbf != 0u) {
-    z = intersect_hrbf(first, Rays(ray.x + float(kStep) * vec4(0.0, 1.0, 2.0, 3.0) / p.camera.fx, ray.y), n, cells);
+    z = intersect_hrbf(first, Rays(ray.x + vec4(0.0, 1.0, 2.0, 3.0) / p.camera.fx, ray.y), n, cells);
   } else {
     for (int i = 0; i < 4; ++i) {
       vec3 normal;
       uint cell;
-      z[i] = intersect_disc(first + i * kStep, ray + vec3(float(i * kStep) / p.camera.fx, 0.0, 0.0), normal, cell);
+      z[i] = intersect_disc(first + i, ray + vec3(float(i) / p.camera.fx, 0.0, 0.0), normal, cell);
       n.x[i] = normal.x;
       n.y[i] = normal.y;
       n.z[i] = normal.z;
-      cells[i] = cell == kNone ? kNone : cell + uint(i * kStep);
+      cells[i] = cell == kNone ? kNone : cell + uint(i);
     }
   }
-  for (uint i = 0u; i < 4u && sampled.x + i < size.x; ++i)
-    write(sampled + uvec2(i, 0u), z[i], vec3(n.x[i], n.y[i], n.z[i]), cells[i] == kNone ? kNone : cells[i] - i * uint(kStep));
+  for (int i = 0; i < 4; ++i) {
+    ivec2 q = pixel + ivec2(i, 0);
+    // The cells count from the first pixel's window.
+    if (inside(p.camera, q)) write(q, z[i], vec3(n.x[i], n.y[i], n.z[i]), cells[i] == kNone ? kNone : cells[i] - uint(i));
+  }
 }

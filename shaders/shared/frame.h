@@ -9,7 +9,8 @@ namespace hermite::shared {
 #endif
 
 struct BilateralParams {
-  Intrinsics camera;
+  Intrinsics camera;       // of the whole image
+  Sampling sampling;
   float metres_per_unit;
   float depth_min_m, depth_max_m;
   float inverse_two_sigma_space2;  // 1/px^2
@@ -24,7 +25,6 @@ struct NormalParams {
 
 struct SurfaceParams {
   Intrinsics camera;
-  Sampling sampling;
   float radius_scale;          // support radius in pixel diagonals of a frontal surface
   float depth_gate_m;
   float confidence_epsilon;    // paper Eq. 5, in units of sqrt(|gradient|)
@@ -34,7 +34,7 @@ struct SurfaceParams {
 };
 
 struct IntensityParams {
-  Intrinsics camera;
+  Intrinsics camera;       // of the whole image
   Sampling sampling;
 };
 

@@ -33,7 +33,6 @@ struct IndexParams {
 
 struct PredictParams {
   Intrinsics camera;
-  Sampling sampling;
   float curvature_lambda_per_m;  // curvature at which a surface starts to count as a feature (reference, section 2.4)
   float confidence_scale;
   uint min_support;              // kernels that must support the solution
@@ -51,7 +50,6 @@ struct FillInParams {
 
 struct FuseParams {
   Intrinsics camera;
-  Sampling sampling;
   uint frame_number;
   uint slot_capacity;
   float depth_gate_m;          // along the ray

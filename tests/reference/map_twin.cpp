@@ -32,7 +32,7 @@ struct Hit {
   std::size_t source = 0;  // the kernel that gives the attributes
 };
 
-// The nearest disc of a quarter of the support radius that the ray meets from the front.
+// The nearest disc of 0.4 support radii that the ray meets from the front.
 std::optional<Hit> meet_disc(const std::vector<HrbfKernel>& kernels, const Vector3d& ray) {
   std::optional<Hit> nearest;
   for (std::size_t i = 0; i < kernels.size(); ++i) {
@@ -40,7 +40,7 @@ std::optional<Hit> meet_disc(const std::vector<HrbfKernel>& kernels, const Vecto
     const double slope = k.normal.dot(ray);
     if (slope <= 0.1) continue;
     const double t = k.normal.dot(k.position_m) / slope;
-    if ((t * ray - k.position_m).norm() < 0.25 * k.radius_m && (!nearest || t < nearest->t)) nearest = Hit{t, k.normal, i};
+    if ((t * ray - k.position_m).norm() < 0.4 * k.radius_m && (!nearest || t < nearest->t)) nearest = Hit{t, k.normal, i};
   }
   return nearest;
 }
@@ -101,11 +101,8 @@ class Fusion {
 
   Association associate(const std::vector<std::uint32_t>& ids) {
     Association association;
-    const shared::Sampling& sampling = settings_.sampling;
-    const int step = static_cast<int>(sampling.step);
-    for (int v = 0; v < static_cast<int>(view_.camera.height) / step; ++v)
-      for (int u = 0; u < static_cast<int>(view_.camera.width) / step; ++u) {
-        const int x = step * u + static_cast<int>(sampling.x), y = step * v + static_cast<int>(sampling.y);
+    for (int y = 0; y < static_cast<int>(view_.camera.height); ++y)
+      for (int x = 0; x < static_cast<int>(view_.camera.width); ++x) {
         const std::size_t i = index(view_.camera, x, y);
         if (frame_.surface.depth_m[i] <= 0 || frame_.raw_depth_m[i] <= 0) continue;
         double distance_px = 0;
@@ -118,14 +115,14 @@ class Fusion {
     return association;
   }
 
-  // The surfel of a 5x5 window nearest to the pixel's ray that passes the gates.
+  // The surfel of a 3x3 window nearest to the pixel's ray that passes the gates.
   std::optional<std::uint32_t> continued(const std::vector<std::uint32_t>& ids, int x, int y, double& best) {
     const Vector3d ray = frame_.surface.ray(x, y);
     const std::size_t own = index(view_.camera, x, y);
     std::optional<std::uint32_t> found;
     best = 1e9;
-    for (int v = y - 2; v <= y + 2; ++v)
-      for (int u = x - 2; u <= x + 2; ++u) {
+    for (int v = y - 1; v <= y + 1; ++v)
+      for (int u = x - 1; u <= x + 1; ++u) {
         const std::uint32_t slot = inside(view_.camera, u, v) ? ids[index(view_.camera, u, v)] : kNoSurfel;
         if (slot == kNoSurfel) continue;
         const Vector3d p = view_.position_m(outcome_.surfels[slot]), n = view_.normal(outcome_.surfels[slot]);
@@ -151,8 +148,8 @@ class Fusion {
     for (const Claim& claim : claims)
       if (claim.distance_px < best->distance_px) best = &claim;
     for (const Claim& claim : claims)
-      // Distances count in steps of 1/512 px, of which the lower pixel wins: other claims must be two steps away to be clear.
-      if (&claim != best) decided_by(claim.distance_px - best->distance_px < 2.0 / 512 ? 0 : 1);
+      // Distances count in steps of 1/256 px, of which the lower pixel wins: other claims must be two steps away to be clear.
+      if (&claim != best) decided_by(claim.distance_px - best->distance_px < 2.0 / 256 ? 0 : 1);
     outcome_.beaten_count += static_cast<int>(claims.size()) - 1;
     return *best;
   }
@@ -183,8 +180,9 @@ class Fusion {
     if (m.radius_m < 1.5f * s.radius_m) {
       const auto mean = [&](float a, float b) { return old_share * a + new_share * b; };
       const auto mean_byte = [&](std::uint8_t a, std::uint8_t b) { return static_cast<std::uint8_t>(mean(a, b) + 0.5f); };
-      s.position_in_submap_m = old_share * s.position_in_submap_m + new_share * m.position_in_submap_m;
       s.normal_in_submap = (old_share * s.normal_in_submap + new_share * m.normal_in_submap).normalized();
+      const Eigen::Vector3f& n = s.normal_in_submap;
+      s.position_in_submap_m += new_share * n.dot(m.position_in_submap_m - s.position_in_submap_m) * n;
       s.radius_m = mean(s.radius_m, m.radius_m);
       s.curvature_max_per_m = mean(s.curvature_max_per_m, m.curvature_max_per_m);
       s.curvature_min_per_m = mean(s.curvature_min_per_m, m.curvature_min_per_m);

@@ -48,9 +48,8 @@ struct FuseInput {
 
 struct FuseSettings {
   MapOptions map;
-  double curvature_limit_per_m = 300, support_radius_scale = 4;
+  double curvature_limit_per_m = 300, support_radius_scale = FrameOptions{}.support_radius_scale;
   std::uint32_t frame_number = 0;
-  shared::Sampling sampling;
 };
 
 struct FuseOutcome {
@@ -60,7 +59,7 @@ struct FuseOutcome {
   double closest_decision = 1e9;
 };
 
-// The sampled pixels fused. `free_slots` are used first, in order.
+// All pixels fused. `free_slots` are used first, in order.
 FuseOutcome fuse_twin(const std::vector<Surfel>& surfels, const std::vector<std::uint32_t>& free_slots, const MapView& view,
                       const std::vector<std::uint32_t>& ids, const FuseInput& frame, const FuseSettings& settings);
 

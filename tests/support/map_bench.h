@@ -28,16 +28,16 @@ class MapBench {
   MapBench(gpu::Device& device, const Camera& camera, const MapOptions& options, const FrameOptions& frame_options = {})
       : store(device),
         index(device, intrinsics_of(camera)),
-        fuser(device, camera, options, frame_options),
+        fuser(device, intrinsics_of(camera), options, frame_options),
         options_(options),
         commands_(device),
-        maps_(make_frame_maps(device, camera, frame_options.sampling)) {}
+        maps_(make_frame_maps(device, camera)) {}
 
   void fuse(const FuseInput& frame, std::uint32_t frame_number, const Rigid3& world_from_camera = {}) {
-    upload_frame(frame, sampling_of_frame(2, frame_number));
+    upload_frame(frame);
     store.reserve(fuser.new_slots_bound());
     store.set_camera(world_from_camera);
-    index.build(commands_, store, store.slot_count(), 0);
+    index.build(commands_, store, maps_.camera(), store.slot_count(), 0);
     fuser.fuse(commands_, maps_, store, index, frame_number);
     commands_.submit_and_wait();
   }
@@ -45,8 +45,8 @@ class MapBench {
   // Also brings the counters up to date.
   void clean(std::uint32_t frame_number, const Rigid3& world_from_camera = {}) {
     store.set_camera(world_from_camera);
-    index.build(commands_, store, store.slot_count() + fuser.new_slots_bound(), options_.stable_confidence);
-    fuser.clean(commands_, store, index, frame_number);
+    index.build(commands_, store, maps_.camera(), store.slot_count() + fuser.new_slots_bound(), options_.stable_confidence);
+    fuser.clean(commands_, store, index, maps_.camera(), frame_number);
     commands_.submit_and_wait();
   }
 
@@ -55,9 +55,8 @@ class MapBench {
   Fuser fuser;
 
  private:
-  void upload_frame(const FuseInput& frame, const shared::Sampling& sampling) {
-    maps_.sampling = sampling;
-    upload(sampled(frame.surface, sampling), maps_.surface.levels[0]);
+  void upload_frame(const FuseInput& frame) {
+    upload(frame.surface, maps_.surface.levels[0]);
     maps_.raw_depth_m.upload(frame.raw_depth_m);
     std::vector<shared::uint> colors;
     for (const Rgb8 c : frame.color) colors.push_back(static_cast<shared::uint>(c.r | (c.g << 8) | (c.b << 16)));

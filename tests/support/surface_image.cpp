@@ -54,30 +54,13 @@ shared::Intrinsics intrinsics_of_level(const Camera& camera, int level) {
   return intrinsics;
 }
 
-SurfaceImage sampled(const SurfaceImage& image, const shared::Sampling& sampling) {
-  SurfaceImage result(hermite::sampled(image.camera, sampling));
-  std::size_t to = 0;
-  for (std::size_t y = 0; y < result.camera.height; ++y)
-    for (std::size_t x = 0; x < result.camera.width; ++x, ++to) {
-      const std::size_t from = (sampling.step * y + sampling.y) * image.camera.width + sampling.step * x + sampling.x;
-      result.depth_m[to] = image.depth_m[from];
-      result.normals[to] = image.normals[from];
-      result.curvatures[to] = image.curvatures[from];
-      result.weight[to] = image.weight[from];
-      result.intensity[to] = image.intensity[from];
-    }
-  return result;
-}
-
-FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera, int step) {
+FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera) {
   const std::size_t pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
-  const shared::Sampling sampling = sampling_of_frame(step, 0);
-  FrameMaps maps{.sampling = sampling,
-                 .raw_depth_m = {device, pixels, "test"},
+  FrameMaps maps{.raw_depth_m = {device, pixels, "test"},
                  .filtered_depth_m = {device, pixels, "test"},
                  .first_normals = {device, pixels, "test"},
                  .color = {device, pixels, "test"},
-                 .surface = make_surface_pyramid(device, hermite::sampled(intrinsics_of(camera), sampling), "test"),
+                 .surface = make_surface_pyramid(device, intrinsics_of(camera), "test"),
                  .gradients = {}};
   for (std::size_t level = 0; level < maps.gradients.size(); ++level)
     maps.gradients[level] = {device, maps.surface.levels[level].intensity.count(), "test"};

@@ -35,11 +35,8 @@ std::vector<Eigen::Vector3d> unpack_normals(const std::vector<shared::uint>& pac
 // Camera of a pyramid level when every pixel is sampled.
 shared::Intrinsics intrinsics_of_level(const Camera& camera, int level);
 
-// Empty maps of a frame, to be filled by the test instead of a Preprocessor; `step` as FrameOptions.sampling.
-FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera, int step = 1);
-
-// What is left of an image of every pixel when only some are sampled.
-SurfaceImage sampled(const SurfaceImage& image, const shared::Sampling& sampling);
+// Empty maps of a frame of every pixel, to be filled by the test instead of a Preprocessor.
+FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera);
 
 // Replaces the content of the store: surfel i in slot i. Those without confidence become its free slots.
 void upload(const std::vector<Surfel>& surfels, SurfelStore& store);

@@ -37,7 +37,7 @@ class IndexMapTest : public test::GpuTest {
 
   std::vector<std::uint32_t> build(double min_confidence = kLowest) {
     gpu::Commands commands(device());
-    map.build(commands, store, store.slot_count(), min_confidence);
+    map.build(commands, store, view.camera, store.slot_count(), min_confidence);
     commands.submit_and_wait();
     return map.slots().download();
   }

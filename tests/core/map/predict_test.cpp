@@ -67,20 +67,16 @@ class PredictTest : public test::GpuTest {
   SurfaceImage predict(const Camera& camera, const std::vector<Surfel>& surfels, const MapOptions& options) {
     return predict(camera, surfels, options, SurfaceImage(intrinsics_of(camera)));
   }
-  SurfaceImage predict(const Camera& camera, const std::vector<Surfel>& surfels, const MapOptions& options, const SurfaceImage& frame,
-                       const shared::Sampling& sampling = {1, 0, 0}) {
-    const int step = static_cast<int>(sampling.step);
+  SurfaceImage predict(const Camera& camera, const std::vector<Surfel>& surfels, const MapOptions& options, const SurfaceImage& frame) {
     SurfelStore store(device());
     test::upload(surfels, store);
     store.set_camera(Rigid3{});
     IndexMap index(device(), intrinsics_of(camera));
-    Predictor predictor(device(), camera, step, options);
-    FrameMaps maps = test::make_frame_maps(device(), camera, step);
-    maps.sampling = sampling;
-    test::upload(test::sampled(frame, sampling), maps.surface.levels[0]);
-    set_camera(maps.surface, sampled(intrinsics_of(camera), sampling));
+    Predictor predictor(device(), intrinsics_of(camera), options);
+    FrameMaps maps = test::make_frame_maps(device(), camera);
+    test::upload(frame, maps.surface.levels[0]);
     gpu::Commands commands(device());
-    index.build(commands, store, store.slot_count(), options.stable_confidence);
+    index.build(commands, store, maps.camera(), store.slot_count(), options.stable_confidence);
     predictor.run(commands, store, index, maps);
     commands.submit_and_wait();
     stored_ = store.download();
@@ -127,6 +123,7 @@ TEST_F(PredictTest, SpheresAreMetOutsideUnlessCorrected) {
   const double offset_m = 0.063 * support_m * support_m / kRadius_m;
   for (const bool correct : {true, false}) {
     MapOptions options;
+    options.window = 7;  // what the bias was measured with
     options.correct_bias = correct;
     const SurfaceImage actual = predict(kKinect, surfels, options);
     const SurfaceImage exact = test::render(scene, actual.camera);
@@ -219,6 +216,7 @@ TEST_F(PredictTest, NeedsEnoughKernels) {
   add_row(10, 10, 7);
   add_row(10, 30, 6);
   MapOptions options;
+  options.window = 7;
   SurfaceImage actual = predict(kCamera, few, options);
   EXPECT_NEAR(actual.depth_m[actual.index(13, 10)], 1, kPlaneLoss_m);
   EXPECT_EQ(actual.depth_m[actual.index(12, 30)], 0);
@@ -303,32 +301,6 @@ TEST_F(PredictTest, StandingInDependsOnTheShareCovered) {
   options.fill_in_below = share + 0.001;
   const SurfaceImage too_little = predict(kCamera, half.surfels, options, half.frame);
   EXPECT_GT(too_little.depth_m[too_little.index(50, 20)], 0);
-}
-
-TEST_F(PredictTest, AQuarterOfThePixelsSeesWhatAllOfThemSee) {
-  const std::vector<Surfel> surfels = rough_surfels(4);
-  for (const bool hrbf : {true, false})
-    for (const int window : {5, 9}) {
-      MapOptions options;
-      options.hrbf_prediction = hrbf;
-      options.window = window;
-      const SurfaceImage empty(intrinsics_of(kCamera));
-      const SurfaceImage all = predict(kCamera, surfels, options, empty);
-      for (std::int64_t frame_index = 0; frame_index < 4; ++frame_index) {
-        const shared::Sampling sampling = sampling_of_frame(2, frame_index);
-        const SurfaceImage quarter = predict(kCamera, surfels, options, empty, sampling), expected = test::sampled(all, sampling);
-        ASSERT_EQ(quarter.size(), 30u * 21);
-        int count = 0;
-        for (std::size_t i = 0; i < quarter.size(); ++i) {
-          ASSERT_NEAR(quarter.depth_m[i], expected.depth_m[i], kPlaneLoss_m) << i;
-          ASSERT_LT((quarter.normals[i] - expected.normals[i]).norm(), 3 * test::kNormalLoss) << i;
-          ASSERT_NEAR(quarter.weight[i], expected.weight[i], 1e-4 * std::abs(expected.weight[i])) << i;
-          ASSERT_EQ(quarter.intensity[i], expected.intensity[i]) << i;
-          count += quarter.depth_m[i] > 0 ? 1 : 0;
-        }
-        EXPECT_GT(count, 300);
-      }
-    }
 }
 
 }  // namespace
