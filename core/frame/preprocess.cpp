@@ -28,7 +28,8 @@ std::uint32_t window_radius(double sigma_px) { return static_cast<std::uint32_t>
 Preprocessor::Preprocessor(gpu::Device& device, const Camera& camera, const FrameOptions& options)
     : camera_(camera),
       options_(options),
-      bilateral_(device, "frame/bilateral", {window_radius(options.bilateral_sigma_space_px), static_cast<std::uint32_t>(options.sampling)}),
+      step_(sampling_step(camera, options.sampling)),
+      bilateral_(device, "frame/bilateral", {window_radius(options.bilateral_sigma_space_px), static_cast<std::uint32_t>(step_)}),
       normals_(device, "frame/normals"),
       surface_(device, "frame/surface"),
       intensity_(device, "frame/intensity"),
@@ -36,7 +37,7 @@ Preprocessor::Preprocessor(gpu::Device& device, const Camera& camera, const Fram
       downsample_(device, "frame/downsample"),
       units_(device, (static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height) + 1) / 2, "frame"),
       color_(device, static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height), "frame"),
-      maps_(make_frame_maps(device, camera, options.sampling)) {}
+      maps_(make_frame_maps(device, camera, step_)) {}
 
 void Preprocessor::upload(const RgbdFrame& frame) {
   staging_.assign(units_.count(), 0);
@@ -53,7 +54,7 @@ void Preprocessor::upload(const RgbdFrame& frame) {
 const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& frame, std::int64_t frame_index) {
   upload(frame);
   const shared::Intrinsics whole = intrinsics_of(camera_);
-  const shared::Sampling sampling = sampling_of_frame(options_.sampling, frame_index);
+  const shared::Sampling sampling = sampling_of_frame(step_, frame_index);
   set_camera(maps_.surface, sampled(whole, sampling));
   const shared::Intrinsics& camera = maps_.camera();
   const gpu::Threads image{camera.width, camera.height};

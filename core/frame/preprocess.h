@@ -39,6 +39,7 @@ class Preprocessor {
 
   const Camera camera_;
   const FrameOptions options_;
+  const int step_;
   gpu::Kernel bilateral_, normals_, surface_, intensity_, gradient_, downsample_;
   gpu::Buffer<shared::uint> units_;  // of the whole image, two 16-bit depths a word
   gpu::Buffer<shared::uint> color_;  // of the whole image

@@ -9,7 +9,11 @@ namespace {
 // Diagonal neighbours first, so that two frames already cover a checkerboard.
 constexpr std::array<std::array<shared::uint, 2>, 4> kQuarters{{{0, 0}, {1, 1}, {1, 0}, {0, 1}}};
 
+constexpr int kEnoughPixels = 320 * 240;
+
 }  // namespace
+
+int sampling_step(const Camera& camera, int wished_step) { return camera.width * camera.height > kEnoughPixels ? wished_step : 1; }
 
 shared::Sampling sampling_of_frame(int step, std::int64_t frame_index) {
   if (step == 1) return {1, 0, 0};

@@ -9,6 +9,9 @@
 
 namespace hermite {
 
+// The step for images of this size. Small ones are taken whole whatever is wished: a quarter of VGA is as many pixels as tracking needs.
+int sampling_step(const Camera& camera, int wished_step);
+
 // `step` 1: all pixels. 2: a quarter of them, the four quarters in turn.
 shared::Sampling sampling_of_frame(int step, std::int64_t frame_index);
 

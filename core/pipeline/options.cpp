@@ -33,7 +33,7 @@ const std::vector<Row>& rows() {
   static const std::vector<Row> table{
       {"frame.depth_min_m", f(&F::depth_min_m), 0.05, 5, "nearer measurements are ignored [m]"},
       {"frame.depth_max_m", f(&F::depth_max_m), 0.5, 20, "farther measurements are ignored [m]"},
-      {"frame.sampling", f(&F::sampling), 1, 2, "1: every pixel of every frame, 2: a quarter of them, another quarter in every frame"},
+      {"frame.sampling", f(&F::sampling), 1, 2, "1: all pixels, 2: of images beyond 320x240 a quarter, another one in every frame"},
       {"frame.bilateral_sigma_space_px", f(&F::bilateral_sigma_space_px), 0.4, 6, "bilateral filter: width over the image [px]"},
       {"frame.bilateral_noise_sigmas", f(&F::bilateral_noise_sigmas), 0.01, 100,
        "bilateral filter: width over depth in standard deviations of the noise"},

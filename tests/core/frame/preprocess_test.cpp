@@ -339,29 +339,32 @@ TEST_F(PreprocessTest, GreyIsTheSmoothedWeightedSumOfColours) {
     }
 }
 
+// Just beyond 320x240.
+constexpr Camera kLarge{322, 241, 300, 300, 160.3, 120.8, 5000};
+
 TEST_F(PreprocessTest, AQuarterOfThePixelsIsMeasuredAsAllOfThemAre) {
-  const RgbdFrame frame = colourful_frame(kOdd, 8);
-  const FrameMaps& all = run(kOdd, FrameOptions{}, frame);
+  const RgbdFrame frame = colourful_frame(kLarge, 8);
+  const FrameMaps& all = run(kLarge, FrameOptions{}, frame);
   const std::vector<float> raw = all.raw_depth_m.download(), filtered = all.filtered_depth_m.download();
   const std::vector<float> intensity = all.surface.levels[0].intensity.download();
   const std::vector<shared::uint> color = all.color.download(), gradient = all.gradients[0].download();
-  Preprocessor preprocessor(device(), kOdd, FrameOptions{});
+  Preprocessor preprocessor(device(), kLarge, FrameOptions{});
   gpu::Commands commands(device());
   std::set<std::size_t> seen;
   for (std::int64_t frame_index = 0; frame_index < 4; ++frame_index) {
     const FrameMaps& maps = preprocessor.run(commands, frame, frame_index);
     commands.submit_and_wait();
     const shared::Intrinsics& camera = maps.camera();
-    ASSERT_EQ(camera.width, 48u);
-    ASSERT_EQ(camera.height, 32u);
+    ASSERT_EQ(camera.width, 161u);
+    ASSERT_EQ(camera.height, 120u);
     const auto quarter_raw = maps.raw_depth_m.download(), quarter_filtered = maps.filtered_depth_m.download();
     const auto quarter_intensity = maps.surface.levels[0].intensity.download();
     const auto quarter_color = maps.color.download(), quarter_gradient = maps.gradients[0].download();
     // Where the camera of the quarter says that its first pixel is.
-    const auto x0 = static_cast<std::size_t>(std::lround(kOdd.cx - kOdd.fx * static_cast<double>(camera.cx / camera.fx)));
-    const auto y0 = static_cast<std::size_t>(std::lround(kOdd.cy - kOdd.fy * static_cast<double>(camera.cy / camera.fy)));
+    const auto x0 = static_cast<std::size_t>(std::lround(kLarge.cx - kLarge.fx * static_cast<double>(camera.cx / camera.fx)));
+    const auto y0 = static_cast<std::size_t>(std::lround(kLarge.cy - kLarge.fy * static_cast<double>(camera.cy / camera.fy)));
     for (std::size_t i = 0; i < quarter_raw.size(); ++i) {
-      const std::size_t j = (2 * (i / 48) + y0) * 97 + 2 * (i % 48) + x0;
+      const std::size_t j = (2 * (i / 161) + y0) * 322 + 2 * (i % 161) + x0;
       seen.insert(j);
       ASSERT_EQ(quarter_raw[i], raw[j]);
       ASSERT_NEAR(quarter_filtered[i], filtered[j], kDepthLoss_m);
@@ -371,7 +374,13 @@ TEST_F(PreprocessTest, AQuarterOfThePixelsIsMeasuredAsAllOfThemAre) {
       ASSERT_LT((test::unpack_halves(quarter_gradient[i]) - slope).norm(), 1e-3 + test::kHalfLoss * slope.norm()) << i;
     }
   }
-  EXPECT_EQ(seen.size(), 4u * 48 * 32) << "four frames see all pixels";
+  EXPECT_EQ(seen.size(), 4u * 161 * 120) << "four frames see all pixels";
+}
+
+TEST_F(PreprocessTest, ASmallImageIsTakenWhole) {
+  Preprocessor preprocessor(device(), kOdd, FrameOptions{});
+  EXPECT_EQ(preprocessor.maps().camera().width, 97u);
+  EXPECT_EQ(preprocessor.maps().camera().height, 65u);
 }
 
 TEST_F(PreprocessTest, GradientsOfAllLevelsAgreeWithTheirTwin) {
