@@ -60,7 +60,8 @@ void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& s
                     shared::CleanParams{camera, frame_number, static_cast<shared::uint>(options_.clean_interval_frames), static_cast<float>(options_.stable_confidence),
                                         static_cast<shared::uint>(options_.max_unstable_age_frames),
                                         static_cast<float>(options_.redundancy_depth_m), static_cast<float>(curvature_limit_per_m_)},
-                    {store.positions, store.attributes, store.times, store.camera_from_submap, stable.slots(), store.group_counts, store.state});
+                    {store.positions, store.attributes, store.times, store.camera_from_submap, stable.slots(),
+                     stable.depth_bits(), store.group_counts, store.state});
   end_counting(commands, store, groups_of(slots), true);
   commands.dispatch(free_list_, {slots}, shared::FreeListParams{frame_number},
                     {store.positions, store.group_counts, store.state, store.free_slots, store.times});

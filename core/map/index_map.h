@@ -17,6 +17,8 @@ class IndexMap {
   // `slot_count` bounds the slots looked at.
   void build(gpu::Commands& commands, const SurfelStore& store, const shared::Intrinsics& camera, std::uint32_t slot_count, double min_confidence);
 
+  // By pixel: the depth of that surfel as the bits of a float.
+  const gpu::Buffer<shared::uint>& depth_bits() const { return depth_bits_; }
   const gpu::Buffer<shared::uint>& slots() const { return ids_; }  // by pixel, kNoSurfel where there is none
 
  private:

@@ -89,6 +89,7 @@ struct Pipeline::Impl {
 
   std::uint32_t frame_number = 0;  // of the map: frames fused so far, the first is 1
   Rigid3 world_from_camera;        // of the last tracked frame; the prediction is seen from here
+  Rigid3 last_motion;              // reference_from_camera of the last frame; none when that frame was lost
   Trajectory trajectory;
   std::int64_t tracked_frame_count = 0;
   double total_ms = 0;
@@ -98,16 +99,15 @@ struct Pipeline::Impl {
 };
 
 OdometryResult Pipeline::Impl::track(const FrameMaps& maps) {
-  if (frame_number == 0) {
-    const bool starts = odometry.has_surface(maps, predictor.surface());
-    OdometryResult first;
-    first.tracked = starts;
-    if (!starts) first.reason = "too few points: the depth camera sees almost nothing";
-    return first;
+  if (frame_number == 0) return odometry.start(maps, predictor.surface());
+  Rigid3 turned;
+  if (options.track.rotation_prealignment) turned.rotation = odometry.align_rotation(maps).conjugate();
+  std::vector<Rigid3> guesses{turned};
+  if (options.track.constant_velocity) {
+    guesses.push_back(last_motion);
+    if (options.track.rotation_prealignment) guesses.push_back({turned.rotation, last_motion.translation});
   }
-  Rigid3 guess;
-  if (options.track.rotation_prealignment) guess.rotation = odometry.align_rotation(maps).conjugate();
-  return odometry.track(maps, predictor.surface(), guess);
+  return odometry.track(maps, predictor.surface(), guesses);
 }
 
 void Pipeline::Impl::fuse(const FrameMaps& maps) {
@@ -138,9 +138,12 @@ FrameResult Pipeline::Impl::process(const RgbdFrame& frame) {
   timed("track", [&] { motion = track(maps); });
   if (motion.tracked) {
     world_from_camera = world_from_camera * motion.reference_from_camera;
+    last_motion = motion.reference_from_camera;
     timed("fuse", [&] { fuse(maps); });
     timed("predict", [&] { predict(maps); });
     ++tracked_frame_count;
+  } else {
+    last_motion = Rigid3{};
   }
 
   result.status = motion.tracked ? TrackingStatus::kTracked : TrackingStatus::kLost;

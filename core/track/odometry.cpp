@@ -2,7 +2,9 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "core/map/surfel_store.h"
 #include "core/track/normal_equations.h"
@@ -116,9 +118,22 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
   return sums;
 }
 
-OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess) {
+// The least mean distance at the coarsest level, where what matches nothing counts as far as the gate.
+Rigid3 Odometry::best_of(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference) {
+  if (guesses.size() == 1) return guesses[0];
+  const double gate_m2 = options_.distance_gate_m * options_.distance_gate_m;
+  const auto misfit_m2 = [&](const Rigid3& guess) {
+    const Sums sums = linearise(frame, reference, guess, kPyramidLevels - 1, false);
+    return sums.geometric_error_m2 + (sums.surface_count - sums.geometric_count) * gate_m2;
+  };
+  std::vector<double> misfits;
+  for (const Rigid3& guess : guesses) misfits.push_back(misfit_m2(guess));
+  return guesses[static_cast<std::size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin())];
+}
+
+OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses) {
   OdometryResult result;
-  result.reference_from_camera = guess;
+  result.reference_from_camera = best_of(guesses, frame, reference);
   const int iterations[kPyramidLevels] = {options_.max_iterations_fine, options_.max_iterations_middle, options_.max_iterations_coarse};
   Sums sums{};
   for (int level = kPyramidLevels - 1; level >= 0; --level) {
@@ -141,20 +156,25 @@ OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& ref
       refining = level == 0 && options_.dissimilarity_search && (converged || refining || last_two);
     }
   }
-  judge(sums, guess, result);
+  judge(sums, result);
   return result;
 }
 
+bool Odometry::sees_enough(const Sums& sums, OdometryResult& result) const {
+  if (sums.surface_count >= options_.min_surface_ratio * sums.pixel_count) return true;
+  result.reason = "too few points: the depth camera sees almost nothing";
+  return false;
+}
+
 // Is the result to be believed?
-void Odometry::judge(const Sums& sums, const Rigid3& guess, OdometryResult& result) const {
+void Odometry::judge(const Sums& sums, OdometryResult& result) const {
   result.inlier_count = static_cast<std::int64_t>(sums.geometric_count);
   result.photometric_count = static_cast<std::int64_t>(sums.photometric_count);
   result.inlier_ratio = sums.surface_count > 0 ? sums.geometric_count / sums.surface_count : 0;
   result.residual_rms_m = sums.geometric_count > 0 ? std::sqrt(sums.geometric_error_m2 / sums.geometric_count) : 0;
-  const double step_m = (result.reference_from_camera.translation - guess.translation).norm();
-  if (sums.surface_count < options_.min_surface_ratio * sums.pixel_count)
-    result.reason = "too few points: the depth camera sees almost nothing";
-  else if (result.inlier_ratio < options_.min_inlier_ratio)
+  const double step_m = result.reference_from_camera.translation.norm();
+  if (!sees_enough(sums, result)) return;
+  if (result.inlier_ratio < options_.min_inlier_ratio)
     result.reason = "too little in common with the scan so far";
   else if (step_m > options_.max_step_m)
     result.reason = "too fast: the camera would have jumped " + std::to_string(static_cast<int>(step_m * 100)) + " cm";
@@ -162,9 +182,10 @@ void Odometry::judge(const Sums& sums, const Rigid3& guess, OdometryResult& resu
     result.tracked = true;
 }
 
-bool Odometry::has_surface(const FrameMaps& frame, const SurfacePyramid& reference) {
-  const Sums sums = linearise(frame, reference, Rigid3{}, kPyramidLevels - 1, false);
-  return sums.surface_count >= options_.min_surface_ratio * sums.pixel_count;
+OdometryResult Odometry::start(const FrameMaps& frame, const SurfacePyramid& reference) {
+  OdometryResult result;
+  result.tracked = sees_enough(linearise(frame, reference, Rigid3{}, kPyramidLevels - 1, false), result);
+  return result;
 }
 
 Eigen::Quaterniond Odometry::align_rotation(const FrameMaps& frame) {

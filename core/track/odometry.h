@@ -2,6 +2,7 @@
 // photometric terms (paper section 4). Every step is one dispatch; the host adds the workgroups' sums in order and solves in double precision.
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "core/frame/preprocess.h"
@@ -27,14 +28,14 @@ class Odometry {
   // `finest` is the size of the frames' and the references' finest level.
   Odometry(gpu::Device& device, const shared::Intrinsics& finest, const TrackOptions& options);
 
-  // The frame against the surface predicted from the reference pose, starting at `guess`. Blocks until the GPU is done.
-  OdometryResult track(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess);
+  // The frame against the surface predicted from the reference pose, starting at the guess that fits best. Blocks until the GPU is done.
+  OdometryResult track(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses);
 
   // current_from_previous, from the grey images of the frame and of the last one remembered; identity when there is none or it does not fit.
   Eigen::Quaterniond align_rotation(const FrameMaps& frame);
 
   // Whether the frame shows enough surface to start a map from. `reference` may be empty.
-  bool has_surface(const FrameMaps& frame, const SurfacePyramid& reference);
+  OdometryResult start(const FrameMaps& frame, const SurfacePyramid& reference);
 
   // Keeps the frame's grey image for the next align_rotation.
   void remember(gpu::Commands& commands, const FrameMaps& frame);
@@ -42,7 +43,9 @@ class Odometry {
  private:
   struct Sums;
   Sums linearise(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, int level, bool search);
-  void judge(const Sums& sums, const Rigid3& guess, OdometryResult& result) const;
+  Rigid3 best_of(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference);
+  bool sees_enough(const Sums& sums, OdometryResult& result) const;
+  void judge(const Sums& sums, OdometryResult& result) const;
 
   const TrackOptions options_;
   gpu::Kernel odometry_, rotation_;

@@ -5,6 +5,7 @@ namespace hermite {
 
 struct TrackOptions {
   bool rotation_prealignment = true;
+  bool constant_velocity = true;
   double geometric_weight = 100000.0;
   bool discount_normal_noise = true;
   double photometric_sigma = 200.0;

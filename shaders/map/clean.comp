@@ -14,32 +14,34 @@ layout(scalar, binding = 1) readonly buffer Attributes { SurfelAttributes attrib
 layout(scalar, binding = 2) readonly buffer Times { uvec2 times[]; };
 layout(scalar, binding = 3) readonly buffer Submaps { Transform camera_from_submap[]; };
 layout(scalar, binding = 4) readonly buffer StableIds { uint stable_ids[]; };
-layout(scalar, binding = 5) writeonly buffer Groups { uint free_by_group[]; };
-layout(scalar, binding = 6) readonly buffer State { MapState state; };
+layout(scalar, binding = 5) readonly buffer StableDepths { uint stable_depth_bits[]; };
+layout(scalar, binding = 6) writeonly buffer Groups { uint free_by_group[]; };
+layout(scalar, binding = 7) readonly buffer State { MapState state; };
 layout(scalar, push_constant) uniform Push { CleanParams p; };
 shared uint is_free[256];
 
-bool contradicted(uint slot, vec4 surfel) {
+bool contradicted(uint slot, vec4 surfel, bool in_turn) {
   SurfelAttributes a = attributes[slot];
   Transform t = camera_from_submap[surfel_submap(a)];
   vec3 point = transform_point(t, surfel.xyz);
-  if (point.z <= 0.05) return false;
   ivec2 pixel = ivec2(floor(project(p.camera, point) + 0.5));
-  if (!inside(p.camera, pixel)) return false;
+  bool visible = in_turn && point.z > 0.05 && inside(p.camera, pixel);
   float radius = surfel_radius(a);
   uvec2 time = times[slot];
   float normal_z = abs(rotate(t, unpack_unit(a.normal)).z);
   int neighbours = 0, redundant = 0, seen_through = 0;
-  for (int dy = -2; dy <= 2; ++dy) {
+  // A loop without a turn is left at once by a whole subgroup; what an `if` skips, software devices execute under a mask.
+  int last = visible ? 2 : -3;
+  for (int dy = -2; dy <= last; ++dy) {
     for (int dx = -2; dx <= 2; ++dx) {
       ivec2 q = pixel + ivec2(dx, dy);
       if (!inside(p.camera, q)) continue;
-      uint other = stable_ids[uint(q.y) * p.camera.width + uint(q.x)];
+      uint cell = uint(q.y) * p.camera.width + uint(q.x);
+      uint other = stable_ids[cell];
       if (other == 0xffffffffu || other == slot) continue;
       ++neighbours;
-      vec3 behind = transform_point(camera_from_submap[surfel_submap(attributes[other])], position_confidence[other].xyz);
-      float gap = behind.z - point.z;
-      vec2 lateral = behind.xy - point.xy;
+      float gap = uintBitsToFloat(stable_depth_bits[cell]) - point.z;
+      vec2 lateral = vec2(dx, dy) * point.z / vec2(p.camera.fx, p.camera.fy);
       uvec2 other_time = times[other];
       bool near = gap > 0.0 && gap < p.redundancy_depth_m && dot(lateral, lateral) < 1.96 * radius * radius;
       redundant += near && other_time.x < time.x ? 1 : 0;
@@ -65,8 +67,8 @@ void main() {
   if (exists) {
     vec4 surfel = position_confidence[slot];
     dead = surfel.w <= 0.0;
-    bool in_turn = (gl_WorkGroupID.x + p.frame_number) % p.interval == 0u;
-    if (!dead && in_turn && (outlived(surfel, slot) || contradicted(slot, surfel))) {
+    bool in_turn = !dead && (gl_WorkGroupID.x + p.frame_number) % p.interval == 0u;
+    if (contradicted(slot, surfel, in_turn) || (in_turn && outlived(surfel, slot))) {
       dead = true;
       // map/free_list writes when it went: here its neighbours may still be asking when it was last seen.
       position_confidence[slot].w = -1.0;

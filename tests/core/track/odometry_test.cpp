@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -71,7 +72,7 @@ class OdometryTest : public test::GpuTest {
     set_reference(render(scene, Rigid3{}));
   }
   OdometryResult track(const TrackOptions& options, const Rigid3& guess = {}) {
-    return Odometry(device(), intrinsics_of(kCamera), options).track(frame, reference, guess);
+    return Odometry(device(), intrinsics_of(kCamera), options).track(frame, reference, std::array{guess});
   }
 
   FrameMaps frame;
@@ -131,6 +132,17 @@ TEST_F(OdometryTest, AGuessIsTheStartAndTheSameMotionTheEnd) {
   const OdometryResult result = track(until_converged(), guess);
   EXPECT_TRUE(result.tracked) << result.reason;
   expect_close(result.reference_from_camera, motion, 1.5e-4, 0.01);
+}
+
+TEST_F(OdometryTest, OfSeveralGuessesTheBestIsTaken) {
+  const Rigid3 motion = exp_se3((Vector6d() << 0.03, 0.02, -0.05, 0.02, 0.1, -0.03).finished());
+  set_both(test::wave_scene(1), motion);
+  const Rigid3 wrong = exp_se3((Vector6d() << -0.03, 0.02, 0.08, 0, -0.1, 0).finished());
+  TrackOptions options = one_step_at(0);
+  for (const auto& guesses : {std::array{wrong, motion}, std::array{motion, wrong}}) {
+    const OdometryResult result = Odometry(device(), intrinsics_of(kCamera), options).track(frame, reference, guesses);
+    expect_close(result.reference_from_camera, motion, 1e-3, 0.1);
+  }
 }
 
 TEST_F(OdometryTest, AStillCameraStaysStillAndStopsEarly) {
@@ -283,7 +295,7 @@ TEST_F(OdometryTest, AJumpIsNotBelieved) {
 
 TEST_F(OdometryTest, SaysWhetherAFrameHasSurface) {
   Odometry odometry(device(), intrinsics_of(kCamera), TrackOptions{});
-  EXPECT_FALSE(odometry.has_surface(frame, reference)) << "an empty frame";
+  EXPECT_FALSE(odometry.start(frame, reference).tracked) << "an empty frame";
   Levels seen = render(test::wave_scene(1), Rigid3{});
   const auto keep = [&](double share) {
     Levels few = seen;
@@ -292,9 +304,9 @@ TEST_F(OdometryTest, SaysWhetherAFrameHasSurface) {
     return few;
   };
   set_frame(keep(0.02));
-  EXPECT_FALSE(odometry.has_surface(frame, reference)) << "less than 3 %";
+  EXPECT_FALSE(odometry.start(frame, reference).tracked) << "less than 3 %";
   set_frame(keep(0.04));
-  EXPECT_TRUE(odometry.has_surface(frame, reference));
+  EXPECT_TRUE(odometry.start(frame, reference).tracked);
 }
 
 // --- Rotation from grey images ---
