@@ -1,30 +1,122 @@
 // hermite evaluate
 #include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
+#include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "core/evaluate/trajectory_error.h"
+#include "core/evaluate/true_surface.h"
+#include "core/output/ply.h"
+#include "core/output/ply_reader.h"
 #include "server/commands.h"
 
 namespace hermite {
 
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct EvaluateArguments {
-  std::string estimate, groundtruth;
+  std::string estimate, groundtruth, cloud, surface, colored;
 };
 
-Trajectory read_or_throw(const std::string& path) {
-  Result<Trajectory> trajectory = read_tum_trajectory(path);
-  if (!trajectory.ok()) throw SetupError(trajectory.error());
-  return *std::move(trajectory);
+// At which the colour of an error is red; none is blue.
+constexpr double kReddest_m = 0.02;
+
+template <class T>
+T or_throw(Result<T> result) {
+  if (!result.ok()) throw SetupError(result.error());
+  return *std::move(result);
+}
+
+PlyShape read_ply(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file) throw SetupError({ErrorCode::kIo, "cannot read " + path});
+  return or_throw(parse_ply(bytes));
+}
+
+std::vector<Triangle> triangles_of(const PlyShape& shape) {
+  std::vector<Triangle> triangles;
+  for (const auto& [a, b, c] : shape.triangles) triangles.push_back({shape.positions[a], shape.positions[b], shape.positions[c]});
+  if (shape.triangles.empty())
+    for (const Eigen::Vector3f& p : shape.positions) triangles.push_back({p, p, p});
+  return triangles;
+}
+
+struct Truth {
+  TrueSurface surface;
+  Trajectory groundtruth;  // to align with
+};
+
+Truth open_truth(const EvaluateArguments& arguments) {
+  Truth truth;
+  if (std::filesystem::is_regular_file(arguments.surface)) {
+    truth.surface = surface_of_triangles(triangles_of(read_ply(arguments.surface)));
+  } else {
+    const std::unique_ptr<Sequence> sequence = or_throw(open_sequence(arguments.surface));
+    truth.surface = or_throw(surface_of_sequence(*sequence, arguments.surface));
+    truth.groundtruth = sequence->groundtruth();
+  }
+  if (!arguments.groundtruth.empty()) truth.groundtruth = or_throw(read_tum_trajectory(arguments.groundtruth));
+  return truth;
+}
+
+// From blue over green to red.
+Rgb8 color_of(double error_m) {
+  const double share = std::min(error_m / kReddest_m, 1.0), green = 1 - std::abs(2 * share - 1);
+  const auto byte = [](double value) { return static_cast<std::uint8_t>(255 * value + 0.5); };
+  return {byte(share), byte(green), byte(1 - share)};
+}
+
+void write_colored(const std::string& path, const std::vector<Eigen::Vector3d>& points, const Rigid3& world_from_cloud,
+                   const TrueSurface& surface) {
+  Cloud cloud;
+  for (const Eigen::Vector3d& point : points) {
+    CloudPoint colored;
+    colored.position_m = point.cast<float>();
+    colored.color = color_of(surface.distance_m(world_from_cloud * point));
+    cloud.push_back(colored);
+  }
+  or_throw(write_file_atomically(path, format_ply(cloud)));
+}
+
+Json evaluate_surface(const EvaluateArguments& arguments) {
+  const Truth truth = open_truth(arguments);
+  Rigid3 world_from_cloud;
+  if (!arguments.estimate.empty())
+    world_from_cloud = or_throw(trajectory_error(or_throw(read_tum_trajectory(arguments.estimate)), truth.groundtruth)).groundtruth_from_estimate;
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Triangle> in_world;
+  for (const Eigen::Vector3f& position : read_ply(arguments.cloud).positions) {
+    points.push_back(position.cast<double>());
+    const Eigen::Vector3f moved = (world_from_cloud * points.back()).cast<float>();
+    in_world.push_back({moved, moved, moved});
+  }
+  Json json = Json::parse(format_surface_error_json(or_throw(surface_error(points, world_from_cloud, truth.surface.distance_m))));
+  const TriangleSurface cloud(in_world, kSurfaceReach_m);
+  json["completeness_5mm"] = completeness(truth.surface, cloud, 0.005);
+  json["completeness_10mm"] = completeness(truth.surface, cloud, 0.010);
+  if (!arguments.colored.empty()) write_colored(arguments.colored, points, world_from_cloud, truth.surface);
+  return json;
+}
+
+Json evaluate_trajectory(const EvaluateArguments& arguments) {
+  const Trajectory estimate = or_throw(read_tum_trajectory(arguments.estimate));
+  const Result<TrajectoryError> error = trajectory_error(estimate, or_throw(read_tum_trajectory(arguments.groundtruth)));
+  if (!error.ok()) throw SetupError({ErrorCode::kNotFound, error.error().message});
+  return Json::parse(format_trajectory_error_json(*error));
 }
 
 int run_evaluate(const EvaluateArguments& arguments) {
-  const Result<TrajectoryError> error = trajectory_error(read_or_throw(arguments.estimate), read_or_throw(arguments.groundtruth));
-  if (!error.ok()) throw SetupError({ErrorCode::kNotFound, error.error().message});
-  const std::string json = format_trajectory_error_json(*error);
-  std::cout << json << (json.empty() || json.back() != '\n' ? "\n" : "");
+  Json json = Json::object();
+  if (!arguments.estimate.empty() && !arguments.groundtruth.empty()) json.update(evaluate_trajectory(arguments));
+  if (!arguments.cloud.empty()) json.update(evaluate_surface(arguments));
+  if (json.empty()) throw SetupError({ErrorCode::kInvalidArgument, "nothing to compare: give --estimate and --groundtruth, or --cloud and --surface"});
+  std::cout << json.dump(2) << "\n";
   return 0;
 }
 
@@ -32,9 +124,13 @@ int run_evaluate(const EvaluateArguments& arguments) {
 
 Command add_evaluate_command(CLI::App& app) {
   auto arguments = std::make_shared<EvaluateArguments>();
-  CLI::App& evaluate = *app.add_subcommand("evaluate", "Absolute and relative error of a trajectory, as JSON");
-  evaluate.add_option("--estimate", arguments->estimate, "Trajectory to judge, TUM format")->required();
-  evaluate.add_option("--groundtruth", arguments->groundtruth, "The true one, TUM format")->required();
+  CLI::App& evaluate = *app.add_subcommand("evaluate", "Errors of a trajectory and of a cloud, as JSON");
+  evaluate.add_option("--estimate", arguments->estimate, "Trajectory to judge, TUM format; it also says where the cloud lies");
+  evaluate.add_option("--groundtruth", arguments->groundtruth, "The true one, TUM format (default: that of the surface's sequence)");
+  CLI::Option* surface = evaluate.add_option("--surface", arguments->surface,
+                                             "True surface: a PLY mesh or cloud, or a sequence with true poses: its depth, or synthetic:...");
+  evaluate.add_option("--cloud", arguments->cloud, "Cloud to judge, PLY: distances up to 10 cm, completeness at 5 and 10 mm")->needs(surface);
+  evaluate.add_option("--colored", arguments->colored, "Write that cloud here, coloured by its error: blue none, red 2 cm and more");
   return {&evaluate, [arguments] { return run_evaluate(*arguments); }};
 }
 

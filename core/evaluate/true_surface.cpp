@@ -1,0 +1,69 @@
+#include "core/evaluate/true_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/dataset/associate.h"
+#include "core/dataset/synthetic_camera.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr std::int64_t kFrames = 24;
+constexpr std::size_t kSamples = 200'000;
+constexpr int kWideImage_px = 320;
+
+const std::string kSynthetic = "synthetic";
+
+// The true pose nearest in time, when it is near enough.
+const TimedPose* pose_at(const Trajectory& groundtruth, double timestamp_s) {
+  const auto gap_s = [&](const TimedPose& pose) { return std::abs(pose.timestamp_s - timestamp_s); };
+  const auto nearest = std::min_element(groundtruth.begin(), groundtruth.end(),
+                                        [&](const TimedPose& a, const TimedPose& b) { return gap_s(a) < gap_s(b); });
+  return nearest != groundtruth.end() && gap_s(*nearest) <= kMaxAssociationGap_s ? &*nearest : nullptr;
+}
+
+}  // namespace
+
+TrueSurface surface_of_triangles(const std::vector<Triangle>& triangles) {
+  TrueSurface surface;
+  const auto grid = std::make_shared<const TriangleSurface>(triangles, kSurfaceReach_m);
+  surface.distance_m = [grid](const Eigen::Vector3d& point) { return grid->distance_m(point); };
+  const std::size_t stride = triangles.size() / kSamples + 1;
+  for (std::size_t i = 0; i < triangles.size(); i += stride)
+    surface.samples.push_back(((triangles[i][0] + triangles[i][1] + triangles[i][2]) / 3).cast<double>());
+  return surface;
+}
+
+Result<TrueSurface> surface_of_sequence(const Sequence& sequence, const std::string& source) {
+  if (sequence.groundtruth().empty()) return Error{ErrorCode::kNotFound, source + " has no true poses: there is no true surface"};
+  std::vector<Triangle> triangles;
+  const std::int64_t stride = std::max<std::int64_t>(1, (sequence.frame_count() + kFrames - 1) / kFrames);
+  for (std::int64_t i = 0; i < sequence.frame_count(); i += stride) {
+    const TimedPose* pose = pose_at(sequence.groundtruth(), sequence.timestamp_s(i));
+    if (pose == nullptr) continue;
+    const Result<RecordedFrame> frame = sequence.read(i);
+    if (!frame.ok()) continue;  // another frame will have seen it
+    append_depth_triangles(frame->depth, sequence.camera(), pose->world_from_camera, sequence.camera().width > kWideImage_px ? 2 : 1,
+                           triangles);
+  }
+  TrueSurface surface = surface_of_triangles(triangles);
+  if (source.rfind(kSynthetic, 0) == 0) {
+    const std::string text = source.size() > kSynthetic.size() ? source.substr(kSynthetic.size() + 1) : "";
+    const Result<SyntheticOptions> options = parse_synthetic_options(text);
+    if (!options.ok()) return options.error();
+    const auto room = std::make_shared<const SyntheticRoom>(options->scene);
+    surface.distance_m = [room](const Eigen::Vector3d& point) { return std::min(room->surface_distance(point), kSurfaceReach_m); };
+  }
+  return surface;
+}
+
+double completeness(const TrueSurface& surface, const TriangleSurface& cloud_in_world, double within_m) {
+  if (surface.samples.empty()) return 0;
+  const auto is_there = [&](const Eigen::Vector3d& sample) { return cloud_in_world.distance_m(sample) <= within_m; };
+  return static_cast<double>(std::count_if(surface.samples.begin(), surface.samples.end(), is_there)) /
+         static_cast<double>(surface.samples.size());
+}
+
+}  // namespace hermite

@@ -1,0 +1,204 @@
+#include "core/output/ply_reader.h"
+
+#include <charconv>
+#include <cstring>
+#include <optional>
+#include <sstream>
+#include <string>
+
+namespace hermite {
+
+namespace {
+
+enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
+
+struct Property {
+  std::string name;
+  Type type = Type::kFloat;
+  std::optional<Type> count_type;  // of a list
+};
+
+struct Element {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<Property> properties;
+};
+
+struct Header {
+  bool ascii = false;
+  std::vector<Element> elements;
+  std::size_t bytes = 0;
+};
+
+constexpr std::uint64_t kMostElements = 200'000'000;
+constexpr std::uint64_t kLongestList = 1000;
+
+Error corrupt(const std::string& words) { return {ErrorCode::kCorruptData, "PLY: " + words}; }
+
+std::optional<Type> type_named(const std::string& name) {
+  static const std::vector<std::pair<const char*, Type>> names{
+      {"char", Type::kInt8},    {"int8", Type::kInt8},     {"uchar", Type::kUint8}, {"uint8", Type::kUint8},
+      {"short", Type::kInt16},  {"int16", Type::kInt16},   {"ushort", Type::kUint16}, {"uint16", Type::kUint16},
+      {"int", Type::kInt32},    {"int32", Type::kInt32},   {"uint", Type::kUint32}, {"uint32", Type::kUint32},
+      {"float", Type::kFloat},  {"float32", Type::kFloat}, {"double", Type::kDouble}, {"float64", Type::kDouble}};
+  for (const auto& [known, type] : names)
+    if (name == known) return type;
+  return std::nullopt;
+}
+
+Result<Property> parse_property(std::istringstream& words) {
+  Property property;
+  std::string type, count_type;
+  words >> type;
+  if (type == "list") {
+    words >> count_type >> type;
+    property.count_type = type_named(count_type);
+    if (!property.count_type) return corrupt("a list counts in '" + count_type + "'");
+  }
+  const std::optional<Type> known = type_named(type);
+  if (!known) return corrupt("there is no type '" + type + "'");
+  property.type = *known;
+  words >> property.name;
+  return property;
+}
+
+Result<Header> parse_header(std::string_view bytes) {
+  Header header;
+  std::string format;
+  bool first = true;
+  while (true) {
+    const std::size_t end = bytes.find('\n', header.bytes);
+    if (end == std::string_view::npos || end - header.bytes > 1000) return corrupt("the header does not end");
+    std::istringstream words(std::string(bytes.substr(header.bytes, end - header.bytes)));
+    header.bytes = end + 1;
+    std::string keyword;
+    words >> keyword;
+    if (first && keyword != "ply") return corrupt("the file does not start with 'ply'");
+    first = false;
+    if (keyword == "end_header") break;
+    if (keyword == "format") words >> format;
+    if (keyword == "element") {
+      Element element;
+      words >> element.name >> element.count;
+      if (words.fail() || element.count > kMostElements)
+        return corrupt("element '" + element.name + "' has no count of at most " + std::to_string(kMostElements));
+      header.elements.push_back(element);
+    }
+    if (keyword == "property") {
+      if (header.elements.empty()) return corrupt("a property before the first element");
+      Result<Property> property = parse_property(words);
+      if (!property.ok()) return property.error();
+      header.elements.back().properties.push_back(*std::move(property));
+    }
+  }
+  if (format != "ascii" && format != "binary_little_endian")
+    return Error{ErrorCode::kUnsupported, "PLY: format '" + format + "', known are ascii and binary_little_endian"};
+  header.ascii = format == "ascii";
+  return header;
+}
+
+// Reads numbers one after the other; `failed` once one is missing.
+class Numbers {
+ public:
+  Numbers(std::string_view bytes, bool ascii) : bytes_(bytes), ascii_(ascii) {}
+
+  double next(Type type) {
+    if (ascii_) return next_word();
+    switch (type) {
+      case Type::kInt8: return next_binary<std::int8_t>();
+      case Type::kUint8: return next_binary<std::uint8_t>();
+      case Type::kInt16: return next_binary<std::int16_t>();
+      case Type::kUint16: return next_binary<std::uint16_t>();
+      case Type::kInt32: return next_binary<std::int32_t>();
+      case Type::kUint32: return next_binary<std::uint32_t>();
+      case Type::kFloat: return static_cast<double>(next_binary<float>());
+      case Type::kDouble: return next_binary<double>();
+    }
+    return 0;
+  }
+  bool failed() const { return failed_; }
+
+ private:
+  template <class T>
+  T next_binary() {
+    T value{};
+    if (bytes_.size() < sizeof(T)) {
+      failed_ = true;
+      return value;
+    }
+    std::memcpy(&value, bytes_.data(), sizeof(T));
+    bytes_.remove_prefix(sizeof(T));
+    return value;
+  }
+  double next_word() {
+    bytes_.remove_prefix(std::min(bytes_.find_first_not_of(" \t\r\n"), bytes_.size()));
+    double value = 0;
+    const auto [end, error] = std::from_chars(bytes_.data(), bytes_.data() + bytes_.size(), value);
+    failed_ = failed_ || error != std::errc();
+    bytes_.remove_prefix(static_cast<std::size_t>(end - bytes_.data()));
+    return value;
+  }
+
+  std::string_view bytes_;
+  const bool ascii_;
+  bool failed_ = false;
+};
+
+Status read_vertices(Numbers& numbers, const Element& element, PlyShape& shape) {
+  for (std::uint64_t i = 0; i < element.count; ++i) {
+    Eigen::Vector3f position = Eigen::Vector3f::Zero();
+    int found = 0;
+    for (const Property& property : element.properties) {
+      if (property.count_type) return Error{ErrorCode::kUnsupported, "PLY: a vertex with a list"};
+      const auto value = static_cast<float>(numbers.next(property.type));
+      for (int axis = 0; axis < 3; ++axis)
+        if (property.name == std::string(1, static_cast<char>('x' + axis))) {
+          position[axis] = value;
+          ++found;
+        }
+    }
+    if (found != 3) return corrupt("vertices without x, y and z");
+    if (numbers.failed()) return corrupt("cut at vertex " + std::to_string(i) + " of " + std::to_string(element.count));
+    shape.positions.push_back(position);
+  }
+  return Done{};
+}
+
+// Faces and whatever else; the indices of a list named vertex_indices or vertex_index become triangles.
+Status read_others(Numbers& numbers, const Element& element, PlyShape& shape) {
+  for (std::uint64_t i = 0; i < element.count; ++i)
+    for (const Property& property : element.properties) {
+      const double length = property.count_type ? numbers.next(*property.count_type) : 1;
+      if (numbers.failed() || !(length >= 0 && length <= static_cast<double>(kLongestList)))
+        return corrupt("cut or damaged at " + element.name + " " + std::to_string(i));
+      std::vector<double> values(static_cast<std::size_t>(length));
+      for (double& value : values) value = numbers.next(property.type);
+      if (numbers.failed()) return corrupt("cut at " + element.name + " " + std::to_string(i));
+      if (element.name != "face" || (property.name != "vertex_indices" && property.name != "vertex_index")) continue;
+      for (const double value : values)
+        if (!(value >= 0 && value < static_cast<double>(shape.positions.size())))
+          return corrupt("face " + std::to_string(i) + " names a vertex that is not there");
+      for (std::size_t k = 2; k < values.size(); ++k)
+        shape.triangles.push_back({static_cast<std::uint32_t>(values[0]), static_cast<std::uint32_t>(values[k - 1]), static_cast<std::uint32_t>(values[k])});
+    }
+  return Done{};
+}
+
+}  // namespace
+
+Result<PlyShape> parse_ply(std::string_view bytes) {
+  const Result<Header> header = parse_header(bytes);
+  if (!header.ok()) return header.error();
+  Numbers numbers(bytes.substr(header->bytes), header->ascii);
+  PlyShape shape;
+  bool has_vertices = false;
+  for (const Element& element : header->elements) {
+    const Status read = element.name == "vertex" ? read_vertices(numbers, element, shape) : read_others(numbers, element, shape);
+    if (!read.ok()) return read.error();
+    has_vertices = has_vertices || element.name == "vertex";
+  }
+  if (!has_vertices) return corrupt("no vertices");
+  return shape;
+}
+
+}  // namespace hermite

@@ -1,0 +1,65 @@
+#include "core/output/ply_reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/output/ply.h"
+
+namespace hermite {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const std::string kSquare =
+    "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty double x\nproperty uchar quality\nproperty float y\nproperty float z\n"
+    "element face 1\nproperty list uchar int vertex_indices\nelement edge 1\nproperty int a\nend_header\n"
+    "0 7 0 1\n1 7 0 1\n1 7 1 1.5\n0 7 1 1\n4 0 1 2 3\n9\n";
+
+TEST(PlyReader, ReadsAPolygonAsAFan) {
+  const auto shape = parse_ply(kSquare);
+  ASSERT_TRUE(shape.ok()) << shape.error().message;
+  ASSERT_EQ(shape->positions.size(), 4u);
+  EXPECT_EQ(shape->positions[2], Eigen::Vector3f(1, 1, 1.5f));
+  EXPECT_THAT(shape->triangles, ElementsAre(std::array<std::uint32_t, 3>{0, 1, 2}, std::array<std::uint32_t, 3>{0, 2, 3}));
+}
+
+TEST(PlyReader, ReadsWhatWeWrite) {
+  Cloud cloud(3);
+  cloud[1].position_m = {1, -2, 3.25f};
+  cloud[2].position_m = {0.5f, 0, -1};
+  const auto shape = parse_ply(format_ply(cloud));
+  ASSERT_TRUE(shape.ok()) << shape.error().message;
+  ASSERT_EQ(shape->positions.size(), 3u);
+  for (std::size_t i = 0; i < cloud.size(); ++i) EXPECT_EQ(shape->positions[i], cloud[i].position_m);
+  EXPECT_TRUE(shape->triangles.empty());
+}
+
+TEST(PlyReader, EveryCutIsAnErrorInWords) {
+  const std::string bytes = format_ply(Cloud(2));
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    const auto shape = parse_ply(std::string_view(bytes).substr(0, length));
+    ASSERT_FALSE(shape.ok()) << length;
+    EXPECT_THAT(shape.error().message, HasSubstr("PLY"));
+  }
+}
+
+std::string with(std::string from, const std::string& to) {
+  std::string text = kSquare;
+  text.replace(text.find(from), from.size(), to);
+  return text;
+}
+
+TEST(PlyReader, NamesWhatIsWrong) {
+  EXPECT_THAT(parse_ply(with("ply", "obj")).error().message, HasSubstr("does not start"));
+  EXPECT_EQ(parse_ply(with("ascii", "binary_big_endian")).error().code, ErrorCode::kUnsupported);
+  EXPECT_THAT(parse_ply(with("double", "quad")).error().message, HasSubstr("quad"));
+  EXPECT_THAT(parse_ply(with("vertex 4", "vertex 999999999999")).error().message, HasSubstr("vertex"));
+  EXPECT_THAT(parse_ply(with("float y", "float u")).error().message, HasSubstr("without x, y and z"));
+  EXPECT_THAT(parse_ply(with("4 0 1 2 3", "4 0 1 2 4")).error().message, HasSubstr("not there"));
+  EXPECT_THAT(parse_ply(with("4 0 1 2 3", "-1")).error().message, HasSubstr("face 0"));
+  EXPECT_THAT(parse_ply(with("1.5", "up")).error().message, HasSubstr("vertex 2"));
+}
+
+}  // namespace
+}  // namespace hermite
