@@ -18,13 +18,13 @@ struct KnownCamera {
   Camera camera;
 };
 
-// The TUM benchmark's own calibration of its three Kinects; its depth files already contain the depth correction factors.
+// The TUM benchmark's own calibration of its three Kinects (the images of the third are undistorted already); its depth files already contain the depth correction factors.
 // ICL-NUIM publishes fy = -480: its reader turns that world so that the camera frame is x right, y down, z forward.
 constexpr KnownCamera kKnownCameras[] = {
-    {"fr1", "freiburg1", {640, 480, 517.3, 516.5, 318.6, 255.3, 5000}},
-    {"fr2", "freiburg2", {640, 480, 520.9, 521.0, 325.1, 249.7, 5000}},
-    {"fr3", "freiburg3", {640, 480, 535.4, 539.2, 320.1, 247.6, 5000}},
-    {"icl-nuim", "", {640, 480, 481.2, 480.0, 319.5, 239.5, 5000}},
+    {"fr1", "freiburg1", {640, 480, 517.3, 516.5, 318.6, 255.3, 5000, {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}}},
+    {"fr2", "freiburg2", {640, 480, 520.9, 521.0, 325.1, 249.7, 5000, {0.2312, -0.7849, -0.0033, -0.0001, 0.9172}}},
+    {"fr3", "freiburg3", {640, 480, 535.4, 539.2, 320.1, 247.6, 5000, {}}},
+    {"icl-nuim", "", {640, 480, 481.2, 480.0, 319.5, 239.5, 5000, {}}},
 };
 
 Error key_error(const std::string& key, const std::string& words) { return {ErrorCode::kCorruptData, "\"" + key + "\" " + words}; }
@@ -45,6 +45,20 @@ Result<int> side_of(const nlohmann::json& object, const std::string& key) {
     return key_error(
         key, "must be a whole number of pixels from " + std::to_string(kMinImageSide_px) + " to " + std::to_string(kMaxImageSide_px));
   return static_cast<int>(*value);
+}
+
+Result<Distortion> distortion_of(const nlohmann::json& object) {
+  if (!object.is_object()) return key_error("color_distortion", "is not an object with k1, k2, p1, p2, k3");
+  Distortion distortion;
+  const std::pair<const char*, double*> numbers[] = {
+      {"k1", &distortion.k1}, {"k2", &distortion.k2}, {"p1", &distortion.p1}, {"p2", &distortion.p2}, {"k3", &distortion.k3}};
+  for (const auto& [key, number] : numbers) {
+    if (!object.contains(key)) continue;
+    const Result<double> value = number_of(object, key);
+    if (!value.ok()) return value.error();
+    *number = *value;
+  }
+  return distortion;
 }
 
 }  // namespace
@@ -68,6 +82,11 @@ Result<CameraFile> parse_camera_json(const std::string& text) {
     const Result<double> value = number_of(object, key);
     if (!value.ok()) return value.error();
     *number = *value;
+  }
+  if (object.contains("color_distortion")) {
+    const Result<Distortion> distortion = distortion_of(object["color_distortion"]);
+    if (!distortion.ok()) return distortion.error();
+    file.camera.distortion = *distortion;
   }
   if (const Status status = validate(file.camera); !status.ok()) return status.error();
   if (object.contains("frame_rate_hz")) {

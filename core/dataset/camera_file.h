@@ -1,8 +1,8 @@
 // Where a sequence's camera comes from: camera.json or a name everybody knows. See also read_camera in sequence.h.
 //
 // camera.json is one object: width, height (pixels), fx, fy, cx, cy (pixels, pixel centres are integers), depth_units_per_metre and,
-// optionally, frame_rate_hz. Other keys are ignored, color_distortion among them: depth is registered to the colour image as it is, so both
-// are used unrectified.
+// optionally, frame_rate_hz and color_distortion: an object with any of k1, k2, p1, p2, k3. Depth is registered to the colour image as it
+// is, so the distortion is that of both. Other keys are ignored.
 #pragma once
 
 #include <optional>

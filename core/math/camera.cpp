@@ -12,6 +12,19 @@ Error out_of_range(const std::string& field, double value, double low, double hi
                                            " to " + std::to_string(high)};
 }
 
+// Written so that NaN fails too.
+Status validate_distortion(const Camera& camera) {
+  for (const double u : {0.0, camera.width - 1.0})
+    for (const double v : {0.0, camera.height - 1.0}) {
+      const Eigen::Vector2d at((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy);
+      const double moved_px = (camera.distortion.apply(at.x(), at.y()) - at).norm() * camera.fx;
+      if (!(moved_px <= 0.25 * camera.width))
+        return Error{ErrorCode::kInvalidArgument, "camera.distortion moves a corner of the image by " + std::to_string(moved_px) +
+                                                      " pixels, allowed is a quarter of its width"};
+    }
+  return Done{};
+}
+
 bool within(double value, double low, double high) { return std::isfinite(value) && value >= low && value <= high; }
 
 }  // namespace
@@ -34,7 +47,7 @@ Status validate(const Camera& camera) {
   };
   for (const Bound& bound : bounds)
     if (!within(bound.value, bound.low, bound.high)) return out_of_range(bound.field, bound.value, bound.low, bound.high);
-  return Done{};
+  return validate_distortion(camera);
 }
 
 }  // namespace hermite

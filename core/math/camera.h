@@ -12,11 +12,23 @@ namespace hermite {
 inline constexpr int kMinImageSide_px = 64;
 inline constexpr int kMaxImageSide_px = 2048;
 
+// Of the lens, as OpenCV has it: x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2), y' alike, at z = 1. Zero: none.
+struct Distortion {
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
+  bool operator==(const Distortion&) const = default;
+
+  Eigen::Vector2d apply(double x, double y) const {
+    const double r2 = x * x + y * y, radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+    return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
+  }
+};
+
 struct Camera {
   int width = 0;                           // pixels
   int height = 0;                          // pixels
   double fx = 0, fy = 0, cx = 0, cy = 0;   // pixels
   double depth_units_per_metre = 1000;     // sensor depth value of one metre
+  Distortion distortion{};                 // of both images as they arrive; project and unproject are for undistorted pixels
   bool operator==(const Camera&) const = default;
 
   Eigen::Vector2d project(const Eigen::Vector3d& point_in_camera) const {
@@ -28,7 +40,8 @@ struct Camera {
 };
 
 // kInvalidArgument, naming the field and its limits: sizes outside [kMinImageSide_px, kMaxImageSide_px], focal lengths that are
-// not positive and finite or give a field of view outside 10 to 150 degrees, a principal point outside the image, a depth scale outside [1, 1e6].
+// not positive and finite or give a field of view outside 10 to 150 degrees, a principal point outside the image, a depth scale outside [1, 1e6],
+// a distortion that moves a corner of the image by more than a quarter of its width.
 Status validate(const Camera& camera);
 
 }  // namespace hermite

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/frame/preprocess.h"
+#include "core/frame/undistort.h"
 #include "core/gpu/device.h"
 #include "core/map/fuse.h"
 #include "core/map/index_map.h"
@@ -36,10 +37,15 @@ Error wrong_size(const RgbdFrame& frame, const Camera& camera) {
                                            size(camera.width, camera.height)};
 }
 
-gpu::Device& checked(gpu::Device& device, const Camera& camera) {
+const Camera& checked(const Camera& camera) {
   const Status valid = validate(camera);
   if (!valid.ok()) throw SetupError(valid.error());
-  return device;
+  return camera;
+}
+
+std::optional<Undistorter> undistorter_of(const Camera& camera) {
+  if (camera.distortion == Distortion{}) return std::nullopt;
+  return Undistorter(camera);
 }
 
 }  // namespace
@@ -48,10 +54,11 @@ const char* name_of(TrackingStatus status) { return status == TrackingStatus::kT
 
 struct Pipeline::Impl {
   Impl(const std::string& device_choice, const Camera& camera_of_scan, const Options& options_of_scan)
-      : camera(camera_of_scan),
+      : camera(checked(camera_of_scan)),
         options(options_of_scan),
+        undistorter(undistorter_of(camera)),
         device(device_choice),
-        commands(checked(device, camera)),
+        commands(device),
         preprocessor(device, camera, options.frame),
         odometry(device, preprocessor.maps().camera(), options.track),
         store(device),
@@ -78,6 +85,7 @@ struct Pipeline::Impl {
 
   const Camera camera;
   const Options options;
+  const std::optional<Undistorter> undistorter;  // when the lens distorts
   gpu::Device device;
   gpu::Commands commands;
   Preprocessor preprocessor;
@@ -132,7 +140,7 @@ FrameResult Pipeline::Impl::process(const RgbdFrame& frame) {
   result.frame_index = static_cast<std::int64_t>(trajectory.size());
   result.timestamp_s = frame.timestamp_s;
 
-  timed("preprocess", [&] { preprocessor.run(commands, frame, result.frame_index); });
+  timed("preprocess", [&] { preprocessor.run(commands, undistorter ? undistorter->apply(frame) : frame, result.frame_index); });
   const FrameMaps& maps = preprocessor.maps();
   OdometryResult motion;
   timed("track", [&] { motion = track(maps); });

@@ -84,6 +84,7 @@ Camera camera_from(const v1::Camera& message) {
   camera.cx = message.cx();
   camera.cy = message.cy();
   camera.depth_units_per_metre = message.depth_units_per_metre();
+  camera.distortion = {message.k1(), message.k2(), message.p1(), message.p2(), message.k3()};
   return camera;
 }
 
@@ -95,6 +96,11 @@ void write_camera(const Camera& camera, v1::Camera& message) {
   message.set_cx(camera.cx);
   message.set_cy(camera.cy);
   message.set_depth_units_per_metre(camera.depth_units_per_metre);
+  message.set_k1(camera.distortion.k1);
+  message.set_k2(camera.distortion.k2);
+  message.set_p1(camera.distortion.p1);
+  message.set_p2(camera.distortion.p2);
+  message.set_k3(camera.distortion.k3);
 }
 
 Result<Rigid3> rigid3_from(const std::string& field, const v1::Rigid3& message) {

@@ -13,12 +13,12 @@ using testing::HasSubstr;
 
 const char* const kGood =
     R"({"width": 640, "height": 480, "fx": 525.5, "fy": 526, "cx": 319.5, "cy": 239.5, "depth_units_per_metre": 5000, "frame_rate_hz": 15,
-        "color_distortion": {"k1": 0.2}})";
+        "color_distortion": {"k1": 0.02, "p2": -0.003}})";
 
 TEST(CameraFile, ReadsAllKeys) {
   const auto file = parse_camera_json(kGood);
   ASSERT_TRUE(file.ok()) << file.error().message;
-  EXPECT_EQ(file->camera, (Camera{640, 480, 525.5, 526, 319.5, 239.5, 5000}));
+  EXPECT_EQ(file->camera, (Camera{640, 480, 525.5, 526, 319.5, 239.5, 5000, {.k1 = 0.02, .p2 = -0.003}}));
   EXPECT_EQ(file->frame_rate_hz, 15);
 }
 
@@ -37,6 +37,9 @@ TEST(CameraFile, ErrorsNameTheKey) {
     return file.ok() ? std::string("accepted") : file.error().message;
   };
   EXPECT_THAT(with("\"fx\"", "\"gx\""), HasSubstr("\"fx\" is missing"));
+  EXPECT_THAT(with("0.02", "\"0.02\""), HasSubstr("\"k1\" is not a number"));
+  EXPECT_THAT(with("0.02", "20"), HasSubstr("camera.distortion moves a corner"));
+  EXPECT_THAT(with("{\"k1\": 0.02, \"p2\": -0.003}", "[1]"), HasSubstr("color_distortion"));
   EXPECT_THAT(with("525.5", "\"525\""), HasSubstr("\"fx\" is not a number"));
   EXPECT_THAT(with("640", "640.5"), HasSubstr("\"width\" must be a whole number of pixels from 64 to 2048"));
   EXPECT_THAT(with("640", "1e12"), HasSubstr("\"width\""));

@@ -13,7 +13,7 @@ using testing::HasSubstr;
 
 constexpr std::size_t kLimit = kMaxBytesBeforeWelcome;
 
-Camera vga() { return {640, 480, 525, 525, 319.5, 239.5, 5000}; }
+Camera vga() { return {640, 480, 525, 525, 319.5, 239.5, 5000, {0.1, -0.2, 0.003, -0.004, 0.05}}; }
 
 StartScan good_start() {
   StartScan start;
@@ -140,6 +140,7 @@ TEST(ClientMessage, ACameraThatCannotBeIsNamed) {
   EXPECT_THAT(error_of([](StartScan& start) { start.camera.cx = 1e9; }).message, HasSubstr("camera.cx"));
   EXPECT_THAT(error_of([](StartScan& start) { start.camera.depth_units_per_metre = std::numeric_limits<double>::infinity(); }).message,
               HasSubstr("camera.depth_units_per_metre"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.distortion.p1 = std::nan(""); }).message, HasSubstr("camera.distortion"));
 }
 
 TEST(ClientMessage, CodecsOfTheFutureAreSkippedButOneMustBeKnown) {
