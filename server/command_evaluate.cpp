@@ -88,7 +88,8 @@ Json evaluate_surface(const EvaluateArguments& arguments) {
   const Truth truth = open_truth(arguments);
   Rigid3 world_from_cloud;
   if (!arguments.estimate.empty())
-    world_from_cloud = or_throw(trajectory_error(or_throw(read_tum_trajectory(arguments.estimate)), truth.groundtruth)).groundtruth_from_estimate;
+    world_from_cloud =
+        or_throw(trajectory_error(or_throw(read_tum_trajectory(arguments.estimate)), truth.groundtruth)).groundtruth_from_estimate;
   std::vector<Eigen::Vector3d> points;
   std::vector<Triangle> in_world;
   for (const Eigen::Vector3f& position : read_ply(arguments.cloud).positions) {
@@ -115,7 +116,8 @@ int run_evaluate(const EvaluateArguments& arguments) {
   Json json = Json::object();
   if (!arguments.estimate.empty() && !arguments.groundtruth.empty()) json.update(evaluate_trajectory(arguments));
   if (!arguments.cloud.empty()) json.update(evaluate_surface(arguments));
-  if (json.empty()) throw SetupError({ErrorCode::kInvalidArgument, "nothing to compare: give --estimate and --groundtruth, or --cloud and --surface"});
+  if (json.empty())
+    throw SetupError({ErrorCode::kInvalidArgument, "nothing to compare: give --estimate and --groundtruth, or --cloud and --surface"});
   std::cout << json.dump(2) << "\n";
   return 0;
 }
@@ -127,9 +129,10 @@ Command add_evaluate_command(CLI::App& app) {
   CLI::App& evaluate = *app.add_subcommand("evaluate", "Errors of a trajectory and of a cloud, as JSON");
   evaluate.add_option("--estimate", arguments->estimate, "Trajectory to judge, TUM format; it also says where the cloud lies");
   evaluate.add_option("--groundtruth", arguments->groundtruth, "The true one, TUM format (default: that of the surface's sequence)");
-  CLI::Option* surface = evaluate.add_option("--surface", arguments->surface,
-                                             "True surface: a PLY mesh or cloud, or a sequence with true poses: its depth, or synthetic:...");
-  evaluate.add_option("--cloud", arguments->cloud, "Cloud to judge, PLY: distances up to 10 cm, completeness at 5 and 10 mm")->needs(surface);
+  CLI::Option* surface = evaluate.add_option(
+      "--surface", arguments->surface, "True surface: a PLY mesh or cloud, or a sequence with true poses: its depth, or synthetic:...");
+  evaluate.add_option("--cloud", arguments->cloud, "Cloud to judge, PLY: distances up to 10 cm, completeness at 5 and 10 mm")
+      ->needs(surface);
   evaluate.add_option("--colored", arguments->colored, "Write that cloud here, coloured by its error: blue none, red 2 cm and more");
   return {&evaluate, [arguments] { return run_evaluate(*arguments); }};
 }

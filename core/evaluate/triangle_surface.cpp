@@ -50,9 +50,7 @@ double distance_to_triangle_m(const Vector3f& point, const Triangle& triangle) {
 void append_depth_triangles(const DepthImage& depth, const Camera& camera, const Rigid3& world_from_camera, int step,
                             std::vector<Triangle>& triangles) {
   const auto depth_m = [&](int x, int y) { return depth.at(x, y) / camera.depth_units_per_metre; };
-  const auto vertex = [&](int x, int y) -> Vector3f {
-    return (world_from_camera * camera.unproject(x, y, depth_m(x, y))).cast<float>();
-  };
+  const auto vertex = [&](int x, int y) -> Vector3f { return (world_from_camera * camera.unproject(x, y, depth_m(x, y))).cast<float>(); };
   const auto add = [&](std::array<std::array<int, 2>, 3> pixels) {
     double low = 1e9, high = 0;
     for (const auto& [x, y] : pixels) {

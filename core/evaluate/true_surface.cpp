@@ -19,8 +19,8 @@ const std::string kSynthetic = "synthetic";
 // The true pose nearest in time, when it is near enough.
 const TimedPose* pose_at(const Trajectory& groundtruth, double timestamp_s) {
   const auto gap_s = [&](const TimedPose& pose) { return std::abs(pose.timestamp_s - timestamp_s); };
-  const auto nearest = std::min_element(groundtruth.begin(), groundtruth.end(),
-                                        [&](const TimedPose& a, const TimedPose& b) { return gap_s(a) < gap_s(b); });
+  const auto nearest =
+      std::min_element(groundtruth.begin(), groundtruth.end(), [&](const TimedPose& a, const TimedPose& b) { return gap_s(a) < gap_s(b); });
   return nearest != groundtruth.end() && gap_s(*nearest) <= kMaxAssociationGap_s ? &*nearest : nullptr;
 }
 

@@ -14,7 +14,12 @@ constexpr double kKinectFocalLength_px = 525;
 FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera, int step) {
   const shared::Intrinsics finest = sampled(intrinsics_of(camera), sampling_of_frame(step, 0));
   const std::size_t pixels = static_cast<std::size_t>(finest.width) * finest.height;
-  FrameMaps maps{{device, pixels, "frame"}, {device, pixels, "frame"}, {device, pixels, "frame"}, {device, pixels, "frame"}, make_surface_pyramid(device, finest, "frame"), {}};
+  FrameMaps maps{{device, pixels, "frame"},
+                 {device, pixels, "frame"},
+                 {device, pixels, "frame"},
+                 {device, pixels, "frame"},
+                 make_surface_pyramid(device, finest, "frame"),
+                 {}};
   for (std::size_t level = 0; level < maps.gradients.size(); ++level)
     maps.gradients[level] = {device, maps.surface.levels[level].intensity.count(), "frame"};
   return maps;
@@ -61,20 +66,22 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
   SurfaceLevel& surface = maps_.surface.levels[0];
   const float depth_gate_m = static_cast<float>(options_.depth_gate_m);
 
-  commands.dispatch(bilateral_, image,
-                    shared::BilateralParams{whole, sampling, static_cast<float>(1.0 / camera_.depth_units_per_metre),
-                                            static_cast<float>(options_.depth_min_m), static_cast<float>(options_.depth_max_m),
-                                            static_cast<float>(0.5 / (options_.bilateral_sigma_space_px * options_.bilateral_sigma_space_px)),
-                                            static_cast<float>(options_.noise_floor_m), static_cast<float>(options_.noise_growth_per_m),
-                                            static_cast<float>(options_.bilateral_noise_sigmas)},
-                    {units_, maps_.raw_depth_m, maps_.filtered_depth_m});
-  commands.dispatch(normals_, image, shared::NormalParams{camera, 0.5f * depth_gate_m},
-                    {maps_.filtered_depth_m, maps_.first_normals});
-  commands.dispatch(surface_, {(camera.width + 3) / 4, camera.height},  // four pixels an invocation
-                    shared::SurfaceParams{camera, static_cast<float>(options_.support_radius_scale), depth_gate_m, static_cast<float>(options_.confidence_epsilon * static_cast<double>(camera.fx) / kKinectFocalLength_px),
-                                          static_cast<float>(options_.curvature_limit_per_m), options_.hrbf_confidence ? 1u : 0u,
-                                          options_.project_to_surface ? 1u : 0u},
-                    {maps_.filtered_depth_m, maps_.first_normals, surface.depth_m, surface.normals, surface.curvatures, surface.weight});
+  commands.dispatch(
+      bilateral_, image,
+      shared::BilateralParams{whole, sampling, static_cast<float>(1.0 / camera_.depth_units_per_metre),
+                              static_cast<float>(options_.depth_min_m), static_cast<float>(options_.depth_max_m),
+                              static_cast<float>(0.5 / (options_.bilateral_sigma_space_px * options_.bilateral_sigma_space_px)),
+                              static_cast<float>(options_.noise_floor_m), static_cast<float>(options_.noise_growth_per_m),
+                              static_cast<float>(options_.bilateral_noise_sigmas)},
+      {units_, maps_.raw_depth_m, maps_.filtered_depth_m});
+  commands.dispatch(normals_, image, shared::NormalParams{camera, 0.5f * depth_gate_m}, {maps_.filtered_depth_m, maps_.first_normals});
+  commands.dispatch(
+      surface_, {(camera.width + 3) / 4, camera.height},  // four pixels an invocation
+      shared::SurfaceParams{camera, static_cast<float>(options_.support_radius_scale), depth_gate_m,
+                            static_cast<float>(options_.confidence_epsilon * static_cast<double>(camera.fx) / kKinectFocalLength_px),
+                            static_cast<float>(options_.curvature_limit_per_m), options_.hrbf_confidence ? 1u : 0u,
+                            options_.project_to_surface ? 1u : 0u},
+      {maps_.filtered_depth_m, maps_.first_normals, surface.depth_m, surface.normals, surface.curvatures, surface.weight});
   commands.dispatch(intensity_, image, shared::IntensityParams{whole, sampling},
                     {color_, surface.intensity, maps_.gradients[0], maps_.color});
   downsample(commands, downsample_, maps_.surface, 0.5 * options_.depth_gate_m);

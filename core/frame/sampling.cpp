@@ -22,12 +22,8 @@ shared::Sampling sampling_of_frame(int step, std::int64_t frame_index) {
 }
 
 shared::Intrinsics intrinsics_of(const Camera& camera) {
-  return {static_cast<float>(camera.fx),
-          static_cast<float>(camera.fy),
-          static_cast<float>(camera.cx),
-          static_cast<float>(camera.cy),
-          static_cast<shared::uint>(camera.width),
-          static_cast<shared::uint>(camera.height)};
+  return {static_cast<float>(camera.fx), static_cast<float>(camera.fy),           static_cast<float>(camera.cx),
+          static_cast<float>(camera.cy), static_cast<shared::uint>(camera.width), static_cast<shared::uint>(camera.height)};
 }
 
 shared::Intrinsics sampled(const shared::Intrinsics& camera, const shared::Sampling& sampling) {

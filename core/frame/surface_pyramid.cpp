@@ -7,7 +7,12 @@ SurfacePyramid make_surface_pyramid(gpu::Device& device, const shared::Intrinsic
   shared::Intrinsics camera = finest;
   for (SurfaceLevel& level : pyramid.levels) {
     const std::size_t pixels = static_cast<std::size_t>(camera.width) * camera.height;
-    level = {camera, {device, pixels, purpose}, {device, pixels, purpose}, {device, pixels, purpose}, {device, pixels, purpose}, {device, pixels, purpose}};
+    level = {camera,
+             {device, pixels, purpose},
+             {device, pixels, purpose},
+             {device, pixels, purpose},
+             {device, pixels, purpose},
+             {device, pixels, purpose}};
     camera = coarser(camera);
   }
   return pyramid;

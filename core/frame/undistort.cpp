@@ -34,7 +34,8 @@ Undistorter::Undistorter(const Camera& camera) {
 }
 
 RgbdFrame Undistorter::apply(const RgbdFrame& frame) const {
-  RgbdFrame straight{frame.timestamp_s, DepthImage(frame.depth.width, frame.depth.height), ColorImage(frame.color.width, frame.color.height)};
+  RgbdFrame straight{frame.timestamp_s, DepthImage(frame.depth.width, frame.depth.height),
+                     ColorImage(frame.color.width, frame.color.height)};
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     const auto [x, y] = sources_[i];
     const int column = static_cast<int>(std::lround(x)), row = static_cast<int>(std::lround(y));

@@ -22,8 +22,7 @@ void IndexMap::build(gpu::Commands& commands, const SurfelStore& store, const sh
   if (slot_count == 0) return;
   const shared::IndexParams params{camera, static_cast<float>(min_confidence), kFarthest_m, slot_count};
   for (const gpu::Kernel* kernel : {&depth_kernel_, &id_kernel_})
-    commands.dispatch(*kernel, {slot_count}, params,
-                      {store.positions, store.attributes, store.camera_from_submap, depth_bits_, ids_});
+    commands.dispatch(*kernel, {slot_count}, params, {store.positions, store.attributes, store.camera_from_submap, depth_bits_, ids_});
 }
 
 }  // namespace hermite

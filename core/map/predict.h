@@ -12,8 +12,8 @@ class Predictor {
   // `camera` has the size of all frames.
   Predictor(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options);
 
-  // Records the prediction from an index map of stable surfels, for the camera the store was set to and the pixels of `frame`. Where the map covers less than
-  // options.fill_in_below of the view, the surface of `frame` (seen from the same pose) stands in.
+  // Records the prediction from an index map of stable surfels, for the camera the store was set to and the pixels of `frame`. Where the
+  // map covers less than options.fill_in_below of the view, the surface of `frame` (seen from the same pose) stands in.
   void run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const FrameMaps& frame);
 
   // weight is the tracking weight; intensity -1 where there is no colour. `downsample` must be recorded by the caller for levels 1 and 2.

@@ -8,8 +8,8 @@ namespace hermite {
 namespace {
 
 Error out_of_range(const std::string& field, double value, double low, double high) {
-  return {ErrorCode::kInvalidArgument, "camera." + field + " is " + std::to_string(value) + ", allowed is " + std::to_string(low) +
-                                           " to " + std::to_string(high)};
+  return {ErrorCode::kInvalidArgument,
+          "camera." + field + " is " + std::to_string(value) + ", allowed is " + std::to_string(low) + " to " + std::to_string(high)};
 }
 
 // Written so that NaN fails too.

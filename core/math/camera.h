@@ -24,11 +24,11 @@ struct Distortion {
 };
 
 struct Camera {
-  int width = 0;                           // pixels
-  int height = 0;                          // pixels
-  double fx = 0, fy = 0, cx = 0, cy = 0;   // pixels
-  double depth_units_per_metre = 1000;     // sensor depth value of one metre
-  Distortion distortion{};                 // of both images as they arrive; project and unproject are for undistorted pixels
+  int width = 0;                          // pixels
+  int height = 0;                         // pixels
+  double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
+  double depth_units_per_metre = 1000;    // sensor depth value of one metre
+  Distortion distortion{};                // of both images as they arrive; project and unproject are for undistorted pixels
   bool operator==(const Camera&) const = default;
 
   Eigen::Vector2d project(const Eigen::Vector3d& point_in_camera) const {
@@ -40,8 +40,8 @@ struct Camera {
 };
 
 // kInvalidArgument, naming the field and its limits: sizes outside [kMinImageSide_px, kMaxImageSide_px], focal lengths that are
-// not positive and finite or give a field of view outside 10 to 150 degrees, a principal point outside the image, a depth scale outside [1, 1e6],
-// a distortion that moves a corner of the image by more than a quarter of its width.
+// not positive and finite or give a field of view outside 10 to 150 degrees, a principal point outside the image, a depth scale outside [1,
+// 1e6], a distortion that moves a corner of the image by more than a quarter of its width.
 Status validate(const Camera& camera);
 
 }  // namespace hermite

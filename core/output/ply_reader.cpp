@@ -37,10 +37,10 @@ Error corrupt(const std::string& words) { return {ErrorCode::kCorruptData, "PLY:
 
 std::optional<Type> type_named(const std::string& name) {
   static const std::vector<std::pair<const char*, Type>> names{
-      {"char", Type::kInt8},    {"int8", Type::kInt8},     {"uchar", Type::kUint8}, {"uint8", Type::kUint8},
-      {"short", Type::kInt16},  {"int16", Type::kInt16},   {"ushort", Type::kUint16}, {"uint16", Type::kUint16},
-      {"int", Type::kInt32},    {"int32", Type::kInt32},   {"uint", Type::kUint32}, {"uint32", Type::kUint32},
-      {"float", Type::kFloat},  {"float32", Type::kFloat}, {"double", Type::kDouble}, {"float64", Type::kDouble}};
+      {"char", Type::kInt8},   {"int8", Type::kInt8},     {"uchar", Type::kUint8},   {"uint8", Type::kUint8},
+      {"short", Type::kInt16}, {"int16", Type::kInt16},   {"ushort", Type::kUint16}, {"uint16", Type::kUint16},
+      {"int", Type::kInt32},   {"int32", Type::kInt32},   {"uint", Type::kUint32},   {"uint32", Type::kUint32},
+      {"float", Type::kFloat}, {"float32", Type::kFloat}, {"double", Type::kDouble}, {"float64", Type::kDouble}};
   for (const auto& [known, type] : names)
     if (name == known) return type;
   return std::nullopt;
@@ -179,7 +179,8 @@ Status read_others(Numbers& numbers, const Element& element, PlyShape& shape) {
         if (!(value >= 0 && value < static_cast<double>(shape.positions.size())))
           return corrupt("face " + std::to_string(i) + " names a vertex that is not there");
       for (std::size_t k = 2; k < values.size(); ++k)
-        shape.triangles.push_back({static_cast<std::uint32_t>(values[0]), static_cast<std::uint32_t>(values[k - 1]), static_cast<std::uint32_t>(values[k])});
+        shape.triangles.push_back(
+            {static_cast<std::uint32_t>(values[0]), static_cast<std::uint32_t>(values[k - 1]), static_cast<std::uint32_t>(values[k])});
     }
   return Done{};
 }

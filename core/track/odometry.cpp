@@ -81,7 +81,8 @@ Odometry::Odometry(gpu::Device& device, const shared::Intrinsics& finest, const 
       rotation_(device, "track/rotation"),
       commands_(device),
       partial_sums_(device, static_cast<std::size_t>(kGroups * kTerms), "odometry", gpu::Memory::kReadback),
-      previous_intensity_(device, static_cast<std::size_t>(finest.width >> kRotationLevel) * (finest.height >> kRotationLevel), "odometry") {}
+      previous_intensity_(device, static_cast<std::size_t>(finest.width >> kRotationLevel) * (finest.height >> kRotationLevel),
+                          "odometry") {}
 
 Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, int level, bool search) {
   const auto l = static_cast<std::size_t>(level);
@@ -98,8 +99,8 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
                                       static_cast<float>(options_.photometric_depth_gate_m),
                                       search ? 2u : 0u};
   commands_.dispatch(odometry_, {static_cast<std::uint32_t>(kThreads)}, params,
-                     {from.depth_m, from.normals, from.curvatures, from.intensity, frame.gradients[l], to.depth_m, to.normals, to.curvatures,
-                      to.weight, to.intensity, partial_sums_});
+                     {from.depth_m, from.normals, from.curvatures, from.intensity, frame.gradients[l], to.depth_m, to.normals,
+                      to.curvatures, to.weight, to.intensity, partial_sums_});
   commands_.submit_and_wait();
   const auto terms = total<kTerms>(partial_sums_.mapped());
   // As laid out in shaders/shared/track.h.
@@ -142,8 +143,7 @@ OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& ref
     for (int i = 0; i < iterations[level]; ++i) {
       sums = linearise(frame, reference, result.reference_from_camera, level, refining);
       ++result.iteration_count;
-      if (options_.discount_normal_noise)
-        sums.geometric = discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement);
+      if (options_.discount_normal_noise) sums.geometric = discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement);
       const Vector6d step = solve(sums.geometric, sums.photometric, sums.displacement);
       if (!step.allFinite()) {
         result.reason = "too few points";

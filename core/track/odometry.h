@@ -1,5 +1,6 @@
 // Frame-to-model odometry: photometric rotation first, then three levels of Gauss-Newton on curvature-weighted point-to-plane and
-// photometric terms (paper section 4). Every step is one dispatch; the host adds the workgroups' sums in order and solves in double precision.
+// photometric terms (paper section 4). Every step is one dispatch; the host adds the workgroups' sums in order and solves in double
+// precision.
 #pragma once
 
 #include <span>
@@ -15,10 +16,10 @@ namespace hermite {
 struct OdometryResult {
   Rigid3 reference_from_camera;
   bool tracked = false;
-  std::string reason;              // in words when not tracked
-  std::int64_t inlier_count = 0;   // geometric correspondences in the last step, at full resolution
-  double inlier_ratio = 0;         // of the pixels looked at that have a surface
-  double residual_rms_m = 0;       // point to plane, over the inliers
+  std::string reason;             // in words when not tracked
+  std::int64_t inlier_count = 0;  // geometric correspondences in the last step, at full resolution
+  double inlier_ratio = 0;        // of the pixels looked at that have a surface
+  double residual_rms_m = 0;      // point to plane, over the inliers
   std::int64_t photometric_count = 0;
   int iteration_count = 0;
 };
@@ -31,7 +32,8 @@ class Odometry {
   // The frame against the surface predicted from the reference pose, starting at the guess that fits best. Blocks until the GPU is done.
   OdometryResult track(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses);
 
-  // current_from_previous, from the grey images of the frame and of the last one remembered; identity when there is none or it does not fit.
+  // current_from_previous, from the grey images of the frame and of the last one remembered; identity when there is none or it does not
+  // fit.
   Eigen::Quaterniond align_rotation(const FrameMaps& frame);
 
   // Whether the frame shows enough surface to start a map from. `reference` may be empty.

@@ -14,8 +14,8 @@ namespace {
 
 using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
-using google::protobuf::io::CodedInputStream;
 using google::protobuf::internal::WireFormatLite;
+using google::protobuf::io::CodedInputStream;
 
 // Whether every length stated in a message of `type` ends inside that message. Protobuf 3.21 finds out only after it has reserved up to
 // 50 MB for a string that ends nowhere. Types of this protocol do not nest in themselves: the recursion is bounded by scan.proto.

@@ -99,9 +99,8 @@ TrackStep track_step_twin(const SurfaceImage& frame, const std::vector<Vector2d>
     }
   const double weight = sums.displacement(0, 0);
   if (weight > 0) sums.disagreement /= weight;
-  const NormalEquations geometric = options.discount_normal_noise
-                                        ? discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement)
-                                        : sums.geometric;
+  const NormalEquations geometric =
+      options.discount_normal_noise ? discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement) : sums.geometric;
   sums.step = (geometric.hessian + sums.photometric.hessian).ldlt().solve(geometric.right_hand_side + sums.photometric.right_hand_side);
   return sums;
 }

@@ -16,7 +16,7 @@ struct TrackStep {
   NormalEquations geometric, photometric;
   Matrix6d displacement = Matrix6d::Zero();  // sum of weight A^T A over the geometric pairs, A = d(exp(x) s)/dx
   double disagreement = 0;                   // their weighted mean squared sine between the normals
-  Vector6d step = Vector6d::Zero();  // translation, rotation: guess <- exp(step) guess
+  Vector6d step = Vector6d::Zero();          // translation, rotation: guess <- exp(step) guess
   double geometric_error_m2 = 0;
   int geometric_count = 0, photometric_count = 0, surface_count = 0;
 };

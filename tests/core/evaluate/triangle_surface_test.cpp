@@ -30,7 +30,8 @@ TEST(TriangleSurface, AgreesWithAskingEveryTriangle) {
   std::vector<Triangle> triangles;
   for (int i = 0; i < 60; ++i) {
     const Vector3f a(place(random), place(random), place(random));
-    triangles.push_back({a, a + Vector3f(size(random), size(random), size(random)), a + Vector3f(size(random), size(random), size(random))});
+    triangles.push_back(
+        {a, a + Vector3f(size(random), size(random), size(random)), a + Vector3f(size(random), size(random), size(random))});
   }
   const double reach_m = 0.15;
   const TriangleSurface surface(triangles, reach_m);

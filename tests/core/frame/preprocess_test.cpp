@@ -333,7 +333,8 @@ TEST_F(PreprocessTest, GreyIsTheSmoothedWeightedSumOfColours) {
       for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) {
           const int v = std::clamp(y + dy, 0, kOdd.height - 1), u = std::clamp(x + dx, 0, kOdd.width - 1);
-          expected += (2 - std::abs(dx)) * (2 - std::abs(dy)) / 16.0 * static_cast<double>(grey[static_cast<std::size_t>(v * kOdd.width + u)]);
+          expected +=
+              (2 - std::abs(dx)) * (2 - std::abs(dy)) / 16.0 * static_cast<double>(grey[static_cast<std::size_t>(v * kOdd.width + u)]);
         }
       ASSERT_NEAR(static_cast<double>(actual[static_cast<std::size_t>(y * kOdd.width + x)]), expected, 1e-3) << x << ", " << y;
     }

@@ -157,7 +157,8 @@ TEST_F(OnePairTest, TheMeanIsWeightedByConfidenceAndMovesAlongTheNormal) {
   const Vector3d normal = (0.75 * Vector3d::UnitZ() + 0.25 * frame.surface.normals[pixel]).normalized();
   EXPECT_LT((s.position_in_submap_m.cast<double>() - (before + 0.25 * normal.dot(measured - before) * normal)).norm(), 2e-6);
   EXPECT_LT((s.normal_in_submap.cast<double>() - normal).norm(), test::kNormalLoss);
-  const double radius_m = test::support_radius_m(frame.surface.camera, FrameOptions{}.support_radius_scale, 1.02, frame.surface.normals[pixel].z());
+  const double radius_m =
+      test::support_radius_m(frame.surface.camera, FrameOptions{}.support_radius_scale, 1.02, frame.surface.normals[pixel].z());
   EXPECT_NEAR(s.radius_m, 0.75 * surfel.radius_m + 0.25 * radius_m, 2 * test::kHalfLoss * s.radius_m);
   EXPECT_FLOAT_EQ(s.curvature_max_per_m, 10);
   EXPECT_FLOAT_EQ(s.curvature_min_per_m, -12);

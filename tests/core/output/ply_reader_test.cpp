@@ -12,7 +12,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 const std::string kSquare =
-    "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty double x\nproperty uchar quality\nproperty float y\nproperty float z\n"
+    "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty double x\nproperty uchar quality\nproperty float y\nproperty float "
+    "z\n"
     "element face 1\nproperty list uchar int vertex_indices\nelement edge 1\nproperty int a\nend_header\n"
     "0 7 0 1\n1 7 0 1\n1 7 1 1.5\n0 7 1 1\n4 0 1 2 3\n9\n";
 

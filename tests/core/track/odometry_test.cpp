@@ -46,7 +46,8 @@ class OdometryTest : public test::GpuTest {
  protected:
   using Levels = std::vector<SurfaceImage>;
 
-  OdometryTest() : frame(test::make_frame_maps(device(), kCamera)), reference(make_surface_pyramid(device(), intrinsics_of(kCamera), "test")) {}
+  OdometryTest()
+      : frame(test::make_frame_maps(device(), kCamera)), reference(make_surface_pyramid(device(), intrinsics_of(kCamera), "test")) {}
 
   static Levels render(const test::Scene& scene, const Rigid3& world_from_camera) {
     Levels levels;
