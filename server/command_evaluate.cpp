@@ -1,12 +1,11 @@
 // hermite evaluate
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "core/dataset/text_file.h"
 #include "core/evaluate/trajectory_error.h"
 #include "core/evaluate/true_surface.h"
 #include "core/output/ply.h"
@@ -25,19 +24,10 @@ struct EvaluateArguments {
 
 // At which the colour of an error is red; none is blue.
 constexpr double kReddest_m = 0.02;
+// Some 90 million of our points.
+constexpr std::size_t kMaxPly_bytes = std::size_t{4} << 30;
 
-template <class T>
-T or_throw(Result<T> result) {
-  if (!result.ok()) throw SetupError(result.error());
-  return *std::move(result);
-}
-
-PlyShape read_ply(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file) throw SetupError({ErrorCode::kIo, "cannot read " + path});
-  return or_throw(parse_ply(bytes));
-}
+PlyShape read_ply(const std::string& path) { return or_throw(parse_ply(or_throw(read_text_file(path, kMaxPly_bytes)))); }
 
 std::vector<Triangle> triangles_of(const PlyShape& shape) {
   std::vector<Triangle> triangles;

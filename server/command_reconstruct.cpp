@@ -36,12 +36,6 @@ struct ReconstructArguments {
   std::vector<std::string> settings;
 };
 
-template <class T>
-T or_throw(Result<T> result) {
-  if (!result.ok()) throw SetupError(result.error());
-  return *std::move(result);
-}
-
 std::unique_ptr<Sequence> open_source(const ReconstructArguments& arguments) {
   std::optional<Camera> camera;
   if (!arguments.camera.empty()) camera = or_throw(read_camera(arguments.camera));

@@ -24,16 +24,19 @@ const TimedPose* pose_at(const Trajectory& groundtruth, double timestamp_s) {
   return nearest != groundtruth.end() && gap_s(*nearest) <= kMaxAssociationGap_s ? &*nearest : nullptr;
 }
 
+std::vector<Eigen::Vector3d> samples_of(const std::vector<Triangle>& triangles) {
+  std::vector<Eigen::Vector3d> samples;
+  const std::size_t stride = triangles.size() / kSamples + 1;
+  for (std::size_t i = 0; i < triangles.size(); i += stride)
+    samples.push_back(((triangles[i][0] + triangles[i][1] + triangles[i][2]) / 3).cast<double>());
+  return samples;
+}
+
 }  // namespace
 
 TrueSurface surface_of_triangles(const std::vector<Triangle>& triangles) {
-  TrueSurface surface;
   const auto grid = std::make_shared<const TriangleSurface>(triangles, kSurfaceReach_m);
-  surface.distance_m = [grid](const Eigen::Vector3d& point) { return grid->distance_m(point); };
-  const std::size_t stride = triangles.size() / kSamples + 1;
-  for (std::size_t i = 0; i < triangles.size(); i += stride)
-    surface.samples.push_back(((triangles[i][0] + triangles[i][1] + triangles[i][2]) / 3).cast<double>());
-  return surface;
+  return {[grid](const Eigen::Vector3d& point) { return grid->distance_m(point); }, samples_of(triangles)};
 }
 
 Result<TrueSurface> surface_of_sequence(const Sequence& sequence, const std::string& source) {
@@ -48,15 +51,13 @@ Result<TrueSurface> surface_of_sequence(const Sequence& sequence, const std::str
     append_depth_triangles(frame->depth, sequence.camera(), pose->world_from_camera, sequence.camera().width > kWideImage_px ? 2 : 1,
                            triangles);
   }
-  TrueSurface surface = surface_of_triangles(triangles);
-  if (source.rfind(kSynthetic, 0) == 0) {
-    const std::string text = source.size() > kSynthetic.size() ? source.substr(kSynthetic.size() + 1) : "";
-    const Result<SyntheticOptions> options = parse_synthetic_options(text);
-    if (!options.ok()) return options.error();
-    const auto room = std::make_shared<const SyntheticRoom>(options->scene);
-    surface.distance_m = [room](const Eigen::Vector3d& point) { return std::min(room->surface_distance(point), kSurfaceReach_m); };
-  }
-  return surface;
+  if (source.rfind(kSynthetic, 0) != 0) return surface_of_triangles(triangles);
+  const std::string text = source.size() > kSynthetic.size() ? source.substr(kSynthetic.size() + 1) : "";
+  const Result<SyntheticOptions> options = parse_synthetic_options(text);
+  if (!options.ok()) return options.error();
+  const auto room = std::make_shared<const SyntheticRoom>(options->scene);
+  return TrueSurface{[room](const Eigen::Vector3d& point) { return std::min(room->surface_distance(point), kSurfaceReach_m); },
+                     samples_of(triangles)};
 }
 
 double completeness(const TrueSurface& surface, const TriangleSurface& cloud_in_world, double within_m) {

@@ -15,8 +15,8 @@ layout(scalar, binding = 12) buffer State { MapState state; };
 layout(scalar, push_constant) uniform Push { FuseParams p; };
 
 const uint kInvalid = 0xffffffffu;  // nothing to fuse here
-const uint kPixelBits = 22u;        // of a claim: 2048 x 2048 pixels; the distance takes the other bits
 const uint kNew = 0xfffffffeu;      // a surface the map does not have yet
+const uint kPixelBits = 22u;        // of a claim: 2048 x 2048 pixels; the distance takes the other bits
 
 struct Measurement {
   vec3 position;  // camera frame
