@@ -83,7 +83,8 @@ class Progress {
                  std::string(static_cast<std::size_t>(filled), '#').c_str(),
                  std::string(static_cast<std::size_t>(kWidth - filled), '.').c_str(), static_cast<long long>(done),
                  static_cast<long long>(frame_count_), rate_hz, duration_words(static_cast<double>(frame_count_ - done) / rate_hz).c_str(),
-                 static_cast<long long>(result.surfel_count), result.status == TrackingStatus::kTracked ? "" : "  lost");
+                 static_cast<long long>(result.surfel_count),
+                 result.status == TrackingStatus::kTracked ? "" : (std::string("  ") + name_of(result.status)).c_str());
     if (done == frame_count_) std::fputc('\n', stderr);
   }
 
@@ -100,11 +101,14 @@ void process_frames(const Sequence& sequence, FrameRange range, Pipeline& pipeli
   FrameReader reader(sequence, range, kFramesAhead);
   Progress progress(range.count());
   std::int64_t done = 0;
+  std::string said;
   while (const std::optional<ReadFrame> read = reader.next()) {
     if (!read->problem.empty())
       progress.line("frame " + std::to_string(read->index) + " cannot be read and counts as empty: " + read->problem);
     const FrameResult result = or_throw(pipeline.process(read->frame));
-    if (result.status == TrackingStatus::kLost) progress.line("frame " + std::to_string(read->index) + " lost: " + result.reason);
+    if (!result.reason.empty() && result.reason != said)
+      progress.line("frame " + std::to_string(read->index) + " " + name_of(result.status) + ": " + result.reason);
+    said = result.reason;
     progress.show(++done, result);
   }
 }
