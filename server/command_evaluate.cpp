@@ -19,13 +19,21 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct EvaluateArguments {
-  std::string estimate, groundtruth, cloud, surface, colored;
+  std::string estimate, groundtruth, per_frame, cloud, surface, colored;
 };
 
 // At which the colour of an error is red; none is blue.
 constexpr double kReddest_m = 0.02;
 // Some 90 million of our points.
 constexpr std::size_t kMaxPly_bytes = std::size_t{4} << 30;
+
+// Of a TUM file or of a sequence.
+Trajectory read_groundtruth(const std::string& source) {
+  if (is_file(source)) return or_throw(read_tum_trajectory(source));
+  Trajectory groundtruth = or_throw(open_sequence(source))->groundtruth();
+  if (groundtruth.empty()) throw SetupError({ErrorCode::kNotFound, source + " has no true poses"});
+  return groundtruth;
+}
 
 PlyShape read_ply(const std::string& path) { return or_throw(parse_ply(or_throw(read_text_file(path, kMaxPly_bytes)))); }
 
@@ -51,7 +59,7 @@ Truth open_truth(const EvaluateArguments& arguments) {
     truth.surface = or_throw(surface_of_sequence(*sequence, arguments.surface));
     truth.groundtruth = sequence->groundtruth();
   }
-  if (!arguments.groundtruth.empty()) truth.groundtruth = or_throw(read_tum_trajectory(arguments.groundtruth));
+  if (!arguments.groundtruth.empty()) truth.groundtruth = read_groundtruth(arguments.groundtruth);
   return truth;
 }
 
@@ -97,8 +105,9 @@ Json evaluate_surface(const EvaluateArguments& arguments) {
 
 Json evaluate_trajectory(const EvaluateArguments& arguments) {
   const Trajectory estimate = or_throw(read_tum_trajectory(arguments.estimate));
-  const Result<TrajectoryError> error = trajectory_error(estimate, or_throw(read_tum_trajectory(arguments.groundtruth)));
+  const Result<TrajectoryError> error = trajectory_error(estimate, read_groundtruth(arguments.groundtruth));
   if (!error.ok()) throw SetupError({ErrorCode::kNotFound, error.error().message});
+  if (!arguments.per_frame.empty()) or_throw(write_file_atomically(arguments.per_frame, format_frame_errors_csv(error->frames)));
   return Json::parse(format_trajectory_error_json(*error));
 }
 
@@ -117,8 +126,18 @@ int run_evaluate(const EvaluateArguments& arguments) {
 Command add_evaluate_command(CLI::App& app) {
   auto arguments = std::make_shared<EvaluateArguments>();
   CLI::App& evaluate = *app.add_subcommand("evaluate", "Errors of a trajectory and of a cloud, as JSON");
-  evaluate.add_option("--estimate", arguments->estimate, "Trajectory to judge, TUM format; it also says where the cloud lies");
-  evaluate.add_option("--groundtruth", arguments->groundtruth, "The true one, TUM format (default: that of the surface's sequence)");
+  CLI::Option* estimate =
+      evaluate.add_option("--estimate", arguments->estimate, "Trajectory to judge, TUM format; it also says where the cloud lies");
+  CLI::Option* groundtruth =
+      evaluate.add_option("--groundtruth", arguments->groundtruth,
+                          "The true one, TUM format, or a sequence with true poses (default: that of the surface's sequence)");
+  evaluate
+      .add_option(
+          "--per-frame", arguments->per_frame,
+          "Write the errors of each matched frame here, CSV: index, time, translation [m] and rotation [deg] after the alignment, and "
+          "those of the step from the frame before")
+      ->needs(estimate)
+      ->needs(groundtruth);
   CLI::Option* surface = evaluate.add_option(
       "--surface", arguments->surface, "True surface: a PLY mesh or cloud, or a sequence with true poses: its depth, or synthetic:...");
   evaluate.add_option("--cloud", arguments->cloud, "Cloud to judge, PLY: distances up to 10 cm, completeness at 5 and 10 mm")
