@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/dataset/text_file.h"
+#include "core/evaluate/depth_consistency.h"
 #include "core/evaluate/trajectory_error.h"
 #include "core/evaluate/true_surface.h"
 #include "core/output/ply.h"
@@ -19,7 +20,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct EvaluateArguments {
-  std::string estimate, groundtruth, per_frame, cloud, surface, colored;
+  std::string estimate, groundtruth, per_frame, consistency, cloud, surface, colored;
+  std::vector<std::int64_t> spacings = ConsistencyOptions().spacings;
 };
 
 // At which the colour of an error is red; none is blue.
@@ -30,7 +32,9 @@ constexpr std::size_t kMaxPly_bytes = std::size_t{4} << 30;
 // Of a TUM file or of a sequence.
 Trajectory read_groundtruth(const std::string& source) {
   if (is_file(source)) return or_throw(read_tum_trajectory(source));
-  Trajectory groundtruth = or_throw(open_sequence(source))->groundtruth();
+  Result<std::unique_ptr<Sequence>> sequence = open_sequence(source);
+  if (!sequence.ok()) throw SetupError(in_context("ground truth, no file of that name", sequence.error()));
+  Trajectory groundtruth = (*sequence)->groundtruth();
   if (groundtruth.empty()) throw SetupError({ErrorCode::kNotFound, source + " has no true poses"});
   return groundtruth;
 }
@@ -111,12 +115,28 @@ Json evaluate_trajectory(const EvaluateArguments& arguments) {
   return Json::parse(format_trajectory_error_json(*error));
 }
 
+Json evaluate_consistency(const EvaluateArguments& arguments) {
+  const std::unique_ptr<Sequence> sequence = or_throw(open_sequence(arguments.consistency));
+  std::vector<Trajectory> trajectories{or_throw(read_tum_trajectory(arguments.estimate))};
+  std::vector<std::string> names{"estimate"};
+  Trajectory groundtruth = arguments.groundtruth.empty() ? sequence->groundtruth() : read_groundtruth(arguments.groundtruth);
+  if (!groundtruth.empty()) {
+    trajectories.push_back(std::move(groundtruth));
+    names.push_back("groundtruth");
+  }
+  ConsistencyOptions options;
+  options.spacings = arguments.spacings;
+  return Json::parse(format_consistency_json(or_throw(depth_consistency(*sequence, trajectories, options)), names));
+}
+
 int run_evaluate(const EvaluateArguments& arguments) {
   Json json = Json::object();
   if (!arguments.estimate.empty() && !arguments.groundtruth.empty()) json.update(evaluate_trajectory(arguments));
+  if (!arguments.consistency.empty()) json.update(evaluate_consistency(arguments));
   if (!arguments.cloud.empty()) json.update(evaluate_surface(arguments));
   if (json.empty())
-    throw SetupError({ErrorCode::kInvalidArgument, "nothing to compare: give --estimate and --groundtruth, or --cloud and --surface"});
+    throw SetupError({ErrorCode::kInvalidArgument,
+                      "nothing to compare: give --estimate and --groundtruth, --estimate and --consistency, or --cloud and --surface"});
   std::cout << json.dump(2) << "\n";
   return 0;
 }
@@ -128,9 +148,9 @@ Command add_evaluate_command(CLI::App& app) {
   CLI::App& evaluate = *app.add_subcommand("evaluate", "Errors of a trajectory and of a cloud, as JSON");
   CLI::Option* estimate =
       evaluate.add_option("--estimate", arguments->estimate, "Trajectory to judge, TUM format; it also says where the cloud lies");
-  CLI::Option* groundtruth =
-      evaluate.add_option("--groundtruth", arguments->groundtruth,
-                          "The true one, TUM format, or a sequence with true poses (default: that of the surface's sequence)");
+  CLI::Option* groundtruth = evaluate.add_option(
+      "--groundtruth", arguments->groundtruth,
+      "The true one, TUM format, or a sequence with true poses (default: those of the surface's or consistency's sequence)");
   evaluate
       .add_option(
           "--per-frame", arguments->per_frame,
@@ -138,6 +158,18 @@ Command add_evaluate_command(CLI::App& app) {
           "those of the step from the frame before")
       ->needs(estimate)
       ->needs(groundtruth);
+  CLI::Option* consistency =
+      evaluate
+          .add_option(
+              "--consistency", arguments->consistency,
+              "Sequence whose depth images are to agree under the estimate, and beside it under the ground truth where there is one: "
+              "per spacing, median and root mean square of the distances between the surfaces of two frames [m], their overlap, and "
+              "the share of pairs in which each trajectory agrees better")
+          ->needs(estimate);
+  evaluate.add_option("--spacing", arguments->spacings, "Frames between the two of a pair, several with commas")
+      ->needs(consistency)
+      ->delimiter(',')
+      ->capture_default_str();
   CLI::Option* surface = evaluate.add_option(
       "--surface", arguments->surface, "True surface: a PLY mesh or cloud, or a sequence with true poses: its depth, or synthetic:...");
   evaluate.add_option("--cloud", arguments->cloud, "Cloud to judge, PLY: distances up to 10 cm, completeness at 5 and 10 mm")

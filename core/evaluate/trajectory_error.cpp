@@ -18,16 +18,6 @@ struct MatchedPose {
   TimedPose estimate, groundtruth;
 };
 
-Status check_trajectory(const Trajectory& trajectory, const std::string& name) {
-  for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    if (!std::isfinite(trajectory[i].timestamp_s) || !is_finite(trajectory[i].world_from_camera))
-      return Error{ErrorCode::kInvalidArgument, name + ": pose " + std::to_string(i) + " is not finite"};
-    if (i > 0 && trajectory[i].timestamp_s < trajectory[i - 1].timestamp_s)
-      return Error{ErrorCode::kInvalidArgument, name + ": time runs backwards at pose " + std::to_string(i)};
-  }
-  return Done{};
-}
-
 std::vector<double> times_of(const Trajectory& trajectory) {
   std::vector<double> times_s;
   times_s.reserve(trajectory.size());
@@ -148,8 +138,8 @@ Rigid3 align_points(const std::vector<Eigen::Vector3d>& target, const std::vecto
 }
 
 Result<TrajectoryError> trajectory_error(const Trajectory& estimate, const Trajectory& groundtruth, double max_gap_s) {
-  if (const Status status = check_trajectory(estimate, "estimate"); !status.ok()) return status.error();
-  if (const Status status = check_trajectory(groundtruth, "ground truth"); !status.ok()) return status.error();
+  if (const Status status = validate(estimate, "estimate"); !status.ok()) return status.error();
+  if (const Status status = validate(groundtruth, "ground truth"); !status.ok()) return status.error();
   const auto matched = match_poses(estimate, groundtruth, max_gap_s);
   if (!matched.ok()) return matched.error();
 
