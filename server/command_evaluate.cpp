@@ -162,9 +162,10 @@ Command add_evaluate_command(CLI::App& app) {
       evaluate
           .add_option(
               "--consistency", arguments->consistency,
-              "Sequence whose depth images are to agree under the estimate, and beside it under the ground truth where there is one: "
-              "per spacing, median and root mean square of the distances between the surfaces of two frames [m], their overlap, and "
-              "the share of pairs in which each trajectory agrees better")
+              "Sequence whose depth images are to agree under the estimate, and beside it under the ground truth where there is one. "
+              "Keys per spacing: pairs that overlap, of pairs_tried; of the distances between the surfaces of two frames "
+              "estimate_median_m and _rms_m; estimate_overlap; estimate_better_share of the pairs, by their medians; and groundtruth_... "
+              "alike")
           ->needs(estimate);
   evaluate.add_option("--spacing", arguments->spacings, "Frames between the two of a pair, several with commas")
       ->needs(consistency)
