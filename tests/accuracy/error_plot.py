@@ -6,6 +6,7 @@ import matplotlib
 
 matplotlib.use("SVG")
 import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib import ticker  # noqa: E402
 
 INK = "#768390"  # half way between black and white: the pages behind are either
 COLORS = ["#2f81f7", "#d9730d", "#2da44e", "#a371f7"]
@@ -71,7 +72,8 @@ def plot_errors(path, title, panels):
         legend_of(grid.flat[-1], colors)
         if max(middles) > MUCH * min(middles):
             grid[0, 0].set_yscale("log")
-            grid[0, 0].yaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
+            grid[0, 0].yaxis.set(major_locator=ticker.LogLocator(subs=(1, 3)), major_formatter=ticker.FormatStrFormatter("%g"),
+                                 minor_formatter=ticker.NullFormatter())
         else:
             grid[0, 0].set_ylim(bottom=0)
         for axes in grid[:, 0]:
