@@ -33,12 +33,21 @@ VkCommandBuffer Commands::next() {
   return commands_.vk();
 }
 
-void Commands::record(const Kernel& kernel, Threads threads, Constants constants, std::initializer_list<BufferRef> buffers) {
+void Commands::bind(const Kernel& kernel, Constants constants, std::initializer_list<BufferRef> buffers) {
   CHECK(buffers.size() == kernel.binding_count(),
         kernel.name() + " binds " + std::to_string(kernel.binding_count()) + " buffers, not " + std::to_string(buffers.size()));
   CHECK(constants.size == (kernel.push_constant_bytes() + std::size_t{3}) / 4 * 4,
         kernel.name() + " takes " + std::to_string(kernel.push_constant_bytes()) + " bytes of parameters, not " +
             std::to_string(constants.size));
+  VkCommandBuffer commands = next();
+  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.pipeline());
+  push_buffers(kernel, buffers);
+  if (constants.size > 0)
+    vkCmdPushConstants(commands, kernel.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, static_cast<std::uint32_t>(constants.size),
+                       constants.bytes);
+}
+
+void Commands::record(const Kernel& kernel, Threads threads, Constants constants, std::initializer_list<BufferRef> buffers) {
   const std::array<std::uint32_t, 3> groups = {group_count(threads.x, kernel.local_size()[0]),
                                                group_count(threads.y, kernel.local_size()[1]),
                                                group_count(threads.z, kernel.local_size()[2])};
@@ -49,13 +58,14 @@ void Commands::record(const Kernel& kernel, Threads threads, Constants constants
       throw DeviceError(kernel.name() + ": " + std::to_string(groups[axis]) + " work groups along axis " + std::to_string(axis) +
                         ", the device has at most " + std::to_string(limit));
   }
-  VkCommandBuffer commands = next();
-  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.pipeline());
-  push_buffers(kernel, buffers);
-  if (constants.size > 0)
-    vkCmdPushConstants(commands, kernel.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, static_cast<std::uint32_t>(constants.size),
-                       constants.bytes);
-  vkCmdDispatch(commands, groups[0], groups[1], groups[2]);
+  bind(kernel, constants, buffers);
+  vkCmdDispatch(commands_.vk(), groups[0], groups[1], groups[2]);
+  stamp(kernel.pass_slot());
+}
+
+void Commands::dispatch_bound(const Kernel& kernel, BufferRef groups) {
+  CHECK(groups.bytes >= sizeof(VkDispatchIndirectCommand), kernel.name() + ": no room for the number of work groups");
+  vkCmdDispatchIndirect(commands_.vk(), groups.buffer, 0);
   stamp(kernel.pass_slot());
 }
 

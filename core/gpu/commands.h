@@ -41,6 +41,14 @@ class Commands {
   }
   void dispatch(const Kernel& kernel, Threads threads, std::initializer_list<BufferRef> buffers) { record(kernel, threads, {}, buffers); }
 
+  // As many work groups as the first three words of `groups` say once the commands before have run: at most 65535 along each axis.
+  template <class Params>
+  void dispatch_indirect(const Kernel& kernel, BufferRef groups, const Params& params, std::initializer_list<BufferRef> buffers) {
+    static_assert(std::is_trivially_copyable_v<Params> && sizeof(Params) % 4 == 0);
+    bind(kernel, {&params, sizeof(Params)}, buffers);
+    dispatch_bound(kernel, groups);
+  }
+
   void fill(BufferRef buffer, std::uint32_t value);
   // The first `bytes` of each. CHECK: both are that large, `bytes` is a multiple of 4.
   void copy(BufferRef from, BufferRef to, VkDeviceSize bytes);
@@ -55,6 +63,8 @@ class Commands {
     std::size_t size = 0;
   };
   void record(const Kernel& kernel, Threads threads, Constants constants, std::initializer_list<BufferRef> buffers);
+  void bind(const Kernel& kernel, Constants constants, std::initializer_list<BufferRef> buffers);
+  void dispatch_bound(const Kernel& kernel, BufferRef groups);
   void push_buffers(const Kernel& kernel, std::initializer_list<BufferRef> buffers);
   VkCommandBuffer next();               // after a barrier; the first also writes the first time stamp
   void stamp(std::uint32_t pass_slot);  // after each command

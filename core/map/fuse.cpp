@@ -24,7 +24,8 @@ Fuser::Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOpt
       claims_(device, static_cast<std::size_t>(camera.width) * camera.height, "fusion") {}
 
 void Fuser::end_counting(gpu::Commands& commands, SurfelStore& store, std::uint32_t groups, bool ends_frame) {
-  commands.dispatch(scan_, {256}, shared::ScanParams{groups, ends_frame ? 1u : 0u}, {store.group_counts, store.state});
+  commands.dispatch(scan_, {256}, shared::ScanParams{groups, ends_frame ? 1u : 0u},
+                    {store.group_counts, store.state, store.visible_blocks});
 }
 
 void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, FusedFrame fused) {
@@ -48,25 +49,24 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
         {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
          store.attributes, store.times, store.camera_from_submap, candidates_, store.group_counts, store.state, all.slots(), claims_});
   end_counting(commands, store, groups_of(pixels), false);
-  commands.dispatch(
-      append_, {pixels}, params,
-      {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
-       store.attributes, store.times, store.camera_from_submap, candidates_, store.group_counts, store.state, store.free_slots});
+  commands.dispatch(append_, {pixels}, params,
+                    {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
+                     store.attributes, store.times, store.camera_from_submap, candidates_, store.group_counts, store.state,
+                     store.free_slots, store.bounds});
 }
 
 void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, const shared::Intrinsics& camera,
                   std::uint32_t frame_number) {
-  const std::uint32_t slots = store.slot_count() + new_slots_bound();
-  commands.dispatch(
-      clean_, {slots},
+  commands.dispatch_indirect(
+      clean_, store.visible_blocks,
       shared::CleanParams{camera, frame_number, static_cast<shared::uint>(options_.clean_interval_frames),
                           static_cast<float>(options_.stable_confidence), static_cast<shared::uint>(options_.max_unstable_age_frames),
                           static_cast<float>(options_.redundancy_depth_m), static_cast<float>(curvature_limit_per_m_)},
       {store.positions, store.attributes, store.times, store.camera_from_submap, stable.slots(), stable.depth_bits(), store.group_counts,
-       store.state});
-  end_counting(commands, store, groups_of(slots), true);
-  commands.dispatch(free_list_, {slots}, shared::FreeListParams{frame_number},
-                    {store.positions, store.group_counts, store.state, store.free_slots, store.times});
+       store.state, store.visible_blocks, store.bounds});
+  end_counting(commands, store, 0, true);
+  commands.dispatch_indirect(free_list_, store.visible_blocks, shared::FreeListParams{frame_number},
+                             {store.positions, store.group_counts, store.state, store.free_slots, store.times, store.visible_blocks});
 }
 
 }  // namespace hermite

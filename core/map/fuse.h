@@ -21,8 +21,8 @@ class Fuser {
   // set to the frame's pose and have room for new_slots_bound() more.
   void fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, FusedFrame fused);
 
-  // Records: contradicted and forgotten surfels among those in turn are removed and all free slots listed. `stable` is an index map of
-  // stable surfels after fusion. Brings the store's counters up to date. `camera` is that of the index map.
+  // Records: contradicted and forgotten surfels among those in turn are removed and free slots listed, in the store's visible blocks.
+  // `stable` is an index map of stable surfels after fusion. Brings the store's counters up to date. `camera` is that of the index map.
   void clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, const shared::Intrinsics& camera,
              std::uint32_t frame_number);
 

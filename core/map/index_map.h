@@ -6,6 +6,9 @@
 
 namespace hermite {
 
+// Beyond this a surfel covers less than a pixel of any supported camera.
+inline constexpr float kFarthest_m = 20.0f;
+
 inline constexpr shared::uint kNoSurfel = 0xffffffffu;
 
 class IndexMap {
@@ -13,10 +16,9 @@ class IndexMap {
   // `camera` has the size of all views.
   IndexMap(gpu::Device& device, const shared::Intrinsics& camera);
 
-  // Records the passes: surfels of at least `min_confidence` (and alive), as seen by the camera that the store was set to, 5 cm to 20 m
-  // away. `slot_count` bounds the slots looked at.
-  void build(gpu::Commands& commands, const SurfelStore& store, const shared::Intrinsics& camera, std::uint32_t slot_count,
-             double min_confidence);
+  // Records the passes: surfels of at least `min_confidence` (and alive), as seen by the camera that the store was set to, 5 cm to
+  // kFarthest_m away. The store's visible blocks must have been listed for this view.
+  void build(gpu::Commands& commands, const SurfelStore& store, const shared::Intrinsics& camera, double min_confidence);
 
   // By pixel: the depth of that surfel as the bits of a float.
   const gpu::Buffer<shared::uint>& depth_bits() const { return depth_bits_; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <string>
 
 namespace hermite {
 
@@ -77,12 +78,19 @@ SurfelStore::SurfelStore(gpu::Device& device)
 void SurfelStore::reserve(std::uint32_t additional) {
   const std::uint32_t wanted = slot_count() + additional;
   if (wanted <= capacity_) return;
-  const std::uint32_t capacity = std::max(wanted, capacity_ + capacity_ / 2);
+  if (wanted > kMaxSlots || additional > kMaxSlots)
+    throw gpu::DeviceError("the map is full: it has " + std::to_string(slot_count()) + " surfels, at most " + std::to_string(kMaxSlots) +
+                           " fit");
+  const std::uint32_t block_count =
+      (std::min(std::max(wanted, capacity_ + capacity_ / 2), kMaxSlots) + kSlotsPerBlock - 1) / kSlotsPerBlock;
+  const std::uint32_t capacity = block_count * kSlotsPerBlock;  // whole blocks, so that a pass may look at all slots of one
   grow(device_, positions, capacity);
   grow(device_, attributes, capacity);
   grow(device_, times, capacity);
   grow(device_, free_slots, capacity);
-  group_counts = gpu::Buffer<shared::uint>(device_, capacity / 256 + 1, "map");
+  grow(device_, bounds, block_count);
+  group_counts = gpu::Buffer<shared::uint>(device_, block_count, "map");
+  visible_blocks = gpu::Buffer<shared::uint>(device_, 3 + block_count, "map");
   capacity_ = capacity;
 }
 

@@ -1,7 +1,8 @@
-// The surfels of a map in GPU memory: three arrays of 40 bytes a slot in all, a list of free slots, and the poses of submaps.
+// The surfels of a map in GPU memory: three arrays of 40 bytes a slot in all, a list of free slots, bounds of blocks of slots, and the
+// poses of submaps.
 //
-// A surfel's position and normal are in the frame of its submap. A slot keeps its number while its surfel lives and is used again afterwards.
-// One thread at a time: the device's.
+// A surfel's position and normal are in the frame of its submap. A slot keeps its number while its surfel lives and is used again
+// afterwards. One thread at a time: the device's.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +14,10 @@
 #include "shaders/shared/map.h"
 
 namespace hermite {
+
+inline constexpr std::uint32_t kSlotsPerBlock = 256;
+// As many blocks as every device can dispatch at once.
+inline constexpr std::uint32_t kMaxSlots = 65535 * kSlotsPerBlock;
 
 struct Surfel {
   Eigen::Vector3f position_in_submap_m;
@@ -31,14 +36,15 @@ class SurfelStore {
  public:
   explicit SurfelStore(gpu::Device& device);
 
-  // Room for `additional` more slots; grows by half, keeping the content. Throws gpu::DeviceError when the device has no more.
+  // Room for `additional` more slots; grows by half, keeping the content. Throws gpu::DeviceError when the device has no more, or beyond
+  // kMaxSlots.
   void reserve(std::uint32_t additional);
 
   // Poses seen by the next passes.
   void set_camera(const Rigid3& world_from_camera);
 
   std::uint32_t slot_count() const { return counters().slot_count; }
-  std::uint32_t alive_count() const { return counters().slot_count - counters().free_count; }
+  std::uint32_t alive_count() const { return counters().alive_count; }
   std::uint32_t capacity() const { return capacity_; }
   const std::vector<Rigid3>& world_from_submap() const { return world_from_submap_; }
 
@@ -49,8 +55,10 @@ class SurfelStore {
   gpu::Buffer<shared::SurfelAttributes> attributes;
   gpu::Buffer<shared::uvec2> times;
   gpu::Buffer<shared::uint> free_slots;
-  gpu::Buffer<shared::uint> group_counts;  // scratch of the prefix sums, one entry for every 256 slots or pixels
-  gpu::Buffer<shared::MapState> state;     // valid on the host between frames
+  gpu::Buffer<shared::uint> group_counts;    // scratch of the prefix sums, one entry for every 256 slots or pixels
+  gpu::Buffer<shared::BlockBounds> bounds;   // by block of 256 slots
+  gpu::Buffer<shared::uint> visible_blocks;  // three numbers of workgroups for a dispatch, then the blocks listed by VisibleBlocks
+  gpu::Buffer<shared::MapState> state;       // valid on the host between frames
   gpu::Buffer<shared::Transform> camera_from_submap;
 
  private:

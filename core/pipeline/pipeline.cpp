@@ -11,6 +11,7 @@
 #include "core/map/index_map.h"
 #include "core/map/predict.h"
 #include "core/map/surfel_store.h"
+#include "core/map/visible_blocks.h"
 #include "core/track/odometry.h"
 
 namespace hermite {
@@ -70,6 +71,7 @@ struct Pipeline::Impl {
         preprocessor(device, camera, options.frame),
         odometry(device, preprocessor.maps().camera(), options.track),
         store(device),
+        visible(device, options.map),
         index(device, preprocessor.maps().camera()),
         fuser(device, preprocessor.maps().camera(), options.map, options.frame),
         predictor(device, preprocessor.maps().camera(), options.map) {}
@@ -100,6 +102,7 @@ struct Pipeline::Impl {
   Preprocessor preprocessor;
   Odometry odometry;
   SurfelStore store;
+  VisibleBlocks visible;
   IndexMap index;
   Fuser fuser;
   Predictor predictor;
@@ -163,12 +166,14 @@ void Pipeline::Impl::fuse(const FrameMaps& maps, bool with_color) {
   ++frame_number;
   store.reserve(fuser.new_slots_bound());
   store.set_camera(world_from_camera);
-  index.build(commands, store, maps.camera(), store.slot_count(), 0);
+  visible.list(commands, store, maps.camera(), frame_number);
+  index.build(commands, store, maps.camera(), 0);
   fuser.fuse(commands, maps, store, index, {frame_number, with_color});
 }
 
 void Pipeline::Impl::predict(const FrameMaps& maps, bool with_color) {
-  index.build(commands, store, maps.camera(), store.slot_count() + fuser.new_slots_bound(), options.map.stable_confidence);
+  visible.list(commands, store, maps.camera(), frame_number);
+  index.build(commands, store, maps.camera(), options.map.stable_confidence);
   fuser.clean(commands, store, index, maps.camera(), frame_number);
   predictor.run(commands, store, index, maps, with_color);
   downsample(commands, preprocessor.downsample_kernel(), predictor.surface(), 0.5 * options.frame.depth_gate_m);

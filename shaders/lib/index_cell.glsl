@@ -1,9 +1,11 @@
 // The pixel a surfel falls into and the bits of its depth (positive floats order like their bits). Shared by both halves of the index
 // map, which must agree to the last bit: hence `precise`. Needs the bindings of index_depth.comp.
+uint listed_slot() { return (blocks[gl_WorkGroupID.x] & ~kOutOfView) * kBlock + gl_LocalInvocationID.x; }
+
 bool index_cell(uint slot, out uint cell, out uint bits) {
   cell = 0u;
   bits = 0u;
-  if (slot >= p.slot_count) return false;
+  // Slots in the list beyond those in use are free.
   vec4 surfel = position_confidence[slot];
   if (surfel.w <= 0.0 || surfel.w < p.min_confidence) return false;
   Transform t = camera_from_submap[surfel_submap(attributes[slot])];

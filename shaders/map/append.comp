@@ -6,8 +6,10 @@
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/fuse_bindings.glsl"
+#include "shaders/lib/blocks.glsl"
 layout(local_size_x = 256) in;
 layout(scalar, binding = 13) readonly buffer FreeList { uint free_slots[]; };
+layout(scalar, binding = 14) buffer Bounds { BlockBounds bounds[]; };
 shared uint is_new[256];
 
 void main() {
@@ -22,7 +24,10 @@ void main() {
   if (slot >= p.slot_capacity) return;
   Measurement m = measure(i);
   Transform t = camera_from_submap[p.submap];
-  position_confidence[slot] = vec4(transform_back(t, m.position), m.confidence);
+  vec3 position = transform_back(t, m.position);
+  for (uint direction = 0u; direction < 8u; ++direction)
+    atomicMax(bounds[slot / kBlock].reach[direction], ordered(reach(direction, vec4(position, float(p.submap)))));
+  position_confidence[slot] = vec4(position, m.confidence);
   attributes[slot] = SurfelAttributes(pack_unit(rotate_back(t, m.normal)), pack_radius_submap(m.radius_m, p.submap), pack_color(m.color),
                                       packHalf2x16(m.curvatures));
   times[slot] = uvec2(p.frame_number);

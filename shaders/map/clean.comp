@@ -1,13 +1,15 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Removes surfels that should not be there (paper section 5, reference notes 4.4) and counts free slots by workgroup:
+// Removes surfels that should not be there (paper section 5, reference notes 4.4), counts free slots by listed block and brings the bounds
+// of the blocks in turn up to date:
 //   redundant   most neighbours in 5x5 pixels of the index map of stable surfels are older and lie just behind it
 //   free space  stable surfels seen in this very frame lie clearly behind it
 //   unstable    never confirmed for max_unstable_age frames
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/surfel.glsl"
+#include "shaders/lib/blocks.glsl"
 layout(local_size_x = 256) in;
 layout(scalar, binding = 0) buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 1) readonly buffer Attributes { SurfelAttributes attributes[]; };
@@ -16,16 +18,19 @@ layout(scalar, binding = 3) readonly buffer Submaps { Transform camera_from_subm
 layout(scalar, binding = 4) readonly buffer StableIds { uint stable_ids[]; };
 layout(scalar, binding = 5) readonly buffer StableDepths { uint stable_depth_bits[]; };
 layout(scalar, binding = 6) writeonly buffer Groups { uint free_by_group[]; };
-layout(scalar, binding = 7) readonly buffer State { MapState state; };
+layout(scalar, binding = 7) buffer State { MapState state; };
+layout(scalar, binding = 8) readonly buffer Visible { uint groups[3]; uint blocks[]; };
+layout(scalar, binding = 9) writeonly buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, push_constant) uniform Push { CleanParams p; };
-shared uint is_free[256];
+shared uint is_free[kBlock], is_freed[kBlock];
+shared vec4 position_submap[kBlock];
 
-bool contradicted(uint slot, vec4 surfel, bool in_turn) {
+bool contradicted(uint slot, vec4 surfel) {
   SurfelAttributes a = attributes[slot];
   Transform t = camera_from_submap[surfel_submap(a)];
   vec3 point = transform_point(t, surfel.xyz);
   ivec2 pixel = ivec2(floor(project(p.camera, point) + 0.5));
-  bool visible = in_turn && point.z > 0.05 && inside(p.camera, pixel);
+  bool visible = point.z > 0.05 && inside(p.camera, pixel);
   float radius = surfel_radius(a);
   uvec2 time = times[slot];
   float normal_z = abs(rotate(t, unpack_unit(a.normal)).z);
@@ -58,27 +63,43 @@ bool outlived(vec4 surfel, uint slot) {
          max(abs(kappa.x), abs(kappa.y)) > p.curvature_limit_per_m;
 }
 
+void write_bounds(uint block) {
+  uint direction = gl_LocalInvocationID.x;
+  if (direction >= 8u) return;
+  uint farthest = 0u;
+  for (uint i = 0u; i < kBlock; ++i) {
+    uint key = ordered(reach(direction, position_submap[i]));
+    farthest = is_free[i] != 0u ? farthest : max(farthest, key);
+  }
+  bounds[block].reach[direction] = farthest;
+}
+
 void main() {
-  uint slot = gl_GlobalInvocationID.x;
+  uint lane = gl_LocalInvocationID.x, entry = blocks[gl_WorkGroupID.x], block = entry & ~kOutOfView, slot = block * kBlock + lane;
   // Fusion has appended, but the count is brought up to date after this pass.
   uint appended = state.new_count > state.free_count ? state.new_count - state.free_count : 0u;
   bool exists = slot < state.slot_count + appended;
-  bool dead = false;
-  if (exists) {
-    vec4 surfel = position_confidence[slot];
-    dead = surfel.w <= 0.0;
-    bool in_turn = !dead && (gl_WorkGroupID.x + p.frame_number) % p.interval == 0u;
-    if (contradicted(slot, surfel, in_turn) || (in_turn && outlived(surfel, slot))) {
-      dead = true;
-      // map/free_list writes when it went: here its neighbours may still be asking when it was last seen.
-      position_confidence[slot].w = -1.0;
-    }
+  bool in_turn = (block + p.frame_number) % p.interval == 0u;
+  vec4 surfel = exists ? position_confidence[slot] : vec4(0.0);
+  bool alive = surfel.w > 0.0, freed = false;
+  if (alive && in_turn) {
+    freed = contradicted(slot, surfel) || outlived(surfel, slot);
+    // map/free_list writes when it went: here its neighbours may still be asking when it was last seen.
+    if (freed) position_confidence[slot].w = -1.0;
   }
-  is_free[gl_LocalInvocationID.x] = dead ? 1u : 0u;
+  is_free[lane] = !alive || freed ? 1u : 0u;
+  is_freed[lane] = freed ? 1u : 0u;
+  position_submap[lane] = vec4(surfel.xyz, exists ? float(surfel_submap(attributes[slot])) : 0.0);
   barrier();
-  if (gl_LocalInvocationID.x == 0u) {
-    uint sum = 0u;
-    for (uint i = 0u; i < 256u; ++i) sum += is_free[i];
-    free_by_group[gl_WorkGroupID.x] = sum;
+  if (in_turn) write_bounds(block);
+  if (lane != 8u) return;
+  uint free_count = 0u, freed_count = 0u, existing = min(state.slot_count + appended - block * kBlock, kBlock);
+  for (uint i = 0u; i < existing; ++i) {
+    free_count += is_free[i];
+    freed_count += is_freed[i];
   }
+  // The slots of a block elsewhere wait until the camera is there again: its surfels shall stay neighbours.
+  bool list = (entry & kOutOfView) == 0u || free_count == kBlock;
+  free_by_group[gl_WorkGroupID.x] = list ? free_count : 0u;
+  if (freed_count > 0u) atomicAdd(state.freed_count, freed_count);
 }

@@ -1,28 +1,32 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Writes the free slots in ascending order. Those that cleaning has just freed (confidence -1) get this frame's number.
+// Writes the free slots of the listed blocks in ascending order. Those that cleaning has just freed (confidence -1) get this frame's number.
 #include "shaders/shared/map.h"
+#include "shaders/lib/blocks.glsl"
 layout(local_size_x = 256) in;
 layout(scalar, binding = 0) buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 1) readonly buffer Groups { uint free_by_group[]; };
 layout(scalar, binding = 2) readonly buffer State { MapState state; };
 layout(scalar, binding = 3) writeonly buffer FreeList { uint free_slots[]; };
 layout(scalar, binding = 4) writeonly buffer Times { uvec2 times[]; };
+layout(scalar, binding = 5) readonly buffer Visible { uint groups[3]; uint blocks[]; };
 layout(scalar, push_constant) uniform Push { FreeListParams p; };
-shared uint is_free[256];
+shared uint is_free[kBlock];
 
 void main() {
-  uint slot = gl_GlobalInvocationID.x;
+  uint group = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x, slot = (blocks[group] & ~kOutOfView) * kBlock + lane;
   bool dead = slot < state.slot_count && position_confidence[slot].w <= 0.0;
-  is_free[gl_LocalInvocationID.x] = dead ? 1u : 0u;
+  is_free[lane] = dead ? 1u : 0u;
   barrier();
   if (!dead) return;
-  uint rank = free_by_group[gl_WorkGroupID.x];
-  for (uint i = 0u; i < gl_LocalInvocationID.x; ++i) rank += is_free[i];
-  free_slots[rank] = slot;
+  uint rank = free_by_group[group];
+  uint end = group + 1u < groups[0] ? free_by_group[group + 1u] : state.free_count;
   if (position_confidence[slot].w < 0.0) {
     position_confidence[slot].w = 0.0;
     times[slot].y = p.frame_number;
   }
+  if (rank == end) return;  // none of this block are to be used
+  for (uint i = 0u; i < lane; ++i) rank += is_free[i];
+  free_slots[rank] = slot;
 }

@@ -20,15 +20,29 @@ struct SurfelAttributes {
 // Counters of the map, in a buffer of their own.
 struct MapState {
   uint slot_count;   // slots in use or free below this
-  uint free_count;   // of these, free ones (listed in order)
+  uint free_count;   // of these, the free ones that are listed for use
   uint new_count;    // being appended; 0 between frames
+  uint alive_count;
+  uint freed_count;  // in this frame; 0 between frames
+};
+
+// Of 256 neighbouring slots: see shaders/lib/blocks.glsl.
+struct BlockBounds {
+  uint reach[8];
+};
+
+struct VisibleParams {
+  Intrinsics camera;
+  float depth_max_m;
+  float margin_m;      // that a merge may move a surfel by
+  uint frame_number;
+  uint turn_interval;  // every so-many-th block is listed wherever it is, another one in every frame
 };
 
 struct IndexParams {
   Intrinsics camera;
   float min_confidence;
   float depth_max_m;
-  uint slot_count;
 };
 
 struct PredictParams {
@@ -66,7 +80,7 @@ struct FuseParams {
 struct CleanParams {
   Intrinsics camera;
   uint frame_number;
-  uint interval;               // every so-many-th workgroup is looked at, another one in every frame
+  uint interval;               // every so-many-th block is looked at, another one in every frame
   float stable_confidence;
   uint max_unstable_age;       // frames
   float redundancy_depth_m;
@@ -78,8 +92,8 @@ struct FreeListParams {
 };
 
 struct ScanParams {
-  uint group_count;
-  uint ends_frame;  // 0: the counts are of new surfels, 1: of free slots, which also brings slot_count up to date
+  uint group_count;  // of pixels; of slots it is the length of the list of blocks
+  uint ends_frame;   // 0: the counts are of new surfels, 1: of free slots, which also brings the map's counters up to date
 };
 
 #ifdef __cplusplus

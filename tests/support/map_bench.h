@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/map/fuse.h"
+#include "core/map/visible_blocks.h"
 #include "tests/reference/map_twin.h"
 #include "tests/support/surface_image.h"
 
@@ -30,6 +31,7 @@ class MapBench {
         index(device, intrinsics_of(camera)),
         fuser(device, intrinsics_of(camera), options, frame_options),
         options_(options),
+        visible_(device, options),
         commands_(device),
         maps_(make_frame_maps(device, camera)) {}
 
@@ -37,7 +39,8 @@ class MapBench {
     upload_frame(frame);
     store.reserve(fuser.new_slots_bound());
     store.set_camera(world_from_camera);
-    index.build(commands_, store, maps_.camera(), store.slot_count(), 0);
+    visible_.list(commands_, store, maps_.camera(), frame_number);
+    index.build(commands_, store, maps_.camera(), 0);
     fuser.fuse(commands_, maps_, store, index, {frame_number});
     commands_.submit_and_wait();
   }
@@ -45,7 +48,8 @@ class MapBench {
   // Also brings the counters up to date.
   void clean(std::uint32_t frame_number, const Rigid3& world_from_camera = {}) {
     store.set_camera(world_from_camera);
-    index.build(commands_, store, maps_.camera(), store.slot_count() + fuser.new_slots_bound(), options_.stable_confidence);
+    visible_.list(commands_, store, maps_.camera(), frame_number);
+    index.build(commands_, store, maps_.camera(), options_.stable_confidence);
     fuser.clean(commands_, store, index, maps_.camera(), frame_number);
     commands_.submit_and_wait();
   }
@@ -64,6 +68,7 @@ class MapBench {
   }
 
   const MapOptions options_;
+  VisibleBlocks visible_;
   gpu::Commands commands_;
   FrameMaps maps_;
 };

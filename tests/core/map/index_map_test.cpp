@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "core/map/visible_blocks.h"
 #include "tests/reference/map_twin.h"
 #include "tests/support/gpu_test.h"
 
@@ -33,11 +34,14 @@ Surfel surfel_seen_at(double u, double v, double depth_m, float confidence = 1) 
 
 class IndexMapTest : public test::GpuTest {
  protected:
-  IndexMapTest() : store(device()), map(device(), intrinsics_of(kCamera)) { view.camera = intrinsics_of(kCamera); }
+  IndexMapTest() : store(device()), visible(device(), MapOptions{}), map(device(), intrinsics_of(kCamera)) {
+    view.camera = intrinsics_of(kCamera);
+  }
 
   std::vector<std::uint32_t> build(double min_confidence = kLowest) {
     gpu::Commands commands(device());
-    map.build(commands, store, view.camera, store.slot_count(), min_confidence);
+    visible.list(commands, store, view.camera, 1);
+    map.build(commands, store, view.camera, min_confidence);
     commands.submit_and_wait();
     return map.slots().download();
   }
@@ -51,6 +55,7 @@ class IndexMapTest : public test::GpuTest {
   }
 
   SurfelStore store;
+  VisibleBlocks visible;
   IndexMap map;
   MapView view;
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/map/visible_blocks.h"
 #include "tests/reference/frame_twin.h"
 #include "tests/reference/map_twin.h"
 #include "tests/support/analytic_scene.h"
@@ -76,7 +77,8 @@ class PredictTest : public test::GpuTest {
     FrameMaps maps = test::make_frame_maps(device(), camera);
     test::upload(frame, maps.surface.levels[0]);
     gpu::Commands commands(device());
-    index.build(commands, store, maps.camera(), store.slot_count(), options.stable_confidence);
+    VisibleBlocks(device(), options).list(commands, store, maps.camera(), 1);
+    index.build(commands, store, maps.camera(), options.stable_confidence);
     predictor.run(commands, store, index, maps);
     commands.submit_and_wait();
     stored_ = store.download();

@@ -1,0 +1,20 @@
+#include "core/map/visible_blocks.h"
+
+namespace hermite {
+
+namespace {
+
+// Out of view nothing changes but age: a block is looked at once while its turn in view comes so many times.
+constexpr int kTurnsOutOfView = 16;
+
+}  // namespace
+
+VisibleBlocks::VisibleBlocks(gpu::Device& device, const MapOptions& options) : options_(options), kernel_(device, "map/visible") {}
+
+void VisibleBlocks::list(gpu::Commands& commands, const SurfelStore& store, const shared::Intrinsics& camera, std::uint32_t frame_number) {
+  const shared::VisibleParams params{camera, kFarthest_m, static_cast<float>(options_.fuse_depth_gate_m), frame_number,
+                                     static_cast<shared::uint>(kTurnsOutOfView * options_.clean_interval_frames)};
+  commands.dispatch(kernel_, {256}, params, {store.bounds, store.camera_from_submap, store.state, store.visible_blocks});
+}
+
+}  // namespace hermite

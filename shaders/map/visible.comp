@@ -1,0 +1,69 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// Lists, in ascending order, the blocks of slots that the view may show, and those whose turn for cleaning has come: one workgroup, and the
+// size of the dispatches that follow. Everything outside costs nothing until the camera turns to it.
+#include "shaders/shared/map.h"
+#include "shaders/lib/geometry.glsl"
+#include "shaders/lib/blocks.glsl"
+layout(local_size_x = 256) in;
+layout(scalar, binding = 0) readonly buffer Bounds { BlockBounds bounds[]; };
+layout(scalar, binding = 1) readonly buffer Submaps { Transform camera_from_submap[]; };
+layout(scalar, binding = 2) readonly buffer State { MapState state; };
+layout(scalar, binding = 3) writeonly buffer Visible { uint groups[3]; uint blocks[]; };
+layout(scalar, push_constant) uniform Push { VisibleParams p; };
+shared uint counts[256];
+
+struct Box {
+  vec3 centre;  // camera frame
+  vec3 half_size;
+  Transform t;
+};
+
+// Is some of the box where dot(normal, point) + offset >= 0?
+bool reaches(Box box, vec3 normal, float offset) {
+  return dot(normal, box.centre) + dot(abs(rotate_back(box.t, normal)), box.half_size) + offset >= 0.0;
+}
+
+bool may_be_seen(uint block) {
+  uint keys[8] = bounds[block].reach;
+  if (keys[0] == 0u) return false;
+  float submap = unordered(keys[6]);
+  if (submap != -unordered(keys[7])) return true;  // of several submaps
+  vec3 high = vec3(unordered(keys[0]), unordered(keys[1]), unordered(keys[2]));
+  vec3 low = -vec3(unordered(keys[3]), unordered(keys[4]), unordered(keys[5]));
+  Transform t = camera_from_submap[uint(submap)];
+  Box box = Box(transform_point(t, 0.5 * (high + low)), 0.5 * (high - low) + p.margin_m, t);
+  // A pixel more on each side than index_cell asks for makes up for rounding.
+  float left = -1.5 - p.camera.cx, right = float(p.camera.width) + 0.5 - p.camera.cx;
+  float top = -1.5 - p.camera.cy, bottom = float(p.camera.height) + 0.5 - p.camera.cy;
+  return reaches(box, vec3(0.0, 0.0, 1.0), 0.0) && reaches(box, vec3(0.0, 0.0, -1.0), p.depth_max_m) &&
+         reaches(box, vec3(p.camera.fx, 0.0, -left), 0.0) && reaches(box, vec3(-p.camera.fx, 0.0, right), 0.0) &&
+         reaches(box, vec3(0.0, p.camera.fy, -top), 0.0) && reaches(box, vec3(0.0, -p.camera.fy, bottom), 0.0);
+}
+
+bool has_its_turn(uint block) { return (block + p.frame_number) % p.turn_interval == 0u; }
+
+void main() {
+  uint lane = gl_LocalInvocationID.x;
+  uint appended = state.new_count > state.free_count ? state.new_count - state.free_count : 0u;
+  uint block_count = (state.slot_count + appended + kBlock - 1u) / kBlock;
+  uint share = (block_count + 255u) / 256u;
+  uint first = min(lane * share, block_count), last = min(first + share, block_count);
+  uint count = 0u;
+  for (uint block = first; block < last; ++block) count += has_its_turn(block) || may_be_seen(block) ? 1u : 0u;
+  counts[lane] = count;
+  barrier();
+  uint next = 0u;
+  for (uint i = 0u; i < lane; ++i) next += counts[i];
+  for (uint block = first; block < last; ++block) {
+    bool seen = may_be_seen(block);
+    if (!seen && !has_its_turn(block)) continue;
+    blocks[next] = seen ? block : block | kOutOfView;
+    ++next;
+  }
+  if (lane != 255u) return;
+  groups[0] = next;
+  groups[1] = 1u;
+  groups[2] = 1u;
+}
