@@ -46,7 +46,8 @@ TEST(Trace, HasAnEventForEveryFrameStageAndPassInMicroseconds) {
 }
 
 TEST(Trace, NamesTheDeviceWhateverIsInItsName) {
-  for (const nlohmann::json& event : trace_of(made_up_measurement()).at("traceEvents"))
+  const nlohmann::json trace = trace_of(made_up_measurement());
+  for (const nlohmann::json& event : trace.at("traceEvents"))
     if (event.at("name") == "process_name") {
       EXPECT_EQ(event.at("args").at("name"), "hermite on a \"device\"\n");
     }
