@@ -29,7 +29,7 @@ Measurement measure(RawFrameReader& file, const Arguments& arguments) {
     measured.start = Timeline::Clock::now();
     const FrameResult result = or_throw(pipeline.process(frame));
     measured.wall_ms = std::chrono::duration<double, std::milli>(Timeline::Clock::now() - measured.start).count();
-    measured.tracked = result.status == TrackingStatus::kTracked;
+    measured.tracked = result.status != TrackingStatus::kLost;
     measured.timeline = std::move(timeline);
     if (step >= arguments.warm_up_count) measurement.frames.push_back(std::move(measured));
   }

@@ -14,7 +14,7 @@ namespace hermite::bench {
 
 struct MeasuredFrame {
   std::int64_t index = 0;  // in the file
-  bool tracked = false;
+  bool tracked = false;    // weakly too
   Timeline::Clock::time_point start;
   double wall_ms = 0;  // inside Pipeline::process; reading the file is not in it
   Timeline timeline;

@@ -49,6 +49,7 @@ std::vector<PassCost> pass_costs(const Options& options) {
       // the search around the projection, which only the last steps may do, is not counted.
       by_pixel("track/odometry", 10, 345),
       by_pixel("track/rotation", 2, 95),
+      by_pixel("track/agreement", 5, 75),
       {"map/index_depth", kPosition + kAttributes, 24},
       {"map/index_id", kPosition + kAttributes, 24},
       // The pixel's measurement, its cell of the index map and the surfel there; candidate and claim.

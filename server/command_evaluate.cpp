@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/dataset/text_file.h"
+#include "core/evaluate/depth_consistency.h"
 #include "core/evaluate/trajectory_error.h"
 #include "core/evaluate/true_surface.h"
 #include "core/output/ply.h"
@@ -19,13 +20,24 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct EvaluateArguments {
-  std::string estimate, groundtruth, cloud, surface, colored;
+  std::string estimate, groundtruth, per_frame, consistency, cloud, surface, colored;
+  std::vector<std::int64_t> spacings = ConsistencyOptions().spacings;
 };
 
 // At which the colour of an error is red; none is blue.
 constexpr double kReddest_m = 0.02;
 // Some 90 million of our points.
 constexpr std::size_t kMaxPly_bytes = std::size_t{4} << 30;
+
+// Of a TUM file or of a sequence.
+Trajectory read_groundtruth(const std::string& source) {
+  if (is_file(source)) return or_throw(read_tum_trajectory(source));
+  Result<std::unique_ptr<Sequence>> sequence = open_sequence(source);
+  if (!sequence.ok()) throw SetupError(in_context("ground truth, no file of that name", sequence.error()));
+  Trajectory groundtruth = (*sequence)->groundtruth();
+  if (groundtruth.empty()) throw SetupError({ErrorCode::kNotFound, source + " has no true poses"});
+  return groundtruth;
+}
 
 PlyShape read_ply(const std::string& path) { return or_throw(parse_ply(or_throw(read_text_file(path, kMaxPly_bytes)))); }
 
@@ -51,7 +63,7 @@ Truth open_truth(const EvaluateArguments& arguments) {
     truth.surface = or_throw(surface_of_sequence(*sequence, arguments.surface));
     truth.groundtruth = sequence->groundtruth();
   }
-  if (!arguments.groundtruth.empty()) truth.groundtruth = or_throw(read_tum_trajectory(arguments.groundtruth));
+  if (!arguments.groundtruth.empty()) truth.groundtruth = read_groundtruth(arguments.groundtruth);
   return truth;
 }
 
@@ -97,17 +109,34 @@ Json evaluate_surface(const EvaluateArguments& arguments) {
 
 Json evaluate_trajectory(const EvaluateArguments& arguments) {
   const Trajectory estimate = or_throw(read_tum_trajectory(arguments.estimate));
-  const Result<TrajectoryError> error = trajectory_error(estimate, or_throw(read_tum_trajectory(arguments.groundtruth)));
+  const Result<TrajectoryError> error = trajectory_error(estimate, read_groundtruth(arguments.groundtruth));
   if (!error.ok()) throw SetupError({ErrorCode::kNotFound, error.error().message});
+  if (!arguments.per_frame.empty()) or_throw(write_file_atomically(arguments.per_frame, format_frame_errors_csv(error->frames)));
   return Json::parse(format_trajectory_error_json(*error));
+}
+
+Json evaluate_consistency(const EvaluateArguments& arguments) {
+  const std::unique_ptr<Sequence> sequence = or_throw(open_sequence(arguments.consistency));
+  std::vector<Trajectory> trajectories{or_throw(read_tum_trajectory(arguments.estimate))};
+  std::vector<std::string> names{"estimate"};
+  Trajectory groundtruth = arguments.groundtruth.empty() ? sequence->groundtruth() : read_groundtruth(arguments.groundtruth);
+  if (!groundtruth.empty()) {
+    trajectories.push_back(std::move(groundtruth));
+    names.push_back("groundtruth");
+  }
+  ConsistencyOptions options;
+  options.spacings = arguments.spacings;
+  return Json::parse(format_consistency_json(or_throw(depth_consistency(*sequence, trajectories, options)), names));
 }
 
 int run_evaluate(const EvaluateArguments& arguments) {
   Json json = Json::object();
   if (!arguments.estimate.empty() && !arguments.groundtruth.empty()) json.update(evaluate_trajectory(arguments));
+  if (!arguments.consistency.empty()) json.update(evaluate_consistency(arguments));
   if (!arguments.cloud.empty()) json.update(evaluate_surface(arguments));
   if (json.empty())
-    throw SetupError({ErrorCode::kInvalidArgument, "nothing to compare: give --estimate and --groundtruth, or --cloud and --surface"});
+    throw SetupError({ErrorCode::kInvalidArgument,
+                      "nothing to compare: give --estimate and --groundtruth, --estimate and --consistency, or --cloud and --surface"});
   std::cout << json.dump(2) << "\n";
   return 0;
 }
@@ -117,8 +146,31 @@ int run_evaluate(const EvaluateArguments& arguments) {
 Command add_evaluate_command(CLI::App& app) {
   auto arguments = std::make_shared<EvaluateArguments>();
   CLI::App& evaluate = *app.add_subcommand("evaluate", "Errors of a trajectory and of a cloud, as JSON");
-  evaluate.add_option("--estimate", arguments->estimate, "Trajectory to judge, TUM format; it also says where the cloud lies");
-  evaluate.add_option("--groundtruth", arguments->groundtruth, "The true one, TUM format (default: that of the surface's sequence)");
+  CLI::Option* estimate =
+      evaluate.add_option("--estimate", arguments->estimate, "Trajectory to judge, TUM format; it also says where the cloud lies");
+  CLI::Option* groundtruth = evaluate.add_option(
+      "--groundtruth", arguments->groundtruth,
+      "The true one, TUM format, or a sequence with true poses (default: those of the surface's or consistency's sequence)");
+  evaluate
+      .add_option(
+          "--per-frame", arguments->per_frame,
+          "Write the errors of each matched frame here, CSV: index, time, translation [m] and rotation [deg] after the alignment, and "
+          "those of the step from the frame before")
+      ->needs(estimate)
+      ->needs(groundtruth);
+  CLI::Option* consistency =
+      evaluate
+          .add_option(
+              "--consistency", arguments->consistency,
+              "Sequence whose depth images are to agree under the estimate, and beside it under the ground truth where there is one. "
+              "Keys per spacing: pairs that overlap, of pairs_tried; of the distances between the surfaces of two frames "
+              "estimate_median_m and _rms_m; estimate_overlap; estimate_better_share of the pairs, by their medians; and groundtruth_... "
+              "alike")
+          ->needs(estimate);
+  evaluate.add_option("--spacing", arguments->spacings, "Frames between the two of a pair, several with commas")
+      ->needs(consistency)
+      ->delimiter(',')
+      ->capture_default_str();
   CLI::Option* surface = evaluate.add_option(
       "--surface", arguments->surface, "True surface: a PLY mesh or cloud, or a sequence with true poses: its depth, or synthetic:...");
   evaluate.add_option("--cloud", arguments->cloud, "Cloud to judge, PLY: distances up to 10 cm, completeness at 5 and 10 mm")

@@ -111,11 +111,14 @@ void for_each_frame(const Sequence& sequence, FrameRange range, Work work) {
 }
 
 void process_frames(const Sequence& sequence, FrameRange range, Pipeline& pipeline) {
-  for_each_frame(sequence, range, [&pipeline](const ReadFrame& read, Progress& progress) {
+  std::string said;
+  for_each_frame(sequence, range, [&pipeline, &said](const ReadFrame& read, Progress& progress) {
     const FrameResult result = or_throw(pipeline.process(read.frame));
-    const bool lost = result.status == TrackingStatus::kLost;
-    if (lost) progress.line("frame " + std::to_string(read.index) + " lost: " + result.reason);
-    return std::to_string(result.surfel_count) + " surfels" + (lost ? "  lost" : "");
+    const std::string status = name_of(result.status);
+    if (!result.reason.empty() && result.reason != said)
+      progress.line("frame " + std::to_string(read.index) + " " + status + ": " + result.reason);
+    said = result.reason;
+    return std::to_string(result.surfel_count) + " surfels" + (result.status == TrackingStatus::kTracked ? "" : "  " + status);
   });
 }
 

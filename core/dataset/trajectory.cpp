@@ -1,5 +1,6 @@
 #include "core/dataset/trajectory.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -47,6 +48,30 @@ Result<Trajectory> read_tum_trajectory(const std::string& path) {
   Result<Trajectory> trajectory = parse_tum_trajectory(*text);
   if (!trajectory.ok()) return in_context(path, trajectory.error());
   return trajectory;
+}
+
+Status validate(const Trajectory& trajectory, const std::string& name) {
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    if (!std::isfinite(trajectory[i].timestamp_s) || !is_finite(trajectory[i].world_from_camera))
+      return Error{ErrorCode::kInvalidArgument, name + ": pose " + std::to_string(i) + " is not finite"};
+    if (i > 0 && trajectory[i].timestamp_s < trajectory[i - 1].timestamp_s)
+      return Error{ErrorCode::kInvalidArgument, name + ": time runs backwards at pose " + std::to_string(i)};
+  }
+  return Done{};
+}
+
+std::optional<Rigid3> pose_at(const Trajectory& trajectory, double timestamp_s, double max_gap_s) {
+  const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), timestamp_s,
+                                      [](const TimedPose& pose, double time_s) { return pose.timestamp_s < time_s; });
+  const bool has_after = after != trajectory.end() && after->timestamp_s - timestamp_s <= max_gap_s;
+  const bool has_before = after != trajectory.begin() && timestamp_s - std::prev(after)->timestamp_s <= max_gap_s;
+  if (has_after && (!has_before || after->timestamp_s == timestamp_s)) return after->world_from_camera;
+  if (!has_before) return std::nullopt;
+  const TimedPose& before = *std::prev(after);
+  if (!has_after) return before.world_from_camera;
+  const double share = (timestamp_s - before.timestamp_s) / (after->timestamp_s - before.timestamp_s);
+  const Rigid3 &a = before.world_from_camera, &b = after->world_from_camera;
+  return Rigid3{a.rotation.slerp(share, b.rotation), a.translation + share * (b.translation - a.translation)};
 }
 
 std::string format_tum_trajectory(const Trajectory& trajectory) {

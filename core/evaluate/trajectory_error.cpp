@@ -2,7 +2,9 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace hermite {
@@ -15,16 +17,6 @@ struct MatchedPose {
   std::size_t estimate_index;
   TimedPose estimate, groundtruth;
 };
-
-Status check_trajectory(const Trajectory& trajectory, const std::string& name) {
-  for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    if (!std::isfinite(trajectory[i].timestamp_s) || !is_finite(trajectory[i].world_from_camera))
-      return Error{ErrorCode::kInvalidArgument, name + ": pose " + std::to_string(i) + " is not finite"};
-    if (i > 0 && trajectory[i].timestamp_s < trajectory[i - 1].timestamp_s)
-      return Error{ErrorCode::kInvalidArgument, name + ": time runs backwards at pose " + std::to_string(i)};
-  }
-  return Done{};
-}
 
 std::vector<double> times_of(const Trajectory& trajectory) {
   std::vector<double> times_s;
@@ -46,25 +38,45 @@ Result<std::vector<MatchedPose>> match_poses(const Trajectory& estimate, const T
   return matched;
 }
 
+double degrees(const Eigen::Quaterniond& rotation) { return angle_rad(rotation) * 180.0 / M_PI; }
+
+FrameError::Step motion_error(const MatchedPose& from, const MatchedPose& to) {
+  const Rigid3 true_motion = inverse(from.groundtruth.world_from_camera) * to.groundtruth.world_from_camera;
+  const Rigid3 estimated_motion = inverse(from.estimate.world_from_camera) * to.estimate.world_from_camera;
+  const Rigid3 difference = inverse(true_motion) * estimated_motion;
+  return {difference.translation.norm(), degrees(difference.rotation)};
+}
+
 struct RelativeErrors {
   std::vector<double> translation_m, rotation_deg;
 
-  void add(const MatchedPose& from, const MatchedPose& to) {
-    const Rigid3 true_motion = inverse(from.groundtruth.world_from_camera) * to.groundtruth.world_from_camera;
-    const Rigid3 estimated_motion = inverse(from.estimate.world_from_camera) * to.estimate.world_from_camera;
-    const Rigid3 difference = inverse(true_motion) * estimated_motion;
-    translation_m.push_back(difference.translation.norm());
-    rotation_deg.push_back(angle_rad(difference.rotation) * 180.0 / M_PI);
+  void add(const FrameError::Step& step) {
+    translation_m.push_back(step.translation_m);
+    rotation_deg.push_back(step.rotation_deg);
   }
   RelativeError summary() const {
     return {static_cast<std::int64_t>(translation_m.size()), statistics_of(translation_m), statistics_of(rotation_deg)};
   }
 };
 
-RelativeErrors frame_to_frame(const std::vector<MatchedPose>& matched) {
+std::vector<FrameError> frame_errors(const std::vector<MatchedPose>& matched, const Rigid3& groundtruth_from_estimate) {
+  std::vector<FrameError> frames;
+  for (std::size_t i = 0; i < matched.size(); ++i) {
+    const Rigid3 aligned = groundtruth_from_estimate * matched[i].estimate.world_from_camera;
+    const Rigid3& truth = matched[i].groundtruth.world_from_camera;
+    FrameError frame{static_cast<std::int64_t>(matched[i].estimate_index), matched[i].estimate.timestamp_s,
+                     (truth.translation - aligned.translation).norm(), degrees(truth.rotation.conjugate() * aligned.rotation),
+                     std::nullopt};
+    if (i > 0 && matched[i].estimate_index == matched[i - 1].estimate_index + 1) frame.step = motion_error(matched[i - 1], matched[i]);
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+RelativeErrors frame_to_frame(const std::vector<FrameError>& frames) {
   RelativeErrors errors;
-  for (std::size_t i = 1; i < matched.size(); ++i)
-    if (matched[i].estimate_index == matched[i - 1].estimate_index + 1) errors.add(matched[i - 1], matched[i]);
+  for (const FrameError& frame : frames)
+    if (frame.step) errors.add(*frame.step);
   return errors;
 }
 
@@ -76,7 +88,7 @@ RelativeErrors over_one_second(const std::vector<MatchedPose>& matched, double m
     const double goal_s = from.estimate.timestamp_s + kPerSecond_s;
     const auto distance_s = [&](std::size_t i) { return std::abs(matched[i].estimate.timestamp_s - goal_s); };
     while (to + 1 < matched.size() && distance_s(to + 1) <= distance_s(to)) ++to;
-    if (distance_s(to) <= max_gap_s) errors.add(from, matched[to]);
+    if (distance_s(to) <= max_gap_s) errors.add(motion_error(from, matched[to]));
   }
   return errors;
 }
@@ -126,8 +138,8 @@ Rigid3 align_points(const std::vector<Eigen::Vector3d>& target, const std::vecto
 }
 
 Result<TrajectoryError> trajectory_error(const Trajectory& estimate, const Trajectory& groundtruth, double max_gap_s) {
-  if (const Status status = check_trajectory(estimate, "estimate"); !status.ok()) return status.error();
-  if (const Status status = check_trajectory(groundtruth, "ground truth"); !status.ok()) return status.error();
+  if (const Status status = validate(estimate, "estimate"); !status.ok()) return status.error();
+  if (const Status status = validate(groundtruth, "ground truth"); !status.ok()) return status.error();
   const auto matched = match_poses(estimate, groundtruth, max_gap_s);
   if (!matched.ok()) return matched.error();
 
@@ -140,10 +152,11 @@ Result<TrajectoryError> trajectory_error(const Trajectory& estimate, const Traje
   error.matched_count = static_cast<std::int64_t>(matched->size());
   error.estimate_count = static_cast<std::int64_t>(estimate.size());
   error.groundtruth_from_estimate = align_points(truth, estimated);
+  error.frames = frame_errors(*matched, error.groundtruth_from_estimate);
   std::vector<double> distances_m;
-  for (std::size_t i = 0; i < truth.size(); ++i) distances_m.push_back((truth[i] - error.groundtruth_from_estimate * estimated[i]).norm());
+  for (const FrameError& frame : error.frames) distances_m.push_back(frame.translation_m);
   error.ate_m = statistics_of(distances_m);
-  error.per_frame = frame_to_frame(*matched).summary();
+  error.per_frame = frame_to_frame(error.frames).summary();
   const RelativeError per_second = over_one_second(*matched, max_gap_s).summary();
   if (per_second.pair_count > 0) error.per_second = per_second;
   return error;
@@ -164,6 +177,20 @@ std::string format_trajectory_error_json(const TrajectoryError& error) {
   for (int row = 0; row < 4; ++row)
     for (int column = 0; column < 4; ++column) json["groundtruth_from_estimate"].push_back(matrix(row, column));
   return json.dump(2) + "\n";
+}
+
+std::string format_frame_errors_csv(const std::vector<FrameError>& frames) {
+  std::string text = "index,timestamp_s,translation_error_m,rotation_error_deg,step_translation_error_m,step_rotation_error_deg\n";
+  // Any double in %f needs at most 309 digits before the point.
+  std::array<char, 4 * 330> line{};
+  const auto append = [&](int length) { text.append(line.data(), static_cast<std::size_t>(length)); };
+  for (const FrameError& frame : frames) {
+    append(std::snprintf(line.data(), line.size(), "%lld,%.6f,%.9f,%.6f,", static_cast<long long>(frame.index), frame.timestamp_s,
+                         frame.translation_m, frame.rotation_deg));
+    if (frame.step) append(std::snprintf(line.data(), line.size(), "%.9f,%.6f", frame.step->translation_m, frame.step->rotation_deg));
+    text += frame.step ? "\n" : ",\n";
+  }
+  return text;
 }
 
 }  // namespace hermite

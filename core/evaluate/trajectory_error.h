@@ -27,6 +27,22 @@ struct RelativeError {
   ErrorStatistics rotation_deg;
 };
 
+// Of one pose of the estimate that has a true one.
+struct FrameError {
+  std::int64_t index = 0;  // of the pose in the estimate; `hermite reconstruct` writes one a frame
+  double timestamp_s = 0;  // the estimate's
+  // After the alignment. The alignment is that of the positions: where they hardly spread, as with a camera that only turns, the angle
+  // tells little.
+  double translation_m = 0;
+  double rotation_deg = 0;
+  // Of the motion since the estimate's pose before this one; none where that has no true pose.
+  struct Step {
+    double translation_m = 0;
+    double rotation_deg = 0;
+  };
+  std::optional<Step> step;
+};
+
 struct TrajectoryError {
   std::int64_t matched_count = 0;    // poses of the estimate with a true pose at most the gap away
   std::int64_t estimate_count = 0;   // poses of the estimate
@@ -35,6 +51,7 @@ struct TrajectoryError {
   RelativeError per_frame;           // neighbouring frames of the estimate, both matched
   // Poses one second apart (within the gap); none when the trajectory is shorter or has no such pairs.
   std::optional<RelativeError> per_second;
+  std::vector<FrameError> frames;  // one for each matched pose, ascending
 };
 
 // Poses match by time, nearest first, each used once, at most `max_gap_s` apart. The alignment is Horn's (Umeyama without scale) on the
@@ -50,5 +67,9 @@ Rigid3 align_points(const std::vector<Eigen::Vector3d>& target, const std::vecto
 // rpe_rotation_{...}_deg, and rpe_1s_translation_..., rpe_1s_rotation_... where there are such pairs; groundtruth_from_estimate as 16
 // numbers, row major.
 std::string format_trajectory_error_json(const TrajectoryError& error);
+
+// A table with the line "index,timestamp_s,translation_error_m,rotation_error_deg,step_translation_error_m,step_rotation_error_deg" on top
+// and one line a frame; the last two fields are empty where there is no step. Six decimals for time and degrees, nine for metres.
+std::string format_frame_errors_csv(const std::vector<FrameError>& frames);
 
 }  // namespace hermite

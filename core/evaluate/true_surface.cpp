@@ -16,14 +16,6 @@ constexpr int kWideImage_px = 320;
 
 const std::string kSynthetic = "synthetic";
 
-// The true pose nearest in time, when it is near enough.
-const TimedPose* pose_at(const Trajectory& groundtruth, double timestamp_s) {
-  const auto gap_s = [&](const TimedPose& pose) { return std::abs(pose.timestamp_s - timestamp_s); };
-  const auto nearest =
-      std::min_element(groundtruth.begin(), groundtruth.end(), [&](const TimedPose& a, const TimedPose& b) { return gap_s(a) < gap_s(b); });
-  return nearest != groundtruth.end() && gap_s(*nearest) <= kMaxAssociationGap_s ? &*nearest : nullptr;
-}
-
 std::vector<Eigen::Vector3d> samples_of(const std::vector<Triangle>& triangles) {
   std::vector<Eigen::Vector3d> samples;
   const std::size_t stride = triangles.size() / kSamples + 1;
@@ -44,12 +36,11 @@ Result<TrueSurface> surface_of_sequence(const Sequence& sequence, const std::str
   std::vector<Triangle> triangles;
   const std::int64_t stride = std::max<std::int64_t>(1, (sequence.frame_count() + kFrames - 1) / kFrames);
   for (std::int64_t i = 0; i < sequence.frame_count(); i += stride) {
-    const TimedPose* pose = pose_at(sequence.groundtruth(), sequence.timestamp_s(i));
-    if (pose == nullptr) continue;
+    const std::optional<Rigid3> world_from_camera = pose_at(sequence.groundtruth(), sequence.timestamp_s(i), kMaxAssociationGap_s);
+    if (!world_from_camera) continue;
     const Result<RecordedFrame> frame = sequence.read(i);
     if (!frame.ok()) continue;  // another frame will have seen it
-    append_depth_triangles(frame->depth, sequence.camera(), pose->world_from_camera, sequence.camera().width > kWideImage_px ? 2 : 1,
-                           triangles);
+    append_depth_triangles(frame->depth, sequence.camera(), *world_from_camera, sequence.camera().width > kWideImage_px ? 2 : 1, triangles);
   }
   if (source.rfind(kSynthetic, 0) != 0) return surface_of_triangles(triangles);
   const std::string text = source.size() > kSynthetic.size() ? source.substr(kSynthetic.size() + 1) : "";

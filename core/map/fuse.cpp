@@ -27,11 +27,11 @@ void Fuser::end_counting(gpu::Commands& commands, SurfelStore& store, std::uint3
   commands.dispatch(scan_, {256}, shared::ScanParams{groups, ends_frame ? 1u : 0u}, {store.group_counts, store.state});
 }
 
-void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, std::uint32_t frame_number) {
+void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, FusedFrame fused) {
   const std::uint32_t pixels = new_slots_bound();
   const SurfaceLevel& surface = frame.surface.levels[0];
   const shared::FuseParams params{surface.camera,
-                                  frame_number,
+                                  fused.number,
                                   store.capacity(),
                                   static_cast<float>(options_.fuse_depth_gate_m),
                                   static_cast<float>(std::cos(options_.fuse_normal_gate_rad)),
@@ -39,7 +39,8 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
                                   static_cast<float>(curvature_limit_per_m_),
                                   0,
                                   options_.fuse_surface ? 1u : 0u,
-                                  static_cast<float>(radius_scale_)};
+                                  static_cast<float>(radius_scale_),
+                                  fused.with_color ? 1u : 0u};
   commands.fill(claims_, kNoSurfel);
   for (const gpu::Kernel* kernel : {&associate_, &merge_})
     commands.dispatch(

@@ -7,6 +7,11 @@
 
 namespace hermite {
 
+struct FusedFrame {
+  std::uint32_t number = 0;  // of the frames fused, the first is 1
+  bool with_color = true;    // surfels that exist take on its colours
+};
+
 class Fuser {
  public:
   // `camera` has the size of all frames.
@@ -14,7 +19,7 @@ class Fuser {
 
   // Records: the frame's pixels are merged into the surfels of `all`, an index map of every surfel, or appended. The store must be
   // set to the frame's pose and have room for new_slots_bound() more.
-  void fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, std::uint32_t frame_number);
+  void fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, FusedFrame fused);
 
   // Records: contradicted and forgotten surfels among those in turn are removed and all free slots listed. `stable` is an index map of
   // stable surfels after fusion. Brings the store's counters up to date. `camera` is that of the index map.

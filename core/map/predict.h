@@ -13,8 +13,9 @@ class Predictor {
   Predictor(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options);
 
   // Records the prediction from an index map of stable surfels, for the camera the store was set to and the pixels of `frame`. Where the
-  // map covers less than options.fill_in_below of the view, the surface of `frame` (seen from the same pose) stands in.
-  void run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const FrameMaps& frame);
+  // map covers less than options.fill_in_below of the view, the surface of `frame` (seen from the same pose) stands in, with its colours or
+  // without.
+  void run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const FrameMaps& frame, bool with_color = true);
 
   // weight is the tracking weight; intensity -1 where there is no colour. `downsample` must be recorded by the caller for levels 1 and 2.
   SurfacePyramid& surface() { return surface_; }

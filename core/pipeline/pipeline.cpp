@@ -3,6 +3,7 @@
 #include <chrono>
 #include <optional>
 
+#include "core/frame/frame_content.h"
 #include "core/frame/preprocess.h"
 #include "core/frame/undistort.h"
 #include "core/gpu/device.h"
@@ -50,7 +51,14 @@ std::optional<Undistorter> undistorter_of(const Camera& camera) {
 
 }  // namespace
 
-const char* name_of(TrackingStatus status) { return status == TrackingStatus::kTracked ? "tracked" : "lost"; }
+namespace {
+
+struct Motion {
+  OdometryResult odometry;
+  Judgement judgement;
+};
+
+}  // namespace
 
 struct Pipeline::Impl {
   Impl(const std::string& device_choice, const Camera& camera_of_scan, const Options& options_of_scan, Timeline* timeline_of_scan)
@@ -68,9 +76,10 @@ struct Pipeline::Impl {
         predictor(device, preprocessor.maps().camera(), options.map) {}
 
   FrameResult process(const RgbdFrame& frame);
-  OdometryResult track(const FrameMaps& maps);
-  void fuse(const FrameMaps& maps);
-  void predict(const FrameMaps& maps);
+  std::vector<Rigid3> guesses(const Rigid3& turned) const;
+  Motion track(const FrameMaps& maps, const FrameContent& content);
+  void fuse(const FrameMaps& maps, bool with_color);
+  void predict(const FrameMaps& maps, bool with_color);
   bool is_output(const Surfel& surfel) const {
     return surfel.confidence >= (options.output_unstable ? 1e-6 : options.map.stable_confidence);
   }
@@ -101,39 +110,71 @@ struct Pipeline::Impl {
 
   std::uint32_t frame_number = 0;  // of the map: frames fused so far, the first is 1
   Rigid3 world_from_camera;        // of the last tracked frame; the prediction is seen from here
-  Rigid3 last_motion;              // reference_from_camera of the last frame; none when that frame was lost
+  Rigid3 last_motion;              // reference_from_camera of the last tracked frame
+  int lost_count = 0;              // frames lost since
   Trajectory trajectory;
-  std::int64_t tracked_frame_count = 0;
+  std::int64_t tracked_frame_count = 0, weak_frame_count = 0;
   double total_ms = 0;
   std::map<std::string, double> stage_total_ms;
   std::uint32_t changes_since = 0;
   std::vector<bool> published;  // by slot: take_changes() has reported it alive
 };
 
-OdometryResult Pipeline::Impl::track(const FrameMaps& maps) {
-  if (frame_number == 0) return odometry.start(maps, predictor.surface());
-  Rigid3 turned;
-  if (options.track.rotation_prealignment) turned.rotation = odometry.align_rotation(maps).conjugate();
-  std::vector<Rigid3> guesses{turned};
+// Where the camera may be, seen from where it was: turned as the pictures say, or moving on as before.
+std::vector<Rigid3> Pipeline::Impl::guesses(const Rigid3& turned) const {
+  std::vector<Rigid3> result{turned};
   if (options.track.constant_velocity) {
-    guesses.push_back(last_motion);
-    if (options.track.rotation_prealignment) guesses.push_back({turned.rotation, last_motion.translation});
+    result.push_back(last_motion);
+    if (options.track.rotation_prealignment) result.push_back({turned.rotation, last_motion.translation});
   }
-  return odometry.track(maps, predictor.surface(), guesses);
+  return result;
 }
 
-void Pipeline::Impl::fuse(const FrameMaps& maps) {
+// Once lost, it may also have turned away by a third of a usual field of view to all sides.
+std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
+  for (const double pitch_deg : {-12.0, 0.0, 12.0})
+    for (const double yaw_deg : {-18.0, -9.0, 0.0, 9.0, 18.0})
+      guesses.push_back(exp_se3((Vector6d() << 0, 0, 0, pitch_deg * M_PI / 180, yaw_deg * M_PI / 180, 0).finished()));
+  return guesses;
+}
+
+Motion Pipeline::Impl::track(const FrameMaps& maps, const FrameContent& content) {
+  TrackingEvidence evidence;
+  evidence.content = content;
+  evidence.lost_count = lost_count;
+  const SurfacePyramid& reference = predictor.surface();
+  if (frame_number == 0) {
+    evidence.agreement = odometry.agreement(maps, reference, Rigid3{});
+    return {{}, judge_start(evidence, options.track)};
+  }
+  Rigid3 turned;
+  if (options.track.rotation_prealignment) turned.rotation = odometry.align_rotation(maps).conjugate();
+  const std::vector<Rigid3> starts = guesses(turned);
+  OdometryResult found;
+  if (lost_count == 0) found = odometry.track(maps, reference, starts);
+  if (!is_believable(found.agreement, options.track)) found = odometry.search(maps, reference, with_turns(starts));
+  if (!is_believable(found.agreement, options.track)) evidence.unmoved = odometry.agreement(maps, reference, turned);
+  evidence.agreement = found.agreement;
+  evidence.inlier_share = found.agreement.surface * found.inlier_ratio;
+  evidence.observability = found.observability;
+  evidence.step_m = found.reference_from_camera.translation.norm();
+  evidence.turn_rad = Eigen::AngleAxisd(found.reference_from_camera.rotation).angle();
+  evidence.turn_seen_rad = Eigen::AngleAxisd(turned.rotation).angle();
+  return {found, judge(evidence, options.track)};
+}
+
+void Pipeline::Impl::fuse(const FrameMaps& maps, bool with_color) {
   ++frame_number;
   store.reserve(fuser.new_slots_bound());
   store.set_camera(world_from_camera);
   index.build(commands, store, maps.camera(), store.slot_count(), 0);
-  fuser.fuse(commands, maps, store, index, frame_number);
+  fuser.fuse(commands, maps, store, index, {frame_number, with_color});
 }
 
-void Pipeline::Impl::predict(const FrameMaps& maps) {
+void Pipeline::Impl::predict(const FrameMaps& maps, bool with_color) {
   index.build(commands, store, maps.camera(), store.slot_count() + fuser.new_slots_bound(), options.map.stable_confidence);
   fuser.clean(commands, store, index, maps.camera(), frame_number);
-  predictor.run(commands, store, index, maps);
+  predictor.run(commands, store, index, maps, with_color);
   downsample(commands, preprocessor.downsample_kernel(), predictor.surface(), 0.5 * options.frame.depth_gate_m);
   odometry.remember(commands, maps);
 }
@@ -146,24 +187,28 @@ FrameResult Pipeline::Impl::process(const RgbdFrame& frame) {
 
   timed("preprocess", [&] { preprocessor.run(commands, undistorter ? undistorter->apply(frame) : frame, result.frame_index); });
   const FrameMaps& maps = preprocessor.maps();
-  OdometryResult motion;
-  timed("track", [&] { motion = track(maps); });
-  if (motion.tracked) {
-    world_from_camera = world_from_camera * motion.reference_from_camera;
-    last_motion = motion.reference_from_camera;
-    timed("fuse", [&] { fuse(maps); });
-    timed("predict", [&] { predict(maps); });
+  const FrameContent content = content_of(frame, camera.depth_units_per_metre, options.frame);
+  Motion motion;
+  timed("track", [&] { motion = track(maps, content); });
+  const bool lost = motion.judgement.status == TrackingStatus::kLost;
+  lost_count = lost ? lost_count + 1 : 0;
+  if (!lost) {
+    world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
+    last_motion = motion.odometry.reference_from_camera;
+    timed("fuse", [&] { fuse(maps, motion.judgement.picture_is_good); });
+    timed("predict", [&] { predict(maps, motion.judgement.picture_is_good); });
     ++tracked_frame_count;
-  } else {
-    last_motion = Rigid3{};
+    weak_frame_count += motion.judgement.status == TrackingStatus::kWeak ? 1 : 0;
   }
 
-  result.status = motion.tracked ? TrackingStatus::kTracked : TrackingStatus::kLost;
-  result.reason = motion.reason;
+  result.status = motion.judgement.status;
+  result.reason = motion.judgement.reason;
   result.world_from_camera = world_from_camera;
-  result.inlier_count = motion.inlier_count;
-  result.inlier_ratio = motion.inlier_ratio;
-  result.residual_rms_m = motion.residual_rms_m;
+  result.inlier_count = motion.odometry.inlier_count;
+  result.inlier_ratio = motion.odometry.inlier_ratio;
+  result.residual_rms_m = motion.odometry.residual_rms_m;
+  result.agreement = motion.odometry.agreement;
+  result.observability = motion.odometry.observability;
   result.surfel_count = store.alive_count();
   trajectory.push_back({frame.timestamp_s, world_from_camera});
   total_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -230,6 +275,7 @@ PipelineStatistics Pipeline::statistics() const {
   PipelineStatistics statistics;
   statistics.frame_count = static_cast<std::int64_t>(impl.trajectory.size());
   statistics.tracked_frame_count = impl.tracked_frame_count;
+  statistics.weak_frame_count = impl.weak_frame_count;
   statistics.surfel_count = impl.store.alive_count();
   statistics.surfel_slot_count = impl.store.slot_count();
   statistics.surfel_capacity = impl.store.capacity();

@@ -16,22 +16,22 @@
 #include "core/math/camera.h"
 #include "core/output/cloud.h"
 #include "core/pipeline/options.h"
+#include "core/track/judgement.h"
 
 namespace hermite {
-
-enum class TrackingStatus { kTracked, kLost };
-const char* name_of(TrackingStatus status);  // "tracked", "lost"
 
 struct FrameResult {
   std::int64_t frame_index = 0;  // 0 for the first frame given to the pipeline
   double timestamp_s = 0;
   Rigid3 world_from_camera;  // the last good pose while lost
   TrackingStatus status = TrackingStatus::kLost;
-  std::string reason;               // in words, empty when tracked
-  std::int64_t inlier_count = 0;    // geometric correspondences at full resolution
-  double inlier_ratio = 0;          // of the frame's valid pixels
-  double residual_rms_m = 0;        // point to plane
-  std::int64_t surfel_count = 0;    // alive in the model
+  std::string reason;             // in words, empty when tracked
+  std::int64_t inlier_count = 0;  // geometric correspondences at full resolution
+  double inlier_ratio = 0;        // of the frame's valid pixels
+  double residual_rms_m = 0;      // point to plane
+  Agreement agreement;            // of the frame and what the map shows from there
+  double observability = 0;       // see core/track/normal_equations.h
+  std::int64_t surfel_count = 0;  // alive in the model
 };
 
 struct SubmapPose {
@@ -41,29 +41,30 @@ struct SubmapPose {
 
 struct PipelineStatistics {
   std::int64_t frame_count = 0;
-  std::int64_t tracked_frame_count = 0;
+  std::int64_t tracked_frame_count = 0;  // weakly tracked ones included
+  std::int64_t weak_frame_count = 0;
   std::int64_t surfel_count = 0;
-  std::int64_t surfel_slot_count = 0;           // in use or free again
-  std::int64_t surfel_capacity = 0;             // slots there is memory for
-  double mean_frame_ms = 0;                     // wall clock inside process()
-  std::map<std::string, double> stages_ms;      // mean per frame, by stage
-  std::map<std::string, double> gpu_passes_ms;  // mean per frame, by shader; GPU time stamps
+  std::int64_t surfel_slot_count = 0;                    // in use or free again
+  std::int64_t surfel_capacity = 0;                      // slots there is memory for
+  double mean_frame_ms = 0;                              // wall clock inside process()
+  std::map<std::string, double> stages_ms;               // mean per frame, by stage
+  std::map<std::string, double> gpu_passes_ms;           // mean per frame, by shader; GPU time stamps
   std::map<std::string, std::int64_t> gpu_memory_bytes;  // by purpose
   std::string device;
 };
 
 class Pipeline {
  public:
-  // `device` selects the GPU: empty for the best one, an index, or part of a name. Throws SetupError: no such device, too little memory, bad camera.
-  // A `timeline`, which outlives this, gets every stage and every GPU pass.
+  // `device` selects the GPU: empty for the best one, an index, or part of a name. Throws SetupError: no such device, too little memory,
+  // bad camera. A `timeline`, which outlives this, gets every stage and every GPU pass.
   Pipeline(const std::string& device, const Camera& camera, const Options& options, Timeline* timeline = nullptr);
   ~Pipeline();
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
   // Never fails because of what a frame contains: a frame that cannot be used is kLost, with a reason.
-  // Error only for a frame of another size than the camera's (kInvalidArgument) and for the device (kDevice: lost or out of memory), after which only
-  // trajectory() and statistics() may be called.
+  // Error only for a frame of another size than the camera's (kInvalidArgument) and for the device (kDevice: lost or out of memory), after
+  // which only trajectory() and statistics() may be called.
   Result<FrameResult> process(const RgbdFrame& frame);
 
   // One pose for every frame given, lost ones included, with the frame's own time stamp.

@@ -49,6 +49,7 @@ std::string format_report_json(const RunReport& run, const Trajectory& estimate,
   Json report;
   report["frames"] = statistics.frame_count;
   report["tracked_frames"] = statistics.tracked_frame_count;
+  report["weak_frames"] = statistics.weak_frame_count;
   report["surfels"] = statistics.surfel_count;
   report["mean_frame_ms"] = statistics.mean_frame_ms;
   report["stages_ms"] = Json::object();

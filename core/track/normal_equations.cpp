@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 
 namespace hermite {
 
@@ -19,6 +20,12 @@ Vector6d solve(const NormalEquations& geometric, const NormalEquations& photomet
   // A millionth of what the points would move by: nothing beside any knowledge, all where there is none.
   const Matrix6d hessian = geometric.hessian + photometric.hessian + 1e-6 * displacement;
   return hessian.ldlt().solve(geometric.right_hand_side + photometric.right_hand_side);
+}
+
+double observability(const Matrix6d& hessian, const Matrix6d& displacement) {
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> motions(hessian, displacement, Eigen::EigenvaluesOnly | Eigen::Ax_lBx);
+  if (motions.info() != Eigen::Success || !motions.eigenvalues().allFinite()) return 0;
+  return std::max(0.0, motions.eigenvalues()[0]);
 }
 
 }  // namespace hermite

@@ -22,4 +22,8 @@ NormalEquations discount_normal_noise(const NormalEquations& geometric, const Ma
 // The Gauss-Newton step of both together; motions about which neither knows anything stay out of it. Not finite only when the input is not.
 Vector6d solve(const NormalEquations& geometric, const NormalEquations& photometric, const Matrix6d& displacement);
 
+// What is known about the least-known motion, as a share of what full knowledge of how far it moves the points would be: 0 where it is
+// free, as along a bare wall; 1/3 on average where surfaces face all ways.
+double observability(const Matrix6d& hessian, const Matrix6d& displacement);
+
 }  // namespace hermite

@@ -17,6 +17,7 @@ constexpr int kGroups = HERMITE_ODOMETRY_GROUPS;
 constexpr int kThreads = HERMITE_ODOMETRY_GROUPS * HERMITE_ODOMETRY_GROUP_SIZE;
 constexpr int kTerms = HERMITE_ODOMETRY_TERMS;
 constexpr int kRotationTerms = HERMITE_ROTATION_TERMS;
+constexpr int kAgreementTerms = HERMITE_AGREEMENT_TERMS;
 
 // Fine enough for a tenth of a degree, coarse enough for several.
 constexpr std::size_t kRotationLevel = 1;
@@ -26,6 +27,15 @@ constexpr double kConverged_m = 1e-5, kConverged_rad = 1e-5;
 
 // The smallest image gradient that says where a pixel is, in grey values per pixel and level (reference notes 3.5).
 constexpr float kGradientMin[kPyramidLevels] = {5, 3, 1};
+
+// Coarse enough to average noise, fine enough for a picture. What a model may be off by, and thrice the noise of a Kinect v1 (Nguyen,
+// Izadi, Lovell 2012), which other cameras do not exceed.
+constexpr std::size_t kAgreementLevel = 1;
+constexpr float kTolerance_m = 0.015f, kToleranceGrowth_per_m = 0.0057f;
+
+// A lost camera is searched for within thrice the usual gates, and so many ends are compared.
+constexpr double kSearchReach = 3;
+constexpr std::size_t kSearchTries = 3;
 
 // Sums of all workgroups, in order.
 template <int N>
@@ -79,12 +89,24 @@ Odometry::Odometry(gpu::Device& device, const shared::Intrinsics& finest, const 
     : options_(options),
       odometry_(device, "track/odometry"),
       rotation_(device, "track/rotation"),
+      agreement_(device, "track/agreement"),
       commands_(device),
       partial_sums_(device, static_cast<std::size_t>(kGroups * kTerms), "odometry", gpu::Memory::kReadback),
       previous_intensity_(device, static_cast<std::size_t>(finest.width >> kRotationLevel) * (finest.height >> kRotationLevel),
                           "odometry") {}
 
-Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, int level, bool search) {
+// Beyond these points do not correspond.
+struct Odometry::Gates {
+  double distance_m = 0, normal_rad = 0;
+  bool search = false;  // a window for the least dissimilar point
+};
+
+Odometry::Gates Odometry::gates_within(double reach) const {
+  return {reach * options_.distance_gate_m, std::min(reach * options_.normal_gate_deg, 90.0) * M_PI / 180.0, false};
+}
+
+Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, int level,
+                                   const Gates& gates) {
   const auto l = static_cast<std::size_t>(level);
   const SurfaceLevel& from = frame.surface.levels[l];
   const SurfaceLevel& to = reference.levels[l];
@@ -92,12 +114,12 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
                                       from.camera,
                                       to.camera,
                                       static_cast<float>(options_.geometric_weight),
-                                      static_cast<float>(options_.distance_gate_m),
-                                      static_cast<float>(std::sin(options_.normal_gate_deg * M_PI / 180.0)),
+                                      static_cast<float>(gates.distance_m),
+                                      static_cast<float>(std::sin(gates.normal_rad)),
                                       static_cast<float>(options_.photometric_sigma),
                                       kGradientMin[l],
                                       static_cast<float>(options_.photometric_depth_gate_m),
-                                      search ? 2u : 0u};
+                                      gates.search ? 2u : 0u};
   commands_.dispatch(odometry_, {static_cast<std::uint32_t>(kThreads)}, params,
                      {from.depth_m, from.normals, from.curvatures, from.intensity, frame.gradients[l], to.depth_m, to.normals,
                       to.curvatures, to.weight, to.intensity, partial_sums_});
@@ -119,72 +141,94 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
   return sums;
 }
 
-// The least mean distance at the coarsest level, where what matches nothing counts as far as the gate.
-Rigid3 Odometry::best_of(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference) {
-  if (guesses.size() == 1) return guesses[0];
-  const double gate_m2 = options_.distance_gate_m * options_.distance_gate_m;
-  const auto misfit_m2 = [&](const Rigid3& guess) {
-    const Sums sums = linearise(frame, reference, guess, kPyramidLevels - 1, false);
-    return sums.geometric_error_m2 + (sums.surface_count - sums.geometric_count) * gate_m2;
-  };
-  std::vector<double> misfits;
-  for (const Rigid3& guess : guesses) misfits.push_back(misfit_m2(guess));
-  return guesses[static_cast<std::size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin())];
+// Ordered by the mean distance at the coarsest level, least first, where what matches nothing counts as far as the gate.
+std::vector<Rigid3> Odometry::by_misfit(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference,
+                                        double reach) {
+  std::vector<Rigid3> ordered(guesses.begin(), guesses.end());
+  if (ordered.size() == 1) return ordered;
+  const Gates gates = gates_within(reach);
+  std::vector<std::pair<double, std::size_t>> misfits_m2;
+  for (const Rigid3& guess : guesses) {
+    const Sums sums = linearise(frame, reference, guess, kPyramidLevels - 1, gates);
+    const double misfit_m2 = sums.geometric_error_m2 + (sums.surface_count - sums.geometric_count) * gates.distance_m * gates.distance_m;
+    misfits_m2.emplace_back(misfit_m2, misfits_m2.size());
+  }
+  std::sort(misfits_m2.begin(), misfits_m2.end());
+  for (std::size_t i = 0; i < ordered.size(); ++i) ordered[i] = guesses[misfits_m2[i].second];
+  return ordered;
 }
 
-OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses) {
+OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, double reach) {
   OdometryResult result;
-  result.reference_from_camera = best_of(guesses, frame, reference);
+  result.reference_from_camera = guess;
   const int iterations[kPyramidLevels] = {options_.max_iterations_fine, options_.max_iterations_middle, options_.max_iterations_coarse};
   Sums sums{};
   for (int level = kPyramidLevels - 1; level >= 0; --level) {
     const double scale = std::ldexp(1.0, level);
-    bool refining = false;  // at full resolution the costly search starts where projection has converged
-    for (int i = 0; i < iterations[level]; ++i) {
-      sums = linearise(frame, reference, result.reference_from_camera, level, refining);
+    Gates gates = gates_within(level == kPyramidLevels - 1 ? reach : 1.0);
+    const int steps = static_cast<int>(iterations[level] * gates.distance_m / options_.distance_gate_m);
+    for (int i = 0; i < steps; ++i) {
+      sums = linearise(frame, reference, result.reference_from_camera, level, gates);
       ++result.iteration_count;
       if (options_.discount_normal_noise) sums.geometric = discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement);
       const Vector6d step = solve(sums.geometric, sums.photometric, sums.displacement);
-      if (!step.allFinite()) {
-        result.reason = "too few points";
-        return result;
-      }
+      if (!step.allFinite()) return result;
       result.reference_from_camera = exp_se3(step) * result.reference_from_camera;
       const bool converged = step.head<3>().norm() < scale * kConverged_m && step.tail<3>().norm() < scale * kConverged_rad;
-      if (converged && (refining || level > 0 || !options_.dissimilarity_search)) break;
-      const bool last_two = i + 3 >= iterations[level];
-      refining = level == 0 && options_.dissimilarity_search && (converged || refining || last_two);
+      if (converged && (gates.search || level > 0 || !options_.dissimilarity_search)) break;
+      // At full resolution the costly search starts where projection has converged.
+      const bool last_two = i + 3 >= steps;
+      gates.search = level == 0 && options_.dissimilarity_search && (converged || gates.search || last_two);
     }
   }
-  judge(sums, result);
-  return result;
-}
-
-bool Odometry::sees_enough(const Sums& sums, OdometryResult& result) const {
-  if (sums.surface_count >= options_.min_surface_ratio * sums.pixel_count) return true;
-  result.reason = "too few points: the depth camera sees almost nothing";
-  return false;
-}
-
-// Is the result to be believed?
-void Odometry::judge(const Sums& sums, OdometryResult& result) const {
+  result.solved = true;
   result.inlier_count = static_cast<std::int64_t>(sums.geometric_count);
   result.photometric_count = static_cast<std::int64_t>(sums.photometric_count);
   result.inlier_ratio = sums.surface_count > 0 ? sums.geometric_count / sums.surface_count : 0;
   result.residual_rms_m = sums.geometric_count > 0 ? std::sqrt(sums.geometric_error_m2 / sums.geometric_count) : 0;
-  const double step_m = result.reference_from_camera.translation.norm();
-  if (!sees_enough(sums, result)) return;
-  if (result.inlier_ratio < options_.min_inlier_ratio)
-    result.reason = "too little in common with the scan so far";
-  else if (step_m > options_.max_step_m)
-    result.reason = "too fast: the camera would have jumped " + std::to_string(static_cast<int>(step_m * 100)) + " cm";
-  else
-    result.tracked = true;
+  result.observability = observability(sums.geometric.hessian + sums.photometric.hessian, sums.displacement);
+  result.agreement = agreement(frame, reference, result.reference_from_camera);
+  return result;
 }
 
-OdometryResult Odometry::start(const FrameMaps& frame, const SurfacePyramid& reference) {
-  OdometryResult result;
-  result.tracked = sees_enough(linearise(frame, reference, Rigid3{}, kPyramidLevels - 1, false), result);
+OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses) {
+  return refine(frame, reference, by_misfit(guesses, frame, reference, 1.0).front(), 1.0);
+}
+
+OdometryResult Odometry::search(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses) {
+  std::vector<Rigid3> ordered = by_misfit(guesses, frame, reference, kSearchReach);
+  ordered.resize(std::min(ordered.size(), kSearchTries));
+  OdometryResult best;
+  for (const Rigid3& guess : ordered) {
+    const OdometryResult result = refine(frame, reference, guess, kSearchReach);
+    const auto agreeing_share = [](const Agreement& a) { return a.overlap * a.agreeing; };
+    if (&guess == &ordered.front() || agreeing_share(result.agreement) > agreeing_share(best.agreement)) best = result;
+  }
+  return best;
+}
+
+Agreement Odometry::agreement(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& reference_from_camera) {
+  const SurfaceLevel& from = frame.surface.levels[kAgreementLevel];
+  const SurfaceLevel& to = reference.levels[kAgreementLevel];
+  const shared::AgreementParams params{to_shared(reference_from_camera), from.camera, to.camera, kTolerance_m, kToleranceGrowth_per_m};
+  commands_.dispatch(agreement_, {static_cast<std::uint32_t>(kThreads)}, params,
+                     {from.depth_m, from.intensity, to.depth_m, to.normals, to.intensity, partial_sums_});
+  commands_.submit_and_wait();
+  const auto sums = total<kAgreementTerms>(partial_sums_.mapped());
+  // As laid out in shaders/shared/track.h.
+  const double surface = sums[0], overlap = sums[1], agreeing = sums[2], in_front = sums[3], coloured = sums[4];
+  const auto share = [](double part, double whole) { return whole > 0 ? part / whole : 0; };
+  Agreement result;
+  result.surface = share(surface, static_cast<double>(from.camera.width) * from.camera.height);
+  result.overlap = share(overlap, surface);
+  result.agreeing = share(agreeing, overlap);
+  result.in_front = share(in_front, overlap);
+  if (coloured == 0) return result;
+  const double mean = sums[5] / coloured, reference_mean = sums[6] / coloured;
+  result.grey_deviation = std::sqrt(std::max(0.0, sums[7] / coloured - mean * mean));
+  result.reference_grey_deviation = std::sqrt(std::max(0.0, sums[8] / coloured - reference_mean * reference_mean));
+  result.correlation = share(sums[9] / coloured - mean * reference_mean, result.grey_deviation * result.reference_grey_deviation);
+  result.sharpness = share(sums[10], sums[11]);
   return result;
 }
 

@@ -4,10 +4,11 @@
 #pragma once
 
 #include <span>
-#include <string>
+#include <vector>
 
 #include "core/frame/preprocess.h"
 #include "core/math/rigid3.h"
+#include "core/track/judgement.h"
 #include "core/track/track_options.h"
 #include "shaders/shared/track.h"
 
@@ -15,13 +16,14 @@ namespace hermite {
 
 struct OdometryResult {
   Rigid3 reference_from_camera;
-  bool tracked = false;
-  std::string reason;             // in words when not tracked
+  bool solved = false;            // false: nothing matched, and the pose is the best guess
   std::int64_t inlier_count = 0;  // geometric correspondences in the last step, at full resolution
   double inlier_ratio = 0;        // of the pixels looked at that have a surface
   double residual_rms_m = 0;      // point to plane, over the inliers
   std::int64_t photometric_count = 0;
   int iteration_count = 0;
+  double observability = 0;  // see core/track/normal_equations.h
+  Agreement agreement;
 };
 
 class Odometry {
@@ -32,25 +34,29 @@ class Odometry {
   // The frame against the surface predicted from the reference pose, starting at the guess that fits best. Blocks until the GPU is done.
   OdometryResult track(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses);
 
+  // The same for a camera that may be far from all guesses: wider gates at first, and several ends of which the one that agrees best wins.
+  OdometryResult search(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses);
+
   // current_from_previous, from the grey images of the frame and of the last one remembered; identity when there is none or it does not
   // fit.
   Eigen::Quaterniond align_rotation(const FrameMaps& frame);
 
-  // Whether the frame shows enough surface to start a map from. `reference` may be empty.
-  OdometryResult start(const FrameMaps& frame, const SurfacePyramid& reference);
+  // How the frame's surface fits that of the reference at a pose. Either may be empty.
+  Agreement agreement(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& reference_from_camera);
 
   // Keeps the frame's grey image for the next align_rotation.
   void remember(gpu::Commands& commands, const FrameMaps& frame);
 
  private:
   struct Sums;
-  Sums linearise(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, int level, bool search);
-  Rigid3 best_of(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference);
-  bool sees_enough(const Sums& sums, OdometryResult& result) const;
-  void judge(const Sums& sums, OdometryResult& result) const;
+  struct Gates;
+  Gates gates_within(double reach) const;
+  Sums linearise(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, int level, const Gates& gates);
+  std::vector<Rigid3> by_misfit(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference, double reach);
+  OdometryResult refine(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, double reach);
 
   const TrackOptions options_;
-  gpu::Kernel odometry_, rotation_;
+  gpu::Kernel odometry_, rotation_, agreement_;
   gpu::Commands commands_;
   gpu::Buffer<float> partial_sums_;
   gpu::Buffer<float> previous_intensity_;  // of level kRotationLevel

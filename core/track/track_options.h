@@ -18,7 +18,9 @@ struct TrackOptions {
   int max_iterations_fine = 10;
   double max_step_m = 0.3;
   double min_surface_ratio = 0.03;
-  double min_inlier_ratio = 0.25;
+  double min_agreement = 0.6;
+  double min_overlap = 0.2;
+  double min_correlation = 0.3;
 };
 
 }  // namespace hermite

@@ -89,12 +89,13 @@ struct Welcome {
   Camera camera;
   std::string title;
 };
+enum class TrackingStatus { kTracked, kWeak, kLost };  // unknown ones of a newer server count as lost
 struct FrameResult {
   std::uint64_t sequence = 0;
   double timestamp_s = 0;
   Rigid3 world_from_camera;
-  bool tracked = false;
-  std::string reason;  // words, when not tracked
+  TrackingStatus status = TrackingStatus::kLost;
+  std::string reason;  // words, when not tracked or weakly
   std::uint64_t inlier_count = 0;
   double inlier_ratio = 0;
   double residual_rms_m = 0;

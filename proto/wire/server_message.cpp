@@ -27,6 +27,16 @@ Result<ServerMessage> welcome_from(const v1::Welcome& message) {
   return ServerMessage(std::move(welcome));
 }
 
+TrackingStatus status_from(v1::TrackingStatus status) {
+  if (status == v1::TRACKING_STATUS_TRACKED) return TrackingStatus::kTracked;
+  return status == v1::TRACKING_STATUS_WEAK ? TrackingStatus::kWeak : TrackingStatus::kLost;
+}
+
+v1::TrackingStatus status_of(TrackingStatus status) {
+  if (status == TrackingStatus::kTracked) return v1::TRACKING_STATUS_TRACKED;
+  return status == TrackingStatus::kWeak ? v1::TRACKING_STATUS_WEAK : v1::TRACKING_STATUS_LOST;
+}
+
 Result<ServerMessage> frame_result_from(v1::FrameResult& message) {
   FrameResult result;
   result.sequence = message.sequence();
@@ -34,7 +44,7 @@ Result<ServerMessage> frame_result_from(v1::FrameResult& message) {
   Result<Rigid3> pose = rigid3_from("frame_result.world_from_camera", message.world_from_camera());
   if (!pose.ok()) return pose.error();
   result.world_from_camera = *pose;
-  result.tracked = message.status() == v1::TRACKING_STATUS_TRACKED;
+  result.status = status_from(message.status());
   result.reason = std::move(*message.mutable_reason());
   result.inlier_count = message.inlier_count();
   result.inlier_ratio = message.inlier_ratio();
@@ -101,7 +111,7 @@ struct Writer {
     out.set_sequence(result.sequence);
     out.set_timestamp_s(result.timestamp_s);
     write_rigid3(result.world_from_camera, *out.mutable_world_from_camera());
-    out.set_status(result.tracked ? v1::TRACKING_STATUS_TRACKED : v1::TRACKING_STATUS_LOST);
+    out.set_status(status_of(result.status));
     out.set_reason(std::move(result.reason));
     out.set_inlier_count(result.inlier_count);
     out.set_inlier_ratio(result.inlier_ratio);

@@ -57,6 +57,11 @@ std::string format_summary(const StreamProgress& progress) {
   return text + format(", %.1f Mbit/s", sent_Mbit_per_s(progress));
 }
 
+std::string tracking_words(const wire::FrameResult& result) {
+  if (result.status == wire::TrackingStatus::kTracked) return "  tracked";
+  return (result.status == wire::TrackingStatus::kWeak ? "  weak: " : "  LOST: ") + result.reason;
+}
+
 std::string format_progress(const StreamProgress& progress) {
   const auto total = static_cast<std::uint64_t>(progress.frame_count);
   const double processed_per_s = per_second(static_cast<double>(progress.processed_frames), progress);
@@ -66,7 +71,7 @@ std::string format_progress(const StreamProgress& progress) {
   if (progress.last_result) {
     const auto& position_m = progress.last_result->world_from_camera.translation;
     text += format("  position %.2f %.2f %.2f m", rounded(position_m.x()), rounded(position_m.y()), rounded(position_m.z()));
-    text += progress.last_result->tracked ? "  tracked" : "  LOST";
+    text += tracking_words(*progress.last_result);
   }
   text += count_of(progress.dropped_frames + progress.server_dropped_frames, "dropped");
   text += count_of(progress.problem_frames, "with problems");

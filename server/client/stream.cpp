@@ -206,7 +206,7 @@ void Session::receive(const wire::Welcome& welcome) {
 
 void Session::receive(const wire::FrameResult& result) {
   ++progress_.processed_frames;
-  if (result.tracked) ++progress_.tracked_frames;
+  if (result.status != wire::TrackingStatus::kLost) ++progress_.tracked_frames;
   progress_.last_result = result;
 }
 

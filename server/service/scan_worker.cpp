@@ -24,12 +24,17 @@ constexpr std::chrono::milliseconds kUpdatePeriod(kMsPerUpdate);
 
 double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
 
+wire::TrackingStatus wire_status(TrackingStatus status) {
+  if (status == TrackingStatus::kTracked) return wire::TrackingStatus::kTracked;
+  return status == TrackingStatus::kWeak ? wire::TrackingStatus::kWeak : wire::TrackingStatus::kLost;
+}
+
 wire::FrameResult wire_result(const FrameResult& result, std::uint64_t sequence, double frame_ms) {
   wire::FrameResult sent;
   sent.sequence = sequence;
   sent.timestamp_s = result.timestamp_s;
   sent.world_from_camera = result.world_from_camera;
-  sent.tracked = result.status == TrackingStatus::kTracked;
+  sent.status = wire_status(result.status);
   sent.reason = result.reason;
   sent.inlier_count = static_cast<std::uint64_t>(result.inlier_count);
   sent.inlier_ratio = result.inlier_ratio;

@@ -28,5 +28,5 @@ void main() {
   curvatures[i] = frame_curvatures[i];
   weight[i] = tracking_weight(unpackHalf2x16(frame_curvatures[i]), frame_confidence[i] * p.confidence_scale, p.curvature_lambda_per_m,
                               frame_depth_m[i]);
-  intensity[i] = frame_intensity[i];
+  intensity[i] = p.with_color != 0u ? frame_intensity[i] : -1.0;
 }

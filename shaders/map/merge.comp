@@ -26,7 +26,7 @@ void merge(uint slot, Measurement m) {
     surfel.xyz += gain * dot(normal, transform_back(t, m.position) - surfel.xyz) * normal;
     a.normal = pack_unit(normal);
     a.radius_submap = pack_radius_submap(mix(radius, m.radius_m, gain), surfel_submap(a));
-    a.color = pack_color(mix(surfel_color(a), m.color, gain));
+    a.color = pack_color(mix(surfel_color(a), m.color, p.merge_color != 0u ? gain : 0.0));
     a.curvatures = packHalf2x16(mix(unpackHalf2x16(a.curvatures), m.curvatures, gain));
     attributes[slot] = a;
   }

@@ -46,6 +46,7 @@ struct FillInParams {
   float curvature_lambda_per_m;
   float confidence_scale;
   uint covered_below;  // fill only when the prediction covers fewer pixels
+  uint with_color;     // 0: the frame's picture is not to be believed
 };
 
 struct FuseParams {
@@ -59,6 +60,7 @@ struct FuseParams {
   uint submap;                 // new surfels belong to it
   uint fuse_surface;           // 1: fuse the HRBF surface, 0: the raw depth
   float radius_scale;
+  uint merge_color;            // 0: surfels keep their colour
 };
 
 struct CleanParams {

@@ -17,6 +17,9 @@ namespace hermite::shared {
 #define HERMITE_ODOMETRY_TERMS 70
 // By rows: three of H and one of b; then squared error and count.
 #define HERMITE_ROTATION_TERMS 14
+// Pixels with a surface, of these on the prediction, of these on its surface, in front of it; of those on its surface: with colour, sum of
+// grey - 128 of frame and reference, of their squares, of their products, of the changes of grey to the next pixels in both.
+#define HERMITE_AGREEMENT_TERMS 12
 
 struct OdometryParams {
   Transform reference_from_camera;
@@ -28,6 +31,12 @@ struct OdometryParams {
   float gradient_min;       // grey values per pixel
   float photometric_depth_gate_m;
   uint search_radius;       // 0: projective association
+};
+
+struct AgreementParams {
+  Transform reference_from_camera;
+  Intrinsics camera, reference;
+  float tolerance_m, tolerance_growth_per_m;  // a point lies on the surface within tolerance + growth z^2
 };
 
 struct RotationParams {

@@ -38,7 +38,7 @@ class MapBench {
     store.reserve(fuser.new_slots_bound());
     store.set_camera(world_from_camera);
     index.build(commands_, store, maps_.camera(), store.slot_count(), 0);
-    fuser.fuse(commands_, maps_, store, index, frame_number);
+    fuser.fuse(commands_, maps_, store, index, {frame_number});
     commands_.submit_and_wait();
   }
 

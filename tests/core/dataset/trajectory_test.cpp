@@ -46,6 +46,26 @@ TEST(Trajectory, AnyFiniteNumberFitsIntoALine) {
   EXPECT_TRUE(parse_tum_trajectory(text).ok());
 }
 
+TEST(Trajectory, PosesBetweenTwoAreTheirMean) {
+  const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY()));
+  const Trajectory trajectory = {{1.00, {}}, {1.01, {turned, {1, 2, 3}}}, {1.50, {turned, {4, 5, 6}}}};
+  const auto quarter = pose_at(trajectory, 1.0025, 0.02);
+  ASSERT_TRUE(quarter);
+  EXPECT_LT((quarter->translation - Eigen::Vector3d(0.25, 0.5, 0.75)).norm(), 1e-9);
+  EXPECT_NEAR(angle_rad(quarter->rotation), 0.05, 1e-9);
+  EXPECT_EQ(pose_at(trajectory, 1.01, 0.02)->translation, Eigen::Vector3d(1, 2, 3)) << "its own time";
+}
+
+TEST(Trajectory, PosesAtTheRimOfAGapAreTheNearOneOrNone) {
+  const Trajectory trajectory = {{1.0, {Eigen::Quaterniond::Identity(), {1, 0, 0}}}, {2.0, {Eigen::Quaterniond::Identity(), {2, 0, 0}}}};
+  EXPECT_EQ(pose_at(trajectory, 1.01, 0.02)->translation.x(), 1);
+  EXPECT_EQ(pose_at(trajectory, 1.99, 0.02)->translation.x(), 2);
+  EXPECT_EQ(pose_at(trajectory, 0.99, 0.02)->translation.x(), 1);
+  EXPECT_EQ(pose_at(trajectory, 2.01, 0.02)->translation.x(), 2);
+  for (const double time_s : {0.9, 1.5, 2.1}) EXPECT_FALSE(pose_at(trajectory, time_s, 0.02)) << time_s;
+  EXPECT_FALSE(pose_at({}, 1, 0.02));
+}
+
 TEST(Trajectory, BadLinesAreNamed) {
   const char* const good = "0 0 0 0 0 0 0 1\n";
   const std::pair<const char*, const char*> cases[] = {

@@ -100,6 +100,50 @@ TEST(TrajectoryError, FramesMissingInBetweenAreNoFrameToFramePairs) {
   EXPECT_EQ(error->per_frame.pair_count, 7);
 }
 
+TEST(TrajectoryError, EachFrameHasItsErrors) {
+  // The square of HandComputedAte, and its third camera is turned by 10 degrees: the positions decide the alignment, so that stays its own.
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(10 * M_PI / 180, Vector3d::UnitY()));
+  const Trajectory truth = {{0, at(-1, -1, 0)}, {1, at(1, -1, 0)}, {2, at(1, 1, 0)}, {3, at(-1, 1, 0)}};
+  const Trajectory estimate = {{0, at(-1, -1, 0.1)}, {1, at(1, -1, -0.1)}, {2, {turn, {1, 1, 0.1}}}, {3, at(-1, 1, -0.1)}};
+  Trajectory moved = estimate;
+  for (TimedPose& pose : moved) pose.world_from_camera = some_motion() * pose.world_from_camera;
+  const auto frames = trajectory_error(moved, truth)->frames;
+  ASSERT_EQ(frames.size(), 4u);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_EQ(frames[i].index, static_cast<std::int64_t>(i));
+    EXPECT_EQ(frames[i].timestamp_s, truth[i].timestamp_s);
+    EXPECT_NEAR(frames[i].translation_m, 0.1, kRounding);
+    EXPECT_NEAR(frames[i].rotation_deg, i == 2 ? 10 : 0, 1e-5);
+  }
+  EXPECT_FALSE(frames[0].step) << "nothing lies before it";
+  ASSERT_TRUE(frames[1].step && frames[2].step && frames[3].step);
+  EXPECT_NEAR(frames[1].step->translation_m, 0.2, kRounding);
+  EXPECT_NEAR(frames[1].step->rotation_deg, 0, 1e-5);
+  EXPECT_NEAR(frames[2].step->rotation_deg, 10, 1e-5);
+  EXPECT_NEAR(frames[3].step->rotation_deg, 10, 1e-5);
+}
+
+TEST(TrajectoryError, FramesAreNumberedAsInTheEstimateAndStepOverNoGap) {
+  const Trajectory estimate = wavy(10);
+  Trajectory truth = estimate;
+  truth.erase(truth.begin() + 4);
+  const auto frames = trajectory_error(estimate, truth)->frames;
+  ASSERT_EQ(frames.size(), 9u);
+  EXPECT_EQ(frames[3].index, 3);
+  EXPECT_EQ(frames[4].index, 5);
+  EXPECT_FALSE(frames[4].step) << "pose 4 has no true one";
+  EXPECT_TRUE(frames[5].step);
+}
+
+TEST(TrajectoryError, TheTableOfFramesLeavesOutWhatThereIsNot) {
+  const std::vector<FrameError> frames = {{7, 1305031233.5, 0.0123, 0.25, std::nullopt}, {8, 1305031233.75, 1, 2, FrameError::Step{3, 4}}};
+  EXPECT_EQ(format_frame_errors_csv(frames),
+            "index,timestamp_s,translation_error_m,rotation_error_deg,step_translation_error_m,step_rotation_error_deg\n"
+            "7,1305031233.500000,0.012300000,0.250000,,\n"
+            "8,1305031233.750000,1.000000000,2.000000,3.000000000,4.000000\n");
+  EXPECT_EQ(format_frame_errors_csv({}).find('\n'), format_frame_errors_csv({}).size() - 1) << "only the names of the columns";
+}
+
 TEST(TrajectoryError, AnotherWorldFrameChangesNothing) {
   const Trajectory truth = wavy(60);
   Trajectory estimate = truth;

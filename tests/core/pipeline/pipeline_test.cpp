@@ -7,37 +7,19 @@
 #include <functional>
 #include <random>
 
-#include "core/dataset/sequence.h"
 #include "core/evaluate/trajectory_error.h"
+#include "tests/support/recording.h"
 
 namespace hermite {
 namespace {
 
 using testing::HasSubstr;
 
+// A hand's motion through a furnished room, at a size that a software device does in milliseconds.
 constexpr int kFrameCount = 12;
 
-// A hand's motion through a furnished room, at a size that a software device does in milliseconds.
-struct Recording {
-  Camera camera;
-  Trajectory groundtruth;
-  std::vector<RgbdFrame> frames;
-};
-
-const Recording& recording() {
-  static const Recording made = [] {
-    const auto sequence = open_sequence("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
-    CHECK(sequence.ok(), sequence.ok() ? "" : sequence.error().message);
-    Recording result{(*sequence)->camera(), (*sequence)->groundtruth(), {}};
-    for (std::int64_t i = 0; i < (*sequence)->frame_count(); ++i) {
-      Result<RecordedFrame> recorded = (*sequence)->read(i);
-      CHECK(recorded.ok(), "a frame of the synthetic camera");
-      Result<RgbdFrame> frame = decode_frame(*std::move(recorded));
-      CHECK(frame.ok(), "a frame of the synthetic camera");
-      result.frames.push_back(*std::move(frame));
-    }
-    return result;
-  }();
+const test::Recording& recording() {
+  static const test::Recording made = test::record("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
   return made;
 }
 
@@ -63,7 +45,7 @@ bool same_point(const CloudPoint& a, const CloudPoint& b) {
 }
 
 TEST(Pipeline, FollowsASyntheticCamera) {
-  const Recording& room = recording();
+  const test::Recording& room = recording();
   Pipeline pipeline("", room.camera, Options{});
   for (int i = 0; i < kFrameCount; ++i) {
     const FrameResult result = process(pipeline, room.frames[static_cast<std::size_t>(i)]);
@@ -148,7 +130,7 @@ std::vector<Garbage> garbage() {
 }
 
 TEST(Pipeline, AFrameThatCannotBeUsedIsLostAndTheNextOneIsNot) {
-  const Recording& room = recording();
+  const test::Recording& room = recording();
   Pipeline pipeline("", room.camera, Options{});
   FrameResult good;
   std::size_t next = 0;
@@ -187,7 +169,7 @@ TEST(Pipeline, WithoutColourDepthIsEnough) {
 }
 
 TEST(Pipeline, StartsWithTheFirstFrameThatShowsSomething) {
-  const Recording& room = recording();
+  const test::Recording& room = recording();
   Pipeline pipeline("", room.camera, Options{});
   const RgbdFrame empty = changed(room.frames[0], [](std::uint16_t& d, Rgb8&) { d = 0; });
   for (int i = 0; i < 2; ++i) {
@@ -204,7 +186,7 @@ TEST(Pipeline, StartsWithTheFirstFrameThatShowsSomething) {
 }
 
 TEST(Pipeline, AFrameOfAnotherSizeIsAnErrorAndNothingElse) {
-  const Recording& room = recording();
+  const test::Recording& room = recording();
   Pipeline pipeline("", room.camera, Options{});
   process(pipeline, room.frames[0]);
   RgbdFrame small_depth = room.frames[1], small_color = room.frames[1];
@@ -361,11 +343,6 @@ TEST(Pipeline, ATimelineGetsEveryStageAndPass) {
   std::map<std::string, double> pass_sums_ms;
   for (const Timeline::Pass& pass : timeline.passes) pass_sums_ms[pass.name] += pass.duration_ms;
   for (const auto& [pass, ms] : pipeline.statistics().gpu_passes_ms) EXPECT_NEAR(pass_sums_ms[pass] / 2, ms, 1e-9) << pass;
-}
-
-TEST(Pipeline, StatusesHaveNames) {
-  EXPECT_STREQ(name_of(TrackingStatus::kTracked), "tracked");
-  EXPECT_STREQ(name_of(TrackingStatus::kLost), "lost");
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ TEST(ServerMessage, AFrameResultKeepsItsPoseBitForBit) {
   result.sequence = 41;
   result.timestamp_s = 1.25;
   result.world_from_camera = some_pose();
-  result.tracked = true;
+  result.status = TrackingStatus::kWeak;
   result.inlier_count = 12345;
   result.inlier_ratio = 0.75;
   result.residual_rms_m = 0.004;
@@ -65,15 +65,17 @@ TEST(ServerMessage, AFrameResultKeepsItsPoseBitForBit) {
   EXPECT_EQ(back.timestamp_s, 1.25);
   EXPECT_EQ(back.world_from_camera.rotation.coeffs(), result.world_from_camera.rotation.coeffs());
   EXPECT_EQ(back.world_from_camera.translation, result.world_from_camera.translation);
-  EXPECT_TRUE(back.tracked);
+  EXPECT_EQ(back.status, TrackingStatus::kWeak);
   EXPECT_EQ(back.inlier_count, 12345u);
   EXPECT_EQ(back.inlier_ratio, 0.75);
   EXPECT_EQ(back.residual_rms_m, 0.004);
   EXPECT_EQ(back.surfel_count, 99u);
   EXPECT_EQ(back.frame_ms, 31.5);
-  result.tracked = false;
+  for (const TrackingStatus status : {TrackingStatus::kTracked, TrackingStatus::kLost}) {
+    result.status = status;
+    EXPECT_EQ(round_trip(result).status, status);
+  }
   result.reason = "too fast";
-  EXPECT_FALSE(round_trip(result).tracked);
   EXPECT_EQ(round_trip(result).reason, "too fast");
 }
 

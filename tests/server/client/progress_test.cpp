@@ -19,7 +19,7 @@ StreamProgress half_way() {
   progress.sent_bytes = 25'000'000;
   progress.elapsed_s = 20;
   progress.last_result = wire::FrameResult{};
-  progress.last_result->tracked = true;
+  progress.last_result->status = wire::TrackingStatus::kTracked;
   progress.last_result->world_from_camera.translation = {0.126, -0.001, 2};
   return progress;
 }
@@ -30,12 +30,13 @@ TEST(Progress, SaysHowFarHowFastWhereAndHowLong) {
 
 TEST(Progress, LostFramesDropsAndProblemsShow) {
   StreamProgress progress = half_way();
-  progress.last_result->tracked = false;
+  progress.last_result->status = wire::TrackingStatus::kLost;
+  progress.last_result->reason = "too fast";
   progress.dropped_frames = 2;
   progress.server_dropped_frames = 3;
   progress.problem_frames = 1;
   const std::string text = format_progress(progress);
-  EXPECT_THAT(text, HasSubstr("LOST"));
+  EXPECT_THAT(text, HasSubstr("LOST: too fast"));
   EXPECT_THAT(text, HasSubstr("5 dropped"));
   EXPECT_THAT(text, HasSubstr("1 with problems"));
   EXPECT_THAT(text, HasSubstr("18 s left"));

@@ -35,13 +35,15 @@ export interface ChunkPoints {
 
 export type ScanPhaseName = 'unknown' | 'running' | 'finished' | 'failed' | 'interrupted';
 
+export type TrackingName = 'tracked' | 'weak' | 'lost';
+
 export interface FrameEvent {
   readonly kind: 'frame';
   readonly sequence: number;
   readonly timestamp_s: number;
   readonly worldFromCamera: Pose;
-  readonly tracked: boolean;
-  readonly reason: string; // words, when not tracked
+  readonly tracking: TrackingName;
+  readonly reason: string; // words, when weak or lost
   readonly inlierRatio: number;
   readonly residual_m: number;
   readonly surfelCount: number;

@@ -30,7 +30,7 @@ describe('decode', () => {
       kind: 'frame',
       sequence: 5,
       worldFromCamera: { translation: [1, 2, 3], rotation: [0, 0, 0, 1] },
-      tracked: false,
+      tracking: 'lost',
       reason: 'too dark',
       surfelCount: 9,
       frame_ms: 12.5,

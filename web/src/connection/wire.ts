@@ -11,7 +11,7 @@ import {
   type Rigid3,
   type ServerMessage,
 } from '../gen/scan_pb';
-import type { CameraIntrinsics, ChunkKey, FrameEvent, Pose, ScanEvent, ScanPhaseName } from './events';
+import type { CameraIntrinsics, ChunkKey, FrameEvent, Pose, ScanEvent, ScanPhaseName, TrackingName } from './events';
 
 export class WireError extends Error {}
 
@@ -87,13 +87,18 @@ export function decode(bytes: Uint8Array): Incoming {
   }
 }
 
+function trackingOf(status: TrackingStatus): TrackingName {
+  if (status === TrackingStatus.TRACKED) return 'tracked';
+  return status === TrackingStatus.WEAK ? 'weak' : 'lost'; // of a newer server: the cautious answer
+}
+
 function frameOf(frame: FrameResult): FrameEvent {
   return {
     kind: 'frame',
     sequence: Number(frame.sequence),
     timestamp_s: frame.timestampS,
     worldFromCamera: poseOf(frame.worldFromCamera, 'world_from_camera'),
-    tracked: frame.status === TrackingStatus.TRACKED,
+    tracking: trackingOf(frame.status),
     reason: frame.reason,
     inlierRatio: frame.inlierRatio,
     residual_m: frame.residualRmsM,

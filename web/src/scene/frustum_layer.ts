@@ -1,4 +1,4 @@
-// The scanning camera: its field of view at the pose of the newest frame; amber while tracking is lost.
+// The scanning camera: its field of view at the pose of the newest frame; amber while tracking is weak or lost.
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments } from 'three';
 import type { CameraIntrinsics, ScanEvent } from '../connection/events';
 import type { Layer } from './layer';
@@ -7,7 +7,7 @@ import { GlidingPose } from './motion';
 const depth_m = 0.22;
 const glide_ms = 150;
 const trackedColor = 0x7fd1b9;
-const lostColor = 0xe0b15c;
+const warningColor = 0xe0b15c;
 
 export class FrustumLayer implements Layer {
   readonly object: LineSegments<BufferGeometry, LineBasicMaterial>;
@@ -23,8 +23,8 @@ export class FrustumLayer implements Layer {
   onEvent(event: ScanEvent): void {
     if (event.kind === 'welcome' && event.camera) this.shape(event.camera);
     if (event.kind !== 'frame') return;
-    if (event.tracked) this.worldFromCamera.moveTo(event.worldFromCamera);
-    this.object.material.color.setHex(event.tracked ? trackedColor : lostColor);
+    if (event.tracking !== 'lost') this.worldFromCamera.moveTo(event.worldFromCamera);
+    this.object.material.color.setHex(event.tracking === 'tracked' ? trackedColor : warningColor);
     this.place();
   }
 

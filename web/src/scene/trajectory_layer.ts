@@ -20,7 +20,7 @@ export class TrajectoryLayer implements Layer {
   onEvent(event: ScanEvent): void {
     if (event.kind === 'welcome') this.length = 0; // the server sends the past again
     else if (event.kind === 'trajectory') this.append(event.positions_m);
-    else if (event.kind === 'frame' && event.tracked) this.append(event.worldFromCamera.translation);
+    else if (event.kind === 'frame' && event.tracking !== 'lost') this.append(event.worldFromCamera.translation);
     else return;
     this.object.geometry.setDrawRange(0, this.length);
   }

@@ -1,17 +1,17 @@
 import { describe, expect, it } from 'vitest';
-import type { FrameEvent } from '../connection/events';
+import type { FrameEvent, TrackingName } from '../connection/events';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from './live_scan';
 import { connectionWords, emptyWords, trackingWords } from './words';
 
 const after = (...events: LiveScanEvent[]): LiveScan => events.reduce(reduceLiveScan, initialLiveScan('scan1'));
 
-const frame = (tracked: boolean, x: number): FrameEvent => ({
+const frame = (tracking: TrackingName, x: number): FrameEvent => ({
   kind: 'frame',
   sequence: 0,
   timestamp_s: 0,
   worldFromCamera: { translation: [x, 0, 0], rotation: [0, 0, 0, 1] },
-  tracked,
-  reason: tracked ? '' : 'few points fit',
+  tracking,
+  reason: tracking === 'tracked' ? '' : 'few points fit',
   inlierRatio: 1,
   residual_m: 0,
   surfelCount: 5,
@@ -24,16 +24,22 @@ const running = { kind: 'scanState', phase: 'running', words: '', received: 2, p
 describe('reduceLiveScan', () => {
   it('counts the poses before and since the viewer came, afresh after reconnecting', () => {
     const past: LiveScanEvent = { kind: 'trajectory', positions_m: new Float32Array(9) };
-    const seen = after(welcome, past, frame(true, 1));
+    const seen = after(welcome, past, frame('tracked', 1));
     expect(seen.poses).toBe(4);
     expect(reduceLiveScan(seen, welcome).poses).toBe(0);
   });
 
   it('keeps the last tracked camera position while tracking is lost, and says why', () => {
-    const lost = after(welcome, running, frame(true, 1), frame(false, 99));
+    const lost = after(welcome, running, frame('tracked', 1), frame('lost', 99));
     expect(lost.cameraPosition_m).toEqual([1, 0, 0]);
     expect(trackingWords(lost)).toEqual({ text: 'Lost: few points fit', tone: 'warn' });
-    expect(trackingWords(reduceLiveScan(lost, frame(true, 2))).text).toBe('Tracking');
+    expect(trackingWords(reduceLiveScan(lost, frame('tracked', 2))).text).toBe('Tracking');
+  });
+
+  it('follows a camera that is tracked weakly, and warns', () => {
+    const weak = after(welcome, running, frame('tracked', 1), frame('weak', 2));
+    expect(weak.cameraPosition_m).toEqual([2, 0, 0]);
+    expect(trackingWords(weak)).toEqual({ text: 'Weak: few points fit', tone: 'warn' });
   });
 
   it('keeps what it shows while it reconnects', () => {

@@ -1,5 +1,5 @@
 // Everything that the panels say about one scan, as one value; points and poses themselves live in the scene.
-import type { ScanEvent, ScanPhaseName } from '../connection/events';
+import type { ScanEvent, ScanPhaseName, TrackingName } from '../connection/events';
 
 export type ConnectionName = 'connecting' | 'open' | 'waiting' | 'closed';
 
@@ -15,7 +15,7 @@ export interface LiveScan {
   readonly framesReceived: number;
   readonly framesProcessed: number;
   readonly framesDropped: number;
-  readonly tracking: 'none' | 'tracked' | 'lost';
+  readonly tracking: 'none' | TrackingName;
   readonly trackingReason: string;
   readonly frame_ms: number;
   readonly surfels: number;
@@ -73,11 +73,11 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'frame':
       return {
         ...state,
-        tracking: event.tracked ? 'tracked' : 'lost',
-        trackingReason: event.tracked ? '' : event.reason,
+        tracking: event.tracking,
+        trackingReason: event.reason,
         frame_ms: event.frame_ms,
         surfels: event.surfelCount,
-        cameraPosition_m: event.tracked ? event.worldFromCamera.translation : state.cameraPosition_m,
+        cameraPosition_m: event.tracking !== 'lost' ? event.worldFromCamera.translation : state.cameraPosition_m,
         poses: state.poses + 1,
       };
     case 'trajectory':

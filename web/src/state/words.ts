@@ -26,7 +26,8 @@ export function phaseWords(phase: string): Words {
 export function trackingWords(scan: LiveScan): Words {
   if (scan.tracking === 'none') return { text: scan.phase === 'running' ? 'Waiting for the first frame' : 'No frame yet', tone: 'quiet' };
   if (scan.tracking === 'tracked') return { text: 'Tracking', tone: 'good' };
-  return { text: scan.trackingReason ? `Lost: ${scan.trackingReason}` : 'Lost', tone: 'warn' };
+  const word = scan.tracking === 'weak' ? 'Weak' : 'Lost';
+  return { text: scan.trackingReason ? `${word}: ${scan.trackingReason}` : word, tone: 'warn' };
 }
 
 export function connectionWords(scan: LiveScan): Words {

@@ -1,0 +1,55 @@
+// Is a pose to be believed? And if not, why: in words for the person who holds the camera. Pure functions of values.
+#pragma once
+
+#include <string>
+
+#include "core/frame/frame_content.h"
+#include "core/track/track_options.h"
+
+namespace hermite {
+
+// Weak: the pose is believed and the frame is fused, but little is missing to lose the camera: a warning. Lost: nothing of the frame is
+// used.
+enum class TrackingStatus { kTracked, kWeak, kLost };
+const char* name_of(TrackingStatus status);  // "tracked", "weak", "lost"
+
+// The frame's surface beside the predicted one, at the pose found. Shares, 0 to 1.
+struct Agreement {
+  double surface = 0;   // of the frame's pixels: have a surface
+  double overlap = 0;   // of these: fall onto the prediction
+  double agreeing = 0;  // of these: lie on it, within thrice the sensor's noise and what a model may be off by
+  double in_front = 0;  // of those that overlap: clearly nearer than the prediction
+  // Normalised cross correlation of the grey values of those that agree, -1 to 1, and their standard deviations.
+  double correlation = 0;
+  double grey_deviation = 0, reference_grey_deviation = 0;
+  double sharpness = 0;  // changes of grey between neighbours, of those in the prediction: falls when the picture is dark or blurred
+};
+
+// All that is known about one frame's motion.
+struct TrackingEvidence {
+  FrameContent content;
+  Agreement agreement;
+  Agreement unmoved;  // the same where the camera was before, turned as the pictures say; only needed of a pose that is not believable
+  double inlier_share = 0;          // geometric correspondences, of all pixels
+  double observability = 0;         // see core/track/normal_equations.h
+  double step_m = 0, turn_rad = 0;  // the motion found
+  double turn_seen_rad = 0;         // of the pictures alone, before tracking
+  int lost_count = 0;               // frames lost just before this one
+};
+
+struct Judgement {
+  TrackingStatus status = TrackingStatus::kLost;
+  std::string reason;           // empty when tracked
+  bool picture_is_good = true;  // the colours may be believed
+};
+
+// Whether the frame shows at this pose what the map says. If not, another start may find a better one.
+bool is_believable(const Agreement& agreement, const TrackOptions& options);
+
+// Of a frame that was tracked against the map.
+Judgement judge(const TrackingEvidence& evidence, const TrackOptions& options);
+
+// Of a frame that could begin a map: whether it shows enough surface.
+Judgement judge_start(const TrackingEvidence& evidence, const TrackOptions& options);
+
+}  // namespace hermite

@@ -1,0 +1,73 @@
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+// How well a frame fits the predicted surface once its pose is known: does it see what the map shows, and does that look the same?
+#include "shaders/shared/track.h"
+#include "shaders/lib/geometry.glsl"
+const uint kTerms = HERMITE_AGREEMENT_TERMS;
+const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
+layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
+layout(scalar, binding = 0) readonly buffer Depth { float depth_m[]; };
+layout(scalar, binding = 1) readonly buffer Intensity { float intensity[]; };
+layout(scalar, binding = 2) readonly buffer ReferenceDepth { float reference_depth_m[]; };
+layout(scalar, binding = 3) readonly buffer ReferenceNormals { uint reference_normals[]; };
+layout(scalar, binding = 4) readonly buffer ReferenceIntensity { float reference_intensity[]; };
+layout(scalar, binding = 5) writeonly buffer Sums { float partial_sums[]; };
+layout(scalar, push_constant) uniform Push { AgreementParams p; };
+#include "shaders/lib/sums.glsl"
+
+uint at(Intrinsics camera, ivec2 pixel) { return uint(pixel.y) * camera.width + uint(pixel.x); }
+
+// Changes of grey to the next pixels, of frame and reference; zero where one of them has no neighbours.
+vec2 changes(uvec2 frame_pixel, ivec2 pixel) {
+  ivec2 f = ivec2(frame_pixel), right = ivec2(1, 0), down = ivec2(0, 1);
+  if (!inside(p.camera, f + 1) || !inside(p.reference, pixel + 1)) return vec2(0.0);
+  float known = reference_intensity[at(p.reference, pixel)];
+  float known_right = reference_intensity[at(p.reference, pixel + right)], known_down = reference_intensity[at(p.reference, pixel + down)];
+  if (min(min(known, known_right), known_down) < 0.0) return vec2(0.0);
+  float seen = intensity[at(p.camera, f)];
+  return vec2(abs(intensity[at(p.camera, f + right)] - seen) + abs(intensity[at(p.camera, f + down)] - seen),
+              abs(known_right - known) + abs(known_down - known));
+}
+
+void main() {
+  vec2 change = vec2(0.0);                 // frame, reference
+  float surface = 0.0, overlap = 0.0, agreeing = 0.0, in_front = 0.0, coloured = 0.0;
+  vec2 grey = vec2(0.0);                   // frame, reference
+  vec3 grey_squares = vec3(0.0);           // frame^2, reference^2, frame * reference
+  for (uint i = gl_GlobalInvocationID.x; i < p.camera.width * p.camera.height; i += HERMITE_ODOMETRY_GROUPS * kGroupSize) {
+    float z = depth_m[i];
+    if (z <= 0.0) continue;
+    surface += 1.0;
+    uvec2 seen_at = uvec2(i % p.camera.width, i / p.camera.width);
+    vec3 point = transform_point(p.reference_from_camera, pixel_ray(p.camera, vec2(seen_at)) * z);
+    ivec2 pixel = ivec2(floor(project(p.reference, point) + 0.5));
+    if (point.z < 0.05 || !inside(p.reference, pixel)) continue;
+    uint j = at(p.reference, pixel);
+    float reference_z = reference_depth_m[j];
+    if (reference_z <= 0.0) continue;
+    overlap += 1.0;
+    // Thrice the noise of the sensor, as it grows with distance, beside what the model may be off by.
+    float tolerance = p.tolerance_m + p.tolerance_growth_per_m * z * z;
+    vec3 d = pixel_ray(p.reference, vec2(pixel)) * reference_z;
+    in_front += reference_z - point.z > 2.0 * tolerance ? 1.0 : 0.0;
+    if (abs(dot(unpack_normal(reference_normals[j]), point - d)) > tolerance) continue;
+    agreeing += 1.0;
+    float seen = intensity[i] - 128.0, known = reference_intensity[j] - 128.0;  // near zero, so that the sums keep their digits
+    if (known < -128.0) continue;
+    coloured += 1.0;
+    grey += vec2(seen, known);
+    change += changes(seen_at, pixel);
+    grey_squares += vec3(seen * seen, known * known, seen * known);
+  }
+  begin_terms();
+  put_term(surface);
+  put_term(overlap);
+  put_term(agreeing);
+  put_term(in_front);
+  put_term(coloured);
+  for (int i = 0; i < 2; ++i) put_term(grey[i]);
+  for (int i = 0; i < 3; ++i) put_term(grey_squares[i]);
+  for (int i = 0; i < 2; ++i) put_term(change[i]);
+  write_group_sums();
+}

@@ -1,0 +1,152 @@
+#include "core/track/judgement.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <tuple>
+
+namespace hermite {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+// An ordinary frame of a hand-held scan.
+TrackingEvidence good() {
+  TrackingEvidence e;
+  e.content = {.in_range = 0.8, .too_near = 0, .too_far = 0.05, .median_m = 1.6, .mean_grey = 110, .texture = 3};
+  e.agreement = {.surface = 0.75,
+                 .overlap = 0.9,
+                 .agreeing = 0.98,
+                 .in_front = 0.01,
+                 .correlation = 0.93,
+                 .grey_deviation = 55,
+                 .reference_grey_deviation = 52,
+                 .sharpness = 1.1};
+  e.inlier_share = 0.45;
+  e.observability = 0.03;
+  e.step_m = 0.01;
+  e.turn_rad = e.turn_seen_rad = 0.01;
+  return e;
+}
+
+struct Case {
+  const char* reason;  // what the words begin with
+  std::function<void(TrackingEvidence&)> change;
+};
+
+TEST(Judgement, AnOrdinaryFrameIsTracked) {
+  const Judgement judgement = judge(good(), TrackOptions{});
+  EXPECT_EQ(judgement.status, TrackingStatus::kTracked);
+  EXPECT_EQ(judgement.reason, "");
+  EXPECT_TRUE(judgement.picture_is_good);
+}
+
+TEST(Judgement, SaysWhyACameraIsLost) {
+  const Case cases[] = {
+      {"too few points", [](TrackingEvidence& e) { e.agreement = {}, e.content.in_range = 0; }},
+      {"too near", [](TrackingEvidence& e) { e.agreement = {}, e.content.in_range = 0.01, e.content.median_m = 0.5; }},
+      {"too near", [](TrackingEvidence& e) { e.agreement = {}, e.content.in_range = 0, e.content.too_near = 0.7; }},
+      {"occluded", [](TrackingEvidence& e) { e.agreement.agreeing = 0.3, e.unmoved = {.overlap = 0.8, .in_front = 0.7}; }},
+      {"dark or blurred", [](TrackingEvidence& e) { e.agreement.agreeing = 0.3, e.content.mean_grey = 4; }},
+      {"dark or blurred", [](TrackingEvidence& e) { e.agreement.agreeing = 0.3, e.content.texture = 0.1; }},
+      {"too fast", [](TrackingEvidence& e) { e.agreement.overlap = 0.1, e.turn_seen_rad = 0.4; }},
+      {"too fast: the camera would have jumped 45 cm", [](TrackingEvidence& e) { e.step_m = 0.45; }},
+      {"blank surface", [](TrackingEvidence& e) { e.agreement.agreeing = 0.3, e.observability = 0; }},
+      {"too little in common", [](TrackingEvidence& e) { e.agreement.agreeing = 0.3; }},
+      {"too little in common", [](TrackingEvidence& e) { e.agreement.overlap = 0.1; }},
+      {"too little in common", [](TrackingEvidence& e) { e.agreement.correlation = 0.1; }},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.reason);
+    TrackingEvidence evidence = good();
+    c.change(evidence);
+    const Judgement judgement = judge(evidence, TrackOptions{});
+    EXPECT_EQ(judgement.status, TrackingStatus::kLost);
+    EXPECT_THAT(judgement.reason, StartsWith(c.reason));
+  }
+}
+
+TEST(Judgement, WarnsWithAReasonBeforeTheCameraIsLost) {
+  const Case cases[] = {
+      {"too few points", [](TrackingEvidence& e) { e.inlier_share = 0.07; }},
+      {"too little in common: only 30 %", [](TrackingEvidence& e) { e.agreement.overlap = 0.3; }},
+      {"occluded", [](TrackingEvidence& e) { e.agreement.agreeing = 0.7, e.agreement.in_front = 0.28; }},
+      {"too little in common: 30 %", [](TrackingEvidence& e) { e.agreement.agreeing = 0.7; }},
+      {"too fast: 20 cm", [](TrackingEvidence& e) { e.step_m = 0.2; }},
+      {"too fast: the camera turned by 15 degrees", [](TrackingEvidence& e) { e.turn_rad = 0.262; }},
+      {"blank surface", [](TrackingEvidence& e) { e.observability = 0; }},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.reason);
+    TrackingEvidence evidence = good();
+    c.change(evidence);
+    const Judgement judgement = judge(evidence, TrackOptions{});
+    EXPECT_EQ(judgement.status, TrackingStatus::kWeak);
+    EXPECT_THAT(judgement.reason, StartsWith(c.reason));
+    EXPECT_TRUE(judgement.picture_is_good);
+  }
+}
+
+TEST(Judgement, APictureWorseThanTheMapsIsAWarningAndItsColoursAreNotBelieved) {
+  const Case cases[] = {
+      {"white", [](TrackingEvidence& e) { e.agreement.grey_deviation = 0, e.agreement.correlation = 0, e.agreement.sharpness = 0; }},
+      {"blurred", [](TrackingEvidence& e) { e.agreement.sharpness = 0.4; }},
+      {"changed", [](TrackingEvidence& e) { e.agreement.correlation = 0.5; }},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.reason);
+    TrackingEvidence evidence = good();
+    c.change(evidence);
+    const Judgement judgement = judge(evidence, TrackOptions{});
+    EXPECT_EQ(judgement.status, TrackingStatus::kWeak);
+    EXPECT_THAT(judgement.reason, StartsWith("dark or blurred"));
+    EXPECT_FALSE(judgement.picture_is_good);
+  }
+}
+
+TEST(Judgement, AScanInTheDarkHasNoPictureToBeWorseThan) {
+  TrackingEvidence evidence = good();
+  evidence.content.mean_grey = evidence.content.texture = 0;
+  evidence.agreement.grey_deviation = evidence.agreement.reference_grey_deviation = 0;
+  evidence.agreement.correlation = evidence.agreement.sharpness = 0;
+  EXPECT_EQ(judge(evidence, TrackOptions{}).status, TrackingStatus::kTracked);
+  EXPECT_FALSE(judge(evidence, TrackOptions{}).picture_is_good) << "colours that the map got while there was light are kept";
+}
+
+// Half of the view may have changed, if the other half looks exactly as it did.
+TEST(Judgement, TheLessAgreesTheMoreItMustLookTheSame) {
+  for (const auto& [agreeing, correlation, believed] :
+       {std::tuple{0.65, 0.9, true}, {0.65, 0.6, false}, {0.9, 0.4, true}, {0.9, 0.1, false}, {0.5, 1.0, false}, {0.75, 0.6, true}}) {
+    Agreement agreement = good().agreement;
+    agreement.agreeing = agreeing;
+    agreement.correlation = correlation;
+    EXPECT_EQ(is_believable(agreement, TrackOptions{}), believed) << agreeing << " " << correlation;
+  }
+}
+
+TEST(Judgement, TheLongerACameraWasLostTheFartherItMayHaveGone) {
+  TrackingEvidence evidence = good();
+  evidence.step_m = 0.5;
+  EXPECT_EQ(judge(evidence, TrackOptions{}).status, TrackingStatus::kLost);
+  evidence.lost_count = 1;
+  EXPECT_EQ(judge(evidence, TrackOptions{}).status, TrackingStatus::kWeak);
+}
+
+TEST(Judgement, OfTheFirstFrameAsksForSurfaceOnly) {
+  TrackingEvidence evidence = good();
+  evidence.agreement = {.surface = 0.05};
+  EXPECT_EQ(judge_start(evidence, TrackOptions{}).status, TrackingStatus::kTracked);
+  evidence.agreement.surface = 0.02;
+  EXPECT_THAT(judge_start(evidence, TrackOptions{}).reason, HasSubstr("almost nothing"));
+}
+
+TEST(Judgement, StatusesHaveNames) {
+  EXPECT_STREQ(name_of(TrackingStatus::kTracked), "tracked");
+  EXPECT_STREQ(name_of(TrackingStatus::kWeak), "weak");
+  EXPECT_STREQ(name_of(TrackingStatus::kLost), "lost");
+}
+
+}  // namespace
+}  // namespace hermite
