@@ -24,6 +24,12 @@ step_release() {
 
 step_release_tests() { ctest --preset release -j "$jobs" --no-tests=error; }
 
+# What a machine with a GPU and little else builds.
+step_gpu_only() {
+  cmake --preset gpu-only
+  cmake --build --preset gpu-only
+}
+
 step_sanitized() {
   cmake --preset dev
   cmake --build --preset dev
@@ -66,5 +72,5 @@ install_packages
 provide_node
 install_viewer
 steps=("$@")
-[ $# -gt 0 ] || steps=(web release release_tests browser demo fuzz sanitized sanitized_tests)
+[ $# -gt 0 ] || steps=(web release release_tests gpu_only browser demo fuzz sanitized sanitized_tests)
 run_steps "${steps[@]}"

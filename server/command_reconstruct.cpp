@@ -12,6 +12,7 @@
 #include "core/dataset/depth_noise.h"
 #include "core/dataset/frame_range.h"
 #include "core/dataset/sequence.h"
+#include "core/frame/raw_frames.h"
 #include "core/pipeline/pipeline.h"
 #include "server/commands.h"
 #include "server/service/frame_reader.h"
@@ -29,6 +30,7 @@ constexpr double kMsPerProgress = 200;
 struct ReconstructArguments {
   std::string sequence;
   std::string out_folder;
+  std::string raw_file;  // instead of out_folder
   std::string frames;
   std::string camera;
   std::string noise;
@@ -70,7 +72,7 @@ class Progress {
  public:
   explicit Progress(std::int64_t frame_count) : on_terminal_(isatty(STDERR_FILENO) != 0), frame_count_(frame_count) {}
 
-  void show(std::int64_t done, const FrameResult& result) {
+  void show(std::int64_t done, const std::string& words) {
     if (!on_terminal_) return;
     const Clock::time_point now = Clock::now();
     if (done < frame_count_ && std::chrono::duration<double, std::milli>(now - shown_at_).count() < kMsPerProgress) return;
@@ -79,12 +81,10 @@ class Progress {
     const int filled = static_cast<int>(kWidth * done / frame_count_);
     const double elapsed_s = std::chrono::duration<double>(now - start_).count();
     const double rate_hz = static_cast<double>(done) / std::max(elapsed_s, 1e-3);
-    std::fprintf(stderr, "\r\033[K[%s%s] %lld/%lld  %.1f fps  %s left  %lld surfels%s",
-                 std::string(static_cast<std::size_t>(filled), '#').c_str(),
+    std::fprintf(stderr, "\r\033[K[%s%s] %lld/%lld  %.1f fps  %s left  %s", std::string(static_cast<std::size_t>(filled), '#').c_str(),
                  std::string(static_cast<std::size_t>(kWidth - filled), '.').c_str(), static_cast<long long>(done),
                  static_cast<long long>(frame_count_), rate_hz, duration_words(static_cast<double>(frame_count_ - done) / rate_hz).c_str(),
-                 static_cast<long long>(result.surfel_count),
-                 result.status == TrackingStatus::kTracked ? "" : (std::string("  ") + name_of(result.status)).c_str());
+                 words.c_str());
     if (done == frame_count_) std::fputc('\n', stderr);
   }
 
@@ -97,25 +97,46 @@ class Progress {
   Clock::time_point shown_at_;
 };
 
-void process_frames(const Sequence& sequence, FrameRange range, Pipeline& pipeline) {
+// Gives every frame of the range to `work`, which returns words for the line of progress.
+template <class Work>
+void for_each_frame(const Sequence& sequence, FrameRange range, Work work) {
   FrameReader reader(sequence, range, kFramesAhead);
   Progress progress(range.count());
   std::int64_t done = 0;
-  std::string said;
   while (const std::optional<ReadFrame> read = reader.next()) {
     if (!read->problem.empty())
       progress.line("frame " + std::to_string(read->index) + " cannot be read and counts as empty: " + read->problem);
-    const FrameResult result = or_throw(pipeline.process(read->frame));
-    if (!result.reason.empty() && result.reason != said)
-      progress.line("frame " + std::to_string(read->index) + " " + name_of(result.status) + ": " + result.reason);
-    said = result.reason;
-    progress.show(++done, result);
+    progress.show(++done, work(*read, progress));
   }
+}
+
+void process_frames(const Sequence& sequence, FrameRange range, Pipeline& pipeline) {
+  std::string said;
+  for_each_frame(sequence, range, [&pipeline, &said](const ReadFrame& read, Progress& progress) {
+    const FrameResult result = or_throw(pipeline.process(read.frame));
+    const std::string status = name_of(result.status);
+    if (!result.reason.empty() && result.reason != said)
+      progress.line("frame " + std::to_string(read.index) + " " + status + ": " + result.reason);
+    said = result.reason;
+    return std::to_string(result.surfel_count) + " surfels" + (result.status == TrackingStatus::kTracked ? "" : "  " + status);
+  });
+}
+
+int dump_raw(const std::string& path, const Sequence& sequence, FrameRange range) {
+  RawFrameWriter writer = or_throw(RawFrameWriter::create(path, sequence.camera(), range.count()));
+  for_each_frame(sequence, range, [&writer](const ReadFrame& read, Progress&) {
+    or_throw(writer.append(read.frame));
+    return std::string();
+  });
+  or_throw(writer.finish());
+  std::cout << range.count() << " frames in " << path << '\n';
+  return 0;
 }
 
 int run_reconstruct(const ReconstructArguments& arguments) {
   const std::unique_ptr<Sequence> sequence = open_source(arguments);
   const FrameRange range = or_throw(parse_frame_range(arguments.frames, sequence->frame_count()));
+  if (!arguments.raw_file.empty()) return dump_raw(arguments.raw_file, *sequence, range);
   const Options options = parse_options(arguments.settings);
   std::error_code error;
   std::filesystem::create_directories(arguments.out_folder, error);
@@ -143,10 +164,14 @@ Command add_reconstruct_command(CLI::App& app) {
   auto arguments = std::make_shared<ReconstructArguments>();
   CLI::App& reconstruct = *app.add_subcommand("reconstruct", "Reconstruct a recorded sequence here, without a server");
   reconstruct.add_option("SEQUENCE", arguments->sequence, "Folder (TUM, ICL-NUIM, 7-Scenes) or synthetic[:key=value,...]")->required();
-  reconstruct.add_option("--out", arguments->out_folder, "Folder for trajectory.txt, cloud.ply and report.json")->required();
+  CLI::Option_group& result = *reconstruct.add_option_group("Result", "One of these");
+  result.require_option(1);
+  result.add_option("--out", arguments->out_folder, "Folder for trajectory.txt, cloud.ply and report.json");
+  CLI::Option* raw =
+      result.add_option("--dump-raw", arguments->raw_file, "File for the decoded frames, which hermite_bench reads; reconstructs nothing");
   reconstruct.add_option("--frames", arguments->frames, "A:B takes frames A to B-1");
-  reconstruct.add_option("--set", arguments->settings, "Setting, key=value; may be repeated")->allow_extra_args(false);
-  reconstruct.add_option("--device", arguments->device, "GPU: an index or a part of its name (default: the best one)");
+  reconstruct.add_option("--set", arguments->settings, "Setting, key=value; may be repeated")->allow_extra_args(false)->excludes(raw);
+  reconstruct.add_option("--device", arguments->device, "GPU: an index or a part of its name (default: the best one)")->excludes(raw);
   reconstruct.add_option("--camera", arguments->camera, "camera.json, or one of fr1, fr2, fr3");
   reconstruct.add_option("--noise", arguments->noise, "Add noise to the depth: kinect[,seed=N] or gaussian,sigma_mm=S[,seed=N]");
   reconstruct.footer(settings_table());

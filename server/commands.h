@@ -16,13 +16,6 @@ namespace hermite {
 inline constexpr int kFailed = 1;
 inline constexpr int kUsage = 2;
 
-// The value, or its error as the exception that main puts into words.
-template <class T>
-T or_throw(Result<T> result) {
-  if (!result.ok()) throw SetupError(result.error());
-  return *std::move(result);
-}
-
 // Runs the subcommand after the arguments were parsed. May throw SetupError, which main puts into words.
 struct Command {
   CLI::App* app = nullptr;

@@ -21,13 +21,13 @@ namespace hermite {
 enum class ErrorCode {
   kInvalidArgument,  // the caller's value is out of its documented range
   kNotFound,
-  kCorruptData,   // bytes that cannot be what they claim to be
-  kTooLarge,      // a stated limit would be exceeded
-  kUnsupported,   // understood, but not something this build can do
-  kIo,            // the operating system said no
-  kDevice,        // GPU missing, lost or out of memory
+  kCorruptData,  // bytes that cannot be what they claim to be
+  kTooLarge,     // a stated limit would be exceeded
+  kUnsupported,  // understood, but not something this build can do
+  kIo,           // the operating system said no
+  kDevice,       // GPU missing, lost or out of memory
   kUnauthorized,
-  kBusy,          // try again later
+  kBusy,  // try again later
 };
 
 // One word for logs, JSON and the protocol: "corrupt_data".
@@ -78,5 +78,12 @@ class SetupError : public std::runtime_error {
  private:
   Error error_;
 };
+
+// The value, or its error as the exception that main puts into words: for programs, which can go on with nothing less.
+template <class T>
+T or_throw(Result<T> result) {
+  if (!result.ok()) throw SetupError(result.error());
+  return *std::move(result);
+}
 
 }  // namespace hermite

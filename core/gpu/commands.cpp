@@ -16,6 +16,12 @@ constexpr std::uint32_t kMaxBindings = 32;
 std::uint32_t group_count(std::uint32_t threads, std::uint32_t local_size) {
   return static_cast<std::uint32_t>((std::uint64_t{threads} + local_size - 1) / local_size);
 }
+
+std::uint64_t bytes_of(std::initializer_list<BufferRef> buffers) {
+  std::uint64_t bytes = 0;
+  for (const BufferRef& buffer : buffers) bytes += buffer.bytes;
+  return bytes;
+}
 }  // namespace
 
 Commands::Commands(Device& device)
@@ -60,13 +66,14 @@ void Commands::record(const Kernel& kernel, Threads threads, Constants constants
   }
   bind(kernel, constants, buffers);
   vkCmdDispatch(commands_.vk(), groups[0], groups[1], groups[2]);
-  stamp(kernel.pass_slot());
+  stamp({kernel.pass_slot(), std::uint64_t{threads.x} * threads.y * threads.z, bytes_of(buffers)});
 }
 
-void Commands::dispatch_bound(const Kernel& kernel, BufferRef groups) {
+void Commands::record_indirect(const Kernel& kernel, BufferRef groups, Constants constants, std::initializer_list<BufferRef> buffers) {
   CHECK(groups.bytes >= sizeof(VkDispatchIndirectCommand), kernel.name() + ": no room for the number of work groups");
+  bind(kernel, constants, buffers);
   vkCmdDispatchIndirect(commands_.vk(), groups.buffer, 0);
-  stamp(kernel.pass_slot());
+  stamp({kernel.pass_slot(), 0, bytes_of(buffers)});
 }
 
 void Commands::push_buffers(const Kernel& kernel, std::initializer_list<BufferRef> buffers) {
@@ -93,7 +100,7 @@ void Commands::push_buffers(const Kernel& kernel, std::initializer_list<BufferRe
 void Commands::fill(BufferRef buffer, std::uint32_t value) {
   CHECK(buffer.buffer != VK_NULL_HANDLE, "fill of an empty buffer");
   vkCmdFillBuffer(next(), buffer.buffer, 0, buffer.bytes, value);
-  stamp(fill_slot_);
+  stamp({fill_slot_, 0, buffer.bytes});
 }
 
 void Commands::copy(BufferRef from, BufferRef to, VkDeviceSize bytes) {
@@ -102,12 +109,12 @@ void Commands::copy(BufferRef from, BufferRef to, VkDeviceSize bytes) {
   if (bytes == 0) return;
   const VkBufferCopy region{0, 0, bytes};
   vkCmdCopyBuffer(next(), from.buffer, to.buffer, 1, &region);
-  stamp(copy_slot_);
+  stamp({copy_slot_, 0, 2 * bytes});
 }
 
-void Commands::stamp(std::uint32_t pass_slot) {
-  pass_slots_.push_back(pass_slot);
-  write_timestamp(static_cast<std::uint32_t>(pass_slots_.size()));
+void Commands::stamp(const Stamped& command) {
+  stamped_.push_back(command);
+  write_timestamp(static_cast<std::uint32_t>(stamped_.size()));
 }
 
 // Stamp i is written when command i is done, so each command's time is the difference to the stamp before: with a barrier between any two
@@ -132,18 +139,19 @@ void Commands::write_timestamp(std::uint32_t index) {
 void Commands::submit_and_wait(std::chrono::milliseconds limit) {
   if (!commands_.recording()) return;
   try {
+    const Timeline::Clock::time_point submitted = Timeline::Clock::now();
     commands_.run(limit);
-    collect_times();
+    collect_times(submitted);
   } catch (...) {
-    pass_slots_.clear();
+    stamped_.clear();
     throw;
   }
-  pass_slots_.clear();
+  stamped_.clear();
 }
 
-void Commands::collect_times() {
+void Commands::read_ticks() {
   ticks_.clear();
-  const std::size_t stamp_count = std::min(pass_slots_.size() + 1, query_pools_.size() * kQueriesPerPool);
+  const std::size_t stamp_count = std::min(stamped_.size() + 1, query_pools_.size() * kQueriesPerPool);
   ticks_.resize(stamp_count);
   for (std::size_t first = 0; first < stamp_count; first += kQueriesPerPool) {
     const std::size_t count = std::min<std::size_t>(kQueriesPerPool, stamp_count - first);
@@ -154,10 +162,23 @@ void Commands::collect_times() {
     if (result == VK_NOT_READY) ticks_.resize(first);
     if (result == VK_NOT_READY) break;
   }
-  for (std::size_t i = 0; i < pass_slots_.size(); ++i) {
+}
+
+void Commands::collect_times(Timeline::Clock::time_point submitted) {
+  read_ticks();
+  double since_first_ms = 0;
+  for (std::size_t i = 0; i < stamped_.size(); ++i) {
+    const Stamped& command = stamped_[i];
     const bool timed = i + 1 < ticks_.size();
     const std::uint64_t ticks = timed ? (ticks_[i + 1] - ticks_[i]) & device_.timestamp_mask() : 0;
-    device_.add_pass_time(pass_slots_[i], static_cast<double>(ticks) * device_.timestamp_period_ns() * 1e-6);
+    const double ms = static_cast<double>(ticks) * device_.timestamp_period_ns() * 1e-6;
+    device_.add_pass_time(command.pass_slot, ms);
+    if (Timeline* timeline = device_.timeline()) {
+      const auto start =
+          submitted + std::chrono::duration_cast<Timeline::Clock::duration>(std::chrono::duration<double, std::milli>(since_first_ms));
+      timeline->passes.push_back({device_.pass_name(command.pass_slot), start, ms, command.invocations, command.bytes_within_reach});
+    }
+    since_first_ms += ms;
   }
 }
 

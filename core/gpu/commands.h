@@ -45,16 +45,15 @@ class Commands {
   template <class Params>
   void dispatch_indirect(const Kernel& kernel, BufferRef groups, const Params& params, std::initializer_list<BufferRef> buffers) {
     static_assert(std::is_trivially_copyable_v<Params> && sizeof(Params) % 4 == 0);
-    bind(kernel, {&params, sizeof(Params)}, buffers);
-    dispatch_bound(kernel, groups);
+    record_indirect(kernel, groups, {&params, sizeof(Params)}, buffers);
   }
 
   void fill(BufferRef buffer, std::uint32_t value);
   // The first `bytes` of each. CHECK: both are that large, `bytes` is a multiple of 4.
   void copy(BufferRef from, BufferRef to, VkDeviceSize bytes);
 
-  // Blocks until the GPU is done, adds the times to Device::pass_times(), and is ready for more. Nothing recorded: returns at once.
-  // Throws DeviceError when the device is lost or does not answer within `limit`; what was recorded is dropped.
+  // Blocks until the GPU is done, adds the times to Device::pass_times() and the device's timeline, and is ready for more. Nothing
+  // recorded: returns at once. Throws DeviceError when the device is lost or does not answer within `limit`; what was recorded is dropped.
   void submit_and_wait(std::chrono::milliseconds limit = kWaitLimit);
 
  private:
@@ -62,20 +61,25 @@ class Commands {
     const void* bytes = nullptr;
     std::size_t size = 0;
   };
+  struct Stamped {
+    std::uint32_t pass_slot = 0;
+    std::uint64_t invocations = 0, bytes_within_reach = 0;  // as in Timeline::Pass
+  };
   void record(const Kernel& kernel, Threads threads, Constants constants, std::initializer_list<BufferRef> buffers);
   void bind(const Kernel& kernel, Constants constants, std::initializer_list<BufferRef> buffers);
-  void dispatch_bound(const Kernel& kernel, BufferRef groups);
+  void record_indirect(const Kernel& kernel, BufferRef groups, Constants constants, std::initializer_list<BufferRef> buffers);
   void push_buffers(const Kernel& kernel, std::initializer_list<BufferRef> buffers);
-  VkCommandBuffer next();               // after a barrier; the first also writes the first time stamp
-  void stamp(std::uint32_t pass_slot);  // after each command
+  VkCommandBuffer next();              // after a barrier; the first also writes the first time stamp
+  void stamp(const Stamped& command);  // after each command
   void write_timestamp(std::uint32_t index);
-  void collect_times();
+  void read_ticks();
+  void collect_times(Timeline::Clock::time_point submitted);
 
   Device& device_;
   CommandBuffer commands_;
-  std::vector<VkQueryPool> query_pools_;   // grows to the longest list seen, within a bound
-  std::vector<std::uint32_t> pass_slots_;  // of each stamp after the first
-  std::vector<std::uint64_t> ticks_;       // scratch of collect_times()
+  std::vector<VkQueryPool> query_pools_;  // grows to the longest list seen, within a bound
+  std::vector<Stamped> stamped_;          // before each stamp but the first
+  std::vector<std::uint64_t> ticks_;      // read_ticks(): one more than stamped_, fewer where not all are timed
   std::uint32_t fill_slot_ = 0, copy_slot_ = 0;
 };
 

@@ -59,7 +59,7 @@ std::vector<DeviceInfo> list_devices() {
   return infos;
 }
 
-Device::Device(const std::string& select) : instance_(std::make_unique<Instance>()) {
+Device::Device(const std::string& select, Timeline* timeline) : instance_(std::make_unique<Instance>()), timeline_(timeline) {
   const std::vector<Instance::Candidate> candidates = instance_->candidates();
   std::vector<DeviceInfo> infos;
   for (const Instance::Candidate& candidate : candidates) infos.push_back(candidate.info);

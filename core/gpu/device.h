@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/timeline.h"
 #include "core/gpu/device_info.h"
 #include "core/gpu/error.h"
 #include "core/gpu/instance.h"
@@ -32,7 +33,8 @@ class Device {
  public:
   // `select` as in choose_device. Throws SetupError(kDevice) in words, listing what there is.
   // The validation layer is on when built with HERMITE_VALIDATION=1 and installed; the environment's HERMITE_VALIDATION=0 or 1 overrides.
-  explicit Device(const std::string& select = "");
+  // A `timeline`, which outlives this, gets every command that runs.
+  explicit Device(const std::string& select = "", Timeline* timeline = nullptr);
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
@@ -71,6 +73,8 @@ class Device {
   void note_memory(const std::string& purpose, std::int64_t change_bytes);
   std::uint32_t pass_slot(std::string_view kernel);
   void add_pass_time(std::uint32_t slot, double ms);
+  const std::string& pass_name(std::uint32_t slot) const { return pass_times_.at(slot).kernel; }
+  Timeline* timeline() const { return timeline_; }
 
   void throw_if_lost() const;
   // Submits and waits until the GPU is done, or throws DeviceError; then `fence` is signalled no more and may be used again.
@@ -101,6 +105,7 @@ class Device {
   std::unique_ptr<Transfer> transfer_;
   std::map<std::string, std::int64_t> memory_by_purpose_;
   std::vector<PassTime> pass_times_;
+  Timeline* const timeline_;
   std::string lost_;                  // why the device cannot be used any more, in words
   VkFence hung_on_ = VK_NULL_HANDLE;  // what the timed-out submission would signal
   bool given_up_ = false;             // it never was: everything it may use is leaked, the device too

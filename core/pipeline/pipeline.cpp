@@ -62,11 +62,12 @@ struct Motion {
 }  // namespace
 
 struct Pipeline::Impl {
-  Impl(const std::string& device_choice, const Camera& camera_of_scan, const Options& options_of_scan)
+  Impl(const std::string& device_choice, const Camera& camera_of_scan, const Options& options_of_scan, Timeline* timeline_of_scan)
       : camera(checked(camera_of_scan)),
         options(options_of_scan),
         undistorter(undistorter_of(camera)),
-        device(device_choice),
+        timeline(timeline_of_scan),
+        device(device_choice, timeline),
         commands(device),
         preprocessor(device, camera, options.frame),
         odometry(device, preprocessor.maps().camera(), options.track),
@@ -91,12 +92,15 @@ struct Pipeline::Impl {
     const auto start = std::chrono::steady_clock::now();
     work();
     commands.submit_and_wait();
-    stage_total_ms[stage] += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    stage_total_ms[stage] += ms;
+    if (timeline) timeline->stages.push_back({stage, start, ms});
   }
 
   const Camera camera;
   const Options options;
   const std::optional<Undistorter> undistorter;  // when the lens distorts
+  Timeline* const timeline;                      // of whoever wants one
   gpu::Device device;
   gpu::Commands commands;
   Preprocessor preprocessor;
@@ -216,8 +220,8 @@ FrameResult Pipeline::Impl::process(const RgbdFrame& frame) {
   return result;
 }
 
-Pipeline::Pipeline(const std::string& device, const Camera& camera, const Options& options)
-    : impl_(std::make_unique<Impl>(device, camera, options)) {}
+Pipeline::Pipeline(const std::string& device, const Camera& camera, const Options& options, Timeline* timeline)
+    : impl_(std::make_unique<Impl>(device, camera, options, timeline)) {}
 Pipeline::~Pipeline() = default;
 
 Result<FrameResult> Pipeline::process(const RgbdFrame& frame) {
@@ -278,6 +282,8 @@ PipelineStatistics Pipeline::statistics() const {
   statistics.tracked_frame_count = impl.tracked_frame_count;
   statistics.weak_frame_count = impl.weak_frame_count;
   statistics.surfel_count = impl.store.alive_count();
+  statistics.surfel_slot_count = impl.store.slot_count();
+  statistics.surfel_capacity = impl.store.capacity();
   const double frames = static_cast<double>(std::max<std::size_t>(impl.trajectory.size(), 1));
   statistics.mean_frame_ms = impl.total_ms / frames;
   for (const auto& [stage, ms] : impl.stage_total_ms) statistics.stages_ms[stage] = ms / frames;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/timeline.h"
 #include "core/dataset/trajectory.h"
 #include "core/frame/rgbd_frame.h"
 #include "core/math/camera.h"
@@ -43,6 +44,8 @@ struct PipelineStatistics {
   std::int64_t tracked_frame_count = 0;  // weakly tracked ones included
   std::int64_t weak_frame_count = 0;
   std::int64_t surfel_count = 0;
+  std::int64_t surfel_slot_count = 0;                    // in use or free again
+  std::int64_t surfel_capacity = 0;                      // slots there is memory for
   double mean_frame_ms = 0;                              // wall clock inside process()
   std::map<std::string, double> stages_ms;               // mean per frame, by stage
   std::map<std::string, double> gpu_passes_ms;           // mean per frame, by shader; GPU time stamps
@@ -53,8 +56,8 @@ struct PipelineStatistics {
 class Pipeline {
  public:
   // `device` selects the GPU: empty for the best one, an index, or part of a name. Throws SetupError: no such device, too little memory,
-  // bad camera.
-  Pipeline(const std::string& device, const Camera& camera, const Options& options);
+  // bad camera. A `timeline`, which outlives this, gets every stage and every GPU pass.
+  Pipeline(const std::string& device, const Camera& camera, const Options& options, Timeline* timeline = nullptr);
   ~Pipeline();
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "core/output/ply.h"
-#include "core/pipeline/report.h"
+#include "core/report/run_report.h"
 
 namespace hermite {
 

@@ -114,6 +114,40 @@ TEST_F(CommandsTest, TimesAreSummedByKernel) {
   EXPECT_EQ(count_of("test/count"), 1);
 }
 
+TEST(CommandsTimeline, HasEveryCommandInOrderWithItsWork) {
+  Timeline timeline;
+  Device device("", &timeline);
+  Buffer<std::uint32_t> counts(device, 1 << 18, "counts"), copied(device, 1 << 18, "copied");
+  const Kernel kernel(device, "test/count");
+  Commands commands(device);
+  const Timeline::Clock::time_point start = Timeline::Clock::now();
+  commands.fill(counts, 1);
+  commands.dispatch(kernel, {1 << 18}, {counts});
+  commands.submit_and_wait();
+  const Timeline::Clock::time_point between = Timeline::Clock::now();
+  commands.copy(counts, copied, 1 << 18);
+  commands.submit_and_wait();
+  const Timeline::Clock::time_point end = Timeline::Clock::now();
+
+  ASSERT_EQ(timeline.passes.size(), 3u);
+  EXPECT_TRUE(timeline.stages.empty()) << "of those the pipeline tells";
+  const struct {
+    std::string name;
+    std::uint64_t invocations, bytes;
+  } expected[] = {{"(fill)", 0, 4u << 18}, {"test/count", 1u << 18, 4u << 18}, {"(copy)", 0, 2u << 18}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Timeline::Pass& pass = timeline.passes[i];
+    EXPECT_EQ(pass.name, expected[i].name);
+    EXPECT_EQ(pass.invocations, expected[i].invocations);
+    EXPECT_EQ(pass.bytes_within_reach, expected[i].bytes);
+    EXPECT_EQ(pass.duration_ms > 0, device.timestamp_period_ns() > 0);
+    EXPECT_GE(pass.start, i < 2 ? start : between);
+    const std::chrono::duration<double, std::milli> room = (i < 2 ? between : end) - pass.start;
+    EXPECT_LE(pass.duration_ms, room.count());
+  }
+  EXPECT_GE(timeline.passes[1].start, timeline.passes[0].start);
+}
+
 TEST_F(CommandsTest, AGridBeyondTheDeviceIsAnError) {
   const std::uint32_t limit = device.limits().maxComputeWorkGroupCount[1];
   if (limit > 0x7fffffff) GTEST_SKIP() << "this device has no such limit";

@@ -317,6 +317,8 @@ TEST(Pipeline, StatisticsSayWhatItCost) {
   EXPECT_EQ(statistics.frame_count, 3);
   EXPECT_EQ(statistics.tracked_frame_count, 3);
   EXPECT_GT(statistics.surfel_count, 1000);
+  EXPECT_GE(statistics.surfel_slot_count, statistics.surfel_count);
+  EXPECT_GE(statistics.surfel_capacity, statistics.surfel_slot_count);
   EXPECT_FALSE(statistics.device.empty());
   double sum_ms = 0;
   for (const char* stage : {"preprocess", "track", "fuse", "predict"}) {
@@ -327,6 +329,20 @@ TEST(Pipeline, StatisticsSayWhatItCost) {
   EXPECT_LE(sum_ms, statistics.mean_frame_ms);
   for (const char* purpose : {"map", "frame", "prediction"}) EXPECT_GT(statistics.gpu_memory_bytes.at(purpose), 0) << purpose;
   EXPECT_EQ(statistics.gpu_passes_ms.count("map/predict"), 1u);
+}
+
+TEST(Pipeline, ATimelineGetsEveryStageAndPass) {
+  Timeline timeline;
+  Pipeline pipeline("", recording().camera, Options{}, &timeline);
+  const Timeline::Clock::time_point start = Timeline::Clock::now();
+  for (std::size_t i = 0; i < 2; ++i) process(pipeline, recording().frames[i]);
+  std::vector<std::string> stages;
+  for (const Timeline::Stage& stage : timeline.stages) stages.push_back(stage.name);
+  EXPECT_THAT(stages, testing::ElementsAre("preprocess", "track", "fuse", "predict", "preprocess", "track", "fuse", "predict"));
+  EXPECT_GE(timeline.stages.front().start, start);
+  std::map<std::string, double> pass_sums_ms;
+  for (const Timeline::Pass& pass : timeline.passes) pass_sums_ms[pass.name] += pass.duration_ms;
+  for (const auto& [pass, ms] : pipeline.statistics().gpu_passes_ms) EXPECT_NEAR(pass_sums_ms[pass] / 2, ms, 1e-9) << pass;
 }
 
 }  // namespace

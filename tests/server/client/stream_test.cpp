@@ -12,7 +12,7 @@
 
 #include "core/output/ply.h"
 #include "core/pipeline/pipeline.h"
-#include "core/pipeline/report.h"
+#include "core/report/run_report.h"
 #include "proto/wire/frame_payload.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"

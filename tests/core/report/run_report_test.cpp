@@ -1,4 +1,4 @@
-#include "core/pipeline/report.h"
+#include "core/report/run_report.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,172 @@
+#include "core/frame/raw_frames.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <climits>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+namespace hermite {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the file is written as memory lies");
+
+constexpr std::array<char, 8> kMagic{'H', 'R', 'M', 'F', 'R', 'A', 'M', 'E'};
+constexpr std::uint32_t kVersion = 1;
+
+struct Header {
+  std::array<char, 8> magic = kMagic;
+  std::uint32_t version = kVersion;
+  std::uint32_t width = 0, height = 0;
+  std::uint32_t frame_count = 0;
+  double fx = 0, fy = 0, cx = 0, cy = 0;
+  double depth_units_per_metre = 0;
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
+};
+static_assert(sizeof(Header) == 8 + 4 * 4 + 10 * 8, "no padding");
+
+Header header_of(const Camera& camera, std::int64_t frame_count) {
+  Header header;
+  header.width = static_cast<std::uint32_t>(camera.width);
+  header.height = static_cast<std::uint32_t>(camera.height);
+  header.frame_count = static_cast<std::uint32_t>(frame_count);
+  header.fx = camera.fx;
+  header.fy = camera.fy;
+  header.cx = camera.cx;
+  header.cy = camera.cy;
+  header.depth_units_per_metre = camera.depth_units_per_metre;
+  header.k1 = camera.distortion.k1;
+  header.k2 = camera.distortion.k2;
+  header.p1 = camera.distortion.p1;
+  header.p2 = camera.distortion.p2;
+  header.k3 = camera.distortion.k3;
+  return header;
+}
+
+Camera camera_of(const Header& header) {
+  // What is too large for an int is too large for a camera.
+  const auto side_px = [](std::uint32_t value) { return static_cast<int>(std::min<std::uint32_t>(value, INT_MAX)); };
+  return {side_px(header.width),
+          side_px(header.height),
+          header.fx,
+          header.fy,
+          header.cx,
+          header.cy,
+          header.depth_units_per_metre,
+          {header.k1, header.k2, header.p1, header.p2, header.k3}};
+}
+
+std::size_t pixel_count(const Camera& camera) { return static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height); }
+
+// Of valid cameras: at most 20 MiB.
+std::int64_t frame_bytes(const Camera& camera) {
+  return static_cast<std::int64_t>(sizeof(double) + pixel_count(camera) * (sizeof(std::uint16_t) + sizeof(Rgb8)));
+}
+
+std::string count_in_words(std::int64_t count) {
+  return "frame_count is " + std::to_string(count) + ", allowed is 1 to " + std::to_string(kMaxRawFrames);
+}
+
+template <class Value>
+bool read_into(std::ifstream& file, Value* values, std::size_t count = 1) {
+  return static_cast<bool>(file.read(reinterpret_cast<char*>(values), static_cast<std::streamsize>(count * sizeof(Value))));
+}
+
+template <class Value>
+void write_from(std::ofstream& file, const Value* values, std::size_t count = 1) {
+  file.write(reinterpret_cast<const char*>(values), static_cast<std::streamsize>(count * sizeof(Value)));
+}
+
+}  // namespace
+
+Error RawFrameWriter::cannot_write() const {
+  return {ErrorCode::kIo, "writing " + path_ + ": " + (errno != 0 ? std::strerror(errno) : "the file did not take all bytes")};
+}
+
+Result<RawFrameWriter> RawFrameWriter::create(const std::string& path, const Camera& camera, std::int64_t frame_count) {
+  if (const Status valid = validate(camera); !valid.ok()) return valid.error();
+  if (frame_count < 1 || frame_count > kMaxRawFrames) return Error{ErrorCode::kInvalidArgument, count_in_words(frame_count)};
+  RawFrameWriter writer;
+  writer.path_ = path;
+  writer.camera_ = camera;
+  writer.frame_count_ = frame_count;
+  errno = 0;
+  writer.file_.open(path, std::ios::binary | std::ios::trunc);
+  const Header header = header_of(camera, frame_count);
+  write_from(writer.file_, &header);
+  if (!writer.file_) return writer.cannot_write();
+  return writer;
+}
+
+Status RawFrameWriter::append(const RgbdFrame& frame) {
+  const auto fits = [this](const auto& image) { return image.width == camera_.width && image.height == camera_.height; };
+  if (!fits(frame.depth) || !fits(frame.color))
+    return Error{ErrorCode::kInvalidArgument,
+                 "a frame of another size than the camera's, " + std::to_string(camera_.width) + "x" + std::to_string(camera_.height)};
+  if (written_count_ == frame_count_)
+    return Error{ErrorCode::kInvalidArgument, path_ + " was to hold " + std::to_string(frame_count_) + " frames, not one more"};
+  errno = 0;
+  write_from(file_, &frame.timestamp_s);
+  write_from(file_, frame.depth.pixels.data(), frame.depth.pixels.size());
+  write_from(file_, frame.color.pixels.data(), frame.color.pixels.size());
+  if (!file_) return cannot_write();
+  ++written_count_;
+  return Done{};
+}
+
+Status RawFrameWriter::finish() {
+  if (written_count_ != frame_count_)
+    return Error{ErrorCode::kInvalidArgument,
+                 path_ + " was to hold " + std::to_string(frame_count_) + " frames and got " + std::to_string(written_count_)};
+  errno = 0;
+  file_.close();
+  if (!file_) return cannot_write();
+  return Done{};
+}
+
+Error RawFrameReader::corrupt(const std::string& words) const { return {ErrorCode::kCorruptData, path_ + ": " + words}; }
+
+Result<RawFrameReader> RawFrameReader::open(const std::string& path) {
+  RawFrameReader reader;
+  reader.path_ = path;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return Error{ErrorCode::kNotFound, "there is no file " + path};
+  const auto file_bytes = static_cast<std::int64_t>(std::filesystem::file_size(path, error));
+  errno = 0;
+  reader.file_.open(path, std::ios::binary);
+  if (error || !reader.file_) return Error{ErrorCode::kIo, "cannot read " + path + ": " + std::strerror(errno)};
+  Header header;
+  if (!read_into(reader.file_, &header))
+    return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, the header alone has " + std::to_string(sizeof header));
+  if (header.magic != kMagic) return reader.corrupt("no file of raw frames: it does not begin with HRMFRAME");
+  if (header.version != kVersion)
+    return reader.corrupt("version " + std::to_string(header.version) + ", this program reads version " + std::to_string(kVersion));
+  reader.camera_ = camera_of(header);
+  if (const Status valid = validate(reader.camera_); !valid.ok()) return reader.corrupt(valid.error().message);
+  reader.frame_count_ = header.frame_count;
+  if (reader.frame_count_ < 1 || reader.frame_count_ > kMaxRawFrames) return reader.corrupt(count_in_words(reader.frame_count_));
+  const std::int64_t expected_bytes = static_cast<std::int64_t>(sizeof header) + reader.frame_count_ * frame_bytes(reader.camera_);
+  if (file_bytes != expected_bytes)
+    return reader.corrupt(std::to_string(file_bytes) + " bytes, " + std::to_string(reader.frame_count_) + " frames of " +
+                          std::to_string(header.width) + "x" + std::to_string(header.height) + " take " + std::to_string(expected_bytes) +
+                          (file_bytes < expected_bytes ? ": the file was cut short" : ""));
+  return reader;
+}
+
+Result<RgbdFrame> RawFrameReader::read(std::int64_t index) {
+  CHECK(index >= 0 && index < frame_count_, "a frame that the file does not have");
+  RgbdFrame frame{0, DepthImage(camera_.width, camera_.height), ColorImage(camera_.width, camera_.height)};
+  file_.seekg(static_cast<std::streamoff>(sizeof(Header)) + index * frame_bytes(camera_));
+  const bool read = read_into(file_, &frame.timestamp_s) && read_into(file_, frame.depth.pixels.data(), frame.depth.pixels.size()) &&
+                    read_into(file_, frame.color.pixels.data(), frame.color.pixels.size());
+  if (!read) return Error{ErrorCode::kIo, "cannot read frame " + std::to_string(index) + " of " + path_};
+  if (!std::isfinite(frame.timestamp_s)) return corrupt("the time stamp of frame " + std::to_string(index) + " is no number");
+  return frame;
+}
+
+}  // namespace hermite

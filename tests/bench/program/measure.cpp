@@ -1,0 +1,48 @@
+#include "tests/bench/program/measure.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hermite::bench {
+
+std::int64_t frame_to_play(std::int64_t step, std::int64_t file_frame_count) {
+  if (file_frame_count == 1) return 0;
+  const std::int64_t period = 2 * (file_frame_count - 1), phase = step % period;
+  return phase < file_frame_count ? phase : period - phase;
+}
+
+std::int64_t measured_frame_count(const Arguments& arguments, std::int64_t file_frame_count) {
+  if (arguments.frame_count > 0) return arguments.frame_count;
+  return std::max(kFewestFrames, file_frame_count - arguments.warm_up_count);
+}
+
+Measurement measure(RawFrameReader& file, const Arguments& arguments) {
+  Timeline timeline;
+  Pipeline pipeline(arguments.device, file.camera(), arguments.options, &timeline);
+  Measurement measurement;
+  const std::int64_t steps = arguments.warm_up_count + measured_frame_count(arguments, file.frame_count());
+  for (std::int64_t step = 0; step < steps; ++step) {
+    MeasuredFrame measured;
+    measured.index = frame_to_play(step, file.frame_count());
+    const RgbdFrame frame = or_throw(file.read(measured.index));
+    timeline = {};
+    measured.start = Timeline::Clock::now();
+    const FrameResult result = or_throw(pipeline.process(frame));
+    measured.wall_ms = std::chrono::duration<double, std::milli>(Timeline::Clock::now() - measured.start).count();
+    measured.tracked = result.status != TrackingStatus::kLost;
+    measured.timeline = std::move(timeline);
+    if (step >= arguments.warm_up_count) measurement.frames.push_back(std::move(measured));
+  }
+  measurement.statistics = pipeline.statistics();
+  return measurement;
+}
+
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const double rank = std::ceil(share * static_cast<double>(values.size()));
+  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(std::clamp(rank - 1, 0.0, static_cast<double>(values.size() - 1)));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
+}  // namespace hermite::bench
