@@ -6,7 +6,8 @@ namespace hermite {
 
 namespace {
 
-std::uint32_t groups_of(std::uint32_t threads) { return (threads + 255) / 256; }
+// One workgroup is one tile of 16 x 16 pixels: see shaders/lib/blocks.glsl.
+std::uint32_t tile_count(const shared::Intrinsics& camera) { return ((camera.width + 15) / 16) * ((camera.height + 15) / 16); }
 
 }  // namespace
 
@@ -21,15 +22,10 @@ Fuser::Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOpt
       clean_(device, "map/clean"),
       free_list_(device, "map/free_list"),
       candidates_(device, static_cast<std::size_t>(camera.width) * camera.height, "fusion"),
-      claims_(device, static_cast<std::size_t>(camera.width) * camera.height, "fusion") {}
-
-void Fuser::end_counting(gpu::Commands& commands, SurfelStore& store, std::uint32_t groups, bool ends_frame) {
-  commands.dispatch(scan_, {256}, shared::ScanParams{groups, ends_frame ? 1u : 0u},
-                    {store.group_counts, store.state, store.visible_blocks});
-}
+      claims_(device, static_cast<std::size_t>(camera.width) * camera.height, "fusion"),
+      new_by_tile_(device, tile_count(camera), "fusion") {}
 
 void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, FusedFrame fused) {
-  const std::uint32_t pixels = new_slots_bound();
   const SurfaceLevel& surface = frame.surface.levels[0];
   const shared::FuseParams params{surface.camera,
                                   fused.number,
@@ -42,17 +38,18 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
                                   options_.fuse_surface ? 1u : 0u,
                                   static_cast<float>(radius_scale_),
                                   fused.with_color ? 1u : 0u};
+  const std::uint32_t tiles = tile_count(surface.camera), threads = 256 * tiles;
   commands.fill(claims_, kNoSurfel);
   for (const gpu::Kernel* kernel : {&associate_, &merge_})
     commands.dispatch(
-        *kernel, {pixels}, params,
+        *kernel, {threads}, params,
         {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
-         store.attributes, store.times, store.camera_from_submap, candidates_, store.group_counts, store.state, all.slots(), claims_});
-  end_counting(commands, store, groups_of(pixels), false);
-  commands.dispatch(append_, {pixels}, params,
-                    {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
-                     store.attributes, store.times, store.camera_from_submap, candidates_, store.group_counts, store.state,
-                     store.free_slots, store.bounds});
+         store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, all.slots(), claims_});
+  commands.dispatch(scan_, {128}, shared::ScanParams{surface.camera, tiles}, {new_by_tile_, store.state, store.visible_blocks});
+  commands.dispatch(
+      append_, {threads}, params,
+      {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
+       store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, store.free_slots, store.bounds});
 }
 
 void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, const shared::Intrinsics& camera,
@@ -64,7 +61,7 @@ void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& s
                           static_cast<float>(options_.redundancy_depth_m), static_cast<float>(curvature_limit_per_m_)},
       {store.positions, store.attributes, store.times, store.camera_from_submap, stable.slots(), stable.depth_bits(), store.group_counts,
        store.state, store.visible_blocks, store.bounds});
-  end_counting(commands, store, 0, true);
+  commands.dispatch(scan_, {128}, shared::ScanParams{camera, 0}, {store.group_counts, store.state, store.visible_blocks});
   commands.dispatch_indirect(free_list_, store.visible_blocks, shared::FreeListParams{frame_number},
                              {store.positions, store.group_counts, store.state, store.free_slots, store.times, store.visible_blocks});
 }

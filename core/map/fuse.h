@@ -30,13 +30,12 @@ class Fuser {
   std::uint32_t new_slots_bound() const { return static_cast<std::uint32_t>(candidates_.count()); }
 
  private:
-  void end_counting(gpu::Commands& commands, SurfelStore& store, std::uint32_t groups, bool ends_frame);
-
   const MapOptions options_;
   const double curvature_limit_per_m_, radius_scale_;
   gpu::Kernel associate_, merge_, scan_, append_, clean_, free_list_;
   gpu::Buffer<shared::uint> candidates_;  // by pixel
   gpu::Buffer<shared::uint> claims_;      // by pixel of the index map
+  gpu::Buffer<shared::uint> new_by_tile_;
 };
 
 }  // namespace hermite

@@ -1,4 +1,5 @@
 // What the passes of fusion share: the frame maps, the map, and the measurement at a pixel.
+#include "shaders/lib/blocks.glsl"
 layout(scalar, binding = 0) readonly buffer RawDepth { float raw_depth_m[]; };
 layout(scalar, binding = 1) readonly buffer SurfaceDepth { float surface_depth_m[]; };
 layout(scalar, binding = 2) readonly buffer FrameNormals { uint frame_normals[]; };
@@ -10,7 +11,7 @@ layout(scalar, binding = 7) buffer Attributes { SurfelAttributes attributes[]; }
 layout(scalar, binding = 8) buffer Times { uvec2 times[]; };
 layout(scalar, binding = 9) readonly buffer Submaps { Transform camera_from_submap[]; };
 layout(scalar, binding = 10) buffer Candidates { uint candidates[]; };  // by pixel: a cell of the index map, or one of these
-layout(scalar, binding = 11) buffer Groups { uint new_by_group[]; };
+layout(scalar, binding = 11) buffer Tiles { uint new_by_group[]; };
 layout(scalar, binding = 12) buffer State { MapState state; };
 layout(scalar, push_constant) uniform Push { FuseParams p; };
 
@@ -27,6 +28,13 @@ struct Measurement {
   float confidence;
 };
 
+const uint kOutside = 0xffffffffu;
+
+// One workgroup is one tile of the image.
+uint pixel_index() {
+  uvec2 pixel = pixel_in_tile(p.camera, gl_WorkGroupID.x, gl_LocalInvocationID.x);
+  return pixel.x < p.camera.width && pixel.y < p.camera.height ? pixel.y * p.camera.width + pixel.x : kOutside;
+}
 ivec2 pixel_of(uint i) { return ivec2(i % p.camera.width, i / p.camera.width); }
 
 float fused_depth_m(uint i) { return p.fuse_surface != 0u ? surface_depth_m[i] : raw_depth_m[i]; }

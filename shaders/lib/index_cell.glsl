@@ -1,6 +1,6 @@
 // The pixel a surfel falls into and the bits of its depth (positive floats order like their bits). Shared by both halves of the index
 // map, which must agree to the last bit: hence `precise`. Needs the bindings of index_depth.comp.
-uint listed_slot() { return (blocks[gl_WorkGroupID.x] & ~kOutOfView) * kBlock + gl_LocalInvocationID.x; }
+uint listed_slot() { return block_of(blocks[gl_WorkGroupID.x]) * kBlock + gl_LocalInvocationID.x; }
 
 bool index_cell(uint slot, out uint cell, out uint bits) {
   cell = 0u;

@@ -1,26 +1,27 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// New surfels take free slots in order, then slots at the end: the same measurement gets the same slot on every run.
+// New surfels take the free slots of their zone in order, then slots at the end: the same measurement gets the same slot on every run.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/fuse_bindings.glsl"
-#include "shaders/lib/blocks.glsl"
 layout(local_size_x = 256) in;
 layout(scalar, binding = 13) readonly buffer FreeList { uint free_slots[]; };
 layout(scalar, binding = 14) buffer Bounds { BlockBounds bounds[]; };
 shared uint is_new[256];
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
-  bool fresh = i < p.camera.width * p.camera.height && candidates[i] == kNew;
+  uint i = pixel_index();
+  bool fresh = i != kOutside && candidates[i] == kNew;
   is_new[gl_LocalInvocationID.x] = fresh ? 1u : 0u;
   barrier();
   if (!fresh) return;
   uint rank = new_by_group[gl_WorkGroupID.x];
   for (uint k = 0u; k < gl_LocalInvocationID.x; ++k) rank += is_new[k];
-  uint slot = rank < state.free_count ? free_slots[rank] : state.slot_count + rank - state.free_count;
+  ZoneSlots zone = state.zones[zone_of_tile(p.camera, gl_WorkGroupID.x)];
+  rank -= zone.new_begin;
+  uint slot = rank < zone.free_count ? free_slots[zone.free_begin + rank] : state.slot_count + zone.fresh_begin + rank - zone.free_count;
   if (slot >= p.slot_capacity) return;
   Measurement m = measure(i);
   Transform t = camera_from_submap[p.submap];

@@ -15,8 +15,8 @@ layout(scalar, binding = 14) buffer Claims { uint claims[]; };
 uint claim_key(float distance_px, uint i) { return (min(uint(distance_px * 256.0), 1023u) << kPixelBits) | i; }
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
-  if (i >= p.camera.width * p.camera.height) return;
+  uint i = pixel_index();
+  if (i == kOutside) return;
   if (!can_be_fused(i)) {
     candidates[i] = kInvalid;
     return;

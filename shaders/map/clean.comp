@@ -75,10 +75,10 @@ void write_bounds(uint block) {
 }
 
 void main() {
-  uint lane = gl_LocalInvocationID.x, entry = blocks[gl_WorkGroupID.x], block = entry & ~kOutOfView, slot = block * kBlock + lane;
+  uint lane = gl_LocalInvocationID.x, entry = blocks[gl_WorkGroupID.x], block = block_of(entry), slot = block * kBlock + lane;
   // Fusion has appended, but the count is brought up to date after this pass.
-  uint appended = state.new_count > state.free_count ? state.new_count - state.free_count : 0u;
-  bool exists = slot < state.slot_count + appended;
+  uint slot_count = state.slot_count + state.fresh_count;
+  bool exists = slot < slot_count;
   bool in_turn = (block + p.frame_number) % p.interval == 0u;
   vec4 surfel = exists ? position_confidence[slot] : vec4(0.0);
   bool alive = surfel.w > 0.0, freed = false;
@@ -93,7 +93,7 @@ void main() {
   barrier();
   if (in_turn) write_bounds(block);
   if (lane != 8u) return;
-  uint free_count = 0u, freed_count = 0u, existing = min(state.slot_count + appended - block * kBlock, kBlock);
+  uint free_count = 0u, freed_count = 0u, existing = min(slot_count - block * kBlock, kBlock);
   for (uint i = 0u; i < existing; ++i) {
     free_count += is_free[i];
     freed_count += is_freed[i];

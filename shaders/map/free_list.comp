@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Writes the free slots of the listed blocks in ascending order. Those that cleaning has just freed (confidence -1) get this frame's number.
+// Writes the free slots of the listed blocks, zone by zone in ascending order. Those that cleaning has just freed (confidence -1) get this frame's number.
 #include "shaders/shared/map.h"
 #include "shaders/lib/blocks.glsl"
 layout(local_size_x = 256) in;
@@ -14,19 +14,24 @@ layout(scalar, binding = 5) readonly buffer Visible { uint groups[3]; uint block
 layout(scalar, push_constant) uniform Push { FreeListParams p; };
 shared uint is_free[kBlock];
 
+bool all_free() {
+  uint count = 0u;
+  for (uint i = 0u; i < kBlock; ++i) count += is_free[i];
+  return count == kBlock;
+}
+
 void main() {
-  uint group = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x, slot = (blocks[group] & ~kOutOfView) * kBlock + lane;
+  uint group = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x, slot = block_of(blocks[group]) * kBlock + lane;
   bool dead = slot < state.slot_count && position_confidence[slot].w <= 0.0;
   is_free[lane] = dead ? 1u : 0u;
   barrier();
   if (!dead) return;
-  uint rank = free_by_group[group];
-  uint end = group + 1u < groups[0] ? free_by_group[group + 1u] : state.free_count;
   if (position_confidence[slot].w < 0.0) {
     position_confidence[slot].w = 0.0;
     times[slot].y = p.frame_number;
   }
-  if (rank == end) return;  // none of this block are to be used
+  if ((blocks[group] & kOutOfView) != 0u && !all_free()) return;  // as map/clean counted them
+  uint rank = free_by_group[group];
   for (uint i = 0u; i < lane; ++i) rank += is_free[i];
   free_slots[rank] = slot;
 }

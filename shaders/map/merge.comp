@@ -37,9 +37,9 @@ void merge(uint slot, Measurement m) {
 }
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
+  uint i = pixel_index();
   uint fresh = 0u;
-  if (i < p.camera.width * p.camera.height) {
+  if (i != kOutside) {
     uint cell = candidates[i];
     if (cell == kNew) {
       fresh = 1u;

@@ -25,11 +25,12 @@ bool reaches(Box box, vec3 normal, float offset) {
   return dot(normal, box.centre) + dot(abs(rotate_back(box.t, normal)), box.half_size) + offset >= 0.0;
 }
 
-bool may_be_seen(uint block) {
+// An entry of the list, with kOutOfView where no surfel of the block can be in view.
+uint look_at(uint block) {
   uint keys[8] = bounds[block].reach;
-  if (keys[0] == 0u) return false;
+  if (keys[0] == 0u) return block | kOutOfView;
   float submap = unordered(keys[6]);
-  if (submap != -unordered(keys[7])) return true;  // of several submaps
+  if (submap != -unordered(keys[7])) return block;  // of several submaps
   vec3 high = vec3(unordered(keys[0]), unordered(keys[1]), unordered(keys[2]));
   vec3 low = -vec3(unordered(keys[3]), unordered(keys[4]), unordered(keys[5]));
   Transform t = camera_from_submap[uint(submap)];
@@ -37,29 +38,30 @@ bool may_be_seen(uint block) {
   // A pixel more on each side than index_cell asks for makes up for rounding.
   float left = -1.5 - p.camera.cx, right = float(p.camera.width) + 0.5 - p.camera.cx;
   float top = -1.5 - p.camera.cy, bottom = float(p.camera.height) + 0.5 - p.camera.cy;
-  return reaches(box, vec3(0.0, 0.0, 1.0), 0.0) && reaches(box, vec3(0.0, 0.0, -1.0), p.depth_max_m) &&
-         reaches(box, vec3(p.camera.fx, 0.0, -left), 0.0) && reaches(box, vec3(-p.camera.fx, 0.0, right), 0.0) &&
-         reaches(box, vec3(0.0, p.camera.fy, -top), 0.0) && reaches(box, vec3(0.0, -p.camera.fy, bottom), 0.0);
+  bool seen = reaches(box, vec3(0.0, 0.0, 1.0), 0.0) && reaches(box, vec3(0.0, 0.0, -1.0), p.depth_max_m) &&
+              reaches(box, vec3(p.camera.fx, 0.0, -left), 0.0) && reaches(box, vec3(-p.camera.fx, 0.0, right), 0.0) &&
+              reaches(box, vec3(0.0, p.camera.fy, -top), 0.0) && reaches(box, vec3(0.0, -p.camera.fy, bottom), 0.0);
+  uint zone = zone_of_pixel(p.camera, project(p.camera, vec3(box.centre.xy, max(box.centre.z, 0.05))));
+  return block | (zone << 16) | (seen ? 0u : kOutOfView);
 }
 
 bool has_its_turn(uint block) { return (block + p.frame_number) % p.turn_interval == 0u; }
 
 void main() {
   uint lane = gl_LocalInvocationID.x;
-  uint appended = state.new_count > state.free_count ? state.new_count - state.free_count : 0u;
-  uint block_count = (state.slot_count + appended + kBlock - 1u) / kBlock;
+  uint block_count = (state.slot_count + state.fresh_count + kBlock - 1u) / kBlock;
   uint share = (block_count + 255u) / 256u;
   uint first = min(lane * share, block_count), last = min(first + share, block_count);
   uint count = 0u;
-  for (uint block = first; block < last; ++block) count += has_its_turn(block) || may_be_seen(block) ? 1u : 0u;
+  for (uint block = first; block < last; ++block) count += has_its_turn(block) || (look_at(block) & kOutOfView) == 0u ? 1u : 0u;
   counts[lane] = count;
   barrier();
   uint next = 0u;
   for (uint i = 0u; i < lane; ++i) next += counts[i];
   for (uint block = first; block < last; ++block) {
-    bool seen = may_be_seen(block);
-    if (!seen && !has_its_turn(block)) continue;
-    blocks[next] = seen ? block : block | kOutOfView;
+    uint entry = look_at(block);
+    if (!has_its_turn(block) && (entry & kOutOfView) != 0u) continue;
+    blocks[next] = entry;
     ++next;
   }
   if (lane != 255u) return;

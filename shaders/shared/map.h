@@ -18,12 +18,20 @@ struct SurfelAttributes {
 };
 
 // Counters of the map, in a buffer of their own.
+#define HERMITE_ZONES 16
+struct ZoneSlots {
+  uint free_begin, free_count;  // in the list of free slots
+  uint new_begin;               // of the zone's new surfels, in the order of all
+  uint fresh_begin;             // of those that find no free slot, from slot_count on
+};
 struct MapState {
   uint slot_count;   // slots in use or free below this
   uint free_count;   // of these, the free ones that are listed for use
   uint new_count;    // being appended; 0 between frames
+  uint fresh_count;  // of these, those behind slot_count
   uint alive_count;
   uint freed_count;  // in this frame; 0 between frames
+  ZoneSlots zones[HERMITE_ZONES];
 };
 
 // Of 256 neighbouring slots: see shaders/lib/blocks.glsl.
@@ -92,8 +100,8 @@ struct FreeListParams {
 };
 
 struct ScanParams {
-  uint group_count;  // of pixels; of slots it is the length of the list of blocks
-  uint ends_frame;   // 0: the counts are of new surfels, 1: of free slots, which also brings the map's counters up to date
+  Intrinsics camera;
+  uint tile_count;  // the counts are of new surfels by tile; 0: of free slots by listed block, which also brings the counters up to date
 };
 
 #ifdef __cplusplus

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <tuple>
 
 #include "core/map/index_map.h"
 #include "tests/reference/frame_twin.h"
@@ -79,14 +80,17 @@ class Fusion {
     outcome_.surfels = surfels;
   }
 
-  FuseOutcome run(const std::vector<std::uint32_t>& free_slots, const std::vector<std::uint32_t>& ids) {
-    const Association association = associate(ids);
+  FuseOutcome run(const std::vector<std::vector<std::uint32_t>>& free_slots, const std::vector<std::uint32_t>& ids) {
+    Association association = associate(ids);
     for (const auto& [slot, claims] : association.claims) merge(outcome_.surfels[slot], winner(claims));
-    std::size_t used = 0;
+    const auto order = [this](const Claim& c) { return std::tuple(zone_of_tile_at(view_.camera, c.x, c.y), c.y / 16, c.x / 16, c.y, c.x); };
+    std::sort(association.fresh.begin(), association.fresh.end(), [&](const Claim& a, const Claim& b) { return order(a) < order(b); });
+    std::vector<std::size_t> used(free_slots.size());
     for (const Claim& pixel : association.fresh) {
       const Surfel surfel = measure(pixel.x, pixel.y);
-      if (used < free_slots.size())
-        outcome_.surfels[free_slots[used++]] = surfel;
+      const std::size_t zone = zone_of_tile_at(view_.camera, pixel.x, pixel.y);
+      if (used[zone] < free_slots[zone].size())
+        outcome_.surfels[free_slots[zone][used[zone]++]] = surfel;
       else
         outcome_.surfels.push_back(surfel);
       ++outcome_.new_count;
@@ -265,7 +269,14 @@ SurfaceImage predict_twin(const std::vector<Surfel>& surfels, const MapView& vie
   return out;
 }
 
-FuseOutcome fuse_twin(const std::vector<Surfel>& surfels, const std::vector<std::uint32_t>& free_slots, const MapView& view,
+std::size_t zone_of_tile_at(const shared::Intrinsics& camera, int x, int y) {
+  const auto part = [](int at, std::uint32_t size) {
+    return std::min(static_cast<std::size_t>(4.0 * (16.0 * (at / 16) + 8.0) / size), std::size_t{3});
+  };
+  return 4 * part(y, camera.height) + part(x, camera.width);
+}
+
+FuseOutcome fuse_twin(const std::vector<Surfel>& surfels, const std::vector<std::vector<std::uint32_t>>& free_slots, const MapView& view,
                       const std::vector<std::uint32_t>& ids, const FuseInput& frame, const FuseSettings& settings) {
   return Fusion(surfels, view, frame, settings).run(free_slots, ids);
 }

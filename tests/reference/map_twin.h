@@ -59,8 +59,11 @@ struct FuseOutcome {
   double closest_decision = 1e9;
 };
 
-// All pixels fused. `free_slots` are used first, in order.
-FuseOutcome fuse_twin(const std::vector<Surfel>& surfels, const std::vector<std::uint32_t>& free_slots, const MapView& view,
+// Where in the view new surfels and free slots find each other: 4 x 4 zones of tiles of 16 x 16 pixels.
+std::size_t zone_of_tile_at(const shared::Intrinsics& camera, int x, int y);
+
+// All pixels fused. Zone by zone and tile by tile new surfels use the free slots of their zone first, in order.
+FuseOutcome fuse_twin(const std::vector<Surfel>& surfels, const std::vector<std::vector<std::uint32_t>>& free_slots, const MapView& view,
                       const std::vector<std::uint32_t>& ids, const FuseInput& frame, const FuseSettings& settings);
 
 }  // namespace hermite::test

@@ -115,7 +115,16 @@ void upload(const std::vector<Surfel>& surfels, SurfelStore& store) {
   store.free_slots.upload(free);
   store.bounds.upload(bounds_of(surfels, store.bounds.count()));
   const auto slot_count = static_cast<shared::uint>(surfels.size()), free_count = static_cast<shared::uint>(free.size());
-  store.state.upload(std::vector<shared::MapState>{{slot_count, free_count, 0, slot_count - free_count, 0}});
+  shared::MapState state{slot_count, free_count, 0, 0, slot_count - free_count, 0, {}};
+  state.zones[0].free_count = free_count;
+  store.state.upload(std::vector<shared::MapState>{state});
+}
+
+std::vector<std::vector<std::uint32_t>> free_slots_by_zone(const SurfelStore& store) {
+  std::vector<std::vector<std::uint32_t>> zones;
+  for (const shared::ZoneSlots& zone : store.state.mapped()[0].zones)
+    zones.push_back(store.free_slots.download(zone.free_count, zone.free_begin));
+  return zones;
 }
 
 std::vector<std::uint32_t> free_slots(const SurfelStore& store) { return store.free_slots.download(store.state.mapped()[0].free_count); }

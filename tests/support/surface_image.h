@@ -38,9 +38,12 @@ shared::Intrinsics intrinsics_of_level(const Camera& camera, int level);
 // Empty maps of a frame of every pixel, to be filled by the test instead of a Preprocessor.
 FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera);
 
-// Replaces the content of the store: surfel i in slot i. Those without confidence become its free slots.
+// Replaces the content of the store: surfel i in slot i. Those without confidence become free slots, listed in the first zone
+// until a cleaning lists them where they belong.
 void upload(const std::vector<Surfel>& surfels, SurfelStore& store);
 
+// The list of free slots: all of it, and the part of each zone.
 std::vector<std::uint32_t> free_slots(const SurfelStore& store);
+std::vector<std::vector<std::uint32_t>> free_slots_by_zone(const SurfelStore& store);
 
 }  // namespace hermite::test

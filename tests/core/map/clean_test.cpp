@@ -142,14 +142,19 @@ TEST_F(CleanTest, UnstableSurfelsAreForgottenAndStableOnesAreNot) {
   EXPECT_TRUE(survives(alone(0.1f, kNow)));
 }
 
+// There a block has its turn every sixteenth time only.
 TEST_F(CleanTest, AgeCountsOutsideTheViewToo) {
-  Scene scene{.count = 0};
   for (const Vector3d& position : {Vector3d(0, 0, -1), Vector3d(5, 0, 1), Vector3d(0, 0, 0.01)}) {
+    Scene scene{.count = 0};
     scene.victim.position_in_submap_m = position.cast<float>();
     scene.victim.observed_frame = kNow - 1;
     EXPECT_TRUE(survives(scene));
     scene.victim.observed_frame = 1;
-    EXPECT_FALSE(survives(scene));
+    test::upload(surfels_of(scene), bench.store);
+    for (std::uint32_t frame = kNow; frame < kNow + 16; ++frame) bench.clean(frame);
+    EXPECT_EQ(bench.store.download()[0].confidence, 0);
+    EXPECT_EQ(bench.store.alive_count(), 0u);
+    test::expect_consistent(bench.store);
   }
 }
 
