@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <span>
 #include <string>
 
 namespace hermite {
@@ -11,13 +12,10 @@ namespace {
 
 constexpr std::uint32_t kFirstCapacity = 1u << 19;
 
-// The IEEE half as GLSL's unpackHalf2x16 reads it.
 float half_to_float(std::uint32_t half) {
-  const std::uint32_t exponent = (half >> 10) & 31u, mantissa = half & 1023u;
-  const float magnitude = exponent == 0 ? std::ldexp(static_cast<float>(mantissa), -24)
-                                        : std::ldexp(static_cast<float>(mantissa | 1024u), static_cast<int>(exponent) - 25);
-  return (half & 0x8000u) != 0 ? -magnitude : magnitude;
+  return static_cast<float>(Eigen::numext::bit_cast<Eigen::half>(static_cast<std::uint16_t>(half)));
 }
+std::uint32_t float_to_half(float value) { return Eigen::numext::bit_cast<std::uint16_t>(Eigen::half(value)); }
 
 // The octahedral code of shaders/lib/geometry.glsl.
 Eigen::Vector3f unpack_unit(std::uint32_t packed) {
@@ -31,6 +29,35 @@ Eigen::Vector3f unpack_unit(std::uint32_t packed) {
     n.y() = (1.0f - std::abs(x)) * (y >= 0 ? 1.0f : -1.0f);
   }
   return n.normalized();
+}
+
+std::uint32_t pack_unit(const Eigen::Vector3f& n) {
+  const auto snorm = [](float value) {
+    return static_cast<std::uint32_t>(std::lround(std::clamp(value, -1.0f, 1.0f) * 32767.0f)) & 0xffffu;
+  };
+  const auto sign = [](float value) { return value >= 0 ? 1.0f : -1.0f; };
+  Eigen::Vector2f p = n.head<2>() / n.lpNorm<1>();
+  if (n.z() < 0) p = Eigen::Vector2f((1 - std::abs(p.y())) * sign(p.x()), (1 - std::abs(p.x())) * sign(p.y()));
+  return snorm(p.x()) | (snorm(p.y()) << 16);
+}
+
+// As shaders/lib/blocks.glsl orders numbers.
+std::uint32_t ordered(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
+}
+
+void widen(shared::BlockBounds& bounds, const Surfel& s) {
+  const Eigen::Vector3f& p = s.position_in_submap_m;
+  const auto submap = static_cast<float>(s.submap);
+  const float reach[8] = {p.x(), p.y(), p.z(), -p.x(), -p.y(), -p.z(), submap, -submap};
+  for (int i = 0; i < 8; ++i) bounds.reach[i] = std::max(bounds.reach[i], ordered(reach[i]));
+}
+
+shared::SurfelAttributes pack_attributes(const Surfel& s) {
+  return {pack_unit(s.normal_in_submap), float_to_half(s.radius_m) | (s.submap << 16),
+          s.r | (std::uint32_t{s.g} << 8) | (std::uint32_t{s.b} << 16),
+          float_to_half(s.curvature_max_per_m) | (float_to_half(s.curvature_min_per_m) << 16)};
 }
 
 Surfel unpack(const shared::vec4& p, const shared::SurfelAttributes& a, const shared::uvec2& t) {
@@ -98,6 +125,31 @@ void SurfelStore::set_camera(const Rigid3& world_from_camera) {
   std::vector<shared::Transform> transforms;
   for (const Rigid3& pose : world_from_submap_) transforms.push_back(to_shared(inverse(world_from_camera) * pose));
   camera_from_submap.upload(transforms);
+}
+
+void SurfelStore::append(std::span<const Surfel> surfels) {
+  const std::uint32_t first_block = (slot_count() + kSlotsPerBlock - 1) / kSlotsPerBlock, first = first_block * kSlotsPerBlock;
+  const std::size_t block_count = (surfels.size() + kSlotsPerBlock - 1) / kSlotsPerBlock;
+  if (surfels.size() > kMaxSlots) throw gpu::DeviceError("the map has no room for " + std::to_string(surfels.size()) + " surfels");
+  reserve(first - slot_count() + static_cast<std::uint32_t>(surfels.size()));
+  std::vector<shared::vec4> new_positions;
+  std::vector<shared::SurfelAttributes> new_attributes;
+  std::vector<shared::uvec2> new_times;
+  std::vector<shared::BlockBounds> new_bounds(block_count);
+  for (const Surfel& s : surfels) {
+    widen(new_bounds[new_positions.size() / kSlotsPerBlock], s);
+    new_positions.push_back({s.position_in_submap_m.x(), s.position_in_submap_m.y(), s.position_in_submap_m.z(), s.confidence});
+    new_attributes.push_back(pack_attributes(s));
+    new_times.push_back({s.created_frame, s.observed_frame});
+  }
+  positions.upload(new_positions, first);
+  attributes.upload(new_attributes, first);
+  times.upload(new_times, first);
+  bounds.upload(new_bounds, first_block);
+  shared::MapState after = counters();
+  after.slot_count = first + static_cast<std::uint32_t>(surfels.size());
+  after.alive_count += static_cast<std::uint32_t>(surfels.size());
+  state.upload(std::vector<shared::MapState>{after});
 }
 
 std::vector<Surfel> SurfelStore::download() const {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/gpu/buffer.h"
@@ -47,6 +48,10 @@ class SurfelStore {
   std::uint32_t alive_count() const { return counters().alive_count; }
   std::uint32_t capacity() const { return capacity_; }
   const std::vector<Rigid3>& world_from_submap() const { return world_from_submap_; }
+
+  // Behind all slots, from the next whole block on: surfels that are neighbours in `surfels` stay so. All of them alive; between frames.
+  // Throws as reserve() does.
+  void append(std::span<const Surfel> surfels);
 
   // Slots below slot_count(), free ones too.
   std::vector<Surfel> download() const;

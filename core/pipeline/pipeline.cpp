@@ -32,6 +32,21 @@ CloudPoint to_cloud_point(const Surfel& surfel, const Rigid3& target_from_submap
   return point;
 }
 
+Surfel to_surfel(const CloudPoint& point, std::uint32_t frame_number) {
+  Surfel surfel;
+  surfel.position_in_submap_m = point.position_m;
+  surfel.normal_in_submap = -point.normal;
+  surfel.radius_m = point.radius_m;
+  surfel.confidence = point.confidence;
+  surfel.curvature_max_per_m = point.curvature_max_per_m;
+  surfel.curvature_min_per_m = point.curvature_min_per_m;
+  surfel.r = point.color.r;
+  surfel.g = point.color.g;
+  surfel.b = point.color.b;
+  surfel.created_frame = surfel.observed_frame = frame_number;
+  return surfel;
+}
+
 Error wrong_size(const RgbdFrame& frame, const Camera& camera) {
   const auto size = [](int width, int height) { return std::to_string(width) + "x" + std::to_string(height); };
   return {ErrorCode::kInvalidArgument, "the frame is " + size(frame.depth.width, frame.depth.height) + " depth and " +
@@ -230,6 +245,18 @@ Result<FrameResult> Pipeline::process(const RgbdFrame& frame) {
   if (!fits(frame.depth.width, frame.depth.height) || !fits(frame.color.width, frame.color.height)) return wrong_size(frame, camera);
   try {
     return impl_->process(frame);
+  } catch (const SetupError& error) {
+    return error.error();
+  }
+}
+
+Status Pipeline::insert(const Cloud& cloud) {
+  try {
+    std::vector<Surfel> surfels;
+    for (const CloudPoint& point : cloud)
+      if (point.confidence > 0) surfels.push_back(to_surfel(point, impl_->frame_number + 1));
+    impl_->store.append(surfels);
+    return Done{};
   } catch (const SetupError& error) {
     return error.error();
   }

@@ -67,6 +67,10 @@ class Pipeline {
   // which only trajectory() and statistics() may be called.
   Result<FrameResult> process(const RgbdFrame& frame);
 
+  // Adds an earlier model, in this scan's world frame: as if all of it were seen in the next frame. Normals towards the camera, as in
+  // cloud(); points without confidence are left out. kDevice: no room.
+  Status insert(const Cloud& cloud);
+
   // One pose for every frame given, lost ones included, with the frame's own time stamp.
   const Trajectory& trajectory() const;
 

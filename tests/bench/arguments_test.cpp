@@ -15,13 +15,14 @@ std::string refusal(const std::vector<std::string>& words) {
 }
 
 TEST(BenchArguments, OptionsComeBeforeAndBehindTheFileJoinedOrNot) {
-  const Result<Arguments> arguments = parse_arguments({"--frames", "20", "room.raw", "--warm-up=3", "--device", "llvm", "--set",
+  const Result<Arguments> arguments = parse_arguments({"--frames", "20", "room.raw", "--warm-up=3", "--elsewhere", "4000000", "--device", "llvm", "--set",
                                                        "map.window=7", "--set=frame.sampling=1", "--trace", "trace.json"});
   ASSERT_TRUE(arguments.ok()) << arguments.error().message;
   EXPECT_FALSE(arguments->help);
   EXPECT_EQ(arguments->file, "room.raw");
   EXPECT_EQ(arguments->frame_count, 20);
   EXPECT_EQ(arguments->warm_up_count, 3);
+  EXPECT_EQ(arguments->elsewhere_count, 4000000);
   EXPECT_EQ(arguments->device, "llvm");
   EXPECT_EQ(arguments->trace_file, "trace.json");
   EXPECT_EQ(arguments->options.map.window, 7);

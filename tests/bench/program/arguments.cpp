@@ -7,15 +7,19 @@ namespace hermite::bench {
 
 namespace {
 
-constexpr std::int64_t kMostFrames = 1'000'000;
+constexpr std::int64_t kMostFrames = 1'000'000, kMostSurfels = 16'000'000;
 
 Error usage_error(const std::string& words) { return {ErrorCode::kInvalidArgument, words + "; --help says more"}; }
 
-Status parse_count(const std::string& option, const std::string& text, std::int64_t low, std::int64_t& count) {
+struct Range {
+  std::int64_t low = 0, high = kMostFrames;
+};
+
+Status parse_count(const std::string& option, const std::string& text, Range range, std::int64_t& count) {
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, count);
-  if (error == std::errc() && stop == end && count >= low && count <= kMostFrames) return Done{};
-  return usage_error(option + " is '" + text + "', allowed is " + std::to_string(low) + " to " + std::to_string(kMostFrames));
+  if (error == std::errc() && stop == end && count >= range.low && count <= range.high) return Done{};
+  return usage_error(option + " is '" + text + "', allowed is " + std::to_string(range.low) + " to " + std::to_string(range.high));
 }
 
 Status parse_setting(const std::string& text, Options& options) {
@@ -25,8 +29,9 @@ Status parse_setting(const std::string& text, Options& options) {
 }
 
 Status set_option(const std::string& option, const std::string& value, Arguments& arguments) {
-  if (option == "--frames") return parse_count(option, value, 1, arguments.frame_count);
-  if (option == "--warm-up") return parse_count(option, value, 0, arguments.warm_up_count);
+  if (option == "--frames") return parse_count(option, value, {1}, arguments.frame_count);
+  if (option == "--warm-up") return parse_count(option, value, {0}, arguments.warm_up_count);
+  if (option == "--elsewhere") return parse_count(option, value, {0, kMostSurfels}, arguments.elsewhere_count);
   if (option == "--set") return parse_setting(value, arguments.options);
   if (option == "--device")
     arguments.device = value;
@@ -75,6 +80,7 @@ times of every GPU pass beside what the device's memory and arithmetic would all
                    A file that is too short is played forwards and backwards.
   --warm-up N      frames before them that are not counted (default: )" +
          std::to_string(Arguments{}.warm_up_count) + R"()
+  --elsewhere N    surfels of places out of view that the map has from the start (default: 0)
   --device D       GPU: an index or a part of its name (default: the best one)
   --set KEY=VALUE  a setting, as for `hermite reconstruct`; may be repeated
   --trace FILE     writes every frame, stage and GPU pass for chrome://tracing and ui.perfetto.dev

@@ -17,7 +17,8 @@ struct Arguments {
   std::string trace_file;  // empty: none
   Options options;         // of the reconstruction
   std::int64_t warm_up_count = 10;
-  std::int64_t frame_count = 0;  // to measure; 0: all of the file, at least kFewestFrames
+  std::int64_t elsewhere_count = 0;  // surfels of other places in the map from the start
+  std::int64_t frame_count = 0;      // to measure; 0: all of the file, at least kFewestFrames
 };
 
 // For percentiles that mean something.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 namespace hermite::bench {
 
@@ -16,9 +17,32 @@ std::int64_t measured_frame_count(const Arguments& arguments, std::int64_t file_
   return std::max(kFewestFrames, file_frame_count - arguments.warm_up_count);
 }
 
+Cloud elsewhere(std::int64_t count) {
+  constexpr int kSide = 16;  // a patch is 16 x 16 surfels a centimetre apart, as many as a block of the map has
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  Cloud cloud;
+  while (cloud.size() < static_cast<std::size_t>(count)) {
+    Eigen::Vector3f direction(unit(random), unit(random), unit(random));
+    if (direction.norm() > 1 || direction.norm() < 0.1f) continue;
+    direction.normalize();
+    const Eigen::Vector3f corner = (40 + 15 * unit(random)) * direction, right = direction.unitOrthogonal(), down = direction.cross(right);
+    for (int i = 0; i < kSide * kSide && cloud.size() < static_cast<std::size_t>(count); ++i) {
+      CloudPoint point;
+      point.position_m = corner + 0.01f * (static_cast<float>(i % kSide) * right + static_cast<float>(i / kSide) * down);
+      point.normal = -direction;
+      point.confidence = 10;
+      point.radius_m = 0.03f;
+      cloud.push_back(point);
+    }
+  }
+  return cloud;
+}
+
 Measurement measure(RawFrameReader& file, const Arguments& arguments) {
   Timeline timeline;
   Pipeline pipeline(arguments.device, file.camera(), arguments.options, &timeline);
+  if (arguments.elsewhere_count > 0) or_throw(pipeline.insert(elsewhere(arguments.elsewhere_count)));
   Measurement measurement;
   const std::int64_t steps = arguments.warm_up_count + measured_frame_count(arguments, file.frame_count());
   for (std::int64_t step = 0; step < steps; ++step) {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/program/arguments.h"
 #include "core/base/timeline.h"
 #include "core/frame/raw_frames.h"
 #include "core/pipeline/pipeline.h"
+#include "tests/bench/program/arguments.h"
 
 namespace hermite::bench {
 
@@ -27,6 +27,9 @@ struct Measurement {
 
 // Frame of the file to be played as the `step`-th, so that the camera never jumps: 0 1 2 3 2 1 0 1 ...
 std::int64_t frame_to_play(std::int64_t step, std::int64_t file_frame_count);
+
+// Surfels of rooms scanned before: small patches of surface all around, 25 to 55 m away, where no depth camera sees them.
+Cloud elsewhere(std::int64_t count);
 
 // How many to measure.
 std::int64_t measured_frame_count(const Arguments& arguments, std::int64_t file_frame_count);

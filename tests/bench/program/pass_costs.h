@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/program/roofline.h"
 #include "core/base/timeline.h"
 #include "core/pipeline/options.h"
+#include "tests/bench/program/roofline.h"
 
 namespace hermite::bench {
 

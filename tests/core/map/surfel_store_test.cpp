@@ -1,5 +1,6 @@
 #include "core/map/surfel_store.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
@@ -87,6 +88,32 @@ TEST_F(SurfelStoreTest, GrowsByHalfAndKeepsItsContent) {
   EXPECT_EQ(test::free_slots(store), free);
   store.reserve(2 * store.capacity());
   EXPECT_EQ(store.capacity(), 2048 + 3 * first) << "as much as asked for where half is not enough, in whole blocks of 256";
+}
+
+TEST_F(SurfelStoreTest, AppendsBehindAllInWholeBlocks) {
+  SurfelStore store(device());
+  std::vector<Surfel> first = random_surfels(300, 3), second = random_surfels(5, 4);
+  for (std::vector<Surfel>* surfels : {&first, &second})
+    for (Surfel& s : *surfels) s.confidence = 2;
+  store.append(first);
+  EXPECT_EQ(store.slot_count(), 300u);
+  store.append(second);
+  EXPECT_EQ(store.slot_count(), 517u);
+  EXPECT_EQ(store.alive_count(), 305u);
+  const std::vector<Surfel> actual = store.download();
+  for (std::size_t i = 0; i < 300; ++i) expect_same(actual[i], first[i], i);
+  for (std::size_t i = 300; i < 512; ++i) ASSERT_EQ(actual[i].confidence, 0);
+  for (std::size_t i = 0; i < 5; ++i) expect_same(actual[512 + i], second[i], i);
+}
+
+TEST_F(SurfelStoreTest, SaysWhenAMapIsFull) {
+  SurfelStore store(device());
+  try {
+    store.reserve(kMaxSlots + 1);
+    FAIL();
+  } catch (const SetupError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("at most 16776960"));
+  }
 }
 
 TEST_F(SurfelStoreTest, TheCameraGoesToThePasses) {

@@ -309,6 +309,29 @@ TEST(Pipeline, EverySwitchStillTracks) {
   }
 }
 
+// Rooms scanned before cost memory and nothing else. As many blocks as leave every other block's turn for cleaning where it was.
+TEST(Pipeline, WhatIsElsewhereChangesNothing) {
+  Cloud elsewhere(64 * 256);
+  for (std::size_t i = 0; i < elsewhere.size(); ++i) {
+    elsewhere[i].position_m = {0.01f * static_cast<float>(i % 128), 0.01f * static_cast<float>(i / 128), -30};
+    elsewhere[i].normal = Eigen::Vector3f::UnitZ();
+    elsewhere[i].confidence = 9;
+    elsewhere[i].radius_m = 0.02f;
+  }
+  Pipeline alone("", recording().camera, soon_stable()), beside("", recording().camera, soon_stable());
+  ASSERT_TRUE(beside.insert(elsewhere).ok());
+  for (const RgbdFrame& frame : recording().frames) {
+    const FrameResult expected = process(alone, frame), actual = process(beside, frame);
+    EXPECT_TRUE(same_pose(actual.world_from_camera, expected.world_from_camera)) << expected.frame_index;
+    EXPECT_EQ(actual.surfel_count, expected.surfel_count + static_cast<std::int64_t>(elsewhere.size()));
+  }
+  const Cloud expected = *alone.cloud(), actual = *beside.cloud();
+  ASSERT_EQ(actual.size(), elsewhere.size() + expected.size());
+  EXPECT_EQ(actual[0].position_m, elsewhere[0].position_m);
+  EXPECT_EQ(actual[0].normal, elsewhere[0].normal);
+  for (std::size_t i = 0; i < expected.size(); ++i) ASSERT_TRUE(same_point(actual[elsewhere.size() + i], expected[i])) << i;
+}
+
 TEST(Pipeline, StatisticsSayWhatItCost) {
   Pipeline pipeline("", recording().camera, Options{});
   EXPECT_EQ(pipeline.statistics().frame_count, 0);
