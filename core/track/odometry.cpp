@@ -13,8 +13,9 @@ namespace hermite {
 
 namespace {
 
-constexpr int kGroups = HERMITE_ODOMETRY_GROUPS;
-constexpr int kThreads = HERMITE_ODOMETRY_GROUPS * HERMITE_ODOMETRY_GROUP_SIZE;
+constexpr std::uint32_t kMaxGroups = HERMITE_ODOMETRY_GROUPS;
+// Adding up a group's terms costs as much as several pixels of each of its threads.
+constexpr std::uint32_t kPixelsPerThread = 16;
 constexpr int kTerms = HERMITE_ODOMETRY_TERMS;
 constexpr int kRotationTerms = HERMITE_ROTATION_TERMS;
 constexpr int kAgreementTerms = HERMITE_AGREEMENT_TERMS;
@@ -37,12 +38,18 @@ constexpr float kTolerance_m = 0.015f, kToleranceGrowth_per_m = 0.0057f;
 constexpr double kSearchReach = 3;
 constexpr std::size_t kSearchTries = 3;
 
+// Invocations that share so many pixels: whole workgroups.
+std::uint32_t threads_for(std::uint32_t pixel_count) {
+  constexpr std::uint32_t kPixelsPerGroup = kPixelsPerThread * HERMITE_ODOMETRY_GROUP_SIZE;
+  return HERMITE_ODOMETRY_GROUP_SIZE * std::clamp((pixel_count + kPixelsPerGroup - 1) / kPixelsPerGroup, 1u, kMaxGroups);
+}
+
 // Sums of all workgroups, in order.
 template <int N>
-Eigen::Matrix<double, N, 1> total(std::span<const float> partial_sums) {
+Eigen::Matrix<double, N, 1> total(std::span<const float> partial_sums, std::uint32_t threads) {
   Eigen::Matrix<double, N, 1> sums = Eigen::Matrix<double, N, 1>::Zero();
-  for (int group = 0; group < kGroups; ++group)
-    for (int term = 0; term < N; ++term) sums[term] += static_cast<double>(partial_sums[static_cast<std::size_t>(group * N + term)]);
+  for (std::size_t group = 0; group < threads / HERMITE_ODOMETRY_GROUP_SIZE; ++group)
+    for (int term = 0; term < N; ++term) sums[term] += static_cast<double>(partial_sums[group * N + static_cast<std::size_t>(term)]);
   return sums;
 }
 
@@ -91,7 +98,7 @@ Odometry::Odometry(gpu::Device& device, const shared::Intrinsics& finest, const 
       rotation_(device, "track/rotation"),
       agreement_(device, "track/agreement"),
       commands_(device),
-      partial_sums_(device, static_cast<std::size_t>(kGroups * kTerms), "odometry", gpu::Memory::kReadback),
+      partial_sums_(device, std::size_t{kMaxGroups} * kTerms, "odometry", gpu::Memory::kReadback),
       previous_intensity_(device, static_cast<std::size_t>(finest.width >> kRotationLevel) * (finest.height >> kRotationLevel),
                           "odometry") {}
 
@@ -120,11 +127,12 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
                                       kGradientMin[l],
                                       static_cast<float>(options_.photometric_depth_gate_m),
                                       gates.search ? 2u : 0u};
-  commands_.dispatch(odometry_, {static_cast<std::uint32_t>(kThreads)}, params,
+  const std::uint32_t threads = threads_for(from.camera.width * from.camera.height);
+  commands_.dispatch(odometry_, {threads}, params,
                      {from.depth_m, from.normals, from.curvatures, from.intensity, frame.gradients[l], to.depth_m, to.normals,
                       to.curvatures, to.weight, to.intensity, partial_sums_});
   commands_.submit_and_wait();
-  const auto terms = total<kTerms>(partial_sums_.mapped());
+  const auto terms = total<kTerms>(partial_sums_.mapped(), threads);
   // As laid out in shaders/shared/track.h.
   const double* next = terms.data();
   Sums sums{};
@@ -211,10 +219,10 @@ Agreement Odometry::agreement(const FrameMaps& frame, const SurfacePyramid& refe
   const SurfaceLevel& from = frame.surface.levels[kAgreementLevel];
   const SurfaceLevel& to = reference.levels[kAgreementLevel];
   const shared::AgreementParams params{to_shared(reference_from_camera), from.camera, to.camera, kTolerance_m, kToleranceGrowth_per_m};
-  commands_.dispatch(agreement_, {static_cast<std::uint32_t>(kThreads)}, params,
-                     {from.depth_m, from.intensity, to.depth_m, to.normals, to.intensity, partial_sums_});
+  const std::uint32_t threads = threads_for(from.camera.width * from.camera.height);
+  commands_.dispatch(agreement_, {threads}, params, {from.depth_m, from.intensity, to.depth_m, to.normals, to.intensity, partial_sums_});
   commands_.submit_and_wait();
-  const auto sums = total<kAgreementTerms>(partial_sums_.mapped());
+  const auto sums = total<kAgreementTerms>(partial_sums_.mapped(), threads);
   // As laid out in shaders/shared/track.h.
   const double surface = sums[0], overlap = sums[1], agreeing = sums[2], in_front = sums[3], coloured = sums[4];
   const auto share = [](double part, double whole) { return whole > 0 ? part / whole : 0; };
@@ -236,14 +244,15 @@ Eigen::Quaterniond Odometry::align_rotation(const FrameMaps& frame) {
   Eigen::Quaterniond current_from_previous = Eigen::Quaterniond::Identity();
   if (!has_previous_) return current_from_previous;
   const SurfaceLevel& image = frame.surface.levels[kRotationLevel];
+  const std::uint32_t threads = threads_for(image.camera.width * image.camera.height);
   Eigen::Quaterniond best = current_from_previous;
   double best_error = 1e300;
   for (int i = 0; i < 10; ++i) {
-    commands_.dispatch(rotation_, {static_cast<std::uint32_t>(kThreads)},
+    commands_.dispatch(rotation_, {threads},
                        shared::RotationParams{to_shared({current_from_previous, Eigen::Vector3d::Zero()}), previous_camera_, image.camera},
                        {previous_intensity_, image.intensity, partial_sums_});
     commands_.submit_and_wait();
-    const auto sums = total<kRotationTerms>(partial_sums_.mapped());
+    const auto sums = total<kRotationTerms>(partial_sums_.mapped(), threads);
     const double count = sums[13], error = count > 0 ? sums[12] / count : 1e300;
     if (error >= best_error) break;  // also when it does not fall any more
     best_error = error;

@@ -9,7 +9,7 @@ namespace hermite::shared {
 #endif
 
 // Sums of one workgroup; the host adds the groups in order, in double precision.
-#define HERMITE_ODOMETRY_GROUPS 256
+#define HERMITE_ODOMETRY_GROUPS 256  // at most
 #define HERMITE_ODOMETRY_GROUP_SIZE 32
 // Of the geometric, then of the photometric system: upper triangle of H by rows, b. Then of the geometric pairs, weighted: 1, s, upper
 // triangle of s s^T, squared sine between the normals. At the end geometric squared error and count, photometric squared error and count,

@@ -35,7 +35,7 @@ void main() {
   float surface = 0.0, overlap = 0.0, agreeing = 0.0, in_front = 0.0, coloured = 0.0;
   vec2 grey = vec2(0.0);                   // frame, reference
   vec3 grey_squares = vec3(0.0);           // frame^2, reference^2, frame * reference
-  for (uint i = gl_GlobalInvocationID.x; i < p.camera.width * p.camera.height; i += HERMITE_ODOMETRY_GROUPS * kGroupSize) {
+  for (uint i = gl_GlobalInvocationID.x; i < p.camera.width * p.camera.height; i += gl_NumWorkGroups.x * kGroupSize) {
     float z = depth_m[i];
     if (z <= 0.0) continue;
     surface += 1.0;

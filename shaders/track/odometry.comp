@@ -153,7 +153,7 @@ void add_photometry(vec2 uv, vec3 s, uint i) {
 }
 
 void main() {
-  for (uint i = gl_GlobalInvocationID.x; i < p.camera.width * p.camera.height; i += HERMITE_ODOMETRY_GROUPS * kGroupSize) {
+  for (uint i = gl_GlobalInvocationID.x; i < p.camera.width * p.camera.height; i += gl_NumWorkGroups.x * kGroupSize) {
     ivec2 pixel = ivec2(i % p.camera.width, i / p.camera.width);
     float z = depth_m[i];
     if (z <= 0.0) continue;

@@ -31,7 +31,7 @@ void main() {
   vec3 b = vec3(0.0);
   vec2 error_count = vec2(0.0);
   uint pixels = p.previous.width * p.previous.height;
-  for (uint i = gl_GlobalInvocationID.x; i < pixels; i += HERMITE_ODOMETRY_GROUPS * kGroupSize) {
+  for (uint i = gl_GlobalInvocationID.x; i < pixels; i += gl_NumWorkGroups.x * kGroupSize) {
     ivec2 x = ivec2(i % p.previous.width, i / p.previous.width);
     vec3 q = rotate(p.current_from_previous, pixel_ray(p.previous, vec2(x)));
     if (!has_neighbours(x) || q.z < 0.1) continue;
