@@ -40,11 +40,14 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
                                   fused.with_color ? 1u : 0u};
   const std::uint32_t tiles = tile_count(surface.camera), threads = 256 * tiles;
   commands.fill(claims_, kNoSurfel);
-  for (const gpu::Kernel* kernel : {&associate_, &merge_})
-    commands.dispatch(
-        *kernel, {threads}, params,
-        {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
-         store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, all.slots(), claims_});
+  commands.dispatch(associate_, {threads}, params,
+                    {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
+                     store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, all.depth_bits(),
+                     claims_, all.cells()});
+  commands.dispatch(
+      merge_, {threads}, params,
+      {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
+       store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, all.slots(), claims_});
   commands.dispatch(scan_, {128}, shared::ScanParams{surface.camera, tiles}, {new_by_tile_, store.state, store.visible_blocks});
   commands.dispatch(
       append_, {threads}, params,

@@ -17,7 +17,7 @@ class Fuser {
   // `camera` has the size of all frames.
   Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options, const FrameOptions& frame_options);
 
-  // Records: the frame's pixels are merged into the surfels of `all`, an index map of every surfel, or appended. The store must be
+  // Records: the frame's pixels are merged into the surfels of `all`, a described index map of every surfel, or appended. The store must be
   // set to the frame's pose and have room for new_slots_bound() more.
   void fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, FusedFrame fused);
 

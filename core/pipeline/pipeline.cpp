@@ -187,6 +187,7 @@ void Pipeline::Impl::fuse(const FrameMaps& maps, bool with_color) {
   store.set_camera(world_from_camera);
   visible.list(commands, store, maps.camera(), frame_number);
   index.build(commands, store, maps.camera(), 0);
+  index.describe(commands, store, maps.camera());
   fuser.fuse(commands, maps, store, index, {frame_number, with_color});
 }
 

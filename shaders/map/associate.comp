@@ -9,8 +9,9 @@
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/fuse_bindings.glsl"
 layout(local_size_x = 256) in;
-layout(scalar, binding = 13) readonly buffer Ids { uint ids[]; };
+layout(scalar, binding = 13) readonly buffer Depths { uint depth_bits[]; };
 layout(scalar, binding = 14) buffer Claims { uint claims[]; };
+layout(scalar, binding = 15) readonly buffer Cells { IndexCell cells[]; };
 
 uint claim_key(float distance_px, uint i) { return (min(uint(distance_px * 256.0), 1023u) << kPixelBits) | i; }
 
@@ -33,14 +34,12 @@ void main() {
       ivec2 q = pixel + ivec2(dx, dy);
       if (!inside(p.camera, q)) continue;
       uint cell = uint(q.y) * p.camera.width + uint(q.x);
-      uint slot = ids[cell];
-      if (slot == kInvalid) continue;
-      SurfelAttributes a = attributes[slot];
-      Transform t = camera_from_submap[surfel_submap(a)];
-      vec3 position = transform_point(t, position_confidence[slot].xyz);
-      if (abs(position.z - z) * ray_length > p.depth_gate_m) continue;
-      vec3 n = rotate(t, unpack_unit(a.normal));
+      if (depth_bits[cell] == kInvalid) continue;
+      float surfel_z = uintBitsToFloat(depth_bits[cell]);
+      if (abs(surfel_z - z) * ray_length > p.depth_gate_m) continue;
+      vec3 n = unpack_unit(cells[cell].normal);
       if (abs(n.z) >= 0.75 && dot(n, normal) < p.cos_normal_gate) continue;
+      vec3 position = surfel_z * pixel_ray(p.camera, vec2(q) + 0.5 * unpackSnorm2x16(cells[cell].offset));
       float distance_px = length(cross(position, ray)) / ray_length * p.camera.fx / z;
       if (distance_px < best) {
         best = distance_px;

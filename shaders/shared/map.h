@@ -53,6 +53,12 @@ struct IndexParams {
   float depth_max_m;
 };
 
+// Of the surfel that a pixel of the index map shows.
+struct IndexCell {
+  uint offset;  // from the pixel's centre, half pixels, 2 x snorm16
+  uint normal;  // octahedral, camera frame
+};
+
 struct PredictParams {
   Intrinsics camera;
   float curvature_lambda_per_m;  // curvature at which a surface starts to count as a feature (reference, section 2.4)

@@ -43,6 +43,7 @@ class MapBench {
     store.set_camera(world_from_camera);
     visible_.list(commands_, store, maps_.camera(), frame_number);
     index.build(commands_, store, maps_.camera(), 0);
+    index.describe(commands_, store, maps_.camera());
     fuser.fuse(commands_, maps_, store, index, {frame_number});
     commands_.submit_and_wait();
   }
