@@ -69,10 +69,11 @@ void Commands::record(const Kernel& kernel, Threads threads, Constants constants
   stamp({kernel.pass_slot(), std::uint64_t{threads.x} * threads.y * threads.z, bytes_of(buffers)});
 }
 
-void Commands::record_indirect(const Kernel& kernel, BufferRef groups, Constants constants, std::initializer_list<BufferRef> buffers) {
-  CHECK(groups.bytes >= sizeof(VkDispatchIndirectCommand), kernel.name() + ": no room for the number of work groups");
+void Commands::record_indirect(const Kernel& kernel, GroupCounts groups, Constants constants, std::initializer_list<BufferRef> buffers) {
+  const VkDeviceSize offset = VkDeviceSize{4} * groups.first_word;
+  CHECK(groups.buffer.bytes >= offset + sizeof(VkDispatchIndirectCommand), kernel.name() + ": no room for the number of work groups");
   bind(kernel, constants, buffers);
-  vkCmdDispatchIndirect(commands_.vk(), groups.buffer, 0);
+  vkCmdDispatchIndirect(commands_.vk(), groups.buffer.buffer, offset);
   stamp({kernel.pass_slot(), 0, bytes_of(buffers)});
 }
 

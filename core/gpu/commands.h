@@ -25,6 +25,12 @@ struct Threads {
   std::uint32_t x = 1, y = 1, z = 1;
 };
 
+// Three words of a buffer that say how many work groups to run along each axis.
+struct GroupCounts {
+  BufferRef buffer;
+  std::uint32_t first_word = 0;
+};
+
 class Commands {
  public:
   explicit Commands(Device& device);
@@ -41,11 +47,14 @@ class Commands {
   }
   void dispatch(const Kernel& kernel, Threads threads, std::initializer_list<BufferRef> buffers) { record(kernel, threads, {}, buffers); }
 
-  // As many work groups as the first three words of `groups` say once the commands before have run: at most 65535 along each axis.
+  // As many work groups as `groups` says once the commands before have run: at most 65535 along each axis.
   template <class Params>
-  void dispatch_indirect(const Kernel& kernel, BufferRef groups, const Params& params, std::initializer_list<BufferRef> buffers) {
+  void dispatch_indirect(const Kernel& kernel, GroupCounts groups, const Params& params, std::initializer_list<BufferRef> buffers) {
     static_assert(std::is_trivially_copyable_v<Params> && sizeof(Params) % 4 == 0);
     record_indirect(kernel, groups, {&params, sizeof(Params)}, buffers);
+  }
+  void dispatch_indirect(const Kernel& kernel, GroupCounts groups, std::initializer_list<BufferRef> buffers) {
+    record_indirect(kernel, groups, {}, buffers);
   }
 
   void fill(BufferRef buffer, std::uint32_t value);
@@ -67,7 +76,7 @@ class Commands {
   };
   void record(const Kernel& kernel, Threads threads, Constants constants, std::initializer_list<BufferRef> buffers);
   void bind(const Kernel& kernel, Constants constants, std::initializer_list<BufferRef> buffers);
-  void record_indirect(const Kernel& kernel, BufferRef groups, Constants constants, std::initializer_list<BufferRef> buffers);
+  void record_indirect(const Kernel& kernel, GroupCounts groups, Constants constants, std::initializer_list<BufferRef> buffers);
   void push_buffers(const Kernel& kernel, std::initializer_list<BufferRef> buffers);
   VkCommandBuffer next();              // after a barrier; the first also writes the first time stamp
   void stamp(const Stamped& command);  // after each command

@@ -20,6 +20,7 @@ Fuser::Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOpt
       scan_(device, "map/scan"),
       append_(device, "map/append"),
       clean_(device, "map/clean"),
+      count_free_(device, "map/count_free"),
       free_list_(device, "map/free_list"),
       candidates_(device, static_cast<std::size_t>(camera.width) * camera.height, "fusion"),
       claims_(device, static_cast<std::size_t>(camera.width) * camera.height, "fusion"),
@@ -58,14 +59,15 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
 void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, const shared::Intrinsics& camera,
                   std::uint32_t frame_number) {
   commands.dispatch_indirect(
-      clean_, store.visible_blocks,
-      shared::CleanParams{camera, frame_number, static_cast<shared::uint>(options_.clean_interval_frames),
-                          static_cast<float>(options_.stable_confidence), static_cast<shared::uint>(options_.max_unstable_age_frames),
-                          static_cast<float>(options_.redundancy_depth_m), static_cast<float>(curvature_limit_per_m_)},
-      {store.positions, store.attributes, store.times, store.camera_from_submap, stable.slots(), stable.depth_bits(), store.group_counts,
-       store.state, store.visible_blocks, store.bounds});
+      clean_, {store.visible_blocks, 3},
+      shared::CleanParams{camera, frame_number, static_cast<float>(options_.stable_confidence),
+                          static_cast<shared::uint>(options_.max_unstable_age_frames), static_cast<float>(options_.redundancy_depth_m),
+                          static_cast<float>(curvature_limit_per_m_)},
+      {store.positions, store.attributes, store.times, store.camera_from_submap, stable.slots(), stable.depth_bits(), store.state,
+       store.visible_blocks, store.bounds});
+  commands.dispatch_indirect(count_free_, {store.visible_blocks}, {store.positions, store.group_counts, store.state, store.visible_blocks});
   commands.dispatch(scan_, {128}, shared::ScanParams{camera, 0}, {store.group_counts, store.state, store.visible_blocks});
-  commands.dispatch_indirect(free_list_, store.visible_blocks, shared::FreeListParams{frame_number},
+  commands.dispatch_indirect(free_list_, {store.visible_blocks}, shared::FreeListParams{frame_number},
                              {store.positions, store.group_counts, store.state, store.free_slots, store.times, store.visible_blocks});
 }
 

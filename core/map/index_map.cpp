@@ -15,7 +15,7 @@ void IndexMap::build(gpu::Commands& commands, const SurfelStore& store, const sh
   commands.fill(ids_, kNoSurfel);
   const shared::IndexParams params{camera, static_cast<float>(min_confidence), kFarthest_m};
   for (const gpu::Kernel* kernel : {&depth_kernel_, &id_kernel_})
-    commands.dispatch_indirect(*kernel, store.visible_blocks, params,
+    commands.dispatch_indirect(*kernel, {store.visible_blocks}, params,
                                {store.positions, store.attributes, store.camera_from_submap, depth_bits_, ids_, store.visible_blocks});
 }
 

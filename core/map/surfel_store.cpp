@@ -117,7 +117,7 @@ void SurfelStore::reserve(std::uint32_t additional) {
   grow(device_, free_slots, capacity);
   grow(device_, bounds, block_count);
   group_counts = gpu::Buffer<shared::uint>(device_, block_count, "map");
-  visible_blocks = gpu::Buffer<shared::uint>(device_, 3 + block_count, "map");
+  visible_blocks = gpu::Buffer<shared::uint>(device_, 6 + block_count, "map");
   capacity_ = capacity;
 }
 

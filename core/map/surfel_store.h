@@ -60,10 +60,11 @@ class SurfelStore {
   gpu::Buffer<shared::SurfelAttributes> attributes;
   gpu::Buffer<shared::uvec2> times;
   gpu::Buffer<shared::uint> free_slots;
-  gpu::Buffer<shared::uint> group_counts;    // scratch of the prefix sums, one entry for every block
-  gpu::Buffer<shared::BlockBounds> bounds;   // by block of 256 slots
-  gpu::Buffer<shared::uint> visible_blocks;  // three numbers of workgroups for a dispatch, then the blocks listed by VisibleBlocks
-  gpu::Buffer<shared::MapState> state;       // valid on the host between frames
+  gpu::Buffer<shared::uint> group_counts;   // scratch of the prefix sums, one entry for every block
+  gpu::Buffer<shared::BlockBounds> bounds;  // by block of 256 slots
+  gpu::Buffer<shared::uint>
+      visible_blocks;  // workgroups for a dispatch over all, and over those in turn (three words each), then the list of VisibleBlocks
+  gpu::Buffer<shared::MapState> state;  // valid on the host between frames
   gpu::Buffer<shared::Transform> camera_from_submap;
 
  private:

@@ -13,9 +13,9 @@ class VisibleBlocks {
  public:
   VisibleBlocks(gpu::Device& device, const MapOptions& options);
 
-  // Records: lists in store.visible_blocks, in ascending order, all blocks that may have surfels in view of the camera that the store was
-  // set to (up to kFarthest_m), those that fusion has just appended to included, and one in so many of the others, another one in each
-  // frame.
+  // Records: lists in store.visible_blocks all blocks that may have surfels in view of the camera that the store was set to (up to
+  // kFarthest_m), those that fusion has just appended to included, and one in so many of the others, another one in each frame. Those whose
+  // turn for cleaning has come are first.
   void list(gpu::Commands& commands, const SurfelStore& store, const shared::Intrinsics& camera, std::uint32_t frame_number);
 
  private:

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Removes surfels that should not be there (paper section 5, reference notes 4.4), counts free slots by listed block and brings the bounds
-// of the blocks in turn up to date:
+// Removes surfels that should not be there (paper section 5, reference notes 4.4) from the blocks in turn, and brings their bounds up to
+// date:
 //   redundant   most neighbours in 5x5 pixels of the index map of stable surfels are older and lie just behind it
 //   free space  stable surfels seen in this very frame lie clearly behind it
 //   unstable    never confirmed for max_unstable_age frames
@@ -17,12 +17,11 @@ layout(scalar, binding = 2) readonly buffer Times { uvec2 times[]; };
 layout(scalar, binding = 3) readonly buffer Submaps { Transform camera_from_submap[]; };
 layout(scalar, binding = 4) readonly buffer StableIds { uint stable_ids[]; };
 layout(scalar, binding = 5) readonly buffer StableDepths { uint stable_depth_bits[]; };
-layout(scalar, binding = 6) writeonly buffer Groups { uint free_by_group[]; };
-layout(scalar, binding = 7) buffer State { MapState state; };
-layout(scalar, binding = 8) readonly buffer Visible { uint groups[3]; uint blocks[]; };
-layout(scalar, binding = 9) writeonly buffer Bounds { BlockBounds bounds[]; };
+layout(scalar, binding = 6) buffer State { MapState state; };
+layout(scalar, binding = 7) readonly buffer Visible { uint groups[3]; uint turn_groups[3]; uint blocks[]; };
+layout(scalar, binding = 8) writeonly buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, push_constant) uniform Push { CleanParams p; };
-shared uint is_free[kBlock], is_freed[kBlock];
+shared uint is_alive[kBlock];
 shared vec4 position_submap[kBlock];
 
 bool contradicted(uint slot, vec4 surfel) {
@@ -69,37 +68,25 @@ void write_bounds(uint block) {
   uint farthest = 0u;
   for (uint i = 0u; i < kBlock; ++i) {
     uint key = ordered(reach(direction, position_submap[i]));
-    farthest = is_free[i] != 0u ? farthest : max(farthest, key);
+    farthest = is_alive[i] != 0u ? max(farthest, key) : farthest;
   }
   bounds[block].reach[direction] = farthest;
 }
 
 void main() {
-  uint lane = gl_LocalInvocationID.x, entry = blocks[gl_WorkGroupID.x], block = block_of(entry), slot = block * kBlock + lane;
+  uint lane = gl_LocalInvocationID.x, block = block_of(blocks[gl_WorkGroupID.x]), slot = block * kBlock + lane;
   // Fusion has appended, but the count is brought up to date after this pass.
-  uint slot_count = state.slot_count + state.fresh_count;
-  bool exists = slot < slot_count;
-  bool in_turn = (block + p.frame_number) % p.interval == 0u;
+  bool exists = slot < state.slot_count + state.fresh_count;
   vec4 surfel = exists ? position_confidence[slot] : vec4(0.0);
-  bool alive = surfel.w > 0.0, freed = false;
-  if (alive && in_turn) {
-    freed = contradicted(slot, surfel) || outlived(surfel, slot);
+  bool alive = surfel.w > 0.0;
+  if (alive && (contradicted(slot, surfel) || outlived(surfel, slot))) {
+    alive = false;
     // map/free_list writes when it went: here its neighbours may still be asking when it was last seen.
-    if (freed) position_confidence[slot].w = -1.0;
+    position_confidence[slot].w = -1.0;
+    atomicAdd(state.freed_count, 1u);
   }
-  is_free[lane] = !alive || freed ? 1u : 0u;
-  is_freed[lane] = freed ? 1u : 0u;
+  is_alive[lane] = alive ? 1u : 0u;
   position_submap[lane] = vec4(surfel.xyz, exists ? float(surfel_submap(attributes[slot])) : 0.0);
   barrier();
-  if (in_turn) write_bounds(block);
-  if (lane != 8u) return;
-  uint free_count = 0u, freed_count = 0u, existing = min(slot_count - block * kBlock, kBlock);
-  for (uint i = 0u; i < existing; ++i) {
-    free_count += is_free[i];
-    freed_count += is_freed[i];
-  }
-  // The slots of a block elsewhere wait until the camera is there again: its surfels shall stay neighbours.
-  bool list = (entry & kOutOfView) == 0u || free_count == kBlock;
-  free_by_group[gl_WorkGroupID.x] = list ? free_count : 0u;
-  if (freed_count > 0u) atomicAdd(state.freed_count, freed_count);
+  write_bounds(block);
 }

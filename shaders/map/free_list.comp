@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Writes the free slots of the listed blocks, zone by zone in ascending order. Those that cleaning has just freed (confidence -1) get this frame's number.
+// Writes the free slots of the listed blocks, zone by zone. Those that cleaning has just freed (confidence -1) get this frame's number.
 #include "shaders/shared/map.h"
 #include "shaders/lib/blocks.glsl"
 layout(local_size_x = 256) in;
@@ -10,7 +10,7 @@ layout(scalar, binding = 1) readonly buffer Groups { uint free_by_group[]; };
 layout(scalar, binding = 2) readonly buffer State { MapState state; };
 layout(scalar, binding = 3) writeonly buffer FreeList { uint free_slots[]; };
 layout(scalar, binding = 4) writeonly buffer Times { uvec2 times[]; };
-layout(scalar, binding = 5) readonly buffer Visible { uint groups[3]; uint blocks[]; };
+layout(scalar, binding = 5) readonly buffer Visible { uint groups[3]; uint turn_groups[3]; uint blocks[]; };
 layout(scalar, push_constant) uniform Push { FreeListParams p; };
 shared uint is_free[kBlock];
 
@@ -30,7 +30,7 @@ void main() {
     position_confidence[slot].w = 0.0;
     times[slot].y = p.frame_number;
   }
-  if ((blocks[group] & kOutOfView) != 0u && !all_free()) return;  // as map/clean counted them
+  if ((blocks[group] & kOutOfView) != 0u && !all_free()) return;  // as map/count_free has it
   uint rank = free_by_group[group];
   for (uint i = 0u; i < lane; ++i) rank += is_free[i];
   free_slots[rank] = slot;

@@ -12,7 +12,7 @@ layout(scalar, binding = 1) readonly buffer Attributes { SurfelAttributes attrib
 layout(scalar, binding = 2) readonly buffer Submaps { Transform camera_from_submap[]; };
 layout(scalar, binding = 3) buffer Depths { uint depth_bits[]; };
 layout(scalar, binding = 4) buffer Ids { uint ids[]; };
-layout(scalar, binding = 5) readonly buffer Visible { uint groups[3]; uint blocks[]; };
+layout(scalar, binding = 5) readonly buffer Visible { uint groups[3]; uint turn_groups[3]; uint blocks[]; };
 layout(scalar, push_constant) uniform Push { IndexParams p; };
 #include "shaders/lib/index_cell.glsl"
 

@@ -8,7 +8,7 @@
 layout(local_size_x = 128) in;
 layout(scalar, binding = 0) buffer Counts { uint counts[]; };
 layout(scalar, binding = 1) buffer State { MapState state; };
-layout(scalar, binding = 2) readonly buffer Visible { uint groups[3]; uint blocks[]; };
+layout(scalar, binding = 2) readonly buffer Visible { uint groups[3]; uint turn_groups[3]; uint blocks[]; };
 layout(scalar, push_constant) uniform Push { ScanParams p; };
 const uint kZones = HERMITE_ZONES, kLanes = 128u;
 shared uint sums[kZones * kLanes];  // by zone and lane

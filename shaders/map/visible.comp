@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Lists, in ascending order, the blocks of slots that the view may show, and those whose turn for cleaning has come: one workgroup, and the
-// size of the dispatches that follow. Everything outside costs nothing until the camera turns to it.
+// Lists the blocks of slots whose turn for cleaning has come, then the others that the view may show, each in ascending order: one workgroup,
+// and the sizes of the dispatches that follow. Everything outside costs nothing until the camera turns to it.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/blocks.glsl"
@@ -10,9 +10,9 @@ layout(local_size_x = 256) in;
 layout(scalar, binding = 0) readonly buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, binding = 1) readonly buffer Submaps { Transform camera_from_submap[]; };
 layout(scalar, binding = 2) readonly buffer State { MapState state; };
-layout(scalar, binding = 3) writeonly buffer Visible { uint groups[3]; uint blocks[]; };
+layout(scalar, binding = 3) writeonly buffer Visible { uint groups[3]; uint turn_groups[3]; uint blocks[]; };
 layout(scalar, push_constant) uniform Push { VisibleParams p; };
-shared uint counts[256];
+shared uvec2 counts[256], total;  // in turn, others
 
 struct Box {
   vec3 centre;  // camera frame
@@ -45,27 +45,41 @@ uint look_at(uint block) {
   return block | (zone << 16) | (seen ? 0u : kOutOfView);
 }
 
-bool has_its_turn(uint block) { return (block + p.frame_number) % p.turn_interval == 0u; }
+// How an entry counts: (1, 0) in turn, (0, 1) only seen, (0, 0) neither.
+uvec2 kind_of(uint block, uint entry) {
+  bool seen = (entry & kOutOfView) == 0u;
+  bool in_turn = (block + p.frame_number) % (seen ? p.interval : p.interval_out_of_view) == 0u;
+  return in_turn ? uvec2(1u, 0u) : uvec2(0u, seen ? 1u : 0u);
+}
 
 void main() {
   uint lane = gl_LocalInvocationID.x;
   uint block_count = (state.slot_count + state.fresh_count + kBlock - 1u) / kBlock;
   uint share = (block_count + 255u) / 256u;
   uint first = min(lane * share, block_count), last = min(first + share, block_count);
-  uint count = 0u;
-  for (uint block = first; block < last; ++block) count += has_its_turn(block) || (look_at(block) & kOutOfView) == 0u ? 1u : 0u;
+  uvec2 count = uvec2(0u);
+  for (uint block = first; block < last; ++block) count += kind_of(block, look_at(block));
   counts[lane] = count;
   barrier();
-  uint next = 0u;
-  for (uint i = 0u; i < lane; ++i) next += counts[i];
+  if (lane == 0u) {
+    total = uvec2(0u);
+    for (uint i = 0u; i < 256u; ++i) {
+      uvec2 here = counts[i];
+      counts[i] = total;
+      total += here;
+    }
+  }
+  barrier();
+  uvec2 next = uvec2(counts[lane].x, total.x + counts[lane].y);
   for (uint block = first; block < last; ++block) {
     uint entry = look_at(block);
-    if (!has_its_turn(block) && (entry & kOutOfView) != 0u) continue;
-    blocks[next] = entry;
-    ++next;
+    uvec2 kind = kind_of(block, entry);
+    if (kind.x > 0u) blocks[next.x] = entry;
+    if (kind.y > 0u) blocks[next.y] = entry;
+    next += kind;
   }
-  if (lane != 255u) return;
-  groups[0] = next;
-  groups[1] = 1u;
-  groups[2] = 1u;
+  if (lane != 0u) return;
+  groups[0] = total.x + total.y;
+  turn_groups[0] = total.x;
+  groups[1] = groups[2] = turn_groups[1] = turn_groups[2] = 1u;
 }

@@ -44,7 +44,7 @@ struct VisibleParams {
   float depth_max_m;
   float margin_m;      // that a merge may move a surfel by
   uint frame_number;
-  uint turn_interval;  // every so-many-th block is listed wherever it is, another one in every frame
+  uint interval, interval_out_of_view;  // every so-many-th block has its turn, another one in every frame
 };
 
 struct IndexParams {
@@ -94,7 +94,6 @@ struct FuseParams {
 struct CleanParams {
   Intrinsics camera;
   uint frame_number;
-  uint interval;               // every so-many-th block is looked at, another one in every frame
   float stable_confidence;
   uint max_unstable_age;       // frames
   float redundancy_depth_m;

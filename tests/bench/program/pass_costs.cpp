@@ -50,15 +50,13 @@ std::vector<PassCost> pass_costs(const Options& options) {
       by_pixel("track/odometry", 10, 345),
       by_pixel("track/rotation", 2, 95),
       by_pixel("track/agreement", 5, 75),
-      {"map/index_depth", kPosition + kAttributes, 24},
-      {"map/index_id", kPosition + kAttributes, 24},
-      // The pixel's measurement, its cell of the index map and the surfel there; candidate and claim.
-      {"map/associate", 3 * kWord + kWord + kPosition + kAttributes + 2 * kWord, 655},
+      // Its slot, the surfel there; the cell.
+      {"map/index_surfel", kWord + kPosition + kAttributes + 2 * kWord, 70},
+      // The pixel's measurement, its cell of the index map; candidate and claim.
+      {"map/associate", 3 * kWord + 3 * kWord + 2 * kWord, 500},
       // Candidate, claim, cell, the measurement, the surfel read and written.
       {"map/merge", 3 * kWord + 6 * kWord + 2 * (kPosition + kAttributes) + kTimes, 150},
       {"map/append", kWord, 0},
-      {"map/clean", kPosition + kAttributes + kTimes, 51},
-      {"map/free_list", kPosition, 0},
       // Four pixels: cell, surfel, the pixel of the prediction.
       {"map/predict", 4 * (kWord + kPosition + kAttributes + surface_pixel), predict_flops(options.map)},
       {"(fill)", 0, 0, 1, 0},

@@ -23,7 +23,7 @@ struct PassCost {
   double flops_per_byte = 0;
 };
 
-// Every pass of the reconstruction that takes time. Some depend on options.
+// Every pass of the reconstruction that takes time and whose invocations the host decides. Some depend on options.
 std::vector<PassCost> pass_costs(const Options& options);
 
 struct PassBound {

@@ -298,7 +298,6 @@ TEST_F(FuseTest, SlotsThatStayFreeStayListed) {
   bench.clean(kNow);
   EXPECT_EQ(bench.store.slot_count(), 600u);
   EXPECT_EQ(test::free_slots(bench.store).size(), 198u);
-  EXPECT_EQ(test::free_slots(bench.store)[0], 6u) << "0 and 3 are taken";
   test::expect_consistent(bench.store);
 }
 
