@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <exception>
+#include <future>
+#include <memory>
 #include <mutex>
 #include <set>
 #include <thread>
@@ -21,6 +23,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kUpdatePeriod(kMsPerUpdate);
+// Without frames to wait for, viewers are told within so long after an update is encoded.
+constexpr std::chrono::milliseconds kEncodingPatience(20);
 
 double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
 
@@ -58,21 +62,29 @@ class ScanRun {
   ScanRun(const ScanSetup& setup, const ScanEvents& events, FrameQueue& queue)
       : setup_(setup), events_(events), queue_(queue), pipeline_(setup.device, setup.camera, setup.options) {}
 
+  // While the GPU works on a frame, other threads decode the next one and encode what the last ones have changed.
   Status take_frames() {
+    DecodingFrame next;
     for (;;) {
-      FrameQueue::Popped popped = queue_.pop(kUpdatePeriod);
-      if (popped.closed) return Done{};
-      if (popped.frame) {
-        if (Status status = take_frame(*popped.frame); !status.ok()) return status;
+      if (!next) {
+        FrameQueue::Popped popped = queue_.pop(encoding_.valid() ? kEncodingPatience : kUpdatePeriod);
+        if (popped.closed) return Done{};
+        if (popped.frame) next = decode(*std::move(popped.frame));
       }
+      if (next) {
+        const DecodingFrame now = std::exchange(next, decode_waiting());
+        if (Status status = take_frame(*now); !status.ok()) return status;
+      }
+      if (Status status = tell_viewers_if_encoded(); !status.ok()) return status;
       if (frames_since_update_ >= kFramesPerUpdate || (frames_since_update_ > 0 && Clock::now() - updated_at_ >= kUpdatePeriod)) {
-        if (Status status = update_viewers(); !status.ok()) return status;
+        if (Status status = start_update(); !status.ok()) return status;
       }
     }
   }
 
   Result<wire::Finished> write() {
-    if (Status status = update_viewers(); !status.ok()) return status.error();
+    if (Status status = start_update(); !status.ok()) return status.error();
+    if (Status status = tell_viewers(); !status.ok()) return status.error();
     Result<RunResults> results = write_results(setup_.folder, pipeline_, setup_.options, {});
     if (!results.ok()) return results.error();
     StoredChunks stored;
@@ -88,10 +100,32 @@ class ScanRun {
   }
 
  private:
-  Status take_frame(const wire::Frame& frame) {
+  struct Decoding {
+    wire::Frame frame;
+    std::future<Result<RgbdFrame>> images;  // its destructor waits, and `frame` lives longer
+  };
+  using DecodingFrame = std::unique_ptr<Decoding>;
+
+  DecodingFrame decode(wire::Frame frame) const {
+    auto decoding = std::make_unique<Decoding>();
+    decoding->frame = std::move(frame);
+    decoding->images = std::async(std::launch::async, [this, &received = decoding->frame] {
+      return wire::decode_frame_payload(received, setup_.depth_codec, setup_.camera);
+    });
+    return decoding;
+  }
+
+  // The next frame, if it is there already.
+  DecodingFrame decode_waiting() {
+    FrameQueue::Popped popped = queue_.pop(std::chrono::milliseconds(0));
+    return popped.frame ? decode(*std::move(popped.frame)) : nullptr;
+  }
+
+  Status take_frame(Decoding& decoding) {
     const Clock::time_point start = Clock::now();
     FrameOutcome outcome;
-    Result<RgbdFrame> decoded = wire::decode_frame_payload(frame, setup_.depth_codec, setup_.camera);
+    const wire::Frame& frame = decoding.frame;
+    Result<RgbdFrame> decoded = decoding.images.get();
     if (!decoded.ok()) outcome.bad_images = decoded.error();
     // A frame that cannot be read counts as one that shows nothing, as in `hermite reconstruct`: every frame has its pose.
     Result<FrameResult> result = pipeline_.process(decoded.ok() ? *decoded : wire::empty_frame(frame.timestamp_s, setup_.camera));
@@ -102,10 +136,20 @@ class ScanRun {
     return Done{};
   }
 
-  Status update_viewers() {
+  // Ends the update before this one: one at a time owns model_, filled_ and version_.
+  Status start_update() {
+    if (Status status = tell_viewers(); !status.ok()) return status;
     Result<std::vector<SlotChange>> changes = pipeline_.take_changes();
     if (!changes.ok()) return changes.error();
-    model_.apply(*changes);
+    encoding_ = std::async(std::launch::async,
+                           [this, changes = *std::move(changes), poses = wire_poses(pipeline_)] { return encode(changes, poses); });
+    frames_since_update_ = 0;
+    updated_at_ = Clock::now();
+    return Done{};
+  }
+
+  Result<ModelUpdate> encode(const std::vector<SlotChange>& changes, const wire::SubmapPoses& poses) {
+    model_.apply(changes);
     ModelUpdate update;
     for (const ChunkKey& key : model_.take_dirty()) {
       Result<EncodedChunk> chunk = model_.encode(key);
@@ -116,11 +160,21 @@ class ScanRun {
       wire::Chunk message{{key.submap, key.level, key.x, key.y, key.z}, ++version_, chunk->point_count, std::move(chunk->draco)};
       update.chunks.push_back({key, empty, std::make_shared<const std::string>(wire::format_server_message(std::move(message)))});
     }
-    update.poses = wire_poses(pipeline_);
-    events_.model_changed(std::move(update));
-    frames_since_update_ = 0;
-    updated_at_ = Clock::now();
+    update.poses = poses;
+    return update;
+  }
+
+  Status tell_viewers() {
+    if (!encoding_.valid()) return Done{};
+    Result<ModelUpdate> update = encoding_.get();
+    if (!update.ok()) return update.error();
+    events_.model_changed(*std::move(update));
     return Done{};
+  }
+
+  Status tell_viewers_if_encoded() {
+    if (!encoding_.valid() || encoding_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return Done{};
+    return tell_viewers();
   }
 
   const ScanSetup& setup_;
@@ -132,6 +186,7 @@ class ScanRun {
   std::uint64_t version_ = 0;  // of the chunks, one count for all
   int frames_since_update_ = 0;
   Clock::time_point updated_at_ = Clock::now();
+  std::future<Result<ModelUpdate>> encoding_;  // last: its destructor waits for what uses the others
 };
 
 }  // namespace
