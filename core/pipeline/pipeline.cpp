@@ -65,14 +65,18 @@ std::optional<Undistorter> undistorter_of(const Camera& camera) {
   return Undistorter(camera);
 }
 
-}  // namespace
-
-namespace {
-
 struct Motion {
   OdometryResult odometry;
   Judgement judgement;
 };
+
+// A lost camera may also have turned away by a third of a usual field of view to all sides.
+std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
+  for (const double pitch_deg : {-12.0, 0.0, 12.0})
+    for (const double yaw_deg : {-18.0, -9.0, 0.0, 9.0, 18.0})
+      guesses.push_back(exp_se3((Vector6d() << 0, 0, 0, pitch_deg * M_PI / 180, yaw_deg * M_PI / 180, 0).finished()));
+  return guesses;
+}
 
 }  // namespace
 
@@ -146,14 +150,6 @@ std::vector<Rigid3> Pipeline::Impl::guesses(const Rigid3& turned) const {
     if (options.track.rotation_prealignment) result.push_back({turned.rotation, last_motion.translation});
   }
   return result;
-}
-
-// Once lost, it may also have turned away by a third of a usual field of view to all sides.
-std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
-  for (const double pitch_deg : {-12.0, 0.0, 12.0})
-    for (const double yaw_deg : {-18.0, -9.0, 0.0, 9.0, 18.0})
-      guesses.push_back(exp_se3((Vector6d() << 0, 0, 0, pitch_deg * M_PI / 180, yaw_deg * M_PI / 180, 0).finished()));
-  return guesses;
 }
 
 Motion Pipeline::Impl::track(const FrameMaps& maps, const FrameContent& content) {

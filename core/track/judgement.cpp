@@ -1,5 +1,6 @@
 #include "core/track/judgement.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hermite {
@@ -28,7 +29,7 @@ constexpr double kFewInliers = 0.1;
 // Kinect v1 measures from half a metre.
 constexpr double kTooNear_m = 0.6;
 
-// A quarter of the field of view of most cameras.
+// A fifth of the field of view of most cameras.
 constexpr double kFastTurn_rad = 10 * M_PI / 180;
 
 std::string percent(double share) { return std::to_string(std::lround(100 * share)) + " %"; }
@@ -86,8 +87,8 @@ const char* name_of(TrackingStatus status) {
 bool is_believable(const Agreement& a, const TrackOptions& options) {
   if (a.overlap < options.min_overlap || a.agreeing < options.min_agreement) return false;
   if (!has_picture(a)) return a.agreeing >= kGoodAgreement;
-  const double likeness = (a.agreeing - options.min_agreement) / (kGoodAgreement - options.min_agreement);
-  return a.correlation >= options.min_correlation + (kSameCorrelation - options.min_correlation) * std::max(0.0, 1 - likeness);
+  const double missing = std::max(0.0, kGoodAgreement - a.agreeing) / std::max(1e-9, kGoodAgreement - options.min_agreement);
+  return a.correlation >= options.min_correlation + (kSameCorrelation - options.min_correlation) * missing;
 }
 
 Judgement judge(const TrackingEvidence& e, const TrackOptions& options) {
