@@ -72,12 +72,13 @@ class PredictTest : public test::GpuTest {
     SurfelStore store(device());
     test::upload(surfels, store);
     store.set_camera(Rigid3{});
+    VisibleBlocks visible(device(), options);
     IndexMap index(device(), intrinsics_of(camera));
     Predictor predictor(device(), intrinsics_of(camera), options);
     FrameMaps maps = test::make_frame_maps(device(), camera);
     test::upload(frame, maps.surface.levels[0]);
     gpu::Commands commands(device());
-    VisibleBlocks(device(), options).list(commands, store, maps.camera(), 1);
+    visible.list(commands, store, maps.camera(), 1);
     index.build(commands, store, maps.camera(), options.stable_confidence);
     predictor.run(commands, store, index, maps);
     commands.submit_and_wait();
