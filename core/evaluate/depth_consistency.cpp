@@ -25,8 +25,8 @@ StraightPixels straight_pixels(const Camera& camera) {
   StraightPixels sources;
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
-      const Eigen::Vector2d at = camera.distortion.apply((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy);
-      const double column = std::round(at.x() * camera.fx + camera.cx), row = std::round(at.y() * camera.fy + camera.cy);
+      const Eigen::Vector2d at = camera.distort(x, y);
+      const double column = std::round(at.x()), row = std::round(at.y());
       const bool inside = column >= 0 && row >= 0 && column < camera.width && row < camera.height;
       sources.push_back(inside ? static_cast<std::ptrdiff_t>(row) * camera.width + static_cast<std::ptrdiff_t>(column) : -1);
     }

@@ -26,10 +26,10 @@ Undistorter::Undistorter(const Camera& camera) {
   sources_.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
-      const Eigen::Vector2d at = camera.distortion.apply((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy);
+      const Eigen::Vector2d at = camera.distort(x, y);
       // Far outside is outside: the cast below stays in range.
       const auto pixel = [](double value, int side) { return static_cast<float>(std::clamp(value, -2.0, side + 1.0)); };
-      sources_.push_back({pixel(at.x() * camera.fx + camera.cx, camera.width), pixel(at.y() * camera.fy + camera.cy, camera.height)});
+      sources_.push_back({pixel(at.x(), camera.width), pixel(at.y(), camera.height)});
     }
 }
 

@@ -47,13 +47,6 @@ std::uint32_t ordered(float value) {
   return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
 }
 
-void widen(shared::BlockBounds& bounds, const Surfel& s) {
-  const Eigen::Vector3f& p = s.position_in_submap_m;
-  const auto submap = static_cast<float>(s.submap);
-  const float reach[8] = {p.x(), p.y(), p.z(), -p.x(), -p.y(), -p.z(), submap, -submap};
-  for (int i = 0; i < 8; ++i) bounds.reach[i] = std::max(bounds.reach[i], ordered(reach[i]));
-}
-
 shared::SurfelAttributes pack_attributes(const Surfel& s) {
   return {pack_unit(s.normal_in_submap), float_to_half(s.radius_m) | (s.submap << 16),
           s.r | (std::uint32_t{s.g} << 8) | (std::uint32_t{s.b} << 16),
@@ -97,6 +90,22 @@ shared::Transform to_shared(const Rigid3& target_from_source) {
   return {row(0), row(1), row(2)};
 }
 
+std::vector<shared::BlockBounds> bounds_of(std::span<const Surfel> surfels) {
+  std::vector<shared::BlockBounds> bounds((surfels.size() + kSlotsPerBlock - 1) / kSlotsPerBlock);
+  for (std::size_t slot = 0; slot < surfels.size(); ++slot) {
+    const Surfel& s = surfels[slot];
+    if (s.confidence <= 0) continue;
+    const Eigen::Vector3f& p = s.position_in_submap_m;
+    const auto submap = static_cast<float>(s.submap);
+    const float reach[8] = {p.x(), p.y(), p.z(), -p.x(), -p.y(), -p.z(), submap, -submap};
+    for (int i = 0; i < 8; ++i) {
+      std::uint32_t& farthest = bounds[slot / kSlotsPerBlock].reach[i];
+      farthest = std::max(farthest, ordered(reach[i]));
+    }
+  }
+  return bounds;
+}
+
 SurfelStore::SurfelStore(gpu::Device& device)
     : state(device, 1, "map", gpu::Memory::kReadback), camera_from_submap(device, 1, "map"), device_(device), world_from_submap_(1) {
   reserve(kFirstCapacity);
@@ -129,15 +138,12 @@ void SurfelStore::set_camera(const Rigid3& world_from_camera) {
 
 void SurfelStore::append(std::span<const Surfel> surfels) {
   const std::uint32_t first_block = (slot_count() + kSlotsPerBlock - 1) / kSlotsPerBlock, first = first_block * kSlotsPerBlock;
-  const std::size_t block_count = (surfels.size() + kSlotsPerBlock - 1) / kSlotsPerBlock;
   if (surfels.size() > kMaxSlots) throw gpu::DeviceError("the map has no room for " + std::to_string(surfels.size()) + " surfels");
   reserve(first - slot_count() + static_cast<std::uint32_t>(surfels.size()));
   std::vector<shared::vec4> new_positions;
   std::vector<shared::SurfelAttributes> new_attributes;
   std::vector<shared::uvec2> new_times;
-  std::vector<shared::BlockBounds> new_bounds(block_count);
   for (const Surfel& s : surfels) {
-    widen(new_bounds[new_positions.size() / kSlotsPerBlock], s);
     new_positions.push_back({s.position_in_submap_m.x(), s.position_in_submap_m.y(), s.position_in_submap_m.z(), s.confidence});
     new_attributes.push_back(pack_attributes(s));
     new_times.push_back({s.created_frame, s.observed_frame});
@@ -145,7 +151,7 @@ void SurfelStore::append(std::span<const Surfel> surfels) {
   positions.upload(new_positions, first);
   attributes.upload(new_attributes, first);
   times.upload(new_times, first);
-  bounds.upload(new_bounds, first_block);
+  bounds.upload(bounds_of(surfels), first_block);
   shared::MapState after = counters();
   after.slot_count = first + static_cast<std::uint32_t>(surfels.size());
   after.alive_count += static_cast<std::uint32_t>(surfels.size());

@@ -33,6 +33,9 @@ struct Surfel {
 
 shared::Transform to_shared(const Rigid3& target_from_source);
 
+// Of surfels in slots from the beginning of a block on; those without confidence do not count.
+std::vector<shared::BlockBounds> bounds_of(std::span<const Surfel> surfels);
+
 class SurfelStore {
  public:
   explicit SurfelStore(gpu::Device& device);

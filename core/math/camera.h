@@ -34,6 +34,11 @@ struct Camera {
   Eigen::Vector2d project(const Eigen::Vector3d& point_in_camera) const {
     return {fx * point_in_camera.x() / point_in_camera.z() + cx, fy * point_in_camera.y() / point_in_camera.z() + cy};
   }
+  // Where the lens puts what an undistorted image has at pixel (u, v).
+  Eigen::Vector2d distort(double u, double v) const {
+    const Eigen::Vector2d at = distortion.apply((u - cx) / fx, (v - cy) / fy);
+    return {at.x() * fx + cx, at.y() * fy + cy};
+  }
   Eigen::Vector3d unproject(double u, double v, double depth_m) const {
     return {(u - cx) / fx * depth_m, (v - cy) / fy * depth_m, depth_m};
   }

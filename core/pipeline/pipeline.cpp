@@ -224,8 +224,6 @@ FrameResult Pipeline::Impl::process(const RgbdFrame& frame) {
   result.inlier_count = motion.odometry.inlier_count;
   result.inlier_ratio = motion.odometry.inlier_ratio;
   result.residual_rms_m = motion.odometry.residual_rms_m;
-  result.agreement = motion.odometry.agreement;
-  result.observability = motion.odometry.observability;
   result.surfel_count = store.alive_count();
   trajectory.push_back({frame.timestamp_s, world_from_camera});
   total_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();

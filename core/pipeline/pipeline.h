@@ -29,8 +29,6 @@ struct FrameResult {
   std::int64_t inlier_count = 0;  // geometric correspondences at full resolution
   double inlier_ratio = 0;        // of the frame's valid pixels
   double residual_rms_m = 0;      // point to plane
-  Agreement agreement;            // of the frame and what the map shows from there
-  double observability = 0;       // see core/track/normal_equations.h
   std::int64_t surfel_count = 0;  // alive in the model
 };
 

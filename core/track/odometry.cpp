@@ -189,7 +189,6 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
       gates.search = level == 0 && options_.dissimilarity_search && (converged || gates.search || last_two);
     }
   }
-  result.solved = true;
   result.inlier_count = static_cast<std::int64_t>(sums.geometric_count);
   result.photometric_count = static_cast<std::int64_t>(sums.photometric_count);
   result.inlier_ratio = sums.surface_count > 0 ? sums.geometric_count / sums.surface_count : 0;

@@ -16,7 +16,6 @@ namespace hermite {
 
 struct OdometryResult {
   Rigid3 reference_from_camera;
-  bool solved = false;            // false: nothing matched, and the pose is the best guess
   std::int64_t inlier_count = 0;  // geometric correspondences in the last step, at full resolution
   double inlier_ratio = 0;        // of the pixels looked at that have a surface
   double residual_rms_m = 0;      // point to plane, over the inliers

@@ -1,7 +1,6 @@
 #include "tests/support/surface_image.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "tests/support/packing.h"
 
@@ -68,32 +67,6 @@ FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera) {
   return maps;
 }
 
-namespace {
-
-// As shaders/lib/blocks.glsl has them.
-std::uint32_t ordered(float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
-}
-
-std::vector<shared::BlockBounds> bounds_of(const std::vector<Surfel>& surfels, std::size_t block_count) {
-  std::vector<shared::BlockBounds> bounds(block_count);
-  for (std::size_t slot = 0; slot < surfels.size(); ++slot) {
-    const Surfel& s = surfels[slot];
-    if (s.confidence <= 0) continue;
-    const Eigen::Vector3f& p = s.position_in_submap_m;
-    const auto submap = static_cast<float>(s.submap);
-    const float reach[8] = {p.x(), p.y(), p.z(), -p.x(), -p.y(), -p.z(), submap, -submap};
-    for (int i = 0; i < 8; ++i) {
-      std::uint32_t& farthest = bounds[slot / kSlotsPerBlock].reach[i];
-      farthest = std::max(farthest, ordered(reach[i]));
-    }
-  }
-  return bounds;
-}
-
-}  // namespace
-
 void upload(const std::vector<Surfel>& surfels, SurfelStore& store) {
   store.reserve(static_cast<std::uint32_t>(surfels.size()));
   std::vector<shared::vec4> positions;
@@ -113,7 +86,9 @@ void upload(const std::vector<Surfel>& surfels, SurfelStore& store) {
   store.attributes.upload(attributes);
   store.times.upload(times);
   store.free_slots.upload(free);
-  store.bounds.upload(bounds_of(surfels, store.bounds.count()));
+  std::vector<shared::BlockBounds> bounds = bounds_of(surfels);
+  bounds.resize(store.bounds.count());
+  store.bounds.upload(bounds);
   const auto slot_count = static_cast<shared::uint>(surfels.size()), free_count = static_cast<shared::uint>(free.size());
   shared::MapState state{slot_count, free_count, 0, 0, slot_count - free_count, 0, {}};
   state.zones[0].free_count = free_count;

@@ -36,6 +36,15 @@ struct Case {
   std::function<void(TrackingEvidence&)> change;
 };
 
+// Of an ordinary frame with that change: what must be said, beside what the caller checks.
+Judgement judged(const Case& c, TrackingStatus expected) {
+  TrackingEvidence evidence = good();
+  c.change(evidence);
+  Judgement judgement = judge(evidence, TrackOptions{});
+  EXPECT_EQ(judgement.status, expected);
+  return judgement;
+}
+
 TEST(Judgement, AnOrdinaryFrameIsTracked) {
   const Judgement judgement = judge(good(), TrackOptions{});
   EXPECT_EQ(judgement.status, TrackingStatus::kTracked);
@@ -60,10 +69,7 @@ TEST(Judgement, SaysWhyACameraIsLost) {
   };
   for (const Case& c : cases) {
     SCOPED_TRACE(c.reason);
-    TrackingEvidence evidence = good();
-    c.change(evidence);
-    const Judgement judgement = judge(evidence, TrackOptions{});
-    EXPECT_EQ(judgement.status, TrackingStatus::kLost);
+    const Judgement judgement = judged(c, TrackingStatus::kLost);
     EXPECT_THAT(judgement.reason, StartsWith(c.reason));
   }
 }
@@ -80,10 +86,7 @@ TEST(Judgement, WarnsWithAReasonBeforeTheCameraIsLost) {
   };
   for (const Case& c : cases) {
     SCOPED_TRACE(c.reason);
-    TrackingEvidence evidence = good();
-    c.change(evidence);
-    const Judgement judgement = judge(evidence, TrackOptions{});
-    EXPECT_EQ(judgement.status, TrackingStatus::kWeak);
+    const Judgement judgement = judged(c, TrackingStatus::kWeak);
     EXPECT_THAT(judgement.reason, StartsWith(c.reason));
     EXPECT_TRUE(judgement.picture_is_good);
   }
@@ -97,10 +100,7 @@ TEST(Judgement, APictureWorseThanTheMapsIsAWarningAndItsColoursAreNotBelieved) {
   };
   for (const Case& c : cases) {
     SCOPED_TRACE(c.reason);
-    TrackingEvidence evidence = good();
-    c.change(evidence);
-    const Judgement judgement = judge(evidence, TrackOptions{});
-    EXPECT_EQ(judgement.status, TrackingStatus::kWeak);
+    const Judgement judgement = judged(c, TrackingStatus::kWeak);
     EXPECT_THAT(judgement.reason, StartsWith("dark or blurred"));
     EXPECT_FALSE(judgement.picture_is_good);
   }
