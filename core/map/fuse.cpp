@@ -35,7 +35,7 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
                                   static_cast<float>(std::cos(options_.fuse_normal_gate_rad)),
                                   static_cast<float>(options_.max_confidence),
                                   static_cast<float>(curvature_limit_per_m_),
-                                  0,
+                                  fused.submap,
                                   options_.fuse_surface ? 1u : 0u,
                                   static_cast<float>(radius_scale_),
                                   fused.with_color ? 1u : 0u};
@@ -56,19 +56,21 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
        store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, store.free_slots, store.bounds});
 }
 
-void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, const shared::Intrinsics& camera,
-                  std::uint32_t frame_number) {
+void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, const shared::Intrinsics& camera, FusedFrame fused) {
+  const shared::FreeListParams listed{fused.number, fused.submap};
   commands.dispatch_indirect(
       clean_, {store.visible_blocks, 3},
-      shared::CleanParams{camera, frame_number, static_cast<float>(options_.stable_confidence),
+      shared::CleanParams{camera, fused.number, static_cast<float>(options_.stable_confidence),
                           static_cast<shared::uint>(options_.max_unstable_age_frames), static_cast<float>(options_.redundancy_depth_m),
                           static_cast<float>(curvature_limit_per_m_)},
       {store.positions, store.attributes, store.times, store.camera_from_submap, stable.slots(), stable.depth_bits(), store.state,
        store.visible_blocks, store.bounds});
-  commands.dispatch_indirect(count_free_, {store.visible_blocks}, {store.positions, store.group_counts, store.state, store.visible_blocks});
+  commands.dispatch_indirect(count_free_, {store.visible_blocks}, listed,
+                             {store.positions, store.group_counts, store.state, store.visible_blocks, store.bounds});
   commands.dispatch(scan_, {128}, shared::ScanParams{camera, 0}, {store.group_counts, store.state, store.visible_blocks});
-  commands.dispatch_indirect(free_list_, {store.visible_blocks}, shared::FreeListParams{frame_number},
-                             {store.positions, store.group_counts, store.state, store.free_slots, store.times, store.visible_blocks});
+  commands.dispatch_indirect(
+      free_list_, {store.visible_blocks}, listed,
+      {store.positions, store.group_counts, store.state, store.free_slots, store.times, store.visible_blocks, store.bounds});
 }
 
 }  // namespace hermite

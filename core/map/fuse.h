@@ -10,6 +10,7 @@ namespace hermite {
 struct FusedFrame {
   std::uint32_t number = 0;  // of the frames fused, the first is 1
   bool with_color = true;    // surfels that exist take on its colours
+  std::uint32_t submap = 0;  // new surfels belong to it
 };
 
 class Fuser {
@@ -22,9 +23,9 @@ class Fuser {
   void fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, FusedFrame fused);
 
   // Records: contradicted and forgotten surfels among those in turn are removed and free slots listed, in the store's visible blocks.
-  // `stable` is an index map of stable surfels after fusion. Brings the store's counters up to date. `camera` is that of the index map.
-  void clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, const shared::Intrinsics& camera,
-             std::uint32_t frame_number);
+  // `stable` is an index map of stable surfels after fusing `fused`. Brings the store's counters up to date. `camera` is that of the index
+  // map.
+  void clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, const shared::Intrinsics& camera, FusedFrame fused);
 
   // Slots that one frame can add at most.
   std::uint32_t new_slots_bound() const { return static_cast<std::uint32_t>(candidates_.count()); }

@@ -9,7 +9,7 @@ Predictor::Predictor(gpu::Device& device, const shared::Intrinsics& camera, cons
       covered_pixel_count_(device, 1, "prediction"),
       surface_(make_surface_pyramid(device, camera, "prediction")) {}
 
-void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const FrameMaps& frame, bool with_color) {
+void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const FrameMaps& frame, FillIn fill_in) {
   SurfaceLevel& out = surface_.levels[0];
   const SurfaceLevel& own = frame.surface.levels[0];
   set_camera(surface_, own.camera);
@@ -24,12 +24,13 @@ void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const Ind
                                           options_.hrbf_prediction ? 1u : 0u},
                     {store.positions, store.attributes, store.camera_from_submap, stable.slots(), out.depth_m, out.normals, out.curvatures,
                      out.weight, out.intensity, covered_pixel_count_});
-  commands.dispatch(
-      fill_in_, {pixels},
-      shared::FillInParams{pixels, lambda_per_m, confidence_scale,
-                           static_cast<shared::uint>(options_.fill_in_below * static_cast<double>(pixels)), with_color ? 1u : 0u},
-      {own.depth_m, own.normals, own.curvatures, own.weight, own.intensity, out.depth_m, out.normals, out.curvatures, out.weight,
-       out.intensity, covered_pixel_count_});
+  if (fill_in == FillIn::kNothing) return;
+  commands.dispatch(fill_in_, {pixels},
+                    shared::FillInParams{pixels, lambda_per_m, confidence_scale,
+                                         static_cast<shared::uint>(options_.fill_in_below * static_cast<double>(pixels)),
+                                         fill_in == FillIn::kSurfaceAndColor ? 1u : 0u},
+                    {own.depth_m, own.normals, own.curvatures, own.weight, own.intensity, out.depth_m, out.normals, out.curvatures,
+                     out.weight, out.intensity, covered_pixel_count_});
 }
 
 }  // namespace hermite

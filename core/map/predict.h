@@ -7,15 +7,18 @@
 
 namespace hermite {
 
+// What stands in where the map covers too little of the view: nothing, or the surface of a frame seen from the same pose.
+enum class FillIn { kNothing, kSurface, kSurfaceAndColor };
+
 class Predictor {
  public:
   // `camera` has the size of all frames.
   Predictor(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options);
 
-  // Records the prediction from an index map of stable surfels, for the camera the store was set to and the pixels of `frame`. Where the
-  // map covers less than options.fill_in_below of the view, the surface of `frame` (seen from the same pose) stands in, with its colours or
-  // without.
-  void run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const FrameMaps& frame, bool with_color = true);
+  // Records the prediction from an index map of stable surfels, for the camera the store was set to and the pixels of `frame`, which may
+  // stand in where the map covers less than options.fill_in_below of the view.
+  void run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const FrameMaps& frame,
+           FillIn fill_in = FillIn::kSurfaceAndColor);
 
   // weight is the tracking weight; intensity -1 where there is no colour. `downsample` must be recorded by the caller for levels 1 and 2.
   SurfacePyramid& surface() { return surface_; }

@@ -6,11 +6,16 @@
 #include <span>
 #include <string>
 
+#include "core/base/check.h"
+
 namespace hermite {
 
 namespace {
 
 constexpr std::uint32_t kFirstCapacity = 1u << 19;
+
+// Takes every point to z = -1 m, where no pass sees it.
+constexpr shared::Transform kBehindTheCamera{{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, -1}};
 
 float half_to_float(std::uint32_t half) {
   return static_cast<float>(Eigen::numext::bit_cast<Eigen::half>(static_cast<std::uint16_t>(half)));
@@ -130,10 +135,30 @@ void SurfelStore::reserve(std::uint32_t additional) {
   capacity_ = capacity;
 }
 
-void SurfelStore::set_camera(const Rigid3& world_from_camera) {
+void SurfelStore::set_submaps(std::span<const Rigid3> world_from_submap) {
+  CHECK(world_from_submap.size() >= world_from_submap_.size() && world_from_submap.size() <= kMaxSubmaps, "submaps do not go, or too many");
+  world_from_submap_.assign(world_from_submap.begin(), world_from_submap.end());
+  if (camera_from_submap.count() < world_from_submap_.size())
+    camera_from_submap = gpu::Buffer<shared::Transform>(device_, std::bit_ceil(world_from_submap_.size()), "map");
+}
+
+void SurfelStore::set_camera(const Rigid3& world_from_camera) { set_camera(world_from_camera, SubmapSet(world_from_submap_.size(), true)); }
+
+void SurfelStore::set_camera(const Rigid3& world_from_camera, const SubmapSet& seen) {
+  CHECK(seen.size() == world_from_submap_.size(), "a set of other submaps");
+  const Rigid3 camera_from_world = inverse(world_from_camera);
   std::vector<shared::Transform> transforms;
-  for (const Rigid3& pose : world_from_submap_) transforms.push_back(to_shared(inverse(world_from_camera) * pose));
+  for (std::size_t submap = 0; submap < seen.size(); ++submap)
+    transforms.push_back(seen[submap] ? to_shared(camera_from_world * world_from_submap_[submap]) : kBehindTheCamera);
   camera_from_submap.upload(transforms);
+}
+
+void SurfelStore::begin_block() {
+  shared::MapState after = counters();
+  after.slot_count = (after.slot_count + kSlotsPerBlock - 1) / kSlotsPerBlock * kSlotsPerBlock;
+  after.free_count = 0;
+  for (shared::ZoneSlots& zone : after.zones) zone.free_count = 0;
+  state.upload(std::vector<shared::MapState>{after});
 }
 
 void SurfelStore::append(std::span<const Surfel> surfels) {

@@ -2,7 +2,7 @@
 // poses of submaps.
 //
 // A surfel's position and normal are in the frame of its submap. A slot keeps its number while its surfel lives and is used again
-// afterwards. One thread at a time: the device's.
+// afterwards. All surfels of a block are of one submap. One thread at a time: the device's.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +19,10 @@ namespace hermite {
 inline constexpr std::uint32_t kSlotsPerBlock = 256;
 // As many blocks as every device can dispatch at once.
 inline constexpr std::uint32_t kMaxSlots = 65535 * kSlotsPerBlock;
+inline constexpr std::uint32_t kMaxSubmaps = 1u << 16;  // a surfel has 16 bits for its own
+
+// By submap: is it one of them?
+using SubmapSet = std::vector<bool>;
 
 struct Surfel {
   Eigen::Vector3f position_in_submap_m;
@@ -44,8 +48,16 @@ class SurfelStore {
   // kMaxSlots.
   void reserve(std::uint32_t additional);
 
-  // Poses seen by the next passes.
+  // From now on: one pose for every submap, those there were and new ones. To begin with there is submap 0, where the world is.
+  // CHECK: none is taken away, at most kMaxSubmaps.
+  void set_submaps(std::span<const Rigid3> world_from_submap);
+
+  // Where the next passes see the submaps from. What is not in `seen` is in no view; without it all are.
   void set_camera(const Rigid3& world_from_camera);
+  void set_camera(const Rigid3& world_from_camera, const SubmapSet& seen);
+
+  // The next new surfels are of another submap than those before: they get slots in a block of their own. Between frames.
+  void begin_block();
 
   std::uint32_t slot_count() const { return counters().slot_count; }
   std::uint32_t alive_count() const { return counters().alive_count; }

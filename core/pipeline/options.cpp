@@ -29,6 +29,8 @@ const std::vector<Row>& rows() {
   using T = TrackOptions;
   const auto f = [](auto value) { return member(&Options::frame, value); };
   const auto m = [](auto value) { return member(&Options::map, value); };
+  using A = AdjustOptions;
+  const auto a = [](auto value) { return member(&Options::adjust, value); };
   const auto t = [](auto value) { return member(&Options::track, value); };
   static const std::vector<Row> table{
       {"frame.depth_min_m", f(&F::depth_min_m), 0.05, 5, "nearer measurements are ignored [m]"},
@@ -81,6 +83,16 @@ const std::vector<Row>& rows() {
       {"map.clean_interval_frames", m(&M::clean_interval_frames), 1, 100, "every surfel is examined for removal once in so many frames"},
       {"map.max_unstable_age_frames", m(&M::max_unstable_age_frames), 1, 1e6, "unstable surfels not seen for longer are removed [frames]"},
       {"map.redundancy_depth_m", m(&M::redundancy_depth_m), 0.001, 0.1, "surfels this close before an older surface are redundant [m]"},
+      {"adjust.local_bundle_adjustment", a(&A::local_bundle_adjustment), 0, 1, "align neighbouring submaps by the landmarks they share"},
+      {"adjust.global_bundle_adjustment", a(&A::global_bundle_adjustment), 0, 1,
+       "close loops, find a lost camera, join parts of the map, and align all submaps"},
+      {"adjust.submap_distance_m", a(&A::submap_distance_m), 0.05, 10, "a submap is opened so far from the last one [m]"},
+      {"adjust.submap_turn_deg", a(&A::submap_turn_deg), 2, 90, "or turned by so much [deg]"},
+      {"adjust.keyframe_distance_m", a(&A::keyframe_distance_m), 0.02, 10, "a keyframe is taken so far from all others near [m]"},
+      {"adjust.keyframe_turn_deg", a(&A::keyframe_turn_deg), 1, 90, "or turned by so much [deg]"},
+      {"adjust.active_path_m", a(&A::active_path_m), 0.3, 1000, "submaps over a longer way are looked at again before they are used [m]"},
+      {"adjust.new_part_after_frames", a(&A::new_part_after_frames), 1, 1e6,
+       "a camera lost for so long begins a new part of the map [frames]"},
       {"output.unstable", [](Options& o) -> Field { return &o.output_unstable; }, 0, 1, "export surfels that are not stable too"},
   };
   return table;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/adjust/adjust_options.h"
 #include "core/base/result.h"
 #include "core/frame/frame_options.h"
 #include "core/map/map_options.h"
@@ -15,6 +16,7 @@ struct Options {
   FrameOptions frame;
   TrackOptions track;
   MapOptions map;
+  AdjustOptions adjust;
   bool output_unstable = false;  // export surfels that are not stable too
 };
 

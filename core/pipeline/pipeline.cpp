@@ -4,15 +4,8 @@
 #include <optional>
 
 #include "core/frame/frame_content.h"
-#include "core/frame/preprocess.h"
 #include "core/frame/undistort.h"
-#include "core/gpu/device.h"
-#include "core/map/fuse.h"
-#include "core/map/index_map.h"
-#include "core/map/predict.h"
-#include "core/map/surfel_store.h"
-#include "core/map/visible_blocks.h"
-#include "core/track/odometry.h"
+#include "core/pipeline/front_end.h"
 
 namespace hermite {
 
@@ -65,42 +58,30 @@ std::optional<Undistorter> undistorter_of(const Camera& camera) {
   return Undistorter(camera);
 }
 
-struct Motion {
-  OdometryResult odometry;
-  Judgement judgement;
+// A camera's pose as it stays when submaps move.
+struct AnchoredPose {
+  double timestamp_s = 0;
+  std::uint32_t submap = 0;
+  Rigid3 submap_from_camera;
 };
-
-// A lost camera may also have turned away by a third of a usual field of view to all sides.
-std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
-  for (const double pitch_deg : {-12.0, 0.0, 12.0})
-    for (const double yaw_deg : {-18.0, -9.0, 0.0, 9.0, 18.0})
-      guesses.push_back(exp_se3((Vector6d() << 0, 0, 0, pitch_deg * M_PI / 180, yaw_deg * M_PI / 180, 0).finished()));
-  return guesses;
-}
 
 }  // namespace
 
 struct Pipeline::Impl {
-  Impl(const std::string& device_choice, const Camera& camera_of_scan, const Options& options_of_scan, Timeline* timeline_of_scan)
+  Impl(const std::string& device, const Camera& camera_of_scan, const Options& options_of_scan, std::unique_ptr<Mapping> mapping_of_scan,
+       Timeline* timeline_of_scan)
       : camera(checked(camera_of_scan)),
         options(options_of_scan),
         undistorter(undistorter_of(camera)),
         timeline(timeline_of_scan),
-        device(device_choice, timeline),
-        commands(device),
-        preprocessor(device, camera, options.frame),
-        odometry(device, preprocessor.maps().camera(), options.track),
-        store(device),
-        visible(device, options.map),
-        index(device, preprocessor.maps().camera()),
-        fuser(device, preprocessor.maps().camera(), options.map, options.frame),
-        predictor(device, preprocessor.maps().camera(), options.map) {}
+        mapping(std::move(mapping_of_scan)),
+        front_end(device, camera, options, timeline) {}
 
   FrameResult process(const RgbdFrame& frame);
-  std::vector<Rigid3> guesses(const Rigid3& turned) const;
-  Motion track(const FrameMaps& maps, const FrameContent& content);
-  void fuse(const FrameMaps& maps, bool with_color);
-  void predict(const FrameMaps& maps, bool with_color);
+  void observe(const RgbdFrame& frame, const Rigid3& tracked);
+  void find(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
+  void remember(double timestamp_s);
+  const MapLayout& layout() const { return mapping ? mapping->layout() : one_submap; }
   bool is_output(const Surfel& surfel) const {
     return surfel.confidence >= (options.output_unstable ? 1e-6 : options.map.stable_confidence);
   }
@@ -110,7 +91,7 @@ struct Pipeline::Impl {
   void timed(const char* stage, Work work) {
     const auto start = std::chrono::steady_clock::now();
     work();
-    commands.submit_and_wait();
+    front_end.commands.submit_and_wait();
     const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     stage_total_ms[stage] += ms;
     if (timeline) timeline->stages.push_back({stage, start, ms});
@@ -120,21 +101,16 @@ struct Pipeline::Impl {
   const Options options;
   const std::optional<Undistorter> undistorter;  // when the lens distorts
   Timeline* const timeline;                      // of whoever wants one
-  gpu::Device device;
-  gpu::Commands commands;
-  Preprocessor preprocessor;
-  Odometry odometry;
-  SurfelStore store;
-  VisibleBlocks visible;
-  IndexMap index;
-  Fuser fuser;
-  Predictor predictor;
+  const std::unique_ptr<Mapping> mapping;        // none: one submap, which never moves
+  const MapLayout one_submap;
+  FrontEnd front_end;
 
-  std::uint32_t frame_number = 0;  // of the map: frames fused so far, the first is 1
-  Rigid3 world_from_camera;        // of the last tracked frame; the prediction is seen from here
-  Rigid3 last_motion;              // reference_from_camera of the last tracked frame
-  int lost_count = 0;              // frames lost since
-  Trajectory trajectory;
+  Rigid3 world_from_camera;  // of the last tracked frame; the prediction is seen from here
+  Rigid3 last_motion;        // reference_from_camera of the last tracked frame
+  int lost_count = 0;        // frames lost since
+  std::vector<AnchoredPose> poses;
+  Trajectory trajectory;  // `poses` in the world, as of correction_count
+  std::uint64_t correction_count = 0;
   std::int64_t tracked_frame_count = 0, weak_frame_count = 0;
   double total_ms = 0;
   std::map<std::string, double> stage_total_ms;
@@ -142,78 +118,67 @@ struct Pipeline::Impl {
   std::vector<bool> published;  // by slot: take_changes() has reported it alive
 };
 
-// Where the camera may be, seen from where it was: turned as the pictures say, or moving on as before.
-std::vector<Rigid3> Pipeline::Impl::guesses(const Rigid3& turned) const {
-  std::vector<Rigid3> result{turned};
-  if (options.track.constant_velocity) {
-    result.push_back(last_motion);
-    if (options.track.rotation_prealignment) result.push_back({turned.rotation, last_motion.translation});
+// What the back end makes of a tracked frame: submaps are opened and moved, loops closed.
+void Pipeline::Impl::observe(const RgbdFrame& frame, const Rigid3& tracked) {
+  const std::uint32_t submap = layout().current;
+  const Rigid3 submap_from_camera = inverse(layout().world_from_submap[submap]) * tracked;
+  for (const Revisit& revisit : mapping->observe(frame, tracked)) {
+    const std::optional<Rigid3> seen_from = front_end.look(revisit, layout());
+    if (seen_from && mapping->confirm(revisit, *seen_from)) break;  // the others were guessed from how the map was before
   }
-  return result;
+  world_from_camera = layout().world_from_submap[submap] * submap_from_camera;
 }
 
-Motion Pipeline::Impl::track(const FrameMaps& maps, const FrameContent& content) {
-  TrackingEvidence evidence;
-  evidence.content = content;
-  evidence.lost_count = lost_count;
-  const SurfacePyramid& reference = predictor.surface();
-  if (frame_number == 0) {
-    evidence.agreement = odometry.agreement(maps, reference, Rigid3{});
-    return {{}, judge_start(evidence, options.track)};
+// A lost camera is found, or the map goes on in a new part.
+void Pipeline::Impl::find(const RgbdFrame& frame, const FrameContent& content, Motion& motion) {
+  for (const Revisit& revisit : mapping->find(frame)) {
+    const std::optional<Rigid3> seen_from = front_end.look(revisit, layout());
+    if (!seen_from) continue;
+    mapping->found(revisit, *seen_from);
+    world_from_camera = *seen_from;
+    motion = {{}, {TrackingStatus::kWeak, "found again"}};
+    return;
   }
-  Rigid3 turned;
-  if (options.track.rotation_prealignment) turned.rotation = odometry.align_rotation(maps).conjugate();
-  const std::vector<Rigid3> starts = guesses(turned);
-  OdometryResult found;
-  if (lost_count == 0) found = odometry.track(maps, reference, starts);
-  if (!is_believable(found.agreement, options.track)) found = odometry.search(maps, reference, with_turns(starts));
-  if (!is_believable(found.agreement, options.track)) evidence.unmoved = odometry.agreement(maps, reference, turned);
-  evidence.agreement = found.agreement;
-  evidence.inlier_share = found.agreement.surface * found.inlier_ratio;
-  evidence.observability = found.observability;
-  evidence.step_m = found.reference_from_camera.translation.norm();
-  evidence.turn_rad = Eigen::AngleAxisd(found.reference_from_camera.rotation).angle();
-  evidence.turn_seen_rad = Eigen::AngleAxisd(turned.rotation).angle();
-  return {found, judge(evidence, options.track)};
+  if (lost_count + 1 >= options.adjust.new_part_after_frames && front_end.judge_start(content).status != TrackingStatus::kLost) {
+    mapping->begin_part(world_from_camera);
+    motion = {{}, {TrackingStatus::kWeak, "not found: a new part of the map begins, to be joined when the camera sees both"}};
+    return;
+  }
+  front_end.predict(world_from_camera, layout());
 }
 
-void Pipeline::Impl::fuse(const FrameMaps& maps, bool with_color) {
-  ++frame_number;
-  store.reserve(fuser.new_slots_bound());
-  store.set_camera(world_from_camera);
-  visible.list(commands, store, maps.camera(), frame_number);
-  index.build(commands, store, maps.camera(), 0);
-  index.describe(commands, store, maps.camera());
-  fuser.fuse(commands, maps, store, index, {frame_number, with_color});
+void Pipeline::Impl::remember(double timestamp_s) {
+  poses.push_back({timestamp_s, layout().current, inverse(layout().world_from_submap[layout().current]) * world_from_camera});
+  trajectory.push_back({timestamp_s, world_from_camera});
+  if (correction_count == layout().correction_count) return;
+  correction_count = layout().correction_count;
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    trajectory[i].world_from_camera = layout().world_from_submap[poses[i].submap] * poses[i].submap_from_camera;
 }
 
-void Pipeline::Impl::predict(const FrameMaps& maps, bool with_color) {
-  visible.list(commands, store, maps.camera(), frame_number);
-  index.build(commands, store, maps.camera(), options.map.stable_confidence);
-  fuser.clean(commands, store, index, maps.camera(), frame_number);
-  predictor.run(commands, store, index, maps, with_color);
-  downsample(commands, preprocessor.downsample_kernel(), predictor.surface(), 0.5 * options.frame.depth_gate_m);
-  odometry.remember(commands, maps);
-}
-
-FrameResult Pipeline::Impl::process(const RgbdFrame& frame) {
+FrameResult Pipeline::Impl::process(const RgbdFrame& given) {
   const auto start = std::chrono::steady_clock::now();
   FrameResult result;
   result.frame_index = static_cast<std::int64_t>(trajectory.size());
-  result.timestamp_s = frame.timestamp_s;
+  result.timestamp_s = given.timestamp_s;
 
-  timed("preprocess", [&] { preprocessor.run(commands, undistorter ? undistorter->apply(frame) : frame, result.frame_index); });
-  const FrameMaps& maps = preprocessor.maps();
-  const FrameContent content = content_of(frame, camera.depth_units_per_metre, options.frame);
+  std::optional<RgbdFrame> straight;
+  if (undistorter) straight = undistorter->apply(given);
+  const RgbdFrame& frame = straight ? *straight : given;
+  timed("preprocess", [&] { front_end.preprocess(frame, result.frame_index); });
+  const FrameContent content = content_of(given, camera.depth_units_per_metre, options.frame);
   Motion motion;
-  timed("track", [&] { motion = track(maps, content); });
+  timed("track", [&] { motion = front_end.track(content, last_motion, lost_count); });
+  if (motion.judgement.status != TrackingStatus::kLost) world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
+  if (mapping && motion.judgement.status != TrackingStatus::kLost) timed("adjust", [&] { observe(frame, world_from_camera); });
+  if (mapping && motion.judgement.status == TrackingStatus::kLost) timed("find", [&] { find(frame, content, motion); });
+
   const bool lost = motion.judgement.status == TrackingStatus::kLost;
   lost_count = lost ? lost_count + 1 : 0;
   if (!lost) {
-    world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
     last_motion = motion.odometry.reference_from_camera;
-    timed("fuse", [&] { fuse(maps, motion.judgement.picture_is_good); });
-    timed("predict", [&] { predict(maps, motion.judgement.picture_is_good); });
+    timed("fuse", [&] { front_end.fuse(world_from_camera, layout(), motion.judgement.picture_is_good); });
+    timed("predict", [&] { front_end.clean_and_predict(motion.judgement.picture_is_good); });
     ++tracked_frame_count;
     weak_frame_count += motion.judgement.status == TrackingStatus::kWeak ? 1 : 0;
   }
@@ -224,14 +189,15 @@ FrameResult Pipeline::Impl::process(const RgbdFrame& frame) {
   result.inlier_count = motion.odometry.inlier_count;
   result.inlier_ratio = motion.odometry.inlier_ratio;
   result.residual_rms_m = motion.odometry.residual_rms_m;
-  result.surfel_count = store.alive_count();
-  trajectory.push_back({frame.timestamp_s, world_from_camera});
+  result.surfel_count = front_end.store.alive_count();
+  remember(given.timestamp_s);
   total_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return result;
 }
 
-Pipeline::Pipeline(const std::string& device, const Camera& camera, const Options& options, Timeline* timeline)
-    : impl_(std::make_unique<Impl>(device, camera, options, timeline)) {}
+Pipeline::Pipeline(const std::string& device, const Camera& camera, const Options& options, std::unique_ptr<Mapping> mapping,
+                   Timeline* timeline)
+    : impl_(std::make_unique<Impl>(device, camera, options, std::move(mapping), timeline)) {}
 Pipeline::~Pipeline() = default;
 
 Result<FrameResult> Pipeline::process(const RgbdFrame& frame) {
@@ -249,8 +215,8 @@ Status Pipeline::insert(const Cloud& cloud) {
   try {
     std::vector<Surfel> surfels;
     for (const CloudPoint& point : cloud)
-      if (point.confidence > 0) surfels.push_back(to_surfel(point, impl_->frame_number + 1));
-    impl_->store.append(surfels);
+      if (point.confidence > 0) surfels.push_back(to_surfel(point, impl_->front_end.frame_number + 1));
+    impl_->front_end.store.append(surfels);
     return Done{};
   } catch (const SetupError& error) {
     return error.error();
@@ -262,8 +228,8 @@ const Trajectory& Pipeline::trajectory() const { return impl_->trajectory; }
 Result<Cloud> Pipeline::cloud() {
   try {
     Cloud cloud;
-    for (const Surfel& surfel : impl_->store.download())
-      if (impl_->is_output(surfel)) cloud.push_back(to_cloud_point(surfel, impl_->store.world_from_submap()[surfel.submap]));
+    for (const Surfel& surfel : impl_->front_end.store.download())
+      if (impl_->is_output(surfel)) cloud.push_back(to_cloud_point(surfel, impl_->front_end.store.world_from_submap()[surfel.submap]));
     return cloud;
   } catch (const SetupError& error) {
     return error.error();
@@ -274,7 +240,7 @@ Result<std::vector<SlotChange>> Pipeline::take_changes() {
   Impl& impl = *impl_;
   try {
     std::vector<SlotChange> changes;
-    const std::vector<Surfel> surfels = impl.store.download();
+    const std::vector<Surfel> surfels = impl.front_end.store.download();
     impl.published.resize(surfels.size(), false);
     for (std::size_t slot = 0; slot < surfels.size(); ++slot) {
       const Surfel& surfel = surfels[slot];
@@ -284,7 +250,7 @@ Result<std::vector<SlotChange>> Pipeline::take_changes() {
         changes.push_back({static_cast<std::uint32_t>(slot), alive, alive ? to_cloud_point(surfel, Rigid3{}) : CloudPoint{}});
       impl.published[slot] = alive;
     }
-    impl.changes_since = impl.frame_number;
+    impl.changes_since = impl.front_end.frame_number;
     return changes;
   } catch (const SetupError& error) {
     return error.error();
@@ -293,7 +259,7 @@ Result<std::vector<SlotChange>> Pipeline::take_changes() {
 
 std::vector<SubmapPose> Pipeline::submap_poses() const {
   std::vector<SubmapPose> poses;
-  for (const Rigid3& pose : impl_->store.world_from_submap()) poses.push_back({static_cast<std::uint32_t>(poses.size()), pose});
+  for (const Rigid3& pose : impl_->front_end.store.world_from_submap()) poses.push_back({static_cast<std::uint32_t>(poses.size()), pose});
   return poses;
 }
 
@@ -303,15 +269,16 @@ PipelineStatistics Pipeline::statistics() const {
   statistics.frame_count = static_cast<std::int64_t>(impl.trajectory.size());
   statistics.tracked_frame_count = impl.tracked_frame_count;
   statistics.weak_frame_count = impl.weak_frame_count;
-  statistics.surfel_count = impl.store.alive_count();
-  statistics.surfel_slot_count = impl.store.slot_count();
-  statistics.surfel_capacity = impl.store.capacity();
+  statistics.surfel_count = impl.front_end.store.alive_count();
+  statistics.surfel_slot_count = impl.front_end.store.slot_count();
+  statistics.surfel_capacity = impl.front_end.store.capacity();
   const double frames = static_cast<double>(std::max<std::size_t>(impl.trajectory.size(), 1));
   statistics.mean_frame_ms = impl.total_ms / frames;
   for (const auto& [stage, ms] : impl.stage_total_ms) statistics.stages_ms[stage] = ms / frames;
-  for (const auto& pass : impl.device.pass_times()) statistics.gpu_passes_ms[pass.kernel] = pass.total_ms / frames;
-  statistics.gpu_memory_bytes = impl.device.memory_by_purpose();
-  statistics.device = impl.device.info().name;
+  for (const auto& pass : impl.front_end.device.pass_times()) statistics.gpu_passes_ms[pass.kernel] = pass.total_ms / frames;
+  statistics.gpu_memory_bytes = impl.front_end.device.memory_by_purpose();
+  if (impl.mapping) statistics.mapping = impl.mapping->counts();
+  statistics.device = impl.front_end.device.info().name;
   return statistics;
 }
 

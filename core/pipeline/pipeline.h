@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/adjust/mapping.h"
 #include "core/base/timeline.h"
 #include "core/dataset/trajectory.h"
 #include "core/frame/rgbd_frame.h"
@@ -48,14 +49,17 @@ struct PipelineStatistics {
   std::map<std::string, double> stages_ms;               // mean per frame, by stage
   std::map<std::string, double> gpu_passes_ms;           // mean per frame, by shader; GPU time stamps
   std::map<std::string, std::int64_t> gpu_memory_bytes;  // by purpose
+  std::map<std::string, std::int64_t> mapping;           // submaps, keyframes, loops, ...; empty without mapping
   std::string device;
 };
 
 class Pipeline {
  public:
   // `device` selects the GPU: empty for the best one, an index, or part of a name. Throws SetupError: no such device, too little memory,
-  // bad camera. A `timeline`, which outlives this, gets every stage and every GPU pass.
-  Pipeline(const std::string& device, const Camera& camera, const Options& options, Timeline* timeline = nullptr);
+  // bad camera. Without `mapping` there is one submap, no loop is closed and a lost camera is only searched for where it was last. A
+  // `timeline`, which outlives this, gets every stage and every GPU pass.
+  Pipeline(const std::string& device, const Camera& camera, const Options& options, std::unique_ptr<Mapping> mapping = nullptr,
+           Timeline* timeline = nullptr);
   ~Pipeline();
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
@@ -69,7 +73,7 @@ class Pipeline {
   // cloud(); points without confidence are left out. kDevice: no room.
   Status insert(const Cloud& cloud);
 
-  // One pose for every frame given, lost ones included, with the frame's own time stamp.
+  // One pose for every frame given, lost ones included, with the frame's own time stamp; all as the map lies now.
   const Trajectory& trajectory() const;
 
   // Stable surfels (all of them with options.output_unstable), in the world frame, normals towards the camera.

@@ -91,6 +91,11 @@ bool is_believable(const Agreement& a, const TrackOptions& options) {
   return a.correlation >= options.min_correlation + (kSameCorrelation - options.min_correlation) * missing;
 }
 
+bool is_same_place(const Agreement& a, double observability) {
+  const bool looks_alike = !has_picture(a) || a.correlation >= kGoodCorrelation;
+  return a.overlap >= kGoodOverlap && a.agreeing >= kGoodAgreement && looks_alike && observability >= kBlank;
+}
+
 Judgement judge(const TrackingEvidence& e, const TrackOptions& options) {
   if (e.agreement.surface < options.min_surface_ratio) return {TrackingStatus::kLost, too_few_points(e.content)};
   if (!is_believable(e.agreement, options)) return {TrackingStatus::kLost, why_lost(e, options)};

@@ -46,6 +46,9 @@ struct Judgement {
 // Whether the frame shows at this pose what the map says. If not, another start may find a better one.
 bool is_believable(const Agreement& agreement, const TrackOptions& options);
 
+// Whether a camera that may be anywhere is here: a stricter question, since the map is bent to the answer.
+bool is_same_place(const Agreement& agreement, double observability);
+
 // Of a frame that was tracked against the map.
 Judgement judge(const TrackingEvidence& evidence, const TrackOptions& options);
 

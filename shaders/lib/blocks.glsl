@@ -1,6 +1,6 @@
 // Blocks of 256 neighbouring slots, which the passes over the map skip where no view can show them. A block's bounds are the farthest that
 // its surfels reach along eight directions: +x, +y, +z, -x, -y, -z in their submap's frame, +submap, -submap. They may be too wide, never
-// too narrow, but for what a merge has just moved. Zero: the block is empty.
+// too narrow, but for what a merge has just moved. Zero: the block is empty. All surfels of a block are of one submap.
 //
 // So that blocks stay small, new surfels get slots of blocks that lie where they do: the view is divided into 4 x 4 zones, and each has its
 // own free slots.
@@ -38,3 +38,15 @@ float reach(uint direction, vec4 position_submap) {
   float value = position_submap[direction < 6u ? direction % 3u : 3u];
   return (direction < 3u || direction == 6u) ? value : -value;
 }
+
+// Whose surfels does the block hold? Of several submaps or none, as its bounds may say until they are brought up to date: kNoSubmap.
+const uint kNoSubmap = 0xffffffffu;
+uint submap_of(BlockBounds block) {
+  if (block.reach[6] == 0u) return kNoSubmap;
+  float submap = unordered(block.reach[6]);
+  return submap == -unordered(block.reach[7]) ? uint(submap) : kNoSubmap;
+}
+
+// May new surfels of `submap` take free slots beside those that are there? A block elsewhere waits until the camera is there again: its
+// surfels shall stay neighbours.
+bool has_room(uint entry, BlockBounds block, uint submap) { return (entry & kOutOfView) == 0u && submap_of(block) == submap; }

@@ -9,6 +9,8 @@ layout(scalar, binding = 0) readonly buffer Positions { vec4 position_confidence
 layout(scalar, binding = 1) writeonly buffer Groups { uint free_by_group[]; };
 layout(scalar, binding = 2) readonly buffer State { MapState state; };
 layout(scalar, binding = 3) readonly buffer Visible { uint groups[3]; uint turn_groups[3]; uint blocks[]; };
+layout(scalar, binding = 4) readonly buffer Bounds { BlockBounds bounds[]; };
+layout(scalar, push_constant) uniform Push { FreeListParams p; };
 shared uint is_free[kBlock];
 
 void main() {
@@ -18,6 +20,5 @@ void main() {
   if (lane != 0u) return;
   uint count = 0u;
   for (uint i = 0u; i < kBlock; ++i) count += is_free[i];
-  // The slots of a block elsewhere wait until the camera is there again: its surfels shall stay neighbours.
-  free_by_group[gl_WorkGroupID.x] = (entry & kOutOfView) == 0u || count == kBlock ? count : 0u;
+  free_by_group[gl_WorkGroupID.x] = count == kBlock || has_room(entry, bounds[block_of(entry)], p.submap) ? count : 0u;
 }

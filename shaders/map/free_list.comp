@@ -11,6 +11,7 @@ layout(scalar, binding = 2) readonly buffer State { MapState state; };
 layout(scalar, binding = 3) writeonly buffer FreeList { uint free_slots[]; };
 layout(scalar, binding = 4) writeonly buffer Times { uvec2 times[]; };
 layout(scalar, binding = 5) readonly buffer Visible { uint groups[3]; uint turn_groups[3]; uint blocks[]; };
+layout(scalar, binding = 6) readonly buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, push_constant) uniform Push { FreeListParams p; };
 shared uint is_free[kBlock];
 
@@ -30,7 +31,7 @@ void main() {
     position_confidence[slot].w = 0.0;
     times[slot].y = p.frame_number;
   }
-  if ((blocks[group] & kOutOfView) != 0u && !all_free()) return;  // as map/count_free has it
+  if (!has_room(blocks[group], bounds[block_of(blocks[group])], p.submap) && !all_free()) return;  // as map/count_free has it
   uint rank = free_by_group[group];
   for (uint i = 0u; i < lane; ++i) rank += is_free[i];
   free_slots[rank] = slot;

@@ -29,11 +29,11 @@ bool reaches(Box box, vec3 normal, float offset) {
 uint look_at(uint block) {
   uint keys[8] = bounds[block].reach;
   if (keys[0] == 0u) return block | kOutOfView;
-  float submap = unordered(keys[6]);
-  if (submap != -unordered(keys[7])) return block;  // of several submaps
+  uint submap = submap_of(bounds[block]);
+  if (submap == kNoSubmap) return block;
   vec3 high = vec3(unordered(keys[0]), unordered(keys[1]), unordered(keys[2]));
   vec3 low = -vec3(unordered(keys[3]), unordered(keys[4]), unordered(keys[5]));
-  Transform t = camera_from_submap[uint(submap)];
+  Transform t = camera_from_submap[submap];
   Box box = Box(transform_point(t, 0.5 * (high + low)), 0.5 * (high - low) + p.margin_m, t);
   // A pixel more on each side than index_cell asks for makes up for rounding.
   float left = -1.5 - p.camera.cx, right = float(p.camera.width) + 0.5 - p.camera.cx;

@@ -102,6 +102,7 @@ struct CleanParams {
 
 struct FreeListParams {
   uint frame_number;
+  uint submap;  // of the next new surfels
 };
 
 struct ScanParams {

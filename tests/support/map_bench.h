@@ -53,7 +53,7 @@ class MapBench {
     store.set_camera(world_from_camera);
     visible_.list(commands_, store, maps_.camera(), frame_number);
     index.build(commands_, store, maps_.camera(), options_.stable_confidence);
-    fuser.clean(commands_, store, index, maps_.camera(), frame_number);
+    fuser.clean(commands_, store, index, maps_.camera(), {frame_number});
     commands_.submit_and_wait();
   }
 

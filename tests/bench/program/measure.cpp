@@ -41,7 +41,7 @@ Cloud elsewhere(std::int64_t count) {
 
 Measurement measure(RawFrameReader& file, const Arguments& arguments) {
   Timeline timeline;
-  Pipeline pipeline(arguments.device, file.camera(), arguments.options, &timeline);
+  Pipeline pipeline(arguments.device, file.camera(), arguments.options, nullptr, &timeline);
   if (arguments.elsewhere_count > 0) or_throw(pipeline.insert(elsewhere(arguments.elsewhere_count)));
   Measurement measurement;
   const std::int64_t steps = arguments.warm_up_count + measured_frame_count(arguments, file.frame_count());

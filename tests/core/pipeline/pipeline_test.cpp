@@ -356,7 +356,7 @@ TEST(Pipeline, StatisticsSayWhatItCost) {
 
 TEST(Pipeline, ATimelineGetsEveryStageAndPass) {
   Timeline timeline;
-  Pipeline pipeline("", recording().camera, Options{}, &timeline);
+  Pipeline pipeline("", recording().camera, Options{}, nullptr, &timeline);
   const Timeline::Clock::time_point start = Timeline::Clock::now();
   for (std::size_t i = 0; i < 2; ++i) process(pipeline, recording().frames[i]);
   std::vector<std::string> stages;

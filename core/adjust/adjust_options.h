@@ -1,0 +1,17 @@
+// How submaps are opened, linked, and corrected. Values; each has its key and reason in core/pipeline/options.cpp.
+#pragma once
+
+namespace hermite {
+
+struct AdjustOptions {
+  bool local_bundle_adjustment = true;
+  bool global_bundle_adjustment = true;  // loops, joining, finding a lost camera; and what they correct
+  double submap_distance_m = 0.3;
+  double submap_turn_deg = 20.0;
+  double keyframe_distance_m = 0.1;
+  double keyframe_turn_deg = 7.0;
+  double active_path_m = 2.0;
+  int new_part_after_frames = 15;
+};
+
+}  // namespace hermite

@@ -1,0 +1,95 @@
+#include "core/adjust/submap_graph.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+#include <utility>
+
+namespace hermite {
+
+namespace {
+
+constexpr double kMetresPerRadian = 0.5;
+
+// From one submap to the next the dense tracking is off by a millimetre and a twentieth of a degree at least, and by half a per cent of the
+// way; a loop by what two views of one place with the noise of a Kinect differ by (tests/accuracy/README.md).
+constexpr double kFloor_m = 0.001, kFloor_rad = 0.0009, kGrowth = 0.005;
+constexpr double kLoop_m = 0.003, kLoop_rad = 0.002;
+
+// Four times what good tracking drifts by, and what any view may be off by.
+constexpr double kDriftFloor_m = 0.1, kDriftGrowth = 0.03;
+constexpr double kDriftFloor_rad = 0.05, kDriftGrowth_rad_per_m = 0.02;
+
+}  // namespace
+
+double length_of(const Rigid3& a_from_b) { return a_from_b.translation.norm() + kMetresPerRadian * angle_rad(a_from_b.rotation); }
+
+std::uint32_t add_submap(SubmapGraph& graph, const Rigid3& world_from_submap, std::uint32_t part) {
+  const auto submap = static_cast<std::uint32_t>(graph.world_from_submap.size());
+  graph.world_from_submap.push_back(world_from_submap);
+  graph.part.push_back(part);
+  graph.parent.push_back(submap);
+  return submap;
+}
+
+void link_tracked(SubmapGraph& graph, std::uint32_t from, std::uint32_t to) {
+  for (const SubmapLink& link : graph.links)
+    if (std::minmax(link.from, link.to) == std::minmax(from, to)) return;
+  const Rigid3 from_from_to = inverse(graph.world_from_submap[from]) * graph.world_from_submap[to];
+  graph.links.push_back({from, to, from_from_to, length_of(from_from_to), false});
+}
+
+std::vector<double> distances_m(const SubmapGraph& graph, std::uint32_t from) {
+  std::vector<std::vector<std::pair<std::uint32_t, double>>> neighbours(graph.world_from_submap.size());
+  for (const SubmapLink& link : graph.links) {
+    neighbours[link.from].emplace_back(link.to, link.length_m);
+    neighbours[link.to].emplace_back(link.from, link.length_m);
+  }
+  std::vector<double> distance_m(neighbours.size(), std::numeric_limits<double>::infinity());
+  using Reached = std::pair<double, std::uint32_t>;
+  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> next;
+  distance_m[from] = 0;
+  next.emplace(0.0, from);
+  while (!next.empty()) {
+    const auto [reached_m, submap] = next.top();
+    next.pop();
+    if (reached_m > distance_m[submap]) continue;
+    for (const auto& [neighbour, length_m] : neighbours[submap]) {
+      if (reached_m + length_m >= distance_m[neighbour]) continue;
+      distance_m[neighbour] = reached_m + length_m;
+      next.emplace(distance_m[neighbour], neighbour);
+    }
+  }
+  return distance_m;
+}
+
+LinkNoise noise_of(const SubmapLink& link) {
+  if (link.is_loop) return {kLoop_m, kLoop_rad};
+  return {kFloor_m + kGrowth * link.from_from_to.translation.norm(), kFloor_rad + kGrowth * angle_rad(link.from_from_to.rotation)};
+}
+
+Matrix6d information_of(const SubmapLink& link) {
+  const LinkNoise noise = noise_of(link);
+  Vector6d precision;
+  precision.head<3>().setConstant(1 / (noise.translation_m * noise.translation_m));
+  precision.tail<3>().setConstant(1 / (noise.rotation_rad * noise.rotation_rad));
+  return precision.asDiagonal();
+}
+
+bool is_possible_drift(const Rigid3& drift, double path_m) {
+  return drift.translation.norm() <= kDriftFloor_m + kDriftGrowth * path_m &&
+         angle_rad(drift.rotation) <= kDriftFloor_rad + kDriftGrowth_rad_per_m * path_m;
+}
+
+void join_parts(SubmapGraph& graph, std::uint32_t moved, const Rigid3& world_from_moved, std::uint32_t into) {
+  const Rigid3 correction = world_from_moved * inverse(graph.world_from_submap[moved]);
+  const std::uint32_t from = graph.part[moved];
+  for (std::size_t submap = 0; submap < graph.part.size(); ++submap) {
+    if (graph.part[submap] != from) continue;
+    graph.world_from_submap[submap] = correction * graph.world_from_submap[submap];
+    graph.part[submap] = graph.part[into];
+  }
+}
+
+}  // namespace hermite

@@ -1,0 +1,124 @@
+#include "core/pipeline/front_end.h"
+
+#include <cmath>
+
+namespace hermite {
+
+namespace {
+
+// A lost camera may also have turned away by a third of a usual field of view to all sides.
+std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
+  for (const double pitch_deg : {-12.0, 0.0, 12.0})
+    for (const double yaw_deg : {-18.0, -9.0, 0.0, 9.0, 18.0})
+      guesses.push_back(exp_se3((Vector6d() << 0, 0, 0, pitch_deg * M_PI / 180, yaw_deg * M_PI / 180, 0).finished()));
+  return guesses;
+}
+
+}  // namespace
+
+FrontEnd::FrontEnd(const std::string& device_choice, const Camera& camera, const Options& options, Timeline* timeline)
+    : device(device_choice, timeline),
+      commands(device),
+      store(device),
+      options_(options),
+      preprocessor_(device, camera, options.frame),
+      odometry_(device, preprocessor_.maps().camera(), options.track),
+      visible_(device, options.map),
+      index_(device, preprocessor_.maps().camera()),
+      fuser_(device, preprocessor_.maps().camera(), options.map, options.frame),
+      predictor_(device, preprocessor_.maps().camera(), options.map) {}
+
+void FrontEnd::preprocess(const RgbdFrame& frame, std::int64_t frame_index) { preprocessor_.run(commands, frame, frame_index); }
+
+// Where the camera may be, seen from where it was: turned as the pictures say, or moving on as before.
+std::vector<Rigid3> FrontEnd::guesses(const Rigid3& turned, const Rigid3& last_motion) const {
+  std::vector<Rigid3> result{turned};
+  if (options_.track.constant_velocity) {
+    result.push_back(last_motion);
+    if (options_.track.rotation_prealignment) result.push_back({turned.rotation, last_motion.translation});
+  }
+  return result;
+}
+
+Judgement FrontEnd::judge_start(const FrameContent& content) {
+  TrackingEvidence evidence;
+  evidence.content = content;
+  evidence.agreement = odometry_.agreement(preprocessor_.maps(), predictor_.surface(), Rigid3{});
+  return hermite::judge_start(evidence, options_.track);
+}
+
+Motion FrontEnd::track(const FrameContent& content, const Rigid3& last_motion, int lost_count) {
+  if (frame_number == 0) return {{}, judge_start(content)};
+  const FrameMaps& maps = preprocessor_.maps();
+  const SurfacePyramid& reference = predictor_.surface();
+  Rigid3 turned;
+  if (options_.track.rotation_prealignment) turned.rotation = odometry_.align_rotation(maps).conjugate();
+  const std::vector<Rigid3> starts = guesses(turned, last_motion);
+  OdometryResult found;
+  if (lost_count == 0) found = odometry_.track(maps, reference, starts);
+  if (!is_believable(found.agreement, options_.track)) found = odometry_.search(maps, reference, with_turns(starts));
+  TrackingEvidence evidence;
+  evidence.content = content;
+  evidence.lost_count = lost_count;
+  if (!is_believable(found.agreement, options_.track)) evidence.unmoved = odometry_.agreement(maps, reference, turned);
+  evidence.agreement = found.agreement;
+  evidence.inlier_share = found.agreement.surface * found.inlier_ratio;
+  evidence.observability = found.observability;
+  evidence.step_m = found.reference_from_camera.translation.norm();
+  evidence.turn_rad = Eigen::AngleAxisd(found.reference_from_camera.rotation).angle();
+  evidence.turn_seen_rad = Eigen::AngleAxisd(turned.rotation).angle();
+  return {found, judge(evidence, options_.track)};
+}
+
+// Records the prediction of these submaps alone.
+void FrontEnd::show(const Rigid3& world_from_camera, const SubmapSet& submaps) {
+  const FrameMaps& maps = preprocessor_.maps();
+  store.set_camera(world_from_camera, submaps);
+  visible_.list(commands, store, maps.camera(), frame_number);
+  index_.build(commands, store, maps.camera(), options_.map.stable_confidence);
+  predictor_.run(commands, store, index_, maps, FillIn::kNothing);
+  downsample(commands, preprocessor_.downsample_kernel(), predictor_.surface(), 0.5 * options_.frame.depth_gate_m);
+}
+
+std::optional<Rigid3> FrontEnd::look(const Revisit& revisit, const MapLayout& layout) {
+  store.set_submaps(layout.world_from_submap);
+  SubmapSet submaps = revisit.submaps;
+  submaps.resize(layout.world_from_submap.size(), false);
+  show(revisit.world_from_camera, submaps);
+  commands.submit_and_wait();
+  const std::vector<Rigid3> start{Rigid3{}};
+  const OdometryResult found = odometry_.search(preprocessor_.maps(), predictor_.surface(), start);
+  if (!is_same_place(found.agreement, found.observability)) return std::nullopt;
+  return revisit.world_from_camera * found.reference_from_camera;
+}
+
+void FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, bool with_color) {
+  const FrameMaps& maps = preprocessor_.maps();
+  if (layout.current != submap_) store.begin_block();
+  submap_ = layout.current;
+  ++frame_number;
+  store.reserve(fuser_.new_slots_bound());
+  store.set_submaps(layout.world_from_submap);
+  store.set_camera(world_from_camera, layout.is_active);
+  visible_.list(commands, store, maps.camera(), frame_number);
+  index_.build(commands, store, maps.camera(), 0);
+  index_.describe(commands, store, maps.camera());
+  fuser_.fuse(commands, maps, store, index_, {frame_number, with_color, submap_});
+}
+
+void FrontEnd::clean_and_predict(bool with_color) {
+  const FrameMaps& maps = preprocessor_.maps();
+  visible_.list(commands, store, maps.camera(), frame_number);
+  index_.build(commands, store, maps.camera(), options_.map.stable_confidence);
+  fuser_.clean(commands, store, index_, maps.camera(), {frame_number, with_color, submap_});
+  predictor_.run(commands, store, index_, maps, with_color ? FillIn::kSurfaceAndColor : FillIn::kSurface);
+  downsample(commands, preprocessor_.downsample_kernel(), predictor_.surface(), 0.5 * options_.frame.depth_gate_m);
+  odometry_.remember(commands, maps);
+}
+
+void FrontEnd::predict(const Rigid3& world_from_camera, const MapLayout& layout) {
+  store.set_submaps(layout.world_from_submap);
+  show(world_from_camera, layout.is_active);
+}
+
+}  // namespace hermite

@@ -1,0 +1,75 @@
+// The part of a scan that runs on the GPU: frames are tracked against the surface that the map predicts, and fused into it.
+//
+// Every function blocks until the GPU is done, unless it says that it records. One thread at a time: the device's.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/adjust/mapping.h"
+#include "core/base/timeline.h"
+#include "core/frame/frame_content.h"
+#include "core/frame/preprocess.h"
+#include "core/gpu/device.h"
+#include "core/map/fuse.h"
+#include "core/map/index_map.h"
+#include "core/map/predict.h"
+#include "core/map/surfel_store.h"
+#include "core/map/visible_blocks.h"
+#include "core/pipeline/options.h"
+#include "core/track/odometry.h"
+
+namespace hermite {
+
+struct Motion {
+  OdometryResult odometry;
+  Judgement judgement;
+};
+
+class FrontEnd {
+ public:
+  FrontEnd(const std::string& device, const Camera& camera, const Options& options, Timeline* timeline);
+
+  // Records.
+  void preprocess(const RgbdFrame& frame, std::int64_t frame_index);
+
+  // The frame preprocessed last against the prediction; reference_from_camera is relative to where that is seen from. `lost_count`: frames
+  // lost just before this one.
+  Motion track(const FrameContent& content, const Rigid3& last_motion, int lost_count);
+
+  // Whether the frame shows enough surface to begin a map, or a part of one.
+  Judgement judge_start(const FrameContent& content);
+
+  // From where the frame preprocessed last sees the submaps of the revisit: nothing if it does not fit. Takes the place of the prediction.
+  std::optional<Rigid3> look(const Revisit& revisit, const MapLayout& layout);
+
+  // Records: the frame preprocessed last, seen from `world_from_camera`, is fused into the active submaps, what is new into the current
+  // one.
+  void fuse(const Rigid3& world_from_camera, const MapLayout& layout, bool with_color);
+
+  // Records: the surface as seen from where fuse() was last, and what goes on there between frames: cleaning.
+  void clean_and_predict(bool with_color);
+
+  // Records: the surface of the active submaps as seen from `world_from_camera`, for a camera that is lost there.
+  void predict(const Rigid3& world_from_camera, const MapLayout& layout);
+
+  gpu::Device device;
+  gpu::Commands commands;
+  SurfelStore store;
+  std::uint32_t frame_number = 0;  // of the map: frames fused so far, the first is 1
+
+ private:
+  std::vector<Rigid3> guesses(const Rigid3& turned, const Rigid3& last_motion) const;
+  void show(const Rigid3& world_from_camera, const SubmapSet& submaps);
+
+  const Options options_;
+  Preprocessor preprocessor_;
+  Odometry odometry_;
+  VisibleBlocks visible_;
+  IndexMap index_;
+  Fuser fuser_;
+  Predictor predictor_;
+  std::uint32_t submap_ = 0;  // of the new surfels of the last frame
+};
+
+}  // namespace hermite
