@@ -1,7 +1,6 @@
 #include "core/adjust/submap_graph.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <queue>
 #include <utility>
@@ -17,7 +16,7 @@ constexpr double kMetresPerRadian = 0.5;
 constexpr double kFloor_m = 0.001, kFloor_rad = 0.0009, kGrowth = 0.005;
 constexpr double kLoop_m = 0.003, kLoop_rad = 0.002;
 
-// Four times what good tracking drifts by, and what any view may be off by.
+// Several times what good tracking drifts by, and what any view may be off by.
 constexpr double kDriftFloor_m = 0.1, kDriftGrowth = 0.03;
 constexpr double kDriftFloor_rad = 0.05, kDriftGrowth_rad_per_m = 0.02;
 
@@ -25,23 +24,21 @@ constexpr double kDriftFloor_rad = 0.05, kDriftGrowth_rad_per_m = 0.02;
 
 double length_of(const Rigid3& a_from_b) { return a_from_b.translation.norm() + kMetresPerRadian * angle_rad(a_from_b.rotation); }
 
-std::uint32_t add_submap(SubmapGraph& graph, const Rigid3& world_from_submap, std::uint32_t part) {
-  const auto submap = static_cast<std::uint32_t>(graph.world_from_submap.size());
-  graph.world_from_submap.push_back(world_from_submap);
+std::uint32_t add_submap(SubmapGraph& graph, std::uint32_t part) {
+  const auto submap = static_cast<std::uint32_t>(graph.part.size());
   graph.part.push_back(part);
   graph.parent.push_back(submap);
   return submap;
 }
 
-void link_tracked(SubmapGraph& graph, std::uint32_t from, std::uint32_t to) {
+void link_tracked(SubmapGraph& graph, std::uint32_t from, std::uint32_t to, const Rigid3& from_from_to) {
   for (const SubmapLink& link : graph.links)
-    if (std::minmax(link.from, link.to) == std::minmax(from, to)) return;
-  const Rigid3 from_from_to = inverse(graph.world_from_submap[from]) * graph.world_from_submap[to];
+    if (!link.is_loop && std::minmax(link.from, link.to) == std::minmax(from, to)) return;
   graph.links.push_back({from, to, from_from_to, length_of(from_from_to), false});
 }
 
 std::vector<double> distances_m(const SubmapGraph& graph, std::uint32_t from) {
-  std::vector<std::vector<std::pair<std::uint32_t, double>>> neighbours(graph.world_from_submap.size());
+  std::vector<std::vector<std::pair<std::uint32_t, double>>> neighbours(graph.part.size());
   for (const SubmapLink& link : graph.links) {
     neighbours[link.from].emplace_back(link.to, link.length_m);
     neighbours[link.to].emplace_back(link.from, link.length_m);
@@ -64,32 +61,18 @@ std::vector<double> distances_m(const SubmapGraph& graph, std::uint32_t from) {
   return distance_m;
 }
 
-LinkNoise noise_of(const SubmapLink& link) {
-  if (link.is_loop) return {kLoop_m, kLoop_rad};
-  return {kFloor_m + kGrowth * link.from_from_to.translation.norm(), kFloor_rad + kGrowth * angle_rad(link.from_from_to.rotation)};
-}
-
 Matrix6d information_of(const SubmapLink& link) {
-  const LinkNoise noise = noise_of(link);
+  const double sigma_m = link.is_loop ? kLoop_m : kFloor_m + kGrowth * link.from_from_to.translation.norm();
+  const double sigma_rad = link.is_loop ? kLoop_rad : kFloor_rad + kGrowth * angle_rad(link.from_from_to.rotation);
   Vector6d precision;
-  precision.head<3>().setConstant(1 / (noise.translation_m * noise.translation_m));
-  precision.tail<3>().setConstant(1 / (noise.rotation_rad * noise.rotation_rad));
+  precision.head<3>().setConstant(1 / (sigma_m * sigma_m));
+  precision.tail<3>().setConstant(1 / (sigma_rad * sigma_rad));
   return precision.asDiagonal();
 }
 
 bool is_possible_drift(const Rigid3& drift, double path_m) {
   return drift.translation.norm() <= kDriftFloor_m + kDriftGrowth * path_m &&
          angle_rad(drift.rotation) <= kDriftFloor_rad + kDriftGrowth_rad_per_m * path_m;
-}
-
-void join_parts(SubmapGraph& graph, std::uint32_t moved, const Rigid3& world_from_moved, std::uint32_t into) {
-  const Rigid3 correction = world_from_moved * inverse(graph.world_from_submap[moved]);
-  const std::uint32_t from = graph.part[moved];
-  for (std::size_t submap = 0; submap < graph.part.size(); ++submap) {
-    if (graph.part[submap] != from) continue;
-    graph.world_from_submap[submap] = correction * graph.world_from_submap[submap];
-    graph.part[submap] = graph.part[into];
-  }
 }
 
 }  // namespace hermite

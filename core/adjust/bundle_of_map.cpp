@@ -1,0 +1,117 @@
+#include "core/adjust/bundle_of_map.h"
+
+#include <algorithm>
+
+namespace hermite {
+
+namespace {
+
+constexpr std::uint32_t kOutside = 0xffffffffu;
+
+// From an index of the map to one of the problem.
+std::vector<std::uint32_t> places_of(const std::vector<std::uint32_t>& members, std::size_t count) {
+  std::vector<std::uint32_t> places(count, kOutside);
+  for (std::size_t i = 0; i < members.size(); ++i) places[members[i]] = static_cast<std::uint32_t>(i);
+  return places;
+}
+
+void add_links(const SubmapGraph& graph, const std::vector<std::uint32_t>& place_of_submap, BundleProblem& problem) {
+  for (const SubmapLink& link : graph.links) {
+    const std::uint32_t from = place_of_submap[link.from], to = place_of_submap[link.to];
+    if (from == kOutside || to == kOutside || (problem.is_fixed[from] && problem.is_fixed[to])) continue;
+    problem.links.push_back({from, to, link.from_from_to, information_of(link), link.is_loop});
+  }
+}
+
+// Landmarks that at least two keyframes see, one of them of a submap in `free`.
+std::vector<std::uint32_t> landmarks_seen_by(const SparseMap& map, const std::vector<std::uint32_t>& place_of_free) {
+  std::vector<std::uint32_t> landmarks;
+  for (std::uint32_t i = 0; i < map.landmarks.size(); ++i) {
+    const std::vector<Observation>& observations = map.landmarks[i].observations;
+    const bool is_seen = std::any_of(observations.begin(), observations.end(), [&](const Observation& o) {
+      return place_of_free[map.keyframes[o.keyframe].submap] != kOutside;
+    });
+    if (is_seen && observations.size() >= 2) landmarks.push_back(i);
+  }
+  return landmarks;
+}
+
+void add_observations(const SparseMap& map, BundleOfMap& bundle) {
+  const std::vector<std::uint32_t> place_of_submap = places_of(bundle.scope.submaps, map.world_from_submap.size());
+  std::vector<std::uint32_t> place_of_keyframe(map.keyframes.size(), kOutside);
+  BundleProblem& problem = bundle.problem;
+  for (std::uint32_t landmark = 0; landmark < bundle.scope.landmarks.size(); ++landmark) {
+    const Landmark& point = map.landmarks[bundle.scope.landmarks[landmark]];
+    problem.landmarks_in_world.push_back(position_in_world_m(map, point));
+    for (const Observation& observation : point.observations) {
+      const Keyframe& keyframe = map.keyframes[observation.keyframe];
+      if (place_of_submap[keyframe.submap] == kOutside) continue;
+      std::uint32_t& place = place_of_keyframe[observation.keyframe];
+      if (place == kOutside) {
+        place = static_cast<std::uint32_t>(problem.keyframes.size());
+        problem.keyframes.push_back({place_of_submap[keyframe.submap], keyframe.submap_from_camera});
+      }
+      const Feature& feature = keyframe.features[observation.feature];
+      problem.observations.push_back(
+          {place, landmark, feature.pixel_px.cast<double>(), feature.depth_m, octave_scale(feature.octave)});
+      bundle.scope.sightings.push_back({bundle.scope.landmarks[landmark], observation});
+    }
+  }
+}
+
+// Takes one observation back, if it is still there.
+void forget(SparseMap& map, std::uint32_t landmark, const Observation& observation) {
+  std::vector<Observation>& observations = map.landmarks[landmark].observations;
+  const auto found = std::find(observations.begin(), observations.end(), observation);
+  if (found == observations.end() || observations.size() == 1) return;
+  observations.erase(found);
+  map.keyframes[observation.keyframe].landmark_of_feature[observation.feature] = kNoLandmark;
+}
+
+}  // namespace
+
+BundleOfMap pose_graph_of(const SparseMap& map, const SubmapGraph& graph, const std::vector<std::uint32_t>& submaps, std::uint32_t fixed) {
+  BundleOfMap bundle;
+  bundle.scope.submaps = submaps;
+  bundle.problem.camera = map.camera;
+  for (const std::uint32_t submap : submaps) {
+    bundle.problem.world_from_submap.push_back(map.world_from_submap[submap]);
+    bundle.problem.is_fixed.push_back(submap == fixed);
+  }
+  add_links(graph, places_of(submaps, map.world_from_submap.size()), bundle.problem);
+  return bundle;
+}
+
+BundleOfMap bundle_of(const SparseMap& map, const SubmapGraph& graph, const std::vector<std::uint32_t>& free) {
+  BundleOfMap bundle;
+  const std::vector<std::uint32_t> place_of_free = places_of(free, map.world_from_submap.size());
+  bundle.scope.landmarks = landmarks_seen_by(map, place_of_free);
+  std::vector<bool> takes_part(map.world_from_submap.size(), false);
+  for (const std::uint32_t landmark : bundle.scope.landmarks)
+    for (const Observation& o : map.landmarks[landmark].observations) takes_part[map.keyframes[o.keyframe].submap] = true;
+  bundle.scope.submaps = free;
+  for (std::uint32_t submap = 0; submap < takes_part.size(); ++submap)
+    if (takes_part[submap] && place_of_free[submap] == kOutside) bundle.scope.submaps.push_back(submap);
+  bundle.problem.camera = map.camera;
+  for (std::size_t i = 0; i < bundle.scope.submaps.size(); ++i) {
+    bundle.problem.world_from_submap.push_back(map.world_from_submap[bundle.scope.submaps[i]]);
+    bundle.problem.is_fixed.push_back(i >= free.size());
+  }
+  if (bundle.scope.submaps.size() == free.size()) bundle.problem.is_fixed[0] = true;
+  add_links(graph, places_of(bundle.scope.submaps, map.world_from_submap.size()), bundle.problem);
+  add_observations(map, bundle);
+  return bundle;
+}
+
+void apply(const BundleSolution& solution, const BundleScope& scope, SparseMap& map) {
+  for (std::size_t i = 0; i < scope.submaps.size(); ++i) map.world_from_submap[scope.submaps[i]] = solution.world_from_submap[i];
+  for (std::size_t i = 0; i < solution.landmarks_in_world.size(); ++i) {
+    Landmark& landmark = map.landmarks[scope.landmarks[i]];
+    if (landmark.observations.empty()) continue;
+    landmark.position_in_submap_m = inverse(map.world_from_submap[landmark.submap]) * solution.landmarks_in_world[i];
+  }
+  for (std::size_t i = 0; i < scope.sightings.size(); ++i)
+    if (!solution.observation_is_inlier[i]) forget(map, scope.sightings[i].landmark, scope.sightings[i].observation);
+}
+
+}  // namespace hermite
