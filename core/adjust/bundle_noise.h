@@ -3,7 +3,7 @@
 
 namespace hermite {
 
-// The standard deviation [m] of a structured-light depth [m]: 0.00273 z^2 + 0.00074 z - 0.00058 (notes section 5.2, Khoshelham's form).
+// The standard deviation [m] of a structured-light depth [m]: 0.00273 z^2 + 0.00074 z - 0.00058 (notes section 5.2).
 // That crosses zero at 0.345 m and would weigh a near point without bound, so it is never below a millimetre: what one step of the
 // sensor's depth and the registration to colour leave at best.
 double depth_deviation_m(double depth_m);
