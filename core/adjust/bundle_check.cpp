@@ -1,0 +1,153 @@
+#include "core/adjust/bundle_check.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <string>
+
+namespace hermite {
+
+namespace {
+
+// Bounds of what still is a scan, far beyond any: they keep every square finite.
+constexpr double kFarthest_m = 1e6;
+constexpr double kLargestPixel_px = 1e6;
+constexpr double kLeastScale = 1e-3, kLargestScale = 1e3;
+constexpr double kLargestInformation = 1e18;  // a nanometre, a nanoradian
+// A pose that was composed in double precision is a unit quaternion to 1e-15; one that went through single precision to 1e-7.
+constexpr double kUnitTolerance = 1e-6;
+// Of the largest entry or eigenvalue: an information summed or inverted in double precision is that symmetric and that definite.
+constexpr double kInformationTolerance = 1e-9;
+constexpr int kMostIterations = 1000;
+
+Error bad(const std::string& list, std::size_t index, const std::string& words) {
+  return {ErrorCode::kInvalidArgument, list + "[" + std::to_string(index) + "]" + words};
+}
+
+// Words of what is wrong with that pose, if anything.
+std::optional<std::string> objection(const Rigid3& pose) {
+  if (!is_finite(pose)) return " is not finite";
+  if (std::abs(pose.rotation.norm() - 1) > kUnitTolerance) return " is no rotation: its quaternion is not of length 1";
+  if (pose.translation.cwiseAbs().maxCoeff() > kFarthest_m) return " lies more than 1e6 m away";
+  return std::nullopt;
+}
+
+std::optional<std::string> objection(const Matrix6d& information) {
+  if (!information.allFinite()) return " is not finite";
+  const double largest = information.cwiseAbs().maxCoeff();
+  if (largest > kLargestInformation) return " is above 1e18";
+  if ((information - information.transpose()).cwiseAbs().maxCoeff() > kInformationTolerance * largest) return " is not symmetric";
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information, Eigen::EigenvaluesOnly);
+  if (solver.eigenvalues().minCoeff() < -kInformationTolerance * largest) return " is not positive semi-definite";
+  return std::nullopt;
+}
+
+// Written so that NaN fails too.
+bool within(double value, double low, double high) { return value >= low && value <= high; }
+
+Status validate_lists(const BundleProblem& problem) {
+  if (problem.is_fixed.size() != problem.world_from_submap.size())
+    return Error{ErrorCode::kInvalidArgument, "is_fixed has " + std::to_string(problem.is_fixed.size()) + " entries for " +
+                                                  std::to_string(problem.world_from_submap.size()) + " submaps"};
+  for (std::size_t i = 0; i < problem.world_from_submap.size(); ++i)
+    if (const auto words = objection(problem.world_from_submap[i])) return bad("world_from_submap", i, *words);
+  for (std::size_t i = 0; i < problem.keyframes.size(); ++i) {
+    if (problem.keyframes[i].submap >= problem.world_from_submap.size())
+      return bad("keyframes", i,
+                 ".submap is " + std::to_string(problem.keyframes[i].submap) + ", there are " +
+                     std::to_string(problem.world_from_submap.size()) + " submaps");
+    if (const auto words = objection(problem.keyframes[i].submap_from_camera)) return bad("keyframes", i, ".submap_from_camera" + *words);
+  }
+  for (std::size_t i = 0; i < problem.landmarks_in_world.size(); ++i)
+    if (!(problem.landmarks_in_world[i].cwiseAbs().maxCoeff() <= kFarthest_m) || !problem.landmarks_in_world[i].allFinite())
+      return bad("landmarks_in_world", i, " is not finite or lies more than 1e6 m away");
+  return Done{};
+}
+
+Status validate_observations(const BundleProblem& problem) {
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    const BundleObservation& observation = problem.observations[i];
+    if (observation.keyframe >= problem.keyframes.size())
+      return bad("observations", i,
+                 ".keyframe is " + std::to_string(observation.keyframe) + ", there are " + std::to_string(problem.keyframes.size()) +
+                     " keyframes");
+    if (observation.landmark >= problem.landmarks_in_world.size())
+      return bad("observations", i,
+                 ".landmark is " + std::to_string(observation.landmark) + ", there are " +
+                     std::to_string(problem.landmarks_in_world.size()) + " landmarks");
+    for (const double pixel : {observation.pixel_px.x(), observation.pixel_px.y()})
+      if (!within(pixel, -kLargestPixel_px, kLargestPixel_px)) return bad("observations", i, ".pixel_px is not finite or above 1e6");
+    if (!within(observation.depth_m, 0, kFarthest_m)) return bad("observations", i, ".depth_m is outside [0, 1e6]");
+    if (!within(observation.scale, kLeastScale, kLargestScale)) return bad("observations", i, ".scale is outside [0.001, 1000]");
+  }
+  return Done{};
+}
+
+Status validate_links(const BundleProblem& problem) {
+  const std::size_t submap_count = problem.world_from_submap.size();
+  for (std::size_t i = 0; i < problem.links.size(); ++i) {
+    const BundleLink& link = problem.links[i];
+    if (link.from >= submap_count || link.to >= submap_count)
+      return bad("links", i,
+                 " joins submaps " + std::to_string(link.from) + " and " + std::to_string(link.to) + ", there are " +
+                     std::to_string(submap_count));
+    if (link.from == link.to) return bad("links", i, " joins submap " + std::to_string(link.from) + " with itself");
+    if (const auto words = objection(link.from_from_to)) return bad("links", i, ".from_from_to" + *words);
+    if (const auto words = objection(link.information)) return bad("links", i, ".information" + *words);
+  }
+  return Done{};
+}
+
+Status validate_options(const BundleOptions& options) {
+  for (const int count : {options.robust_iterations, options.iterations})
+    if (count < 0 || count > kMostIterations)
+      return Error{ErrorCode::kInvalidArgument, "iterations of an adjustment: " + std::to_string(count) + ", allowed is 0 to 1000"};
+  if (!within(options.least_progress, 0, 1)) return Error{ErrorCode::kInvalidArgument, "least_progress of an adjustment is outside [0, 1]"};
+  return Done{};
+}
+
+// Sets of submaps, each known by its lowest member: union by smaller index, halving paths.
+std::size_t root_of(std::vector<std::size_t>& parent, std::size_t submap) {
+  while (parent[submap] != submap) submap = parent[submap] = parent[parent[submap]];
+  return submap;
+}
+void join(std::vector<std::size_t>& parent, std::size_t a, std::size_t b) {
+  const std::size_t root_a = root_of(parent, a), root_b = root_of(parent, b);
+  parent[std::max(root_a, root_b)] = std::min(root_a, root_b);
+}
+
+}  // namespace
+
+Status validate(const BundleProblem& problem, const BundleOptions& options) {
+  if (const Status status = validate_options(options); !status.ok()) return status;
+  if (const Status status = validate_lists(problem); !status.ok()) return status;
+  if (!problem.observations.empty())
+    if (const Status status = validate(problem.camera); !status.ok()) return status;
+  if (const Status status = validate_observations(problem); !status.ok()) return status;
+  return validate_links(problem);
+}
+
+std::vector<bool> tied_to_fixed(const BundleProblem& problem, const std::vector<bool>& observation_is_used) {
+  const std::size_t submap_count = problem.world_from_submap.size();
+  std::vector<std::size_t> parent(submap_count);
+  std::iota(parent.begin(), parent.end(), std::size_t{0});
+  for (const BundleLink& link : problem.links) join(parent, link.from, link.to);
+  std::vector<std::size_t> first_seen_by(problem.landmarks_in_world.size(), submap_count);
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    if (!observation_is_used[i]) continue;
+    const std::size_t submap = problem.keyframes[problem.observations[i].keyframe].submap;
+    std::size_t& first = first_seen_by[problem.observations[i].landmark];
+    if (first == submap_count)
+      first = submap;
+    else
+      join(parent, first, submap);
+  }
+  std::vector<bool> root_is_tied(submap_count, false), tied(submap_count, false);
+  for (std::size_t i = 0; i < submap_count; ++i)
+    if (problem.is_fixed[i]) root_is_tied[root_of(parent, i)] = true;
+  for (std::size_t i = 0; i < submap_count; ++i) tied[i] = root_is_tied[root_of(parent, i)];
+  return tied;
+}
+
+}  // namespace hermite

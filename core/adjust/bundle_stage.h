@@ -1,0 +1,39 @@
+// One run of the solver: which observations take part and who is held is decided before. The part of bundle adjustment that is Ceres.
+#pragma once
+
+#include <stop_token>
+#include <vector>
+
+#include "core/adjust/bundle.h"
+
+namespace hermite {
+
+struct BundleState {
+  std::vector<Rigid3> world_from_submap;
+  std::vector<Eigen::Vector3d> landmarks_in_world;  // metres
+};
+
+struct BundleStage {
+  std::vector<bool> submap_is_held;
+  std::vector<bool> observation_is_used;  // those of landmarks that are solved for
+  bool robust = false;                    // Huber's loss on observations; robust links have Cauchy's anyhow
+  int iterations = 0;                     // at most
+  double least_progress = 0;
+};
+
+struct StageOutcome {
+  int iteration_count = 0;
+  bool converged = false;  // true too when there was nothing to solve
+  bool stopped = false;    // `stop` asked; the state is that of the last good step then
+};
+
+// Moves `state` to a minimum of the used observations and all links. Landmarks without a used observation and held submaps keep their bits.
+// Where no step succeeds, nothing moves. The problem must be valid.
+StageOutcome solve_stage(const BundleProblem& problem, const BundleStage& stage, std::stop_token stop, BundleState& state);
+
+// Cauchy's scale of a robust link: the 95 % bound, where a right link ends.
+// Half the loss of a chi-square, as Ceres has it: Huber's for an observation, Cauchy's for a robust link.
+double huber_cost(double chi2, double bound);
+double cauchy_cost(double chi2, double bound);
+
+}  // namespace hermite
