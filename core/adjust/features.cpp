@@ -1,0 +1,205 @@
+#include "core/adjust/features.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/adjust/bundle_noise.h"
+#include "core/base/check.h"
+
+namespace hermite {
+namespace {
+
+// A corner's score is the largest threshold at which it still is one. Corners of the strict threshold are repeatable; where a cell has
+// none, the lenient one still finds something (thresholds of ORB-SLAM and of the authors' program).
+constexpr int kStrictThreshold = 20;
+constexpr int kLenientThreshold = 7;
+constexpr int kPatchRadius_px = 15;    // of the orientation, and half the side of the descriptor's patch
+constexpr int kBorder_px = 19;         // the patch's tests stay inside the image in every orientation
+constexpr int kFastRadius_px = 3;      // the circle that makes a corner
+constexpr int kLeastInnerSide_px = 8;  // of an octave worth searching
+constexpr double kReferenceArea_px = 640.0 * 480.0;
+
+struct Corner {
+  int x, y;  // in the octave's image
+  int score;
+};
+
+// The lenient corners of one octave, by rows.
+std::vector<Corner> find_corners(const cv::Mat& image) {
+  const int margin = kBorder_px - kFastRadius_px;
+  const cv::Mat inner = image(cv::Rect(margin, margin, image.cols - 2 * margin, image.rows - 2 * margin));
+  std::vector<cv::KeyPoint> points;
+  cv::FAST(inner, points, kLenientThreshold, true, cv::FastFeatureDetector::TYPE_9_16);
+  std::vector<Corner> corners;
+  corners.reserve(points.size());
+  for (const cv::KeyPoint& point : points)
+    corners.push_back({cvRound(point.pt.x) + margin, cvRound(point.pt.y) + margin, cvRound(point.response)});
+  return corners;
+}
+
+// The stronger first; equals by place, so that the order is one.
+bool precedes(const Corner& a, const Corner& b) {
+  if (a.score != b.score) return a.score > b.score;
+  return a.y != b.y ? a.y < b.y : a.x < b.x;
+}
+
+// As many cells as corners are wanted, the strongest corner of every cell first, then the second strongest and so on: a texture in one
+// corner of the image cannot take what a wall with one poster needs. In the order of cells.
+std::vector<Corner> spread(const std::vector<Corner>& corners, const cv::Size& size, std::size_t wanted) {
+  const double inner_area = static_cast<double>(size.width - 2 * kBorder_px) * (size.height - 2 * kBorder_px);
+  const double side_px = std::max(1.0, std::sqrt(inner_area / static_cast<double>(wanted)));
+  const auto cell_of = [&](int coordinate) { return static_cast<std::size_t>((coordinate - kBorder_px) / side_px); };
+  const std::size_t columns = cell_of(size.width - kBorder_px) + 1, rows = cell_of(size.height - kBorder_px) + 1;
+  std::vector<std::vector<Corner>> cells(columns * rows);
+  for (const Corner& corner : corners) cells[cell_of(corner.y) * columns + cell_of(corner.x)].push_back(corner);
+
+  std::vector<std::size_t> taken(cells.size(), 0);
+  for (auto& cell : cells) {
+    std::sort(cell.begin(), cell.end(), precedes);
+    if (!cell.empty() && cell.front().score >= kStrictThreshold)
+      while (cell.back().score < kStrictThreshold) cell.pop_back();
+  }
+  std::size_t count = 0;
+  for (std::size_t rank = 0; count < wanted; ++rank) {
+    std::vector<std::size_t> offering;
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      if (cells[i].size() > rank) offering.push_back(i);
+    if (offering.empty()) break;
+    if (offering.size() > wanted - count) {
+      std::sort(offering.begin(), offering.end(), [&](std::size_t a, std::size_t b) { return precedes(cells[a][rank], cells[b][rank]); });
+      offering.resize(wanted - count);
+    }
+    for (const std::size_t i : offering) taken[i] = rank + 1;
+    count += offering.size();
+  }
+  std::vector<Corner> chosen;
+  chosen.reserve(count);
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    chosen.insert(chosen.end(), cells[i].begin(), cells[i].begin() + static_cast<std::ptrdiff_t>(taken[i]));
+  return chosen;
+}
+
+// Half the width of the patch's disc, by row.
+std::array<int, kPatchRadius_px + 1> disc_half_widths() {
+  std::array<int, kPatchRadius_px + 1> widths{};
+  for (int y = 0; y <= kPatchRadius_px; ++y)
+    widths[static_cast<std::size_t>(y)] = static_cast<int>(std::sqrt(static_cast<double>(kPatchRadius_px * kPatchRadius_px - y * y)));
+  return widths;
+}
+
+// The direction from the corner to the centroid of intensity of the disc around it (Rublee et al. 2011, Eq. 1 to 3).
+float orientation_rad(const cv::Mat& image, const Corner& corner) {
+  static const std::array<int, kPatchRadius_px + 1> half_widths = disc_half_widths();
+  int moment_x = 0, moment_y = 0;
+  for (int dy = -kPatchRadius_px; dy <= kPatchRadius_px; ++dy) {
+    const std::uint8_t* row = image.ptr<std::uint8_t>(corner.y + dy) + corner.x;
+    const int half_width = half_widths[static_cast<std::size_t>(std::abs(dy))];
+    int sum = 0;
+    for (int dx = -half_width; dx <= half_width; ++dx) {
+      moment_x += dx * row[dx];
+      sum += row[dx];
+    }
+    moment_y += dy * sum;
+  }
+  return std::atan2(static_cast<float>(moment_y), static_cast<float>(moment_x));
+}
+
+// Each octave's image is a pyramid of one level to OpenCV, so that its ORB does not build ours again.
+std::vector<Descriptor> describe(const cv::Mat& image, const std::vector<Corner>& corners, const std::vector<float>& angles_rad) {
+  std::vector<cv::KeyPoint> points;
+  points.reserve(corners.size());
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    points.emplace_back(static_cast<float>(corners[i].x), static_cast<float>(corners[i].y), 2.0f * kPatchRadius_px + 1,
+                        angles_rad[i] * static_cast<float>(180 / M_PI), 0.0f, 0);
+  const cv::Ptr<cv::ORB> orb = cv::ORB::create(kMaxFeatureCount, static_cast<float>(kOctaveScale), 1, kBorder_px);
+  cv::Mat rows;
+  orb->compute(image, points, rows);
+  CHECK(points.size() == corners.size() && static_cast<std::size_t>(rows.rows) == corners.size(), "ORB left out corners inside the border");
+  std::vector<Descriptor> descriptors(corners.size());
+  static_assert(sizeof(Descriptor) == kDescriptorBits / 8);
+  for (std::size_t i = 0; i < corners.size(); ++i) std::memcpy(&descriptors[i], rows.ptr(static_cast<int>(i)), sizeof(Descriptor));
+  return descriptors;
+}
+
+std::size_t wanted_count(const Camera& camera, const FeatureOptions& options) {
+  const double wanted = options.feature_count * (static_cast<double>(camera.width) * camera.height) / kReferenceArea_px;
+  return static_cast<std::size_t>(std::clamp(wanted, 1.0, static_cast<double>(kMaxFeatureCount)));
+}
+
+// The octave's part of what is still wanted, when the octaves share as their side lengths do.
+std::size_t share(std::size_t wanted, int octave) {
+  const double ratio = 1 / kOctaveScale;
+  return static_cast<std::size_t>(std::ceil(static_cast<double>(wanted) * (1 - ratio) / (1 - std::pow(ratio, kOctaveCount - octave))));
+}
+
+void append_octave(const cv::Mat& image, int octave, std::size_t wanted, const RgbdFrame& frame, const Camera& camera,
+                   std::vector<Feature>& features) {
+  const std::vector<Corner> corners = spread(find_corners(image), image.size(), wanted);
+  if (corners.empty()) return;
+  std::vector<float> angles_rad;
+  angles_rad.reserve(corners.size());
+  for (const Corner& corner : corners) angles_rad.push_back(orientation_rad(image, corner));
+  const std::vector<Descriptor> descriptors = describe(image, corners, angles_rad);
+  // Where the centre of a scaled pixel lies in the full image; images of whole pixels are not scaled by exactly 1.2^octave.
+  const Eigen::Vector2d scale(static_cast<double>(camera.width) / image.cols, static_cast<double>(camera.height) / image.rows);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector2d pixel_px = (Eigen::Array2d(corners[i].x, corners[i].y) + 0.5) * scale.array() - 0.5;
+    features.push_back({pixel_px.cast<float>(), depth_at(frame.depth, camera, pixel_px.cast<float>()), static_cast<std::uint8_t>(octave),
+                        angles_rad[i], descriptors[i]});
+  }
+}
+
+}  // namespace
+
+double octave_scale(int octave) { return std::pow(kOctaveScale, octave); }
+
+float depth_at(const DepthImage& depth, const Camera& camera, const Eigen::Vector2f& pixel_px) {
+  constexpr int kLeastCount = 5;  // of nine: on a smooth surface holes are rare, on its rim they are half the window
+  if (!(pixel_px.array() >= 0).all() || !(pixel_px.x() <= static_cast<float>(depth.width - 1)) ||
+      !(pixel_px.y() <= static_cast<float>(depth.height - 1)))
+    return 0;
+  const int x = static_cast<int>(std::lround(pixel_px.x())), y = static_cast<int>(std::lround(pixel_px.y()));
+  std::array<std::uint16_t, 9> values{};
+  int count = 0;
+  for (int v = std::max(0, y - 1); v <= std::min(depth.height - 1, y + 1); ++v)
+    for (int u = std::max(0, x - 1); u <= std::min(depth.width - 1, x + 1); ++u)
+      if (depth.at(u, v) != 0) values[static_cast<std::size_t>(count++)] = depth.at(u, v);
+  if (count < kLeastCount) return 0;
+  std::sort(values.begin(), values.begin() + count);
+  const double depth_m = values[static_cast<std::size_t>(count / 2)] / camera.depth_units_per_metre;
+  const double span_m = (values[static_cast<std::size_t>(count - 1)] - values[0]) / camera.depth_units_per_metre;
+  // What noise spreads, and two pixels of a surface tilted by 60 degrees. A smaller step is an error the matching tolerates.
+  const double allowed_m = 3 * depth_deviation_m(depth_m) + 2 * depth_m / camera.fx * std::tan(M_PI / 3);
+  if (span_m > allowed_m || depth_m < kMinFeatureDepth_m || depth_m > kMaxFeatureDepth_m) return 0;
+  return static_cast<float>(depth_m);
+}
+
+std::vector<Feature> detect_features(const RgbdFrame& frame, const Camera& camera, const FeatureOptions& options) {
+  CHECK(frame.color.width == camera.width && frame.color.height == camera.height, "colour is of the camera's size");
+  CHECK(frame.depth.width == camera.width && frame.depth.height == camera.height, "depth is of the camera's size");
+  const cv::Mat rgb(camera.height, camera.width, CV_8UC3, const_cast<Rgb8*>(frame.color.pixels.data()));  // only read
+  cv::Mat image;
+  cv::cvtColor(rgb, image, cv::COLOR_RGB2GRAY);
+
+  const std::size_t wanted = wanted_count(camera, options);
+  std::vector<Feature> features;
+  features.reserve(wanted);
+  for (int octave = 0; octave < kOctaveCount && features.size() < wanted; ++octave) {
+    if (octave > 0) {
+      const double scale = octave_scale(octave);
+      cv::Mat smaller;
+      // The exact kind is the same on every machine.
+      cv::resize(image, smaller, cv::Size(cvRound(camera.width / scale), cvRound(camera.height / scale)), 0, 0, cv::INTER_LINEAR_EXACT);
+      image = smaller;
+    }
+    if (std::min(image.cols, image.rows) < 2 * kBorder_px + kLeastInnerSide_px) break;
+    append_octave(image, octave, share(wanted - features.size(), octave), frame, camera, features);
+  }
+  return features;
+}
+
+}  // namespace hermite

@@ -1,0 +1,73 @@
+#include "core/adjust/landmarks.h"
+
+#include <algorithm>
+
+#include "core/adjust/projection_match.h"
+#include "core/base/check.h"
+
+namespace hermite {
+namespace {
+
+constexpr std::size_t kLastKeyframes = 3;      // a blurred one between them is bridged
+constexpr std::size_t kMaxNearKeyframes = 30;  // bounds the time: about as many as see one place in a slow pass
+constexpr std::size_t kFewMatches = 20;        // fewer: the pose is worse than usual, so look twice as far (the authors' rule)
+constexpr double kWideRadius = 2;
+
+void append_once(std::vector<std::uint32_t>& keyframes, std::uint32_t keyframe) {
+  if (keyframes.size() < kMaxNearKeyframes && std::find(keyframes.begin(), keyframes.end(), keyframe) == keyframes.end())
+    keyframes.push_back(keyframe);
+}
+
+// The last, then those asked for, then the covisible ones: first the bound leaves out what shares least.
+std::vector<std::uint32_t> near_keyframes(const SparseMap& map, const std::vector<std::uint32_t>& also) {
+  std::vector<std::uint32_t> near;
+  const auto count = static_cast<std::uint32_t>(map.keyframes.size());
+  for (std::uint32_t i = 1; i <= std::min<std::uint32_t>(count, kLastKeyframes); ++i) append_once(near, count - i);
+  for (const std::uint32_t keyframe : also) append_once(near, keyframe);
+  const std::vector<std::uint32_t> centres = near;
+  for (const std::uint32_t centre : centres) {
+    if (near.size() == kMaxNearKeyframes) break;
+    for (const Covisible& other : covisible(map, centre)) append_once(near, other.keyframe);
+  }
+  return near;
+}
+
+}  // namespace
+
+InsertResult insert_keyframe(SparseMap& map, Keyframe keyframe, const std::vector<std::uint32_t>& also) {
+  CHECK(keyframe.submap < map.world_from_submap.size(), "a keyframe is of a submap of the map");
+  CHECK(is_finite(keyframe.submap_from_camera), "a keyframe has a pose");
+  const std::vector<std::uint32_t> near = landmarks_of(map, near_keyframes(map, also));
+  const Rigid3 pose = world_from_camera(map, keyframe);
+  ProjectionOptions options;
+  std::vector<LandmarkMatch> matches = match_projected(map, near, keyframe.features, pose, options);
+  if (matches.size() < kFewMatches) {
+    options.radius_px *= kWideRadius;
+    matches = match_projected(map, near, keyframe.features, pose, options);
+  }
+
+  InsertResult result;
+  result.keyframe = static_cast<std::uint32_t>(map.keyframes.size());
+  result.matched_count = static_cast<int>(matches.size());
+  keyframe.landmark_of_feature.assign(keyframe.features.size(), kNoLandmark);
+  map.keyframes.push_back(std::move(keyframe));
+  for (const LandmarkMatch& match : matches) {
+    add_observation(map, match.landmark, {result.keyframe, match.feature});
+    if (map.landmarks[match.landmark].observations.size() == 2) result.repeated.push_back(match.landmark);
+  }
+  std::sort(result.repeated.begin(), result.repeated.end());
+
+  const Keyframe& inserted = map.keyframes.back();
+  for (std::uint32_t i = 0; i < inserted.features.size(); ++i) {
+    const Feature& feature = inserted.features[i];
+    if (feature.depth_m <= 0 || inserted.landmark_of_feature[i] != kNoLandmark) continue;
+    const auto landmark = static_cast<std::uint32_t>(map.landmarks.size());
+    const Eigen::Vector3d in_camera = map.camera.unproject(feature.pixel_px.x(), feature.pixel_px.y(), feature.depth_m);
+    map.landmarks.push_back({inserted.submap, inserted.submap_from_camera * in_camera, feature.descriptor, {}});
+    add_observation(map, landmark, {result.keyframe, i});
+    result.created.push_back(landmark);
+  }
+  return result;
+}
+
+}  // namespace hermite
