@@ -141,7 +141,8 @@ int run_reconstruct(const ReconstructArguments& arguments) {
   std::error_code error;
   std::filesystem::create_directories(arguments.out_folder, error);
   if (error) throw SetupError({ErrorCode::kIo, "creating " + arguments.out_folder + ": " + error.message()});
-  Pipeline pipeline(arguments.device, sequence->camera(), options);
+  Pipeline pipeline(arguments.device, sequence->camera(), options,
+                    make_mapping(sequence->camera(), options.adjust, CorrectionTime::kByFrames));
   process_frames(*sequence, range, pipeline);
   const RunResults results = or_throw(write_results(arguments.out_folder, pipeline, options, sequence->groundtruth()));
   std::cout << results.report_json;

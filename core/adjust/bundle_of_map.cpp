@@ -28,9 +28,8 @@ std::vector<std::uint32_t> landmarks_seen_by(const SparseMap& map, const std::ve
   std::vector<std::uint32_t> landmarks;
   for (std::uint32_t i = 0; i < map.landmarks.size(); ++i) {
     const std::vector<Observation>& observations = map.landmarks[i].observations;
-    const bool is_seen = std::any_of(observations.begin(), observations.end(), [&](const Observation& o) {
-      return place_of_free[map.keyframes[o.keyframe].submap] != kOutside;
-    });
+    const bool is_seen = std::any_of(observations.begin(), observations.end(),
+                                     [&](const Observation& o) { return place_of_free[map.keyframes[o.keyframe].submap] != kOutside; });
     if (is_seen && observations.size() >= 2) landmarks.push_back(i);
   }
   return landmarks;
@@ -52,8 +51,7 @@ void add_observations(const SparseMap& map, BundleOfMap& bundle) {
         problem.keyframes.push_back({place_of_submap[keyframe.submap], keyframe.submap_from_camera});
       }
       const Feature& feature = keyframe.features[observation.feature];
-      problem.observations.push_back(
-          {place, landmark, feature.pixel_px.cast<double>(), feature.depth_m, octave_scale(feature.octave)});
+      problem.observations.push_back({place, landmark, feature.pixel_px.cast<double>(), feature.depth_m, octave_scale(feature.octave)});
       bundle.scope.sightings.push_back({bundle.scope.landmarks[landmark], observation});
     }
   }

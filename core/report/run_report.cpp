@@ -51,6 +51,7 @@ std::string format_report_json(const RunReport& run, const Trajectory& estimate,
   report["tracked_frames"] = statistics.tracked_frame_count;
   report["weak_frames"] = statistics.weak_frame_count;
   report["surfels"] = statistics.surfel_count;
+  for (const auto& [what, count] : statistics.mapping) report["mapping"][what] = count;
   report["mean_frame_ms"] = statistics.mean_frame_ms;
   report["stages_ms"] = Json::object();
   for (const auto& [stage, ms] : statistics.stages_ms) report["stages_ms"][stage] = ms;

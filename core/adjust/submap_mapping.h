@@ -1,0 +1,77 @@
+// The one implementation of Mapping: submaps that open as the camera goes, keyframes with ORB landmarks, loops by nearness and by
+// appearance, bundle adjustment behind the camera's back. For core/adjust and its tests; others call make_mapping().
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "core/adjust/adjuster.h"
+#include "core/adjust/bundle_of_map.h"
+#include "core/adjust/mapping.h"
+#include "core/adjust/place_index.h"
+#include "core/adjust/recognise.h"
+#include "core/adjust/sparse_map.h"
+#include "core/adjust/submap_graph.h"
+
+namespace hermite {
+
+class SubmapMapping final : public Mapping {
+ public:
+  SubmapMapping(const Camera& camera, const AdjustOptions& options, CorrectionTime time);
+
+  const MapLayout& layout() const override { return layout_; }
+  std::vector<Revisit> observe(const RgbdFrame& frame, const Rigid3& world_from_camera) override;
+  bool confirm(const Revisit& revisit, const Rigid3& world_from_camera) override;
+  std::vector<Revisit> find(const RgbdFrame& frame) override;
+  void found(const Revisit& revisit, const Rigid3& world_from_camera) override;
+  void begin_part(const Rigid3& world_from_camera) override;
+  std::map<std::string, std::int64_t> counts() const override;
+
+  const SparseMap& map() const { return map_; }
+  const SubmapGraph& graph() const { return graph_; }
+
+ private:
+  struct Running {
+    BundleScope scope;
+    std::size_t submap_count = 0;  // when it began
+    std::int64_t due_frame = 0;
+    bool is_global = false;
+  };
+
+  Rigid3 world_from_camera() const { return map_.world_from_submap[layout_.current] * submap_from_camera_; }
+  bool is_active(std::uint32_t submap) const { return layout_.is_active[submap]; }
+  std::uint32_t open_submap(const Rigid3& world_from_submap, std::uint32_t part);
+  void choose_submap();
+  void go_on_in(std::uint32_t submap, const Rigid3& world_from_camera);
+  void update_active();
+  bool is_new_view() const;
+  std::vector<std::uint32_t> keyframes_near(double distance_m, double turn_rad, bool active) const;
+  std::vector<Revisit> take_keyframe(const RgbdFrame& frame);
+  std::vector<Revisit> recognised(const std::vector<Feature>& features);
+  std::vector<Revisit> near_inactive();
+  Revisit revisit_of(const Rigid3& world_from_camera, std::uint32_t submap, bool by_appearance) const;
+  std::uint32_t nearest_submap(const std::vector<bool>& among, const Rigid3& world_from_camera) const;
+  bool bend(const SubmapLink& loop);
+  void join(std::uint32_t target, const Rigid3& world_from_camera);
+  void adjust_locally();
+  void adjust_globally();
+  void start(BundleOfMap bundle, std::int64_t delay_frames, bool is_global);
+  void apply_due();
+  void publish();
+
+  const AdjustOptions options_;
+  const CorrectionTime time_;
+  SparseMap map_;
+  SubmapGraph graph_;
+  PlaceIndex index_;
+  MapLayout layout_;
+  Rigid3 submap_from_camera_;  // of the frame observed last, in the current submap
+  std::int64_t frame_ = -1;    // observed last
+  std::uint32_t part_count_ = 1;
+  std::int64_t looked_at_keyframe_ = -1000;  // when near submaps were last offered
+  std::unique_ptr<Adjuster> adjuster_;
+  std::optional<Running> running_;
+  std::map<std::string, std::int64_t> counts_;
+};
+
+}  // namespace hermite
