@@ -124,10 +124,12 @@ float RoomLight::clearance_m(const Vector3f& point) const {
 
 const LightZone& RoomLight::zone_at(const Vector3f& point_in_world) const {
   const Vector2f place = point_in_world.head<2>();
-  const auto outside = [&](const LightZone& zone) {
-    return (zone.low_m - place).cwiseMax(place - zone.high_m).cwiseMax(0.0f).squaredNorm();
+  // Where zones overlap, the nearer lamp decides: light changes little from one to the other there.
+  const auto rank = [&](const LightZone& zone) {
+    const float outside2 = (zone.low_m - place).cwiseMax(place - zone.high_m).cwiseMax(0.0f).squaredNorm();
+    return std::pair(outside2, (nearest_on(zone.lamp_from_m, zone.lamp_to_m, point_in_world).head<2>() - place).squaredNorm());
   };
-  return *std::min_element(zones_.begin(), zones_.end(), [&](const auto& a, const auto& b) { return outside(a) < outside(b); });
+  return *std::min_element(zones_.begin(), zones_.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
 }
 
 Vector3f RoomLight::at(const Vector3d& point_in_world, const Vector3d& normal_in_world) const {

@@ -42,51 +42,51 @@ const Vector2d kBookshelfBack(-1.5, 1.9), kSideboardBack(0.15, 1.9), kSofaBack(2
 const Vector2d kPlantFoot(-2.0, 0.95), kLampFoot(1.35, 1.45);
 
 void furnish_living_room(Furnisher& f, const Area& area) {
-  put(f, to_wall(kBookshelfBack, Side::kNorth, area, Side::kNorth, -3.6), add_bookshelf);
-  put(f, to_wall(kSideboardBack, Side::kNorth, area, Side::kNorth, -2.1), add_sideboard);
+  put(f, to_wall(kBookshelfBack, Side::kNorth, area, Side::kNorth, -4.1), add_bookshelf);
+  put(f, to_wall(kSideboardBack, Side::kNorth, area, Side::kNorth, -2.5), add_sideboard);
   put(f, to_wall(kSofaBack, Side::kEast, area, Side::kWest, 0.85), add_sofa);
   put(f, to_wall(kSofaBack, Side::kEast, area, Side::kWest, 0.85), add_window);
-  put(f, to_wall(kDeskBack, Side::kSouth, area, Side::kSouth, -1.6), add_desk);
-  put(f, {kPlantFoot, {-4.6, 2.2}, 0}, add_plant);
-  put(f, {kLampFoot, {-1.0, 2.25}, 0}, add_floor_lamp);
-  add_chair(f, -1.6, -0.35, 170);
+  put(f, to_wall(kDeskBack, Side::kSouth, area, Side::kSouth, -2.1), add_desk);
+  put(f, {kPlantFoot, {-5.2, 2.2}, 0}, add_plant);
+  put(f, {kLampFoot, {-1.35, 2.25}, 0}, add_floor_lamp);
+  add_chair(f, -2.1, -0.35, 170);
   add_chair(f, -0.55, 2.1, 150);
   const int frame = f.material(Pattern::kWood, 0x2c2622, 0x15110e);
   add_picture(f, area, Side::kEast, {0.0, 1.55, 0.75, 0.6, frame, f.material(Pattern::kLandscape, 0x7a8a4a, 0x3f5f3a)});
-  f.box({-2.9, -1.0}, {0.45, 1.75}, {-kSunk_m, 0.014}, f.material(Pattern::kRug, 0xa33b35, 0x27425f));
+  f.box({-3.4, -1.2}, {0.45, 1.75}, {-kSunk_m, 0.014}, f.material(Pattern::kRug, 0xa33b35, 0x27425f));
 }
 
 void furnish_bedroom(Furnisher& f, const Area& area) {
-  put(f, to_wall(area, Side::kNorth, 4.35), add_bed);
-  put(f, to_wall(area, Side::kNorth, 0.75), add_wardrobe);
-  put(f, to_wall(area, Side::kNorth, 2.35), add_dresser);
+  put(f, to_wall(area, Side::kNorth, 4.95), add_bed);
+  put(f, to_wall(area, Side::kNorth, 0.8), add_wardrobe);
+  put(f, to_wall(area, Side::kNorth, 2.7), add_dresser);
   put(f, to_wall(area, Side::kEast, -0.3), add_radiator);
-  put(f, {Vector2d::Zero(), {1.35, -0.35}, 1}, add_coffee_table);
+  put(f, {Vector2d::Zero(), {1.7, -0.35}, 1}, add_coffee_table);
   put(f, to_wall(kSofaBack, Side::kEast, area, Side::kEast, -0.3), add_window);
-  add_chair(f, 0.6, -0.5, -80);
+  add_chair(f, 0.75, -0.5, -80);
   const int frame = f.material(Pattern::kWood, 0xe8e0d0, 0xc9bda6);
-  add_picture(f, area, Side::kNorth, {2.35, 1.55, 0.9, 0.7, frame, f.material(Pattern::kRings, 0xc94f3a, 0x2b5e7d)});
-  add_picture(f, area, Side::kSouth, {1.35, 1.6, 1.1, 0.7, frame, f.material(Pattern::kMosaic, 0x2f7f86, 0xc8543a)});
+  add_picture(f, area, Side::kNorth, {2.7, 1.55, 0.9, 0.7, frame, f.material(Pattern::kRings, 0xc94f3a, 0x2b5e7d)});
+  add_picture(f, area, Side::kSouth, {1.7, 1.6, 1.1, 0.7, frame, f.material(Pattern::kMosaic, 0x2f7f86, 0xc8543a)});
   add_picture(f, area, Side::kWest, {0.0, 1.6, 0.6, 0.8, frame, f.material(Pattern::kLandscape, 0x8a7a4a, 0x3f4f3a)});
   add_picture(f, area, Side::kWest, {2.2, 1.5, 0.4, 0.5, frame, f.material(Pattern::kRings, 0x4a7a3a, 0xd0a040)});
-  f.box({1.9, 3.3}, {0.2, 1.3}, {-kSunk_m, 0.014}, f.material(Pattern::kRug, 0x4a6a5a, 0xd0b070));
+  f.box({2.3, 3.9}, {0.2, 1.4}, {-kSunk_m, 0.014}, f.material(Pattern::kRug, 0x4a6a5a, 0xd0b070));
 }
 
 void furnish_hall(Furnisher& f, const Area& area) {
-  put(f, to_wall(area, Side::kSouth, -2.3), add_coats);
-  put(f, to_wall(area, Side::kSouth, 1.3), add_radiator);
-  put(f, to_wall(kDoorBack, Side::kSouth, area, Side::kSouth, -0.6), add_door);
+  put(f, to_wall(area, Side::kSouth, -2.0), add_coats);
+  put(f, to_wall(area, Side::kSouth, 1.8), add_radiator);
+  put(f, to_wall(kDoorBack, Side::kSouth, area, Side::kSouth, -0.4), add_door);
   const int frame = f.material(Pattern::kWood, 0x6a4526, 0x3c2412), red = f.material(Pattern::kMetal, 0xd03a2a, 0x8a2018);
-  add_picture(f, area, Side::kSouth, {-3.9, 1.45, 0.7, 0.9, frame, f.material(Pattern::kMosaic, 0x8a3f55, 0x3f7f86)});
-  add_picture(f, area, Side::kSouth, {1.3, 1.5, 0.9, 0.6, frame, f.material(Pattern::kLandscape, 0x6b8f5a, 0x2c4a3a)});
-  add_picture(f, area, Side::kSouth, {2.6, 1.5, 0.5, 0.7, frame, f.material(Pattern::kRings, 0xd8b04a, 0x2f5a78)});
-  add_picture(f, area, Side::kSouth, {3.6, 1.5, 0.6, 0.6, frame, f.material(Pattern::kMosaic, 0x2f5f86, 0xd0683a)});
+  add_picture(f, area, Side::kSouth, {-3.2, 1.4, 0.7, 0.9, frame, f.material(Pattern::kMosaic, 0x8a3f55, 0x3f7f86)});
+  add_picture(f, area, Side::kSouth, {1.8, 1.4, 0.9, 0.6, frame, f.material(Pattern::kLandscape, 0x6b8f5a, 0x2c4a3a)});
+  add_picture(f, area, Side::kSouth, {3.1, 1.35, 0.5, 0.7, frame, f.material(Pattern::kRings, 0xd8b04a, 0x2f5a78)});
+  add_picture(f, area, Side::kSouth, {4.2, 1.4, 0.6, 0.6, frame, f.material(Pattern::kMosaic, 0x2f5f86, 0xd0683a)});
   add_picture(f, area, Side::kNorth, {-1.6, 1.5, 1.0, 0.7, frame, f.material(Pattern::kLandscape, 0xa88a4a, 0x5f4f2a)});
   add_picture(f, area, Side::kNorth, {1.2, 1.5, 0.6, 0.8, frame, f.material(Pattern::kRings, 0xa03a5a, 0x3a7a8a)});
-  add_picture(f, area, Side::kEast, {-1.76, 1.5, 0.7, 0.9, frame, f.material(Pattern::kMosaic, 0xc06a2a, 0x2a5a4a)});
-  f.column(0.45, area.y.low + 0.09, {-kSunk_m, 0.5}, 0.07, red);
-  f.sphere({0.45, area.y.low + 0.09, 0.52}, 0.06, red);
-  f.box({-2.9, 2.9}, {-2.1, -1.42}, {-kSunk_m, 0.014}, f.material(Pattern::kRug, 0x6a2f3a, 0xc8a868));
+  add_picture(f, area, Side::kEast, {-1.76, 1.4, 0.7, 0.9, frame, f.material(Pattern::kMosaic, 0xc06a2a, 0x2a5a4a)});
+  f.column(0.75, area.y.low + 0.09, {-kSunk_m, 0.5}, 0.07, red);
+  f.sphere({0.75, area.y.low + 0.09, 0.52}, 0.06, red);
+  f.box({-3.4, 3.4}, {-2.1, -1.42}, {-kSunk_m, 0.014}, f.material(Pattern::kRug, 0x6a2f3a, 0xc8a868));
 }
 
 void furnish_twin(Furnisher& f, const Area& area) {
@@ -126,7 +126,7 @@ void furnish_office_ends(Furnisher& f, const Area& area) {
 }  // namespace
 
 void furnish_loop(Furnisher& f) {
-  const Area living{{-5.0, -0.06}, {-1.0, 2.6}}, bedroom{{0.06, 5.0}, {-1.0, 2.6}}, hall{{-5.0, 5.0}, {-2.4, -1.12}};
+  const Area living{{-5.6, -0.06}, {-1.0, 2.6}}, bedroom{{0.06, 5.6}, {-1.0, 2.6}}, hall{{-5.6, 5.6}, {-2.4, -1.12}};
   add_shell(f, {living, bedroom, hall}, kHomeShell);
   const int white = f.material(Pattern::kWood, 0xf2ede2, 0xd9d0bf);
   const int cream = f.material(Pattern::kPlaster, 0xe9e0cf, 0xc4b496), teal = f.material(Pattern::kPlaster, 0x6f98a4, 0x456f80);
@@ -134,9 +134,9 @@ void furnish_loop(Furnisher& f) {
   const int green = f.material(Pattern::kPlaster, 0xa8b08c, 0x78845c), sand = f.material(Pattern::kPlaster, 0xd8c8a8, 0xa89068);
   const int oak = f.material(Pattern::kPlanks, 0xc99a62, 0x8a5a30), walnut = f.material(Pattern::kPlanks, 0x8a6040, 0x54351c);
   const int tiles = f.material(Pattern::kTiles, 0xc8c0b0, 0x8a8478);
-  add_area(f, living, {{cream, paper, teal, cream}, oak, white}, {{Side::kSouth, -3.4}, {Side::kEast, 1.2}});
-  add_area(f, bedroom, {{rose, green, rose, green}, walnut, white}, {{Side::kSouth, 3.4}, {Side::kWest, 1.2}});
-  add_area(f, hall, {{sand, sand, sand, sand}, tiles, white}, {{Side::kNorth, -3.4}, {Side::kNorth, 3.4}});
+  add_area(f, living, {{cream, paper, teal, cream}, oak, white}, {{Side::kSouth, -4.0}, {Side::kEast, 1.2}});
+  add_area(f, bedroom, {{rose, green, rose, green}, walnut, white}, {{Side::kSouth, 4.0}, {Side::kWest, 1.2}});
+  add_area(f, hall, {{sand, sand, sand, sand}, tiles, white}, {{Side::kNorth, -4.0}, {Side::kNorth, 4.0}});
   light_area(f, living, Side::kWest);
   light_area(f, bedroom, Side::kEast);
   light_area(f, hall, Side::kSouth);
@@ -200,6 +200,8 @@ void furnish_blank(Furnisher& f) {
   put(f, to_wall(kDoorBack, Side::kSouth, plan, Side::kWest, -0.4), add_door);
   put(f, to_wall(plan, Side::kSouth, -1.5), add_radiator);
   put_copies(f, {to_wall(plan, Side::kSouth, 1.2), to_wall(plan, Side::kEast, 0.4), to_wall(plan, Side::kNorth, -1.6)}, add_sconce);
+  // A grille beside one corner; the opposite corner has none.
+  on_wall(f, plan, Side::kEast, {-1.30, -1.02}, {-kSunk_m, 0.02}, {0.24, 0.40}, f.material(Pattern::kTiles, 0xc8c8c4, 0x9a9a98));
   // One tube a leg: they meet in the corners, so that the light does too.
   light_area(f, {plan.x, {y, kHalfWidth}}, Side::kNorth);
   light_area(f, {plan.x, {-kHalfWidth, -y}}, Side::kSouth);
