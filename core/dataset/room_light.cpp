@@ -42,6 +42,30 @@ Vector3f nearest_on(const Vector3f& from, const Vector3f& to, const Vector3f& po
   return from + std::clamp((point - from).dot(along) / length2, 0.0f, 1.0f) * along;
 }
 
+// Weight of a zone at a place: 0 outside; where zones overlap, the light passes smoothly from one to the other.
+float share_of(const LightZone& zone, const Vector2f& place) {
+  const Vector2f from_low = place - zone.low_m, from_high = zone.high_m - place;
+  return from_low.minCoeff() > 0 && from_high.minCoeff() > 0 ? from_low.prod() * from_high.prod() : 0.0f;
+}
+
+float outside2(const LightZone& zone, const Vector2f& place) {
+  return (zone.low_m - place).cwiseMax(place - zone.high_m).cwiseMax(0.0f).squaredNorm();
+}
+
+// What reaches a point whose surroundings are open.
+Vector3f light_of(const LightZone& zone, const Vector3f& point, const Vector3f& normal) {
+  const Vector3f lamp_color(1.0f, 0.93f, 0.82f), window_color(0.86f, 0.94f, 1.0f);
+  const auto from = [&](const Vector3f& source, float half_distance2) {
+    const Vector3f way = source - point;
+    const float distance2 = way.squaredNorm();
+    // Half Lambert: large lights reach around edges, and no face turns flat black.
+    const float cosine = 0.5f + 0.5f * normal.dot(way) / std::sqrt(distance2 + 1e-6f);
+    return cosine * cosine / (1.0f + distance2 / half_distance2);
+  };
+  return 0.30f * Vector3f::Ones() + 0.85f * from(nearest_on(zone.lamp_from_m, zone.lamp_to_m, point), 6.0f) * lamp_color +
+         0.55f * from(zone.window_m, 5.0f) * window_color;
+}
+
 // The bodies that can be nearest to a point within `reach_m` of `middle`: distances change by no more than one walks.
 Furniture nearest_candidates(const Furniture& furniture, const Vector3d& middle, double reach_m) {
   std::vector<double> distances_m;
@@ -122,34 +146,29 @@ float RoomLight::clearance_m(const Vector3f& point) const {
   return low + tz * (high - low);
 }
 
-const LightZone& RoomLight::zone_at(const Vector3f& point_in_world) const {
-  const Vector2f place = point_in_world.head<2>();
-  // Where zones overlap, the nearer lamp decides: light changes little from one to the other there.
-  const auto rank = [&](const LightZone& zone) {
-    const float outside2 = (zone.low_m - place).cwiseMax(place - zone.high_m).cwiseMax(0.0f).squaredNorm();
-    return std::pair(outside2, (nearest_on(zone.lamp_from_m, zone.lamp_to_m, point_in_world).head<2>() - place).squaredNorm());
-  };
-  return *std::min_element(zones_.begin(), zones_.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+Vector3f RoomLight::zones_light(const Vector3f& point, const Vector3f& normal) const {
+  if (zones_.size() == 1) return light_of(zones_.front(), point, normal);
+  const Vector2f place = (point + kIntoZone_m * normal).head<2>();
+  Vector3f sum = Vector3f::Zero();
+  float shares = 0;
+  for (const LightZone& zone : zones_) {
+    const float share = share_of(zone, place);
+    if (share == 0) continue;
+    sum += share * light_of(zone, point, normal);
+    shares += share;
+  }
+  if (shares > 0) return sum / shares;
+  const auto nearer = [&](const LightZone& a, const LightZone& b) { return outside2(a, place) < outside2(b, place); };
+  return light_of(*std::min_element(zones_.begin(), zones_.end(), nearer), point, normal);
 }
 
 Vector3f RoomLight::at(const Vector3d& point_in_world, const Vector3d& normal_in_world) const {
   const Vector3f point = point_in_world.cast<float>(), normal = normal_in_world.cast<float>();
-  const LightZone& zone = zone_at(point + kIntoZone_m * normal);
-  const Vector3f lamp_color(1.0f, 0.93f, 0.82f), window_color(0.86f, 0.94f, 1.0f);
-
-  const auto from = [&](const Vector3f& source, float half_distance2) {
-    const Vector3f way = source - point;
-    const float distance2 = way.squaredNorm();
-    // Half Lambert: large lights reach around edges, and no face turns flat black.
-    const float cosine = 0.5f + 0.5f * normal.dot(way) / std::sqrt(distance2 + 1e-6f);
-    return cosine * cosine / (1.0f + distance2 / half_distance2);
-  };
   // Free space in front of the surface: little of it in corners and under furniture (Evans 2006).
   const float near = std::min(1.0f, clearance_m(point + 0.10f * normal) / 0.10f),
               far = std::min(1.0f, clearance_m(point + 0.35f * normal) / 0.35f);
   const float open = 0.35f + 0.25f * near + 0.40f * far;
-  return open * (0.30f * Vector3f::Ones() + 0.85f * from(nearest_on(zone.lamp_from_m, zone.lamp_to_m, point), 6.0f) * lamp_color +
-                 0.55f * from(zone.window_m, 5.0f) * window_color);
+  return open * zones_light(point, normal);
 }
 
 Rgb8 srgb_from_linear(const Vector3f& linear) {

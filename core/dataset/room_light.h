@@ -25,7 +25,7 @@ class RoomLight {
   void fill_block(const Furniture& furniture, int x0, int y0, int z0);
   Eigen::Vector3f grid_point(int x, int y, int z) const;
   float clearance_m(const Eigen::Vector3f& point_in_world) const;
-  const LightZone& zone_at(const Eigen::Vector3f& point_in_world) const;
+  Eigen::Vector3f zones_light(const Eigen::Vector3f& point_in_world, const Eigen::Vector3f& normal_in_world) const;
 
   const std::vector<LightZone> zones_;
   Eigen::Vector3f low_m_ = Eigen::Vector3f::Zero();  // of the grid
