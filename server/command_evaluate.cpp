@@ -7,6 +7,7 @@
 
 #include "core/dataset/text_file.h"
 #include "core/evaluate/depth_consistency.h"
+#include "core/evaluate/double_layers.h"
 #include "core/evaluate/trajectory_error.h"
 #include "core/evaluate/true_surface.h"
 #include "core/output/ply.h"
@@ -21,6 +22,7 @@ using Json = nlohmann::ordered_json;
 
 struct EvaluateArguments {
   std::string estimate, groundtruth, per_frame, consistency, cloud, surface, colored;
+  bool layers = false;
   std::vector<std::int64_t> spacings = ConsistencyOptions().spacings;
 };
 
@@ -129,14 +131,28 @@ Json evaluate_consistency(const EvaluateArguments& arguments) {
   return Json::parse(format_consistency_json(or_throw(depth_consistency(*sequence, trajectories, options)), names));
 }
 
+Json evaluate_layers(const EvaluateArguments& arguments) {
+  const PlyShape shape = read_ply(arguments.cloud);
+  if (shape.normals.size() != shape.positions.size() || shape.positions.empty())
+    throw SetupError(
+        {ErrorCode::kInvalidArgument, arguments.cloud + " has no points with normals (nx, ny, nz): its layers cannot be told"});
+  std::vector<LayerPoint> points(shape.positions.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points[i] = {shape.positions[i], shape.normals[i], i < shape.radii.size() ? shape.radii[i] : 0.0f};
+  return Json::parse(format_double_layers_json(double_layers(points)));
+}
+
 int run_evaluate(const EvaluateArguments& arguments) {
   Json json = Json::object();
   if (!arguments.estimate.empty() && !arguments.groundtruth.empty()) json.update(evaluate_trajectory(arguments));
   if (!arguments.consistency.empty()) json.update(evaluate_consistency(arguments));
-  if (!arguments.cloud.empty()) json.update(evaluate_surface(arguments));
+  if (!arguments.cloud.empty() && !arguments.surface.empty()) json.update(evaluate_surface(arguments));
+  if (arguments.layers) json.update(evaluate_layers(arguments));
   if (json.empty())
-    throw SetupError({ErrorCode::kInvalidArgument,
-                      "nothing to compare: give --estimate and --groundtruth, --estimate and --consistency, or --cloud and --surface"});
+    throw SetupError(
+        {ErrorCode::kInvalidArgument,
+         "nothing to compare: give --estimate and --groundtruth, --estimate and --consistency, --cloud and --surface, or --cloud and "
+         "--layers"});
   std::cout << json.dump(2) << "\n";
   return 0;
 }
@@ -173,9 +189,16 @@ Command add_evaluate_command(CLI::App& app) {
       ->capture_default_str();
   CLI::Option* surface = evaluate.add_option(
       "--surface", arguments->surface, "True surface: a PLY mesh or cloud, or a sequence with true poses: its depth, or synthetic:...");
-  evaluate.add_option("--cloud", arguments->cloud, "Cloud to judge, PLY: distances up to 10 cm, completeness at 5 and 10 mm")
+  CLI::Option* cloud = evaluate.add_option("--cloud", arguments->cloud,
+                                           "Cloud to judge, PLY: with --surface distances up to 10 cm, completeness at 5 and 10 mm");
+  surface->needs(cloud);
+  evaluate
+      .add_flag("--layers", arguments->layers,
+                "Share of that cloud's points, which need normals, that have another layer of the same surface 1 to 3 cm before or behind "
+                "them")
+      ->needs(cloud);
+  evaluate.add_option("--colored", arguments->colored, "Write that cloud here, coloured by its error: blue none, red 2 cm and more")
       ->needs(surface);
-  evaluate.add_option("--colored", arguments->colored, "Write that cloud here, coloured by its error: blue none, red 2 cm and more");
   return {&evaluate, [arguments] { return run_evaluate(*arguments); }};
 }
 

@@ -1,4 +1,4 @@
-// What stands where in the synthetic room: every body with its place, size and material.
+// What stands where in a synthetic scene: every body with its place, size and material, and its light.
 #pragma once
 
 #include <vector>
@@ -11,11 +11,19 @@ namespace hermite {
 
 inline constexpr double kRoomLength_m = 4.8;  // x
 inline constexpr double kRoomWidth_m = 3.8;   // y
-inline constexpr double kRoomHeight_m = 2.6;  // z
+inline constexpr double kRoomHeight_m = 2.6;  // z; of every scene
+
+// A lamp, a tube between two points, and a window light what is nearest to the zone's rectangle and nothing else: light does not pass
+// walls.
+struct LightZone {
+  Eigen::Vector2f low_m, high_m;
+  Eigen::Vector3f lamp_from_m, lamp_to_m, window_m;
+};
 
 struct Furniture {
-  std::vector<Shape> shapes;  // the first is the room itself
+  std::vector<Shape> shapes;  // the first, of kind kRoom, encloses everything and is solid all around
   std::vector<Material> materials;
+  std::vector<LightZone> lights;  // at least one
 };
 
 // Always the same for the same scene.

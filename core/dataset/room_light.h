@@ -1,5 +1,5 @@
-// Light in the synthetic room: a lamp under the ceiling, the window and the glow of the walls, dimmed in corners. Independent of the
-// viewer.
+// Light in a synthetic scene: of each zone a lamp under the ceiling, a window and the glow of the walls, dimmed in corners. Independent of
+// the viewer.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,8 +22,13 @@ class RoomLight {
   Eigen::Vector3f at(const Eigen::Vector3d& point_in_world, const Eigen::Vector3d& normal_in_world) const;
 
  private:
+  void fill_block(const Furniture& furniture, int x0, int y0, int z0);
+  Eigen::Vector3f grid_point(int x, int y, int z) const;
   float clearance_m(const Eigen::Vector3f& point_in_world) const;
+  Eigen::Vector3f zones_light(const Eigen::Vector3f& point_in_world, const Eigen::Vector3f& normal_in_world) const;
 
+  const std::vector<LightZone> zones_;
+  Eigen::Vector3f low_m_ = Eigen::Vector3f::Zero();  // of the grid
   int size_x_ = 0, size_y_ = 0, size_z_ = 0;
   std::vector<float> clearance_grid_m_;  // distance to the nearest surface at grid points, x fastest
 };

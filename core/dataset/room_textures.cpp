@@ -264,6 +264,10 @@ Vector3f screen(const Material& m, const TexturePoint& p) {
   return mix(m.first, ink, text * visible(0.02f, p.footprint_m) * 0.8f);
 }
 
+Vector3f paint(const Material& m, const TexturePoint& p) {
+  return mix(m.first, m.second, clamp01(0.5f + 0.25f * fractal(p, {0.9f, 3}, m.seed + static_cast<std::uint32_t>(p.face) * 977u)));
+}
+
 }  // namespace
 
 Vector3f texture_color(const Material& material, const TexturePoint& point) {
@@ -284,6 +288,7 @@ Vector3f texture_color(const Material& material, const TexturePoint& point) {
     case Pattern::kMetal: return metal(material, point);
     case Pattern::kSky: return sky(material, point);
     case Pattern::kScreen: return screen(material, point);
+    case Pattern::kPaint: return paint(material, point);
   }
   return material.first;
 }

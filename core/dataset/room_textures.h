@@ -24,6 +24,7 @@ enum class Pattern : std::uint8_t {
   kMetal,      // brushed
   kSky,        // seen through a window
   kScreen,     // of a computer
+  kPaint,      // almost plain: a tone that hardly changes
 };
 
 struct Material {

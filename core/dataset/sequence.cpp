@@ -2,6 +2,7 @@
 
 #include "core/dataset/camera_file.h"
 #include "core/dataset/depth_noise.h"
+#include "core/dataset/disturbance.h"
 #include "core/dataset/recorded_folder.h"
 #include "core/dataset/synthetic_camera.h"
 #include "core/dataset/text_file.h"
@@ -17,7 +18,6 @@ constexpr FolderFormat kFolderFormats[] = {
 };
 
 constexpr std::string_view kSynthetic = "synthetic";
-constexpr std::string_view kNoiseSuffix = "+noise=";
 
 Result<std::unique_ptr<Sequence>> open_folder(const std::string& folder, const std::optional<Camera>& given_camera) {
   const FolderFormat* format = nullptr;
@@ -55,21 +55,85 @@ Result<std::unique_ptr<Sequence>> open_synthetic(const std::string& source, cons
   return make_synthetic_sequence(*options);
 }
 
+using Opened = Result<std::unique_ptr<Sequence>>;
+
+Opened noisy(std::unique_ptr<Sequence> sequence, const std::string& text) {
+  const Result<NoiseOptions> noise = parse_noise(text);
+  if (!noise.ok()) return noise.error();
+  return with_noise(std::move(sequence), *noise);
+}
+
+Opened covered(std::unique_ptr<Sequence> sequence, const std::string& text) {
+  const Result<FrameSpan> span = parse_frame_span(text);
+  if (!span.ok()) return in_context("covered", span.error());
+  return with_covered(std::move(sequence), *span);
+}
+
+Opened missing(std::unique_ptr<Sequence> sequence, const std::string& text) {
+  const Result<FrameSpan> span = parse_frame_span(text);
+  if (!span.ok()) return in_context("missing", span.error());
+  return with_missing(std::move(sequence), *span);
+}
+
+struct SuffixKind {
+  std::string_view name;
+  Opened (*apply)(std::unique_ptr<Sequence> sequence, const std::string& text);
+};
+constexpr SuffixKind kSuffixKinds[] = {{"+noise=", noisy}, {"+covered=", covered}, {"+missing=", missing}};
+// Each is a layer around the sequence that every read passes.
+constexpr std::size_t kMaxSuffixes = 16;
+
+struct Suffix {
+  const SuffixKind* kind = nullptr;  // none: the source ends with no suffix
+  std::size_t begin = 0;
+  std::string text;  // behind the name
+};
+
+Suffix last_suffix(const std::string& source) {
+  Suffix last;
+  for (const SuffixKind& kind : kSuffixKinds)
+    if (const std::size_t begin = source.rfind(kind.name); begin != std::string::npos && (!last.kind || begin > last.begin))
+      last = {&kind, begin, source.substr(begin + kind.name.size())};
+  return last;
+}
+
+Opened open_base(const std::string& source, const std::optional<Camera>& camera) {
+  if (is_folder(source)) return open_folder(source, camera);
+  if (source == kSynthetic || source.rfind(std::string(kSynthetic) + ":", 0) == 0) return open_synthetic(source, camera);
+  return Error{ErrorCode::kNotFound, "\"" + source + "\" is neither a folder nor synthetic[:key=value,...]"};
+}
+
 }  // namespace
+
+std::string source_without_suffixes(const std::string& source) {
+  std::string base = source;
+  while (!is_folder(base)) {
+    const Suffix suffix = last_suffix(base);
+    if (!suffix.kind) break;
+    base.resize(suffix.begin);
+  }
+  return base;
+}
 
 Result<std::unique_ptr<Sequence>> open_sequence(const std::string& source, const std::optional<Camera>& camera) {
   if (camera)
     if (const Status status = validate(*camera); !status.ok()) return status.error();
-  if (is_folder(source)) return open_folder(source, camera);
-  if (const std::size_t suffix = source.rfind(kNoiseSuffix); suffix != std::string::npos) {
-    const Result<NoiseOptions> noise = parse_noise(source.substr(suffix + kNoiseSuffix.size()));
-    if (!noise.ok()) return in_context("source \"" + source + "\"", noise.error());
-    Result<std::unique_ptr<Sequence>> clean = open_sequence(source.substr(0, suffix), camera);
-    if (!clean.ok()) return clean;
-    return with_noise(std::move(*clean), *noise);
+  std::string base = source;
+  std::vector<Suffix> suffixes;  // from right to left
+  while (!is_folder(base)) {
+    Suffix suffix = last_suffix(base);
+    if (!suffix.kind) break;
+    base.resize(suffix.begin);
+    suffixes.push_back(std::move(suffix));
+    if (suffixes.size() > kMaxSuffixes)
+      return Error{ErrorCode::kInvalidArgument, "more than " + std::to_string(kMaxSuffixes) + " of +noise, +covered and +missing"};
   }
-  if (source == kSynthetic || source.rfind(std::string(kSynthetic) + ":", 0) == 0) return open_synthetic(source, camera);
-  return Error{ErrorCode::kNotFound, "\"" + source + "\" is neither a folder nor synthetic[:key=value,...]"};
+  Opened opened = open_base(base, camera);
+  for (auto suffix = suffixes.rbegin(); suffix != suffixes.rend() && opened.ok(); ++suffix) {
+    opened = suffix->kind->apply(std::move(*opened), suffix->text);
+    if (!opened.ok()) return in_context("source \"" + source + "\"", opened.error());
+  }
+  return opened;
 }
 
 Result<RgbdFrame> decode_frame(RecordedFrame recorded) {

@@ -43,7 +43,12 @@ class Sequence {
 // The camera: `camera` when given, else the folder's camera.json, else its own files (7-Scenes camera-intrinsics.txt), else a known name
 // (freiburg1, 2, 3; ICL-NUIM). None of these is an error that says so.
 // Colour and depth are paired by time, at most 20 ms apart, each image used once.
+// Behind either may stand up to 16 of +noise=MODEL[,key=value,...] (depth_noise.h), +covered=FROM:COUNT and +missing=FROM:COUNT
+// (disturbance.h), applied from left to right.
 Result<std::unique_ptr<Sequence>> open_sequence(const std::string& source, const std::optional<Camera>& camera = std::nullopt);
+
+// What stands before the first of those suffixes.
+std::string source_without_suffixes(const std::string& source);
 
 // camera.json as described in the README, or one of the names fr1, fr2, fr3.
 Result<Camera> read_camera(const std::string& path_or_name);

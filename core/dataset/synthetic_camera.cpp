@@ -1,8 +1,10 @@
 #include "core/dataset/synthetic_camera.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/dataset/key_values.h"
+#include "core/dataset/world_paths.h"
 #include "core/image/image_codec.h"
 
 namespace hermite {
@@ -16,12 +18,21 @@ constexpr double kFocalOverWidth = 525.0 / 640.0;
 constexpr int kJpegQuality = 90;
 constexpr double kDegree = M_PI / 180;
 
+struct NamedScene {
+  std::string_view name;
+  RoomScene scene;
+};
+constexpr NamedScene kScenes[] = {{"room", RoomScene::kRoom},   {"bare", RoomScene::kBare},     {"loop", RoomScene::kLoop},
+                                  {"twins", RoomScene::kTwins}, {"office", RoomScene::kOffice}, {"blank", RoomScene::kBlank}};
+
+bool has_own_path(RoomScene scene) { return scene != RoomScene::kRoom && scene != RoomScene::kBare; }
+
 class SyntheticSequence : public Sequence {
  public:
   explicit SyntheticSequence(const SyntheticOptions& options) : options_(options), room_(options.scene) {
     groundtruth_.reserve(static_cast<std::size_t>(options.frame_count));
     for (std::int64_t i = 0; i < options.frame_count; ++i)
-      groundtruth_.push_back({timestamp_s(i), synthetic_pose(timestamp_s(i), options.speed)});
+      groundtruth_.push_back({timestamp_s(i), synthetic_pose(timestamp_s(i), options.speed, options.scene)});
   }
 
   std::string format() const override { return "synthetic"; }
@@ -58,8 +69,9 @@ Result<SyntheticOptions> parse_synthetic_options(const std::string& text) {
     };
   };
   const auto take_scene = [&options](std::string_view value) {
-    if (value != "room" && value != "bare") return false;
-    options.scene = value == "room" ? RoomScene::kRoom : RoomScene::kBare;
+    const auto* const named = std::find_if(std::begin(kScenes), std::end(kScenes), [&](const NamedScene& s) { return s.name == value; });
+    if (named == std::end(kScenes)) return false;
+    options.scene = named->scene;
     return true;
   };
   const auto take_noise = [&noise](std::string_view value) {
@@ -73,7 +85,7 @@ Result<SyntheticOptions> parse_synthetic_options(const std::string& text) {
              whole_rule("height", kMinImageSide_px, kMaxImageSide_px, [&](std::int64_t value) { camera.height = static_cast<int>(value); }),
              number_rule("rate", 1, 240, options.frame_rate_hz),
              number_rule("speed", 0.05, 5, options.speed),
-             {"scene", "room or bare", take_scene},
+             {"scene", "room, bare, loop, twins, office or blank", take_scene},
              {"noise", "none, gaussian or kinect", take_noise},
              {"sigma_mm", "a number", keep_for_noise("sigma_mm")},
              {"seed", "a whole number", keep_for_noise("seed")}});
@@ -87,7 +99,10 @@ Result<SyntheticOptions> parse_synthetic_options(const std::string& text) {
   return options;
 }
 
-Rigid3 synthetic_pose(double time_s, double speed) {
+double synthetic_lap_s(RoomScene scene) { return has_own_path(scene) ? world_lap_s(scene) : kLap_s; }
+
+Rigid3 synthetic_pose(double time_s, double speed, RoomScene scene) {
+  if (has_own_path(scene)) return world_pose(scene, speed * time_s / world_lap_s(scene));
   // Whole multiples of the lap's phase close after one lap. Half of it changes sign between laps: the first looks from higher up and
   // down at the furniture, the second from lower and up.
   const double lap = 2 * M_PI * speed * time_s / kLap_s;

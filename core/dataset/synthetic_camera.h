@@ -1,15 +1,15 @@
-// A camera carried through the synthetic room (synthetic_room.h): a sequence with exact poses and an exact surface, without a recording.
+// A camera carried through a synthetic scene (synthetic_room.h): a sequence with exact poses and an exact surface, without a recording.
 // For demos, load tests and the truth in accuracy tests.
 //
 // "synthetic[:key=value,...]":
-//   frames    1 to 1000000 (300)          number of frames; one lap of the room takes 10 s at speed 1
+//   frames    1 to 1000000 (300)          number of frames; one lap takes 10 s in the room at speed 1, in the other scenes 44 to 62 s
 //   width, height  64 to 2048 (640x480)   pixels; the field of view stays 62.7 degrees across
 //   rate      1 to 240 (30)               frames per second
 //   speed     0.05 to 5 (1)               of the hand: 1 is about 0.45 m/s and 37 degrees/s; more frames mean more laps, not a faster hand
 //   noise     none, gaussian, kinect (none)   see depth_noise.h
 //   sigma_mm  0 to 200 (3)                of noise=gaussian only
 //   seed      0 to 2^63 - 1 (1)           of the noise
-//   scene     room, bare (room)           bare: the same room without furniture
+//   scene     room, bare, loop, twins, office, blank (room)   bare: the same room without furniture; the others in synthetic_room.h
 #pragma once
 
 #include <memory>
@@ -33,9 +33,13 @@ struct SyntheticOptions {
 // `text` is what stands behind "synthetic:", may be empty. kInvalidArgument, naming key and range.
 Result<SyntheticOptions> parse_synthetic_options(const std::string& text);
 
-// world_from_camera at a time: a closed lap every 10 s / speed whose height and pitch alternate between laps (so it repeats after two),
-// smooth in every derivative. The world is the room's: z up, the floor at z = 0, its centre at the origin.
-Rigid3 synthetic_pose(double time_s, double speed);
+// world_from_camera at a time: a closed lap whose height and pitch alternate between laps (so it repeats after two). In kRoom and kBare it
+// takes 10 s / speed and is smooth in every derivative, elsewhere world_paths.h says how long, and it is smooth to the fourth. The world is
+// the scene's: z up, the floor at z = 0.
+Rigid3 synthetic_pose(double time_s, double speed, RoomScene scene = RoomScene::kRoom);
+
+// Duration of a lap at speed 1 [s].
+double synthetic_lap_s(RoomScene scene);
 
 // kInvalidArgument for a camera that validate() refuses. Frames are rendered when they are read; the ground truth has a pose per frame.
 Result<std::unique_ptr<Sequence>> make_synthetic_sequence(const SyntheticOptions& options);

@@ -1,5 +1,6 @@
-// A furnished room given by formulas: walls, tables, chairs with thin legs, shelves with books, spheres, cylinders, tori, thin panels.
-// Its picture, depth and the distance to its surface are exact. World frame: metres, z up, floor at z = 0, centre of the room at x = y = 0.
+// Furnished rooms given by formulas: walls, tables, chairs with thin legs, shelves with books, spheres, cylinders, tori, thin panels.
+// Their picture, depth and the distance to their surface are exact. World frame: metres, z up, floor at z = 0, centre of the plan at
+// x = y = 0.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,8 +13,12 @@
 namespace hermite {
 
 enum class RoomScene {
-  kRoom,  // furnished
-  kBare,  // floor, ceiling and walls only
+  kRoom,    // furnished, 4.8 x 3.8 m
+  kBare,    // its floor, ceiling and walls only
+  kLoop,    // two different rooms side by side, a door between them, a corridor along both: a circuit
+  kTwins,   // the same room at both ends of a corridor, the second turned by 180 degrees: no circuit
+  kOffice,  // a long room with a row of equal workplaces between rows of equal racks: a circuit around the row
+  kBlank,   // a corridor around a block, with plain walls and little on them
 };
 
 struct RoomView {

@@ -42,8 +42,9 @@ Result<TrueSurface> surface_of_sequence(const Sequence& sequence, const std::str
     if (!frame.ok()) continue;  // another frame will have seen it
     append_depth_triangles(frame->depth, sequence.camera(), *world_from_camera, sequence.camera().width > kWideImage_px ? 2 : 1, triangles);
   }
-  if (source.rfind(kSynthetic, 0) != 0) return surface_of_triangles(triangles);
-  const std::string text = source.size() > kSynthetic.size() ? source.substr(kSynthetic.size() + 1) : "";
+  const std::string base = source_without_suffixes(source);
+  if (base.rfind(kSynthetic, 0) != 0) return surface_of_triangles(triangles);
+  const std::string text = base.size() > kSynthetic.size() ? base.substr(kSynthetic.size() + 1) : "";
   const Result<SyntheticOptions> options = parse_synthetic_options(text);
   if (!options.ok()) return options.error();
   const auto room = std::make_shared<const SyntheticRoom>(options->scene);

@@ -1,6 +1,9 @@
 #include "core/output/ply_reader.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
+#include <cstddef>
 #include <cstring>
 #include <optional>
 #include <sstream>
@@ -144,22 +147,30 @@ class Numbers {
   bool failed_ = false;
 };
 
+// Which property of an element has this name, or -1.
+std::ptrdiff_t place_of(const Element& element, const char* name) {
+  const auto found = std::find_if(element.properties.begin(), element.properties.end(), [&](const Property& p) { return p.name == name; });
+  return found == element.properties.end() ? -1 : found - element.properties.begin();
+}
+
 Status read_vertices(Numbers& numbers, const Element& element, PlyShape& shape) {
+  const std::array<std::ptrdiff_t, 7> places{place_of(element, "x"),     place_of(element, "y"),  place_of(element, "z"),
+                                             place_of(element, "nx"),    place_of(element, "ny"), place_of(element, "nz"),
+                                             place_of(element, "radius")};
+  const bool has_position = std::all_of(places.begin(), places.begin() + 3, [](auto place) { return place >= 0; });
+  const bool has_normal = std::all_of(places.begin() + 3, places.begin() + 6, [](auto place) { return place >= 0; });
+  std::vector<float> values(element.properties.size());
   for (std::uint64_t i = 0; i < element.count; ++i) {
-    Eigen::Vector3f position = Eigen::Vector3f::Zero();
-    int found = 0;
-    for (const Property& property : element.properties) {
-      if (property.count_type) return Error{ErrorCode::kUnsupported, "PLY: a vertex with a list"};
-      const auto value = static_cast<float>(numbers.next(property.type));
-      for (int axis = 0; axis < 3; ++axis)
-        if (property.name == std::string(1, static_cast<char>('x' + axis))) {
-          position[axis] = value;
-          ++found;
-        }
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (element.properties[k].count_type) return Error{ErrorCode::kUnsupported, "PLY: a vertex with a list"};
+      values[k] = static_cast<float>(numbers.next(element.properties[k].type));
     }
-    if (found != 3) return corrupt("vertices without x, y and z");
+    if (!has_position) return corrupt("vertices without x, y and z");
     if (numbers.failed()) return corrupt("cut at vertex " + std::to_string(i) + " of " + std::to_string(element.count));
-    shape.positions.push_back(position);
+    const auto value = [&](std::size_t which) { return values[static_cast<std::size_t>(places[which])]; };
+    shape.positions.push_back({value(0), value(1), value(2)});
+    if (has_normal) shape.normals.push_back({value(3), value(4), value(5)});
+    if (places[6] >= 0) shape.radii.push_back(value(6));
   }
   return Done{};
 }

@@ -1,4 +1,4 @@
-// Positions and faces of a PLY file, as other programs write them.
+// Positions, normals, radii and faces of a PLY file, as other programs write them.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,6 +13,8 @@ namespace hermite {
 
 struct PlyShape {
   std::vector<Eigen::Vector3f> positions;
+  std::vector<Eigen::Vector3f> normals;                 // as many as positions, or none where vertices have no nx, ny, nz
+  std::vector<float> radii;                             // the same with radius
   std::vector<std::array<std::uint32_t, 3>> triangles;  // larger faces are cut into fans; empty for a cloud
 };
 

@@ -1,0 +1,14 @@
+// The floor plans of the larger synthetic scenes, see RoomScene. Each adds its shell, walls, furniture and lights to an empty furnisher.
+// World frame: metres, z up, the floor at z = 0, the middle of the plan at x = y = 0.
+#pragma once
+
+#include "core/dataset/room_builder.h"
+
+namespace hermite {
+
+void furnish_loop(Furnisher& f);
+void furnish_twins(Furnisher& f);
+void furnish_office(Furnisher& f);
+void furnish_blank(Furnisher& f);
+
+}  // namespace hermite
