@@ -133,7 +133,8 @@ std::size_t wanted_count(const Camera& camera, const FeatureOptions& options) {
 // The octave's part of what is still wanted, when the octaves share as their side lengths do.
 std::size_t share(std::size_t wanted, int octave) {
   const double ratio = 1 / kOctaveScale;
-  return static_cast<std::size_t>(std::ceil(static_cast<double>(wanted) * (1 - ratio) / (1 - std::pow(ratio, kOctaveCount - octave))));
+  const double part = (1 - ratio) / (1 - std::pow(ratio, kOctaveCount - octave));
+  return std::min(wanted, static_cast<std::size_t>(std::ceil(static_cast<double>(wanted) * part)));
 }
 
 void append_octave(const cv::Mat& image, int octave, std::size_t wanted, const RgbdFrame& frame, const Camera& camera,

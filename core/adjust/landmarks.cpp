@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/adjust/projection_match.h"
+#include "core/adjust/aligned_match.h"
 #include "core/base/check.h"
 
 namespace hermite {
@@ -39,12 +39,9 @@ InsertResult insert_keyframe(SparseMap& map, Keyframe keyframe, const std::vecto
   CHECK(is_finite(keyframe.submap_from_camera), "a keyframe has a pose");
   const std::vector<std::uint32_t> near = landmarks_of(map, near_keyframes(map, also));
   const Rigid3 pose = world_from_camera(map, keyframe);
-  ProjectionOptions options;
-  std::vector<LandmarkMatch> matches = match_projected(map, near, keyframe.features, pose, options);
-  if (matches.size() < kFewMatches) {
-    options.radius_px *= kWideRadius;
-    matches = match_projected(map, near, keyframe.features, pose, options);
-  }
+  std::vector<LandmarkMatch> matches = match_aligned(map, near, keyframe.features, pose).matches;
+  if (matches.size() < kFewMatches)
+    matches = match_aligned(map, near, keyframe.features, pose, kWideRadius * ProjectionOptions{}.radius_px).matches;
 
   InsertResult result;
   result.keyframe = static_cast<std::uint32_t>(map.keyframes.size());

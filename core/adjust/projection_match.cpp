@@ -122,7 +122,7 @@ LandmarkMatch nearest(const Landmark& landmark, const Expectation& expected, con
   });
   for (const LandmarkMatch& other : around)
     if (other.feature != best.feature && best.feature != none && features[other.feature].octave == features[best.feature].octave &&
-        best.distance > options.max_ratio * other.distance)
+        best.distance >= options.max_ratio * other.distance)
       return {none, 0, 0};
   return best;
 }

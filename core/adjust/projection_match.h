@@ -22,7 +22,7 @@ struct ProjectionOptions {
   // Around the projected landmark, at octave 0; times 1.2^octave for the others, whose pixels are larger. The authors' number: the dense
   // pose is good for 1 or 2 px, colour and depth of a Kinect are misaligned by a few more.
   double radius_px = 7;
-  int max_distance = 100;  // bits; unrelated descriptors are nearer than that in 1 of 1000 (ORB-SLAM's number)
+  int max_distance = 64;   // bits; of matches beyond, as many are wrong as right within that radius
   double max_ratio = 0.8;  // of the best distance to the second best of the same octave within the radius
 };
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "core/adjust/rigid_ransac.h"
+#include "core/adjust/aligned_match.h"
 
 namespace hermite {
 namespace {
@@ -11,20 +11,6 @@ namespace {
 constexpr std::size_t kLeastSeedInliers = 8;  // of the matches by descriptor alone; the guided ones decide
 constexpr double kSamePlace_m = 0.5;
 constexpr double kSamePlace_rad = M_PI / 6;
-
-// Pairs of the matches whose feature has depth, which stay in `matches`.
-std::vector<PointPair> pairs_of(const SparseMap& map, const std::vector<Feature>& features, std::vector<LandmarkMatch>& matches) {
-  std::erase_if(matches, [&](const LandmarkMatch& match) { return features[match.feature].depth_m <= 0; });
-  std::vector<PointPair> pairs;
-  pairs.reserve(matches.size());
-  for (const LandmarkMatch& match : matches) {
-    const Feature& feature = features[match.feature];
-    const Landmark& landmark = map.landmarks[match.landmark];
-    pairs.push_back({map.camera.unproject(feature.pixel_px.x(), feature.pixel_px.y(), feature.depth_m), position_in_world_m(map, landmark),
-                     octave_scale(feature.octave), position_sigma_m(map, landmark)});
-  }
-  return pairs;
-}
 
 // The keyframe of the place that sees most of these landmarks, the first of equals.
 std::uint32_t most_shared(const SparseMap& map, const std::vector<std::uint32_t>& keyframes, const std::vector<LandmarkMatch>& matches) {
@@ -37,17 +23,18 @@ std::uint32_t most_shared(const SparseMap& map, const std::vector<std::uint32_t>
 std::optional<PlaceMatch> verify(const SparseMap& map, const std::vector<Feature>& features, PlaceCandidate candidate) {
   RansacOptions options;
   options.least_inliers = kLeastSeedInliers;
-  const std::vector<PointPair> seeds = pairs_of(map, features, candidate.matches);
+  const std::vector<PointPair> seeds = point_pairs(map, features, candidate.matches);
   const std::optional<RigidMatch> seed = match_rigidly(seeds, map.camera, options);
   if (!seed) return std::nullopt;
 
-  std::vector<LandmarkMatch> guided = match_projected(map, landmarks_of(map, candidate.keyframes), features, seed->world_from_camera);
-  const std::vector<PointPair> pairs = pairs_of(map, features, guided);
-  const std::optional<RigidMatch> match = refine_rigidly(pairs, map.camera, seed->world_from_camera, kLeastPlaceInliers);
+  const std::vector<std::uint32_t> landmarks = landmarks_of(map, candidate.keyframes);
+  AlignedMatches guided = match_aligned(map, landmarks, features, seed->world_from_camera);
+  const std::vector<PointPair> pairs = point_pairs(map, features, guided.matches);
+  const std::optional<RigidMatch> match = refine_rigidly(pairs, map.camera, guided.world_from_camera, kLeastPlaceInliers);
   if (!match) return std::nullopt;
 
   PlaceMatch place;
-  for (const std::uint32_t inlier : match->inliers) place.matches.push_back(guided[inlier]);
+  for (const std::uint32_t inlier : match->inliers) place.matches.push_back(guided.matches[inlier]);
   place.keyframe = most_shared(map, candidate.keyframes, place.matches);
   place.submap = map.keyframes[place.keyframe].submap;
   place.submap_from_camera = inverse(map.world_from_submap[place.submap]) * match->world_from_camera;
