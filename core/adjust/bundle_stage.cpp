@@ -208,7 +208,6 @@ StageOutcome solve_stage(const BundleProblem& problem, const BundleStage& stage,
   options.callbacks.push_back(&callback);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &stage_problem.ceres(), &summary);
-  if (getenv("HB")) puts(summary.FullReport().c_str());
   if (summary.IsSolutionUsable()) stage_problem.write_to(state);
   return {static_cast<int>(summary.iterations.size()) - 1, summary.termination_type == ceres::CONVERGENCE,
           summary.termination_type == ceres::USER_SUCCESS};

@@ -18,10 +18,10 @@ struct WorldOptions {
   int submap_count = 8;
   int keyframes_per_submap = 3;
   int landmark_count = 300;
-  double circle_m = 2;    // radius of the camera's way; the wall is 2 m further out
-  double laps = 1;        // with more than one, places are seen again by other submaps
-  double noise = 0;       // of pixels and depths, in their standard deviations
-  double outliers = 0;    // part of the observations: pixel and depth are then anything
+  double circle_m = 2;  // radius of the camera's way; the wall is 2 m further out
+  double laps = 1;      // with more than one, places are seen again by other submaps
+  double noise = 0;     // of pixels and depths, in their standard deviations
+  double outliers = 0;  // part of the observations: pixel and depth are then anything
   bool with_depth = true;
   unsigned seed = 1;
 };
