@@ -2,6 +2,7 @@
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>
@@ -209,7 +210,8 @@ StageOutcome solve_stage(const BundleProblem& problem, const BundleStage& stage,
   ceres::Solver::Summary summary;
   ceres::Solve(options, &stage_problem.ceres(), &summary);
   if (summary.IsSolutionUsable()) stage_problem.write_to(state);
-  return {static_cast<int>(summary.iterations.size()) - 1, summary.termination_type == ceres::CONVERGENCE,
+  const int evaluation_count = static_cast<int>(summary.iterations.size());  // with that of the start; none when nothing is free
+  return {std::max(0, evaluation_count - 1), summary.termination_type == ceres::CONVERGENCE,
           summary.termination_type == ceres::USER_SUCCESS};
 }
 

@@ -29,6 +29,21 @@ bool is_seen(const Camera& camera, const Eigen::Vector3d& in_camera) {
   return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= camera.width - 1 && pixel.y() <= camera.height - 1;
 }
 
+// Landmarks that only one keyframe sees are not worth having: their observations go.
+void drop_single_observations(World& world) {
+  std::vector<int> counts(world.truth.landmarks_in_world.size());
+  for (const BundleObservation& observation : world.truth.observations) counts[observation.landmark] += 1;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < world.truth.observations.size(); ++i) {
+    if (counts[world.truth.observations[i].landmark] < 2) continue;
+    world.truth.observations[kept] = world.truth.observations[i];
+    world.observation_is_outlier[kept] = world.observation_is_outlier[i];
+    kept += 1;
+  }
+  world.truth.observations.resize(kept);
+  world.observation_is_outlier.resize(kept);
+}
+
 BundleObservation measure(const Camera& camera, const Eigen::Vector3d& in_camera, const WorldOptions& options, std::mt19937& random) {
   BundleObservation observation;
   observation.scale = std::pow(1.2, static_cast<double>(random() % 4));
@@ -89,6 +104,7 @@ World make_world(const WorldOptions& options) {
       world.observation_is_outlier.push_back(is_outlier);
     }
   }
+  drop_single_observations(world);
   return world;
 }
 
