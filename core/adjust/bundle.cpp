@@ -23,15 +23,13 @@ struct Appraisal {
 
 Appraisal appraise(const BundleProblem& problem, const BundleState& state) {
   Appraisal appraisal;
-  std::vector<KeyframeView> views;
-  views.reserve(problem.keyframes.size());
-  for (const BundleKeyframe& keyframe : problem.keyframes) views.push_back(view_of(keyframe, problem.camera));
+  const std::vector<KeyframeView> views = views_of(problem);
   for (const BundleObservation& observation : problem.observations) {
     const Rigid3& world_from_submap = state.world_from_submap[problem.keyframes[observation.keyframe].submap];
     const ObservationResidual residual = observation_residual(observation, views[observation.keyframe], world_from_submap,
                                                               state.landmarks_in_world[observation.landmark], nullptr);
     const double chi2 = residual.whitened.squaredNorm(), bound = chi2_bound(observation);
-    appraisal.cost += huber_cost(chi2, bound);
+    appraisal.cost += cauchy_cost(chi2, bound);
     appraisal.is_in_front.push_back(residual.landmark_depth_m > kNearest_m);
     appraisal.is_inlier.push_back(residual.landmark_depth_m > kNearest_m && chi2 <= bound);
   }

@@ -51,7 +51,7 @@ struct BundleProblem {
 };
 
 struct BundleOptions {
-  // With Huber's loss, before the outliers are dropped. The reference takes 5 for local adjustment (notes section 5.2).
+  // With Cauchy's loss, before the outliers are dropped. The reference takes 5 and 10 for local adjustment (notes section 5.2).
   int robust_iterations = 5;
   // After that, without a loss. A pose graph has no outliers to drop and takes both counts in one go.
   int iterations = 10;
@@ -65,14 +65,18 @@ struct BundleSolution {
   // In front of the camera and its chi-square at the solution at most kPixelAndDepthChi2, or kPixelChi2 without depth (bundle_noise.h).
   std::vector<bool> observation_is_inlier;
   std::vector<double> link_chi2;  // 6 degrees of freedom, see kPoseChi2; without the loss
-  // Half the sum of squared whitened residuals, after Huber's (observations) and Cauchy's loss (robust links), over all observations and
-  // links: what the problem and the solution can be compared by.
+  // Half the sum of squared whitened residuals, after Cauchy's loss of observations and robust links, over all observations and links:
+  // what the problem and the solution can be compared by.
   double initial_cost = 0, final_cost = 0;
   int iteration_count = 0;  // of both stages, steps that were refused too
   bool converged = false;   // the last stage ended by least_progress, not by its count
 };
 
 // Levenberg-Marquardt in two stages: robust, then without the observations beyond their chi-square bound and without a loss for the rest.
+// The reference's robust loss is Huber's. It bounds the pull of an outlier in the outlier's own deviations, and a wrong near depth with its
+// millimetre outweighs many right ones at 2 m: with 20 % of such outliers a fifth of the right observations were lost, with 30 % the poses.
+// Cauchy's loss loses 3 % of them up to 50 % outliers (8 synthetic worlds, starts 2 to 20 cm off; the 95 % bound alone takes up to 5 %). In
+// turn it wants a start from which most observations of a landmark agree: close a loop by its link first, then adjust the landmarks.
 // An observation whose landmark is behind its camera, or nearer than kNearest_m, is left out of a stage.
 // A landmark that a stage's observations do not hold (fewer than two, or none with depth and all from one keyframe) is not solved for: it
 // moves rigidly with the submap of its first observation. So does a landmark in no keyframe: not at all. Submaps that the inliers no

@@ -65,6 +65,13 @@ KeyframeView view_of(const BundleKeyframe& keyframe, const Camera& camera) {
   return {camera_from_submap.rotation.toRotationMatrix(), camera_from_submap.translation, camera.fx, camera.fy, camera.cx, camera.cy};
 }
 
+std::vector<KeyframeView> views_of(const BundleProblem& problem) {
+  std::vector<KeyframeView> views;
+  views.reserve(problem.keyframes.size());
+  for (const BundleKeyframe& keyframe : problem.keyframes) views.push_back(view_of(keyframe, problem.camera));
+  return views;
+}
+
 ObservationResidual observation_residual(const BundleObservation& observation, const KeyframeView& view, const Rigid3& world_from_submap,
                                          const Eigen::Vector3d& landmark_in_world, ObservationDerivatives* derivatives) {
   const Eigen::Matrix3d submap_from_world = world_from_submap.rotation.toRotationMatrix().transpose();

@@ -19,6 +19,7 @@ struct KeyframeView {
   double fx, fy, cx, cy;  // pixels
 };
 KeyframeView view_of(const BundleKeyframe& keyframe, const Camera& camera);
+std::vector<KeyframeView> views_of(const BundleProblem& problem);  // one a keyframe
 
 // Predicted less measured, over the standard deviation: u, v, depth. The last is zero for an observation without depth.
 struct ObservationResidual {

@@ -2,6 +2,7 @@
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>
@@ -127,14 +128,13 @@ class StageProblem {
       if (stage.submap_is_held[i])
         ceres_->SetParameterBlockConstant(poses_[i].data());
       else
-        free_submap_count_ += 1, ceres_->SetManifold(poses_[i].data(), &manifold_);
+        ceres_->SetManifold(poses_[i].data(), &manifold_);
     }
   }
   StageProblem(const StageProblem&) = delete;
   StageProblem& operator=(const StageProblem&) = delete;
 
   bool has_landmarks() const { return !observation_costs_.empty(); }
-  int free_submap_count() const { return free_submap_count_; }
   ceres::Problem& ceres() { return *ceres_; }
 
   // Landmarks are eliminated first.
@@ -156,14 +156,13 @@ class StageProblem {
 
  private:
   void add_observations(const BundleProblem& problem, const BundleStage& stage) {
-    views_.reserve(problem.keyframes.size());
-    for (const BundleKeyframe& keyframe : problem.keyframes) views_.push_back(view_of(keyframe, problem.camera));
+    views_ = views_of(problem);
     for (std::size_t i = 0; i < problem.observations.size(); ++i) {
       if (!stage.observation_is_used[i]) continue;
       const BundleObservation& observation = problem.observations[i];
       observation_costs_.emplace_back(observation, views_[observation.keyframe]);
-      ceres::LossFunction* huber = observation.depth_m > 0 ? &huber_with_depth_ : &huber_without_depth_;
-      ceres_->AddResidualBlock(&observation_costs_.back(), stage.robust ? huber : nullptr,
+      ceres::LossFunction* cauchy = observation.depth_m > 0 ? &cauchy_with_depth_ : &cauchy_without_depth_;
+      ceres_->AddResidualBlock(&observation_costs_.back(), stage.robust ? cauchy : nullptr,
                                poses_[problem.keyframes[observation.keyframe].submap].data(), landmarks_[observation.landmark].data());
     }
   }
@@ -171,7 +170,8 @@ class StageProblem {
   void add_links(const BundleProblem& problem) {
     for (const BundleLink& link : problem.links) {
       link_costs_.emplace_back(link);
-      ceres_->AddResidualBlock(&link_costs_.back(), link.robust ? &cauchy_ : nullptr, poses_[link.from].data(), poses_[link.to].data());
+      ceres_->AddResidualBlock(&link_costs_.back(), link.robust ? &cauchy_of_link_ : nullptr, poses_[link.from].data(),
+                               poses_[link.to].data());
     }
   }
 
@@ -181,10 +181,9 @@ class StageProblem {
   // Deques: they grow without moving what they hold.
   std::deque<ObservationCost> observation_costs_;
   std::deque<LinkCost> link_costs_;
-  int free_submap_count_ = 0;
   TwistManifold manifold_;
-  ceres::HuberLoss huber_with_depth_{std::sqrt(kPixelAndDepthChi2)}, huber_without_depth_{std::sqrt(kPixelChi2)};
-  ceres::CauchyLoss cauchy_{std::sqrt(kPoseChi2)};
+  ceres::CauchyLoss cauchy_with_depth_{std::sqrt(kPixelAndDepthChi2)}, cauchy_without_depth_{std::sqrt(kPixelChi2)};
+  ceres::CauchyLoss cauchy_of_link_{std::sqrt(kPoseChi2)};
   std::unique_ptr<ceres::Problem> ceres_;  // last: goes before what it points to
 };
 
@@ -208,13 +207,12 @@ StageOutcome solve_stage(const BundleProblem& problem, const BundleStage& stage,
   options.callbacks.push_back(&callback);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &stage_problem.ceres(), &summary);
-  if (getenv("HB")) puts(summary.FullReport().c_str());
   if (summary.IsSolutionUsable()) stage_problem.write_to(state);
-  return {static_cast<int>(summary.iterations.size()) - 1, summary.termination_type == ceres::CONVERGENCE,
+  const int evaluation_count = static_cast<int>(summary.iterations.size());  // with that of the start; none when nothing is free
+  return {std::max(0, evaluation_count - 1), summary.termination_type == ceres::CONVERGENCE,
           summary.termination_type == ceres::USER_SUCCESS};
 }
 
-double huber_cost(double chi2, double bound) { return 0.5 * (chi2 <= bound ? chi2 : 2 * std::sqrt(bound * chi2) - bound); }
 double cauchy_cost(double chi2, double bound) { return 0.5 * bound * std::log1p(chi2 / bound); }
 
 }  // namespace hermite

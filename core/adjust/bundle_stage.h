@@ -16,7 +16,7 @@ struct BundleState {
 struct BundleStage {
   std::vector<bool> submap_is_held;
   std::vector<bool> observation_is_used;  // those of landmarks that are solved for
-  bool robust = false;                    // Huber's loss on observations; robust links have Cauchy's anyhow
+  bool robust = false;                    // Cauchy's loss on observations; robust links have it anyhow
   int iterations = 0;                     // at most
   double least_progress = 0;
 };
@@ -31,9 +31,7 @@ struct StageOutcome {
 // Where no step succeeds, nothing moves. The problem must be valid.
 StageOutcome solve_stage(const BundleProblem& problem, const BundleStage& stage, std::stop_token stop, BundleState& state);
 
-// Cauchy's scale of a robust link: the 95 % bound, where a right link ends.
-// Half the loss of a chi-square, as Ceres has it: Huber's for an observation, Cauchy's for a robust link.
-double huber_cost(double chi2, double bound);
+// Half of Cauchy's loss of a chi-square whose right values end at `bound`, as the solver has it.
 double cauchy_cost(double chi2, double bound);
 
 }  // namespace hermite

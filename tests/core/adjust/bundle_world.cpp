@@ -10,8 +10,8 @@ namespace hermite::test {
 
 namespace {
 
-constexpr double kWall_m = 2;     // from the camera's way to the wall
-constexpr double kNoise = 0.01;   // waviness of way and wall [m or rad]: nothing lies in one plane or circle
+constexpr double kWall_m = 2;    // from the camera's way to the wall
+constexpr double kNoise = 0.01;  // waviness of way and wall [m or rad]: nothing lies in one plane or circle
 
 // Looking outwards at `angle`, its image upright: x along the way, y down, z out.
 Rigid3 pose_at(double angle, double circle_m, std::mt19937& random) {
@@ -27,6 +27,21 @@ bool is_seen(const Camera& camera, const Eigen::Vector3d& in_camera) {
   if (in_camera.z() < 0.5 || in_camera.z() > 3.5) return false;
   const Eigen::Vector2d pixel = camera.project(in_camera);
   return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= camera.width - 1 && pixel.y() <= camera.height - 1;
+}
+
+// Landmarks that only one keyframe sees are not worth having: their observations go.
+void drop_single_observations(World& world) {
+  std::vector<int> counts(world.truth.landmarks_in_world.size());
+  for (const BundleObservation& observation : world.truth.observations) counts[observation.landmark] += 1;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < world.truth.observations.size(); ++i) {
+    if (counts[world.truth.observations[i].landmark] < 2) continue;
+    world.truth.observations[kept] = world.truth.observations[i];
+    world.observation_is_outlier[kept] = world.observation_is_outlier[i];
+    kept += 1;
+  }
+  world.truth.observations.resize(kept);
+  world.observation_is_outlier.resize(kept);
 }
 
 BundleObservation measure(const Camera& camera, const Eigen::Vector3d& in_camera, const WorldOptions& options, std::mt19937& random) {
@@ -63,8 +78,8 @@ World make_world(const WorldOptions& options) {
   for (int i = 0; i < keyframe_count; ++i) {
     world_from_camera.push_back(pose_at(2 * M_PI * options.laps * i / keyframe_count, options.circle_m, random));
     if (i % options.keyframes_per_submap == 0) truth.world_from_submap.push_back(world_from_camera.back());
-    truth.keyframes.push_back({static_cast<std::uint32_t>(i / options.keyframes_per_submap),
-                               inverse(truth.world_from_submap.back()) * world_from_camera.back()});
+    truth.keyframes.push_back(
+        {static_cast<std::uint32_t>(i / options.keyframes_per_submap), inverse(truth.world_from_submap.back()) * world_from_camera.back()});
   }
   truth.is_fixed.assign(truth.world_from_submap.size(), false);
   truth.is_fixed[0] = true;
@@ -89,6 +104,7 @@ World make_world(const WorldOptions& options) {
       world.observation_is_outlier.push_back(is_outlier);
     }
   }
+  drop_single_observations(world);
   return world;
 }
 
@@ -118,8 +134,7 @@ Ring make_ring(int submap_count, double deviation_m, double deviation_rad, unsig
     ring.drifted.world_from_submap.push_back(ring.drifted.world_from_submap.back() * measured);
   }
   const std::uint32_t last = static_cast<std::uint32_t>(ring.truth.size()) - 1;
-  ring.drifted.links.push_back(
-      {last, 0, inverse(ring.truth[last]) * ring.truth[0], information_of(deviation_m, deviation_rad), true});
+  ring.drifted.links.push_back({last, 0, inverse(ring.truth[last]) * ring.truth[0], information_of(deviation_m, deviation_rad), true});
   return ring;
 }
 

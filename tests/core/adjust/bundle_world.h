@@ -15,13 +15,13 @@ double normal(std::mt19937& random);
 Vector6d random_twist(std::mt19937& random, double metres, double radians);
 
 struct WorldOptions {
-  int submap_count = 8;
-  int keyframes_per_submap = 3;
-  int landmark_count = 300;
-  double circle_m = 2;    // radius of the camera's way; the wall is 2 m further out
-  double laps = 1;        // with more than one, places are seen again by other submaps
-  double noise = 0;       // of pixels and depths, in their standard deviations
-  double outliers = 0;    // part of the observations: pixel and depth are then anything
+  int submap_count = 10;
+  int keyframes_per_submap = 4;
+  int landmark_count = 400;
+  double circle_m = 1;  // radius of the camera's way; the wall is 2 m further out
+  double laps = 1;      // with more than one, places are seen again by other submaps
+  double noise = 0;     // of pixels and depths, in their standard deviations
+  double outliers = 0;  // part of the observations: pixel and depth are then anything
   bool with_depth = true;
   unsigned seed = 1;
 };
