@@ -144,6 +144,7 @@ int run_reconstruct(const ReconstructArguments& arguments) {
   Pipeline pipeline(arguments.device, sequence->camera(), options,
                     make_mapping(sequence->camera(), options.adjust, CorrectionTime::kByFrames));
   process_frames(*sequence, range, pipeline);
+  pipeline.finish();
   const RunResults results = or_throw(write_results(arguments.out_folder, pipeline, options, sequence->groundtruth()));
   std::cout << results.report_json;
   return 0;

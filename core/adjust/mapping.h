@@ -63,6 +63,9 @@ class Mapping {
   // The camera was not found: the map goes on in a part of its own, whose first submap stands at `world_from_camera` until it is joined.
   virtual void begin_part(const Rigid3& world_from_camera) = 0;
 
+  // No frame follows: what is being adjusted is awaited, and everything is adjusted once more.
+  virtual void finish() = 0;
+
   // For the report: "submaps", "keyframes", "landmarks", "loops", ...
   virtual std::map<std::string, std::int64_t> counts() const = 0;
 };

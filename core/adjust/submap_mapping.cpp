@@ -327,14 +327,17 @@ void SubmapMapping::apply_due() {
   if (!running_ || (time_ == CorrectionTime::kByFrames && frame_ < running_->due_frame)) return;
   const std::optional<Result<BundleSolution>> ready =
       time_ == CorrectionTime::kByFrames ? std::optional(adjuster_->wait()) : adjuster_->poll();
-  if (!ready) return;
+  if (ready) apply_result(*ready);
+}
+
+void SubmapMapping::apply_result(const Result<BundleSolution>& result) {
   const Running done = *std::exchange(running_, std::nullopt);
-  if (!ready->ok()) {
+  if (!result.ok()) {
     ++counts_["failed adjustments"];
     return;
   }
   const std::vector<Rigid3> before = map_.world_from_submap;
-  apply(**ready, done.scope, map_);
+  apply(*result, done.scope, map_);
   // Submaps that came since follow the one they were opened from.
   for (std::size_t submap = done.submap_count; submap < before.size(); ++submap) {
     const std::uint32_t parent = graph_.parent[submap];
@@ -342,6 +345,13 @@ void SubmapMapping::apply_due() {
   }
   publish();
   ++counts_[done.is_global ? "global adjustments" : "local adjustments"];
+}
+
+void SubmapMapping::finish() {
+  if (running_) apply_result(adjuster_->wait());
+  if (!options_.global_bundle_adjustment || layout_.part.size() < 2) return;
+  adjust_globally();
+  apply_result(adjuster_->wait());
 }
 
 std::map<std::string, std::int64_t> SubmapMapping::counts() const {

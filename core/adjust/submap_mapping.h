@@ -25,6 +25,7 @@ class SubmapMapping final : public Mapping {
   std::vector<Revisit> find(const RgbdFrame& frame) override;
   void found(const Revisit& revisit, const Rigid3& world_from_camera) override;
   void begin_part(const Rigid3& world_from_camera) override;
+  void finish() override;
   std::map<std::string, std::int64_t> counts() const override;
 
   const SparseMap& map() const { return map_; }
@@ -57,6 +58,7 @@ class SubmapMapping final : public Mapping {
   void adjust_globally();
   void start(BundleOfMap bundle, std::int64_t delay_frames, bool is_global);
   void apply_due();
+  void apply_result(const Result<BundleSolution>& result);
   void publish();
 
   const AdjustOptions options_;

@@ -81,6 +81,7 @@ struct Pipeline::Impl {
   void observe(const RgbdFrame& frame, const Rigid3& tracked);
   void find(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
   void remember(double timestamp_s);
+  void follow_corrections();
   const MapLayout& layout() const { return mapping ? mapping->layout() : one_submap; }
   bool is_output(const Surfel& surfel) const {
     return surfel.confidence >= (options.output_unstable ? 1e-6 : options.map.stable_confidence);
@@ -150,6 +151,10 @@ void Pipeline::Impl::find(const RgbdFrame& frame, const FrameContent& content, M
 void Pipeline::Impl::remember(double timestamp_s) {
   poses.push_back({timestamp_s, layout().current, inverse(layout().world_from_submap[layout().current]) * world_from_camera});
   trajectory.push_back({timestamp_s, world_from_camera});
+  follow_corrections();
+}
+
+void Pipeline::Impl::follow_corrections() {
   if (correction_count == layout().correction_count) return;
   correction_count = layout().correction_count;
   for (std::size_t i = 0; i < poses.size(); ++i)
@@ -209,6 +214,13 @@ Result<FrameResult> Pipeline::process(const RgbdFrame& frame) {
   } catch (const SetupError& error) {
     return error.error();
   }
+}
+
+void Pipeline::finish() {
+  if (!impl_->mapping) return;
+  impl_->mapping->finish();
+  impl_->front_end.store.set_submaps(impl_->layout().world_from_submap);
+  impl_->follow_corrections();
 }
 
 Status Pipeline::insert(const Cloud& cloud) {

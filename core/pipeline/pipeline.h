@@ -69,6 +69,9 @@ class Pipeline {
   // which only trajectory() and statistics() may be called.
   Result<FrameResult> process(const RgbdFrame& frame);
 
+  // No frame follows: the map is adjusted for the last time.
+  void finish();
+
   // Adds an earlier model, in this scan's world frame: as if all of it were seen in the next frame. Normals towards the camera, as in
   // cloud(); points without confidence are left out. kDevice: no room.
   Status insert(const Cloud& cloud);

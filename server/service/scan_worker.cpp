@@ -60,7 +60,10 @@ ScanEnd failure(Error error) { return {wire::ScanPhase::kFailed, std::move(error
 class ScanRun {
  public:
   ScanRun(const ScanSetup& setup, const ScanEvents& events, FrameQueue& queue)
-      : setup_(setup), events_(events), queue_(queue), pipeline_(setup.device, setup.camera, setup.options) {}
+      : setup_(setup),
+        events_(events),
+        queue_(queue),
+        pipeline_(setup.device, setup.camera, setup.options, make_mapping(setup.camera, setup.options.adjust, setup.correction_time)) {}
 
   // While the GPU works on a frame, other threads decode the next one and encode what the last ones have changed.
   Status take_frames() {
@@ -83,6 +86,7 @@ class ScanRun {
   }
 
   Result<wire::Finished> write() {
+    pipeline_.finish();
     if (Status status = start_update(); !status.ok()) return status.error();
     if (Status status = tell_viewers(); !status.ok()) return status.error();
     Result<RunResults> results = write_results(setup_.folder, pipeline_, setup_.options, {});

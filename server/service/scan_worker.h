@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/adjust/mapping.h"
 #include "core/base/result.h"
 #include "core/math/camera.h"
 #include "core/output/chunks.h"
@@ -33,6 +34,7 @@ struct ScanSetup {
   wire::DepthCodec depth_codec = wire::DepthCodec::kRvlZstd;
   std::size_t queue_capacity = 16;  // frames
   std::string folder;               // for the results; exists
+  CorrectionTime correction_time = CorrectionTime::kByFrames;
 };
 
 struct FrameOutcome {

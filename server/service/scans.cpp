@@ -141,9 +141,10 @@ Result<StartedScan> Scans::start(const wire::StartScan& request) {
   auto scan = std::make_shared<LiveScan>(ScanTerms{request.mode, window}, audience, [this, row](const ScanEnd& end) { ended(row, end); });
   running_[row.id] = scan;
   const std::size_t queue_capacity = live ? std::min<std::size_t>(window, kLiveQueueFrames) : window;
-  scan->start(std::make_unique<ScanWorker>(
-      ScanSetup{options_.device, request.camera, options, request.depth_codecs.front(), queue_capacity, data_.scan_folder(row.id)},
-      events_for(scan)));
+  scan->start(
+      std::make_unique<ScanWorker>(ScanSetup{options_.device, request.camera, options, request.depth_codecs.front(), queue_capacity,
+                                             data_.scan_folder(row.id), live ? CorrectionTime::kWhenReady : CorrectionTime::kByFrames},
+                                   events_for(scan)));
   spdlog::info("scan {} started: {}x{}, {}", row.id, row.camera.width, row.camera.height, live ? "live" : "batch");
 
   wire::Welcome welcome;

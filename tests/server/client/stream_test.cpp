@@ -83,13 +83,14 @@ struct Expected {
 Expected local_run(const Sequence& sequence) {
   Options options;
   options.output_unstable = true;
-  Pipeline pipeline("", sequence.camera(), options);
+  Pipeline pipeline("", sequence.camera(), options, make_mapping(sequence.camera(), options.adjust, CorrectionTime::kByFrames));
   for (std::int64_t index = 0; index < sequence.frame_count(); ++index) {
     auto recorded = sequence.read(index);
     const RgbdFrame frame =
         recorded.ok() ? *decode_frame(*std::move(recorded)) : wire::empty_frame(sequence.timestamp_s(index), sequence.camera());
     EXPECT_TRUE(pipeline.process(frame).ok());
   }
+  pipeline.finish();
   const Cloud cloud = *pipeline.cloud();
   EXPECT_FALSE(cloud.empty());
   const RunReport report{pipeline.statistics(), options, format_tum_trajectory(pipeline.trajectory()), format_ply(cloud)};

@@ -138,8 +138,9 @@ const Json& local_report() {
     const test::TemporaryFolder folder;
     Options options;
     for (const auto& [key, value] : kSettings) EXPECT_TRUE(apply_setting(options, key, value).ok());
-    Pipeline pipeline("", room().camera(), options);
+    Pipeline pipeline("", room().camera(), options, make_mapping(room().camera(), options.adjust, CorrectionTime::kByFrames));
     for (int i = 0; i < kFrameCount; ++i) EXPECT_TRUE(pipeline.process(*decode_frame(*room().read(i))).ok());
+    pipeline.finish();
     EXPECT_GT(pipeline.cloud()->size(), 100u) << "the comparison needs a cloud";
     return Json::parse(write_results(folder.path(), pipeline, options, {})->report_json);
   }();
