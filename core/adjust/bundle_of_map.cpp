@@ -15,11 +15,12 @@ std::vector<std::uint32_t> places_of(const std::vector<std::uint32_t>& members, 
   return places;
 }
 
-void add_links(const SubmapGraph& graph, const std::vector<std::uint32_t>& place_of_submap, BundleProblem& problem) {
+void add_links(const SubmapGraph& graph, const std::vector<std::uint32_t>& place_of_submap, bool loops_may_be_wrong,
+               BundleProblem& problem) {
   for (const SubmapLink& link : graph.links) {
     const std::uint32_t from = place_of_submap[link.from], to = place_of_submap[link.to];
     if (from == kOutside || to == kOutside || (problem.is_fixed[from] && problem.is_fixed[to])) continue;
-    problem.links.push_back({from, to, link.from_from_to, information_of(link), link.is_loop});
+    problem.links.push_back({from, to, link.from_from_to, information_of(link), link.is_loop && loops_may_be_wrong});
   }
 }
 
@@ -76,7 +77,7 @@ BundleOfMap pose_graph_of(const SparseMap& map, const SubmapGraph& graph, const 
     bundle.problem.world_from_submap.push_back(map.world_from_submap[submap]);
     bundle.problem.is_fixed.push_back(submap == fixed);
   }
-  add_links(graph, places_of(submaps, map.world_from_submap.size()), bundle.problem);
+  add_links(graph, places_of(submaps, map.world_from_submap.size()), false, bundle.problem);
   return bundle;
 }
 
@@ -96,7 +97,7 @@ BundleOfMap bundle_of(const SparseMap& map, const SubmapGraph& graph, const std:
     bundle.problem.is_fixed.push_back(i >= free.size());
   }
   if (bundle.scope.submaps.size() == free.size()) bundle.problem.is_fixed[0] = true;
-  add_links(graph, places_of(bundle.scope.submaps, map.world_from_submap.size()), bundle.problem);
+  add_links(graph, places_of(bundle.scope.submaps, map.world_from_submap.size()), true, bundle.problem);
   add_observations(map, bundle);
   return bundle;
 }

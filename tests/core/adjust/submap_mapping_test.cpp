@@ -1,0 +1,267 @@
+// The back end behind a front end that is played: poses with a drift that is known, and a look that sees what is true.
+#include "core/adjust/submap_mapping.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/dataset/synthetic_camera.h"
+
+namespace hermite {
+namespace {
+
+// A third of a usual image is enough for features, and quick to render.
+const Camera kCamera{320, 240, 262, 262, 159.5, 119.5, 5000};
+
+// What a dense look finds from: farther from the truth it does not come back.
+constexpr double kReach_m = 0.15, kReach_rad = 0.2;
+
+struct Step {
+  Rigid3 world_from_camera;  // true
+  RgbdFrame frame;
+};
+
+// `count` frames, `apart` frames of 30 Hz from one to the next. The world is the camera at the beginning of the lap.
+std::vector<Step> walk(RoomScene scene, int first, int count, int apart) {
+  const SyntheticRoom room(scene);
+  std::vector<Step> steps;
+  for (int i = 0; i < count; ++i) {
+    const double time_s = (first + i * apart) / 30.0;
+    const Rigid3 pose = synthetic_pose(time_s, 1, scene);
+    RoomView view = room.render(kCamera, pose);
+    steps.push_back({inverse(synthetic_pose(0, 1, scene)) * pose, {time_s, std::move(view.depth), std::move(view.color)}});
+  }
+  return steps;
+}
+
+// Tracking that is off by one part of a hundred of every step and a third of a degree per metre, always the same way.
+class Drift {
+ public:
+  explicit Drift(double scale = 1) : scale_(scale) {}
+  Rigid3 next(const Rigid3& previous_from_camera) const {
+    Vector6d error = Vector6d::Zero();
+    const double way_m = previous_from_camera.translation.norm();
+    error.head<3>() = 0.01 * scale_ * previous_from_camera.translation;
+    error[4] = 0.006 * scale_ * way_m;
+    return previous_from_camera * exp_se3(error);
+  }
+
+ private:
+  double scale_;
+};
+
+class PlayedFrontEnd {
+ public:
+  PlayedFrontEnd(const AdjustOptions& options, double drift, bool believes_everything = false)
+      : mapping(kCamera, options, CorrectionTime::kByFrames), drift_(drift), believes_everything_(believes_everything) {}
+
+  void track(const Step& step) {
+    const Rigid3 tracked = started_ ? mapping.layout().world_from_submap[submap_] * submap_from_camera_ *
+                                          drift_.next(inverse(true_before_) * step.world_from_camera)
+                                    : step.world_from_camera;
+    started_ = true;
+    true_before_ = step.world_from_camera;
+    submap_from_camera_ = inverse(mapping.layout().world_from_submap[submap_]) * tracked;
+    const std::vector<Revisit> revisits = mapping.observe(step.frame, tracked);
+    note_new_submaps(step);
+    for (const Revisit& revisit : revisits) {
+      ++offered;
+      const std::optional<Rigid3> seen_from = look(revisit, step);
+      if (seen_from && mapping.confirm(revisit, *seen_from)) break;
+    }
+    settle();
+  }
+
+  // What the front end sees of a revisit: where the camera truly is, as the nearest of these submaps stands in the map.
+  std::optional<Rigid3> look(const Revisit& revisit, const Step& step) {
+    if (believes_everything_) return revisit.world_from_camera;
+    std::optional<Rigid3> best;
+    double least = 1e300;
+    for (std::uint32_t submap = 0; submap < revisit.submaps.size(); ++submap) {
+      const Rigid3 true_submap_from_camera = inverse(true_world_from_submap[submap]) * step.world_from_camera;
+      if (!revisit.submaps[submap] || length_of(true_submap_from_camera) >= least) continue;
+      least = length_of(true_submap_from_camera);
+      best = mapping.layout().world_from_submap[submap] * true_submap_from_camera;
+    }
+    if (!best) return std::nullopt;
+    const Rigid3 off = inverse(revisit.world_from_camera) * *best;
+    if (off.translation.norm() > kReach_m || angle_rad(off.rotation) > kReach_rad) return std::nullopt;
+    return best;
+  }
+
+  // Largest distance of a submap from where it truly is.
+  double worst_error_m() const {
+    double worst = 0;
+    const Rigid3 map_from_world = mapping.layout().world_from_submap[0] * inverse(true_world_from_submap[0]);
+    for (std::size_t i = 0; i < true_world_from_submap.size(); ++i)
+      worst = std::max(
+          worst, (mapping.layout().world_from_submap[i].translation - (map_from_world * true_world_from_submap[i]).translation).norm());
+    return worst;
+  }
+
+  std::int64_t count(const std::string& what) const {
+    const auto counts = mapping.counts();
+    const auto found = counts.find(what);
+    return found == counts.end() ? 0 : found->second;
+  }
+  std::int64_t loops() const { return count("loops by appearance") + count("loops by nearness"); }
+
+  Rigid3 world_from_camera() const { return mapping.layout().world_from_submap[submap_] * submap_from_camera_; }
+  void settle() {
+    const Rigid3 camera = world_from_camera();
+    submap_ = mapping.layout().current;
+    submap_from_camera_ = inverse(mapping.layout().world_from_submap[submap_]) * camera;
+  }
+  void is_at(const Rigid3& world_from_camera, const Step& step) {
+    submap_ = mapping.layout().current;
+    submap_from_camera_ = inverse(mapping.layout().world_from_submap[submap_]) * world_from_camera;
+    true_before_ = step.world_from_camera;
+    note_new_submaps(step);
+  }
+
+  SubmapMapping mapping;
+  std::vector<Rigid3> true_world_from_submap;
+  int offered = 0;
+
+ private:
+  // A submap's frame is the camera that opened it.
+  void note_new_submaps(const Step& step) {
+    while (true_world_from_submap.size() < mapping.layout().world_from_submap.size())
+      true_world_from_submap.push_back(true_world_from_submap.empty() ? Rigid3{} : step.world_from_camera);
+    if (true_world_from_submap.size() == 1) true_world_from_submap[0] = Rigid3{};
+  }
+
+  Drift drift_;
+  const bool believes_everything_;
+  std::uint32_t submap_ = 0;
+  Rigid3 submap_from_camera_, true_before_;
+  bool started_ = false;
+};
+
+// Once round the circuit, and a bit of the second lap.
+const std::vector<Step>& circuit() {
+  static const std::vector<Step> steps = walk(RoomScene::kLoop, 0, 86, 19);
+  return steps;
+}
+
+AdjustOptions without_global() {
+  AdjustOptions options;
+  options.global_bundle_adjustment = false;
+  return options;
+}
+
+TEST(SubmapMapping, AStandingCameraOpensNothing) {
+  PlayedFrontEnd front_end({}, 0);
+  const std::vector<Step> steps = walk(RoomScene::kLoop, 0, 1, 1);
+  for (int i = 0; i < 20; ++i) front_end.track(steps[0]);
+  EXPECT_EQ(front_end.count("submaps"), 1);
+  EXPECT_EQ(front_end.count("keyframes"), 1);
+  EXPECT_EQ(front_end.mapping.layout().correction_count, 0u);
+}
+
+TEST(SubmapMapping, GoingToAndFroOpensNoMoreThanGoingThere) {
+  const std::vector<Step> steps = walk(RoomScene::kLoop, 0, 10, 10);
+  PlayedFrontEnd front_end({}, 0);
+  for (const Step& step : steps) front_end.track(step);
+  const std::int64_t submaps = front_end.count("submaps"), keyframes = front_end.count("keyframes");
+  EXPECT_GE(submaps, 3);
+  for (int i = 8; i >= 0; --i) front_end.track(steps[static_cast<std::size_t>(i)]);
+  for (const Step& step : steps) front_end.track(step);
+  EXPECT_LE(front_end.count("submaps"), submaps + 1);
+  EXPECT_LE(front_end.count("keyframes"), keyframes + 2);
+}
+
+TEST(SubmapMapping, ACircuitIsClosed) {
+  PlayedFrontEnd open(without_global(), 1), closed({}, 1);
+  for (const Step& step : circuit()) {
+    open.track(step);
+    closed.track(step);
+  }
+  open.mapping.finish();
+  closed.mapping.finish();
+  EXPECT_EQ(open.loops(), 0);
+  EXPECT_GE(closed.loops(), 1);
+  EXPECT_EQ(closed.count("contradicting loops"), 0);
+  RecordProperty("open_mm", static_cast<int>(1000 * open.worst_error_m()));
+  RecordProperty("closed_mm", static_cast<int>(1000 * closed.worst_error_m()));
+  EXPECT_GT(open.worst_error_m(), 0.05) << "nothing to correct";
+  EXPECT_LT(closed.worst_error_m(), open.worst_error_m() / 3);
+}
+
+TEST(SubmapMapping, TheSameFramesGiveTheSameMap) {
+  std::vector<Rigid3> first;
+  for (int run = 0; run < 2; ++run) {
+    PlayedFrontEnd front_end({}, 1);
+    for (const Step& step : circuit()) front_end.track(step);
+    front_end.mapping.finish();
+    const std::vector<Rigid3>& poses = front_end.mapping.layout().world_from_submap;
+    if (run == 0) first = poses;
+    ASSERT_EQ(poses.size(), first.size());
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      EXPECT_EQ(poses[i].translation, first[i].translation);
+      EXPECT_EQ(poses[i].rotation.coeffs(), first[i].rotation.coeffs());
+    }
+  }
+}
+
+TEST(SubmapMapping, ATwinOfTheRoomIsNotTakenForIt) {
+  // From the first room through the corridor into its copy. Whoever believed what looks alike would fold one onto the other.
+  PlayedFrontEnd front_end({}, 0.3, true);
+  for (const Step& step : walk(RoomScene::kTwins, 0, 60, 17)) front_end.track(step);
+  front_end.mapping.finish();
+  EXPECT_LT(front_end.worst_error_m(), 0.2);
+}
+
+TEST(SubmapMapping, ALostCameraIsFoundAgain) {
+  PlayedFrontEnd front_end({}, 0);
+  for (const Step& step : circuit()) front_end.track(step);
+  // Taken to where it has been at frame 20, without being told.
+  const std::vector<Step> elsewhere = walk(RoomScene::kLoop, 20 * 19 + 5, 1, 1);
+  const std::vector<Revisit> revisits = front_end.mapping.find(elsewhere[0].frame);
+  ASSERT_EQ(revisits.size(), 1u);
+  EXPECT_TRUE(revisits[0].by_appearance);
+  const std::optional<Rigid3> seen_from = front_end.look(revisits[0], elsewhere[0]);
+  ASSERT_TRUE(seen_from);
+  front_end.mapping.found(revisits[0], *seen_from);
+  const MapLayout& layout = front_end.mapping.layout();
+  EXPECT_TRUE(layout.is_active[layout.current]);
+  EXPECT_LT((layout.world_from_submap[layout.current].translation - seen_from->translation).norm(), 0.6);
+}
+
+TEST(SubmapMapping, ANewPartIsJoinedWhenItSeesTheOldOne) {
+  PlayedFrontEnd front_end({}, 0);
+  const std::vector<Step>& steps = circuit();
+  for (std::size_t i = 0; i < 20; ++i) front_end.track(steps[i]);
+  // Lost between 20 and 30, and taken for where it was last.
+  front_end.mapping.begin_part(front_end.world_from_camera());
+  front_end.is_at(front_end.world_from_camera(), steps[30]);
+  const std::uint32_t part = front_end.mapping.layout().part.back();
+  EXPECT_NE(part, front_end.mapping.layout().part[0]);
+  // Backwards to known ground.
+  for (std::size_t i = 30; i > 10; --i) front_end.track(steps[i]);
+  EXPECT_EQ(front_end.count("joined parts"), 1);
+  for (const std::uint32_t of_submap : front_end.mapping.layout().part) EXPECT_EQ(of_submap, front_end.mapping.layout().part[0]);
+  EXPECT_LT(front_end.worst_error_m(), 0.05);
+}
+
+TEST(SubmapMapping, NoisyNonsenseDoesNoHarm) {
+  PlayedFrontEnd front_end({}, 0);
+  Step step{Rigid3{}, {0, DepthImage(kCamera.width, kCamera.height), ColorImage(kCamera.width, kCamera.height)}};
+  for (int i = 0; i < 30; ++i) {
+    step.world_from_camera.translation.x() += 0.2;
+    front_end.track(step);
+  }
+  EXPECT_TRUE(front_end.mapping.find(step.frame).empty());
+  front_end.mapping.finish();
+  EXPECT_LT(front_end.worst_error_m(), 1e-6);
+}
+
+TEST(MakeMapping, WithoutAnyAdjustmentThereIsNone) {
+  AdjustOptions options;
+  options.local_bundle_adjustment = options.global_bundle_adjustment = false;
+  EXPECT_EQ(make_mapping(kCamera, options, CorrectionTime::kByFrames), nullptr);
+}
+
+}  // namespace
+}  // namespace hermite
