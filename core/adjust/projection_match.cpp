@@ -46,7 +46,7 @@ class FeatureGrid {
  private:
   static constexpr int kSide_px = 16;  // about the radius of the middle octaves
   static int square(double coordinate_px, int count) {
-    return static_cast<int>(std::clamp(coordinate_px / kSide_px, 0.0, static_cast<double>(count - 1)));
+    return coordinate_px > 0 ? static_cast<int>(std::min(coordinate_px / kSide_px, static_cast<double>(count - 1))) : 0;  // NaN: 0
   }
   int column(double x_px) const { return square(x_px, columns_); }
   int row(double y_px) const { return square(y_px, rows_); }
@@ -101,8 +101,8 @@ bool expect(const SparseMap& map, const Landmark& landmark, const Rigid3& camera
 bool fits(const Feature& feature, const Expectation& expected, double radius_px) {
   if (std::abs(feature.octave - expected.octave) > kMaxOctaveDifference) return false;
   const double allowed_px = radius_px * octave_scale(feature.octave);
-  if ((feature.pixel_px.cast<double>() - expected.pixel_px).squaredNorm() > allowed_px * allowed_px) return false;
-  if (std::abs(wrapped_rad(feature.angle_rad - expected.angle_rad)) > kMaxTurn_rad) return false;
+  if (!((feature.pixel_px.cast<double>() - expected.pixel_px).squaredNorm() <= allowed_px * allowed_px)) return false;
+  if (!(std::abs(wrapped_rad(feature.angle_rad - expected.angle_rad)) <= kMaxTurn_rad)) return false;
   if (feature.depth_m <= 0) return true;
   const double gate_m = std::max(kLeastDepthGate_m, kDepthSigmas * std::hypot(depth_deviation_m(feature.depth_m), expected.depth_sigma_m));
   return std::abs(feature.depth_m - expected.depth_m) <= gate_m;

@@ -95,6 +95,12 @@ void merge_landmarks(SparseMap& map, std::uint32_t from, std::uint32_t into) {
   update_descriptor(map, target);
 }
 
+void remove_observation(SparseMap& map, std::uint32_t landmark, const Observation& observation) {
+  CHECK(std::erase(map.landmarks[landmark].observations, observation) == 1, "only what was seen can be taken back");
+  map.keyframes[observation.keyframe].landmark_of_feature[observation.feature] = kNoLandmark;
+  if (!map.landmarks[landmark].observations.empty()) update_descriptor(map, map.landmarks[landmark]);
+}
+
 void bury_landmark(SparseMap& map, std::uint32_t landmark) {
   for (const Observation& observation : map.landmarks[landmark].observations)
     map.keyframes[observation.keyframe].landmark_of_feature[observation.feature] = kNoLandmark;

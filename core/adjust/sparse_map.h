@@ -71,7 +71,11 @@ void add_observation(SparseMap& map, std::uint32_t landmark, const Observation& 
 // keyframe sees both, it keeps its observation of `into` and its other feature loses its landmark.
 void merge_landmarks(SparseMap& map, std::uint32_t from, std::uint32_t into);
 
-// Takes the landmark out of the keyframes that see it; it becomes a tombstone.
+// The keyframe does not see the landmark after all (an outlier of an adjustment); it has to be one of its observations. Without any left
+// the landmark is a tombstone.
+void remove_observation(SparseMap& map, std::uint32_t landmark, const Observation& observation);
+
+// All of them at once.
 void bury_landmark(SparseMap& map, std::uint32_t landmark);
 
 }  // namespace hermite

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+
 #include "tests/core/adjust/point_world.h"
 
 namespace hermite {
@@ -14,6 +16,16 @@ TEST(Hamming, CountsTheBitsThatDiffer) {
   EXPECT_EQ(hamming(one, none), 1);
   EXPECT_EQ(hamming(all, one), 255);
   EXPECT_EQ(hamming(all, none), kDescriptorBits);
+}
+
+TEST(Hamming, AgreesWithTheLibrary) {
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 1000; ++i) {
+    const Descriptor a = test::random_descriptor(random), b = test::with_flipped_bits(a, i, random);
+    int bits = 0;
+    for (std::size_t word = 0; word < 4; ++word) bits += std::popcount(a[word] ^ b[word]);
+    EXPECT_EQ(hamming(a, b), bits);
+  }
 }
 
 TEST(Medoid, IsTheOneInTheMiddle) {

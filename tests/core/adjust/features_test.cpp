@@ -68,8 +68,8 @@ TEST(DetectFeatures, AFurnishedRoomGivesWhatWasAskedForOverAllOctaves) {
   EXPECT_TRUE(std::is_sorted(features.begin(), features.end(), [](const Feature& a, const Feature& b) { return a.octave < b.octave; }));
 }
 
-TEST(DetectFeatures, TheirNumberGoesWithTheArea) {
-  EXPECT_EQ(detect_features(room_frame(half_size()), half_size()).size(), 250u);
+TEST(DetectFeatures, TheirNumberGoesWithTheSide) {
+  EXPECT_EQ(detect_features(room_frame(half_size()), half_size()).size(), 500u);
   FeatureOptions few;
   few.feature_count = 100;
   EXPECT_EQ(detect_features(room_frame(kCamera), kCamera, few).size(), 100u);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "core/adjust/features.h"
 #include "core/dataset/synthetic_camera.h"
@@ -41,12 +42,13 @@ TEST(InsertKeyframe, TheFirstOneMakesALandmarkOfEveryFeatureWithDepth) {
   const test::PointWorld world(1000);
   test::View view = world.view(Rigid3());
   view.features[4].depth_m = 0;
+  view.features[5].depth_m = std::numeric_limits<float>::quiet_NaN();
   SparseMap map = test::empty_map();
   const InsertResult result = insert_keyframe(map, test::keyframe_of(view, Rigid3()));
   EXPECT_EQ(result.keyframe, 0u);
   EXPECT_EQ(result.matched_count, 0);
   EXPECT_TRUE(result.repeated.empty());
-  EXPECT_EQ(result.created.size(), view.features.size() - 1);
+  EXPECT_EQ(result.created.size(), view.features.size() - 2);
   EXPECT_EQ(map.keyframes[0].landmark_of_feature[4], kNoLandmark);
   for (const Landmark& landmark : map.landmarks) {
     const std::size_t point = view.point_of_feature[landmark.observations[0].feature];

@@ -128,6 +128,17 @@ TEST(MatchProjected, TombstonesAndPosesThatAreNone) {
   EXPECT_TRUE(scene.match(scene.seen.features, test::looking(180)).empty());
 }
 
+TEST(MatchProjected, FeaturesOfNonsenseMatchNothing) {
+  const Scene scene;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::vector<Feature> features = scene.seen.features;
+  features[1].pixel_px.x() = nan;
+  features[2].pixel_px.y() = std::numeric_limits<float>::infinity();
+  features[3].angle_rad = nan;
+  features[4].depth_m = nan;
+  for (const LandmarkMatch& match : scene.match(features, Rigid3())) EXPECT_TRUE(match.feature == 0 || match.feature > 4);
+}
+
 TEST(MatchProjected, FollowsACorrectionOfTheSubmap) {
   Scene scene;
   const Rigid3 correction = exp_se3((Vector6d() << 0.3, 0.2, -0.1, 0.1, 0.2, 0.3).finished());

@@ -139,7 +139,7 @@ TEST(Recognise, FindsAPlaceOfARenderedRoom) {
   const auto found = recognise(place.map, place.index, features(truth));
   ASSERT_FALSE(found.empty());
   const Rigid3 error = inverse(truth) * found[0].submap_from_camera;
-  // 320 pixels, 250 features: half a pixel is 6 mm at 3 m.
+  // 320 pixels, 500 features: half a pixel is 6 mm at 3 m.
   EXPECT_LT(error.translation.norm(), 0.03);
   EXPECT_LT(angle_rad(error.rotation), 0.015);
 }

@@ -111,6 +111,19 @@ TEST(MergeLandmarks, ObservationsMoveAndATombstoneStays) {
   EXPECT_EQ(map.landmarks[0].observations.size(), 3u);
 }
 
+TEST(RemoveObservation, TheOthersStayAndTheDescriptorIsTheirs) {
+  SparseMap map = map_of(2, 2);
+  add_observation(map, 1, {0, 1});
+  add_observation(map, 1, {1, 0});
+  remove_observation(map, 1, {0, 1});
+  EXPECT_EQ(map.landmarks[1].observations, (std::vector<Observation>{{1, 0}}));
+  EXPECT_EQ(map.landmarks[1].descriptor, map.keyframes[1].features[0].descriptor);
+  expect_consistent(map);
+  remove_observation(map, 1, {1, 0});
+  EXPECT_TRUE(map.landmarks[1].observations.empty());
+  expect_consistent(map);
+}
+
 TEST(BuryLandmark, NobodySeesItAnyMore) {
   SparseMap map = map_of(2, 2);
   add_observation(map, 1, {0, 1});
