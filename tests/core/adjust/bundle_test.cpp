@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
+#include <future>
 
 #include "core/adjust/bundle_noise.h"
 #include "tests/core/adjust/bundle_world.h"
@@ -304,7 +306,21 @@ TEST(Bundle, AWrongProblemIsAnErrorInWords) {
   EXPECT_NE(nan.error().message.find("observations[17].depth_m"), std::string::npos);
 }
 
-TEST(Bundle, GivesUpWhenAsked) {
+TEST(Bundle, GivesUpOnTheWayWhenAsked) {
+  // The whole of it takes seconds, so the word comes while it works.
+  const BundleProblem problem = test::make_ring(20'000, 0.01, 0.01, 3).drifted;
+  std::stop_source source;
+  std::future<Result<BundleSolution>> result = std::async(std::launch::async, [&] {
+    return adjust(problem, {500, 500, 0}, source.get_token());
+  });
+  EXPECT_EQ(result.wait_for(std::chrono::milliseconds(50)), std::future_status::timeout);
+  source.request_stop();
+  const Result<BundleSolution> given_up = result.get();
+  ASSERT_FALSE(given_up.ok());
+  EXPECT_EQ(given_up.error().code, ErrorCode::kBusy);
+}
+
+TEST(Bundle, GivesUpWhenAskedBefore) {
   std::stop_source source;
   source.request_stop();
   const Result<BundleSolution> result = adjust(test::make_world({}).truth, {}, source.get_token());
