@@ -83,19 +83,13 @@ void carry_landmarks(const BundleProblem& problem, const std::vector<bool>& used
   }
 }
 
-// One stage from `state` with those of the observations that hold their landmarks. A submap that these no longer tie to a fixed one is
-// held.
-StageOutcome run_stage(const BundleProblem& problem, const std::vector<bool>& usable, bool robust, int iterations, double least_progress,
-                       std::stop_token stop, BundleState& state) {
-  BundleStage stage;
+// One stage with those of the usable observations that hold their landmarks; `stage` says how. A submap that these no longer tie to a fixed
+// one is held.
+StageOutcome run_stage(const BundleProblem& problem, const std::vector<bool>& usable, BundleStage stage, std::stop_token stop,
+                       BundleState& state) {
   stage.observation_is_used = of_held_landmarks(problem, usable);
   stage.submap_is_held = tied_to_fixed(problem, stage.observation_is_used);
-  stage.submap_is_held.flip();
-  for (std::size_t i = 0; i < problem.is_fixed.size(); ++i)
-    if (problem.is_fixed[i]) stage.submap_is_held[i] = true;
-  stage.robust = robust;
-  stage.iterations = iterations;
-  stage.least_progress = least_progress;
+  for (std::size_t i = 0; i < problem.is_fixed.size(); ++i) stage.submap_is_held[i] = problem.is_fixed[i] || !stage.submap_is_held[i];
   const BundleState before = state;
   const StageOutcome outcome = solve_stage(problem, stage, std::move(stop), state);
   carry_landmarks(problem, stage.observation_is_used, before, state);
@@ -121,12 +115,14 @@ Result<BundleSolution> adjust(const BundleProblem& problem, const BundleOptions&
   BundleState state{problem.world_from_submap, problem.landmarks_in_world};
   const Appraisal start = appraise(problem, state);
   const bool only_links = problem.observations.empty();
-  const int first_iterations = options.robust_iterations + (only_links ? options.iterations : 0);
-  StageOutcome outcome = run_stage(problem, start.is_in_front, true, first_iterations, options.least_progress, stop, state);
+  BundleStage robust{.robust = true, .iterations = options.robust_iterations, .least_progress = options.least_progress};
+  if (only_links) robust.iterations += options.iterations;
+  StageOutcome outcome = run_stage(problem, start.is_in_front, robust, stop, state);
   solution.iteration_count = outcome.iteration_count;
-  if (outcome.stopped || stop.stop_requested()) return given_up;
+  if (outcome.stopped) return given_up;
   if (!only_links) {
-    outcome = run_stage(problem, appraise(problem, state).is_inlier, false, options.iterations, options.least_progress, stop, state);
+    const BundleStage plain{.robust = false, .iterations = options.iterations, .least_progress = options.least_progress};
+    outcome = run_stage(problem, appraise(problem, state).is_inlier, plain, stop, state);
     solution.iteration_count += outcome.iteration_count;
     if (outcome.stopped) return given_up;
   }

@@ -14,10 +14,10 @@ struct BundleState {
 };
 
 struct BundleStage {
-  std::vector<bool> submap_is_held;
-  std::vector<bool> observation_is_used;  // those of landmarks that are solved for
-  bool robust = false;                    // Cauchy's loss on observations; robust links have it anyhow
-  int iterations = 0;                     // at most
+  std::vector<bool> submap_is_held{};
+  std::vector<bool> observation_is_used{};  // those of landmarks that are solved for
+  bool robust = false;                      // Cauchy's loss on observations; robust links have it anyhow
+  int iterations = 0;                       // at most
   double least_progress = 0;
 };
 

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
+#include <future>
 
 #include "core/adjust/bundle_noise.h"
 #include "tests/core/adjust/bundle_world.h"
@@ -48,6 +50,18 @@ TEST(Bundle, ExactDataGiveTheTruthBack) {
   EXPECT_LT(solution.final_cost, 1e-6);
 }
 
+// Wrong near depths have deviations of a millimetre and must not outweigh the right ones.
+TEST(Bundle, HalfOfTheObservationsMayBeWrong) {
+  WorldOptions options;
+  options.noise = 1;
+  options.outliers = 0.5;
+  const test::World world = test::make_world(options);
+  const BundleProblem start = test::disturbed(world.truth, 0.05, 0.03, 0.02, 16);
+  const BundleSolution solution = solved(start);
+  EXPECT_LT(test::rms_distance_m(solution.world_from_submap, world.truth.world_from_submap),
+            0.7 * test::rms_distance_m(start.world_from_submap, world.truth.world_from_submap));
+}
+
 TEST(Bundle, PixelsWithoutDepthDoToo) {
   WorldOptions options;
   options.with_depth = false;
@@ -67,14 +81,11 @@ TEST(Bundle, NoiseLeavesWhatItAllows) {
   const BundleSolution solution = solved(start);
   const double before_m = test::rms_distance_m(start.world_from_submap, world.truth.world_from_submap);
   const double after_m = test::rms_distance_m(solution.world_from_submap, world.truth.world_from_submap);
-  EXPECT_LT(after_m, 0.2 * before_m);
-  // The expectation of chi-square is the degrees of freedom. The 5 % beyond the bound are dropped and take part of it with them: 8 %.
-  std::vector<bool> is_seen(world.truth.landmarks_in_world.size(), false);
-  for (const BundleObservation& observation : world.truth.observations) is_seen[observation.landmark] = true;
-  const double freedom = 3.0 * static_cast<double>(start.observations.size()) - 3.0 * static_cast<double>(count(is_seen)) -
-                         6.0 * static_cast<double>(start.world_from_submap.size() - 1);
-  EXPECT_NEAR(2 * solution.final_cost / freedom, 1, 0.1);
-  EXPECT_NEAR(static_cast<double>(count(solution.observation_is_inlier)) / static_cast<double>(start.observations.size()), 0.95, 0.03);
+  EXPECT_LT(after_m, 0.3 * before_m);
+  // Of residuals with those deviations 95 % lie within the bound. The solution takes a quarter of the freedom from them: some more do.
+  const double inlier_part = static_cast<double>(count(solution.observation_is_inlier)) / static_cast<double>(start.observations.size());
+  EXPECT_GT(inlier_part, 0.95);
+  EXPECT_LT(inlier_part, 0.99);
   EXPECT_LT(solution.final_cost, solution.initial_cost);
 }
 
@@ -97,6 +108,7 @@ TEST(Bundle, OutliersAreFoundAndDoNoHarm) {
   const test::World world = test::make_world(options);
   const BundleSolution solution = solved(test::disturbed(world.truth, 0.05, 0.03, 0.02, 5));
   const double clean_m = test::rms_distance_m(solved(clean.truth).world_from_submap, clean.truth.world_from_submap);
+  // A fifth fewer observations and another draw of their noise: not the same error, but one of that size.
   EXPECT_LT(test::rms_distance_m(solution.world_from_submap, world.truth.world_from_submap), 2 * clean_m);
   std::size_t outlier_count = 0, missed_count = 0, wronged_count = 0;
   for (std::size_t i = 0; i < solution.observation_is_inlier.size(); ++i) {
@@ -105,9 +117,10 @@ TEST(Bundle, OutliersAreFoundAndDoNoHarm) {
     wronged_count += !world.observation_is_outlier[i] && !solution.observation_is_inlier[i];
   }
   ASSERT_GT(outlier_count, 100u);
-  EXPECT_LE(missed_count, outlier_count / 100);
-  // 5 % by the bound, and those of landmarks that outliers took along.
-  EXPECT_LT(static_cast<double>(wronged_count), 0.1 * static_cast<double>(solution.observation_is_inlier.size() - outlier_count));
+  // A landmark with two observations of which one is wrong has no majority.
+  EXPECT_LE(missed_count, outlier_count / 50);
+  // The bound takes 5 % of them.
+  EXPECT_LT(static_cast<double>(wronged_count), 0.05 * static_cast<double>(solution.observation_is_inlier.size() - outlier_count));
 }
 
 TEST(Bundle, LocalAdjustmentMovesOnlyWhatIsFree) {
@@ -293,7 +306,21 @@ TEST(Bundle, AWrongProblemIsAnErrorInWords) {
   EXPECT_NE(nan.error().message.find("observations[17].depth_m"), std::string::npos);
 }
 
-TEST(Bundle, GivesUpWhenAsked) {
+TEST(Bundle, GivesUpOnTheWayWhenAsked) {
+  // The whole of it takes seconds, so the word comes while it works.
+  const BundleProblem problem = test::make_ring(20'000, 0.01, 0.01, 3).drifted;
+  std::stop_source source;
+  std::future<Result<BundleSolution>> result = std::async(std::launch::async, [&] {
+    return adjust(problem, {500, 500, 0}, source.get_token());
+  });
+  EXPECT_EQ(result.wait_for(std::chrono::milliseconds(50)), std::future_status::timeout);
+  source.request_stop();
+  const Result<BundleSolution> given_up = result.get();
+  ASSERT_FALSE(given_up.ok());
+  EXPECT_EQ(given_up.error().code, ErrorCode::kBusy);
+}
+
+TEST(Bundle, GivesUpWhenAskedBefore) {
   std::stop_source source;
   source.request_stop();
   const Result<BundleSolution> result = adjust(test::make_world({}).truth, {}, source.get_token());
