@@ -165,7 +165,11 @@ std::string settings_table() {
 Command add_reconstruct_command(CLI::App& app) {
   auto arguments = std::make_shared<ReconstructArguments>();
   CLI::App& reconstruct = *app.add_subcommand("reconstruct", "Reconstruct a recorded sequence here, without a server");
-  reconstruct.add_option("SEQUENCE", arguments->sequence, "Folder (TUM, ICL-NUIM, 7-Scenes) or synthetic[:key=value,...]")->required();
+  reconstruct
+      .add_option("SEQUENCE", arguments->sequence,
+                  "Folder (TUM, ICL-NUIM, 7-Scenes) or synthetic[:key=value,...], behind it any of +noise=kinect, +covered=FROM:COUNT (a "
+                  "hand before the lens), +missing=FROM:COUNT")
+      ->required();
   CLI::Option_group& result = *reconstruct.add_option_group("Result", "One of these");
   result.require_option(1);
   result.add_option("--out", arguments->out_folder, "Folder for trajectory.txt, cloud.ply and report.json");

@@ -7,8 +7,8 @@
 namespace hermite {
 
 void add_trim(Furnisher& f);        // skirting boards, beams, rug
-void add_bookshelf(Furnisher& f);   // back to the wall at y = +1.9, middle x = -1.5, 1.16 wide, 0.28 deep
-void add_sideboard(Furnisher& f);   // back to the wall at y = +1.9, middle x = 0.15, 1.46 wide, 0.44 deep, a picture above
+void add_bookshelf(Furnisher& f);   // back to the wall at y = +1.9, middle x = -1.5, 1.2 wide, 0.28 deep
+void add_sideboard(Furnisher& f);   // back to the wall at y = +1.9, middle x = 0.15, 1.48 wide, 0.47 deep, a picture above
 void add_floor_lamp(Furnisher& f);  // at (1.35, 1.45)
 void add_sofa(Furnisher& f);        // back to the wall at x = +2.4, middle y = -0.1, 2.0 wide, 0.86 deep
 void add_window(Furnisher& f);      // on the wall at x = +2.4, middle y = -0.1, with curtains

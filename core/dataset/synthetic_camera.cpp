@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/check.h"
 #include "core/dataset/key_values.h"
 #include "core/dataset/world_paths.h"
 #include "core/image/image_codec.h"
@@ -19,7 +20,7 @@ constexpr int kJpegQuality = 90;
 constexpr double kDegree = M_PI / 180;
 
 struct NamedScene {
-  std::string_view name;
+  const char* name;
   RoomScene scene;
 };
 constexpr NamedScene kScenes[] = {{"room", RoomScene::kRoom},   {"bare", RoomScene::kBare},     {"loop", RoomScene::kLoop},
@@ -36,7 +37,9 @@ class SyntheticSequence : public Sequence {
   }
 
   std::string format() const override { return "synthetic"; }
-  std::string name() const override { return "synthetic room"; }
+  std::string name() const override {
+    return std::string("synthetic ") + (has_own_path(options_.scene) ? name_of(options_.scene) : "room");
+  }
   const Camera& camera() const override { return options_.camera; }
   double frame_rate_hz() const override { return options_.frame_rate_hz; }
   std::int64_t frame_count() const override { return options_.frame_count; }
@@ -69,7 +72,7 @@ Result<SyntheticOptions> parse_synthetic_options(const std::string& text) {
     };
   };
   const auto take_scene = [&options](std::string_view value) {
-    const auto* const named = std::find_if(std::begin(kScenes), std::end(kScenes), [&](const NamedScene& s) { return s.name == value; });
+    const auto* const named = std::find_if(std::begin(kScenes), std::end(kScenes), [&](const NamedScene& s) { return value == s.name; });
     if (named == std::end(kScenes)) return false;
     options.scene = named->scene;
     return true;
@@ -97,6 +100,12 @@ Result<SyntheticOptions> parse_synthetic_options(const std::string& text) {
   if (!parsed.ok()) return parsed.error();
   options.noise = *parsed;
   return options;
+}
+
+const char* name_of(RoomScene scene) {
+  const auto* const named = std::find_if(std::begin(kScenes), std::end(kScenes), [&](const NamedScene& s) { return s.scene == scene; });
+  CHECK(named != std::end(kScenes), "a scene without a name");
+  return named->name;
 }
 
 double synthetic_lap_s(RoomScene scene) { return has_own_path(scene) ? world_lap_s(scene) : kLap_s; }

@@ -38,6 +38,9 @@ Result<SyntheticOptions> parse_synthetic_options(const std::string& text);
 // the scene's: z up, the floor at z = 0.
 Rigid3 synthetic_pose(double time_s, double speed, RoomScene scene = RoomScene::kRoom);
 
+// "loop", as users write it behind scene=.
+const char* name_of(RoomScene scene);
+
 // Duration of a lap at speed 1 [s].
 double synthetic_lap_s(RoomScene scene);
 

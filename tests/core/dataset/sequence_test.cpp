@@ -345,6 +345,16 @@ TEST(Sequence, NoiseIsAskedForBehindTheSource) {
   EXPECT_THAT(error_of(folder.path("nowhere") + "+noise=kinect"), HasSubstr("is neither a folder"));
 }
 
+TEST(Sequence, SuffixesAreTakenOffASource) {
+  EXPECT_EQ(source_without_suffixes("synthetic:scene=loop+noise=kinect,seed=1+covered=3:4+missing=5:6"), "synthetic:scene=loop");
+  EXPECT_EQ(source_without_suffixes("synthetic"), "synthetic");
+  EXPECT_EQ(source_without_suffixes("a+b"), "a+b");
+  const TempFolder folder;
+  std::filesystem::create_directory(folder.path("x+noise=kinect"));
+  EXPECT_EQ(source_without_suffixes(folder.path("x+noise=kinect") + "+covered=0:1"), folder.path("x+noise=kinect"))
+      << "a folder of that name comes first";
+}
+
 TEST(Sequence, DecodingAFrameGivesItsColour) {
   RecordedFrame recorded{1.5, depth_of(1), color_png(2)};
   const auto frame = decode_frame(recorded);

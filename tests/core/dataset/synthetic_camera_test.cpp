@@ -114,6 +114,20 @@ TEST(SyntheticCamera, AGivenCameraIsUsed) {
   EXPECT_EQ((*opened)->read(1)->depth.width, 100);
 }
 
+TEST(SyntheticCamera, EverySceneHasItsOwnPath) {
+  for (const auto& [name, scene] : {std::pair("loop", RoomScene::kLoop), std::pair("twins", RoomScene::kTwins),
+                                    std::pair("office", RoomScene::kOffice), std::pair("blank", RoomScene::kBlank)}) {
+    const auto opened = open_sequence("synthetic:frames=40,width=80,height=64,scene=" + std::string(name));
+    ASSERT_TRUE(opened.ok()) << opened.error().message;
+    EXPECT_EQ((*opened)->groundtruth()[31].world_from_camera.translation, synthetic_pose(31 / 30.0, 1, scene).translation) << name;
+    EXPECT_EQ(synthetic_pose(3, 2, scene).translation, synthetic_pose(6, 1, scene).translation) << name;
+    EXPECT_GT(synthetic_lap_s(scene), 30) << name;
+    EXPECT_TRUE((*opened)->read(31).ok()) << name;
+  }
+  EXPECT_EQ(synthetic_lap_s(RoomScene::kRoom), 10);
+  EXPECT_EQ(synthetic_pose(3, 1).translation, synthetic_pose(3, 1, RoomScene::kBare).translation);
+}
+
 TEST(SyntheticCamera, BadOptionsNameKeyAndRange) {
   const auto error_of = [](const std::string& options) {
     const auto opened = open_sequence("synthetic:" + options);
@@ -127,7 +141,7 @@ TEST(SyntheticCamera, BadOptionsNameKeyAndRange) {
   EXPECT_THAT(error_of("noise=pink"), HasSubstr("option noise is \"pink\", allowed is none, gaussian or kinect"));
   EXPECT_THAT(error_of("noise=gaussian,sigma_mm=-1"), HasSubstr("sigma_mm"));
   EXPECT_THAT(error_of("sigma_mm=3"), HasSubstr("there is no option \"sigma_mm\""));
-  EXPECT_THAT(error_of("scene=castle"), HasSubstr("option scene is \"castle\", allowed is room or bare"));
+  EXPECT_THAT(error_of("scene=castle"), HasSubstr("option scene is \"castle\", allowed is room, bare, loop, twins, office or blank"));
   EXPECT_THAT(error_of("colour=red"), HasSubstr("there is no option \"colour\" (there are: frames"));
   EXPECT_THAT(error_of("frames"), HasSubstr("is not key=value"));
   EXPECT_EQ(error_of(""), "opened");

@@ -21,6 +21,15 @@ TEST(TrueSurface, OfTheSyntheticRoomIsExactAndCoveredByItsOwnSamples) {
   EXPECT_EQ(surface->distance_m({0, 0, -5}), kSurfaceReach_m);
 }
 
+TEST(TrueSurface, NoiseAndGapsDoNotChangeTheFormulas) {
+  const std::string source = "synthetic:frames=2,width=64,height=64,scene=twins+noise=kinect+missing=0:1";
+  const auto sequence = open_sequence(source);
+  ASSERT_TRUE(sequence.ok()) << sequence.error().message;
+  const auto surface = surface_of_sequence(**sequence, source);
+  ASSERT_TRUE(surface.ok()) << surface.error().message;
+  EXPECT_NEAR(surface->distance_m({0.0, 0.0, 0.05}), 0.036, 1e-9) << "above the passage's rug";
+}
+
 TEST(TrueSurface, OfASequenceWithoutTruePosesIsAnError) {
   class NoTruth : public Sequence {
    public:

@@ -36,6 +36,20 @@ TEST(PlyReader, ReadsWhatWeWrite) {
   EXPECT_TRUE(shape->triangles.empty());
 }
 
+TEST(PlyReader, ReadsNormalsAndRadiiWhereThereAreAny) {
+  Cloud cloud(2);
+  cloud[1].normal = {0, 0.6f, -0.8f};
+  cloud[1].radius_m = 0.004f;
+  const auto shape = parse_ply(format_ply(cloud));
+  ASSERT_TRUE(shape.ok()) << shape.error().message;
+  ASSERT_EQ(shape->normals.size(), 2u);
+  ASSERT_EQ(shape->radii.size(), 2u);
+  EXPECT_EQ(shape->normals[1], cloud[1].normal);
+  EXPECT_EQ(shape->radii[1], cloud[1].radius_m);
+  EXPECT_TRUE(parse_ply(kSquare)->normals.empty());
+  EXPECT_TRUE(parse_ply(kSquare)->radii.empty());
+}
+
 TEST(PlyReader, EveryCutIsAnErrorInWords) {
   const std::string bytes = format_ply(Cloud(2));
   for (std::size_t length = 0; length < bytes.size(); ++length) {
