@@ -4,6 +4,7 @@
 // Removes surfels that should not be there (paper section 5, reference notes 4.4) from the blocks in turn, and brings their bounds up to
 // date:
 //   redundant   most neighbours in 5x5 pixels of the index map of stable surfels are older and lie just behind it
+//   doubled     hidden just behind an older stable surfel of another submap that is no coarser: where submaps overlap
 //   free space  stable surfels seen in this very frame lie clearly behind it
 //   unstable    never confirmed for max_unstable_age frames
 #include "shaders/shared/map.h"
@@ -23,6 +24,14 @@ layout(scalar, binding = 8) writeonly buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, push_constant) uniform Push { CleanParams p; };
 shared uint is_alive[kBlock];
 shared vec4 position_submap[kBlock];
+
+bool doubled(uint slot, ivec2 pixel, float z, SurfelAttributes a, uint created) {
+  uint cell = uint(pixel.y) * p.camera.width + uint(pixel.x);
+  uint shown = stable_ids[cell];
+  if (shown == 0xffffffffu || shown == slot || z - uintBitsToFloat(stable_depth_bits[cell]) > p.redundancy_depth_m) return false;
+  SurfelAttributes b = attributes[shown];
+  return surfel_submap(b) != surfel_submap(a) && times[shown].x < created && surfel_radius(b) <= 1.5 * surfel_radius(a);
+}
 
 bool contradicted(uint slot, vec4 surfel) {
   SurfelAttributes a = attributes[slot];
@@ -52,6 +61,7 @@ bool contradicted(uint slot, vec4 surfel) {
       seen_through += gap >= p.redundancy_depth_m && other_time.y == p.frame_number && normal_z > 0.85 ? 1 : 0;
     }
   }
+  if (visible && doubled(slot, pixel, point.z, a, time.x)) return true;
   // More than half, or more than a quarter, of those that are there; fewer than three may be the edge of something.
   return (redundant > 2 && 2 * redundant > neighbours) || (seen_through > 2 && 4 * seen_through > neighbours);
 }

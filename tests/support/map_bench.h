@@ -40,28 +40,45 @@ class MapBench {
   void fuse(const FuseInput& frame, std::uint32_t frame_number, const Rigid3& world_from_camera = {}) {
     upload_frame(frame);
     store.reserve(fuser.new_slots_bound());
-    store.set_camera(world_from_camera);
+    set_camera(world_from_camera);
     visible_.list(commands_, store, maps_.camera(), frame_number);
     index.build(commands_, store, maps_.camera(), 0);
     index.describe(commands_, store, maps_.camera());
-    fuser.fuse(commands_, maps_, store, index, {frame_number});
+    fuser.fuse(commands_, maps_, store, index, {frame_number, true, submap});
     commands_.submit_and_wait();
   }
 
   // Also brings the counters up to date.
   void clean(std::uint32_t frame_number, const Rigid3& world_from_camera = {}) {
-    store.set_camera(world_from_camera);
+    set_camera(world_from_camera);
     visible_.list(commands_, store, maps_.camera(), frame_number);
     index.build(commands_, store, maps_.camera(), options_.stable_confidence);
-    fuser.clean(commands_, store, index, maps_.camera(), {frame_number});
+    fuser.clean(commands_, store, index, maps_.camera(), {frame_number, true, submap});
+    commands_.submit_and_wait();
+  }
+
+  // The index map of these submaps.
+  void look(const SubmapSet& submaps, const Rigid3& world_from_camera) {
+    store.set_camera(world_from_camera, submaps);
+    visible_.list(commands_, store, maps_.camera(), 0);
+    index.build(commands_, store, maps_.camera(), 0);
     commands_.submit_and_wait();
   }
 
   SurfelStore store;
   IndexMap index;
   Fuser fuser;
+  std::uint32_t submap = 0;  // of new surfels
+  SubmapSet seen;            // empty: all
 
  private:
+  void set_camera(const Rigid3& world_from_camera) {
+    if (seen.empty())
+      store.set_camera(world_from_camera);
+    else
+      store.set_camera(world_from_camera, seen);
+  }
+
   void upload_frame(const FuseInput& frame) {
     upload(frame.surface, maps_.surface.levels[0]);
     maps_.raw_depth_m.upload(frame.raw_depth_m);

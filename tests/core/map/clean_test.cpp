@@ -105,6 +105,26 @@ TEST_F(CleanTest, RedundantIsOnlyWhatIsCloseSidewaysToo) {
   EXPECT_TRUE(survives(scene));
 }
 
+TEST_F(CleanTest, HiddenBehindAnotherSubmapIsRedundantToo) {
+  const auto survives_behind = [this](double gap_m, std::uint32_t submap, std::uint32_t created, float radius_scale) {
+    std::vector<Surfel> surfels{surfel_seen_at(20, 20, 1, 10, 250), surfel_seen_at(20, 20, 1 - gap_m, 10, created)};
+    surfels[0].submap = submap;
+    surfels[1].radius_m *= radius_scale;
+    bench.store.set_submaps(std::vector<Rigid3>(2));
+    test::upload(surfels, bench.store);
+    bench.clean(kNow);
+    EXPECT_GT(bench.store.download()[1].confidence, 0);
+    return bench.store.download()[0].confidence > 0;
+  };
+  EXPECT_FALSE(survives_behind(0.005, 1, 5, 1));
+  EXPECT_FALSE(survives_behind(0.0099, 1, 249, 1.4f));
+  EXPECT_TRUE(survives_behind(0.0101, 1, 5, 1)) << "another surface";
+  EXPECT_TRUE(survives_behind(-0.005, 1, 5, 1)) << "it hides the other one";
+  EXPECT_TRUE(survives_behind(0.005, 0, 5, 1)) << "of the same submap: detail seen from farther away";
+  EXPECT_TRUE(survives_behind(0.005, 1, 250, 1)) << "not older";
+  EXPECT_TRUE(survives_behind(0.005, 1, 5, 1.6f)) << "coarser: this one shows more";
+}
+
 TEST_F(CleanTest, SurfelsInFreeSpaceAreRemoved) {
   EXPECT_FALSE(survives({.gap_m = 0.2, .background_observed = kNow}));
   EXPECT_FALSE(survives({.gap_m = 0.2, .count = 3, .background_observed = kNow}));
