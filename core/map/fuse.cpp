@@ -45,15 +45,15 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
                     {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
                      store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, all.depth_bits(),
                      claims_, all.cells()});
-  commands.dispatch(
-      merge_, {threads}, params,
-      {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
-       store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, all.slots(), claims_});
+  commands.dispatch(merge_, {threads}, params,
+                    {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
+                     store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, all.slots(), claims_,
+                     store.changed_frames});
   commands.dispatch(scan_, {128}, shared::ScanParams{surface.camera, tiles}, {new_by_tile_, store.state, store.visible_blocks});
-  commands.dispatch(
-      append_, {threads}, params,
-      {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
-       store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, store.free_slots, store.bounds});
+  commands.dispatch(append_, {threads}, params,
+                    {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
+                     store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, store.free_slots,
+                     store.bounds, store.changed_frames});
 }
 
 void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, const shared::Intrinsics& camera, FusedFrame fused) {
@@ -68,9 +68,9 @@ void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& s
   commands.dispatch_indirect(count_free_, {store.visible_blocks}, listed,
                              {store.positions, store.group_counts, store.state, store.visible_blocks, store.bounds});
   commands.dispatch(scan_, {128}, shared::ScanParams{camera, 0}, {store.group_counts, store.state, store.visible_blocks});
-  commands.dispatch_indirect(
-      free_list_, {store.visible_blocks}, listed,
-      {store.positions, store.group_counts, store.state, store.free_slots, store.times, store.visible_blocks, store.bounds});
+  commands.dispatch_indirect(free_list_, {store.visible_blocks}, listed,
+                             {store.positions, store.group_counts, store.state, store.free_slots, store.times, store.visible_blocks,
+                              store.bounds, store.changed_frames});
 }
 
 }  // namespace hermite

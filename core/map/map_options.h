@@ -20,6 +20,7 @@ struct MapOptions {
   int clean_interval_frames = 4;
   int max_unstable_age_frames = 200;
   double redundancy_depth_m = 0.01;
+  int gpu_memory_mb = 0;
 };
 
 }  // namespace hermite

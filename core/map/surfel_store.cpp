@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <span>
 #include <string>
 
@@ -111,25 +112,30 @@ std::vector<shared::BlockBounds> bounds_of(std::span<const Surfel> surfels) {
   return bounds;
 }
 
-SurfelStore::SurfelStore(gpu::Device& device)
-    : state(device, 1, "map", gpu::Memory::kReadback), camera_from_submap(device, 1, "map"), device_(device), world_from_submap_(1) {
-  reserve(kFirstCapacity);
+SurfelStore::SurfelStore(gpu::Device& device, std::uint32_t max_slots)
+    : state(device, 1, "map", gpu::Memory::kReadback),
+      camera_from_submap(device, 1, "map"),
+      device_(device),
+      max_slots_(std::min(max_slots, kMaxSlots) / kSlotsPerBlock * kSlotsPerBlock),
+      world_from_submap_(1) {
+  reserve(std::min(kFirstCapacity, max_slots_));
 }
 
 void SurfelStore::reserve(std::uint32_t additional) {
+  if (!has_room_for(additional))
+    throw gpu::DeviceError("the map is full: it has " + std::to_string(slot_count()) + " surfels on the device, at most " +
+                           std::to_string(max_slots_) + " fit");
   const std::uint32_t wanted = slot_count() + additional;
   if (wanted <= capacity_) return;
-  if (wanted > kMaxSlots || additional > kMaxSlots)
-    throw gpu::DeviceError("the map is full: it has " + std::to_string(slot_count()) + " surfels, at most " + std::to_string(kMaxSlots) +
-                           " fit");
   const std::uint32_t block_count =
-      (std::min(std::max(wanted, capacity_ + capacity_ / 2), kMaxSlots) + kSlotsPerBlock - 1) / kSlotsPerBlock;
+      (std::min(std::max(wanted, capacity_ + capacity_ / 2), max_slots_) + kSlotsPerBlock - 1) / kSlotsPerBlock;
   const std::uint32_t capacity = block_count * kSlotsPerBlock;  // whole blocks, so that a pass may look at all slots of one
   grow(device_, positions, capacity);
   grow(device_, attributes, capacity);
   grow(device_, times, capacity);
   grow(device_, free_slots, capacity);
   grow(device_, bounds, block_count);
+  grow(device_, changed_frames, block_count);
   group_counts = gpu::Buffer<shared::uint>(device_, block_count, "map");
   visible_blocks = gpu::Buffer<shared::uint>(device_, 6 + block_count, "map");
   capacity_ = capacity;
@@ -163,7 +169,7 @@ void SurfelStore::begin_block() {
 
 void SurfelStore::append(std::span<const Surfel> surfels) {
   const std::uint32_t first_block = (slot_count() + kSlotsPerBlock - 1) / kSlotsPerBlock, first = first_block * kSlotsPerBlock;
-  if (surfels.size() > kMaxSlots) throw gpu::DeviceError("the map has no room for " + std::to_string(surfels.size()) + " surfels");
+  if (surfels.size() > max_slots_) throw gpu::DeviceError("the map has no room for " + std::to_string(surfels.size()) + " surfels");
   reserve(first - slot_count() + static_cast<std::uint32_t>(surfels.size()));
   std::vector<shared::vec4> new_positions;
   std::vector<shared::SurfelAttributes> new_attributes;
@@ -176,7 +182,12 @@ void SurfelStore::append(std::span<const Surfel> surfels) {
   positions.upload(new_positions, first);
   attributes.upload(new_attributes, first);
   times.upload(new_times, first);
-  bounds.upload(bounds_of(surfels), first_block);
+  const std::vector<shared::BlockBounds> new_bounds = bounds_of(surfels);
+  bounds.upload(new_bounds, first_block);
+  std::vector<shared::uint> changed(new_bounds.size(), 0);
+  for (std::size_t i = 0; i < surfels.size(); ++i)
+    changed[i / kSlotsPerBlock] = std::max(changed[i / kSlotsPerBlock], surfels[i].observed_frame);
+  changed_frames.upload(changed, first_block);
   shared::MapState after = counters();
   after.slot_count = first + static_cast<std::uint32_t>(surfels.size());
   after.alive_count += static_cast<std::uint32_t>(surfels.size());
@@ -190,6 +201,99 @@ std::vector<Surfel> SurfelStore::download() const {
   std::vector<Surfel> surfels(p.size());
   for (std::size_t i = 0; i < p.size(); ++i) surfels[i] = unpack(p[i], a[i], t[i]);
   return surfels;
+}
+
+std::uint32_t SurfelStore::number_of(std::uint32_t block) const {
+  return block < numbers_.size() ? numbers_[block] : next_number_ + block - static_cast<std::uint32_t>(numbers_.size());
+}
+
+SurfelStore::Block SurfelStore::download_block(std::uint32_t block) const {
+  const std::uint32_t first = block * kSlotsPerBlock;
+  Block copy{number_of(block),
+             positions.download(kSlotsPerBlock, first),
+             attributes.download(kSlotsPerBlock, first),
+             times.download(kSlotsPerBlock, first),
+             bounds.download(1, block)[0],
+             changed_frames.download(1, block)[0]};
+  for (std::size_t i = 0; i < kSlotsPerBlock; ++i) {
+    if (copy.positions[i].w <= 0) continue;
+    ++copy.alive_count;
+    copy.submap = copy.attributes[i].radius_submap >> 16;
+  }
+  return copy;
+}
+
+void SurfelStore::upload_block(const Block& copy, std::uint32_t block) {
+  const std::uint32_t first = block * kSlotsPerBlock;
+  positions.upload(copy.positions, first);
+  attributes.upload(copy.attributes, first);
+  times.upload(copy.times, first);
+  bounds.upload(std::vector{copy.bounds}, block);
+  changed_frames.upload(std::vector{copy.changed_frame}, block);
+}
+
+void SurfelStore::keep(const SubmapSet& submaps) {
+  const std::uint32_t count_before = block_count();
+  std::vector<Block> kept;
+  std::map<std::uint32_t, std::vector<Block>> leaving;
+  for (std::uint32_t block = 0; block < count_before; ++block) {
+    Block copy = download_block(block);
+    const bool stays = copy.alive_count == 0 || submaps[copy.submap];  // what has died in an empty one may still have to be told
+    (stays ? kept : leaving[copy.submap]).push_back(std::move(copy));
+  }
+  for (auto& [submap, blocks] : host_blocks_)
+    if (submaps[submap]) std::move(blocks.begin(), blocks.end(), std::back_inserter(kept));
+  std::erase_if(host_blocks_, [&](const auto& entry) { return submaps[entry.first]; });
+  for (auto& [submap, blocks] : leaving) std::move(blocks.begin(), blocks.end(), std::back_inserter(host_blocks_[submap]));
+
+  next_number_ += count_before - static_cast<std::uint32_t>(std::min<std::size_t>(numbers_.size(), count_before));
+  shared::MapState after{};
+  state.upload(std::vector{after});  // empty, so that there is room for what comes
+  const auto count = static_cast<std::uint32_t>(kept.size());
+  reserve(count * kSlotsPerBlock);
+  numbers_.clear();
+  for (std::uint32_t block = 0; block < count; ++block) {
+    upload_block(kept[block], block);
+    numbers_.push_back(kept[block].number);
+    after.alive_count += kept[block].alive_count;
+  }
+  const Block empty{0, std::vector<shared::vec4>(kSlotsPerBlock), std::vector<shared::SurfelAttributes>(kSlotsPerBlock),
+                    std::vector<shared::uvec2>(kSlotsPerBlock), shared::BlockBounds{}};
+  for (std::uint32_t block = count; block < count_before; ++block) upload_block(empty, block);
+  after.slot_count = count * kSlotsPerBlock;
+  state.upload(std::vector{after});
+}
+
+std::vector<NumberedSurfel> SurfelStore::changed_blocks(std::uint32_t since) const {
+  std::vector<Block> changed;
+  const std::vector<shared::uint> frames = changed_frames.download(block_count());
+  for (std::uint32_t block = 0; block < frames.size(); ++block)
+    if (frames[block] > since) changed.push_back(download_block(block));
+  for (const auto& [submap, blocks] : host_blocks_)
+    for (const Block& block : blocks)
+      if (block.changed_frame > since) changed.push_back(block);
+  std::sort(changed.begin(), changed.end(), [](const Block& a, const Block& b) { return a.number < b.number; });
+  std::vector<NumberedSurfel> surfels;
+  surfels.reserve(changed.size() * kSlotsPerBlock);
+  for (const Block& block : changed)
+    for (std::uint32_t i = 0; i < kSlotsPerBlock; ++i)
+      surfels.push_back({block.number * kSlotsPerBlock + i, unpack(block.positions[i], block.attributes[i], block.times[i])});
+  return surfels;
+}
+
+std::int64_t SurfelStore::surfel_count() const {
+  std::int64_t count = alive_count();
+  for (const auto& [submap, blocks] : host_blocks_)
+    for (const Block& block : blocks) count += block.alive_count;
+  return count;
+}
+
+std::int64_t SurfelStore::host_bytes() const {
+  constexpr std::size_t kBytesPerBlock =
+      kSlotsPerBlock * (sizeof(shared::vec4) + sizeof(shared::SurfelAttributes) + sizeof(shared::uvec2)) + sizeof(Block);
+  std::size_t blocks_count = 0;
+  for (const auto& [submap, blocks] : host_blocks_) blocks_count += blocks.size();
+  return static_cast<std::int64_t>(blocks_count * kBytesPerBlock);
 }
 
 }  // namespace hermite

@@ -1,11 +1,13 @@
 // The surfels of a map in GPU memory: three arrays of 40 bytes a slot in all, a list of free slots, bounds of blocks of slots, and the
-// poses of submaps.
+// poses of submaps. Submaps that are not needed for now may wait in the host's memory.
 //
-// A surfel's position and normal are in the frame of its submap. A slot keeps its number while its surfel lives and is used again
-// afterwards. All surfels of a block are of one submap. One thread at a time: the device's.
+// A surfel's position and normal are in the frame of its submap. All surfels of a block are of one submap. A block has a number of its own,
+// which it keeps wherever it lies; a surfel keeps its place in its block while it lives, and the place is used again afterwards. One thread
+// at a time: the device's.
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -19,6 +21,8 @@ namespace hermite {
 inline constexpr std::uint32_t kSlotsPerBlock = 256;
 // As many blocks as every device can dispatch at once.
 inline constexpr std::uint32_t kMaxSlots = 65535 * kSlotsPerBlock;
+// Of all buffers that grow with the map: the surfel itself, its place in the list of free slots, its share of what is kept for a block.
+inline constexpr std::int64_t kBytesPerSlot = 45;
 inline constexpr std::uint32_t kMaxSubmaps = 1u << 16;  // a surfel has 16 bits for its own
 
 // By submap: is it one of them?
@@ -37,16 +41,29 @@ struct Surfel {
 
 shared::Transform to_shared(const Rigid3& target_from_source);
 
+// Of a map with its numbers, in ascending order: block number * kSlotsPerBlock + place in the block.
+struct NumberedSurfel {
+  std::uint32_t number = 0;
+  Surfel surfel;  // without confidence: none is there
+};
+
 // Of surfels in slots from the beginning of a block on; those without confidence do not count.
 std::vector<shared::BlockBounds> bounds_of(std::span<const Surfel> surfels);
 
 class SurfelStore {
  public:
-  explicit SurfelStore(gpu::Device& device);
+  // Never more than `max_slots` on the device.
+  explicit SurfelStore(gpu::Device& device, std::uint32_t max_slots = kMaxSlots);
 
   // Room for `additional` more slots; grows by half, keeping the content. Throws gpu::DeviceError when the device has no more, or beyond
-  // kMaxSlots.
+  // the most there may be.
   void reserve(std::uint32_t additional);
+  bool has_room_for(std::uint32_t additional) const { return additional <= max_slots_ && slot_count() <= max_slots_ - additional; }
+
+  // Leaves on the device the blocks of these submaps, with those that were on the host, and sends the others there. Between frames; takes
+  // time like copying the map. Throws as reserve() does.
+  void keep(const SubmapSet& submaps);
+  bool is_on_device(std::uint32_t submap) const { return !host_blocks_.contains(submap); }
 
   // From now on: one pose for every submap, those there were and new ones. To begin with there is submap 0, where the world is.
   // CHECK: none is taken away, at most kMaxSubmaps.
@@ -71,22 +88,50 @@ class SurfelStore {
   // Slots below slot_count(), free ones too.
   std::vector<Surfel> download() const;
 
+  // On device and host, those of blocks that have changed after frame `since` (0: all that hold something).
+  std::vector<NumberedSurfel> changed_blocks(std::uint32_t since) const;
+
+  // On device and host together.
+  std::int64_t surfel_count() const;
+  std::int64_t host_bytes() const;
+
   gpu::Buffer<shared::vec4> positions;
   gpu::Buffer<shared::SurfelAttributes> attributes;
   gpu::Buffer<shared::uvec2> times;
   gpu::Buffer<shared::uint> free_slots;
-  gpu::Buffer<shared::uint> group_counts;   // scratch of the prefix sums, one entry for every block
-  gpu::Buffer<shared::BlockBounds> bounds;  // by block of 256 slots
+  gpu::Buffer<shared::uint> group_counts;    // scratch of the prefix sums, one entry for every block
+  gpu::Buffer<shared::BlockBounds> bounds;   // by block of 256 slots
+  gpu::Buffer<shared::uint> changed_frames;  // by block: the last frame that changed one of its surfels
   gpu::Buffer<shared::uint>
       visible_blocks;  // workgroups for a dispatch over all, and over those in turn (three words each), then the list of VisibleBlocks
   gpu::Buffer<shared::MapState> state;  // valid on the host between frames
   gpu::Buffer<shared::Transform> camera_from_submap;
 
  private:
+  // As it lies in memory.
+  struct Block {
+    std::uint32_t number = 0;
+    std::vector<shared::vec4> positions;
+    std::vector<shared::SurfelAttributes> attributes;
+    std::vector<shared::uvec2> times;
+    shared::BlockBounds bounds;
+    std::uint32_t changed_frame = 0;
+    std::uint32_t alive_count = 0;
+    std::uint32_t submap = 0;  // of those alive
+  };
   shared::MapState counters() const { return state.mapped()[0]; }
+  std::uint32_t block_count() const { return (slot_count() + kSlotsPerBlock - 1) / kSlotsPerBlock; }
+  std::uint32_t number_of(std::uint32_t block) const;
+  Block download_block(std::uint32_t block) const;
+  void upload_block(const Block& copy, std::uint32_t block);
 
   gpu::Device& device_;
+  const std::uint32_t max_slots_;
   std::uint32_t capacity_ = 0;
+  // By block on the device; those behind them, which have come since the map was rearranged, have next_number_ and so on.
+  std::vector<std::uint32_t> numbers_;
+  std::uint32_t next_number_ = 0;
+  std::map<std::uint32_t, std::vector<Block>> host_blocks_;  // by submap
   std::vector<Rigid3> world_from_submap_;
 };
 

@@ -19,14 +19,39 @@ std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
 FrontEnd::FrontEnd(const std::string& device_choice, const Camera& camera, const Options& options, Timeline* timeline)
     : device(device_choice, timeline),
       commands(device),
-      store(device),
       options_(options),
       preprocessor_(device, camera, options.frame),
       odometry_(device, preprocessor_.maps().camera(), options.track),
       visible_(device, options.map),
       index_(device, preprocessor_.maps().camera()),
       fuser_(device, preprocessor_.maps().camera(), options.map, options.frame),
-      predictor_(device, preprocessor_.maps().camera(), options.map) {}
+      predictor_(device, preprocessor_.maps().camera(), options.map),
+      store(device, max_slots()) {}
+
+// As many as the memory that may be used has room for, beside all that does not grow.
+std::uint32_t FrontEnd::max_slots() const {
+  if (options_.map.gpu_memory_mb == 0) return kMaxSlots;
+  constexpr std::int64_t kMegabyte = 1'000'000;
+  std::int64_t left_bytes = options_.map.gpu_memory_mb * kMegabyte;
+  for (const auto& [purpose, bytes] : device.memory_by_purpose()) left_bytes -= bytes;
+  const std::int64_t slots = left_bytes / kBytesPerSlot;
+  const std::int64_t least = 4 * std::int64_t{fuser_.new_slots_bound()};
+  if (slots < least)
+    throw SetupError({ErrorCode::kInvalidArgument,
+                      "map.gpu_memory_mb is " + std::to_string(options_.map.gpu_memory_mb) + ", this camera needs at least " +
+                          std::to_string(options_.map.gpu_memory_mb + (least - slots) * kBytesPerSlot / kMegabyte + 1)});
+  return static_cast<std::uint32_t>(std::min<std::int64_t>(slots, kMaxSlots));
+}
+
+// These submaps are on the device, and there is room for another frame: if need be others wait on the host.
+void FrontEnd::bring(const SubmapSet& needed, const MapLayout& layout) {
+  bool is_there = store.has_room_for(fuser_.new_slots_bound());
+  for (std::uint32_t submap = 0; submap < needed.size(); ++submap) is_there = is_there && (!needed[submap] || store.is_on_device(submap));
+  if (is_there) return;
+  SubmapSet kept = needed;
+  for (std::size_t submap = 0; submap < kept.size(); ++submap) kept[submap] = kept[submap] || layout.is_active[submap];
+  store.keep(kept);
+}
 
 void FrontEnd::preprocess(const RgbdFrame& frame, std::int64_t frame_index) { preprocessor_.run(commands, frame, frame_index); }
 
@@ -84,6 +109,7 @@ std::optional<Rigid3> FrontEnd::look(const Revisit& revisit, const MapLayout& la
   store.set_submaps(layout.world_from_submap);
   SubmapSet submaps = revisit.submaps;
   submaps.resize(layout.world_from_submap.size(), false);
+  bring(submaps, layout);
   show(revisit.world_from_camera, submaps);
   commands.submit_and_wait();
   const std::vector<Rigid3> start{Rigid3{}};
@@ -97,6 +123,7 @@ void FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, bo
   if (layout.current != submap_) store.begin_block();
   submap_ = layout.current;
   ++frame_number;
+  bring(layout.is_active, layout);
   store.reserve(fuser_.new_slots_bound());
   store.set_submaps(layout.world_from_submap);
   store.set_camera(world_from_camera, layout.is_active);
@@ -118,6 +145,7 @@ void FrontEnd::clean_and_predict(bool with_color) {
 
 void FrontEnd::predict(const Rigid3& world_from_camera, const MapLayout& layout) {
   store.set_submaps(layout.world_from_submap);
+  bring(layout.is_active, layout);
   show(world_from_camera, layout.is_active);
 }
 

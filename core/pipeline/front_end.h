@@ -55,10 +55,10 @@ class FrontEnd {
 
   gpu::Device device;
   gpu::Commands commands;
-  SurfelStore store;
-  std::uint32_t frame_number = 0;  // of the map: frames fused so far, the first is 1
 
  private:
+  std::uint32_t max_slots() const;
+  void bring(const SubmapSet& needed, const MapLayout& layout);
   std::vector<Rigid3> guesses(const Rigid3& turned, const Rigid3& last_motion) const;
   void show(const Rigid3& world_from_camera, const SubmapSet& submaps);
 
@@ -69,6 +69,12 @@ class FrontEnd {
   IndexMap index_;
   Fuser fuser_;
   Predictor predictor_;
+
+ public:
+  SurfelStore store;               // the last to be made: it may take what the others leave
+  std::uint32_t frame_number = 0;  // of the map: frames fused so far, the first is 1
+
+ private:
   std::uint32_t submap_ = 0;  // of the new surfels of the last frame
 };
 

@@ -83,6 +83,8 @@ const std::vector<Row>& rows() {
       {"map.clean_interval_frames", m(&M::clean_interval_frames), 1, 100, "every surfel is examined for removal once in so many frames"},
       {"map.max_unstable_age_frames", m(&M::max_unstable_age_frames), 1, 1e6, "unstable surfels not seen for longer are removed [frames]"},
       {"map.redundancy_depth_m", m(&M::redundancy_depth_m), 0.001, 0.1, "surfels this close before an older surface are redundant [m]"},
+      {"map.gpu_memory_mb", m(&M::gpu_memory_mb), 0, 1e6,
+       "device memory of the scan, submaps out of reach wait in the host's; 0: as much as there is [MB]"},
       {"adjust.local_bundle_adjustment", a(&A::local_bundle_adjustment), 0, 1, "align neighbouring submaps by the landmarks they share"},
       {"adjust.global_bundle_adjustment", a(&A::global_bundle_adjustment), 0, 1,
        "close loops, find a lost camera, join parts of the map, and align all submaps"},

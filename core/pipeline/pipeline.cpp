@@ -194,7 +194,7 @@ FrameResult Pipeline::Impl::process(const RgbdFrame& given) {
   result.inlier_count = motion.odometry.inlier_count;
   result.inlier_ratio = motion.odometry.inlier_ratio;
   result.residual_rms_m = motion.odometry.residual_rms_m;
-  result.surfel_count = front_end.store.alive_count();
+  result.surfel_count = front_end.store.surfel_count();
   remember(given.timestamp_s);
   total_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return result;
@@ -240,8 +240,8 @@ const Trajectory& Pipeline::trajectory() const { return impl_->trajectory; }
 Result<Cloud> Pipeline::cloud() {
   try {
     Cloud cloud;
-    for (const Surfel& surfel : impl_->front_end.store.download())
-      if (impl_->is_output(surfel)) cloud.push_back(to_cloud_point(surfel, impl_->front_end.store.world_from_submap()[surfel.submap]));
+    for (const auto& [number, surfel] : impl_->front_end.store.changed_blocks(0))
+      if (impl_->is_output(surfel)) cloud.push_back(to_cloud_point(surfel, impl_->layout().world_from_submap[surfel.submap]));
     return cloud;
   } catch (const SetupError& error) {
     return error.error();
@@ -252,15 +252,12 @@ Result<std::vector<SlotChange>> Pipeline::take_changes() {
   Impl& impl = *impl_;
   try {
     std::vector<SlotChange> changes;
-    const std::vector<Surfel> surfels = impl.front_end.store.download();
-    impl.published.resize(surfels.size(), false);
-    for (std::size_t slot = 0; slot < surfels.size(); ++slot) {
-      const Surfel& surfel = surfels[slot];
+    for (const auto& [number, surfel] : impl.front_end.store.changed_blocks(impl.changes_since)) {
       if (surfel.observed_frame <= impl.changes_since) continue;
+      if (impl.published.size() <= number) impl.published.resize(number + kSlotsPerBlock, false);
       const bool alive = impl.is_output(surfel);
-      if (alive || impl.published[slot])
-        changes.push_back({static_cast<std::uint32_t>(slot), alive, alive ? to_cloud_point(surfel, Rigid3{}) : CloudPoint{}});
-      impl.published[slot] = alive;
+      if (alive || impl.published[number]) changes.push_back({number, alive, alive ? to_cloud_point(surfel, Rigid3{}) : CloudPoint{}});
+      impl.published[number] = alive;
     }
     impl.changes_since = impl.front_end.frame_number;
     return changes;
@@ -281,7 +278,7 @@ PipelineStatistics Pipeline::statistics() const {
   statistics.frame_count = static_cast<std::int64_t>(impl.trajectory.size());
   statistics.tracked_frame_count = impl.tracked_frame_count;
   statistics.weak_frame_count = impl.weak_frame_count;
-  statistics.surfel_count = impl.front_end.store.alive_count();
+  statistics.surfel_count = impl.front_end.store.surfel_count();
   statistics.surfel_slot_count = impl.front_end.store.slot_count();
   statistics.surfel_capacity = impl.front_end.store.capacity();
   const double frames = static_cast<double>(std::max<std::size_t>(impl.trajectory.size(), 1));

@@ -9,6 +9,7 @@
 layout(local_size_x = 256) in;
 layout(scalar, binding = 13) readonly buffer FreeList { uint free_slots[]; };
 layout(scalar, binding = 14) buffer Bounds { BlockBounds bounds[]; };
+layout(scalar, binding = 15) writeonly buffer Changed { uint changed_frame[]; };
 shared uint is_new[256];
 
 void main() {
@@ -32,4 +33,5 @@ void main() {
   attributes[slot] = SurfelAttributes(pack_unit(rotate_back(t, m.normal)), pack_radius_submap(m.radius_m, p.submap), pack_color(m.color),
                                       packHalf2x16(m.curvatures));
   times[slot] = uvec2(p.frame_number);
+  changed_frame[slot / kBlock] = p.frame_number;
 }

@@ -12,6 +12,7 @@ layout(scalar, binding = 3) writeonly buffer FreeList { uint free_slots[]; };
 layout(scalar, binding = 4) writeonly buffer Times { uvec2 times[]; };
 layout(scalar, binding = 5) readonly buffer Visible { uint groups[3]; uint turn_groups[3]; uint blocks[]; };
 layout(scalar, binding = 6) readonly buffer Bounds { BlockBounds bounds[]; };
+layout(scalar, binding = 7) writeonly buffer Changed { uint changed_frame[]; };
 layout(scalar, push_constant) uniform Push { FreeListParams p; };
 shared uint is_free[kBlock];
 
@@ -30,6 +31,7 @@ void main() {
   if (position_confidence[slot].w < 0.0) {
     position_confidence[slot].w = 0.0;
     times[slot].y = p.frame_number;
+    changed_frame[slot / kBlock] = p.frame_number;
   }
   if (!has_room(blocks[group], bounds[block_of(blocks[group])], p.submap) && !all_free()) return;  // as map/count_free has it
   uint rank = free_by_group[group];

@@ -10,6 +10,7 @@
 layout(local_size_x = 256) in;
 layout(scalar, binding = 13) readonly buffer Ids { uint ids[]; };
 layout(scalar, binding = 14) readonly buffer Claims { uint claims[]; };
+layout(scalar, binding = 15) writeonly buffer Changed { uint changed_frame[]; };
 shared uint is_new[256];
 
 void merge(uint slot, Measurement m) {
@@ -34,6 +35,7 @@ void merge(uint slot, Measurement m) {
   surfel.w = min(total, max(surfel.w, p.max_confidence));
   position_confidence[slot] = surfel;
   times[slot].y = p.frame_number;
+  changed_frame[slot / kBlock] = p.frame_number;
 }
 
 void main() {
