@@ -24,8 +24,8 @@ struct BundleOfMap {
   BundleProblem problem;
 };
 
-// Links between the submaps only: a pose graph. The submap `fixed` stays. Loops are taken at their word, so that the map comes to where they
-// say, however far it is; whether the other links can bear that is for the caller to see.
+// Links between the submaps only: a pose graph. The submap `fixed` stays. Loops are taken at their word, so that the map comes to where
+// they say, however far it is; whether the other links can bear that is for the caller to see.
 BundleOfMap pose_graph_of(const SparseMap& map, const SubmapGraph& graph, const std::vector<std::uint32_t>& submaps, std::uint32_t fixed);
 
 // Also the landmarks that two keyframes of these submaps see. `free` move; other submaps whose keyframes see their landmarks take part as

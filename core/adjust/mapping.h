@@ -34,7 +34,6 @@ struct Revisit {
   Rigid3 world_from_camera;    // where it would be
   std::vector<bool> submaps;   // by submap: those to look at from there
   bool by_appearance = false;  // recognised; otherwise only near
-  std::uint32_t number = 0;    // of the guess, for the back end
 };
 
 enum class CorrectionTime { kByFrames, kWhenReady };  // batch, live

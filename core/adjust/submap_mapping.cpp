@@ -21,6 +21,9 @@ constexpr double kBackShare = 0.7;
 constexpr double kNearView_m = 1.0, kNearView_rad = 40 * kRadians;
 constexpr std::int64_t kLookInterval = 4;
 
+// As far as a depth camera sees, and as wide as it turns without losing all of a view.
+constexpr double kInView_m = 3.0, kInView_rad = 90 * kRadians;
+
 // Keyframes around the camera whose landmarks are looked for beside those of the last ones.
 constexpr std::size_t kNearKeyframes = 10;
 
@@ -131,10 +134,22 @@ bool SubmapMapping::is_new_view() const {
   return keyframes_near(options_.keyframe_distance_m, options_.keyframe_turn_deg * kRadians, true).empty();
 }
 
+// Those of the part with a keyframe that looks at what a camera there does.
+std::vector<bool> SubmapMapping::submaps_in_view(const Rigid3& world_from_camera, std::uint32_t part) const {
+  std::vector<bool> submaps(layout_.part.size(), false);
+  const Rigid3 camera_from_world = inverse(world_from_camera);
+  for (const Keyframe& keyframe : map_.keyframes)
+    if (layout_.part[keyframe.submap] == part &&
+        is_within(camera_from_world * hermite::world_from_camera(map_, keyframe), kInView_m, kInView_rad))
+      submaps[keyframe.submap] = true;
+  return submaps;
+}
+
+// What a camera there could see of the part of `submap`, but for what is active anyway.
 Revisit SubmapMapping::revisit_of(const Rigid3& world_from_camera, std::uint32_t submap, bool by_appearance) const {
-  Revisit revisit{world_from_camera, std::vector<bool>(layout_.part.size()), by_appearance};
+  Revisit revisit{world_from_camera, submaps_in_view(world_from_camera, layout_.part[submap]), by_appearance};
   for (std::size_t i = 0; i < layout_.part.size(); ++i)
-    revisit.submaps[i] = layout_.part[i] == layout_.part[submap] && !layout_.is_active[i];
+    revisit.submaps[i] = revisit.submaps[i] && !is_active(static_cast<std::uint32_t>(i));
   return revisit;
 }
 
@@ -272,9 +287,7 @@ std::vector<Revisit> SubmapMapping::find(const RgbdFrame& frame) {
   }
   if (places.empty()) return {};
   const Rigid3 there = map_.world_from_submap[places[0].submap] * places[0].submap_from_camera;
-  Revisit revisit{there, std::vector<bool>(layout_.part.size()), true};
-  for (std::size_t i = 0; i < layout_.part.size(); ++i) revisit.submaps[i] = layout_.part[i] == layout_.part[places[0].submap];
-  return {revisit};
+  return {{there, submaps_in_view(there, layout_.part[places[0].submap]), true}};
 }
 
 void SubmapMapping::found(const Revisit& revisit, const Rigid3& seen_from) {

@@ -50,6 +50,7 @@ class SubmapMapping final : public Mapping {
   std::vector<Revisit> take_keyframe(const RgbdFrame& frame);
   std::vector<Revisit> recognised(const std::vector<Feature>& features);
   std::vector<Revisit> near_inactive();
+  std::vector<bool> submaps_in_view(const Rigid3& world_from_camera, std::uint32_t part) const;
   Revisit revisit_of(const Rigid3& world_from_camera, std::uint32_t submap, bool by_appearance) const;
   std::uint32_t nearest_submap(const std::vector<bool>& among, const Rigid3& world_from_camera) const;
   bool bend(const SubmapLink& loop);

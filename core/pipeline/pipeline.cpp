@@ -286,6 +286,7 @@ PipelineStatistics Pipeline::statistics() const {
   for (const auto& [stage, ms] : impl.stage_total_ms) statistics.stages_ms[stage] = ms / frames;
   for (const auto& pass : impl.front_end.device.pass_times()) statistics.gpu_passes_ms[pass.kernel] = pass.total_ms / frames;
   statistics.gpu_memory_bytes = impl.front_end.device.memory_by_purpose();
+  statistics.host_memory_bytes = impl.front_end.store.host_bytes();
   if (impl.mapping) statistics.mapping = impl.mapping->counts();
   statistics.device = impl.front_end.device.info().name;
   return statistics;

@@ -49,6 +49,7 @@ struct PipelineStatistics {
   std::map<std::string, double> stages_ms;               // mean per frame, by stage
   std::map<std::string, double> gpu_passes_ms;           // mean per frame, by shader; GPU time stamps
   std::map<std::string, std::int64_t> gpu_memory_bytes;  // by purpose
+  std::int64_t host_memory_bytes = 0;                    // of submaps that wait there
   std::map<std::string, std::int64_t> mapping;           // submaps, keyframes, loops, ...; empty without mapping
   std::string device;
 };

@@ -66,6 +66,7 @@ std::string format_report_json(const RunReport& run, const Trajectory& estimate,
   }
   report["gpu_memory_mb"] = gpu_bytes / kMegabyte;
   report["gpu_memory_by_purpose_mb"] = by_purpose;
+  report["host_memory_mb"] = static_cast<double>(statistics.host_memory_bytes) / kMegabyte;
   report["device"] = statistics.device;
   report["settings"] = Json::object();
   for (const Setting& setting : list_settings(run.options)) report["settings"][setting.key] = setting_value(setting.value);

@@ -106,6 +106,90 @@ TEST_F(SurfelStoreTest, AppendsBehindAllInWholeBlocks) {
   for (std::size_t i = 0; i < 5; ++i) expect_same(actual[512 + i], second[i], i);
 }
 
+// Surfels of submaps 0, 1, ... in blocks of their own, `count` each.
+std::vector<Surfel> append_submaps(SurfelStore& store, std::uint32_t submap_count, std::uint32_t count) {
+  std::vector<Surfel> all;
+  store.set_submaps(std::vector<Rigid3>(submap_count));
+  for (std::uint32_t submap = 0; submap < submap_count; ++submap) {
+    std::vector<Surfel> surfels = random_surfels(count, submap + 10);
+    for (Surfel& s : surfels) {
+      s.submap = submap;
+      s.confidence = 2;
+      s.observed_frame = submap + 1;
+    }
+    store.append(surfels);
+    all.insert(all.end(), surfels.begin(), surfels.end());
+  }
+  return all;
+}
+
+TEST_F(SurfelStoreTest, SubmapsWaitOnTheHostAndComeBackUnchanged) {
+  SurfelStore store(device());
+  append_submaps(store, 3, 600);
+  const std::vector<NumberedSurfel> before = store.changed_blocks(0);
+  ASSERT_EQ(before.size(), 3u * 3 * kSlotsPerBlock);
+  const auto expect_as_before = [&] {
+    EXPECT_EQ(store.surfel_count(), 1800);
+    const std::vector<NumberedSurfel> now = store.changed_blocks(0);
+    ASSERT_EQ(now.size(), before.size());
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      ASSERT_EQ(now[i].number, before[i].number);
+      expect_same(now[i].surfel, before[i].surfel, i);
+    }
+  };
+  for (const SubmapSet& kept :
+       {SubmapSet{false, true, false}, {true, false, false}, {true, true, true}, {false, false, false}, {true, false, true}}) {
+    store.keep(kept);
+    const auto kept_count = static_cast<std::uint32_t>(std::count(kept.begin(), kept.end(), true));
+    EXPECT_EQ(store.alive_count(), 600 * kept_count);
+    EXPECT_EQ(store.slot_count(), 768 * kept_count);
+    EXPECT_EQ(store.host_bytes() > 0, kept_count < 3);
+    for (std::uint32_t submap = 0; submap < 3; ++submap) EXPECT_EQ(store.is_on_device(submap), kept[submap]);
+    for (const Surfel& s : store.download()) EXPECT_TRUE(s.confidence == 0 || kept[s.submap]);
+    expect_as_before();
+  }
+}
+
+TEST_F(SurfelStoreTest, BlocksThatComeLaterHaveOtherNumbers) {
+  SurfelStore store(device());
+  append_submaps(store, 2, 300);  // blocks 0 and 1, 2 and 3
+  store.keep({false, true});
+  std::vector<Surfel> more = random_surfels(10, 3);
+  for (Surfel& s : more) s.submap = 1, s.confidence = 2, s.observed_frame = 7;
+  store.append(more);
+  const std::vector<NumberedSurfel> changed = store.changed_blocks(6);
+  ASSERT_EQ(changed.size(), kSlotsPerBlock);
+  EXPECT_EQ(changed[0].number, 4 * kSlotsPerBlock);
+  store.keep({true, true});
+  std::vector<std::uint32_t> numbers;
+  for (const NumberedSurfel& s : store.changed_blocks(0))
+    if (s.number % kSlotsPerBlock == 0) numbers.push_back(s.number / kSlotsPerBlock);
+  EXPECT_EQ(numbers, (std::vector<std::uint32_t>{0, 1, 2, 3, 4}));
+}
+
+TEST_F(SurfelStoreTest, OnlyChangedBlocksAreRead) {
+  SurfelStore store(device());
+  append_submaps(store, 3, 300);
+  EXPECT_EQ(store.changed_blocks(0).size(), 6u * kSlotsPerBlock);
+  EXPECT_EQ(store.changed_blocks(2).size(), 2u * kSlotsPerBlock);
+  EXPECT_TRUE(store.changed_blocks(3).empty());
+  store.keep({true, true, false});
+  EXPECT_EQ(store.changed_blocks(2).size(), 2u * kSlotsPerBlock) << "on the host too";
+}
+
+TEST_F(SurfelStoreTest, StaysWithinItsBound) {
+  SurfelStore store(device(), 4096 + 100);
+  EXPECT_EQ(store.capacity(), 4096u);
+  append_submaps(store, 4, 1024);
+  EXPECT_FALSE(store.has_room_for(1));
+  EXPECT_THROW(store.reserve(1), SetupError);
+  store.keep({false, false, false, true});
+  EXPECT_TRUE(store.has_room_for(3072));
+  EXPECT_FALSE(store.has_room_for(3073));
+  store.reserve(3072);
+  EXPECT_EQ(store.capacity(), 4096u);
+}
+
 TEST_F(SurfelStoreTest, SaysWhenAMapIsFull) {
   SurfelStore store(device());
   try {
