@@ -1,12 +1,15 @@
 #include "core/adjust/bundle_of_map.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hermite {
 
 namespace {
 
 constexpr std::uint32_t kOutside = 0xffffffffu;
+constexpr double kLeastDepth_m = 0.1;
+constexpr double kMedianOfNormal = 0.6745;  // of the absolute value, in standard deviations
 
 // From an index of the map to one of the problem.
 std::vector<std::uint32_t> places_of(const std::vector<std::uint32_t>& members, std::size_t count) {
@@ -58,6 +61,25 @@ void add_observations(const SparseMap& map, BundleOfMap& bundle) {
   }
 }
 
+// What the observations' pixels are off by where everything lies now, over what they are said to be: a robust standard deviation, at
+// least 1. Cameras whose colour and depth are not well registered see landmarks beside where they are, the same way in every frame; then
+// tracking by depth, which the links tell of, knows better.
+double misfit(const BundleProblem& problem) {
+  std::vector<double> off;
+  for (const BundleObservation& observation : problem.observations) {
+    const BundleKeyframe& keyframe = problem.keyframes[observation.keyframe];
+    const Rigid3 world_from_camera = problem.world_from_submap[keyframe.submap] * keyframe.submap_from_camera;
+    const Eigen::Vector3d point = inverse(world_from_camera) * problem.landmarks_in_world[observation.landmark];
+    if (point.z() < kLeastDepth_m) continue;
+    const Eigen::Vector2d residual_px = problem.camera.project(point) - observation.pixel_px;
+    for (int i = 0; i < 2; ++i) off.push_back(std::abs(residual_px[i]) / observation.scale);
+  }
+  if (off.empty()) return 1;
+  const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
+  std::nth_element(off.begin(), middle, off.end());
+  return std::max(1.0, *middle / kMedianOfNormal);
+}
+
 // Takes one observation back, if it is still there.
 void forget(SparseMap& map, std::uint32_t landmark, const Observation& observation) {
   std::vector<Observation>& observations = map.landmarks[landmark].observations;
@@ -99,6 +121,8 @@ BundleOfMap bundle_of(const SparseMap& map, const SubmapGraph& graph, const std:
   if (bundle.scope.submaps.size() == free.size()) bundle.problem.is_fixed[0] = true;
   add_links(graph, places_of(bundle.scope.submaps, map.world_from_submap.size()), true, bundle.problem);
   add_observations(map, bundle);
+  const double factor = misfit(bundle.problem);
+  for (BundleObservation& observation : bundle.problem.observations) observation.scale *= factor;
   return bundle;
 }
 
