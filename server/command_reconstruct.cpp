@@ -35,6 +35,7 @@ struct ReconstructArguments {
   std::string camera;
   std::string noise;
   std::string device;
+  int gpu_memory_mb = 0;
   std::vector<std::string> settings;
 };
 
@@ -137,7 +138,8 @@ int run_reconstruct(const ReconstructArguments& arguments) {
   const std::unique_ptr<Sequence> sequence = open_source(arguments);
   const FrameRange range = or_throw(parse_frame_range(arguments.frames, sequence->frame_count()));
   if (!arguments.raw_file.empty()) return dump_raw(arguments.raw_file, *sequence, range);
-  const Options options = parse_options(arguments.settings);
+  Options options = parse_options(arguments.settings);
+  if (arguments.gpu_memory_mb > 0) options.map.gpu_memory_mb = arguments.gpu_memory_mb;
   std::error_code error;
   std::filesystem::create_directories(arguments.out_folder, error);
   if (error) throw SetupError({ErrorCode::kIo, "creating " + arguments.out_folder + ": " + error.message()});
@@ -177,6 +179,9 @@ Command add_reconstruct_command(CLI::App& app) {
       result.add_option("--dump-raw", arguments->raw_file, "File for the decoded frames, which hermite_bench reads; reconstructs nothing");
   reconstruct.add_option("--frames", arguments->frames, "A:B takes frames A to B-1");
   reconstruct.add_option("--set", arguments->settings, "Setting, key=value; may be repeated")->allow_extra_args(false)->excludes(raw);
+  reconstruct.add_option("--gpu-memory", arguments->gpu_memory_mb, "Device memory of the scan [MB]; same as --set map.gpu_memory_mb=…")
+      ->check(CLI::Range(0, 1'000'000))
+      ->excludes(raw);
   reconstruct.add_option("--device", arguments->device, "GPU: an index or a part of its name (default: the best one)")->excludes(raw);
   reconstruct.add_option("--camera", arguments->camera, "camera.json, or one of fr1, fr2, fr3");
   reconstruct.add_option("--noise", arguments->noise, "Add noise to the depth: kinect[,seed=N] or gaussian,sigma_mm=S[,seed=N]");

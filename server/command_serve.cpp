@@ -58,6 +58,11 @@ Command add_serve_command(CLI::App& app) {
   serve.add_option("--max-scans", options->max_scans, "Scans running at once")->capture_default_str();
   serve.add_option("--credit-window", options->credit_window, "Frames a camera may send ahead of the reconstruction")
       ->capture_default_str();
+  serve
+      .add_option("--gpu-memory", options->gpu_memory_mb,
+                  "Device memory for all scans together [MB], an equal share each; 0: as much as there is")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
   serve.add_option("--allow-host", options->allow_hosts, "Another name that this server is reached by; may be repeated")
       ->allow_extra_args(false);
   serve.add_flag("--insecure-i-know", options->insecure_listen, "Listen on other addresses than the loopback's, without encryption");

@@ -123,6 +123,11 @@ Result<StartedScan> Scans::start(const wire::StartScan& request) {
   for (const auto& [key, value] : request.settings)
     if (Status status = apply_setting(options, key, value); !status.ok()) return in_context("start_scan.settings", status.error());
 
+  if (const int share_mb = options_.gpu_memory_mb / options_.max_running; share_mb > 0) {
+    int& wanted_mb = options.map.gpu_memory_mb;
+    wanted_mb = wanted_mb == 0 ? share_mb : std::min(wanted_mb, share_mb);
+  }
+
   ScanRow row;
   row.id = new_scan_id();
   row.title = request.title;

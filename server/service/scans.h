@@ -23,6 +23,7 @@ struct ScansOptions {
   std::string device;  // as for Pipeline
   int max_running = 4;
   std::uint32_t credit_window = 16;  // frames, at most
+  int gpu_memory_mb = 0;             // of all scans together, in equal shares; 0: as much as there is
 };
 
 // What a camera is told of the scan it has started.

@@ -55,7 +55,7 @@ void check_range(const char* name, int value, int low, int high) {
 ScansOptions scans_options(const ServiceOptions& options) {
   check_range("--max-scans", options.max_scans, 1, 64);
   check_range("--credit-window", options.credit_window, 1, 256);
-  return {options.device, options.max_scans, static_cast<std::uint32_t>(options.credit_window)};
+  return {options.device, options.max_scans, static_cast<std::uint32_t>(options.credit_window), options.gpu_memory_mb};
 }
 
 AllowedHosts allowed_hosts(const ServiceOptions& options) {

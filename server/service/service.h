@@ -20,6 +20,7 @@ struct ServiceOptions {
   std::vector<std::string> allow_hosts;  // names in Host and Origin headers besides the loopback's
   int max_scans = 4;                     // running at once, 1 to 64
   int credit_window = 16;                // frames, 1 to 256
+  int gpu_memory_mb = 0;                 // for all scans, 0: as much as there is
   bool insecure_listen = false;          // allow other addresses than the loopback's, without TLS
   bool stop_on_signals = true;           // SIGINT, SIGTERM
 };
