@@ -4,6 +4,17 @@ import type { Pose } from '../connection/events';
 
 const one = new Vector3(1, 1, 1);
 
+function isAt(translation: Vector3, rotation: Quaternion, pose: Pose): boolean {
+  return translation.toArray().every((value, i) => value === pose.translation[i]) && rotation.toArray().every((value, i) => value === pose.rotation[i]);
+}
+
+// a_from_c of a_from_b and b_from_c.
+export function composed(aFromB: Pose, bFromC: Pose): Pose {
+  const rotation = new Quaternion(...aFromB.rotation);
+  const translation = new Vector3(...bFromC.translation).applyQuaternion(rotation).add(new Vector3(...aFromB.translation));
+  return { translation: translation.toArray(), rotation: rotation.multiply(new Quaternion(...bFromC.rotation)).toArray() as Pose['rotation'] };
+}
+
 export class GlidingPose {
   readonly translation = new Vector3();
   readonly rotation = new Quaternion();
@@ -20,8 +31,9 @@ export class GlidingPose {
     return this.placed;
   }
 
-  // The first pose is taken at once.
+  // The first pose is taken at once. Where it goes already it need not be told again.
   moveTo(pose: Pose): void {
+    if (this.placed && isAt(this.toTranslation, this.toRotation, pose)) return;
     this.toTranslation.fromArray(pose.translation);
     this.toRotation.fromArray(pose.rotation);
     this.fromTranslation.copy(this.placed ? this.translation : this.toTranslation);
