@@ -389,7 +389,10 @@ TEST_F(ScansTest, ALiveScanDropsTheOldestAndCountsThem) {
 struct Watched {
   std::optional<wire::Welcome> welcome;
   std::map<std::tuple<std::uint32_t, std::uint32_t, int, int, int>, wire::Chunk> chunks;
-  std::vector<float> positions_m;
+  wire::TrajectoryPart past;
+  std::optional<wire::FrameResult> last_result;
+  std::optional<wire::SubmapPoses> poses;
+  std::optional<wire::ScanState> last_state;
   std::vector<wire::ScanPhase> phases;
   bool snapshot_ended = false;
   int close_code = 0;
@@ -405,8 +408,13 @@ Watched watch(RawClient& client) {
       EXPECT_GT(chunk->version, known.version);
       known = *chunk;
     }
-    if (const auto* part = std::get_if<wire::TrajectoryPart>(&*message)) watched.positions_m = part->positions_m;
-    if (const auto* state = std::get_if<wire::ScanState>(&*message)) watched.phases.push_back(state->phase);
+    if (const auto* part = std::get_if<wire::TrajectoryPart>(&*message)) watched.past = *part;
+    if (const auto* result = std::get_if<wire::FrameResult>(&*message)) watched.last_result = *result;
+    if (const auto* poses = std::get_if<wire::SubmapPoses>(&*message)) watched.poses = *poses;
+    if (const auto* state = std::get_if<wire::ScanState>(&*message)) {
+      watched.phases.push_back(state->phase);
+      watched.last_state = *state;
+    }
     if (std::holds_alternative<wire::SnapshotEnd>(*message)) watched.snapshot_ended = true;
     client.send_message(wire::ViewerAck{client.received_bytes()});
   }
@@ -427,6 +435,19 @@ TEST_F(ScansTest, AViewerOfARunningScanAndOneAfterARestartSeeTheSame) {
   ASSERT_FALSE(live.phases.empty());
   EXPECT_EQ(live.phases.back(), wire::ScanPhase::kFinished);
   EXPECT_GT(live.chunks.size(), 3u);
+  ASSERT_TRUE(live.last_result);
+  ASSERT_TRUE(live.last_result->in_submap);
+  ASSERT_TRUE(live.last_result->last_tracked);
+  EXPECT_EQ(live.last_result->last_tracked->sequence, static_cast<std::uint64_t>(kFrameCount - 1));
+  ASSERT_TRUE(live.poses);
+  EXPECT_GT(live.poses->poses.size(), live.last_result->in_submap->submap) << "the pose of every submap that a frame is in";
+  EXPECT_GT(live.last_state->keyframes, 0u);
+
+  RawClient after(server_->port());
+  ASSERT_TRUE(after.upgrade());
+  after.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  const Watched kept = watch(after);
+  EXPECT_EQ(kept.past.submaps.size(), static_cast<std::size_t>(kFrameCount));
 
   serve([](ServiceOptions&) {});
   RawClient late(server_->port());
@@ -439,7 +460,10 @@ TEST_F(ScansTest, AViewerOfARunningScanAndOneAfterARestartSeeTheSame) {
   EXPECT_TRUE(stored.snapshot_ended);
   EXPECT_EQ(stored.close_code, 1000);
   EXPECT_EQ(stored.phases, std::vector<wire::ScanPhase>{wire::ScanPhase::kFinished});
-  EXPECT_EQ(stored.positions_m.size(), static_cast<std::size_t>(3 * kFrameCount));
+  ASSERT_EQ(stored.past.positions_m.size(), static_cast<std::size_t>(3 * kFrameCount));
+  for (std::size_t i = 0; i < stored.past.positions_m.size(); ++i)
+    EXPECT_NEAR(stored.past.positions_m[i], kept.past.positions_m[i], 1e-5) << "the corrected path, from memory and from the files";
+  EXPECT_EQ(stored.last_state->keyframes, live.last_state->keyframes);
   std::size_t filled_count = 0;
   for (const auto& [key, chunk] : live.chunks) {
     if (chunk.point_count == 0) continue;

@@ -53,7 +53,8 @@ export interface FrameEvent {
   readonly inSubmap: PoseInSubmap | null; // the same pose as it stays when submaps are corrected; null from an older server
   readonly event: MapEventName; // what the frame did to the map besides adding to it
   readonly correction_m: number; // the farthest that a submap around the camera was moved in this frame
-  readonly lastTracked: { readonly sequence: number; readonly timestamp_s: number } | null; // while lost: of the pose; null before the first
+  // This frame, or while lost the one that the pose is of; null before the first.
+  readonly lastTracked: { readonly sequence: number; readonly timestamp_s: number } | null;
 }
 
 export interface PoseInSubmap {

@@ -61,7 +61,8 @@ describe('decode', () => {
       correction_m: 0,
       lastTracked: null,
     });
-    expect(decode(serverBytes({ case: 'frameResult', value: { worldFromCamera: identity, event: 99 as MapEvent } }))).toMatchObject({ event: 'none' });
+    const value = { worldFromCamera: identity, event: 99 as MapEvent };
+    expect(decode(serverBytes({ case: 'frameResult', value }))).toMatchObject({ event: 'none' });
     expect(decode(serverBytes({ case: 'trajectoryPart', value: { positions: [1, 2, 3] } }))).toEqual({
       kind: 'trajectory',
       positions_m: Float32Array.of(1, 2, 3),

@@ -5,14 +5,16 @@ import type { Pose } from '../connection/events';
 const one = new Vector3(1, 1, 1);
 
 function isAt(translation: Vector3, rotation: Quaternion, pose: Pose): boolean {
-  return translation.toArray().every((value, i) => value === pose.translation[i]) && rotation.toArray().every((value, i) => value === pose.rotation[i]);
+  const same = (have: readonly number[], told: readonly number[]): boolean => have.every((value, i) => value === told[i]);
+  return same(translation.toArray(), pose.translation) && same(rotation.toArray(), pose.rotation);
 }
 
 // a_from_c of a_from_b and b_from_c.
 export function composed(aFromB: Pose, bFromC: Pose): Pose {
   const rotation = new Quaternion(...aFromB.rotation);
   const translation = new Vector3(...bFromC.translation).applyQuaternion(rotation).add(new Vector3(...aFromB.translation));
-  return { translation: translation.toArray(), rotation: rotation.multiply(new Quaternion(...bFromC.rotation)).toArray() as Pose['rotation'] };
+  rotation.multiply(new Quaternion(...bFromC.rotation));
+  return { translation: translation.toArray(), rotation: [rotation.x, rotation.y, rotation.z, rotation.w] };
 }
 
 export class GlidingPose {

@@ -53,10 +53,14 @@ export function eventWords(scan: LiveScan): string {
     case 'joined':
       return 'Two parts of the map are joined.';
     case 'loopClosed':
-      return `Loop closed: the map was ${scan.event.correction_m < shownCorrection_m ? 'right' : `corrected by up to ${centimetres(scan.event.correction_m)}`}.`;
+      return `Loop closed: the map was ${correctionWords(scan.event.correction_m)}.`;
     default:
       return '';
   }
+}
+
+function correctionWords(correction_m: number): string {
+  return correction_m < shownCorrection_m ? 'right' : `corrected by up to ${Math.round(100 * correction_m)} cm`;
 }
 
 // While a scan runs; when it has ended the server has words for that.
@@ -92,10 +96,6 @@ export function emptyWords(scan: LiveScan): string | null {
 
 export function count(value: number): string {
   return value.toLocaleString('en-GB');
-}
-
-function centimetres(length_m: number): string {
-  return `${Math.round(100 * length_m)} cm`;
 }
 
 export function seconds(duration_ms: number): string {
