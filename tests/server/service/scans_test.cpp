@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -82,12 +83,12 @@ class ScansTest : public testing::Test {
     std::unique_ptr<RawClient> client;
     wire::Welcome welcome;
   };
-  Camera start(wire::Mode mode = wire::Mode::kBatch) {
+  Camera start(wire::Mode mode = wire::Mode::kBatch, const std::map<std::string, std::string>& settings = kSettings) {
     Camera camera{std::make_unique<RawClient>(server_->port()), {}};
     EXPECT_TRUE(camera.client->upgrade());
     wire::StartScan request{
-        "a test",  room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng}, mode,
-        kSettings, kFrameCount};
+        "a test", room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng}, mode,
+        settings, kFrameCount};
     camera.client->send_message(wire::Hello{0, "test", server_->token(), request});
     const auto welcome = camera.client->read<wire::Welcome>();
     EXPECT_TRUE(welcome);
@@ -472,6 +473,37 @@ TEST_F(ScansTest, AViewerOfARunningScanAndOneAfterARestartSeeTheSame) {
     EXPECT_EQ(stored.chunks.at(key).draco, chunk.draco);
   }
   EXPECT_EQ(stored.chunks.size(), filled_count);
+}
+
+// From the fourth frame on the camera hangs head down: nothing fits, and a new part begins.
+TEST_F(ScansTest, AScanInTwoPartsSaysSoAndShowsBoth) {
+  Camera camera = start(wire::Mode::kBatch, {{"output.unstable", "true"}, {"adjust.new_part_after_frames", "2"}});
+  RawClient viewer(server_->port());
+  ASSERT_TRUE(viewer.upgrade());
+  viewer.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  ASSERT_TRUE(viewer.read<wire::SnapshotEnd>());
+  Watched watched;
+  std::thread watching([&] { watched = watch(viewer); });
+  for (int i = 0; i < kFrameCount; ++i) {
+    wire::Frame frame = room_frame(i);
+    RgbdFrame images = *wire::decode_frame_payload(frame, wire::DepthCodec::kRvlZstd, room().camera());
+    if (i >= 3) std::reverse(images.depth.pixels.begin(), images.depth.pixels.end());
+    if (i >= 3) std::reverse(images.color.pixels.begin(), images.color.pixels.end());
+    frame.depth = *wire::encode_depth_payload(images.depth, wire::DepthCodec::kRvlZstd);
+    const std::vector<std::uint8_t> png = *encode_png(images.color);
+    frame.color = {png.begin(), png.end()};
+    camera.client->send_message(std::move(frame));
+  }
+  camera.client->send_message(wire::Finish{});
+  const auto finished = camera.client->read<wire::Finished>();
+  watching.join();
+  ASSERT_TRUE(finished);
+  EXPECT_EQ(Json::parse(finished->report_json)["mapping"]["parts"], 2);
+  EXPECT_THAT(watched.last_state->words, HasSubstr("2 parts"));
+  EXPECT_THAT(std::string(row(camera.welcome.scan_id)["words"]), HasSubstr("2 parts"));
+  ASSERT_TRUE(watched.poses);
+  ASSERT_EQ(watched.poses->poses.size(), 2u);
+  EXPECT_NE(watched.poses->poses[0].part, watched.poses->poses[1].part);
 }
 
 TEST_F(ScansTest, AViewerThatBreaksARuleIsEndedAndTheScanIsNot) {

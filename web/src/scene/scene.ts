@@ -89,9 +89,9 @@ export class ScanScene {
   }
 
   private requestDraw(): void {
-    if (this.frameRequest !== 0 || this.disposed) return;
     clearTimeout(this.pause);
-    this.pause = undefined;
+    this.pause = undefined; // first: a pause that has run out must not look like one that still runs
+    if (this.frameRequest !== 0 || this.disposed) return;
     this.requested_ms = performance.now();
     this.frameRequest = requestAnimationFrame((now_ms) => this.draw(now_ms));
   }
