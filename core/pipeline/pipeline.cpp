@@ -1,7 +1,9 @@
 #include "core/pipeline/pipeline.h"
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
+#include <set>
 
 #include "core/frame/frame_content.h"
 #include "core/frame/undistort.h"
@@ -65,6 +67,16 @@ struct AnchoredPose {
   Rigid3 submap_from_camera;
 };
 
+std::size_t part_count(const MapLayout& layout) { return std::set(layout.part.begin(), layout.part.end()).size(); }
+
+double farthest_correction_m(const std::vector<Rigid3>& before, const MapLayout& layout) {
+  double farthest_m = 0;
+  for (std::size_t submap = 0; submap < before.size(); ++submap)
+    if (layout.is_active[submap])
+      farthest_m = std::max(farthest_m, (layout.world_from_submap[submap].translation - before[submap].translation).norm());
+  return farthest_m;
+}
+
 }  // namespace
 
 struct Pipeline::Impl {
@@ -78,8 +90,9 @@ struct Pipeline::Impl {
         front_end(device, camera, options, timeline) {}
 
   FrameResult process(const RgbdFrame& frame);
-  void observe(const RgbdFrame& frame, const Rigid3& tracked);
-  void find(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
+  MapEvent observe(const RgbdFrame& frame, const Rigid3& tracked);
+  MapEvent find(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
+  void describe_pose(FrameResult& result) const;
   void remember(double timestamp_s);
   void follow_corrections();
   const MapLayout& layout() const { return mapping ? mapping->layout() : one_submap; }
@@ -120,32 +133,39 @@ struct Pipeline::Impl {
 };
 
 // What the back end makes of a tracked frame: submaps are opened and moved, loops closed.
-void Pipeline::Impl::observe(const RgbdFrame& frame, const Rigid3& tracked) {
+MapEvent Pipeline::Impl::observe(const RgbdFrame& frame, const Rigid3& tracked) {
   const std::uint32_t submap = layout().current;
   const Rigid3 submap_from_camera = inverse(layout().world_from_submap[submap]) * tracked;
+  MapEvent event = MapEvent::kNone;
   for (const Revisit& revisit : mapping->observe(frame, tracked)) {
     const std::optional<Rigid3> seen_from = front_end.look(revisit, layout());
-    if (seen_from && mapping->confirm(revisit, *seen_from)) break;  // the others were guessed from how the map was before
+    const std::size_t parts_before = part_count(layout());
+    if (!seen_from || !mapping->confirm(revisit, *seen_from)) continue;
+    event = part_count(layout()) < parts_before ? MapEvent::kJoined : MapEvent::kLoopClosed;
+    break;  // the others were guessed from how the map was before
   }
   world_from_camera = layout().world_from_submap[submap] * submap_from_camera;
+  return event;
 }
 
 // A lost camera is found, or the map goes on in a new part.
-void Pipeline::Impl::find(const RgbdFrame& frame, const FrameContent& content, Motion& motion) {
-  for (const Revisit& revisit : mapping->find(frame)) {
+MapEvent Pipeline::Impl::find(const RgbdFrame& frame, const FrameContent& content, Motion& motion) {
+  const std::vector<Revisit> revisits = mapping->find(frame);
+  for (const Revisit& revisit : revisits) {
     const std::optional<Rigid3> seen_from = front_end.look(revisit, layout());
     if (!seen_from) continue;
     mapping->found(revisit, *seen_from);
     world_from_camera = *seen_from;
     motion = {{}, {TrackingStatus::kWeak, "found again"}};
-    return;
+    return MapEvent::kFoundAgain;
   }
   if (lost_count + 1 >= options.adjust.new_part_after_frames && front_end.judge_start(content).status != TrackingStatus::kLost) {
     mapping->begin_part(world_from_camera);
     motion = {{}, {TrackingStatus::kWeak, "not found: a new part of the map begins, to be joined when the camera sees both"}};
-    return;
+    return MapEvent::kNewPart;
   }
-  front_end.predict(world_from_camera, layout());
+  if (!revisits.empty()) front_end.predict(world_from_camera, layout());  // which the looks have overwritten
+  return MapEvent::kNone;
 }
 
 void Pipeline::Impl::remember(double timestamp_s) {
@@ -161,6 +181,16 @@ void Pipeline::Impl::follow_corrections() {
     trajectory[i].world_from_camera = layout().world_from_submap[poses[i].submap] * poses[i].submap_from_camera;
 }
 
+// Of the frame that was remembered last.
+void Pipeline::Impl::describe_pose(FrameResult& result) const {
+  result.world_from_camera = trajectory.back().world_from_camera;
+  result.submap = poses.back().submap;
+  result.submap_from_camera = poses.back().submap_from_camera;
+  result.last_tracked_frame = result.frame_index - lost_count;
+  if (result.last_tracked_frame >= 0)
+    result.last_tracked_timestamp_s = poses[static_cast<std::size_t>(result.last_tracked_frame)].timestamp_s;
+}
+
 FrameResult Pipeline::Impl::process(const RgbdFrame& given) {
   const auto start = std::chrono::steady_clock::now();
   FrameResult result;
@@ -171,14 +201,19 @@ FrameResult Pipeline::Impl::process(const RgbdFrame& given) {
   if (undistorter) straight = undistorter->apply(given);
   const RgbdFrame& frame = straight ? *straight : given;
   timed("preprocess", [&] { front_end.preprocess(frame, result.frame_index); });
+  const std::vector<Rigid3> poses_before = layout().world_from_submap;
   const FrameContent content = content_of(given, camera.depth_units_per_metre, options.frame);
   Motion motion;
   timed("track", [&] { motion = front_end.track(content, last_motion, lost_count); });
   if (motion.judgement.status != TrackingStatus::kLost) world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
-  if (mapping && motion.judgement.status != TrackingStatus::kLost) timed("adjust", [&] { observe(frame, world_from_camera); });
-  if (mapping && motion.judgement.status == TrackingStatus::kLost) timed("find", [&] { find(frame, content, motion); });
+  if (mapping && motion.judgement.status != TrackingStatus::kLost)
+    timed("adjust", [&] { result.event = observe(frame, world_from_camera); });
+  if (mapping && motion.judgement.status == TrackingStatus::kLost) timed("find", [&] { result.event = find(frame, content, motion); });
 
   const bool lost = motion.judgement.status == TrackingStatus::kLost;
+  if (lost != (lost_count > 0) && tracked_frame_count > 0 && result.event == MapEvent::kNone)
+    result.event = lost ? MapEvent::kLost : MapEvent::kFoundAgain;
+  result.correction_m = farthest_correction_m(poses_before, layout());
   lost_count = lost ? lost_count + 1 : 0;
   if (!lost) {
     last_motion = motion.odometry.reference_from_camera;
@@ -190,12 +225,12 @@ FrameResult Pipeline::Impl::process(const RgbdFrame& given) {
 
   result.status = motion.judgement.status;
   result.reason = motion.judgement.reason;
-  result.world_from_camera = world_from_camera;
   result.inlier_count = motion.odometry.inlier_count;
   result.inlier_ratio = motion.odometry.inlier_ratio;
   result.residual_rms_m = motion.odometry.residual_rms_m;
   result.surfel_count = front_end.store.surfel_count();
   remember(given.timestamp_s);
+  describe_pose(result);
   total_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return result;
 }
@@ -268,7 +303,8 @@ Result<std::vector<SlotChange>> Pipeline::take_changes() {
 
 std::vector<SubmapPose> Pipeline::submap_poses() const {
   std::vector<SubmapPose> poses;
-  for (const Rigid3& pose : impl_->front_end.store.world_from_submap()) poses.push_back({static_cast<std::uint32_t>(poses.size()), pose});
+  for (const Rigid3& pose : impl_->front_end.store.world_from_submap())
+    poses.push_back({static_cast<std::uint32_t>(poses.size()), pose, impl_->layout().part[poses.size()]});
   return poses;
 }
 
@@ -287,7 +323,10 @@ PipelineStatistics Pipeline::statistics() const {
   for (const auto& pass : impl.front_end.device.pass_times()) statistics.gpu_passes_ms[pass.kernel] = pass.total_ms / frames;
   statistics.gpu_memory_bytes = impl.front_end.device.memory_by_purpose();
   statistics.host_memory_bytes = impl.front_end.store.host_bytes();
-  if (impl.mapping) statistics.mapping = impl.mapping->counts();
+  if (impl.mapping) {
+    statistics.mapping = impl.mapping->counts();
+    statistics.mapping["parts"] = static_cast<std::int64_t>(part_count(impl.layout()));
+  }
   statistics.device = impl.front_end.device.info().name;
   return statistics;
 }

@@ -21,21 +21,38 @@
 
 namespace hermite {
 
+// What a frame did to the map besides adding to it: at most one thing, a loop or a joining before the rest.
+enum class MapEvent {
+  kNone,
+  kLost,        // the first frame that is
+  kFoundAgain,  // where it was last, or at another place of the map
+  kNewPart,     // not found: the map goes on in a part of its own
+  kJoined,      // two parts are one from now on
+  kLoopClosed,
+};
+
 struct FrameResult {
   std::int64_t frame_index = 0;  // 0 for the first frame given to the pipeline
   double timestamp_s = 0;
-  Rigid3 world_from_camera;  // the last good pose while lost
+  Rigid3 world_from_camera;   // the last good pose while lost
+  std::uint32_t submap = 0;   // that the frame belongs to
+  Rigid3 submap_from_camera;  // the same pose; a correction of the submaps leaves it as it is
   TrackingStatus status = TrackingStatus::kLost;
   std::string reason;             // in words, empty when tracked
   std::int64_t inlier_count = 0;  // geometric correspondences at full resolution
   double inlier_ratio = 0;        // of the frame's valid pixels
   double residual_rms_m = 0;      // point to plane
   std::int64_t surfel_count = 0;  // alive in the model
+  MapEvent event = MapEvent::kNone;
+  double correction_m = 0;               // the farthest that the origin of an active submap was moved in this frame
+  std::int64_t last_tracked_frame = -1;  // index: this frame, or while lost the one that the pose is of; -1: none was tracked yet
+  double last_tracked_timestamp_s = 0;   // of that frame
 };
 
 struct SubmapPose {
   std::uint32_t submap = 0;
   Rigid3 world_from_submap;
+  std::uint32_t part = 0;  // see MapLayout; the pose relative to submaps of other parts says nothing
 };
 
 struct PipelineStatistics {
@@ -50,7 +67,7 @@ struct PipelineStatistics {
   std::map<std::string, double> gpu_passes_ms;           // mean per frame, by shader; GPU time stamps
   std::map<std::string, std::int64_t> gpu_memory_bytes;  // by purpose
   std::int64_t host_memory_bytes = 0;                    // of submaps that wait there
-  std::map<std::string, std::int64_t> mapping;           // submaps, keyframes, loops, ...; empty without mapping
+  std::map<std::string, std::int64_t> mapping;           // submaps, parts, keyframes, loops, ...; empty without mapping
   std::string device;
 };
 

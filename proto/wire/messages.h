@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -19,7 +20,7 @@ namespace hermite::wire {
 
 inline constexpr const char* kSubprotocol = "hermite.v1";
 inline constexpr const char* kEndpoint = "/api/v1/ws";
-inline constexpr std::uint32_t kProtocolMinor = 0;
+inline constexpr std::uint32_t kProtocolMinor = 1;
 
 inline constexpr std::size_t kMaxBytesBeforeWelcome = 64 * 1024;  // a Hello, and all that a viewer ever sends
 inline constexpr std::size_t kMaxServerMessageBytes = 64 * 1024 * 1024;
@@ -89,7 +90,16 @@ struct Welcome {
   Camera camera;
   std::string title;
 };
-enum class TrackingStatus { kTracked, kWeak, kLost };  // unknown ones of a newer server count as lost
+enum class TrackingStatus { kTracked, kWeak, kLost };                               // unknown ones of a newer server count as lost
+enum class MapEvent { kNone, kLost, kFoundAgain, kNewPart, kJoined, kLoopClosed };  // unknown ones count as none
+struct TrackedFrame {
+  std::uint64_t sequence = 0;
+  double timestamp_s = 0;
+};
+struct PoseInSubmap {
+  std::uint32_t submap = 0;
+  Rigid3 submap_from_camera;
+};
 struct FrameResult {
   std::uint64_t sequence = 0;
   double timestamp_s = 0;
@@ -101,6 +111,10 @@ struct FrameResult {
   double residual_rms_m = 0;
   std::uint64_t surfel_count = 0;
   double frame_ms = 0;
+  std::optional<PoseInSubmap> in_submap;  // the same pose as it stays when submaps are corrected; a server of minor 0 does not say
+  MapEvent event = MapEvent::kNone;
+  double correction_m = 0;                   // finite; the farthest that a submap around the camera was moved in this frame
+  std::optional<TrackedFrame> last_tracked;  // this frame, or while lost the one that the pose is of
 };
 struct Credit {
   std::uint64_t frames_granted = 0;  // in all, since the start
@@ -120,6 +134,7 @@ struct Chunk {
 struct SubmapPose {
   std::uint32_t submap = 0;
   Rigid3 world_from_submap;
+  std::uint32_t part = 0;  // submaps of different parts say nothing about each other's place
 };
 struct SubmapPoses {
   std::vector<SubmapPose> poses;
@@ -130,6 +145,8 @@ struct ScanState {
   std::uint64_t frames_received = 0;
   std::uint64_t frames_processed = 0;
   std::uint64_t frames_dropped = 0;
+  std::uint64_t keyframes = 0;
+  std::uint64_t loops = 0;
 };
 struct Finished {
   std::string report_json;
@@ -146,7 +163,10 @@ struct Pong {
 };
 struct SnapshotEnd {};
 struct TrajectoryPart {
-  std::vector<float> positions_m;  // x y z, x y z, ... in the world
+  std::vector<float> positions_m;  // x y z, x y z, ... in the world as the map lies
+  // Empty, or the same positions in the frames of their submaps, and the submap of each.
+  std::vector<float> positions_in_submaps_m;
+  std::vector<std::uint32_t> submaps;
 };
 using ServerMessage = std::variant<Unknown, Welcome, FrameResult, Credit, Chunk, SubmapPoses, ScanState, Finished, ErrorMessage, Pong,
                                    SnapshotEnd, TrajectoryPart>;

@@ -37,6 +37,28 @@ v1::TrackingStatus status_of(TrackingStatus status) {
   return status == TrackingStatus::kWeak ? v1::TRACKING_STATUS_WEAK : v1::TRACKING_STATUS_LOST;
 }
 
+// As in messages.h; scan.proto gives them the same numbers.
+MapEvent event_from(v1::MapEvent event) {
+  const bool known = event >= v1::MAP_EVENT_NONE && event <= v1::MAP_EVENT_LOOP_CLOSED;
+  return known ? static_cast<MapEvent>(event) : MapEvent::kNone;
+}
+
+// What came with minor 1.
+Status read_map_fields(const v1::FrameResult& message, FrameResult& result) {
+  if (message.has_submap_from_camera()) {
+    Result<Rigid3> pose = rigid3_from("frame_result.submap_from_camera", message.submap_from_camera());
+    if (!pose.ok()) return pose.error();
+    result.in_submap = PoseInSubmap{message.submap(), *pose};
+  }
+  result.event = event_from(message.event());
+  result.correction_m = message.correction_m();
+  if (!std::isfinite(result.correction_m) || result.correction_m < 0)
+    return Error{ErrorCode::kInvalidArgument, "frame_result.correction_m is " + std::to_string(result.correction_m) + ", not a distance"};
+  if (message.has_last_tracked())
+    result.last_tracked = TrackedFrame{message.last_tracked().sequence(), message.last_tracked().timestamp_s()};
+  return Done{};
+}
+
 Result<ServerMessage> frame_result_from(v1::FrameResult& message) {
   FrameResult result;
   result.sequence = message.sequence();
@@ -51,6 +73,7 @@ Result<ServerMessage> frame_result_from(v1::FrameResult& message) {
   result.residual_rms_m = message.residual_rms_m();
   result.surfel_count = message.surfel_count();
   result.frame_ms = message.frame_ms();
+  if (Status status = read_map_fields(message, result); !status.ok()) return status.error();
   return ServerMessage(std::move(result));
 }
 
@@ -70,7 +93,7 @@ Result<ServerMessage> submap_poses_from(const v1::SubmapPoses& message) {
   for (const v1::SubmapPose& pose : message.poses()) {
     Result<Rigid3> transform = rigid3_from("submap_poses.world_from_submap", pose.world_from_submap());
     if (!transform.ok()) return transform.error();
-    poses.poses.push_back({pose.submap(), *transform});
+    poses.poses.push_back({pose.submap(), *transform, pose.part()});
   }
   return ServerMessage(std::move(poses));
 }
@@ -79,14 +102,23 @@ Result<ServerMessage> scan_state_from(v1::ScanState& message) {
   if (message.phase() < v1::SCAN_PHASE_RUNNING || message.phase() > v1::SCAN_PHASE_INTERRUPTED)
     return Error{ErrorCode::kUnsupported, "scan_state.phase is " + std::to_string(message.phase()) + ", known are 1 to 4"};
   return ServerMessage(ScanState{static_cast<ScanPhase>(message.phase()), std::move(*message.mutable_words()), message.frames_received(),
-                                 message.frames_processed(), message.frames_dropped()});
+                                 message.frames_processed(), message.frames_dropped(), message.keyframes(), message.loops()});
 }
 
 Result<ServerMessage> trajectory_from(const v1::TrajectoryPart& message) {
   if (message.positions_size() % 3 != 0)
     return Error{ErrorCode::kCorruptData,
                  "trajectory_part.positions has " + std::to_string(message.positions_size()) + " numbers, which is no multiple of 3"};
-  return ServerMessage(TrajectoryPart{{message.positions().begin(), message.positions().end()}});
+  if (message.submaps_size() > 0 && 3 * message.submaps_size() != message.positions_size())
+    return Error{ErrorCode::kCorruptData, "trajectory_part.submaps has " + std::to_string(message.submaps_size()) + " entries for " +
+                                              std::to_string(message.positions_size() / 3) + " positions"};
+  if (message.positions_in_submaps_size() != 3 * message.submaps_size())
+    return Error{ErrorCode::kCorruptData, "trajectory_part.positions_in_submaps has " +
+                                              std::to_string(message.positions_in_submaps_size()) + " numbers for " +
+                                              std::to_string(message.submaps_size()) + " submaps, which is not 3 for each"};
+  return ServerMessage(TrajectoryPart{{message.positions().begin(), message.positions().end()},
+                                      {message.positions_in_submaps().begin(), message.positions_in_submaps().end()},
+                                      {message.submaps().begin(), message.submaps().end()}});
 }
 
 // One overload a body: a new one does not compile until it is written here.
@@ -118,6 +150,15 @@ struct Writer {
     out.set_residual_rms_m(result.residual_rms_m);
     out.set_surfel_count(result.surfel_count);
     out.set_frame_ms(result.frame_ms);
+    if (result.in_submap) {
+      out.set_submap(result.in_submap->submap);
+      write_rigid3(result.in_submap->submap_from_camera, *out.mutable_submap_from_camera());
+    }
+    out.set_event(static_cast<v1::MapEvent>(result.event));
+    out.set_correction_m(result.correction_m);
+    if (!result.last_tracked) return;
+    out.mutable_last_tracked()->set_sequence(result.last_tracked->sequence);
+    out.mutable_last_tracked()->set_timestamp_s(result.last_tracked->timestamp_s);
   }
   void operator()(Credit& credit) const { message.mutable_credit()->set_frames_granted(credit.frames_granted); }
   void operator()(Chunk& chunk) const {
@@ -137,6 +178,7 @@ struct Writer {
       v1::SubmapPose& entry = *out.add_poses();
       entry.set_submap(pose.submap);
       write_rigid3(pose.world_from_submap, *entry.mutable_world_from_submap());
+      entry.set_part(pose.part);
     }
   }
   void operator()(ScanState& state) const {
@@ -146,6 +188,8 @@ struct Writer {
     out.set_frames_received(state.frames_received);
     out.set_frames_processed(state.frames_processed);
     out.set_frames_dropped(state.frames_dropped);
+    out.set_keyframes(state.keyframes);
+    out.set_loops(state.loops);
   }
   void operator()(Finished& finished) const {
     message.mutable_finished()->set_report_json(std::move(finished.report_json));
@@ -161,7 +205,10 @@ struct Writer {
   void operator()(Pong& pong) const { message.mutable_pong()->set_id(pong.id); }
   void operator()(SnapshotEnd&) const { message.mutable_snapshot_end(); }
   void operator()(TrajectoryPart& part) const {
-    message.mutable_trajectory_part()->mutable_positions()->Add(part.positions_m.begin(), part.positions_m.end());
+    v1::TrajectoryPart& out = *message.mutable_trajectory_part();
+    out.mutable_positions()->Add(part.positions_m.begin(), part.positions_m.end());
+    out.mutable_positions_in_submaps()->Add(part.positions_in_submaps_m.begin(), part.positions_in_submaps_m.end());
+    out.mutable_submaps()->Add(part.submaps.begin(), part.submaps.end());
   }
 };
 

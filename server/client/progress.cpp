@@ -54,12 +54,41 @@ std::string format_summary(const StreamProgress& progress) {
   const std::uint64_t dropped = progress.dropped_frames + progress.server_dropped_frames;
   if (dropped > 0) text += ", " + std::to_string(dropped) + " dropped";
   if (progress.problem_frames > 0) text += ", " + std::to_string(progress.problem_frames) + " with problems";
-  return text + format(", %.1f Mbit/s", sent_Mbit_per_s(progress));
+  text += format(", %.1f Mbit/s", sent_Mbit_per_s(progress));
+  return progress.last_words.empty() ? text : text + "; " + progress.last_words;
+}
+
+// Empty before anything was seen.
+std::string way_back_words(const wire::FrameResult& result) {
+  if (!result.last_tracked) return {};
+  return " - go back to what was seen " + format_duration(result.timestamp_s - result.last_tracked->timestamp_s) + " ago";
 }
 
 std::string tracking_words(const wire::FrameResult& result) {
   if (result.status == wire::TrackingStatus::kTracked) return "  tracked";
-  return (result.status == wire::TrackingStatus::kWeak ? "  weak: " : "  LOST: ") + result.reason;
+  if (result.status == wire::TrackingStatus::kWeak) return "  weak: " + result.reason;
+  return "  LOST: " + result.reason + way_back_words(result);
+}
+
+// Less than this is not worth a word.
+constexpr double kShownCorrection_m = 0.005;
+
+std::string correction_words(double correction_m) {
+  if (correction_m < kShownCorrection_m) return "the map was right";
+  return "the map was corrected by up to " + format("%.0f cm", std::min(100 * correction_m, 1e6));
+}
+
+std::string format_event(const wire::FrameResult& result) {
+  const std::string frame = "frame " + std::to_string(result.sequence) + ": ";
+  switch (result.event) {
+    case wire::MapEvent::kNone: break;
+    case wire::MapEvent::kLost: return frame + "lost: " + result.reason;
+    case wire::MapEvent::kFoundAgain: return frame + "found again";
+    case wire::MapEvent::kNewPart: return frame + "a new part of the map begins: it will be joined when the camera sees both";
+    case wire::MapEvent::kJoined: return frame + "two parts of the map are joined";
+    case wire::MapEvent::kLoopClosed: return frame + "loop closed: " + correction_words(result.correction_m);
+  }
+  return {};
 }
 
 std::string format_progress(const StreamProgress& progress) {

@@ -10,7 +10,11 @@
 namespace hermite {
 
 // "frame 42/1000 (sent 46)  2.1 fps  18.3 Mbit/s  position 0.12 -0.03 1.40 m  tracked  3 dropped  7:36 left". No line feed.
+// Instead of "tracked": "LOST: too fast - go back to what was seen 4 s ago".
 std::string format_progress(const StreamProgress& progress);
+
+// What happened to the map in this frame: "frame 420: loop closed: the map was corrected by up to 3 cm". Empty when nothing did.
+std::string format_event(const wire::FrameResult& result);
 
 // The last line: "scan 4f is finished: 1000 frames sent in 7:36, 998 tracked, 3 dropped, 18.3 Mbit/s".
 std::string format_summary(const StreamProgress& progress);

@@ -208,10 +208,12 @@ void Session::receive(const wire::FrameResult& result) {
   ++progress_.processed_frames;
   if (result.status != wire::TrackingStatus::kLost) ++progress_.tracked_frames;
   progress_.last_result = result;
+  if (result.event != wire::MapEvent::kNone && observer_.on_event) observer_.on_event(result);
 }
 
 void Session::receive(const wire::ScanState& state) {
   progress_.server_dropped_frames = state.frames_dropped;
+  if (state.phase == wire::ScanPhase::kFinished) progress_.last_words = state.words;
   if (state.phase == wire::ScanPhase::kFailed || state.phase == wire::ScanPhase::kInterrupted) {
     if (!failure_) failure_ = Error{ErrorCode::kIo, "the scan failed on the server: " + state.words};
   }

@@ -38,6 +38,7 @@ struct StreamProgress {
   std::uint64_t unknown_messages = 0;       // of a newer server
   std::uint64_t sent_bytes = 0;
   std::optional<wire::FrameResult> last_result;
+  std::string last_words;  // of the server about the finished scan; usually none
   bool finishing = false;  // no more frames will be sent
   double elapsed_s = 0;    // since the welcome
 };
@@ -46,6 +47,7 @@ struct StreamProgress {
 struct StreamObserver {
   std::function<void(const StreamProgress&)> on_progress;    // several times a second
   std::function<void(const std::string& words)> on_problem;  // of one frame; the scan goes on
+  std::function<void(const wire::FrameResult&)> on_event;    // a result with an event
   std::function<int()> interrupt_count;                      // 1: send no more frames and finish. 2: give up
 };
 

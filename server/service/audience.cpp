@@ -25,25 +25,45 @@ void Audience::show_state(const wire::ScanState& state) {
 }
 
 void Audience::show_result(const wire::FrameResult& result) {
-  const Eigen::Vector3f position_m = result.world_from_camera.translation.cast<float>();
-  positions_m_.insert(positions_m_.end(), position_m.data(), position_m.data() + 3);
+  const wire::PoseInSubmap where = result.in_submap.value_or(wire::PoseInSubmap{0, result.world_from_camera});
+  const Eigen::Vector3f position_m = where.submap_from_camera.translation.cast<float>();
+  positions_in_submaps_m_.insert(positions_in_submaps_m_.end(), position_m.data(), position_m.data() + 3);
+  submaps_.push_back(where.submap);
   result_ = shared(result);
-  for (Viewer* viewer : viewers_) viewer->result_ = result_;
+  const bool has_event = result.event != wire::MapEvent::kNone;
+  for (Viewer* viewer : viewers_) {
+    viewer->result_ = has_event ? nullptr : result_;
+    if (has_event) viewer->event_ = result_;
+  }
+  wake_all();
+}
+
+void Audience::show_poses(wire::SubmapPoses poses) {
+  for (const wire::SubmapPose& pose : poses.poses) world_from_submap_[pose.submap] = pose.world_from_submap;
+  poses_ = shared(std::move(poses));
+  for (Viewer* viewer : viewers_) viewer->poses_ = poses_;
   wake_all();
 }
 
 void Audience::show_model(ModelUpdate update) {
-  poses_ = shared(std::move(update.poses));
+  show_poses(std::move(update.poses));
   for (ChunkUpdate& chunk : update.chunks) chunks_[chunk.key] = {std::move(chunk.message), chunk.empty};
   for (Viewer* viewer : viewers_) {
-    viewer->poses_ = poses_;
     for (const ChunkUpdate& chunk : update.chunks) viewer->dirty_.insert(chunk.key);
   }
   wake_all();
 }
 
-void Audience::add_positions(const std::vector<float>& positions_m) {
-  positions_m_.insert(positions_m_.end(), positions_m.begin(), positions_m.end());
+wire::TrajectoryPart Audience::trajectory() const {
+  if (submaps_.empty()) return {final_positions_m_, {}, {}};
+  wire::TrajectoryPart part{{}, positions_in_submaps_m_, submaps_};
+  for (std::size_t i = 0; i < submaps_.size(); ++i) {
+    const auto pose = world_from_submap_.find(submaps_[i]);
+    const Eigen::Vector3d position_m = Eigen::Map<const Eigen::Vector3f>(&positions_in_submaps_m_[3 * i]).cast<double>();
+    const Eigen::Vector3d world_m = pose == world_from_submap_.end() ? position_m : pose->second * position_m;
+    for (const double axis : world_m) part.positions_m.push_back(static_cast<float>(axis));
+  }
+  return part;
 }
 
 void Audience::close() {
@@ -63,7 +83,7 @@ Viewer::Viewer(std::shared_ptr<Audience> audience, std::function<void()> wake)
       state_(audience_->state_),
       poses_(audience_->poses_),
       result_(audience_->result_) {
-  if (!audience_->positions_m_.empty()) trajectory_ = shared(wire::TrajectoryPart{audience_->positions_m_});
+  if (wire::TrajectoryPart past = audience_->trajectory(); !past.positions_m.empty()) trajectory_ = shared(std::move(past));
   for (const auto& [key, chunk] : audience_->chunks_)
     if (!chunk.empty) dirty_.insert(key);
   snapshot_ = dirty_;
@@ -78,7 +98,7 @@ SharedBytes Viewer::counted(SharedBytes message) {
 }
 
 SharedBytes Viewer::next() {
-  for (SharedBytes* newest : {&state_, &trajectory_, &poses_, &result_})
+  for (SharedBytes* newest : {&state_, &trajectory_, &poses_, &event_, &result_})
     if (*newest) return counted(std::exchange(*newest, nullptr));
   if (!snapshot_ended_ && snapshot_.empty()) {
     snapshot_ended_ = true;
@@ -111,7 +131,7 @@ Status Viewer::acknowledge(std::uint64_t bytes) {
 }
 
 bool Viewer::complete() const {
-  return audience_->closed_ && snapshot_ended_ && dirty_.empty() && !state_ && !poses_ && !result_ && !trajectory_;
+  return audience_->closed_ && snapshot_ended_ && dirty_.empty() && !state_ && !poses_ && !event_ && !result_ && !trajectory_;
 }
 
 }  // namespace hermite

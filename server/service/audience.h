@@ -43,8 +43,11 @@ class Audience {
 
   void show_state(const wire::ScanState& state);
   void show_result(const wire::FrameResult& result);  // and adds its position to the trajectory
+  void show_poses(wire::SubmapPoses poses);
   void show_model(ModelUpdate update);
-  void add_positions(const std::vector<float>& positions_m);
+
+  // Of a scan that is over: in the world, where nothing moves any more.
+  void set_positions(std::vector<float> positions_m) { final_positions_m_ = std::move(positions_m); }
 
   // The scan has ended and its last state and model were shown: viewers may leave once they have everything.
   void close();
@@ -59,11 +62,16 @@ class Audience {
     bool empty = false;
   };
   void wake_all();
+  wire::TrajectoryPart trajectory() const;
 
   const SceneInfo info_;
   SharedBytes state_, poses_, result_;
   std::map<ChunkKey, Shown> chunks_;
-  std::vector<float> positions_m_;  // x y z of every result
+  // Of every result, in the frame of its submap: what is corrected later moves with it.
+  std::vector<float> positions_in_submaps_m_;  // x y z
+  std::vector<std::uint32_t> submaps_;
+  std::map<std::uint32_t, Rigid3> world_from_submap_;
+  std::vector<float> final_positions_m_;  // x y z
   bool closed_ = false;
   std::set<Viewer*> viewers_;
 };
@@ -96,6 +104,7 @@ class Viewer {
   const std::shared_ptr<Audience> audience_;
   const std::function<void()> wake_;
   SharedBytes state_, poses_, result_, trajectory_;  // newest not yet sent
+  SharedBytes event_;                                // the newest result with an event, sent although there is a newer one without
   std::set<ChunkKey> dirty_;
   std::set<ChunkKey> snapshot_;  // of the chunks at the time of joining, those not yet sent
   bool snapshot_ended_ = false;

@@ -23,7 +23,7 @@ void LiveScan::send(wire::ServerMessage message) {
 }
 
 wire::ScanState LiveScan::state(const std::string& words) const {
-  return {phase_, words, counts_.received, counts_.processed, counts_.dropped};
+  return {phase_, words, counts_.received, counts_.processed, counts_.dropped, keyframes_, loops_};
 }
 
 // Every frame that was taken care of, in whatever way, makes room for another one.
@@ -85,10 +85,13 @@ void LiveScan::frame_done(const FrameOutcome& outcome) {
   if (outcome.bad_images) refuse(outcome.result.sequence, *outcome.bad_images);
   send(outcome.result);
   grant();
+  if (outcome.poses) audience_->show_poses(*outcome.poses);
   audience_->show_result(outcome.result);
 }
 
 void LiveScan::model_changed(ModelUpdate update) {
+  keyframes_ = update.keyframes;
+  loops_ = update.loops;
   audience_->show_model(std::move(update));
   const wire::ScanState now = state("");
   audience_->show_state(now);
@@ -99,7 +102,7 @@ void LiveScan::ended(ScanEnd end) {
   worker_.reset();  // its thread is at its end: this was its last word
   phase_ = end.phase;
   on_ended_(end);
-  const wire::ScanState last = state(end.error.message);
+  const wire::ScanState last = state(end.words);
   audience_->show_state(last);
   audience_->close();
   if (phase_ != wire::ScanPhase::kFinished) send(wire::ErrorMessage{name_of(end.error.code), end.error.message, false, 0});

@@ -75,6 +75,7 @@ class LiveScan {
   std::optional<CameraLink> camera_;
   wire::ScanPhase phase_ = wire::ScanPhase::kRunning;
   FrameCounts counts_;
+  std::uint64_t keyframes_ = 0, loops_ = 0;  // as of the last update of the model
   std::optional<double> last_timestamp_s_;
   bool finishing_ = false;
 };

@@ -1,8 +1,11 @@
 #include "server/service/scan_worker.h"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <future>
+#include <initializer_list>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -33,6 +36,18 @@ wire::TrackingStatus wire_status(TrackingStatus status) {
   return status == TrackingStatus::kWeak ? wire::TrackingStatus::kWeak : wire::TrackingStatus::kLost;
 }
 
+wire::MapEvent wire_event(MapEvent event) {
+  switch (event) {
+    case MapEvent::kNone: return wire::MapEvent::kNone;
+    case MapEvent::kLost: return wire::MapEvent::kLost;
+    case MapEvent::kFoundAgain: return wire::MapEvent::kFoundAgain;
+    case MapEvent::kNewPart: return wire::MapEvent::kNewPart;
+    case MapEvent::kJoined: return wire::MapEvent::kJoined;
+    case MapEvent::kLoopClosed: return wire::MapEvent::kLoopClosed;
+  }
+  return wire::MapEvent::kNone;
+}
+
 wire::FrameResult wire_result(const FrameResult& result, std::uint64_t sequence, double frame_ms) {
   wire::FrameResult sent;
   sent.sequence = sequence;
@@ -45,16 +60,34 @@ wire::FrameResult wire_result(const FrameResult& result, std::uint64_t sequence,
   sent.residual_rms_m = result.residual_rms_m;
   sent.surfel_count = static_cast<std::uint64_t>(result.surfel_count);
   sent.frame_ms = frame_ms;
+  sent.in_submap = wire::PoseInSubmap{result.submap, result.submap_from_camera};
+  sent.event = wire_event(result.event);
+  sent.correction_m = result.correction_m;
   return sent;
 }
 
 wire::SubmapPoses wire_poses(const Pipeline& pipeline) {
   wire::SubmapPoses poses;
-  for (const SubmapPose& pose : pipeline.submap_poses()) poses.poses.push_back({pose.submap, pose.world_from_submap});
+  for (const SubmapPose& pose : pipeline.submap_poses()) poses.poses.push_back({pose.submap, pose.world_from_submap, pose.part});
   return poses;
 }
 
-ScanEnd failure(Error error) { return {wire::ScanPhase::kFailed, std::move(error), {}}; }
+bool same_poses(const wire::SubmapPoses& a, const wire::SubmapPoses& b) {
+  const auto same = [](const wire::SubmapPose& x, const wire::SubmapPose& y) {
+    return x.submap == y.submap && x.part == y.part && x.world_from_submap.translation == y.world_from_submap.translation &&
+           x.world_from_submap.rotation.coeffs() == y.world_from_submap.rotation.coeffs();
+  };
+  return std::equal(a.poses.begin(), a.poses.end(), b.poses.begin(), b.poses.end(), same);
+}
+
+std::uint64_t sum_of(const std::map<std::string, std::int64_t>& counts, std::initializer_list<const char*> names) {
+  std::int64_t sum = 0;
+  for (const char* name : names)
+    if (const auto found = counts.find(name); found != counts.end()) sum += found->second;
+  return static_cast<std::uint64_t>(sum);
+}
+
+ScanEnd failure(const Error& error) { return {wire::ScanPhase::kFailed, error, {}, error.message}; }
 
 // The worker's thread: one scan from the first frame to its files.
 class ScanRun {
@@ -103,6 +136,13 @@ class ScanRun {
     return wire::Finished{std::move(results->report_json), std::move(results->trajectory_text)};
   }
 
+  // What is left to say about the map when the scan is over.
+  std::string last_words() const {
+    const std::uint64_t parts = sum_of(pipeline_.statistics().mapping, {"parts"});
+    if (parts < 2) return {};
+    return "the map is in " + std::to_string(parts) + " parts that could not be joined: the camera never saw enough of two at once";
+  }
+
  private:
   struct Decoding {
     wire::Frame frame;
@@ -135,6 +175,10 @@ class ScanRun {
     Result<FrameResult> result = pipeline_.process(decoded.ok() ? *decoded : wire::empty_frame(frame.timestamp_s, setup_.camera));
     if (!result.ok()) return result.error();
     outcome.result = wire_result(*result, frame.sequence, ms_since(start));
+    if (result->last_tracked_frame == result->frame_index) last_tracked_ = {frame.sequence, result->last_tracked_timestamp_s};
+    outcome.result.last_tracked = last_tracked_;
+    wire::SubmapPoses poses = wire_poses(pipeline_);
+    if (!same_poses(poses, told_poses_)) outcome.poses = told_poses_ = std::move(poses);
     events_.frame_done(std::move(outcome));
     ++frames_since_update_;
     return Done{};
@@ -145,14 +189,13 @@ class ScanRun {
     if (Status status = tell_viewers(); !status.ok()) return status;
     Result<std::vector<SlotChange>> changes = pipeline_.take_changes();
     if (!changes.ok()) return changes.error();
-    encoding_ = std::async(std::launch::async,
-                           [this, changes = *std::move(changes), poses = wire_poses(pipeline_)] { return encode(changes, poses); });
+    encoding_ = std::async(std::launch::async, [this, changes = *std::move(changes)] { return encode(changes); });
     frames_since_update_ = 0;
     updated_at_ = Clock::now();
     return Done{};
   }
 
-  Result<ModelUpdate> encode(const std::vector<SlotChange>& changes, const wire::SubmapPoses& poses) {
+  Result<ModelUpdate> encode(const std::vector<SlotChange>& changes) {
     model_.apply(changes);
     ModelUpdate update;
     for (const ChunkKey& key : model_.take_dirty()) {
@@ -164,7 +207,6 @@ class ScanRun {
       wire::Chunk message{{key.submap, key.level, key.x, key.y, key.z}, ++version_, chunk->point_count, std::move(chunk->draco)};
       update.chunks.push_back({key, empty, std::make_shared<const std::string>(wire::format_server_message(std::move(message)))});
     }
-    update.poses = poses;
     return update;
   }
 
@@ -172,6 +214,11 @@ class ScanRun {
     if (!encoding_.valid()) return Done{};
     Result<ModelUpdate> update = encoding_.get();
     if (!update.ok()) return update.error();
+    // As they are now: viewers may have been told of newer ones than there were when the encoding began.
+    update->poses = told_poses_ = wire_poses(pipeline_);
+    const std::map<std::string, std::int64_t> counts = pipeline_.statistics().mapping;
+    update->keyframes = sum_of(counts, {"keyframes"});
+    update->loops = sum_of(counts, {"loops by appearance", "loops by nearness"});
     events_.model_changed(*std::move(update));
     return Done{};
   }
@@ -190,6 +237,8 @@ class ScanRun {
   std::uint64_t version_ = 0;  // of the chunks, one count for all
   int frames_since_update_ = 0;
   Clock::time_point updated_at_ = Clock::now();
+  std::optional<wire::TrackedFrame> last_tracked_;
+  wire::SubmapPoses told_poses_;
   std::future<Result<ModelUpdate>> encoding_;  // last: its destructor waits for what uses the others
 };
 
@@ -217,8 +266,9 @@ struct ScanWorker::Impl {
     if (Status status = scan.take_frames(); !status.ok()) return failure(status.error());
     Result<wire::Finished> results = scan.write();
     if (!results.ok()) return failure(results.error());
-    if (const std::optional<Error> reason = why_interrupted()) return {wire::ScanPhase::kInterrupted, *reason, *std::move(results)};
-    return {wire::ScanPhase::kFinished, {}, *std::move(results)};
+    if (const std::optional<Error> reason = why_interrupted())
+      return {wire::ScanPhase::kInterrupted, *reason, *std::move(results), reason->message};
+    return {wire::ScanPhase::kFinished, {}, *std::move(results), scan.last_words()};
   } catch (const SetupError& error) {
     return failure(error.error());
   } catch (const std::exception& error) {

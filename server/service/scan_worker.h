@@ -39,7 +39,8 @@ struct ScanSetup {
 
 struct FrameOutcome {
   wire::FrameResult result;
-  std::optional<Error> bad_images;  // why the pipeline got an empty frame instead of this one's images
+  std::optional<wire::SubmapPoses> poses;  // when submaps came or moved: told before the result, so that all of it moves at once
+  std::optional<Error> bad_images;         // why the pipeline got an empty frame instead of this one's images
 };
 
 // A chunk message ready to be sent, made once for all viewers.
@@ -52,12 +53,14 @@ struct ChunkUpdate {
 struct ModelUpdate {
   std::vector<ChunkUpdate> chunks;
   wire::SubmapPoses poses;
+  std::uint64_t keyframes = 0, loops = 0;  // so far
 };
 
 struct ScanEnd {
   wire::ScanPhase phase = wire::ScanPhase::kFinished;
   Error error;             // when failed, or why it was interrupted
   wire::Finished results;  // when not failed
+  std::string words;       // for a person: the error's, or what is left to say about the map
 };
 
 // The last event is `ended`, always and once.

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "core/dataset/trajectory.h"
@@ -66,6 +67,20 @@ ModelUpdate model_of(StoredChunks stored) {
   return model;
 }
 
+// What the report says about the map; 0 where there is none.
+void read_map_counts(const std::string& folder, wire::ScanState& state) {
+  const Result<std::string> text = read_file(folder + "/report.json");
+  if (!text.ok()) return;
+  const nlohmann::json report = nlohmann::json::parse(*text, nullptr, false);
+  const nlohmann::json mapping = report.is_object() ? report.value("mapping", nlohmann::json()) : nlohmann::json();
+  const auto count = [&mapping](const char* name) -> std::uint64_t {
+    const auto found = mapping.is_object() ? mapping.find(name) : mapping.end();
+    return found != mapping.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : 0;
+  };
+  state.keyframes = count("keyframes");
+  state.loops = count("loops by appearance") + count("loops by nearness");
+}
+
 // What is there is shown: a scan that failed has no files, and that is no error of the viewer.
 void show_files(const std::string& folder, Audience& audience) {
   const Result<std::string> text = read_file(folder + "/trajectory.txt");
@@ -75,7 +90,7 @@ void show_files(const std::string& folder, Audience& audience) {
     std::vector<float> positions_m;
     for (const TimedPose& pose : trajectory.ok() ? *trajectory : Trajectory{})
       for (const double axis : pose.world_from_camera.translation) positions_m.push_back(static_cast<float>(axis));
-    audience.add_positions(positions_m);
+    audience.set_positions(std::move(positions_m));
   }
   const Result<std::string> bytes = read_file(folder + "/chunks.bin");
   if (!bytes.ok()) return;
@@ -165,7 +180,7 @@ Result<StartedScan> Scans::start(const wire::StartScan& request) {
 void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   ScanRow row = with_counts(started);
   row.phase = stored_phase(end.phase);
-  row.words = end.error.message;
+  row.words = end.words;
   row.finished_at_ms = now_ms();
   if (Status status = store_.update(row); !status.ok()) spdlog::error("scan {}: {}", row.id, status.error().message);
   spdlog::info("scan {} {}: {} frames received, {} processed, {} dropped{}{}", row.id, name_of(row.phase), row.frames_received,
@@ -195,8 +210,10 @@ Result<std::shared_ptr<Audience>> Scans::watch(const std::string& scan_id) {
   if (!row.ok()) return row.error();
   auto audience = std::make_shared<Audience>(SceneInfo{row->id, row->title, row->camera});
   show_files(data_.scan_folder(scan_id), *audience);
-  audience->show_state({wire_phase(row->phase), row->words, static_cast<std::uint64_t>(row->frames_received),
-                        static_cast<std::uint64_t>(row->frames_processed), static_cast<std::uint64_t>(row->frames_dropped)});
+  wire::ScanState state{wire_phase(row->phase), row->words, static_cast<std::uint64_t>(row->frames_received),
+                        static_cast<std::uint64_t>(row->frames_processed), static_cast<std::uint64_t>(row->frames_dropped)};
+  read_map_counts(data_.scan_folder(scan_id), state);
+  audience->show_state(state);
   audience->close();
   read_again_[scan_id] = audience;
   return audience;

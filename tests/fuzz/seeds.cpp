@@ -121,7 +121,7 @@ void add_server_seeds(SeedFolder& seeds) {
   add(wire::ErrorMessage{"corrupt_data", "frame.depth: cut", true, 5});
   add(wire::Pong{7});
   add(wire::SnapshotEnd{});
-  add(wire::TrajectoryPart{{1, 2, 3, 4, 5, 6}});
+  add(wire::TrajectoryPart{{1, 2, 3, 4, 5, 6}, {1, 2, 3, 3, 2, 1}, {0, 1}});
 }
 
 void add_message_seeds(SeedFolder seeds) {

@@ -78,6 +78,9 @@ test('a scan is seen while it grows', { timeout: scan_ms + 60_000 }, async () =>
   assert.equal(last.framesProcessed, 40);
   assert.equal(last.framesDropped, 0);
   assert.equal(last.failedChunks, 0);
+  assert.ok(last.submaps > 0, 'the viewer knows the submaps');
+  assert.equal(last.parts, 1);
+  assert.ok(last.keyframes > 0, 'and how many keyframes there are');
   assert.ok(last.points > first.points, `${first.points} points grew to ${last.points}`);
   assert.equal(last.problem, null);
 });
@@ -116,6 +119,8 @@ test('a finished scan looks the same when it is opened again, also from a restar
     assert.equal(scan.points, before.points, words);
     assert.equal(scan.chunks, before.chunks, words);
     assert.ok(scan.poses > 0, 'the trajectory is there');
+    assert.equal(scan.submaps, before.submaps, words);
+    assert.equal(scan.keyframes, before.keyframes, words);
   };
   await page.reload();
   await again('loaded again');

@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <random>
 
 #include "core/evaluate/trajectory_error.h"
@@ -216,6 +218,155 @@ TEST(Pipeline, ACameraOrDeviceThatCannotBeIsSaidAtOnce) {
   }
   EXPECT_THROW(Pipeline("", Camera{}, Options{}), SetupError);
   EXPECT_THROW(Pipeline("a device that nobody has", recording().camera, Options{}), SetupError);
+}
+
+// --- What happened to the map ---
+
+RgbdFrame empty_frame() {
+  return changed(recording().frames[0], [](std::uint16_t& d, Rgb8& c) {
+    d = 0;
+    c = {};
+  });
+}
+
+// Another place: what is seen there fits nothing, and is enough to begin with.
+RgbdFrame upside_down(const RgbdFrame& frame) {
+  RgbdFrame turned = frame;
+  std::reverse(turned.depth.pixels.begin(), turned.depth.pixels.end());
+  std::reverse(turned.color.pixels.begin(), turned.color.pixels.end());
+  return turned;
+}
+
+// A back end that does what the test says.
+class PlayedMapping final : public Mapping {
+ public:
+  const MapLayout& layout() const override { return map; }
+  std::vector<Revisit> observe(const RgbdFrame&, const Rigid3& world_from_camera) override {
+    if (!confirms) return {};
+    return {at(world_from_camera)};
+  }
+  bool confirm(const Revisit&, const Rigid3&) override {
+    confirms(map);
+    confirms = nullptr;
+    return true;
+  }
+  std::vector<Revisit> find(const RgbdFrame&) override {
+    if (!found_at) return {};
+    return {at(*found_at)};
+  }
+  void found(const Revisit&, const Rigid3&) override { map.is_active = {true}; }
+  void begin_part(const Rigid3& world_from_camera) override {
+    map.world_from_submap.push_back(world_from_camera);
+    map.is_active = {false, true};
+    map.part = {0, 1};
+    map.current = 1;
+  }
+  void finish() override {}
+  std::map<std::string, std::int64_t> counts() const override { return {}; }
+
+  // Of the current submap, which surely shows what the camera sees.
+  Revisit at(const Rigid3& world_from_camera) const {
+    Revisit revisit{world_from_camera, std::vector<bool>(map.part.size())};
+    revisit.submaps[map.current] = true;
+    return revisit;
+  }
+
+  std::function<void(MapLayout&)> confirms;  // once: what a confirmed revisit does
+  std::optional<Rigid3> found_at;
+  MapLayout map;
+};
+
+// All submaps by 3 cm.
+void move(MapLayout& layout) {
+  for (Rigid3& pose : layout.world_from_submap) pose.translation.y() += 0.03;
+  ++layout.correction_count;
+}
+
+TEST(Pipeline, EveryFrameSaysWhereItIsInItsSubmap) {
+  Pipeline pipeline("", recording().camera, Options{});
+  for (std::size_t i = 0; i < 3; ++i) {
+    const FrameResult result = process(pipeline, recording().frames[i]);
+    EXPECT_EQ(result.submap, 0u);
+    EXPECT_TRUE(same_pose(result.submap_from_camera, result.world_from_camera)) << "the first submap is the world";
+    EXPECT_EQ(result.event, MapEvent::kNone);
+    EXPECT_EQ(result.correction_m, 0);
+    EXPECT_EQ(result.last_tracked_frame, result.frame_index);
+    EXPECT_EQ(result.last_tracked_timestamp_s, result.timestamp_s);
+  }
+}
+
+TEST(Pipeline, ALostCameraHasALastViewAndIsFoundAgain) {
+  const test::Recording& room = recording();
+  Pipeline pipeline("", room.camera, Options{});
+  const FrameResult nothing_yet = process(pipeline, empty_frame());
+  EXPECT_EQ(nothing_yet.event, MapEvent::kNone) << "what was never seen is not lost";
+  EXPECT_EQ(nothing_yet.last_tracked_frame, -1);
+  EXPECT_EQ(process(pipeline, room.frames[0]).event, MapEvent::kNone);
+  EXPECT_EQ(process(pipeline, room.frames[1]).event, MapEvent::kNone);
+  for (const MapEvent event : {MapEvent::kLost, MapEvent::kNone, MapEvent::kNone}) {
+    const FrameResult lost = process(pipeline, empty_frame());
+    EXPECT_EQ(lost.event, event);
+    EXPECT_EQ(lost.last_tracked_frame, 2);
+    EXPECT_EQ(lost.last_tracked_timestamp_s, room.frames[1].timestamp_s);
+  }
+  EXPECT_EQ(process(pipeline, room.frames[2]).event, MapEvent::kFoundAgain);
+  EXPECT_EQ(process(pipeline, room.frames[3]).event, MapEvent::kNone);
+}
+
+TEST(Pipeline, AClosedLoopIsToldWithWhatItMoved) {
+  auto mapping = std::make_unique<PlayedMapping>();
+  PlayedMapping& played = *mapping;
+  Pipeline pipeline("", recording().camera, soon_stable(), std::move(mapping));
+  FrameResult result;
+  std::size_t next = 0;
+  while (next < 5) result = process(pipeline, recording().frames[next++]);
+  EXPECT_EQ(result.correction_m, 0);
+  const Trajectory before = pipeline.trajectory();
+  played.confirms = move;
+  result = process(pipeline, recording().frames[next]);
+  EXPECT_EQ(result.event, MapEvent::kLoopClosed);
+  EXPECT_NEAR(result.correction_m, 0.03, 1e-12);
+  EXPECT_NEAR((result.world_from_camera.translation - result.submap_from_camera.translation).y(), 0.03, 1e-12);
+  EXPECT_NEAR((pipeline.trajectory()[2].world_from_camera.translation - before[2].world_from_camera.translation).y(), 0.03, 1e-12);
+  EXPECT_EQ(process(pipeline, recording().frames[next + 1]).event, MapEvent::kNone);
+}
+
+TEST(Pipeline, ACameraFoundElsewhereSaysSo) {
+  auto mapping = std::make_unique<PlayedMapping>();
+  PlayedMapping& played = *mapping;
+  Pipeline pipeline("", recording().camera, soon_stable(), std::move(mapping));
+  for (std::size_t i = 0; i < 6; ++i) process(pipeline, recording().frames[i]);
+  played.map.is_active = {false};  // where the camera was last there is nothing to be found
+  EXPECT_EQ(process(pipeline, empty_frame()).event, MapEvent::kLost);
+  EXPECT_EQ(process(pipeline, recording().frames[3]).event, MapEvent::kNone) << "nobody says where to look";
+  played.found_at = pipeline.trajectory()[3].world_from_camera;
+  EXPECT_EQ(process(pipeline, empty_frame()).event, MapEvent::kNone) << "a guess that nothing speaks for";
+  const FrameResult found = process(pipeline, recording().frames[3]);
+  EXPECT_EQ(found.event, MapEvent::kFoundAgain) << found.reason;
+  EXPECT_EQ(found.last_tracked_frame, found.frame_index);
+  EXPECT_LT((found.world_from_camera.translation - played.found_at->translation).norm(), 0.01);
+}
+
+TEST(Pipeline, APartBeginsWhereNothingIsFoundAndIsJoined) {
+  auto mapping = std::make_unique<PlayedMapping>();
+  PlayedMapping& played = *mapping;
+  Options options = soon_stable();
+  options.adjust.new_part_after_frames = 2;
+  Pipeline pipeline("", recording().camera, options, std::move(mapping));
+  for (std::size_t i = 0; i < 3; ++i) process(pipeline, recording().frames[i]);
+  EXPECT_EQ(process(pipeline, upside_down(recording().frames[3])).event, MapEvent::kLost);
+  const FrameResult begins = process(pipeline, upside_down(recording().frames[3]));
+  EXPECT_EQ(begins.event, MapEvent::kNewPart) << begins.reason;
+  EXPECT_EQ(begins.submap, 1u);
+  EXPECT_EQ(begins.last_tracked_frame, begins.frame_index);
+  ASSERT_EQ(pipeline.submap_poses().size(), 2u);
+  EXPECT_EQ(pipeline.submap_poses()[0].part, 0u);
+  EXPECT_EQ(pipeline.submap_poses()[1].part, 1u);
+  EXPECT_EQ(pipeline.statistics().mapping.at("parts"), 2);
+  for (std::size_t i = 4; i < 8; ++i) EXPECT_EQ(process(pipeline, upside_down(recording().frames[i])).event, MapEvent::kNone) << i;
+  played.confirms = [](MapLayout& layout) { layout.part = {0, 0}; };
+  EXPECT_EQ(process(pipeline, upside_down(recording().frames[8])).event, MapEvent::kJoined);
+  EXPECT_EQ(pipeline.statistics().mapping.at("parts"), 1);
 }
 
 // --- What comes out ---

@@ -79,6 +79,45 @@ TEST(ServerMessage, AFrameResultKeepsItsPoseBitForBit) {
   EXPECT_EQ(round_trip(result).reason, "too fast");
 }
 
+TEST(ServerMessage, AFrameResultSaysWhereInTheMapAndWhatHappened) {
+  FrameResult result;
+  result.in_submap = PoseInSubmap{7, some_pose()};
+  result.correction_m = 0.03;
+  result.last_tracked = TrackedFrame{12, 0.5};
+  const FrameResult back = round_trip(result);
+  ASSERT_TRUE(back.in_submap);
+  EXPECT_EQ(back.in_submap->submap, 7u);
+  EXPECT_EQ(back.in_submap->submap_from_camera.translation, some_pose().translation);
+  EXPECT_EQ(back.in_submap->submap_from_camera.rotation.coeffs(), some_pose().rotation.coeffs());
+  EXPECT_EQ(back.correction_m, 0.03);
+  ASSERT_TRUE(back.last_tracked);
+  EXPECT_EQ(back.last_tracked->sequence, 12u);
+  EXPECT_EQ(back.last_tracked->timestamp_s, 0.5);
+  for (const MapEvent event :
+       {MapEvent::kNone, MapEvent::kLost, MapEvent::kFoundAgain, MapEvent::kNewPart, MapEvent::kJoined, MapEvent::kLoopClosed}) {
+    result.event = event;
+    EXPECT_EQ(round_trip(result).event, event);
+  }
+}
+
+// A frame result as a server of minor 0 writes it: sequence 3, the identity, tracked. And with an event that only a newer one knows.
+TEST(ServerMessage, OlderAndNewerServersAreUnderstood) {
+  const std::string pose("\x1a\x09\x39\0\0\0\0\0\0\xf0\x3f", 11);
+  const std::string old_body = std::string("\x08\x03", 2) + pose + std::string("\x20\x01", 2);
+  const auto message = [](const std::string& body) { return std::string("\x12", 1) + static_cast<char>(body.size()) + body; };
+  const auto old = parse_server_message(message(old_body));
+  ASSERT_TRUE(old.ok()) << old.error().message;
+  const FrameResult& result = std::get<FrameResult>(*old);
+  EXPECT_EQ(result.sequence, 3u);
+  EXPECT_EQ(result.status, TrackingStatus::kTracked);
+  EXPECT_FALSE(result.in_submap);
+  EXPECT_FALSE(result.last_tracked);
+  EXPECT_EQ(result.event, MapEvent::kNone);
+  const auto newer = parse_server_message(message(old_body + std::string("\x68\x63", 2)));  // event 99
+  ASSERT_TRUE(newer.ok()) << newer.error().message;
+  EXPECT_EQ(std::get<FrameResult>(*newer).event, MapEvent::kNone);
+}
+
 TEST(ServerMessage, TheOtherBodiesComeBackAsTheyWere) {
   EXPECT_EQ(round_trip(Credit{77}).frames_granted, 77u);
   const Chunk chunk = round_trip(Chunk{{1, 2, -3, 4, -32768}, 5, 6, std::string("\0draco", 6)});
@@ -86,16 +125,19 @@ TEST(ServerMessage, TheOtherBodiesComeBackAsTheyWere) {
   EXPECT_EQ(chunk.version, 5u);
   EXPECT_EQ(chunk.point_count, 6u);
   EXPECT_EQ(chunk.draco, std::string("\0draco", 6));
-  const SubmapPoses poses = round_trip(SubmapPoses{{{0, Rigid3{}}, {1, some_pose()}}});
+  const SubmapPoses poses = round_trip(SubmapPoses{{{0, Rigid3{}, 0}, {1, some_pose(), 2}}});
   ASSERT_EQ(poses.poses.size(), 2u);
   EXPECT_EQ(poses.poses[1].submap, 1u);
+  EXPECT_EQ(poses.poses[1].part, 2u);
   EXPECT_EQ(poses.poses[1].world_from_submap.translation, some_pose().translation);
-  const ScanState state = round_trip(ScanState{ScanPhase::kInterrupted, "why", 3, 2, 1});
+  const ScanState state = round_trip(ScanState{ScanPhase::kInterrupted, "why", 3, 2, 1, 20, 4});
   EXPECT_EQ(state.phase, ScanPhase::kInterrupted);
   EXPECT_EQ(state.words, "why");
   EXPECT_EQ(state.frames_received, 3u);
   EXPECT_EQ(state.frames_processed, 2u);
   EXPECT_EQ(state.frames_dropped, 1u);
+  EXPECT_EQ(state.keyframes, 20u);
+  EXPECT_EQ(state.loops, 4u);
   const Finished finished = round_trip(Finished{"{}", "1 2 3\n"});
   EXPECT_EQ(finished.report_json, "{}");
   EXPECT_EQ(finished.trajectory_tum, "1 2 3\n");
@@ -106,22 +148,38 @@ TEST(ServerMessage, TheOtherBodiesComeBackAsTheyWere) {
   EXPECT_EQ(error.sequence, 12u);
   EXPECT_EQ(round_trip(Pong{5}).id, 5u);
   round_trip(SnapshotEnd{});
-  EXPECT_EQ(round_trip(TrajectoryPart{{1, 2, 3, 4, 5, 6}}).positions_m, (std::vector<float>{1, 2, 3, 4, 5, 6}));
+  const TrajectoryPart part = round_trip(TrajectoryPart{{1, 2, 3, 4, 5, 6}, {0, 2, 3, 3, 5, 6}, {0, 9}});
+  EXPECT_EQ(part.positions_m, (std::vector<float>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(part.positions_in_submaps_m, (std::vector<float>{0, 2, 3, 3, 5, 6}));
+  EXPECT_EQ(part.submaps, (std::vector<std::uint32_t>{0, 9}));
 }
 
 TEST(ServerMessage, PosesThatAreNoneAreNamed) {
   FrameResult result;
   result.world_from_camera.translation.x() = std::nan("");
   EXPECT_THAT(parse_server_message(format_server_message(result)).error().message, HasSubstr("frame_result.world_from_camera"));
+  result = {};
+  result.in_submap = PoseInSubmap{};
+  result.in_submap->submap_from_camera.translation.y() = std::nan("");
+  EXPECT_THAT(parse_server_message(format_server_message(result)).error().message, HasSubstr("frame_result.submap_from_camera"));
+  result = {};
+  for (const double wrong_m : {std::nan(""), -1.0}) {
+    result.correction_m = wrong_m;
+    EXPECT_THAT(parse_server_message(format_server_message(result)).error().message, HasSubstr("frame_result.correction_m"));
+  }
   SubmapPoses poses{{{0, Rigid3{}}}};
   poses.poses[0].world_from_submap.rotation.coeffs() *= 2;
   EXPECT_THAT(parse_server_message(format_server_message(poses)).error().message, HasSubstr("quaternion of length 2"));
 }
 
 TEST(ServerMessage, ATrajectoryOfHalfAPositionIsCorrupt) {
-  const auto message = parse_server_message(format_server_message(TrajectoryPart{{1, 2, 3, 4}}));
-  ASSERT_FALSE(message.ok());
-  EXPECT_EQ(message.error().code, ErrorCode::kCorruptData);
+  for (const TrajectoryPart& part : {TrajectoryPart{{1, 2, 3, 4}, {}, {}}, TrajectoryPart{{1, 2, 3}, {1, 2, 3}, {0, 1}},
+                                     TrajectoryPart{{1, 2, 3}, {1, 2}, {0}}, TrajectoryPart{{1, 2, 3}, {1, 2, 3}, {}}}) {
+    const auto message = parse_server_message(format_server_message(part));
+    ASSERT_FALSE(message.ok());
+    EXPECT_EQ(message.error().code, ErrorCode::kCorruptData);
+    EXPECT_THAT(message.error().message, HasSubstr("trajectory_part."));
+  }
 }
 
 TEST(ServerMessage, GarbageOversizeAndTheFuture) {

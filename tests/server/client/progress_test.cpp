@@ -42,6 +42,38 @@ TEST(Progress, LostFramesDropsAndProblemsShow) {
   EXPECT_THAT(text, HasSubstr("18 s left"));
 }
 
+TEST(Progress, ALostCameraIsToldWhereToGoBackTo) {
+  StreamProgress progress = half_way();
+  progress.last_result->status = wire::TrackingStatus::kLost;
+  progress.last_result->reason = "too fast";
+  progress.last_result->timestamp_s = 14.2;
+  EXPECT_THAT(format_progress(progress), Not(HasSubstr("go back"))) << "nothing was seen yet";
+  progress.last_result->last_tracked = wire::TrackedFrame{300, 10};
+  EXPECT_THAT(format_progress(progress), HasSubstr("LOST: too fast - go back to what was seen 4 s ago"));
+  progress.last_result->status = wire::TrackingStatus::kTracked;
+  EXPECT_THAT(format_progress(progress), Not(HasSubstr("go back")));
+}
+
+TEST(Progress, WhatHappenedToTheMapIsSaidInWords) {
+  wire::FrameResult result;
+  result.sequence = 420;
+  result.correction_m = 0.031;
+  EXPECT_EQ(format_event(result), "");
+  result.event = wire::MapEvent::kLoopClosed;
+  EXPECT_EQ(format_event(result), "frame 420: loop closed: the map was corrected by up to 3 cm");
+  result.correction_m = 0.001;
+  EXPECT_EQ(format_event(result), "frame 420: loop closed: the map was right");
+  result.event = wire::MapEvent::kLost;
+  result.reason = "too fast";
+  EXPECT_EQ(format_event(result), "frame 420: lost: too fast");
+  result.event = wire::MapEvent::kFoundAgain;
+  EXPECT_EQ(format_event(result), "frame 420: found again");
+  result.event = wire::MapEvent::kNewPart;
+  EXPECT_EQ(format_event(result), "frame 420: a new part of the map begins: it will be joined when the camera sees both");
+  result.event = wire::MapEvent::kJoined;
+  EXPECT_EQ(format_event(result), "frame 420: two parts of the map are joined");
+}
+
 TEST(Progress, BeforeTheFirstResultItMakesNoPromises) {
   StreamProgress progress;
   progress.frame_count = 10;
@@ -67,6 +99,8 @@ TEST(Progress, TheSummaryCountsWhatWentWrongOnlyWhenSomethingDid) {
   progress.dropped_frames = 3;
   progress.problem_frames = 2;
   EXPECT_THAT(format_summary(progress), HasSubstr("49 tracked, 3 dropped, 2 with problems,"));
+  progress.last_words = "the map is in 2 parts";
+  EXPECT_THAT(format_summary(progress), HasSubstr("Mbit/s; the map is in 2 parts"));
 }
 
 TEST(Progress, DurationsReadLikeAClock) {

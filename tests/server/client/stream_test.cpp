@@ -137,7 +137,7 @@ TEST(Stream, TwoScansAtOnceAreTheSameAsOne) {
   other.join();
 }
 
-TEST(Stream, AFrameThatCannotBeReadStillHasItsLineAndIsReported) {
+TEST(Stream, AFrameThatCannotBeReadStillHasItsLineAndIsReportedAsLost) {
   const auto whole = synthetic_room();
   const WithAHole sequence(*whole, 2);
   const Expected expected = local_run(sequence);
@@ -145,6 +145,8 @@ TEST(Stream, AFrameThatCannotBeReadStillHasItsLineAndIsReported) {
   std::vector<std::string> problems;
   StreamObserver observer;
   observer.on_problem = [&](const std::string& words) { problems.push_back(words); };
+  std::vector<wire::FrameResult> events;
+  observer.on_event = [&](const wire::FrameResult& result) { events.push_back(result); };
   const auto outcome = stream_sequence(sequence, request_for(server, sequence), observer);
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   EXPECT_EQ(outcome->trajectory_tum, expected.trajectory_tum);
@@ -152,6 +154,11 @@ TEST(Stream, AFrameThatCannotBeReadStillHasItsLineAndIsReported) {
   EXPECT_EQ(pose_count(outcome->trajectory_tum), kFrameCount);
   EXPECT_THAT(problems, testing::ElementsAre(HasSubstr("frame 2: the file is gone")));
   EXPECT_EQ(outcome->progress.problem_frames, 1u);
+  ASSERT_EQ(events.size(), 1u) << "with so few frames nothing is stable yet: what comes behind finds nothing to compare with";
+  EXPECT_EQ(events[0].event, wire::MapEvent::kLost);
+  EXPECT_EQ(events[0].sequence, 2u);
+  ASSERT_TRUE(events[0].last_tracked);
+  EXPECT_EQ(events[0].last_tracked->sequence, 1u);
 }
 
 TEST(Stream, ALiveCameraAccountsForEveryFrame) {

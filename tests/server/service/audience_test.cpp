@@ -68,6 +68,72 @@ TEST(Audience, ALateViewerGetsEverythingAndThenTheEndOfTheSnapshot) {
   EXPECT_TRUE(std::holds_alternative<wire::SnapshotEnd>(messages.back()));
 }
 
+TEST(Audience, ThePathMovesWithItsSubmapsForThoseWhoComeLater) {
+  const auto audience = empty_audience();
+  wire::FrameResult result;
+  result.world_from_camera.translation = {1, 2, 3};
+  result.in_submap = wire::PoseInSubmap{0, result.world_from_camera};
+  audience->show_result(result);
+  Rigid3 moved;
+  moved.translation = {10, 0, 0};
+  result.world_from_camera.translation = {11, 0, 0};
+  result.in_submap = wire::PoseInSubmap{1, Rigid3{}};
+  result.in_submap->submap_from_camera.translation = {1, 0, 0};
+  audience->show_poses({{{0, Rigid3{}}, {1, moved}}});
+  audience->show_result(result);
+  moved.translation = {10, 0.5, 0};
+  audience->show_poses({{{0, Rigid3{}}, {1, moved}}});
+  Joined joined(audience);
+  const auto messages = take_all(*joined.viewer);
+  ASSERT_EQ(only<wire::TrajectoryPart>(messages).size(), 1u);
+  const wire::TrajectoryPart part = only<wire::TrajectoryPart>(messages)[0];
+  EXPECT_EQ(part.positions_m, (std::vector<float>{1, 2, 3, 11, 0.5, 0})) << "for viewers that know no submaps: as the map lies now";
+  EXPECT_EQ(part.positions_in_submaps_m, (std::vector<float>{1, 2, 3, 1, 0, 0}));
+  EXPECT_EQ(part.submaps, (std::vector<std::uint32_t>{0, 1}));
+}
+
+TEST(Audience, ThePathOfAScanThatIsOverIsInTheWorld) {
+  const auto audience = empty_audience();
+  audience->set_positions({1, 2, 3});
+  Joined joined(audience);
+  const auto parts = only<wire::TrajectoryPart>(take_all(*joined.viewer));
+  ASSERT_EQ(parts.size(), 1u);
+  EXPECT_EQ(parts[0].positions_m, (std::vector<float>{1, 2, 3}));
+  EXPECT_TRUE(parts[0].submaps.empty());
+}
+
+TEST(Audience, ASlowViewerHearsOfAnEventAfterwards) {
+  const auto audience = empty_audience();
+  Joined joined(audience);
+  take_all(*joined.viewer);
+  for (std::uint64_t i = 1; i <= 20; ++i) {
+    wire::FrameResult result;
+    result.sequence = i;
+    if (i % 8 == 0) result.event = wire::MapEvent::kLoopClosed;
+    audience->show_result(result);
+  }
+  const auto results = only<wire::FrameResult>(take_all(*joined.viewer));
+  ASSERT_EQ(results.size(), 2u);
+  EXPECT_EQ(results[0].sequence, 16u) << "the newest event";
+  EXPECT_EQ(results[1].sequence, 20u);
+  wire::FrameResult last;
+  last.event = wire::MapEvent::kLost;
+  audience->show_result({});
+  audience->show_result(last);
+  EXPECT_EQ(only<wire::FrameResult>(take_all(*joined.viewer)).size(), 1u) << "an older one would be old news";
+}
+
+TEST(Audience, PosesAreSentBeforeTheFrameThatIsInThem) {
+  const auto audience = empty_audience();
+  Joined joined(audience);
+  take_all(*joined.viewer);
+  audience->show_poses({{{0, Rigid3{}}, {1, Rigid3{}}}});
+  audience->show_result({});
+  const auto messages = take_all(*joined.viewer);
+  ASSERT_EQ(messages.size(), 2u);
+  EXPECT_TRUE(std::holds_alternative<wire::SubmapPoses>(messages[0]));
+}
+
 TEST(Audience, TheSnapshotOfAnEmptyScanEndsAtOnce) {
   const auto audience = empty_audience();
   Joined joined(audience);

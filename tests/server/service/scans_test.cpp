@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -82,12 +83,12 @@ class ScansTest : public testing::Test {
     std::unique_ptr<RawClient> client;
     wire::Welcome welcome;
   };
-  Camera start(wire::Mode mode = wire::Mode::kBatch) {
+  Camera start(wire::Mode mode = wire::Mode::kBatch, const std::map<std::string, std::string>& settings = kSettings) {
     Camera camera{std::make_unique<RawClient>(server_->port()), {}};
     EXPECT_TRUE(camera.client->upgrade());
     wire::StartScan request{
-        "a test",  room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng}, mode,
-        kSettings, kFrameCount};
+        "a test", room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng}, mode,
+        settings, kFrameCount};
     camera.client->send_message(wire::Hello{0, "test", server_->token(), request});
     const auto welcome = camera.client->read<wire::Welcome>();
     EXPECT_TRUE(welcome);
@@ -389,7 +390,10 @@ TEST_F(ScansTest, ALiveScanDropsTheOldestAndCountsThem) {
 struct Watched {
   std::optional<wire::Welcome> welcome;
   std::map<std::tuple<std::uint32_t, std::uint32_t, int, int, int>, wire::Chunk> chunks;
-  std::vector<float> positions_m;
+  wire::TrajectoryPart past;
+  std::optional<wire::FrameResult> last_result;
+  std::optional<wire::SubmapPoses> poses;
+  std::optional<wire::ScanState> last_state;
   std::vector<wire::ScanPhase> phases;
   bool snapshot_ended = false;
   int close_code = 0;
@@ -405,8 +409,13 @@ Watched watch(RawClient& client) {
       EXPECT_GT(chunk->version, known.version);
       known = *chunk;
     }
-    if (const auto* part = std::get_if<wire::TrajectoryPart>(&*message)) watched.positions_m = part->positions_m;
-    if (const auto* state = std::get_if<wire::ScanState>(&*message)) watched.phases.push_back(state->phase);
+    if (const auto* part = std::get_if<wire::TrajectoryPart>(&*message)) watched.past = *part;
+    if (const auto* result = std::get_if<wire::FrameResult>(&*message)) watched.last_result = *result;
+    if (const auto* poses = std::get_if<wire::SubmapPoses>(&*message)) watched.poses = *poses;
+    if (const auto* state = std::get_if<wire::ScanState>(&*message)) {
+      watched.phases.push_back(state->phase);
+      watched.last_state = *state;
+    }
     if (std::holds_alternative<wire::SnapshotEnd>(*message)) watched.snapshot_ended = true;
     client.send_message(wire::ViewerAck{client.received_bytes()});
   }
@@ -427,6 +436,19 @@ TEST_F(ScansTest, AViewerOfARunningScanAndOneAfterARestartSeeTheSame) {
   ASSERT_FALSE(live.phases.empty());
   EXPECT_EQ(live.phases.back(), wire::ScanPhase::kFinished);
   EXPECT_GT(live.chunks.size(), 3u);
+  ASSERT_TRUE(live.last_result);
+  ASSERT_TRUE(live.last_result->in_submap);
+  ASSERT_TRUE(live.last_result->last_tracked);
+  EXPECT_EQ(live.last_result->last_tracked->sequence, static_cast<std::uint64_t>(kFrameCount - 1));
+  ASSERT_TRUE(live.poses);
+  EXPECT_GT(live.poses->poses.size(), live.last_result->in_submap->submap) << "the pose of every submap that a frame is in";
+  EXPECT_GT(live.last_state->keyframes, 0u);
+
+  RawClient after(server_->port());
+  ASSERT_TRUE(after.upgrade());
+  after.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  const Watched kept = watch(after);
+  EXPECT_EQ(kept.past.submaps.size(), static_cast<std::size_t>(kFrameCount));
 
   serve([](ServiceOptions&) {});
   RawClient late(server_->port());
@@ -439,7 +461,10 @@ TEST_F(ScansTest, AViewerOfARunningScanAndOneAfterARestartSeeTheSame) {
   EXPECT_TRUE(stored.snapshot_ended);
   EXPECT_EQ(stored.close_code, 1000);
   EXPECT_EQ(stored.phases, std::vector<wire::ScanPhase>{wire::ScanPhase::kFinished});
-  EXPECT_EQ(stored.positions_m.size(), static_cast<std::size_t>(3 * kFrameCount));
+  ASSERT_EQ(stored.past.positions_m.size(), static_cast<std::size_t>(3 * kFrameCount));
+  for (std::size_t i = 0; i < stored.past.positions_m.size(); ++i)
+    EXPECT_NEAR(stored.past.positions_m[i], kept.past.positions_m[i], 1e-5) << "the corrected path, from memory and from the files";
+  EXPECT_EQ(stored.last_state->keyframes, live.last_state->keyframes);
   std::size_t filled_count = 0;
   for (const auto& [key, chunk] : live.chunks) {
     if (chunk.point_count == 0) continue;
@@ -448,6 +473,37 @@ TEST_F(ScansTest, AViewerOfARunningScanAndOneAfterARestartSeeTheSame) {
     EXPECT_EQ(stored.chunks.at(key).draco, chunk.draco);
   }
   EXPECT_EQ(stored.chunks.size(), filled_count);
+}
+
+// From the fourth frame on the camera hangs head down: nothing fits, and a new part begins.
+TEST_F(ScansTest, AScanInTwoPartsSaysSoAndShowsBoth) {
+  Camera camera = start(wire::Mode::kBatch, {{"output.unstable", "true"}, {"adjust.new_part_after_frames", "2"}});
+  RawClient viewer(server_->port());
+  ASSERT_TRUE(viewer.upgrade());
+  viewer.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  ASSERT_TRUE(viewer.read<wire::SnapshotEnd>());
+  Watched watched;
+  std::thread watching([&] { watched = watch(viewer); });
+  for (int i = 0; i < kFrameCount; ++i) {
+    wire::Frame frame = room_frame(i);
+    RgbdFrame images = *wire::decode_frame_payload(frame, wire::DepthCodec::kRvlZstd, room().camera());
+    if (i >= 3) std::reverse(images.depth.pixels.begin(), images.depth.pixels.end());
+    if (i >= 3) std::reverse(images.color.pixels.begin(), images.color.pixels.end());
+    frame.depth = *wire::encode_depth_payload(images.depth, wire::DepthCodec::kRvlZstd);
+    const std::vector<std::uint8_t> png = *encode_png(images.color);
+    frame.color = {png.begin(), png.end()};
+    camera.client->send_message(std::move(frame));
+  }
+  camera.client->send_message(wire::Finish{});
+  const auto finished = camera.client->read<wire::Finished>();
+  watching.join();
+  ASSERT_TRUE(finished);
+  EXPECT_EQ(Json::parse(finished->report_json)["mapping"]["parts"], 2);
+  EXPECT_THAT(watched.last_state->words, HasSubstr("2 parts"));
+  EXPECT_THAT(std::string(row(camera.welcome.scan_id)["words"]), HasSubstr("2 parts"));
+  ASSERT_TRUE(watched.poses);
+  ASSERT_EQ(watched.poses->poses.size(), 2u);
+  EXPECT_NE(watched.poses->poses[0].part, watched.poses->poses[1].part);
 }
 
 TEST_F(ScansTest, AViewerThatBreaksARuleIsEndedAndTheScanIsNot) {

@@ -37,6 +37,8 @@ export type ScanPhaseName = 'unknown' | 'running' | 'finished' | 'failed' | 'int
 
 export type TrackingName = 'tracked' | 'weak' | 'lost';
 
+export type MapEventName = 'none' | 'lost' | 'foundAgain' | 'newPart' | 'joined' | 'loopClosed';
+
 export interface FrameEvent {
   readonly kind: 'frame';
   readonly sequence: number;
@@ -48,6 +50,28 @@ export interface FrameEvent {
   readonly residual_m: number;
   readonly surfelCount: number;
   readonly frame_ms: number;
+  readonly inSubmap: PoseInSubmap | null; // the same pose as it stays when submaps are corrected; null from an older server
+  readonly event: MapEventName; // what the frame did to the map besides adding to it
+  readonly correction_m: number; // the farthest that a submap around the camera was moved in this frame
+  // This frame, or while lost the one that the pose is of; null before the first.
+  readonly lastTracked: { readonly sequence: number; readonly timestamp_s: number } | null;
+}
+
+export interface PoseInSubmap {
+  readonly submap: number;
+  readonly submapFromCamera: Pose;
+}
+
+export interface SubmapPose {
+  readonly submap: number;
+  readonly worldFromSubmap: Pose;
+  readonly part: number; // submaps of different parts are not joined yet
+}
+
+// x y z, x y z, ... Without submaps: in the world. With them, one a position: each in the frame of its submap.
+export interface PastPositions {
+  readonly positions_m: Float32Array;
+  readonly submaps: Uint32Array | null;
 }
 
 export type ScanEvent =
@@ -56,8 +80,8 @@ export type ScanEvent =
   | { readonly kind: 'waiting'; readonly retryIn_ms: number; readonly reason: string }
   | { readonly kind: 'closed'; readonly code: string; readonly reason: string } // for good: nobody tries again
   | FrameEvent
-  | { readonly kind: 'submapPoses'; readonly poses: readonly { readonly submap: number; readonly worldFromSubmap: Pose }[] }
-  | { readonly kind: 'trajectory'; readonly positions_m: Float32Array }
+  | { readonly kind: 'submapPoses'; readonly poses: readonly SubmapPose[] }
+  | ({ readonly kind: 'trajectory' } & PastPositions)
   | { readonly kind: 'chunk'; readonly key: ChunkKey; readonly version: bigint; readonly points: ChunkPoints | null } // null: removed
   | { readonly kind: 'chunkFailed'; readonly key: ChunkKey; readonly reason: string }
   | { readonly kind: 'snapshotEnd' }
@@ -68,6 +92,8 @@ export type ScanEvent =
       readonly received: number;
       readonly processed: number;
       readonly dropped: number;
+      readonly keyframes: number;
+      readonly loops: number; // closed so far
     }
   | { readonly kind: 'serverError'; readonly code: string; readonly message: string };
 

@@ -1,7 +1,7 @@
 import { create, fromBinary, toBinary, type MessageInitShape } from '@bufbuild/protobuf';
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
-import { ClientMessageSchema, ScanPhase, ServerMessageSchema, TrackingStatus } from '../gen/scan_pb';
+import { ClientMessageSchema, MapEvent, ScanPhase, ServerMessageSchema, TrackingStatus } from '../gen/scan_pb';
 import { ackBytes, decode, helloBytes, maxPointsPerChunk, pingBytes, WireError } from './wire';
 
 type Body = NonNullable<MessageInitShape<typeof ServerMessageSchema>['body']>;
@@ -37,6 +37,53 @@ describe('decode', () => {
     });
   });
 
+  it('reads what a frame did to the map', () => {
+    const value = {
+      worldFromCamera: identity,
+      submap: 3,
+      submapFromCamera: { ...identity, tx: 0 },
+      event: MapEvent.LOOP_CLOSED,
+      correctionM: 0.03,
+      lastTracked: { sequence: 4n, timestampS: 0.5 },
+    };
+    expect(decode(serverBytes({ case: 'frameResult', value }))).toMatchObject({
+      inSubmap: { submap: 3, submapFromCamera: { translation: [0, 2, 3], rotation: [0, 0, 0, 1] } },
+      event: 'loopClosed',
+      correction_m: 0.03,
+      lastTracked: { sequence: 4, timestamp_s: 0.5 },
+    });
+  });
+
+  it('understands an older server, and an event that only a newer one knows', () => {
+    expect(decode(serverBytes({ case: 'frameResult', value: { worldFromCamera: identity } }))).toMatchObject({
+      inSubmap: null,
+      event: 'none',
+      correction_m: 0,
+      lastTracked: null,
+    });
+    const value = { worldFromCamera: identity, event: 99 as MapEvent };
+    expect(decode(serverBytes({ case: 'frameResult', value }))).toMatchObject({ event: 'none' });
+    expect(decode(serverBytes({ case: 'trajectoryPart', value: { positions: [1, 2, 3] } }))).toEqual({
+      kind: 'trajectory',
+      positions_m: Float32Array.of(1, 2, 3),
+      submaps: null,
+    });
+  });
+
+  it('reads the past in the frames of its submaps', () => {
+    const value = { positions: [1, 2, 3, 4, 5, 6], positionsInSubmaps: [1, 2, 3, 0, 0, 6], submaps: [0, 7] };
+    expect(decode(serverBytes({ case: 'trajectoryPart', value }))).toEqual({
+      kind: 'trajectory',
+      positions_m: Float32Array.of(1, 2, 3, 0, 0, 6),
+      submaps: Uint32Array.of(0, 7),
+    });
+  });
+
+  it('reads the part of a submap', () => {
+    const poses = [{ submap: 1, worldFromSubmap: identity, part: 2 }];
+    expect(decode(serverBytes({ case: 'submapPoses', value: { poses } }))).toMatchObject({ poses: [{ submap: 1, part: 2 }] });
+  });
+
   it('reads every chunk key and version that the protocol can carry', () => {
     const int32 = fc.integer({ min: -(2 ** 31), max: 2 ** 31 - 1 });
     const uint32 = fc.integer({ min: 0, max: 2 ** 32 - 1 });
@@ -50,7 +97,7 @@ describe('decode', () => {
   });
 
   it('reads the state of a scan', () => {
-    const value = { phase: ScanPhase.FINISHED, framesReceived: 3n, framesProcessed: 2n, framesDropped: 1n };
+    const value = { phase: ScanPhase.FINISHED, framesReceived: 3n, framesProcessed: 2n, framesDropped: 1n, keyframes: 20n, loops: 4n };
     expect(decode(serverBytes({ case: 'scanState', value }))).toEqual({
       kind: 'scanState',
       phase: 'finished',
@@ -58,6 +105,8 @@ describe('decode', () => {
       received: 3,
       processed: 2,
       dropped: 1,
+      keyframes: 20,
+      loops: 4,
     });
   });
 
@@ -73,6 +122,11 @@ describe('decode', () => {
   it.each<[string, Body]>([
     ['a pose that is missing', { case: 'frameResult', value: {} }],
     ['a pose that is not finite', { case: 'frameResult', value: { worldFromCamera: { ...identity, ty: Infinity } } }],
+    ['a pose in a submap that is none', { case: 'frameResult', value: { worldFromCamera: identity, submapFromCamera: {} } }],
+    ['a correction that is no length', { case: 'frameResult', value: { worldFromCamera: identity, correctionM: NaN } }],
+    ['a negative correction', { case: 'frameResult', value: { worldFromCamera: identity, correctionM: -1 } }],
+    ['a submap too many', { case: 'trajectoryPart', value: { positions: [1, 2, 3], positionsInSubmaps: [1, 2, 3], submaps: [0, 1] } }],
+    ['a position without its submap', { case: 'trajectoryPart', value: { positions: [1, 2, 3], positionsInSubmaps: [1, 2], submaps: [0] } }],
     ['a zero quaternion', { case: 'submapPoses', value: { poses: [{ submap: 1, worldFromSubmap: {} }] } }],
     ['a chunk without a key', { case: 'chunk', value: { pointCount: 1 } }],
     ['too many points', { case: 'chunk', value: { key: {}, pointCount: maxPointsPerChunk + 1 } }],

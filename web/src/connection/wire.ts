@@ -2,6 +2,7 @@
 import { create, fromBinary, toBinary, type MessageInitShape } from '@bufbuild/protobuf';
 import {
   ClientMessageSchema,
+  MapEvent,
   ScanPhase,
   ServerMessageSchema,
   TrackingStatus,
@@ -10,12 +11,23 @@ import {
   type FrameResult,
   type Rigid3,
   type ServerMessage,
+  type TrajectoryPart,
 } from '../gen/scan_pb';
-import type { CameraIntrinsics, ChunkKey, FrameEvent, Pose, ScanEvent, ScanPhaseName, TrackingName } from './events';
+import type {
+  CameraIntrinsics,
+  ChunkKey,
+  FrameEvent,
+  MapEventName,
+  PastPositions,
+  Pose,
+  ScanEvent,
+  ScanPhaseName,
+  TrackingName,
+} from './events';
 
 export class WireError extends Error {}
 
-export const protocolMinor = 0;
+export const protocolMinor = 1;
 export const maxPointsPerChunk = 262144;
 
 export interface WireChunk {
@@ -63,10 +75,14 @@ export function decode(bytes: Uint8Array): Incoming {
     case 'submapPoses':
       return {
         kind: 'submapPoses',
-        poses: body.value.poses.map((pose) => ({ submap: pose.submap, worldFromSubmap: poseOf(pose.worldFromSubmap, 'world_from_submap') })),
+        poses: body.value.poses.map(({ submap, worldFromSubmap, part }) => ({
+          submap,
+          worldFromSubmap: poseOf(worldFromSubmap, 'world_from_submap'),
+          part,
+        })),
       };
     case 'trajectoryPart':
-      return { kind: 'trajectory', positions_m: positionsOf(body.value.positions) };
+      return { kind: 'trajectory', ...pastOf(body.value) };
     case 'scanState':
       return {
         kind: 'scanState',
@@ -75,6 +91,8 @@ export function decode(bytes: Uint8Array): Incoming {
         received: Number(body.value.framesReceived),
         processed: Number(body.value.framesProcessed),
         dropped: Number(body.value.framesDropped),
+        keyframes: Number(body.value.keyframes),
+        loops: Number(body.value.loops),
       };
     case 'error':
       return { kind: 'serverError', code: body.value.code, message: body.value.message };
@@ -92,6 +110,14 @@ function trackingOf(status: TrackingStatus): TrackingName {
   return status === TrackingStatus.WEAK ? 'weak' : 'lost'; // of a newer server: the cautious answer
 }
 
+const eventNames: Partial<Record<MapEvent, MapEventName>> = {
+  [MapEvent.LOST]: 'lost',
+  [MapEvent.FOUND_AGAIN]: 'foundAgain',
+  [MapEvent.NEW_PART]: 'newPart',
+  [MapEvent.JOINED]: 'joined',
+  [MapEvent.LOOP_CLOSED]: 'loopClosed',
+};
+
 function frameOf(frame: FrameResult): FrameEvent {
   return {
     kind: 'frame',
@@ -104,6 +130,14 @@ function frameOf(frame: FrameResult): FrameEvent {
     residual_m: frame.residualRmsM,
     surfelCount: Number(frame.surfelCount),
     frame_ms: frame.frameMs,
+    inSubmap: frame.submapFromCamera
+      ? { submap: frame.submap, submapFromCamera: poseOf(frame.submapFromCamera, 'submap_from_camera') }
+      : null,
+    event: eventNames[frame.event] ?? 'none', // of a newer server: nothing that there are words for
+    correction_m: lengthOf(frame.correctionM, 'correction_m'),
+    lastTracked: frame.lastTracked
+      ? { sequence: Number(frame.lastTracked.sequence), timestamp_s: frame.lastTracked.timestampS }
+      : null,
   };
 }
 
@@ -129,6 +163,20 @@ function poseOf(pose: Rigid3 | undefined, field: string): Pose {
   const norm = Math.hypot(qx, qy, qz, qw);
   if (![tx, ty, tz].every(Number.isFinite) || !Number.isFinite(norm) || norm < 1e-6) throw new WireError(`${field} is not a pose`);
   return { translation: [tx, ty, tz], rotation: [qx / norm, qy / norm, qz / norm, qw / norm] };
+}
+
+function lengthOf(length_m: number, field: string): number {
+  if (!Number.isFinite(length_m) || length_m < 0) throw new WireError(`${field} is ${length_m}, not a length`);
+  return length_m;
+}
+
+function pastOf(part: TrajectoryPart): PastPositions {
+  const inWorld_m = positionsOf(part.positions);
+  if (part.submaps.length === 0) return { positions_m: inWorld_m, submaps: null };
+  if (part.positionsInSubmaps.length !== inWorld_m.length || 3 * part.submaps.length !== inWorld_m.length) {
+    throw new WireError(`a trajectory part has ${part.submaps.length} submaps for ${inWorld_m.length / 3} positions`);
+  }
+  return { positions_m: positionsOf(part.positionsInSubmaps), submaps: Uint32Array.from(part.submaps) };
 }
 
 function positionsOf(positions: readonly number[]): Float32Array {

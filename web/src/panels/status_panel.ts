@@ -1,7 +1,7 @@
 // What is known about the scan in numbers and words.
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
-import { connectionWords, count, trackingWords } from '../state/words';
+import { connectionWords, count, eventWords, partsWords, trackingWords } from '../state/words';
 import { element, setText, type Panel } from './dom';
 import { statusMark } from './mark';
 
@@ -15,6 +15,10 @@ interface Row {
 const rows: readonly Row[] = [
   { label: 'Points', value: (scan) => count(scan.points) },
   { label: 'Frames', value: (scan) => framesText(scan) },
+  { label: 'Submaps', value: (scan) => (scan.submaps > 1 ? count(scan.submaps) : null) },
+  { label: 'Parts', value: (scan) => (scan.parts > 1 ? count(scan.parts) : null) },
+  { label: 'Keyframes', value: (scan) => (scan.keyframes > 0 ? count(scan.keyframes) : null) },
+  { label: 'Loops', value: (scan) => (scan.keyframes > 0 ? count(scan.loops) : null) },
   { label: 'Dropped', value: (scan) => count(scan.framesDropped) },
   { label: 'Per frame', value: (scan) => (scan.frame_ms > 0 ? `${Math.round(scan.frame_ms)} ms` : null) },
   { label: 'Picture', value: (_, fps) => (fps > 0 ? `${fps} fps` : 'at rest') },
@@ -68,7 +72,8 @@ function framesText(scan: LiveScan): string {
 
 function noticeText(scan: LiveScan): string {
   const words: string[] = [];
-  if (scan.phase === 'failed' || scan.phase === 'interrupted') words.push(scan.phaseWords);
+  if (scan.phase === 'running' && scan.connection === 'open') words.push(eventWords(scan), partsWords(scan));
+  if (scan.phase !== 'running') words.push(sentence(scan.phaseWords));
   if (scan.connection === 'waiting' && scan.connectionWords) words.push(`${sentence(scan.connectionWords)}`);
   if (scan.problem && scan.points > 0) words.push(sentence(scan.problem.message));
   if (scan.failedChunks > 0) words.push(`${count(scan.failedChunks)} of the chunks could not be decoded.`);

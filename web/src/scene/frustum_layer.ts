@@ -1,20 +1,25 @@
-// The scanning camera: its field of view at the pose of the newest frame; amber while tracking is weak or lost.
+// The scanning camera: its field of view at the pose of the newest frame, amber while tracking is weak. While it is lost, the
+// last good view in red, with words that ask to go back there.
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments } from 'three';
-import type { CameraIntrinsics, ScanEvent } from '../connection/events';
-import type { Layer } from './layer';
-import { GlidingPose } from './motion';
+import type { CameraIntrinsics, FrameEvent, PoseInSubmap, ScanEvent, TrackingName } from '../connection/events';
+import { wayBackLabel } from '../state/words';
+import { Label } from './label';
+import type { Layer, ViewSize } from './layer';
+import { composed, GlidingPose } from './motion';
 
 const depth_m = 0.22;
 const glide_ms = 150;
-const trackedColor = 0x7fd1b9;
-const warningColor = 0xe0b15c;
+const colors: Record<TrackingName, number> = { tracked: 0x7fd1b9, weak: 0xe0b15c, lost: 0xe8837a };
 
 export class FrustumLayer implements Layer {
   readonly object: LineSegments<BufferGeometry, LineBasicMaterial>;
   readonly worldFromCamera = new GlidingPose(glide_ms);
 
-  constructor() {
-    this.object = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: trackedColor }));
+  private inSubmap: PoseInSubmap | null = null;
+
+  constructor(private readonly label: Pick<Label, 'object' | 'say' | 'resize' | 'dispose'> = new Label('#e8837a')) {
+    this.object = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: colors.tracked }));
+    this.object.add(label.object);
     this.object.matrixAutoUpdate = false;
     this.object.frustumCulled = false;
     this.object.visible = false;
@@ -22,10 +27,14 @@ export class FrustumLayer implements Layer {
 
   onEvent(event: ScanEvent): void {
     if (event.kind === 'welcome' && event.camera) this.shape(event.camera);
-    if (event.kind !== 'frame') return;
-    if (event.tracking !== 'lost') this.worldFromCamera.moveTo(event.worldFromCamera);
-    this.object.material.color.setHex(event.tracking === 'tracked' ? trackedColor : warningColor);
-    this.place();
+    if (event.kind === 'frame') this.show(event);
+    if (event.kind !== 'submapPoses') return;
+    const moved = event.poses.find((pose) => pose.submap === this.inSubmap?.submap);
+    if (moved) this.worldFromCamera.moveTo(composed(moved.worldFromSubmap, this.inSubmap!.submapFromCamera));
+  }
+
+  onResize(size: ViewSize): void {
+    this.label.resize(size);
   }
 
   tick(elapsed_ms: number): boolean {
@@ -37,6 +46,17 @@ export class FrustumLayer implements Layer {
   dispose(): void {
     this.object.geometry.dispose();
     this.object.material.dispose();
+    this.label.dispose();
+  }
+
+  private show(frame: FrameEvent): void {
+    if (frame.tracking !== 'lost' || frame.lastTracked) {
+      this.worldFromCamera.moveTo(frame.worldFromCamera);
+      this.inSubmap = frame.inSubmap;
+    }
+    this.object.material.color.setHex(colors[frame.tracking]);
+    this.label.say(wayBackLabel(frame));
+    this.place();
   }
 
   private shape(camera: CameraIntrinsics): void {

@@ -4,6 +4,19 @@ import type { Pose } from '../connection/events';
 
 const one = new Vector3(1, 1, 1);
 
+function isAt(translation: Vector3, rotation: Quaternion, pose: Pose): boolean {
+  const same = (have: readonly number[], told: readonly number[]): boolean => have.every((value, i) => value === told[i]);
+  return same(translation.toArray(), pose.translation) && same(rotation.toArray(), pose.rotation);
+}
+
+// a_from_c of a_from_b and b_from_c.
+export function composed(aFromB: Pose, bFromC: Pose): Pose {
+  const rotation = new Quaternion(...aFromB.rotation);
+  const translation = new Vector3(...bFromC.translation).applyQuaternion(rotation).add(new Vector3(...aFromB.translation));
+  rotation.multiply(new Quaternion(...bFromC.rotation));
+  return { translation: translation.toArray(), rotation: [rotation.x, rotation.y, rotation.z, rotation.w] };
+}
+
 export class GlidingPose {
   readonly translation = new Vector3();
   readonly rotation = new Quaternion();
@@ -20,8 +33,9 @@ export class GlidingPose {
     return this.placed;
   }
 
-  // The first pose is taken at once.
+  // The first pose is taken at once. Where it goes already it need not be told again.
   moveTo(pose: Pose): void {
+    if (this.placed && isAt(this.toTranslation, this.toRotation, pose)) return;
     this.toTranslation.fromArray(pose.translation);
     this.toRotation.fromArray(pose.rotation);
     this.fromTranslation.copy(this.placed ? this.translation : this.toTranslation);

@@ -1,98 +1,74 @@
-// The reconstructed surface: a group per submap, whose matrix is the submap's pose, with one cloud per chunk. A correction moves groups and touches no point.
+// The reconstructed surface: one cloud per chunk in the group of its submap. A correction moves groups and touches no point.
 import { Box3, BufferAttribute, BufferGeometry, Group, Points, Sphere, Vector3 } from 'three';
-import type { ChunkKey, ChunkPoints, Pose, ScanEvent } from '../connection/events';
+import type { ChunkKey, ChunkPoints, ScanEvent } from '../connection/events';
 import { nameOf } from '../state/chunk_ledger';
 import type { ViewOptions } from '../state/view_options';
 import type { Box } from './framing';
 import type { Layer, ViewSize } from './layer';
-import { GlidingPose } from './motion';
 import { PointsMaterial } from './points_material';
+import type { SubmapsLayer } from './submaps_layer';
 
-const correction_ms = 300;
-
-interface Submap {
-  readonly group: Group;
-  readonly worldFromSubmap: GlidingPose;
+interface Cloud {
+  readonly points: Points<BufferGeometry, PointsMaterial>;
+  readonly submap: number;
 }
 
 export class PointsLayer implements Layer {
-  readonly object = new Group();
-  private readonly material = new PointsMaterial();
-  private readonly submaps = new Map<number, Submap>();
-  private readonly clouds = new Map<string, Points>();
+  readonly object = new Group(); // empty: the clouds are in the groups of their submaps
+  private readonly material = new PointsMaterial({ faded: false });
+  private readonly apartMaterial = new PointsMaterial({ faded: true });
+  private readonly clouds = new Map<string, Cloud>();
+
+  constructor(private readonly submaps: SubmapsLayer) {}
 
   onEvent(event: ScanEvent): void {
     if (event.kind === 'chunk') this.replace(event.key, event.points);
-    if (event.kind === 'submapPoses') for (const pose of event.poses) this.move(pose.submap, pose.worldFromSubmap);
+    if (event.kind === 'frame' || event.kind === 'submapPoses' || event.kind === 'scanState') this.tellPartsApart();
   }
 
   onOptions(options: ViewOptions): void {
-    this.material.show(options);
+    for (const material of [this.material, this.apartMaterial]) material.show(options);
   }
 
   onResize(size: ViewSize): void {
-    this.material.resize(size);
-  }
-
-  tick(elapsed_ms: number): boolean {
-    let moving = false;
-    for (const submap of this.submaps.values()) {
-      if (!submap.worldFromSubmap.tick(elapsed_ms)) continue;
-      place(submap);
-      moving = true;
-    }
-    return moving;
+    for (const material of [this.material, this.apartMaterial]) material.resize(size);
   }
 
   // World boxes of all chunks, for framing.
   boxes(): Box[] {
     const box = new Box3();
-    return [...this.clouds.values()].map((cloud) => {
-      box.copy(cloud.geometry.boundingBox!).applyMatrix4(cloud.parent!.matrix);
-      return { min_m: box.min.toArray(), max_m: box.max.toArray(), weight: cloud.geometry.getAttribute('position').count };
+    return [...this.clouds.values()].map(({ points }) => {
+      box.copy(points.geometry.boundingBox!).applyMatrix4(points.parent!.matrix);
+      return { min_m: box.min.toArray(), max_m: box.max.toArray(), weight: points.geometry.getAttribute('position').count };
     });
   }
 
   dispose(): void {
-    for (const cloud of this.clouds.values()) cloud.geometry.dispose();
+    for (const { points } of this.clouds.values()) points.geometry.dispose();
     this.material.dispose();
+    this.apartMaterial.dispose();
   }
 
   private replace(key: ChunkKey, points: ChunkPoints | null): void {
     const name = nameOf(key);
     const old = this.clouds.get(name);
-    old?.removeFromParent();
-    old?.geometry.dispose();
+    old?.points.removeFromParent();
+    old?.points.geometry.dispose();
     this.clouds.delete(name);
     if (!points) return;
-    const cloud = new Points(geometryOf(points), this.material);
+    const cloud = new Points(geometryOf(points), this.materialOf(key.submap));
     cloud.matrixAutoUpdate = false;
-    this.clouds.set(name, cloud);
-    this.submap(key.submap).group.add(cloud);
+    this.clouds.set(name, { points: cloud, submap: key.submap });
+    this.submaps.groupOf(key.submap).add(cloud);
   }
 
-  private move(id: number, pose: Pose): void {
-    const submap = this.submap(id);
-    submap.worldFromSubmap.moveTo(pose);
-    place(submap);
+  private tellPartsApart(): void {
+    for (const { points, submap } of this.clouds.values()) points.material = this.materialOf(submap);
   }
 
-  // A submap without a pose yet stands where the world begins, as the first one does.
-  private submap(id: number): Submap {
-    let submap = this.submaps.get(id);
-    if (!submap) {
-      submap = { group: new Group(), worldFromSubmap: new GlidingPose(correction_ms) };
-      submap.group.matrixAutoUpdate = false;
-      this.submaps.set(id, submap);
-      this.object.add(submap.group);
-    }
-    return submap;
+  private materialOf(submap: number): PointsMaterial {
+    return this.submaps.isApart(submap) ? this.apartMaterial : this.material;
   }
-}
-
-function place(submap: Submap): void {
-  submap.worldFromSubmap.matrix(submap.group.matrix);
-  submap.group.matrixWorldNeedsUpdate = true;
 }
 
 function geometryOf(points: ChunkPoints): BufferGeometry {

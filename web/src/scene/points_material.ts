@@ -9,6 +9,7 @@ uniform float pointSize_m;
 uniform float pixelsPerMetre;  // at a distance of one metre
 uniform int colorMode;
 uniform bool hideBacks;
+uniform bool faded;
 varying vec3 vColor;
 varying float vRound;  // discs would tear holes into surfaces of very small points
 
@@ -29,6 +30,7 @@ void main() {
   if (colorMode == 0) vColor = pointColor.rgb;
   else if (colorMode == 1) vColor = hasNormal ? mat3(modelMatrix) * normal * vec3(0.5, -0.5, -0.5) + 0.5 : vec3(0.4);
   else vColor = confidenceColor(min(pointColor.a * 255.0 / 160.0, 1.0));
+  if (faded) vColor = mix(vec3(0.16, 0.18, 0.22), vColor, 0.35);
   gl_Position = projectionMatrix * inView;
   gl_PointSize = clamp(pointSize_m * pixelsPerMetre / -inView.z, 2.0, 64.0);
   vRound = step(5.0, gl_PointSize);
@@ -45,11 +47,18 @@ void main() {
 }`;
 
 export class PointsMaterial extends ShaderMaterial {
-  constructor() {
+  // `faded`: of a part of the map that the camera is not in.
+  constructor({ faded }: { readonly faded: boolean }) {
     super({
       vertexShader,
       fragmentShader,
-      uniforms: { pointSize_m: { value: 0.008 }, pixelsPerMetre: { value: 800 }, colorMode: { value: 0 }, hideBacks: { value: true } },
+      uniforms: {
+        pointSize_m: { value: 0.008 },
+        pixelsPerMetre: { value: 800 },
+        colorMode: { value: 0 },
+        hideBacks: { value: true },
+        faded: { value: faded },
+      },
     });
   }
 

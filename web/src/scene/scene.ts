@@ -8,6 +8,7 @@ import { FrustumLayer } from './frustum_layer';
 import { GridLayer } from './grid_layer';
 import type { Layer, ViewSize } from './layer';
 import { PointsLayer } from './points_layer';
+import { SubmapsLayer } from './submaps_layer';
 import { TrajectoryLayer } from './trajectory_layer';
 
 const background = new Color(0x0e1013);
@@ -21,10 +22,12 @@ export class ScanScene {
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly rig: CameraRig;
-  private readonly points = new PointsLayer();
+  private readonly submaps = new SubmapsLayer();
+  private readonly points = new PointsLayer(this.submaps);
   private readonly frustum = new FrustumLayer();
   private readonly grid = new GridLayer();
-  private readonly layers: readonly Layer[] = [this.grid, this.points, new TrajectoryLayer(), this.frustum];
+  // What hangs on the submaps comes behind them.
+  private readonly layers: readonly Layer[] = [this.grid, this.submaps, this.points, new TrajectoryLayer(this.submaps), this.frustum];
   private readonly resizeObserver: ResizeObserver;
   private frameRequest = 0;
   private pause: ReturnType<typeof setTimeout> | undefined;
@@ -86,9 +89,9 @@ export class ScanScene {
   }
 
   private requestDraw(): void {
-    if (this.frameRequest !== 0 || this.disposed) return;
     clearTimeout(this.pause);
-    this.pause = undefined;
+    this.pause = undefined; // first: a pause that has run out must not look like one that still runs
+    if (this.frameRequest !== 0 || this.disposed) return;
     this.requested_ms = performance.now();
     this.frameRequest = requestAnimationFrame((now_ms) => this.draw(now_ms));
   }

@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
-import type { FrameEvent, TrackingName } from '../connection/events';
+import type { FrameEvent, MapEventName, TrackingName } from '../connection/events';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from './live_scan';
-import { connectionWords, emptyWords, trackingWords } from './words';
+import { connectionWords, emptyWords, eventWords, partsWords, trackingWords, wayBackLabel } from './words';
 
 const after = (...events: LiveScanEvent[]): LiveScan => events.reduce(reduceLiveScan, initialLiveScan('scan1'));
 
@@ -16,14 +16,20 @@ const frame = (tracking: TrackingName, x: number): FrameEvent => ({
   residual_m: 0,
   surfelCount: 5,
   frame_ms: 10,
+  inSubmap: null,
+  event: 'none',
+  correction_m: 0,
+  lastTracked: null,
 });
 
+const happened = (event: MapEventName, correction_m: number, timestamp_s: number): FrameEvent => ({ ...frame('tracked', 0), event, correction_m, timestamp_s });
+
 const welcome: LiveScanEvent = { kind: 'welcome', title: 'Room', camera: null };
-const running = { kind: 'scanState', phase: 'running', words: '', received: 2, processed: 1, dropped: 0 } as const satisfies LiveScanEvent;
+const running = { kind: 'scanState', phase: 'running', words: '', received: 2, processed: 1, dropped: 0, keyframes: 0, loops: 0 } as const satisfies LiveScanEvent;
 
 describe('reduceLiveScan', () => {
   it('counts the poses before and since the viewer came, afresh after reconnecting', () => {
-    const past: LiveScanEvent = { kind: 'trajectory', positions_m: new Float32Array(9) };
+    const past: LiveScanEvent = { kind: 'trajectory', positions_m: new Float32Array(9), submaps: null };
     const seen = after(welcome, past, frame('tracked', 1));
     expect(seen.poses).toBe(4);
     expect(reduceLiveScan(seen, welcome).poses).toBe(0);
@@ -34,6 +40,35 @@ describe('reduceLiveScan', () => {
     expect(lost.cameraPosition_m).toEqual([1, 0, 0]);
     expect(trackingWords(lost)).toEqual({ text: 'Lost: few points fit', tone: 'warn' });
     expect(trackingWords(reduceLiveScan(lost, frame('tracked', 2))).text).toBe('Tracking');
+  });
+
+  it('asks a lost camera to go back to what was seen last', () => {
+    const lost: FrameEvent = { ...frame('lost', 1), timestamp_s: 14.2, lastTracked: { sequence: 300, timestamp_s: 10 } };
+    expect(trackingWords(after(welcome, running, lost))).toEqual({ text: 'Lost: few points fit – go back to what was seen 4 s ago', tone: 'bad' });
+    expect(wayBackLabel(lost)).toBe('Go back to this view, seen 4 s ago');
+    expect(wayBackLabel({ ...lost, tracking: 'tracked' })).toBe('');
+    expect(wayBackLabel({ ...lost, lastTracked: null })).toBe('');
+  });
+
+  it('says what happened to the map, for a while', () => {
+    const closed = after(welcome, running, happened('loopClosed', 0.031, 5), happened('none', 0, 6));
+    expect(eventWords(closed)).toBe('Loop closed: the map was corrected by up to 3 cm.');
+    expect(eventWords(reduceLiveScan(closed, happened('none', 0, 14)))).toBe('');
+    expect(eventWords(after(welcome, running, happened('loopClosed', 0.001, 5)))).toBe('Loop closed: the map was right.');
+    expect(eventWords(after(welcome, running, happened('foundAgain', 0, 5)))).toBe('Found again.');
+    expect(eventWords(after(welcome, running, happened('joined', 1, 5)))).toBe('Two parts of the map are joined.');
+    expect(eventWords(after(welcome, running, happened('lost', 0, 5)))).toBe('');
+    expect(eventWords(reduceLiveScan(closed, welcome))).toBe('');
+  });
+
+  it('counts submaps and parts, and says that parts will be joined while the scan runs', () => {
+    const pose = { translation: [0, 0, 0], rotation: [0, 0, 0, 1] } as const;
+    const poses = [0, 0, 3].map((part, submap) => ({ submap, part, worldFromSubmap: pose }));
+    const parted = after(welcome, running, { kind: 'submapPoses', poses });
+    expect(parted).toMatchObject({ submaps: 3, parts: 2 });
+    expect(partsWords(parted)).toBe('The map is in 2 parts: they will be joined when the camera sees both.');
+    expect(partsWords(reduceLiveScan(parted, { ...running, phase: 'finished' }))).toBe('');
+    expect(partsWords(reduceLiveScan(parted, { kind: 'submapPoses', poses: poses.slice(0, 2) }))).toBe('');
   });
 
   it('follows a camera that is tracked weakly, and warns', () => {

@@ -1,5 +1,5 @@
 // Everything that the panels say about one scan, as one value; points and poses themselves live in the scene.
-import type { ScanEvent, ScanPhaseName, TrackingName } from '../connection/events';
+import type { FrameEvent, MapEventName, ScanEvent, ScanPhaseName, TrackingName } from '../connection/events';
 
 export type ConnectionName = 'connecting' | 'open' | 'waiting' | 'closed';
 
@@ -17,6 +17,13 @@ export interface LiveScan {
   readonly framesDropped: number;
   readonly tracking: 'none' | TrackingName;
   readonly trackingReason: string;
+  readonly lostFor_s: number | null; // since the last tracked frame, by the camera's clock; null before the first
+  readonly timestamp_s: number; // of the newest frame
+  readonly event: { readonly name: MapEventName; readonly correction_m: number; readonly timestamp_s: number } | null; // the newest one
+  readonly submaps: number;
+  readonly parts: number; // of the map that are not joined
+  readonly keyframes: number;
+  readonly loops: number;
   readonly frame_ms: number;
   readonly surfels: number;
   readonly cameraPosition_m: readonly [number, number, number] | null; // of the newest tracked frame, world
@@ -48,6 +55,13 @@ export function initialLiveScan(scanId: string): LiveScan {
     framesDropped: 0,
     tracking: 'none',
     trackingReason: '',
+    lostFor_s: null,
+    timestamp_s: 0,
+    event: null,
+    submaps: 0,
+    parts: 0,
+    keyframes: 0,
+    loops: 0,
     frame_ms: 0,
     surfels: 0,
     cameraPosition_m: null,
@@ -65,7 +79,7 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'connecting':
       return { ...state, connection: 'connecting', connectionWords: '', snapshotComplete: false };
     case 'welcome':
-      return { ...state, connection: 'open', title: event.title, poses: 0, problem: null, failedChunks: 0 };
+      return { ...state, connection: 'open', title: event.title, poses: 0, event: null, problem: null, failedChunks: 0 };
     case 'waiting':
       return { ...state, connection: 'waiting', connectionWords: event.reason, retryIn_ms: event.retryIn_ms };
     case 'closed':
@@ -75,6 +89,9 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
         ...state,
         tracking: event.tracking,
         trackingReason: event.reason,
+        lostFor_s: event.lastTracked ? event.timestamp_s - event.lastTracked.timestamp_s : null,
+        timestamp_s: event.timestamp_s,
+        event: newestEvent(state, event),
         frame_ms: event.frame_ms,
         surfels: event.surfelCount,
         cameraPosition_m: event.tracking !== 'lost' ? event.worldFromCamera.translation : state.cameraPosition_m,
@@ -90,6 +107,8 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
         framesReceived: event.received,
         framesProcessed: event.processed,
         framesDropped: event.dropped,
+        keyframes: event.keyframes,
+        loops: event.loops,
       };
     case 'serverError':
       return { ...state, problem: { code: event.code, message: event.message } };
@@ -99,10 +118,15 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
       return { ...state, snapshotComplete: true };
     case 'content':
       return { ...state, points: event.points, chunks: event.chunks, full: event.full };
-    case 'chunk':
     case 'submapPoses':
+      return { ...state, submaps: event.poses.length, parts: new Set(event.poses.map((pose) => pose.part)).size };
+    case 'chunk':
       return state; // the scene's business
   }
+}
+
+function newestEvent(state: LiveScan, frame: FrameEvent): LiveScan['event'] {
+  return frame.event === 'none' ? state.event : { name: frame.event, correction_m: frame.correction_m, timestamp_s: frame.timestamp_s };
 }
 
 function problemOf(state: LiveScan, closed: { code: string; reason: string }): LiveScan['problem'] {

@@ -1,4 +1,5 @@
 // States and quantities in the words that a person reads. One word per thing: scan, frame, submap, point.
+import type { FrameEvent } from '../connection/events';
 import type { LiveScan } from './live_scan';
 
 export type Tone = 'good' | 'busy' | 'warn' | 'bad' | 'quiet';
@@ -27,7 +28,45 @@ export function trackingWords(scan: LiveScan): Words {
   if (scan.tracking === 'none') return { text: scan.phase === 'running' ? 'Waiting for the first frame' : 'No frame yet', tone: 'quiet' };
   if (scan.tracking === 'tracked') return { text: 'Tracking', tone: 'good' };
   const word = scan.tracking === 'weak' ? 'Weak' : 'Lost';
-  return { text: scan.trackingReason ? `${word}: ${scan.trackingReason}` : word, tone: 'warn' };
+  const why = scan.trackingReason ? `${word}: ${scan.trackingReason}` : word;
+  if (scan.tracking === 'weak' || scan.lostFor_s === null) return { text: why, tone: 'warn' };
+  return { text: `${why} – go back to what was seen ${seconds(1000 * scan.lostFor_s)} ago`, tone: 'bad' };
+}
+
+// Beside the last good view while the camera is lost, else empty.
+export function wayBackLabel(frame: FrameEvent): string {
+  if (frame.tracking !== 'lost' || !frame.lastTracked) return '';
+  return `Go back to this view, seen ${seconds(1000 * (frame.timestamp_s - frame.lastTracked.timestamp_s))} ago`;
+}
+
+const eventShown_s = 8; // by the camera's clock
+const shownCorrection_m = 0.005; // less is not worth a word
+
+// What happened to the map lately, empty when nothing did. That the camera is lost the mark says already.
+export function eventWords(scan: LiveScan): string {
+  if (!scan.event || scan.timestamp_s - scan.event.timestamp_s > eventShown_s) return '';
+  switch (scan.event.name) {
+    case 'foundAgain':
+      return 'Found again.';
+    case 'newPart':
+      return 'A new part of the map begins.';
+    case 'joined':
+      return 'Two parts of the map are joined.';
+    case 'loopClosed':
+      return `Loop closed: the map was ${correctionWords(scan.event.correction_m)}.`;
+    default:
+      return '';
+  }
+}
+
+function correctionWords(correction_m: number): string {
+  return correction_m < shownCorrection_m ? 'right' : `corrected by up to ${Math.round(100 * correction_m)} cm`;
+}
+
+// While a scan runs; when it has ended the server has words for that.
+export function partsWords(scan: LiveScan): string {
+  if (scan.phase !== 'running' || scan.parts < 2) return '';
+  return `The map is in ${scan.parts} parts: they will be joined when the camera sees both.`;
 }
 
 export function connectionWords(scan: LiveScan): Words {

@@ -1,0 +1,67 @@
+// Words in the picture: upright and of the same size from everywhere, above the point where they stand, and never hidden.
+import { CanvasTexture, Sprite, SpriteMaterial, SRGBColorSpace } from 'three';
+import type { ViewSize } from './layer';
+
+const height_px = 26; // on the screen, at a device pixel ratio of 1
+const oversampling = 2; // of the texture: sharp on fine screens
+const font = `500 ${13 * oversampling}px system-ui, 'Segoe UI', Roboto, 'Noto Sans', sans-serif`;
+const padding_px = 10;
+
+export class Label {
+  readonly object = new Sprite(new SpriteMaterial({ sizeAttenuation: false, depthTest: false, transparent: true }));
+  private text = '';
+  private aspect = 1;
+  private perPixel = 0.001; // height of a pixel on the screen, at a distance of 1
+
+  constructor(private readonly color: string) {
+    this.object.center.set(0.5, -0.3);
+    this.object.renderOrder = 10;
+    this.object.visible = false;
+  }
+
+  // Empty words: none.
+  say(text: string): void {
+    if (text !== this.text && text !== '') this.write(text);
+    this.text = text;
+    this.object.visible = text !== '';
+  }
+
+  resize(size: ViewSize): void {
+    const ratio = Math.min(globalThis.devicePixelRatio ?? 1, 2); // as the renderer has it
+    this.perPixel = (2 * Math.tan(size.verticalFov_rad / 2) * ratio) / size.height_px;
+    this.scale();
+  }
+
+  dispose(): void {
+    this.object.material.map?.dispose();
+    this.object.material.dispose();
+  }
+
+  private write(text: string): void {
+    const canvas = document.createElement('canvas');
+    const brush = canvas.getContext('2d')!;
+    brush.font = font;
+    canvas.width = Math.ceil(brush.measureText(text).width) + 2 * padding_px * oversampling;
+    canvas.height = height_px * oversampling;
+    brush.fillStyle = 'rgb(22 26 31 / 0.88)';
+    brush.beginPath();
+    brush.roundRect(0, 0, canvas.width, canvas.height, 7 * oversampling);
+    brush.fill();
+    brush.font = font; // a canvas of another size forgets it
+    brush.fillStyle = this.color;
+    brush.textBaseline = 'middle';
+    brush.fillText(text, padding_px * oversampling, canvas.height / 2);
+    const texture = new CanvasTexture(canvas);
+    texture.colorSpace = SRGBColorSpace;
+    this.object.material.map?.dispose();
+    this.object.material.map = texture;
+    this.object.material.needsUpdate = true;
+    this.aspect = canvas.width / canvas.height;
+    this.scale();
+  }
+
+  private scale(): void {
+    const height = height_px * this.perPixel;
+    this.object.scale.set(height * this.aspect, height, 1);
+  }
+}
