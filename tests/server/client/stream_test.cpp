@@ -154,11 +154,13 @@ TEST(Stream, AFrameThatCannotBeReadStillHasItsLineAndIsReportedAsLost) {
   EXPECT_EQ(pose_count(outcome->trajectory_tum), kFrameCount);
   EXPECT_THAT(problems, testing::ElementsAre(HasSubstr("frame 2: the file is gone")));
   EXPECT_EQ(outcome->progress.problem_frames, 1u);
-  ASSERT_EQ(events.size(), 1u) << "with so few frames nothing is stable yet: what comes behind finds nothing to compare with";
+  ASSERT_EQ(events.size(), 2u);
   EXPECT_EQ(events[0].event, wire::MapEvent::kLost);
   EXPECT_EQ(events[0].sequence, 2u);
   ASSERT_TRUE(events[0].last_tracked);
   EXPECT_EQ(events[0].last_tracked->sequence, 1u);
+  EXPECT_EQ(events[1].event, wire::MapEvent::kFoundAgain);
+  EXPECT_EQ(events[1].sequence, 3u);
 }
 
 TEST(Stream, ALiveCameraAccountsForEveryFrame) {
