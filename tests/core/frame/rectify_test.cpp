@@ -1,4 +1,4 @@
-#include "core/frame/undistort.h"
+#include "core/frame/rectify.h"
 
 #include <gtest/gtest.h>
 
@@ -21,17 +21,17 @@ RgbdFrame telling_frame() {
   return frame;
 }
 
-TEST(Undistort, WithoutDistortionEverythingStays) {
+TEST(Rectify, WithoutDistortionEverythingStays) {
   Camera straight = kCamera;
   straight.distortion = {};
-  const RgbdFrame frame = telling_frame(), same = Undistorter(straight).apply(frame);
+  const RgbdFrame frame = telling_frame(), same = Rectifier(straight).apply(frame);
   EXPECT_EQ(same.timestamp_s, 1.5);
   EXPECT_EQ(same.depth.pixels, frame.depth.pixels);
   EXPECT_EQ(same.color.at(100, 100).r, 50);
 }
 
-TEST(Undistort, PixelsComeFromWhereTheLensPutThem) {
-  const RgbdFrame frame = telling_frame(), straight = Undistorter(kCamera).apply(frame);
+TEST(Rectify, PixelsComeFromWhereTheLensPutThem) {
+  const RgbdFrame frame = telling_frame(), straight = Rectifier(kCamera).apply(frame);
   double farthest_px = 0;
   for (int y = 0; y < kCamera.height; y += 7)
     for (int x = 0; x < kCamera.width; x += 7) {
@@ -49,10 +49,10 @@ TEST(Undistort, PixelsComeFromWhereTheLensPutThem) {
   EXPECT_LT(farthest_px, 30);
 }
 
-TEST(Undistort, BeyondTheImageIsNothing) {
+TEST(Rectify, BeyondTheImageIsNothing) {
   Camera barrel = kCamera;
   barrel.distortion = {0.3, 0, 0, 0, 0};  // looks for its corners outside
-  const RgbdFrame straight = Undistorter(barrel).apply(telling_frame());
+  const RgbdFrame straight = Rectifier(barrel).apply(telling_frame());
   EXPECT_EQ(straight.depth.at(0, 0), 0);
   EXPECT_EQ(straight.color.at(0, 0).b, 0);
   EXPECT_GT(straight.depth.at(160, 120), 0);
