@@ -1,16 +1,15 @@
 // A colour between pixels.
 #pragma once
 
-#include <cmath>
-
 #include "core/base/image.h"
 
 namespace hermite {
 
 // Bilinear between the four pixels around (x, y); black unless all four are in the image.
 inline Rgb8 color_between(const ColorImage& color, float x, float y) {
-  const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
-  if (left < 0 || top < 0 || left + 1 >= color.width || top + 1 >= color.height) return {0, 0, 0};
+  if (!(x >= 0 && y >= 0)) return {0, 0, 0};
+  const int left = static_cast<int>(x), top = static_cast<int>(y);
+  if (left + 1 >= color.width || top + 1 >= color.height) return {0, 0, 0};
   const float right_share = x - static_cast<float>(left), bottom_share = y - static_cast<float>(top);
   const Rgb8 nw = color.at(left, top), ne = color.at(left + 1, top), sw = color.at(left, top + 1), se = color.at(left + 1, top + 1);
   const auto mix = [&](std::uint8_t Rgb8::*channel) {

@@ -56,83 +56,109 @@ void fill(InverseDepths& fine) {
       if (float& value = fine.at(x, y); value == kUnknown) value = coarse.at(x / 2, y / 2);
 }
 
+InverseDepths filled_inverse_depths(const DepthImage& depth, float metres_per_depth_unit) {
+  InverseDepths inverse_depths(depth.width, depth.height);
+  for (std::size_t i = 0; i < depth.pixels.size(); ++i)
+    inverse_depths.pixels[i] = depth.pixels[i] == 0 ? kUnknown : 1 / (static_cast<float>(depth.pixels[i]) * metres_per_depth_unit);
+  fill(inverse_depths);
+  return inverse_depths;
+}
+
+// Two pixels of the depth image, so that no cell of a surface stays empty.
+int cell_px(const Camera& camera) {
+  return std::max(1, static_cast<int>(std::ceil(2 * std::max(camera.color->fx / camera.fx, camera.color->fy / camera.fy))));
+}
+
+// What hides a point lies in its cell and comes from another pixel of the depth image, so their parallax differs by more than a cell and
+// that pixel. Lenses sit side by side: how much one stands forward shifts little. No parallax at all hides nothing: infinity.
+float hiding_per_m(const ColorCamera& color, int cell_px) {
+  const double parallax_px_m = std::max(color.fx, color.fy) * color.color_from_depth.translation.head<2>().norm();
+  return static_cast<float>(1.5 * cell_px / parallax_px_m);
+}
+
 }  // namespace
 
 ColorRegistration::ColorRegistration(const Camera& camera)
     : width_(camera.width),
       height_(camera.height),
       metres_per_depth_unit_(static_cast<float>(1 / camera.depth_units_per_metre)),
-      color_(color_of(camera)),
-      color_is_distorted_(color_.distortion != Distortion{}),
+      distortion_(color_of(camera).distortion),
+      is_distorted_(distortion_ != Distortion{}),
+      fx_(static_cast<float>(camera.color->fx)),
+      fy_(static_cast<float>(camera.color->fy)),
+      cx_(static_cast<float>(camera.color->cx)),
+      cy_(static_cast<float>(camera.color->cy)),
       ray_from_pixel_(ray_from_pixel(camera)),
-      depth_camera_m_(color_.color_from_depth.translation.cast<float>()) {
-  // Two pixels of the depth image, so that no cell of a surface stays empty.
-  cell_px_ = std::max(1, static_cast<int>(std::ceil(2 * std::max(color_.fx / camera.fx, color_.fy / camera.fy))));
-  // What hides a point lies in its cell and comes from another pixel of the depth image, so their parallax differs by more than a cell and
-  // that pixel. Lenses sit side by side: how much one stands forward shifts nothing. None at all hides nothing.
-  const double parallax_px_m = std::max(color_.fx, color_.fy) * color_.color_from_depth.translation.head<2>().norm();
-  hiding_per_m_ = static_cast<float>((1.5 * cell_px_) / parallax_px_m);
-}
+      depth_camera_m_(camera.color->color_from_depth.translation.cast<float>()),
+      cell_px_(cell_px(camera)),
+      cells_per_px_(1 / static_cast<float>(cell_px_)),
+      cells_per_row_(width_ / cell_px_ + 1),
+      hiding_per_m_(hiding_per_m(*camera.color, cell_px_)) {}
 
-ColorRegistration::Place ColorRegistration::place_of(const Eigen::Vector3f& ray, float inverse_depth_per_m) const {
-  const Eigen::Vector3f in_color = ray + inverse_depth_per_m * depth_camera_m_;
-  if (!(in_color.z() > kLeastForward)) return {-2, -2, inverse_depth_per_m};
+ColorRegistration::Place ColorRegistration::place_of(const Eigen::Vector3f& in_color) const {
+  // Outside by as much as any place may be: casts to int stay in range.
+  constexpr float kOutside_px = 2;
+  if (!(in_color.z() > kLeastForward)) return {-kOutside_px, -kOutside_px};
   const float scale = 1 / in_color.z();
-  double x = in_color.x() * scale, y = in_color.y() * scale;
-  if (color_is_distorted_) {
-    const Eigen::Vector2d at = color_.distortion.apply(x, y);
+  float x = in_color.x() * scale, y = in_color.y() * scale;
+  if (is_distorted_) {
+    const Eigen::Vector2f at = distortion_.apply(x, y).cast<float>();
     x = at.x(), y = at.y();
   }
-  // Far outside is outside: casts to int stay in range.
-  const auto pixel = [](double value, int side) { return static_cast<float>(std::clamp(value, -2.0, side + 1.0)); };
-  return {pixel(x * color_.fx + color_.cx, width_), pixel(y * color_.fy + color_.cy, height_), inverse_depth_per_m};
+  const auto pixel = [](float value, int side) { return std::clamp(value, -kOutside_px, static_cast<float>(side) + kOutside_px); };
+  return {pixel(x * fx_ + cx_, width_), pixel(y * fy_ + cy_, height_)};
 }
 
-std::vector<ColorRegistration::Place> ColorRegistration::places_of(const DepthImage& depth) const {
-  InverseDepths inverse_depths(width_, height_);
-  for (std::size_t i = 0; i < depth.pixels.size(); ++i)
-    inverse_depths.pixels[i] = depth.pixels[i] == 0 ? kUnknown : 1 / (static_cast<float>(depth.pixels[i]) * metres_per_depth_unit_);
-  fill(inverse_depths);
+std::vector<ColorRegistration::Place> ColorRegistration::places_of(const InverseDepths& inverse_depths) const {
   std::vector<Place> places;
-  places.reserve(depth.pixels.size());
+  places.reserve(inverse_depths.pixels.size());
   for (int y = 0; y < height_; ++y) {
     const Eigen::Vector3f row = ray_from_pixel_.col(1) * static_cast<float>(y) + ray_from_pixel_.col(2);
     for (int x = 0; x < width_; ++x)
-      places.push_back(place_of(row + ray_from_pixel_.col(0) * static_cast<float>(x), inverse_depths.at(x, y)));
+      places.push_back(place_of(row + ray_from_pixel_.col(0) * static_cast<float>(x) + depth_camera_m_ * inverse_depths.at(x, y)));
   }
   return places;
 }
 
-// Only what was measured hides.
-std::vector<bool> ColorRegistration::hidden(const std::vector<Place>& places, const DepthImage& depth) const {
-  InverseDepths nearest((width_ + cell_px_ - 1) / cell_px_, (height_ + cell_px_ - 1) / cell_px_);
-  const auto cell = [&](const Place& place) -> float* {
-    const int x = static_cast<int>(place.x + 0.5f), y = static_cast<int>(place.y + 0.5f);
-    const bool inside = place.x >= 0 && place.y >= 0 && x < width_ && y < height_;
-    return inside ? &nearest.at(x / cell_px_, y / cell_px_) : nullptr;
-  };
-  for (std::size_t i = 0; i < places.size(); ++i)
-    if (depth.pixels[i] != 0)
-      if (float* value = cell(places[i])) *value = std::max(*value, places[i].inverse_depth_per_m);
-  std::vector<bool> hidden(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i)
-    if (const float* value = cell(places[i])) hidden[i] = *value - places[i].inverse_depth_per_m > hiding_per_m_;
-  return hidden;
+ColorRegistration::InverseDepths ColorRegistration::nearest_of(const std::vector<Place>& places, const InverseDepths& inverse_depths,
+                                                               const DepthImage& depth) const {
+  InverseDepths nearest(cells_per_row_, height_ / cell_px_ + 1);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (depth.pixels[i] == 0 || !is_inside(places[i])) continue;
+    float& value = nearest.pixels[cell_of(places[i])];
+    value = std::max(value, inverse_depths.pixels[i]);
+  }
+  return nearest;
+}
+
+// Hidden stretches of a row get the colour of their farther end.
+void ColorRegistration::uncover(const std::vector<std::uint8_t>& is_hidden, int y, const InverseDepths& inverse_depths,
+                                ColorImage& registered) const {
+  const auto nearness = [&](int x) { return x < 0 || x == width_ ? kUnknown : inverse_depths.at(x, y); };
+  for (int begin = 0, end = 0; begin < width_; begin = end + 1) {
+    end = begin;
+    while (end < width_ && is_hidden[static_cast<std::size_t>(end)]) ++end;
+    if (end == begin || end - begin == width_) continue;
+    const Rgb8 behind = registered.at(nearness(begin - 1) < nearness(end) ? begin - 1 : end, y);
+    for (int x = begin; x < end; ++x) registered.at(x, y) = behind;
+  }
 }
 
 ColorImage ColorRegistration::apply(const ColorImage& color, const DepthImage& straight_depth) const {
-  const std::vector<Place> places = places_of(straight_depth);
-  const std::vector<bool> is_hidden = hidden(places, straight_depth);
+  const InverseDepths inverse_depths = filled_inverse_depths(straight_depth, metres_per_depth_unit_);
+  const std::vector<Place> places = places_of(inverse_depths);
+  const InverseDepths nearest = nearest_of(places, inverse_depths, straight_depth);
   ColorImage registered(width_, height_);
-  for (std::size_t i = 0; i < places.size(); ++i) registered.pixels[i] = color_between(color, places[i].x, places[i].y);
-  for (int y = 0; y < height_; ++y)
-    for (int begin = 0, end = 0; begin < width_; begin = end + 1) {
-      for (end = begin; end < width_ && is_hidden[registered.index(end, y)];) ++end;
-      if (end == begin || (begin == 0 && end == width_)) continue;
-      const auto nearness = [&](int x) { return x < 0 || x == width_ ? kUnknown : places[registered.index(x, y)].inverse_depth_per_m; };
-      const Rgb8 behind = registered.at(nearness(begin - 1) < nearness(end) ? begin - 1 : end, y);
-      for (int x = begin; x < end; ++x) registered.at(x, y) = behind;
+  std::vector<std::uint8_t> is_hidden(static_cast<std::size_t>(width_));
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      const std::size_t i = registered.index(x, y);
+      is_hidden[static_cast<std::size_t>(x)] =
+          is_inside(places[i]) && nearest.pixels[cell_of(places[i])] - inverse_depths.pixels[i] > hiding_per_m_;
+      registered.pixels[i] = color_between(color, places[i].x, places[i].y);
     }
+    uncover(is_hidden, y, inverse_depths, registered);
+  }
   return registered;
 }
 

@@ -7,6 +7,7 @@
 //     row: the near thing's colour would be wrong, and black would stay in the map as a colour.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/base/image.h"
@@ -24,23 +25,35 @@ class ColorRegistration {
   ColorImage apply(const ColorImage& color, const DepthImage& straight_depth) const;
 
  private:
-  // A pixel's point in the colour image [px], and how near it is.
+  using InverseDepths = Image<float>;  // 1/m
+  // Of a pixel's point in the colour image.
   struct Place {
-    float x = 0, y = 0;
-    float inverse_depth_per_m = 0;
+    float x = 0, y = 0;  // pixels
   };
-  Place place_of(const Eigen::Vector3f& ray, float inverse_depth_per_m) const;
-  std::vector<Place> places_of(const DepthImage& depth) const;
-  std::vector<bool> hidden(const std::vector<Place>& places, const DepthImage& depth) const;
+  bool is_inside(const Place& p) const {
+    return p.x >= 0 && p.y >= 0 && p.x < static_cast<float>(width_) && p.y < static_cast<float>(height_);
+  }
+  std::size_t cell_of(const Place& inside) const {
+    const int column = static_cast<int>(inside.x * cells_per_px_), row = static_cast<int>(inside.y * cells_per_px_);
+    return static_cast<std::size_t>(row * cells_per_row_ + column);
+  }
+  Place place_of(const Eigen::Vector3f& in_color) const;
+  std::vector<Place> places_of(const InverseDepths& inverse_depths) const;
+  // The nearest inverse depth measured in each cell of the colour image.
+  InverseDepths nearest_of(const std::vector<Place>& places, const InverseDepths& inverse_depths, const DepthImage& depth) const;
+  void uncover(const std::vector<std::uint8_t>& is_hidden, int y, const InverseDepths& inverse_depths, ColorImage& registered) const;
 
   const int width_, height_;  // pixels, of both images
   const float metres_per_depth_unit_;
-  const ColorCamera color_;
-  const bool color_is_distorted_;
-  const Eigen::Matrix3f ray_from_pixel_;  // of the depth image; the ray is in the colour camera's frame, not of unit length
+  const Distortion distortion_;  // of the colour lens
+  const bool is_distorted_;
+  const float fx_, fy_, cx_, cy_;         // of the colour camera [px]
+  const Eigen::Matrix3f ray_from_pixel_;  // of the depth image; the ray is in the colour camera's frame, its length of no meaning
   const Eigen::Vector3f depth_camera_m_;  // in the colour camera's frame
-  int cell_px_ = 0;                       // side of a cell of the depth buffer in the colour image
-  float hiding_per_m_ = 0;                // how much greater the inverse depth of what hides a point is, at least
+  const int cell_px_;                     // side of a cell of the depth buffer in the colour image
+  const float cells_per_px_;
+  const int cells_per_row_;
+  const float hiding_per_m_;  // what hides a point is nearer by at least so much, in inverse depth
 };
 
 }  // namespace hermite

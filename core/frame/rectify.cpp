@@ -8,6 +8,8 @@
 namespace hermite {
 
 Rectifier::Rectifier(const Camera& camera) {
+  if (camera.color) registration_.emplace(camera);
+  if (camera.distortion == Distortion{}) return;
   sources_.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
@@ -16,10 +18,10 @@ Rectifier::Rectifier(const Camera& camera) {
       const auto pixel = [](double value, int side) { return static_cast<float>(std::clamp(value, -2.0, side + 1.0)); };
       sources_.push_back({pixel(at.x(), camera.width), pixel(at.y(), camera.height)});
     }
-  if (camera.color) registration_.emplace(camera);
 }
 
 DepthImage Rectifier::straight(const DepthImage& depth) const {
+  if (sources_.empty()) return depth;
   DepthImage straight(depth.width, depth.height);
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     const auto [x, y] = sources_[i];
@@ -31,6 +33,7 @@ DepthImage Rectifier::straight(const DepthImage& depth) const {
 }
 
 ColorImage Rectifier::straight(const ColorImage& color) const {
+  if (sources_.empty()) return color;
   ColorImage straight(color.width, color.height);
   for (std::size_t i = 0; i < sources_.size(); ++i) straight.pixels[i] = color_between(color, sources_[i].x, sources_[i].y);
   return straight;

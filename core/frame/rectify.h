@@ -29,7 +29,7 @@ class Rectifier {
   DepthImage straight(const DepthImage& depth) const;
   ColorImage straight(const ColorImage& color) const;
 
-  std::vector<Source> sources_;
+  std::vector<Source> sources_;  // empty: they are straight as they arrive
   std::optional<ColorRegistration> registration_;
 };
 
