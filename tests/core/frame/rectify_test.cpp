@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
+
+#include "tests/core/frame/two_lens_world.h"
 
 namespace hermite {
 namespace {
@@ -56,6 +60,40 @@ TEST(Rectify, BeyondTheImageIsNothing) {
   EXPECT_EQ(straight.depth.at(0, 0), 0);
   EXPECT_EQ(straight.color.at(0, 0).b, 0);
   EXPECT_GT(straight.depth.at(160, 120), 0);
+}
+
+TEST(Rectify, OnlyWhatArrivesOtherwiseIsRectified) {
+  Camera camera{160, 120, 146, 146, 80, 60, 1000};
+  EXPECT_FALSE(rectifier_of(camera).has_value());
+  EXPECT_TRUE(rectifier_of(kCamera).has_value());
+  camera.color = ColorCamera{131, 131, 80, 60, {}, {Eigen::Quaterniond::Identity(), {-0.03, 0, 0}}};
+  const auto rectifier = rectifier_of(camera);
+  ASSERT_TRUE(rectifier.has_value());
+  const RgbdFrame frame = test::two_lens_frame(camera);
+  EXPECT_EQ(rectifier->apply(frame).depth, frame.depth) << "depth is straight";
+  EXPECT_EQ(rectifier->apply(frame).timestamp_s, frame.timestamp_s);
+  EXPECT_NE(rectifier->apply(frame).color, frame.color);
+}
+
+// Depth goes by its own lens, colour by its own, and they meet on the surface.
+TEST(Rectify, EachImageIsStraightenedByItsOwnLens) {
+  Camera camera{160, 120, 146, 146, 80, 60, 1000, {.k1 = 0.2, .k2 = -0.1}};
+  camera.color = ColorCamera{125, 125, 79, 61, {.k1 = -0.2, .p2 = 0.002}, {Eigen::Quaterniond::Identity(), {-0.03, 0, 0}}};
+  const RgbdFrame straight = Rectifier(camera).apply(test::two_lens_frame(camera));
+  int compared = 0;
+  for (int y = 4; y < camera.height - 4; ++y)
+    for (int x = 4; x < camera.width - 4; ++x) {
+      if (!test::is_inside_a_face(camera, x, y, 2)) continue;
+      const Eigen::Vector3d point = test::point_of(camera, x, y);
+      if (straight.depth.at(x, y) == 0) continue;  // beyond the depth image
+      ++compared;
+      ASSERT_EQ(straight.depth.at(x, y), std::lround(1000 * point.z())) << x << ", " << y;
+      const Rgb8 expected = test::is_on_square(point) ? test::kSquareColor : test::wall_color(point), found = straight.color.at(x, y);
+      // Two of rounding, four for the stretch that the square hides.
+      ASSERT_LE(std::max({std::abs(found.r - expected.r), std::abs(found.g - expected.g), std::abs(found.b - expected.b)}), 6)
+          << x << ", " << y;
+    }
+  EXPECT_GT(compared, 10000);
 }
 
 }  // namespace
