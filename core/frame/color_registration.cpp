@@ -64,16 +64,14 @@ InverseDepths filled_inverse_depths(const DepthImage& depth, float metres_per_de
   return inverse_depths;
 }
 
-// Two pixels of the depth image, so that no cell of a surface stays empty.
-int cell_px(const Camera& camera) {
-  return std::max(1, static_cast<int>(std::ceil(2 * std::max(camera.color->fx / camera.fx, camera.color->fy / camera.fy))));
-}
+// Half the distance to the next pixel's place, and the half that rounding takes, so that no column of a surface stays open.
+int reach_px(const Camera& camera) { return static_cast<int>(std::ceil(0.5 * camera.color->fx / camera.fx + 0.5)); }
 
-// What hides a point lies in its cell and comes from another pixel of the depth image, so their parallax differs by more than a cell and
-// that pixel. Lenses sit side by side: how much one stands forward shifts little. No parallax at all hides nothing: infinity.
-float hiding_per_m(const ColorCamera& color, int cell_px) {
-  const double parallax_px_m = std::max(color.fx, color.fy) * color.color_from_depth.translation.head<2>().norm();
-  return static_cast<float>(1.5 * cell_px / parallax_px_m);
+// Beside something near, on the side where it hides nothing, the two columns of a point may be covered by it too. The two were a pixel of
+// the depth image or more apart before parallax, so only a parallax that differs by all that two columns and the reach span hides. Without
+// parallax nothing does: infinity.
+float hiding_per_m(const ColorCamera& color, int reach_px) {
+  return static_cast<float>((reach_px + 2) / (color.fx * std::abs(color.color_from_depth.translation.x())));
 }
 
 }  // namespace
@@ -90,10 +88,8 @@ ColorRegistration::ColorRegistration(const Camera& camera)
       cy_(static_cast<float>(camera.color->cy)),
       ray_from_pixel_(ray_from_pixel(camera)),
       depth_camera_m_(camera.color->color_from_depth.translation.cast<float>()),
-      cell_px_(cell_px(camera)),
-      cells_per_px_(1 / static_cast<float>(cell_px_)),
-      cells_per_row_(width_ / cell_px_ + 1),
-      hiding_per_m_(hiding_per_m(*camera.color, cell_px_)) {}
+      reach_px_(reach_px(camera)),
+      hiding_per_m_(hiding_per_m(*camera.color, reach_px_)) {}
 
 ColorRegistration::Place ColorRegistration::place_of(const Eigen::Vector3f& in_color) const {
   // Outside by as much as any place may be: casts to int stay in range.
@@ -109,35 +105,41 @@ ColorRegistration::Place ColorRegistration::place_of(const Eigen::Vector3f& in_c
   return {pixel(x * fx_ + cx_, width_), pixel(y * fy_ + cy_, height_)};
 }
 
-std::vector<ColorRegistration::Place> ColorRegistration::places_of(const InverseDepths& inverse_depths) const {
-  std::vector<Place> places;
-  places.reserve(inverse_depths.pixels.size());
-  for (int y = 0; y < height_; ++y) {
-    const Eigen::Vector3f row = ray_from_pixel_.col(1) * static_cast<float>(y) + ray_from_pixel_.col(2);
-    for (int x = 0; x < width_; ++x)
-      places.push_back(place_of(row + ray_from_pixel_.col(0) * static_cast<float>(x) + depth_camera_m_ * inverse_depths.at(x, y)));
-  }
-  return places;
+void ColorRegistration::find_places(const InverseDepths& inverse_depths, int y, Row& row) const {
+  const Eigen::Vector3f first = ray_from_pixel_.col(1) * static_cast<float>(y) + ray_from_pixel_.col(2);
+  for (int x = 0; x < width_; ++x)
+    row.places[static_cast<std::size_t>(x)] =
+        place_of(first + ray_from_pixel_.col(0) * static_cast<float>(x) + depth_camera_m_ * inverse_depths.at(x, y));
 }
 
-ColorRegistration::InverseDepths ColorRegistration::nearest_of(const std::vector<Place>& places, const InverseDepths& inverse_depths,
-                                                               const DepthImage& depth) const {
-  InverseDepths nearest(cells_per_row_, height_ / cell_px_ + 1);
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (depth.pixels[i] == 0 || !is_inside(places[i])) continue;
-    float& value = nearest.pixels[cell_of(places[i])];
-    value = std::max(value, inverse_depths.pixels[i]);
+// Only what was measured hides, and only what is in the colour image is hidden.
+void ColorRegistration::find_hidden(const InverseDepths& inverse_depths, const DepthImage& depth, int y, Row& row) const {
+  std::fill(row.nearest_per_m.begin(), row.nearest_per_m.end(), 0.0f);
+  for (int x = 0; x < width_; ++x) {
+    if (depth.at(x, y) == 0) continue;
+    // To the nearest whole column: no place is left of -2.
+    const int middle = static_cast<int>(row.places[static_cast<std::size_t>(x)].x + 2.5f) - 2;
+    for (int column = std::max(0, middle - reach_px_); column <= std::min(middle + reach_px_, width_ - 1); ++column) {
+      float& nearest = row.nearest_per_m[static_cast<std::size_t>(column)];
+      nearest = std::max(nearest, inverse_depths.at(x, y));
+    }
   }
-  return nearest;
+  const auto hides = [&](int column, int x) {
+    return row.nearest_per_m[static_cast<std::size_t>(column)] - inverse_depths.at(x, y) > hiding_per_m_;
+  };
+  for (int x = 0; x < width_; ++x) {
+    const float place = row.places[static_cast<std::size_t>(x)].x;
+    const int left = static_cast<int>(place);
+    row.is_hidden[static_cast<std::size_t>(x)] = place >= 0 && left + 1 < width_ && (hides(left, x) || hides(left + 1, x));
+  }
 }
 
 // Hidden stretches of a row get the colour of their farther end.
-void ColorRegistration::uncover(const std::vector<std::uint8_t>& is_hidden, int y, const InverseDepths& inverse_depths,
-                                ColorImage& registered) const {
+void ColorRegistration::uncover(const InverseDepths& inverse_depths, int y, const Row& row, ColorImage& registered) const {
   const auto nearness = [&](int x) { return x < 0 || x == width_ ? kUnknown : inverse_depths.at(x, y); };
   for (int begin = 0, end = 0; begin < width_; begin = end + 1) {
     end = begin;
-    while (end < width_ && is_hidden[static_cast<std::size_t>(end)]) ++end;
+    while (end < width_ && row.is_hidden[static_cast<std::size_t>(end)]) ++end;
     if (end == begin || end - begin == width_) continue;
     const Rgb8 behind = registered.at(nearness(begin - 1) < nearness(end) ? begin - 1 : end, y);
     for (int x = begin; x < end; ++x) registered.at(x, y) = behind;
@@ -146,18 +148,17 @@ void ColorRegistration::uncover(const std::vector<std::uint8_t>& is_hidden, int 
 
 ColorImage ColorRegistration::apply(const ColorImage& color, const DepthImage& straight_depth) const {
   const InverseDepths inverse_depths = filled_inverse_depths(straight_depth, metres_per_depth_unit_);
-  const std::vector<Place> places = places_of(inverse_depths);
-  const InverseDepths nearest = nearest_of(places, inverse_depths, straight_depth);
+  const auto side = static_cast<std::size_t>(width_);
+  Row row{std::vector<Place>(side), std::vector<float>(side), std::vector<std::uint8_t>(side)};
   ColorImage registered(width_, height_);
-  std::vector<std::uint8_t> is_hidden(static_cast<std::size_t>(width_));
   for (int y = 0; y < height_; ++y) {
+    find_places(inverse_depths, y, row);
+    find_hidden(inverse_depths, straight_depth, y, row);
     for (int x = 0; x < width_; ++x) {
-      const std::size_t i = registered.index(x, y);
-      is_hidden[static_cast<std::size_t>(x)] =
-          is_inside(places[i]) && nearest.pixels[cell_of(places[i])] - inverse_depths.pixels[i] > hiding_per_m_;
-      registered.pixels[i] = color_between(color, places[i].x, places[i].y);
+      const auto [u, v] = row.places[static_cast<std::size_t>(x)];
+      registered.at(x, y) = color_between(color, u, v);
     }
-    uncover(is_hidden, y, inverse_depths, registered);
+    uncover(inverse_depths, y, row, registered);
   }
   return registered;
 }

@@ -4,7 +4,8 @@
 //   - A pixel without depth takes the farthest depth of the smallest block around it (sides of 2, 4, 8, ... pixels) that has any: what has
 //     no depth is mostly the projector's shadow of something near on something far, or too far to be measured.
 //   - Where something nearer hides the point from the colour camera, the colour comes from the farther end of the hidden stretch of its
-//     row: the near thing's colour would be wrong, and black would stay in the map as a colour.
+//     row: the near thing's colour would be wrong, and black would stay in the map as a colour. Found row by row: the lenses of known
+//     devices sit side by side, so that what hides a point lies in its row. Of lenses one above the other, near colours leak.
 #pragma once
 
 #include <cstdint>
@@ -30,18 +31,15 @@ class ColorRegistration {
   struct Place {
     float x = 0, y = 0;  // pixels
   };
-  bool is_inside(const Place& p) const {
-    return p.x >= 0 && p.y >= 0 && p.x < static_cast<float>(width_) && p.y < static_cast<float>(height_);
-  }
-  std::size_t cell_of(const Place& inside) const {
-    const int column = static_cast<int>(inside.x * cells_per_px_), row = static_cast<int>(inside.y * cells_per_px_);
-    return static_cast<std::size_t>(row * cells_per_row_ + column);
-  }
+  struct Row {
+    std::vector<Place> places;
+    std::vector<float> nearest_per_m;  // by column of the colour image: inverse depth of the nearest thing measured there
+    std::vector<std::uint8_t> is_hidden;
+  };
   Place place_of(const Eigen::Vector3f& in_color) const;
-  std::vector<Place> places_of(const InverseDepths& inverse_depths) const;
-  // The nearest inverse depth measured in each cell of the colour image.
-  InverseDepths nearest_of(const std::vector<Place>& places, const InverseDepths& inverse_depths, const DepthImage& depth) const;
-  void uncover(const std::vector<std::uint8_t>& is_hidden, int y, const InverseDepths& inverse_depths, ColorImage& registered) const;
+  void find_places(const InverseDepths& inverse_depths, int y, Row& row) const;
+  void find_hidden(const InverseDepths& inverse_depths, const DepthImage& depth, int y, Row& row) const;
+  void uncover(const InverseDepths& inverse_depths, int y, const Row& row, ColorImage& registered) const;
 
   const int width_, height_;  // pixels, of both images
   const float metres_per_depth_unit_;
@@ -50,10 +48,8 @@ class ColorRegistration {
   const float fx_, fy_, cx_, cy_;         // of the colour camera [px]
   const Eigen::Matrix3f ray_from_pixel_;  // of the depth image; the ray is in the colour camera's frame, its length of no meaning
   const Eigen::Vector3f depth_camera_m_;  // in the colour camera's frame
-  const int cell_px_;                     // side of a cell of the depth buffer in the colour image
-  const float cells_per_px_;
-  const int cells_per_row_;
-  const float hiding_per_m_;  // what hides a point is nearer by at least so much, in inverse depth
+  const int reach_px_;                    // how far a pixel of the depth image covers the colour image to either side of its place
+  const float hiding_per_m_;              // what hides a point is nearer by at least so much, in inverse depth
 };
 
 }  // namespace hermite

@@ -78,7 +78,7 @@ TEST(Rectify, OnlyWhatArrivesOtherwiseIsRectified) {
 // Depth goes by its own lens, colour by its own, and they meet on the surface.
 TEST(Rectify, EachImageIsStraightenedByItsOwnLens) {
   Camera camera{160, 120, 146, 146, 80, 60, 1000, {.k1 = 0.2, .k2 = -0.1}};
-  camera.color = ColorCamera{125, 125, 79, 61, {.k1 = -0.2, .p2 = 0.002}, {Eigen::Quaterniond::Identity(), {-0.03, 0, 0}}};
+  camera.color = ColorCamera{125, 125, 79, 61, {.k1 = -0.2, .p2 = 0.002}, {Eigen::Quaterniond::Identity(), {-0.05, 0, 0}}};
   const RgbdFrame straight = Rectifier(camera).apply(test::two_lens_frame(camera));
   int compared = 0;
   for (int y = 4; y < camera.height - 4; ++y)

@@ -55,12 +55,10 @@ inline Eigen::Vector3d point_of(const Camera& camera, int x, int y) {
   return first_point(Eigen::Vector3d::Zero(), camera.unproject(x, y, 1));
 }
 
-// Whether all pixels so near see the same face: an edge may be a pixel off, where depth is that of the nearest pixel and colour is mixed.
-inline bool is_inside_a_face(const Camera& camera, int x, int y, int margin_px) {
-  for (const int dx : {-margin_px, margin_px})
-    for (const int dy : {-margin_px, margin_px})
-      if (is_on_square(point_of(camera, x + dx, y + dy)) != is_on_square(point_of(camera, x, y))) return false;
-  return true;
+// Away from the lines on which the square's edges lie: there depth is that of the nearest pixel and colour is mixed.
+inline bool is_inside_a_face(const Camera& camera, int x, int y, double margin_px) {
+  const double half_x_px = camera.fx * kSquareHalfSide_m / kSquareDepth_m, half_y_px = camera.fy * kSquareHalfSide_m / kSquareDepth_m;
+  return std::abs(std::abs(x - camera.cx) - half_x_px) > margin_px && std::abs(std::abs(y - camera.cy) - half_y_px) > margin_px;
 }
 
 }  // namespace hermite::test
