@@ -35,7 +35,7 @@ struct FeatureOptions {
 };
 inline constexpr int kMaxFeatureCount = 2000;
 
-// `frame` is undistorted and of the camera's size. At most the stated count, fewer in images without texture, by ascending octave, in rows
+// `frame` is rectified and of the camera's size. At most the stated count, fewer in images without texture, by ascending octave, in rows
 // and columns of cells within it. The same frame gives the same features. Thread-safe.
 std::vector<Feature> detect_features(const RgbdFrame& frame, const Camera& camera, const FeatureOptions& options = {});
 

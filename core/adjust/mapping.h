@@ -44,7 +44,7 @@ class Mapping {
 
   virtual const MapLayout& layout() const = 0;
 
-  // A tracked frame, undistorted, before it is fused; `world_from_camera` in the present layout, and `overlap` the share of its surface
+  // A tracked frame, rectified, before it is fused; `world_from_camera` in the present layout, and `overlap` the share of its surface
   // that the map knows. May change the layout: results of adjustment are applied, submaps opened. The camera's pose relative to the submap
   // that was current stays what it is.
   virtual std::vector<Revisit> observe(const RgbdFrame& frame, const Rigid3& world_from_camera) = 0;
@@ -69,7 +69,7 @@ class Mapping {
   virtual std::map<std::string, std::int64_t> counts() const = 0;
 };
 
-// The camera of undistorted frames.
+// `camera` is that of frames as they arrive.
 std::unique_ptr<Mapping> make_mapping(const Camera& camera, const AdjustOptions& options, CorrectionTime time);
 
 }  // namespace hermite

@@ -377,9 +377,7 @@ std::map<std::string, std::int64_t> SubmapMapping::counts() const {
 
 std::unique_ptr<Mapping> make_mapping(const Camera& camera, const AdjustOptions& options, CorrectionTime time) {
   if (!options.local_bundle_adjustment && !options.global_bundle_adjustment) return nullptr;
-  Camera straight = camera;
-  straight.distortion = {};
-  return std::make_unique<SubmapMapping>(straight, options, time);
+  return std::make_unique<SubmapMapping>(rectified(camera), options, time);
 }
 
 }  // namespace hermite

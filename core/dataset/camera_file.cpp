@@ -1,7 +1,10 @@
 #include "core/dataset/camera_file.h"
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "core/dataset/sequence.h"
 #include "core/dataset/text_file.h"
@@ -11,6 +14,8 @@ namespace {
 
 constexpr std::size_t kMaxCameraFile_bytes = 64 << 10;
 constexpr double kMinFrameRate_hz = 0.1, kMaxFrameRate_hz = 1000;
+// Of R R^T from the identity: a calibration written with four digits passes, a mirrored or scaled one does not.
+constexpr double kRotationTolerance = 1e-3;
 
 struct KnownCamera {
   std::string_view name;       // --camera
@@ -48,18 +53,83 @@ Result<int> side_of(const nlohmann::json& object, const std::string& key) {
   return static_cast<int>(*value);
 }
 
-Result<Distortion> distortion_of(const nlohmann::json& object) {
-  if (!object.is_object()) return key_error("color_distortion", "is not an object with k1, k2, p1, p2, k3");
-  Distortion distortion;
-  const std::pair<const char*, double*> numbers[] = {
-      {"k1", &distortion.k1}, {"k2", &distortion.k2}, {"p1", &distortion.p1}, {"p2", &distortion.p2}, {"k3", &distortion.k3}};
+struct NamedNumber {
+  const char* key;
+  double* number;
+};
+
+// All of them have to be there.
+Status read_numbers(const nlohmann::json& object, const std::vector<NamedNumber>& numbers) {
   for (const auto& [key, number] : numbers) {
-    if (!object.contains(key)) continue;
     const Result<double> value = number_of(object, key);
     if (!value.ok()) return value.error();
     *number = *value;
   }
+  return Done{};
+}
+
+// Of `object[key]`; none where that is missing.
+Result<Distortion> distortion_of(const nlohmann::json& object, const std::string& key) {
+  Distortion distortion;
+  if (!object.contains(key)) return distortion;
+  const nlohmann::json& lens = object[key];
+  if (!lens.is_object()) return key_error(key, "is not an object with k1, k2, p1, p2, k3");
+  const NamedNumber numbers[] = {
+      {"k1", &distortion.k1}, {"k2", &distortion.k2}, {"p1", &distortion.p1}, {"p2", &distortion.p2}, {"k3", &distortion.k3}};
+  for (const NamedNumber& one : numbers)
+    if (lens.contains(one.key))
+      if (const Status status = read_numbers(lens, {one}); !status.ok()) return in_context("\"" + key + "\"", status.error());
   return distortion;
+}
+
+Result<Rigid3> transform_of(const nlohmann::json& object, const std::string& key) {
+  const auto rows = object.find(key);
+  const auto is_row = [](const nlohmann::json& row) {
+    return row.is_array() && row.size() == 4 && std::all_of(row.begin(), row.end(), [](const auto& value) { return value.is_number(); });
+  };
+  if (rows == object.end() || !rows->is_array() || rows->size() != 3 || !std::all_of(rows->begin(), rows->end(), is_row))
+    return key_error(key, "must be three rows of four numbers, [R | t in metres]");
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column)
+      matrix(row, column) = (*rows)[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)].get<double>();
+  const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
+  const double error = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(error <= kRotationTolerance) || rotation.determinant() < 0)
+    return key_error(key, "is no rotation in its left three columns, within " + std::to_string(kRotationTolerance));
+  return rigid3_from_matrix(matrix);
+}
+
+Result<ColorCamera> color_camera_of(const nlohmann::json& object) {
+  if (!object.is_object()) return Error{ErrorCode::kCorruptData, "is not an object with fx, fy, cx, cy, color_from_depth"};
+  ColorCamera color;
+  const Status numbers = read_numbers(object, {{"fx", &color.fx}, {"fy", &color.fy}, {"cx", &color.cx}, {"cy", &color.cy}});
+  if (!numbers.ok()) return numbers.error();
+  const Result<Rigid3> color_from_depth = transform_of(object, "color_from_depth");
+  if (!color_from_depth.ok()) return color_from_depth.error();
+  color.color_from_depth = *color_from_depth;
+  return color;
+}
+
+// What the optional keys say of lenses and of a colour camera.
+Status read_lenses(const nlohmann::json& object, CameraFile& file) {
+  const Result<Distortion> of_color = distortion_of(object, "color_distortion"), of_depth = distortion_of(object, "depth_distortion");
+  if (!of_color.ok()) return of_color.error();
+  if (!of_depth.ok()) return of_depth.error();
+  const auto color_camera = object.find("color_camera");
+  file.says_color_camera = color_camera != object.end();
+  if (!file.says_color_camera || color_camera->is_null()) {
+    if (object.contains("depth_distortion"))
+      return key_error("depth_distortion", "needs \"color_camera\": depth registered to colour has the lens of the colour image");
+    file.camera.distortion = *of_color;
+    return Done{};
+  }
+  const Result<ColorCamera> color = color_camera_of(*color_camera);
+  if (!color.ok()) return in_context("\"color_camera\"", color.error());
+  file.camera.distortion = *of_depth;
+  file.camera.color = *color;
+  file.camera.color->distortion = *of_color;
+  return Done{};
 }
 
 }  // namespace
@@ -74,21 +144,13 @@ Result<CameraFile> parse_camera_json(const std::string& text) {
     if (!value.ok()) return value.error();
     *side = *value;
   }
-  const std::pair<const char*, double*> numbers[] = {{"fx", &file.camera.fx},
-                                                     {"fy", &file.camera.fy},
-                                                     {"cx", &file.camera.cx},
-                                                     {"cy", &file.camera.cy},
-                                                     {"depth_units_per_metre", &file.camera.depth_units_per_metre}};
-  for (const auto& [key, number] : numbers) {
-    const Result<double> value = number_of(object, key);
-    if (!value.ok()) return value.error();
-    *number = *value;
-  }
-  if (object.contains("color_distortion")) {
-    const Result<Distortion> distortion = distortion_of(object["color_distortion"]);
-    if (!distortion.ok()) return distortion.error();
-    file.camera.distortion = *distortion;
-  }
+  const Status numbers = read_numbers(object, {{"fx", &file.camera.fx},
+                                               {"fy", &file.camera.fy},
+                                               {"cx", &file.camera.cx},
+                                               {"cy", &file.camera.cy},
+                                               {"depth_units_per_metre", &file.camera.depth_units_per_metre}});
+  if (!numbers.ok()) return numbers.error();
+  if (const Status status = read_lenses(object, file); !status.ok()) return status.error();
   if (const Status status = validate(file.camera); !status.ok()) return status.error();
   if (object.contains("frame_rate_hz")) {
     const Result<double> rate = number_of(object, "frame_rate_hz");

@@ -1,8 +1,13 @@
 // Where a sequence's camera comes from: camera.json or a name everybody knows. See also read_camera in sequence.h.
 //
 // camera.json is one object: width, height (pixels), fx, fy, cx, cy (pixels, pixel centres are integers), depth_units_per_metre and,
-// optionally, frame_rate_hz and color_distortion: an object with any of k1, k2, p1, p2, k3. Depth is registered to the colour image as it
-// is, so the distortion is that of both. Other keys are ignored.
+// optionally, frame_rate_hz and
+//   color_distortion  an object with any of k1, k2, p1, p2, k3. Where depth is registered to the colour image as it is, the lens of both.
+//   color_camera      where depth is not registered: an object with fx, fy, cx, cy and color_from_depth, three rows of four numbers
+//                     [R | t in metres]. The outer fx, fy, cx, cy are then of the depth image. null: depth is registered, whatever the
+//                     folder's format makes likely.
+//   depth_distortion  beside color_camera only: the lens of the depth image.
+// Other keys are ignored.
 #pragma once
 
 #include <optional>
@@ -19,6 +24,7 @@ inline constexpr double kDefaultFrameRate_hz = 30.0;
 struct CameraFile {
   Camera camera;
   double frame_rate_hz = kDefaultFrameRate_hz;
+  bool says_color_camera = false;  // has the key, be it null
 };
 
 // Errors name the key and what is allowed.

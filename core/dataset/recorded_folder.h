@@ -30,14 +30,17 @@ struct FolderContents {
 };
 
 // A row per format, tried in this order. `recognises` looks at names of files only; `list` returns errors naming the file and line.
+// `color_camera`, where a format has one, tells the colour camera that goes with the folder's camera when the folder does not.
 struct FolderFormat {
   const char* name;
   bool (*recognises)(const std::string& folder);
   Result<FolderContents> (*list)(const std::string& folder);
+  std::optional<ColorCamera> (*color_camera)(const Camera& camera) = nullptr;
 };
 
 bool is_seven_scenes(const std::string& folder);
 Result<FolderContents> list_seven_scenes(const std::string& folder);  // seven_scenes.cpp
+std::optional<ColorCamera> seven_scenes_color_camera(const Camera& camera);
 bool is_tum(const std::string& folder);
 Result<FolderContents> list_tum(const std::string& folder);  // tum.cpp
 bool is_icl_nuim(const std::string& folder);

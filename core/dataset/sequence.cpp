@@ -12,7 +12,7 @@ namespace hermite {
 namespace {
 
 constexpr FolderFormat kFolderFormats[] = {
-    {"7-Scenes", is_seven_scenes, list_seven_scenes},
+    {"7-Scenes", is_seven_scenes, list_seven_scenes, seven_scenes_color_camera},
     {"TUM", is_tum, list_tum},
     {"ICL-NUIM", is_icl_nuim, list_icl_nuim},
 };
@@ -29,12 +29,14 @@ Result<std::unique_ptr<Sequence>> open_folder(const std::string& folder, const s
                                               "depth.txt (TUM), nor depth/ and rgb/ with numbered PNG files (ICL-NUIM)"};
   double frame_rate_hz = kDefaultFrameRate_hz;
   std::optional<Camera> camera = given_camera;
+  bool says_color_camera = given_camera.has_value();
   if (const std::string path = folder + "/camera.json"; is_file(path)) {
     const Result<CameraFile> file = read_camera_json(path);
     // A broken file is an error even where the caller brings a camera: its frame rate is wanted too.
     if (!file.ok()) return file.error();
     frame_rate_hz = file->frame_rate_hz;
     if (!camera) camera = file->camera;
+    says_color_camera = says_color_camera || file->says_color_camera;
   }
   Result<FolderContents> contents = format->list(folder);
   if (!contents.ok()) return contents.error();
@@ -44,6 +46,7 @@ Result<std::unique_ptr<Sequence>> open_folder(const std::string& folder, const s
                  folder + " (" + format->name +
                      ") does not say which camera took it: give one (a file like camera.json, or fr1, fr2, fr3), or put a "
                      "camera.json into the folder"};
+  if (!says_color_camera && format->color_camera) contents->camera->color = format->color_camera(*contents->camera);
   return make_folder_sequence(folder, std::move(*contents), frame_rate_hz);
 }
 

@@ -41,7 +41,8 @@ class Sequence {
 
 // `source` is a folder (format detected by content: 7-Scenes, ICL-NUIM or TUM) or "synthetic[:key=value,...]" (synthetic_camera.h).
 // The camera: `camera` when given, else the folder's camera.json, else its own files (7-Scenes camera-intrinsics.txt), else a known name
-// (freiburg1, 2, 3; ICL-NUIM). None of these is an error that says so.
+// (freiburg1, 2, 3; ICL-NUIM). None of these is an error that says so. The depth camera that 7-Scenes names gets the colour camera of its
+// Kinect, unless `camera` is given or camera.json has a color_camera.
 // Colour and depth are paired by time, at most 20 ms apart, each image used once.
 // Behind either may stand up to 16 of +noise=MODEL[,key=value,...] (depth_noise.h), +covered=FROM:COUNT and +missing=FROM:COUNT
 // (disturbance.h), applied from left to right.

@@ -17,7 +17,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the file is written as memory lies");
 
 constexpr std::array<char, 8> kMagic{'H', 'R', 'M', 'F', 'R', 'A', 'M', 'E'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 1, kVersionWithColorCamera = 2;
 
 struct Header {
   std::array<char, 8> magic = kMagic;
@@ -30,8 +30,18 @@ struct Header {
 };
 static_assert(sizeof(Header) == 8 + 4 * 4 + 10 * 8, "no padding");
 
+// Behind the header of version 2.
+struct ColorHeader {
+  double fx = 0, fy = 0, cx = 0, cy = 0;
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
+  std::array<double, 4> rotation{};  // x, y, z, w
+  std::array<double, 3> translation_m{};
+};
+static_assert(sizeof(ColorHeader) == 16 * 8, "no padding");
+
 Header header_of(const Camera& camera, std::int64_t frame_count) {
   Header header;
+  header.version = camera.color ? kVersionWithColorCamera : kVersion;
   header.width = static_cast<std::uint32_t>(camera.width);
   header.height = static_cast<std::uint32_t>(camera.height);
   header.frame_count = static_cast<std::uint32_t>(frame_count);
@@ -59,6 +69,34 @@ Camera camera_of(const Header& header) {
           header.cy,
           header.depth_units_per_metre,
           {header.k1, header.k2, header.p1, header.p2, header.k3}};
+}
+
+ColorHeader header_of(const ColorCamera& color) {
+  const Distortion& lens = color.distortion;
+  const Eigen::Quaterniond& q = color.color_from_depth.rotation;
+  const Eigen::Vector3d& t = color.color_from_depth.translation;
+  return {color.fx,
+          color.fy,
+          color.cx,
+          color.cy,
+          lens.k1,
+          lens.k2,
+          lens.p1,
+          lens.p2,
+          lens.k3,
+          {q.x(), q.y(), q.z(), q.w()},
+          {t.x(), t.y(), t.z()}};
+}
+
+ColorCamera camera_of(const ColorHeader& header) {
+  const auto& [x, y, z, w] = header.rotation;
+  const auto& [tx, ty, tz] = header.translation_m;
+  return {header.fx,
+          header.fy,
+          header.cx,
+          header.cy,
+          {header.k1, header.k2, header.p1, header.p2, header.k3},
+          {Eigen::Quaterniond(w, x, y, z), {tx, ty, tz}}};
 }
 
 std::size_t pixel_count(const Camera& camera) { return static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height); }
@@ -99,6 +137,10 @@ Result<RawFrameWriter> RawFrameWriter::create(const std::string& path, const Cam
   writer.file_.open(path, std::ios::binary | std::ios::trunc);
   const Header header = header_of(camera, frame_count);
   write_from(writer.file_, &header);
+  if (camera.color) {
+    const ColorHeader color = header_of(*camera.color);
+    write_from(writer.file_, &color);
+  }
   if (!writer.file_) return writer.cannot_write();
   return writer;
 }
@@ -144,13 +186,20 @@ Result<RawFrameReader> RawFrameReader::open(const std::string& path) {
   if (!read_into(reader.file_, &header))
     return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, the header alone has " + std::to_string(sizeof header));
   if (header.magic != kMagic) return reader.corrupt("no file of raw frames: it does not begin with HRMFRAME");
-  if (header.version != kVersion)
-    return reader.corrupt("version " + std::to_string(header.version) + ", this program reads version " + std::to_string(kVersion));
+  if (header.version != kVersion && header.version != kVersionWithColorCamera)
+    return reader.corrupt("version " + std::to_string(header.version) + ", this program reads versions 1 and 2");
   reader.camera_ = camera_of(header);
+  reader.header_bytes_ = sizeof header;
+  if (header.version == kVersionWithColorCamera) {
+    ColorHeader color;
+    if (!read_into(reader.file_, &color)) return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, cut in the colour camera");
+    reader.camera_.color = camera_of(color);
+    reader.header_bytes_ += sizeof color;
+  }
   if (const Status valid = validate(reader.camera_); !valid.ok()) return reader.corrupt(valid.error().message);
   reader.frame_count_ = header.frame_count;
   if (reader.frame_count_ < 1 || reader.frame_count_ > kMaxRawFrames) return reader.corrupt(count_in_words(reader.frame_count_));
-  const std::int64_t expected_bytes = static_cast<std::int64_t>(sizeof header) + reader.frame_count_ * frame_bytes(reader.camera_);
+  const std::int64_t expected_bytes = reader.header_bytes_ + reader.frame_count_ * frame_bytes(reader.camera_);
   if (file_bytes != expected_bytes)
     return reader.corrupt(std::to_string(file_bytes) + " bytes, " + std::to_string(reader.frame_count_) + " frames of " +
                           std::to_string(header.width) + "x" + std::to_string(header.height) + " take " + std::to_string(expected_bytes) +
@@ -161,7 +210,7 @@ Result<RawFrameReader> RawFrameReader::open(const std::string& path) {
 Result<RgbdFrame> RawFrameReader::read(std::int64_t index) {
   CHECK(index >= 0 && index < frame_count_, "a frame that the file does not have");
   RgbdFrame frame{0, DepthImage(camera_.width, camera_.height), ColorImage(camera_.width, camera_.height)};
-  file_.seekg(static_cast<std::streamoff>(sizeof(Header)) + index * frame_bytes(camera_));
+  file_.seekg(header_bytes_ + index * frame_bytes(camera_));
   const bool read = read_into(file_, &frame.timestamp_s) && read_into(file_, frame.depth.pixels.data(), frame.depth.pixels.size()) &&
                     read_into(file_, frame.color.pixels.data(), frame.color.pixels.size());
   if (!read) return Error{ErrorCode::kIo, "cannot read frame " + std::to_string(index) + " of " + path_};

@@ -1,4 +1,5 @@
-// One RGB-D pair as a sensor or a recording gives it: depth registered to colour, same size. Plain value.
+// One RGB-D pair as a sensor or a recording gives it: same size, depth registered to colour unless the camera has a Camera::color.
+// Plain value.
 #pragma once
 
 #include "core/base/image.h"

@@ -1,10 +1,12 @@
-// A pinhole camera with depth registered to colour. Pixel centres are integers: u = fx x / z + cx.
-// The camera frame is x right, y down, z forward, in metres. Plain value.
+// A pinhole camera with depth registered to colour, or with a second one beside it that takes the colour. Pixel centres are integers:
+// u = fx x / z + cx. The camera frame is x right, y down, z forward, in metres. Plain values.
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "core/base/result.h"
+#include "core/math/rigid3.h"
 
 namespace hermite {
 
@@ -23,12 +25,24 @@ struct Distortion {
   }
 };
 
+// Colour and depth seen through one housing: no device has its lenses farther apart.
+inline constexpr double kMaxColorBaseline_m = 0.5;
+
+// What took the colour where depth is not registered to it. Its image has as many pixels as the depth image.
+struct ColorCamera {
+  double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
+  Distortion distortion{};                // of the colour image as it arrives
+  Rigid3 color_from_depth{};              // the depth camera is "the camera" everywhere else
+  bool operator==(const ColorCamera& other) const;
+};
+
 struct Camera {
   int width = 0;                          // pixels
   int height = 0;                         // pixels
   double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
   double depth_units_per_metre = 1000;    // sensor depth value of one metre
   Distortion distortion{};                // of both images as they arrive; project and unproject are for undistorted pixels
+  std::optional<ColorCamera> color{};     // none: depth is registered to colour. Else all the above is of the depth image alone
   bool operator==(const Camera&) const = default;
 
   Eigen::Vector2d project(const Eigen::Vector3d& point_in_camera) const {
@@ -44,9 +58,13 @@ struct Camera {
   }
 };
 
+// The camera of frames that were rectified (core/frame/rectify.h): no distortion, colour registered.
+Camera rectified(const Camera& camera);
+
 // kInvalidArgument, naming the field and its limits: sizes outside [kMinImageSide_px, kMaxImageSide_px], focal lengths that are
 // not positive and finite or give a field of view outside 10 to 150 degrees, a principal point outside the image, a depth scale outside [1,
-// 1e6], a distortion that moves a corner of the image by more than a quarter of its width.
+// 1e6], a distortion that moves a corner of the image by more than a quarter of its width; the same of the colour camera (fields
+// camera.color.*), and color_from_depth with a quaternion that is not of unit length within 1e-3 or farther than kMaxColorBaseline_m.
 Status validate(const Camera& camera);
 
 }  // namespace hermite

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/frame/frame_content.h"
-#include "core/frame/undistort.h"
+#include "core/frame/rectify.h"
 #include "core/pipeline/front_end.h"
 
 namespace hermite {
@@ -55,11 +55,6 @@ const Camera& checked(const Camera& camera) {
   return camera;
 }
 
-std::optional<Undistorter> undistorter_of(const Camera& camera) {
-  if (camera.distortion == Distortion{}) return std::nullopt;
-  return Undistorter(camera);
-}
-
 // A camera's pose as it stays when submaps move.
 struct AnchoredPose {
   double timestamp_s = 0;
@@ -84,7 +79,7 @@ struct Pipeline::Impl {
        Timeline* timeline_of_scan)
       : camera(checked(camera_of_scan)),
         options(options_of_scan),
-        undistorter(undistorter_of(camera)),
+        rectifier(rectifier_of(camera)),
         timeline(timeline_of_scan),
         mapping(std::move(mapping_of_scan)),
         front_end(device, camera, options, timeline) {}
@@ -113,9 +108,9 @@ struct Pipeline::Impl {
 
   const Camera camera;
   const Options options;
-  const std::optional<Undistorter> undistorter;  // when the lens distorts
-  Timeline* const timeline;                      // of whoever wants one
-  const std::unique_ptr<Mapping> mapping;        // none: one submap, which never moves
+  const std::optional<Rectifier> rectifier;  // when frames do not arrive straight and registered
+  Timeline* const timeline;                  // of whoever wants one
+  const std::unique_ptr<Mapping> mapping;    // none: one submap, which never moves
   const MapLayout one_submap;
   FrontEnd front_end;
 
@@ -197,9 +192,9 @@ FrameResult Pipeline::Impl::process(const RgbdFrame& given) {
   result.frame_index = static_cast<std::int64_t>(trajectory.size());
   result.timestamp_s = given.timestamp_s;
 
-  std::optional<RgbdFrame> straight;
-  if (undistorter) straight = undistorter->apply(given);
-  const RgbdFrame& frame = straight ? *straight : given;
+  std::optional<RgbdFrame> rectified;
+  if (rectifier) rectified = rectifier->apply(given);
+  const RgbdFrame& frame = rectified ? *rectified : given;
   timed("preprocess", [&] { front_end.preprocess(frame, result.frame_index); });
   const std::vector<Rigid3> poses_before = layout().world_from_submap;
   const FrameContent content = content_of(given, camera.depth_units_per_metre, options.frame);

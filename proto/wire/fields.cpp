@@ -51,6 +51,24 @@ bool parse(std::string_view bytes, google::protobuf::Message& message) {
   return lengths_fit(input, *message.GetDescriptor()) && message.ParseFromArray(bytes.data(), size);
 }
 
+template <class Message>
+Distortion distortion_from(const Message& message) {
+  return {message.k1(), message.k2(), message.p1(), message.p2(), message.k3()};
+}
+
+template <class Message>
+void write_distortion(const Distortion& distortion, Message& message) {
+  message.set_k1(distortion.k1);
+  message.set_k2(distortion.k2);
+  message.set_p1(distortion.p1);
+  message.set_p2(distortion.p2);
+  message.set_k3(distortion.k3);
+}
+
+Rigid3 unchecked(const v1::Rigid3& message) {
+  return {Eigen::Quaterniond(message.qw(), message.qx(), message.qy(), message.qz()), {message.tx(), message.ty(), message.tz()}};
+}
+
 }  // namespace
 
 Status parse_bytes(std::string_view bytes, std::size_t max_bytes, google::protobuf::Message& message) {
@@ -84,7 +102,10 @@ Camera camera_from(const v1::Camera& message) {
   camera.cx = message.cx();
   camera.cy = message.cy();
   camera.depth_units_per_metre = message.depth_units_per_metre();
-  camera.distortion = {message.k1(), message.k2(), message.p1(), message.p2(), message.k3()};
+  camera.distortion = distortion_from(message);
+  if (!message.has_color()) return camera;
+  const v1::ColorCamera& color = message.color();
+  camera.color = ColorCamera{color.fx(), color.fy(), color.cx(), color.cy(), distortion_from(color), unchecked(color.color_from_depth())};
   return camera;
 }
 
@@ -96,17 +117,19 @@ void write_camera(const Camera& camera, v1::Camera& message) {
   message.set_cx(camera.cx);
   message.set_cy(camera.cy);
   message.set_depth_units_per_metre(camera.depth_units_per_metre);
-  message.set_k1(camera.distortion.k1);
-  message.set_k2(camera.distortion.k2);
-  message.set_p1(camera.distortion.p1);
-  message.set_p2(camera.distortion.p2);
-  message.set_k3(camera.distortion.k3);
+  write_distortion(camera.distortion, message);
+  if (!camera.color) return;
+  v1::ColorCamera& color = *message.mutable_color();
+  color.set_fx(camera.color->fx);
+  color.set_fy(camera.color->fy);
+  color.set_cx(camera.color->cx);
+  color.set_cy(camera.color->cy);
+  write_distortion(camera.color->distortion, color);
+  write_rigid3(camera.color->color_from_depth, *color.mutable_color_from_depth());
 }
 
 Result<Rigid3> rigid3_from(const std::string& field, const v1::Rigid3& message) {
-  Rigid3 transform;
-  transform.translation = {message.tx(), message.ty(), message.tz()};
-  transform.rotation = Eigen::Quaterniond(message.qw(), message.qx(), message.qy(), message.qz());
+  const Rigid3 transform = unchecked(message);
   const double norm = transform.rotation.norm();
   if (!transform.translation.allFinite() || !std::isfinite(norm)) return Error{ErrorCode::kInvalidArgument, field + " is not finite"};
   if (std::abs(norm - 1) > 1e-3)

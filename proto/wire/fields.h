@@ -20,6 +20,7 @@ Status parse_bytes(std::string_view bytes, std::size_t max_bytes, google::protob
 // kTooLarge naming the field; kInvalidArgument for control characters. UTF-8 was checked by protobuf.
 Status check_text(const std::string& field, const std::string& text, std::size_t max_bytes);
 
+// As it is: validate(Camera) judges.
 Camera camera_from(const v1::Camera& message);
 void write_camera(const Camera& camera, v1::Camera& message);
 

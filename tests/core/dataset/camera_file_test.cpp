@@ -52,6 +52,58 @@ TEST(CameraFile, ErrorsNameTheKey) {
   EXPECT_THAT(parse_camera_json("[1,2]").error().message, HasSubstr("JSON"));
 }
 
+const char* const kTwoLenses =
+    R"({"width": 640, "height": 480, "fx": 585, "fy": 586, "cx": 320, "cy": 240, "depth_units_per_metre": 1000,
+        "color_distortion": {"k1": 0.02}, "depth_distortion": {"k1": -0.1},
+        "color_camera": {"fx": 525, "fy": 526, "cx": 321, "cy": 241, "color_from_depth": [[0, -1, 0, -0.025], [1, 0, 0, 0.001], [0, 0, 1, 0.002]]}})";
+
+TEST(CameraFile, ReadsAColourCameraAndTheLensOfEach) {
+  const auto file = parse_camera_json(kTwoLenses);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_TRUE(file->says_color_camera);
+  EXPECT_EQ(file->camera.fy, 586);
+  EXPECT_EQ(file->camera.distortion, (Distortion{.k1 = -0.1}));
+  ASSERT_TRUE(file->camera.color.has_value());
+  const ColorCamera& color = *file->camera.color;
+  EXPECT_EQ(Eigen::Vector4d(color.fx, color.fy, color.cx, color.cy), Eigen::Vector4d(525, 526, 321, 241));
+  EXPECT_EQ(color.distortion, (Distortion{.k1 = 0.02}));
+  EXPECT_LT((color.color_from_depth * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(-0.025, 1.001, 0.002)).norm(), 1e-12);
+}
+
+TEST(CameraFile, ARegisteredCameraMayBeSaidToBeSo) {
+  EXPECT_FALSE(parse_camera_json(kGood)->says_color_camera);
+  std::string text = kGood;
+  text.insert(1, "\"color_camera\": null, ");
+  const auto file = parse_camera_json(text);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_TRUE(file->says_color_camera);
+  EXPECT_EQ(file->camera, parse_camera_json(kGood)->camera);
+}
+
+TEST(CameraFile, ErrorsOfTheColourCameraNameTheKey) {
+  const auto with = [](const std::string& old_text, const std::string& new_text) {
+    std::string text = kTwoLenses;
+    text.replace(text.find(old_text), old_text.size(), new_text);
+    const auto file = parse_camera_json(text);
+    return file.ok() ? std::string("accepted") : file.error().message;
+  };
+  EXPECT_EQ(with("525", "526"), "accepted");
+  EXPECT_THAT(with("\"color_camera\": {", "\"color_camera\": 5, \"x\": {"), HasSubstr("\"color_camera\""));
+  EXPECT_THAT(with("\"fx\": 525, ", ""), HasSubstr("\"color_camera\": \"fx\" is missing"));
+  EXPECT_THAT(with("\"cx\": 321", "\"cx\": null"), HasSubstr("\"color_camera\": \"cx\" is not a number"));
+  EXPECT_THAT(with("525", "5"), HasSubstr("camera.color.fx"));
+  EXPECT_THAT(with("color_from_depth", "depth_from_color"), HasSubstr("\"color_from_depth\" must be three rows of four numbers"));
+  EXPECT_THAT(with("[1, 0, 0, 0.001]", "[1, 0, 0]"), HasSubstr("three rows of four numbers"));
+  EXPECT_THAT(with("[1, 0, 0, 0.001]", "[1, 0, 0, \"0\"]"), HasSubstr("three rows of four numbers"));
+  EXPECT_THAT(with("[1, 0, 0, 0.001], ", ""), HasSubstr("three rows of four numbers"));
+  EXPECT_THAT(with("[1, 0, 0, 0.001]", "[-1, 0, 0, 0.001]"), HasSubstr("is no rotation"));
+  EXPECT_THAT(with("[1, 0, 0, 0.001]", "[1.01, 0, 0, 0.001]"), HasSubstr("is no rotation"));
+  EXPECT_THAT(with("-0.025", "-25"), HasSubstr("camera.color.color_from_depth.translation"));
+  EXPECT_THAT(with("\"k1\": 0.02", "\"k1\": 20"), HasSubstr("camera.color.distortion moves a corner"));
+  EXPECT_THAT(with("\"k1\": -0.1", "\"k1\": \"a\""), HasSubstr("\"depth_distortion\": \"k1\" is not a number"));
+  EXPECT_THAT(with("\"color_camera\"", "\"colour\""), HasSubstr("\"depth_distortion\" needs \"color_camera\""));
+}
+
 TEST(CameraFile, NamesEverybodyKnows) {
   EXPECT_EQ(known_camera("fr1")->fx, 517.3);
   EXPECT_EQ(known_camera("fr2")->fy, 521.0);

@@ -314,6 +314,33 @@ TEST(SevenScenesSequence, LostPosesAreLeftOutAndWrongOnesAreErrors) {
   }
 }
 
+// 7-Scenes' own camera, and what its folders may say of colour.
+TEST(SevenScenesSequence, TheBenchmarksKinectHasAColourCameraUnlessTheFolderSaysOtherwise) {
+  const TempFolder folder;
+  write_seven_scenes(folder);
+  EXPECT_FALSE((*open_sequence(folder.path()))->camera().color.has_value()) << "another camera";
+  folder.write(frame_file(0, "depth.png"), *encode_depth_png(depth_of(0, 640, 480)));
+  folder.write("camera-intrinsics.txt", "585 0 320\n0 585 240\n0 0 1\n");
+  const Camera by_intrinsics = (*open_sequence(folder.path()))->camera();
+  ASSERT_TRUE(by_intrinsics.color.has_value());
+  EXPECT_TRUE(validate(by_intrinsics).ok());
+  EXPECT_EQ(by_intrinsics.color->fx, 525);
+  EXPECT_NEAR(by_intrinsics.color->color_from_depth.translation.x(), -0.0256, 1e-4) << "the colour lens is to the right of the depth lens";
+
+  const auto with_json = [&](const std::string& more) {
+    folder.write("camera.json",
+                 R"({"width": 640, "height": 480, "fx": 585, "fy": 585, "cx": 320, "cy": 240, "depth_units_per_metre": 1000)" + more + "}");
+    return (*open_sequence(folder.path()))->camera();
+  };
+  EXPECT_EQ(with_json(""), by_intrinsics);
+  EXPECT_FALSE(with_json(R"(, "color_camera": null)").color.has_value());
+  const Camera told = with_json(
+      R"(, "color_camera": {"fx": 500, "fy": 500, "cx": 320, "cy": 240, "color_from_depth": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]})");
+  EXPECT_EQ(told.color->fx, 500);
+  const Camera given{640, 480, 585, 585, 320, 240, 1000};
+  EXPECT_EQ((*open_sequence(folder.path(), given))->camera(), given) << "a given camera is taken at its word";
+}
+
 TEST(SevenScenesSequence, WithoutIntrinsicsTheErrorSaysWhatToGive) {
   const TempFolder folder;
   write_seven_scenes(folder);

@@ -111,7 +111,8 @@ TEST_F(RawFramesTest, AWrongHeaderIsRefusedByFieldAndLimit) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(words_after(8, std::uint32_t{1}), "accepted") << "nothing changed";
   EXPECT_THAT(words_after(0, 'X'), HasSubstr("HRMFRAME"));
-  EXPECT_THAT(words_after(8, std::uint32_t{2}), HasSubstr("version 2, this program reads version 1"));
+  EXPECT_THAT(words_after(8, std::uint32_t{3}), HasSubstr("version 3, this program reads versions 1 and 2"));
+  EXPECT_THAT(words_after(8, std::uint32_t{2}), HasSubstr("camera.color.f")) << "frames are no colour camera";
   EXPECT_THAT(words_after(12, std::uint32_t{0}), HasSubstr("camera.width is 0"));
   EXPECT_THAT(words_after(12, std::uint32_t{4096}), HasSubstr("2048"));
   EXPECT_THAT(words_after(16, ~std::uint32_t{0}), HasSubstr("camera.height"));
@@ -124,6 +125,30 @@ TEST_F(RawFramesTest, AWrongHeaderIsRefusedByFieldAndLimit) {
   EXPECT_THAT(words_after(56, 0.0), HasSubstr("camera.depth_units_per_metre"));
   EXPECT_THAT(words_after(64, 1e30), HasSubstr("camera.distortion"));
   EXPECT_THAT(words_after(96, nan), HasSubstr("camera.distortion"));
+}
+
+TEST_F(RawFramesTest, TheColourCameraComesBackBehindALongerHeader) {
+  Camera camera = kCamera;
+  camera.color = ColorCamera{
+      80.5, 81, 48, 36, {0.1, -0.2, 0.003, -0.004, 0.05}, {Eigen::Quaterniond(1, 0.01, -0.02, 0.03).normalized(), {-0.025, 0.001, 0.002}}};
+  Result<RawFrameWriter> writer = RawFrameWriter::create(path, camera, 2);
+  ASSERT_TRUE(writer.ok()) << writer.error().message;
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(writer->append(frame_number(i)).ok());
+  ASSERT_TRUE(writer->finish().ok());
+  Result<RawFrameReader> reader = RawFrameReader::open(path);
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  EXPECT_EQ(reader->camera(), camera);
+  EXPECT_EQ(reader->read(1)->color, frame_number(1).color);
+
+  std::vector<std::uint8_t> bytes = test::file_bytes(path);
+  EXPECT_EQ(bytes[8], 2);
+  EXPECT_EQ(bytes.size(), kHeaderBytes + 16 * 8 + 2 * (8 + frame_number(0).depth.pixels.size() * 5));
+  put({bytes.begin(), bytes.begin() + kHeaderBytes + 20});
+  EXPECT_THAT(RawFrameReader::open(path).error().message, HasSubstr("cut in the colour camera"));
+  const double wide_m = 3;
+  std::memcpy(&bytes[kHeaderBytes + 13 * 8], &wide_m, sizeof wide_m);
+  put(bytes);
+  EXPECT_THAT(RawFrameReader::open(path).error().message, HasSubstr("camera.color.color_from_depth.translation"));
 }
 
 TEST_F(RawFramesTest, ATimeStampThatIsNoNumberIsAnErrorOfItsFrame) {

@@ -69,5 +69,59 @@ TEST(ValidateCamera, NamesTheFieldThatIsOutOfRange) {
   }
 }
 
+Camera with_color() {
+  Camera camera = kKinect;
+  camera.color = ColorCamera{525, 525, 320, 240, {.k1 = 0.1}, {Eigen::Quaterniond(1, 0.004, -0.004, 0.001).normalized(), {-0.025, 0, 0}}};
+  return camera;
+}
+
+TEST(ValidateCamera, NamesTheFieldOfTheColourCamera) {
+  EXPECT_TRUE(validate(with_color()).ok());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  struct Case {
+    const char* field;
+    std::function<void(ColorCamera&)> damage;
+  };
+  const Case cases[] = {
+      {"fx", [](ColorCamera& c) { c.fx = 0; }},
+      {"fy", [=](ColorCamera& c) { c.fy = nan; }},
+      {"cx", [](ColorCamera& c) { c.cx = 640; }},
+      {"cy", [](ColorCamera& c) { c.cy = -1; }},
+      {"distortion", [](ColorCamera& c) { c.distortion.k1 = 20; }},
+      {"distortion", [=](ColorCamera& c) { c.distortion.p2 = nan; }},
+      {"color_from_depth.rotation", [](ColorCamera& c) { c.color_from_depth.rotation.coeffs() *= 1.01; }},
+      {"color_from_depth.rotation", [](ColorCamera& c) { c.color_from_depth.rotation.coeffs().setZero(); }},
+      {"color_from_depth.rotation", [=](ColorCamera& c) { c.color_from_depth.rotation.x() = nan; }},
+      {"color_from_depth.translation", [](ColorCamera& c) { c.color_from_depth.translation.x() = -0.51; }},
+      {"color_from_depth.translation", [=](ColorCamera& c) { c.color_from_depth.translation.z() = nan; }},
+  };
+  for (const Case& test : cases) {
+    Camera camera = with_color();
+    test.damage(*camera.color);
+    const Status status = validate(camera);
+    ASSERT_FALSE(status.ok()) << test.field;
+    EXPECT_EQ(status.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_THAT(status.error().message, testing::StartsWith(std::string("camera.color.") + test.field));
+    EXPECT_THAT(status.error().message, testing::HasSubstr("allowed is"));
+  }
+}
+
+TEST(Camera, ComparesItsColourCameraToo) {
+  EXPECT_EQ(with_color(), with_color());
+  EXPECT_NE(with_color(), kKinect);
+  Camera other = with_color();
+  other.color->color_from_depth.translation.y() = 1e-9;
+  EXPECT_NE(other, with_color());
+  other = with_color();
+  other.color->distortion.k1 = 0;
+  EXPECT_NE(other, with_color());
+}
+
+TEST(Camera, RectifiedItIsOnePinhole) {
+  Camera camera = with_color();
+  camera.distortion.k1 = 0.1;
+  EXPECT_EQ(rectified(camera), kKinect);
+}
+
 }  // namespace
 }  // namespace hermite

@@ -60,6 +60,23 @@ TEST(ClientMessage, HelloOfACameraComesBackAsItWas) {
   EXPECT_EQ(start.expected_frames, 42u);
 }
 
+ColorCamera color_camera() {
+  return {520,
+          521,
+          322,
+          243,
+          {0.1, -0.2, 0.003, -0.004, 0.05},
+          {Eigen::Quaterniond(1, 0.01, -0.02, 0.03).normalized(), {-0.025, 0.001, 0.002}}};
+}
+
+TEST(ClientMessage, TheColourCameraComesBackAsItWas) {
+  StartScan start = good_start();
+  start.camera.color = color_camera();
+  const Result<ClientMessage> message = round_trip(hello_with(start));
+  ASSERT_TRUE(message.ok()) << message.error().message;
+  EXPECT_EQ(std::get<StartScan>(std::get<Hello>(*message).role).camera, start.camera);
+}
+
 TEST(ClientMessage, TheOtherBodiesComeBackAsTheyWere) {
   const auto view = round_trip(Hello{0, "viewer", "t", ViewScan{"abc"}});
   EXPECT_EQ(std::get<ViewScan>(std::get<Hello>(*view).role).scan_id, "abc");
@@ -141,6 +158,18 @@ TEST(ClientMessage, ACameraThatCannotBeIsNamed) {
   EXPECT_THAT(error_of([](StartScan& start) { start.camera.depth_units_per_metre = std::numeric_limits<double>::infinity(); }).message,
               HasSubstr("camera.depth_units_per_metre"));
   EXPECT_THAT(error_of([](StartScan& start) { start.camera.distortion.p1 = std::nan(""); }).message, HasSubstr("camera.distortion"));
+  const auto color_error = [](auto spoil) {
+    return error_of([&](StartScan& start) {
+             start.camera.color = color_camera();
+             spoil(*start.camera.color);
+           })
+        .message;
+  };
+  EXPECT_THAT(color_error([](ColorCamera& color) { color.fx = 0; }), HasSubstr("start_scan: camera.color.fx"));
+  EXPECT_THAT(color_error([](ColorCamera& color) { color.distortion.k1 = 1e9; }), HasSubstr("camera.color.distortion"));
+  EXPECT_THAT(color_error([](ColorCamera& color) { color.color_from_depth.rotation.w() = 2; }), HasSubstr("camera.color.color_from_depth"));
+  EXPECT_THAT(color_error([](ColorCamera& color) { color.color_from_depth.translation.x() = 7; }),
+              HasSubstr("camera.color.color_from_depth"));
 }
 
 TEST(ClientMessage, CodecsOfTheFutureAreSkippedButOneMustBeKnown) {

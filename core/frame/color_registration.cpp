@@ -1,0 +1,166 @@
+#include "core/frame/color_registration.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/check.h"
+#include "core/frame/color_between.h"
+
+namespace hermite {
+
+namespace {
+
+using InverseDepths = Image<float>;  // 1/m
+
+// Farther than everything: a block that has any depth never keeps it.
+constexpr float kUnknown = std::numeric_limits<float>::infinity();
+// Below this inverse depth in the colour camera (or behind it) a point has no place in its image: 1 km, or a lens bent backwards.
+constexpr float kLeastForward = 1e-3f;
+
+const ColorCamera& color_of(const Camera& camera) {
+  CHECK(camera.color.has_value(), "colour that is registered already");
+  return *camera.color;
+}
+
+Eigen::Matrix3f ray_from_pixel(const Camera& camera) {
+  Eigen::Matrix3d pixel_from_ray;
+  pixel_from_ray << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
+  const Eigen::Matrix3d rotation = color_of(camera).color_from_depth.rotation.normalized().toRotationMatrix();
+  return (rotation * pixel_from_ray.inverse()).cast<float>();
+}
+
+// Half as many rows and columns, rounded up; of four the farthest that is known.
+InverseDepths halved(const InverseDepths& fine) {
+  InverseDepths coarse((fine.width + 1) / 2, (fine.height + 1) / 2);
+  for (int y = 0; y < coarse.height; ++y)
+    for (int x = 0; x < coarse.width; ++x) {
+      const int left = 2 * x, top = 2 * y, right = std::min(left + 1, fine.width - 1), bottom = std::min(top + 1, fine.height - 1);
+      coarse.at(x, y) =
+          std::min(std::min(fine.at(left, top), fine.at(right, top)), std::min(fine.at(left, bottom), fine.at(right, bottom)));
+    }
+  return coarse;
+}
+
+// Known everywhere; 0, infinitely far, where the whole image knows nothing.
+void fill(InverseDepths& fine) {
+  if (fine.width == 1 && fine.height == 1) {
+    if (fine.pixels[0] == kUnknown) fine.pixels[0] = 0;
+    return;
+  }
+  InverseDepths coarse = halved(fine);
+  fill(coarse);
+  for (int y = 0; y < fine.height; ++y)
+    for (int x = 0; x < fine.width; ++x)
+      if (float& value = fine.at(x, y); value == kUnknown) value = coarse.at(x / 2, y / 2);
+}
+
+InverseDepths filled_inverse_depths(const DepthImage& depth, float metres_per_depth_unit) {
+  InverseDepths inverse_depths(depth.width, depth.height);
+  for (std::size_t i = 0; i < depth.pixels.size(); ++i)
+    inverse_depths.pixels[i] = depth.pixels[i] == 0 ? kUnknown : 1 / (static_cast<float>(depth.pixels[i]) * metres_per_depth_unit);
+  fill(inverse_depths);
+  return inverse_depths;
+}
+
+// Half the distance to the next pixel's place, and the half that rounding takes, so that no column of a surface stays open.
+int reach_px(const Camera& camera) { return static_cast<int>(std::ceil(0.5 * camera.color->fx / camera.fx + 0.5)); }
+
+// Beside something near, on the side where it hides nothing, the two columns of a point may be covered by it too. The two were a pixel of
+// the depth image or more apart before parallax, so only a parallax that differs by all that two columns and the reach span hides. Without
+// parallax nothing does: infinity.
+float hiding_per_m(const ColorCamera& color, int reach_px) {
+  return static_cast<float>((reach_px + 2) / (color.fx * std::abs(color.color_from_depth.translation.x())));
+}
+
+}  // namespace
+
+ColorRegistration::ColorRegistration(const Camera& camera)
+    : width_(camera.width),
+      height_(camera.height),
+      metres_per_depth_unit_(static_cast<float>(1 / camera.depth_units_per_metre)),
+      distortion_(color_of(camera).distortion),
+      is_distorted_(distortion_ != Distortion{}),
+      fx_(static_cast<float>(camera.color->fx)),
+      fy_(static_cast<float>(camera.color->fy)),
+      cx_(static_cast<float>(camera.color->cx)),
+      cy_(static_cast<float>(camera.color->cy)),
+      ray_from_pixel_(ray_from_pixel(camera)),
+      depth_camera_m_(camera.color->color_from_depth.translation.cast<float>()),
+      reach_px_(reach_px(camera)),
+      hiding_per_m_(hiding_per_m(*camera.color, reach_px_)) {}
+
+ColorRegistration::Place ColorRegistration::place_of(const Eigen::Vector3f& in_color) const {
+  // Outside by as much as any place may be: casts to int stay in range.
+  constexpr float kOutside_px = 2;
+  if (!(in_color.z() > kLeastForward)) return {-kOutside_px, -kOutside_px};
+  const float scale = 1 / in_color.z();
+  float x = in_color.x() * scale, y = in_color.y() * scale;
+  if (is_distorted_) {
+    const Eigen::Vector2f at = distortion_.apply(x, y).cast<float>();
+    x = at.x(), y = at.y();
+  }
+  const auto pixel = [](float value, int side) { return std::clamp(value, -kOutside_px, static_cast<float>(side) + kOutside_px); };
+  return {pixel(x * fx_ + cx_, width_), pixel(y * fy_ + cy_, height_)};
+}
+
+void ColorRegistration::find_places(const InverseDepths& inverse_depths, int y, Row& row) const {
+  const Eigen::Vector3f first = ray_from_pixel_.col(1) * static_cast<float>(y) + ray_from_pixel_.col(2);
+  for (int x = 0; x < width_; ++x)
+    row.places[static_cast<std::size_t>(x)] =
+        place_of(first + ray_from_pixel_.col(0) * static_cast<float>(x) + depth_camera_m_ * inverse_depths.at(x, y));
+}
+
+// Only what was measured hides, and only what is in the colour image is hidden.
+void ColorRegistration::find_hidden(const InverseDepths& inverse_depths, const DepthImage& depth, int y, Row& row) const {
+  std::fill(row.nearest_per_m.begin(), row.nearest_per_m.end(), 0.0f);
+  for (int x = 0; x < width_; ++x) {
+    if (depth.at(x, y) == 0) continue;
+    // To the nearest whole column: no place is left of -2.
+    const int middle = static_cast<int>(row.places[static_cast<std::size_t>(x)].x + 2.5f) - 2;
+    for (int column = std::max(0, middle - reach_px_); column <= std::min(middle + reach_px_, width_ - 1); ++column) {
+      float& nearest = row.nearest_per_m[static_cast<std::size_t>(column)];
+      nearest = std::max(nearest, inverse_depths.at(x, y));
+    }
+  }
+  const auto hides = [&](int column, int x) {
+    return row.nearest_per_m[static_cast<std::size_t>(column)] - inverse_depths.at(x, y) > hiding_per_m_;
+  };
+  for (int x = 0; x < width_; ++x) {
+    const float place = row.places[static_cast<std::size_t>(x)].x;
+    const int left = static_cast<int>(place);
+    row.is_hidden[static_cast<std::size_t>(x)] = place >= 0 && left + 1 < width_ && (hides(left, x) || hides(left + 1, x));
+  }
+}
+
+// Hidden stretches of a row get the colour of their farther end.
+void ColorRegistration::uncover(const InverseDepths& inverse_depths, int y, const Row& row, ColorImage& registered) const {
+  const auto nearness = [&](int x) { return x < 0 || x == width_ ? kUnknown : inverse_depths.at(x, y); };
+  for (int begin = 0, end = 0; begin < width_; begin = end + 1) {
+    end = begin;
+    while (end < width_ && row.is_hidden[static_cast<std::size_t>(end)]) ++end;
+    if (end == begin || end - begin == width_) continue;
+    const Rgb8 behind = registered.at(nearness(begin - 1) < nearness(end) ? begin - 1 : end, y);
+    for (int x = begin; x < end; ++x) registered.at(x, y) = behind;
+  }
+}
+
+ColorImage ColorRegistration::apply(const ColorImage& color, const DepthImage& straight_depth) const {
+  const InverseDepths inverse_depths = filled_inverse_depths(straight_depth, metres_per_depth_unit_);
+  const auto side = static_cast<std::size_t>(width_);
+  Row row{std::vector<Place>(side), std::vector<float>(side), std::vector<std::uint8_t>(side)};
+  ColorImage registered(width_, height_);
+  for (int y = 0; y < height_; ++y) {
+    find_places(inverse_depths, y, row);
+    find_hidden(inverse_depths, straight_depth, y, row);
+    for (int x = 0; x < width_; ++x) {
+      const auto [u, v] = row.places[static_cast<std::size_t>(x)];
+      registered.at(x, y) = color_between(color, u, v);
+    }
+    uncover(inverse_depths, y, row, registered);
+  }
+  return registered;
+}
+
+}  // namespace hermite

@@ -1,0 +1,53 @@
+#include "core/frame/rectify.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/frame/color_between.h"
+
+namespace hermite {
+
+Rectifier::Rectifier(const Camera& camera) {
+  if (camera.color) registration_.emplace(camera);
+  if (camera.distortion == Distortion{}) return;
+  sources_.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      const Eigen::Vector2d at = camera.distort(x, y);
+      // Far outside is outside: the cast below stays in range.
+      const auto pixel = [](double value, int side) { return static_cast<float>(std::clamp(value, -2.0, side + 1.0)); };
+      sources_.push_back({pixel(at.x(), camera.width), pixel(at.y(), camera.height)});
+    }
+}
+
+DepthImage Rectifier::straight(const DepthImage& depth) const {
+  if (sources_.empty()) return depth;
+  DepthImage straight(depth.width, depth.height);
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    const auto [x, y] = sources_[i];
+    const int column = static_cast<int>(std::lround(x)), row = static_cast<int>(std::lround(y));
+    const bool inside = column >= 0 && row >= 0 && column < depth.width && row < depth.height;
+    straight.pixels[i] = inside ? depth.at(column, row) : std::uint16_t{0};
+  }
+  return straight;
+}
+
+ColorImage Rectifier::straight(const ColorImage& color) const {
+  if (sources_.empty()) return color;
+  ColorImage straight(color.width, color.height);
+  for (std::size_t i = 0; i < sources_.size(); ++i) straight.pixels[i] = color_between(color, sources_[i].x, sources_[i].y);
+  return straight;
+}
+
+RgbdFrame Rectifier::apply(const RgbdFrame& frame) const {
+  RgbdFrame rectified{frame.timestamp_s, straight(frame.depth), {}};
+  rectified.color = registration_ ? registration_->apply(frame.color, rectified.depth) : straight(frame.color);
+  return rectified;
+}
+
+std::optional<Rectifier> rectifier_of(const Camera& camera) {
+  if (camera.distortion == Distortion{} && !camera.color) return std::nullopt;
+  return Rectifier(camera);
+}
+
+}  // namespace hermite
