@@ -4,7 +4,7 @@
 namespace hermite {
 
 struct AdjustOptions {
-  bool local_bundle_adjustment = true;
+  bool local_bundle_adjustment = false;
   bool global_bundle_adjustment = true;  // loops, joining, finding a lost camera; and what they correct
   double submap_distance_m = 0.3;
   double submap_turn_deg = 20.0;

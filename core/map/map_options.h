@@ -16,7 +16,7 @@ struct MapOptions {
   double fill_in_below = 0.75;
   double fuse_depth_gate_m = 0.05;
   double fuse_normal_gate_rad = 0.5;
-  bool fuse_surface = false;
+  bool fuse_surface = true;
   int clean_interval_frames = 4;
   int max_unstable_age_frames = 200;
   double redundancy_depth_m = 0.01;

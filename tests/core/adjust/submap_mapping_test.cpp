@@ -147,6 +147,7 @@ const std::vector<Step>& circuit() {
 
 AdjustOptions without_global() {
   AdjustOptions options;
+  options.local_bundle_adjustment = true;
   options.global_bundle_adjustment = false;
   return options;
 }
@@ -191,8 +192,10 @@ TEST(SubmapMapping, ACircuitIsClosed) {
 
 TEST(SubmapMapping, TheSameFramesGiveTheSameMap) {
   std::vector<Rigid3> first;
+  AdjustOptions options;
+  options.local_bundle_adjustment = true;
   for (int run = 0; run < 2; ++run) {
-    PlayedFrontEnd front_end({}, 1);
+    PlayedFrontEnd front_end(options, 1);
     for (const Step& step : circuit()) front_end.track(step);
     front_end.mapping.finish();
     const std::vector<Rigid3>& poses = front_end.mapping.layout().world_from_submap;
@@ -259,7 +262,7 @@ TEST(SubmapMapping, NoisyNonsenseDoesNoHarm) {
 
 TEST(MakeMapping, WithoutAnyAdjustmentThereIsNone) {
   AdjustOptions options;
-  options.local_bundle_adjustment = options.global_bundle_adjustment = false;
+  options.global_bundle_adjustment = false;
   EXPECT_EQ(make_mapping(kCamera, options, CorrectionTime::kByFrames), nullptr);
 }
 
