@@ -218,16 +218,17 @@ std::uint32_t SubmapMapping::nearest_submap(const std::vector<bool>& among, cons
   return nearest;
 }
 
-// The other part stays; this one comes to where its camera sees the other from.
-void SubmapMapping::join(std::uint32_t target, const Rigid3& world_from_camera) {
-  const Rigid3 correction = world_from_camera * inverse(this->world_from_camera());
-  const std::uint32_t moved_part = layout_.part[layout_.current], part = layout_.part[target];
+// The older of the two parts stays, the other one comes to where the camera sees both.
+void SubmapMapping::join(std::uint32_t target, const Rigid3& seen_from) {
+  const std::uint32_t current_part = layout_.part[layout_.current], target_part = layout_.part[target];
+  const Rigid3 there_from_here = seen_from * inverse(world_from_camera());
+  const Rigid3 correction = target_part < current_part ? there_from_here : inverse(there_from_here);
+  const std::uint32_t stays = std::min(current_part, target_part), moves = std::max(current_part, target_part);
   for (std::size_t submap = 0; submap < layout_.part.size(); ++submap) {
-    if (layout_.part[submap] != moved_part) continue;
+    if (layout_.part[submap] != moves) continue;
     map_.world_from_submap[submap] = correction * map_.world_from_submap[submap];
-    layout_.part[submap] = graph_.part[submap] = part;
+    layout_.part[submap] = graph_.part[submap] = stays;
   }
-  ++counts_["joined parts"];
 }
 
 // Submaps move so that the loop closes (a pose graph). No: something else would have to give way too much, and nothing has moved.
@@ -271,9 +272,11 @@ bool SubmapMapping::confirm(const Revisit& revisit, const Rigid3& seen_from) {
     return false;
   }
   ++counts_[revisit.by_appearance ? "loops by appearance" : "loops by nearness"];
-  if (!is_small(drift)) publish();
+  if (!same_part) ++counts_["joined parts"];
+  const bool has_moved = !same_part || !is_small(drift);
+  if (has_moved) publish();
   update_active();
-  if (!is_small(drift)) adjust_globally();
+  if (has_moved) adjust_globally();
   return true;
 }
 

@@ -54,7 +54,7 @@ class SubmapMapping final : public Mapping {
   Revisit revisit_of(const Rigid3& world_from_camera, std::uint32_t submap, bool by_appearance) const;
   std::uint32_t nearest_submap(const std::vector<bool>& among, const Rigid3& world_from_camera) const;
   bool bend(const SubmapLink& loop);
-  void join(std::uint32_t target, const Rigid3& world_from_camera);
+  void join(std::uint32_t target, const Rigid3& seen_from);
   void adjust_locally();
   void adjust_globally();
   void start(BundleOfMap bundle, std::int64_t delay_frames, bool is_global);

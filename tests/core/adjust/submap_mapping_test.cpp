@@ -248,6 +248,27 @@ TEST(SubmapMapping, ANewPartIsJoinedWhenItSeesTheOldOne) {
   EXPECT_LT(front_end.worst_error_m(), 0.05);
 }
 
+TEST(SubmapMapping, TheFirstPartStaysWhereverTheCameraMeetsTheOther) {
+  PlayedFrontEnd front_end({}, 0);
+  const std::vector<Step>& steps = circuit();
+  for (std::size_t i = 0; i < 20; ++i) front_end.track(steps[i]);
+  front_end.mapping.begin_part(front_end.world_from_camera());
+  front_end.is_at(front_end.world_from_camera(), steps[26]);
+  for (std::size_t i = 26; i < 32; ++i) front_end.track(steps[i]);
+  // Carried back and found, then on to where the second part began.
+  const std::vector<Revisit> revisits = front_end.mapping.find(steps[17].frame);
+  ASSERT_EQ(revisits.size(), 1u);
+  const std::optional<Rigid3> seen_from = front_end.look(revisits[0], steps[17]);
+  ASSERT_TRUE(seen_from);
+  front_end.mapping.found(revisits[0], *seen_from);
+  front_end.is_at(*seen_from, steps[17]);
+  EXPECT_EQ(front_end.mapping.layout().part[front_end.mapping.layout().current], 0u);
+  for (std::size_t i = 17; i < 32; ++i) front_end.track(steps[i]);
+  EXPECT_EQ(front_end.count("joined parts"), 1);
+  EXPECT_EQ(front_end.mapping.layout().world_from_submap[0].translation.norm(), 0);
+  EXPECT_LT(front_end.worst_error_m(), 0.05);
+}
+
 TEST(SubmapMapping, NoisyNonsenseDoesNoHarm) {
   PlayedFrontEnd front_end({}, 0);
   Step step{Rigid3{}, {0, DepthImage(kCamera.width, kCamera.height), ColorImage(kCamera.width, kCamera.height)}};
