@@ -15,6 +15,7 @@ using Eigen::Vector3i;
 
 constexpr float kNear_m = 0.010f, kFar_m = 0.030f;
 constexpr float kMostBeside_m = 0.010f, kUnknownRadius_m = 0.005f;
+constexpr int kSparsest = 4;
 constexpr float kSameSide = 0.70710678f;  // cosine of 45 degrees
 // Two cells hold the farthest neighbour: sqrt(30^2 + 10^2) mm = 31.6 mm.
 constexpr float kCell_m = 0.016f;
@@ -111,7 +112,7 @@ class LayerGrid {
       }
     }
     const auto is_another = [&own](const Sum& layer) {
-      if (layer.count == 0) return false;
+      if (layer.count == 0 || kSparsest * layer.count < own.count) return false;
       const double apart_m = std::abs(layer.mean_m() - own.mean_m());
       return apart_m >= static_cast<double>(kNear_m) && apart_m <= static_cast<double>(kFar_m);
     };
