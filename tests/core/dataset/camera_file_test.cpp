@@ -55,7 +55,8 @@ TEST(CameraFile, ErrorsNameTheKey) {
 const char* const kTwoLenses =
     R"({"width": 640, "height": 480, "fx": 585, "fy": 586, "cx": 320, "cy": 240, "depth_units_per_metre": 1000,
         "color_distortion": {"k1": 0.02}, "depth_distortion": {"k1": -0.1},
-        "color_camera": {"fx": 525, "fy": 526, "cx": 321, "cy": 241, "color_from_depth": [[0, -1, 0, -0.025], [1, 0, 0, 0.001], [0, 0, 1, 0.002]]}})";
+        "color_camera": {"fx": 525, "fy": 526, "cx": 321, "cy": 241,
+                         "color_from_depth": [[0, -1, 0, -0.025], [1, 0, 0, 0.001], [0, 0, 1, 0.002]]}})";
 
 TEST(CameraFile, ReadsAColourCameraAndTheLensOfEach) {
   const auto file = parse_camera_json(kTwoLenses);
