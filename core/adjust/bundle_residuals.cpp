@@ -10,12 +10,6 @@ namespace hermite {
 
 namespace {
 
-Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
 // The coefficients of the left Jacobians below as functions of the angle. Under `kSeries_rad` by their series to the fourth power, whose
 // next term is below 1e-10 of them there; above it the closed forms lose less than that to cancellation.
 struct AngleCoefficients {

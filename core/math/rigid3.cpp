@@ -6,12 +6,6 @@ namespace hermite {
 
 namespace {
 
-Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
 // V(w) of the SE(3) exponential: I + (1-cos)/angle^2 [w] + (angle-sin)/angle^3 [w]^2, by series near zero.
 Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& rotation_vector) {
   const double angle2 = rotation_vector.squaredNorm();
@@ -31,6 +25,12 @@ Eigen::Vector3d rotation_vector_of(const Eigen::Quaterniond& rotation) {
 }
 
 }  // namespace
+
+Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
 
 Eigen::Matrix4d Rigid3::matrix() const {
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
@@ -73,8 +73,6 @@ Vector6d log_se3(const Rigid3& transform) {
 
 double angle_rad(const Eigen::Quaterniond& rotation) { return rotation_vector_of(rotation).norm(); }
 
-bool is_finite(const Rigid3& transform) {
-  return transform.rotation.coeffs().allFinite() && transform.translation.allFinite();
-}
+bool is_finite(const Rigid3& transform) { return transform.rotation.coeffs().allFinite() && transform.translation.allFinite(); }
 
 }  // namespace hermite

@@ -29,6 +29,9 @@ Rigid3 rigid3_from_matrix(const Eigen::Matrix4d& matrix);
 Rigid3 exp_se3(const Vector6d& twist);
 Vector6d log_se3(const Rigid3& transform);
 
+// skew(a) * b is the cross product of a and b.
+Eigen::Matrix3d skew(const Eigen::Vector3d& v);
+
 double angle_rad(const Eigen::Quaterniond& rotation);
 
 bool is_finite(const Rigid3& transform);

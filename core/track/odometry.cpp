@@ -77,7 +77,7 @@ Matrix6d read_displacement(const double*& next) {
   const auto second = read_upper_triangle<Eigen::Matrix3d>(next);
   Matrix6d displacement = Matrix6d::Zero();
   displacement.topLeftCorner<3, 3>() = weight * Eigen::Matrix3d::Identity();
-  displacement.bottomLeftCorner<3, 3>() << 0, -first.z(), first.y(), first.z(), 0, -first.x(), -first.y(), first.x(), 0;
+  displacement.bottomLeftCorner<3, 3>() = skew(first);
   displacement.topRightCorner<3, 3>() = displacement.bottomLeftCorner<3, 3>().transpose();
   displacement.bottomRightCorner<3, 3>() = second.trace() * Eigen::Matrix3d::Identity() - second;
   return displacement;
