@@ -122,15 +122,7 @@ Rigid3 synthetic_pose(double time_s, double speed, RoomScene scene) {
   const double heading = lap + M_PI + 0.03 * std::sin(2 * lap + 0.4);
   const double pitch = kDegree * (-13 + 4 * std::sin(2 * lap + 2.0) - 7 * alternating);
   const double roll = kDegree * 2 * std::sin(3 * lap + 0.3);
-
-  const Vector3d forward(std::cos(pitch) * std::cos(heading), std::cos(pitch) * std::sin(heading), std::sin(pitch));
-  const Vector3d right(std::sin(heading), -std::cos(heading), 0);
-  Eigen::Matrix3d world_from_camera;
-  world_from_camera.col(0) = right;
-  world_from_camera.col(1) = forward.cross(right);
-  world_from_camera.col(2) = forward;
-  const Eigen::Quaterniond rolled(world_from_camera * Eigen::AngleAxisd(roll, Vector3d::UnitZ()).toRotationMatrix());
-  return {rolled.normalized(), position};
+  return camera_at(position, heading, pitch, roll);
 }
 
 Result<std::unique_ptr<Sequence>> make_synthetic_sequence(const SyntheticOptions& options) {

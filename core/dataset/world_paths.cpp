@@ -137,6 +137,17 @@ const Path& path_of(RoomScene scene) {
 
 }  // namespace
 
+Rigid3 camera_at(const Vector3d& position_m, double heading_rad, double pitch_rad, double roll_rad) {
+  const Vector3d forward(std::cos(pitch_rad) * std::cos(heading_rad), std::cos(pitch_rad) * std::sin(heading_rad), std::sin(pitch_rad));
+  const Vector3d right(std::sin(heading_rad), -std::cos(heading_rad), 0);
+  Eigen::Matrix3d world_from_camera;
+  world_from_camera.col(0) = right;
+  world_from_camera.col(1) = forward.cross(right);
+  world_from_camera.col(2) = forward;
+  const Eigen::Quaterniond rolled(world_from_camera * Eigen::AngleAxisd(roll_rad, Vector3d::UnitZ()).toRotationMatrix());
+  return {rolled.normalized(), position_m};
+}
+
 double world_lap_s(RoomScene scene) { return path_of(scene).lap_s(); }
 
 Rigid3 world_pose(RoomScene scene, double laps) {
@@ -147,14 +158,7 @@ Rigid3 world_pose(RoomScene scene, double laps) {
   const Vector3d position(here[0], here[1], kHeight_m + 0.04 * std::sin(4 * sway + 0.7) + 0.10 * alternating);
   const double heading = kDegree * here[2], pitch = kDegree * (here[3] - 4 * alternating);
   const double roll = kDegree * 2 * std::sin(6 * sway + 0.3);
-  const Vector3d forward(std::cos(pitch) * std::cos(heading), std::cos(pitch) * std::sin(heading), std::sin(pitch));
-  const Vector3d right(std::sin(heading), -std::cos(heading), 0);
-  Eigen::Matrix3d world_from_camera;
-  world_from_camera.col(0) = right;
-  world_from_camera.col(1) = forward.cross(right);
-  world_from_camera.col(2) = forward;
-  const Eigen::Quaterniond rolled(world_from_camera * Eigen::AngleAxisd(roll, Vector3d::UnitZ()).toRotationMatrix());
-  return {rolled.normalized(), position};
+  return camera_at(position, heading, pitch, roll);
 }
 
 }  // namespace hermite

@@ -6,6 +6,10 @@
 
 namespace hermite {
 
+// world_from_camera of a camera held upright: it looks along the heading (from x towards y), up by the pitch, and is then turned by the
+// roll about where it looks.
+Rigid3 camera_at(const Eigen::Vector3d& position_m, double heading_rad, double pitch_rad, double roll_rad);
+
 // Duration of one lap at speed 1 [s]: as long as the way takes at 0.4 m/s, longer where the camera turns.
 double world_lap_s(RoomScene scene);
 
