@@ -207,59 +207,88 @@ std::uint32_t SurfelStore::number_of(std::uint32_t block) const {
   return block < numbers_.size() ? numbers_[block] : next_number_ + block - static_cast<std::uint32_t>(numbers_.size());
 }
 
-SurfelStore::Block SurfelStore::download_block(std::uint32_t block) const {
-  const std::uint32_t first = block * kSlotsPerBlock;
-  Block copy{number_of(block),
-             positions.download(kSlotsPerBlock, first),
-             attributes.download(kSlotsPerBlock, first),
-             times.download(kSlotsPerBlock, first),
-             bounds.download(1, block)[0],
-             changed_frames.download(1, block)[0]};
-  for (std::size_t i = 0; i < kSlotsPerBlock; ++i) {
-    if (copy.positions[i].w <= 0) continue;
-    ++copy.alive_count;
-    copy.submap = copy.attributes[i].radius_submap >> 16;
+// Behind those in `blocks`. One transfer an array, however many blocks: each costs a round trip to a device with memory of its own.
+void SurfelStore::download_blocks(std::uint32_t first, std::uint32_t count, std::vector<Block>& blocks) const {
+  const std::size_t slots = std::size_t{count} * kSlotsPerBlock, first_slot = std::size_t{first} * kSlotsPerBlock;
+  const std::vector<shared::vec4> p = positions.download(slots, first_slot);
+  const std::vector<shared::SurfelAttributes> a = attributes.download(slots, first_slot);
+  const std::vector<shared::uvec2> t = times.download(slots, first_slot);
+  const std::vector<shared::BlockBounds> b = bounds.download(count, first);
+  const std::vector<shared::uint> changed = changed_frames.download(count, first);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto begin = static_cast<std::ptrdiff_t>(std::size_t{i} * kSlotsPerBlock),
+               end = begin + static_cast<std::ptrdiff_t>(kSlotsPerBlock);
+    Block block{number_of(first + i),
+                {p.begin() + begin, p.begin() + end},
+                {a.begin() + begin, a.begin() + end},
+                {t.begin() + begin, t.begin() + end},
+                b[i],
+                changed[i]};
+    for (std::size_t slot = 0; slot < kSlotsPerBlock; ++slot) {
+      if (block.positions[slot].w <= 0) continue;
+      ++block.alive_count;
+      block.submap = block.attributes[slot].radius_submap >> 16;
+    }
+    blocks.push_back(std::move(block));
   }
-  return copy;
 }
 
-void SurfelStore::upload_block(const Block& copy, std::uint32_t block) {
-  const std::uint32_t first = block * kSlotsPerBlock;
-  positions.upload(copy.positions, first);
-  attributes.upload(copy.attributes, first);
-  times.upload(copy.times, first);
-  bounds.upload(std::vector{copy.bounds}, block);
-  changed_frames.upload(std::vector{copy.changed_frame}, block);
+// From the first on.
+void SurfelStore::upload_blocks(std::span<const Block> blocks) {
+  std::vector<shared::vec4> p;
+  std::vector<shared::SurfelAttributes> a;
+  std::vector<shared::uvec2> t;
+  std::vector<shared::BlockBounds> b;
+  std::vector<shared::uint> changed;
+  for (const Block& block : blocks) {
+    p.insert(p.end(), block.positions.begin(), block.positions.end());
+    a.insert(a.end(), block.attributes.begin(), block.attributes.end());
+    t.insert(t.end(), block.times.begin(), block.times.end());
+    b.push_back(block.bounds);
+    changed.push_back(block.changed_frame);
+  }
+  positions.upload(p);
+  attributes.upload(a);
+  times.upload(t);
+  bounds.upload(b);
+  changed_frames.upload(changed);
+}
+
+void SurfelStore::clear_blocks(std::uint32_t first, std::uint32_t count) {
+  const std::size_t slots = std::size_t{count} * kSlotsPerBlock, first_slot = std::size_t{first} * kSlotsPerBlock;
+  positions.upload(std::vector<shared::vec4>(slots), first_slot);
+  attributes.upload(std::vector<shared::SurfelAttributes>(slots), first_slot);
+  times.upload(std::vector<shared::uvec2>(slots), first_slot);
+  bounds.upload(std::vector<shared::BlockBounds>(count), first);
+  changed_frames.upload(std::vector<shared::uint>(count), first);
 }
 
 void SurfelStore::keep(const SubmapSet& submaps) {
   const std::uint32_t count_before = block_count();
-  std::vector<Block> kept;
+  std::vector<Block> all, kept;
+  download_blocks(0, count_before, all);
   std::map<std::uint32_t, std::vector<Block>> leaving;
-  for (std::uint32_t block = 0; block < count_before; ++block) {
-    Block copy = download_block(block);
-    const bool stays = copy.alive_count == 0 || submaps[copy.submap];  // what has died in an empty one may still have to be told
-    (stays ? kept : leaving[copy.submap]).push_back(std::move(copy));
+  for (Block& block : all) {
+    const bool stays = block.alive_count == 0 || submaps[block.submap];  // what has died in an empty one may still have to be told
+    (stays ? kept : leaving[block.submap]).push_back(std::move(block));
   }
   for (auto& [submap, blocks] : host_blocks_)
     if (submaps[submap]) std::move(blocks.begin(), blocks.end(), std::back_inserter(kept));
   std::erase_if(host_blocks_, [&](const auto& entry) { return submaps[entry.first]; });
   for (auto& [submap, blocks] : leaving) std::move(blocks.begin(), blocks.end(), std::back_inserter(host_blocks_[submap]));
 
-  next_number_ += count_before - static_cast<std::uint32_t>(std::min<std::size_t>(numbers_.size(), count_before));
+  next_number_ += count_before - static_cast<std::uint32_t>(numbers_.size());
   shared::MapState after{};
   state.upload(std::vector{after});  // empty, so that there is room for what comes
   const auto count = static_cast<std::uint32_t>(kept.size());
   reserve(count * kSlotsPerBlock);
+  upload_blocks(kept);
+  if (count < count_before) clear_blocks(count, count_before - count);
   numbers_.clear();
-  for (std::uint32_t block = 0; block < count; ++block) {
-    upload_block(kept[block], block);
-    numbers_.push_back(kept[block].number);
-    after.alive_count += kept[block].alive_count;
+  for (const Block& block : kept) {
+    numbers_.push_back(block.number);
+    after.alive_count += block.alive_count;
   }
-  const Block empty{0, std::vector<shared::vec4>(kSlotsPerBlock), std::vector<shared::SurfelAttributes>(kSlotsPerBlock),
-                    std::vector<shared::uvec2>(kSlotsPerBlock), shared::BlockBounds{}};
-  for (std::uint32_t block = count; block < count_before; ++block) upload_block(empty, block);
   after.slot_count = count * kSlotsPerBlock;
   state.upload(std::vector{after});
 }
@@ -267,8 +296,12 @@ void SurfelStore::keep(const SubmapSet& submaps) {
 std::vector<NumberedSurfel> SurfelStore::changed_blocks(std::uint32_t since) const {
   std::vector<Block> changed;
   const std::vector<shared::uint> frames = changed_frames.download(block_count());
-  for (std::uint32_t block = 0; block < frames.size(); ++block)
-    if (frames[block] > since) changed.push_back(download_block(block));
+  const auto has_changed = [since](std::uint32_t frame) { return frame > since; };
+  for (auto begin = std::find_if(frames.begin(), frames.end(), has_changed); begin != frames.end();) {
+    const auto end = std::find_if_not(begin, frames.end(), has_changed);
+    download_blocks(static_cast<std::uint32_t>(begin - frames.begin()), static_cast<std::uint32_t>(end - begin), changed);
+    begin = std::find_if(end, frames.end(), has_changed);
+  }
   for (const auto& [submap, blocks] : host_blocks_)
     for (const Block& block : blocks)
       if (block.changed_frame > since) changed.push_back(block);

@@ -122,8 +122,9 @@ class SurfelStore {
   shared::MapState counters() const { return state.mapped()[0]; }
   std::uint32_t block_count() const { return (slot_count() + kSlotsPerBlock - 1) / kSlotsPerBlock; }
   std::uint32_t number_of(std::uint32_t block) const;
-  Block download_block(std::uint32_t block) const;
-  void upload_block(const Block& copy, std::uint32_t block);
+  void download_blocks(std::uint32_t first, std::uint32_t count, std::vector<Block>& blocks) const;
+  void upload_blocks(std::span<const Block> blocks);
+  void clear_blocks(std::uint32_t first, std::uint32_t count);
 
   gpu::Device& device_;
   const std::uint32_t max_slots_;
