@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/adjust/bundle_residuals.h"
+
 namespace hermite {
 
 namespace {
 
 constexpr std::uint32_t kOutside = 0xffffffffu;
-constexpr double kLeastDepth_m = 0.1;
 constexpr double kMedianOfNormal = 0.6745;  // of the absolute value, in standard deviations
 
 // From an index of the map to one of the problem.
@@ -66,13 +67,13 @@ void add_observations(const SparseMap& map, BundleOfMap& bundle) {
 // tracking by depth, which the links tell of, knows better.
 double misfit(const BundleProblem& problem) {
   std::vector<double> off;
+  const std::vector<KeyframeView> views = views_of(problem);
   for (const BundleObservation& observation : problem.observations) {
-    const BundleKeyframe& keyframe = problem.keyframes[observation.keyframe];
-    const Rigid3 world_from_camera = problem.world_from_submap[keyframe.submap] * keyframe.submap_from_camera;
-    const Eigen::Vector3d point = inverse(world_from_camera) * problem.landmarks_in_world[observation.landmark];
-    if (point.z() < kLeastDepth_m) continue;
-    const Eigen::Vector2d residual_px = problem.camera.project(point) - observation.pixel_px;
-    for (int i = 0; i < 2; ++i) off.push_back(std::abs(residual_px[i]) / observation.scale);
+    const Rigid3& world_from_submap = problem.world_from_submap[problem.keyframes[observation.keyframe].submap];
+    const ObservationResidual residual = observation_residual(observation, views[observation.keyframe], world_from_submap,
+                                                              problem.landmarks_in_world[observation.landmark], nullptr);
+    if (residual.landmark_depth_m < kNearest_m) continue;
+    for (int i = 0; i < 2; ++i) off.push_back(std::abs(residual.whitened[i]));
   }
   if (off.empty()) return 1;
   const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
@@ -80,13 +81,10 @@ double misfit(const BundleProblem& problem) {
   return std::max(1.0, *middle / kMedianOfNormal);
 }
 
-// Takes one observation back, if it is still there.
-void forget(SparseMap& map, std::uint32_t landmark, const Observation& observation) {
-  std::vector<Observation>& observations = map.landmarks[landmark].observations;
-  const auto found = std::find(observations.begin(), observations.end(), observation);
-  if (found == observations.end() || observations.size() == 1) return;
-  observations.erase(found);
-  map.keyframes[observation.keyframe].landmark_of_feature[observation.feature] = kNoLandmark;
+// Still one of several of its landmark: the map may have changed since the problem was made.
+bool can_be_taken_back(const SparseMap& map, const BundleScope::Sighting& sighting) {
+  const std::vector<Observation>& observations = map.landmarks[sighting.landmark].observations;
+  return observations.size() > 1 && std::find(observations.begin(), observations.end(), sighting.observation) != observations.end();
 }
 
 }  // namespace
@@ -134,7 +132,8 @@ void apply(const BundleSolution& solution, const BundleScope& scope, SparseMap& 
     landmark.position_in_submap_m = inverse(map.world_from_submap[landmark.submap]) * solution.landmarks_in_world[i];
   }
   for (std::size_t i = 0; i < scope.sightings.size(); ++i)
-    if (!solution.observation_is_inlier[i]) forget(map, scope.sightings[i].landmark, scope.sightings[i].observation);
+    if (!solution.observation_is_inlier[i] && can_be_taken_back(map, scope.sightings[i]))
+      remove_observation(map, scope.sightings[i].landmark, scope.sightings[i].observation);
 }
 
 }  // namespace hermite

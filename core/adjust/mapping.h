@@ -44,9 +44,8 @@ class Mapping {
 
   virtual const MapLayout& layout() const = 0;
 
-  // A tracked frame, rectified, before it is fused; `world_from_camera` in the present layout, and `overlap` the share of its surface
-  // that the map knows. May change the layout: results of adjustment are applied, submaps opened. The camera's pose relative to the submap
-  // that was current stays what it is.
+  // A tracked frame, rectified, before it is fused; `world_from_camera` in the present layout. May change the layout: results of adjustment
+  // are applied, submaps opened. The camera's pose relative to the submap that was current stays what it is.
   virtual std::vector<Revisit> observe(const RgbdFrame& frame, const Rigid3& world_from_camera) = 0;
 
   // The frame observed last fits what the revisit shows when it is seen from `world_from_camera`. Corrects the layout, or refuses: then the
@@ -62,7 +61,7 @@ class Mapping {
   // The camera was not found: the map goes on in a part of its own, whose first submap stands at `world_from_camera` until it is joined.
   virtual void begin_part(const Rigid3& world_from_camera) = 0;
 
-  // No frame follows: what is being adjusted is awaited, and everything is adjusted once more.
+  // No frame follows: what is being adjusted is awaited, and if a loop was closed everything is adjusted once more.
   virtual void finish() = 0;
 
   // For the report: "submaps", "keyframes", "landmarks", "loops", ...

@@ -28,9 +28,6 @@ class SubmapMapping final : public Mapping {
   void finish() override;
   std::map<std::string, std::int64_t> counts() const override;
 
-  const SparseMap& map() const { return map_; }
-  const SubmapGraph& graph() const { return graph_; }
-
  private:
   struct Running {
     BundleScope scope;
@@ -61,6 +58,7 @@ class SubmapMapping final : public Mapping {
   void apply_due();
   void apply_result(const Result<BundleSolution>& result);
   void publish();
+  void publish_correction();
 
   const AdjustOptions options_;
   const CorrectionTime time_;
