@@ -13,7 +13,9 @@
 #include "core/dataset/frame_range.h"
 #include "core/dataset/sequence.h"
 #include "core/frame/raw_frames.h"
+#include "core/output/ply.h"
 #include "core/pipeline/pipeline.h"
+#include "core/report/frame_table.h"
 #include "server/commands.h"
 #include "server/service/frame_reader.h"
 #include "server/service/results.h"
@@ -31,6 +33,7 @@ struct ReconstructArguments {
   std::string sequence;
   std::string out_folder;
   std::string raw_file;  // instead of out_folder
+  std::string per_frame_file;
   std::string frames;
   std::string camera;
   std::string noise;
@@ -111,16 +114,33 @@ void for_each_frame(const Sequence& sequence, FrameRange range, Work work) {
   }
 }
 
-void process_frames(const Sequence& sequence, FrameRange range, Pipeline& pipeline) {
+// What is worth a line of its own, or nothing. `said`: the reason of the frame before.
+std::string remark_on(const FrameResult& result, const std::string& said) {
+  constexpr double kShownCorrection_m = 0.001;
+  std::string remark = name_of(result.event);
+  if (!remark.empty() && result.correction_m >= kShownCorrection_m) {
+    char words[64];
+    std::snprintf(words, sizeof words, ", the map moves by up to %.1f cm", 100 * result.correction_m);
+    remark += words;
+  }
+  if (result.reason.empty() || result.reason == said) return remark;
+  return (remark.empty() ? name_of(result.status) : remark) + ": " + result.reason;
+}
+
+std::vector<FrameRow> process_frames(const Sequence& sequence, FrameRange range, Pipeline& pipeline) {
+  std::vector<FrameRow> rows;
   std::string said;
-  for_each_frame(sequence, range, [&pipeline, &said](const ReadFrame& read, Progress& progress) {
+  for_each_frame(sequence, range, [&](const ReadFrame& read, Progress& progress) {
+    const Clock::time_point start = Clock::now();
     const FrameResult result = or_throw(pipeline.process(read.frame));
-    const std::string status = name_of(result.status);
-    if (!result.reason.empty() && result.reason != said)
-      progress.line("frame " + std::to_string(read.index) + " " + status + ": " + result.reason);
+    rows.push_back({result, std::chrono::duration<double, std::milli>(Clock::now() - start).count()});
+    if (const std::string remark = remark_on(result, said); !remark.empty())
+      progress.line("frame " + std::to_string(read.index) + " " + remark);
     said = result.reason;
-    return std::to_string(result.surfel_count) + " surfels" + (result.status == TrackingStatus::kTracked ? "" : "  " + status);
+    return std::to_string(result.surfel_count) + " surfels" +
+           (result.status == TrackingStatus::kTracked ? "" : std::string("  ") + name_of(result.status));
   });
+  return rows;
 }
 
 int dump_raw(const std::string& path, const Sequence& sequence, FrameRange range) {
@@ -145,8 +165,9 @@ int run_reconstruct(const ReconstructArguments& arguments) {
   if (error) throw SetupError({ErrorCode::kIo, "creating " + arguments.out_folder + ": " + error.message()});
   Pipeline pipeline(arguments.device, sequence->camera(), options,
                     make_mapping(sequence->camera(), options.adjust, CorrectionTime::kByFrames));
-  process_frames(*sequence, range, pipeline);
+  const std::vector<FrameRow> rows = process_frames(*sequence, range, pipeline);
   pipeline.finish();
+  if (!arguments.per_frame_file.empty()) or_throw(write_file_atomically(arguments.per_frame_file, format_frame_table(rows)));
   const RunResults results = or_throw(write_results(arguments.out_folder, pipeline, options, sequence->groundtruth()));
   std::cout << results.report_json;
   return 0;
@@ -178,6 +199,10 @@ Command add_reconstruct_command(CLI::App& app) {
   CLI::Option* raw =
       result.add_option("--dump-raw", arguments->raw_file, "File for the decoded frames, which hermite_bench reads; reconstructs nothing");
   reconstruct.add_option("--frames", arguments->frames, "A:B takes frames A to B-1");
+  reconstruct
+      .add_option("--per-frame", arguments->per_frame_file,
+                  "Write what became of each frame here, CSV: status, event, correction of the map, inliers, surfels, milliseconds, reason")
+      ->excludes(raw);
   reconstruct.add_option("--set", arguments->settings, "Setting, key=value; may be repeated")->allow_extra_args(false)->excludes(raw);
   reconstruct.add_option("--gpu-memory", arguments->gpu_memory_mb, "Device memory of the scan [MB]; same as --set map.gpu_memory_mb=…")
       ->check(CLI::Range(0, 1'000'000))

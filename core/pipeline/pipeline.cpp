@@ -230,6 +230,18 @@ FrameResult Pipeline::Impl::process(const RgbdFrame& given) {
   return result;
 }
 
+const char* name_of(MapEvent event) {
+  switch (event) {
+    case MapEvent::kNone: return "";
+    case MapEvent::kLost: return "lost";
+    case MapEvent::kFoundAgain: return "found again";
+    case MapEvent::kNewPart: return "new part";
+    case MapEvent::kJoined: return "joined";
+    case MapEvent::kLoopClosed: return "loop closed";
+  }
+  return "";
+}
+
 Pipeline::Pipeline(const std::string& device, const Camera& camera, const Options& options, std::unique_ptr<Mapping> mapping,
                    Timeline* timeline)
     : impl_(std::make_unique<Impl>(device, camera, options, std::move(mapping), timeline)) {}

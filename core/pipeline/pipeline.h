@@ -30,6 +30,7 @@ enum class MapEvent {
   kJoined,      // two parts are one from now on
   kLoopClosed,
 };
+const char* name_of(MapEvent event);  // "", "lost", "found again", "new part", "joined", "loop closed"
 
 struct FrameResult {
   std::int64_t frame_index = 0;  // 0 for the first frame given to the pipeline
