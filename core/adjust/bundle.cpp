@@ -29,7 +29,7 @@ Appraisal appraise(const BundleProblem& problem, const BundleState& state) {
     const ObservationResidual residual = observation_residual(observation, views[observation.keyframe], world_from_submap,
                                                               state.landmarks_in_world[observation.landmark], nullptr);
     const double chi2 = residual.whitened.squaredNorm(), bound = chi2_bound(observation);
-    appraisal.cost += cauchy_cost(chi2, bound);
+    appraisal.cost += problem.keyframes[observation.keyframe].weight * cauchy_cost(chi2, bound);
     appraisal.is_in_front.push_back(residual.landmark_depth_m > kNearest_m);
     appraisal.is_inlier.push_back(residual.landmark_depth_m > kNearest_m && chi2 <= bound);
   }

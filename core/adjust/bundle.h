@@ -21,6 +21,9 @@ namespace hermite {
 struct BundleKeyframe {
   std::uint32_t submap = 0;
   Rigid3 submap_from_camera;  // fixed
+  // Of each of its observations' residuals, in (0, 1]: below 1 where they are off together, since the keyframe is not quite where
+  // `submap_from_camera` says, and so tell less than as many independent ones. Which are inliers does not depend on it.
+  double weight = 1;
 };
 
 struct BundleObservation {

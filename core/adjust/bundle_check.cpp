@@ -58,6 +58,8 @@ Status validate_lists(const BundleProblem& problem) {
                  ".submap is " + std::to_string(problem.keyframes[i].submap) + ", there are " +
                      std::to_string(problem.world_from_submap.size()) + " submaps");
     if (const auto words = objection(problem.keyframes[i].submap_from_camera)) return bad("keyframes", i, ".submap_from_camera" + *words);
+    const double weight = problem.keyframes[i].weight;
+    if (!(weight > 0 && weight <= 1)) return bad("keyframes", i, ".weight is " + std::to_string(weight) + ", allowed is more than 0 to 1");
   }
   for (std::size_t i = 0; i < problem.landmarks_in_world.size(); ++i)
     if (!(problem.landmarks_in_world[i].cwiseAbs().maxCoeff() <= kFarthest_m) || !problem.landmarks_in_world[i].allFinite())

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/adjust/bundle_noise.h"
 #include "core/adjust/bundle_residuals.h"
 
 namespace hermite {
@@ -81,6 +82,12 @@ double misfit(const BundleProblem& problem) {
   return std::max(1.0, *middle / kMedianOfNormal);
 }
 
+void weigh_keyframes(BundleProblem& problem) {
+  std::vector<std::size_t> counts(problem.keyframes.size(), 0);
+  for (const BundleObservation& observation : problem.observations) ++counts[observation.keyframe];
+  for (std::size_t i = 0; i < counts.size(); ++i) problem.keyframes[i].weight = weight_of_observation(counts[i], problem.camera.fx);
+}
+
 // Still one of several of its landmark: the map may have changed since the problem was made.
 bool can_be_taken_back(const SparseMap& map, const BundleScope::Sighting& sighting) {
   const std::vector<Observation>& observations = map.landmarks[sighting.landmark].observations;
@@ -121,6 +128,7 @@ BundleOfMap bundle_of(const SparseMap& map, const SubmapGraph& graph, const std:
   add_observations(map, bundle);
   const double factor = misfit(bundle.problem);
   for (BundleObservation& observation : bundle.problem.observations) observation.scale *= factor;
+  weigh_keyframes(bundle.problem);
   return bundle;
 }
 

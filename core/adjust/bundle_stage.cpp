@@ -97,6 +97,15 @@ class LinkCost final : public ceres::SizedCostFunction<6, 7, 7> {
   Matrix6d root_;
 };
 
+// Of the observations of one keyframe.
+struct KeyframeLosses {
+  KeyframeLosses(double weight, bool robust)
+      : with_depth(robust ? new ceres::CauchyLoss(std::sqrt(kPixelAndDepthChi2)) : nullptr, weight, ceres::TAKE_OWNERSHIP),
+        without_depth(robust ? new ceres::CauchyLoss(std::sqrt(kPixelChi2)) : nullptr, weight, ceres::TAKE_OWNERSHIP) {}
+
+  ceres::ScaledLoss with_depth, without_depth;
+};
+
 class StopWhenAsked final : public ceres::IterationCallback {
  public:
   explicit StopWhenAsked(std::stop_token stop) : stop_(std::move(stop)) {}
@@ -157,12 +166,13 @@ class StageProblem {
  private:
   void add_observations(const BundleProblem& problem, const BundleStage& stage) {
     views_ = views_of(problem);
+    for (const BundleKeyframe& keyframe : problem.keyframes) losses_.emplace_back(keyframe.weight, stage.robust);
     for (std::size_t i = 0; i < problem.observations.size(); ++i) {
       if (!stage.observation_is_used[i]) continue;
       const BundleObservation& observation = problem.observations[i];
       observation_costs_.emplace_back(observation, views_[observation.keyframe]);
-      ceres::LossFunction* cauchy = observation.depth_m > 0 ? &cauchy_with_depth_ : &cauchy_without_depth_;
-      ceres_->AddResidualBlock(&observation_costs_.back(), stage.robust ? cauchy : nullptr,
+      KeyframeLosses& losses = losses_[observation.keyframe];
+      ceres_->AddResidualBlock(&observation_costs_.back(), observation.depth_m > 0 ? &losses.with_depth : &losses.without_depth,
                                poses_[problem.keyframes[observation.keyframe].submap].data(), landmarks_[observation.landmark].data());
     }
   }
@@ -180,9 +190,9 @@ class StageProblem {
   std::vector<KeyframeView> views_;
   // Deques: they grow without moving what they hold.
   std::deque<ObservationCost> observation_costs_;
+  std::deque<KeyframeLosses> losses_;
   std::deque<LinkCost> link_costs_;
   TwistManifold manifold_;
-  ceres::CauchyLoss cauchy_with_depth_{std::sqrt(kPixelAndDepthChi2)}, cauchy_without_depth_{std::sqrt(kPixelChi2)};
   ceres::CauchyLoss cauchy_of_link_{std::sqrt(kPoseChi2)};
   std::unique_ptr<ceres::Problem> ceres_;  // last: goes before what it points to
 };

@@ -5,15 +5,17 @@
 #include <queue>
 #include <utility>
 
+#include "core/adjust/bundle_noise.h"
+
 namespace hermite {
 
 namespace {
 
 constexpr double kMetresPerRadian = 0.5;
 
-// From one submap to the next the dense tracking is off by a millimetre and a twentieth of a degree at least, and by half a per cent of the
-// way; a loop by what two views of one place with the noise of a Kinect differ by (tests/accuracy/README.md).
-constexpr double kFloor_m = 0.001, kFloor_rad = 0.0009, kGrowth = 0.005;
+// From one submap to the next the dense tracking is off by half a per cent of the way besides; a loop by what two views of one place with
+// the noise of a Kinect differ by (tests/accuracy/README.md).
+constexpr double kGrowth = 0.005;
 constexpr double kLoop_m = 0.003, kLoop_rad = 0.002;
 
 // Several times what good tracking drifts by, and what any view may be off by.
@@ -62,8 +64,8 @@ std::vector<double> distances_m(const SubmapGraph& graph, std::uint32_t from) {
 }
 
 Matrix6d information_of(const SubmapLink& link) {
-  const double sigma_m = link.is_loop ? kLoop_m : kFloor_m + kGrowth * link.from_from_to.translation.norm();
-  const double sigma_rad = link.is_loop ? kLoop_rad : kFloor_rad + kGrowth * angle_rad(link.from_from_to.rotation);
+  const double sigma_m = link.is_loop ? kLoop_m : kTracked_m + kGrowth * link.from_from_to.translation.norm();
+  const double sigma_rad = link.is_loop ? kLoop_rad : kTracked_rad + kGrowth * angle_rad(link.from_from_to.rotation);
   Vector6d precision;
   precision.head<3>().setConstant(1 / (sigma_m * sigma_m));
   precision.tail<3>().setConstant(1 / (sigma_rad * sigma_rad));

@@ -16,6 +16,24 @@ TEST(DepthDeviation, IsNeverBelowAMillimetre) {
   for (const double depth_m : {0.0, 0.3, 0.345, 0.5}) EXPECT_EQ(depth_deviation_m(depth_m), 0.001) << depth_m;
 }
 
+TEST(WeightOfObservation, IsOneForASingleOneAndNothingToACameraThatTurnsNoPixel) {
+  EXPECT_EQ(weight_of_observation(0, 525), 1);
+  EXPECT_EQ(weight_of_observation(1, 525), 1);
+  EXPECT_NEAR(weight_of_observation(300, 1e-6), 1, 1e-12);
+}
+
+TEST(WeightOfObservation, SumsToTheInverseOfTheCorrelationAtMost) {
+  const double s_px = 525 * kTracked_rad, correlation = s_px * s_px / (1 + s_px * s_px);  // 0.18
+  EXPECT_NEAR(weight_of_observation(2, 525), 1 / (1 + correlation), 1e-12);
+  double before = 0;
+  for (const std::size_t count : {1u, 10u, 100u, 1000u, 100'000u}) {
+    const double total = static_cast<double>(count) * weight_of_observation(count, 525);
+    EXPECT_GT(total, before);
+    before = total;
+  }
+  EXPECT_NEAR(before, 1 / correlation, 1e-3);
+}
+
 TEST(Chi2Bounds, AreTheNinetyFivePerCentQuantiles) {
   // The distribution function of an even number of degrees of freedom has a closed form.
   const double p2 = 1 - std::exp(-kPixelChi2 / 2), h = kPoseChi2 / 2, p6 = 1 - std::exp(-h) * (1 + h + h * h / 2);

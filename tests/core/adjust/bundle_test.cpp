@@ -50,6 +50,27 @@ TEST(Bundle, ExactDataGiveTheTruthBack) {
   EXPECT_LT(solution.final_cost, 1e-6);
 }
 
+// Keyframes that stand a fifth of a degree askew in their submap turn it; a link that knows better turns it back, the more the less they
+// weigh.
+TEST(Bundle, KeyframesPullAsMuchAsTheyWeigh) {
+  const test::World world = test::make_world({});
+  const auto turned_rad = [&world](double weight) {
+    BundleProblem problem = world.truth;
+    for (BundleKeyframe& keyframe : problem.keyframes) {
+      if (keyframe.submap != 5) continue;
+      keyframe.weight = weight;
+      keyframe.submap_from_camera = exp_se3((Vector6d() << 0, 0, 0, 0, 0.0035, 0).finished()) * keyframe.submap_from_camera;
+    }
+    const std::vector<Rigid3>& poses = problem.world_from_submap;
+    problem.links.push_back({4, 5, inverse(poses[4]) * poses[5], test::information_of(0.001, 0.001), false});
+    return angle_rad(inverse(solved(problem, kToTheEnd).world_from_submap[5] * inverse(poses[5])).rotation);
+  };
+  const double heavy = turned_rad(1), light = turned_rad(0.01), lightest = turned_rad(1e-4);
+  EXPECT_GT(heavy, 0.002);
+  EXPECT_LT(light, 0.7 * heavy);
+  EXPECT_LT(lightest, 0.1 * heavy);
+}
+
 // Wrong near depths have deviations of a millimetre and must not outweigh the right ones.
 TEST(Bundle, HalfOfTheObservationsMayBeWrong) {
   WorldOptions options;
