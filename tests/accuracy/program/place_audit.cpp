@@ -1,0 +1,82 @@
+#include "tests/accuracy/program/place_audit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace hermite {
+
+namespace {
+
+constexpr double kRadians = M_PI / 180;
+
+// Such a view has most of its picture in common with another.
+constexpr double kNear_m = 1.0, kNear_deg = 40.0;
+
+// Of a lost camera: a hand's breadth apart at these walks.
+constexpr std::int64_t kFramesPerQuestion = 3;
+
+bool is_within(const Rigid3& a_from_b, double distance_m, double turn_deg) {
+  return a_from_b.translation.norm() < distance_m && angle_rad(a_from_b.rotation) < turn_deg * kRadians;
+}
+
+}  // namespace
+
+PlaceAudit::PlaceAudit(std::unique_ptr<Mapping> mapping, const Trajectory& truth, PlaceQuestion question, std::int64_t lap_frames)
+    : mapping_(std::move(mapping)), truth_(truth), question_(question), lap_frames_(lap_frames) {}
+
+const PlaceCounts& PlaceAudit::result() {
+  if (std::exchange(answered_right_, false) && asked_at_known_) ++counts_.right;
+  asked_at_known_ = false;
+  return counts_;
+}
+
+// Does a keyframe of an inactive submap show this view?
+bool PlaceAudit::knows(const Rigid3& true_pose) const {
+  return std::any_of(views_.begin(), views_.end(), [&](const View& view) {
+    return !layout().is_active[view.submap] && is_within(inverse(view.true_pose) * true_pose, kNear_m, kNear_deg);
+  });
+}
+
+std::vector<Revisit> PlaceAudit::ask_about_loop(const RgbdFrame& frame, const Rigid3& world_from_camera) {
+  const auto keyframe_count = [this] { return mapping_->counts()["keyframes"]; };
+  const std::int64_t before = keyframe_count();
+  std::vector<Revisit> revisits = mapping_->observe(frame, world_from_camera);
+  if (keyframe_count() == before) return revisits;
+  asked_at_known_ = question_ == PlaceQuestion::kLoop && knows(true_pose_);
+  views_.push_back({true_pose_, layout().current});
+  return revisits;
+}
+
+std::vector<Revisit> PlaceAudit::ask_lost(const RgbdFrame& frame) {
+  if (frame_ % kFramesPerQuestion != 0) return {};
+  asked_at_known_ = std::any_of(views_.begin(), views_.end(),
+                                [&](const View& view) { return is_within(inverse(view.true_pose) * true_pose_, kNear_m, kNear_deg); });
+  std::vector<Revisit> revisits = mapping_->find(frame);
+  for (Revisit& revisit : revisits) revisit.submaps[layout().current] = false;  // into which this lap is fused
+  return revisits;
+}
+
+std::vector<Revisit> PlaceAudit::observe(const RgbdFrame& frame, const Rigid3& world_from_camera) {
+  result();
+  ++frame_;
+  const std::optional<Rigid3> pose = pose_at(truth_, frame.timestamp_s, 1e-3);
+  if (!pose) return {};
+  true_pose_ = inverse(truth_.front().world_from_camera) * *pose;
+  const bool is_frozen = question_ == PlaceQuestion::kLost && frame_ >= lap_frames_;
+  std::vector<Revisit> revisits = is_frozen ? ask_lost(frame) : ask_about_loop(frame, world_from_camera);
+  if (question_ == PlaceQuestion::kLost && !is_frozen) return {};
+  counts_.known += asked_at_known_ ? 1 : 0;
+  counts_.unguessed += asked_at_known_ && revisits.empty() ? 1 : 0;
+  return revisits;
+}
+
+bool PlaceAudit::confirm(const Revisit&, const Rigid3& seen_from) {
+  if (is_within(inverse(true_pose_) * seen_from, kRight_m, kRight_deg))
+    answered_right_ = true;
+  else
+    ++counts_.wrong;
+  return false;
+}
+
+}  // namespace hermite

@@ -1,0 +1,71 @@
+// A back end that is asked where the camera is and never believed: the front end looks at every guess as in a scan, the audit compares
+// what fits with the true pose, and then refuses. So the camera is at known ground for as long as the walk goes on, and each keyframe of a
+// second lap is one revisit.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/adjust/mapping.h"
+#include "core/dataset/trajectory.h"
+
+namespace hermite {
+
+enum class PlaceQuestion {
+  kLoop,  // a tracked camera at each keyframe: has it come back to inactive submaps?
+  kLost,  // a camera that knows nothing, every few frames, in the map of the first lap
+};
+
+// Guesses of one frame that fitted densely.
+struct PlaceCounts {
+  std::int64_t known = 0;      // questions asked where the map knows the ground and does not track against it
+  std::int64_t right = 0;      // of these, answered within the bounds below
+  std::int64_t wrong = 0;      // answers beyond them, wherever they were asked
+  std::int64_t unguessed = 0;  // known ground, and nothing to look at
+};
+
+// A submap drifts by 14 mm in a lap of these worlds; half a step to the side is a wrong place.
+inline constexpr double kRight_m = 0.05, kRight_deg = 2.0;
+
+class PlaceAudit final : public Mapping {
+ public:
+  // `truth`: world_from_camera of every frame. With kLost the map is that of the first `lap_frames` frames.
+  PlaceAudit(std::unique_ptr<Mapping> mapping, const Trajectory& truth, PlaceQuestion question, std::int64_t lap_frames);
+
+  // Closes the question asked last.
+  const PlaceCounts& result();
+
+  const MapLayout& layout() const override { return mapping_->layout(); }
+  std::vector<Revisit> observe(const RgbdFrame& frame, const Rigid3& world_from_camera) override;
+  bool confirm(const Revisit& revisit, const Rigid3& world_from_camera) override;
+  std::vector<Revisit> find(const RgbdFrame&) override { return {}; }
+  void found(const Revisit&, const Rigid3&) override {}
+  void begin_part(const Rigid3& world_from_camera) override { mapping_->begin_part(world_from_camera); }
+  void finish() override { result(); }
+  std::map<std::string, std::int64_t> counts() const override { return mapping_->counts(); }
+
+ private:
+  struct View {
+    Rigid3 true_pose;
+    std::uint32_t submap = 0;
+  };
+
+  std::vector<Revisit> ask_about_loop(const RgbdFrame& frame, const Rigid3& world_from_camera);
+  std::vector<Revisit> ask_lost(const RgbdFrame& frame);
+  bool knows(const Rigid3& true_pose) const;
+
+  const std::unique_ptr<Mapping> mapping_;
+  const Trajectory truth_;
+  const PlaceQuestion question_;
+  const std::int64_t lap_frames_;
+  std::int64_t frame_ = -1;
+  Rigid3 true_pose_;
+  std::vector<View> views_;  // of keyframes
+  bool asked_at_known_ = false, answered_right_ = false;
+  PlaceCounts counts_;
+};
+
+}  // namespace hermite
