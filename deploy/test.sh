@@ -37,6 +37,14 @@ step_sanitized() {
 
 step_sanitized_tests() { ctest --preset dev -j "$jobs" --no-tests=error; }
 
+# What hands work to a helper thread, under the thread sanitizer.
+step_threads() {
+  cmake --preset threads
+  cmake --build --preset threads --target test_adjust
+  build/threads/tests/test_adjust --gtest_brief=1 \
+    --gtest_filter='Adjuster*:SubmapMapping.TheSame*:SubmapMapping.ALost*:SubmapMapping.ANewPart*'
+}
+
 step_fuzz() { tests/fuzz/run; }
 
 step_browser() { npm --prefix web run --silent test:browser; }
@@ -72,5 +80,5 @@ install_packages
 provide_node
 install_viewer
 steps=("$@")
-[ $# -gt 0 ] || steps=(web release release_tests gpu_only browser demo fuzz sanitized sanitized_tests)
+[ $# -gt 0 ] || steps=(web release release_tests gpu_only browser demo fuzz threads sanitized sanitized_tests)
 run_steps "${steps[@]}"
