@@ -12,7 +12,7 @@
 #include "core/dataset/depth_noise.h"
 #include "core/dataset/frame_range.h"
 #include "core/dataset/sequence.h"
-#include "core/frame/raw_frames.h"
+#include "core/raw/raw_frames.h"
 #include "core/pipeline/pipeline.h"
 #include "server/commands.h"
 #include "server/service/frame_reader.h"

@@ -25,12 +25,13 @@ struct KnownCamera {
 
 // The TUM benchmark's own calibration of its three Kinects (the images of the third are undistorted already); its depth files already
 // contain the depth correction factors. ICL-NUIM publishes fy = -480: its reader turns that world so that the camera frame is x right, y
-// down, z forward.
+// down, z forward. Redwood gives the factory's numbers for its PrimeSense.
 constexpr KnownCamera kKnownCameras[] = {
     {"fr1", "freiburg1", {640, 480, 517.3, 516.5, 318.6, 255.3, 5000, {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}}},
     {"fr2", "freiburg2", {640, 480, 520.9, 521.0, 325.1, 249.7, 5000, {0.2312, -0.7849, -0.0033, -0.0001, 0.9172}}},
     {"fr3", "freiburg3", {640, 480, 535.4, 539.2, 320.1, 247.6, 5000, {}}},
     {"icl-nuim", "", {640, 480, 481.2, 480.0, 319.5, 239.5, 5000, {}}},
+    {"redwood", "", {640, 480, 525, 525, 319.5, 239.5, 1000, {}}},
 };
 
 Error key_error(const std::string& key, const std::string& words) { return {ErrorCode::kCorruptData, "\"" + key + "\" " + words}; }
@@ -186,7 +187,7 @@ Result<Camera> read_camera(const std::string& path_or_name) {
   const Result<CameraFile> file = read_camera_json(path_or_name);
   if (file.ok()) return file->camera;
   if (file.error().code == ErrorCode::kNotFound)
-    return Error{ErrorCode::kNotFound, "camera \"" + path_or_name + "\" is neither a file nor one of fr1, fr2, fr3, icl-nuim"};
+    return Error{ErrorCode::kNotFound, "camera \"" + path_or_name + "\" is neither a file nor one of fr1, fr2, fr3, icl-nuim, redwood"};
   return file.error();
 }
 
