@@ -32,6 +32,16 @@ OpenFile& OpenFile::operator=(OpenFile&& other) noexcept {
   return *this;
 }
 
+Status OpenFile::write(std::span<const std::uint8_t> bytes) const {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return failure("cannot be written");
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return Done{};
+}
+
 Result<FreshFolder> FreshFolder::open(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);

@@ -1,6 +1,8 @@
 // A folder that foreign names are written into, and nowhere else.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,8 @@ class OpenFile {
   OpenFile(OpenFile&& other) noexcept;
   OpenFile& operator=(OpenFile&& other) noexcept;
   int descriptor() const { return descriptor_; }
+  // All of the bytes, behind those written before. kIo.
+  Status write(std::span<const std::uint8_t> bytes) const;
 
  private:
   int descriptor_;

@@ -174,10 +174,10 @@ class Unpacking {
     const Result<OpenFile> file = folder_.create(*parts);
     if (!file.ok()) return file.error();
     ++summary_.file_count;
-    return write_contents(file->descriptor());
+    return write_contents(*file);
   }
 
-  Status write_contents(int descriptor) {
+  Status write_contents(const OpenFile& file) {
     for (bool first = true;; first = false) {
       const Result<std::size_t> filled = fill();
       if (!filled.ok()) return filled.error();
@@ -187,7 +187,7 @@ class Unpacking {
         if (const Status status = check_not_nested(block); !status.ok()) return status;
       summary_.output_bytes += block.size();
       if (const Status status = check_output(); !status.ok()) return status;
-      if (const Status status = write_all(descriptor, block); !status.ok()) return status;
+      if (const Status status = file.write(block); !status.ok()) return status;
     }
   }
 
@@ -217,16 +217,6 @@ class Unpacking {
     if (bytes > limits_.ratio_free_bytes && bytes / limits_.ratio > packed_bytes_)
       return Error{ErrorCode::kTooLarge,
                    "unpacked it has more than " + std::to_string(limits_.ratio) + " times its " + std::to_string(packed_bytes_) + " bytes"};
-    return Done{};
-  }
-
-  static Status write_all(int descriptor, Bytes bytes) {
-    while (!bytes.empty()) {
-      const ssize_t written = write(descriptor, bytes.data(), bytes.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written <= 0) return Error{ErrorCode::kIo, std::string("cannot be written: ") + std::strerror(errno)};
-      bytes = bytes.subspan(static_cast<std::size_t>(written));
-    }
     return Done{};
   }
 

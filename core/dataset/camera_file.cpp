@@ -170,6 +170,32 @@ Result<CameraFile> read_camera_json(const std::string& path) {
   return file;
 }
 
+std::string format_camera_json(const CameraFile& file) {
+  const Camera& camera = file.camera;
+  const auto lens = [](const Distortion& d) {
+    return nlohmann::ordered_json{{"k1", d.k1}, {"k2", d.k2}, {"p1", d.p1}, {"p2", d.p2}, {"k3", d.k3}};
+  };
+  nlohmann::ordered_json object{{"width", camera.width},
+                                {"height", camera.height},
+                                {"fx", camera.fx},
+                                {"fy", camera.fy},
+                                {"cx", camera.cx},
+                                {"cy", camera.cy},
+                                {"depth_units_per_metre", camera.depth_units_per_metre},
+                                {"frame_rate_hz", file.frame_rate_hz}};
+  object["color_distortion"] = lens(camera.color ? camera.color->distortion : camera.distortion);
+  object["color_camera"] = nullptr;
+  if (camera.color) {
+    const ColorCamera& color = *camera.color;
+    const Eigen::Matrix4d matrix = color.color_from_depth.matrix();
+    nlohmann::ordered_json rows;
+    for (int row = 0; row < 3; ++row) rows.push_back({matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3)});
+    object["depth_distortion"] = lens(camera.distortion);
+    object["color_camera"] = {{"fx", color.fx}, {"fy", color.fy}, {"cx", color.cx}, {"cy", color.cy}, {"color_from_depth", rows}};
+  }
+  return object.dump(2) + "\n";
+}
+
 std::optional<Camera> known_camera(std::string_view name) {
   for (const KnownCamera& known : kKnownCameras)
     if (known.name == name) return known.camera;

@@ -31,6 +31,9 @@ struct CameraFile {
 Result<CameraFile> parse_camera_json(const std::string& text);
 Result<CameraFile> read_camera_json(const std::string& path);
 
+// The object that parse_camera_json reads as the same camera; says_color_camera does not matter, the key is always there.
+std::string format_camera_json(const CameraFile& file);
+
 // "fr1", "fr2", "fr3", "icl-nuim" or "redwood"; nothing for any other name.
 std::optional<Camera> known_camera(std::string_view name);
 
