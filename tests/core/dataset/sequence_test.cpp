@@ -352,7 +352,7 @@ TEST(SevenScenesSequence, WithoutIntrinsicsTheErrorSaysWhatToGive) {
 
 TEST(Sequence, UnknownSourcesAreErrors) {
   const TempFolder folder;
-  EXPECT_THAT(error_of(folder.path()), HasSubstr("is no sequence we know"));
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("is no recording we know"));
   EXPECT_THAT(error_of(folder.path("nowhere")), HasSubstr("is neither a file, a folder nor synthetic"));
   EXPECT_THAT(error_of(""), HasSubstr("is neither a file, a folder nor synthetic"));
   EXPECT_THAT(error_of("synthetics"), HasSubstr("is neither a file, a folder nor synthetic"));
