@@ -152,6 +152,8 @@ class Unpacking {
       const int status = archive_read_next_header(reader_.get(), &entry);
       if (status == ARCHIVE_EOF) return summary_;
       if (status < ARCHIVE_WARN) return archive_error(reader_);
+      // "None" counts as one.
+      if (archive_filter_count(reader_.get()) > 2) return Error{ErrorCode::kInvalidArgument, "it is compressed more than once"};
       if (entry_count == limits_.entry_count)
         return Error{ErrorCode::kTooLarge, "more than " + std::to_string(limits_.entry_count) + " entries"};
       const char* name = archive_entry_pathname(entry);

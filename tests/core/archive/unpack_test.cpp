@@ -88,7 +88,7 @@ TEST_F(Unpack, ArchivesInsideAreRefused) {
   for (const std::string& bytes :
        {inner, test::gzip_bytes(inner), test::zstd_bytes(inner), test::zip_bytes(kTwoFiles), std::string("BZh91AY")})
     EXPECT_THAT(refusal(test::tar_bytes({{"inner.bin", bytes}})), HasSubstr("inside the archive"));
-  EXPECT_NE(refusal(test::gzip_bytes(test::gzip_bytes(inner))), "unpacked");
+  EXPECT_THAT(refusal(test::gzip_bytes(test::gzip_bytes(inner))), HasSubstr("compressed more than once"));
 }
 
 TEST_F(Unpack, BombsEndAtTheLimitWhateverHeadersSay) {
