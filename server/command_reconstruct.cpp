@@ -12,9 +12,9 @@
 #include "core/dataset/depth_noise.h"
 #include "core/dataset/frame_range.h"
 #include "core/dataset/sequence.h"
-#include "core/frame/raw_frames.h"
 #include "core/output/ply.h"
 #include "core/pipeline/pipeline.h"
+#include "core/raw/raw_frames.h"
 #include "core/report/frame_table.h"
 #include "server/commands.h"
 #include "server/service/frame_reader.h"
@@ -190,7 +190,8 @@ Command add_reconstruct_command(CLI::App& app) {
   CLI::App& reconstruct = *app.add_subcommand("reconstruct", "Reconstruct a recorded sequence here, without a server");
   reconstruct
       .add_option("SEQUENCE", arguments->sequence,
-                  "Folder (TUM, ICL-NUIM, 7-Scenes) or synthetic[:key=value,...], behind it any of +noise=kinect, +covered=FROM:COUNT (a "
+                  "Recording (folder, file or archive; see hermite inspect) or synthetic[:key=value,...], behind it any of +noise=kinect, "
+                  "+covered=FROM:COUNT (a "
                   "hand before the lens), +missing=FROM:COUNT")
       ->required();
   CLI::Option_group& result = *reconstruct.add_option_group("Result", "One of these");
@@ -208,7 +209,7 @@ Command add_reconstruct_command(CLI::App& app) {
       ->check(CLI::Range(0, 1'000'000))
       ->excludes(raw);
   reconstruct.add_option("--device", arguments->device, "GPU: an index or a part of its name (default: the best one)")->excludes(raw);
-  reconstruct.add_option("--camera", arguments->camera, "camera.json, or one of fr1, fr2, fr3");
+  reconstruct.add_option("--camera", arguments->camera, "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood");
   reconstruct.add_option("--noise", arguments->noise, "Add noise to the depth: kinect[,seed=N] or gaussian,sigma_mm=S[,seed=N]");
   reconstruct.footer(settings_table());
   return {&reconstruct, [arguments] { return run_reconstruct(*arguments); }};

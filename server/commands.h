@@ -25,6 +25,8 @@ struct Command {
 Command add_serve_command(CLI::App& app);
 Command add_reconstruct_command(CLI::App& app);
 Command add_evaluate_command(CLI::App& app);
+Command add_inspect_command(CLI::App& app);
+Command add_convert_command(CLI::App& app);
 Command add_doctor_command(CLI::App& app);
 
 // $XDG_DATA_HOME/hermite, else ~/.local/share/hermite.

@@ -53,7 +53,9 @@ int fail(int exit_status, const std::string& words) {
 
 void add_stream_command(CLI::App& app, StreamArguments& arguments) {
   CLI::App& stream = *app.add_subcommand("stream", "Stream a recorded sequence and print the server's report as JSON");
-  stream.add_option("SEQUENCE", arguments.sequence, "Folder (TUM, ICL-NUIM, 7-Scenes) or synthetic[:key=value,...]")->required();
+  stream
+      .add_option("SEQUENCE", arguments.sequence, "Recording (folder, file or archive; see hermite inspect) or synthetic[:key=value,...]")
+      ->required();
   stream.add_option("--server", arguments.server, "http://HOST:PORT, or the address as the server prints it, with #token=...")->required();
   stream.add_option("--token", arguments.token, "The server's token, unless the address has it")->envname("HERMITE_TOKEN");
   stream.add_option("--frames", arguments.frames, "A:B streams frames A to B-1");
@@ -62,7 +64,7 @@ void add_stream_command(CLI::App& app, StreamArguments& arguments) {
   stream.add_option("--title", arguments.title, "Title of the scan (default: the sequence's name)");
   stream.add_flag("--live", arguments.live, "As a live camera: drop frames rather than wait for the server");
   stream.add_option("--set", arguments.settings, "Setting of the reconstruction, key=value; may be repeated")->allow_extra_args(false);
-  stream.add_option("--camera", arguments.camera, "camera.json, or one of fr1, fr2, fr3");
+  stream.add_option("--camera", arguments.camera, "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood");
 }
 
 Result<Pacing> parse_pacing(const StreamArguments& arguments, double recorded_rate_hz) {

@@ -25,12 +25,13 @@ struct KnownCamera {
 
 // The TUM benchmark's own calibration of its three Kinects (the images of the third are undistorted already); its depth files already
 // contain the depth correction factors. ICL-NUIM publishes fy = -480: its reader turns that world so that the camera frame is x right, y
-// down, z forward.
+// down, z forward. Redwood gives the factory's numbers for its PrimeSense.
 constexpr KnownCamera kKnownCameras[] = {
     {"fr1", "freiburg1", {640, 480, 517.3, 516.5, 318.6, 255.3, 5000, {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}}},
     {"fr2", "freiburg2", {640, 480, 520.9, 521.0, 325.1, 249.7, 5000, {0.2312, -0.7849, -0.0033, -0.0001, 0.9172}}},
     {"fr3", "freiburg3", {640, 480, 535.4, 539.2, 320.1, 247.6, 5000, {}}},
     {"icl-nuim", "", {640, 480, 481.2, 480.0, 319.5, 239.5, 5000, {}}},
+    {"redwood", "", {640, 480, 525, 525, 319.5, 239.5, 1000, {}}},
 };
 
 Error key_error(const std::string& key, const std::string& words) { return {ErrorCode::kCorruptData, "\"" + key + "\" " + words}; }
@@ -169,6 +170,32 @@ Result<CameraFile> read_camera_json(const std::string& path) {
   return file;
 }
 
+std::string format_camera_json(const CameraFile& file) {
+  const Camera& camera = file.camera;
+  const auto lens = [](const Distortion& d) {
+    return nlohmann::ordered_json{{"k1", d.k1}, {"k2", d.k2}, {"p1", d.p1}, {"p2", d.p2}, {"k3", d.k3}};
+  };
+  nlohmann::ordered_json object{{"width", camera.width},
+                                {"height", camera.height},
+                                {"fx", camera.fx},
+                                {"fy", camera.fy},
+                                {"cx", camera.cx},
+                                {"cy", camera.cy},
+                                {"depth_units_per_metre", camera.depth_units_per_metre},
+                                {"frame_rate_hz", file.frame_rate_hz}};
+  object["color_distortion"] = lens(camera.color ? camera.color->distortion : camera.distortion);
+  object["color_camera"] = nullptr;
+  if (camera.color) {
+    const ColorCamera& color = *camera.color;
+    const Eigen::Matrix4d matrix = color.color_from_depth.matrix();
+    nlohmann::ordered_json rows;
+    for (int row = 0; row < 3; ++row) rows.push_back({matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3)});
+    object["depth_distortion"] = lens(camera.distortion);
+    object["color_camera"] = {{"fx", color.fx}, {"fy", color.fy}, {"cx", color.cx}, {"cy", color.cy}, {"color_from_depth", rows}};
+  }
+  return object.dump(2) + "\n";
+}
+
 std::optional<Camera> known_camera(std::string_view name) {
   for (const KnownCamera& known : kKnownCameras)
     if (known.name == name) return known.camera;
@@ -186,7 +213,7 @@ Result<Camera> read_camera(const std::string& path_or_name) {
   const Result<CameraFile> file = read_camera_json(path_or_name);
   if (file.ok()) return file->camera;
   if (file.error().code == ErrorCode::kNotFound)
-    return Error{ErrorCode::kNotFound, "camera \"" + path_or_name + "\" is neither a file nor one of fr1, fr2, fr3, icl-nuim"};
+    return Error{ErrorCode::kNotFound, "camera \"" + path_or_name + "\" is neither a file nor one of fr1, fr2, fr3, icl-nuim, redwood"};
   return file.error();
 }
 

@@ -31,7 +31,10 @@ struct CameraFile {
 Result<CameraFile> parse_camera_json(const std::string& text);
 Result<CameraFile> read_camera_json(const std::string& path);
 
-// "fr1", "fr2", "fr3" or "icl-nuim"; nothing for any other name.
+// The object that parse_camera_json reads as the same camera; says_color_camera does not matter, the key is always there.
+std::string format_camera_json(const CameraFile& file);
+
+// "fr1", "fr2", "fr3", "icl-nuim" or "redwood"; nothing for any other name.
 std::optional<Camera> known_camera(std::string_view name);
 
 // The camera of the TUM benchmark whose name (freiburg1, 2 or 3) appears in `text`: a folder's name or a file's comment.

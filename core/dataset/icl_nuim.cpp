@@ -35,11 +35,6 @@ std::string truth_file_of(const std::string& folder) {
   return found == names->end() ? "" : *found;
 }
 
-struct ImageLists {
-  std::vector<TimedFile> colors, depths;
-  bool numbered = true;  // every stamp is the number of its file
-};
-
 Status add_association(const std::string& path, const TextLine& line, ImageLists& lists) {
   const auto fields = split_fields(line.text);
   if (fields.size() != 4) return line_error(path, line, "expected a time and a file, twice");
@@ -58,15 +53,6 @@ Status add_association(const std::string& path, const TextLine& line, ImageLists
   if (depth_count != 1) return line_error(path, line, "expected one file in depth/ and one in another folder");
   if (lists.depths.size() > kMaxFrames) return line_error(path, line, "more than " + std::to_string(kMaxFrames) + " images");
   return Done{};
-}
-
-Result<ImageLists> read_associations(const std::string& path) {
-  const Result<std::string> text = read_text_file(path);
-  if (!text.ok()) return text.error();
-  ImageLists lists;
-  for (const TextLine& line : data_lines(*text))
-    if (const Status status = add_association(path, line, lists); !status.ok()) return status.error();
-  return lists;
 }
 
 // Without associations.txt: equal numbers belong together.
@@ -105,9 +91,20 @@ bool has_numbered_images(const std::string& folder) {
 
 }  // namespace
 
-bool is_icl_nuim(const std::string& folder) {
-  if (!is_folder(folder + "/depth") || !is_folder(folder + "/rgb")) return false;
-  return is_file(folder + "/associations.txt") || has_numbered_images(folder);
+Result<ImageLists> read_associations(const std::string& path) {
+  const Result<std::string> text = read_text_file(path);
+  if (!text.ok()) return text.error();
+  ImageLists lists;
+  for (const TextLine& line : data_lines(*text))
+    if (const Status status = add_association(path, line, lists); !status.ok()) return status.error();
+  return lists;
+}
+
+std::optional<std::string> probe_icl_nuim(const std::string& folder) {
+  if (!is_folder(folder + "/depth") || !is_folder(folder + "/rgb")) return std::nullopt;
+  if (is_file(folder + "/associations.txt")) return "depth/, rgb/ and associations.txt (ICL-NUIM in its TUM layout)";
+  if (has_numbered_images(folder)) return "depth/ and rgb/ with numbered PNG files (ICL-NUIM in its TUM layout)";
+  return std::nullopt;
 }
 
 Result<FolderContents> list_icl_nuim(const std::string& folder) {
@@ -125,6 +122,7 @@ Result<FolderContents> list_icl_nuim(const std::string& folder) {
   contents.frames = std::move(*frames);
   // Images named by a clock come from another sensor than the rendered one.
   if (lists->numbered) contents.camera = known_camera("icl-nuim");
+  contents.camera_source = "ICL-NUIM's published camera, by the layout";
   const std::string truth_file = truth_file_of(folder);
   if (truth_file.empty()) return contents;
   Result<Trajectory> truth = read_truth(folder + "/" + truth_file);

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/dataset/associate.h"
+#include "core/dataset/camera_file.h"
 #include "core/dataset/text_file.h"
 #include "core/image/image_codec.h"
 
@@ -131,6 +132,40 @@ Result<std::unique_ptr<Sequence>> make_folder_sequence(const std::string& folder
     if (bytes.ok() && read_image_size(*bytes).ok()) return image.error();
   }
   return std::unique_ptr<Sequence>(std::make_unique<FolderSequence>(folder, std::move(contents), frame_rate_hz));
+}
+
+Result<Recording> open_folder(const std::string& folder, const std::optional<Camera>& given,
+                              Result<FolderContents> (*list)(const std::string& folder),
+                              std::optional<ColorCamera> (*color_camera)(const Camera& camera)) {
+  Recording recording;
+  double frame_rate_hz = kDefaultFrameRate_hz;
+  std::optional<Camera> camera = given;
+  if (given) recording.camera_source = "given";
+  bool says_color_camera = given.has_value();
+  if (const std::string path = folder + "/camera.json"; is_file(path)) {
+    const Result<CameraFile> file = read_camera_json(path);
+    // A broken file is an error even where the caller brings a camera: its frame rate is wanted too.
+    if (!file.ok()) return file.error();
+    frame_rate_hz = file->frame_rate_hz;
+    if (!camera) recording.camera_source = "camera.json";
+    if (!camera) camera = file->camera;
+    says_color_camera = says_color_camera || file->says_color_camera;
+  }
+  Result<FolderContents> contents = list(folder);
+  if (!contents.ok()) return contents.error();
+  if (camera) contents->camera = camera;
+  if (!camera) recording.camera_source = contents->camera_source;
+  if (!contents->camera)
+    return Error{ErrorCode::kNotFound,
+                 folder + " (" + contents->format +
+                     ") does not say which camera took it: give one (a file like camera.json, or fr1, fr2, fr3), or put a "
+                     "camera.json into the folder"};
+  if (!says_color_camera && color_camera) contents->camera->color = color_camera(*contents->camera);
+  recording.doubts = std::move(contents->doubts);
+  auto sequence = make_folder_sequence(folder, std::move(*contents), frame_rate_hz);
+  if (!sequence.ok()) return sequence.error();
+  recording.sequence = std::move(*sequence);
+  return recording;
 }
 
 }  // namespace hermite

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/dataset/sequence.h"
+#include "core/dataset/recording.h"
 
 namespace hermite {
 
@@ -25,26 +25,31 @@ struct FolderContents {
   std::string format;
   std::vector<FramePaths> frames;  // strictly ascending in time
   Trajectory groundtruth;
-  std::optional<Camera> camera;              // of the folder's own files, or by a known name
+  std::optional<Camera> camera;  // of the folder's own files, or by a known name
+  std::string camera_source;     // which
+  std::vector<std::string> doubts;
   std::vector<std::uint16_t> invalid_depth;  // stored values that mean "no measurement" besides 0
 };
 
-// A row per format, tried in this order. `recognises` looks at names of files only; `list` returns errors naming the file and line.
-// `color_camera`, where a format has one, tells the colour camera that goes with the folder's camera when the folder does not.
-struct FolderFormat {
-  const char* name;
-  bool (*recognises)(const std::string& folder);
-  Result<FolderContents> (*list)(const std::string& folder);
-  std::optional<ColorCamera> (*color_camera)(const Camera& camera) = nullptr;
-};
-
-bool is_seven_scenes(const std::string& folder);
-Result<FolderContents> list_seven_scenes(const std::string& folder);  // seven_scenes.cpp
+// Why the folder is one of the format, by names of files and, where these would do for several, what is in them; nothing when it is not.
+// `list` returns errors naming the file and line.
+std::optional<std::string> probe_seven_scenes(const std::string& folder);  // seven_scenes.cpp
+Result<FolderContents> list_seven_scenes(const std::string& folder);
 std::optional<ColorCamera> seven_scenes_color_camera(const Camera& camera);
-bool is_tum(const std::string& folder);
-Result<FolderContents> list_tum(const std::string& folder);  // tum.cpp
-bool is_icl_nuim(const std::string& folder);
-Result<FolderContents> list_icl_nuim(const std::string& folder);  // icl_nuim.cpp
+std::optional<std::string> probe_tum(const std::string& folder);  // tum.cpp
+Result<FolderContents> list_tum(const std::string& folder);
+std::optional<std::string> probe_redwood(const std::string& folder);  // redwood.cpp
+Result<FolderContents> list_redwood(const std::string& folder);
+std::optional<std::string> probe_icl_nuim(const std::string& folder);  // icl_nuim.cpp
+Result<FolderContents> list_icl_nuim(const std::string& folder);
+std::optional<std::string> probe_image_folder(const std::string& folder);  // image_folder.cpp
+Result<FolderContents> list_image_folder(const std::string& folder);
+
+// The listed folder with its camera: `given`, else the folder's camera.json, else the one listed. `color_camera`, where a format has one,
+// tells the colour camera that goes with the folder's camera when nobody else does.
+Result<Recording> open_folder(const std::string& folder, const std::optional<Camera>& given,
+                              Result<FolderContents> (*list)(const std::string& folder),
+                              std::optional<ColorCamera> (*color_camera)(const Camera& camera) = nullptr);
 
 // A name in a list may only lead into the folder: no absolute path, no "..", no backslash.
 bool stays_inside(std::string_view relative_path);
@@ -52,11 +57,18 @@ bool stays_inside(std::string_view relative_path);
 // Names of the files of a folder itself (not below), sorted. kNotFound or kIo; kTooLarge above 4 * kMaxFrames.
 Result<std::vector<std::string>> file_names(const std::string& folder);
 
-// Pairs colour with depth by time, at most 20 ms apart. A frame's time is its depth image's: geometry moves the camera.
+// Associations as the TUM benchmark's tools write them: "time file time file" a line, of which one file lies in depth*/.
 struct TimedFile {
   double timestamp_s = 0;
   std::string path;  // relative to the folder
 };
+struct ImageLists {
+  std::vector<TimedFile> colors, depths;
+  bool numbered = true;  // every stamp is the number of its file
+};
+Result<ImageLists> read_associations(const std::string& path);  // icl_nuim.cpp
+
+// Pairs colour with depth by time, at most 20 ms apart. A frame's time is its depth image's: geometry moves the camera.
 Result<std::vector<FramePaths>> pair_by_time(std::vector<TimedFile> colors, std::vector<TimedFile> depths);
 
 // The sequence of a listed folder. kCorruptData when the first image that can be read has another size than the camera.

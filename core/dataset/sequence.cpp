@@ -1,9 +1,8 @@
 #include "core/dataset/sequence.h"
 
-#include "core/dataset/camera_file.h"
 #include "core/dataset/depth_noise.h"
 #include "core/dataset/disturbance.h"
-#include "core/dataset/recorded_folder.h"
+#include "core/dataset/recording.h"
 #include "core/dataset/synthetic_camera.h"
 #include "core/dataset/text_file.h"
 #include "core/image/image_codec.h"
@@ -11,44 +10,9 @@
 namespace hermite {
 namespace {
 
-constexpr FolderFormat kFolderFormats[] = {
-    {"7-Scenes", is_seven_scenes, list_seven_scenes, seven_scenes_color_camera},
-    {"TUM", is_tum, list_tum},
-    {"ICL-NUIM", is_icl_nuim, list_icl_nuim},
-};
-
 constexpr std::string_view kSynthetic = "synthetic";
 
-Result<std::unique_ptr<Sequence>> open_folder(const std::string& folder, const std::optional<Camera>& given_camera) {
-  const FolderFormat* format = nullptr;
-  for (const FolderFormat& candidate : kFolderFormats)
-    if (!format && candidate.recognises(folder)) format = &candidate;
-  if (!format)
-    return Error{ErrorCode::kUnsupported, folder +
-                                              " is no sequence we know: neither frame-NNNNNN.depth.png files (7-Scenes), nor rgb.txt and "
-                                              "depth.txt (TUM), nor depth/ and rgb/ with numbered PNG files (ICL-NUIM)"};
-  double frame_rate_hz = kDefaultFrameRate_hz;
-  std::optional<Camera> camera = given_camera;
-  bool says_color_camera = given_camera.has_value();
-  if (const std::string path = folder + "/camera.json"; is_file(path)) {
-    const Result<CameraFile> file = read_camera_json(path);
-    // A broken file is an error even where the caller brings a camera: its frame rate is wanted too.
-    if (!file.ok()) return file.error();
-    frame_rate_hz = file->frame_rate_hz;
-    if (!camera) camera = file->camera;
-    says_color_camera = says_color_camera || file->says_color_camera;
-  }
-  Result<FolderContents> contents = format->list(folder);
-  if (!contents.ok()) return contents.error();
-  if (camera) contents->camera = camera;
-  if (!contents->camera)
-    return Error{ErrorCode::kNotFound,
-                 folder + " (" + format->name +
-                     ") does not say which camera took it: give one (a file like camera.json, or fr1, fr2, fr3), or put a "
-                     "camera.json into the folder"};
-  if (!says_color_camera && format->color_camera) contents->camera->color = format->color_camera(*contents->camera);
-  return make_folder_sequence(folder, std::move(*contents), frame_rate_hz);
-}
+bool is_recorded(const std::string& path) { return is_folder(path) || is_file(path); }
 
 Result<std::unique_ptr<Sequence>> open_synthetic(const std::string& source, const std::optional<Camera>& camera) {
   const bool has_options = source.size() > kSynthetic.size();
@@ -101,16 +65,20 @@ Suffix last_suffix(const std::string& source) {
 }
 
 Opened open_base(const std::string& source, const std::optional<Camera>& camera) {
-  if (is_folder(source)) return open_folder(source, camera);
+  if (is_recorded(source)) {
+    Result<Recording> recording = open_recording(source, camera);
+    if (!recording.ok()) return recording.error();
+    return std::move(recording->sequence);
+  }
   if (source == kSynthetic || source.rfind(std::string(kSynthetic) + ":", 0) == 0) return open_synthetic(source, camera);
-  return Error{ErrorCode::kNotFound, "\"" + source + "\" is neither a folder nor synthetic[:key=value,...]"};
+  return Error{ErrorCode::kNotFound, "\"" + source + "\" is neither a file, a folder nor synthetic[:key=value,...]"};
 }
 
 }  // namespace
 
 std::string source_without_suffixes(const std::string& source) {
   std::string base = source;
-  while (!is_folder(base)) {
+  while (!is_recorded(base)) {
     const Suffix suffix = last_suffix(base);
     if (!suffix.kind) break;
     base.resize(suffix.begin);
@@ -123,7 +91,7 @@ Result<std::unique_ptr<Sequence>> open_sequence(const std::string& source, const
     if (const Status status = validate(*camera); !status.ok()) return status.error();
   std::string base = source;
   std::vector<Suffix> suffixes;  // from right to left
-  while (!is_folder(base)) {
+  while (!is_recorded(base)) {
     Suffix suffix = last_suffix(base);
     if (!suffix.kind) break;
     base.resize(suffix.begin);

@@ -26,7 +26,7 @@ struct RecordedFrame {
 class Sequence {
  public:
   virtual ~Sequence() = default;
-  virtual std::string format() const = 0;  // "tum", "icl-nuim", "7-scenes", "synthetic"
+  virtual std::string format() const = 0;  // "tum", "icl-nuim", "7-scenes", "redwood", "images", "klg", "sens", "raw", "synthetic"
   virtual std::string name() const = 0;    // for titles: the folder's name
   virtual const Camera& camera() const = 0;
   virtual double frame_rate_hz() const = 0;  // nominal
@@ -39,7 +39,8 @@ class Sequence {
   virtual const Trajectory& groundtruth() const = 0;
 };
 
-// `source` is a folder (format detected by content: 7-Scenes, ICL-NUIM or TUM) or "synthetic[:key=value,...]" (synthetic_camera.h).
+// `source` is a folder, file or archive (recording.h: the format is detected by content) or "synthetic[:key=value,...]"
+// (synthetic_camera.h).
 // The camera: `camera` when given, else the folder's camera.json, else its own files (7-Scenes camera-intrinsics.txt), else a known name
 // (freiburg1, 2, 3; ICL-NUIM). None of these is an error that says so. The depth camera that 7-Scenes names gets the colour camera of its
 // Kinect, unless `camera` is given or camera.json has a color_camera.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/dataset/pose_matrix.h"
 #include "core/dataset/recorded_folder.h"
 #include "core/dataset/text_file.h"
 #include "core/image/image_codec.h"
@@ -16,7 +17,6 @@ constexpr double kFrameRate_hz = 30.0;
 constexpr double kDepthUnitsPerMetre = 1000;
 constexpr std::uint16_t kNoMeasurement = 65535;
 constexpr std::size_t kMaxMatrixFile_bytes = 64 << 10;
-constexpr double kRotationTolerance = 0.01;
 constexpr std::string_view kPrefix = "frame-";
 
 struct NumberedFile {
@@ -77,11 +77,9 @@ Result<std::optional<Rigid3>> read_pose(const std::string& path) {
   const auto matrix = read_matrix(path, 4);
   if (!matrix.ok()) return matrix.error();
   if (!matrix->allFinite()) return std::optional<Rigid3>();
-  const Eigen::Matrix3d upper = matrix->topLeftCorner<3, 3>();
-  const double error = (upper * upper.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (error > kRotationTolerance || upper.determinant() < 0 || matrix->row(3) != Eigen::RowVector4d(0, 0, 0, 1))
-    return Error{ErrorCode::kCorruptData, path + ": this matrix is not a rigid transform"};
-  return std::optional<Rigid3>(rigid3_from_matrix(*matrix));
+  const std::optional<Rigid3> pose = rigid_pose(*matrix);
+  if (!pose) return Error{ErrorCode::kCorruptData, path + ": this matrix is not a rigid transform"};
+  return pose;
 }
 
 // The file has no image size: it is that of the first depth image that can be read.
@@ -125,12 +123,13 @@ std::optional<ColorCamera> seven_scenes_color_camera(const Camera& camera) {
   return ColorCamera{525, 525, 325.5, 242, {}, rigid3_from_matrix(color_from_depth)};
 }
 
-bool is_seven_scenes(const std::string& folder) {
+std::optional<std::string> probe_seven_scenes(const std::string& folder) {
   const auto names = file_names(folder);
-  return names.ok() && std::any_of(names->begin(), names->end(), [](const std::string& name) {
-           const auto file = parse_name(name);
-           return file && file->kind == "depth.png";
-         });
+  if (!names.ok()) return std::nullopt;
+  for (const std::string& name : *names)
+    if (const auto file = parse_name(name); file && file->kind == "depth.png")
+      return "frame-NNNNNN.depth.png files beside each other (7-Scenes)";
+  return std::nullopt;
 }
 
 Result<FolderContents> list_seven_scenes(const std::string& folder) {
@@ -157,6 +156,7 @@ Result<FolderContents> list_seven_scenes(const std::string& folder) {
     const Result<Camera> camera = read_intrinsics(folder, frames);
     if (!camera.ok()) return camera.error();
     contents.camera = *camera;
+    contents.camera_source = "camera-intrinsics.txt";
   }
   return contents;
 }

@@ -34,7 +34,10 @@ std::string_view head_of(const std::string& text) { return std::string_view(text
 
 }  // namespace
 
-bool is_tum(const std::string& folder) { return is_file(folder + "/rgb.txt") && is_file(folder + "/depth.txt"); }
+std::optional<std::string> probe_tum(const std::string& folder) {
+  if (!is_file(folder + "/rgb.txt") || !is_file(folder + "/depth.txt")) return std::nullopt;
+  return "rgb.txt and depth.txt, lists of times and images (TUM RGB-D)";
+}
 
 Result<FolderContents> list_tum(const std::string& folder) {
   Result<FileList> colors = read_list(folder + "/rgb.txt");
@@ -47,6 +50,7 @@ Result<FolderContents> list_tum(const std::string& folder) {
   FolderContents contents;
   contents.format = "tum";
   contents.frames = std::move(*frames);
+  contents.camera_source = "the benchmark's calibration of the Kinect that the folder or its lists name";
   contents.camera = camera_mentioned_in(std::filesystem::absolute(folder).lexically_normal().string());
   if (!contents.camera) contents.camera = camera_mentioned_in(head_of(colors->text));
   if (!contents.camera) contents.camera = camera_mentioned_in(head_of(depths->text));

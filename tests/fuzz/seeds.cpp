@@ -7,10 +7,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/dataset/sequence.h"
 #include "core/image/depth_codec.h"
 #include "core/image/image_codec.h"
 #include "proto/wire/client_message.h"
 #include "proto/wire/server_message.h"
+#include "tests/core/dataset/recording_bytes.h"
+#include "tests/support/archive_bytes.h"
 
 namespace {
 
@@ -129,6 +132,24 @@ void add_message_seeds(SeedFolder seeds) {
   add_server_seeds(seeds);
 }
 
+void add_recording_seeds(SeedFolder klg, SeedFolder sens) {
+  const auto sequence = *open_sequence("synthetic:frames=2,width=64,height=64");
+  for (const test::FileOptions options : {test::FileOptions{}, test::FileOptions{true, true}, test::FileOptions{false, true}}) {
+    klg.add(text(test::klg_bytes(*sequence, options)));
+    sens.add(text(test::sens_bytes(*sequence, options)));
+  }
+  sens.add(text(test::sens_bytes(*sequence, {.color_factor = 2})));
+}
+
+void add_archive_seeds(SeedFolder seeds) {
+  const std::vector<test::ArchiveEntry> plain{{"a/rgb/1.png", "colour"}, {"a/", "", '5'}, {"a/depth.txt", std::string(700, 'd')}};
+  const std::vector<test::ArchiveEntry> odd{{"l", "", '2', "/etc"}, {"../x", "x"}, {"f", "", '6'}, {"big", "x", '0', "", 1 << 30}};
+  for (const auto& entries : {plain, odd}) {
+    const std::string tar = test::tar_bytes(entries);
+    for (const std::string& bytes : {tar, test::gzip_bytes(tar), test::zstd_bytes(tar), test::zip_bytes(entries)}) seeds.add(bytes);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -139,5 +160,7 @@ int main(int argc, char** argv) {
   add_depth_seeds(SeedFolder(fs::path(argv[1]) / "depth"));
   add_image_seeds(SeedFolder(fs::path(argv[1]) / "image"));
   add_message_seeds(SeedFolder(fs::path(argv[1]) / "message"));
+  add_recording_seeds(SeedFolder(fs::path(argv[1]) / "klg"), SeedFolder(fs::path(argv[1]) / "sens"));
+  add_archive_seeds(SeedFolder(fs::path(argv[1]) / "archive"));
   return 0;
 }

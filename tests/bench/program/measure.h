@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/timeline.h"
-#include "core/frame/raw_frames.h"
+#include "core/raw/raw_frames.h"
 #include "core/pipeline/pipeline.h"
 #include "tests/bench/program/arguments.h"
 

@@ -352,11 +352,11 @@ TEST(SevenScenesSequence, WithoutIntrinsicsTheErrorSaysWhatToGive) {
 
 TEST(Sequence, UnknownSourcesAreErrors) {
   const TempFolder folder;
-  EXPECT_THAT(error_of(folder.path()), HasSubstr("is no sequence we know"));
-  EXPECT_THAT(error_of(folder.path("nowhere")), HasSubstr("is neither a folder nor synthetic"));
-  EXPECT_THAT(error_of(""), HasSubstr("is neither a folder nor synthetic"));
-  EXPECT_THAT(error_of("synthetics"), HasSubstr("is neither a folder nor synthetic"));
-  EXPECT_THAT(error_of(std::string(100'000, 'x')), HasSubstr("is neither a folder"));
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("is no recording we know"));
+  EXPECT_THAT(error_of(folder.path("nowhere")), HasSubstr("is neither a file, a folder nor synthetic"));
+  EXPECT_THAT(error_of(""), HasSubstr("is neither a file, a folder nor synthetic"));
+  EXPECT_THAT(error_of("synthetics"), HasSubstr("is neither a file, a folder nor synthetic"));
+  EXPECT_THAT(error_of(std::string(100'000, 'x')), HasSubstr("is neither a file"));
 }
 
 TEST(Sequence, NoiseIsAskedForBehindTheSource) {
@@ -369,7 +369,7 @@ TEST(Sequence, NoiseIsAskedForBehindTheSource) {
   EXPECT_NE((*noisy)->read(1)->depth, (*clean)->read(1)->depth);
   EXPECT_EQ((*noisy)->read(1)->color_bytes, (*clean)->read(1)->color_bytes);
   EXPECT_THAT(error_of(folder.path() + "+noise=pink"), HasSubstr("noise is \"pink\""));
-  EXPECT_THAT(error_of(folder.path("nowhere") + "+noise=kinect"), HasSubstr("is neither a folder"));
+  EXPECT_THAT(error_of(folder.path("nowhere") + "+noise=kinect"), HasSubstr("is neither a file"));
 }
 
 TEST(Sequence, SuffixesAreTakenOffASource) {

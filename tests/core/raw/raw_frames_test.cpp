@@ -1,4 +1,4 @@
-#include "core/frame/raw_frames.h"
+#include "core/raw/raw_frames.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -59,6 +59,8 @@ class RawFrameReader {
 
   // CHECK: 0 <= index < frame_count(). kIo, or kCorruptData for a time stamp that is no number.
   Result<RgbdFrame> read(std::int64_t index);
+  // The time stamp alone, with the same errors.
+  Result<double> timestamp_s(std::int64_t index);
 
  private:
   RawFrameReader() = default;

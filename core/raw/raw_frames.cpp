@@ -1,4 +1,4 @@
-#include "core/frame/raw_frames.h"
+#include "core/raw/raw_frames.h"
 
 #include <algorithm>
 #include <array>
@@ -207,14 +207,22 @@ Result<RawFrameReader> RawFrameReader::open(const std::string& path) {
   return reader;
 }
 
-Result<RgbdFrame> RawFrameReader::read(std::int64_t index) {
+Result<double> RawFrameReader::timestamp_s(std::int64_t index) {
   CHECK(index >= 0 && index < frame_count_, "a frame that the file does not have");
-  RgbdFrame frame{0, DepthImage(camera_.width, camera_.height), ColorImage(camera_.width, camera_.height)};
+  double time_s = 0;
   file_.seekg(header_bytes_ + index * frame_bytes(camera_));
-  const bool read = read_into(file_, &frame.timestamp_s) && read_into(file_, frame.depth.pixels.data(), frame.depth.pixels.size()) &&
+  if (!read_into(file_, &time_s)) return Error{ErrorCode::kIo, "cannot read frame " + std::to_string(index) + " of " + path_};
+  if (!std::isfinite(time_s)) return corrupt("the time stamp of frame " + std::to_string(index) + " is no number");
+  return time_s;
+}
+
+Result<RgbdFrame> RawFrameReader::read(std::int64_t index) {
+  const Result<double> time_s = timestamp_s(index);
+  if (!time_s.ok()) return time_s.error();
+  RgbdFrame frame{*time_s, DepthImage(camera_.width, camera_.height), ColorImage(camera_.width, camera_.height)};
+  const bool read = read_into(file_, frame.depth.pixels.data(), frame.depth.pixels.size()) &&
                     read_into(file_, frame.color.pixels.data(), frame.color.pixels.size());
   if (!read) return Error{ErrorCode::kIo, "cannot read frame " + std::to_string(index) + " of " + path_};
-  if (!std::isfinite(frame.timestamp_s)) return corrupt("the time stamp of frame " + std::to_string(index) + " is no number");
   return frame;
 }
 

@@ -1,0 +1,46 @@
+#include "core/archive/entry_name.h"
+
+#include <algorithm>
+
+namespace hermite {
+namespace {
+
+bool is_control(char letter) { return static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f; }
+
+Error refused(std::string_view name, const std::string& words) {
+  return {ErrorCode::kInvalidArgument, "the name \"" + shown_entry_name(name) + "\" " + words};
+}
+
+}  // namespace
+
+Result<std::vector<std::string>> safe_entry_parts(std::string_view name) {
+  if (name.empty()) return refused(name, "is empty");
+  if (name.size() > kMaxEntryName_bytes)
+    return refused(name, "has " + std::to_string(name.size()) + " bytes, allowed are " + std::to_string(kMaxEntryName_bytes));
+  if (std::any_of(name.begin(), name.end(), is_control)) return refused(name, "has a control character");
+  if (name.find('\\') != std::string_view::npos) return refused(name, "has a backslash");
+  if (name.front() == '/') return refused(name, "is an absolute path");
+  std::vector<std::string> parts;
+  while (!name.empty()) {
+    const std::size_t end = std::min(name.find('/'), name.size());
+    const std::string part(name.substr(0, end));
+    name.remove_prefix(std::min(end + 1, name.size()));
+    if (part.empty() || part == ".") continue;
+    if (part == "..") return refused(part, "leads out of the folder");
+    if (part.size() > kMaxEntryPart_bytes)
+      return refused(part, "has " + std::to_string(part.size()) + " bytes, allowed are " + std::to_string(kMaxEntryPart_bytes));
+    if (parts.size() == kMaxEntryDepth) return refused(part, "lies more than " + std::to_string(kMaxEntryDepth - 1) + " folders deep");
+    parts.push_back(part);
+  }
+  return parts;
+}
+
+std::string shown_entry_name(std::string_view name) {
+  constexpr std::size_t kReadable = 100;
+  std::string shown(name.substr(0, kReadable));
+  for (char& letter : shown)
+    if (is_control(letter) || static_cast<unsigned char>(letter) >= 0x80) letter = '?';
+  return name.size() > kReadable ? shown + "..." : shown;
+}
+
+}  // namespace hermite

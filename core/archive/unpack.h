@@ -1,0 +1,38 @@
+// Recordings that come packed: .tar, .tar.gz, .tar.zst and .zip, by libarchive, of which only the reading side is used.
+//
+// What is in an archive is a stranger's. Regular files and folders are unpacked; links, devices, FIFOs, sparse and encrypted files,
+// archives inside the archive and names that entry_name.h refuses are errors that name the entry. Limits count what was really written, not
+// what a header promises. Nothing is written outside the folder, and after an error nothing is left in it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/base/result.h"
+
+namespace hermite {
+
+struct UnpackLimits {
+  std::uint64_t output_bytes = std::uint64_t{64} << 30;
+  std::int64_t entry_count = 200'000;  // colour and depth of 55 minutes at 30 Hz
+  // Of unpacked to packed bytes. Images are compressed already, depth as raw numbers shrinks 10 times.
+  std::uint64_t ratio = 200;
+  std::uint64_t ratio_free_bytes = std::uint64_t{64} << 20;  // as much is never called a bomb
+};
+
+struct UnpackSummary {
+  std::string kind;  // "tar.zst"
+  std::int64_t file_count = 0;
+  std::uint64_t output_bytes = 0;
+};
+
+// By the first bytes: a zip, or a tar as it is or in gzip or zstd (whatever is inside these is found out on unpacking). False for what
+// cannot be read.
+bool is_archive(const std::string& path);
+
+// Into `folder`, which is made if need be and must be empty. kNotFound, kIo; kCorruptData: cut or damaged; kTooLarge: a limit;
+// kUnsupported: no such archive; kInvalidArgument: an entry that is refused, or a folder that is not empty. Memory: under 256 MiB, of which
+// zstd may ask for 128. Thread-safe for different folders.
+Result<UnpackSummary> unpack_archive(const std::string& path, const std::string& folder, const UnpackLimits& limits = {});
+
+}  // namespace hermite

@@ -1,0 +1,128 @@
+#include "core/dataset/frame_file.h"
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+
+#include "core/image/inflate.h"
+#include "core/image/resize.h"
+
+namespace hermite {
+namespace {
+
+std::size_t pixel_count(ImageSize size) { return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height); }
+
+class FrameFileSequence : public Sequence {
+ public:
+  explicit FrameFileSequence(FrameFile contents) : contents_(std::move(contents)) {}
+
+  std::string format() const override { return contents_.format; }
+  std::string name() const override { return std::filesystem::path(contents_.file.path()).stem().string(); }
+  const Camera& camera() const override { return contents_.camera; }
+  double frame_rate_hz() const override { return contents_.frame_rate_hz; }
+  std::int64_t frame_count() const override { return static_cast<std::int64_t>(contents_.frames.size()); }
+  double timestamp_s(std::int64_t index) const override { return frame(index).timestamp_s; }
+  const Trajectory& groundtruth() const override { return contents_.groundtruth; }
+
+  Result<RecordedFrame> read(std::int64_t index) const override {
+    const FrameParts& parts = frame(index);
+    const auto where = [&](const char* image, const FilePart& part) {
+      return contents_.file.path() + ", frame " + std::to_string(index) + ", " + image + " at offset " + std::to_string(part.offset);
+    };
+    auto depth = read_depth(parts.depth);
+    if (!depth.ok()) return in_context(where("depth", parts.depth), depth.error());
+    auto color = read_color(parts.color);
+    if (!color.ok()) return in_context(where("colour", parts.color), color.error());
+    return RecordedFrame{parts.timestamp_s, std::move(*depth), std::move(*color)};
+  }
+
+ private:
+  const FrameParts& frame(std::int64_t index) const {
+    CHECK(index >= 0 && index < frame_count(), "frame index outside the sequence");
+    return contents_.frames[static_cast<std::size_t>(index)];
+  }
+
+  ImageSize size() const { return {contents_.camera.width, contents_.camera.height}; }
+
+  Result<DepthImage> read_depth(const FilePart& part) const {
+    Result<std::vector<std::uint8_t>> bytes = contents_.file.read(part);
+    if (!bytes.ok()) return bytes.error();
+    DepthImage depth(size().width, size().height);
+    const std::size_t depth_bytes = pixel_count(size()) * sizeof(std::uint16_t);
+    if (bytes->size() != depth_bytes) {
+      bytes = inflate_exactly(*bytes, depth_bytes);
+      if (!bytes.ok()) return bytes.error();
+    }
+    std::memcpy(depth.pixels.data(), bytes->data(), depth_bytes);
+    return depth;
+  }
+
+  Result<std::vector<std::uint8_t>> read_color(const FilePart& part) const {
+    if (part.bytes == 0) return encode_png(ColorImage(size().width, size().height));
+    Result<std::vector<std::uint8_t>> bytes = contents_.file.read(part);
+    if (!bytes.ok()) return bytes.error();
+    const ImageSize stored = contents_.color_size;
+    if (bytes->size() != pixel_count(stored) * sizeof(Rgb8)) {
+      const Result<ImageSize> found = read_image_size(*bytes);
+      if (!found.ok()) return found.error();
+      if (*found == stored && stored == size()) return bytes;
+      const Result<ColorImage> image = decode_color(*bytes, stored);
+      if (!image.ok()) return image.error();
+      return encode_png(resize_color(*image, size()));
+    }
+    ColorImage image(stored.width, stored.height);
+    std::memcpy(image.pixels.data(), bytes->data(), bytes->size());
+    return encode_png(stored == size() ? image : resize_color(image, size()));
+  }
+
+  const FrameFile contents_;
+};
+
+bool ascends(const std::vector<std::int64_t>& stamps) {
+  return std::adjacent_find(stamps.begin(), stamps.end(), [](std::int64_t a, std::int64_t b) { return a >= b; }) == stamps.end();
+}
+
+// Between whole stamps that ascend; 0 without two of them.
+double median_step(const std::vector<std::int64_t>& stamps) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < stamps.size(); ++i) steps.push_back(static_cast<double>(stamps[i]) - static_cast<double>(stamps[i - 1]));
+  if (steps.empty()) return 0;
+  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
+  return steps[steps.size() / 2];
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Sequence>> make_frame_file_sequence(FrameFile contents) {
+  if (contents.frames.empty()) return Error{ErrorCode::kCorruptData, "there is no frame in it"};
+  return std::unique_ptr<Sequence>(std::make_unique<FrameFileSequence>(std::move(contents)));
+}
+
+std::vector<double> seconds_of_stamps(const std::vector<std::int64_t>& stamps, double frame_rate_hz, std::vector<std::string>& doubts) {
+  std::vector<double> times_s(stamps.size());
+  if (!ascends(stamps)) {
+    doubts.push_back("the time stamps do not ascend: frames are taken to be 1/" + std::to_string(static_cast<int>(frame_rate_hz)) +
+                     " s apart");
+    for (std::size_t i = 0; i < stamps.size(); ++i) times_s[i] = static_cast<double>(i) / frame_rate_hz;
+    return times_s;
+  }
+  // Cameras take from 1 to 500 frames a second.
+  constexpr double kShortestStep_s = 2e-3, kLongestStep_s = 1;
+  double units_per_second = 1e6;
+  const double step = median_step(stamps);
+  for (const auto& [units, words] : {std::pair{1e9, "nanoseconds"}, std::pair{1e3, "milliseconds"}}) {
+    const bool as_usual = step == 0 || (step / 1e6 >= kShortestStep_s && step / 1e6 <= kLongestStep_s);
+    if (as_usual || step / units < kShortestStep_s || step / units > kLongestStep_s) continue;
+    units_per_second = units;
+    doubts.push_back(std::string("the time stamps are taken for ") + words + ", not microseconds: the median step would be " +
+                     std::to_string(step / 1e6) + " s");
+  }
+  for (std::size_t i = 0; i < stamps.size(); ++i) times_s[i] = static_cast<double>(stamps[i]) / units_per_second;
+  // Beyond 2^53 neighbouring stamps may round to one number of seconds.
+  if (std::adjacent_find(times_s.begin(), times_s.end(), std::greater_equal<>()) != times_s.end())
+    return seconds_of_stamps(std::vector<std::int64_t>(stamps.size(), 0), frame_rate_hz, doubts);
+  return times_s;
+}
+
+}  // namespace hermite

@@ -1,0 +1,34 @@
+// Remarks about many frames that may all say the same: the first of them in full, then their number. Plain value, header only.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace hermite {
+
+class Remarks {
+ public:
+  explicit Remarks(std::string about) : about_(std::move(about)) {}
+
+  void add(const std::string& words) {
+    if (count_++ < kInFull) first_.push_back(words);
+  }
+  std::int64_t count() const { return count_; }
+
+  // None without a remark.
+  std::vector<std::string> lines() const {
+    if (count_ == 0) return {};
+    std::vector<std::string> lines{std::to_string(count_) + " " + about_};
+    lines.insert(lines.end(), first_.begin(), first_.end());
+    return lines;
+  }
+
+ private:
+  static constexpr std::int64_t kInFull = 20;  // a screenful
+  const std::string about_;
+  std::int64_t count_ = 0;
+  std::vector<std::string> first_;
+};
+
+}  // namespace hermite

@@ -1,0 +1,149 @@
+#include "core/evaluate/inspection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "core/dataset/associate.h"
+
+namespace hermite {
+namespace {
+
+constexpr double kGap = 1.5;  // medians: one frame is missing
+constexpr std::size_t kMaxGapsNamed = 5;
+constexpr double kRateTolerance = 0.2;  // of the stated rate
+constexpr double kLittleDepth = 0.3;    // share of valid pixels: below, a Kinect looked at a window or was too near
+constexpr double kNearestSensor_m = 0.2, kFarthestSensor_m = 12;
+constexpr double kFastestHand_m_per_s = 5;  // beyond, a pose is wrong
+constexpr std::size_t kMaxFilesCounted = 1'000'000;
+
+std::string words_of(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::uint64_t bytes_below(const std::string& path) {
+  std::error_code failure;
+  if (std::filesystem::is_regular_file(path, failure)) return std::filesystem::file_size(path, failure);
+  std::uint64_t bytes = 0;
+  std::size_t files = 0;
+  for (std::filesystem::recursive_directory_iterator entries(path, failure), end; !failure && entries != end && files < kMaxFilesCounted;
+       entries.increment(failure), ++files) {
+    std::error_code ignored;
+    if (entries->is_regular_file(ignored)) bytes += entries->file_size(ignored);
+  }
+  return bytes;
+}
+
+void survey_times(const Sequence& sequence, Inspection& found) {
+  std::vector<double> steps_s;
+  for (std::int64_t i = 1; i < sequence.frame_count(); ++i) steps_s.push_back(sequence.timestamp_s(i) - sequence.timestamp_s(i - 1));
+  if (steps_s.empty()) {
+    found.doubts.push_back("there is one frame only");
+    return;
+  }
+  found.duration_s = sequence.timestamp_s(sequence.frame_count() - 1) - sequence.timestamp_s(0);
+  std::vector<double> sorted = steps_s;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  const double median_s = sorted[sorted.size() / 2];
+  found.measured_rate_hz = 1 / median_s;
+  std::vector<TimeGap> gaps;
+  for (std::size_t i = 0; i < steps_s.size(); ++i)
+    if (steps_s[i] > kGap * median_s) gaps.push_back({static_cast<std::int64_t>(i), steps_s[i]});
+  found.gap_count = static_cast<std::int64_t>(gaps.size());
+  std::stable_sort(gaps.begin(), gaps.end(), [](const TimeGap& a, const TimeGap& b) { return a.length_s > b.length_s; });
+  gaps.resize(std::min(gaps.size(), kMaxGapsNamed));
+  found.longest_gaps = std::move(gaps);
+  if (found.gap_count > 0)
+    found.doubts.push_back(std::to_string(found.gap_count) + " gaps in time, the longest of " +
+                           words_of("%.3g s", found.longest_gaps.front().length_s) + " after frame " +
+                           std::to_string(found.longest_gaps.front().after_frame));
+  if (std::abs(found.measured_rate_hz / found.stated_rate_hz - 1) > kRateTolerance)
+    found.doubts.push_back("the times say " + words_of("%.3g", found.measured_rate_hz) + " frames a second, stated are " +
+                           words_of("%.3g", found.stated_rate_hz));
+}
+
+void survey_images(const Sequence& sequence, std::int64_t max_frames, Inspection& found) {
+  const std::int64_t count = std::min(sequence.frame_count(), max_frames);
+  DepthValues values;
+  RegistrationCheck registration;
+  std::string first_problem;
+  for (std::int64_t i = 0; i < count; ++i) {
+    // The middle of each part: the first frames of a recording are often of a hand.
+    auto recorded = sequence.read((2 * i + 1) * sequence.frame_count() / (2 * count));
+    const Result<RgbdFrame> frame = recorded.ok() ? decode_frame(*std::move(recorded)) : Result<RgbdFrame>(recorded.error());
+    ++found.frames_looked_at;
+    if (!frame.ok()) {
+      if (found.unreadable_count++ == 0) first_problem = frame.error().message;
+      continue;
+    }
+    values.add(frame->depth);
+    if (!found.camera.color) registration.add(*frame, found.camera.depth_units_per_metre);
+  }
+  found.depth = values.survey();
+  found.registration = registration.fit();
+  if (found.unreadable_count > 0)
+    found.doubts.push_back(std::to_string(found.unreadable_count) + " of " + std::to_string(count) +
+                           " frames looked at cannot be read: " + first_problem);
+}
+
+void judge_depth(Inspection& found) {
+  found.unit = guess_depth_unit(found.depth, found.camera.depth_units_per_metre);
+  if (found.unit.is_doubtful) found.doubts.push_back("depth unit: " + found.unit.reason);
+  if (found.frames_looked_at > found.unreadable_count && found.depth.valid_share < kLittleDepth)
+    found.doubts.push_back("only " + words_of("%.0f %%", 100 * found.depth.valid_share) + " of the pixels have depth");
+  const double near_m = found.depth.nearest / found.camera.depth_units_per_metre,
+               far_m = found.depth.farthest / found.camera.depth_units_per_metre;
+  if (found.depth.median > 0 && (near_m < kNearestSensor_m || far_m > kFarthestSensor_m))
+    found.doubts.push_back("depth from " + words_of("%.2f", near_m) + " to " + words_of("%.2f m", far_m) +
+                           " is more than a camera of rooms measures: the unit may be wrong, or a value stands for no measurement");
+  if (const auto& fit = found.registration; fit && fit->is_doubtful())
+    found.doubts.push_back("depth does not seem to be registered to colour: its edges lie " + words_of("%.2f", fit->gain) +
+                           " times better on the picture's when scaled by " + words_of("%.2f", fit->scale) + " and moved by (" +
+                           std::to_string(fit->dx_px) + ", " + std::to_string(fit->dy_px) + ") pixels; see color_camera in the README");
+}
+
+void survey_truth(const Sequence& sequence, Inspection& found) {
+  const Trajectory& truth = sequence.groundtruth();
+  found.truth.pose_count = static_cast<std::int64_t>(truth.size());
+  if (truth.empty()) return;
+  for (std::size_t i = 1; i < truth.size(); ++i) {
+    const double way_m = (truth[i].world_from_camera.translation - truth[i - 1].world_from_camera.translation).norm();
+    found.truth.path_m += way_m;
+    const double step_s = truth[i].timestamp_s - truth[i - 1].timestamp_s;
+    if (step_s > 0) found.truth.fastest_m_per_s = std::max(found.truth.fastest_m_per_s, way_m / step_s);
+  }
+  for (std::int64_t i = 0; i < sequence.frame_count(); ++i)
+    found.truth.frames_with_pose += pose_at(truth, sequence.timestamp_s(i), kMaxAssociationGap_s) ? 1 : 0;
+  if (found.truth.frames_with_pose < sequence.frame_count())
+    found.doubts.push_back(std::to_string(sequence.frame_count() - found.truth.frames_with_pose) + " of " +
+                           std::to_string(sequence.frame_count()) + " frames have no true pose within 20 ms");
+  if (found.truth.fastest_m_per_s > kFastestHand_m_per_s)
+    found.doubts.push_back("the ground truth jumps: up to " + words_of("%.1f m/s", found.truth.fastest_m_per_s) + " between two poses");
+}
+
+}  // namespace
+
+Inspection inspect(const Recording& recording, const std::string& path, std::int64_t max_frames) {
+  CHECK(max_frames >= 1, "nothing to look at");
+  const Sequence& sequence = *recording.sequence;
+  Inspection found;
+  found.name = sequence.name();
+  found.format = sequence.format();
+  found.format_reason = recording.format_reason;
+  found.frame_count = sequence.frame_count();
+  found.stated_rate_hz = sequence.frame_rate_hz();
+  found.size_bytes = bytes_below(path);
+  found.camera = sequence.camera();
+  found.camera_source = recording.camera_source;
+  found.doubts = recording.doubts;
+  survey_times(sequence, found);
+  survey_images(sequence, max_frames, found);
+  judge_depth(found);
+  survey_truth(sequence, found);
+  return found;
+}
+
+}  // namespace hermite

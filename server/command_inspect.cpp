@@ -1,0 +1,81 @@
+// hermite inspect and hermite convert
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+
+#include "core/dataset/frame_range.h"
+#include "core/dataset/write_klg.h"
+#include "core/dataset/write_tum.h"
+#include "core/evaluate/inspection.h"
+#include "server/commands.h"
+
+namespace hermite {
+namespace {
+
+struct InspectArguments {
+  std::string path;
+  std::string camera;
+  bool json = false;
+};
+
+std::optional<Camera> camera_of(const std::string& argument) {
+  if (argument.empty()) return std::nullopt;
+  return or_throw(read_camera(argument));
+}
+
+int run_inspect(const InspectArguments& arguments) {
+  const Recording recording = or_throw(open_recording(arguments.path, camera_of(arguments.camera)));
+  const Inspection inspection = inspect(recording, arguments.path);
+  std::cout << (arguments.json ? inspection_json(inspection) : inspection_text(inspection));
+  return 0;
+}
+
+struct ConvertArguments {
+  std::string source;
+  std::string out;
+  std::string to;
+  std::string frames;
+  std::string camera;
+};
+
+using Write = Result<WriteSummary> (*)(const Sequence& sequence, FrameRange range, const std::string& path, const WriteProgress& progress);
+const std::map<std::string, Write>& writers() {
+  static const std::map<std::string, Write> table{{"tum", write_tum}, {"klg", write_klg}, {"raw", write_raw}};
+  return table;
+}
+
+int run_convert(const ConvertArguments& arguments) {
+  const std::unique_ptr<Sequence> sequence = or_throw(open_sequence(arguments.source, camera_of(arguments.camera)));
+  const FrameRange range = or_throw(parse_frame_range(arguments.frames, sequence->frame_count()));
+  const WriteProgress silent = [](std::int64_t) {};
+  const WriteSummary summary = or_throw(writers().at(arguments.to)(*sequence, range, arguments.out, silent));
+  for (const std::string& remark : summary.remarks) std::cerr << remark << '\n';
+  std::cout << summary.frame_count << " frames in " << arguments.out << '\n';
+  return 0;
+}
+
+}  // namespace
+
+Command add_inspect_command(CLI::App& app) {
+  auto arguments = std::make_shared<InspectArguments>();
+  CLI::App& inspect = *app.add_subcommand("inspect", "Say what a recording is and what may be wrong with it");
+  inspect.add_option("PATH", arguments->path, "Folder, file or archive")->required();
+  inspect.add_option("--camera", arguments->camera, "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood");
+  inspect.add_flag("--json", arguments->json, "As one JSON object");
+  return {&inspect, [arguments] { return run_inspect(*arguments); }};
+}
+
+Command add_convert_command(CLI::App& app) {
+  auto arguments = std::make_shared<ConvertArguments>();
+  CLI::App& convert = *app.add_subcommand("convert", "Write a recording in another format");
+  convert.add_option("SEQUENCE", arguments->source, "What hermite reconstruct takes")->required();
+  convert.add_option("OUT", arguments->out, "A new folder (tum) or file (klg, raw)")->required();
+  convert.add_option("--to", arguments->to, "tum (nothing is lost), klg (millimetres and microseconds), raw (decoded)")
+      ->required()
+      ->check(CLI::IsMember(writers()));
+  convert.add_option("--frames", arguments->frames, "A:B takes frames A to B-1");
+  convert.add_option("--camera", arguments->camera, "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood");
+  return {&convert, [arguments] { return run_convert(*arguments); }};
+}
+
+}  // namespace hermite
