@@ -89,53 +89,6 @@ std::uint32_t zigzag(std::int32_t difference) {
 
 std::int32_t unzigzag(std::uint32_t number) { return static_cast<std::int32_t>(number >> 1) ^ -static_cast<std::int32_t>(number & 1u); }
 
-std::vector<std::uint32_t> encode_rvl(std::span<const std::uint16_t> pixels) {
-  RvlWriter writer(max_rvl_bytes(pixels.size()) / sizeof(std::uint32_t));
-  std::int32_t previous = 0;
-  std::size_t at = 0;
-  while (at < pixels.size()) {
-    const std::size_t zeros_begin = at;
-    while (at < pixels.size() && pixels[at] == 0) ++at;
-    const std::size_t nonzeros_begin = at;
-    while (at < pixels.size() && pixels[at] != 0) ++at;
-    writer.put(static_cast<std::uint32_t>(nonzeros_begin - zeros_begin));
-    writer.put(static_cast<std::uint32_t>(at - nonzeros_begin));
-    for (std::size_t i = nonzeros_begin; i < at; ++i) {
-      writer.put(zigzag(pixels[i] - previous));
-      previous = pixels[i];
-    }
-  }
-  return std::move(writer).finish();
-}
-
-// `pixels` are zero on entry.
-Status decode_rvl(std::span<const std::uint32_t> words, std::span<std::uint16_t> pixels) {
-  RvlReader reader(words);
-  std::int32_t previous = 0;
-  std::size_t at = 0;
-  while (at < pixels.size()) {
-    std::uint32_t zeros = 0, nonzeros = 0;
-    if (!reader.get(zeros) || !reader.get(nonzeros)) return corrupt("RVL ends at pixel " + std::to_string(at));
-    if (zeros == 0 && nonzeros == 0) return corrupt("RVL has an empty run at pixel " + std::to_string(at));
-    const std::size_t left = pixels.size() - at;
-    if (zeros > left || nonzeros > left - zeros) {
-      return corrupt("RVL has a run of " + std::to_string(zeros) + " + " + std::to_string(nonzeros) + " pixels where " +
-                     std::to_string(left) + " are left");
-    }
-    at += zeros;
-    for (const std::size_t end = at + nonzeros; at < end; ++at) {
-      std::uint32_t number = 0;
-      if (!reader.get(number)) return corrupt("RVL ends at pixel " + std::to_string(at));
-      const std::int32_t value = previous + unzigzag(number);  // no overflow: 16 bits plus 30 bits
-      if (value < 1 || value > 65535) return corrupt("RVL value " + std::to_string(value) + " at pixel " + std::to_string(at));
-      pixels[at] = static_cast<std::uint16_t>(value);
-      previous = value;
-    }
-  }
-  if (!reader.at_end()) return corrupt("RVL goes on after the last pixel");
-  return Done{};
-}
-
 // The words of RVL out of the zstd frame.
 Result<std::vector<std::uint32_t>> unpack_words(std::span<const std::uint8_t> bytes, std::size_t max_bytes) {
   std::uint32_t magic = 0;
@@ -164,6 +117,52 @@ Result<std::vector<std::uint32_t>> unpack_words(std::span<const std::uint8_t> by
 }
 
 }  // namespace
+
+std::vector<std::uint32_t> encode_rvl(std::span<const std::uint16_t> pixels) {
+  RvlWriter writer(max_rvl_bytes(pixels.size()) / sizeof(std::uint32_t));
+  std::int32_t previous = 0;
+  std::size_t at = 0;
+  while (at < pixels.size()) {
+    const std::size_t zeros_begin = at;
+    while (at < pixels.size() && pixels[at] == 0) ++at;
+    const std::size_t nonzeros_begin = at;
+    while (at < pixels.size() && pixels[at] != 0) ++at;
+    writer.put(static_cast<std::uint32_t>(nonzeros_begin - zeros_begin));
+    writer.put(static_cast<std::uint32_t>(at - nonzeros_begin));
+    for (std::size_t i = nonzeros_begin; i < at; ++i) {
+      writer.put(zigzag(pixels[i] - previous));
+      previous = pixels[i];
+    }
+  }
+  return std::move(writer).finish();
+}
+
+Status decode_rvl(std::span<const std::uint32_t> words, std::span<std::uint16_t> pixels) {
+  RvlReader reader(words);
+  std::int32_t previous = 0;
+  std::size_t at = 0;
+  while (at < pixels.size()) {
+    std::uint32_t zeros = 0, nonzeros = 0;
+    if (!reader.get(zeros) || !reader.get(nonzeros)) return corrupt("RVL ends at pixel " + std::to_string(at));
+    if (zeros == 0 && nonzeros == 0) return corrupt("RVL has an empty run at pixel " + std::to_string(at));
+    const std::size_t left = pixels.size() - at;
+    if (zeros > left || nonzeros > left - zeros) {
+      return corrupt("RVL has a run of " + std::to_string(zeros) + " + " + std::to_string(nonzeros) + " pixels where " +
+                     std::to_string(left) + " are left");
+    }
+    at += zeros;
+    for (const std::size_t end = at + nonzeros; at < end; ++at) {
+      std::uint32_t number = 0;
+      if (!reader.get(number)) return corrupt("RVL ends at pixel " + std::to_string(at));
+      const std::int32_t value = previous + unzigzag(number);  // no overflow: 16 bits plus 30 bits
+      if (value < 1 || value > 65535) return corrupt("RVL value " + std::to_string(value) + " at pixel " + std::to_string(at));
+      pixels[at] = static_cast<std::uint16_t>(value);
+      previous = value;
+    }
+  }
+  if (!reader.at_end()) return corrupt("RVL goes on after the last pixel");
+  return Done{};
+}
 
 std::vector<std::uint8_t> encode_depth_rvl_zstd(const DepthImage& depth) {
   CHECK(check_image_size({depth.width, depth.height}).ok(), "depth image to encode has no valid size");

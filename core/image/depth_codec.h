@@ -27,4 +27,8 @@ std::vector<std::uint8_t> encode_depth_rvl_zstd(const DepthImage& depth);
 // kCorruptData or kTooLarge, in words; kInvalidArgument when `expected` is not 1 to kMaxImageEdge_px. All 16-bit values round-trip.
 Result<DepthImage> decode_depth_rvl_zstd(std::span<const std::uint8_t> bytes, ImageSize expected);
 
+// RVL by itself, to measure it. `pixels` are zero when decoding begins.
+std::vector<std::uint32_t> encode_rvl(std::span<const std::uint16_t> pixels);
+Status decode_rvl(std::span<const std::uint32_t> words, std::span<std::uint16_t> pixels);
+
 }  // namespace hermite

@@ -10,13 +10,14 @@ namespace {
 
 // Codecs of a newer client are skipped, so that it may offer them without asking first.
 template <class Codec>
-Result<std::vector<Codec>> known_codecs(const std::string& field, const google::protobuf::RepeatedField<int>& offered, const char* names) {
+Result<std::vector<Codec>> known_codecs(const std::string& field, const google::protobuf::RepeatedField<int>& offered,
+                                        std::optional<Codec> (*known_codec)(int), const char* names) {
   if (offered.size() > kMaxCodecs)
     return Error{ErrorCode::kTooLarge,
                  field + " has " + std::to_string(offered.size()) + " entries, allowed are " + std::to_string(kMaxCodecs)};
   std::vector<Codec> known;
-  for (const int codec : offered)
-    if (codec == 1 || codec == 2) known.push_back(static_cast<Codec>(codec));
+  for (const int number : offered)
+    if (const auto codec = known_codec(number)) known.push_back(*codec);
   if (known.empty()) return Error{ErrorCode::kUnsupported, field + " offers none of those this server knows: " + names};
   return known;
 }
@@ -38,10 +39,10 @@ Result<StartScan> start_scan_from(const v1::StartScan& message) {
   start.title = message.title();
   start.camera = camera_from(message.camera());
   if (Status status = validate(start.camera); !status.ok()) return in_context("start_scan", status.error());
-  auto depth = known_codecs<DepthCodec>("start_scan.depth_codecs", message.depth_codecs(), "RVL_ZSTD, PNG16");
+  auto depth = known_codecs<DepthCodec>("start_scan.depth_codecs", message.depth_codecs(), depth_codec_from, "RVL_ZSTD, PNG16, RANKS");
   if (!depth.ok()) return depth.error();
   start.depth_codecs = *std::move(depth);
-  auto color = known_codecs<ColorCodec>("start_scan.color_codecs", message.color_codecs(), "JPEG, PNG");
+  auto color = known_codecs<ColorCodec>("start_scan.color_codecs", message.color_codecs(), color_codec_from, "JPEG, PNG");
   if (!color.ok()) return color.error();
   start.color_codecs = *std::move(color);
   if (message.mode() != v1::MODE_BATCH && message.mode() != v1::MODE_LIVE)

@@ -82,6 +82,18 @@ Status parse_bytes(std::string_view bytes, std::size_t max_bytes, google::protob
   return Done{};
 }
 
+std::optional<DepthCodec> depth_codec_from(int number) {
+  for (const DepthCodec codec : kDepthCodecs)
+    if (number == static_cast<int>(codec)) return codec;
+  return std::nullopt;
+}
+
+std::optional<ColorCodec> color_codec_from(int number) {
+  for (const ColorCodec codec : {ColorCodec::kJpeg, ColorCodec::kPng})
+    if (number == static_cast<int>(codec)) return codec;
+  return std::nullopt;
+}
+
 Status check_text(const std::string& field, const std::string& text, std::size_t max_bytes) {
   if (text.size() > max_bytes)
     return Error{ErrorCode::kTooLarge, field + " has " + std::to_string(text.size()) + " bytes, allowed are " + std::to_string(max_bytes)};

@@ -3,6 +3,7 @@
 
 #include <google/protobuf/message.h>
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -16,6 +17,10 @@ namespace hermite::wire {
 
 // kTooLarge over `max_bytes`, kCorruptData when protobuf refuses.
 Status parse_bytes(std::string_view bytes, std::size_t max_bytes, google::protobuf::Message& message);
+
+// None: one that this version does not know.
+std::optional<DepthCodec> depth_codec_from(int number);
+std::optional<ColorCodec> color_codec_from(int number);
 
 // kTooLarge naming the field; kInvalidArgument for control characters. UTF-8 was checked by protobuf.
 Status check_text(const std::string& field, const std::string& text, std::size_t max_bytes);

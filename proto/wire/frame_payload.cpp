@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/image/depth_codec.h"
+#include "core/image/depth_ranks.h"
 #include "core/image/image_codec.h"
 
 namespace hermite::wire {
@@ -15,6 +16,17 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
+std::string text_of(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
+
+Result<DepthImage> decode_depth_payload(const std::string& payload, DepthCodec depth_codec, ImageSize expected) {
+  switch (depth_codec) {
+    case DepthCodec::kRvlZstd: return decode_depth_rvl_zstd(bytes_of(payload), expected);
+    case DepthCodec::kRanks: return decode_depth_ranks(bytes_of(payload), expected);
+    case DepthCodec::kPng16: break;
+  }
+  return decode_depth_png(bytes_of(payload), expected);
+}
+
 }  // namespace
 
 std::size_t max_frame_message_bytes(const Camera& camera) {
@@ -23,8 +35,7 @@ std::size_t max_frame_message_bytes(const Camera& camera) {
 
 Result<RgbdFrame> decode_frame_payload(const Frame& frame, DepthCodec depth_codec, const Camera& camera) {
   const ImageSize expected{camera.width, camera.height};
-  Result<DepthImage> depth = depth_codec == DepthCodec::kRvlZstd ? decode_depth_rvl_zstd(bytes_of(frame.depth), expected)
-                                                                 : decode_depth_png(bytes_of(frame.depth), expected);
+  Result<DepthImage> depth = decode_depth_payload(frame.depth, depth_codec, expected);
   if (!depth.ok()) return in_context("frame.depth", depth.error());
   Result<ColorImage> color = decode_color(bytes_of(frame.color), expected);
   if (!color.ok()) return in_context("frame.color", color.error());
@@ -32,13 +43,14 @@ Result<RgbdFrame> decode_frame_payload(const Frame& frame, DepthCodec depth_code
 }
 
 Result<std::string> encode_depth_payload(const DepthImage& depth, DepthCodec depth_codec) {
-  if (depth_codec == DepthCodec::kRvlZstd) {
-    const std::vector<std::uint8_t> bytes = encode_depth_rvl_zstd(depth);
-    return std::string(bytes.begin(), bytes.end());
+  switch (depth_codec) {
+    case DepthCodec::kRvlZstd: return text_of(encode_depth_rvl_zstd(depth));
+    case DepthCodec::kRanks: return text_of(encode_depth_ranks(depth));
+    case DepthCodec::kPng16: break;
   }
-  Result<std::vector<std::uint8_t>> bytes = encode_depth_png(depth);
+  const Result<std::vector<std::uint8_t>> bytes = encode_depth_png(depth);
   if (!bytes.ok()) return bytes.error();
-  return std::string(bytes->begin(), bytes->end());
+  return text_of(*bytes);
 }
 
 RgbdFrame empty_frame(double timestamp_s, const Camera& camera) {

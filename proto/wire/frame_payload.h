@@ -10,8 +10,8 @@
 
 namespace hermite::wire {
 
-// Enough for any frame a camera can give: depth as RVL of noise (3 bytes a pixel) and colour as a PNG of noise (3 bytes a pixel), and some
-// room.
+// Enough for any frame a camera can give: depth of noise (RVL: 3 bytes a pixel, ranks: less than 4) and colour as a PNG of noise (3 bytes a
+// pixel), and some room.
 std::size_t max_frame_message_bytes(const Camera& camera);
 
 // Both images must have the camera's size; nothing larger is ever allocated. Takes the frame's time as it is.

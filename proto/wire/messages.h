@@ -4,6 +4,7 @@
 // The rules of order, credit and closing are in proto/README.md.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -20,7 +21,7 @@ namespace hermite::wire {
 
 inline constexpr const char* kSubprotocol = "hermite.v1";
 inline constexpr const char* kEndpoint = "/api/v1/ws";
-inline constexpr std::uint32_t kProtocolMinor = 1;
+inline constexpr std::uint32_t kProtocolMinor = 2;
 
 inline constexpr std::size_t kMaxBytesBeforeWelcome = 64 * 1024;  // a Hello, and all that a viewer ever sends
 inline constexpr std::size_t kMaxServerMessageBytes = 64 * 1024 * 1024;
@@ -33,7 +34,8 @@ inline constexpr std::size_t kMaxSettingBytes = 200;  // key, and value
 inline constexpr int kMaxCodecs = 16;
 inline constexpr std::uint32_t kMaxSubmaps = 65536;
 
-enum class DepthCodec { kRvlZstd = 1, kPng16 = 2 };
+enum class DepthCodec { kRvlZstd = 1, kPng16 = 2, kRanks = 3 };
+inline constexpr std::array kDepthCodecs{DepthCodec::kRvlZstd, DepthCodec::kPng16, DepthCodec::kRanks};  // all there are
 enum class ColorCodec { kJpeg = 1, kPng = 2 };
 enum class Mode { kBatch = 1, kLive = 2 };
 enum class ScanPhase { kRunning = 1, kFinished = 2, kFailed = 3, kInterrupted = 4 };

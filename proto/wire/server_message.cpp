@@ -16,11 +16,12 @@ Result<ServerMessage> welcome_from(const v1::Welcome& message) {
   welcome.scan_id = message.scan_id();
   welcome.max_message_bytes = message.max_message_bytes();
   welcome.frame_credit = message.frame_credit();
-  if (message.depth_codec() != v1::DEPTH_CODEC_RVL_ZSTD && message.depth_codec() != v1::DEPTH_CODEC_PNG16)
-    return Error{ErrorCode::kUnsupported, "welcome.depth_codec is " + std::to_string(message.depth_codec()) + ", known are 1 and 2"};
-  welcome.depth_codec = static_cast<DepthCodec>(message.depth_codec());
-  for (const int codec : message.color_codecs())
-    if (codec == 1 || codec == 2) welcome.color_codecs.push_back(static_cast<ColorCodec>(codec));
+  const auto depth_codec = depth_codec_from(message.depth_codec());
+  if (!depth_codec)
+    return Error{ErrorCode::kUnsupported, "welcome.depth_codec is " + std::to_string(message.depth_codec()) + ", known are 1 to 3"};
+  welcome.depth_codec = *depth_codec;
+  for (const int number : message.color_codecs())
+    if (const auto codec = color_codec_from(number)) welcome.color_codecs.push_back(*codec);
   welcome.camera = camera_from(message.camera());
   if (Status status = validate(welcome.camera); !status.ok()) return in_context("welcome", status.error());
   welcome.title = message.title();

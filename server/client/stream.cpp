@@ -7,6 +7,7 @@
 #include "proto/wire/client_message.h"
 #include "proto/wire/server_message.h"
 #include "server/client/connection.h"
+#include "server/client/depth_codec_choice.h"
 #include "server/client/frame_encoder.h"
 
 namespace hermite {
@@ -84,7 +85,7 @@ Status Session::greet() {
   wire::StartScan start;
   start.title = request_.title;
   start.camera = sequence_.camera();
-  start.depth_codecs = {wire::DepthCodec::kRvlZstd, wire::DepthCodec::kPng16};
+  start.depth_codecs = depth_codecs_for(sequence_, request_.frames);
   start.color_codecs = {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng};
   start.mode = request_.pacing.newest_wins ? wire::Mode::kLive : wire::Mode::kBatch;
   start.settings = request_.settings;

@@ -9,6 +9,7 @@
 
 #include "core/dataset/sequence.h"
 #include "core/image/depth_codec.h"
+#include "core/image/depth_ranks.h"
 #include "core/image/image_codec.h"
 #include "proto/wire/client_message.h"
 #include "proto/wire/server_message.h"
@@ -70,6 +71,16 @@ void add_depth_seeds(SeedFolder seeds) {
   seeds.add(std::string("\x01\x03\x00\x40\xa1\x22", 6));
 }
 
+void add_ranks_seeds(SeedFolder seeds) {
+  const std::string size(1, static_cast<char>((kSize.height - 1) * 16 + kSize.width - 1));
+  for (unsigned kind = 0; kind < 3; ++kind) {
+    const DepthImage depth = depth_image(kind);
+    seeds.add(std::string(1, 0) + size + text(encode_depth_ranks(depth)));
+    seeds.add(std::string(1, 1) + size + std::string(reinterpret_cast<const char*>(depth.pixels.data()), depth.pixels.size() * 2));
+  }
+  seeds.add(std::string(1, 0) + size + text(encode_depth_ranks(DepthImage(4096, 4096))));
+}
+
 void add_image_seeds(SeedFolder seeds) {
   for (const int quality : {30, 95}) seeds.add(text(*encode_jpeg(color_image(), quality)));
   seeds.add(text(*encode_png(color_image())));
@@ -98,6 +109,7 @@ void add_client_seeds(SeedFolder& seeds) {
   add(wire::Hello{0, "client 1", "secret", start});
   add(wire::Hello{0, "viewer 1", "secret", wire::ViewScan{"01arz3ndektsv4rrffq69g5fav"}});
   add(wire::Frame{1, 0.033, text(encode_depth_rvl_zstd(depth_image(2))), text(*encode_jpeg(color_image(), 80))});
+  add(wire::Frame{1, 0.033, text(encode_depth_ranks(depth_image(2))), text(*encode_jpeg(color_image(), 80))});
   add(wire::Frame{2, 0.066, text(*encode_depth_png(depth_image(2))), text(*encode_png(color_image()))});
   add(wire::Finish{});
   add(wire::ViewerAck{100000});
@@ -158,6 +170,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   add_depth_seeds(SeedFolder(fs::path(argv[1]) / "depth"));
+  add_ranks_seeds(SeedFolder(fs::path(argv[1]) / "ranks"));
   add_image_seeds(SeedFolder(fs::path(argv[1]) / "image"));
   add_message_seeds(SeedFolder(fs::path(argv[1]) / "message"));
   add_recording_seeds(SeedFolder(fs::path(argv[1]) / "klg"), SeedFolder(fs::path(argv[1]) / "sens"));

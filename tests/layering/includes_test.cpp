@@ -39,10 +39,11 @@ const std::vector<Layer>& layers() {
       {"core/output", {"core/math", "core/base"}},
       // Of what needs more than Vulkan and Eigen only plain headers: hermite_bench links this and nothing else.
       {"core/pipeline",
-       {"core/adjust/mapping.h", "core/adjust/adjust_options.h", "core/dataset/trajectory.h", "core/output/cloud.h", "core/mesh", "core/track", "core/map", "core/frame", "core/gpu", "core/math",
-        "core/base"}},
+       {"core/adjust/mapping.h", "core/adjust/adjust_options.h", "core/dataset/trajectory.h", "core/output/cloud.h", "core/mesh",
+        "core/track", "core/map", "core/frame", "core/gpu", "core/math", "core/base"}},
       {"core/report", {"core/pipeline", "core/evaluate", "core/base"}},
       {"tests/bench/program", {"core/pipeline", "core/raw", "core/gpu", "core/base"}},
+      {"tests/bench/codecs", {"core/dataset", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"proto/wire", {"core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"server",
        {"core/pipeline", "core/report", "core/adjust/mapping.h", "core/output", "core/dataset", "core/evaluate", "core/frame/rgbd_frame.h",

@@ -19,7 +19,7 @@ StartScan good_start() {
   StartScan start;
   start.title = "Küche, zweiter Versuch";
   start.camera = vga();
-  start.depth_codecs = {DepthCodec::kPng16, DepthCodec::kRvlZstd};
+  start.depth_codecs = {DepthCodec::kRanks, DepthCodec::kPng16, DepthCodec::kRvlZstd};
   start.color_codecs = {ColorCodec::kJpeg};
   start.mode = Mode::kLive;
   start.settings = {{"frame.depth_max_m", "3"}, {"map.window", "5"}};

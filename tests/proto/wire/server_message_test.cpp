@@ -49,6 +49,19 @@ TEST(ServerMessage, WelcomeComesBackAsItWas) {
   EXPECT_EQ(back.title, welcome.title);
 }
 
+TEST(ServerMessage, AWelcomeChoosesADepthCodecThatThisVersionKnows) {
+  Welcome welcome;
+  welcome.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
+  for (const DepthCodec codec : kDepthCodecs) {
+    welcome.depth_codec = codec;
+    EXPECT_EQ(round_trip(welcome).depth_codec, codec);
+  }
+  welcome.depth_codec = static_cast<DepthCodec>(4);
+  const auto message = parse_server_message(format_server_message(welcome));
+  ASSERT_FALSE(message.ok());
+  EXPECT_EQ(message.error().message, "welcome.depth_codec is 4, known are 1 to 3");
+}
+
 TEST(ServerMessage, AFrameResultKeepsItsPoseBitForBit) {
   FrameResult result;
   result.sequence = 41;

@@ -62,7 +62,7 @@ std::vector<EncodedFrame> take_all(FrameEncoder& encoder) {
 
 TEST(EncodeFrame, TheServerDecodesWhatALocalRunWouldSee) {
   const ShortRecording recording;
-  for (const auto codec : {wire::DepthCodec::kRvlZstd, wire::DepthCodec::kPng16}) {
+  for (const auto codec : wire::kDepthCodecs) {
     const EncodedFrame encoded = encode_frame(recording, 2, {codec, true});
     EXPECT_EQ(encoded.problem, "");
     const auto on_server = wire::decode_frame_payload(encoded.frame, codec, recording.camera());
@@ -91,7 +91,7 @@ TEST(EncodeFrame, WithoutPngOnTheServerColourBecomesJpeg) {
 
 TEST(EncodeFrame, AnUnreadableFrameBecomesExactlyTheEmptyFrame) {
   const ShortRecording recording;
-  for (const auto codec : {wire::DepthCodec::kRvlZstd, wire::DepthCodec::kPng16}) {
+  for (const auto codec : wire::kDepthCodecs) {
     const EncodedFrame encoded = encode_frame(recording, 3, {codec, true});
     EXPECT_THAT(encoded.problem, HasSubstr("frame 3"));
     EXPECT_THAT(encoded.problem, HasSubstr("depth/3.png: no such file"));

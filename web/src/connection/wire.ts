@@ -27,7 +27,7 @@ import type {
 
 export class WireError extends Error {}
 
-export const protocolMinor = 1;
+export const protocolMinor = 2;
 export const maxPointsPerChunk = 262144;
 
 export interface WireChunk {
