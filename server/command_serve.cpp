@@ -63,6 +63,8 @@ Command add_serve_command(CLI::App& app) {
                   "Device memory for all scans together [MB], an equal share each; 0: as much as there is")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
+  serve.add_option("--resume-window", options->resume_window_s, "Seconds that a scan waits for its camera when the connection is lost")
+      ->capture_default_str();
   serve.add_option("--allow-host", options->allow_hosts, "Another name that this server is reached by; may be repeated")
       ->allow_extra_args(false);
   serve.add_flag("--insecure-i-know", options->insecure_listen, "Listen on other addresses than the loopback's, without encryption");

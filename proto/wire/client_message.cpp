@@ -75,9 +75,17 @@ Result<ClientMessage> hello_from(v1::Hello& message) {
       hello.role = ViewScan{message.view_scan().scan_id()};
       return ClientMessage(std::move(hello));
     }
+    case v1::Hello::kResumeScan: {
+      v1::ResumeScan& resume = *message.mutable_resume_scan();
+      if (Status status = check_text("resume_scan.scan_id", resume.scan_id(), kMaxScanIdBytes); !status.ok()) return status.error();
+      if (Status status = check_text("resume_scan.resume_token", resume.resume_token(), kMaxTokenBytes); !status.ok())
+        return status.error();
+      hello.role = ResumeScan{std::move(*resume.mutable_scan_id()), std::move(*resume.mutable_resume_token()), resume.next_sequence()};
+      return ClientMessage(std::move(hello));
+    }
     case v1::Hello::ROLE_NOT_SET: break;
   }
-  return Error{ErrorCode::kUnsupported, "hello.role is missing or unknown; allowed are start_scan and view_scan"};
+  return Error{ErrorCode::kUnsupported, "hello.role is missing or unknown; allowed are start_scan, view_scan and resume_scan"};
 }
 
 void write_start_scan(const StartScan& start, v1::StartScan& message) {
@@ -102,6 +110,11 @@ struct Writer {
     out.set_token(std::move(hello.token));
     if (const StartScan* start = std::get_if<StartScan>(&hello.role)) write_start_scan(*start, *out.mutable_start_scan());
     if (const ViewScan* view = std::get_if<ViewScan>(&hello.role)) out.mutable_view_scan()->set_scan_id(view->scan_id);
+    if (ResumeScan* resume = std::get_if<ResumeScan>(&hello.role)) {
+      out.mutable_resume_scan()->set_scan_id(std::move(resume->scan_id));
+      out.mutable_resume_scan()->set_resume_token(std::move(resume->resume_token));
+      out.mutable_resume_scan()->set_next_sequence(resume->next_sequence);
+    }
   }
   void operator()(Frame& frame) const {
     v1::Frame& out = *message.mutable_frame();
@@ -113,6 +126,9 @@ struct Writer {
   void operator()(Finish&) const { message.mutable_finish(); }
   void operator()(ViewerAck& ack) const { message.mutable_viewer_ack()->set_bytes(ack.bytes); }
   void operator()(Ping& ping) const { message.mutable_ping()->set_id(ping.id); }
+  void operator()(Pause&) const { message.mutable_pause(); }
+  void operator()(Unpause&) const { message.mutable_unpause(); }
+  void operator()(Discard&) const { message.mutable_discard(); }
 };
 
 }  // namespace
@@ -130,6 +146,9 @@ Result<ClientMessage> parse_client_message(std::string_view bytes, std::size_t m
     case v1::ClientMessage::kFinish: return ClientMessage(Finish{});
     case v1::ClientMessage::kViewerAck: return ClientMessage(ViewerAck{message.viewer_ack().bytes()});
     case v1::ClientMessage::kPing: return ClientMessage(Ping{message.ping().id()});
+    case v1::ClientMessage::kPause: return ClientMessage(Pause{});
+    case v1::ClientMessage::kUnpause: return ClientMessage(Unpause{});
+    case v1::ClientMessage::kDiscard: return ClientMessage(Discard{});
     case v1::ClientMessage::BODY_NOT_SET: break;
   }
   return ClientMessage(Unknown{});

@@ -22,6 +22,7 @@ namespace hermite::wire {
 inline constexpr const char* kSubprotocol = "hermite.v1";
 inline constexpr const char* kEndpoint = "/api/v1/ws";
 inline constexpr std::uint32_t kProtocolMinor = 2;
+inline constexpr std::uint32_t kMinorWithResume = 2;  // both ends must have it for a scan to outlive its connection
 
 inline constexpr std::size_t kMaxBytesBeforeWelcome = 64 * 1024;  // a Hello, and all that a viewer ever sends
 inline constexpr std::size_t kMaxServerMessageBytes = 64 * 1024 * 1024;
@@ -57,11 +58,16 @@ struct StartScan {
 struct ViewScan {
   std::string scan_id;
 };
+struct ResumeScan {
+  std::string scan_id;
+  std::string resume_token;
+  std::uint64_t next_sequence = 0;  // the first frame that the camera can still send
+};
 struct Hello {
   std::uint32_t protocol_minor = kProtocolMinor;
   std::string client;  // name and version, for the log
   std::string token;
-  std::variant<StartScan, ViewScan> role;
+  std::variant<StartScan, ViewScan, ResumeScan> role;
 };
 // `timestamp_s` is as sent, not finite maybe; the images are still encoded: decode_frame_payload.
 struct Frame {
@@ -71,13 +77,16 @@ struct Frame {
   std::string color;
 };
 struct Finish {};
+struct Pause {};
+struct Unpause {};
+struct Discard {};
 struct ViewerAck {
   std::uint64_t bytes = 0;
 };
 struct Ping {
   std::uint64_t id = 0;
 };
-using ClientMessage = std::variant<Unknown, Hello, Frame, Finish, ViewerAck, Ping>;
+using ClientMessage = std::variant<Unknown, Hello, Frame, Finish, ViewerAck, Ping, Pause, Unpause, Discard>;
 
 // ---- server to client
 
@@ -91,6 +100,8 @@ struct Welcome {
   std::vector<ColorCodec> color_codecs;
   Camera camera;
   std::string title;
+  std::string resume_token;  // empty: the scan ends with the connection
+  std::uint32_t resume_window_s = 0;
 };
 enum class TrackingStatus { kTracked, kWeak, kLost };                               // unknown ones of a newer server count as lost
 enum class MapEvent { kNone, kLost, kFoundAgain, kNewPart, kJoined, kLoopClosed };  // unknown ones count as none
@@ -120,6 +131,18 @@ struct FrameResult {
 };
 struct Credit {
   std::uint64_t frames_granted = 0;  // in all, since the start
+  std::uint64_t durable_frames = 0;  // the first so many survive the death of the server
+};
+struct Resumed {
+  std::uint64_t next_sequence = 0;  // of the next frame that the server wants
+  std::uint64_t frames_granted = 0;
+  std::uint64_t durable_frames = 0;
+};
+struct NotResumed {
+  std::string reason;
+};
+struct GoAway {
+  std::uint32_t resume_after_ms = 0;
 };
 struct ChunkKey {
   std::uint32_t submap = 0;
@@ -149,6 +172,7 @@ struct ScanState {
   std::uint64_t frames_dropped = 0;
   std::uint64_t keyframes = 0;
   std::uint64_t loops = 0;
+  bool paused = false;
 };
 struct Finished {
   std::string report_json;
@@ -171,6 +195,6 @@ struct TrajectoryPart {
   std::vector<std::uint32_t> submaps;
 };
 using ServerMessage = std::variant<Unknown, Welcome, FrameResult, Credit, Chunk, SubmapPoses, ScanState, Finished, ErrorMessage, Pong,
-                                   SnapshotEnd, TrajectoryPart>;
+                                   SnapshotEnd, TrajectoryPart, Resumed, NotResumed, GoAway>;
 
 }  // namespace hermite::wire

@@ -25,6 +25,9 @@ Result<ServerMessage> welcome_from(const v1::Welcome& message) {
   welcome.camera = camera_from(message.camera());
   if (Status status = validate(welcome.camera); !status.ok()) return in_context("welcome", status.error());
   welcome.title = message.title();
+  if (Status status = check_text("welcome.resume_token", message.resume_token(), kMaxTokenBytes); !status.ok()) return status.error();
+  welcome.resume_token = message.resume_token();
+  welcome.resume_window_s = message.resume_window_s();
   return ServerMessage(std::move(welcome));
 }
 
@@ -103,7 +106,8 @@ Result<ServerMessage> scan_state_from(v1::ScanState& message) {
   if (message.phase() < v1::SCAN_PHASE_RUNNING || message.phase() > v1::SCAN_PHASE_INTERRUPTED)
     return Error{ErrorCode::kUnsupported, "scan_state.phase is " + std::to_string(message.phase()) + ", known are 1 to 4"};
   return ServerMessage(ScanState{static_cast<ScanPhase>(message.phase()), std::move(*message.mutable_words()), message.frames_received(),
-                                 message.frames_processed(), message.frames_dropped(), message.keyframes(), message.loops()});
+                                 message.frames_processed(), message.frames_dropped(), message.keyframes(), message.loops(),
+                                 message.paused()});
 }
 
 Result<ServerMessage> trajectory_from(const v1::TrajectoryPart& message) {
@@ -138,6 +142,8 @@ struct Writer {
     for (const ColorCodec codec : welcome.color_codecs) out.add_color_codecs(static_cast<v1::ColorCodec>(codec));
     write_camera(welcome.camera, *out.mutable_camera());
     out.set_title(std::move(welcome.title));
+    out.set_resume_token(std::move(welcome.resume_token));
+    out.set_resume_window_s(welcome.resume_window_s);
   }
   void operator()(FrameResult& result) const {
     v1::FrameResult& out = *message.mutable_frame_result();
@@ -161,7 +167,18 @@ struct Writer {
     out.mutable_last_tracked()->set_sequence(result.last_tracked->sequence);
     out.mutable_last_tracked()->set_timestamp_s(result.last_tracked->timestamp_s);
   }
-  void operator()(Credit& credit) const { message.mutable_credit()->set_frames_granted(credit.frames_granted); }
+  void operator()(Credit& credit) const {
+    message.mutable_credit()->set_frames_granted(credit.frames_granted);
+    message.mutable_credit()->set_durable_frames(credit.durable_frames);
+  }
+  void operator()(Resumed& resumed) const {
+    v1::Resumed& out = *message.mutable_resumed();
+    out.set_next_sequence(resumed.next_sequence);
+    out.set_frames_granted(resumed.frames_granted);
+    out.set_durable_frames(resumed.durable_frames);
+  }
+  void operator()(NotResumed& refused) const { message.mutable_not_resumed()->set_reason(std::move(refused.reason)); }
+  void operator()(GoAway& away) const { message.mutable_go_away()->set_resume_after_ms(away.resume_after_ms); }
   void operator()(Chunk& chunk) const {
     v1::Chunk& out = *message.mutable_chunk();
     out.mutable_key()->set_submap(chunk.key.submap);
@@ -191,6 +208,7 @@ struct Writer {
     out.set_frames_dropped(state.frames_dropped);
     out.set_keyframes(state.keyframes);
     out.set_loops(state.loops);
+    out.set_paused(state.paused);
   }
   void operator()(Finished& finished) const {
     message.mutable_finished()->set_report_json(std::move(finished.report_json));
@@ -221,7 +239,7 @@ Result<ServerMessage> parse_server_message(std::string_view bytes, std::size_t m
   switch (message.body_case()) {
     case v1::ServerMessage::kWelcome: return welcome_from(message.welcome());
     case v1::ServerMessage::kFrameResult: return frame_result_from(*message.mutable_frame_result());
-    case v1::ServerMessage::kCredit: return ServerMessage(Credit{message.credit().frames_granted()});
+    case v1::ServerMessage::kCredit: return ServerMessage(Credit{message.credit().frames_granted(), message.credit().durable_frames()});
     case v1::ServerMessage::kChunk: return chunk_from(*message.mutable_chunk());
     case v1::ServerMessage::kSubmapPoses: return submap_poses_from(message.submap_poses());
     case v1::ServerMessage::kScanState: return scan_state_from(*message.mutable_scan_state());
@@ -233,6 +251,11 @@ Result<ServerMessage> parse_server_message(std::string_view bytes, std::size_t m
           ErrorMessage{message.error().code(), message.error().message(), message.error().about_frame(), message.error().sequence()});
     case v1::ServerMessage::kPong: return ServerMessage(Pong{message.pong().id()});
     case v1::ServerMessage::kSnapshotEnd: return ServerMessage(SnapshotEnd{});
+    case v1::ServerMessage::kResumed:
+      return ServerMessage(
+          Resumed{message.resumed().next_sequence(), message.resumed().frames_granted(), message.resumed().durable_frames()});
+    case v1::ServerMessage::kNotResumed: return ServerMessage(NotResumed{std::move(*message.mutable_not_resumed()->mutable_reason())});
+    case v1::ServerMessage::kGoAway: return ServerMessage(GoAway{message.go_away().resume_after_ms()});
     case v1::ServerMessage::kTrajectoryPart: return trajectory_from(message.trajectory_part());
     case v1::ServerMessage::BODY_NOT_SET: break;
   }

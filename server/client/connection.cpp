@@ -27,7 +27,7 @@ using Socket = websocket::stream<beast::tcp_stream>;
 using SteadyTime = std::chrono::steady_clock::time_point;
 
 // A server that answers no ping for so long is gone. Half of it is the interval of the pings, which also keeps proxies from closing (60 s).
-constexpr std::chrono::seconds kSilence(100);
+constexpr std::chrono::seconds kSilence(45);
 // Halves the cost of a write against Beast's 4 KiB.
 constexpr std::size_t kWriteBuffer_bytes = 65536;
 

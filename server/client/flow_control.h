@@ -16,7 +16,8 @@ using SteadyTime = std::chrono::steady_clock::time_point;
 // Frames the server has room for. The grants are totals since the start, so a repeated or late one changes nothing.
 class CreditWindow {
  public:
-  explicit CreditWindow(std::uint64_t frames_granted = 0) : granted_(frames_granted) {}
+  // Over a new connection both counts may be lower than they were.
+  explicit CreditWindow(std::uint64_t frames_granted = 0, std::uint64_t frames_sent = 0) : granted_(frames_granted), sent_(frames_sent) {}
   void grant_in_all(std::uint64_t frames_granted);
   bool available() const { return sent_ < granted_; }
   void take();  // CHECKs available()

@@ -1,14 +1,18 @@
 #include "server/client/stream.h"
 
 #include <algorithm>
+#include <random>
+#include <thread>
 #include <utility>
 #include <variant>
 
 #include "proto/wire/client_message.h"
 #include "proto/wire/server_message.h"
-#include "server/client/connection.h"
+#include "server/client/backoff.h"
 #include "server/client/depth_codec_choice.h"
 #include "server/client/frame_encoder.h"
+#include "server/client/link.h"
+#include "server/client/sent_frames.h"
 
 namespace hermite {
 namespace {
@@ -18,6 +22,8 @@ using Clock = std::chrono::steady_clock;
 // How long an interrupt or a report of progress may have to wait.
 constexpr std::chrono::milliseconds kTick(100);
 constexpr std::chrono::milliseconds kClosePatience(2000);
+// A server grants no more than its window (at most 256 frames) beyond what is durable; one that does must not take all memory.
+constexpr std::size_t kMaxKeptFrames = 256;
 
 double seconds_between(SteadyTime from, SteadyTime to) { return std::chrono::duration<double>(to - from).count(); }
 
@@ -29,37 +35,49 @@ Error error_from(const wire::ErrorMessage& said) {
   return {code, "the server says: " + said.message + " (" + said.code + ")"};
 }
 
-// What one scan knows of itself while it runs. Lives on one thread, beside its connection.
+// What one scan knows of itself while it runs, over one connection after the other. Lives on one thread.
 class Session {
  public:
-  Session(const Sequence& sequence, const StreamRequest& request, const StreamObserver& observer, Connection& connection)
-      : sequence_(sequence), request_(request), observer_(observer), connection_(connection) {
+  Session(const Sequence& sequence, const StreamRequest& request, const StreamObserver& observer)
+      : sequence_(sequence), request_(request), observer_(observer), link_(request.server), gate_(request.pacing) {
     progress_.frame_count = request.frames.count();
   }
-
-  Status greet();
-  Status pump();
-  Status finish();
+  Status run();
+  void close() { link_.close(kClosePatience); }
   StreamOutcome outcome() const { return {finished_->report_json, finished_->trajectory_tum, progress_}; }
 
  private:
+  Status connect();
+  Status greet();
+  Status pump();
+  Status finish();
+  Status resume(const Error& lost);
+  Status ask_to_resume();
+  Status wait_before_connecting(std::chrono::milliseconds wait);
   Status step(std::optional<SteadyTime> next_event);
   Status handle(const std::string& bytes);
   Status check_welcome() const;
-  Status send_frame(EncodedFrame encoded);
-  bool server_has_work() const;
+  Status number(EncodedFrame encoded);
+  void offer_frames(SteadyTime now);
+  void send_next_frame();
+  bool resumable() const { return welcome_ && !welcome_->resume_token.empty(); }
+  bool server_has_work();
   int interrupts() const { return observer_.interrupt_count ? observer_.interrupt_count() : 0; }
   void tell_problem(const std::string& words);
+  void tell_link(const std::string& words);
   void tell_progress();
 
   // One overload a body of the protocol.
   void receive(const wire::Welcome& welcome);
   void receive(const wire::FrameResult& result);
-  void receive(const wire::Credit& credit) { credit_.grant_in_all(credit.frames_granted); }
+  void receive(const wire::Credit& credit);
   void receive(const wire::ScanState& state);
   void receive(const wire::Finished& finished) { finished_ = finished; }
   void receive(const wire::ErrorMessage& error);
-  void receive(const wire::Pong&) {}
+  void receive(const wire::Pong& pong) { link_.answered(pong); }
+  void receive(const wire::Resumed& resumed) { resumed_ = resumed; }
+  void receive(const wire::NotResumed& refused);
+  void receive(const wire::GoAway& away);
   void receive(const wire::SubmapPoses&) {}
   void receive(const wire::Unknown&) { ++progress_.unknown_messages; }
   // For viewers; a camera that gets one anyway has no use for it.
@@ -70,16 +88,47 @@ class Session {
   const Sequence& sequence_;
   const StreamRequest& request_;
   const StreamObserver& observer_;
-  Connection& connection_;
+
+  Link link_;
+  bool link_lost_ = false;                              // what step() says then is no reason to give up the scan
+  std::optional<std::chrono::milliseconds> stay_away_;  // the server has said that it goes, and for how long
 
   StreamProgress progress_;
   CreditWindow credit_;
+  FrameGate gate_;
+  SentFrames frames_;
+  std::uint64_t next_result_ = 0;  // the results before have come; a rebuilt scan tells them again
   SteadyTime welcomed_at_;
   SteadyTime last_news_ = Clock::now();
   std::optional<wire::Welcome> welcome_;
+  std::optional<wire::Resumed> resumed_;
   std::optional<wire::Finished> finished_;
-  std::optional<Error> failure_;  // the server ended the scan
+  std::optional<Error> failure_;         // the server ended the scan
+  std::optional<FrameEncoder> encoder_;  // last: it ends before what it wakes
 };
+
+// The scan in a sentence: whatever happens to the link, frames and finish are said until the result is here.
+Status Session::run() {
+  if (Status status = connect(); !status.ok()) return status;
+  if (Status status = greet(); !status.ok()) return status;
+  const auto& accepted = welcome_->color_codecs;
+  const bool png_color = std::find(accepted.begin(), accepted.end(), wire::ColorCodec::kPng) != accepted.end();
+  encoder_.emplace(sequence_, FrameEncoder::Settings{.range = request_.frames, .encoding = {welcome_->depth_codec, png_color}},
+                   [this] { link_.wake(); });
+  for (;;) {
+    Status status = pump();
+    if (status.ok()) status = finish();
+    if (status.ok() || !link_lost_ || !resumable()) return status;
+    if (Status back = resume(status.error()); !back.ok()) return back;
+  }
+}
+
+Status Session::connect() {
+  if (Status status = link_.open(request_.connect_patience); !status.ok()) return status;
+  link_lost_ = false;
+  last_news_ = Clock::now();
+  return Done{};
+}
 
 Status Session::greet() {
   wire::StartScan start;
@@ -90,7 +139,7 @@ Status Session::greet() {
   start.mode = request_.pacing.newest_wins ? wire::Mode::kLive : wire::Mode::kBatch;
   start.settings = request_.settings;
   start.expected_frames = static_cast<std::uint64_t>(request_.frames.count());
-  connection_.send(
+  link_.connection().send(
       wire::format_client_message(wire::Hello{wire::kProtocolMinor, "hermite-client", request_.server.token, std::move(start)}));
 
   const SteadyTime deadline = Clock::now() + request_.connect_patience;
@@ -102,6 +151,61 @@ Status Session::greet() {
   return check_welcome();
 }
 
+// Tries until the server goes on with the scan, or says that it does not, or patience is at its end.
+Status Session::resume(const Error& lost) {
+  tell_link("connection lost with " + std::to_string(frames_.first_kept()) + " frames durable, trying to get it back: " + lost.message);
+  const SteadyTime deadline = Clock::now() + request_.reconnect_patience;
+  Backoff backoff(std::random_device{}());
+  Error last = lost;
+  for (;;) {
+    if (Status status = wait_before_connecting(
+            std::max(backoff.next(), std::exchange(stay_away_, std::nullopt).value_or(std::chrono::milliseconds(0))));
+        !status.ok())
+      return status;
+    if (Clock::now() >= deadline) return in_context("the connection could not be got back", last);
+    Status status = connect();
+    const bool nobody_there = !status.ok() && (status.error().code == ErrorCode::kIo || status.error().code == ErrorCode::kBusy);
+    if (!status.ok() && !nobody_there) return status;
+    if (status.ok()) status = ask_to_resume();
+    if (status.ok()) break;
+    if (!nobody_there && !link_lost_) return status;
+    last = status.error();
+  }
+  ++progress_.resumed_count;
+  tell_link("connected again, going on with frame " + std::to_string(frames_.sent_count()));
+  return Done{};
+}
+
+Status Session::wait_before_connecting(std::chrono::milliseconds wait) {
+  const SteadyTime until = Clock::now() + wait;
+  while (Clock::now() < until) {
+    if (interrupts() > 1) return Error{ErrorCode::kIo, "given up: interrupted twice"};
+    offer_frames(Clock::now());  // a live camera does not wait
+    tell_progress();
+    std::this_thread::sleep_until(std::min(until, Clock::now() + kTick));
+  }
+  return Done{};
+}
+
+Status Session::ask_to_resume() {
+  resumed_.reset();
+  link_.connection().send(
+      wire::format_client_message(wire::Hello{wire::kProtocolMinor, "hermite-client", request_.server.token,
+                                              wire::ResumeScan{welcome_->scan_id, welcome_->resume_token, frames_.first_kept()}}));
+  const SteadyTime deadline = Clock::now() + request_.connect_patience;
+  while (!resumed_) {
+    if (Status status = step(deadline); !status.ok()) return status;
+    if (!resumed_ && Clock::now() >= deadline) {
+      link_lost_ = true;
+      return Error{ErrorCode::kIo, "the server does not answer the request to resume"};
+    }
+  }
+  frames_.durable(resumed_->durable_frames);
+  if (Status status = frames_.resume_at(resumed_->next_sequence); !status.ok()) return status;
+  credit_ = CreditWindow(resumed_->frames_granted, resumed_->next_sequence);
+  return Done{};
+}
+
 Status Session::check_welcome() const {
   const auto& accepted = welcome_->color_codecs;
   if (std::find(accepted.begin(), accepted.end(), wire::ColorCodec::kJpeg) == accepted.end()) {
@@ -110,38 +214,43 @@ Status Session::check_welcome() const {
   return Done{};
 }
 
+// Sends frames again that the server does not have, then new ones, until all were sent.
 Status Session::pump() {
-  const auto& accepted = welcome_->color_codecs;
-  const bool png_color = std::find(accepted.begin(), accepted.end(), wire::ColorCodec::kPng) != accepted.end();
-  FrameEncoder encoder(sequence_, {.range = request_.frames, .encoding = {welcome_->depth_codec, png_color}},
-                       [this] { connection_.wake(); });
-  FrameGate gate(request_.pacing);
-  while (interrupts() == 0 && !(encoder.exhausted() && gate.empty())) {
+  for (;;) {
     const SteadyTime now = Clock::now();
-    while (gate.wants(now)) {
-      auto encoded = encoder.take();
-      if (!encoded) break;
-      gate.offer(*std::move(encoded), now);
-    }
-    progress_.dropped_frames = gate.dropped_count();
-    if (connection_.can_send()) {
-      if (auto encoded = gate.take(now, credit_.available())) {
-        if (Status status = send_frame(*std::move(encoded)); !status.ok()) return status;
+    offer_frames(now);
+    const bool all_taken = interrupts() > 0 || (encoder_->exhausted() && gate_.empty());
+    if (all_taken && !frames_.next()) return Done{};
+    if (link_.connection().can_send() && credit_.available()) {
+      const bool room = !all_taken && !frames_.next() && frames_.kept_count() < kMaxKeptFrames;
+      if (auto encoded = gate_.take(now, room)) {
+        if (Status status = number(*std::move(encoded)); !status.ok()) return status;
+      }
+      if (frames_.next()) {
+        send_next_frame();
         continue;  // the next one can get ready while this one is written
       }
     }
-    if (Status status = step(gate.next_event(now)); !status.ok()) return status;
+    if (Status status = step(gate_.next_event(now)); !status.ok()) return status;
     if (finished_) return Error{ErrorCode::kIo, "the server ended the scan before it had every frame"};
   }
-  return Done{};
+}
+
+void Session::offer_frames(SteadyTime now) {
+  while (gate_.wants(now)) {
+    auto encoded = encoder_->take();
+    if (!encoded) break;
+    gate_.offer(*std::move(encoded), now);
+  }
+  progress_.dropped_frames = gate_.dropped_count();
 }
 
 Status Session::finish() {
   progress_.finishing = true;
-  while (!connection_.can_send()) {
+  while (!link_.connection().can_send() && !finished_) {
     if (Status status = step(std::nullopt); !status.ok()) return status;
   }
-  connection_.send(wire::format_client_message(wire::Finish{}));
+  if (!finished_) link_.connection().send(wire::format_client_message(wire::Finish{}));
   while (!finished_) {
     if (Status status = step(std::nullopt); !status.ok()) return status;
   }
@@ -151,18 +260,22 @@ Status Session::finish() {
 
 // Waits for news, at most until `next_event`, and takes in all that came.
 Status Session::step(std::optional<SteadyTime> next_event) {
-  const std::uint64_t sent_bytes = connection_.sent_bytes();
-  connection_.wait_until(std::min(next_event.value_or(SteadyTime::max()), Clock::now() + kTick));
-  while (auto message = connection_.take_message()) {
+  const std::uint64_t sent_bytes = link_.connection().sent_bytes();
+  link_.connection().wait_until(std::min(next_event.value_or(SteadyTime::max()), Clock::now() + kTick));
+  while (auto message = link_.connection().take_message()) {
     if (Status status = handle(*message); !status.ok()) return status;
   }
   const SteadyTime now = Clock::now();
-  if (connection_.sent_bytes() != sent_bytes || !server_has_work()) last_news_ = now;
+  if (link_.connection().sent_bytes() != sent_bytes || !server_has_work()) last_news_ = now;
   tell_progress();
   if (failure_) return *failure_;
   if (finished_) return Done{};
   if (interrupts() > 1) return Error{ErrorCode::kIo, "given up: interrupted twice"};
-  if (const auto& ended = connection_.ended()) return *ended;
+  // One that goes away need not be waited for until it is gone.
+  link_lost_ = stay_away_ || link_.connection().ended();
+  if (stay_away_) return Error{ErrorCode::kIo, "the server is stopping"};
+  if (link_lost_) return *link_.connection().ended();
+  link_.ping(now);
   if (now - last_news_ > request_.silence_patience) {
     const auto patience_s = std::chrono::duration_cast<std::chrono::seconds>(request_.silence_patience).count();
     return Error{ErrorCode::kIo, "no word from the server for " + std::to_string(patience_s) + " s although it has work to do"};
@@ -170,9 +283,9 @@ Status Session::step(std::optional<SteadyTime> next_event) {
   return Done{};
 }
 
-bool Session::server_has_work() const {
+bool Session::server_has_work() {
   const std::uint64_t answered = progress_.processed_frames + progress_.server_dropped_frames;
-  return !welcome_ || progress_.finishing || !connection_.can_send() || credit_.sent() > answered;
+  return !welcome_ || progress_.finishing || !link_.connection().can_send() || credit_.sent() > answered;
 }
 
 Status Session::handle(const std::string& bytes) {
@@ -183,18 +296,26 @@ Status Session::handle(const std::string& bytes) {
   return Done{};
 }
 
-Status Session::send_frame(EncodedFrame encoded) {
+// The frame gets its number, and is sent until the server has it.
+Status Session::number(EncodedFrame encoded) {
   if (!encoded.problem.empty()) tell_problem(encoded.problem);
-  encoded.frame.sequence = credit_.sent();
+  encoded.frame.sequence = frames_.numbered_count();
   std::string message = wire::format_client_message(std::move(encoded.frame));
   if (message.size() > welcome_->max_message_bytes) {
     return Error{ErrorCode::kTooLarge, "frame " + std::to_string(encoded.index) + " takes " + std::to_string(message.size()) +
                                            " bytes, the server accepts " + std::to_string(welcome_->max_message_bytes)};
   }
-  credit_.take();
-  progress_.sent_frames = credit_.sent();
-  connection_.send(std::move(message));
+  frames_.add(std::move(message));
   return Done{};
+}
+
+void Session::send_next_frame() {
+  link_.connection().send(*frames_.next());
+  frames_.sent();
+  credit_.take();
+  progress_.sent_frames = std::max(progress_.sent_frames, frames_.sent_count());
+  // A server that does not let a camera come back never asks for a frame again.
+  if (!resumable()) frames_.durable(frames_.sent_count());
 }
 
 void Session::receive(const wire::Welcome& welcome) {
@@ -205,7 +326,15 @@ void Session::receive(const wire::Welcome& welcome) {
   credit_.grant_in_all(welcome.frame_credit);
 }
 
+void Session::receive(const wire::Credit& credit) {
+  credit_.grant_in_all(credit.frames_granted);
+  frames_.durable(credit.durable_frames);
+  progress_.durable_frames = std::max(progress_.durable_frames, credit.durable_frames);
+}
+
 void Session::receive(const wire::FrameResult& result) {
+  if (result.sequence < next_result_) return;
+  next_result_ = result.sequence + 1;
   ++progress_.processed_frames;
   if (result.status != wire::TrackingStatus::kLost) ++progress_.tracked_frames;
   progress_.last_result = result;
@@ -214,10 +343,21 @@ void Session::receive(const wire::FrameResult& result) {
 
 void Session::receive(const wire::ScanState& state) {
   progress_.server_dropped_frames = state.frames_dropped;
+  // Results that were told while there was no connection do not come again.
+  progress_.processed_frames = std::max(progress_.processed_frames, state.frames_processed);
   if (state.phase == wire::ScanPhase::kFinished) progress_.last_words = state.words;
   if (state.phase == wire::ScanPhase::kFailed || state.phase == wire::ScanPhase::kInterrupted) {
     if (!failure_) failure_ = Error{ErrorCode::kIo, "the scan failed on the server: " + state.words};
   }
+}
+
+void Session::receive(const wire::NotResumed& refused) {
+  failure_ = Error{ErrorCode::kIo, "the server does not go on with scan " + progress_.scan_id + ": " + refused.reason};
+}
+
+void Session::receive(const wire::GoAway& away) {
+  constexpr std::uint32_t kLongest_ms = 60'000;  // whatever the server thinks, somebody waits here
+  stay_away_ = std::chrono::milliseconds(std::min(away.resume_after_ms, kLongest_ms));
 }
 
 void Session::receive(const wire::ErrorMessage& error) {
@@ -233,8 +373,13 @@ void Session::tell_problem(const std::string& words) {
   if (observer_.on_problem) observer_.on_problem(words);
 }
 
+void Session::tell_link(const std::string& words) {
+  if (observer_.on_link) observer_.on_link(words);
+}
+
 void Session::tell_progress() {
-  progress_.sent_bytes = connection_.sent_bytes();
+  progress_.sent_bytes = link_.sent_bytes();
+  progress_.round_trip_ms = link_.round_trip_ms();
   progress_.elapsed_s = welcome_ ? seconds_between(welcomed_at_, Clock::now()) : 0;
   if (observer_.on_progress && welcome_) observer_.on_progress(progress_);
 }
@@ -242,13 +387,9 @@ void Session::tell_progress() {
 }  // namespace
 
 Result<StreamOutcome> stream_sequence(const Sequence& sequence, const StreamRequest& request, const StreamObserver& observer) {
-  auto connection = Connection::open(request.server, request.connect_patience);
-  if (!connection.ok()) return connection.error();
-  Session session(sequence, request, observer, **connection);
-  Status status = session.greet();
-  if (status.ok()) status = session.pump();
-  if (status.ok()) status = session.finish();
-  (*connection)->close(kClosePatience);
+  Session session(sequence, request, observer);
+  const Status status = session.run();
+  session.close();
   if (!status.ok()) return status.error();
   return session.outcome();
 }

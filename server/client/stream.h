@@ -1,4 +1,5 @@
-// Streams a recorded sequence to a Hermite server and waits for the result: connect, hello, frames, finish, report.
+// Streams a recorded sequence to a Hermite server and waits for the result: connect, hello, frames, finish, report. When the connection is
+// lost, or the server ends and is started again, it connects anew and goes on where the server is.
 #pragma once
 
 #include <chrono>
@@ -24,6 +25,8 @@ struct StreamRequest {
   std::map<std::string, std::string> settings;
   std::chrono::milliseconds connect_patience{10'000};   // for the WebSocket, then for the welcome
   std::chrono::milliseconds silence_patience{120'000};  // without a word from a server that has something to do
+  // So long it tries to get a lost connection back. More than the server's 120 s, which count from its start when it was down.
+  std::chrono::milliseconds reconnect_patience{600'000};
 };
 
 struct StreamProgress {
@@ -36,6 +39,9 @@ struct StreamProgress {
   std::uint64_t server_dropped_frames = 0;  // there (live)
   std::uint64_t problem_frames = 0;         // could not be read here, or not be used there
   std::uint64_t unknown_messages = 0;       // of a newer server
+  std::uint64_t durable_frames = 0;         // on the server's disk
+  std::uint64_t resumed_count = 0;          // times that a lost connection was got back
+  std::optional<double> round_trip_ms;      // of the last ping
   std::uint64_t sent_bytes = 0;
   std::optional<wire::FrameResult> last_result;
   std::string last_words;  // of the server about the finished scan; usually none
@@ -47,6 +53,7 @@ struct StreamProgress {
 struct StreamObserver {
   std::function<void(const StreamProgress&)> on_progress;    // several times a second
   std::function<void(const std::string& words)> on_problem;  // of one frame; the scan goes on
+  std::function<void(const std::string& words)> on_link;     // the connection is lost, or back
   std::function<void(const wire::FrameResult&)> on_event;    // a result with an event
   std::function<int()> interrupt_count;                      // 1: send no more frames and finish. 2: give up
 };
@@ -58,8 +65,9 @@ struct StreamOutcome {
 };
 
 // Blocks until the server's report is here or the scan has failed. Reads and encodes on a second thread.
-// Errors in words: those of Connection::open; what the server says when it ends the scan; the end of the connection before the report;
-// silence beyond the patience; kTooLarge for a frame above the server's limit for a message; kIo when given up by interrupt.
+// Errors in words: those of Connection::open; what the server says when it ends the scan, or why it does not go on with it; the end of the
+// connection before the report, when it could not be got back; silence beyond the patience; kTooLarge for a frame above the server's limit
+// for a message; kIo when given up by interrupt.
 Result<StreamOutcome> stream_sequence(const Sequence& sequence, const StreamRequest& request, const StreamObserver& observer);
 
 }  // namespace hermite

@@ -13,6 +13,7 @@ struct FrameQueue::Impl {
   std::condition_variable changed;
   std::deque<wire::Frame> frames;  // guarded by mutex, as `closed`
   bool closed = false;
+  bool discarded = false;
 
   explicit Impl(std::size_t frame_count) : capacity(frame_count) {}
 };
@@ -37,7 +38,13 @@ void FrameQueue::close(bool discard) {
   const std::lock_guard lock(impl_->mutex);
   impl_->closed = true;
   if (discard) impl_->frames.clear();
+  impl_->discarded = impl_->discarded || discard;
   impl_->changed.notify_one();
+}
+
+bool FrameQueue::discarded() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->discarded;
 }
 
 FrameQueue::Popped FrameQueue::pop(std::chrono::milliseconds patience) {

@@ -24,6 +24,8 @@ class FrameQueue {
   // No frames any more; `discard` drops those that wait. May be called again, to discard after all.
   void close(bool discard);
 
+  bool discarded() const;  // close(true) was called
+
   struct Popped {
     std::optional<wire::Frame> frame;
     bool closed = false;  // and empty: there will never be another frame

@@ -1,5 +1,6 @@
 #include "server/service/live_scan.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -9,43 +10,95 @@ namespace {
 
 Error broken_rule(const std::string& words) { return {ErrorCode::kInvalidArgument, words}; }
 
+constexpr const char* kDiscarded = "discarded by its camera";
+
 }  // namespace
 
-LiveScan::LiveScan(ScanTerms terms, std::shared_ptr<Audience> audience, std::function<void(const ScanEnd&)> on_ended)
-    : terms_(terms), audience_(std::move(audience)), on_ended_(std::move(on_ended)) {
+LiveScan::LiveScan(ScanTerms terms, const ScanPast& past, std::shared_ptr<Audience> audience, std::function<void(const ScanEnd&)> on_ended)
+    : terms_(std::move(terms)), audience_(std::move(audience)), on_ended_(std::move(on_ended)) {
+  counts_.received = past.received;
+  counts_.dropped = past.refused;
+  durable_ = past.received;
+  last_timestamp_s_ = past.last_timestamp_s;
+  finishing_ = past.finished;
   audience_->show_state(state(""));
 }
 
-void LiveScan::start(std::unique_ptr<ScanWorker> worker) { worker_ = std::move(worker); }
+void LiveScan::start(std::unique_ptr<ScanWorker> worker, std::unique_ptr<FrameLog> log) {
+  worker_ = std::move(worker);
+  log_ = std::move(log);
+  if (finishing_) worker_->finish();
+}
+
+std::uint64_t LiveScan::attach_camera(CameraLink camera) {
+  // The old link is none any more when it is told: what it answers means nothing here.
+  const std::optional<CameraLink> superseded = std::exchange(camera_, std::move(camera));
+  ++camera_number_;
+  waiting_since_.reset();
+  if (superseded) superseded->superseded();
+  return camera_number_;
+}
+
+Result<wire::Resumed> LiveScan::resume(std::uint64_t next_sequence) {
+  if (no_more_frames()) return Error{ErrorCode::kNotFound, "the scan is being ended: " + why_waiting_.message};
+  if (next_sequence > counts_.received) {
+    const Error lost{ErrorCode::kIo, "the server has frames 0 to " + std::to_string(counts_.received) +
+                                         " (exclusive) of the scan and the camera " + "only those from " + std::to_string(next_sequence) +
+                                         " on: the disk has lost what lies between"};
+    end_early(lost);
+    return lost;
+  }
+  return wire::Resumed{counts_.received, granted(), durable_};
+}
 
 void LiveScan::send(wire::ServerMessage message) {
   if (camera_) camera_->send(std::move(message));
 }
 
 wire::ScanState LiveScan::state(const std::string& words) const {
-  return {phase_, words, counts_.received, counts_.processed, counts_.dropped, keyframes_, loops_};
+  const bool paused = !over() && (paused_ || waiting_since_);
+  return {phase_, words, counts_.received, counts_.processed, counts_.dropped, keyframes_, loops_, paused};
 }
 
-// Every frame that was taken care of, in whatever way, makes room for another one.
-void LiveScan::grant() { send(wire::Credit{counts_.processed + counts_.dropped + terms_.credit_window}); }
+void LiveScan::show_state() {
+  std::string words;
+  if (paused_) words = "paused by its camera";
+  if (waiting_since_) words = "waiting for the camera to come back: " + why_waiting_.message;
+  const wire::ScanState now = state(words);
+  audience_->show_state(now);
+  send(now);
+}
+
+// Every frame that was taken care of, in whatever way, and is on disk makes room for another one. So the camera, which keeps a frame until
+// it is durable, keeps no more of them than its window has.
+std::uint64_t LiveScan::granted() const { return std::min(counts_.processed + counts_.dropped, durable_) + terms_.credit_window; }
+
+void LiveScan::grant() { send(wire::Credit{granted(), durable_}); }
 
 void LiveScan::refuse(std::uint64_t sequence, const Error& error) {
   send(wire::ErrorMessage{name_of(error.code), error.message, true, sequence});
 }
 
-Status LiveScan::receive(wire::Frame frame) {
-  if (over()) return Done{};  // it was under way when the scan ended
+// A disk that says no ends the scan, but breaks no rule of the camera's.
+Status LiveScan::log_record(RecordType type, std::string_view message) {
+  const Status logged = log_->append(type, std::string(message));
+  if (!logged.ok()) log_failed(logged.error());
+  return logged;
+}
+
+Status LiveScan::receive(wire::Frame frame, std::string_view message) {
+  if (no_more_frames()) return Done{};  // it was under way when the scan ended
   if (finishing_) return broken_rule("frame " + std::to_string(frame.sequence) + " came after finish");
   if (frame.sequence != counts_.received)
     return broken_rule("frame.sequence is " + std::to_string(frame.sequence) + ", expected is " + std::to_string(counts_.received) +
                        ": frames are numbered 0, 1, 2, ... without gaps");
-  const std::uint64_t granted = counts_.processed + counts_.dropped + terms_.credit_window;
-  if (counts_.received >= granted)
-    return broken_rule("frame " + std::to_string(frame.sequence) + " came without credit: granted are " + std::to_string(granted) +
+  if (counts_.received >= granted())
+    return broken_rule("frame " + std::to_string(frame.sequence) + " came without credit: granted are " + std::to_string(granted()) +
                        " frames in all");
   if (counts_.received >= kMaxFramesPerScan)
     return Error{ErrorCode::kTooLarge, "a scan has at most " + std::to_string(kMaxFramesPerScan) + " frames"};
   ++counts_.received;
+  if (paused_) pause(false);
 
   const double time_s = frame.timestamp_s;
   const bool usable = std::isfinite(time_s) && std::abs(time_s) <= kMaxTimestamp_s;
@@ -55,10 +108,11 @@ Status LiveScan::receive(wire::Frame frame) {
                                                : "frame.timestamp_s is " + std::to_string(time_s) + ", not after " +
                                                      std::to_string(*last_timestamp_s_) + " of the frame before"));
     ++counts_.dropped;
-    grant();
+    if (log_record(RecordType::kRefusedFrame, {}).ok()) grant();
     return Done{};
   }
   last_timestamp_s_ = time_s;
+  if (!log_record(RecordType::kFrame, message).ok()) return Done{};
   if (worker_->push(std::move(frame))) {
     ++counts_.dropped;
     grant();
@@ -67,18 +121,68 @@ Status LiveScan::receive(wire::Frame frame) {
 }
 
 void LiveScan::finish() {
+  if (finishing_ || no_more_frames()) return;
+  if (!log_record(RecordType::kFinish, {}).ok()) return;
   finishing_ = true;
-  if (worker_) worker_->finish();
+  worker_->finish();
 }
 
-void LiveScan::camera_left(const Error& why) {
+void LiveScan::pause(bool paused) {
+  if (no_more_frames() || paused_ == paused) return;
+  paused_ = paused;
+  show_state();
+}
+
+void LiveScan::discard() {
+  if (no_more_frames()) return;
+  why_waiting_ = {ErrorCode::kNotFound, kDiscarded};
+  ending_ = discarded_ = true;
+  if (worker_) worker_->abandon();
+}
+
+void LiveScan::end_early(const Error& why) {
+  if (no_more_frames() || finishing_) return;
+  ending_ = true;
+  why_waiting_ = why;
+  if (worker_) worker_->interrupt(why, false);
+}
+
+void LiveScan::camera_left(std::uint64_t link, const Error& why, bool broke_rule) {
+  if (link != camera_number_ || !camera_) return;
   camera_.reset();
-  if (worker_ && !finishing_) worker_->interrupt(why, false);
+  if (no_more_frames() || finishing_) return;
+  if (broke_rule || !resumable()) return end_early(why);
+  wait_for_camera(why);
+}
+
+void LiveScan::wait_for_camera(const Error& why) {
+  why_waiting_ = why;
+  waiting_since_ = Clock::now();
+  show_state();
+}
+
+void LiveScan::tick(Clock::time_point now) {
+  if (!waiting_since_ || now - *waiting_since_ < terms_.resume_window) return;
+  waiting_since_.reset();
+  end_early(why_waiting_);
 }
 
 void LiveScan::stop() {
-  if (worker_) worker_->interrupt({ErrorCode::kBusy, "the server was stopped during the scan"}, true);
+  const Error why{ErrorCode::kBusy, "the server was stopped during the scan"};
+  if (!worker_ || discarded_) return;
+  if (!resumable()) return worker_->interrupt(why, true);
+  // The frames are on disk and the camera can come back: nothing has to end.
+  ending_ = true;
+  why_waiting_ = why;
+  worker_->abandon();
 }
+
+void LiveScan::frames_durable(std::uint64_t count) {
+  durable_ = count;
+  if (!no_more_frames()) grant();
+}
+
+void LiveScan::log_failed(const Error& error) { end_early(in_context("the scan's frames cannot be stored", error)); }
 
 void LiveScan::frame_done(const FrameOutcome& outcome) {
   ++counts_.processed;
@@ -93,19 +197,26 @@ void LiveScan::model_changed(ModelUpdate update) {
   keyframes_ = update.keyframes;
   loops_ = update.loops;
   audience_->show_model(std::move(update));
-  const wire::ScanState now = state("");
-  audience_->show_state(now);
-  send(now);
+  show_state();
 }
 
 void LiveScan::ended(ScanEnd end) {
   worker_.reset();  // its thread is at its end: this was its last word
+  log_.reset();     // all of it is on disk from here on
+  if (discarded_) end = {wire::ScanPhase::kInterrupted, {ErrorCode::kNotFound, kDiscarded}, {}, kDiscarded, true};
+  ending_ = true;
+  waiting_since_.reset();
   phase_ = end.phase;
   on_ended_(end);
+  if (phase_ == wire::ScanPhase::kRunning) {
+    // Viewers are not told either: they will find it running.
+    if (camera_) camera_->go_away();
+    return;
+  }
   const wire::ScanState last = state(end.words);
   audience_->show_state(last);
   audience_->close();
-  if (phase_ != wire::ScanPhase::kFinished) send(wire::ErrorMessage{name_of(end.error.code), end.error.message, false, 0});
+  if (phase_ != wire::ScanPhase::kFinished && !discarded_) send(wire::ErrorMessage{name_of(end.error.code), end.error.message, false, 0});
   send(last);
   if (phase_ == wire::ScanPhase::kFinished) send(std::move(end.results));
   if (camera_) camera_->ended();

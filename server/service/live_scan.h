@@ -1,17 +1,21 @@
-// A running scan as the network thread sees it: checks the order and credit of its frames, hands them to the worker, and passes what the
-// worker tells on to the camera and the viewers. Everything here belongs to the network thread.
+// A running scan as the network thread sees it: checks the order and credit of its frames, hands them to the frame log and the worker, and
+// passes what these tell on to the camera and the viewers. It outlives the connection of its camera, for a while.
+// Everything here belongs to the network thread.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "core/base/result.h"
 #include "proto/wire/messages.h"
 #include "server/service/audience.h"
 #include "server/service/scan_worker.h"
+#include "server/store/frame_log.h"
 
 namespace hermite {
 
@@ -21,7 +25,9 @@ inline constexpr double kMaxTimestamp_s = 1e11;              // keeps six decima
 // To the camera of a scan.
 struct CameraLink {
   std::function<void(wire::ServerMessage)> send;
-  std::function<void()> ended;  // the scan is over, everything was sent
+  std::function<void()> ended;       // the scan is over, everything was sent
+  std::function<void()> superseded;  // another connection has taken the scan over
+  std::function<void()> go_away;     // the server stops, the scan does not: it goes on when there is a server again
 };
 
 struct FrameCounts {
@@ -33,24 +39,53 @@ struct FrameCounts {
 struct ScanTerms {
   wire::Mode mode = wire::Mode::kBatch;
   std::uint32_t credit_window = 16;  // frames
+  std::string resume_token_sha256;   // empty: the scan ends with its camera's connection
+  std::chrono::milliseconds resume_window{120'000};
+};
+
+// What an earlier server has taken of a scan, as its frame log has it.
+struct ScanPast {
+  std::uint64_t received = 0;  // frames, with the refused ones
+  std::uint64_t refused = 0;
+  std::optional<double> last_timestamp_s;
+  bool finished = false;  // nothing more is to come
 };
 
 class LiveScan {
  public:
+  using Clock = std::chrono::steady_clock;
+
   // `on_ended` is called once, when the results are written (or not); it may destroy nothing of this scan.
-  LiveScan(ScanTerms terms, std::shared_ptr<Audience> audience, std::function<void(const ScanEnd&)> on_ended);
+  LiveScan(ScanTerms terms, const ScanPast& past, std::shared_ptr<Audience> audience, std::function<void(const ScanEnd&)> on_ended);
 
-  // The worker; between construction and the first frame. Not in the constructor since the worker's events lead back here.
-  void start(std::unique_ptr<ScanWorker> worker);
+  // The worker and the log; between construction and the first frame. Not in the constructor since their events lead back here.
+  void start(std::unique_ptr<ScanWorker> worker, std::unique_ptr<FrameLog> log);
 
-  void attach_camera(CameraLink camera) { camera_ = std::move(camera); }
+  // The camera from now on; one that was there before is told that it is superseded. The number names this link in camera_left().
+  std::uint64_t attach_camera(CameraLink camera);
+
+  // For a camera that comes back and still has the frames from `next_sequence` on. An error, in words for it, when it cannot go on.
+  Result<wire::Resumed> resume(std::uint64_t next_sequence);
 
   // An error breaks the rules of order or credit: the session is to be closed. Anything else wrong with a frame is told to the camera and
-  // the scan goes on.
-  Status receive(wire::Frame frame);
+  // the scan goes on. `message` is the whole message that the frame came in.
+  Status receive(wire::Frame frame, std::string_view message);
   void finish();
-  void camera_left(const Error& why);  // nothing more comes from it, and nothing is sent to it
-  void stop();                         // the server is stopping
+  void pause(bool paused);
+  void discard();
+
+  // Nothing more comes over that link, and nothing is sent to it. The scan waits for another one if the camera can come back, and did not
+  // break a rule.
+  void camera_left(std::uint64_t link, const Error& why, bool broke_rule);
+
+  void wait_for_camera(const Error& why);  // of a scan with a past that is not finished
+
+  void tick(Clock::time_point now);  // now and then: ends a wait that has taken too long
+  void stop();                       // the server is stopping
+
+  // Told by the log, through the network thread.
+  void frames_durable(std::uint64_t count);
+  void log_failed(const Error& error);
 
   // Told by the worker, through the network thread.
   void frame_done(const FrameOutcome& outcome);
@@ -60,24 +95,39 @@ class LiveScan {
   const FrameCounts& counts() const { return counts_; }
   const Audience& audience() const { return *audience_; }
   std::shared_ptr<Audience> shared_audience() const { return audience_; }
+  const std::string& resume_token_sha256() const { return terms_.resume_token_sha256; }
   bool over() const { return phase_ != wire::ScanPhase::kRunning; }
 
  private:
   void send(wire::ServerMessage message);
   void refuse(std::uint64_t sequence, const Error& error);
   void grant();
+  std::uint64_t granted() const;
+  bool no_more_frames() const { return over() || ending_; }
+  bool resumable() const { return !terms_.resume_token_sha256.empty(); }
+  Status log_record(RecordType type, std::string_view message);
+  void end_early(const Error& why);
+  void show_state();
   wire::ScanState state(const std::string& words) const;
 
   const ScanTerms terms_;
   const std::shared_ptr<Audience> audience_;
   const std::function<void(const ScanEnd&)> on_ended_;
   std::unique_ptr<ScanWorker> worker_;
+  std::unique_ptr<FrameLog> log_;
   std::optional<CameraLink> camera_;
+  std::uint64_t camera_number_ = 0;                 // of the links so far
+  std::optional<Clock::time_point> waiting_since_;  // for a camera to come back
+  Error why_waiting_;
   wire::ScanPhase phase_ = wire::ScanPhase::kRunning;
   FrameCounts counts_;
+  std::uint64_t durable_ = 0;                // frames
   std::uint64_t keyframes_ = 0, loops_ = 0;  // as of the last update of the model
   std::optional<double> last_timestamp_s_;
-  bool finishing_ = false;
+  bool finishing_ = false;  // every frame was received
+  bool ending_ = false;     // before every frame was: nothing more is received
+  bool discarded_ = false;
+  bool paused_ = false;  // by its camera
 };
 
 }  // namespace hermite

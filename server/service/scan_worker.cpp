@@ -17,6 +17,7 @@
 #include "proto/wire/frame_payload.h"
 #include "proto/wire/server_message.h"
 #include "server/service/frame_queue.h"
+#include "server/service/replay.h"
 #include "server/service/results.h"
 #include "server/store/chunk_file.h"
 
@@ -96,6 +97,7 @@ class ScanRun {
       : setup_(setup),
         events_(events),
         queue_(queue),
+        replay_(setup.log_folder, setup.replayed_record_count),
         pipeline_(setup.device, setup.camera, setup.options, make_mapping(setup.camera, setup.options.adjust, setup.correction_time)) {}
 
   // While the GPU works on a frame, other threads decode the next one and encode what the last ones have changed.
@@ -103,12 +105,15 @@ class ScanRun {
     DecodingFrame next;
     for (;;) {
       if (!next) {
-        FrameQueue::Popped popped = queue_.pop(encoding_.valid() ? kEncodingPatience : kUpdatePeriod);
-        if (popped.closed) return Done{};
-        if (popped.frame) next = decode(*std::move(popped.frame));
+        Result<FrameQueue::Popped> popped = pop(encoding_.valid() ? kEncodingPatience : kUpdatePeriod);
+        if (!popped.ok()) return popped.error();
+        if (popped->closed) return Done{};
+        if (popped->frame) next = decode(*std::move(popped->frame));
       }
       if (next) {
-        const DecodingFrame now = std::exchange(next, decode_waiting());
+        Result<DecodingFrame> waiting = decode_waiting();
+        if (!waiting.ok()) return waiting.error();
+        const DecodingFrame now = std::exchange(next, *std::move(waiting));
         if (Status status = take_frame(*now); !status.ok()) return status;
       }
       if (Status status = tell_viewers_if_encoded(); !status.ok()) return status;
@@ -160,9 +165,19 @@ class ScanRun {
   }
 
   // The next frame, if it is there already.
-  DecodingFrame decode_waiting() {
-    FrameQueue::Popped popped = queue_.pop(std::chrono::milliseconds(0));
-    return popped.frame ? decode(*std::move(popped.frame)) : nullptr;
+  Result<DecodingFrame> decode_waiting() {
+    Result<FrameQueue::Popped> popped = pop(std::chrono::milliseconds(0));
+    if (!popped.ok()) return popped.error();
+    return popped->frame ? decode(*std::move(popped->frame)) : nullptr;
+  }
+
+  // From the log, as long as there is something in it to be done again, then from the queue.
+  Result<FrameQueue::Popped> pop(std::chrono::milliseconds patience) {
+    if (queue_.discarded()) return FrameQueue::Popped{std::nullopt, true};
+    Result<std::optional<wire::Frame>> logged = replay_.next();
+    if (!logged.ok()) return logged.error();
+    if (*logged) return FrameQueue::Popped{**std::move(logged), false};
+    return queue_.pop(patience);
   }
 
   Status take_frame(Decoding& decoding) {
@@ -231,6 +246,7 @@ class ScanRun {
   const ScanSetup& setup_;
   const ScanEvents& events_;
   FrameQueue& queue_;
+  Replay replay_;
   Pipeline pipeline_;
   ChunkedModel model_;
   std::set<ChunkKey> filled_;  // chunks that have points
@@ -251,6 +267,7 @@ struct ScanWorker::Impl {
   std::mutex mutex;
   std::optional<Error> interrupted;  // guarded by mutex; why the scan ended early
   bool finishing = false;            // guarded by mutex
+  bool abandoned = false;            // guarded by mutex
   std::thread thread;
 
   Impl(ScanSetup scan_setup, ScanEvents scan_events)
@@ -261,9 +278,15 @@ struct ScanWorker::Impl {
     return interrupted;
   }
 
+  bool is_abandoned() {
+    const std::lock_guard lock(mutex);
+    return abandoned;
+  }
+
   ScanEnd run() try {
     ScanRun scan(setup, events, queue);
     if (Status status = scan.take_frames(); !status.ok()) return failure(status.error());
+    if (is_abandoned()) return {wire::ScanPhase::kRunning, {}, {}, {}};
     Result<wire::Finished> results = scan.write();
     if (!results.ok()) return failure(results.error());
     if (const std::optional<Error> reason = why_interrupted())
@@ -299,6 +322,14 @@ void ScanWorker::finish() {
     impl_->finishing = true;
   }
   impl_->queue.close(false);
+}
+
+void ScanWorker::abandon() {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->abandoned = true;
+  }
+  impl_->queue.close(true);
 }
 
 void ScanWorker::interrupt(const Error& reason, bool discard) {

@@ -35,6 +35,9 @@ struct ScanSetup {
   std::size_t queue_capacity = 16;  // frames
   std::string folder;               // for the results; exists
   CorrectionTime correction_time = CorrectionTime::kByFrames;
+  // Of a scan that a server before this one began: the first so many records of its frame log come before all that is pushed.
+  std::string log_folder;
+  std::uint64_t replayed_record_count = 0;
 };
 
 struct FrameOutcome {
@@ -57,10 +60,11 @@ struct ModelUpdate {
 };
 
 struct ScanEnd {
-  wire::ScanPhase phase = wire::ScanPhase::kFinished;
-  Error error;             // when failed, or why it was interrupted
-  wire::Finished results;  // when not failed
-  std::string words;       // for a person: the error's, or what is left to say about the map
+  wire::ScanPhase phase = wire::ScanPhase::kFinished;  // running: abandoned
+  Error error;                                         // when failed, or why it was interrupted
+  wire::Finished results;                              // when not failed
+  std::string words;                                   // for a person: the error's, or what is left to say about the map
+  bool discarded = false;                              // nothing of it is to be kept
 };
 
 // The last event is `ended`, always and once.
@@ -87,6 +91,9 @@ class ScanWorker {
   // As finish(), but ends as interrupted for the reason given. With `discard` frames in the queue are dropped.
   // After finish() only a discard has an effect.
   void interrupt(const Error& reason, bool discard);
+
+  // Ends after the frame in work, without results: the phase that is told is `running`.
+  void abandon();
 
  private:
   struct Impl;

@@ -11,8 +11,10 @@
 #include <utility>
 
 #include "core/dataset/trajectory.h"
+#include "proto/wire/client_message.h"
 #include "proto/wire/frame_payload.h"
 #include "proto/wire/server_message.h"
+#include "server/service/access.h"
 #include "server/store/chunk_file.h"
 #include "server/store/scan_id.h"
 
@@ -102,94 +104,204 @@ void show_files(const std::string& folder, Audience& audience) {
   audience.show_model(model_of(*std::move(stored)));
 }
 
+bool resume_token_fits(const std::string& token, const std::string& sha256) {
+  return !sha256.empty() && tokens_equal(sha256_hex(token), sha256);
+}
+
+Error wrong_resume_token() { return {ErrorCode::kUnauthorized, "resume_scan.resume_token is not the one of this scan"}; }
+
 }  // namespace
 
 Scans::Scans(ScansOptions options, const DataDirectory& data, Store& store, Post post)
     : options_(std::move(options)), data_(data), store_(store), post_(std::move(post)) {
-  const Result<int> interrupted = store_.interrupt_running("the server ended during the scan", now_ms());
-  if (!interrupted.ok()) throw SetupError(interrupted.error());
-  if (*interrupted > 0) spdlog::warn("{} scan(s) of an earlier run were left unfinished and are now interrupted", *interrupted);
+  const Result<std::vector<ScanRow>> left = store_.running();
+  if (!left.ok()) throw SetupError(left.error());
+  for (ScanRow row : *left) {
+    const Status rebuilt = rebuild(row);
+    if (rebuilt.ok()) continue;
+    row.phase = ScanPhase::kInterrupted;
+    row.words = "the server ended during the scan, and it cannot be gone on with: " + rebuilt.error().message;
+    row.finished_at_ms = now_ms();
+    spdlog::warn("scan {}: {}", row.id, row.words);
+    if (Status status = store_.update(row); !status.ok()) throw SetupError(status.error());
+  }
 }
 
-ScanEvents Scans::events_for(const std::shared_ptr<LiveScan>& scan) const {
-  // Weak: an event that is still under way must not keep a scan alive, nor its worker.
-  const auto deliver = [post = post_, weak = std::weak_ptr(scan)](auto tell) {
-    post([weak, tell = std::move(tell)]() mutable {
-      if (const std::shared_ptr<LiveScan> target = weak.lock()) tell(*target);
-    });
-  };
+template <class Tell>
+void Scans::deliver(const Launch& launch, Tell tell) const {
+  post_([self = launch.self, tell = std::move(tell)]() mutable {
+    // Weak: an event that is still under way must not keep a scan alive, nor its worker.
+    if (const std::shared_ptr<LiveScan> target = self->lock()) tell(*target);
+  });
+}
+
+ScanEvents Scans::worker_events(const Launch& launch) const {
   ScanEvents events;
-  events.frame_done = [deliver](FrameOutcome outcome) {
-    deliver([outcome = std::move(outcome)](LiveScan& target) { target.frame_done(outcome); });
+  events.frame_done = [this, launch](FrameOutcome outcome) {
+    deliver(launch, [outcome = std::move(outcome)](LiveScan& target) { target.frame_done(outcome); });
   };
-  events.model_changed = [deliver](ModelUpdate update) {
-    deliver([update = std::move(update)](LiveScan& target) mutable { target.model_changed(std::move(update)); });
+  events.model_changed = [this, launch](ModelUpdate update) {
+    deliver(launch, [update = std::move(update)](LiveScan& target) mutable { target.model_changed(std::move(update)); });
   };
-  events.ended = [deliver](ScanEnd end) { deliver([end = std::move(end)](LiveScan& target) mutable { target.ended(std::move(end)); }); };
+  events.ended = [this, launch](ScanEnd end) {
+    deliver(launch, [end = std::move(end)](LiveScan& target) mutable { target.ended(std::move(end)); });
+  };
   return events;
 }
 
-Result<StartedScan> Scans::start(const wire::StartScan& request) {
+FrameLogEvents Scans::log_events(const Launch& launch) const {
+  return {[this, launch](std::uint64_t count) { deliver(launch, [count](LiveScan& target) { target.frames_durable(count); }); },
+          [this, launch](const Error& error) { deliver(launch, [error](LiveScan& target) { target.log_failed(error); }); }};
+}
+
+Result<StartedScan> Scans::start(const wire::StartScan& request, bool resumable) {
   if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
   if (running_.size() >= static_cast<std::size_t>(options_.max_running))
     return Error{ErrorCode::kBusy,
                  "this server runs at most " + std::to_string(options_.max_running) + " scans at once; try again when one has ended"};
-  Options options;
-  for (const auto& [key, value] : request.settings)
-    if (Status status = apply_setting(options, key, value); !status.ok()) return in_context("start_scan.settings", status.error());
+  const std::size_t max_message_bytes = wire::max_frame_message_bytes(request.camera);
+  const std::string resume_token = resumable ? random_hex(kResumeTokenBytes) : "";
+  Launch launch;
+  launch.record = {resumable ? sha256_hex(resume_token) : "", options_.gpu_memory_mb / options_.max_running,
+                   static_cast<std::uint32_t>(std::clamp<std::size_t>(kMaxQueuedBytes / max_message_bytes, 1, options_.credit_window)),
+                   request};
+  Result<Options> options = options_of(launch.record);
+  if (!options.ok()) return options.error();
+  launch.options = *options;
 
-  if (const int share_mb = options_.gpu_memory_mb / options_.max_running; share_mb > 0) {
-    int& wanted_mb = options.map.gpu_memory_mb;
-    wanted_mb = wanted_mb == 0 ? share_mb : std::min(wanted_mb, share_mb);
-  }
-
-  ScanRow row;
+  ScanRow& row = launch.row;
   row.id = new_scan_id();
   row.title = request.title;
   row.camera = request.camera;
   row.created_at_ms = now_ms();
   if (Status status = data_.create_scan_folder(row.id); !status.ok()) return status.error();
-  if (Status status = store_.add(row); !status.ok()) {
+  Result<std::unique_ptr<FrameLog>> log =
+      FrameLog::create(data_.log_folder(row.id), format_terms(launch.record), format_start(launch.record), log_events(launch));
+  const Status added = log.ok() ? store_.add(row) : Status(log.error());
+  if (!added.ok()) {
     if (Status removed = data_.remove_scan_folder(row.id); !removed.ok()) spdlog::error("{}", removed.error().message);
-    return status.error();
+    return added.error();
   }
-
-  const std::size_t max_message_bytes = wire::max_frame_message_bytes(request.camera);
-  const auto window = static_cast<std::uint32_t>(std::clamp<std::size_t>(kMaxQueuedBytes / max_message_bytes, 1, options_.credit_window));
-  const bool live = request.mode == wire::Mode::kLive;
-  auto audience = std::make_shared<Audience>(SceneInfo{row.id, row.title, row.camera});
-  auto scan = std::make_shared<LiveScan>(ScanTerms{request.mode, window}, audience, [this, row](const ScanEnd& end) { ended(row, end); });
-  running_[row.id] = scan;
-  const std::size_t queue_capacity = live ? std::min<std::size_t>(window, kLiveQueueFrames) : window;
-  scan->start(
-      std::make_unique<ScanWorker>(ScanSetup{options_.device, request.camera, options, request.depth_codecs.front(), queue_capacity,
-                                             data_.scan_folder(row.id), live ? CorrectionTime::kWhenReady : CorrectionTime::kByFrames},
-                                   events_for(scan)));
-  spdlog::info("scan {} started: {}x{}, {}", row.id, row.camera.width, row.camera.height, live ? "live" : "batch");
+  std::shared_ptr<LiveScan> scan = run(launch, {*std::move(log), {}});
+  spdlog::info("scan {} started: {}x{}, {}", row.id, row.camera.width, row.camera.height,
+               request.mode == wire::Mode::kLive ? "live" : "batch");
 
   wire::Welcome welcome;
   welcome.scan_id = row.id;
   welcome.max_message_bytes = max_message_bytes;
-  welcome.frame_credit = window;
+  welcome.frame_credit = launch.record.credit_window;
   welcome.depth_codec = request.depth_codecs.front();
   welcome.camera = row.camera;
   welcome.title = row.title;
+  welcome.resume_token = resume_token;
+  if (resumable) welcome.resume_window_s = static_cast<std::uint32_t>(options_.resume_window.count() / 1000);
   return StartedScan{std::move(scan), std::move(welcome)};
+}
+
+std::shared_ptr<LiveScan> Scans::run(const Launch& launch, FrameLog::Opened opened) {
+  const ScanRow& row = launch.row;
+  const wire::StartScan& request = launch.record.request;
+  ScanPast past{opened.contents.frame_count, opened.contents.refused_count, std::nullopt, opened.contents.finished};
+  if (const auto last = wire::parse_client_message(opened.contents.last_frame, kMaxRecordBytes); last.ok())
+    if (const wire::Frame* frame = std::get_if<wire::Frame>(&*last)) past.last_timestamp_s = frame->timestamp_s;
+  const bool live = request.mode == wire::Mode::kLive;
+  const std::uint32_t window = launch.record.credit_window;
+  auto audience = std::make_shared<Audience>(SceneInfo{row.id, row.title, row.camera});
+  auto scan = std::make_shared<LiveScan>(ScanTerms{request.mode, window, launch.record.resume_token_sha256, options_.resume_window}, past,
+                                         audience, [this, row](const ScanEnd& end) { ended(row, end); });
+  *launch.self = scan;
+  running_[row.id] = scan;
+  ScanSetup setup{options_.device,
+                  request.camera,
+                  launch.options,
+                  request.depth_codecs.front(),
+                  live ? std::min<std::size_t>(window, kLiveQueueFrames) : window,
+                  data_.scan_folder(row.id),
+                  live ? CorrectionTime::kWhenReady : CorrectionTime::kByFrames,
+                  data_.log_folder(row.id),
+                  opened.contents.record_count};
+  scan->start(std::make_unique<ScanWorker>(std::move(setup), worker_events(launch)), std::move(opened.log));
+  return scan;
+}
+
+Status Scans::rebuild(const ScanRow& row) {
+  Launch launch;
+  launch.row = row;
+  Result<FrameLog::Opened> opened = FrameLog::open(data_.log_folder(row.id), log_events(launch));
+  if (!opened.ok()) return opened.error();
+  const LogContents contents = opened->contents;
+  Result<ScanRecord> record = parse_scan_record(contents.terms, contents.start);
+  if (!record.ok()) return record.error();
+  launch.record = *std::move(record);
+  launch.row.camera = launch.record.request.camera;  // the row has no lens
+  Result<Options> options = options_of(launch.record);
+  if (!options.ok()) return options.error();
+  launch.options = *options;
+  const std::shared_ptr<LiveScan> scan = run(launch, *std::move(opened));
+  spdlog::info("scan {} goes on: {} frames in its log{}{}", row.id, contents.frame_count,
+               contents.cut.empty() ? "" : "; cut: ", contents.cut);
+  if (!contents.finished) scan->wait_for_camera({ErrorCode::kIo, "the server ended during the scan"});
+  return Done{};
+}
+
+Result<ResumedScan> Scans::resume(const wire::ResumeScan& request) {
+  if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
+  const auto running = running_.find(request.scan_id);
+  if (running == running_.end()) {
+    const Result<ScanRow> row = find(request.scan_id);
+    return row.ok() ? last_words(*row, request) : row.error();
+  }
+  const std::shared_ptr<LiveScan> scan = running->second;
+  if (!resume_token_fits(request.resume_token, scan->resume_token_sha256())) return wrong_resume_token();
+  const Result<wire::Resumed> resumed = scan->resume(request.next_sequence);
+  if (!resumed.ok()) return resumed.error();
+  return ResumedScan{scan, wire::max_frame_message_bytes(scan->audience().info().camera), *resumed, {}};
+}
+
+// For a camera that was away when its scan ended.
+Result<ResumedScan> Scans::last_words(const ScanRow& row, const wire::ResumeScan& request) {
+  FrameLogReader log(data_.log_folder(row.id));
+  const Result<std::optional<LogRecord>> terms = log.next(), start = log.next();
+  if (!terms.ok() || !start.ok() || !*terms || !*start) return Error{ErrorCode::kNotFound, "the scan has ended, and its log is gone"};
+  const Result<ScanRecord> record = parse_scan_record((*terms)->payload, (*start)->payload);
+  if (!record.ok()) return record.error();
+  if (!resume_token_fits(request.resume_token, record->resume_token_sha256)) return wrong_resume_token();
+  if (row.phase != ScanPhase::kFinished)
+    return Error{ErrorCode::kNotFound, std::string("the scan is ") + name_of(row.phase) + ": " + row.words};
+  ResumedScan found;
+  const auto received = static_cast<std::uint64_t>(row.frames_received);
+  found.resumed = {received, received, received};
+  wire::ScanState state{wire::ScanPhase::kFinished, row.words, received, static_cast<std::uint64_t>(row.frames_processed),
+                        static_cast<std::uint64_t>(row.frames_dropped)};
+  read_map_counts(data_.scan_folder(row.id), state);
+  Result<std::string> report = read_file(data_.scan_folder(row.id) + "/report.json");
+  if (!report.ok()) return report.error();
+  Result<std::string> trajectory = read_file(data_.scan_folder(row.id) + "/trajectory.txt");
+  if (!trajectory.ok()) return trajectory.error();
+  found.last_words = {found.resumed, std::move(state), wire::Finished{*std::move(report), *std::move(trajectory)}};
+  return found;
 }
 
 void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   ScanRow row = with_counts(started);
+  const auto running = running_.find(row.id);
+  // Not at once: this is called by the scan itself.
+  post_([scan = running->second] {});
+  if (end.phase == wire::ScanPhase::kRunning) {
+    spdlog::info("scan {} is left running, with {} frames in its log", row.id, row.frames_received);
+    running_.erase(running);
+    return;
+  }
   row.phase = stored_phase(end.phase);
   row.words = end.words;
   row.finished_at_ms = now_ms();
   if (Status status = store_.update(row); !status.ok()) spdlog::error("scan {}: {}", row.id, status.error().message);
   spdlog::info("scan {} {}: {} frames received, {} processed, {} dropped{}{}", row.id, name_of(row.phase), row.frames_received,
                row.frames_processed, row.frames_dropped, row.words.empty() ? "" : "; ", row.words);
-  const auto running = running_.find(row.id);
   read_again_[row.id] = running->second->shared_audience();
-  // Not at once: this is called by the scan itself.
-  post_([scan = running->second] {});
   running_.erase(running);
+  if (!end.discarded) return;
+  if (Status status = remove(row.id); !status.ok()) spdlog::error("scan {}: {}", row.id, status.error().message);
 }
 
 ScanRow Scans::with_counts(ScanRow row) const {
@@ -248,6 +360,10 @@ Result<std::string> Scans::file_of(const std::string& scan_id, const std::string
   if (running_.contains(scan_id) || lstat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode))
     return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + name + (running_.contains(scan_id) ? " yet" : "")};
   return path;
+}
+
+void Scans::tick(LiveScan::Clock::time_point now) {
+  for (const auto& [id, scan] : running_) scan->tick(now);
 }
 
 void Scans::stop() {

@@ -1,6 +1,7 @@
 // All scans of this server: those that run and those that have ended. Belongs to the network thread; only the scans' workers run beside it.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -11,6 +12,7 @@
 #include "core/base/result.h"
 #include "proto/wire/messages.h"
 #include "server/service/live_scan.h"
+#include "server/service/scan_record.h"
 #include "server/store/data_directory.h"
 #include "server/store/store.h"
 
@@ -22,8 +24,9 @@ inline constexpr std::size_t kMaxQueuedBytes = 128 * 1024 * 1024;
 struct ScansOptions {
   std::string device;  // as for Pipeline
   int max_running = 4;
-  std::uint32_t credit_window = 16;  // frames, at most
-  int gpu_memory_mb = 0;             // of all scans together, in equal shares; 0: as much as there is
+  std::uint32_t credit_window = 16;                  // frames, at most
+  int gpu_memory_mb = 0;                             // of all scans together, in equal shares; 0: as much as there is
+  std::chrono::milliseconds resume_window{120'000};  // so long a scan waits for its lost camera
 };
 
 // What a camera is told of the scan it has started.
@@ -32,16 +35,29 @@ struct StartedScan {
   wire::Welcome welcome;
 };
 
+// What a camera that comes back finds: its scan still running, or what has become of it.
+struct ResumedScan {
+  std::shared_ptr<LiveScan> scan;     // null: it has ended, and `last_words` are all that there is to say
+  std::size_t max_message_bytes = 0;  // as in its Welcome
+  wire::Resumed resumed;
+  std::vector<wire::ServerMessage> last_words;
+};
+
 class Scans {
  public:
   // Runs a function on the network thread, soon. Callable from every thread.
   using Post = std::function<void(std::function<void()>)>;
 
-  // Marks scans that a dead server left running as interrupted. `data` and `store` outlive this. Throws SetupError when the store cannot.
+  // Goes on with the scans that an earlier server left running, from their frame logs; those without a usable one are interrupted.
+  // `data` and `store` outlive this. Throws SetupError when the store cannot. Blocks while the logs are read.
   Scans(ScansOptions options, const DataDirectory& data, Store& store, Post post);
 
   // kBusy: max_running scans are running, or the server is stopping. kInvalidArgument: a setting. kIo: the store or the disk.
-  Result<StartedScan> start(const wire::StartScan& request);
+  // The camera can come back to a resumable one.
+  Result<StartedScan> start(const wire::StartScan& request, bool resumable);
+
+  // Any error means that the camera cannot go on; its words say why.
+  Result<ResumedScan> resume(const wire::ResumeScan& request);
 
   // kNotFound: no such scan. A scan that has ended is read from its files; one without files (failed) has nothing but its state.
   Result<std::shared_ptr<Audience>> watch(const std::string& scan_id);
@@ -56,11 +72,25 @@ class Scans {
   // Path of a result file of a scan that has ended. kNotFound: no such scan, or it has no such file.
   Result<std::string> file_of(const std::string& scan_id, const std::string& name);
 
-  void stop();  // no new scans; those that run end as interrupted, with results
+  void tick(LiveScan::Clock::time_point now);  // now and then: ends scans that have waited too long for their camera
+  void stop();  // no new scans; those that run end as interrupted, with results, or go on when there is a server again
   std::size_t running_count() const { return running_.size(); }
 
  private:
-  ScanEvents events_for(const std::shared_ptr<LiveScan>& scan) const;
+  // A scan on its way from a row to being one of those that run. Its worker and log find it through `self`.
+  struct Launch {
+    ScanRow row;
+    ScanRecord record;
+    Options options;
+    std::shared_ptr<std::weak_ptr<LiveScan>> self = std::make_shared<std::weak_ptr<LiveScan>>();
+  };
+  template <class Tell>
+  void deliver(const Launch& launch, Tell tell) const;
+  ScanEvents worker_events(const Launch& launch) const;
+  FrameLogEvents log_events(const Launch& launch) const;
+  std::shared_ptr<LiveScan> run(const Launch& launch, FrameLog::Opened opened);
+  Status rebuild(const ScanRow& row);
+  Result<ResumedScan> last_words(const ScanRow& row, const wire::ResumeScan& request);
   void ended(const ScanRow& row, const ScanEnd& end);
   ScanRow with_counts(ScanRow row) const;
 

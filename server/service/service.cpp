@@ -33,6 +33,7 @@ using boost::system::error_code;
 
 constexpr std::chrono::seconds kStopPatience(60);  // for the frame in work and the results of every scan
 constexpr std::chrono::milliseconds kStopCheck(20);
+constexpr std::chrono::milliseconds kTick(250);             // how exactly waits are ended that are given in seconds
 constexpr std::chrono::milliseconds kGoodbyePatience(500);  // for last messages to leave
 
 ListenAddress checked_address(const ServiceOptions& options) {
@@ -55,7 +56,9 @@ void check_range(const char* name, int value, int low, int high) {
 ScansOptions scans_options(const ServiceOptions& options) {
   check_range("--max-scans", options.max_scans, 1, 64);
   check_range("--credit-window", options.credit_window, 1, 256);
-  return {options.device, options.max_scans, static_cast<std::uint32_t>(options.credit_window), options.gpu_memory_mb};
+  check_range("--resume-window", options.resume_window_s, 0, 86400);
+  return {options.device, options.max_scans, static_cast<std::uint32_t>(options.credit_window), options.gpu_memory_mb,
+          std::chrono::seconds(options.resume_window_s)};
 }
 
 AllowedHosts allowed_hosts(const ServiceOptions& options) {
@@ -143,6 +146,16 @@ struct Service::Impl {
     }
   }
 
+  asio::awaitable<void> tick() {
+    asio::steady_timer pause(context);
+    while (!stopping) {
+      error_code error;
+      pause.expires_after(kTick);
+      co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
+      scans->tick(std::chrono::steady_clock::now());
+    }
+  }
+
   asio::awaitable<void> end() {
     stopping = true;
     error_code error;
@@ -188,6 +201,7 @@ bool Service::run() {
     });
   }
   asio::co_spawn(service.context, service.accept(), asio::detached);
+  asio::co_spawn(service.context, service.tick(), asio::detached);
   service.context.run();
   if (!service.ended_in_time) spdlog::error("a scan did not end within {} s", kStopPatience.count());
   return service.ended_in_time;

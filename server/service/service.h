@@ -22,6 +22,7 @@ struct ServiceOptions {
   int credit_window = 16;                // frames, 1 to 256
   int gpu_memory_mb = 0;                 // for all scans, 0: as much as there is
   bool insecure_listen = false;          // allow other addresses than the loopback's, without TLS
+  int resume_window_s = 120;             // so long a scan waits for its lost camera, 0 to 86400
   bool stop_on_signals = true;           // SIGINT, SIGTERM
 };
 

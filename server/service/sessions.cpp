@@ -18,6 +18,9 @@ constexpr const char* kServerName = "hermite 0.1";
 constexpr std::size_t kMaxWaitingMessages = 4096;
 constexpr std::size_t kMaxWaitingBytes = 8 * 1024 * 1024;
 
+// A server that is started again is back sooner than this.
+constexpr std::uint32_t kResumeAfter_ms = 1000;
+
 CloseCode close_code_of(const Error& error) {
   switch (error.code) {
     case ErrorCode::kCorruptData: return CloseCode::kCorrupt;
@@ -42,6 +45,7 @@ class BasicSession : public Session {
     if (closing_) return;
     Result<wire::ClientMessage> message = wire::parse_client_message(bytes, max_message_bytes());
     if (!message.ok()) return fail(message.error(), close_code_of(message.error()));
+    received_ = bytes;
     std::visit([this](auto& body) { handle(body); }, *message);
   }
 
@@ -55,6 +59,7 @@ class BasicSession : public Session {
   }
 
  protected:
+  std::string_view received() const { return received_; }  // the message that is being handled
   void queue(std::string message) {
     if (closing_ && closing_->code == CloseCode::kSlow) return;
     // A single message may be long: a scan's results are.
@@ -85,6 +90,9 @@ class BasicSession : public Session {
 
   virtual void handle(wire::Frame&) { broken_rule("frame is a message of cameras; this connection is a viewer's"); }
   virtual void handle(wire::Finish&) { broken_rule("finish is a message of cameras; this connection is a viewer's"); }
+  virtual void handle(wire::Pause&) { broken_rule("pause is a message of cameras; this connection is a viewer's"); }
+  virtual void handle(wire::Unpause&) { broken_rule("unpause is a message of cameras; this connection is a viewer's"); }
+  virtual void handle(wire::Discard&) { broken_rule("discard is a message of cameras; this connection is a viewer's"); }
   virtual void handle(wire::ViewerAck&) { broken_rule("viewer_ack is a message of viewers; this connection is a camera's"); }
   void handle(wire::Hello&) { broken_rule("hello came twice; it is the first message and no other"); }
   void handle(wire::Ping& ping) { queue(wire::format_server_message(wire::Pong{ping.id})); }
@@ -100,17 +108,24 @@ class BasicSession : public Session {
   std::size_t waiting_bytes_ = 0;
   std::optional<Closing> closing_;
   int unknown_count_ = 0;
+  std::string_view received_;
 };
 
 class CameraSession final : public BasicSession {
  public:
-  CameraSession(StartedScan started, std::function<void()> wake)
-      : BasicSession(std::move(wake)), scan_(std::move(started.scan)), max_message_bytes_(started.welcome.max_message_bytes) {
-    queue(wire::format_server_message(std::move(started.welcome)));
-    scan_->attach_camera({[this](wire::ServerMessage message) { queue(wire::format_server_message(std::move(message))); },
-                          [this] {
-                            close({CloseCode::kNormal, "the scan has ended"});
-                          }});
+  // `greeting`: Welcome or Resumed.
+  CameraSession(std::shared_ptr<LiveScan> scan, wire::ServerMessage greeting, std::size_t max_message_bytes, std::function<void()> wake)
+      : BasicSession(std::move(wake)), scan_(std::move(scan)), max_message_bytes_(max_message_bytes) {
+    queue(wire::format_server_message(std::move(greeting)));
+    CameraLink link;
+    link.send = [this](wire::ServerMessage message) { queue(wire::format_server_message(std::move(message))); };
+    link.ended = [this] { close({CloseCode::kNormal, "the scan has ended"}); };
+    link.superseded = [this] { fail({ErrorCode::kBusy, "another connection goes on with this scan"}, CloseCode::kSuperseded); };
+    link.go_away = [this] {
+      queue(wire::format_server_message(wire::GoAway{kResumeAfter_ms}));
+      close({CloseCode::kGoingAway, "the server is stopping; the scan goes on when there is one again"});
+    };
+    link_ = scan_->attach_camera(std::move(link));
   }
 
   std::size_t max_message_bytes() const override { return max_message_bytes_; }
@@ -118,19 +133,35 @@ class CameraSession final : public BasicSession {
 
   void disconnected() override {
     // A scan that has ended may be gone from the server already; this keeps it until here.
-    scan_->camera_left({ErrorCode::kIo, "the camera's connection ended before it had finished"});
+    scan_->camera_left(link_, {ErrorCode::kIo, "the camera's connection ended before it had finished"}, false);
   }
 
  private:
   void handle(wire::Frame& frame) override {
-    if (Status status = scan_->receive(std::move(frame)); !status.ok()) fail(status.error(), close_code_of(status.error()));
+    if (Status status = scan_->receive(std::move(frame), received()); !status.ok()) fail(status.error(), close_code_of(status.error()));
   }
   void handle(wire::Finish&) override { scan_->finish(); }
+  void handle(wire::Pause&) override { scan_->pause(true); }
+  void handle(wire::Unpause&) override { scan_->pause(false); }
+  void handle(wire::Discard&) override { scan_->discard(); }
   // At once: a client may take its time to close the socket.
-  void failed(const Error& error) override { scan_->camera_left(error); }
+  void failed(const Error& error) override { scan_->camera_left(link_, error, true); }
 
   const std::shared_ptr<LiveScan> scan_;
   const std::size_t max_message_bytes_;
+  std::uint64_t link_ = 0;
+};
+
+// For a camera whose scan cannot be gone on with: what there is to say, and the end.
+class FarewellSession final : public BasicSession {
+ public:
+  FarewellSession(std::vector<wire::ServerMessage> messages, Closing closing, std::function<void()> wake) : BasicSession(std::move(wake)) {
+    for (wire::ServerMessage& message : messages) queue(wire::format_server_message(std::move(message)));
+    close(std::move(closing));
+  }
+  std::size_t max_message_bytes() const override { return wire::kMaxBytesBeforeWelcome; }
+  SharedBytes next() override { return next_waiting(); }
+  void disconnected() override {}
 };
 
 class ViewerSession final : public BasicSession {
@@ -177,11 +208,29 @@ wire::Welcome complete_welcome(wire::Welcome welcome) {
   return welcome;
 }
 
-Greeting greet_camera(Scans& scans, const wire::StartScan& request, std::function<void()> wake) {
-  Result<StartedScan> started = scans.start(request);
+Greeting greet_camera(Scans& scans, const wire::Hello& hello, std::function<void()> wake) {
+  Result<StartedScan> started = scans.start(std::get<wire::StartScan>(hello.role), hello.protocol_minor >= wire::kMinorWithResume);
   if (!started.ok()) return refuse(started.error());
-  started->welcome = complete_welcome(std::move(started->welcome));
-  return std::make_unique<CameraSession>(*std::move(started), std::move(wake));
+  const std::size_t max_message_bytes = started->welcome.max_message_bytes;
+  return std::make_unique<CameraSession>(std::move(started->scan), complete_welcome(std::move(started->welcome)), max_message_bytes,
+                                         std::move(wake));
+}
+
+Greeting greet_returning_camera(Scans& scans, const wire::ResumeScan& request, std::function<void()> wake) {
+  Result<ResumedScan> resumed = scans.resume(request);
+  if (!resumed.ok() && resumed.error().code == ErrorCode::kBusy)  // stopping: the next server will have the scan
+    return std::make_unique<FarewellSession>(std::vector<wire::ServerMessage>{wire::GoAway{kResumeAfter_ms}},
+                                             Closing{CloseCode::kGoingAway, resumed.error().message}, std::move(wake));
+  if (!resumed.ok()) {
+    spdlog::info("a camera cannot resume: {}", resumed.error().message);
+    return std::make_unique<FarewellSession>(std::vector<wire::ServerMessage>{wire::NotResumed{resumed.error().message}},
+                                             Closing{close_code_of(resumed.error()), resumed.error().message}, std::move(wake));
+  }
+  if (!resumed->scan)
+    return std::make_unique<FarewellSession>(std::move(resumed->last_words), Closing{CloseCode::kNormal, "the scan has ended"},
+                                             std::move(wake));
+  spdlog::info("the camera of scan {} is back, from frame {} on", request.scan_id, resumed->resumed.next_sequence);
+  return std::make_unique<CameraSession>(std::move(resumed->scan), resumed->resumed, resumed->max_message_bytes, std::move(wake));
 }
 
 Greeting greet_viewer(Scans& scans, const wire::ViewScan& request, std::function<void()> wake) {
@@ -210,7 +259,8 @@ Greeting greet(Scans& scans, const std::string& token, std::string_view first_me
   const wire::Hello* hello = std::get_if<wire::Hello>(&*message);
   if (!hello) return refuse({ErrorCode::kInvalidArgument, "the first message must be a hello"});
   if (!tokens_equal(hello->token, token)) return refuse({ErrorCode::kUnauthorized, "hello.token is not the token of this server"});
-  if (const auto* start = std::get_if<wire::StartScan>(&hello->role)) return greet_camera(scans, *start, std::move(wake));
+  if (std::holds_alternative<wire::StartScan>(hello->role)) return greet_camera(scans, *hello, std::move(wake));
+  if (const auto* resume = std::get_if<wire::ResumeScan>(&hello->role)) return greet_returning_camera(scans, *resume, std::move(wake));
   return greet_viewer(scans, std::get<wire::ViewScan>(hello->role), std::move(wake));
 }
 

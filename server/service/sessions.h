@@ -29,6 +29,7 @@ enum class CloseCode : std::uint16_t {
   kUnauthorized = 4001,
   kNoSuchScan = 4004,
   kSlow = 4008,
+  kSuperseded = 4009,
   kBusy = 4013,
 };
 

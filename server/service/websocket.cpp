@@ -31,7 +31,8 @@ using boost::system::error_code;
 
 constexpr std::chrono::seconds kHelloPatience(10);  // from the request to the end of the first message
 constexpr std::chrono::seconds kClosePatience(10);
-constexpr std::chrono::seconds kIdleLimit(45);  // below the 60 s after which proxies cut; a ping is sent at half of it
+constexpr std::chrono::seconds kIdleLimit(45);  // without a sign of life; below the 60 s after which proxies cut
+constexpr std::chrono::seconds kPingPeriod(15);
 constexpr std::size_t kReadBytes = 64 * 1024;
 
 // Shared by the reading and the writing half of one connection.
@@ -88,6 +89,11 @@ asio::awaitable<void> write(Connection& connection, const std::string& bytes, er
   co_await connection.socket.async_write(asio::buffer(bytes), asio::redirect_error(asio::use_awaitable, error));
 }
 
+asio::awaitable<void> ping(Connection& connection, error_code& error) {
+  const websocket::ping_data nothing;
+  co_await connection.socket.async_ping(nothing, asio::redirect_error(asio::use_awaitable, error));
+}
+
 asio::awaitable<void> write_messages(std::shared_ptr<Connection> connection) {
   error_code error;
   while (!error) {
@@ -101,8 +107,9 @@ asio::awaitable<void> write_messages(std::shared_ptr<Connection> connection) {
     } else {
       // Whoever has something new cancels the wait; the error that this gives means nothing.
       error_code woken;
-      connection->something_to_send.expires_at(asio::steady_timer::time_point::max());
+      connection->something_to_send.expires_after(kPingPeriod);
       co_await connection->something_to_send.async_wait(asio::redirect_error(asio::use_awaitable, woken));
+      if (!woken) co_await ping(*connection, error);
     }
   }
   // The reading half ends with the socket.

@@ -4,6 +4,7 @@
 //   token         64 hex digits, mode 0600
 //   hermite.db    one row a scan (store.h)
 //   scans/ID/     cloud.ply trajectory.txt report.json chunks.bin of a scan that has ended
+//   scans/ID/log/ its frames as they came (frame_log.h)
 #pragma once
 
 #include <cstdint>
@@ -28,6 +29,7 @@ class DataDirectory {
 
   // `scan_id` must be one (is_scan_id); a path is made of nothing else.
   std::string scan_folder(const std::string& scan_id) const;
+  std::string log_folder(const std::string& scan_id) const { return scan_folder(scan_id) + "/log"; }
   Status create_scan_folder(const std::string& scan_id) const;
   Status remove_scan_folder(const std::string& scan_id) const;
 

@@ -179,12 +179,12 @@ Result<std::vector<ScanRow>> Store::list() try {
   return words_of(failure);
 }
 
-Result<int> Store::interrupt_running(const std::string& words, std::int64_t now_ms) try {
-  SQLite::Statement change(impl_->database,
-                           "UPDATE scans SET phase = 'interrupted', words = ?, finished_at_ms = ? WHERE phase = 'running'");
-  change.bind(1, words);
-  change.bind(2, now_ms);
-  return change.exec();
+Result<std::vector<ScanRow>> Store::running() try {
+  SQLite::Statement query(impl_->database,
+                          std::string("SELECT ") + kColumns + " FROM scans WHERE phase = 'running' ORDER BY created_at_ms, id");
+  std::vector<ScanRow> rows;
+  while (query.executeStep()) rows.push_back(row_of(query));
+  return rows;
 } catch (const SQLite::Exception& failure) {
   return words_of(failure);
 }

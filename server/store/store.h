@@ -55,8 +55,8 @@ class Store {
   // Newest first, at most kMaxListedScans.
   Result<std::vector<ScanRow>> list();
 
-  // Scans that still claim to run, which after a start none can: marked interrupted with `words`. How many.
-  Result<int> interrupt_running(const std::string& words, std::int64_t now_ms);
+  // All that have not ended; after a start: those that a dead server left.
+  Result<std::vector<ScanRow>> running();
 
  private:
   struct Impl;

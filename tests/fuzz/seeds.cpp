@@ -114,6 +114,10 @@ void add_client_seeds(SeedFolder& seeds) {
   add(wire::Finish{});
   add(wire::ViewerAck{100000});
   add(wire::Ping{7});
+  add(wire::Hello{2, "client 1", "secret", wire::ResumeScan{"01arz3ndektsv4rrffq69g5fav", "0123456789abcdef0123456789abcdef", 12}});
+  add(wire::Pause{});
+  add(wire::Unpause{});
+  add(wire::Discard{});
 }
 
 void add_server_seeds(SeedFolder& seeds) {
@@ -136,6 +140,9 @@ void add_server_seeds(SeedFolder& seeds) {
   add(wire::ErrorMessage{"corrupt_data", "frame.depth: cut", true, 5});
   add(wire::Pong{7});
   add(wire::SnapshotEnd{});
+  add(wire::Resumed{7, 20, 4});
+  add(wire::NotResumed{"the scan has ended"});
+  add(wire::GoAway{1000});
   add(wire::TrajectoryPart{{1, 2, 3, 4, 5, 6}, {1, 2, 3, 3, 2, 1}, {0, 1}});
 }
 

@@ -60,6 +60,27 @@ TEST(ClientMessage, HelloOfACameraComesBackAsItWas) {
   EXPECT_EQ(start.expected_frames, 42u);
 }
 
+TEST(ClientMessage, HelloOfACameraThatComesBackIsAsItWas) {
+  const Result<ClientMessage> message = round_trip(Hello{2, "a test 1.0", "secret", ResumeScan{"a scan", "a token", 41}});
+  ASSERT_TRUE(message.ok()) << message.error().message;
+  const ResumeScan& resume = std::get<ResumeScan>(std::get<Hello>(*message).role);
+  EXPECT_EQ(resume.scan_id, "a scan");
+  EXPECT_EQ(resume.resume_token, "a token");
+  EXPECT_EQ(resume.next_sequence, 41u);
+  for (const ResumeScan& bad :
+       {ResumeScan{std::string(65, 'a'), "", 0}, ResumeScan{"a", std::string(257, 'a'), 0}, ResumeScan{"a\n", "", 0}}) {
+    const Result<ClientMessage> refused = round_trip(Hello{2, "", "", bad});
+    ASSERT_FALSE(refused.ok());
+    EXPECT_THAT(refused.error().message, HasSubstr("resume_scan."));
+  }
+}
+
+TEST(ClientMessage, PauseUnpauseAndDiscardComeBack) {
+  EXPECT_TRUE(std::holds_alternative<Pause>(*round_trip(Pause{})));
+  EXPECT_TRUE(std::holds_alternative<Unpause>(*round_trip(Unpause{})));
+  EXPECT_TRUE(std::holds_alternative<Discard>(*round_trip(Discard{})));
+}
+
 ColorCamera color_camera() {
   return {520,
           521,

@@ -37,6 +37,8 @@ TEST(ServerMessage, WelcomeComesBackAsItWas) {
   welcome.color_codecs = {ColorCodec::kPng, ColorCodec::kJpeg};
   welcome.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
   welcome.title = "a title";
+  welcome.resume_token = "0123456789abcdef0123456789abcdef";
+  welcome.resume_window_s = 120;
   const Welcome back = round_trip(welcome);
   EXPECT_EQ(back.protocol_minor, 3u);
   EXPECT_EQ(back.server, welcome.server);
@@ -47,6 +49,23 @@ TEST(ServerMessage, WelcomeComesBackAsItWas) {
   EXPECT_EQ(back.color_codecs, welcome.color_codecs);
   EXPECT_EQ(back.camera, welcome.camera);
   EXPECT_EQ(back.title, welcome.title);
+  EXPECT_EQ(back.resume_token, welcome.resume_token);
+  EXPECT_EQ(back.resume_window_s, 120u);
+}
+
+TEST(ServerMessage, WhatIsSaidAboutALostConnectionComesBackAsItWas) {
+  const Credit credit = round_trip(Credit{20, 4});
+  EXPECT_EQ(credit.frames_granted, 20u);
+  EXPECT_EQ(credit.durable_frames, 4u);
+  const Resumed resumed = round_trip(Resumed{7, 20, 4});
+  EXPECT_EQ(resumed.next_sequence, 7u);
+  EXPECT_EQ(resumed.frames_granted, 20u);
+  EXPECT_EQ(resumed.durable_frames, 4u);
+  EXPECT_EQ(round_trip(NotResumed{"why not"}).reason, "why not");
+  EXPECT_EQ(round_trip(GoAway{1500}).resume_after_ms, 1500u);
+  ScanState state;
+  state.paused = true;
+  EXPECT_TRUE(round_trip(state).paused);
 }
 
 TEST(ServerMessage, AWelcomeChoosesADepthCodecThatThisVersionKnows) {

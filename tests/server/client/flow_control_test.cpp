@@ -30,6 +30,16 @@ TEST(CreditWindow, LetsOutAsManyFramesAsWereGrantedInAll) {
   EXPECT_EQ(credit.sent(), 3u);
 }
 
+TEST(CreditWindow, ANewConnectionMayStartWithLess) {
+  CreditWindow credit(4);
+  for (int k = 0; k < 4; ++k) credit.take();
+  credit = CreditWindow(3, 2);
+  ASSERT_TRUE(credit.available());
+  credit.take();
+  EXPECT_FALSE(credit.available());
+  EXPECT_EQ(credit.sent(), 3u);
+}
+
 TEST(CreditWindow, ARepeatedOrLateGrantChangesNothing) {
   CreditWindow credit(4);
   credit.grant_in_all(2);

@@ -241,12 +241,50 @@ TEST(Stream, AServerThatStopsSaysWhy) {
   const auto sequence = synthetic_room();
   TestServer server(1);
   StreamObserver observer;
+  std::vector<std::string> links;
+  observer.on_link = [&](const std::string& words) { links.push_back(words); };
   observer.on_progress = [&](const StreamProgress& progress) {
     if (progress.processed_frames >= 1) server.server.stop();
   };
-  const auto outcome = stream_sequence(*sequence, request_for(server, *sequence), observer);
+  StreamRequest request = request_for(server, *sequence);
+  request.reconnect_patience = std::chrono::milliseconds(100);
+  const auto outcome = stream_sequence(*sequence, request, observer);
   ASSERT_FALSE(outcome.ok());
-  EXPECT_THAT(outcome.error().message, HasSubstr("stopped"));
+  EXPECT_THAT(outcome.error().message, HasSubstr("stopping"));
+  ASSERT_FALSE(links.empty());
+  EXPECT_THAT(links.front(), HasSubstr("connection lost"));
+}
+
+TEST(Stream, GoesOnWithTheNextServerAndTheResultIsTheSame) {
+  const auto sequence = synthetic_room();
+  const Expected expected = local_run(*sequence);
+  const test::TemporaryFolder folder;
+  ServiceOptions options = TestServer::options(folder.path(), 2);
+  auto server = std::make_unique<test::RunningServer>(options);
+  StreamRequest request;
+  request.server = {"127.0.0.1", static_cast<std::uint16_t>(server->port()), server->token()};
+  request.frames = {0, sequence->frame_count()};
+  request.settings = {{"output.unstable", "true"}};
+  options.listen = "127.0.0.1:" + std::to_string(server->port());
+  StreamObserver observer;
+  std::atomic<bool> under_way{false};
+  std::vector<std::string> links;
+  observer.on_progress = [&](const StreamProgress& progress) { under_way = progress.processed_frames >= 2; };
+  observer.on_link = [&](const std::string& words) { links.push_back(words); };
+  std::optional<Result<StreamOutcome>> outcome;
+  std::thread streaming([&] { outcome = stream_sequence(*sequence, request, observer); });
+  for (int i = 0; i < 60'000 && !under_way; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  server.reset();
+  server = std::make_unique<test::RunningServer>(options);
+  streaming.join();
+  ASSERT_TRUE(outcome->ok()) << outcome->error().message;
+  EXPECT_EQ((*outcome)->trajectory_tum, expected.trajectory_tum);
+  EXPECT_EQ(cloud_sha256(**outcome), expected.cloud_sha256);
+  EXPECT_EQ((*outcome)->progress.resumed_count, 1u);
+  EXPECT_EQ((*outcome)->progress.processed_frames, kFrameCount);
+  EXPECT_EQ((*outcome)->progress.sent_frames, kFrameCount);
+  ASSERT_EQ(links.size(), 2u);
+  EXPECT_THAT(links[1], HasSubstr("connected again"));
 }
 
 }  // namespace

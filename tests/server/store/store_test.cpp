@@ -91,18 +91,19 @@ TEST(Store, WhatIsNotThereIsNotFound) {
   EXPECT_EQ(store.find("a").error().code, ErrorCode::kNotFound);
 }
 
-TEST(Store, RunningScansOfADeadServerBecomeInterrupted) {
+TEST(Store, ScansThatADeadServerLeftRunningAreFoundOldestFirst) {
   const test::TemporaryFolder folder;
   Store store(folder / "db");
-  ASSERT_TRUE(store.add(row_of("running", 1)).ok());
+  ASSERT_TRUE(store.add(row_of("younger", 3)).ok());
+  ASSERT_TRUE(store.add(row_of("older", 1)).ok());
   ScanRow finished = row_of("finished", 2);
   finished.phase = ScanPhase::kFinished;
   ASSERT_TRUE(store.add(finished).ok());
-  EXPECT_EQ(*store.interrupt_running("the server ended", 77), 1);
-  EXPECT_EQ(store.find("running")->phase, ScanPhase::kInterrupted);
-  EXPECT_EQ(store.find("running")->words, "the server ended");
-  EXPECT_EQ(store.find("running")->finished_at_ms, 77);
-  EXPECT_EQ(store.find("finished")->phase, ScanPhase::kFinished);
+  const auto running = store.running();
+  ASSERT_TRUE(running.ok());
+  ASSERT_EQ(running->size(), 2u);
+  EXPECT_EQ((*running)[0].id, "older");
+  EXPECT_EQ((*running)[1].id, "younger");
 }
 
 TEST(Store, RefusesANewerSchemaAndLeavesItAlone) {

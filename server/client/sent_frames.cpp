@@ -1,0 +1,31 @@
+#include "server/client/sent_frames.h"
+
+#include <algorithm>
+
+#include "core/base/check.h"
+
+namespace hermite {
+
+const std::string* SentFrames::next() const {
+  return sent_count_ < numbered_count() ? &kept_[static_cast<std::size_t>(sent_count_ - first_kept_)] : nullptr;
+}
+
+void SentFrames::sent() {
+  CHECK(next(), "there is no frame to be sent");
+  ++sent_count_;
+}
+
+void SentFrames::durable(std::uint64_t count) {
+  // What was not sent cannot be durable, whatever the server says.
+  for (; first_kept_ < std::min(count, sent_count_); ++first_kept_) kept_.pop_front();
+}
+
+Status SentFrames::resume_at(std::uint64_t sequence) {
+  if (sequence < first_kept_ || sequence > numbered_count())
+    return Error{ErrorCode::kIo, "the server wants to go on with frame " + std::to_string(sequence) + ", but here are only frames " +
+                                     std::to_string(first_kept_) + " to " + std::to_string(numbered_count()) + " (exclusive)"};
+  sent_count_ = sequence;
+  return Done{};
+}
+
+}  // namespace hermite

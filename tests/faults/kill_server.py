@@ -1,0 +1,148 @@
+#!/usr/bin/python3
+"""Kills the server with SIGKILL at random moments while cameras stream, starts it again, and looks whether anything was lost.
+
+    kill_server.py path/to/hermite path/to/hermite-client [--kills 20] [--seed 1]
+
+Passes when every scan came back after every kill, no frame that the client was told to be durable is missing from the log on disk, and
+trajectory and cloud of every scan have the hashes of an undisturbed run. The log is read here by a program of its own, from
+server/store/frame_log.md alone.
+"""
+import argparse
+import glob
+import os
+import random
+import re
+import signal
+import struct
+import sys
+import tempfile
+import time
+
+from programs import FRAMES, Camera, Server, check, failures
+
+KILLS_PER_SCAN = 5
+
+
+# ---- the frame log
+
+def crc32c_table():
+    table = []
+    for byte in range(256):
+        for _ in range(8):
+            byte = byte >> 1 ^ (0x82F63B78 if byte & 1 else 0)
+        table.append(byte)
+    return table
+
+
+TABLE = crc32c_table()
+
+
+def crc32c(data):
+    crc = 0xFFFFFFFF
+    for byte in data:
+        crc = crc >> 8 ^ TABLE[(crc ^ byte) & 0xFF]
+    return crc ^ 0xFFFFFFFF
+
+
+checked_crcs = {}  # record bytes are checked once: Python needs half a second for a megabyte
+
+
+def frames_in_log(folder):
+    """How many whole frames there are before the first bad record."""
+    number = frames = 0
+    for index, path in enumerate(sorted(glob.glob(os.path.join(folder, "segment-*.rlog")))):
+        data = open(path, "rb").read()
+        if data[:12] != b"HRMFLOG1" + struct.pack("<I", index) or data[12:16] != struct.pack("<I", crc32c(data[:12])):
+            return frames
+        at = 16
+        while at < len(data):
+            if at + 24 > len(data):
+                return frames
+            magic, crc, length, kind, stated = struct.unpack("<4sIIIQ", data[at:at + 24])
+            body = data[at + 8:at + 24 + length]
+            if magic != b"HRMR" or stated != number or len(body) != 16 + length:
+                return frames
+            if body not in checked_crcs:
+                checked_crcs[body] = crc32c(body)
+            if checked_crcs[body] != crc:
+                return frames
+            number += 1
+            frames += kind in (3, 4)
+            at += 24 + length
+    return frames
+
+
+def durable_said(lines):
+    """What the client was told to be durable, each time that it lost its connection."""
+    return [int(found[1]) for line in lines if (found := re.search(r"connection lost with (\d+) frames durable", line))]
+
+
+def logs_in(data):
+    return set(glob.glob(os.path.join(data, "scans", "*", "log")))
+
+
+def disturb(server, camera, log, kills, rng):
+    """Up to `kills` kills while the camera streams. Returns how many there were."""
+    done = seen = 0
+    while done < kills:
+        deadline = time.monotonic() + rng.uniform(0.02, 2.0)
+        while time.monotonic() < deadline and camera.process.poll() is None:
+            time.sleep(0.005)
+        if camera.process.poll() is not None:
+            break
+        server.end(signal.SIGKILL)
+        done += 1
+        frames = frames_in_log(log)
+        time.sleep(0.3)  # the client notices
+        said = durable_said(list(camera.lines))
+        for count in said[seen:]:
+            check(count <= frames, f"{count} frames were durable, {frames} are in the log")
+        seen = len(said)
+        server.start()
+    return done
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("hermite")
+    parser.add_argument("client")
+    parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    rng = random.Random(arguments.seed)
+    with tempfile.TemporaryDirectory() as folder:
+        data = os.path.join(folder, "data")
+        server = Server(arguments.hermite, data)
+        started = time.monotonic()
+        expected = Camera(arguments.client, server.url).result()
+        check(expected is not None and expected[0] == FRAMES, f"the undisturbed run: {expected}")
+        kills = scans = resumed = longest = 0
+        logs = logs_in(data)
+        while kills < arguments.kills and not failures:
+            camera = Camera(arguments.client, server.url)
+            # Not before its first frame is on disk: a camera that has not been told of its scan cannot come back to it.
+            while not (new := logs_in(data) - logs) or frames_in_log(min(new)) == 0:
+                time.sleep(0.01)
+                if camera.process.poll() is not None:
+                    sys.exit("the camera ended before its first frame: " + "".join(camera.lines))
+            log = min(new)
+            logs.add(log)
+            done = disturb(server, camera, log, min(KILLS_PER_SCAN, arguments.kills - kills), rng)
+            result = camera.result()
+            check(result == expected,
+                  f"scan {scans + 1} after {done} kills: {result} instead of {expected}\n" + "".join(camera.lines[-20:]))
+            kills += done
+            scans += 1
+            resumed += sum("connected again" in line for line in camera.lines)
+            longest = max(longest, done)
+        if failures:
+            print(server.tail())
+        check(server.end(signal.SIGTERM) == 0, "the server ends well")
+        verdict = "FAILED" if failures else "nothing lost, all results the same"
+        print(f"{kills} kills in {scans} scans of {FRAMES} frames (up to {longest} a scan), {resumed} times resumed, "
+              f"{time.monotonic() - started:.0f} s, seed {arguments.seed}: {verdict}")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

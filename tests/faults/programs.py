@@ -1,0 +1,75 @@
+"""The real programs, for the tests that break things around them."""
+import json
+import signal
+import socket
+import subprocess
+import sys
+import threading
+
+FRAMES = 40
+SEQUENCE = f"synthetic:frames={FRAMES},width=160,height=120,noise=kinect,seed=1"
+RATE_HZ = 20
+PATIENCE_S = 300
+
+
+class Server:
+    def __init__(self, program, data):
+        with socket.create_server(("127.0.0.1", 0)) as free:
+            self.port = free.getsockname()[1]
+        self.command = [program, "serve", "--listen", f"127.0.0.1:{self.port}", "--data", data]
+        self.log = open(data + ".server.log", "a+", encoding="utf-8")
+        self.process = None
+        self.url = None
+        self.start()
+
+    def start(self):
+        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=self.log, text=True)
+        self.url = self.process.stdout.readline().strip()
+        if not self.url.startswith("http"):
+            sys.exit("the server did not start: " + self.tail())
+
+    def end(self, how):
+        self.process.send_signal(how)
+        status = self.process.wait(PATIENCE_S)
+        self.process.stdout.close()
+        return status
+
+    def tail(self):
+        self.log.seek(0)
+        return self.log.read()[-3000:]
+
+
+class Camera:
+    def __init__(self, program, url):
+        command = [program, "stream", SEQUENCE, "--server", url, "--rate", str(RATE_HZ), "--set", "map.stable_confidence=1"]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.lines = []
+        self.out = ""
+        self.threads = [threading.Thread(target=self.read_lines), threading.Thread(target=self.read_out)]
+        for thread in self.threads:
+            thread.start()
+
+    def read_lines(self):
+        for line in self.process.stderr:
+            self.lines.append(line)
+
+    def read_out(self):
+        self.out = self.process.stdout.read()
+
+    def result(self):
+        status = self.process.wait(PATIENCE_S)
+        for thread in self.threads:
+            thread.join()
+        if status != 0:
+            return None
+        report = json.loads(self.out)
+        return report["frames"], report["trajectory_sha256"], report["cloud_sha256"]
+
+
+failures = []
+
+
+def check(condition, words):
+    if not condition:
+        failures.append(words)
+        print("FAILED:", words, flush=True)

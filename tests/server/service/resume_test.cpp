@@ -1,0 +1,386 @@
+// Cameras that lose their connection, and servers that die: what is told, what is kept, and that the result is the same.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "core/dataset/sequence.h"
+#include "core/pipeline/doctor.h"
+#include "proto/wire/frame_payload.h"
+#include "server/service/scan_record.h"
+#include "server/store/frame_log.h"
+#include "server/store/scan_id.h"
+#include "server/store/store.h"
+#include "tests/support/raw_client.h"
+#include "tests/support/running_server.h"
+#include "tests/support/temporary_folder.h"
+
+namespace hermite {
+namespace {
+
+using Json = nlohmann::json;
+using test::RawClient;
+using testing::HasSubstr;
+
+constexpr int kFrameCount = 6;
+
+const Sequence& room() {
+  static const std::unique_ptr<Sequence> sequence =
+      *open_sequence("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
+  return *sequence;
+}
+
+const wire::Frame& room_frame(int index) {
+  static const std::vector<wire::Frame> frames = [] {
+    std::vector<wire::Frame> encoded;
+    for (int i = 0; i < kFrameCount; ++i) {
+      RecordedFrame frame = *room().read(i);
+      encoded.push_back({static_cast<std::uint64_t>(i),
+                         frame.timestamp_s,
+                         *wire::encode_depth_payload(frame.depth, wire::DepthCodec::kRvlZstd),
+                         {frame.color_bytes.begin(), frame.color_bytes.end()}});
+    }
+    return encoded;
+  }();
+  return frames[static_cast<std::size_t>(index)];
+}
+
+wire::StartScan request() {
+  return {"a test",
+          room().camera(),
+          {wire::DepthCodec::kRvlZstd},
+          {wire::ColorCodec::kPng},
+          wire::Mode::kBatch,
+          {{"output.unstable", "true"}},
+          kFrameCount};
+}
+
+class ResumeTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    static const std::vector<std::string> problems = examine_device("").problems;
+    if (!problems.empty()) GTEST_SKIP() << "no fit GPU here: " << problems.front();
+    serve(120);
+  }
+
+  void serve(int resume_window_s) {
+    server_.reset();
+    ServiceOptions options = test::test_options(folder_ / "data");
+    options.resume_window_s = resume_window_s;
+    server_ = std::make_unique<test::RunningServer>(options);
+  }
+
+  std::unique_ptr<RawClient> hello(const std::variant<wire::StartScan, wire::ViewScan, wire::ResumeScan>& role) {
+    auto client = std::make_unique<RawClient>(server_->port());
+    EXPECT_TRUE(client->upgrade());
+    client->send_message(wire::Hello{wire::kProtocolMinor, "test", server_->token(), role});
+    return client;
+  }
+  std::unique_ptr<RawClient> start() {
+    auto client = hello(request());
+    const auto welcome = client->read<wire::Welcome>();
+    EXPECT_TRUE(welcome);
+    if (welcome) welcome_ = *welcome;
+    return client;
+  }
+  std::unique_ptr<RawClient> resume(std::uint64_t next_sequence) {
+    return hello(wire::ResumeScan{welcome_.scan_id, welcome_.resume_token, next_sequence});
+  }
+  static void send(RawClient& client, int begin, int end) {
+    for (int i = begin; i < end; ++i) client.send_message(room_frame(i));
+  }
+  static bool wait_for_durable(RawClient& client, std::uint64_t count) {
+    while (const auto credit = client.read<wire::Credit>())
+      if (credit->durable_frames >= count) return true;
+    return false;
+  }
+  // The result of an undisturbed scan.
+  const Json& undisturbed() {
+    if (undisturbed_.is_null()) {
+      const auto client = start();
+      send(*client, 0, kFrameCount);
+      client->send_message(wire::Finish{});
+      const auto finished = client->read<wire::Finished>();
+      EXPECT_TRUE(finished);
+      if (finished) undisturbed_ = Json::parse(finished->report_json);
+    }
+    return undisturbed_;
+  }
+  void expect_undisturbed(const wire::Finished& finished, const Json& expected) {
+    const Json report = Json::parse(finished.report_json);
+    EXPECT_EQ(report["frames"], kFrameCount);
+    EXPECT_EQ(report["trajectory_sha256"], expected["trajectory_sha256"]);
+    EXPECT_EQ(report["cloud_sha256"], expected["cloud_sha256"]);
+  }
+  ScanRow row(const std::string& id) {
+    server_->stop();
+    Store store(folder_ / "data/hermite.db");
+    const auto found = store.find(id);
+    EXPECT_TRUE(found.ok());
+    return found.ok() ? *found : ScanRow{};
+  }
+  std::string log_folder() const { return folder_ / "data/scans/" + welcome_.scan_id + "/log"; }
+
+  const test::TemporaryFolder folder_;
+  std::unique_ptr<test::RunningServer> server_;
+  wire::Welcome welcome_;
+  Json undisturbed_;
+};
+
+TEST_F(ResumeTest, ALostCameraGoesOnWhereItWas) {
+  const Json expected = undisturbed();
+  auto client = start();
+  EXPECT_EQ(welcome_.resume_token.size(), 32u);
+  EXPECT_EQ(welcome_.resume_window_s, 120u);
+  send(*client, 0, 3);
+  ASSERT_TRUE(wait_for_durable(*client, 3));
+  client->drop();
+  client = resume(1);
+  const auto resumed = client->read<wire::Resumed>();
+  ASSERT_TRUE(resumed);
+  EXPECT_EQ(resumed->next_sequence, 3u);
+  EXPECT_EQ(resumed->durable_frames, 3u);
+  EXPECT_GE(resumed->frames_granted, 16u);
+  send(*client, 3, kFrameCount);
+  client->send_message(wire::Finish{});
+  const auto finished = client->read<wire::Finished>();
+  ASSERT_TRUE(finished);
+  expect_undisturbed(*finished, expected);
+  EXPECT_EQ(client->close_code(), 1000);
+}
+
+TEST_F(ResumeTest, TheNewerConnectionWinsAndTheOlderIsTold) {
+  const auto older = start();
+  send(*older, 0, 2);
+  ASSERT_TRUE(wait_for_durable(*older, 2));
+  const auto newer = resume(2);
+  ASSERT_TRUE(newer->read<wire::Resumed>());
+  const auto error = older->read<wire::ErrorMessage>();
+  ASSERT_TRUE(error);
+  EXPECT_THAT(error->message, HasSubstr("another connection"));
+  EXPECT_EQ(older->close_code(), 4009);
+  send(*newer, 2, kFrameCount);
+  newer->send_message(wire::Finish{});
+  EXPECT_TRUE(newer->read<wire::Finished>()) << "the end of the older one has ended nothing";
+}
+
+TEST_F(ResumeTest, WhoMayNotResumeIsToldWhy) {
+  auto client = start();
+  const wire::ResumeScan good{welcome_.scan_id, welcome_.resume_token, 0};
+  wire::ResumeScan wrong_token = good, no_scan = good, no_id = good;
+  wrong_token.resume_token = std::string(32, '0');
+  no_scan.scan_id = new_scan_id();
+  no_id.scan_id = "../../etc/passwd";
+  const std::pair<wire::ResumeScan, int> cases[] = {{wrong_token, 4001}, {no_scan, 4004}, {no_id, 4004}};
+  for (const auto& [role, code] : cases) {
+    const auto refused = hello(role);
+    const auto answer = refused->read<wire::NotResumed>();
+    ASSERT_TRUE(answer);
+    EXPECT_FALSE(answer->reason.empty());
+    EXPECT_EQ(refused->close_code(), code);
+  }
+  send(*client, 0, 1);
+  EXPECT_TRUE(client->read<wire::FrameResult>()) << "the camera itself is not disturbed";
+}
+
+TEST_F(ResumeTest, AfterTheWindowTheScanIsInterruptedAndSaysSo) {
+  serve(1);
+  auto client = start();
+  send(*client, 0, 2);
+  ASSERT_TRUE(wait_for_durable(*client, 2));
+  const auto viewer = hello(wire::ViewScan{welcome_.scan_id});
+  ASSERT_TRUE(viewer->read<wire::SnapshotEnd>());
+  client->drop();
+  bool paused = false;
+  std::optional<wire::ScanState> state;
+  while ((state = viewer->read<wire::ScanState>()) && state->phase == wire::ScanPhase::kRunning) {
+    paused = paused || state->paused;
+    if (state->paused) {
+      EXPECT_THAT(state->words, HasSubstr("waiting for the camera"));
+    }
+  }
+  EXPECT_TRUE(paused);
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->phase, wire::ScanPhase::kInterrupted);
+  const auto late = resume(2);
+  const auto answer = late->read<wire::NotResumed>();
+  ASSERT_TRUE(answer);
+  EXPECT_THAT(answer->reason, HasSubstr("interrupted"));
+}
+
+TEST_F(ResumeTest, ACameraThatWasAwayAtTheEndGetsTheResult) {
+  const Json expected = undisturbed();
+  auto client = start();
+  send(*client, 0, kFrameCount);
+  client->send_message(wire::Finish{});
+  ASSERT_TRUE(client->read<wire::FrameResult>());
+  client->drop();
+  // The same whether it still runs or has ended, or ended under another server.
+  for (int i = 0; i < 2; ++i) {
+    client = resume(kFrameCount);
+    ASSERT_TRUE(client->read<wire::Resumed>());
+    client->send_message(wire::Finish{});
+    const auto finished = client->read<wire::Finished>();
+    ASSERT_TRUE(finished);
+    expect_undisturbed(*finished, expected);
+    EXPECT_EQ(client->close_code(), 1000);
+    if (i == 0) serve(120);
+  }
+}
+
+TEST_F(ResumeTest, AServerThatStopsSaysGoAwayAndTheNextOneGoesOn) {
+  const Json expected = undisturbed();
+  auto client = start();
+  send(*client, 0, 4);
+  ASSERT_TRUE(client->read<wire::FrameResult>());
+  std::thread stopping([this] { EXPECT_TRUE(server_->stop()); });
+  EXPECT_TRUE(client->read<wire::GoAway>());
+  EXPECT_EQ(client->close_code(), 1001);
+  stopping.join();
+  EXPECT_EQ(row(welcome_.scan_id).phase, ScanPhase::kRunning);
+  serve(120);
+  client = resume(0);
+  const auto resumed = client->read<wire::Resumed>();
+  ASSERT_TRUE(resumed);
+  EXPECT_EQ(resumed->next_sequence, 4u) << "what was received was written before the end";
+  send(*client, 4, kFrameCount);
+  client->send_message(wire::Finish{});
+  const auto finished = client->read<wire::Finished>();
+  ASSERT_TRUE(finished);
+  expect_undisturbed(*finished, expected);
+}
+
+// What a dead server leaves: a row that says running, and a log that may be cut anywhere.
+TEST_F(ResumeTest, ALogWithACutTailIsGoneOnWithFromItsLastWholeFrame) {
+  const Json expected = undisturbed();
+  auto client = start();
+  send(*client, 0, 4);
+  ASSERT_TRUE(wait_for_durable(*client, 4));
+  server_->stop();
+  const std::string segment = log_folder() + "/" + segment_name(0);
+  std::filesystem::resize_file(segment, std::filesystem::file_size(segment) - 100);
+  serve(120);
+  client = resume(1);
+  const auto resumed = client->read<wire::Resumed>();
+  ASSERT_TRUE(resumed);
+  EXPECT_EQ(resumed->next_sequence, 3u);
+  send(*client, 3, kFrameCount);
+  client->send_message(wire::Finish{});
+  const auto finished = client->read<wire::Finished>();
+  ASSERT_TRUE(finished);
+  expect_undisturbed(*finished, expected);
+}
+
+TEST_F(ResumeTest, FramesThatTheDiskHasLostAndTheCameraTooEndTheScanInWords) {
+  auto client = start();
+  send(*client, 0, 4);
+  ASSERT_TRUE(wait_for_durable(*client, 4));
+  server_->stop();
+  const std::string segment = log_folder() + "/" + segment_name(0);
+  std::filesystem::resize_file(segment, std::filesystem::file_size(segment) - 100);
+  serve(120);
+  client = resume(4);
+  const auto answer = client->read<wire::NotResumed>();
+  ASSERT_TRUE(answer);
+  EXPECT_THAT(answer->reason, HasSubstr("the disk has lost"));
+}
+
+TEST_F(ResumeTest, AFinishedLogIsWorkedOffWithoutItsCamera) {
+  const Json expected = undisturbed();
+  auto client = start();
+  send(*client, 0, kFrameCount);
+  ASSERT_TRUE(wait_for_durable(*client, kFrameCount));
+  server_->stop();
+  {
+    auto opened = FrameLog::open(log_folder(), {[](std::uint64_t) {}, [](const Error&) {}});
+    ASSERT_TRUE(opened.ok()) << opened.error().message;
+    ASSERT_TRUE(opened->log->append(RecordType::kFinish, "").ok());
+  }
+  serve(0);
+  ScanRow found;
+  for (int i = 0; i < 600 && found.phase == ScanPhase::kRunning; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    client = resume(kFrameCount);
+    const auto finished = client->read<wire::Finished>();
+    if (!finished) continue;
+    expect_undisturbed(*finished, expected);
+    found.phase = ScanPhase::kFinished;
+  }
+  EXPECT_EQ(found.phase, ScanPhase::kFinished);
+}
+
+TEST_F(ResumeTest, RefusedFramesAndBadImagesAreTheSameAfterARestart) {
+  wire::Frame frames[kFrameCount];
+  for (int i = 0; i < kFrameCount; ++i) frames[i] = room_frame(i);
+  frames[1].depth = "garbage";
+  frames[2].timestamp_s = frames[0].timestamp_s;
+  std::string hashes[2];
+  for (const bool disturbed : {false, true}) {
+    auto client = start();
+    for (int i = 0; i < 4; ++i) client->send_message(frames[i]);
+    ASSERT_TRUE(wait_for_durable(*client, 4));
+    if (disturbed) {
+      serve(120);
+      client = resume(4);
+      ASSERT_TRUE(client->read<wire::Resumed>());
+    }
+    wire::Frame back_in_time = frames[4];
+    back_in_time.timestamp_s = frames[3].timestamp_s;
+    client->send_message(back_in_time);
+    const auto error = [&]() -> std::optional<wire::ErrorMessage> {
+      while (const auto said = client->read<wire::ErrorMessage>())
+        if (said->sequence == 4) return said;
+      return std::nullopt;
+    }();
+    ASSERT_TRUE(error) << "the time of the last frame is known after a restart";
+    client->send_message(frames[5]);
+    client->send_message(wire::Finish{});
+    const auto finished = client->read<wire::Finished>();
+    ASSERT_TRUE(finished);
+    const Json report = Json::parse(finished->report_json);
+    EXPECT_EQ(report["frames"], 4);
+    hashes[disturbed] = report["trajectory_sha256"].get<std::string>() + report["cloud_sha256"].get<std::string>();
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST_F(ResumeTest, APauseIsShownAndAFrameEndsIt) {
+  const auto client = start();
+  client->send_message(wire::Pause{});
+  auto state = client->read<wire::ScanState>();
+  ASSERT_TRUE(state);
+  EXPECT_TRUE(state->paused);
+  client->send_message(wire::Unpause{});
+  state = client->read<wire::ScanState>();
+  ASSERT_TRUE(state);
+  EXPECT_FALSE(state->paused);
+  client->send_message(wire::Pause{});
+  client->send_message(room_frame(0));
+  state = client->read<wire::ScanState>();
+  ASSERT_TRUE(state && state->paused);
+  state = client->read<wire::ScanState>();
+  ASSERT_TRUE(state);
+  EXPECT_FALSE(state->paused);
+}
+
+TEST_F(ResumeTest, ADiscardedScanLeavesNothing) {
+  const auto client = start();
+  send(*client, 0, 2);
+  ASSERT_TRUE(client->read<wire::FrameResult>());
+  client->send_message(wire::Discard{});
+  std::optional<wire::ScanState> state;
+  while ((state = client->read<wire::ScanState>()) && state->phase == wire::ScanPhase::kRunning) {
+  }
+  ASSERT_TRUE(state);
+  EXPECT_THAT(state->words, HasSubstr("discarded"));
+  EXPECT_EQ(client->close_code(), 1000);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "data/scans/" + welcome_.scan_id));
+  server_->stop();
+  Store store(folder_ / "data/hermite.db");
+  EXPECT_EQ(store.find(welcome_.scan_id).error().code, ErrorCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace hermite
