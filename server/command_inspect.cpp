@@ -1,10 +1,12 @@
 // hermite inspect and hermite convert
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <map>
 #include <memory>
 
 #include "core/dataset/frame_range.h"
 #include "core/dataset/write_klg.h"
+#include "core/dataset/write_raw.h"
 #include "core/dataset/write_tum.h"
 #include "core/evaluate/inspection.h"
 #include "server/commands.h"

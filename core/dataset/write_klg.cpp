@@ -11,14 +11,11 @@
 #include "core/dataset/text_file.h"
 #include "core/image/image_codec.h"
 #include "core/image/inflate.h"
-#include "core/raw/raw_frames.h"
 
 namespace hermite {
 namespace {
 
 constexpr double kMillimetres = 1000;
-
-Error exists_already(const std::string& path) { return {ErrorCode::kInvalidArgument, path + " exists already"}; }
 
 Error cannot_write(const std::string& path) { return {ErrorCode::kIo, "writing " + path + ": " + std::strerror(errno)}; }
 
@@ -117,7 +114,7 @@ Status write_beside(const Sequence& sequence, const std::string& path) {
 }  // namespace
 
 Result<WriteSummary> write_klg(const Sequence& sequence, FrameRange range, const std::string& path, const WriteProgress& progress) {
-  if (std::filesystem::exists(path)) return exists_already(path);
+  if (std::filesystem::exists(path)) return Error{ErrorCode::kInvalidArgument, path + " exists already"};
   KlgWriter writer(path, sequence.camera().depth_units_per_metre);
   Remarks left_out("frames that cannot be read are left out");
   for (std::int64_t i = range.begin; i < range.end; ++i) {
@@ -133,26 +130,6 @@ Result<WriteSummary> write_klg(const Sequence& sequence, FrameRange range, const
   WriteSummary summary{writer.count(), writer.remarks()};
   for (const std::string& line : left_out.lines()) summary.remarks.push_back(line);
   return summary;
-}
-
-Result<WriteSummary> write_raw(const Sequence& sequence, FrameRange range, const std::string& path, const WriteProgress& progress) {
-  if (std::filesystem::exists(path)) return exists_already(path);
-  const Camera& camera = sequence.camera();
-  Result<RawFrameWriter> writer = RawFrameWriter::create(path, camera, range.count());
-  if (!writer.ok()) return writer.error();
-  Remarks empty("frames that cannot be read are black and without depth");
-  for (std::int64_t i = range.begin; i < range.end; ++i) {
-    Result<RecordedFrame> recorded = sequence.read(i);
-    Result<RgbdFrame> frame = recorded.ok() ? decode_frame(*std::move(recorded)) : Result<RgbdFrame>(recorded.error());
-    if (!frame.ok()) {
-      empty.add(frame.error().message);
-      frame = RgbdFrame{sequence.timestamp_s(i), DepthImage(camera.width, camera.height), ColorImage(camera.width, camera.height)};
-    }
-    if (const Status status = writer->append(*frame); !status.ok()) return status.error();
-    progress(i - range.begin + 1);
-  }
-  if (const Status status = writer->finish(); !status.ok()) return status.error();
-  return WriteSummary{range.count(), empty.lines()};
 }
 
 }  // namespace hermite

@@ -10,8 +10,4 @@ namespace hermite {
 // what is neither is rounded, with a remark. `path` must not exist. kInvalidArgument; kIo; kCorruptData when no frame could be read.
 Result<WriteSummary> write_klg(const Sequence& sequence, FrameRange range, const std::string& path, const WriteProgress& progress);
 
-// The same as our raw frames (core/raw/raw_frames.h). Frames that cannot be read are black and without depth, with a remark, as in
-// `hermite reconstruct --dump-raw`.
-Result<WriteSummary> write_raw(const Sequence& sequence, FrameRange range, const std::string& path, const WriteProgress& progress);
-
 }  // namespace hermite

@@ -226,11 +226,8 @@ class PixelDecoder {
  public:
   PixelDecoder(std::span<const std::uint8_t> words, const Frequencies& frequencies, int highest)
       : decoder_(words), slots_(kContextCount), highest_(highest) {
-    // A context without symbols has one that no pixel has.
-    std::vector<std::uint16_t> none(kSymbolCount + 1);
-    none.back() = kFrequencySum;
     for (std::size_t context = 0; context < kContextCount; ++context)
-      fill_slots(frequencies[context].empty() ? none : frequencies[context], slots_[context]);
+      if (!frequencies[context].empty()) fill_slots(frequencies[context], slots_[context]);
   }
 
   // False when no such rank exists.
@@ -244,7 +241,7 @@ class PixelDecoder {
     }
     std::uint32_t number = symbol - 1;
     if (symbol >= kFirstLargeSymbol) {
-      if (symbol >= kSymbolCount) return false;
+      if (symbol == kNoRansSymbol) return false;  // a context that is not used
       const int extra_count = extra_bits(symbol);
       number = ((4u | ((symbol - kFirstLargeSymbol) & 3u)) << extra_count) | decoder_.get_bits(lane, extra_count);
     }

@@ -52,7 +52,7 @@ void fill_slots(std::span<const std::uint16_t> frequencies, RansSlots& slots) {
   for (std::size_t symbol = 0; symbol < frequencies.size(); ++symbol) {
     const std::uint32_t frequency = frequencies[symbol];
     CHECK(slot + frequency <= kFrequencySum, "frequencies sum up to more than their limit");
-    const std::uint32_t constant = static_cast<std::uint32_t>(symbol) | ((frequency - 1) << 8);
+    const std::uint32_t constant = static_cast<std::uint32_t>(symbol + 1) | ((frequency - 1) << 8);
     for (std::uint32_t place = 0; place < frequency; ++place) slots[slot++] = constant | (place << 20);
   }
   CHECK(slot == kFrequencySum, "frequencies sum up to " + std::to_string(slot));

@@ -33,8 +33,9 @@ struct RansShare {
 // `frequencies` sum up to kFrequencySum (CHECK); of a symbol with frequency 0 the share stays as it is.
 void fill_shares(std::span<const std::uint16_t> frequencies, std::span<RansShare> shares);
 
-// The same for the decoder: for every number below kFrequencySum the symbol (8 bits), its frequency - 1 (12 bits) and the number's place
-// in the symbol's share (12 bits).
+// The same for the decoder: for every number below kFrequencySum the symbol + 1 (8 bits), its frequency - 1 (12 bits) and the number's
+// place in the symbol's share (12 bits). A slot of zeros has no symbol: what is not filled decodes to kNoRansSymbol.
+inline constexpr std::uint32_t kNoRansSymbol = 0xffffffff;
 using RansSlots = std::array<std::uint32_t, kFrequencySum>;
 void fill_slots(std::span<const std::uint16_t> frequencies, RansSlots& slots);
 
@@ -82,7 +83,7 @@ class RansDecoder {
     const std::uint32_t slot = slots[state & (kFrequencySum - 1)];
     state = (state >> kFrequencyBits) * (((slot >> 8) & (kFrequencySum - 1)) + 1) + (slot >> 20);
     refill(state);
-    return slot & 0xffu;
+    return (slot & 0xffu) - 1;
   }
   std::uint32_t get_bits(int lane, int count) {
     std::uint32_t& state = states_[static_cast<std::size_t>(lane)];

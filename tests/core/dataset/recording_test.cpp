@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <map>
 
 #include "core/dataset/write_klg.h"
+#include "core/dataset/write_raw.h"
 #include "core/dataset/write_tum.h"
 #include "tests/core/dataset/recording_bytes.h"
 #include "tests/core/dataset/temp_folder.h"

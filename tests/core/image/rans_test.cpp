@@ -82,6 +82,14 @@ TEST(Rans, DecodesWhatWasEncodedBehindAnyHeader) {
   }
 }
 
+TEST(Rans, SlotsThatWereNeverFilledHaveNoSymbol) {
+  const auto slots = std::make_unique<RansSlots>();
+  const Bytes bytes(100, 0x5a);
+  RansDecoder decoder(bytes);
+  EXPECT_EQ(decoder.get(0, *slots), kNoRansSymbol);
+  EXPECT_EQ(decoder.get(1, *slots), kNoRansSymbol);
+}
+
 TEST(Rans, TakesLittleMoreThanTheEntropy) {
   const Counts counts{9000, 700, 250, 50};
   const Code code(scale_frequencies(counts));
