@@ -288,9 +288,9 @@ struct ScanWorker::Impl {
     if (Status status = scan.take_frames(); !status.ok()) return failure(status.error());
     if (is_abandoned()) return {wire::ScanPhase::kRunning, {}, {}, {}};
     Result<wire::Finished> results = scan.write();
-    if (!results.ok()) return failure(results.error());
-    if (const std::optional<Error> reason = why_interrupted())
-      return {wire::ScanPhase::kInterrupted, *reason, *std::move(results), reason->message};
+    const std::optional<Error> reason = why_interrupted();
+    if (!results.ok()) return failure(reason ? in_context(reason->message, results.error()) : results.error());
+    if (reason) return {wire::ScanPhase::kInterrupted, *reason, *std::move(results), reason->message};
     return {wire::ScanPhase::kFinished, {}, *std::move(results), scan.last_words()};
   } catch (const SetupError& error) {
     return failure(error.error());

@@ -1,6 +1,7 @@
 """The real programs, for the tests that break things around them."""
 import json
-import signal
+import re
+import resource
 import socket
 import subprocess
 import sys
@@ -13,7 +14,9 @@ PATIENCE_S = 300
 
 
 class Server:
-    def __init__(self, program, data):
+    def __init__(self, program, data, largest_file=None):
+        """`largest_file`: in bytes; a write beyond it fails, as on a full disk."""
+        self.largest_file = largest_file
         with socket.create_server(("127.0.0.1", 0)) as free:
             self.port = free.getsockname()[1]
         self.command = [program, "serve", "--listen", f"127.0.0.1:{self.port}", "--data", data]
@@ -23,7 +26,10 @@ class Server:
         self.start()
 
     def start(self):
-        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=self.log, text=True)
+        # Python ignores the signal that comes with such a write, and leaves that to its child.
+        limit = self.largest_file and (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (self.largest_file, self.largest_file)))
+        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=self.log, text=True, preexec_fn=limit,
+                                        restore_signals=not self.largest_file)
         self.url = self.process.stdout.readline().strip()
         if not self.url.startswith("http"):
             sys.exit("the server did not start: " + self.tail())
@@ -64,6 +70,11 @@ class Camera:
             return None
         report = json.loads(self.out)
         return report["frames"], report["trajectory_sha256"], report["cloud_sha256"]
+
+
+def durable_said(lines):
+    """What the client was told to be durable, each time that it lost its connection."""
+    return [int(found[1]) for line in lines if (found := re.search(r"connection lost with (\d+) frames durable", line))]
 
 
 failures = []

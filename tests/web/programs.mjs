@@ -32,8 +32,9 @@ function within(limit_ms, promise, words) {
 }
 
 // `port` 0: any free one. Resolves once the server says where it is.
-export async function startServer(dataFolder, port = 0) {
-  const server = start('hermite', ['serve', '--listen', `127.0.0.1:${port}`, '--data', dataFolder, '--web-dir', path.join(root, 'web/dist')]);
+export async function startServer(dataFolder, port = 0, more = []) {
+  const args = ['serve', '--listen', `127.0.0.1:${port}`, '--data', dataFolder, '--web-dir', path.join(root, 'web/dist'), ...more];
+  const server = start('hermite', args);
   const address = new Promise((resolve) => {
     server.onOutput(() => {
       const found = /(http:\/\/127\.0\.0\.1:(\d+))\/#token=(\w+)/.exec(server.output());

@@ -142,8 +142,9 @@ test('a page comes back by itself when the server does', { timeout: scan_ms }, a
   client.stop();
   await untilScan(page, 'the page says that it waits', 30_000, (scan) => scan.connection === 'waiting');
   await picture('server_gone');
-  server = await startServer(folder, server.port);
-  await untilScan(page, 'the page is back', 60_000, (scan) => scan.snapshotComplete && scan.phase === 'interrupted');
+  // It builds the scan again, and does not wait long for a camera that is dead.
+  server = await startServer(folder, server.port, ['--resume-window', '1']);
+  await untilScan(page, 'the page is back', 120_000, (scan) => scan.snapshotComplete && scan.phase === 'interrupted');
   outage.on = false;
   await page.getByText('Interrupted').first().waitFor();
 });
