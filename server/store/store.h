@@ -55,6 +55,9 @@ class Store {
   // Newest first, at most kMaxListedScans.
   Result<std::vector<ScanRow>> list();
 
+  // Whether the database would take a change now; makes none.
+  Status writable();
+
   // Scans that still claim to run, which after a start none can: marked interrupted with `words`. How many.
   Result<int> interrupt_running(const std::string& words, std::int64_t now_ms);
 
