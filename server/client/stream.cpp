@@ -241,7 +241,7 @@ void Session::tell_progress() {
 }  // namespace
 
 Result<StreamOutcome> stream_sequence(const Sequence& sequence, const StreamRequest& request, const StreamObserver& observer) {
-  auto connection = Connection::open(request.server, request.connect_patience);
+  auto connection = Connection::open(request.server, request.connect_patience, request.ca);
   if (!connection.ok()) return connection.error();
   Session session(sequence, request, observer, **connection);
   Status status = session.greet();

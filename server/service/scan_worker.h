@@ -13,6 +13,7 @@
 
 #include "core/adjust/mapping.h"
 #include "core/base/result.h"
+#include "core/base/timeline.h"
 #include "core/math/camera.h"
 #include "core/output/chunks.h"
 #include "core/pipeline/options.h"
@@ -40,6 +41,7 @@ struct ScanSetup {
 struct FrameOutcome {
   wire::FrameResult result;
   std::optional<wire::SubmapPoses> poses;  // when submaps came or moved: told before the result, so that all of it moves at once
+  std::vector<Timeline::Stage> stages;     // "queue" first, then "decode" and those of the pipeline
   std::optional<Error> bad_images;         // why the pipeline got an empty frame instead of this one's images
 };
 
@@ -54,6 +56,8 @@ struct ModelUpdate {
   std::vector<ChunkUpdate> chunks;
   wire::SubmapPoses poses;
   std::uint64_t keyframes = 0, loops = 0;  // so far
+  std::uint64_t gpu_memory_bytes = 0;      // of the scan
+  Timeline::Stage encoding;                // of `chunks`
 };
 
 struct ScanEnd {
@@ -87,6 +91,8 @@ class ScanWorker {
   // As finish(), but ends as interrupted for the reason given. With `discard` frames in the queue are dropped.
   // After finish() only a discard has an effect.
   void interrupt(const Error& reason, bool discard);
+
+  std::size_t waiting_bytes() const;  // of frames in the queue
 
  private:
   struct Impl;

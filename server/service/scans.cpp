@@ -13,6 +13,7 @@
 #include "core/dataset/trajectory.h"
 #include "proto/wire/frame_payload.h"
 #include "proto/wire/server_message.h"
+#include "server/service/logging.h"
 #include "server/store/chunk_file.h"
 #include "server/store/scan_id.h"
 
@@ -104,14 +105,14 @@ void show_files(const std::string& folder, Audience& audience) {
 
 }  // namespace
 
-Scans::Scans(ScansOptions options, const DataDirectory& data, Store& store, Post post)
-    : options_(std::move(options)), data_(data), store_(store), post_(std::move(post)) {
+Scans::Scans(ScansOptions options, const DataDirectory& data, Store& store, Metrics& metrics, Post post)
+    : options_(std::move(options)), data_(data), store_(store), metrics_(metrics), post_(std::move(post)) {
   const Result<int> interrupted = store_.interrupt_running("the server ended during the scan", now_ms());
   if (!interrupted.ok()) throw SetupError(interrupted.error());
   if (*interrupted > 0) spdlog::warn("{} scan(s) of an earlier run were left unfinished and are now interrupted", *interrupted);
 }
 
-ScanEvents Scans::events_for(const std::shared_ptr<LiveScan>& scan) const {
+ScanEvents Scans::events_for(const std::string& id, const std::shared_ptr<LiveScan>& scan) {
   // Weak: an event that is still under way must not keep a scan alive, nor its worker.
   const auto deliver = [post = post_, weak = std::weak_ptr(scan)](auto tell) {
     post([weak, tell = std::move(tell)]() mutable {
@@ -119,11 +120,21 @@ ScanEvents Scans::events_for(const std::shared_ptr<LiveScan>& scan) const {
     });
   };
   ScanEvents events;
-  events.frame_done = [deliver](FrameOutcome outcome) {
-    deliver([outcome = std::move(outcome)](LiveScan& target) { target.frame_done(outcome); });
+  events.frame_done = [this, id, deliver](FrameOutcome outcome) {
+    const double latency_s = std::chrono::duration<double>(Timeline::Clock::now() - outcome.stages.front().start).count();
+    metrics_.frame_done(outcome.stages, latency_s, outcome.bad_images.has_value(), outcome.result.event == wire::MapEvent::kLost);
+    deliver([this, id, outcome = std::move(outcome)](LiveScan& target) {
+      traces_.add(id, outcome.result.sequence, outcome.stages);
+      target.frame_done(outcome);
+    });
   };
-  events.model_changed = [deliver](ModelUpdate update) {
-    deliver([update = std::move(update)](LiveScan& target) mutable { target.model_changed(std::move(update)); });
+  events.model_changed = [this, id, deliver](ModelUpdate update) {
+    metrics_.stage_done(update.encoding);
+    for (const ChunkUpdate& chunk : update.chunks) metrics_.chunks_encoded(chunk.message->size());
+    deliver([this, id, update = std::move(update)](LiveScan& target) mutable {
+      traces_.add(id, target.counts().processed, {update.encoding});
+      target.model_changed(std::move(update));
+    });
   };
   events.ended = [deliver](ScanEnd end) { deliver([end = std::move(end)](LiveScan& target) mutable { target.ended(std::move(end)); }); };
   return events;
@@ -164,8 +175,9 @@ Result<StartedScan> Scans::start(const wire::StartScan& request) {
   scan->start(
       std::make_unique<ScanWorker>(ScanSetup{options_.device, request.camera, options, request.depth_codecs.front(), queue_capacity,
                                              data_.scan_folder(row.id), live ? CorrectionTime::kWhenReady : CorrectionTime::kByFrames},
-                                   events_for(scan)));
-  spdlog::info("scan {} started: {}x{}, {}", row.id, row.camera.width, row.camera.height, live ? "live" : "batch");
+                                   events_for(row.id, scan)));
+  log_with({row.id}, spdlog::level::info,
+           fmt::format("scan {} started: {}x{}, {}", row.id, row.camera.width, row.camera.height, live ? "live" : "batch"));
 
   wire::Welcome welcome;
   welcome.scan_id = row.id;
@@ -183,9 +195,16 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   row.words = end.words;
   row.finished_at_ms = now_ms();
   if (Status status = store_.update(row); !status.ok()) spdlog::error("scan {}: {}", row.id, status.error().message);
-  spdlog::info("scan {} {}: {} frames received, {} processed, {} dropped{}{}", row.id, name_of(row.phase), row.frames_received,
-               row.frames_processed, row.frames_dropped, row.words.empty() ? "" : "; ", row.words);
+  log_with({row.id, {}, static_cast<double>(row.finished_at_ms - row.created_at_ms) / 1000}, spdlog::level::info,
+           fmt::format("scan {} {}: {} frames received, {} processed, {} dropped{}{}", row.id, name_of(row.phase), row.frames_received,
+                       row.frames_processed, row.frames_dropped, row.words.empty() ? "" : "; ", row.words));
+  metrics_.scan_ended(name_of(row.phase));
+  device_failed_ = end.phase == wire::ScanPhase::kFailed && end.error.code == ErrorCode::kDevice;
   const auto running = running_.find(row.id);
+  const FrameCounts& counts = running->second->counts();
+  ended_counts_.received += counts.received;
+  ended_counts_.processed += counts.processed;
+  ended_counts_.dropped += counts.dropped;
   read_again_[row.id] = running->second->shared_audience();
   // Not at once: this is called by the scan itself.
   post_([scan = running->second] {});
@@ -249,6 +268,28 @@ Result<std::string> Scans::file_of(const std::string& scan_id, const std::string
     return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + name + (running_.contains(scan_id) ? " yet" : "")};
   return path;
 }
+
+void Scans::describe(Load& load) const {
+  load.scans = {{"live", 0}, {"batch", 0}};
+  FrameCounts counts = ended_counts_;
+  for (const auto& [id, scan] : running_) {
+    ++load.scans[scan->mode() == wire::Mode::kLive ? "live" : "batch"];
+    load.viewers += static_cast<int>(scan->audience().viewer_count());
+    counts.received += scan->counts().received;
+    counts.processed += scan->counts().processed;
+    counts.dropped += scan->counts().dropped;
+    load.credits += scan->credit();
+    load.queue_bytes += scan->queue_bytes();
+    load.gpu_memory_bytes += scan->gpu_memory_bytes();
+  }
+  for (const auto& [id, weak] : read_again_)
+    if (const std::shared_ptr<Audience> audience = weak.lock()) load.viewers += static_cast<int>(audience->viewer_count());
+  load.frames_received = counts.received;
+  load.frames_processed = counts.processed;
+  load.frames_dropped = counts.dropped;
+}
+
+void Scans::refuse_new() { stopping_ = true; }
 
 void Scans::stop() {
   stopping_ = true;

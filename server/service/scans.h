@@ -10,7 +10,9 @@
 
 #include "core/base/result.h"
 #include "proto/wire/messages.h"
+#include "server/service/frame_traces.h"
 #include "server/service/live_scan.h"
+#include "server/service/metrics.h"
 #include "server/store/data_directory.h"
 #include "server/store/store.h"
 
@@ -37,8 +39,9 @@ class Scans {
   // Runs a function on the network thread, soon. Callable from every thread.
   using Post = std::function<void(std::function<void()>)>;
 
-  // Marks scans that a dead server left running as interrupted. `data` and `store` outlive this. Throws SetupError when the store cannot.
-  Scans(ScansOptions options, const DataDirectory& data, Store& store, Post post);
+  // Marks scans that a dead server left running as interrupted. `data`, `store` and `metrics` outlive this. Throws SetupError when the
+  // store cannot.
+  Scans(ScansOptions options, const DataDirectory& data, Store& store, Metrics& metrics, Post post);
 
   // kBusy: max_running scans are running, or the server is stopping. kInvalidArgument: a setting. kIo: the store or the disk.
   Result<StartedScan> start(const wire::StartScan& request);
@@ -56,20 +59,29 @@ class Scans {
   // Path of a result file of a scan that has ended. kNotFound: no such scan, or it has no such file.
   Result<std::string> file_of(const std::string& scan_id, const std::string& name);
 
-  void stop();  // no new scans; those that run end as interrupted, with results
+  void refuse_new();  // the server is about to stop
+  void stop();        // no new scans; those that run end as interrupted, with results
   std::size_t running_count() const { return running_.size(); }
 
+  void describe(Load& load) const;  // what is known here
+  const FrameTraces& traces() const { return traces_; }
+  bool device_failed() const { return device_failed_; }  // in the scan that ended last
+
  private:
-  ScanEvents events_for(const std::shared_ptr<LiveScan>& scan) const;
+  ScanEvents events_for(const std::string& id, const std::shared_ptr<LiveScan>& scan);
   void ended(const ScanRow& row, const ScanEnd& end);
   ScanRow with_counts(ScanRow row) const;
 
   const ScansOptions options_;
   const DataDirectory& data_;
   Store& store_;
+  Metrics& metrics_;
   const Post post_;
   std::map<std::string, std::shared_ptr<LiveScan>> running_;   // by id
   std::map<std::string, std::weak_ptr<Audience>> read_again_;  // ended scans that someone is looking at
+  FrameCounts ended_counts_;                                   // of all scans that have ended
+  FrameTraces traces_;
+  bool device_failed_ = false;
   bool stopping_ = false;
 };
 

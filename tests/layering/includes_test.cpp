@@ -37,8 +37,8 @@ const std::vector<Layer>& layers() {
       {"core/output", {"core/math", "core/base"}},
       // Of what needs more than Vulkan and Eigen only plain headers: hermite_bench links this and nothing else.
       {"core/pipeline",
-       {"core/adjust/mapping.h", "core/adjust/adjust_options.h", "core/dataset/trajectory.h", "core/output/cloud.h", "core/mesh", "core/track", "core/map", "core/frame", "core/gpu", "core/math",
-        "core/base"}},
+       {"core/adjust/mapping.h", "core/adjust/adjust_options.h", "core/dataset/trajectory.h", "core/output/cloud.h", "core/mesh",
+        "core/track", "core/map", "core/frame", "core/gpu", "core/math", "core/base"}},
       {"core/report", {"core/pipeline", "core/evaluate", "core/base"}},
       {"tests/bench/program", {"core/pipeline", "core/frame/raw_frames.h", "core/gpu", "core/base"}},
       {"proto/wire", {"core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
@@ -69,9 +69,10 @@ const std::vector<Door>& doors() {
       {"SQLiteCpp/", {"server/store"}},
       {"sqlite3.h", {"server/store"}},
       {"boost/beast",
-       {"server/service/websocket.h", "server/service/websocket.cpp", "server/service/http_connection.cpp",
+       {"server/net/transport.h", "server/service/websocket.h", "server/service/websocket.cpp", "server/service/http_connection.cpp",
         "server/client/connection.cpp"}},
       {"boost/", {"server"}},
+      {"prometheus/", {"server/service/metrics.cpp"}},
       {"google/protobuf", {"proto/wire"}},
       {"scan.pb.h", {"proto/wire"}},
   };
