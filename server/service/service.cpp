@@ -191,7 +191,7 @@ struct Service::Impl {
 
   // Until the acceptor is closed.
   asio::awaitable<void> accept(tcp::acceptor& open, const Site& served, int& count, int max_count, bool encrypted) {
-    for (;;) {
+    while (open.is_open()) {
       error_code error;
       tcp::socket socket = co_await open.async_accept(asio::redirect_error(asio::use_awaitable, error));
       if (error == asio::error::operation_aborted) co_return;
