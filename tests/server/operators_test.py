@@ -178,6 +178,14 @@ class Operators(unittest.TestCase):
         while "hermite_frames_processed_total 0" in server.ask("/metrics")[1]:
             check(time.monotonic() < deadline, "no frame")
             time.sleep(0.05)
+        metrics = server.ask("/metrics")[1]
+        for stage in ("queue", "decode", "preprocess", "track", "fuse", "predict"):
+            check('hermite_frame_stage_seconds_count{stage="%s"}' % stage in metrics, "no time of " + stage)
+        scan = next(json.loads(line)["session"] for line in text_of(server.log_path).splitlines() if "started" in line)
+        check(scan not in metrics, "an id among the metrics")
+        status, trace = server.ask("/debug/trace?scan=" + scan)
+        events = json.loads(trace)["traceEvents"]
+        check(status == 200 and any(event["ph"] == "X" and event["name"] == "track" for event in events), trace)
         server.process.send_signal(signal.SIGTERM)
         code, log = server.end()
         check(code == 0, "exit status %d" % code)
