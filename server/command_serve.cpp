@@ -1,20 +1,31 @@
 // hermite serve
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <system_error>
 
+#include "core/dataset/text_file.h"
 #include "server/commands.h"
+#include "server/service/logging.h"
 #include "server/service/service.h"
+#include "server/service/settings.h"
 
 namespace hermite {
 
 namespace {
+
+struct ServeArguments {
+  ServiceOptions defaults;
+  std::string config;
+  bool print_config = false;
+  std::map<std::string, const CLI::Option*> flags;  // by setting
+};
 
 // Beside an installed program, else where the sources were built.
 std::string default_web_folder() {
@@ -25,8 +36,32 @@ std::string default_web_folder() {
   return HERMITE_WEB_DIST;
 }
 
-int run_serve(const ServiceOptions& options) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("hermite"));
+void or_usage(const std::string& where, const Status& status) {
+  if (!status.ok()) throw SetupError({ErrorCode::kInvalidArgument, in_context(where, status.error()).message});
+}
+
+// The file, then the environment, then the flags: what comes later goes before.
+ServiceOptions options_of(const ServeArguments& arguments) {
+  ServiceOptions options = arguments.defaults;
+  if (!arguments.config.empty())
+    or_usage(arguments.config, apply_config(options, or_throw(read_text_file(arguments.config, kMaxConfigBytes))));
+  or_usage("the environment", apply_environment(options, environ));
+  for (const auto& [key, flag] : arguments.flags) {
+    if (flag->count() == 0) continue;
+    or_usage("the command line", apply_setting(options, key, flag->results()));
+  }
+  or_usage("the settings", check(options));
+  return options;
+}
+
+int run_serve(const ServeArguments& arguments) {
+  const ServiceOptions options = options_of(arguments);
+  if (arguments.print_config) {
+    std::cout << format_config(options, arguments.defaults);
+    return 0;
+  }
+  const bool json = options.log_format == "json" || (options.log_format == "auto" && isatty(STDERR_FILENO) == 0);
+  spdlog::set_default_logger(make_logger(std::cerr, json ? LogFormat::kJson : LogFormat::kText, options.log_level));
   Service service(options);
   // One line, for people to open and for scripts to read.
   std::cout << service.url() << "/#token=" << service.token() << std::endl;
@@ -35,6 +70,18 @@ int run_serve(const ServiceOptions& options) {
   // A worker is still inside the GPU driver and cannot be waited for; results of all others are written.
   spdlog::shutdown();
   std::_Exit(kFailed);
+}
+
+void add_flag(CLI::App& serve, const ServiceSetting& setting, ServeArguments& arguments) {
+  std::string words = setting.description + " (" + (setting.limits.empty() ? "" : setting.limits + "; ") + "default " + setting.value + ")";
+  const std::string name = "--" + setting.key;
+  CLI::Option* option = nullptr;
+  if (setting.kind == SettingKind::kFlag)
+    option = serve.add_flag(name)->description(words);
+  else
+    option = serve.add_option(name)->description(words);
+  if (setting.kind == SettingKind::kList) option->expected(1, kMaxListEntries)->allow_extra_args(false);
+  arguments.flags[setting.key] = option;
 }
 
 }  // namespace
@@ -47,28 +94,14 @@ std::string default_data_folder() {
 }
 
 Command add_serve_command(CLI::App& app) {
-  auto options = std::make_shared<ServiceOptions>();
-  options->data_folder = default_data_folder();
-  options->web_folder = default_web_folder();
+  auto arguments = std::make_shared<ServeArguments>();
+  arguments->defaults.data_folder = default_data_folder();
+  arguments->defaults.web_folder = default_web_folder();
   CLI::App& serve = *app.add_subcommand("serve", "Take scans from cameras and show them in the browser");
-  serve.add_option("--listen", options->listen, "IP:PORT; port 0 takes any free one")->capture_default_str();
-  serve.add_option("--data", options->data_folder, "Folder for scans, database and token")->capture_default_str();
-  serve.add_option("--device", options->device, "GPU: an index or a part of its name (default: the best one)");
-  serve.add_option("--web-dir", options->web_folder, "The viewer's files")->capture_default_str();
-  serve.add_option("--max-scans", options->max_scans, "Scans running at once")->capture_default_str();
-  serve.add_option("--credit-window", options->credit_window, "Frames a camera may send ahead of the reconstruction")
-      ->capture_default_str();
-  serve
-      .add_option("--gpu-memory", options->gpu_memory_mb,
-                  "Device memory for all scans together [MB], an equal share each; 0: as much as there is")
-      ->check(CLI::Range(0, 1'000'000))
-      ->capture_default_str();
-  serve.add_option("--resume-window", options->resume_window_s, "Seconds that a scan waits for its camera when the connection is lost")
-      ->capture_default_str();
-  serve.add_option("--allow-host", options->allow_hosts, "Another name that this server is reached by; may be repeated")
-      ->allow_extra_args(false);
-  serve.add_flag("--insecure-i-know", options->insecure_listen, "Listen on other addresses than the loopback's, without encryption");
-  return {&serve, [options] { return run_serve(*options); }};
+  serve.add_option("--config", arguments->config, "File with settings, as --print-config prints it")->envname("HERMITE_SERVE_CONFIG");
+  serve.add_flag("--print-config", arguments->print_config, "Print every setting as it would be used, as a file for --config, and end");
+  for (const ServiceSetting& setting : list_settings(arguments->defaults)) add_flag(serve, setting, *arguments);
+  return {&serve, [arguments] { return run_serve(*arguments); }};
 }
 
 }  // namespace hermite

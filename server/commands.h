@@ -28,6 +28,8 @@ Command add_evaluate_command(CLI::App& app);
 Command add_inspect_command(CLI::App& app);
 Command add_convert_command(CLI::App& app);
 Command add_doctor_command(CLI::App& app);
+Command add_backup_command(CLI::App& app);
+Command add_restore_command(CLI::App& app);
 
 // $XDG_DATA_HOME/hermite, else ~/.local/share/hermite.
 std::string default_data_folder();

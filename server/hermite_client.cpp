@@ -37,6 +37,7 @@ struct StreamArguments {
   std::string sequence;
   std::string server;
   std::string token;
+  std::string ca;
   std::string frames;
   std::string rate;
   std::string report_path;
@@ -56,8 +57,13 @@ void add_stream_command(CLI::App& app, StreamArguments& arguments) {
   stream
       .add_option("SEQUENCE", arguments.sequence, "Recording (folder, file or archive; see hermite inspect) or synthetic[:key=value,...]")
       ->required();
-  stream.add_option("--server", arguments.server, "http://HOST:PORT, or the address as the server prints it, with #token=...")->required();
+  stream
+      .add_option("--server", arguments.server,
+                  "http://HOST:PORT or https://HOST:PORT, or the address as the server prints it, with #token=...")
+      ->required();
   stream.add_option("--token", arguments.token, "The server's token, unless the address has it")->envname("HERMITE_TOKEN");
+  stream.add_option("--ca", arguments.ca, "Believe the certificate authorities in this file (PEM) instead of the system's")
+      ->envname("HERMITE_CA");
   stream.add_option("--frames", arguments.frames, "A:B streams frames A to B-1");
   stream.add_option("--rate", arguments.rate, "Frames per second, or max (default; with --live: the recording's own rate)");
   stream.add_option("--report", arguments.report_path, "Also write the report to this file");
@@ -102,6 +108,7 @@ Result<StreamRequest> make_request(const StreamArguments& arguments, const Seque
   auto url = parse_server_url(arguments.server);
   if (!url.ok()) return url.error();
   request.server = *std::move(url);
+  request.ca = arguments.ca;
   if (!arguments.token.empty()) request.server.token = arguments.token;
   if (request.server.token.empty()) return Error{ErrorCode::kInvalidArgument, "no token: give --token, or --server with #token=..."};
   const auto frames = parse_frame_range(arguments.frames, sequence.frame_count());

@@ -34,6 +34,12 @@ void describe(const gpu::DeviceCheck& check, DeviceReport& report) {
 
 }  // namespace
 
+Result<std::string> open_device(const std::string& device) try {
+  return gpu::in_words(gpu::Device(device).info());
+} catch (const SetupError& error) {
+  return error.error();
+}
+
 DeviceReport examine_device(const std::string& device) {
   DeviceReport report;
   try {

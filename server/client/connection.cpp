@@ -8,12 +8,14 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
+#include <boost/asio/ssl/host_name_verification.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 
 #include "proto/wire/messages.h"
+#include "server/net/transport.h"
 
 namespace hermite {
 namespace {
@@ -23,7 +25,7 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 namespace websocket = beast::websocket;
 using tcp = asio::ip::tcp;
-using Socket = websocket::stream<beast::tcp_stream>;
+using Socket = websocket::stream<Transport>;
 using SteadyTime = std::chrono::steady_clock::time_point;
 
 // A server that answers no ping for so long is gone. Half of it is the interval of the pings, which also keeps proxies from closing (60 s).
@@ -58,6 +60,26 @@ Error refusal(const std::string& server, const websocket::response_type& respons
   return {ErrorCode::kUnsupported, server + " is no Hermite server: it answers " + answer};
 }
 
+// What is wrong with the server's certificate, in words.
+Error distrust(const std::string& server, const beast::error_code& error, Transport::Tls& tls) {
+  const long verdict = SSL_get_verify_result(tls.native_handle());
+  if (verdict == X509_V_OK) return {ErrorCode::kIo, "TLS with " + server + " failed: " + error.message()};
+  return {ErrorCode::kUnauthorized, "the certificate of " + server + " is not trusted: " + X509_verify_cert_error_string(verdict) +
+                                        " (--ca names a file with the authorities to trust)"};
+}
+
+// TLS with the server that `url` names and no other.
+asio::awaitable<void> shake_hands(Transport::Tls& tls, const ServerUrl& url, std::optional<Error>& failure) {
+  beast::error_code error;
+  asio::ip::make_address(url.host, error);
+  const bool is_name = static_cast<bool>(error);
+  // Addresses have no place in the server name that is sent along.
+  if (is_name) SSL_set_tlsext_host_name(tls.native_handle(), url.host.c_str());
+  tls.set_verify_callback(asio::ssl::host_name_verification(url.host));
+  co_await tls.async_handshake(asio::ssl::stream_base::client, asio::redirect_error(asio::use_awaitable, error));
+  if (error) failure = distrust(url.host_and_port(), error, tls);
+}
+
 // Resolve, connect, upgrade. Leaves its outcome in `failure` (none: connected).
 asio::awaitable<void> connect(Socket& socket, const ServerUrl& url, std::optional<Error>& failure) {
   const std::string server = url.host_and_port();
@@ -75,6 +97,8 @@ asio::awaitable<void> connect(Socket& socket, const ServerUrl& url, std::optiona
     co_return;
   }
   beast::get_lowest_layer(socket).socket().set_option(tcp::no_delay(true));
+  if (socket.next_layer().tls()) co_await shake_hands(*socket.next_layer().tls(), url, failure);
+  if (failure) co_return;
   websocket::response_type response;
   co_await socket.async_handshake(response, server, wire::kEndpoint, then());
   if (error) {
@@ -91,7 +115,7 @@ asio::awaitable<void> connect(Socket& socket, const ServerUrl& url, std::optiona
 struct Connection::Impl {
   asio::io_context io{1};
   asio::executor_work_guard<asio::io_context::executor_type> work = asio::make_work_guard(io);
-  Socket socket{io};
+  Socket socket;
   std::string server;  // for words
 
   bool happened = false;  // something that a waiter wants to know
@@ -102,6 +126,8 @@ struct Connection::Impl {
   bool writing = false;
   bool closed = false;
   std::uint64_t sent_bytes = 0;
+
+  explicit Impl(TlsContext tls) : socket(Transport(beast::tcp_stream(io), std::move(tls))) {}
 
   void run_until(SteadyTime deadline) {
     while (!happened && io.run_one_until(deadline) > 0) {
@@ -149,10 +175,16 @@ Connection::Connection(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Connection::~Connection() = default;
 
-Result<std::unique_ptr<Connection>> Connection::open(const ServerUrl& url, std::chrono::milliseconds patience) {
+Result<std::unique_ptr<Connection>> Connection::open(const ServerUrl& url, std::chrono::milliseconds patience, const std::string& ca) {
+  TlsContext tls;
+  if (url.tls) {
+    Result<TlsContext> made = client_tls(ca);
+    if (!made.ok()) return made.error();
+    tls = *std::move(made);
+  }
   bool connected = false;
   std::optional<Error> failure;
-  auto impl = std::make_unique<Impl>();  // after what its coroutine refers to: it goes first
+  auto impl = std::make_unique<Impl>(std::move(tls));  // after what its coroutine refers to: it goes first
   impl->server = url.host_and_port();
   prepare(impl->socket, patience);
   asio::co_spawn(impl->io, connect(impl->socket, url, failure),

@@ -19,8 +19,9 @@ namespace hermite {
 class Connection {
  public:
   // kIo: nobody answers, or not within `patience`. kUnsupported: something answers that is no Hermite server. kUnauthorized: refused before
-  // the first message.
-  static Result<std::unique_ptr<Connection>> open(const ServerUrl& url, std::chrono::milliseconds patience);
+  // the first message, or a certificate that is not trusted. kInvalidArgument: `ca`, a file with the certificate authorities to believe
+  // (PEM) instead of the system's.
+  static Result<std::unique_ptr<Connection>> open(const ServerUrl& url, std::chrono::milliseconds patience, const std::string& ca = {});
   ~Connection();  // drops the connection without a word when close() was not called
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;

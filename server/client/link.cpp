@@ -20,7 +20,7 @@ void Link::replace(std::unique_ptr<Connection> connection) {
 
 Status Link::open(std::chrono::milliseconds patience) {
   replace(nullptr);
-  auto connection = Connection::open(server_, patience);
+  auto connection = Connection::open(server_, patience, ca_);
   if (!connection.ok()) return connection.error();
   replace(*std::move(connection));
   pinged_at_ = std::chrono::steady_clock::now();

@@ -6,6 +6,8 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "core/base/result.h"
 #include "proto/wire/messages.h"
@@ -16,8 +18,8 @@ namespace hermite {
 
 class Link {
  public:
-  // `server` outlives this.
-  explicit Link(const ServerUrl& server) : server_(server) {}
+  // `server` outlives this. `ca`: as in Connection::open.
+  explicit Link(const ServerUrl& server, std::string ca = {}) : server_(server), ca_(std::move(ca)) {}
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
@@ -44,6 +46,7 @@ class Link {
   void replace(std::unique_ptr<Connection> connection);
 
   const ServerUrl& server_;
+  const std::string ca_;
   std::mutex mutex_;  // only for wake(): who replaces the connection, and who wakes it
   std::unique_ptr<Connection> connection_;
   std::uint64_t sent_bytes_before_ = 0;

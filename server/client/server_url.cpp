@@ -73,26 +73,22 @@ std::string ServerUrl::host_and_port() const {
 Result<ServerUrl> parse_server_url(const std::string& text) {
   const std::size_t hash = std::min(text.find('#'), text.size());
   const std::string shown = text.substr(0, hash);  // a token never gets into a message
-  const auto failure = [&](ErrorCode code, const std::string& words) -> Result<ServerUrl> {
-    return Error{code, "server URL \"" + shown + "\": " + words};
+  const auto failure = [&](const std::string& words) -> Result<ServerUrl> {
+    return Error{ErrorCode::kInvalidArgument, "server URL \"" + shown + "\": " + words};
   };
-  std::string_view rest = shown;
-  if (rest.starts_with("https://") || rest.starts_with("wss://")) {
-    return failure(ErrorCode::kUnsupported, "this client speaks no TLS; use http:// through a tunnel or on the server's own machine");
-  }
-  if (rest.starts_with("http://")) {
-    rest.remove_prefix(7);
-  } else if (rest.starts_with("ws://")) {
-    rest.remove_prefix(5);
-  } else {
-    return failure(ErrorCode::kInvalidArgument, "expected http://HOST:PORT or ws://HOST:PORT");
-  }
+  const std::size_t scheme_end = shown.find("://");
+  const std::string scheme = shown.substr(0, scheme_end);
+  ServerUrl url;
+  url.tls = scheme == "https" || scheme == "wss";
+  if (scheme_end == std::string::npos || (!url.tls && scheme != "http" && scheme != "ws"))
+    return failure("expected https://HOST:PORT, http://HOST:PORT, or the same with wss and ws");
+  url.port = url.tls ? 443 : 80;
+  const std::string_view rest = std::string_view(shown).substr(scheme_end + 3);
   const std::size_t slash = std::min(rest.find('/'), rest.size());
   const std::string_view path = rest.substr(slash);
-  if (!path.empty() && path != "/") return failure(ErrorCode::kInvalidArgument, "nothing may follow the port but / and #token=…");
-  ServerUrl url;
+  if (!path.empty() && path != "/") return failure("nothing may follow the port but / and #token=…");
   const std::string words = parse_authority(rest.substr(0, slash), url);
-  if (!words.empty()) return failure(ErrorCode::kInvalidArgument, words);
+  if (!words.empty()) return failure(words);
   if (hash < text.size()) url.token = token_of(std::string_view(text).substr(hash + 1));
   return url;
 }

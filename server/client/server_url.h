@@ -1,4 +1,4 @@
-// Where a server is and how to be let in, from what a person pastes: "http://127.0.0.1:8080", "ws://host:8080",
+// Where a server is and how to be let in, from what a person pastes: "http://127.0.0.1:8080", "wss://host:8080", "https://host",
 // or the address as the server prints it, "http://127.0.0.1:8080/#token=…". Plain value, pure function.
 #pragma once
 
@@ -10,17 +10,18 @@
 namespace hermite {
 
 struct ServerUrl {
-  std::string host;  // a name or an address, IPv6 without its brackets
-  std::uint16_t port = 80;
-  std::string token;  // empty when the text has none
+  std::string host;         // a name or an address, IPv6 without its brackets
+  std::uint16_t port = 80;  // 443 with TLS
+  std::string token;        // empty when the text has none
+  bool tls = false;         // https:// or wss://
 
   // "127.0.0.1:8080", "[::1]:8080": the Host header, and words for a person. Never contains the token.
   std::string host_and_port() const;
   bool operator==(const ServerUrl&) const = default;
 };
 
-// kInvalidArgument, naming the text without its token: no http:// or ws://, no host, a port outside 1 to 65535, a path other than "/".
-// kUnsupported: https:// and wss:// (this client speaks no TLS: connect through a tunnel or on the server's own machine).
+// kInvalidArgument, naming the text without its token: no http(s):// or ws(s)://, no host, a port outside 1 to 65535, a path other than
+// "/".
 Result<ServerUrl> parse_server_url(const std::string& text);
 
 }  // namespace hermite

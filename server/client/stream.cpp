@@ -39,7 +39,7 @@ Error error_from(const wire::ErrorMessage& said) {
 class Session {
  public:
   Session(const Sequence& sequence, const StreamRequest& request, const StreamObserver& observer)
-      : sequence_(sequence), request_(request), observer_(observer), link_(request.server), gate_(request.pacing) {
+      : sequence_(sequence), request_(request), observer_(observer), link_(request.server, request.ca), gate_(request.pacing) {
     progress_.frame_count = request.frames.count();
   }
   Status run();

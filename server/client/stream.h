@@ -19,6 +19,7 @@ namespace hermite {
 
 struct StreamRequest {
   ServerUrl server;  // with its token
+  std::string ca;    // file with the certificate authorities to believe, empty: the system's
   std::string title;
   FrameRange frames;
   Pacing pacing;  // newest_wins asks the server for its live mode

@@ -52,6 +52,8 @@ class Audience {
   // The scan has ended and its last state and model were shown: viewers may leave once they have everything.
   void close();
 
+  std::size_t viewer_count() const { return viewers_.size(); }
+
   // `wake` is called when the viewer may have something to send. kBusy: kMaxViewersPerScan are there.
   static Result<std::unique_ptr<Viewer>> join(const std::shared_ptr<Audience>& audience, std::function<void()> wake);
 

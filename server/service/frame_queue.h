@@ -28,10 +28,13 @@ class FrameQueue {
 
   struct Popped {
     std::optional<wire::Frame> frame;
-    bool closed = false;  // and empty: there will never be another frame
+    bool closed = false;                            // and empty: there will never be another frame
+    std::chrono::steady_clock::time_point since{};  // when the frame was pushed
   };
   // Blocks until there is a frame or the end, at most for `patience`.
   Popped pop(std::chrono::milliseconds patience);
+
+  std::size_t waiting_bytes() const;  // of the images
 
  private:
   struct Impl;

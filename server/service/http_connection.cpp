@@ -1,7 +1,6 @@
 #include "server/service/http_connection.h"
 
-#include <spdlog/spdlog.h>
-
+#include <algorithm>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
@@ -11,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "server/net/transport.h"
 #include "server/service/websocket.h"
 
 namespace hermite {
@@ -25,12 +25,21 @@ using Request = http::request<http::empty_body>;
 
 constexpr std::chrono::seconds kRequestPatience(10);  // for a whole header, also between two requests
 constexpr std::chrono::seconds kAnswerPatience(60);   // without progress while an answer is written
+constexpr std::chrono::seconds kGoodbyePatience(5);   // for the end of TLS
 
 std::string text_of(beast::string_view view) { return {view.data(), view.size()}; }
 
+struct Answering {
+  unsigned int version = 11;
+  bool encrypted = false;
+  bool head = false;  // the answer goes without its body
+  bool keep_alive = false;
+};
+
 template <class Response>
-void set_headers(Response& response, const HttpAnswer& answer, bool keep_alive) {
+void set_headers(Response& response, const HttpAnswer& answer, bool encrypted, bool keep_alive) {
   response.set(http::field::server, "hermite");
+  if (encrypted) response.set(http::field::strict_transport_security, "max-age=31536000");
   response.set(http::field::content_type, answer.content_type);
   response.set(http::field::cache_control, answer.cache_control);
   // The viewer's Draco decoder is WebAssembly in a worker; nothing comes from anywhere else.
@@ -48,46 +57,40 @@ void set_headers(Response& response, const HttpAnswer& answer, bool keep_alive) 
   response.keep_alive(keep_alive);
 }
 
-struct Answering {
-  unsigned int version = 11;
-  bool head = false;  // the answer goes without its body
-  bool keep_alive = false;
-};
-
-asio::awaitable<bool> write_file(beast::tcp_stream& stream, const HttpAnswer& answer, const Answering& how) {
+asio::awaitable<bool> write_file(Transport& stream, const HttpAnswer& answer, const Answering& how) {
   http::response<http::file_body> response{http::status::ok, how.version};
   error_code error;
   response.body().open(answer.file.c_str(), beast::file_mode::scan, error);
   if (error) co_return false;  // deleted this moment: the connection ends
-  set_headers(response, answer, how.keep_alive);
+  set_headers(response, answer, how.encrypted, how.keep_alive);
   response.prepare_payload();
   http::response_serializer<http::file_body> serializer(response);
   if (how.head) {
-    stream.expires_after(kAnswerPatience);
+    stream.next_layer().expires_after(kAnswerPatience);
     co_await http::async_write_header(stream, serializer, asio::redirect_error(asio::use_awaitable, error));
     co_return !error;
   }
   // Piece by piece, so that the patience is for progress and not for the whole of a large cloud.
   while (!error && !serializer.is_done()) {
-    stream.expires_after(kAnswerPatience);
+    stream.next_layer().expires_after(kAnswerPatience);
     co_await http::async_write_some(stream, serializer, asio::redirect_error(asio::use_awaitable, error));
   }
   co_return !error;
 }
 
 // True when the connection can go on.
-asio::awaitable<bool> write_answer(beast::tcp_stream& stream, HttpAnswer answer, const Answering& how) {
+asio::awaitable<bool> write_answer(Transport& stream, HttpAnswer answer, const Answering& how) {
   if (!answer.file.empty()) {
     const bool written = co_await write_file(stream, answer, how);
     co_return written&& how.keep_alive;
   }
   const bool keep_alive = how.keep_alive && answer.status < 400;
   http::response<http::string_body> response{static_cast<http::status>(answer.status), how.version};
-  set_headers(response, answer, keep_alive);
+  set_headers(response, answer, how.encrypted, keep_alive);
   response.content_length(answer.body.size());
   if (!how.head) response.body() = std::move(answer.body);
   error_code error;
-  stream.expires_after(kAnswerPatience);
+  stream.next_layer().expires_after(kAnswerPatience);
   co_await http::async_write(stream, response, asio::redirect_error(asio::use_awaitable, error));
   co_return !error && keep_alive;
 }
@@ -120,9 +123,31 @@ std::optional<HttpAnswer> check_upgrade(const Request& request) {
   return std::nullopt;
 }
 
-HttpRequest plain(const Request& request) {
+HttpRequest plain(const Request& request, Peer peer) {
   const std::string target = text_of(request.target());
-  return {text_of(request.method_string()), target.substr(0, target.find('?')), text_of(request[http::field::authorization])};
+  const std::size_t question = std::min(target.find('?'), target.size());
+  return {text_of(request.method_string()), target.substr(0, question), target.substr(std::min(question + 1, target.size())),
+          text_of(request[http::field::authorization]), std::move(peer)};
+}
+
+std::string joined(const Request& request, beast::string_view name) {
+  std::string values;
+  const auto [first, last] = request.equal_range(name);
+  for (auto field = first; field != last; ++field) values += (values.empty() ? "" : ",") + text_of(field->value());
+  return values;
+}
+
+Peer peer_of_request(const Request& request, const std::string& address, bool tls, const Site& site) {
+  return peer_of(address, tls, site.proxies, joined(request, "X-Forwarded-For"), joined(request, "X-Forwarded-Proto"));
+}
+
+std::optional<HttpAnswer> check_encryption(const Peer& peer, const std::string& address, const Site& site) {
+  // A proxy on this machine that is none of the trusted ones cannot be told from a person.
+  const bool from_here = is_loopback({address, 0}) && !lies_in_any(site.proxies, address);
+  if (!site.encrypted_only || peer.encrypted || from_here) return std::nullopt;
+  return error_answer(403, {ErrorCode::kUnauthorized,
+                            "this server is reached over TLS only: by https, or through its proxy (--trusted-proxy), which has to send "
+                            "X-Forwarded-Proto: https"});
 }
 
 // The answer to a header that could not be read; none when there is nobody to answer.
@@ -136,43 +161,65 @@ std::optional<HttpAnswer> answer_to(const error_code& error) {
 }
 
 // After an answer that ends the connection: lets the client read it before the socket goes.
-void shut_down(beast::tcp_stream& stream) {
+asio::awaitable<void> shut_down(Transport& stream) {
   error_code ignored;
-  stream.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+  if (stream.tls()) {
+    stream.next_layer().expires_after(kGoodbyePatience);
+    co_await stream.tls()->async_shutdown(asio::redirect_error(asio::use_awaitable, ignored));
+  }
+  stream.next_layer().socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+}
+
+// Whether the connection can be used.
+asio::awaitable<bool> shake_hands(Transport& stream) {
+  error_code error;
+  if (!stream.tls()) co_return true;
+  stream.next_layer().expires_after(kRequestPatience);
+  co_await stream.tls()->async_handshake(asio::ssl::stream_base::server, asio::redirect_error(asio::use_awaitable, error));
+  co_return !error;
 }
 
 }  // namespace
 
-asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, const HttpWorld& world, const AllowedHosts& hosts) {
+asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, TlsContext tls, const Site& site) {
   error_code error;
-  socket.set_option(asio::ip::tcp::no_delay(true), error);  // three times slower without, on small messages
-  beast::tcp_stream stream(std::move(socket));
+  const std::string address = socket.remote_endpoint(error).address().to_string();
+  if (!error) socket.set_option(asio::ip::tcp::no_delay(true), error);  // three times slower without, on small messages
+  Transport stream(beast::tcp_stream(std::move(socket)), std::move(tls));
   beast::flat_buffer buffer(2 * kMaxHeaderBytes);
-  bool go_on = !error;
+  const bool usable = co_await shake_hands(stream);
+  bool go_on = !error && usable;
   while (go_on) {
     http::request_parser<http::empty_body> parser;
     parser.header_limit(kMaxHeaderBytes);
-    stream.expires_after(kRequestPatience);
+    stream.next_layer().expires_after(kRequestPatience);
     co_await http::async_read_header(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
     if (error) {
       std::optional<HttpAnswer> words = answer_to(error);
       if (words) co_await write_answer(stream, *std::move(words), {});
       break;
     }
+    const auto start = std::chrono::steady_clock::now();
     const Request& request = parser.get();
-    Answering how{request.version(), request.method() == http::verb::head, request.keep_alive()};
-    std::optional<HttpAnswer> wrong = check_request(request, hosts);
-    const bool upgrade = !wrong && beast::websocket::is_upgrade(request);
+    Peer peer = peer_of_request(request, address, stream.encrypted(), site);
+    Answering how{request.version(), peer.encrypted, request.method() == http::verb::head, request.keep_alive()};
+    std::optional<HttpAnswer> wrong = check_request(request, site.hosts);
+    if (!wrong) wrong = check_encryption(peer, address, site);
+    const bool upgrade = !wrong && site.websockets && beast::websocket::is_upgrade(request);
     if (upgrade) wrong = check_upgrade(request);
     if (upgrade && !wrong) {
-      co_await serve_websocket(std::move(stream), parser.release(), world.scans, world.token);
+      co_await serve_websocket(std::move(stream), parser.release(), *site.websockets, std::move(peer));
       co_return;
     }
     if (wrong) how.keep_alive = false;
-    HttpAnswer reply = wrong ? *std::move(wrong) : answer(world, plain(request));
+    HttpAnswer reply = wrong ? *std::move(wrong) : site.answer(plain(request, std::move(peer)));
+    if (reply.status == 401) site.metrics.authentication_failed();
+    const int status = reply.status;
+    const std::string_view route = reply.route;
     go_on = co_await write_answer(stream, std::move(reply), how);
+    site.metrics.request_answered(route, status, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   }
-  shut_down(stream);
+  co_await shut_down(stream);
 }
 
 }  // namespace hermite

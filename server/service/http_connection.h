@@ -1,20 +1,37 @@
-// One TCP connection: HTTP requests one after the other, until one of them becomes a WebSocket. One of the three places that know Beast.
+// One TCP connection, with or without TLS: HTTP requests one after the other, until one of them becomes a WebSocket. One of the places that
+// know Beast.
 #pragma once
 
 #include <utility>  // Boost 1.74's awaitable.hpp needs it and does not include it
 
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <functional>
+#include <vector>
 
+#include "server/net/peer.h"
+#include "server/net/tls.h"
 #include "server/service/access.h"
 #include "server/service/http_routes.h"
+#include "server/service/metrics.h"
 
 namespace hermite {
 
 inline constexpr std::size_t kMaxHeaderBytes = 8 * 1024;
 
+// What answers behind a listening port.
+struct Site {
+  std::function<HttpAnswer(const HttpRequest&)> answer;
+  AllowedHosts hosts;
+  Metrics& metrics;
+  const HttpWorld* websockets = nullptr;  // none: no WebSockets here
+  std::vector<Network> proxies = {};      // whose X-Forwarded- headers are believed
+  // Requests that came neither from this machine nor encrypted, by TLS here or up to a trusted proxy, are refused.
+  bool encrypted_only = false;
+};
+
 // Runs until the connection is over. Requests carry no bodies; one that breaks a rule is answered and the connection closed, so that
-// nothing behind it can be taken for another request. `world` and `hosts` outlive it.
-boost::asio::awaitable<void> serve_connection(boost::asio::ip::tcp::socket socket, const HttpWorld& world, const AllowedHosts& hosts);
+// nothing behind it can be taken for another request. Without `tls` nothing is encrypted. `site` outlives it.
+boost::asio::awaitable<void> serve_connection(boost::asio::ip::tcp::socket socket, TlsContext tls, const Site& site);
 
 }  // namespace hermite

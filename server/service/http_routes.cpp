@@ -32,6 +32,11 @@ HttpAnswer refused(const Error& error) {
   }
 }
 
+HttpAnswer on_route(std::string_view route, HttpAnswer answer) {
+  answer.route = route;
+  return answer;
+}
+
 // "2024-05-01T12:00:00.123Z", null for 0.
 Json time_json(std::int64_t unix_ms) {
   if (unix_ms == 0) return nullptr;
@@ -100,17 +105,18 @@ HttpAnswer send_report(const HttpWorld& world, const std::string& id) { return s
 
 struct Route {
   std::string_view method;
+  std::string_view name;                 // in metrics
   std::string_view before_id, after_id;  // the path, around an id where has_id
   bool has_id;
   HttpAnswer (*handle)(const HttpWorld&, const std::string& id);
 };
 constexpr std::array<Route, 6> kApi = {{
-    {"GET", "/api/v1/scans", "", false, list_scans},
-    {"GET", "/api/v1/scans/", "", true, show_scan},
-    {"DELETE", "/api/v1/scans/", "", true, remove_scan},
-    {"GET", "/api/v1/scans/", "/cloud.ply", true, send_cloud},
-    {"GET", "/api/v1/scans/", "/trajectory.txt", true, send_trajectory},
-    {"GET", "/api/v1/scans/", "/report.json", true, send_report},
+    {"GET", "scans", "/api/v1/scans", "", false, list_scans},
+    {"GET", "scan", "/api/v1/scans/", "", true, show_scan},
+    {"DELETE", "scan", "/api/v1/scans/", "", true, remove_scan},
+    {"GET", "cloud.ply", "/api/v1/scans/", "/cloud.ply", true, send_cloud},
+    {"GET", "trajectory.txt", "/api/v1/scans/", "/trajectory.txt", true, send_trajectory},
+    {"GET", "report.json", "/api/v1/scans/", "/report.json", true, send_report},
 }};
 
 // The id inside `path` (empty for a route without one), nothing when the route is for other paths.
@@ -142,7 +148,7 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request, std::s
   for (const Route& route : kApi) {
     const std::optional<std::string> id = match(route, request.path);
     if (!id) continue;
-    if (route.method == method) return route.handle(world, *id);
+    if (route.method == method) return on_route(route.name, route.handle(world, *id));
     allow += (allow.empty() ? "" : ", ") + std::string(route.method);
   }
   if (!allow.empty()) return wrong_method(allow);
@@ -157,6 +163,7 @@ HttpAnswer answer_file(const HttpWorld& world, const HttpRequest& request) {
                                                     : "there is nothing at this path"});
   }
   HttpAnswer answer;
+  answer.route = "viewer";
   answer.content_type = found->second.content_type;
   answer.cache_control = found->second.immutable ? "public, max-age=31536000, immutable" : "no-cache";
   answer.body = found->second.bytes;
@@ -179,7 +186,7 @@ HttpAnswer answer(const HttpWorld& world, const HttpRequest& request) {
   if (request.path == "/healthz") {
     HttpAnswer healthy;
     healthy.body = "ok\n";
-    return healthy;
+    return on_route("healthz", std::move(healthy));
   }
   return answer_file(world, request);
 }

@@ -1,6 +1,6 @@
 // What the server answers over HTTP, apart from sockets: a table of routes. A new route is one row and one function. On the network thread.
 //
-//   GET    /healthz                           "ok"
+//   GET    /healthz                           "ok": this thread answers (more is told on the admin address, see admin.h)
 //   GET    /api/v1/scans                      {"scans": [...]}, newest first        (these and the next need the token)
 //   GET    /api/v1/scans/{id}                 one of them
 //   DELETE /api/v1/scans/{id}                 a scan that has ended, with its files
@@ -9,7 +9,9 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
+#include "server/net/peer.h"
 #include "server/service/scans.h"
 #include "server/service/static_files.h"
 
@@ -18,7 +20,9 @@ namespace hermite {
 struct HttpRequest {
   std::string method;         // "GET", "HEAD", "DELETE", ...
   std::string path;           // without query
+  std::string query;          // what follows the ?
   std::string authorization;  // the header's value
+  Peer peer;                  // who asks
 };
 
 struct HttpAnswer {
@@ -26,15 +30,17 @@ struct HttpAnswer {
   std::string content_type = "text/plain; charset=utf-8";
   std::string cache_control = "no-store";
   std::string body;
-  std::string file;           // path of a file to send instead of `body`
-  std::string download_name;  // of an attachment
-  std::string allow;          // methods, with status 405
+  std::string file;                  // path of a file to send instead of `body`
+  std::string download_name;         // of an attachment
+  std::string allow;                 // methods, with status 405
+  std::string_view route = "other";  // for metrics, never what a client wrote
 };
 
 struct HttpWorld {
   Scans& scans;
   const std::string& token;
   const StaticFiles& files;
+  Metrics& metrics;
 };
 
 HttpAnswer answer(const HttpWorld& world, const HttpRequest& request);

@@ -196,6 +196,7 @@ void LiveScan::frame_done(const FrameOutcome& outcome) {
 void LiveScan::model_changed(ModelUpdate update) {
   keyframes_ = update.keyframes;
   loops_ = update.loops;
+  gpu_memory_bytes_ = update.gpu_memory_bytes;
   audience_->show_model(std::move(update));
   show_state();
 }

@@ -96,6 +96,10 @@ class LiveScan {
   const Audience& audience() const { return *audience_; }
   std::shared_ptr<Audience> shared_audience() const { return audience_; }
   const std::string& resume_token_sha256() const { return terms_.resume_token_sha256; }
+  wire::Mode mode() const { return terms_.mode; }
+  std::uint64_t credit() const { return counts_.processed + counts_.dropped + terms_.credit_window - counts_.received; }
+  std::uint64_t queue_bytes() const { return worker_ ? worker_->waiting_bytes() : 0; }
+  std::uint64_t gpu_memory_bytes() const { return gpu_memory_bytes_; }
   bool over() const { return phase_ != wire::ScanPhase::kRunning; }
 
  private:
@@ -121,8 +125,8 @@ class LiveScan {
   Error why_waiting_;
   wire::ScanPhase phase_ = wire::ScanPhase::kRunning;
   FrameCounts counts_;
-  std::uint64_t durable_ = 0;                // frames
-  std::uint64_t keyframes_ = 0, loops_ = 0;  // as of the last update of the model
+  std::uint64_t durable_ = 0;                                       // frames
+  std::uint64_t keyframes_ = 0, loops_ = 0, gpu_memory_bytes_ = 0;  // as of the last update of the model
   std::optional<double> last_timestamp_s_;
   bool finishing_ = false;  // every frame was received
   bool ending_ = false;     // before every frame was: nothing more is received

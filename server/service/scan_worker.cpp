@@ -5,6 +5,7 @@
 #include <exception>
 #include <future>
 #include <initializer_list>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -98,7 +99,8 @@ class ScanRun {
         events_(events),
         queue_(queue),
         replay_(setup.log_folder, setup.replayed_record_count),
-        pipeline_(setup.device, setup.camera, setup.options, make_mapping(setup.camera, setup.options.adjust, setup.correction_time)) {}
+        pipeline_(setup.device, setup.camera, setup.options, make_mapping(setup.camera, setup.options.adjust, setup.correction_time),
+                  &timeline_) {}
 
   // While the GPU works on a frame, other threads decode the next one and encode what the last ones have changed.
   Status take_frames() {
@@ -108,7 +110,7 @@ class ScanRun {
         Result<FrameQueue::Popped> popped = pop(encoding_.valid() ? kEncodingPatience : kUpdatePeriod);
         if (!popped.ok()) return popped.error();
         if (popped->closed) return Done{};
-        if (popped->frame) next = decode(*std::move(popped->frame));
+        if (popped->frame) next = decode(*std::move(popped));
       }
       if (next) {
         Result<DecodingFrame> waiting = decode_waiting();
@@ -151,15 +153,21 @@ class ScanRun {
  private:
   struct Decoding {
     wire::Frame frame;
-    std::future<Result<RgbdFrame>> images;  // its destructor waits, and `frame` lives longer
+    Timeline::Stage queued;
+    Timeline::Stage decoded;                // written by the other thread
+    std::future<Result<RgbdFrame>> images;  // its destructor waits, and the others live longer
   };
   using DecodingFrame = std::unique_ptr<Decoding>;
 
-  DecodingFrame decode(wire::Frame frame) const {
+  DecodingFrame decode(FrameQueue::Popped popped) const {
     auto decoding = std::make_unique<Decoding>();
-    decoding->frame = std::move(frame);
-    decoding->images = std::async(std::launch::async, [this, &received = decoding->frame] {
-      return wire::decode_frame_payload(received, setup_.depth_codec, setup_.camera);
+    decoding->frame = *std::move(popped.frame);
+    decoding->queued = {"queue", popped.since, ms_since(popped.since)};
+    decoding->images = std::async(std::launch::async, [this, &received = decoding->frame, &stage = decoding->decoded] {
+      stage = {"decode", Clock::now(), 0};
+      Result<RgbdFrame> images = wire::decode_frame_payload(received, setup_.depth_codec, setup_.camera);
+      stage.duration_ms = ms_since(stage.start);
+      return images;
     });
     return decoding;
   }
@@ -168,7 +176,7 @@ class ScanRun {
   Result<DecodingFrame> decode_waiting() {
     Result<FrameQueue::Popped> popped = pop(std::chrono::milliseconds(0));
     if (!popped.ok()) return popped.error();
-    return popped->frame ? decode(*std::move(popped->frame)) : nullptr;
+    return popped->frame ? decode(*std::move(popped)) : nullptr;
   }
 
   // From the log, as long as there is something in it to be done again, then from the queue.
@@ -176,7 +184,7 @@ class ScanRun {
     if (queue_.discarded()) return FrameQueue::Popped{std::nullopt, true};
     Result<std::optional<wire::Frame>> logged = replay_.next();
     if (!logged.ok()) return logged.error();
-    if (*logged) return FrameQueue::Popped{**std::move(logged), false};
+    if (*logged) return FrameQueue::Popped{**std::move(logged), false, Clock::now()};
     return queue_.pop(patience);
   }
 
@@ -193,6 +201,9 @@ class ScanRun {
     if (result->last_tracked_frame == result->frame_index) last_tracked_ = {frame.sequence, result->last_tracked_timestamp_s};
     outcome.result.last_tracked = last_tracked_;
     wire::SubmapPoses poses = wire_poses(pipeline_);
+    outcome.stages = {std::move(decoding.queued), std::move(decoding.decoded)};
+    std::move(timeline_.stages.begin(), timeline_.stages.end(), std::back_inserter(outcome.stages));
+    timeline_ = {};
     if (!same_poses(poses, told_poses_)) outcome.poses = told_poses_ = std::move(poses);
     events_.frame_done(std::move(outcome));
     ++frames_since_update_;
@@ -211,8 +222,9 @@ class ScanRun {
   }
 
   Result<ModelUpdate> encode(const std::vector<SlotChange>& changes) {
-    model_.apply(changes);
     ModelUpdate update;
+    update.encoding = {"encode", Clock::now(), 0};
+    model_.apply(changes);
     for (const ChunkKey& key : model_.take_dirty()) {
       Result<EncodedChunk> chunk = model_.encode(key);
       if (!chunk.ok()) return chunk.error();
@@ -222,6 +234,7 @@ class ScanRun {
       wire::Chunk message{{key.submap, key.level, key.x, key.y, key.z}, ++version_, chunk->point_count, std::move(chunk->draco)};
       update.chunks.push_back({key, empty, std::make_shared<const std::string>(wire::format_server_message(std::move(message)))});
     }
+    update.encoding.duration_ms = ms_since(update.encoding.start);
     return update;
   }
 
@@ -231,9 +244,10 @@ class ScanRun {
     if (!update.ok()) return update.error();
     // As they are now: viewers may have been told of newer ones than there were when the encoding began.
     update->poses = told_poses_ = wire_poses(pipeline_);
-    const std::map<std::string, std::int64_t> counts = pipeline_.statistics().mapping;
-    update->keyframes = sum_of(counts, {"keyframes"});
-    update->loops = sum_of(counts, {"loops by appearance", "loops by nearness"});
+    const PipelineStatistics statistics = pipeline_.statistics();
+    update->keyframes = sum_of(statistics.mapping, {"keyframes"});
+    update->loops = sum_of(statistics.mapping, {"loops by appearance", "loops by nearness"});
+    for (const auto& [purpose, bytes] : statistics.gpu_memory_bytes) update->gpu_memory_bytes += static_cast<std::uint64_t>(bytes);
     events_.model_changed(*std::move(update));
     return Done{};
   }
@@ -247,6 +261,7 @@ class ScanRun {
   const ScanEvents& events_;
   FrameQueue& queue_;
   Replay replay_;
+  Timeline timeline_;  // of the frame in work
   Pipeline pipeline_;
   ChunkedModel model_;
   std::set<ChunkKey> filled_;  // chunks that have points
@@ -339,5 +354,7 @@ void ScanWorker::interrupt(const Error& reason, bool discard) {
   }
   impl_->queue.close(discard);
 }
+
+std::size_t ScanWorker::waiting_bytes() const { return impl_->queue.waiting_bytes(); }
 
 }  // namespace hermite

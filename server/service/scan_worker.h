@@ -13,6 +13,7 @@
 
 #include "core/adjust/mapping.h"
 #include "core/base/result.h"
+#include "core/base/timeline.h"
 #include "core/math/camera.h"
 #include "core/output/chunks.h"
 #include "core/pipeline/options.h"
@@ -43,6 +44,7 @@ struct ScanSetup {
 struct FrameOutcome {
   wire::FrameResult result;
   std::optional<wire::SubmapPoses> poses;  // when submaps came or moved: told before the result, so that all of it moves at once
+  std::vector<Timeline::Stage> stages;     // "queue" first, then "decode" and those of the pipeline
   std::optional<Error> bad_images;         // why the pipeline got an empty frame instead of this one's images
 };
 
@@ -57,6 +59,8 @@ struct ModelUpdate {
   std::vector<ChunkUpdate> chunks;
   wire::SubmapPoses poses;
   std::uint64_t keyframes = 0, loops = 0;  // so far
+  std::uint64_t gpu_memory_bytes = 0;      // of the scan
+  Timeline::Stage encoding;                // of `chunks`
 };
 
 struct ScanEnd {
@@ -94,6 +98,7 @@ class ScanWorker {
 
   // Ends after the frame in work, without results: the phase that is told is `running`.
   void abandon();
+  std::size_t waiting_bytes() const;  // of frames in the queue
 
  private:
   struct Impl;

@@ -15,6 +15,7 @@
 #include "proto/wire/frame_payload.h"
 #include "proto/wire/server_message.h"
 #include "server/service/access.h"
+#include "server/service/logging.h"
 #include "server/store/chunk_file.h"
 #include "server/store/scan_id.h"
 
@@ -112,8 +113,8 @@ Error wrong_resume_token() { return {ErrorCode::kUnauthorized, "resume_scan.resu
 
 }  // namespace
 
-Scans::Scans(ScansOptions options, const DataDirectory& data, Store& store, Post post)
-    : options_(std::move(options)), data_(data), store_(store), post_(std::move(post)) {
+Scans::Scans(ScansOptions options, const DataDirectory& data, Store& store, Metrics& metrics, Post post)
+    : options_(std::move(options)), data_(data), store_(store), metrics_(metrics), post_(std::move(post)) {
   const Result<std::vector<ScanRow>> left = store_.running();
   if (!left.ok()) throw SetupError(left.error());
   for (ScanRow row : *left) {
@@ -122,7 +123,7 @@ Scans::Scans(ScansOptions options, const DataDirectory& data, Store& store, Post
     row.phase = ScanPhase::kInterrupted;
     row.words = "the server ended during the scan, and it cannot be gone on with: " + rebuilt.error().message;
     row.finished_at_ms = now_ms();
-    spdlog::warn("scan {}: {}", row.id, row.words);
+    log_with({row.id}, spdlog::level::warn, fmt::format("scan {}: {}", row.id, row.words));
     if (Status status = store_.update(row); !status.ok()) throw SetupError(status.error());
   }
 }
@@ -135,13 +136,23 @@ void Scans::deliver(const Launch& launch, Tell tell) const {
   });
 }
 
-ScanEvents Scans::worker_events(const Launch& launch) const {
+ScanEvents Scans::worker_events(const Launch& launch) {
   ScanEvents events;
   events.frame_done = [this, launch](FrameOutcome outcome) {
-    deliver(launch, [outcome = std::move(outcome)](LiveScan& target) { target.frame_done(outcome); });
+    const double latency_s = std::chrono::duration<double>(Timeline::Clock::now() - outcome.stages.front().start).count();
+    metrics_.frame_done(outcome.stages, latency_s, outcome.bad_images.has_value(), outcome.result.event == wire::MapEvent::kLost);
+    deliver(launch, [this, id = launch.row.id, outcome = std::move(outcome)](LiveScan& target) {
+      traces_.add(id, outcome.result.sequence, outcome.stages);
+      target.frame_done(outcome);
+    });
   };
   events.model_changed = [this, launch](ModelUpdate update) {
-    deliver(launch, [update = std::move(update)](LiveScan& target) mutable { target.model_changed(std::move(update)); });
+    metrics_.stage_done(update.encoding);
+    for (const ChunkUpdate& chunk : update.chunks) metrics_.chunks_encoded(chunk.message->size());
+    deliver(launch, [this, id = launch.row.id, update = std::move(update)](LiveScan& target) mutable {
+      traces_.add(id, target.counts().processed, {update.encoding});
+      target.model_changed(std::move(update));
+    });
   };
   events.ended = [this, launch](ScanEnd end) {
     deliver(launch, [end = std::move(end)](LiveScan& target) mutable { target.ended(std::move(end)); });
@@ -183,8 +194,9 @@ Result<StartedScan> Scans::start(const wire::StartScan& request, bool resumable)
     return added.error();
   }
   std::shared_ptr<LiveScan> scan = run(launch, {*std::move(log), {}});
-  spdlog::info("scan {} started: {}x{}, {}", row.id, row.camera.width, row.camera.height,
-               request.mode == wire::Mode::kLive ? "live" : "batch");
+  log_with({row.id}, spdlog::level::info,
+           fmt::format("scan {} started: {}x{}, {}", row.id, row.camera.width, row.camera.height,
+                       request.mode == wire::Mode::kLive ? "live" : "batch"));
 
   wire::Welcome welcome;
   welcome.scan_id = row.id;
@@ -296,8 +308,15 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   row.words = end.words;
   row.finished_at_ms = now_ms();
   if (Status status = store_.update(row); !status.ok()) spdlog::error("scan {}: {}", row.id, status.error().message);
-  spdlog::info("scan {} {}: {} frames received, {} processed, {} dropped{}{}", row.id, name_of(row.phase), row.frames_received,
-               row.frames_processed, row.frames_dropped, row.words.empty() ? "" : "; ", row.words);
+  log_with({row.id, {}, static_cast<double>(row.finished_at_ms - row.created_at_ms) / 1000}, spdlog::level::info,
+           fmt::format("scan {} {}: {} frames received, {} processed, {} dropped{}{}", row.id, name_of(row.phase), row.frames_received,
+                       row.frames_processed, row.frames_dropped, row.words.empty() ? "" : "; ", row.words));
+  metrics_.scan_ended(name_of(row.phase));
+  device_failed_ = end.phase == wire::ScanPhase::kFailed && end.error.code == ErrorCode::kDevice;
+  const FrameCounts& counts = running->second->counts();
+  ended_counts_.received += counts.received;
+  ended_counts_.processed += counts.processed;
+  ended_counts_.dropped += counts.dropped;
   read_again_[row.id] = running->second->shared_audience();
   running_.erase(running);
   if (!end.discarded) return;
@@ -365,6 +384,28 @@ Result<std::string> Scans::file_of(const std::string& scan_id, const std::string
 void Scans::tick(LiveScan::Clock::time_point now) {
   for (const auto& [id, scan] : running_) scan->tick(now);
 }
+
+void Scans::describe(Load& load) const {
+  load.scans = {{"live", 0}, {"batch", 0}};
+  FrameCounts counts = ended_counts_;
+  for (const auto& [id, scan] : running_) {
+    ++load.scans[scan->mode() == wire::Mode::kLive ? "live" : "batch"];
+    load.viewers += static_cast<int>(scan->audience().viewer_count());
+    counts.received += scan->counts().received;
+    counts.processed += scan->counts().processed;
+    counts.dropped += scan->counts().dropped;
+    load.credits += scan->credit();
+    load.queue_bytes += scan->queue_bytes();
+    load.gpu_memory_bytes += scan->gpu_memory_bytes();
+  }
+  for (const auto& [id, weak] : read_again_)
+    if (const std::shared_ptr<Audience> audience = weak.lock()) load.viewers += static_cast<int>(audience->viewer_count());
+  load.frames_received = counts.received;
+  load.frames_processed = counts.processed;
+  load.frames_dropped = counts.dropped;
+}
+
+void Scans::refuse_new() { stopping_ = true; }
 
 void Scans::stop() {
   stopping_ = true;

@@ -11,7 +11,9 @@
 
 #include "core/base/result.h"
 #include "proto/wire/messages.h"
+#include "server/service/frame_traces.h"
 #include "server/service/live_scan.h"
+#include "server/service/metrics.h"
 #include "server/service/scan_record.h"
 #include "server/store/data_directory.h"
 #include "server/store/store.h"
@@ -49,8 +51,8 @@ class Scans {
   using Post = std::function<void(std::function<void()>)>;
 
   // Goes on with the scans that an earlier server left running, from their frame logs; those without a usable one are interrupted.
-  // `data` and `store` outlive this. Throws SetupError when the store cannot. Blocks while the logs are read.
-  Scans(ScansOptions options, const DataDirectory& data, Store& store, Post post);
+  // `data`, `store` and `metrics` outlive this. Throws SetupError when the store cannot. Blocks while the logs are read.
+  Scans(ScansOptions options, const DataDirectory& data, Store& store, Metrics& metrics, Post post);
 
   // kBusy: max_running scans are running, or the server is stopping. kInvalidArgument: a setting. kIo: the store or the disk.
   // The camera can come back to a resumable one.
@@ -73,8 +75,13 @@ class Scans {
   Result<std::string> file_of(const std::string& scan_id, const std::string& name);
 
   void tick(LiveScan::Clock::time_point now);  // now and then: ends scans that have waited too long for their camera
+  void refuse_new();                           // the server is about to stop
   void stop();  // no new scans; those that run end as interrupted, with results, or go on when there is a server again
   std::size_t running_count() const { return running_.size(); }
+
+  void describe(Load& load) const;  // what is known here
+  const FrameTraces& traces() const { return traces_; }
+  bool device_failed() const { return device_failed_; }  // in the scan that ended last
 
  private:
   // A scan on its way from a row to being one of those that run. Its worker and log find it through `self`.
@@ -86,7 +93,7 @@ class Scans {
   };
   template <class Tell>
   void deliver(const Launch& launch, Tell tell) const;
-  ScanEvents worker_events(const Launch& launch) const;
+  ScanEvents worker_events(const Launch& launch);
   FrameLogEvents log_events(const Launch& launch) const;
   std::shared_ptr<LiveScan> run(const Launch& launch, FrameLog::Opened opened);
   Status rebuild(const ScanRow& row);
@@ -97,9 +104,13 @@ class Scans {
   const ScansOptions options_;
   const DataDirectory& data_;
   Store& store_;
+  Metrics& metrics_;
   const Post post_;
   std::map<std::string, std::shared_ptr<LiveScan>> running_;   // by id
   std::map<std::string, std::weak_ptr<Audience>> read_again_;  // ended scans that someone is looking at
+  FrameCounts ended_counts_;                                   // of all scans that have ended
+  FrameTraces traces_;
+  bool device_failed_ = false;
   bool stopping_ = false;
 };
 

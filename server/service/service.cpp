@@ -16,9 +16,13 @@
 #include <chrono>
 #include <optional>
 
+#include "server/net/service_manager.h"
+#include "server/net/tls.h"
 #include "server/service/access.h"
+#include "server/service/admin.h"
 #include "server/service/http_connection.h"
 #include "server/service/scans.h"
+#include "server/service/settings.h"
 #include "server/service/static_files.h"
 #include "server/store/data_directory.h"
 #include "server/store/store.h"
@@ -31,38 +35,65 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 
+constexpr int kMaxAdminConnections =
+    32;  // of monitoring; those of cameras and viewers are counted apart, so that a full server can be watched
+constexpr const char* kVersion = "0.1.0";
 constexpr std::chrono::seconds kStopPatience(60);  // for the frame in work and the results of every scan
 constexpr std::chrono::milliseconds kStopCheck(20);
 constexpr std::chrono::milliseconds kTick(250);             // how exactly waits are ended that are given in seconds
 constexpr std::chrono::milliseconds kGoodbyePatience(500);  // for last messages to leave
 
+ServiceOptions checked(const ServiceOptions& options) {
+  if (const Status status = check(options); !status.ok()) throw SetupError(status.error());
+  return options;
+}
+
 ListenAddress checked_address(const ServiceOptions& options) {
-  Result<ListenAddress> address = parse_listen_address(options.listen);
-  if (!address.ok()) throw SetupError(address.error());
-  if (!is_loopback(*address) && !options.insecure_listen)
+  const ListenAddress address = or_throw(parse_listen_address(options.listen));
+  const bool protected_somehow = !options.tls_certificate.empty() || !options.trusted_proxies.empty() || options.insecure_listen;
+  if (!is_loopback(address) && !protected_somehow)
     throw SetupError({ErrorCode::kInvalidArgument,
                       "--listen " + options.listen +
-                          " is reachable from other machines and the connection is not encrypted: listen on 127.0.0.1 behind "
-                          "a TLS proxy, or add --insecure-i-know"});
+                          " is reachable from other machines and the connection is not encrypted: give --tls-certificate and --tls-key, or "
+                          "name the proxy that ends TLS with --trusted-proxy, or listen on 127.0.0.1, or add --insecure-i-know"});
+  return address;
+}
+
+// None: off.
+std::optional<ListenAddress> checked_admin_address(const ServiceOptions& options) {
+  if (options.admin_listen == "off") return std::nullopt;
+  const Result<ListenAddress> address = parse_listen_address(options.admin_listen);
+  if (!address.ok()) throw SetupError(in_context("--admin-listen", address.error()));
+  if (!is_loopback(*address) && !options.insecure_listen)
+    throw SetupError({ErrorCode::kInvalidArgument,
+                      "--admin-listen " + options.admin_listen +
+                          " is reachable from other machines, and whoever reaches it needs no token: take a loopback address, or add "
+                          "--insecure-i-know"});
   return *address;
 }
 
-void check_range(const char* name, int value, int low, int high) {
-  if (value < low || value > high)
-    throw SetupError({ErrorCode::kInvalidArgument, std::string(name) + " is " + std::to_string(value) + ", allowed is " +
-                                                       std::to_string(low) + " to " + std::to_string(high)});
+std::vector<Network> proxies_of(const ServiceOptions& options) {
+  std::vector<Network> networks;
+  for (const std::string& text : options.trusted_proxies) {
+    const Result<Network> network = parse_network(text);
+    if (!network.ok()) throw SetupError(in_context("--trusted-proxy", network.error()));
+    networks.push_back(*network);
+  }
+  return networks;
+}
+
+TlsContext tls_of(const ServiceOptions& options) {
+  return options.tls_certificate.empty() ? nullptr : or_throw(server_tls(options.tls_certificate, options.tls_key));
 }
 
 ScansOptions scans_options(const ServiceOptions& options) {
-  check_range("--max-scans", options.max_scans, 1, 64);
-  check_range("--credit-window", options.credit_window, 1, 256);
-  check_range("--resume-window", options.resume_window_s, 0, 86400);
   return {options.device, options.max_scans, static_cast<std::uint32_t>(options.credit_window), options.gpu_memory_mb,
           std::chrono::seconds(options.resume_window_s)};
 }
 
-AllowedHosts allowed_hosts(const ServiceOptions& options) {
+AllowedHosts allowed_hosts(const ServiceOptions& options, const ListenAddress& address) {
   AllowedHosts hosts = default_hosts();
+  hosts.push_back(address.host.find(':') == std::string::npos ? address.host : "[" + address.host + "]");
   hosts.insert(hosts.end(), options.allow_hosts.begin(), options.allow_hosts.end());
   return hosts;
 }
@@ -93,62 +124,95 @@ tcp::acceptor open_port(asio::io_context& context, const ListenAddress& address)
 struct Service::Impl {
   const ServiceOptions options;
   ListenAddress address;
-  const AllowedHosts hosts;
+  std::optional<ListenAddress> admin_address;
+  TlsContext tls;  // of new connections; none: they are not encrypted
   const DataDirectory data;
   const StaticFiles files;
   Store store;
+  Metrics metrics{kVersion};
   std::unique_ptr<Scans> scans;
   std::unique_ptr<HttpWorld> world;
+  std::unique_ptr<DeviceWatch> device;
+  std::unique_ptr<AdminWorld> admin_world;
+  std::unique_ptr<Site> site, admin_site;
   std::string url;
-  int connection_count = 0;
-  bool stopping = false;
+  const ServiceManager manager;
+  int connection_count = 0, admin_connection_count = 0;
+  bool draining = false;  // no new connections and scans; those that run may go on
+  bool ending = false;    // they are interrupted
   bool ended_in_time = true;
   asio::io_context context{1};
-  std::optional<tcp::acceptor> acceptor;
+  std::optional<tcp::acceptor> acceptor, admin_acceptor;
   asio::signal_set signals{context};
+  asio::steady_timer watchdog{context}, drained{context};
 
   explicit Impl(const ServiceOptions& service_options)
-      : options(service_options),
+      : options(checked(service_options)),
         address(checked_address(service_options)),
-        hosts(allowed_hosts(service_options)),
+        admin_address(checked_admin_address(service_options)),
+        tls(tls_of(service_options)),
         data(service_options.data_folder),
         files(viewer_files(service_options.web_folder)),
         store(data.database_path()) {
-    scans = std::make_unique<Scans>(scans_options(options), data, store,
+    scans = std::make_unique<Scans>(scans_options(options), data, store, metrics,
                                     [this](std::function<void()> action) { asio::post(context, std::move(action)); });
-    world = std::make_unique<HttpWorld>(HttpWorld{*scans, data.token(), files});
+    world = std::make_unique<HttpWorld>(HttpWorld{*scans, data.token(), files, metrics});
+    site =
+        std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer(*world, request); }, allowed_hosts(options, address),
+                                    metrics, world.get(), proxies_of(options), !is_loopback(address) && !tls && !options.insecure_listen});
     acceptor = open_port(context, address);
     address.port = acceptor->local_endpoint().port();
     url = url_of(address);
+    if (tls) url.replace(0, 4, "https");
+    if (admin_address) open_admin();
   }
 
-  asio::awaitable<void> serve(tcp::socket socket) {
-    ++connection_count;
-    co_await serve_connection(std::move(socket), *world, hosts);
-    --connection_count;
+  void open_admin() {
+    try {
+      admin_acceptor = open_port(context, *admin_address);
+    } catch (const SetupError& error) {
+      // Several servers on one machine are not asked for addresses that nobody wanted.
+      if (options.admin_listen != ServiceOptions().admin_listen) throw;
+      spdlog::warn("no health and metrics: {}; choose another --admin-listen, or off", error.what());
+      return;
+    }
+    admin_address->port = admin_acceptor->local_endpoint().port();
+    device = std::make_unique<DeviceWatch>(options.device);
+    admin_world = std::make_unique<AdminWorld>(AdminWorld{*scans, store, metrics, *device, options.data_folder,
+                                                          static_cast<std::uint64_t>(options.min_free_disk_mb) * 1'000'000,
+                                                          connection_count, draining});
+    admin_site = std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer_admin(*admin_world, request); },
+                                             allowed_hosts(options, *admin_address), metrics});
   }
 
-  asio::awaitable<void> accept() {
-    while (!stopping) {
+  asio::awaitable<void> serve(tcp::socket socket, TlsContext context_of_now, const Site& served, int& count) {
+    ++count;
+    co_await serve_connection(std::move(socket), std::move(context_of_now), served);
+    --count;
+  }
+
+  // Until the acceptor is closed.
+  asio::awaitable<void> accept(tcp::acceptor& open, const Site& served, int& count, int max_count, bool encrypted) {
+    while (open.is_open()) {
       error_code error;
-      tcp::socket socket = co_await acceptor->async_accept(asio::redirect_error(asio::use_awaitable, error));
+      tcp::socket socket = co_await open.async_accept(asio::redirect_error(asio::use_awaitable, error));
       if (error == asio::error::operation_aborted) co_return;
       if (error) {
         // Out of file descriptors, most likely: others have to leave first.
         spdlog::warn("accepting a connection: {}", error.message());
         asio::steady_timer pause(context, std::chrono::milliseconds(100));
         co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
-      } else if (connection_count >= kMaxConnections) {
-        spdlog::warn("refused a connection: {} are open, which is the limit", connection_count);
+      } else if (count >= max_count) {
+        spdlog::warn("refused a connection: {} are open, which is the limit", count);
       } else {
-        asio::co_spawn(context, serve(std::move(socket)), asio::detached);
+        asio::co_spawn(context, serve(std::move(socket), encrypted ? tls : nullptr, served, count), asio::detached);
       }
     }
   }
 
   asio::awaitable<void> tick() {
     asio::steady_timer pause(context);
-    while (!stopping) {
+    while (!ending) {
       error_code error;
       pause.expires_after(kTick);
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
@@ -156,11 +220,26 @@ struct Service::Impl {
     }
   }
 
-  asio::awaitable<void> end() {
-    stopping = true;
+  // Without new ones, until the scans that run have ended or may not go on any longer.
+  asio::awaitable<void> drain() {
+    draining = true;
+    manager.tell("STOPPING=1");
     error_code error;
     acceptor->close(error);
-    signals.cancel(error);
+    scans->refuse_new();
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(options.drain_s);
+    if (scans->running_count() > 0 && !ending)
+      spdlog::info("{} scan(s) may go on for {} s; another signal ends them at once", scans->running_count(), options.drain_s);
+    while (scans->running_count() > 0 && !ending && std::chrono::steady_clock::now() < deadline) {
+      drained.expires_after(kStopCheck);
+      co_await drained.async_wait(asio::redirect_error(asio::use_awaitable, error));
+    }
+    co_await end();
+  }
+
+  asio::awaitable<void> end() {
+    ending = true;
+    error_code error;
     scans->stop();
     asio::steady_timer pause(context);
     const auto deadline = std::chrono::steady_clock::now() + kStopPatience;
@@ -173,13 +252,52 @@ struct Service::Impl {
       pause.expires_after(kGoodbyePatience);
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
     }
+    signals.cancel(error);
     context.stop();
   }
 
-  void begin_end() {
-    if (stopping) return;
-    stopping = true;
-    asio::co_spawn(context, end(), asio::detached);
+  // Running scans may go on for a while, or, `at_once`, are ended as they are.
+  void begin_end(bool at_once) {
+    ending = ending || at_once;
+    if (draining) return;
+    draining = true;
+    asio::co_spawn(context, drain(), asio::detached);
+  }
+
+  void read_certificate_again() {
+    if (!tls) return;
+    Result<TlsContext> again = server_tls(options.tls_certificate, options.tls_key);
+    if (again.ok()) {
+      tls = *std::move(again);
+      spdlog::info("new connections get the certificate {} as it is now", options.tls_certificate);
+    } else {
+      spdlog::error("the old certificate stays: {}", again.error().message);
+    }
+  }
+
+  void await_signal() {
+    signals.async_wait([this](const error_code& error, int signal) {
+      if (error) return;
+      if (signal == SIGHUP) {
+        read_certificate_again();
+      } else {
+        spdlog::info("signal {}: stopping", signal);
+        // Whoever sits at a terminal, or asks twice, does not want to wait.
+        begin_end(signal == SIGINT || draining);
+      }
+      await_signal();
+    });
+  }
+
+  // From the event loop, so that a loop that hangs is noticed.
+  void feed_watchdog() {
+    const std::optional<std::chrono::microseconds> period = manager.watchdog_period();
+    if (!period) return;
+    manager.tell("WATCHDOG=1");
+    watchdog.expires_after(*period);
+    watchdog.async_wait([this](const error_code& error) {
+      if (!error) feed_watchdog();
+    });
   }
 };
 
@@ -188,27 +306,31 @@ Service::~Service() = default;
 
 const std::string& Service::url() const { return impl_->url; }
 const std::string& Service::token() const { return impl_->data.token(); }
+int Service::admin_port() const { return impl_->admin_acceptor ? impl_->admin_address->port : 0; }
 
 bool Service::run() {
   Impl& service = *impl_;
   if (service.options.stop_on_signals) {
-    service.signals.add(SIGINT);
-    service.signals.add(SIGTERM);
-    service.signals.async_wait([&service](const error_code& error, int signal) {
-      if (error) return;
-      spdlog::info("signal {}: stopping", signal);
-      service.begin_end();
-    });
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) service.signals.add(signal);
+    service.await_signal();
   }
-  asio::co_spawn(service.context, service.accept(), asio::detached);
+  asio::co_spawn(service.context, service.accept(*service.acceptor, *service.site, service.connection_count, kMaxConnections, true),
+                 asio::detached);
   asio::co_spawn(service.context, service.tick(), asio::detached);
+  if (service.admin_acceptor)
+    asio::co_spawn(
+        service.context,
+        service.accept(*service.admin_acceptor, *service.admin_site, service.admin_connection_count, kMaxAdminConnections, false),
+        asio::detached);
+  service.feed_watchdog();
+  service.manager.tell("READY=1\nSTATUS=serving " + service.url);
   service.context.run();
   if (!service.ended_in_time) spdlog::error("a scan did not end within {} s", kStopPatience.count());
   return service.ended_in_time;
 }
 
 void Service::stop() {
-  asio::post(impl_->context, [service = impl_.get()] { service->begin_end(); });
+  asio::post(impl_->context, [service = impl_.get()] { service->begin_end(true); });
 }
 
 }  // namespace hermite

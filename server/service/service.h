@@ -12,18 +12,26 @@ namespace hermite {
 
 inline constexpr int kMaxConnections = 256;
 
+// Defaults and meaning; names, units and limits are in settings.cpp, which `hermite serve` takes all of them from.
 struct ServiceOptions {
-  std::string listen = "127.0.0.1:8080";  // port 0: any free one
+  std::string listen = "127.0.0.1:8080";        // port 0: any free one
+  std::string admin_listen = "127.0.0.1:9464";  // health, metrics, traces; "off": none
   std::string data_folder;
-  std::string web_folder;                // the viewer's files
-  std::string device;                    // as for Pipeline
-  std::vector<std::string> allow_hosts;  // names in Host and Origin headers besides the loopback's
-  int max_scans = 4;                     // running at once, 1 to 64
-  int credit_window = 16;                // frames, 1 to 256
-  int gpu_memory_mb = 0;                 // for all scans, 0: as much as there is
-  bool insecure_listen = false;          // allow other addresses than the loopback's, without TLS
-  int resume_window_s = 120;             // so long a scan waits for its lost camera, 0 to 86400
-  bool stop_on_signals = true;           // SIGINT, SIGTERM
+  std::string web_folder;                    // the viewer's files
+  std::string device;                        // as for Pipeline
+  std::vector<std::string> allow_hosts;      // names in Host and Origin headers besides the loopback's
+  std::vector<std::string> trusted_proxies;  // addresses or networks whose X-Forwarded- headers are believed
+  std::string tls_certificate, tls_key;      // PEM files, both or none
+  int max_scans = 4;                         // running at once
+  int credit_window = 16;                    // frames
+  int gpu_memory_mb = 0;                     // for all scans, 0: as much as there is
+  int resume_window_s = 120;                 // so long a scan waits for its lost camera
+  int drain_s = 20;                          // that running scans get to finish after SIGTERM
+  int min_free_disk_mb = 1024;               // with less the server is not ready
+  std::string log_format = "auto";           // auto, json or text
+  std::string log_level = "info";            // debug, info, warn or error
+  bool insecure_listen = false;              // allow other addresses than the loopback's, without TLS
+  bool stop_on_signals = true;               // SIGINT, SIGTERM; SIGHUP reads the certificate again. No setting.
 };
 
 class Service {
@@ -36,9 +44,10 @@ class Service {
 
   const std::string& url() const;  // "http://127.0.0.1:8080", with the real port
   const std::string& token() const;
+  int admin_port() const;  // 0: there is no admin address
 
-  // Blocks until stop() or a signal, then until running scans have written what they have. False: one of them did not end in time, and its
-  // thread is still busy: then end the process without destroying the service.
+  // Blocks until stop() or a signal, then until running scans have written what they have: after SIGTERM they may go on for drain_s first.
+  // False: one of them did not end in time, and its thread is still busy: then end the process without destroying the service.
   bool run();
 
   // From any thread.

@@ -1,7 +1,5 @@
 #include "server/service/websocket.h"
 
-#include <spdlog/spdlog.h>
-
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/redirect_error.hpp>
@@ -18,6 +16,7 @@
 #include <variant>
 
 #include "proto/wire/messages.h"
+#include "server/service/logging.h"
 #include "server/service/sessions.h"
 
 namespace hermite {
@@ -34,17 +33,18 @@ constexpr std::chrono::seconds kClosePatience(10);
 constexpr std::chrono::seconds kIdleLimit(45);  // without a sign of life; below the 60 s after which proxies cut
 constexpr std::chrono::seconds kPingPeriod(15);
 constexpr std::size_t kReadBytes = 64 * 1024;
+constexpr int kClosedByThem = 1006;
 
 // Shared by the reading and the writing half of one connection.
 struct Connection {
-  websocket::stream<beast::tcp_stream> socket;
+  websocket::stream<Transport> socket;
   asio::steady_timer something_to_send;
   asio::steady_timer hello_deadline;
   beast::flat_buffer message;
   std::unique_ptr<Session> session;
   bool reading = true;
 
-  explicit Connection(beast::tcp_stream stream)
+  explicit Connection(Transport stream)
       : socket(std::move(stream)), something_to_send(socket.get_executor()), hello_deadline(socket.get_executor()) {}
 
   std::string_view text() const { return {static_cast<const char*>(message.data().data()), message.size()}; }
@@ -144,7 +144,7 @@ void set_options(Connection& connection) {
 }
 
 // The first message and its answer. A session is there afterwards, or the connection is over.
-asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, Scans& scans, const std::string& token) {
+asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, const HttpWorld& world, const Peer& peer) {
   connection->hello_deadline.expires_after(kHelloPatience);
   connection->hello_deadline.async_wait([weak = std::weak_ptr(connection)](const error_code& cancelled) {
     const std::shared_ptr<Connection> late = weak.lock();
@@ -156,14 +156,16 @@ asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, Scans
     auto wake = [weak = std::weak_ptr(connection)] {
       if (const std::shared_ptr<Connection> awake = weak.lock()) awake->something_to_send.cancel();
     };
-    auto greeting = greet(scans, token, connection->text(), std::move(wake));
+    auto greeting = greet(world.scans, world.token, connection->text(), std::move(wake));
     if (auto* session = std::get_if<std::unique_ptr<Session>>(&greeting)) {
       connection->session = std::move(*session);
       co_return;
     }
     read.wrong = std::get<Refusal>(std::move(greeting));
   }
-  spdlog::info("connection refused: {}", read.wrong->error.message);
+  log_with({{}, peer.address}, spdlog::level::info, "connection refused: " + read.wrong->error.message);
+  if (read.wrong->code == CloseCode::kUnauthorized) world.metrics.authentication_failed();
+  world.metrics.websocket_closed(static_cast<int>(read.wrong->code));
   error_code error;
   const std::string words = format_error(read.wrong->error);
   co_await write(*connection, words, error);
@@ -181,19 +183,25 @@ bool offers_subprotocol(const beast::http::request<beast::http::empty_body>& upg
   return false;
 }
 
-asio::awaitable<void> serve_websocket(beast::tcp_stream stream, beast::http::request<beast::http::empty_body> upgrade, Scans& scans,
-                                      const std::string& token) {
-  stream.expires_never();
+asio::awaitable<void> serve_websocket(Transport stream, beast::http::request<beast::http::empty_body> upgrade, const HttpWorld& world,
+                                      Peer peer) {
+  const auto start = std::chrono::steady_clock::now();
+  stream.next_layer().expires_never();
   const auto connection = std::make_shared<Connection>(std::move(stream));
   set_options(*connection);
   error_code error;
   co_await connection->socket.async_accept(upgrade, asio::redirect_error(asio::use_awaitable, error));
   if (error) co_return;
-  co_await begin(connection, scans, token);
+  co_await begin(connection, world, peer);
   connection->hello_deadline.cancel();
   if (!connection->session) co_return;
   asio::co_spawn(connection->socket.get_executor(), write_messages(connection), asio::detached);
   co_await read_messages(*connection);
+  const std::optional<Closing> closing = connection->session->closing();
+  const int code = closing ? static_cast<int>(closing->code) : kClosedByThem;
+  world.metrics.websocket_closed(code);
+  const double duration_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  log_with({{}, peer.address, duration_s}, spdlog::level::debug, "connection closed with code " + std::to_string(code));
   connection->session->disconnected();
   connection->reading = false;
   connection->something_to_send.cancel();

@@ -189,4 +189,13 @@ Result<std::vector<ScanRow>> Store::running() try {
   return words_of(failure);
 }
 
+Status Store::writable() try {
+  // Writes a page of the journal and takes it back.
+  SQLite::Transaction transaction(impl_->database, SQLite::TransactionBehavior::IMMEDIATE);
+  impl_->database.exec("PRAGMA user_version = " + std::to_string(pragma(impl_->database, "user_version")));
+  return Done{};
+} catch (const SQLite::Exception& failure) {
+  return words_of(failure);
+}
+
 }  // namespace hermite

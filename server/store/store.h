@@ -58,6 +58,9 @@ class Store {
   // All that have not ended; after a start: those that a dead server left.
   Result<std::vector<ScanRow>> running();
 
+  // Whether the database would take a change now; makes none.
+  Status writable();
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -75,9 +75,10 @@ const std::vector<Door>& doors() {
       {"SQLiteCpp/", {"server/store"}},
       {"sqlite3.h", {"server/store"}},
       {"boost/beast",
-       {"server/service/websocket.h", "server/service/websocket.cpp", "server/service/http_connection.cpp",
+       {"server/net/transport.h", "server/service/websocket.h", "server/service/websocket.cpp", "server/service/http_connection.cpp",
         "server/client/connection.cpp"}},
       {"boost/", {"server"}},
+      {"prometheus/", {"server/service/metrics.cpp"}},
       {"google/protobuf", {"proto/wire"}},
       {"scan.pb.h", {"proto/wire"}},
   };

@@ -11,6 +11,7 @@ namespace hermite::test {
 inline ServiceOptions test_options(const std::string& data_folder) {
   ServiceOptions options;
   options.listen = "127.0.0.1:0";
+  options.admin_listen = "off";
   options.data_folder = data_folder;
   options.stop_on_signals = false;
   return options;
@@ -32,6 +33,7 @@ class RunningServer {
     return ended_in_time_;
   }
 
+  Service& service() { return service_; }
   int port() const { return std::stoi(service_.url().substr(service_.url().rfind(':') + 1)); }
   const std::string& token() const { return service_.token(); }
 

@@ -44,13 +44,14 @@ TEST(ServerUrl, NonsenseIsRefusedInWords) {
   }
 }
 
-TEST(ServerUrl, TlsIsNamedAsUnsupported) {
-  for (const char* text : {"https://h:1", "wss://h:1"}) EXPECT_EQ(parse_server_url(text).error().code, ErrorCode::kUnsupported);
+TEST(ServerUrl, TlsHasItsOwnSchemesAndPort) {
+  for (const char* text : {"https://h", "wss://h/"}) EXPECT_EQ(*parse_server_url(text), (ServerUrl{"h", 443, "", true})) << text;
+  EXPECT_EQ(*parse_server_url("https://[::1]:8443/#token=t"), (ServerUrl{"::1", 8443, "t", true}));
 }
 
 TEST(ServerUrl, ErrorsNeverShowTheToken) {
   EXPECT_THAT(parse_server_url("http://h:0/#token=secret").error().message, Not(HasSubstr("secret")));
-  EXPECT_THAT(parse_server_url("https://h/#token=secret").error().message, Not(HasSubstr("secret")));
+  EXPECT_THAT(parse_server_url("https://h/x#token=secret").error().message, Not(HasSubstr("secret")));
 }
 
 }  // namespace

@@ -14,7 +14,12 @@ ChunkUpdate chunk(std::int16_t x, std::uint64_t version, std::size_t bytes = 100
   return {{0, 0, x, 0, 0}, bytes == 0, std::make_shared<const std::string>(wire::format_server_message(std::move(message)))};
 }
 
-ModelUpdate model(std::vector<ChunkUpdate> chunks) { return {std::move(chunks), {{{0, Rigid3{}}}}}; }
+ModelUpdate model(std::vector<ChunkUpdate> chunks) {
+  ModelUpdate update;
+  update.chunks = std::move(chunks);
+  update.poses = {{{0, Rigid3{}}}};
+  return update;
+}
 
 std::shared_ptr<Audience> empty_audience() { return std::make_shared<Audience>(SceneInfo{"id", "title", {}}); }
 

@@ -84,5 +84,22 @@ TEST(FrameQueue, NothingIsLostBetweenTwoThreads) {
   EXPECT_EQ(expected, 50'000u);
 }
 
+TEST(FrameQueue, KnowsTheWeightOfWhatWaits) {
+  FrameQueue queue(2);
+  const auto frame = [](std::size_t bytes) { return wire::Frame{0, 0, std::string(bytes, 'd'), std::string(1, 'c')}; };
+  EXPECT_EQ(queue.waiting_bytes(), 0u);
+  queue.push(frame(10));
+  queue.push(frame(20));
+  EXPECT_EQ(queue.waiting_bytes(), 32u);
+  queue.push(frame(100));  // the oldest makes room
+  EXPECT_EQ(queue.waiting_bytes(), 122u);
+  const auto before = std::chrono::steady_clock::now();
+  const FrameQueue::Popped popped = queue.pop(std::chrono::milliseconds(0));
+  EXPECT_EQ(queue.waiting_bytes(), 101u);
+  EXPECT_LE(popped.since, before);
+  queue.close(true);
+  EXPECT_EQ(queue.waiting_bytes(), 0u);
+}
+
 }  // namespace
 }  // namespace hermite

@@ -145,5 +145,14 @@ TEST(Store, IsDurableBeforeAddReturns) {
   EXPECT_TRUE(copy.find("a").ok());
 }
 
+TEST(Store, SaysWhetherItTakesChanges) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "hermite.db";
+  Store store(path);
+  EXPECT_TRUE(store.writable().ok());
+  EXPECT_TRUE(store.writable().ok()) << "and leaves no transaction behind";
+  EXPECT_TRUE(store.list().ok());
+}
+
 }  // namespace
 }  // namespace hermite

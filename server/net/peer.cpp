@@ -1,0 +1,94 @@
+#include "server/net/peer.h"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <optional>
+
+namespace hermite {
+
+namespace {
+
+using Address = std::array<std::uint8_t, 16>;
+constexpr int kMappedBits = 96;  // before an IPv4 address inside of an IPv6 one
+
+std::optional<Address> parse_address(std::string_view text, bool& is_v4) {
+  char buffer[INET6_ADDRSTRLEN];
+  if (text.empty() || text.size() >= sizeof buffer) return std::nullopt;
+  std::memcpy(buffer, text.data(), text.size());
+  buffer[text.size()] = 0;
+  Address address{};
+  is_v4 = inet_pton(AF_INET, buffer, address.data() + 12) == 1;
+  if (is_v4) {
+    address[10] = address[11] = 0xff;
+    return address;
+  }
+  if (inet_pton(AF_INET6, buffer, address.data()) != 1) return std::nullopt;
+  return address;
+}
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t from = text.find_first_not_of(" \t");
+  if (from == std::string_view::npos) return {};
+  return text.substr(from, text.find_last_not_of(" \t") - from + 1);
+}
+
+// Between the last comma and the end, which `list` loses.
+std::string_view take_last(std::string_view& list) {
+  const std::size_t comma = list.rfind(',');
+  const std::string_view last = trimmed(comma == std::string_view::npos ? list : list.substr(comma + 1));
+  list = comma == std::string_view::npos ? std::string_view() : list.substr(0, comma);
+  return last;
+}
+
+}  // namespace
+
+Result<Network> parse_network(const std::string& text) {
+  const Error error{ErrorCode::kInvalidArgument, "\"" + text + "\" is no address or network: expected for example 192.0.2.7 or 10.0.0.0/8"};
+  const std::size_t slash = std::min(text.find('/'), text.size());
+  bool is_v4 = false;
+  const std::optional<Address> address = parse_address(std::string_view(text).substr(0, slash), is_v4);
+  if (!address) return error;
+  Network network{*address, 128};
+  if (slash == text.size()) return network;
+  int bits = -1;
+  const auto [stop, wrong] = std::from_chars(text.data() + slash + 1, text.data() + text.size(), bits);
+  if (wrong != std::errc() || stop != text.data() + text.size() || bits < 0 || bits > (is_v4 ? 32 : 128)) return error;
+  network.prefix_bits = bits + (is_v4 ? kMappedBits : 0);
+  return network;
+}
+
+bool lies_in(const Network& network, std::string_view text) {
+  bool is_v4 = false;
+  const std::optional<Address> address = parse_address(text, is_v4);
+  if (!address) return false;
+  for (int bit = 0; bit < network.prefix_bits; ++bit) {
+    const auto byte = static_cast<std::size_t>(bit / 8);
+    if (((network.address[byte] ^ (*address)[byte]) >> (7 - bit % 8) & 1) != 0) return false;
+  }
+  return true;
+}
+
+bool lies_in_any(const std::vector<Network>& networks, std::string_view address) {
+  return std::any_of(networks.begin(), networks.end(), [address](const Network& network) { return lies_in(network, address); });
+}
+
+Peer peer_of(const std::string& address, bool tls, const std::vector<Network>& proxies, std::string_view forwarded_for,
+             std::string_view forwarded_proto) {
+  Peer peer{address, tls};
+  if (!lies_in_any(proxies, address)) return peer;
+  // The one nearest to us wrote last.
+  if (!forwarded_proto.empty()) peer.encrypted = take_last(forwarded_proto) == "https";
+  while (!forwarded_for.empty()) {
+    const std::string_view named = take_last(forwarded_for);
+    bool is_v4 = false;
+    if (!parse_address(named, is_v4)) break;
+    peer.address = named;
+    if (!lies_in_any(proxies, named)) break;
+  }
+  return peer;
+}
+
+}  // namespace hermite

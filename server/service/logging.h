@@ -1,0 +1,38 @@
+// Lines on stderr: JSON objects for journald and collectors, text for people. Uses spdlog; spdlog::info(...) and its kin end up here too
+// once the logger is the default one.
+//
+//   {"ts":"2026-01-31T12:00:00.123Z","level":"info","msg":"...","session":"<scan id>","remote":"192.0.2.7","duration":1.25}
+//
+// The last three fields are there where they are known, `duration` in seconds. No token gets out: whatever looks like one (32 or more hex
+// digits in a row, or what follows "token=") is replaced. Lines that differ in digits and scan only are let through kLinesPerWindow times
+// in kLogWindow; the next one after that says how many were left out. Any thread.
+#pragma once
+
+#include <spdlog/logger.h>
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <string>
+
+namespace hermite {
+
+inline constexpr std::chrono::milliseconds kLogWindow(2500);
+inline constexpr int kLinesPerWindow = 5;
+
+enum class LogFormat { kText, kJson };
+
+// `level`: "debug", "info", "warn" or "error". `out` outlives the logger.
+std::shared_ptr<spdlog::logger> make_logger(std::ostream& out, LogFormat format, const std::string& level);
+
+struct LogFields {
+  std::string session = {};  // id of the scan
+  std::string remote = {};   // address of the other side
+  std::optional<double> duration_s = {};
+};
+
+// A line of the default logger with fields.
+void log_with(const LogFields& fields, spdlog::level::level_enum level, const std::string& message);
+
+}  // namespace hermite

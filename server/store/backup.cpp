@@ -1,0 +1,169 @@
+#include "server/store/backup.h"
+
+#include <SQLiteCpp/Backup.h>
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fcntl.h>
+#include <sqlite3.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <set>
+#include <system_error>
+
+namespace hermite {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kDatabase = "hermite.db";
+constexpr const char* kUnfinished = ".partial";
+
+Error io_error(const std::string& what, const std::error_code& error) { return {ErrorCode::kIo, what + ": " + error.message()}; }
+
+// Reads only, and leaves the journal to the server.
+class Reader {
+ public:
+  explicit Reader(const std::string& path) : database_(path, SQLite::OPEN_READONLY) {
+    database_.setBusyTimeout(5000);
+    sqlite3_db_config(database_.getHandle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+    database_.exec("PRAGMA query_only = ON");
+  }
+  SQLite::Database& database() { return database_; }
+
+ private:
+  SQLite::Database database_;
+};
+
+Result<std::int64_t> check_database(const std::string& path) try {
+  Reader reader(path);
+  const std::string verdict = reader.database().execAndGet("PRAGMA integrity_check(1)").getString();
+  if (verdict != "ok") return Error{ErrorCode::kCorruptData, path + " is damaged: " + verdict};
+  return reader.database().execAndGet("SELECT count(*) FROM scans").getInt64();
+} catch (const SQLite::Exception& failure) {
+  return Error{ErrorCode::kCorruptData, path + ": " + failure.what()};
+}
+
+Status copy_database(const std::string& from, const std::string& to) try {
+  Reader reader(from);
+  SQLite::Database copy(to, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  SQLite::Backup backup(copy, reader.database());
+  if (backup.executeStep(-1) != SQLITE_DONE) return Error{ErrorCode::kIo, "copying the database " + from + ": it is locked"};
+  return Done{};
+} catch (const SQLite::Exception& failure) {
+  return Error{ErrorCode::kIo, "copying the database " + from + ": " + failure.what()};
+}
+
+Status flush_to_disk(const fs::path& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool done = descriptor >= 0 && fsync(descriptor) == 0;
+  const std::error_code error(errno, std::generic_category());
+  if (descriptor >= 0) close(descriptor);
+  return done ? Status(Done{}) : Status(io_error("writing " + path.string(), error));
+}
+
+// Of a server that runs, and of the database, which is copied another way.
+bool is_left_out(const fs::path& relative) {
+  static const std::set<std::string> names{"lock", "hermite.db", "hermite.db-wal", "hermite.db-shm"};
+  return names.contains(relative.string());
+}
+
+Status copy_file(const fs::path& from, const fs::path& to, BackupSummary& summary) {
+  std::error_code error;
+  fs::copy_file(from, to, error);
+  // Removed since it was listed: so is its scan.
+  if (error == std::errc::no_such_file_or_directory && !fs::exists(from)) return Done{};
+  if (error) return io_error("copying " + from.string(), error);
+  fs::permissions(to, fs::perms::owner_read | fs::perms::owner_write, error);
+  if (error) return io_error("making " + to.string() + " private", error);
+  if (Status status = flush_to_disk(to); !status.ok()) return status;
+  ++summary.file_count;
+  summary.bytes += fs::file_size(to, error);
+  return Done{};
+}
+
+// Regular files and folders only: links do not belong into a data folder and could lead anywhere.
+Status copy_files(const fs::path& from, const fs::path& to, BackupSummary& summary) {
+  std::error_code error;
+  fs::recursive_directory_iterator entry(from, error);
+  for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+    const fs::path relative = entry->path().lexically_relative(from);
+    std::error_code gone;
+    const fs::file_status status = entry->symlink_status(gone);
+    if (is_left_out(relative)) continue;
+    if (fs::is_directory(status)) {
+      fs::create_directories(to / relative, gone);
+      if (gone) return io_error("creating " + (to / relative).string(), gone);
+    } else if (fs::is_regular_file(status)) {
+      if (Status copied = copy_file(entry->path(), to / relative, summary); !copied.ok()) return copied;
+    }
+  }
+  if (error) return io_error("reading " + from.string(), error);
+  return Done{};
+}
+
+Result<BackupSummary> copy_all(const std::string& from, const std::string& to) {
+  BackupSummary summary;
+  const std::string database = to + "/" + kDatabase;
+  // The database first: files that come later belong to scans that it does not know yet, and do no harm.
+  if (Status status = copy_database(from + "/" + kDatabase, database); !status.ok()) return status.error();
+  const Result<std::int64_t> scan_count = check_database(database);
+  if (!scan_count.ok()) return scan_count.error();
+  std::error_code error;
+  fs::permissions(database, fs::perms::owner_read | fs::perms::owner_write, error);
+  if (Status status = flush_to_disk(database); !status.ok()) return status.error();
+  summary.scan_count = *scan_count;
+  summary.bytes = fs::file_size(database, error);
+  if (Status status = copy_files(from, to, summary); !status.ok()) return status.error();
+  return summary;
+}
+
+Status create_folder(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!error) fs::permissions(folder, fs::perms::owner_all, error);
+  if (error) return io_error("creating " + folder, error);
+  return Done{};
+}
+
+Status require_database(const std::string& folder) {
+  std::error_code error;
+  if (fs::is_regular_file(folder + "/" + kDatabase, error)) return Done{};
+  return Error{ErrorCode::kNotFound, "there is no " + folder + "/" + kDatabase};
+}
+
+}  // namespace
+
+Result<BackupSummary> back_up(const std::string& data, const std::string& backup) {
+  if (Status status = require_database(data); !status.ok()) return status.error();
+  std::error_code error;
+  if (fs::exists(backup, error)) return Error{ErrorCode::kInvalidArgument, backup + " is there already; a backup needs a new folder"};
+  const std::string unfinished = backup + kUnfinished;
+  if (fs::exists(unfinished, error))
+    return Error{ErrorCode::kInvalidArgument, unfinished + " is left from a backup that was cut off; remove it"};
+  if (Status status = create_folder(unfinished); !status.ok()) return status.error();
+  Result<BackupSummary> summary = copy_all(data, unfinished);
+  if (!summary.ok()) {
+    fs::remove_all(unfinished, error);
+    return summary;
+  }
+  fs::rename(unfinished, backup, error);
+  if (error) return io_error("renaming " + unfinished, error);
+  return summary;
+}
+
+Result<BackupSummary> restore(const std::string& backup, const std::string& data) {
+  if (Status status = require_database(backup); !status.ok()) return status.error();
+  if (const Result<std::int64_t> scans = check_database(backup + "/" + kDatabase); !scans.ok()) return scans.error();
+  std::error_code error;
+  if (fs::exists(data, error) && !fs::is_empty(data, error))
+    return Error{ErrorCode::kInvalidArgument, data + " is not empty: restore into a new folder, or move this one away first"};
+  if (Status status = create_folder(data); !status.ok()) return status.error();
+  Result<BackupSummary> summary = copy_all(backup, data);
+  // A server must not start with half of it.
+  if (!summary.ok())
+    for (const fs::directory_entry& entry : fs::directory_iterator(data, error)) fs::remove_all(entry.path(), error);
+  return summary;
+}
+
+}  // namespace hermite
