@@ -9,6 +9,7 @@
 #include "server/client/connection.h"
 #include "server/client/depth_codec_choice.h"
 #include "server/client/frame_encoder.h"
+#include "server/client/link_adaption.h"
 
 namespace hermite {
 namespace {
@@ -47,6 +48,7 @@ class Session {
   Status handle(const std::string& bytes);
   Status check_welcome() const;
   Status send_frame(EncodedFrame encoded);
+  void adapt_to_link(SteadyTime now, FrameEncoder& encoder, FrameGate& gate);
   bool server_has_work() const;
   int interrupts() const { return observer_.interrupt_count ? observer_.interrupt_count() : 0; }
   void tell_problem(const std::string& words);
@@ -74,6 +76,9 @@ class Session {
 
   StreamProgress progress_;
   CreditWindow credit_;
+  LinkState link_;
+  LinkCounts counted_;        // when the link was judged last
+  SteadyTime judge_link_at_;  // live only
   SteadyTime welcomed_at_;
   SteadyTime last_news_ = Clock::now();
   std::optional<wire::Welcome> welcome_;
@@ -124,6 +129,8 @@ Status Session::pump() {
       gate.offer(*std::move(encoded), now);
     }
     progress_.dropped_frames = gate.dropped_count();
+    progress_.left_out_frames = gate.left_out_count();
+    if (request_.pacing.newest_wins) adapt_to_link(now, encoder, gate);
     if (connection_.can_send()) {
       if (auto encoded = gate.take(now, credit_.available())) {
         if (Status status = send_frame(*std::move(encoded)); !status.ok()) return status;
@@ -133,7 +140,20 @@ Status Session::pump() {
     if (Status status = step(gate.next_event(now)); !status.ok()) return status;
     if (finished_) return Error{ErrorCode::kIo, "the server ended the scan before it had every frame"};
   }
+  progress_.left_out_frames = gate.left_out_count();
   return Done{};
+}
+
+void Session::adapt_to_link(SteadyTime now, FrameEncoder& encoder, FrameGate& gate) {
+  if (now < judge_link_at_) return;
+  judge_link_at_ = now + std::chrono::seconds(1);
+  const LinkCounts counts{gate.due_count(), gate.dropped_count()};
+  link_ = after_a_second(link_, {counts.due - counted_.due, counts.dropped - counted_.dropped});
+  counted_ = counts;
+  const LinkLevel level = link_level(link_.level);
+  encoder.set_jpeg_quality(level.jpeg_quality);
+  gate.keep(level.kept_frames, level.of_frames);
+  progress_.link_level = link_.level;
 }
 
 Status Session::finish() {
