@@ -65,6 +65,8 @@ Command add_serve_command(CLI::App& app) {
       ->capture_default_str();
   serve.add_option("--resume-window", options->resume_window_s, "Seconds that a scan waits for its camera when the connection is lost")
       ->capture_default_str();
+  serve.add_option("--keep-logs", options->keep_log_days, "Days that the frames of an ended scan are kept; 0: for ever")
+      ->capture_default_str();
   serve.add_option("--allow-host", options->allow_hosts, "Another name that this server is reached by; may be repeated")
       ->allow_extra_args(false);
   serve.add_flag("--insecure-i-know", options->insecure_listen, "Listen on other addresses than the loopback's, without encryption");

@@ -56,9 +56,14 @@ void check_range(const char* name, int value, int low, int high) {
 ScansOptions scans_options(const ServiceOptions& options) {
   check_range("--max-scans", options.max_scans, 1, 64);
   check_range("--credit-window", options.credit_window, 1, 256);
+  check_range("--keep-logs", options.keep_log_days, 0, 36500);
   check_range("--resume-window", options.resume_window_s, 0, 86400);
-  return {options.device, options.max_scans, static_cast<std::uint32_t>(options.credit_window), options.gpu_memory_mb,
-          std::chrono::seconds(options.resume_window_s)};
+  return {options.device,
+          options.max_scans,
+          static_cast<std::uint32_t>(options.credit_window),
+          options.gpu_memory_mb,
+          std::chrono::seconds(options.resume_window_s),
+          options.keep_log_days};
 }
 
 AllowedHosts allowed_hosts(const ServiceOptions& options) {

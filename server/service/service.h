@@ -23,6 +23,7 @@ struct ServiceOptions {
   int gpu_memory_mb = 0;                 // for all scans, 0: as much as there is
   bool insecure_listen = false;          // allow other addresses than the loopback's, without TLS
   int resume_window_s = 120;             // so long a scan waits for its lost camera, 0 to 86400
+  int keep_log_days = 7;                 // frames of an ended scan, 0 (for ever) to 36500
   bool stop_on_signals = true;           // SIGINT, SIGTERM
 };
 
