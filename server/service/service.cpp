@@ -87,8 +87,12 @@ TlsContext tls_of(const ServiceOptions& options) {
 }
 
 ScansOptions scans_options(const ServiceOptions& options) {
-  return {options.device, options.max_scans, static_cast<std::uint32_t>(options.credit_window), options.gpu_memory_mb,
-          std::chrono::seconds(options.resume_window_s)};
+  return {options.device,
+          options.max_scans,
+          static_cast<std::uint32_t>(options.credit_window),
+          options.gpu_memory_mb,
+          std::chrono::seconds(options.resume_window_s),
+          options.keep_log_days};
 }
 
 AllowedHosts allowed_hosts(const ServiceOptions& options, const ListenAddress& address) {
