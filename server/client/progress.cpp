@@ -109,9 +109,9 @@ std::string format_progress(const StreamProgress& progress) {
   text += count_of(progress.left_out_frames, "left out");
   text += count_of(progress.problem_frames, "with problems");
   if (progress.link_level > 0) text += "  slow link: " + in_words(link_level(progress.link_level));
-  const std::uint64_t done =
-      progress.processed_frames + progress.dropped_frames + progress.left_out_frames + progress.server_dropped_frames;
-  if (progress.finishing && done >= progress.sent_frames) return text + "  finishing";
+  const std::uint64_t answered = progress.processed_frames + progress.server_dropped_frames;
+  if (progress.finishing && answered >= progress.sent_frames) return text + "  finishing";
+  const std::uint64_t done = answered + progress.dropped_frames + progress.left_out_frames;
   if (processed_per_s > 0 && done < total) text += "  " + format_duration(static_cast<double>(total - done) / processed_per_s) + " left";
   return text;
 }

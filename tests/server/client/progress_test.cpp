@@ -42,7 +42,7 @@ TEST(Progress, LostFramesDropsAndProblemsShow) {
   EXPECT_THAT(text, HasSubstr("5 dropped  4 left out"));
   EXPECT_THAT(text, HasSubstr("slow link: colour q70, 2 of 3 frames"));
   EXPECT_THAT(text, HasSubstr("1 with problems"));
-  EXPECT_THAT(text, HasSubstr("18 s left"));
+  EXPECT_THAT(text, HasSubstr("16 s left"));
 }
 
 TEST(Progress, ALostCameraIsToldWhereToGoBackTo) {
