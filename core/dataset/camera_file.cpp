@@ -26,7 +26,7 @@ struct KnownCamera {
 // The TUM benchmark's own calibration of its three Kinects (the images of the third are undistorted already); its depth files already
 // contain the depth correction factors. ICL-NUIM publishes fy = -480: its reader turns that world so that the camera frame is x right, y
 // down, z forward. Redwood gives the factory's numbers for its PrimeSense.
-constexpr KnownCamera kKnownCameras[] = {
+const KnownCamera kKnownCameras[] = {
     {"fr1", "freiburg1", {640, 480, 517.3, 516.5, 318.6, 255.3, 5000, {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}}},
     {"fr2", "freiburg2", {640, 480, 520.9, 521.0, 325.1, 249.7, 5000, {0.2312, -0.7849, -0.0033, -0.0001, 0.9172}}},
     {"fr3", "freiburg3", {640, 480, 535.4, 539.2, 320.1, 247.6, 5000, {}}},
