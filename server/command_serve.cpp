@@ -29,7 +29,8 @@ int run_serve(const ServiceOptions& options) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("hermite"));
   Service service(options);
   // One line, for people to open and for scripts to read.
-  std::cout << service.url() << "/#token=" << service.token() << std::endl;
+  std::cout << service.url() << (service.token_works() ? "/#token=" + service.token() : "/") << std::endl;
+  if (!service.token_works()) spdlog::info("the first token was revoked; `hermite token list` shows the others");
   spdlog::info("serving {}, data in {}", service.url(), options.data_folder);
   if (service.run()) return 0;
   // A worker is still inside the GPU driver and cannot be waited for; results of all others are written.
@@ -65,6 +66,14 @@ Command add_serve_command(CLI::App& app) {
       ->capture_default_str();
   serve.add_option("--allow-host", options->allow_hosts, "Another name that this server is reached by; may be repeated")
       ->allow_extra_args(false);
+  Limits& limits = options->limits;
+  serve.add_option("--max-connections", limits.connections, "Connections open at once")->capture_default_str();
+  serve.add_option("--connections-per-address", limits.connections_per_address, "The same of one address")->capture_default_str();
+  serve.add_option("--requests-per-second", limits.requests_per_second, "HTTP requests of one address")->capture_default_str();
+  serve.add_option("--failures-per-minute", limits.failures_per_minute, "Wrong tokens of one address")->capture_default_str();
+  serve.add_option("--scans-per-token", limits.scans_per_token, "Scans running at once of one token without the scope admin")
+      ->capture_default_str();
+  serve.add_option("--storage-gb", limits.storage_gb, "For the files of all scans [GB]; 0: as much as there is")->capture_default_str();
   serve.add_flag("--insecure-i-know", options->insecure_listen, "Listen on other addresses than the loopback's, without encryption");
   return {&serve, [options] { return run_serve(*options); }};
 }

@@ -26,6 +26,8 @@ Command add_serve_command(CLI::App& app);
 Command add_reconstruct_command(CLI::App& app);
 Command add_evaluate_command(CLI::App& app);
 Command add_doctor_command(CLI::App& app);
+Command add_token_command(CLI::App& app);
+Command add_share_command(CLI::App& app);
 
 // $XDG_DATA_HOME/hermite, else ~/.local/share/hermite.
 std::string default_data_folder();

@@ -129,11 +129,26 @@ ScanEvents Scans::events_for(const std::shared_ptr<LiveScan>& scan) const {
   return events;
 }
 
-Result<StartedScan> Scans::start(const wire::StartScan& request) {
-  if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
+Status Scans::check_quotas(const Grant& grant) const {
+  const auto busy = [](const std::string& words) { return Error{ErrorCode::kBusy, words}; };
   if (running_.size() >= static_cast<std::size_t>(options_.max_running))
-    return Error{ErrorCode::kBusy,
-                 "this server runs at most " + std::to_string(options_.max_running) + " scans at once; try again when one has ended"};
+    return busy("this server runs at most " + std::to_string(options_.max_running) + " scans at once; try again when one has ended");
+  const auto own = std::count_if(owners_.begin(), owners_.end(), [&grant](const auto& entry) { return entry.second == grant.token_id; });
+  if (!may(grant, Scope::kAdmin) && own >= options_.max_running_per_token)
+    return busy("this token may run at most " + std::to_string(options_.max_running_per_token) +
+                " scans at once; try again when one has ended");
+  if (options_.storage_bytes == 0) return Done{};
+  const Result<std::uint64_t> stored_bytes = data_.stored_bytes();
+  if (!stored_bytes.ok()) return stored_bytes.error();
+  if (*stored_bytes >= options_.storage_bytes)
+    return busy("the scans on this server take " + std::to_string(*stored_bytes / 1'000'000) + " MB of the " +
+                std::to_string(options_.storage_bytes / 1'000'000) + " MB that they may take: delete some");
+  return Done{};
+}
+
+Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& grant) {
+  if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
+  if (Status status = check_quotas(grant); !status.ok()) return status.error();
   Options options;
   for (const auto& [key, value] : request.settings)
     if (Status status = apply_setting(options, key, value); !status.ok()) return in_context("start_scan.settings", status.error());
@@ -160,6 +175,7 @@ Result<StartedScan> Scans::start(const wire::StartScan& request) {
   auto audience = std::make_shared<Audience>(SceneInfo{row.id, row.title, row.camera});
   auto scan = std::make_shared<LiveScan>(ScanTerms{request.mode, window}, audience, [this, row](const ScanEnd& end) { ended(row, end); });
   running_[row.id] = scan;
+  owners_[row.id] = grant.token_id;
   const std::size_t queue_capacity = live ? std::min<std::size_t>(window, kLiveQueueFrames) : window;
   scan->start(
       std::make_unique<ScanWorker>(ScanSetup{options_.device, request.camera, options, request.depth_codecs.front(), queue_capacity,
@@ -190,6 +206,7 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   // Not at once: this is called by the scan itself.
   post_([scan = running->second] {});
   running_.erase(running);
+  owners_.erase(row.id);
 }
 
 ScanRow Scans::with_counts(ScanRow row) const {

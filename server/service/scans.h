@@ -10,6 +10,7 @@
 
 #include "core/base/result.h"
 #include "proto/wire/messages.h"
+#include "server/service/gate.h"
 #include "server/service/live_scan.h"
 #include "server/store/data_directory.h"
 #include "server/store/store.h"
@@ -24,6 +25,8 @@ struct ScansOptions {
   int max_running = 4;
   std::uint32_t credit_window = 16;  // frames, at most
   int gpu_memory_mb = 0;             // of all scans together, in equal shares; 0: as much as there is
+  int max_running_per_token = 2;     // of tokens that may not administer
+  std::uint64_t storage_bytes = 0;   // for the files of all scans; 0: as much as there is
 };
 
 // What a camera is told of the scan it has started.
@@ -40,8 +43,8 @@ class Scans {
   // Marks scans that a dead server left running as interrupted. `data` and `store` outlive this. Throws SetupError when the store cannot.
   Scans(ScansOptions options, const DataDirectory& data, Store& store, Post post);
 
-  // kBusy: max_running scans are running, or the server is stopping. kInvalidArgument: a setting. kIo: the store or the disk.
-  Result<StartedScan> start(const wire::StartScan& request);
+  // kBusy: a quota is used up, in words, or the server is stopping. kInvalidArgument: a setting. kIo: the store or the disk.
+  Result<StartedScan> start(const wire::StartScan& request, const Grant& grant);
 
   // kNotFound: no such scan. A scan that has ended is read from its files; one without files (failed) has nothing but its state.
   Result<std::shared_ptr<Audience>> watch(const std::string& scan_id);
@@ -60,6 +63,7 @@ class Scans {
   std::size_t running_count() const { return running_.size(); }
 
  private:
+  Status check_quotas(const Grant& grant) const;
   ScanEvents events_for(const std::shared_ptr<LiveScan>& scan) const;
   void ended(const ScanRow& row, const ScanEnd& end);
   ScanRow with_counts(ScanRow row) const;
@@ -69,6 +73,7 @@ class Scans {
   Store& store_;
   const Post post_;
   std::map<std::string, std::shared_ptr<LiveScan>> running_;   // by id
+  std::map<std::string, std::string> owners_;                  // of those that run: the tokens that started them
   std::map<std::string, std::weak_ptr<Audience>> read_again_;  // ended scans that someone is looking at
   bool stopping_ = false;
 };

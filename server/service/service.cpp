@@ -17,11 +17,14 @@
 #include <optional>
 
 #include "server/service/access.h"
+#include "server/service/gate.h"
 #include "server/service/http_connection.h"
+#include "server/service/rate_limit.h"
 #include "server/service/scans.h"
 #include "server/service/static_files.h"
 #include "server/store/data_directory.h"
 #include "server/store/store.h"
+#include "server/store/unix_time.h"
 
 namespace hermite {
 
@@ -33,6 +36,8 @@ using boost::system::error_code;
 
 constexpr std::chrono::seconds kStopPatience(60);  // for the frame in work and the results of every scan
 constexpr std::chrono::milliseconds kStopCheck(20);
+constexpr int kMaxRefusing = 32;  // refused connections that are told why at once; more are just closed
+constexpr std::int64_t kRefusedRetry_ms = 5000;
 constexpr std::chrono::milliseconds kGoodbyePatience(500);  // for last messages to leave
 
 ListenAddress checked_address(const ServiceOptions& options) {
@@ -52,10 +57,25 @@ void check_range(const char* name, int value, int low, int high) {
                                                        std::to_string(low) + " to " + std::to_string(high)});
 }
 
+Limits checked_limits(const Limits& limits) {
+  check_range("--max-connections", limits.connections, 1, 10'000);
+  check_range("--connections-per-address", limits.connections_per_address, 1, 10'000);
+  check_range("--requests-per-second", limits.requests_per_second, 1, 10'000);
+  check_range("--failures-per-minute", limits.failures_per_minute, 1, 1000);
+  check_range("--scans-per-token", limits.scans_per_token, 1, 64);
+  check_range("--storage-gb", limits.storage_gb, 0, 1'000'000);
+  return limits;
+}
+
 ScansOptions scans_options(const ServiceOptions& options) {
   check_range("--max-scans", options.max_scans, 1, 64);
   check_range("--credit-window", options.credit_window, 1, 256);
-  return {options.device, options.max_scans, static_cast<std::uint32_t>(options.credit_window), options.gpu_memory_mb};
+  return {options.device,
+          options.max_scans,
+          static_cast<std::uint32_t>(options.credit_window),
+          options.gpu_memory_mb,
+          options.limits.scans_per_token,
+          static_cast<std::uint64_t>(options.limits.storage_gb) * 1'000'000'000};
 }
 
 AllowedHosts allowed_hosts(const ServiceOptions& options) {
@@ -97,7 +117,11 @@ struct Service::Impl {
   std::unique_ptr<Scans> scans;
   std::unique_ptr<HttpWorld> world;
   std::string url;
-  int connection_count = 0;
+  Gate gate;
+  CountLimit connections;
+  RateLimit requests;
+  int refusing_count = 0;
+  bool token_works = false;
   bool stopping = false;
   bool ended_in_time = true;
   asio::io_context context{1};
@@ -110,19 +134,42 @@ struct Service::Impl {
         hosts(allowed_hosts(service_options)),
         data(service_options.data_folder),
         files(viewer_files(service_options.web_folder)),
-        store(data.database_path()) {
+        store(data.database_path()),
+        gate(store, checked_limits(options.limits).failures_per_minute),
+        connections(options.limits.connections, options.limits.connections_per_address),
+        requests(options.limits.requests_per_second, 2.0 * options.limits.requests_per_second) {
+    token_works = gate.install_first_token(data.token(), unix_now_ms());
     scans = std::make_unique<Scans>(scans_options(options), data, store,
                                     [this](std::function<void()> action) { asio::post(context, std::move(action)); });
-    world = std::make_unique<HttpWorld>(HttpWorld{*scans, data.token(), files});
+    world = std::make_unique<HttpWorld>(HttpWorld{*scans, store, gate, files});
     acceptor = open_port(context, address);
     address.port = acceptor->local_endpoint().port();
     url = url_of(address);
+    if (const Status published = data.publish_address(url); !published.ok()) throw SetupError(published.error());
   }
 
-  asio::awaitable<void> serve(tcp::socket socket) {
-    ++connection_count;
-    co_await serve_connection(std::move(socket), *world, hosts);
-    --connection_count;
+  asio::awaitable<void> serve(tcp::socket socket, std::string from) {
+    co_await serve_connection(std::move(socket), from, *world, {hosts, requests});
+    connections.leave(from);
+  }
+
+  asio::awaitable<void> refuse(tcp::socket socket) {
+    ++refusing_count;
+    co_await refuse_connection(std::move(socket), wait_answer(503, "too many connections are open", kRefusedRetry_ms));
+    --refusing_count;
+  }
+
+  void take(tcp::socket socket) {
+    error_code error;
+    const tcp::endpoint other_end = socket.remote_endpoint(error);
+    if (error) return;  // it is gone already
+    const std::string from = address_group(other_end.address().to_string());
+    if (connections.enter(from)) {
+      asio::co_spawn(context, serve(std::move(socket), from), asio::detached);
+    } else if (refusing_count < kMaxRefusing) {
+      spdlog::warn("refused a connection from {}: {} are open", from, connections.count());
+      asio::co_spawn(context, refuse(std::move(socket)), asio::detached);
+    }
   }
 
   asio::awaitable<void> accept() {
@@ -135,10 +182,8 @@ struct Service::Impl {
         spdlog::warn("accepting a connection: {}", error.message());
         asio::steady_timer pause(context, std::chrono::milliseconds(100));
         co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
-      } else if (connection_count >= kMaxConnections) {
-        spdlog::warn("refused a connection: {} are open, which is the limit", connection_count);
       } else {
-        asio::co_spawn(context, serve(std::move(socket)), asio::detached);
+        take(std::move(socket));
       }
     }
   }
@@ -156,7 +201,7 @@ struct Service::Impl {
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
     }
     ended_in_time = scans->running_count() == 0;
-    if (connection_count > 0) {
+    if (connections.count() > 0) {
       pause.expires_after(kGoodbyePatience);
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
     }
@@ -175,6 +220,7 @@ Service::~Service() = default;
 
 const std::string& Service::url() const { return impl_->url; }
 const std::string& Service::token() const { return impl_->data.token(); }
+bool Service::token_works() const { return impl_->token_works; }
 
 bool Service::run() {
   Impl& service = *impl_;

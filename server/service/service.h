@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "server/service/limits.h"
 
 namespace hermite {
-
-inline constexpr int kMaxConnections = 256;
 
 struct ServiceOptions {
   std::string listen = "127.0.0.1:8080";  // port 0: any free one
@@ -23,6 +22,7 @@ struct ServiceOptions {
   int gpu_memory_mb = 0;                 // for all scans, 0: as much as there is
   bool insecure_listen = false;          // allow other addresses than the loopback's, without TLS
   bool stop_on_signals = true;           // SIGINT, SIGTERM
+  Limits limits;
 };
 
 class Service {
@@ -33,8 +33,9 @@ class Service {
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
 
-  const std::string& url() const;  // "http://127.0.0.1:8080", with the real port
-  const std::string& token() const;
+  const std::string& url() const;    // "http://127.0.0.1:8080", with the real port
+  const std::string& token() const;  // the first token
+  bool token_works() const;          // not revoked
 
   // Blocks until stop() or a signal, then until running scans have written what they have. False: one of them did not end in time, and its
   // thread is still busy: then end the process without destroying the service.

@@ -19,6 +19,7 @@
 
 #include "proto/wire/messages.h"
 #include "server/service/sessions.h"
+#include "server/store/unix_time.h"
 
 namespace hermite {
 
@@ -32,6 +33,7 @@ using boost::system::error_code;
 constexpr std::chrono::seconds kHelloPatience(10);  // from the request to the end of the first message
 constexpr std::chrono::seconds kClosePatience(10);
 constexpr std::chrono::seconds kIdleLimit(45);  // below the 60 s after which proxies cut; a ping is sent at half of it
+constexpr std::chrono::seconds kGrantCheck(2);  // how long a revoked token may still hear something
 constexpr std::size_t kReadBytes = 64 * 1024;
 
 // Shared by the reading and the writing half of one connection.
@@ -39,12 +41,17 @@ struct Connection {
   websocket::stream<beast::tcp_stream> socket;
   asio::steady_timer something_to_send;
   asio::steady_timer hello_deadline;
+  asio::steady_timer grant_check;
   beast::flat_buffer message;
   std::unique_ptr<Session> session;
+  Grant grant;  // of the session
   bool reading = true;
 
   explicit Connection(beast::tcp_stream stream)
-      : socket(std::move(stream)), something_to_send(socket.get_executor()), hello_deadline(socket.get_executor()) {}
+      : socket(std::move(stream)),
+        something_to_send(socket.get_executor()),
+        hello_deadline(socket.get_executor()),
+        grant_check(socket.get_executor()) {}
 
   std::string_view text() const { return {static_cast<const char*>(message.data().data()), message.size()}; }
 };
@@ -136,8 +143,19 @@ void set_options(Connection& connection) {
   connection.socket.binary(true);
 }
 
+// Ends the session soon after what was granted has ended. Asks now and then: nobody has to remember who came in with what.
+void watch_grant(const std::shared_ptr<Connection>& connection, const Gate& gate) {
+  connection->grant_check.expires_after(kGrantCheck);
+  connection->grant_check.async_wait([weak = std::weak_ptr(connection), &gate](const error_code& cancelled) {
+    const std::shared_ptr<Connection> watched = weak.lock();
+    if (cancelled || !watched) return;
+    if (gate.holds(watched->grant, unix_now_ms())) return watch_grant(watched, gate);
+    watched->session->fail({ErrorCode::kUnauthorized, "the token or share link has expired or was revoked"}, CloseCode::kUnauthorized);
+  });
+}
+
 // The first message and its answer. A session is there afterwards, or the connection is over.
-asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, Scans& scans, const std::string& token) {
+asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, const WebSocketWorld& world) {
   connection->hello_deadline.expires_after(kHelloPatience);
   connection->hello_deadline.async_wait([weak = std::weak_ptr(connection)](const error_code& cancelled) {
     const std::shared_ptr<Connection> late = weak.lock();
@@ -149,9 +167,12 @@ asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, Scans
     auto wake = [weak = std::weak_ptr(connection)] {
       if (const std::shared_ptr<Connection> awake = weak.lock()) awake->something_to_send.cancel();
     };
-    auto greeting = greet(scans, token, connection->text(), std::move(wake));
-    if (auto* session = std::get_if<std::unique_ptr<Session>>(&greeting)) {
-      connection->session = std::move(*session);
+    const auto admit = [&world](const std::string& secret) { return world.gate.admit(secret, {world.address, unix_now_ms()}); };
+    auto greeting = greet(world.scans, admit, connection->text(), std::move(wake));
+    if (auto* greeted = std::get_if<Greeted>(&greeting)) {
+      connection->session = std::move(greeted->session);
+      connection->grant = std::move(greeted->grant);
+      spdlog::info("a connection from {} let in with token {}", world.address, connection->grant.token_id);
       co_return;
     }
     read.wrong = std::get<Refusal>(std::move(greeting));
@@ -174,21 +195,23 @@ bool offers_subprotocol(const beast::http::request<beast::http::empty_body>& upg
   return false;
 }
 
-asio::awaitable<void> serve_websocket(beast::tcp_stream stream, beast::http::request<beast::http::empty_body> upgrade, Scans& scans,
-                                      const std::string& token) {
+asio::awaitable<void> serve_websocket(beast::tcp_stream stream, beast::http::request<beast::http::empty_body> upgrade,
+                                      WebSocketWorld world) {
   stream.expires_never();
   const auto connection = std::make_shared<Connection>(std::move(stream));
   set_options(*connection);
   error_code error;
   co_await connection->socket.async_accept(upgrade, asio::redirect_error(asio::use_awaitable, error));
   if (error) co_return;
-  co_await begin(connection, scans, token);
+  co_await begin(connection, world);
   connection->hello_deadline.cancel();
   if (!connection->session) co_return;
+  watch_grant(connection, world.gate);
   asio::co_spawn(connection->socket.get_executor(), write_messages(connection), asio::detached);
   co_await read_messages(*connection);
   connection->session->disconnected();
   connection->reading = false;
+  connection->grant_check.cancel();
   connection->something_to_send.cancel();
 }
 

@@ -9,6 +9,7 @@
 #include <boost/beast/http/message.hpp>
 #include <string>
 
+#include "server/service/gate.h"
 #include "server/service/scans.h"
 
 namespace hermite {
@@ -16,9 +17,15 @@ namespace hermite {
 // Does the request offer our subprotocol?
 bool offers_subprotocol(const boost::beast::http::request<boost::beast::http::empty_body>& upgrade);
 
-// Runs until the connection is over. Host, Origin and subprotocol were checked. `scans` and `token` outlive it.
+struct WebSocketWorld {
+  Scans& scans;
+  Gate& gate;
+  std::string address;  // of the client, as the gate counts it
+};
+
+// Runs until the connection is over: also when the token that opened it expires or is revoked. Host, Origin and subprotocol were checked.
+// What `world` refers to outlives it.
 boost::asio::awaitable<void> serve_websocket(boost::beast::tcp_stream stream,
-                                             boost::beast::http::request<boost::beast::http::empty_body> upgrade, Scans& scans,
-                                             const std::string& token);
+                                             boost::beast::http::request<boost::beast::http::empty_body> upgrade, WebSocketWorld world);
 
 }  // namespace hermite
