@@ -149,8 +149,13 @@ struct Service::Impl {
   }
 
   asio::awaitable<void> serve(tcp::socket socket, std::string from) {
+    // However it ends: a place that is never given back would in the end lock everybody out.
+    struct Place {
+      CountLimit& connections;
+      const std::string& from;
+      ~Place() { connections.leave(from); }
+    } const place{connections, from};
     co_await serve_connection(std::move(socket), from, *world, {hosts, requests});
-    connections.leave(from);
   }
 
   asio::awaitable<void> refuse(tcp::socket socket) {

@@ -198,13 +198,12 @@ Greeting greet_viewer(Scans& scans, const wire::ViewScan& request, std::function
 }
 
 Greeting greet_role(Scans& scans, const Grant& grant, const wire::Hello& hello, std::function<void()> wake) {
-  const bool camera = std::holds_alternative<wire::StartScan>(hello.role);
-  const Scope needed = camera ? Scope::kScan : Scope::kView;
+  const auto* view = std::get_if<wire::ViewScan>(&hello.role);
+  const Scope needed = view ? Scope::kView : Scope::kScan;
   if (!may(grant, needed)) return Refusal{lacks(grant, needed), CloseCode::kForbidden};
-  if (camera) return greet_camera(scans, grant, std::get<wire::StartScan>(hello.role), std::move(wake));
-  const auto& view = std::get<wire::ViewScan>(hello.role);
-  if (!may_see(grant, view.scan_id)) return refusal_of({ErrorCode::kNotFound, "there is no scan " + view.scan_id});
-  return greet_viewer(scans, view, std::move(wake));
+  if (!view) return greet_camera(scans, grant, std::get<wire::StartScan>(hello.role), std::move(wake));
+  if (!may_see(grant, view->scan_id)) return refusal_of({ErrorCode::kNotFound, "there is no scan " + view->scan_id});
+  return greet_viewer(scans, *view, std::move(wake));
 }
 
 }  // namespace

@@ -13,6 +13,8 @@ inline ServiceOptions test_options(const std::string& data_folder) {
   options.listen = "127.0.0.1:0";
   options.data_folder = data_folder;
   options.stop_on_signals = false;
+  // All tests come from one address and are quicker than people; tests of limits set their own.
+  options.limits.connections = options.limits.connections_per_address = options.limits.requests_per_second = 10'000;
   return options;
 }
 

@@ -48,9 +48,10 @@ class SessionsTest : public testing::Test {
     EXPECT_TRUE(store.add_token(row).ok());
   }
 
-  void serve(const Limits& limits = {}) {
+  void serve(int scans_per_token = 2, int storage_gb = 0) {
     ServiceOptions options = test::test_options(folder_ / "data");
-    options.limits = limits;
+    options.limits.scans_per_token = scans_per_token;
+    options.limits.storage_gb = storage_gb;
     server_ = std::make_unique<test::RunningServer>(options);
   }
 
@@ -171,9 +172,7 @@ TEST_F(SessionsTest, AnExpiryEndsWhatWasOpenedWithTheToken) {
 
 TEST_F(SessionsTest, ATokenRunsSoManyScansAtOnce) {
   if (!gpu_is_fit()) GTEST_SKIP() << "no fit GPU here";
-  Limits limits;
-  limits.scans_per_token = 1;
-  serve(limits);
+  serve(1);
   const Outcome first = hello("scan", camera());
   ASSERT_NE(first.scan_id, "");
   const Outcome second = hello("scan", camera());
@@ -187,9 +186,7 @@ TEST_F(SessionsTest, NoScanBeginsWhenTheStorageIsUsedUp) {
   std::filesystem::create_directories(folder);
   { std::ofstream(folder + "/cloud.ply") << "x"; }
   std::filesystem::resize_file(folder + "/cloud.ply", 1'000'000'000);  // sparse
-  Limits limits;
-  limits.storage_gb = 1;
-  serve(limits);
+  serve(2, 1);
   const Outcome refused = hello(server_->token(), camera());
   EXPECT_THAT(refused.words, HasSubstr("take 1000 MB of the 1000 MB"));
   EXPECT_THAT(refused.words, HasSubstr("delete some"));
