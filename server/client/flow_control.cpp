@@ -33,19 +33,30 @@ bool FrameGate::wants(SteadyTime now) const {
 void FrameGate::offer(EncodedFrame frame, SteadyTime now) {
   CHECK(wants(now), "the gate holds one frame");
   if (offered_count_ == 0) start_ = now;
+  const std::uint64_t number = offered_count_++;
+  if (number % of_ >= kept_) {
+    ++left_out_count_;
+    return;
+  }
   if (waiting_) ++dropped_count_;
   waiting_ = std::move(frame);
-  ++offered_count_;
+  waiting_number_ = number;
+}
+
+void FrameGate::keep(int kept, int of) {
+  CHECK(pacing_.newest_wins && kept >= 1 && kept <= of, "a live camera keeps some of its frames");
+  kept_ = static_cast<std::uint64_t>(kept);
+  of_ = static_cast<std::uint64_t>(of);
 }
 
 std::optional<EncodedFrame> FrameGate::take(SteadyTime now, bool has_credit) {
-  if (!waiting_ || !has_credit || due(offered_count_ - 1) > now) return std::nullopt;
+  if (!waiting_ || !has_credit || due(waiting_number_) > now) return std::nullopt;
   return std::exchange(waiting_, std::nullopt);
 }
 
 std::optional<SteadyTime> FrameGate::next_event(SteadyTime now) const {
   if (!waiting_) return std::nullopt;
-  const SteadyTime this_one = due(offered_count_ - 1);
+  const SteadyTime this_one = due(waiting_number_);
   if (this_one > now) return this_one;
   const SteadyTime next_one = due(offered_count_);
   if (pacing_.newest_wins && next_one > now) return next_one;

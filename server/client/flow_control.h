@@ -46,11 +46,17 @@ class FrameGate {
   bool wants(SteadyTime now) const;
   void offer(EncodedFrame frame, SteadyTime now);  // CHECKs wants(now)
 
+  // Live only (CHECK): from now on the first `kept` of every `of` frames offered wait to be sent, the others are left out, which is no
+  // drop.
+  void keep(int kept, int of);
+
   // The waiting frame when it is due and there is credit.
   std::optional<EncodedFrame> take(SteadyTime now, bool has_credit);
 
   bool empty() const { return !waiting_; }
   std::uint64_t dropped_count() const { return dropped_count_; }
+  std::uint64_t left_out_count() const { return left_out_count_; }
+  std::uint64_t due_count() const { return offered_count_ - left_out_count_; }
 
   // When the clock alone may change an answer above: the waiting frame becomes due, or (live) the next one does.
   std::optional<SteadyTime> next_event(SteadyTime now) const;
@@ -62,7 +68,10 @@ class FrameGate {
   SteadyTime start_;
   std::uint64_t offered_count_ = 0;
   std::uint64_t dropped_count_ = 0;
-  std::optional<EncodedFrame> waiting_;  // frame number offered_count_ - 1
+  std::uint64_t left_out_count_ = 0;
+  std::uint64_t kept_ = 1, of_ = 1;
+  std::optional<EncodedFrame> waiting_;
+  std::uint64_t waiting_number_ = 0;  // of those offered
 };
 
 }  // namespace hermite

@@ -1,5 +1,6 @@
 #include "server/client/frame_encoder.h"
 
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -15,16 +16,18 @@ namespace {
 
 std::string as_text(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
 
-// Bytes that are no PNG are left for the server to judge: it decodes with the same functions as a run without a server.
-Result<std::string> encode_color(const std::vector<std::uint8_t>& recorded, ImageSize size, bool accepts_png) {
-  if (accepts_png) return as_text(recorded);
+// Bytes that may go out as they are and cannot be decoded are left for the server to judge: it decodes with the same functions as a run
+// without a server.
+Result<std::string> encode_color(const std::vector<std::uint8_t>& recorded, ImageSize size, const WireEncoding& encoding) {
   const auto format = detect_image_format(recorded);
-  if (!format.ok() || *format != ImageFormat::kPng) return as_text(recorded);
+  const bool must_change = !encoding.png_color && format.ok() && *format == ImageFormat::kPng;
+  if (!format.ok() || (!must_change && !encoding.jpeg_quality)) return as_text(recorded);
   const auto image = decode_color(recorded, size);
-  if (!image.ok()) return image.error();
-  const auto jpeg = encode_jpeg(*image, kJpegQuality);
+  if (!image.ok() && must_change) return image.error();
+  if (!image.ok()) return as_text(recorded);
+  const auto jpeg = encode_jpeg(*image, encoding.jpeg_quality.value_or(kJpegQuality));
   if (!jpeg.ok()) return jpeg.error();
-  return as_text(*jpeg);
+  return as_text(must_change || jpeg->size() < recorded.size() ? *jpeg : recorded);
 }
 
 Status encode_recording(const Sequence& sequence, const WireEncoding& encoding, EncodedFrame& encoded) {
@@ -33,7 +36,7 @@ Status encode_recording(const Sequence& sequence, const WireEncoding& encoding, 
   const ImageSize size{sequence.camera().width, sequence.camera().height};
   auto depth = wire::encode_depth_payload(recorded->depth, encoding.depth);
   if (!depth.ok()) return in_context("depth", depth.error());
-  auto color = encode_color(recorded->color_bytes, size, encoding.png_color);
+  auto color = encode_color(recorded->color_bytes, size, encoding);
   if (!color.ok()) return in_context("colour", color.error());
   encoded.frame.depth = *std::move(depth);
   encoded.frame.color = *std::move(color);
@@ -87,7 +90,9 @@ struct FrameEncoder::Worker {
         room_or_stop.wait(lock, [this] { return stopping || ready.size() < settings.read_ahead; });
         if (stopping) return;
       }
-      EncodedFrame frame = encode_frame(sequence, index, settings.encoding);
+      WireEncoding encoding = settings.encoding;
+      if (const int quality = jpeg_quality.load(); quality != 0) encoding.jpeg_quality = quality;
+      EncodedFrame frame = encode_frame(sequence, index, encoding);
       {
         const std::lock_guard lock(mutex);
         ready.push_back(std::move(frame));
@@ -99,7 +104,8 @@ struct FrameEncoder::Worker {
   const Sequence& sequence;
   const Settings settings;
   const std::function<void()> on_ready;
-  std::int64_t next_to_take;  // the taker's thread only
+  std::int64_t next_to_take;         // the taker's thread only
+  std::atomic<int> jpeg_quality{0};  // 0: none
 
   std::mutex mutex;
   std::condition_variable room_or_stop;
@@ -125,6 +131,8 @@ std::optional<EncodedFrame> FrameEncoder::take() {
   ++worker_->next_to_take;
   return frame;
 }
+
+void FrameEncoder::set_jpeg_quality(std::optional<int> quality) { worker_->jpeg_quality = quality.value_or(0); }
 
 bool FrameEncoder::exhausted() const { return worker_->next_to_take >= worker_->settings.range.end; }
 

@@ -17,6 +17,8 @@ namespace hermite {
 struct WireEncoding {
   wire::DepthCodec depth = wire::DepthCodec::kRvlZstd;
   bool png_color = true;  // false: PNG colour of a recording is sent as JPEG, which changes pixels
+  // 1 to 100: colour becomes a JPEG of that quality where this makes it smaller. None: as recorded.
+  std::optional<int> jpeg_quality = std::nullopt;
 };
 
 inline constexpr int kJpegQuality = 90;
@@ -27,8 +29,9 @@ struct EncodedFrame {
   std::string problem;     // in words, why the images are black; empty when they are the recording's
 };
 
-// Colour bytes go out as they were recorded. A frame that cannot be read or encoded becomes one without a measurement (depth 0, black
-// colour) with its `problem`, as in a run without a server: every frame of the sequence gets its line in the trajectory. Thread-safe.
+// Colour bytes go out as they were recorded, but for `encoding`. A frame that cannot be read or encoded becomes one without a measurement
+// (depth 0, black colour) with its `problem`, as in a run without a server: every frame of the sequence gets its line in the trajectory.
+// Thread-safe.
 EncodedFrame encode_frame(const Sequence& sequence, std::int64_t index, const WireEncoding& encoding);
 
 // Encodes a range in order, at most `read_ahead` frames before the taker. The sequence must outlive it. take() and exhausted() from one
@@ -48,6 +51,8 @@ class FrameEncoder {
 
   std::optional<EncodedFrame> take();  // none: not ready yet, or exhausted
   bool exhausted() const;              // every frame of the range was taken
+
+  void set_jpeg_quality(std::optional<int> quality);  // of the frames encoded from now on; those read ahead stay as they are
 
  private:
   struct Worker;

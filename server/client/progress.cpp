@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <ostream>
 
+#include "server/client/link_adaption.h"
+
 namespace hermite {
 namespace {
 
@@ -53,6 +55,7 @@ std::string format_summary(const StreamProgress& progress) {
                      format_duration(progress.elapsed_s) + ", " + std::to_string(progress.tracked_frames) + " tracked";
   const std::uint64_t dropped = progress.dropped_frames + progress.server_dropped_frames;
   if (dropped > 0) text += ", " + std::to_string(dropped) + " dropped";
+  if (progress.left_out_frames > 0) text += ", " + std::to_string(progress.left_out_frames) + " left out for a slow link";
   if (progress.problem_frames > 0) text += ", " + std::to_string(progress.problem_frames) + " with problems";
   text += format(", %.1f Mbit/s", sent_Mbit_per_s(progress));
   return progress.last_words.empty() ? text : text + "; " + progress.last_words;
@@ -103,9 +106,12 @@ std::string format_progress(const StreamProgress& progress) {
     text += tracking_words(*progress.last_result);
   }
   text += count_of(progress.dropped_frames + progress.server_dropped_frames, "dropped");
+  text += count_of(progress.left_out_frames, "left out");
   text += count_of(progress.problem_frames, "with problems");
-  const std::uint64_t done = progress.processed_frames + progress.dropped_frames + progress.server_dropped_frames;
-  if (progress.finishing && done >= progress.sent_frames) return text + "  finishing";
+  if (progress.link_level > 0) text += "  slow link: " + in_words(link_level(progress.link_level));
+  const std::uint64_t answered = progress.processed_frames + progress.server_dropped_frames;
+  if (progress.finishing && answered >= progress.sent_frames) return text + "  finishing";
+  const std::uint64_t done = answered + progress.dropped_frames + progress.left_out_frames;
   if (processed_per_s > 0 && done < total) text += "  " + format_duration(static_cast<double>(total - done) / processed_per_s) + " left";
   return text;
 }

@@ -12,6 +12,7 @@
 #include "server/client/depth_codec_choice.h"
 #include "server/client/frame_encoder.h"
 #include "server/client/link.h"
+#include "server/client/link_adaption.h"
 #include "server/client/sent_frames.h"
 
 namespace hermite {
@@ -59,6 +60,7 @@ class Session {
   Status check_welcome() const;
   Status number(EncodedFrame encoded);
   void offer_frames(SteadyTime now);
+  void adapt_to_link(SteadyTime now);
   void send_next_frame();
   bool resumable() const { return welcome_ && !welcome_->resume_token.empty(); }
   bool server_has_work();
@@ -98,6 +100,9 @@ class Session {
   FrameGate gate_;
   SentFrames frames_;
   std::uint64_t next_result_ = 0;  // the results before have come; a rebuilt scan tells them again
+  LinkState link_state_;
+  LinkCounts counted_;        // when the link was judged last
+  SteadyTime judge_link_at_;  // live only
   SteadyTime welcomed_at_;
   SteadyTime last_news_ = Clock::now();
   std::optional<wire::Welcome> welcome_;
@@ -243,6 +248,20 @@ void Session::offer_frames(SteadyTime now) {
     gate_.offer(*std::move(encoded), now);
   }
   progress_.dropped_frames = gate_.dropped_count();
+  progress_.left_out_frames = gate_.left_out_count();
+  if (request_.pacing.newest_wins) adapt_to_link(now);
+}
+
+void Session::adapt_to_link(SteadyTime now) {
+  if (now < judge_link_at_) return;
+  judge_link_at_ = now + std::chrono::seconds(1);
+  const LinkCounts counts{gate_.due_count(), gate_.dropped_count()};
+  link_state_ = after_a_second(link_state_, {counts.due - counted_.due, counts.dropped - counted_.dropped});
+  counted_ = counts;
+  const LinkLevel level = link_level(link_state_.level);
+  encoder_->set_jpeg_quality(level.jpeg_quality);
+  gate_.keep(level.kept_frames, level.of_frames);
+  progress_.link_level = link_state_.level;
 }
 
 Status Session::finish() {

@@ -22,7 +22,7 @@ struct StreamRequest {
   std::string ca;    // file with the certificate authorities to believe, empty: the system's
   std::string title;
   FrameRange frames;
-  Pacing pacing;  // newest_wins asks the server for its live mode
+  Pacing pacing;  // newest_wins asks the server for its live mode, and adapts what is sent to the link
   std::map<std::string, std::string> settings;
   std::chrono::milliseconds connect_patience{10'000};   // for the WebSocket, then for the welcome
   std::chrono::milliseconds silence_patience{120'000};  // without a word from a server that has something to do
@@ -38,6 +38,7 @@ struct StreamProgress {
   std::uint64_t tracked_frames = 0;         // of these
   std::uint64_t dropped_frames = 0;         // here, for want of credit (live)
   std::uint64_t server_dropped_frames = 0;  // there (live)
+  std::uint64_t left_out_frames = 0;        // here, because the link is too slow for all (live)
   std::uint64_t problem_frames = 0;         // could not be read here, or not be used there
   std::uint64_t unknown_messages = 0;       // of a newer server
   std::uint64_t durable_frames = 0;         // on the server's disk
@@ -46,6 +47,7 @@ struct StreamProgress {
   std::uint64_t sent_bytes = 0;
   std::optional<wire::FrameResult> last_result;
   std::string last_words;  // of the server about the finished scan; usually none
+  int link_level = 0;      // what is sent of what there is (live): link_adaption.h
   bool finishing = false;  // no more frames will be sent
   double elapsed_s = 0;    // since the welcome
 };

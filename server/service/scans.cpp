@@ -24,6 +24,7 @@ namespace hermite {
 namespace {
 
 constexpr std::size_t kLiveQueueFrames = 4;  // older ones are not worth waiting for
+constexpr std::int64_t kDay_ms = 24 * 3600 * 1000;
 
 std::int64_t now_ms() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -126,6 +127,7 @@ Scans::Scans(ScansOptions options, const DataDirectory& data, Store& store, Metr
     log_with({row.id}, spdlog::level::warn, fmt::format("scan {}: {}", row.id, row.words));
     if (Status status = store_.update(row); !status.ok()) throw SetupError(status.error());
   }
+  remove_old_logs();
 }
 
 template <class Tell>
@@ -398,8 +400,19 @@ Result<std::string> Scans::file_of(const std::string& scan_id, const std::string
   return path;
 }
 
+void Scans::remove_old_logs() {
+  old_logs_removed_at_ = LiveScan::Clock::now();
+  const Result<std::vector<ScanRow>> rows = store_.list();
+  if (!rows.ok() || options_.keep_log_days == 0) return;
+  const std::int64_t oldest_ms = now_ms() - options_.keep_log_days * kDay_ms;
+  for (const ScanRow& row : *rows)
+    if (row.phase != ScanPhase::kRunning && row.finished_at_ms < oldest_ms)
+      if (Status status = data_.remove_log_folder(row.id); !status.ok()) spdlog::warn("{}", status.error().message);
+}
+
 void Scans::tick(LiveScan::Clock::time_point now) {
   for (const auto& [id, scan] : running_) scan->tick(now);
+  if (now - old_logs_removed_at_ >= std::chrono::hours(1)) remove_old_logs();
 }
 
 void Scans::describe(Load& load) const {

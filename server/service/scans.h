@@ -30,6 +30,7 @@ struct ScansOptions {
   std::uint32_t credit_window = 16;                  // frames, at most
   int gpu_memory_mb = 0;                             // of all scans together, in equal shares; 0: as much as there is
   std::chrono::milliseconds resume_window{120'000};  // so long a scan waits for its lost camera
+  int keep_log_days = 7;                             // after the end of a scan; 0: for ever
   int max_running_per_token = 2;                     // of tokens that may not administer
   std::uint64_t storage_bytes = 0;                   // for the files of all scans; 0: as much as there is
 };
@@ -101,6 +102,7 @@ class Scans {
   FrameLogEvents log_events(const Launch& launch) const;
   std::shared_ptr<LiveScan> run(const Launch& launch, FrameLog::Opened opened);
   Status rebuild(const ScanRow& row);
+  void remove_old_logs();
   Result<ResumedScan> last_words(const ScanRow& row, const wire::ResumeScan& request);
   void ended(const ScanRow& row, const ScanEnd& end);
   ScanRow with_counts(ScanRow row) const;
@@ -115,6 +117,7 @@ class Scans {
   std::map<std::string, std::weak_ptr<Audience>> read_again_;  // ended scans that someone is looking at
   FrameCounts ended_counts_;                                   // of all scans that have ended
   FrameTraces traces_;
+  LiveScan::Clock::time_point old_logs_removed_at_;
   bool device_failed_ = false;
   bool stopping_ = false;
 };

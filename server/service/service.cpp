@@ -98,6 +98,7 @@ ScansOptions scans_options(const ServiceOptions& options) {
           static_cast<std::uint32_t>(options.credit_window),
           options.gpu_memory_mb,
           std::chrono::seconds(options.resume_window_s),
+          options.keep_log_days,
           options.scans_per_token,
           static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000};
 }
@@ -219,13 +220,16 @@ struct Service::Impl {
       const std::string& counted;
       ~Place() { connections.leave(counted); }
     } const place{door.connections, counted};
-    co_await serve_connection(std::move(socket), std::move(address), door.encrypted ? tls : nullptr, door.site);
+    // A named value, see websocket.cpp.
+    TlsContext context_of_now = door.encrypted ? tls : nullptr;
+    co_await serve_connection(std::move(socket), std::move(address), std::move(context_of_now), door.site);
   }
 
   asio::awaitable<void> refuse(tcp::socket socket, bool encrypted) {
     ++refusing_count;
-    co_await refuse_connection(std::move(socket), encrypted ? tls : nullptr,
-                               wait_answer(503, "too many connections are open", kRefusedRetry_ms));
+    TlsContext context_of_now = encrypted ? tls : nullptr;
+    HttpAnswer words = wait_answer(503, "too many connections are open", kRefusedRetry_ms);
+    co_await refuse_connection(std::move(socket), std::move(context_of_now), std::move(words));
     --refusing_count;
   }
 

@@ -153,6 +153,13 @@ Result<PublishedServer> published_server(const std::string& path) {
   return server;
 }
 
+Status DataDirectory::remove_log_folder(const std::string& scan_id) const {
+  std::error_code error;
+  std::filesystem::remove_all(log_folder(scan_id), error);
+  if (error) return Error{ErrorCode::kIo, "removing the frames of scan " + scan_id + ": " + error.message()};
+  return Done{};
+}
+
 Result<std::uint64_t> free_bytes(const std::string& path) {
   std::error_code error;
   const std::filesystem::space_info space = std::filesystem::space(path, error);

@@ -38,6 +38,7 @@ class DataDirectory {
   std::string log_folder(const std::string& scan_id) const { return scan_folder(scan_id) + "/log"; }
   Status create_scan_folder(const std::string& scan_id) const;
   Status remove_scan_folder(const std::string& scan_id) const;
+  Status remove_log_folder(const std::string& scan_id) const;  // well, too, when there is none
 
  private:
   std::string path_;

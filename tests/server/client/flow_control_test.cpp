@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 namespace hermite {
 namespace {
 
@@ -118,6 +120,34 @@ TEST(FrameGate, LiveWithEnoughCreditDropsNothing) {
   }
   EXPECT_EQ(gate.dropped_count(), 0u);
 }
+
+TEST(FrameGate, LiveLeavesOutFramesAsItIsToldWhichIsNoDrop) {
+  FrameGate gate({.rate_hz = 10, .newest_wins = true});
+  gate.keep(2, 3);
+  std::vector<std::int64_t> taken;
+  for (int ms = 0; ms < 1000; ms += 10) {
+    while (gate.wants(at_ms(ms))) gate.offer(frame(static_cast<std::int64_t>(gate.due_count() + gate.left_out_count())), at_ms(ms));
+    if (const auto next = gate.take(at_ms(ms), true)) {
+      EXPECT_EQ(ms, 100 * next->index) << "a frame that is left out does not shift the others";
+      taken.push_back(next->index);
+    }
+  }
+  EXPECT_EQ(taken, (std::vector<std::int64_t>{0, 1, 3, 4, 6, 7, 9}));
+  EXPECT_EQ(gate.dropped_count(), 0u);
+  EXPECT_EQ(gate.left_out_count(), 3u);
+}
+
+TEST(FrameGate, AFrameThatIsLeftOutReplacesNoneThatWaits) {
+  FrameGate gate({.rate_hz = 10, .newest_wins = true});
+  gate.keep(1, 2);
+  gate.offer(frame(0), at_ms(0));
+  gate.offer(frame(1), at_ms(100));
+  EXPECT_EQ(gate.take(at_ms(110), true)->index, 0);
+  EXPECT_EQ(gate.dropped_count(), 0u);
+  EXPECT_EQ(gate.due_count(), 1u);
+}
+
+TEST(FrameGateDeathTest, BatchLeavesNothingOut) { EXPECT_DEATH(FrameGate({}).keep(1, 2), "live camera"); }
 
 TEST(FrameGate, LiveFramesThatAreEarlyWaitForTheirTime) {
   FrameGate gate({.rate_hz = 10, .newest_wins = true});

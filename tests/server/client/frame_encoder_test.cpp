@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <random>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -23,7 +24,7 @@ std::vector<std::uint8_t> color_png(const Camera& camera, std::uint8_t shade) {
 }
 
 // A recording of 12 frames whose frame 3 cannot be read, as a folder with a missing file would give.
-class ShortRecording final : public Sequence {
+class ShortRecording : public Sequence {
  public:
   std::string format() const override { return "test"; }
   std::string name() const override { return "short"; }
@@ -48,6 +49,19 @@ class ShortRecording final : public Sequence {
  private:
   Camera camera_{96, 64, 90, 90, 47.5, 31.5, 1000};
   Trajectory groundtruth_;
+};
+
+// Of noise in JPEGs of high quality.
+class JpegRecording final : public ShortRecording {
+ public:
+  Result<RecordedFrame> read(std::int64_t index) const override {
+    RecordedFrame frame{timestamp_s(index), DepthImage(camera().width, camera().height), {}};
+    ColorImage noise(camera().width, camera().height);
+    std::mt19937 random(static_cast<unsigned>(index));
+    for (Rgb8& pixel : noise.pixels) pixel = {static_cast<std::uint8_t>(random()), 100, 50};
+    frame.color_bytes = *encode_jpeg(noise, 95);
+    return frame;
+  }
 };
 
 std::vector<EncodedFrame> take_all(FrameEncoder& encoder) {
@@ -87,6 +101,29 @@ TEST(EncodeFrame, WithoutPngOnTheServerColourBecomesJpeg) {
   const std::vector<std::uint8_t> bytes(encoded.frame.color.begin(), encoded.frame.color.end());
   EXPECT_EQ(*detect_image_format(bytes), ImageFormat::kJpeg);
   EXPECT_TRUE(wire::decode_frame_payload(encoded.frame, wire::DepthCodec::kRvlZstd, recording.camera()).ok());
+}
+
+TEST(EncodeFrame, AJpegQualityMakesColourSmallerOrLeavesItAlone) {
+  const ShortRecording recording;  // of PNGs, smooth enough to be smaller than any JPEG
+  EXPECT_EQ(encode_frame(recording, 2, {.jpeg_quality = 70}).frame.color, encode_frame(recording, 2, {}).frame.color);
+
+  const JpegRecording jpegs;
+  const std::string recorded = encode_frame(jpegs, 0, {}).frame.color;
+  const std::string smaller = encode_frame(jpegs, 0, {.jpeg_quality = 70}).frame.color;
+  EXPECT_LT(smaller.size(), recorded.size());
+  EXPECT_TRUE(decode_color({reinterpret_cast<const std::uint8_t*>(smaller.data()), smaller.size()}, {96, 64}).ok());
+  EXPECT_EQ(encode_frame(jpegs, 0, {.jpeg_quality = 100}).frame.color, recorded);
+}
+
+TEST(FrameEncoder, AJpegQualityHoldsForTheFramesFromThenOn) {
+  const JpegRecording recording;
+  FrameEncoder encoder(recording, {.range = {0, 6}, .encoding = {}, .read_ahead = 1}, [] {});
+  encoder.set_jpeg_quality(50);
+  const auto frames = take_all(encoder);
+  ASSERT_EQ(frames.size(), 6u);
+  // The first may have been encoded before.
+  EXPECT_EQ(frames.back().frame.color, encode_frame(recording, 5, {.jpeg_quality = 50}).frame.color);
+  EXPECT_NE(frames.back().frame.color, encode_frame(recording, 5, {}).frame.color);
 }
 
 TEST(EncodeFrame, AnUnreadableFrameBecomesExactlyTheEmptyFrame) {

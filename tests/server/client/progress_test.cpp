@@ -34,12 +34,15 @@ TEST(Progress, LostFramesDropsAndProblemsShow) {
   progress.last_result->reason = "too fast";
   progress.dropped_frames = 2;
   progress.server_dropped_frames = 3;
+  progress.left_out_frames = 4;
+  progress.link_level = 4;
   progress.problem_frames = 1;
   const std::string text = format_progress(progress);
   EXPECT_THAT(text, HasSubstr("LOST: too fast"));
-  EXPECT_THAT(text, HasSubstr("5 dropped"));
+  EXPECT_THAT(text, HasSubstr("5 dropped  4 left out"));
+  EXPECT_THAT(text, HasSubstr("slow link: colour q70, 2 of 3 frames"));
   EXPECT_THAT(text, HasSubstr("1 with problems"));
-  EXPECT_THAT(text, HasSubstr("18 s left"));
+  EXPECT_THAT(text, HasSubstr("16 s left"));
 }
 
 TEST(Progress, ALostCameraIsToldWhereToGoBackTo) {

@@ -392,6 +392,27 @@ TEST_F(ResumeTest, ARevokedTokenEndsTheConnectionAndAnotherTokenGoesOnWithTheSca
   EXPECT_EQ(Json::parse(finished->report_json)["frames"], kFrameCount);
 }
 
+TEST_F(ResumeTest, TheFramesOfAScanThatEndedLongAgoGoAndItsResultsStay) {
+  undisturbed();
+  ScanRow ended = row(welcome_.scan_id);
+  const std::string cloud = folder_ / "data/scans/" + welcome_.scan_id + "/cloud.ply";
+  serve(120);
+  EXPECT_TRUE(std::filesystem::exists(log_folder())) << "it has just ended";
+  server_->stop();
+  ended.finished_at_ms -= std::int64_t{8} * 24 * 3600 * 1000;
+  {
+    Store store(folder_ / "data/hermite.db");
+    ASSERT_TRUE(store.update(ended).ok());
+  }
+  serve(120);
+  EXPECT_FALSE(std::filesystem::exists(log_folder()));
+  EXPECT_TRUE(std::filesystem::exists(cloud));
+  const auto late = resume(kFrameCount);
+  const auto answer = late->read<wire::NotResumed>();
+  ASSERT_TRUE(answer);
+  EXPECT_THAT(answer->reason, HasSubstr("log is gone"));
+}
+
 TEST_F(ResumeTest, APauseIsShownAndAFrameEndsIt) {
   const auto client = start();
   client->send_message(wire::Pause{});
