@@ -64,7 +64,8 @@ int run_serve(const ServeArguments& arguments) {
   spdlog::set_default_logger(make_logger(std::cerr, json ? LogFormat::kJson : LogFormat::kText, options.log_level));
   Service service(options);
   // One line, for people to open and for scripts to read.
-  std::cout << service.url() << "/#token=" << service.token() << std::endl;
+  std::cout << service.url() << (service.token_works() ? "/#token=" + service.token() : "/") << std::endl;
+  if (!service.token_works()) spdlog::info("the first token was revoked; `hermite token list` shows the others");
   spdlog::info("serving {}, data in {}", service.url(), options.data_folder);
   if (service.run()) return 0;
   // A worker is still inside the GPU driver and cannot be waited for; results of all others are written.

@@ -30,6 +30,8 @@ Command add_convert_command(CLI::App& app);
 Command add_doctor_command(CLI::App& app);
 Command add_backup_command(CLI::App& app);
 Command add_restore_command(CLI::App& app);
+Command add_token_command(CLI::App& app);
+Command add_share_command(CLI::App& app);
 
 // $XDG_DATA_HOME/hermite, else ~/.local/share/hermite.
 std::string default_data_folder();

@@ -53,4 +53,6 @@ Result<TlsContext> client_tls(const std::string& ca) {
   return context;
 }
 
+Result<TlsContext> unverified_client_tls() { return base(ssl::context::tls_client); }
+
 }  // namespace hermite

@@ -19,4 +19,7 @@ Result<TlsContext> server_tls(const std::string& certificate, const std::string&
 // checked against the certificate by whoever connects. kInvalidArgument naming the file.
 Result<TlsContext> client_tls(const std::string& ca);
 
+// Believes whoever answers. Only for connections that stay on this machine, where the address says as much as a certificate could.
+Result<TlsContext> unverified_client_tls();
+
 }  // namespace hermite

@@ -60,6 +60,15 @@ bool origin_allowed(const AllowedHosts& allowed, std::string_view origin) {
   return false;
 }
 
+std::string address_group(const std::string& address) {
+  in6_addr v6{};
+  if (inet_pton(AF_INET6, address.substr(0, address.find('%')).c_str(), &v6) != 1) return address;
+  char text[INET6_ADDRSTRLEN];
+  if (IN6_IS_ADDR_V4MAPPED(&v6)) return inet_ntop(AF_INET, v6.s6_addr + 12, text, sizeof text);
+  std::fill(v6.s6_addr + 8, v6.s6_addr + 16, std::uint8_t{0});
+  return std::string(inet_ntop(AF_INET6, &v6, text, sizeof text)) + "/64";
+}
+
 Result<ListenAddress> parse_listen_address(const std::string& text) {
   const Error error{ErrorCode::kInvalidArgument,
                     "listen address \"" + text + "\": expected IP:PORT, for example 127.0.0.1:8080 or [::1]:8080"};

@@ -25,6 +25,10 @@ bool host_allowed(const AllowedHosts& allowed, std::string_view host);
 // `origin` as in an Origin header: "http://name:port" or https. "null" is never allowed.
 bool origin_allowed(const AllowedHosts& allowed, std::string_view origin);
 
+// Whose allowance an address uses up, from its text: an IPv4 address its own, an IPv6 address its network's ("2001:db8:1:2::/64", since one
+// customer has all of that), an IPv4 address mapped into IPv6 that of the IPv4 address. Other text is returned as it is.
+std::string address_group(const std::string& address);
+
 struct ListenAddress {
   std::string host;  // an IP address, IPv6 without brackets
   std::uint16_t port = 0;

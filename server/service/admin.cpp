@@ -33,7 +33,7 @@ HttpAnswer show_metrics(const AdminWorld& world, const HttpRequest&) {
   Load load;
   world.scans.describe(load);
   load.disk_free_bytes = free_bytes(world.data_folder).ok() ? *free_bytes(world.data_folder) : 0;
-  load.connections = world.connection_count;
+  load.connections = world.connections.count();
   load.draining = world.draining;
   HttpAnswer answer = text_answer(200, world.metrics.text(load));
   answer.content_type = "text/plain; version=0.0.4; charset=utf-8";

@@ -16,6 +16,7 @@
 #include "core/base/result.h"
 #include "server/service/http_routes.h"
 #include "server/service/metrics.h"
+#include "server/service/rate_limit.h"
 #include "server/service/scans.h"
 #include "server/store/store.h"
 
@@ -46,7 +47,7 @@ struct AdminWorld {
   DeviceWatch& device;
   const std::string& data_folder;
   std::uint64_t min_free_bytes = 0;
-  const int& connection_count;
+  const CountLimit& connections;
   const bool& draining;
 };
 

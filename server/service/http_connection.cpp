@@ -1,17 +1,20 @@
 #include "server/service/http_connection.h"
 
 #include <algorithm>
+#include <array>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <chrono>
+#include <limits>
 #include <optional>
 #include <string>
 
 #include "server/net/transport.h"
 #include "server/service/websocket.h"
+#include "server/store/unix_time.h"
 
 namespace hermite {
 
@@ -26,6 +29,9 @@ using Request = http::request<http::empty_body>;
 constexpr std::chrono::seconds kRequestPatience(10);  // for a whole header, also between two requests
 constexpr std::chrono::seconds kAnswerPatience(60);   // without progress while an answer is written
 constexpr std::chrono::seconds kGoodbyePatience(5);   // for the end of TLS
+constexpr std::chrono::milliseconds kLingerPatience(1000);
+constexpr std::chrono::milliseconds kRefusalPatience(500);
+constexpr std::size_t kLingerBytes = 256 * 1024;
 
 std::string text_of(beast::string_view view) { return {view.data(), view.size()}; }
 
@@ -45,7 +51,7 @@ void set_headers(Response& response, const HttpAnswer& answer, bool encrypted, b
   // The viewer's Draco decoder is WebAssembly in a worker; nothing comes from anywhere else.
   response.set("Content-Security-Policy",
                "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self'; style-src 'self'; "
-               "img-src 'self' data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
+               "img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
   response.set("X-Content-Type-Options", "nosniff");
   response.set("Referrer-Policy", "no-referrer");
   response.set("Cross-Origin-Opener-Policy", "same-origin");
@@ -53,6 +59,7 @@ void set_headers(Response& response, const HttpAnswer& answer, bool encrypted, b
   if (!answer.download_name.empty())
     response.set(http::field::content_disposition, "attachment; filename=\"" + answer.download_name + "\"");
   if (!answer.allow.empty()) response.set(http::field::allow, answer.allow);
+  if (answer.retry_after_s > 0) response.set(http::field::retry_after, std::to_string(answer.retry_after_s));
   if (answer.status == 401) response.set(http::field::www_authenticate, "Bearer");
   response.keep_alive(keep_alive);
 }
@@ -95,16 +102,17 @@ asio::awaitable<bool> write_answer(Transport& stream, HttpAnswer answer, const A
   co_return !error && keep_alive;
 }
 
-// What is wrong with a request as such, whatever it asks for.
-std::optional<HttpAnswer> check_request(const Request& request, const AllowedHosts& hosts) {
+// What is wrong with a request as such, whatever it asks for. `body_bytes` are announced to follow.
+std::optional<HttpAnswer> check_request(const Request& request, std::uint64_t body_bytes, const AllowedHosts& hosts) {
   const auto refuse = [](int status, const std::string& words) {
     return error_answer(status, {status == 403 ? ErrorCode::kUnauthorized : ErrorCode::kInvalidArgument, words});
   };
   if (request.version() != 11 && request.version() != 10) return refuse(505, "HTTP/1.1 or 1.0 is spoken here");
   // Transfer codings are where proxies and servers disagree about the end of a request; none is needed here.
   if (request.count(http::field::transfer_encoding) != 0) return refuse(400, "requests with Transfer-Encoding are not accepted");
-  const std::string length = text_of(request[http::field::content_length]);
-  if (length.find_first_not_of('0') != std::string::npos) return refuse(413, "requests with a body are not accepted");
+  if (request.method() != http::verb::post && body_bytes > 0) return refuse(413, "only POST requests may have a body");
+  if (body_bytes > kMaxBodyBytes)
+    return refuse(413, "the body has " + std::to_string(body_bytes) + " bytes, allowed are " + std::to_string(kMaxBodyBytes));
   if (request.count(http::field::host) != 1) return refuse(400, "a request must have one Host header");
   if (!host_allowed(hosts, text_of(request[http::field::host])))
     return refuse(403, "the Host header names a host that this server does not answer for (see --allow-host)");
@@ -123,11 +131,15 @@ std::optional<HttpAnswer> check_upgrade(const Request& request) {
   return std::nullopt;
 }
 
-HttpRequest plain(const Request& request, Peer peer) {
+HttpRequest plain(const Request& request, Caller caller) {
   const std::string target = text_of(request.target());
   const std::size_t question = std::min(target.find('?'), target.size());
-  return {text_of(request.method_string()), target.substr(0, question), target.substr(std::min(question + 1, target.size())),
-          text_of(request[http::field::authorization]), std::move(peer)};
+  return {text_of(request.method_string()),
+          target.substr(0, question),
+          target.substr(std::min(question + 1, target.size())),
+          text_of(request[http::field::authorization]),
+          {},
+          std::move(caller)};
 }
 
 std::string joined(const Request& request, beast::string_view name) {
@@ -160,38 +172,90 @@ std::optional<HttpAnswer> answer_to(const error_code& error) {
   return error_answer(400, {ErrorCode::kCorruptData, "this is no HTTP request: " + error.message()});
 }
 
-// After an answer that ends the connection: lets the client read it before the socket goes.
-asio::awaitable<void> shut_down(Transport& stream) {
-  error_code ignored;
-  if (stream.tls()) {
-    stream.next_layer().expires_after(kGoodbyePatience);
-    co_await stream.tls()->async_shutdown(asio::redirect_error(asio::use_awaitable, ignored));
+// After an answer that ends the connection: what the client still sends is read and forgotten for a moment, because a socket that is closed
+// with unread bytes takes back the answer.
+asio::awaitable<void> linger(Transport& transport) {
+  error_code error;
+  beast::tcp_stream& stream = transport.next_layer();
+  if (transport.tls()) {
+    stream.expires_after(kGoodbyePatience);
+    co_await transport.tls()->async_shutdown(asio::redirect_error(asio::use_awaitable, error));
+    error = {};
   }
-  stream.next_layer().socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+  stream.socket().shutdown(asio::ip::tcp::socket::shutdown_send, error);
+  stream.expires_after(kLingerPatience);
+  std::array<char, 4096> forgotten;
+  for (std::size_t total = 0; !error && total < kLingerBytes;)
+    total += co_await stream.async_read_some(asio::buffer(forgotten), asio::redirect_error(asio::use_awaitable, error));
+}
+
+using HeaderParser = http::request_parser<http::empty_body>;
+
+// The body that was announced behind the header, which is used up; nothing when the connection ended first.
+asio::awaitable<std::optional<std::string>> read_body(Transport& stream, beast::flat_buffer& buffer, HeaderParser& header) {
+  http::request_parser<http::string_body> parser(std::move(header));
+  parser.body_limit(kMaxBodyBytes);
+  error_code error;
+  stream.next_layer().expires_after(kRequestPatience);
+  co_await http::async_read(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
+  if (error) co_return std::nullopt;
+  co_return std::move(parser.get().body());
+}
+
+// What a request is refused for before its body is read.
+std::optional<HttpAnswer> check(const HeaderParser& parser, const Peer& peer, const Caller& caller, const std::string& address,
+                                const Site& site) {
+  const std::int64_t wait_ms = site.requests ? site.requests->take(caller.address, caller.now_ms) : 0;
+  if (wait_ms > 0) return wait_answer(429, "too many requests from this address", wait_ms);
+  std::optional<HttpAnswer> wrong = check_request(parser.get(), parser.content_length().value_or(0), site.hosts);
+  if (!wrong) wrong = check_encryption(peer, address, site);
+  if (!wrong && site.websockets && beast::websocket::is_upgrade(parser.get())) wrong = check_upgrade(parser.get());
+  return wrong;
 }
 
 // Whether the connection can be used.
-asio::awaitable<bool> shake_hands(Transport& stream) {
+asio::awaitable<bool> shake_hands(Transport& stream, std::chrono::milliseconds patience) {
   error_code error;
   if (!stream.tls()) co_return true;
-  stream.next_layer().expires_after(kRequestPatience);
+  stream.next_layer().expires_after(patience);
   co_await stream.tls()->async_handshake(asio::ssl::stream_base::server, asio::redirect_error(asio::use_awaitable, error));
   co_return !error;
 }
 
+// Whether the connection can go on.
+asio::awaitable<bool> answer_request(Transport& stream, beast::flat_buffer& buffer, HeaderParser& parser, const Site& site,
+                                     std::optional<HttpAnswer> wrong, const Caller& caller, Answering how) {
+  const auto start = std::chrono::steady_clock::now();
+  if (wrong) how.keep_alive = false;
+  if (!wrong) {
+    HttpRequest request = plain(parser.get(), caller);
+    if (parser.content_length().value_or(0) > 0) {
+      std::optional<std::string> body = co_await read_body(stream, buffer, parser);
+      if (!body) co_return false;
+      request.body = *std::move(body);
+    }
+    wrong = site.answer(request);
+  }
+  const int status = wrong->status;
+  const std::string_view route = wrong->route;
+  const bool go_on = co_await write_answer(stream, *std::move(wrong), how);
+  site.metrics.request_answered(route, status, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  co_return go_on;
+}
+
 }  // namespace
 
-asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, TlsContext tls, const Site& site) {
+asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, std::string address, TlsContext tls, const Site& site) {
   error_code error;
-  const std::string address = socket.remote_endpoint(error).address().to_string();
-  if (!error) socket.set_option(asio::ip::tcp::no_delay(true), error);  // three times slower without, on small messages
+  socket.set_option(asio::ip::tcp::no_delay(true), error);  // three times slower without, on small messages
   Transport stream(beast::tcp_stream(std::move(socket)), std::move(tls));
   beast::flat_buffer buffer(2 * kMaxHeaderBytes);
-  const bool usable = co_await shake_hands(stream);
+  const bool usable = co_await shake_hands(stream, kRequestPatience);
   bool go_on = !error && usable;
   while (go_on) {
-    http::request_parser<http::empty_body> parser;
+    HeaderParser parser;
     parser.header_limit(kMaxHeaderBytes);
+    parser.body_limit(std::numeric_limits<std::uint64_t>::max());  // check_request has its own words
     stream.next_layer().expires_after(kRequestPatience);
     co_await http::async_read_header(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
     if (error) {
@@ -199,27 +263,31 @@ asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, TlsContext 
       if (words) co_await write_answer(stream, *std::move(words), {});
       break;
     }
-    const auto start = std::chrono::steady_clock::now();
     const Request& request = parser.get();
     Peer peer = peer_of_request(request, address, stream.encrypted(), site);
-    Answering how{request.version(), peer.encrypted, request.method() == http::verb::head, request.keep_alive()};
-    std::optional<HttpAnswer> wrong = check_request(request, site.hosts);
-    if (!wrong) wrong = check_encryption(peer, address, site);
-    const bool upgrade = !wrong && site.websockets && beast::websocket::is_upgrade(request);
-    if (upgrade) wrong = check_upgrade(request);
-    if (upgrade && !wrong) {
+    const Caller caller{address_group(peer.address), unix_now_ms()};
+    std::optional<HttpAnswer> wrong = check(parser, peer, caller, address, site);
+    if (!wrong && site.websockets && beast::websocket::is_upgrade(request)) {
       co_await serve_websocket(std::move(stream), parser.release(), *site.websockets, std::move(peer));
       co_return;
     }
-    if (wrong) how.keep_alive = false;
-    HttpAnswer reply = wrong ? *std::move(wrong) : site.answer(plain(request, std::move(peer)));
-    if (reply.status == 401) site.metrics.authentication_failed();
-    const int status = reply.status;
-    const std::string_view route = reply.route;
-    go_on = co_await write_answer(stream, std::move(reply), how);
-    site.metrics.request_answered(route, status, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    const Answering how{request.version(), peer.encrypted, request.method() == http::verb::head, request.keep_alive()};
+    go_on = co_await answer_request(stream, buffer, parser, site, std::move(wrong), caller, how);
   }
-  co_await shut_down(stream);
+  co_await linger(stream);
+}
+
+asio::awaitable<void> refuse_connection(asio::ip::tcp::socket socket, TlsContext tls, HttpAnswer answer) {
+  Transport stream(beast::tcp_stream(std::move(socket)), std::move(tls));
+  const bool usable = co_await shake_hands(stream, kRefusalPatience);
+  if (!usable) co_return;
+  // A client may speak first; what it said is not even looked at.
+  std::array<char, 1024> forgotten;
+  error_code ignored;
+  stream.next_layer().expires_after(kRefusalPatience);
+  co_await stream.async_read_some(asio::buffer(forgotten), asio::redirect_error(asio::use_awaitable, ignored));
+  co_await write_answer(stream, std::move(answer), {});
+  co_await linger(stream);
 }
 
 }  // namespace hermite

@@ -7,6 +7,7 @@
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "server/net/peer.h"
@@ -14,12 +15,14 @@
 #include "server/service/access.h"
 #include "server/service/http_routes.h"
 #include "server/service/metrics.h"
+#include "server/service/rate_limit.h"
 
 namespace hermite {
 
 inline constexpr std::size_t kMaxHeaderBytes = 8 * 1024;
+inline constexpr std::size_t kMaxBodyBytes = 4 * 1024;  // of a POST; other requests carry none
 
-// What answers behind a listening port.
+// What answers behind a listening port, and what every request is held to before anybody asks what it wants.
 struct Site {
   std::function<HttpAnswer(const HttpRequest&)> answer;
   AllowedHosts hosts;
@@ -28,10 +31,15 @@ struct Site {
   std::vector<Network> proxies = {};      // whose X-Forwarded- headers are believed
   // Requests that came neither from this machine nor encrypted, by TLS here or up to a trusted proxy, are refused.
   bool encrypted_only = false;
+  RateLimit* requests = nullptr;  // of each address; none: as many as come
 };
 
-// Runs until the connection is over. Requests carry no bodies; one that breaks a rule is answered and the connection closed, so that
-// nothing behind it can be taken for another request. Without `tls` nothing is encrypted. `site` outlives it.
-boost::asio::awaitable<void> serve_connection(boost::asio::ip::tcp::socket socket, TlsContext tls, const Site& site);
+// Runs until the connection is over. A request that breaks a rule is answered and the connection closed, so that nothing behind it can be
+// taken for another request. `address` is the other end's; allowances are those of the peer that it speaks for (address_group). Without
+// `tls` nothing is encrypted. `site` outlives it.
+boost::asio::awaitable<void> serve_connection(boost::asio::ip::tcp::socket socket, std::string address, TlsContext tls, const Site& site);
+
+// For one connection too many: gives that answer without having read a request. Seven seconds at most.
+boost::asio::awaitable<void> refuse_connection(boost::asio::ip::tcp::socket socket, TlsContext tls, HttpAnswer answer);
 
 }  // namespace hermite

@@ -1,14 +1,16 @@
 #include "server/service/http_routes.h"
 
+#include <spdlog/spdlog.h>
+
 #include <array>
-#include <chrono>
-#include <cstdint>
-#include <ctime>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string_view>
 #include <utility>
+#include <variant>
 
-#include "server/service/access.h"
+#include "server/service/administration.h"
+#include "server/service/json_time.h"
 
 namespace hermite {
 
@@ -25,6 +27,7 @@ HttpAnswer json_answer(const Json& json) {
 
 HttpAnswer refused(const Error& error) {
   switch (error.code) {
+    case ErrorCode::kInvalidArgument: return hermite::error_answer(400, error);
     case ErrorCode::kNotFound: return hermite::error_answer(404, error);
     case ErrorCode::kUnauthorized: return hermite::error_answer(401, error);
     case ErrorCode::kBusy: return hermite::error_answer(409, error);
@@ -37,16 +40,14 @@ HttpAnswer on_route(std::string_view route, HttpAnswer answer) {
   return answer;
 }
 
-// "2024-05-01T12:00:00.123Z", null for 0.
-Json time_json(std::int64_t unix_ms) {
-  if (unix_ms == 0) return nullptr;
-  const std::time_t seconds = static_cast<std::time_t>(unix_ms / 1000);
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  char text[32], millis[8];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &utc);
-  std::snprintf(millis, sizeof millis, ".%03dZ", static_cast<int>(unix_ms % 1000));
-  return std::string(text) + millis;
+// JSON that is text already.
+HttpAnswer made(Result<std::string> json, int status = 200) {
+  if (!json.ok()) return refused(json.error());
+  HttpAnswer answer;
+  answer.status = status;
+  answer.content_type = "application/json";
+  answer.body = *std::move(json);
+  return answer;
 }
 
 Json row_json(const ScanRow& row) {
@@ -67,22 +68,37 @@ Json row_json(const ScanRow& row) {
   return json;
 }
 
-HttpAnswer list_scans(const HttpWorld& world, const std::string&) {
-  const Result<std::vector<ScanRow>> rows = world.scans.list();
+// What a route's function gets besides the world.
+struct Call {
+  const HttpRequest& request;
+  const Grant& grant;
+  std::string id;  // inside the path, for a route that has one
+};
+
+// For a share link only its scan, which need not be among the newest.
+Result<std::vector<ScanRow>> scans_for(const HttpWorld& world, const Grant& grant) {
+  if (grant.scan_id.empty()) return world.scans.list();
+  Result<ScanRow> row = world.scans.find(grant.scan_id);
+  if (!row.ok()) return row.error();
+  return std::vector<ScanRow>{*std::move(row)};
+}
+
+HttpAnswer list_scans(const HttpWorld& world, const Call& call) {
+  const Result<std::vector<ScanRow>> rows = scans_for(world, call.grant);
   if (!rows.ok()) return refused(rows.error());
   Json json = {{"scans", Json::array()}};
   for (const ScanRow& row : *rows) json["scans"].push_back(row_json(row));
   return json_answer(json);
 }
 
-HttpAnswer show_scan(const HttpWorld& world, const std::string& id) {
-  const Result<ScanRow> row = world.scans.find(id);
+HttpAnswer show_scan(const HttpWorld& world, const Call& call) {
+  const Result<ScanRow> row = world.scans.find(call.id);
   return row.ok() ? json_answer(row_json(*row)) : refused(row.error());
 }
 
-HttpAnswer remove_scan(const HttpWorld& world, const std::string& id) {
-  const Status status = world.scans.remove(id);
-  return status.ok() ? json_answer({{"removed", id}}) : refused(status.error());
+HttpAnswer remove_scan(const HttpWorld& world, const Call& call) {
+  const Status status = world.scans.remove(call.id);
+  return status.ok() ? json_answer({{"removed", call.id}}) : refused(status.error());
 }
 
 HttpAnswer send_file(const HttpWorld& world, const std::string& id, const char* name, const char* content_type) {
@@ -95,29 +111,70 @@ HttpAnswer send_file(const HttpWorld& world, const std::string& id, const char* 
   return answer;
 }
 
-HttpAnswer send_cloud(const HttpWorld& world, const std::string& id) {
-  return send_file(world, id, "cloud.ply", "application/octet-stream");
+HttpAnswer send_cloud(const HttpWorld& world, const Call& call) {
+  return send_file(world, call.id, "cloud.ply", "application/octet-stream");
 }
-HttpAnswer send_trajectory(const HttpWorld& world, const std::string& id) {
-  return send_file(world, id, "trajectory.txt", "text/plain; charset=utf-8");
+HttpAnswer send_trajectory(const HttpWorld& world, const Call& call) {
+  return send_file(world, call.id, "trajectory.txt", "text/plain; charset=utf-8");
 }
-HttpAnswer send_report(const HttpWorld& world, const std::string& id) { return send_file(world, id, "report.json", "application/json"); }
+HttpAnswer send_report(const HttpWorld& world, const Call& call) { return send_file(world, call.id, "report.json", "application/json"); }
+
+HttpAnswer list_all_shares(const HttpWorld& world, const Call& call) {
+  return made(list_shares(world.store, "", call.request.caller.now_ms));
+}
+HttpAnswer list_scans_shares(const HttpWorld& world, const Call& call) {
+  const Result<ScanRow> row = world.scans.find(call.id);
+  return row.ok() ? made(list_shares(world.store, call.id, call.request.caller.now_ms)) : refused(row.error());
+}
+HttpAnswer share_scan(const HttpWorld& world, const Call& call) {
+  return made(create_share(world.store, call.id, call.request.body, call.request.caller.now_ms), 201);
+}
+HttpAnswer list_all_tokens(const HttpWorld& world, const Call& call) { return made(list_tokens(world.store, call.request.caller.now_ms)); }
+HttpAnswer make_token(const HttpWorld& world, const Call& call) {
+  return made(create_token(world.store, call.request.body, call.request.caller.now_ms), 201);
+}
+
+HttpAnswer revoke(const HttpWorld& world, const Call& call, bool share) {
+  Result<std::string> revoked = revoke_row(world.store, call.id, share, call.request.caller.now_ms);
+  if (revoked.ok()) world.gate.forget_grants(call.id);
+  return made(std::move(revoked));
+}
+HttpAnswer revoke_share(const HttpWorld& world, const Call& call) { return revoke(world, call, true); }
+HttpAnswer revoke_token(const HttpWorld& world, const Call& call) { return revoke(world, call, false); }
+
+enum class Needs { kView, kViewAndScan, kAdmin };
 
 struct Route {
   std::string_view method;
   std::string_view name;                 // in metrics
   std::string_view before_id, after_id;  // the path, around an id where has_id
   bool has_id;
-  HttpAnswer (*handle)(const HttpWorld&, const std::string& id);
+  Needs needs;
+  HttpAnswer (*handle)(const HttpWorld&, const Call&);
 };
-constexpr std::array<Route, 6> kApi = {{
-    {"GET", "scans", "/api/v1/scans", "", false, list_scans},
-    {"GET", "scan", "/api/v1/scans/", "", true, show_scan},
-    {"DELETE", "scan", "/api/v1/scans/", "", true, remove_scan},
-    {"GET", "cloud.ply", "/api/v1/scans/", "/cloud.ply", true, send_cloud},
-    {"GET", "trajectory.txt", "/api/v1/scans/", "/trajectory.txt", true, send_trajectory},
-    {"GET", "report.json", "/api/v1/scans/", "/report.json", true, send_report},
+constexpr std::string_view kScanPath = "/api/v1/scans/";
+constexpr std::array<Route, 13> kApi = {{
+    {"GET", "scans", "/api/v1/scans", "", false, Needs::kView, list_scans},
+    {"GET", "scan", kScanPath, "", true, Needs::kView, show_scan},
+    {"DELETE", "scan", kScanPath, "", true, Needs::kAdmin, remove_scan},
+    {"GET", "cloud.ply", kScanPath, "/cloud.ply", true, Needs::kView, send_cloud},
+    {"GET", "trajectory.txt", kScanPath, "/trajectory.txt", true, Needs::kView, send_trajectory},
+    {"GET", "report.json", kScanPath, "/report.json", true, Needs::kView, send_report},
+    {"GET", "shares", kScanPath, "/shares", true, Needs::kViewAndScan, list_scans_shares},
+    {"POST", "shares", kScanPath, "/shares", true, Needs::kViewAndScan, share_scan},
+    {"GET", "shares", "/api/v1/shares", "", false, Needs::kViewAndScan, list_all_shares},
+    {"DELETE", "share", "/api/v1/shares/", "", true, Needs::kViewAndScan, revoke_share},
+    {"GET", "tokens", "/api/v1/tokens", "", false, Needs::kAdmin, list_all_tokens},
+    {"POST", "tokens", "/api/v1/tokens", "", false, Needs::kAdmin, make_token},
+    {"DELETE", "token", "/api/v1/tokens/", "", true, Needs::kAdmin, revoke_token},
 }};
+
+// The scope that `grant` lacks for a route, if any.
+std::optional<Scope> lacking(const Grant& grant, Needs needs) {
+  if (needs == Needs::kAdmin) return may(grant, Scope::kAdmin) ? std::nullopt : std::optional(Scope::kAdmin);
+  if (!may(grant, Scope::kView)) return Scope::kView;
+  return needs == Needs::kView || may(grant, Scope::kScan) ? std::nullopt : std::optional(Scope::kScan);
+}
 
 // The id inside `path` (empty for a route without one), nothing when the route is for other paths.
 std::optional<std::string> match(const Route& route, std::string_view path) {
@@ -129,10 +186,19 @@ std::optional<std::string> match(const Route& route, std::string_view path) {
   return id.find('/') == std::string_view::npos ? std::optional<std::string>(id) : std::nullopt;
 }
 
-bool authorized(const HttpWorld& world, const HttpRequest& request) {
+// The grant of whoever asks, or the answer to somebody who has none.
+std::variant<Grant, HttpAnswer> admit(const HttpWorld& world, const HttpRequest& request) {
   constexpr std::string_view kScheme = "Bearer ";
   const std::string_view given = request.authorization;
-  return given.substr(0, kScheme.size()) == kScheme && tokens_equal(given.substr(kScheme.size()), world.token);
+  if (given.substr(0, kScheme.size()) != kScheme) {
+    world.metrics.authentication_failed();
+    return refused({ErrorCode::kUnauthorized, "the header \"Authorization: Bearer TOKEN\" with a token of this server is missing"});
+  }
+  Result<Grant> grant = world.gate.admit(given.substr(kScheme.size()), request.caller);
+  if (grant.ok()) return *std::move(grant);
+  if (grant.error().code != ErrorCode::kIo) world.metrics.authentication_failed();
+  if (grant.error().code == ErrorCode::kBusy) return wait_answer(429, grant.error().message, world.gate.failure_wait_ms());
+  return refused(grant.error());
 }
 
 HttpAnswer wrong_method(const std::string& allow) {
@@ -142,13 +208,26 @@ HttpAnswer wrong_method(const std::string& allow) {
 }
 
 HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request, std::string_view method) {
-  if (!authorized(world, request))
-    return refused({ErrorCode::kUnauthorized, "the header \"Authorization: Bearer TOKEN\" with this server's token is missing"});
+  std::variant<Grant, HttpAnswer> admitted = admit(world, request);
+  if (auto* refusal = std::get_if<HttpAnswer>(&admitted)) return std::move(*refusal);
+  const Grant& grant = std::get<Grant>(admitted);
   std::string allow;
   for (const Route& route : kApi) {
     const std::optional<std::string> id = match(route, request.path);
     if (!id) continue;
-    if (route.method == method) return on_route(route.name, route.handle(world, *id));
+    if (route.method == method) {
+      if (const std::optional<Scope> scope = lacking(grant, route.needs)) {
+        spdlog::info("{} {} refused to token {}", method, request.path, grant.token_id);
+        return on_route(route.name, error_answer(403, lacks(grant, *scope)));
+      }
+      // A share link knows of no other scan, not even that it exists.
+      if (route.before_id == kScanPath && !may_see(grant, *id))
+        return on_route(route.name, refused({ErrorCode::kNotFound, "there is no scan " + *id}));
+      HttpAnswer answer = on_route(route.name, route.handle(world, {request, grant, *id}));
+      // Who changed what; paths of the routes hold ids and no secrets.
+      if (method != "GET") spdlog::info("{} {} by token {}: {}", method, request.path, grant.token_id, answer.status);
+      return answer;
+    }
     allow += (allow.empty() ? "" : ", ") + std::string(route.method);
   }
   if (!allow.empty()) return wrong_method(allow);
@@ -175,6 +254,12 @@ HttpAnswer answer_file(const HttpWorld& world, const HttpRequest& request) {
 HttpAnswer error_answer(int status, const Error& error) {
   HttpAnswer answer = json_answer({{"error", {{"code", name_of(error.code)}, {"message", error.message}}}});
   answer.status = status;
+  return answer;
+}
+
+HttpAnswer wait_answer(int status, const std::string& words, std::int64_t retry_in_ms) {
+  HttpAnswer answer = error_answer(status, {ErrorCode::kBusy, words});
+  answer.retry_after_s = (retry_in_ms + 999) / 1000;
   return answer;
 }
 

@@ -167,11 +167,26 @@ FrameLogEvents Scans::log_events(const Launch& launch) const {
           [this, launch](const Error& error) { deliver(launch, [error](LiveScan& target) { target.log_failed(error); }); }};
 }
 
-Result<StartedScan> Scans::start(const wire::StartScan& request, bool resumable) {
-  if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
+Status Scans::check_quotas(const Grant& grant) const {
+  const auto busy = [](const std::string& words) { return Error{ErrorCode::kBusy, words}; };
   if (running_.size() >= static_cast<std::size_t>(options_.max_running))
-    return Error{ErrorCode::kBusy,
-                 "this server runs at most " + std::to_string(options_.max_running) + " scans at once; try again when one has ended"};
+    return busy("this server runs at most " + std::to_string(options_.max_running) + " scans at once; try again when one has ended");
+  const auto own = std::count_if(owners_.begin(), owners_.end(), [&grant](const auto& entry) { return entry.second == grant.token_id; });
+  if (!may(grant, Scope::kAdmin) && own >= options_.max_running_per_token)
+    return busy("this token may run at most " + std::to_string(options_.max_running_per_token) +
+                " scans at once; try again when one has ended");
+  if (options_.storage_bytes == 0) return Done{};
+  const Result<std::uint64_t> stored_bytes = data_.stored_bytes();
+  if (!stored_bytes.ok()) return stored_bytes.error();
+  if (*stored_bytes >= options_.storage_bytes)
+    return busy("the scans on this server take " + std::to_string(*stored_bytes / 1'000'000) + " MB of the " +
+                std::to_string(options_.storage_bytes / 1'000'000) + " MB that they may take: delete some");
+  return Done{};
+}
+
+Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& grant, bool resumable) {
+  if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
+  if (Status status = check_quotas(grant); !status.ok()) return status.error();
   const std::size_t max_message_bytes = wire::max_frame_message_bytes(request.camera);
   const std::string resume_token = resumable ? random_hex(kResumeTokenBytes) : "";
   Launch launch;
@@ -196,6 +211,7 @@ Result<StartedScan> Scans::start(const wire::StartScan& request, bool resumable)
     return added.error();
   }
   std::shared_ptr<LiveScan> scan = run(launch, {*std::move(log), {}});
+  owners_[row.id] = grant.token_id;
   log_with({row.id}, spdlog::level::info,
            fmt::format("scan {} started: {}x{}, {}", row.id, row.camera.width, row.camera.height,
                        request.mode == wire::Mode::kLive ? "live" : "batch"));
@@ -301,6 +317,7 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   const auto running = running_.find(row.id);
   // Not at once: this is called by the scan itself.
   post_([scan = running->second] {});
+  owners_.erase(row.id);
   if (end.phase == wire::ScanPhase::kRunning) {
     spdlog::info("scan {} is left running, with {} frames in its log", row.id, row.frames_received);
     running_.erase(running);

@@ -12,6 +12,7 @@
 #include "core/base/result.h"
 #include "proto/wire/messages.h"
 #include "server/service/frame_traces.h"
+#include "server/service/gate.h"
 #include "server/service/live_scan.h"
 #include "server/service/metrics.h"
 #include "server/service/scan_record.h"
@@ -30,6 +31,8 @@ struct ScansOptions {
   int gpu_memory_mb = 0;                             // of all scans together, in equal shares; 0: as much as there is
   std::chrono::milliseconds resume_window{120'000};  // so long a scan waits for its lost camera
   int keep_log_days = 7;                             // after the end of a scan; 0: for ever
+  int max_running_per_token = 2;                     // of tokens that may not administer
+  std::uint64_t storage_bytes = 0;                   // for the files of all scans; 0: as much as there is
 };
 
 // What a camera is told of the scan it has started.
@@ -55,9 +58,9 @@ class Scans {
   // `data`, `store` and `metrics` outlive this. Throws SetupError when the store cannot. Blocks while the logs are read.
   Scans(ScansOptions options, const DataDirectory& data, Store& store, Metrics& metrics, Post post);
 
-  // kBusy: max_running scans are running, or the server is stopping. kInvalidArgument: a setting. kIo: the store or the disk.
+  // kBusy: a quota is used up, in words, or the server is stopping. kInvalidArgument: a setting. kIo: the store or the disk.
   // The camera can come back to a resumable one.
-  Result<StartedScan> start(const wire::StartScan& request, bool resumable);
+  Result<StartedScan> start(const wire::StartScan& request, const Grant& grant, bool resumable);
 
   // Any error means that the camera cannot go on; its words say why.
   Result<ResumedScan> resume(const wire::ResumeScan& request);
@@ -92,6 +95,7 @@ class Scans {
     Options options;
     std::shared_ptr<std::weak_ptr<LiveScan>> self = std::make_shared<std::weak_ptr<LiveScan>>();
   };
+  Status check_quotas(const Grant& grant) const;
   template <class Tell>
   void deliver(const Launch& launch, Tell tell) const;
   ScanEvents worker_events(const Launch& launch);
@@ -109,6 +113,7 @@ class Scans {
   Metrics& metrics_;
   const Post post_;
   std::map<std::string, std::shared_ptr<LiveScan>> running_;   // by id
+  std::map<std::string, std::string> owners_;                  // of those started here that run: their tokens
   std::map<std::string, std::weak_ptr<Audience>> read_again_;  // ended scans that someone is looking at
   FrameCounts ended_counts_;                                   // of all scans that have ended
   FrameTraces traces_;

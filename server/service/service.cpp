@@ -20,12 +20,16 @@
 #include "server/net/tls.h"
 #include "server/service/access.h"
 #include "server/service/admin.h"
+#include "server/service/gate.h"
 #include "server/service/http_connection.h"
+#include "server/service/logging.h"
+#include "server/service/rate_limit.h"
 #include "server/service/scans.h"
 #include "server/service/settings.h"
 #include "server/service/static_files.h"
 #include "server/store/data_directory.h"
 #include "server/store/store.h"
+#include "server/store/unix_time.h"
 
 namespace hermite {
 
@@ -35,8 +39,10 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-constexpr int kMaxAdminConnections =
-    32;  // of monitoring; those of cameras and viewers are counted apart, so that a full server can be watched
+// Of monitoring; those of cameras and viewers are counted apart, so that a full server can be watched.
+constexpr int kMaxAdminConnections = 32;
+constexpr int kMaxRefusing = 32;  // refused connections that are told why at once; more are just closed
+constexpr std::int64_t kRefusedRetry_ms = 5000;
 constexpr const char* kVersion = "0.1.0";
 constexpr std::chrono::seconds kStopPatience(60);  // for the frame in work and the results of every scan
 constexpr std::chrono::milliseconds kStopCheck(20);
@@ -92,7 +98,9 @@ ScansOptions scans_options(const ServiceOptions& options) {
           static_cast<std::uint32_t>(options.credit_window),
           options.gpu_memory_mb,
           std::chrono::seconds(options.resume_window_s),
-          options.keep_log_days};
+          options.keep_log_days,
+          options.scans_per_token,
+          static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000};
 }
 
 AllowedHosts allowed_hosts(const ServiceOptions& options, const ListenAddress& address) {
@@ -126,6 +134,13 @@ tcp::acceptor open_port(asio::io_context& context, const ListenAddress& address)
 
 // Declared in the order in which things depend on each other; the context, with all its connections, goes first of all.
 struct Service::Impl {
+  // A port, what is behind it and how many may come in. Plain references: it may be copied.
+  struct Door {
+    const Site& site;
+    CountLimit& connections;
+    bool encrypted;  // where there is a certificate
+  };
+
   const ServiceOptions options;
   ListenAddress address;
   std::optional<ListenAddress> admin_address;
@@ -134,6 +149,9 @@ struct Service::Impl {
   const StaticFiles files;
   Store store;
   Metrics metrics{kVersion};
+  Gate gate;
+  CountLimit connections, admin_connections{kMaxAdminConnections, kMaxAdminConnections};
+  RateLimit requests;
   std::unique_ptr<Scans> scans;
   std::unique_ptr<HttpWorld> world;
   std::unique_ptr<DeviceWatch> device;
@@ -141,7 +159,8 @@ struct Service::Impl {
   std::unique_ptr<Site> site, admin_site;
   std::string url;
   const ServiceManager manager;
-  int connection_count = 0, admin_connection_count = 0;
+  int refusing_count = 0;
+  bool token_works = false;
   bool draining = false;  // no new connections and scans; those that run may go on
   bool ending = false;    // they are interrupted
   bool ended_in_time = true;
@@ -157,17 +176,22 @@ struct Service::Impl {
         tls(tls_of(service_options)),
         data(service_options.data_folder),
         files(viewer_files(service_options.web_folder)),
-        store(data.database_path()) {
+        store(data.database_path()),
+        gate(store, options.failures_per_minute),
+        connections(options.max_connections, options.connections_per_address),
+        requests(options.requests_per_second, 2.0 * options.requests_per_second) {
+    token_works = gate.install_first_token(data.token(), unix_now_ms());
     scans = std::make_unique<Scans>(scans_options(options), data, store, metrics,
                                     [this](std::function<void()> action) { asio::post(context, std::move(action)); });
-    world = std::make_unique<HttpWorld>(HttpWorld{*scans, data.token(), files, metrics});
-    site =
-        std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer(*world, request); }, allowed_hosts(options, address),
-                                    metrics, world.get(), proxies_of(options), !is_loopback(address) && !tls && !options.insecure_listen});
+    world = std::make_unique<HttpWorld>(HttpWorld{*scans, store, gate, files, metrics});
+    site = std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer(*world, request); },
+                                       allowed_hosts(options, address), metrics, world.get(), proxies_of(options),
+                                       !is_loopback(address) && !tls && !options.insecure_listen, &requests});
     acceptor = open_port(context, address);
     address.port = acceptor->local_endpoint().port();
     url = url_of(address);
     if (tls) url.replace(0, 4, "https");
+    if (const Status published = data.publish_address(url); !published.ok()) throw SetupError(published.error());
     if (admin_address) open_admin();
   }
 
@@ -182,21 +206,50 @@ struct Service::Impl {
     }
     admin_address->port = admin_acceptor->local_endpoint().port();
     device = std::make_unique<DeviceWatch>(options.device);
-    admin_world = std::make_unique<AdminWorld>(AdminWorld{*scans, store, metrics, *device, options.data_folder,
-                                                          static_cast<std::uint64_t>(options.min_free_disk_mb) * 1'000'000,
-                                                          connection_count, draining});
+    admin_world =
+        std::make_unique<AdminWorld>(AdminWorld{*scans, store, metrics, *device, options.data_folder,
+                                                static_cast<std::uint64_t>(options.min_free_disk_mb) * 1'000'000, connections, draining});
     admin_site = std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer_admin(*admin_world, request); },
                                              allowed_hosts(options, *admin_address), metrics});
   }
 
-  asio::awaitable<void> serve(tcp::socket socket, TlsContext context_of_now, const Site& served, int& count) {
-    ++count;
-    co_await serve_connection(std::move(socket), std::move(context_of_now), served);
-    --count;
+  asio::awaitable<void> serve(tcp::socket socket, std::string address, std::string counted, Door door) {
+    // However it ends: a place that is never given back would in the end lock everybody out.
+    struct Place {
+      CountLimit& connections;
+      const std::string& counted;
+      ~Place() { connections.leave(counted); }
+    } const place{door.connections, counted};
+    // A named value, see websocket.cpp.
+    TlsContext context_of_now = door.encrypted ? tls : nullptr;
+    co_await serve_connection(std::move(socket), std::move(address), std::move(context_of_now), door.site);
+  }
+
+  asio::awaitable<void> refuse(tcp::socket socket, bool encrypted) {
+    ++refusing_count;
+    TlsContext context_of_now = encrypted ? tls : nullptr;
+    HttpAnswer words = wait_answer(503, "too many connections are open", kRefusedRetry_ms);
+    co_await refuse_connection(std::move(socket), std::move(context_of_now), std::move(words));
+    --refusing_count;
+  }
+
+  void take(tcp::socket socket, const Door& door) {
+    error_code error;
+    const tcp::endpoint other_end = socket.remote_endpoint(error);
+    if (error) return;  // it is gone already
+    std::string address = other_end.address().to_string();
+    // All clients of a proxy come from its address.
+    std::string counted = lies_in_any(door.site.proxies, address) ? std::string() : address_group(address);
+    if (door.connections.enter(counted)) {
+      asio::co_spawn(context, serve(std::move(socket), std::move(address), std::move(counted), door), asio::detached);
+    } else if (refusing_count < kMaxRefusing) {
+      log_with({{}, address}, spdlog::level::warn, "refused a connection: " + std::to_string(door.connections.count()) + " are open");
+      asio::co_spawn(context, refuse(std::move(socket), door.encrypted), asio::detached);
+    }
   }
 
   // Until the acceptor is closed.
-  asio::awaitable<void> accept(tcp::acceptor& open, const Site& served, int& count, int max_count, bool encrypted) {
+  asio::awaitable<void> accept(tcp::acceptor& open, Door door) {
     while (open.is_open()) {
       error_code error;
       tcp::socket socket = co_await open.async_accept(asio::redirect_error(asio::use_awaitable, error));
@@ -206,10 +259,8 @@ struct Service::Impl {
         spdlog::warn("accepting a connection: {}", error.message());
         asio::steady_timer pause(context, std::chrono::milliseconds(100));
         co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
-      } else if (count >= max_count) {
-        spdlog::warn("refused a connection: {} are open, which is the limit", count);
       } else {
-        asio::co_spawn(context, serve(std::move(socket), encrypted ? tls : nullptr, served, count), asio::detached);
+        take(std::move(socket), door);
       }
     }
   }
@@ -252,7 +303,7 @@ struct Service::Impl {
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
     }
     ended_in_time = scans->running_count() == 0;
-    if (connection_count > 0) {
+    if (connections.count() > 0) {
       pause.expires_after(kGoodbyePatience);
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
     }
@@ -310,6 +361,7 @@ Service::~Service() = default;
 
 const std::string& Service::url() const { return impl_->url; }
 const std::string& Service::token() const { return impl_->data.token(); }
+bool Service::token_works() const { return impl_->token_works; }
 int Service::admin_port() const { return impl_->admin_acceptor ? impl_->admin_address->port : 0; }
 
 bool Service::run() {
@@ -318,14 +370,11 @@ bool Service::run() {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) service.signals.add(signal);
     service.await_signal();
   }
-  asio::co_spawn(service.context, service.accept(*service.acceptor, *service.site, service.connection_count, kMaxConnections, true),
-                 asio::detached);
+  asio::co_spawn(service.context, service.accept(*service.acceptor, {*service.site, service.connections, true}), asio::detached);
   asio::co_spawn(service.context, service.tick(), asio::detached);
   if (service.admin_acceptor)
-    asio::co_spawn(
-        service.context,
-        service.accept(*service.admin_acceptor, *service.admin_site, service.admin_connection_count, kMaxAdminConnections, false),
-        asio::detached);
+    asio::co_spawn(service.context, service.accept(*service.admin_acceptor, {*service.admin_site, service.admin_connections, false}),
+                   asio::detached);
   service.feed_watchdog();
   service.manager.tell("READY=1\nSTATUS=serving " + service.url);
   service.context.run();

@@ -10,8 +10,6 @@
 
 namespace hermite {
 
-inline constexpr int kMaxConnections = 256;
-
 // Defaults and meaning; names, units and limits are in settings.cpp, which `hermite serve` takes all of them from.
 struct ServiceOptions {
   std::string listen = "127.0.0.1:8080";        // port 0: any free one
@@ -29,6 +27,12 @@ struct ServiceOptions {
   int keep_log_days = 7;                     // frames of an ended scan; 0: for ever
   int drain_s = 20;                          // that running scans get to finish after SIGTERM
   int min_free_disk_mb = 1024;               // with less the server is not ready
+  int max_connections = 256;                 // open at once
+  int connections_per_address = 64;          // the same of one address
+  int requests_per_second = 60;              // HTTP requests of an address, upgrades too; twice as many at once
+  int failures_per_minute = 5;               // wrong tokens of an address
+  int scans_per_token = 2;                   // running at once; tokens that may administer have only the server's limit
+  int storage_gb = 0;                        // for the files of all scans, 0: as much as there is
   std::string log_format = "auto";           // auto, json or text
   std::string log_level = "info";            // debug, info, warn or error
   bool insecure_listen = false;              // allow other addresses than the loopback's, without TLS
@@ -43,9 +47,10 @@ class Service {
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
 
-  const std::string& url() const;  // "http://127.0.0.1:8080", with the real port
-  const std::string& token() const;
-  int admin_port() const;  // 0: there is no admin address
+  const std::string& url() const;    // "http://127.0.0.1:8080", with the real port
+  const std::string& token() const;  // the first token
+  bool token_works() const;          // not revoked
+  int admin_port() const;            // 0: there is no admin address
 
   // Blocks until stop() or a signal, then until running scans have written what they have: after SIGTERM they may go on for drain_s first.
   // False: one of them did not end in time, and its thread is still busy: then end the process without destroying the service.

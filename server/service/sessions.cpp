@@ -7,7 +7,6 @@
 
 #include "proto/wire/client_message.h"
 #include "proto/wire/server_message.h"
-#include "server/service/access.h"
 
 namespace hermite {
 
@@ -144,8 +143,9 @@ class CameraSession final : public BasicSession {
   void handle(wire::Pause&) override { scan_->pause(true); }
   void handle(wire::Unpause&) override { scan_->pause(false); }
   void handle(wire::Discard&) override { scan_->discard(); }
-  // At once: a client may take its time to close the socket.
-  void failed(const Error& error) override { scan_->camera_left(link_, error, true); }
+  // At once: a client may take its time to close the socket. A right that has ended is no broken rule: with another token the camera may
+  // come back.
+  void failed(const Error& error) override { scan_->camera_left(link_, error, error.code != ErrorCode::kUnauthorized); }
 
   const std::shared_ptr<LiveScan> scan_;
   const std::size_t max_message_bytes_;
@@ -200,7 +200,7 @@ class ViewerSession final : public BasicSession {
 
 using Greeting = std::variant<std::unique_ptr<Session>, Refusal>;
 
-Greeting refuse(const Error& error) { return Refusal{error, close_code_of(error)}; }
+Refusal refusal_of(const Error& error) { return {error, close_code_of(error)}; }
 
 wire::Welcome complete_welcome(wire::Welcome welcome) {
   welcome.server = kServerName;
@@ -208,9 +208,9 @@ wire::Welcome complete_welcome(wire::Welcome welcome) {
   return welcome;
 }
 
-Greeting greet_camera(Scans& scans, const wire::Hello& hello, std::function<void()> wake) {
-  Result<StartedScan> started = scans.start(std::get<wire::StartScan>(hello.role), hello.protocol_minor >= wire::kMinorWithResume);
-  if (!started.ok()) return refuse(started.error());
+Greeting greet_camera(Scans& scans, const Grant& grant, const wire::Hello& hello, std::function<void()> wake) {
+  Result<StartedScan> started = scans.start(std::get<wire::StartScan>(hello.role), grant, hello.protocol_minor >= wire::kMinorWithResume);
+  if (!started.ok()) return refusal_of(started.error());
   const std::size_t max_message_bytes = started->welcome.max_message_bytes;
   return std::make_unique<CameraSession>(std::move(started->scan), complete_welcome(std::move(started->welcome)), max_message_bytes,
                                          std::move(wake));
@@ -235,9 +235,9 @@ Greeting greet_returning_camera(Scans& scans, const wire::ResumeScan& request, s
 
 Greeting greet_viewer(Scans& scans, const wire::ViewScan& request, std::function<void()> wake) {
   Result<std::shared_ptr<Audience>> audience = scans.watch(request.scan_id);
-  if (!audience.ok()) return refuse(audience.error());
+  if (!audience.ok()) return refusal_of(audience.error());
   Result<std::unique_ptr<Viewer>> viewer = Audience::join(*audience, wake);
-  if (!viewer.ok()) return refuse(viewer.error());
+  if (!viewer.ok()) return refusal_of(viewer.error());
   const SceneInfo& info = (*audience)->info();
   wire::Welcome welcome;
   welcome.scan_id = info.scan_id;
@@ -247,21 +247,33 @@ Greeting greet_viewer(Scans& scans, const wire::ViewScan& request, std::function
   return std::make_unique<ViewerSession>(*std::move(viewer), complete_welcome(std::move(welcome)), std::move(wake));
 }
 
+Greeting greet_role(Scans& scans, const Grant& grant, const wire::Hello& hello, std::function<void()> wake) {
+  const auto* view = std::get_if<wire::ViewScan>(&hello.role);
+  const auto* resume = std::get_if<wire::ResumeScan>(&hello.role);
+  const Scope needed = view ? Scope::kView : Scope::kScan;
+  if (!may(grant, needed)) return Refusal{lacks(grant, needed), CloseCode::kForbidden};
+  if (!view && !resume) return greet_camera(scans, grant, hello, std::move(wake));
+  const std::string& scan_id = view ? view->scan_id : resume->scan_id;
+  if (!concerns(grant, scan_id)) return refusal_of({ErrorCode::kNotFound, "there is no scan " + scan_id});
+  return view ? greet_viewer(scans, *view, std::move(wake)) : greet_returning_camera(scans, *resume, std::move(wake));
+}
+
 }  // namespace
 
 std::string format_error(const Error& error) {
   return wire::format_server_message(wire::ErrorMessage{name_of(error.code), error.message, false, 0});
 }
 
-Greeting greet(Scans& scans, const std::string& token, std::string_view first_message, std::function<void()> wake) {
+std::variant<Greeted, Refusal> greet(Scans& scans, const Admit& admit, std::string_view first_message, std::function<void()> wake) {
   const Result<wire::ClientMessage> message = wire::parse_client_message(first_message, wire::kMaxBytesBeforeWelcome);
-  if (!message.ok()) return refuse(message.error());
+  if (!message.ok()) return refusal_of(message.error());
   const wire::Hello* hello = std::get_if<wire::Hello>(&*message);
-  if (!hello) return refuse({ErrorCode::kInvalidArgument, "the first message must be a hello"});
-  if (!tokens_equal(hello->token, token)) return refuse({ErrorCode::kUnauthorized, "hello.token is not the token of this server"});
-  if (std::holds_alternative<wire::StartScan>(hello->role)) return greet_camera(scans, *hello, std::move(wake));
-  if (const auto* resume = std::get_if<wire::ResumeScan>(&hello->role)) return greet_returning_camera(scans, *resume, std::move(wake));
-  return greet_viewer(scans, std::get<wire::ViewScan>(hello->role), std::move(wake));
+  if (!hello) return refusal_of({ErrorCode::kInvalidArgument, "the first message must be a hello"});
+  Result<Grant> grant = admit(hello->token);
+  if (!grant.ok()) return refusal_of(in_context("hello.token", grant.error()));
+  Greeting greeting = greet_role(scans, *grant, *hello, std::move(wake));
+  if (Refusal* refusal = std::get_if<Refusal>(&greeting)) return std::move(*refusal);
+  return Greeted{std::get<std::unique_ptr<Session>>(std::move(greeting)), *std::move(grant)};
 }
 
 }  // namespace hermite

@@ -12,6 +12,7 @@
 
 #include "core/base/result.h"
 #include "proto/wire/messages.h"
+#include "server/service/gate.h"
 #include "server/service/scans.h"
 
 namespace hermite {
@@ -27,6 +28,7 @@ enum class CloseCode : std::uint16_t {
   kTooBig = 1009,
   kInternal = 1011,
   kUnauthorized = 4001,
+  kForbidden = 4003,
   kNoSuchScan = 4004,
   kSlow = 4008,
   kSuperseded = 4009,
@@ -68,9 +70,16 @@ struct Refusal {
   CloseCode code = CloseCode::kPolicy;
 };
 
+struct Greeted {
+  std::unique_ptr<Session> session;
+  Grant grant;  // that the session rests on
+};
+
+// What the secret of a hello allows (Gate::admit).
+using Admit = std::function<Result<Grant>(const std::string& secret)>;
+
 // Answers the first message of a connection. `wake` is called, on the network thread, when the session may have something to send.
-std::variant<std::unique_ptr<Session>, Refusal> greet(Scans& scans, const std::string& token, std::string_view first_message,
-                                                      std::function<void()> wake);
+std::variant<Greeted, Refusal> greet(Scans& scans, const Admit& admit, std::string_view first_message, std::function<void()> wake);
 
 // The message of an Error that is not about a frame.
 std::string format_error(const Error& error);

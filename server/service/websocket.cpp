@@ -16,8 +16,10 @@
 #include <variant>
 
 #include "proto/wire/messages.h"
+#include "server/service/access.h"
 #include "server/service/logging.h"
 #include "server/service/sessions.h"
+#include "server/store/unix_time.h"
 
 namespace hermite {
 
@@ -32,6 +34,7 @@ constexpr std::chrono::seconds kHelloPatience(10);  // from the request to the e
 constexpr std::chrono::seconds kClosePatience(10);
 constexpr std::chrono::seconds kIdleLimit(45);  // without a sign of life; below the 60 s after which proxies cut
 constexpr std::chrono::seconds kPingPeriod(15);
+constexpr std::chrono::seconds kGrantCheck(2);  // how long a revoked token may still hear something
 constexpr std::size_t kReadBytes = 64 * 1024;
 constexpr int kClosedByThem = 1006;
 
@@ -40,12 +43,17 @@ struct Connection {
   websocket::stream<Transport> socket;
   asio::steady_timer something_to_send;
   asio::steady_timer hello_deadline;
+  asio::steady_timer grant_check;
   beast::flat_buffer message;
   std::unique_ptr<Session> session;
+  Grant grant;  // of the session
   bool reading = true;
 
   explicit Connection(Transport stream)
-      : socket(std::move(stream)), something_to_send(socket.get_executor()), hello_deadline(socket.get_executor()) {}
+      : socket(std::move(stream)),
+        something_to_send(socket.get_executor()),
+        hello_deadline(socket.get_executor()),
+        grant_check(socket.get_executor()) {}
 
   std::string_view text() const { return {static_cast<const char*>(message.data().data()), message.size()}; }
 };
@@ -143,6 +151,17 @@ void set_options(Connection& connection) {
   connection.socket.binary(true);
 }
 
+// Ends the session soon after what was granted has ended. Asks now and then: nobody has to remember who came in with what.
+void watch_grant(const std::shared_ptr<Connection>& connection, const Gate& gate) {
+  connection->grant_check.expires_after(kGrantCheck);
+  connection->grant_check.async_wait([weak = std::weak_ptr(connection), &gate](const error_code& cancelled) {
+    const std::shared_ptr<Connection> watched = weak.lock();
+    if (cancelled || !watched) return;
+    if (gate.holds(watched->grant, unix_now_ms())) return watch_grant(watched, gate);
+    watched->session->fail({ErrorCode::kUnauthorized, "the token or share link has expired or was revoked"}, CloseCode::kUnauthorized);
+  });
+}
+
 // The first message and its answer. A session is there afterwards, or the connection is over.
 asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, const HttpWorld& world, const Peer& peer) {
   connection->hello_deadline.expires_after(kHelloPatience);
@@ -156,15 +175,21 @@ asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, const
     auto wake = [weak = std::weak_ptr(connection)] {
       if (const std::shared_ptr<Connection> awake = weak.lock()) awake->something_to_send.cancel();
     };
-    auto greeting = greet(world.scans, world.token, connection->text(), std::move(wake));
-    if (auto* session = std::get_if<std::unique_ptr<Session>>(&greeting)) {
-      connection->session = std::move(*session);
+    const auto admit = [&world, &peer](const std::string& secret) {
+      Result<Grant> grant = world.gate.admit(secret, {address_group(peer.address), unix_now_ms()});
+      if (!grant.ok() && grant.error().code != ErrorCode::kIo) world.metrics.authentication_failed();
+      return grant;
+    };
+    auto greeting = greet(world.scans, admit, connection->text(), std::move(wake));
+    if (auto* greeted = std::get_if<Greeted>(&greeting)) {
+      connection->session = std::move(greeted->session);
+      connection->grant = std::move(greeted->grant);
+      log_with({{}, peer.address}, spdlog::level::info, "a connection let in with token " + connection->grant.token_id);
       co_return;
     }
     read.wrong = std::get<Refusal>(std::move(greeting));
   }
   log_with({{}, peer.address}, spdlog::level::info, "connection refused: " + read.wrong->error.message);
-  if (read.wrong->code == CloseCode::kUnauthorized) world.metrics.authentication_failed();
   world.metrics.websocket_closed(static_cast<int>(read.wrong->code));
   error_code error;
   const std::string words = format_error(read.wrong->error);
@@ -195,6 +220,7 @@ asio::awaitable<void> serve_websocket(Transport stream, beast::http::request<bea
   co_await begin(connection, world, peer);
   connection->hello_deadline.cancel();
   if (!connection->session) co_return;
+  watch_grant(connection, world.gate);
   asio::co_spawn(connection->socket.get_executor(), write_messages(connection), asio::detached);
   co_await read_messages(*connection);
   const std::optional<Closing> closing = connection->session->closing();
@@ -204,6 +230,7 @@ asio::awaitable<void> serve_websocket(Transport stream, beast::http::request<bea
   log_with({{}, peer.address, duration_s}, spdlog::level::debug, "connection closed with code " + std::to_string(code));
   connection->session->disconnected();
   connection->reading = false;
+  connection->grant_check.cancel();
   connection->something_to_send.cancel();
 }
 

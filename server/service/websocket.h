@@ -16,7 +16,8 @@ namespace hermite {
 // Does the request offer our subprotocol?
 bool offers_subprotocol(const boost::beast::http::request<boost::beast::http::empty_body>& upgrade);
 
-// Runs until the connection is over. Host, Origin and subprotocol were checked. `world` outlives it.
+// Runs until the connection is over: also when the token that opened it expires or is revoked. Host, Origin and subprotocol were checked.
+// `world` outlives it.
 boost::asio::awaitable<void> serve_websocket(Transport stream, boost::beast::http::request<boost::beast::http::empty_body> upgrade,
                                              const HttpWorld& world, Peer peer);
 

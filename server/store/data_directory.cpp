@@ -48,14 +48,20 @@ std::string create_token(const std::string& path) {
   return token;
 }
 
+// At most `max_bytes`, without the ends of lines behind it.
+std::string read_line(const File& file, std::size_t max_bytes) {
+  std::string text(max_bytes, '\0');
+  const ssize_t count = pread(file.descriptor, text.data(), max_bytes, 0);
+  text.resize(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text;
+}
+
 std::string read_or_create_token(const std::string& path) {
   const File file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (file.descriptor < 0 && errno == ENOENT) return create_token(path);
   if (file.descriptor < 0) throw io_failure("opening " + path);
-  char buffer[kTokenDigits + 2];
-  const ssize_t count = read(file.descriptor, buffer, sizeof buffer);
-  std::string token(buffer, static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
-  while (!token.empty() && token.back() == '\n') token.pop_back();
+  const std::string token = read_line(file, kTokenDigits + 2);
   if (!is_token(token))
     throw SetupError({ErrorCode::kCorruptData, path + " holds no token of 64 hex digits; remove it and a new one is made"});
   if (fchmod(file.descriptor, 0600) != 0) throw io_failure("making " + path + " private");
@@ -65,7 +71,11 @@ std::string read_or_create_token(const std::string& path) {
 int take_lock(const std::string& path) {
   const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (descriptor < 0) throw io_failure("creating " + path);
-  if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
+  if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) {
+    if (ftruncate(descriptor, 0) == 0) return descriptor;  // the address of an earlier server
+    close(descriptor);
+    throw io_failure("emptying " + path);
+  }
   const bool taken = errno == EWOULDBLOCK;
   close(descriptor);
   if (taken) throw SetupError({ErrorCode::kBusy, "another server holds " + path + "; give each server its own --data folder"});
@@ -108,6 +118,39 @@ Status DataDirectory::remove_scan_folder(const std::string& scan_id) const {
   std::filesystem::remove_all(scan_folder(scan_id), error);
   if (error) return Error{ErrorCode::kIo, "removing the files of scan " + scan_id + ": " + error.message()};
   return Done{};
+}
+
+Status DataDirectory::publish_address(const std::string& url) const {
+  const std::string line = url + "\n";
+  if (pwrite(lock_file_, line.data(), line.size(), 0) != static_cast<ssize_t>(line.size()))
+    return Error{ErrorCode::kIo, "writing " + path_ + "/lock: " + std::strerror(errno)};
+  return Done{};
+}
+
+Result<std::uint64_t> DataDirectory::stored_bytes() const {
+  std::error_code error;
+  std::uint64_t total = 0;
+  namespace fs = std::filesystem;
+  for (fs::recursive_directory_iterator entry(path_ + "/scans", error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code gone;  // between its listing and now: not counted
+    const bool file = entry->is_regular_file(gone) && !entry->is_symlink(gone);
+    const std::uintmax_t bytes = file && !gone ? entry->file_size(gone) : 0;
+    if (!gone) total += bytes;
+  }
+  if (error) return Error{ErrorCode::kIo, "adding up the files in " + path_ + "/scans: " + error.message()};
+  return total;
+}
+
+Result<PublishedServer> published_server(const std::string& path) {
+  constexpr std::size_t kMaxUrlBytes = 256;
+  const File lock(open((path + "/lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  const File token(open((path + "/token").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (lock.descriptor < 0 || token.descriptor < 0)
+    return Error{ErrorCode::kNotFound, "reading lock and token in " + path + ": " + std::strerror(errno)};
+  PublishedServer server{read_line(lock, kMaxUrlBytes), read_line(token, kTokenDigits + 2)};
+  if (server.url.empty() || !is_token(server.token))
+    return Error{ErrorCode::kNotFound, "the program that uses " + path + " has not said where it listens"};
+  return server;
 }
 
 Status DataDirectory::remove_log_folder(const std::string& scan_id) const {

@@ -1,8 +1,8 @@
 // The folder that is one server's memory:
 //
-//   lock          held (flock) for as long as the server runs, so that two servers never share a folder
-//   token         64 hex digits, mode 0600
-//   hermite.db    one row a scan (store.h)
+//   lock          held (flock) for as long as the server runs, so that two programs never share a folder; the server's address is in it
+//   token         the first token: 64 hex digits, mode 0600
+//   hermite.db    scans, tokens and share links (store.h)
 //   scans/ID/     cloud.ply trajectory.txt report.json chunks.bin of a scan that has ended
 //   scans/ID/log/ its frames as they came (frame_log.h)
 #pragma once
@@ -18,7 +18,7 @@ namespace hermite {
 class DataDirectory {
  public:
   // Creates the folder (mode 0700), takes the lock and reads or makes the token. Throws SetupError in words: not writable, in use by
-  // another server, a token file that holds no token.
+  // another server (kBusy), a token file that holds no token.
   explicit DataDirectory(const std::string& path);
   ~DataDirectory();
   DataDirectory(const DataDirectory&) = delete;
@@ -26,6 +26,12 @@ class DataDirectory {
 
   const std::string& token() const { return token_; }
   std::string database_path() const { return path_ + "/hermite.db"; }
+
+  // Writes where this server listens into the lock file, for programs beside it.
+  Status publish_address(const std::string& url) const;
+
+  // Bytes of all files of all scans.
+  Result<std::uint64_t> stored_bytes() const;
 
   // `scan_id` must be one (is_scan_id); a path is made of nothing else.
   std::string scan_folder(const std::string& scan_id) const;
@@ -39,6 +45,15 @@ class DataDirectory {
   std::string token_;
   int lock_file_ = -1;
 };
+
+// How a program beside a server talks to it.
+struct PublishedServer {
+  std::string url;    // as published
+  std::string token;  // the first token
+};
+
+// Of the server that holds the lock of `path`. kNotFound: none has published its address there, or there is no token. kIo.
+Result<PublishedServer> published_server(const std::string& path);
 
 // Bytes free for us in the file system that holds `path` (which must exist).
 Result<std::uint64_t> free_bytes(const std::string& path);

@@ -1,34 +1,14 @@
 #include "server/store/store.h"
 
-#include <SQLiteCpp/SQLiteCpp.h>
+#include <filesystem>
+#include <system_error>
 
-#include <array>
-#include <string_view>
+#include "server/store/migrations.h"
+#include "server/store/store_connection.h"
 
 namespace hermite {
 
 namespace {
-
-constexpr int kApplicationId = 0x48524246;  // "HRBF"
-
-// Migration N brings user_version from N to N + 1. Never edit one that was released: add one.
-constexpr std::array<std::string_view, 1> kMigrations = {R"sql(
-CREATE TABLE scans(
-  id TEXT PRIMARY KEY NOT NULL,
-  title TEXT NOT NULL,
-  phase TEXT NOT NULL CHECK (phase IN ('running', 'finished', 'failed', 'interrupted')),
-  words TEXT NOT NULL,
-  width INTEGER NOT NULL, height INTEGER NOT NULL,
-  fx REAL NOT NULL, fy REAL NOT NULL, cx REAL NOT NULL, cy REAL NOT NULL,
-  depth_units_per_metre REAL NOT NULL,
-  frames_received INTEGER NOT NULL,
-  frames_processed INTEGER NOT NULL,
-  frames_dropped INTEGER NOT NULL,
-  created_at_ms INTEGER NOT NULL,
-  finished_at_ms INTEGER NOT NULL
-) STRICT;
-CREATE INDEX scans_by_time ON scans(created_at_ms DESC, id);
-)sql"};
 
 constexpr const char* kColumns =
     "id, title, phase, words, width, height, fx, fy, cx, cy, depth_units_per_metre, frames_received, frames_processed, frames_dropped, "
@@ -61,26 +41,19 @@ ScanRow row_of(const SQLite::Statement& query) {
   return row;
 }
 
-int pragma(SQLite::Database& database, const std::string& name) { return database.execAndGet("PRAGMA " + name).getInt(); }
-
-void migrate(SQLite::Database& database, const std::string& path) {
-  const int version = pragma(database, "user_version"), application = pragma(database, "application_id");
-  const bool empty = database.execAndGet("SELECT count(*) FROM sqlite_schema").getInt() == 0;
-  if (!(empty && application == 0) && application != kApplicationId)
-    throw SetupError({ErrorCode::kUnsupported, path + " is a database of another program"});
-  if (version > static_cast<int>(kMigrations.size()))
-    throw SetupError({ErrorCode::kUnsupported, path + " has schema " + std::to_string(version) + ", this program knows up to " +
-                                                   std::to_string(kMigrations.size()) + ": run the newer hermite that wrote it"});
-  for (int step = version; step < static_cast<int>(kMigrations.size()); ++step) {
-    SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
-    database.exec(std::string(kMigrations[static_cast<std::size_t>(step)]));
-    database.exec("PRAGMA application_id = " + std::to_string(kApplicationId));
-    database.exec("PRAGMA user_version = " + std::to_string(step + 1));
-    transaction.commit();
-  }
+// A clean end leaves no log behind: what is in it then is a dead server's, and may tell of a machine that failed.
+bool ended_uncleanly(const std::string& path) {
+  std::error_code error;
+  const std::uintmax_t log_bytes = std::filesystem::file_size(path + "-wal", error);
+  return !error && log_bytes > 0;
 }
 
-Error words_of(const SQLite::Exception& failure) { return {ErrorCode::kIo, std::string("database: ") + failure.what()}; }
+void check_whole(SQLite::Database& database, const std::string& path) {
+  const std::string found = database.execAndGet("PRAGMA quick_check(1)").getString();
+  if (found != "ok")
+    throw SetupError({ErrorCode::kCorruptData, "the database " + path + " is damaged (" + found +
+                                                   "): restore a backup, or move it away; the scans' files are not in it"});
+}
 
 }  // namespace
 
@@ -94,18 +67,19 @@ const char* name_of(ScanPhase phase) {
   return "unknown";
 }
 
-struct Store::Impl {
-  SQLite::Database database;
-  explicit Impl(const std::string& path) : database(path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE) {
-    database.setBusyTimeout(5000);
-    for (const char* setting : {"trusted_schema = OFF", "cell_size_check = ON", "foreign_keys = ON"})
-      database.exec(std::string("PRAGMA ") + setting);
-  }
-};
+Error database_error(const SQLite::Exception& failure) { return {ErrorCode::kIo, std::string("database: ") + failure.what()}; }
+
+Store::Impl::Impl(const std::string& path) : database(path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE) {
+  database.setBusyTimeout(5000);
+  for (const char* setting : {"trusted_schema = OFF", "cell_size_check = ON", "foreign_keys = ON"})
+    database.exec(std::string("PRAGMA ") + setting);
+}
 
 Store::Store(const std::string& path) {
   try {
+    const bool unclean = ended_uncleanly(path);
     impl_ = std::make_unique<Impl>(path);
+    if (unclean) check_whole(impl_->database, path);
     migrate(impl_->database, path);
     // Only now: a database that was refused above stays as it was found.
     for (const char* setting : {"journal_mode = WAL", "synchronous = FULL", "journal_size_limit = 67108864"})
@@ -131,7 +105,7 @@ Status Store::add(const ScanRow& row) try {
 } catch (const SQLite::Exception& failure) {
   constexpr int kConstraint = 19;  // SQLITE_CONSTRAINT
   if (failure.getErrorCode() == kConstraint) return Error{ErrorCode::kInvalidArgument, "scan " + row.id + ": " + failure.what()};
-  return words_of(failure);
+  return database_error(failure);
 }
 
 Status Store::update(const ScanRow& row) try {
@@ -148,7 +122,7 @@ Status Store::update(const ScanRow& row) try {
   if (change.exec() == 0) return Error{ErrorCode::kNotFound, "there is no scan " + row.id};
   return Done{};
 } catch (const SQLite::Exception& failure) {
-  return words_of(failure);
+  return database_error(failure);
 }
 
 Result<ScanRow> Store::find(const std::string& id) try {
@@ -157,7 +131,7 @@ Result<ScanRow> Store::find(const std::string& id) try {
   if (!query.executeStep()) return Error{ErrorCode::kNotFound, "there is no scan " + id};
   return row_of(query);
 } catch (const SQLite::Exception& failure) {
-  return words_of(failure);
+  return database_error(failure);
 }
 
 Status Store::remove(const std::string& id) try {
@@ -166,7 +140,7 @@ Status Store::remove(const std::string& id) try {
   if (change.exec() == 0) return Error{ErrorCode::kNotFound, "there is no scan " + id};
   return Done{};
 } catch (const SQLite::Exception& failure) {
-  return words_of(failure);
+  return database_error(failure);
 }
 
 Result<std::vector<ScanRow>> Store::list() try {
@@ -176,7 +150,7 @@ Result<std::vector<ScanRow>> Store::list() try {
   while (query.executeStep()) rows.push_back(row_of(query));
   return rows;
 } catch (const SQLite::Exception& failure) {
-  return words_of(failure);
+  return database_error(failure);
 }
 
 Result<std::vector<ScanRow>> Store::running() try {
@@ -186,16 +160,16 @@ Result<std::vector<ScanRow>> Store::running() try {
   while (query.executeStep()) rows.push_back(row_of(query));
   return rows;
 } catch (const SQLite::Exception& failure) {
-  return words_of(failure);
+  return database_error(failure);
 }
 
 Status Store::writable() try {
   // Writes a page of the journal and takes it back.
   SQLite::Transaction transaction(impl_->database, SQLite::TransactionBehavior::IMMEDIATE);
-  impl_->database.exec("PRAGMA user_version = " + std::to_string(pragma(impl_->database, "user_version")));
+  impl_->database.exec("PRAGMA user_version = " + std::to_string(schema_version()));
   return Done{};
 } catch (const SQLite::Exception& failure) {
-  return words_of(failure);
+  return database_error(failure);
 }
 
 }  // namespace hermite

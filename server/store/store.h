@@ -1,4 +1,4 @@
-// One row a scan, in SQLite. Rows outlive the server; the results themselves are files (data_directory.h).
+// One row a scan and one a token, in SQLite. Rows outlive the server; the results themselves are files (data_directory.h).
 //
 // One connection, which is also the only one that writes checkpoints: SQLite 3.40 can lose a WAL that two connections reset. It belongs to
 // one thread at a time. Failures of the database are kIo with SQLite's own words.
@@ -12,6 +12,7 @@
 
 #include "core/base/result.h"
 #include "core/math/camera.h"
+#include "server/store/token_row.h"
 
 namespace hermite {
 
@@ -32,11 +33,12 @@ struct ScanRow {
 };
 
 inline constexpr int kMaxListedScans = 1000;
+inline constexpr int kMaxTokens = 10'000;  // and share links, with those that have ended
 
 class Store {
  public:
-  // Opens or creates, and migrates an older schema. Throws SetupError in words: not a database, a database of another program, or one
-  // with a newer schema than this program knows (which is left untouched).
+  // Opens or creates, and migrates an older schema after a backup (migrations.h). Throws SetupError in words: not a database, a damaged
+  // one, one of another program, or one with a newer schema than this program knows (which is left untouched).
   explicit Store(const std::string& path);
   ~Store();
   Store(const Store&) = delete;
@@ -60,6 +62,18 @@ class Store {
 
   // Whether the database would take a change now; makes none.
   Status writable();
+
+  // Tokens and share links (store_tokens.cpp). Those that have ended stay in the list until they are forgotten.
+  // kInvalidArgument: the id or the secret is there already. kNotFound: no such scan. kBusy: kMaxTokens.
+  Status add_token(const TokenRow& row);
+  Result<TokenRow> find_token(const std::string& secret_sha256);    // kNotFound; also the revoked and the expired
+  Result<TokenRow> token(const std::string& id);                    // kNotFound
+  Result<std::vector<TokenRow>> list_tokens();                      // newest first
+  Status revoke_token(const std::string& id, std::int64_t now_ms);  // kNotFound
+  Status touch_token(const std::string& id, std::int64_t now_ms);   // last use. kNotFound
+  Status remove_token(const std::string& id);                       // kNotFound
+  // Removes those revoked or expired before that time, but not the first token. How many.
+  Result<int> forget_tokens(std::int64_t ended_before_ms);
 
  private:
   struct Impl;

@@ -225,6 +225,10 @@ class Operators(unittest.TestCase):
         check(shown_certificate(port) == second, "a bad certificate took the place of a good one")
         with open(folder + "/ca.pem", "w") as file:
             file.write(second)
+        made = run(HERMITE, "token", "create", "--data", folder + "/data")
+        check(made.returncode == 0 and made.stdout.startswith("hmt_"), made.stderr)
+        listed = run(HERMITE, "token", "list", "--data", folder + "/data")
+        check(listed.stdout.count("active") == 2, listed.stdout + listed.stderr)
         done = run(CLIENT, "stream", FRAMES, "--server", server.url, "--ca", folder + "/ca.pem")
         check(done.returncode == 0, done.stderr)
         for version in (ssl.TLSVersion.TLSv1, ssl.TLSVersion.TLSv1_1):

@@ -14,6 +14,8 @@ inline ServiceOptions test_options(const std::string& data_folder) {
   options.admin_listen = "off";
   options.data_folder = data_folder;
   options.stop_on_signals = false;
+  // All tests come from one address and are quicker than people; tests of limits set their own.
+  options.max_connections = options.connections_per_address = options.requests_per_second = 10'000;
   return options;
 }
 

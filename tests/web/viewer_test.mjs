@@ -111,6 +111,23 @@ test('the cloud can be downloaded', async () => {
   assert.ok(Number(/element vertex (\d+)/.exec(head)[1]) > 1000, head);
 });
 
+test('a share link shows this scan and no other', { timeout: 120_000 }, async () => {
+  const { page } = viewer;
+  await page.getByRole('button', { name: 'Share' }).click();
+  const link = await page.getByLabel('Link to this scan').inputValue();
+  assert.ok(link.startsWith(`${server.origin}/#share=hms_`), link);
+  const context = await browser.browser.newContext();
+  const guest = await context.newPage();
+  await guest.goto(link);
+  await untilScan(guest, 'the shared scan', 60_000, (scan) => scan.snapshotComplete && scan.points > 0);
+  assert.ok(!guest.url().includes('hms_'), 'the secret leaves the address');
+  assert.equal(await guest.getByRole('button', { name: 'Share' }).count(), 0);
+  await guest.goto(`${server.origin}/#/`);
+  await guest.getByRole('link', { name: title }).waitFor();
+  assert.equal(await guest.locator('.scan-row').count(), 1);
+  await context.close();
+});
+
 test('a finished scan looks the same when it is opened again, also from a restarted server', async () => {
   const { page } = viewer;
   const before = await scanOf(page);

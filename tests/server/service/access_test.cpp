@@ -43,6 +43,16 @@ TEST(Access, OriginsMustBeHttpOfAnAllowedHost) {
     EXPECT_FALSE(origin_allowed(default_hosts(), origin)) << origin;
 }
 
+TEST(Access, AnAddressUsesUpTheAllowanceOfItsNetwork) {
+  EXPECT_EQ(address_group("192.0.2.7"), "192.0.2.7");
+  EXPECT_EQ(address_group("2001:db8:1:2:3:4:5:6"), "2001:db8:1:2::/64");
+  EXPECT_EQ(address_group("2001:db8:1:2::9"), address_group("2001:db8:1:2:ffff::"));
+  EXPECT_NE(address_group("2001:db8:1:2::9"), address_group("2001:db8:1:3::9"));
+  EXPECT_EQ(address_group("fe80::1%eth0"), "fe80::/64");
+  EXPECT_EQ(address_group("::ffff:192.0.2.7"), "192.0.2.7");
+  EXPECT_EQ(address_group("nonsense"), "nonsense");
+}
+
 TEST(Access, ListenAddresses) {
   const auto v4 = parse_listen_address("127.0.0.1:8080");
   ASSERT_TRUE(v4.ok());

@@ -169,6 +169,48 @@ TEST_F(HttpTest, BodiesAndTransferCodingsAreRefusedAndTheConnectionEnds) {
   EXPECT_THAT(exchange("GET /healthz HTTP/1.0\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n"), HasSubstr(" 400 "));
 }
 
+TEST_F(HttpTest, APostMayHaveASmallBody) {
+  const auto post = [this](const std::string& body, const std::string& more = "") {
+    return exchange("POST /api/v1/tokens HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" + with_token() + more +
+                    "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
+  };
+  EXPECT_THAT(post("{}"), StartsWith("HTTP/1.1 201"));
+  const std::string padded = "{" + std::string(kMaxBodyBytes - 2, ' ') + "}";
+  EXPECT_THAT(post(padded), StartsWith("HTTP/1.1 201"));
+  EXPECT_THAT(post(padded + " "), StartsWith("HTTP/1.1 413"));
+  EXPECT_THAT(post("{}", "Transfer-Encoding: chunked\r\n"), StartsWith("HTTP/1.1 400"));
+  EXPECT_THAT(exchange("POST /api/v1/tokens HTTP/1.1\r\nHost: localhost\r\n" + with_token() + "Content-Length: 99999999999999999\r\n\r\n"),
+              StartsWith("HTTP/1.1 413"));
+  EXPECT_THAT(exchange("POST /api/v1/tokens HTTP/1.1\r\nHost: localhost\r\n" + with_token() + "Content-Length: -1\r\n\r\n"),
+              StartsWith("HTTP/1.1 400"));
+}
+
+TEST_F(HttpTest, ABodyThatIsCutEndsTheConnection) {
+  test::RawClient client(server_->port());
+  client.send("POST /api/v1/tokens HTTP/1.1\r\nHost: localhost\r\n" + with_token() + "Content-Length: 10\r\n\r\n{");
+  client.drop();
+  EXPECT_THAT(get("/healthz"), StartsWith("HTTP/1.1 200")) << "the server lives";
+}
+
+TEST_F(HttpTest, ARefusedRequestsAnswerArrivesThoughItsBodyWasNotRead) {
+  const std::string answer =
+      exchange("POST /api/v1/tokens HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\n" + std::string(100'000, 'x'));
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 413"));
+  EXPECT_THAT(answer, HasSubstr("allowed are 4096"));
+}
+
+TEST_F(HttpTest, EveryAnswerHasTheSecurityHeaders) {
+  for (const std::string& answer :
+       {get("/"), get("/healthz"), get("/nothing"), get("/api/v1/scans"), get("/api/v1/scans", with_token()),
+        get("/api/v1/scans/" + id_ + "/cloud.ply", with_token()), request("POST", "/"), exchange("garbage\r\n\r\n"),
+        get("/", "X: " + std::string(kMaxHeaderBytes, 'x') + "\r\n"), get("/", "Origin: http://evil.com\r\n")}) {
+    for (const char* header :
+         {"Content-Security-Policy: default-src 'none'", "X-Content-Type-Options: nosniff", "Referrer-Policy: no-referrer",
+          "Cross-Origin-Opener-Policy: same-origin", "Cross-Origin-Resource-Policy: same-origin", "Cache-Control: "})
+      EXPECT_THAT(answer, HasSubstr(header)) << answer.substr(0, 40);
+  }
+}
+
 TEST_F(HttpTest, LongHeadersAndGarbageAreRefused) {
   EXPECT_THAT(get("/", "X: " + std::string(kMaxHeaderBytes, 'x') + "\r\n"), StartsWith("HTTP/1.1 431"));
   for (const std::string& bytes :

@@ -12,6 +12,7 @@
 #include "server/service/scan_record.h"
 #include "server/store/frame_log.h"
 #include "server/store/scan_id.h"
+#include "server/store/secret.h"
 #include "server/store/store.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
@@ -73,9 +74,12 @@ class ResumeTest : public testing::Test {
   }
 
   std::unique_ptr<RawClient> hello(const std::variant<wire::StartScan, wire::ViewScan, wire::ResumeScan>& role) {
+    return hello(role, server_->token());
+  }
+  std::unique_ptr<RawClient> hello(const std::variant<wire::StartScan, wire::ViewScan, wire::ResumeScan>& role, const std::string& token) {
     auto client = std::make_unique<RawClient>(server_->port());
     EXPECT_TRUE(client->upgrade());
-    client->send_message(wire::Hello{wire::kProtocolMinor, "test", server_->token(), role});
+    client->send_message(wire::Hello{wire::kProtocolMinor, "test", token, role});
     return client;
   }
   std::unique_ptr<RawClient> start() {
@@ -344,6 +348,48 @@ TEST_F(ResumeTest, RefusedFramesAndBadImagesAreTheSameAfterARestart) {
     hashes[disturbed] = report["trajectory_sha256"].get<std::string>() + report["cloud_sha256"].get<std::string>();
   }
   EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST_F(ResumeTest, ARevokedTokenEndsTheConnectionAndAnotherTokenGoesOnWithTheScan) {
+  server_->stop();
+  {
+    Store store(folder_ / "data/hermite.db");
+    const auto add = [&store](const std::string& secret, const Scopes& scopes) {
+      TokenRow token;
+      token.id = token.name = secret;
+      token.secret_sha256 = sha256(secret);
+      token.scopes = scopes;
+      EXPECT_TRUE(store.add_token(token).ok());
+    };
+    add("camera", {false, true, false});
+    add("spare", {false, true, false});
+    add("viewer", {true, false, false});
+  }
+  serve(120);
+  auto camera = hello(request(), "camera");
+  const auto welcome = camera->read<wire::Welcome>();
+  ASSERT_TRUE(welcome);
+  welcome_ = *welcome;
+  send(*camera, 0, 2);
+  ASSERT_TRUE(wait_for_durable(*camera, 2));
+  RawClient administrator(server_->port());
+  administrator.send("DELETE /api/v1/tokens/camera HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
+                     server_->token() + "\r\n\r\n");
+  EXPECT_THAT(administrator.read_to_end(), HasSubstr(" 200 "));
+  EXPECT_EQ(camera->close_code(), 4001);
+  const wire::ResumeScan back{welcome_.scan_id, welcome_.resume_token, 2};
+  EXPECT_EQ(hello(back, "camera")->close_code(), 4001);
+  EXPECT_EQ(hello(back, "viewer")->close_code(), 4003);
+  EXPECT_EQ(hello(wire::ResumeScan{welcome_.scan_id, "wrong", 2}, "spare")->close_code(), 4001);
+  camera = hello(back, "spare");
+  const auto resumed = camera->read<wire::Resumed>();
+  ASSERT_TRUE(resumed);
+  EXPECT_EQ(resumed->next_sequence, 2u);
+  send(*camera, 2, kFrameCount);
+  camera->send_message(wire::Finish{});
+  const auto finished = camera->read<wire::Finished>();
+  ASSERT_TRUE(finished);
+  EXPECT_EQ(Json::parse(finished->report_json)["frames"], kFrameCount);
 }
 
 TEST_F(ResumeTest, TheFramesOfAScanThatEndedLongAgoGoAndItsResultsStay) {

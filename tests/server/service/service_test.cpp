@@ -6,8 +6,12 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <optional>
 #include <thread>
 
+#include "server/client/api_request.h"
+#include "server/store/data_directory.h"
+#include "tests/support/certificate.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
@@ -72,11 +76,103 @@ TEST(Service, SaysWhatIsWrongWithItsOptions) {
   options = test::test_options(folder / "data");
   options.credit_window = 1000;
   EXPECT_THAT(words(options), HasSubstr("setting credit-window is '1000'"));
+  options = test::test_options(folder / "data");
+  options.failures_per_minute = 0;
+  EXPECT_THAT(words(options), HasSubstr("setting failures-per-minute is '0', allowed is 1 to 1000"));
   const Service running(test::test_options(folder / "data"));
   EXPECT_THAT(words(test::test_options(folder / "data")), HasSubstr("another server"));
   options = test::test_options(folder / "other");
   options.listen = running.url().substr(7);
   EXPECT_THAT(words(options), HasSubstr("in use"));
+}
+
+TEST(Service, TooManyConnectionsOfAnAddressAreToldToWait) {
+  const test::TemporaryFolder folder;
+  ServiceOptions options = test::test_options(folder / "data");
+  options.connections_per_address = 2;
+  const test::RunningServer server(options);
+  const std::string request = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  std::optional<test::RawClient> first(std::in_place, server.port());
+  test::RawClient second(server.port());
+  for (test::RawClient* client : {&*first, &second}) {
+    client->send(request);
+    EXPECT_THAT(client->read_header(), HasSubstr(" 200 "));
+  }
+  test::RawClient third(server.port());
+  third.send(request);
+  const std::string refused = third.read_to_end();
+  EXPECT_THAT(refused, HasSubstr(" 503 "));
+  EXPECT_THAT(refused, HasSubstr("Retry-After: 5\r\n"));
+  EXPECT_THAT(refused, HasSubstr("too many connections"));
+  first.reset();
+  // Until the server has noticed.
+  std::string answer;
+  for (int i = 0; i < 100 && answer.find(" 200 ") == std::string::npos; ++i) {
+    test::RawClient again(server.port());
+    again.send(request);
+    answer = again.read_header();
+  }
+  EXPECT_THAT(answer, HasSubstr(" 200 "));
+}
+
+TEST(Service, TooManyRequestsOfAnAddressAreToldToWait) {
+  const test::TemporaryFolder folder;
+  ServiceOptions options = test::test_options(folder / "data");
+  options.requests_per_second = 1;
+  const test::RunningServer server(options);
+  test::RawClient client(server.port());
+  std::string answers;
+  for (int i = 0; i < 4; ++i) client.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  answers = client.read_to_end();
+  EXPECT_THAT(answers, HasSubstr(" 429 "));
+  EXPECT_THAT(answers, HasSubstr("Retry-After: 1\r\n"));
+  test::RawClient socket(server.port());
+  EXPECT_FALSE(socket.upgrade()) << "an upgrade is a request too";
+}
+
+TEST(Service, ClientsOfATrustedProxyHaveTheirOwnAllowances) {
+  const test::TemporaryFolder folder;
+  ServiceOptions options = test::test_options(folder / "data");
+  options.trusted_proxies = {"127.0.0.1"};
+  options.connections_per_address = options.requests_per_second = 1;
+  const test::RunningServer server(options);
+  const auto ask = [](test::RawClient& proxy, const std::string& client) {
+    proxy.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\nX-Forwarded-For: " + client + "\r\n\r\n");
+    return proxy.read_header();
+  };
+  test::RawClient first(server.port()), second(server.port());
+  for (const char* client : {"198.51.100.1", "198.51.100.2", "2001:db8:1:2::1", "2001:db8:1:3::1"}) {
+    EXPECT_THAT(ask(first, client), HasSubstr(" 200 ")) << client;
+    EXPECT_THAT(ask(second, client), HasSubstr(" 200 ")) << client;
+  }
+  std::string answer;
+  for (int i = 0; i < 20 && answer.find(" 429 ") == std::string::npos; ++i) answer = ask(first, "2001:db8:1:2::2");
+  EXPECT_THAT(answer, HasSubstr(" 429 ")) << "another address of the same customer";
+}
+
+TEST(Service, OneConnectionTooManyIsToldSoOverTlsToo) {
+  const test::TemporaryFolder folder;
+  const test::CertificateFiles files = test::make_certificate(folder.path(), "server", "IP:127.0.0.1");
+  ServiceOptions options = test::test_options(folder / "data");
+  options.tls_certificate = files.certificate;
+  options.tls_key = files.key;
+  options.max_connections = 1;
+  const test::RunningServer server(options);
+  const test::RawClient first(server.port());
+  const Result<std::string> refused =
+      api_request({"127.0.0.1", static_cast<std::uint16_t>(server.port()), server.token(), true}, "GET", "/api/v1/scans", "");
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kBusy);
+  EXPECT_EQ(refused.error().message, "too many connections are open");
+}
+
+TEST(Service, SaysWhereItListensToProgramsBesideIt) {
+  const test::TemporaryFolder folder;
+  const Service service(test::test_options(folder / "data"));
+  const Result<PublishedServer> published = published_server(folder / "data");
+  ASSERT_TRUE(published.ok());
+  EXPECT_EQ(published->url, service.url());
+  EXPECT_EQ(published->token, service.token());
 }
 
 TEST(Service, EndsWithASignal) {

@@ -92,6 +92,32 @@ TEST(DataDirectoryDeathTest, MakesNoPathFromAnythingButAnId) {
   EXPECT_DEATH(directory.scan_folder("../../etc"), "no scan id");
 }
 
+TEST(DataDirectory, TellsOtherProgramsWhereItsServerListens) {
+  const test::TemporaryFolder folder;
+  EXPECT_EQ(published_server(folder / "none").error().code, ErrorCode::kNotFound);
+  {
+    const DataDirectory directory(folder / "data");
+    EXPECT_EQ(published_server(folder / "data").error().code, ErrorCode::kNotFound) << "not yet";
+    ASSERT_TRUE(directory.publish_address("http://127.0.0.1:1234").ok());
+    EXPECT_EQ(published_server(folder / "data")->url, "http://127.0.0.1:1234");
+    EXPECT_EQ(published_server(folder / "data")->token, directory.token());
+  }
+  const DataDirectory next(folder / "data");
+  EXPECT_EQ(published_server(folder / "data").error().code, ErrorCode::kNotFound) << "that was another server";
+}
+
+TEST(DataDirectory, AddsUpTheFilesOfAllScans) {
+  const test::TemporaryFolder folder;
+  const DataDirectory directory(folder / "data");
+  EXPECT_EQ(*directory.stored_bytes(), 0u);
+  const std::string one = new_scan_id(), two = new_scan_id();
+  for (const std::string& id : {one, two}) ASSERT_TRUE(directory.create_scan_folder(id).ok());
+  std::ofstream(directory.scan_folder(one) + "/a") << std::string(100, 'x');
+  std::ofstream(directory.scan_folder(two) + "/b") << std::string(23, 'x');
+  std::filesystem::create_symlink("/proc/self/exe", directory.scan_folder(two) + "/link");
+  EXPECT_EQ(*directory.stored_bytes(), 123u);
+}
+
 TEST(FreeBytes, OfAFolderAndOfNone) {
   const test::TemporaryFolder folder;
   EXPECT_GT(*free_bytes(folder.path()), 0u);

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { ApiError, fileNameOf, parseScans } from './api';
+import { ApiError, fileNameOf, parseScans, shareLinkOf } from './api';
 
 describe('parseScans', () => {
   it('lists the newest scan first', () => {
@@ -20,6 +20,20 @@ describe('parseScans', () => {
 
   it('says so when the answer is no list', () => {
     for (const answer of [null, [], {}, { scans: 3 }]) expect(() => parseScans(answer)).toThrow(ApiError);
+  });
+});
+
+describe('shareLinkOf', () => {
+  const json = { path: '/#share=hms_1&scan=s1' };
+
+  it('begins where the page is', () => {
+    expect(shareLinkOf(json, { origin: 'https://a.org', pathname: '/' })).toBe('https://a.org/#share=hms_1&scan=s1');
+    expect(shareLinkOf(json, { origin: 'https://a.org', pathname: '/scans/index.html' })).toBe('https://a.org/scans/#share=hms_1&scan=s1');
+  });
+
+  it('never leads elsewhere', () => {
+    for (const answer of [null, {}, { path: 3 }, { path: '//evil.com/#share=x' }, { path: 'https://evil.com' }])
+      expect(() => shareLinkOf(answer, { origin: 'https://a.org', pathname: '/' })).toThrow(ApiError);
   });
 });
 

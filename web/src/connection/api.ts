@@ -38,18 +38,33 @@ export async function downloadCloud(scan: { id: string; title: string }, token: 
   setTimeout(() => URL.revokeObjectURL(url), 60_000);
 }
 
+// The address of a new share link: whoever has it may look at this scan, and at nothing else, until it expires.
+export async function createShareLink(scanId: string, token: string): Promise<string> {
+  const response = await request(`api/v1/scans/${encodeURIComponent(scanId)}/shares`, token, listLimit_ms, 'POST');
+  return shareLinkOf(await response.json(), location);
+}
+
+// The server knows the path, the page knows where it is (behind a proxy, perhaps below a folder).
+export function shareLinkOf(json: unknown, page: Pick<Location, 'origin' | 'pathname'>): string {
+  const path = isRecord(json) ? json['path'] : null;
+  if (typeof path !== 'string' || !path.startsWith('/#share=')) throw new ApiError('The server’s answer cannot be read.', false);
+  return page.origin + page.pathname.replace(/[^/]*$/, '') + path.slice(1);
+}
+
 export function fileNameOf(title: string): string {
   return title.normalize('NFKD').replace(/[^A-Za-z0-9._-]+/g, '_').replace(/^[._]+|[._]+$/g, '').slice(0, 80);
 }
 
-async function request(path: string, token: string, limit_ms: number): Promise<Response> {
+async function request(path: string, token: string, limit_ms: number, method = 'GET'): Promise<Response> {
   let response: Response;
   try {
-    response = await fetch(path, { headers: { Authorization: `Bearer ${token}` }, signal: AbortSignal.timeout(limit_ms) });
+    response = await fetch(path, { method, headers: { Authorization: `Bearer ${token}` }, signal: AbortSignal.timeout(limit_ms) });
   } catch {
     throw new ApiError('The server cannot be reached.', false);
   }
-  if (response.status === 401 || response.status === 403) throw new ApiError('The server does not accept this access token.', true);
+  if (response.status === 401) throw new ApiError('The server does not accept this access token.', true);
+  if (response.status === 403) throw new ApiError('This access token does not allow that.', true);
+  if (response.status === 429) throw new ApiError('The server asks to wait a little.', false);
   if (response.status === 404) throw new ApiError('The server does not have this.', false);
   if (!response.ok) throw new ApiError(`The server answered with HTTP ${response.status}.`, false);
   return response;

@@ -7,6 +7,11 @@ describe('readFragment', () => {
     expect(readFragment('#token=a%2Bb&scan=s1')).toEqual({ token: 'a+b', hash: '#/scan/s1' });
   });
 
+  it('takes a share link as a token that opens its scan', () => {
+    expect(readFragment('#share=hms_1&scan=s1')).toEqual({ token: 'hms_1', hash: '#/scan/s1' });
+    expect(readFragment('#share=')).toEqual({ token: null, hash: '#/' });
+  });
+
   it('cleans the address even when the token is empty', () => {
     expect(readFragment('#token=')).toEqual({ token: null, hash: '#/' });
   });

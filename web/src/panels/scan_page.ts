@@ -10,8 +10,11 @@ import { initialViewOptions, reduceViewOptions, type ViewOptions } from '../stat
 import { emptyWords, phaseWords } from '../state/words';
 import { element, setText, type Panel } from './dom';
 import { statusMark } from './mark';
+import { shareButton } from './share_button';
 import { statusPanel } from './status_panel';
 import { viewPanel } from './view_panel';
+
+const sharePrefix = 'hms_'; // who came by a share link cannot make another
 
 export interface ScanPage extends Panel {
   readonly scan: Store<LiveScan, LiveScanEvent>;
@@ -97,6 +100,7 @@ function titleBar(scan: Store<LiveScan, LiveScanEvent>, token: string): Panel {
     phase.element,
     element('span', { class: 'space' }),
     problem,
+    token.startsWith(sharePrefix) ? null : shareButton(scan.get().scanId, token, problem),
     download,
   );
   const dispose = scan.subscribe((state) => {

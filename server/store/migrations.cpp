@@ -1,0 +1,104 @@
+#include "server/store/migrations.h"
+
+#include <SQLiteCpp/Backup.h>
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <sqlite3.h>
+
+#include <array>
+#include <filesystem>
+#include <string_view>
+
+#include "core/base/result.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr int kApplicationId = 0x48524246;  // "HRBF"
+
+// Migration N brings user_version from N to N + 1. Never edit one that was released: add one.
+constexpr std::array<std::string_view, 2> kMigrations = {
+    R"sql(
+CREATE TABLE scans(
+  id TEXT PRIMARY KEY NOT NULL,
+  title TEXT NOT NULL,
+  phase TEXT NOT NULL CHECK (phase IN ('running', 'finished', 'failed', 'interrupted')),
+  words TEXT NOT NULL,
+  width INTEGER NOT NULL, height INTEGER NOT NULL,
+  fx REAL NOT NULL, fy REAL NOT NULL, cx REAL NOT NULL, cy REAL NOT NULL,
+  depth_units_per_metre REAL NOT NULL,
+  frames_received INTEGER NOT NULL,
+  frames_processed INTEGER NOT NULL,
+  frames_dropped INTEGER NOT NULL,
+  created_at_ms INTEGER NOT NULL,
+  finished_at_ms INTEGER NOT NULL
+) STRICT;
+CREATE INDEX scans_by_time ON scans(created_at_ms DESC, id);
+)sql",
+    // A share link is a token that opens one scan: one table, so that there is one way in to check, to expire and to revoke.
+    R"sql(
+CREATE TABLE tokens(
+  id TEXT PRIMARY KEY NOT NULL,
+  secret_sha256 BLOB NOT NULL UNIQUE CHECK (length(secret_sha256) = 32),
+  name TEXT NOT NULL,
+  may_view INTEGER NOT NULL CHECK (may_view IN (0, 1)),
+  may_scan INTEGER NOT NULL CHECK (may_scan IN (0, 1)),
+  may_admin INTEGER NOT NULL CHECK (may_admin IN (0, 1)),
+  scan_id TEXT REFERENCES scans(id) ON DELETE CASCADE,
+  created_at_ms INTEGER NOT NULL,
+  expires_at_ms INTEGER NOT NULL,
+  used_at_ms INTEGER NOT NULL,
+  revoked_at_ms INTEGER NOT NULL,
+  CHECK (scan_id IS NULL OR (may_view = 1 AND may_scan = 0 AND may_admin = 0))
+) STRICT;
+CREATE INDEX tokens_by_scan ON tokens(scan_id);
+)sql"};
+
+int pragma(SQLite::Database& database, const std::string& name) { return database.execAndGet("PRAGMA " + name).getInt(); }
+
+// Under another name first: what has the backup's name is whole.
+void back_up(SQLite::Database& database, const std::string& path, int version) {
+  const std::string backup = backup_path(path, version), partial = backup + ".partial";
+  const auto failed = [&backup](const std::string& why) {
+    return SetupError(
+        {ErrorCode::kIo, "the database is older than this program and is copied to " + backup + " before it is changed: " + why});
+  };
+  std::error_code error;
+  std::filesystem::remove(partial, error);
+  if (error) throw failed(error.message());
+  try {
+    SQLite::Database target(partial, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+    SQLite::Backup copy(target, database);
+    if (copy.executeStep(-1) != SQLITE_DONE) throw failed("another program is using it");
+  } catch (const SQLite::Exception& failure) {
+    throw failed(failure.what());
+  }
+  std::filesystem::rename(partial, backup, error);
+  if (error) throw failed(error.message());
+}
+
+}  // namespace
+
+int schema_version() { return static_cast<int>(kMigrations.size()); }
+
+std::string backup_path(const std::string& path, int version) { return path + ".schema-" + std::to_string(version); }
+
+void migrate(SQLite::Database& database, const std::string& path) {
+  const int version = pragma(database, "user_version"), application = pragma(database, "application_id");
+  const bool empty = database.execAndGet("SELECT count(*) FROM sqlite_schema").getInt() == 0;
+  if (!(empty && application == 0) && application != kApplicationId)
+    throw SetupError({ErrorCode::kUnsupported, path + " is a database of another program"});
+  if (version > schema_version())
+    throw SetupError({ErrorCode::kUnsupported, path + " has schema " + std::to_string(version) + ", this program knows up to " +
+                                                   std::to_string(schema_version()) + ": run the newer hermite that wrote it"});
+  if (!empty && version < schema_version()) back_up(database, path, version);
+  for (int step = version; step < schema_version(); ++step) {
+    SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+    database.exec(std::string(kMigrations[static_cast<std::size_t>(step)]));
+    database.exec("PRAGMA application_id = " + std::to_string(kApplicationId));
+    database.exec("PRAGMA user_version = " + std::to_string(step + 1));
+    transaction.commit();
+  }
+}
+
+}  // namespace hermite

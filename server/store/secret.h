@@ -1,0 +1,19 @@
+// Secrets that let someone in: made here, kept as hashes, never written to a log. Pure functions but for the random source.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace hermite {
+
+// What they begin with, so that a secret that leaked into a file or a repository can be searched for.
+inline constexpr std::string_view kTokenPrefix = "hmt_";
+inline constexpr std::string_view kSharePrefix = "hms_";
+
+// The prefix and 256 random bits as 64 hex digits.
+std::string new_secret(std::string_view prefix);
+
+// 32 bytes. One plain round is right for secrets that nobody can guess: a slow hash protects what people make up.
+std::string sha256(std::string_view text);
+
+}  // namespace hermite

@@ -1,0 +1,143 @@
+// The part of Store that is about tokens and share links.
+#include <sqlite3.h>
+
+#include "server/store/store_connection.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr const char* kColumns =
+    "id, secret_sha256, name, may_view, may_scan, may_admin, coalesce(scan_id, ''), created_at_ms, expires_at_ms, used_at_ms, "
+    "revoked_at_ms";
+
+TokenRow row_of(const SQLite::Statement& query) {
+  TokenRow row;
+  row.id = query.getColumn(0).getString();
+  row.secret_sha256 = query.getColumn(1).getString();
+  row.name = query.getColumn(2).getString();
+  row.scopes = {query.getColumn(3).getInt() != 0, query.getColumn(4).getInt() != 0, query.getColumn(5).getInt() != 0};
+  row.scan_id = query.getColumn(6).getString();
+  row.created_at_ms = query.getColumn(7).getInt64();
+  row.expires_at_ms = query.getColumn(8).getInt64();
+  row.used_at_ms = query.getColumn(9).getInt64();
+  row.revoked_at_ms = query.getColumn(10).getInt64();
+  return row;
+}
+
+Error no_token(const std::string& id) { return {ErrorCode::kNotFound, "there is no token or share link " + id}; }
+
+}  // namespace
+
+const char* name_of(Scope scope) {
+  switch (scope) {
+    case Scope::kView: return "view";
+    case Scope::kScan: return "scan";
+    case Scope::kAdmin: return "admin";
+  }
+  return "unknown";
+}
+
+bool includes(const Scopes& scopes, Scope scope) {
+  switch (scope) {
+    case Scope::kView: return scopes.view || scopes.admin;
+    case Scope::kScan: return scopes.scan || scopes.admin;
+    case Scope::kAdmin: return scopes.admin;
+  }
+  return false;
+}
+
+Status Store::add_token(const TokenRow& row) try {
+  SQLite::Database& database = impl_->database;
+  if (!row.scan_id.empty())
+    if (const Result<ScanRow> scan = find(row.scan_id); !scan.ok()) return scan.error();
+  if (database.execAndGet("SELECT count(*) FROM tokens").getInt() >= kMaxTokens)
+    return Error{ErrorCode::kBusy, "there are " + std::to_string(kMaxTokens) + " tokens and share links, which is the limit"};
+  SQLite::Statement insert(database,
+                           "INSERT INTO tokens(id, secret_sha256, name, may_view, may_scan, may_admin, scan_id, created_at_ms, "
+                           "expires_at_ms, used_at_ms, revoked_at_ms) VALUES(?,?,?,?,?,?,nullif(?,''),?,?,?,?)");
+  int column = 0;
+  insert.bind(++column, row.id);
+  insert.bind(++column, row.secret_sha256.data(), static_cast<int>(row.secret_sha256.size()));
+  insert.bind(++column, row.name);
+  for (const bool may : {row.scopes.view, row.scopes.scan, row.scopes.admin}) insert.bind(++column, may ? 1 : 0);
+  insert.bind(++column, row.scan_id);
+  for (const std::int64_t time_ms : {row.created_at_ms, row.expires_at_ms, row.used_at_ms, row.revoked_at_ms})
+    insert.bind(++column, time_ms);
+  insert.exec();
+  return Done{};
+} catch (const SQLite::Exception& failure) {
+  if (failure.getErrorCode() == SQLITE_CONSTRAINT) return Error{ErrorCode::kInvalidArgument, "token " + row.id + ": " + failure.what()};
+  return database_error(failure);
+}
+
+Result<TokenRow> Store::find_token(const std::string& secret_sha256) try {
+  SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM tokens WHERE secret_sha256 = ?");
+  query.bind(1, secret_sha256.data(), static_cast<int>(secret_sha256.size()));
+  if (!query.executeStep()) return Error{ErrorCode::kNotFound, "there is no token with this secret"};
+  return row_of(query);
+} catch (const SQLite::Exception& failure) {
+  return database_error(failure);
+}
+
+Result<TokenRow> Store::token(const std::string& id) try {
+  SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM tokens WHERE id = ?");
+  query.bind(1, id);
+  if (!query.executeStep()) return no_token(id);
+  return row_of(query);
+} catch (const SQLite::Exception& failure) {
+  return database_error(failure);
+}
+
+Result<std::vector<TokenRow>> Store::list_tokens() try {
+  SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM tokens ORDER BY created_at_ms DESC, id");
+  std::vector<TokenRow> rows;
+  while (query.executeStep()) rows.push_back(row_of(query));
+  return rows;
+} catch (const SQLite::Exception& failure) {
+  return database_error(failure);
+}
+
+Status Store::revoke_token(const std::string& id, std::int64_t now_ms) try {
+  // The time of the first revocation stays.
+  SQLite::Statement change(impl_->database, "UPDATE tokens SET revoked_at_ms = iif(revoked_at_ms = 0, ?, revoked_at_ms) WHERE id = ?");
+  change.bind(1, now_ms);
+  change.bind(2, id);
+  if (change.exec() == 0) return no_token(id);
+  return Done{};
+} catch (const SQLite::Exception& failure) {
+  return database_error(failure);
+}
+
+Status Store::touch_token(const std::string& id, std::int64_t now_ms) try {
+  SQLite::Statement change(impl_->database, "UPDATE tokens SET used_at_ms = ? WHERE id = ?");
+  change.bind(1, now_ms);
+  change.bind(2, id);
+  if (change.exec() == 0) return no_token(id);
+  return Done{};
+} catch (const SQLite::Exception& failure) {
+  return database_error(failure);
+}
+
+Status Store::remove_token(const std::string& id) try {
+  SQLite::Statement change(impl_->database, "DELETE FROM tokens WHERE id = ?");
+  change.bind(1, id);
+  if (change.exec() == 0) return no_token(id);
+  return Done{};
+} catch (const SQLite::Exception& failure) {
+  return database_error(failure);
+}
+
+Result<int> Store::forget_tokens(std::int64_t ended_before_ms) try {
+  SQLite::Statement change(impl_->database,
+                           "DELETE FROM tokens WHERE id <> ? AND ((revoked_at_ms > 0 AND revoked_at_ms < ?) OR "
+                           "(expires_at_ms > 0 AND expires_at_ms < ?))");
+  change.bind(1, std::string(kFirstTokenId));
+  change.bind(2, ended_before_ms);
+  change.bind(3, ended_before_ms);
+  return change.exec();
+} catch (const SQLite::Exception& failure) {
+  return database_error(failure);
+}
+
+}  // namespace hermite

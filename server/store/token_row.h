@@ -1,0 +1,39 @@
+// A token or a share link as a row of the store. Plain values.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace hermite {
+
+// What a token allows.
+enum class Scope {
+  kView,   // look at scans and take their files
+  kScan,   // stream frames: make scans
+  kAdmin,  // delete scans, manage tokens; includes the others
+};
+inline constexpr Scope kAllScopes[] = {Scope::kView, Scope::kScan, Scope::kAdmin};
+const char* name_of(Scope scope);  // "view", "scan", "admin"
+
+struct Scopes {
+  bool view = false, scan = false, admin = false;
+  bool operator==(const Scopes&) const = default;
+};
+bool includes(const Scopes& scopes, Scope scope);
+
+struct TokenRow {
+  std::string id;             // public: names it in lists and logs
+  std::string secret_sha256;  // 32 bytes
+  std::string name;           // for people
+  Scopes scopes;
+  std::string scan_id;             // a share link: the only scan that it opens, to look at. Empty for a token
+  std::int64_t created_at_ms = 0;  // Unix time, here and below
+  std::int64_t expires_at_ms = 0;  // 0: never
+  std::int64_t used_at_ms = 0;     // to about a minute; 0: not yet
+  std::int64_t revoked_at_ms = 0;  // 0: not revoked
+};
+
+// The token of the file `token` in the data folder: made at the first start, allowed everything.
+inline constexpr const char* kFirstTokenId = "first";
+
+}  // namespace hermite

@@ -1,0 +1,37 @@
+// Makes a share link of one scan and shows it for copying.
+import { ApiError, createShareLink } from '../connection/api';
+import { element, setText } from './dom';
+
+export function shareButton(scanId: string, token: string, problem: Element): HTMLElement {
+  const button = element('button', { type: 'button', class: 'button', title: 'Makes a link with which others can look at this scan' }, 'Share');
+  const link = element('input', { class: 'share-link', type: 'text', readonly: true, 'aria-label': 'Link to this scan' });
+  const words = element('span', { class: 'share-words', role: 'status' });
+  const node = element('span', { class: 'share' }, words, link, button);
+  link.hidden = true;
+  const share = async (): Promise<void> => {
+    button.disabled = true;
+    setText(problem, '');
+    try {
+      link.value = await createShareLink(scanId, token);
+      link.hidden = false;
+      button.hidden = true;
+      link.select();
+      setText(words, (await copied(link.value)) ? 'Copied. Shows this scan for 7 days:' : 'Shows this scan for 7 days:');
+    } catch (error) {
+      setText(problem, error instanceof ApiError ? error.message : 'The link could not be made.');
+    }
+    button.disabled = false;
+  };
+  button.addEventListener('click', () => void share());
+  return node;
+}
+
+// Browsers allow it only to pages that come over TLS or from this machine.
+async function copied(text: string): Promise<boolean> {
+  try {
+    await navigator.clipboard.writeText(text);
+    return true;
+  } catch {
+    return false;
+  }
+}
