@@ -114,7 +114,9 @@ test('the cloud can be downloaded', async () => {
 test('a share link shows this scan and no other', { timeout: 120_000 }, async () => {
   const { page } = viewer;
   await page.getByRole('button', { name: 'Share' }).click();
-  const link = await page.getByLabel('Link to this scan').inputValue();
+  const field = page.getByLabel('Link to this scan');
+  await field.waitFor(); // it is there before, but hidden and empty
+  const link = await field.inputValue();
   assert.ok(link.startsWith(`${server.origin}/#share=hms_`), link);
   const context = await browser.browser.newContext();
   const guest = await context.newPage();
