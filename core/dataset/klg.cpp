@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::int64_t kMinFrame_bytes = 8 + 4 + 4 + 1;
 // ElasticFusion runs a log without a calibration file with these.
-constexpr Camera kElasticFusionCamera{640, 480, 528, 528, 320, 240, 1000};
+const Camera kElasticFusionCamera{640, 480, 528, 528, 320, 240, 1000};
 // Sizes of sensors whose logs there are, for images that do not say theirs.
 constexpr ImageSize kSensorSizes[] = {{640, 480}, {320, 240}, {1280, 720}, {848, 480}, {640, 360}, {960, 540}, {1280, 960}};
 
