@@ -34,8 +34,15 @@ const PlaceCounts& PlaceAudit::result() {
 // Does a keyframe of an inactive submap show this view?
 bool PlaceAudit::knows(const Rigid3& true_pose) const {
   return std::any_of(views_.begin(), views_.end(), [&](const View& view) {
-    return !layout().is_active[view.submap] && is_within(inverse(view.true_pose) * true_pose, kNear_m, kNear_deg);
+    return view.submap < lap_submaps_ && !layout().is_active[view.submap] &&
+           is_within(inverse(view.true_pose) * true_pose, kNear_m, kNear_deg);
   });
+}
+
+void PlaceAudit::show_first_lap_only(std::vector<Revisit>& revisits) const {
+  for (Revisit& revisit : revisits)
+    for (std::size_t submap = lap_submaps_; submap < revisit.submaps.size(); ++submap) revisit.submaps[submap] = false;
+  std::erase_if(revisits, [](const Revisit& revisit) { return std::count(revisit.submaps.begin(), revisit.submaps.end(), true) == 0; });
 }
 
 std::vector<Revisit> PlaceAudit::ask_about_loop(const RgbdFrame& frame, const Rigid3& world_from_camera) {
@@ -44,7 +51,8 @@ std::vector<Revisit> PlaceAudit::ask_about_loop(const RgbdFrame& frame, const Ri
   std::vector<Revisit> revisits = mapping_->observe(frame, world_from_camera);
   if (keyframe_count() == before) return revisits;
   asked_at_known_ = question_ == PlaceQuestion::kLoop && knows(true_pose_);
-  views_.push_back({true_pose_, layout().current});
+  views_.push_back({true_pose_, world_from_camera, layout().current});
+  show_first_lap_only(revisits);
   return revisits;
 }
 
@@ -54,12 +62,14 @@ std::vector<Revisit> PlaceAudit::ask_lost(const RgbdFrame& frame) {
                                 [&](const View& view) { return is_within(inverse(view.true_pose) * true_pose_, kNear_m, kNear_deg); });
   std::vector<Revisit> revisits = mapping_->find(frame);
   for (Revisit& revisit : revisits) revisit.submaps[layout().current] = false;  // into which this lap is fused
+  show_first_lap_only(revisits);
   return revisits;
 }
 
 std::vector<Revisit> PlaceAudit::observe(const RgbdFrame& frame, const Rigid3& world_from_camera) {
   result();
   ++frame_;
+  if (frame_ < lap_frames_) lap_submaps_ = layout().is_active.size();
   const std::optional<Rigid3> pose = pose_at(truth_, frame.timestamp_s, 1e-3);
   if (!pose) return {};
   true_pose_ = inverse(truth_.front().world_from_camera) * *pose;
@@ -71,8 +81,22 @@ std::vector<Revisit> PlaceAudit::observe(const RgbdFrame& frame, const Rigid3& w
   return revisits;
 }
 
-bool PlaceAudit::confirm(const Revisit&, const Rigid3& seen_from) {
-  if (is_within(inverse(true_pose_) * seen_from, kRight_m, kRight_deg))
+bool PlaceAudit::is_right(const Revisit& revisit, const Rigid3& seen_from) const {
+  const View* nearest = nullptr;
+  double least_m = kNear_m;
+  for (const View& view : views_) {
+    const Rigid3 view_from_camera = inverse(view.true_pose) * true_pose_;
+    if (!revisit.submaps[view.submap] || !is_within(view_from_camera, least_m, kNear_deg)) continue;
+    nearest = &view;
+    least_m = view_from_camera.translation.norm();
+  }
+  if (nearest == nullptr) return false;
+  const Rigid3 expected = nearest->mapped_pose * inverse(nearest->true_pose) * true_pose_;
+  return is_within(inverse(expected) * seen_from, kRight_m, kRight_deg);
+}
+
+bool PlaceAudit::confirm(const Revisit& revisit, const Rigid3& seen_from) {
+  if (is_right(revisit, seen_from))
     answered_right_ = true;
   else
     ++counts_.wrong;

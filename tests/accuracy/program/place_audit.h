@@ -1,6 +1,6 @@
 // A back end that is asked where the camera is and never believed: the front end looks at every guess as in a scan, the audit compares
 // what fits with the true pose, and then refuses. So the camera is at known ground for as long as the walk goes on, and each keyframe of a
-// second lap is one revisit.
+// second lap is one revisit. What is mapped in the second lap lies where the camera has drifted to, and is not shown.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,8 @@ struct PlaceCounts {
   std::int64_t unguessed = 0;  // known ground, and nothing to look at
 };
 
-// A submap drifts by 14 mm in a lap of these worlds; half a step to the side is a wrong place.
+// From the nearest view that the map has of the place, so that what the map has drifted by does not count. Half a step to the side is a
+// wrong place.
 inline constexpr double kRight_m = 0.05, kRight_deg = 2.0;
 
 class PlaceAudit final : public Mapping {
@@ -49,18 +50,21 @@ class PlaceAudit final : public Mapping {
 
  private:
   struct View {
-    Rigid3 true_pose;
+    Rigid3 true_pose, mapped_pose;
     std::uint32_t submap = 0;
   };
 
   std::vector<Revisit> ask_about_loop(const RgbdFrame& frame, const Rigid3& world_from_camera);
   std::vector<Revisit> ask_lost(const RgbdFrame& frame);
+  void show_first_lap_only(std::vector<Revisit>& revisits) const;
   bool knows(const Rigid3& true_pose) const;
+  bool is_right(const Revisit& revisit, const Rigid3& seen_from) const;
 
   const std::unique_ptr<Mapping> mapping_;
   const Trajectory truth_;
   const PlaceQuestion question_;
   const std::int64_t lap_frames_;
+  std::size_t lap_submaps_ = 0;  // that were opened in the first lap
   std::int64_t frame_ = -1;
   Rigid3 true_pose_;
   std::vector<View> views_;  // of keyframes
