@@ -1,12 +1,11 @@
 #include "core/report/run_report.h"
 
-#include <openssl/evp.h>
 #include <sys/resource.h>
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
-#include "core/base/check.h"
+#include "core/digest/sha256.h"
 #include "core/evaluate/accuracy_report.h"
 
 namespace hermite {
@@ -16,19 +15,6 @@ namespace {
 using Json = nlohmann::ordered_json;  // a person reads it: in the order in which it is written
 
 constexpr double kMegabyte = 1e6;
-
-std::string sha256_hex(const std::string& bytes) {
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned int size = 0;
-  CHECK(EVP_Digest(bytes.data(), bytes.size(), digest, &size, EVP_sha256(), nullptr) == 1, "SHA-256 is always there");
-  constexpr char kDigits[] = "0123456789abcdef";
-  std::string text;
-  for (unsigned int i = 0; i < size; ++i) {
-    text += kDigits[digest[i] >> 4];
-    text += kDigits[digest[i] & 15];
-  }
-  return text;
-}
 
 double peak_rss_mb() {
   rusage usage{};

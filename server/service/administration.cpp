@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/digest/sha256.h"
 #include "server/service/json_time.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"

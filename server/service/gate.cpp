@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "core/digest/sha256.h"
 #include "server/service/access.h"
 #include "server/store/secret.h"
 

@@ -1,7 +1,5 @@
 #include "server/service/scan_record.h"
 
-#include <openssl/evp.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -9,7 +7,6 @@
 #include <utility>
 #include <variant>
 
-#include "core/base/check.h"
 #include "proto/wire/client_message.h"
 
 namespace hermite {
@@ -19,19 +16,6 @@ namespace {
 Error corrupt(const std::string& words) { return {ErrorCode::kCorruptData, "the record of the scan: " + words}; }
 
 }  // namespace
-
-std::string sha256_hex(std::string_view bytes) {
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned int size = 0;
-  CHECK(EVP_Digest(bytes.data(), bytes.size(), digest, &size, EVP_sha256(), nullptr) == 1, "SHA-256 is always there");
-  std::string hex;
-  for (unsigned int i = 0; i < size; ++i) {
-    char digits[3];
-    std::snprintf(digits, sizeof digits, "%02x", digest[i]);
-    hex += digits;
-  }
-  return hex;
-}
 
 std::string format_terms(const ScanRecord& record) {
   const nlohmann::json terms = {{"resume_token_sha256", record.resume_token_sha256},

@@ -21,8 +21,6 @@ struct ScanRecord {
 
 inline constexpr int kResumeTokenBytes = 16;
 
-std::string sha256_hex(std::string_view bytes);
-
 std::string format_terms(const ScanRecord& record);  // JSON
 std::string format_start(const ScanRecord& record);  // a Hello without its token
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/digest/sha256.h"
 
 namespace hermite {
 
@@ -43,13 +44,8 @@ bool is_scan_id(std::string_view text) {
 }
 
 std::string random_hex(int byte_count) {
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string text;
-  for (const std::uint8_t byte : random_bytes(static_cast<std::size_t>(byte_count))) {
-    text += kDigits[byte >> 4];
-    text += kDigits[byte & 15];
-  }
-  return text;
+  const std::vector<std::uint8_t> bytes = random_bytes(static_cast<std::size_t>(byte_count));
+  return hex({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace hermite

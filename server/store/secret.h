@@ -1,4 +1,5 @@
-// Secrets that let someone in: made here, kept as hashes, never written to a log. Pure functions but for the random source.
+// Secrets that let someone in: made here, never written to a log, kept as SHA-256. One plain round is right for what nobody can guess:
+// a slow hash protects what people make up.
 #pragma once
 
 #include <string>
@@ -12,8 +13,5 @@ inline constexpr std::string_view kSharePrefix = "hms_";
 
 // The prefix and 256 random bits as 64 hex digits.
 std::string new_secret(std::string_view prefix);
-
-// 32 bytes. One plain round is right for secrets that nobody can guess: a slow hash protects what people make up.
-std::string sha256(std::string_view text);
 
 }  // namespace hermite

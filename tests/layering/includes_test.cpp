@@ -37,17 +37,18 @@ const std::vector<Layer>& layers() {
       {"core/dataset", {"core/archive", "core/raw", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"core/evaluate", {"core/dataset", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"core/output", {"core/math", "core/base"}},
+      {"core/digest", {"core/base"}},
       // Of what needs more than Vulkan and Eigen only plain headers: hermite_bench links this and nothing else.
       {"core/pipeline",
        {"core/adjust/mapping.h", "core/adjust/adjust_options.h", "core/dataset/trajectory.h", "core/output/cloud.h", "core/mesh",
         "core/track", "core/map", "core/frame", "core/gpu", "core/math", "core/base"}},
-      {"core/report", {"core/pipeline", "core/evaluate", "core/base"}},
+      {"core/report", {"core/pipeline", "core/evaluate", "core/digest", "core/base"}},
       {"tests/bench/program", {"core/pipeline", "core/raw", "core/gpu", "core/base"}},
       {"tests/bench/codecs", {"core/dataset", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"proto/wire", {"core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"server",
-       {"core/pipeline", "core/report", "core/adjust/mapping.h", "core/output", "core/dataset", "core/evaluate", "core/frame/rgbd_frame.h",
-        "core/raw", "core/image", "core/math", "core/base", "proto/wire"}},
+       {"core/pipeline", "core/report", "core/adjust/mapping.h", "core/output", "core/dataset", "core/digest", "core/evaluate",
+        "core/frame/rgbd_frame.h", "core/raw", "core/image", "core/math", "core/base", "proto/wire"}},
       {"shaders", {}},
   };
   return table;

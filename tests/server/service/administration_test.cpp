@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/digest/sha256.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
 #include "tests/support/temporary_folder.h"

@@ -8,6 +8,7 @@
 
 #include <sstream>
 
+#include "core/digest/sha256.h"
 #include "server/store/secret.h"
 #include "tests/support/temporary_folder.h"
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/digest/sha256.h"
 #include "proto/wire/client_message.h"
 
 namespace hermite {
@@ -42,7 +43,6 @@ TEST(ScanRecord, ComesBackAsItWas) {
 TEST(ScanRecord, HoldsNoToken) {
   const ScanRecord record = some_record();
   EXPECT_THAT(format_terms(record), Not(HasSubstr("a token")));
-  EXPECT_EQ(sha256_hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad") << "FIPS 180-2, B.1";
 }
 
 TEST(ScanRecord, WhatIsNoneIsSaidInWords) {

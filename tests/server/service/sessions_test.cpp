@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/digest/sha256.h"
 #include "core/pipeline/doctor.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"

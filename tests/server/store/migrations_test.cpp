@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/digest/sha256.h"
 #include "server/store/secret.h"
 #include "server/store/store.h"
 #include "tests/source_root/source_root.h"

@@ -1,6 +1,7 @@
 // Tokens and share links in the store.
 #include <gtest/gtest.h>
 
+#include "core/digest/sha256.h"
 #include "server/store/secret.h"
 #include "server/store/store.h"
 #include "tests/support/temporary_folder.h"
