@@ -6,12 +6,14 @@
 #include <spdlog/spdlog.h>
 
 #include <array>
+#include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <unordered_map>
+
+#include "server/store/unix_time.h"
 
 namespace hermite {
 
@@ -50,15 +52,7 @@ std::string without_secrets(std::string_view text) {
 }
 
 std::string utc(spdlog::log_clock::time_point time) {
-  const auto since = time.time_since_epoch();
-  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(since).count();
-  const std::time_t seconds = static_cast<std::time_t>(ms / 1000);
-  std::tm parts{};
-  gmtime_r(&seconds, &parts);
-  char text[32], millis[8];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &parts);
-  std::snprintf(millis, sizeof millis, ".%03dZ", static_cast<int>(ms % 1000));
-  return std::string(text) + millis;
+  return utc_text(std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch()).count());
 }
 
 std::string json_line(const spdlog::details::log_msg& line, const std::string& message) {

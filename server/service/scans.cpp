@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/dataset/trajectory.h"
+#include "core/digest/sha256.h"
 #include "proto/wire/client_message.h"
 #include "proto/wire/frame_payload.h"
 #include "proto/wire/server_message.h"
@@ -18,6 +19,7 @@
 #include "server/service/logging.h"
 #include "server/store/chunk_file.h"
 #include "server/store/scan_id.h"
+#include "server/store/unix_time.h"
 
 namespace hermite {
 
@@ -25,10 +27,6 @@ namespace {
 
 constexpr std::size_t kLiveQueueFrames = 4;  // older ones are not worth waiting for
 constexpr std::int64_t kDay_ms = 24 * 3600 * 1000;
-
-std::int64_t now_ms() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 ScanPhase stored_phase(wire::ScanPhase phase) {
   switch (phase) {
@@ -123,7 +121,7 @@ Scans::Scans(ScansOptions options, const DataDirectory& data, Store& store, Metr
     if (rebuilt.ok()) continue;
     row.phase = ScanPhase::kInterrupted;
     row.words = "the server ended during the scan, and it cannot be gone on with: " + rebuilt.error().message;
-    row.finished_at_ms = now_ms();
+    row.finished_at_ms = unix_now_ms();
     log_with({row.id}, spdlog::level::warn, fmt::format("scan {}: {}", row.id, row.words));
     if (Status status = store_.update(row); !status.ok()) throw SetupError(status.error());
   }
@@ -201,7 +199,7 @@ Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& gr
   row.id = new_scan_id();
   row.title = request.title;
   row.camera = request.camera;
-  row.created_at_ms = now_ms();
+  row.created_at_ms = unix_now_ms();
   if (Status status = data_.create_scan_folder(row.id); !status.ok()) return status.error();
   Result<std::unique_ptr<FrameLog>> log =
       FrameLog::create(data_.log_folder(row.id), format_terms(launch.record), format_start(launch.record), log_events(launch));
@@ -325,7 +323,7 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   }
   row.phase = stored_phase(end.phase);
   row.words = end.words;
-  row.finished_at_ms = now_ms();
+  row.finished_at_ms = unix_now_ms();
   if (Status status = store_.update(row); !status.ok()) spdlog::error("scan {}: {}", row.id, status.error().message);
   log_with({row.id, {}, static_cast<double>(row.finished_at_ms - row.created_at_ms) / 1000}, spdlog::level::info,
            fmt::format("scan {} {}: {} frames received, {} processed, {} dropped{}{}", row.id, name_of(row.phase), row.frames_received,
@@ -404,7 +402,7 @@ void Scans::remove_old_logs() {
   old_logs_removed_at_ = LiveScan::Clock::now();
   const Result<std::vector<ScanRow>> rows = store_.list();
   if (!rows.ok() || options_.keep_log_days == 0) return;
-  const std::int64_t oldest_ms = now_ms() - options_.keep_log_days * kDay_ms;
+  const std::int64_t oldest_ms = unix_now_ms() - options_.keep_log_days * kDay_ms;
   for (const ScanRow& row : *rows)
     if (row.phase != ScanPhase::kRunning && row.finished_at_ms < oldest_ms)
       if (Status status = data_.remove_log_folder(row.id); !status.ok()) spdlog::warn("{}", status.error().message);

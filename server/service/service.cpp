@@ -277,7 +277,6 @@ struct Service::Impl {
 
   // Without new ones, until the scans that run have ended or may not go on any longer.
   asio::awaitable<void> drain() {
-    draining = true;
     manager.tell("STOPPING=1");
     error_code error;
     acceptor->close(error);
