@@ -21,14 +21,19 @@ import time
 from programs import FRAMES, Camera, Server, check, failures
 
 
+# The upgrade and the hello have less. A camera that has not been told of its scan cannot come back to it, one that sends frames has.
+HELLO_BYTES = 4000
+
+
 class Proxy:
-    """Between one camera and the server. Cuts every connection while `cutting`."""
+    """Between one camera and the server. Cuts every connection once the first frame was on its way, while `cutting`."""
 
     def __init__(self, port, rng):
         self.server_port = port
         self.rng = rng
         self.cutting = True
         self.cuts = 0
+        self.upward_bytes = 0
         self.listener = socket.create_server(("127.0.0.1", 0))
         self.port = self.listener.getsockname()[1]
         threading.Thread(target=self.accept, daemon=True).start()
@@ -45,12 +50,14 @@ class Proxy:
             abrupt = self.rng.random() < 0.5
             piece = self.rng.choice([1, 100, 65536])
             for source, sink in ((near, far), (far, near)):
-                threading.Thread(target=self.forward, args=(source, sink, allowance, piece, abrupt), daemon=True).start()
+                threading.Thread(target=self.forward, args=(source, sink, far, allowance, piece, abrupt), daemon=True).start()
 
-    def forward(self, source, sink, allowance, piece, abrupt):
+    def forward(self, source, sink, far, allowance, piece, abrupt):
         try:
             while data := source.recv(65536):
-                if self.cutting and allowance[0] < len(data):
+                if sink is far:
+                    self.upward_bytes += len(data)
+                if self.cutting and self.upward_bytes > HELLO_BYTES and allowance[0] < len(data):
                     sink.sendall(data[:max(0, int(allowance[0]))])
                     self.cuts += allowance[0] >= 0
                     allowance[0] = -1
@@ -103,10 +110,7 @@ def main():
         cuts = 0
         for scan in range(arguments.scans):
             proxy = Proxy(server.port, rng)
-            proxy.cutting = False  # a camera that has not been told of its scan cannot come back to it
             camera = Camera(arguments.client, server.url.replace(str(server.port), str(proxy.port)))
-            time.sleep(1)
-            proxy.cutting = True
             deadline = time.monotonic() + 10
             while time.monotonic() < deadline and camera.process.poll() is None:
                 time.sleep(0.05)
