@@ -8,7 +8,6 @@
 #include <random>
 
 #include "core/dataset/sequence.h"
-#include "core/dataset/world_paths.h"
 #include "core/evaluate/trajectory_error.h"
 #include "core/pipeline/pipeline.h"
 

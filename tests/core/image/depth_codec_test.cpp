@@ -10,8 +10,8 @@
 #include <string>
 
 #include "tests/support/data_folder.h"
-#include "tests/support/file_bytes.h"
 #include "tests/support/memory_peak.h"
+#include "tests/support/recorded_depth.h"
 
 namespace hermite {
 namespace {
@@ -200,17 +200,13 @@ TEST(DepthCodec, SurvivesNoise) {
 TEST(DepthCodec, KeepsRecordedDepth) {
   const auto folder = test::data_folder("redkitchen");
   if (!folder) GTEST_SKIP() << test::skip_words("redkitchen");
-  std::size_t encoded_bytes = 0, frame_count = 0;
-  for (int frame = 0; frame < 1000; frame += 50) {
-    char name[32];
-    std::snprintf(name, sizeof(name), "frame-%06d.depth.png", frame);
-    const Result<DepthImage> depth = decode_depth_png(test::file_bytes(*folder / name), {640, 480});
-    ASSERT_TRUE(depth.ok()) << name << ": " << depth.error().message;
-    expect_round_trip(*depth);
-    encoded_bytes += encode_depth_rvl_zstd(*depth).size();
-    ++frame_count;
+  const std::vector<DepthImage> images = test::recorded_depth(*folder);
+  std::size_t encoded_bytes = 0;
+  for (const DepthImage& depth : images) {
+    expect_round_trip(depth);
+    encoded_bytes += encode_depth_rvl_zstd(depth).size();
   }
-  const double bits_per_pixel = 8.0 * static_cast<double>(encoded_bytes) / (640.0 * 480.0 * static_cast<double>(frame_count));
+  const double bits_per_pixel = 8.0 * static_cast<double>(encoded_bytes) / (640.0 * 480.0 * static_cast<double>(images.size()));
   RecordProperty("bits_per_pixel", std::to_string(bits_per_pixel));
   EXPECT_LT(bits_per_pixel, 3.5);  // 2.5 measured for a Kinect v1: more means that the codec has lost its way
 }

@@ -6,15 +6,15 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "core/dataset/sequence.h"
+#include "core/digest/sha256.h"
 #include "core/pipeline/doctor.h"
-#include "proto/wire/frame_payload.h"
 #include "server/service/scan_record.h"
 #include "server/store/frame_log.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
 #include "server/store/store.h"
 #include "tests/support/raw_client.h"
+#include "tests/support/room_frames.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
@@ -22,31 +22,11 @@ namespace hermite {
 namespace {
 
 using Json = nlohmann::json;
+using test::kFrameCount;
 using test::RawClient;
+using test::room;
+using test::room_frame;
 using testing::HasSubstr;
-
-constexpr int kFrameCount = 6;
-
-const Sequence& room() {
-  static const std::unique_ptr<Sequence> sequence =
-      *open_sequence("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
-  return *sequence;
-}
-
-const wire::Frame& room_frame(int index) {
-  static const std::vector<wire::Frame> frames = [] {
-    std::vector<wire::Frame> encoded;
-    for (int i = 0; i < kFrameCount; ++i) {
-      RecordedFrame frame = *room().read(i);
-      encoded.push_back({static_cast<std::uint64_t>(i),
-                         frame.timestamp_s,
-                         *wire::encode_depth_payload(frame.depth, wire::DepthCodec::kRvlZstd),
-                         {frame.color_bytes.begin(), frame.color_bytes.end()}});
-    }
-    return encoded;
-  }();
-  return frames[static_cast<std::size_t>(index)];
-}
 
 wire::StartScan request() {
   return {"a test",

@@ -13,7 +13,6 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "core/dataset/sequence.h"
 #include "core/image/image_codec.h"
 #include "core/pipeline/doctor.h"
 #include "proto/wire/frame_payload.h"
@@ -21,6 +20,7 @@
 #include "server/store/chunk_file.h"
 #include "server/store/scan_id.h"
 #include "tests/support/raw_client.h"
+#include "tests/support/room_frames.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
@@ -28,35 +28,14 @@ namespace hermite {
 namespace {
 
 using Json = nlohmann::json;
+using test::kFrameCount;
 using test::RawClient;
+using test::room;
+using test::room_frame;
 using testing::HasSubstr;
-
-constexpr int kFrameCount = 6;
 
 // Few frames make no stable surfels; the clouds of these tests shall not be empty.
 const std::map<std::string, std::string> kSettings = {{"output.unstable", "true"}};
-
-const Sequence& room() {
-  static const std::unique_ptr<Sequence> sequence =
-      *open_sequence("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
-  return *sequence;
-}
-
-// Encoded once: rendering takes time.
-const wire::Frame& room_frame(int index) {
-  static const std::vector<wire::Frame> frames = [] {
-    std::vector<wire::Frame> encoded;
-    for (int i = 0; i < kFrameCount; ++i) {
-      RecordedFrame frame = *room().read(i);
-      encoded.push_back({static_cast<std::uint64_t>(i),
-                         frame.timestamp_s,
-                         *wire::encode_depth_payload(frame.depth, wire::DepthCodec::kRvlZstd),
-                         {frame.color_bytes.begin(), frame.color_bytes.end()}});
-    }
-    return encoded;
-  }();
-  return frames[static_cast<std::size_t>(index)];
-}
 
 std::string bytes_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
