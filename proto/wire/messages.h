@@ -21,8 +21,9 @@ namespace hermite::wire {
 
 inline constexpr const char* kSubprotocol = "hermite.v1";
 inline constexpr const char* kEndpoint = "/api/v1/ws";
-inline constexpr std::uint32_t kProtocolMinor = 2;
-inline constexpr std::uint32_t kMinorWithResume = 2;  // both ends must have it for a scan to outlive its connection
+inline constexpr std::uint32_t kProtocolMinor = 3;
+inline constexpr std::uint32_t kMinorWithResume = 2;   // both ends must have it for a scan to outlive its connection
+inline constexpr std::uint32_t kMinorWithWaiting = 3;  // a camera of it can wait for a place
 
 inline constexpr std::size_t kMaxBytesBeforeWelcome = 64 * 1024;  // a Hello, and all that a viewer ever sends
 inline constexpr std::size_t kMaxServerMessageBytes = 64 * 1024 * 1024;
@@ -144,6 +145,10 @@ struct NotResumed {
 struct GoAway {
   std::uint32_t resume_after_ms = 0;
 };
+struct Waiting {
+  std::uint32_t before = 0;      // cameras that come first
+  std::uint32_t expected_s = 0;  // 0: nobody knows
+};
 struct ChunkKey {
   std::uint32_t submap = 0;
   std::uint32_t level = 0;
@@ -195,6 +200,6 @@ struct TrajectoryPart {
   std::vector<std::uint32_t> submaps;
 };
 using ServerMessage = std::variant<Unknown, Welcome, FrameResult, Credit, Chunk, SubmapPoses, ScanState, Finished, ErrorMessage, Pong,
-                                   SnapshotEnd, TrajectoryPart, Resumed, NotResumed, GoAway>;
+                                   SnapshotEnd, TrajectoryPart, Resumed, NotResumed, GoAway, Waiting>;
 
 }  // namespace hermite::wire

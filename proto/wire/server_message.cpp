@@ -179,6 +179,10 @@ struct Writer {
   }
   void operator()(NotResumed& refused) const { message.mutable_not_resumed()->set_reason(std::move(refused.reason)); }
   void operator()(GoAway& away) const { message.mutable_go_away()->set_resume_after_ms(away.resume_after_ms); }
+  void operator()(Waiting& waiting) const {
+    message.mutable_waiting()->set_before(waiting.before);
+    message.mutable_waiting()->set_expected_s(waiting.expected_s);
+  }
   void operator()(Chunk& chunk) const {
     v1::Chunk& out = *message.mutable_chunk();
     out.mutable_key()->set_submap(chunk.key.submap);
@@ -256,6 +260,7 @@ Result<ServerMessage> parse_server_message(std::string_view bytes, std::size_t m
           Resumed{message.resumed().next_sequence(), message.resumed().frames_granted(), message.resumed().durable_frames()});
     case v1::ServerMessage::kNotResumed: return ServerMessage(NotResumed{std::move(*message.mutable_not_resumed()->mutable_reason())});
     case v1::ServerMessage::kGoAway: return ServerMessage(GoAway{message.go_away().resume_after_ms()});
+    case v1::ServerMessage::kWaiting: return ServerMessage(Waiting{message.waiting().before(), message.waiting().expected_s()});
     case v1::ServerMessage::kTrajectoryPart: return trajectory_from(message.trajectory_part());
     case v1::ServerMessage::BODY_NOT_SET: break;
   }

@@ -80,6 +80,7 @@ class Session {
   void receive(const wire::Resumed& resumed) { resumed_ = resumed; }
   void receive(const wire::NotResumed& refused);
   void receive(const wire::GoAway& away);
+  void receive(const wire::Waiting& waiting);
   void receive(const wire::SubmapPoses&) {}
   void receive(const wire::Unknown&) { ++progress_.unknown_messages; }
   // For viewers; a camera that gets one anyway has no use for it.
@@ -92,7 +93,9 @@ class Session {
   const StreamObserver& observer_;
 
   Link link_;
-  bool link_lost_ = false;                              // what step() says then is no reason to give up the scan
+  bool link_lost_ = false;                // what step() says then is no reason to give up the scan
+  std::optional<wire::Waiting> waiting_;  // for a place on the server
+  SteadyTime hello_deadline_;
   std::optional<std::chrono::milliseconds> stay_away_;  // the server has said that it goes, and for how long
 
   StreamProgress progress_;
@@ -147,11 +150,11 @@ Status Session::greet() {
   link_.connection().send(
       wire::format_client_message(wire::Hello{wire::kProtocolMinor, "hermite-client", request_.server.token, std::move(start)}));
 
-  const SteadyTime deadline = Clock::now() + request_.connect_patience;
+  hello_deadline_ = Clock::now() + request_.connect_patience;
   while (!welcome_) {
-    if (Status status = step(deadline); !status.ok()) return status;
+    if (Status status = step(hello_deadline_); !status.ok()) return status;
     if (interrupts() > 0) return Error{ErrorCode::kIo, "interrupted before the scan began"};
-    if (!welcome_ && Clock::now() >= deadline) return Error{ErrorCode::kIo, "the server does not answer the hello"};
+    if (!welcome_ && Clock::now() >= hello_deadline_) return Error{ErrorCode::kIo, "the server does not answer the hello"};
   }
   return check_welcome();
 }
@@ -377,6 +380,15 @@ void Session::receive(const wire::NotResumed& refused) {
 void Session::receive(const wire::GoAway& away) {
   constexpr std::uint32_t kLongest_ms = 60'000;  // whatever the server thinks, somebody waits here
   stay_away_ = std::chrono::milliseconds(std::min(away.resume_after_ms, kLongest_ms));
+}
+
+void Session::receive(const wire::Waiting& waiting) {
+  // Said when it changes: for people who wait.
+  if (!waiting_ || waiting_->before != waiting.before || (waiting_->expected_s == 0 && waiting.expected_s > 0))
+    tell_link("no place on the server yet, waiting" + (waiting.before > 0 ? " behind " + std::to_string(waiting.before) + " others" : "") +
+              (waiting.expected_s > 0 ? ", about " + std::to_string(waiting.expected_s) + " s" : ""));
+  waiting_ = waiting;
+  hello_deadline_ = Clock::now() + request_.connect_patience;
 }
 
 void Session::receive(const wire::ErrorMessage& error) {

@@ -41,6 +41,7 @@ struct ScanTerms {
   std::uint32_t credit_window = 16;  // frames
   std::string resume_token_sha256;   // empty: the scan ends with its camera's connection
   std::chrono::milliseconds resume_window{120'000};
+  std::uint64_t expected_frames = 0;  // 0: nobody knows
 };
 
 // What an earlier server has taken of a scan, as its frame log has it.
@@ -96,6 +97,12 @@ class LiveScan {
   const Audience& audience() const { return *audience_; }
   std::shared_ptr<Audience> shared_audience() const { return audience_; }
   const std::string& resume_token_sha256() const { return terms_.resume_token_sha256; }
+  // Nothing where nobody knows how many there will be.
+  std::optional<std::uint64_t> remaining_frames() const {
+    const std::uint64_t done = counts_.processed + counts_.dropped;
+    if (terms_.expected_frames == 0) return std::nullopt;
+    return terms_.expected_frames > done ? terms_.expected_frames - done : 0;
+  }
   wire::Mode mode() const { return terms_.mode; }
   std::uint64_t credit() const { return counts_.processed + counts_.dropped + terms_.credit_window - counts_.received; }
   std::uint64_t queue_bytes() const { return worker_ ? worker_->waiting_bytes() : 0; }

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -26,6 +27,9 @@ namespace hermite {
 namespace {
 
 constexpr std::size_t kLiveQueueFrames = 4;  // older ones are not worth waiting for
+// Those who wait hear of it so often: they give up when they hear nothing for longer.
+constexpr std::chrono::seconds kWaitingPeriod(5);
+
 constexpr std::int64_t kDay_ms = 24 * 3600 * 1000;
 
 ScanPhase stored_phase(wire::ScanPhase phase) {
@@ -108,12 +112,19 @@ bool resume_token_fits(const std::string& token, const std::string& sha256) {
   return !sha256.empty() && tokens_equal(sha256_hex(token), sha256);
 }
 
+// From the end of its waiting in the queue.
+double work_s_of(const FrameOutcome& outcome) {
+  double work_ms = 0;
+  for (std::size_t i = 1; i < outcome.stages.size(); ++i) work_ms += outcome.stages[i].duration_ms;
+  return work_ms / 1000;
+}
+
 Error wrong_resume_token() { return {ErrorCode::kUnauthorized, "resume_scan.resume_token is not the one of this scan"}; }
 
 }  // namespace
 
 Scans::Scans(ScansOptions options, const DataDirectory& data, Store& store, Metrics& metrics, Post post)
-    : options_(std::move(options)), data_(data), store_(store), metrics_(metrics), post_(std::move(post)) {
+    : options_(std::move(options)), data_(data), store_(store), metrics_(metrics), post_(std::move(post)), places_(options_.places) {
   const Result<std::vector<ScanRow>> left = store_.running();
   if (!left.ok()) throw SetupError(left.error());
   for (ScanRow row : *left) {
@@ -126,6 +137,10 @@ Scans::Scans(ScansOptions options, const DataDirectory& data, Store& store, Metr
     if (Status status = store_.update(row); !status.ok()) throw SetupError(status.error());
   }
   remove_old_logs();
+}
+
+PlaceRequest place_request_of(const Grant& grant, wire::Mode mode) {
+  return {grant.token_id, may(grant, Scope::kAdmin), mode == wire::Mode::kLive};
 }
 
 template <class Tell>
@@ -143,6 +158,7 @@ ScanEvents Scans::worker_events(const Launch& launch) {
     metrics_.frame_done(outcome.stages, latency_s, outcome.bad_images.has_value(), outcome.result.event == wire::MapEvent::kLost);
     deliver(launch, [this, id = launch.row.id, outcome = std::move(outcome)](LiveScan& target) {
       traces_.add(id, outcome.result.sequence, outcome.stages);
+      places_.frame_done(work_s_of(outcome));
       target.frame_done(outcome);
     });
   };
@@ -165,30 +181,25 @@ FrameLogEvents Scans::log_events(const Launch& launch) const {
           [this, launch](const Error& error) { deliver(launch, [error](LiveScan& target) { target.log_failed(error); }); }};
 }
 
-Status Scans::check_quotas(const Grant& grant) const {
-  const auto busy = [](const std::string& words) { return Error{ErrorCode::kBusy, words}; };
-  if (running_.size() >= static_cast<std::size_t>(options_.max_running))
-    return busy("this server runs at most " + std::to_string(options_.max_running) + " scans at once; try again when one has ended");
-  const auto own = std::count_if(owners_.begin(), owners_.end(), [&grant](const auto& entry) { return entry.second == grant.token_id; });
-  if (!may(grant, Scope::kAdmin) && own >= options_.max_running_per_token)
-    return busy("this token may run at most " + std::to_string(options_.max_running_per_token) +
-                " scans at once; try again when one has ended");
+Status Scans::check_storage() const {
   if (options_.storage_bytes == 0) return Done{};
   const Result<std::uint64_t> stored_bytes = data_.stored_bytes();
   if (!stored_bytes.ok()) return stored_bytes.error();
   if (*stored_bytes >= options_.storage_bytes)
-    return busy("the scans on this server take " + std::to_string(*stored_bytes / 1'000'000) + " MB of the " +
-                std::to_string(options_.storage_bytes / 1'000'000) + " MB that they may take: delete some");
+    return Error{ErrorCode::kBusy, "the scans on this server take " + std::to_string(*stored_bytes / 1'000'000) + " MB of the " +
+                                       std::to_string(options_.storage_bytes / 1'000'000) + " MB that they may take: delete some"};
   return Done{};
 }
 
 Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& grant, bool resumable) {
   if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
-  if (Status status = check_quotas(grant); !status.ok()) return status.error();
+  Launch launch;
+  launch.place = place_request_of(grant, request.mode);
+  if (Status status = places_.check(launch.place); !status.ok()) return status.error();
+  if (Status status = check_storage(); !status.ok()) return status.error();
   const std::size_t max_message_bytes = wire::max_frame_message_bytes(request.camera);
   const std::string resume_token = resumable ? random_hex(kResumeTokenBytes) : "";
-  Launch launch;
-  launch.record = {resumable ? sha256_hex(resume_token) : "", options_.gpu_memory_mb / options_.max_running,
+  launch.record = {resumable ? sha256_hex(resume_token) : "", options_.gpu_memory_mb / options_.places.max_running,
                    static_cast<std::uint32_t>(std::clamp<std::size_t>(kMaxQueuedBytes / max_message_bytes, 1, options_.credit_window)),
                    request};
   Result<Options> options = options_of(launch.record);
@@ -209,7 +220,6 @@ Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& gr
     return added.error();
   }
   std::shared_ptr<LiveScan> scan = run(launch, {*std::move(log), {}});
-  owners_[row.id] = grant.token_id;
   log_with({row.id}, spdlog::level::info,
            fmt::format("scan {} started: {}x{}, {}", row.id, row.camera.width, row.camera.height,
                        request.mode == wire::Mode::kLive ? "live" : "batch"));
@@ -235,8 +245,9 @@ std::shared_ptr<LiveScan> Scans::run(const Launch& launch, FrameLog::Opened open
   const bool live = request.mode == wire::Mode::kLive;
   const std::uint32_t window = launch.record.credit_window;
   auto audience = std::make_shared<Audience>(SceneInfo{row.id, row.title, row.camera});
-  auto scan = std::make_shared<LiveScan>(ScanTerms{request.mode, window, launch.record.resume_token_sha256, options_.resume_window}, past,
-                                         audience, [this, row](const ScanEnd& end) { ended(row, end); });
+  auto scan = std::make_shared<LiveScan>(
+      ScanTerms{request.mode, window, launch.record.resume_token_sha256, options_.resume_window, request.expected_frames}, past, audience,
+      [this, row](const ScanEnd& end) { ended(row, end); });
   *launch.self = scan;
   running_[row.id] = scan;
   ScanSetup setup{options_.device,
@@ -248,6 +259,7 @@ std::shared_ptr<LiveScan> Scans::run(const Launch& launch, FrameLog::Opened open
                   live ? CorrectionTime::kWhenReady : CorrectionTime::kByFrames,
                   data_.log_folder(row.id),
                   opened.contents.record_count};
+  places_.began(row.id, launch.place);
   scan->start(std::make_unique<ScanWorker>(std::move(setup), worker_events(launch)), std::move(opened.log));
   return scan;
 }
@@ -265,6 +277,7 @@ Status Scans::rebuild(const ScanRow& row) {
   Result<Options> options = options_of(launch.record);
   if (!options.ok()) return options.error();
   launch.options = *options;
+  launch.place.is_live = launch.record.request.mode == wire::Mode::kLive;
   const std::shared_ptr<LiveScan> scan = run(launch, *std::move(opened));
   spdlog::info("scan {} goes on: {} frames in its log{}{}", row.id, contents.frame_count,
                contents.cut.empty() ? "" : "; cut: ", contents.cut);
@@ -315,7 +328,8 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   const auto running = running_.find(row.id);
   // Not at once: this is called by the scan itself.
   post_([scan = running->second] {});
-  owners_.erase(row.id);
+  places_.ended(row.id);
+  post_([this] { places_.serve(); });
   if (end.phase == wire::ScanPhase::kRunning) {
     spdlog::info("scan {} is left running, with {} frames in its log", row.id, row.frames_received);
     running_.erase(running);
@@ -409,7 +423,17 @@ void Scans::remove_old_logs() {
 }
 
 void Scans::tick(LiveScan::Clock::time_point now) {
-  for (const auto& [id, scan] : running_) scan->tick(now);
+  std::vector<double> remaining_s;
+  for (const auto& [id, scan] : running_) {
+    scan->tick(now);
+    const std::optional<std::uint64_t> frames = scan->remaining_frames();
+    const double frame_s = places_.frame_s() * static_cast<double>(running_.size());
+    remaining_s.push_back(frames ? static_cast<double>(*frames) * frame_s : std::numeric_limits<double>::infinity());
+  }
+  if (now - told_to_wait_at_ >= kWaitingPeriod) {
+    told_to_wait_at_ = now;
+    places_.tell(std::move(remaining_s));
+  }
   if (now - old_logs_removed_at_ >= std::chrono::hours(1)) remove_old_logs();
 }
 
@@ -428,6 +452,7 @@ void Scans::describe(Load& load) const {
   }
   for (const auto& [id, weak] : read_again_)
     if (const std::shared_ptr<Audience> audience = weak.lock()) load.viewers += static_cast<int>(audience->viewer_count());
+  load.waiting_cameras = static_cast<int>(places_.waiting_count());
   load.frames_received = counts.received;
   load.frames_processed = counts.processed;
   load.frames_dropped = counts.dropped;

@@ -15,6 +15,7 @@
 #include "server/service/gate.h"
 #include "server/service/live_scan.h"
 #include "server/service/metrics.h"
+#include "server/service/places.h"
 #include "server/service/scan_record.h"
 #include "server/store/data_directory.h"
 #include "server/store/store.h"
@@ -26,12 +27,11 @@ inline constexpr std::size_t kMaxQueuedBytes = 128 * 1024 * 1024;
 
 struct ScansOptions {
   std::string device;  // as for Pipeline
-  int max_running = 4;
+  PlaceRules places;
   std::uint32_t credit_window = 16;                  // frames, at most
   int gpu_memory_mb = 0;                             // of all scans together, in equal shares; 0: as much as there is
   std::chrono::milliseconds resume_window{120'000};  // so long a scan waits for its lost camera
   int keep_log_days = 7;                             // after the end of a scan; 0: for ever
-  int max_running_per_token = 2;                     // of tokens that may not administer
   std::uint64_t storage_bytes = 0;                   // for the files of all scans; 0: as much as there is
 };
 
@@ -49,6 +49,9 @@ struct ResumedScan {
   std::vector<wire::ServerMessage> last_words;
 };
 
+// What is asked of Places for such a scan.
+PlaceRequest place_request_of(const Grant& grant, wire::Mode mode);
+
 class Scans {
  public:
   // Runs a function on the network thread, soon. Callable from every thread.
@@ -57,6 +60,9 @@ class Scans {
   // Goes on with the scans that an earlier server left running, from their frame logs; those without a usable one are interrupted.
   // `data`, `store` and `metrics` outlive this. Throws SetupError when the store cannot. Blocks while the logs are read.
   Scans(ScansOptions options, const DataDirectory& data, Store& store, Metrics& metrics, Post post);
+
+  // Cameras wait there for a scan of theirs to begin.
+  Places& places() { return places_; }
 
   // kBusy: a quota is used up, in words, or the server is stopping. kInvalidArgument: a setting. kIo: the store or the disk.
   // The camera can come back to a resumable one.
@@ -93,9 +99,10 @@ class Scans {
     ScanRow row;
     ScanRecord record;
     Options options;
+    PlaceRequest place;
     std::shared_ptr<std::weak_ptr<LiveScan>> self = std::make_shared<std::weak_ptr<LiveScan>>();
   };
-  Status check_quotas(const Grant& grant) const;
+  Status check_storage() const;
   template <class Tell>
   void deliver(const Launch& launch, Tell tell) const;
   ScanEvents worker_events(const Launch& launch);
@@ -112,12 +119,12 @@ class Scans {
   Store& store_;
   Metrics& metrics_;
   const Post post_;
-  std::map<std::string, std::shared_ptr<LiveScan>> running_;   // by id
-  std::map<std::string, std::string> owners_;                  // of those started here that run: their tokens
+  std::map<std::string, std::shared_ptr<LiveScan>> running_;  // by id
+  Places places_;
   std::map<std::string, std::weak_ptr<Audience>> read_again_;  // ended scans that someone is looking at
   FrameCounts ended_counts_;                                   // of all scans that have ended
   FrameTraces traces_;
-  LiveScan::Clock::time_point old_logs_removed_at_;
+  LiveScan::Clock::time_point old_logs_removed_at_, told_to_wait_at_;
   bool device_failed_ = false;
   bool stopping_ = false;
 };

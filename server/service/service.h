@@ -20,7 +20,8 @@ struct ServiceOptions {
   std::vector<std::string> allow_hosts;      // names in Host and Origin headers besides the loopback's
   std::vector<std::string> trusted_proxies;  // addresses or networks whose X-Forwarded- headers are believed
   std::string tls_certificate, tls_key;      // PEM files, both or none
-  int max_scans = 4;                         // running at once
+  int max_scans = 4;                         // running at once; others wait
+  int live_rate_hz = 5;                      // PlaceRules
   int credit_window = 16;                    // frames
   int gpu_memory_mb = 0;                     // for all scans, 0: as much as there is
   int resume_window_s = 120;                 // so long a scan waits for its lost camera

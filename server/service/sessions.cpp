@@ -198,8 +198,6 @@ class ViewerSession final : public BasicSession {
   const std::unique_ptr<Viewer> viewer_;
 };
 
-using Greeting = std::variant<std::unique_ptr<Session>, Refusal>;
-
 Refusal refusal_of(const Error& error) { return {error, close_code_of(error)}; }
 
 wire::Welcome complete_welcome(wire::Welcome welcome) {
@@ -208,12 +206,87 @@ wire::Welcome complete_welcome(wire::Welcome welcome) {
   return welcome;
 }
 
-Greeting greet_camera(Scans& scans, const Grant& grant, const wire::Hello& hello, std::function<void()> wake) {
+using Greeting = std::variant<std::unique_ptr<Session>, Refusal>;
+
+// A camera for which there is no place yet: first it waits, then it is as any other.
+class WaitingSession final : public Session {
+ public:
+  using Begin = std::function<Greeting()>;
+
+  // `begin` is called when there is a place.
+  WaitingSession(Places& places, Begin begin, std::function<void()> wake)
+      : places_(places), begin_(std::move(begin)), session_(std::make_unique<WaitingRoom>(std::move(wake))) {}
+
+  Status enter(const PlaceRequest& request) {
+    auto& room = static_cast<WaitingRoom&>(*session_);
+    Result<Places::Ticket> ticket = places_.wait(
+        request, [&room](const wire::Waiting& waiting) { room.tell(waiting); }, [this] { begin(); });
+    if (!ticket.ok()) return ticket.error();
+    ticket_ = *ticket;
+    return Done{};
+  }
+
+  void receive(std::string_view message) override { session_->receive(message); }
+  std::size_t max_message_bytes() const override { return session_->max_message_bytes(); }
+  SharedBytes next() override { return session_->next(); }
+  std::optional<Closing> closing() const override { return session_->closing(); }
+  void fail(const Error& error, CloseCode code) override {
+    stop_waiting();
+    session_->fail(error, code);
+  }
+  void disconnected() override {
+    stop_waiting();
+    session_->disconnected();
+  }
+
+ private:
+  class WaitingRoom final : public BasicSession {
+   public:
+    using BasicSession::BasicSession;
+    void tell(const wire::Waiting& waiting) { queue(wire::format_server_message(waiting)); }
+    std::size_t max_message_bytes() const override { return wire::kMaxBytesBeforeWelcome; }
+    SharedBytes next() override { return next_waiting(); }
+    void disconnected() override {}
+
+   private:
+    void handle(wire::Frame&) override { broken_rule("a frame before the welcome"); }
+  };
+
+  void begin() {
+    ticket_.reset();
+    Greeting greeting = begin_();
+    if (const Refusal* refusal = std::get_if<Refusal>(&greeting)) return session_->fail(refusal->error, refusal->code);
+    session_ = std::get<std::unique_ptr<Session>>(std::move(greeting));
+  }
+  void stop_waiting() {
+    if (ticket_) places_.leave(*ticket_);
+    ticket_.reset();
+  }
+
+  Places& places_;
+  const Begin begin_;
+  std::optional<Places::Ticket> ticket_;
+  std::unique_ptr<Session> session_;
+};
+
+Greeting start_scan(Scans& scans, const Grant& grant, const wire::Hello& hello, std::function<void()> wake) {
   Result<StartedScan> started = scans.start(std::get<wire::StartScan>(hello.role), grant, hello.protocol_minor >= wire::kMinorWithResume);
   if (!started.ok()) return refusal_of(started.error());
   const std::size_t max_message_bytes = started->welcome.max_message_bytes;
   return std::make_unique<CameraSession>(std::move(started->scan), complete_welcome(std::move(started->welcome)), max_message_bytes,
                                          std::move(wake));
+}
+
+Greeting greet_camera(Scans& scans, const Grant& grant, const wire::Hello& hello, std::function<void()> wake) {
+  const PlaceRequest request = place_request_of(grant, std::get<wire::StartScan>(hello.role).mode);
+  const Status place = scans.places().check_for_newcomer(request);
+  if (place.ok()) return start_scan(scans, grant, hello, std::move(wake));
+  if (hello.protocol_minor < wire::kMinorWithWaiting) return refusal_of(in_context("try again later", place.error()));
+  auto waiting = std::make_unique<WaitingSession>(
+      scans.places(), [&scans, grant, hello, wake] { return start_scan(scans, grant, hello, wake); }, wake);
+  if (Status status = waiting->enter(request); !status.ok()) return refusal_of(status.error());
+  spdlog::info("a camera waits for a place: {}", place.error().message);
+  return waiting;
 }
 
 Greeting greet_returning_camera(Scans& scans, const wire::ResumeScan& request, std::function<void()> wake) {

@@ -58,21 +58,23 @@ struct Connection {
   std::string_view text() const { return {static_cast<const char*>(message.data().data()), message.size()}; }
 };
 
-// A whole message into connection.message, at most a little more than `max_bytes`. What is wrong with it, if the client still can be told.
+// A whole message into connection.message, at most a little more than `max_bytes()`, which may change while it is awaited. What is wrong
+// with it, if the client still can be told.
 struct Read {
   error_code error;  // the connection is over
   std::optional<Refusal> wrong;
 };
 
-asio::awaitable<Read> read_message(Connection& connection, std::size_t max_bytes) {
+template <class MaxBytes>
+asio::awaitable<Read> read_message(Connection& connection, MaxBytes max_bytes) {
   Read read;
   connection.message.consume(connection.message.size());
   // Our own limit instead of Beast's: that one closes without a word about why.
   do {
     co_await connection.socket.async_read_some(connection.message, kReadBytes, asio::redirect_error(asio::use_awaitable, read.error));
     if (read.error) co_return read;
-    if (connection.message.size() > max_bytes) {
-      read.wrong = Refusal{{ErrorCode::kTooLarge, "the message is longer than the " + std::to_string(max_bytes) + " bytes allowed"},
+    if (connection.message.size() > max_bytes()) {
+      read.wrong = Refusal{{ErrorCode::kTooLarge, "the message is longer than the " + std::to_string(max_bytes()) + " bytes allowed"},
                            CloseCode::kTooBig};
       co_return read;
     }
@@ -126,7 +128,7 @@ asio::awaitable<void> write_messages(std::shared_ptr<Connection> connection) {
 
 asio::awaitable<void> read_messages(Connection& connection) {
   for (;;) {
-    const Read read = co_await read_message(connection, connection.session->max_message_bytes());
+    const Read read = co_await read_message(connection, [&connection] { return connection.session->max_message_bytes(); });
     if (read.error) co_return;
     if (read.wrong) {
       connection.session->fail(read.wrong->error, read.wrong->code);
@@ -169,7 +171,7 @@ asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, const
     const std::shared_ptr<Connection> late = weak.lock();
     if (!cancelled && late && !late->session) beast::get_lowest_layer(late->socket).close();
   });
-  Read read = co_await read_message(*connection, wire::kMaxBytesBeforeWelcome);
+  Read read = co_await read_message(*connection, [] { return wire::kMaxBytesBeforeWelcome; });
   if (read.error) co_return;
   if (!read.wrong) {
     auto wake = [weak = std::weak_ptr(connection)] {

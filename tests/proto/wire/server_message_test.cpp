@@ -68,6 +68,12 @@ TEST(ServerMessage, WhatIsSaidAboutALostConnectionComesBackAsItWas) {
   EXPECT_TRUE(round_trip(state).paused);
 }
 
+TEST(ServerMessage, HowLongACameraWaitsComesBackAsItWas) {
+  const Waiting waiting = round_trip(Waiting{2, 40});
+  EXPECT_EQ(waiting.before, 2u);
+  EXPECT_EQ(waiting.expected_s, 40u);
+}
+
 TEST(ServerMessage, AWelcomeChoosesADepthCodecThatThisVersionKnows) {
   Welcome welcome;
   welcome.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};

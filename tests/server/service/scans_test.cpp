@@ -334,6 +334,52 @@ TEST_F(ScansTest, MoreScansThanAllowedAreRefusedUntilOneEnds) {
   start();
 }
 
+TEST_F(ScansTest, CamerasWaitForAPlaceInTheOrderInWhichTheyCame) {
+  serve([](ServiceOptions& options) { options.max_scans = 1; });
+  Camera first = start();
+  const auto wait = [&](const std::string& title) {
+    auto client = std::make_unique<RawClient>(server_->port());
+    EXPECT_TRUE(client->upgrade());
+    wire::StartScan request{title, room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0};
+    client->send_message(wire::Hello{wire::kProtocolMinor, "test", server_->token(), request});
+    return client;
+  };
+  const auto second = wait("second");
+  EXPECT_EQ(second->read<wire::Waiting>()->before, 0u);
+  auto gone = wait("gone");
+  EXPECT_EQ(gone->read<wire::Waiting>()->before, 1u);
+  const auto third = wait("third");
+  EXPECT_EQ(third->read<wire::Waiting>()->before, 2u);
+  second->send_message(wire::Ping{7});
+  EXPECT_EQ(second->read<wire::Pong>()->id, 7u) << "who waits is heard";
+  gone.reset();
+  first.client->send_message(wire::Finish{});
+  ASSERT_TRUE(first.client->read<wire::Finished>());
+  const auto welcome = second->read<wire::Welcome>();
+  ASSERT_TRUE(welcome);
+  EXPECT_EQ(row(welcome->scan_id)["title"], "second");
+  second->send_message(room_frame(0));  // longer than what is allowed before the welcome
+  ASSERT_TRUE(second->read<wire::FrameResult>());
+  second->send_message(wire::Finish{});
+  ASSERT_TRUE(second->read<wire::Finished>());
+  ASSERT_TRUE(third->read<wire::Welcome>()) << "nobody waits for one who has gone";
+}
+
+TEST_F(ScansTest, AFrameBeforeTheWelcomeEndsTheWait) {
+  serve([](ServiceOptions& options) { options.max_scans = 1; });
+  Camera first = start();
+  RawClient second(server_->port());
+  ASSERT_TRUE(second.upgrade());
+  wire::StartScan request{"", room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0};
+  second.send_message(wire::Hello{wire::kProtocolMinor, "test", server_->token(), request});
+  ASSERT_TRUE(second.read<wire::Waiting>());
+  wire::Frame frame = room_frame(0);
+  second.send_message(frame);
+  const auto error = second.read<wire::ErrorMessage>();
+  ASSERT_TRUE(error);
+  EXPECT_EQ(second.close_code(), 1002);
+}
+
 TEST_F(ScansTest, ADeviceThatIsNotThereFailsTheScanInWords) {
   serve([](ServiceOptions& options) { options.device = "a device that nobody has"; });
   Camera camera = start();

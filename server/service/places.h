@@ -1,0 +1,76 @@
+// Who may run a scan now, and who waits for that: first come, first served. Belongs to the network thread.
+//
+// Places are counted, and measured: what a frame costs on this device decides how many scans a live one can have beside it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "proto/wire/messages.h"
+
+namespace hermite {
+
+inline constexpr std::size_t kMaxWaitingCameras = 32;
+
+struct PlaceRules {
+  int max_running = 4;
+  int max_running_per_token = 2;  // of tokens that may not administer
+  int live_rate_hz = 5;           // frames a second that a live scan gets at least, or no other runs beside it; 0: whatever is left
+};
+
+struct PlaceRequest {
+  std::string token_id;  // empty: nobody's, as of a scan that an earlier server began
+  bool is_admin = false;
+  bool is_live = false;
+};
+
+class Places {
+ public:
+  using Ticket = std::uint64_t;
+
+  explicit Places(PlaceRules rules) : rules_(rules) {}
+
+  // kBusy, in words: there is no place.
+  Status check(const PlaceRequest& request) const;
+  // The same, and nobody is passed who waits and could begin as well.
+  Status check_for_newcomer(const PlaceRequest& request) const;
+
+  void began(const std::string& scan_id, const PlaceRequest& request) { running_[scan_id] = request; }
+  void ended(const std::string& scan_id) { running_.erase(scan_id); }
+
+  // A frame of one of the scans was in work for so long.
+  void frame_done(double work_s);
+
+  // kBusy: the line is full. `tell` is called at once and by tell(); `begin` when the turn has come: the camera has left the line then.
+  Result<Ticket> wait(const PlaceRequest& request, std::function<void(const wire::Waiting&)> tell, std::function<void()> begin);
+  void leave(Ticket ticket) { line_.erase(ticket); }
+
+  void serve();  // lets begin whoever can; when a scan has ended
+  // Everybody who waits, how long about. `remaining_s`: until each of the scans that run has ended, infinite where nobody knows.
+  void tell(std::vector<double> remaining_s) const;
+
+  std::size_t waiting_count() const { return line_.size(); }
+  double frame_s() const { return frame_s_; }  // that a frame takes when no other scan runs; 0: none was seen yet
+
+ private:
+  struct Waiter {
+    PlaceRequest request;
+    std::function<void(const wire::Waiting&)> tell;
+    std::function<void()> begin;
+  };
+  Status check_server(const PlaceRequest& request) const;
+  Status check_token(const PlaceRequest& request) const;
+
+  const PlaceRules rules_;
+  std::map<std::string, PlaceRequest> running_;  // by scan
+  std::map<Ticket, Waiter> line_;
+  Ticket next_ticket_ = 0;
+  double frame_s_ = 0;
+};
+
+}  // namespace hermite

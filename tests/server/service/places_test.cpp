@@ -1,0 +1,143 @@
+#include "server/service/places.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace hermite {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+// A line whose scans begin as soon as they may, and what those in it were told last.
+class Line {
+ public:
+  explicit Line(PlaceRules rules) : places(rules) {}
+
+  Result<Places::Ticket> wait(const std::string& scan, const PlaceRequest& request) {
+    return places.wait(
+        request, [this, scan](const wire::Waiting& waiting) { told[scan] = waiting; },
+        [this, scan, request] {
+          begun.push_back(scan);
+          places.began(scan, request);
+        });
+  }
+  void end(const std::string& scan) {
+    places.ended(scan);
+    places.serve();
+  }
+
+  Places places;
+  std::vector<std::string> begun;
+  std::map<std::string, wire::Waiting> told;
+};
+
+const PlaceRequest kAdmin{"a", true, false}, kBob{"bob", false, false}, kLive{"a", true, true};
+
+TEST(Places, AreAsManyAsTheRulesSay) {
+  Line line({2, 1, 0});
+  EXPECT_TRUE(line.places.check(kAdmin).ok());
+  line.places.began("1", kAdmin);
+  line.places.began("2", kAdmin);
+  const Status full = line.places.check(kAdmin);
+  EXPECT_EQ(full.error().code, ErrorCode::kBusy);
+  EXPECT_THAT(full.error().message, HasSubstr("at most 2 scans"));
+  line.places.ended("1");
+  EXPECT_TRUE(line.places.check(kAdmin).ok());
+}
+
+TEST(Places, OfATokenThatMayNotAdministerAreFewer) {
+  Line line({4, 1, 0});
+  line.places.began("1", kBob);
+  EXPECT_THAT(line.places.check(kBob).error().message, HasSubstr("this token"));
+  EXPECT_TRUE(line.places.check({"eve", false, false}).ok());
+  EXPECT_TRUE(line.places.check(kAdmin).ok());
+}
+
+TEST(Places, GoToThoseWhoWaitInTheirOrder) {
+  Line line({1, 1, 0});
+  line.places.began("running", kAdmin);
+  for (const char* scan : {"first", "second", "third"}) ASSERT_TRUE(line.wait(scan, kAdmin).ok());
+  EXPECT_EQ(line.told["third"].before, 2u);
+  line.end("running");
+  EXPECT_THAT(line.begun, ElementsAre("first"));
+  EXPECT_FALSE(line.places.check_for_newcomer(kAdmin).ok());
+  line.end("first");
+  line.end("second");
+  EXPECT_THAT(line.begun, ElementsAre("first", "second", "third"));
+  EXPECT_EQ(line.places.waiting_count(), 0u);
+}
+
+TEST(Places, ANewcomerPassesNobodyWhoCouldBegin) {
+  Line line({2, 1, 0});
+  line.places.began("1", kBob);
+  line.places.began("2", kAdmin);
+  ASSERT_TRUE(line.wait("bob's next", kBob).ok());
+  line.places.ended("2");
+  EXPECT_TRUE(line.places.check_for_newcomer(kAdmin).ok()) << "bob waits for his own scan to end";
+  line.places.ended("1");
+  EXPECT_THAT(line.places.check_for_newcomer(kAdmin).error().message, HasSubstr("1 cameras wait"));
+  line.places.serve();
+  EXPECT_THAT(line.begun, ElementsAre("bob's next"));
+}
+
+TEST(Places, WhoHasLeftTheLineIsForgotten) {
+  Line line({1, 1, 0});
+  line.places.began("running", kAdmin);
+  const Result<Places::Ticket> ticket = line.wait("first", kAdmin);
+  ASSERT_TRUE(line.wait("second", kAdmin).ok());
+  line.places.leave(*ticket);
+  line.end("running");
+  EXPECT_THAT(line.begun, ElementsAre("second"));
+}
+
+TEST(Places, TheLineHasAnEnd) {
+  Line line({1, 1, 0});
+  line.places.began("running", kAdmin);
+  for (std::size_t i = 0; i < kMaxWaitingCameras; ++i) ASSERT_TRUE(line.wait(std::to_string(i), kAdmin).ok());
+  EXPECT_EQ(line.wait("one too many", kAdmin).error().code, ErrorCode::kBusy);
+}
+
+TEST(Places, ALiveScanHasNoneBesideItThatWouldStarveIt) {
+  Line line({8, 8, 5});
+  for (int i = 0; i < 100; ++i) line.places.frame_done(0.06);  // 60 ms a frame: 3 scans at 5 Hz
+  EXPECT_TRUE(line.places.check(kLive).ok());
+  line.places.began("1", kLive);
+  line.places.began("2", kAdmin);
+  EXPECT_TRUE(line.places.check(kAdmin).ok());
+  line.places.began("3", kAdmin);
+  EXPECT_THAT(line.places.check(kAdmin).error().message, HasSubstr("fewer than 5 frames a second"));
+  line.places.ended("1");
+  EXPECT_TRUE(line.places.check(kAdmin).ok()) << "without a live scan nobody is in a hurry";
+  EXPECT_TRUE(line.places.check(kLive).ok());
+}
+
+TEST(Places, TheFirstScanHasAPlaceHoweverSlowTheDevice) {
+  Line line({8, 8, 30});
+  line.places.frame_done(10);
+  EXPECT_TRUE(line.places.check(kLive).ok());
+}
+
+TEST(Places, AFrameBesideOthersCountsForLess) {
+  Line line({8, 8, 5});
+  line.places.began("1", kAdmin);
+  line.places.began("2", kAdmin);
+  line.places.frame_done(0.2);
+  EXPECT_DOUBLE_EQ(line.places.frame_s(), 0.1);
+}
+
+TEST(Places, ThoseWhoWaitAreToldHowLong) {
+  Line line({2, 2, 0});
+  line.places.began("a", kAdmin);
+  line.places.began("b", kAdmin);
+  for (const char* scan : {"first", "second", "third"}) ASSERT_TRUE(line.wait(scan, kAdmin).ok());
+  line.places.tell({std::numeric_limits<double>::infinity(), 12.3});
+  EXPECT_EQ(line.told["first"].expected_s, 13u);
+  EXPECT_EQ(line.told["second"].expected_s, 0u) << "nobody knows";
+  EXPECT_EQ(line.told["third"].before, 2u);
+}
+
+}  // namespace
+}  // namespace hermite
