@@ -52,6 +52,28 @@ TEST(Judgement, AnOrdinaryFrameIsTracked) {
   EXPECT_TRUE(judgement.picture_is_good);
 }
 
+TEST(Judgement, APlaceIsTheSameWhenMostOfTheViewFitsOrLessOfItFitsBetter) {
+  const auto at = [](double overlap, double agreeing, double correlation) {
+    Agreement agreement = good().agreement;
+    agreement.overlap = overlap, agreement.agreeing = agreeing, agreement.correlation = correlation;
+    return agreement;
+  };
+  constexpr double kSeen = 0.01;
+  EXPECT_TRUE(is_same_place(at(0.9, 0.86, 0.61), kSeen));
+  EXPECT_FALSE(is_same_place(at(0.9, 0.84, 0.9), kSeen));
+  EXPECT_FALSE(is_same_place(at(0.9, 0.99, 0.55), kSeen));
+  EXPECT_TRUE(is_same_place(at(0.3, 0.97, 0.95), kSeen));
+  EXPECT_FALSE(is_same_place(at(0.3, 0.86, 0.95), kSeen)) << "enough for a whole view only";
+  EXPECT_FALSE(is_same_place(at(0.3, 0.97, 0.65), kSeen));
+  EXPECT_FALSE(is_same_place(at(0.2, 1, 1), kSeen));
+  EXPECT_FALSE(is_same_place(at(0.9, 0.99, 0.99), 1e-4)) << "it may have slid along a wall";
+  Agreement blank = at(0.3, 1, 0);
+  blank.grey_deviation = blank.reference_grey_deviation = 1;
+  EXPECT_FALSE(is_same_place(blank, kSeen)) << "a piece of bare wall is like any other";
+  blank.overlap = 0.9;
+  EXPECT_TRUE(is_same_place(blank, kSeen));
+}
+
 TEST(Judgement, SaysWhyACameraIsLost) {
   const Case cases[] = {
       {"too few points", [](TrackingEvidence& e) { e.agreement = {}, e.content.in_range = 0; }},
