@@ -14,12 +14,12 @@ PATIENCE_S = 300
 
 
 class Server:
-    def __init__(self, program, data, largest_file=None):
-        """`largest_file`: in bytes; a write beyond it fails, as on a full disk."""
+    def __init__(self, program, data, largest_file=None, settings=()):
+        """`largest_file`: in bytes; a write beyond it fails, as on a full disk. `settings`: more arguments."""
         self.largest_file = largest_file
         with socket.create_server(("127.0.0.1", 0)) as free:
             self.port = free.getsockname()[1]
-        self.command = [program, "serve", "--listen", f"127.0.0.1:{self.port}", "--data", data]
+        self.command = [program, "serve", "--listen", f"127.0.0.1:{self.port}", "--data", data, *settings]
         self.log = open(data + ".server.log", "a+", encoding="utf-8")
         self.process = None
         self.url = None
@@ -46,8 +46,8 @@ class Server:
 
 
 class Camera:
-    def __init__(self, program, url):
-        command = [program, "stream", SEQUENCE, "--server", url, "--rate", str(RATE_HZ), "--set", "map.stable_confidence=1"]
+    def __init__(self, program, url, sequence=SEQUENCE):
+        command = [program, "stream", sequence, "--server", url, "--rate", str(RATE_HZ), "--set", "map.stable_confidence=1"]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.lines = []
         self.out = ""

@@ -1,0 +1,129 @@
+#!/usr/bin/python3
+"""Many at once: more cameras than places, and connections that come and go.
+
+    crowd.py path/to/hermite path/to/hermite-client [--cameras 8] [--connects 1000]
+
+Passes when every camera finishes with the same result and those without a place were told to wait, and when after many connections of every bad kind the server
+has as many open files as before and hardly more memory. Exit status 77 (skipped) without python3-wsproto.
+"""
+import argparse
+import json
+import os
+import re
+import signal
+import socket
+import struct
+import sys
+import tempfile
+import time
+import urllib.request
+
+from programs import Camera, Server, check, failures
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "server"))
+from independent_client import Client, hello_viewer  # noqa: E402
+
+PLACES = 2
+
+
+def token_of(server):
+    return re.search(r"#token=(\S+)", server.url)[1]
+
+
+def scans(server):
+    request = urllib.request.Request(f"http://127.0.0.1:{server.port}/api/v1/scans", headers={"Authorization": "Bearer " + token_of(server)})
+    with urllib.request.urlopen(request, timeout=30) as answer:
+        return json.load(answer)["scans"]
+
+
+def crowd_of_cameras(server, program, count):
+    started = time.monotonic()
+    cameras = [Camera(program, server.url) for _ in range(count)]
+    most = 0
+    while any(camera.process.poll() is None for camera in cameras):
+        most = max(most, sum(scan["state"] == "running" for scan in scans(server)))
+        time.sleep(0.2)
+    results = [camera.result() for camera in cameras]
+    waited = sum("no place on the server yet" in "".join(camera.lines) for camera in cameras)
+    check(all(result is not None for result in results), f"every camera finishes: {results}")
+    check(len(set(results)) == 1, f"all with the same result: {set(results)}")
+    check(most <= PLACES, f"at most {PLACES} scans at once, not {most}")
+    check(waited >= count - PLACES, f"{count - PLACES} were told to wait, not {waited}")
+    print(f"{count} cameras, {PLACES} places: {waited} waited, all finished with one result, {time.monotonic() - started:.0f} s", flush=True)
+
+
+def come_and_go(server, count, scan_id):
+    """One after the other: nothing said, a request cut short, an upgrade and gone, no hello but noise, a wrong token, a viewer that is reset."""
+    def plain():
+        return socket.create_connection(("127.0.0.1", server.port), timeout=30)
+
+    def reset(end):
+        end.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        end.close()
+
+    def cut():
+        end = plain()
+        end.sendall(b"GET /api/v1/scans HTTP/1.1\r\nHos")
+        end.close()
+
+    def upgrade_only():
+        reset(Client(server.port).socket)
+
+    def said(message):
+        client = Client(server.port)
+        client.send_message(message)
+        list(client.messages())
+        client.socket.close()
+
+    def viewer():
+        client = Client(server.port)
+        client.send_message(hello_viewer(token_of(server), scan_id))
+        client.next_event()
+        reset(client.socket)
+
+    kinds = [lambda: plain().close(), lambda: reset(plain()), cut, upgrade_only, lambda: said(b"\xff\xff"), viewer]
+    for k in range(count):
+        kinds[k % len(kinds)]()
+
+
+def state_of(process):
+    """Open files and resident memory in MB, once the former is at rest."""
+    files = lambda: len(os.listdir(f"/proc/{process.pid}/fd"))
+    before, deadline = -1, time.monotonic() + 60
+    while (count := files()) != before and time.monotonic() < deadline:
+        before = count
+        time.sleep(1)
+    with open(f"/proc/{process.pid}/status", encoding="ascii") as status:
+        return count, int(re.search(r"VmRSS:\s+(\d+)", status.read())[1]) / 1000
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("hermite")
+    parser.add_argument("client")
+    parser.add_argument("--cameras", type=int, default=8)
+    parser.add_argument("--connects", type=int, default=1000)
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        # All come from one address.
+        server = Server(arguments.hermite, os.path.join(folder, "data"), settings=[
+            "--max-scans", str(PLACES), "--requests-per-second", "10000", "--connections-per-address", "1000"])
+        crowd_of_cameras(server, arguments.client, arguments.cameras)
+        scan_id = scans(server)[0]["id"]
+        come_and_go(server, 60, scan_id)  # what is made once and kept
+        before = state_of(server.process)
+        come_and_go(server, arguments.connects, scan_id)
+        after = state_of(server.process)
+        print(f"{arguments.connects} connections: open files {before[0]} -> {after[0]}, memory {before[1]:.1f} -> {after[1]:.1f} MB", flush=True)
+        check(after[0] <= before[0], "no open file is left")
+        check(after[1] - before[1] < 8, "memory is flat")
+        check(server.process.poll() is None, "the server lives")
+        if failures:
+            print(server.tail())
+        check(server.end(signal.SIGTERM) == 0, "the server ends well")
+    print("FAILED" if failures else "passed")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
