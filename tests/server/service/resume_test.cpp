@@ -7,10 +7,10 @@
 #include <thread>
 
 #include "core/dataset/sequence.h"
+#include "core/log/frame_log.h"
 #include "core/pipeline/doctor.h"
 #include "proto/wire/frame_payload.h"
 #include "server/service/scan_record.h"
-#include "server/store/frame_log.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
 #include "server/store/store.h"

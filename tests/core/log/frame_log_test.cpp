@@ -1,4 +1,4 @@
-#include "server/store/frame_log.h"
+#include "core/log/frame_log.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
