@@ -1,0 +1,21 @@
+// hermite-client: streams recordings and cameras to a Hermite server. Exit status: 0 well, 1 the scan or the connection failed, 2 usage.
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <vector>
+
+#include "server/client_commands.h"
+
+int main(int argc, char** argv) {
+  using namespace hermite;
+  CLI::App app("Streams RGB-D cameras and recordings to a Hermite server");
+  app.require_subcommand(1);
+  const std::vector<Command> commands{add_scan_command(app), add_stream_command(app)};
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kUsage;
+  }
+  for (const Command& command : commands)
+    if (command.app->parsed()) return command.run();
+  return kUsage;
+}
