@@ -26,8 +26,8 @@ struct CaptureState {
   double rate_hz = 0;                // of the last second of them
   double coverage = 0;               // share of pixels with depth, of the newest
   bool paused = false;
-  bool ended = false;            // nothing more is handed on
-  std::optional<Error> failure;  // of the camera, when that is why
+  bool ended = false;              // nothing more is handed on
+  std::optional<Error> failure{};  // of the camera, when that is why
 };
 
 class Capture {

@@ -7,8 +7,10 @@
 #include <utility>
 
 #include "core/dataset/associate.h"
+#include "core/dataset/recorded_folder.h"
 #include "server/capture/device_clock.h"
 #include "server/capture/frame_pairing.h"
+#include "server/capture/kinect_depth.h"
 
 namespace hermite {
 namespace {
@@ -20,7 +22,22 @@ constexpr double kRate_hz = 30;
 constexpr double kTicksPerSecond = 60e6;  // two million a frame
 
 // What everybody uses for the colour camera of a Kinect that was not calibrated; single ones differ by some pixels.
-constexpr Camera nominal_camera() { return {kWidth_px, kHeight_px, 525, 525, 319.5, 239.5, 1000}; }
+Camera nominal_color_camera() { return {kWidth_px, kHeight_px, 525, 525, 319.5, 239.5, 1000}; }
+
+// The same of the depth camera, with the colour camera beside it.
+Camera nominal_depth_camera() {
+  Camera camera{kWidth_px, kHeight_px, 585, 585, 320, 240, 1000};
+  camera.color = seven_scenes_color_camera(camera);
+  return camera;
+}
+
+std::optional<freenect_frame_mode> find_depth_mode(freenect_depth_format format) {
+  for (int i = 0; i < freenect_get_depth_mode_count(); ++i) {
+    const freenect_frame_mode mode = freenect_get_depth_mode(i);
+    if (mode.is_valid && mode.resolution == FREENECT_RESOLUTION_MEDIUM && mode.depth_format == format) return mode;
+  }
+  return std::nullopt;
+}
 
 double now_s() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
 
@@ -47,7 +64,7 @@ class Context {
 
 class Kinect final : public CaptureCamera {
  public:
-  explicit Kinect(CameraDescription description) : description_(std::move(description)) {}
+  Kinect(const std::string& name, const std::optional<Camera>& intrinsics);
   ~Kinect() override {
     if (!device_) return;
     freenect_stop_video(device_);
@@ -68,6 +85,8 @@ class Kinect final : public CaptureCamera {
   static void on_color(freenect_device* device, void* data, std::uint32_t ticks);
   static Kinect& of(freenect_device* device) { return *static_cast<Kinect*>(freenect_get_user(device)); }
 
+  // The library registers depth to colour. fakenect's does not, and gives the sensor's 11 bits.
+  const std::optional<freenect_frame_mode> registered_ = find_depth_mode(FREENECT_DEPTH_REGISTERED);
   const CameraDescription description_;
   Context context_;
   freenect_device* device_ = nullptr;
@@ -75,10 +94,15 @@ class Kinect final : public CaptureCamera {
   FramePairing pairing_{kMaxAssociationGap_s};
 };
 
+Kinect::Kinect(const std::string& name, const std::optional<Camera>& intrinsics)
+    : description_{name, intrinsics.value_or(registered_ ? nominal_color_camera() : nominal_depth_camera()),
+                   intrinsics ? "given" : "nominal for every Kinect v1", kRate_hz} {}
+
 void Kinect::on_depth(freenect_device* device, void* data, std::uint32_t ticks) {
   DepthImage depth(kWidth_px, kHeight_px);
   std::memcpy(depth.pixels.data(), data, depth.pixels.size() * sizeof(std::uint16_t));
   Kinect& kinect = of(device);
+  if (!kinect.registered_) std::transform(depth.pixels.begin(), depth.pixels.end(), depth.pixels.begin(), kinect_depth_mm);
   kinect.pairing_.add_depth(kinect.clock_.seconds_of(ticks, now_s()), std::move(depth));
 }
 
@@ -102,10 +126,11 @@ Status Kinect::start(int index) {
   freenect_set_user(device_, this);
   freenect_set_depth_callback(device_, on_depth);
   freenect_set_video_callback(device_, on_color);
-  const auto depth_mode = freenect_find_depth_mode(FREENECT_RESOLUTION_MEDIUM, FREENECT_DEPTH_REGISTERED);
+  const auto depth_mode = registered_ ? registered_ : find_depth_mode(FREENECT_DEPTH_11BIT);
   const auto color_mode = freenect_find_video_mode(FREENECT_RESOLUTION_MEDIUM, FREENECT_VIDEO_RGB);
-  const bool starts = freenect_set_depth_mode(device_, depth_mode) >= 0 && freenect_set_video_mode(device_, color_mode) >= 0 &&
-                      freenect_start_depth(device_) >= 0 && freenect_start_video(device_) >= 0;
+  const bool starts = depth_mode && freenect_set_depth_mode(device_, *depth_mode) >= 0 &&
+                      freenect_set_video_mode(device_, color_mode) >= 0 && freenect_start_depth(device_) >= 0 &&
+                      freenect_start_video(device_) >= 0;
   if (!starts)
     return Error{ErrorCode::kDevice, description_.name + " does not start: it may have no power, or share its USB controller with others"};
   return Done{};
@@ -136,12 +161,10 @@ std::vector<std::string> find_kinects() {
 }
 
 Result<std::unique_ptr<CaptureCamera>> open_kinect(int index, const std::optional<Camera>& intrinsics) {
-  const Camera camera = intrinsics.value_or(nominal_camera());
-  if (camera.width != kWidth_px || camera.height != kHeight_px)
-    return Error{ErrorCode::kInvalidArgument, "the intrinsics are of " + std::to_string(camera.width) + "x" +
-                                                  std::to_string(camera.height) + " pixels, the camera gives 640x480"};
-  auto kinect = std::make_unique<Kinect>(
-      CameraDescription{name_of_kinect(index), camera, intrinsics ? "given" : "nominal for every Kinect v1", kRate_hz});
+  if (intrinsics && (intrinsics->width != kWidth_px || intrinsics->height != kHeight_px))
+    return Error{ErrorCode::kInvalidArgument, "the intrinsics are of " + std::to_string(intrinsics->width) + "x" +
+                                                  std::to_string(intrinsics->height) + " pixels, the camera gives 640x480"};
+  auto kinect = std::make_unique<Kinect>(name_of_kinect(index), intrinsics);
   if (Status status = kinect->start(index); !status.ok()) return status.error();
   return std::unique_ptr<CaptureCamera>(std::move(kinect));
 }

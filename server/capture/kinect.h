@@ -1,4 +1,5 @@
-// The Kinect v1 (Xbox 360 and "for Windows") through libfreenect: 640x480 at 30 Hz, depth in millimetres as the colour camera sees it.
+// The Kinect v1 (Xbox 360 and "for Windows") through libfreenect: 640x480 at 30 Hz, depth in millimetres as the colour camera sees it; as
+// the depth camera sees it, with Camera::color, where the library does not register (fakenect, which plays dumps of a Kinect).
 #pragma once
 
 #include <memory>

@@ -36,9 +36,9 @@ class LocalLog {
   struct State {
     std::uint64_t durable_count = 0;  // frames that are on the disk
     std::uint64_t dropped_count = 0;
-    std::uint64_t bytes = 0;       // of the frames so far
-    bool ended = false;            // the durable ones are all there will be
-    std::optional<Error> failure;  // of the disk; what was durable before stays
+    std::uint64_t bytes = 0;         // of the frames so far
+    bool ended = false;              // the durable ones are all there will be
+    std::optional<Error> failure{};  // of the disk; what was durable before stays
   };
   State state() const;
   State wait_for(std::uint64_t durable_count, std::chrono::milliseconds patience) const;  // or for the end

@@ -21,9 +21,9 @@
 namespace hermite {
 
 struct ScanRequest {
-  std::optional<StreamRequest> stream;  // none: only recorded. Its pacing does not matter
-  std::string title;
-  std::string record_folder;                           // new; empty: no recording (CHECKs that there is a stream)
+  std::optional<StreamRequest> stream{};  // none: only recorded. Its pacing does not matter
+  std::string title{};
+  std::string record_folder{};                         // new; empty: no recording (CHECKs that there is a stream)
   std::uint64_t max_frames = 0;                        // 0: until an interrupt, or the camera's end
   int preflight_frames = kPreflightFrames;             // kMinPreflightFrames or more (CHECK); these are not part of the scan
   std::chrono::milliseconds camera_patience{10'000};   // for the first frames
@@ -41,10 +41,10 @@ struct ScanProgress {
 
 // Each may be empty. All but `wishes` are called on the thread of run_scan.
 struct ScanObserver {
-  std::function<CaptureWishes()> wishes;                   // as Capture::Events: first on this thread, then on another
-  std::function<void(const ScanProgress&)> on_progress;    // several times a second
-  std::function<void(const std::string& words)> on_words;  // the pre-flight's, of the link, of single frames
-  std::function<void(const wire::FrameResult&)> on_event;
+  std::function<CaptureWishes()> wishes{};                   // as Capture::Events: first on this thread, then on another
+  std::function<void(const ScanProgress&)> on_progress{};    // several times a second
+  std::function<void(const std::string& words)> on_words{};  // the pre-flight's, of the link, of single frames
+  std::function<void(const wire::FrameResult&)> on_event{};
 };
 
 struct ScanOutcome {

@@ -13,13 +13,13 @@ using testing::HasSubstr;
 const Camera kCamera{64, 64, 60, 60, 31.5, 31.5, 1000};
 
 // Runs a capture until it has ended, or a minute.
-struct Run {
-  explicit Run(test::ScriptedCamera& camera, Capture::Settings settings = {}) : capture(camera, settings, events()) {}
+struct Captured {
+  explicit Captured(test::ScriptedCamera& camera, Capture::Settings settings = {}) : capture(camera, settings, events()) {}
   Capture::Events events() {
     return {.on_frame =
                 [this](RgbdFrame frame) {
                   times_s.push_back(frame.timestamp_s);
-                  return listening;
+                  return true;
                 },
             .on_end = [this] { ++end_count; },
             .wishes =
@@ -32,7 +32,7 @@ struct Run {
     return capture.state();
   }
 
-  std::atomic<bool> paused{false}, listening{true};
+  std::atomic<bool> paused{false};
   std::atomic<int> interrupts{0}, end_count{0};
   std::vector<double> times_s;  // read after the end
   Capture capture;
@@ -41,7 +41,7 @@ struct Run {
 TEST(Capture, HandsOnEveryFrameAndEndsAfterEnough) {
   test::ScriptedCamera camera(kCamera);
   camera.add_frames(50);
-  Run run(camera, {.max_frames = 45});
+  Captured run(camera, {.max_frames = 45});
   const CaptureState state = run.wait();
   EXPECT_TRUE(state.ended);
   EXPECT_FALSE(state.failure);
@@ -55,7 +55,7 @@ TEST(Capture, HandsOnEveryFrameAndEndsAfterEnough) {
 
 TEST(Capture, AnInterruptEndsItAndTheSecondIsSeenAfterwards) {
   test::ScriptedCamera camera(kCamera);
-  Run run(camera);
+  Captured run(camera);
   run.interrupts = 1;
   EXPECT_TRUE(run.wait().ended);
   run.interrupts = 2;
@@ -68,7 +68,7 @@ TEST(Capture, FramesOfAPauseAreThrownAway) {
   test::ScriptedCamera camera(kCamera);
   camera.add_frames(5);
   camera.script.emplace_back(Error{ErrorCode::kNotFound, "the end"});
-  Run run(camera);
+  Captured run(camera);
   run.paused = true;  // maybe not before the first frame
   const CaptureState state = run.wait();
   EXPECT_EQ(state.frame_count, run.times_s.size());
@@ -91,7 +91,7 @@ TEST(Capture, ACameraThatBreaksIsSaidInWords) {
   test::ScriptedCamera camera(kCamera);
   camera.add_frames(2);
   camera.script.emplace_back(Error{ErrorCode::kDevice, "the cable is out"});
-  Run run(camera);
+  Captured run(camera);
   const CaptureState state = run.wait();
   ASSERT_TRUE(state.failure);
   EXPECT_EQ(state.failure->message, "the cable is out");
@@ -101,7 +101,7 @@ TEST(Capture, ACameraThatBreaksIsSaidInWords) {
 TEST(Capture, ASilentCameraIsTakenToBeGone) {
   test::ScriptedCamera camera(kCamera);
   camera.add_frames(1);
-  Run run(camera, {.silence = std::chrono::milliseconds(150)});
+  Captured run(camera, {.silence = std::chrono::milliseconds(150)});
   const CaptureState state = run.wait();
   ASSERT_TRUE(state.failure);
   EXPECT_THAT(state.failure->message, HasSubstr("silent"));

@@ -56,13 +56,10 @@ Hashes hashes_of_recording(const std::string& folder, const StreamRequest& reque
 
 TEST(Scan, LiveItAccountsForEveryFrame) {
   const test::TemporaryFolder folder;
-  const test::RunningServer server(test::test_options(folder / "data"));
+  test::RunningServer server(test::test_options(folder / "data"));
   const auto camera = room_camera(12);
-  const auto outcome = run_scan(*camera,
-                                {.stream = stream_to(const_cast<test::RunningServer&>(server).port(), server.token()),
-                                 .title = "a test",
-                                 .preflight_frames = kPreflight},
-                                {});
+  const auto outcome =
+      run_scan(*camera, {.stream = stream_to(server.port(), server.token()), .title = "a test", .preflight_frames = kPreflight}, {});
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   const ScanProgress& end = outcome->progress;
   EXPECT_GT(end.capture.frame_count, 0u);
