@@ -12,6 +12,7 @@ import json
 import os
 import pty
 import re
+import resource
 import select
 import signal
 import subprocess
@@ -94,6 +95,17 @@ def killed_client(hermite, client, folder):
     check(any("not finished" in doubt for doubt in found["doubts"]), f"and that it was broken off is said: {found['doubts']}")
 
 
+def full_disk(client, server, folder):
+    """No file of the client can become longer than 300 kB."""
+    log = os.path.join(folder, "full")
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, 300_000))
+    done = subprocess.run(scan_command(client, camera(1000), log, server.url), capture_output=True, text=True, timeout=PATIENCE_S,
+                          preexec_fn=limit, restore_signals=False)
+    check(done.returncode == 0, f"what was recorded before the disk was full has its result: {done.stderr}")
+    check("the recording has ended: writing" in done.stderr, f"and it is said why there is no more: {done.stderr}")
+    check(done.returncode != 0 or 3 < hashes(done.stdout)[0] < 1000, "some frames")
+
+
 class Terminal:
     """A program on a pseudo terminal."""
 
@@ -162,6 +174,7 @@ def main():
         away_for_a_third(arguments.hermite, arguments.client, server, folder, arguments.frames)
         server_comes_late(arguments.client, server, folder, arguments.frames // 3)
         killed_client(arguments.hermite, arguments.client, folder)
+        full_disk(arguments.client, server, folder)
         keys(arguments.client, server, folder)
         if failures:
             print(server.tail())

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "core/dataset/recording.h"
+#include "core/dataset/write_frame_log.h"
 #include "core/log/frame_log.h"
 #include "proto/wire/client_message.h"
 #include "proto/wire/frame_payload.h"
@@ -87,6 +88,26 @@ TEST(LoggedFrames, AreBitForBitWhatWasSent) {
     EXPECT_EQ(frame->depth, room().read(i)->depth);
     EXPECT_EQ(frame->color_bytes, room().read(i)->color_bytes);
   }
+}
+
+TEST(LoggedFrames, AConvertedRecordingReadsBackTheSame) {
+  const TempFolder folder;
+  const auto source = *open_sequence("synthetic:frames=4,width=96,height=72+missing=1:1");
+  const auto written = write_frame_log(*source, {0, source->frame_count()}, folder.path("scan"), [](std::int64_t) {});
+  ASSERT_TRUE(written.ok()) << written.error().message;
+  EXPECT_EQ(written->frame_count, source->frame_count());
+  const auto recording = open_recording(folder.path("scan"));
+  ASSERT_TRUE(recording.ok()) << recording.error().message;
+  EXPECT_THAT(recording->doubts, IsEmpty());
+  ASSERT_EQ(recording->sequence->frame_count(), source->frame_count());
+  for (std::int64_t i = 0; i < source->frame_count(); ++i) {
+    EXPECT_EQ(recording->sequence->timestamp_s(i), source->timestamp_s(i));
+    EXPECT_EQ(recording->sequence->read(i)->depth, source->read(i)->depth);
+    EXPECT_EQ(recording->sequence->read(i)->color_bytes, source->read(i)->color_bytes);
+  }
+  const auto again = write_frame_log(*source, {0, 1}, folder.path("scan"), [](std::int64_t) {});
+  ASSERT_FALSE(again.ok());
+  EXPECT_THAT(again.error().message, HasSubstr("exists already"));
 }
 
 TEST(LoggedFrames, ABrokenOffLogIsReadUpToThereAndThatIsSaid) {
