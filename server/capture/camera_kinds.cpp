@@ -8,6 +8,9 @@
 #if HERMITE_WITH_FREENECT
 #include "server/capture/kinect.h"
 #endif
+#if HERMITE_WITH_OPENNI2
+#include "server/capture/openni.h"
+#endif
 
 namespace hermite {
 namespace {
@@ -17,9 +20,14 @@ constexpr int kMaxIndex = 99;  // more cameras than any machine has USB controll
 
 constexpr CameraKind kKinds[] = {
 #if HERMITE_WITH_FREENECT
-    {"kinect", "Kinect v1, by libfreenect", find_kinects, open_kinect},
+    {"kinect", "Kinect v1, by libfreenect", find_kinects, open_kinect, nullptr},
 #else
-    {"kinect", "Kinect v1, by libfreenect", nullptr, nullptr},
+    {"kinect", "Kinect v1, by libfreenect", nullptr, nullptr, nullptr},
+#endif
+#if HERMITE_WITH_OPENNI2
+    {"openni", "Xtion, PrimeSense, Orbbec, by OpenNI2", find_openni_cameras, open_openni, open_openni_at},
+#else
+    {"openni", "Xtion, PrimeSense, Orbbec, by OpenNI2", nullptr, nullptr, nullptr},
 #endif
 };
 
@@ -28,23 +36,13 @@ Error not_built(const CameraKind& kind) {
           std::string(kind.words) + ": not in this build (the library was not there; see deploy/packages.txt, then build again)"};
 }
 
-struct Wish {
-  std::string kind;
-  int index = 0;
-};
-
-Result<Wish> parse_wish(const std::string& text) {
-  const std::size_t colon = text.find(':');
-  Wish wish{text.substr(0, colon)};
-  if (colon == std::string::npos) return wish;
+Result<int> parse_index(const std::string& wish, const std::string& text) {
   int number = 0;
   const char* const end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data() + colon + 1, end, number);
-  if (parsed.ec != std::errc() || parsed.ptr != end || number < 1 || number > kMaxIndex)
-    return Error{ErrorCode::kInvalidArgument, "--camera \"" + text + "\": behind the colon stands a number from 1 to " +
-                                                  std::to_string(kMaxIndex) + ", as --list counts"};
-  wish.index = number - 1;
-  return wish;
+  const auto parsed = std::from_chars(text.data(), end, number);
+  if (parsed.ec == std::errc() && parsed.ptr == end && number >= 1 && number <= kMaxIndex) return number - 1;
+  return Error{ErrorCode::kInvalidArgument,
+               "--camera \"" + wish + "\": behind the colon stands a number from 1 to " + std::to_string(kMaxIndex) + ", as --list counts"};
 }
 
 Error unknown_kind(const std::string& wish) {
@@ -53,15 +51,19 @@ Error unknown_kind(const std::string& wish) {
   return {ErrorCode::kInvalidArgument, words + " each with :2 for the second, and " + kRecordingPrefix + "SEQUENCE"};
 }
 
-Result<std::unique_ptr<CaptureCamera>> open_kind(const CameraKind& kind, int index, const std::optional<Camera>& intrinsics) {
+// `which`: what stands behind the colon of `wish`.
+Result<std::unique_ptr<CaptureCamera>> open_kind(const CameraKind& kind, const std::string& wish, const std::string& which,
+                                                 const std::optional<Camera>& intrinsics) {
   if (!kind.open) return not_built(kind);
-  auto camera = kind.open(index, intrinsics);
+  const Result<int> index = parse_index(wish, which);
+  if (!index.ok() && (!kind.open_at || which.empty())) return index.error();
+  auto camera = index.ok() ? kind.open(*index, intrinsics) : kind.open_at(which, intrinsics);
   return camera.ok() ? std::move(camera) : in_context(kind.words, camera.error());
 }
 
 Result<std::unique_ptr<CaptureCamera>> open_first(const std::optional<Camera>& intrinsics) {
   for (const CameraKind& kind : kKinds)
-    if (kind.find && !kind.find().empty()) return open_kind(kind, 0, intrinsics);
+    if (kind.find && !kind.find().empty()) return open_kind(kind, kind.name, "1", intrinsics);
   return Error{ErrorCode::kNotFound, "no camera is attached\n" + list_cameras()};
 }
 
@@ -91,10 +93,10 @@ Result<std::unique_ptr<CaptureCamera>> open_camera(const std::string& wish, cons
     if (const Status status = validate(*intrinsics); !status.ok()) return status.error();
   if (wish.empty()) return open_first(intrinsics);
   if (wish.starts_with(kRecordingPrefix)) return open_recording_camera(wish.substr(std::string(kRecordingPrefix).size()), intrinsics);
-  const Result<Wish> parsed = parse_wish(wish);
-  if (!parsed.ok()) return parsed.error();
+  const std::size_t colon = wish.find(':');
   for (const CameraKind& kind : kKinds)
-    if (parsed->kind == kind.name) return open_kind(kind, parsed->index, intrinsics);
+    if (wish.substr(0, colon) == kind.name)
+      return open_kind(kind, wish, colon == std::string::npos ? "1" : wish.substr(colon + 1), intrinsics);
   return unknown_kind(wish);
 }
 

@@ -78,6 +78,7 @@ const std::vector<Door>& doors() {
       {"SQLiteCpp/", {"server/store"}},
       {"sqlite3.h", {"server/store"}},
       {"libfreenect", {"server/capture/kinect.cpp"}},
+      {"OpenNI.h", {"server/capture/openni.cpp"}},
       {"boost/beast",
        {"server/net/transport.h", "server/service/websocket.h", "server/service/websocket.cpp", "server/service/http_connection.cpp",
         "server/client/connection.cpp"}},

@@ -11,6 +11,7 @@
 #include "core/dataset/recording.h"
 #include "server/capture/recording_camera.h"
 #include "tests/server/capture/scripted_camera.h"
+#include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
@@ -84,6 +85,47 @@ TEST(Scan, WithARecordingEveryFrameArrivesAndTheResultIsThatOfTheRecording) {
   EXPECT_EQ(outcome->progress.log->durable_count, 8u);
   EXPECT_EQ(hashes_of(*outcome->stream), hashes_of_recording(folder / "log", request));
   EXPECT_THAT(words.front(), HasSubstr("looked at 3 frames"));
+}
+
+TEST(Scan, APauseIsShownToViewersAndItsFramesAreNotTaken) {
+  const test::TemporaryFolder folder;
+  test::RunningServer server(test::test_options(folder / "data"));
+  const auto camera = room_camera(1000);
+  std::atomic<bool> paused{false};
+  std::atomic<int> interrupts{0};
+  std::atomic<std::uint64_t> processed{0};
+  std::string scan_id;  // written before `processed`
+  std::optional<Result<ScanOutcome>> outcome;
+  std::thread scanning([&] {
+    outcome = run_scan(*camera,
+                       {.stream = stream_to(server.port(), server.token()),
+                        .title = "a test",
+                        .record_folder = folder / "log",
+                        .preflight_frames = kPreflight},
+                       {.wishes = [&] { return CaptureWishes{.paused = paused, .interrupt_count = interrupts}; },
+                        .on_progress =
+                            [&](const ScanProgress& progress) {
+                              if (scan_id.empty()) scan_id = progress.stream.scan_id;
+                              processed = progress.stream.processed_frames;
+                            }});
+  });
+  for (int i = 0; i < 60'000 && processed < 2; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  paused = true;
+  test::RawClient viewer(server.port());
+  ASSERT_TRUE(viewer.upgrade());
+  viewer.send_message(wire::Hello{wire::kProtocolMinor, "test", server.token(), wire::ViewScan{scan_id}});
+  const auto sees = [&](bool wanted) {
+    while (const auto state = viewer.read<wire::ScanState>())
+      if (state->paused == wanted) return true;
+    return false;
+  };
+  EXPECT_TRUE(sees(true));
+  paused = false;
+  EXPECT_TRUE(sees(false));
+  interrupts = 1;
+  scanning.join();
+  ASSERT_TRUE(outcome->ok()) << outcome->error().message;
+  EXPECT_EQ((*outcome)->progress.stream.processed_frames, (*outcome)->progress.capture.frame_count);
 }
 
 TEST(Scan, WithoutAServerItOnlyRecords) {
