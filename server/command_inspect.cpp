@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "core/dataset/frame_range.h"
+#include "core/dataset/write_frame_log.h"
 #include "core/dataset/write_klg.h"
 #include "core/dataset/write_raw.h"
 #include "core/dataset/write_tum.h"
@@ -42,7 +43,7 @@ struct ConvertArguments {
 
 using Write = Result<WriteSummary> (*)(const Sequence& sequence, FrameRange range, const std::string& path, const WriteProgress& progress);
 const std::map<std::string, Write>& writers() {
-  static const std::map<std::string, Write> table{{"tum", write_tum}, {"klg", write_klg}, {"raw", write_raw}};
+  static const std::map<std::string, Write> table{{"tum", write_tum}, {"log", write_frame_log}, {"klg", write_klg}, {"raw", write_raw}};
   return table;
 }
 
@@ -71,8 +72,9 @@ Command add_convert_command(CLI::App& app) {
   auto arguments = std::make_shared<ConvertArguments>();
   CLI::App& convert = *app.add_subcommand("convert", "Write a recording in another format");
   convert.add_option("SEQUENCE", arguments->source, "What hermite reconstruct takes")->required();
-  convert.add_option("OUT", arguments->out, "A new folder (tum) or file (klg, raw)")->required();
-  convert.add_option("--to", arguments->to, "tum (nothing is lost), klg (millimetres and microseconds), raw (decoded)")
+  convert.add_option("OUT", arguments->out, "A new folder (tum, log) or file (klg, raw)")->required();
+  convert
+      .add_option("--to", arguments->to, "tum (nothing is lost), log (our frame log), klg (millimetres and microseconds), raw (decoded)")
       ->required()
       ->check(CLI::IsMember(writers()));
   convert.add_option("--frames", arguments->frames, "A:B takes frames A to B-1");

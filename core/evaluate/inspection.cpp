@@ -6,15 +6,14 @@
 #include <filesystem>
 
 #include "core/dataset/associate.h"
+#include "core/evaluate/depth_doubts.h"
 
 namespace hermite {
 namespace {
 
 constexpr double kGap = 1.5;  // medians: one frame is missing
 constexpr std::size_t kMaxGapsNamed = 5;
-constexpr double kRateTolerance = 0.2;  // of the stated rate
-constexpr double kLittleDepth = 0.3;    // share of valid pixels: below, a Kinect looked at a window or was too near
-constexpr double kNearestSensor_m = 0.2, kFarthestSensor_m = 12;
+constexpr double kRateTolerance = 0.2;      // of the stated rate
 constexpr double kFastestHand_m_per_s = 5;  // beyond, a pose is wrong
 constexpr std::size_t kMaxFilesCounted = 1'000'000;
 
@@ -91,18 +90,9 @@ void survey_images(const Sequence& sequence, std::int64_t max_frames, Inspection
 
 void judge_depth(Inspection& found) {
   found.unit = guess_depth_unit(found.depth, found.camera.depth_units_per_metre);
-  if (found.unit.is_doubtful) found.doubts.push_back("depth unit: " + found.unit.reason);
-  if (found.frames_looked_at > found.unreadable_count && found.depth.valid_share < kLittleDepth)
-    found.doubts.push_back("only " + words_of("%.0f %%", 100 * found.depth.valid_share) + " of the pixels have depth");
-  const double near_m = found.depth.nearest / found.camera.depth_units_per_metre,
-               far_m = found.depth.farthest / found.camera.depth_units_per_metre;
-  if (found.depth.median > 0 && (near_m < kNearestSensor_m || far_m > kFarthestSensor_m))
-    found.doubts.push_back("depth from " + words_of("%.2f", near_m) + " to " + words_of("%.2f m", far_m) +
-                           " is more than a camera of rooms measures: the unit may be wrong, or a value stands for no measurement");
-  if (const auto& fit = found.registration; fit && fit->is_doubtful())
-    found.doubts.push_back("depth does not seem to be registered to colour: its edges lie " + words_of("%.2f", fit->gain) +
-                           " times better on the picture's when scaled by " + words_of("%.2f", fit->scale) + " and moved by (" +
-                           std::to_string(fit->dx_px) + ", " + std::to_string(fit->dy_px) + ") pixels; see color_camera in the README");
+  if (found.frames_looked_at == found.unreadable_count) return;
+  for (std::string& doubt : depth_doubts({found.depth, found.unit, found.registration, found.camera.depth_units_per_metre}))
+    found.doubts.push_back(std::move(doubt));
 }
 
 void survey_truth(const Sequence& sequence, Inspection& found) {

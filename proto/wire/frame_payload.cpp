@@ -18,7 +18,10 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
 
 std::string text_of(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
 
-Result<DepthImage> decode_depth_payload(const std::string& payload, DepthCodec depth_codec, ImageSize expected) {
+}  // namespace
+
+Result<DepthImage> decode_depth_payload(const std::string& payload, DepthCodec depth_codec, const Camera& camera) {
+  const ImageSize expected{camera.width, camera.height};
   switch (depth_codec) {
     case DepthCodec::kRvlZstd: return decode_depth_rvl_zstd(bytes_of(payload), expected);
     case DepthCodec::kRanks: return decode_depth_ranks(bytes_of(payload), expected);
@@ -27,17 +30,14 @@ Result<DepthImage> decode_depth_payload(const std::string& payload, DepthCodec d
   return decode_depth_png(bytes_of(payload), expected);
 }
 
-}  // namespace
-
 std::size_t max_frame_message_bytes(const Camera& camera) {
   return kMaxBytesBeforeWelcome + 8 * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
 }
 
 Result<RgbdFrame> decode_frame_payload(const Frame& frame, DepthCodec depth_codec, const Camera& camera) {
-  const ImageSize expected{camera.width, camera.height};
-  Result<DepthImage> depth = decode_depth_payload(frame.depth, depth_codec, expected);
+  Result<DepthImage> depth = decode_depth_payload(frame.depth, depth_codec, camera);
   if (!depth.ok()) return in_context("frame.depth", depth.error());
-  Result<ColorImage> color = decode_color(bytes_of(frame.color), expected);
+  Result<ColorImage> color = decode_color(bytes_of(frame.color), {camera.width, camera.height});
   if (!color.ok()) return in_context("frame.color", color.error());
   return RgbdFrame{frame.timestamp_s, *std::move(depth), *std::move(color)};
 }

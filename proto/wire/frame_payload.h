@@ -18,6 +18,9 @@ std::size_t max_frame_message_bytes(const Camera& camera);
 // Errors name the image ("frame.depth: ..."): kCorruptData, kTooLarge, kUnsupported.
 Result<RgbdFrame> decode_frame_payload(const Frame& frame, DepthCodec depth_codec, const Camera& camera);
 
+// The depth alone, of the camera's size. kCorruptData, kTooLarge, kUnsupported.
+Result<DepthImage> decode_depth_payload(const std::string& payload, DepthCodec depth_codec, const Camera& camera);
+
 // `depth` in sensor units, encoded losslessly.
 Result<std::string> encode_depth_payload(const DepthImage& depth, DepthCodec depth_codec);
 

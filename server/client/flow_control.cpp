@@ -14,10 +14,7 @@ void CreditWindow::take() {
   ++sent_;
 }
 
-FrameGate::FrameGate(const Pacing& pacing) : pacing_(pacing) {
-  CHECK(!pacing.rate_hz || *pacing.rate_hz > 0, "a rate is positive");
-  CHECK(!pacing.newest_wins || pacing.rate_hz, "a live camera has a rate");
-}
+FrameGate::FrameGate(const Pacing& pacing) : pacing_(pacing) { CHECK(!pacing.rate_hz || *pacing.rate_hz > 0, "a rate is positive"); }
 
 SteadyTime FrameGate::due(std::uint64_t frame_number) const {
   if (!pacing_.rate_hz) return start_;

@@ -30,7 +30,9 @@ class CreditWindow {
 
 struct Pacing {
   std::optional<double> rate_hz;  // none: as fast as the credit allows
-  bool newest_wins = false;       // live: a frame that is still waiting when the next one is due is dropped, and counted. Needs a rate.
+  // Live: a frame that is still waiting when the next one is due is dropped, and counted. Without a rate the frames come from a camera,
+  // which has a clock of its own: each is due when it is there.
+  bool newest_wins = false;
 };
 
 // At most one frame waiting for its time and for credit. Frame k is due k / rate_hz after the first one was offered.

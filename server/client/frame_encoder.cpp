@@ -10,6 +10,7 @@
 
 #include "core/image/image_codec.h"
 #include "proto/wire/frame_payload.h"
+#include "server/client/depth_codec_choice.h"
 
 namespace hermite {
 namespace {
@@ -67,9 +68,17 @@ EncodedFrame encode_frame(const Sequence& sequence, std::int64_t index, const Wi
   return encoded;
 }
 
+std::vector<wire::DepthCodec> RecordedFrames::depth_codecs() const { return depth_codecs_for(sequence_, range_); }
+
+Supply RecordedFrames::next(const WireEncoding& encoding, EncodedFrame& frame) {
+  if (next_ >= range_.end) return Supply::kEnd;
+  frame = encode_frame(sequence_, next_++, encoding);
+  return Supply::kFrame;
+}
+
 struct FrameEncoder::Worker {
-  Worker(const Sequence& recorded, const Settings& wanted, std::function<void()> notify)
-      : sequence(recorded), settings(wanted), on_ready(std::move(notify)), next_to_take(wanted.range.begin) {
+  Worker(FrameSource& frames, const Settings& wanted, std::function<void()> notify)
+      : source(frames), settings(wanted), on_ready(std::move(notify)) {
     CHECK(settings.read_ahead > 0, "an encoder that may hold no frame never ends");
     thread = std::thread([this] { run(); });
   }
@@ -84,7 +93,7 @@ struct FrameEncoder::Worker {
   }
 
   void run() {
-    for (std::int64_t index = settings.range.begin; index < settings.range.end; ++index) {
+    for (bool ended = false; !ended;) {
       {
         std::unique_lock lock(mutex);
         room_or_stop.wait(lock, [this] { return stopping || ready.size() < settings.read_ahead; });
@@ -92,30 +101,34 @@ struct FrameEncoder::Worker {
       }
       WireEncoding encoding = settings.encoding;
       if (const int quality = jpeg_quality.load(); quality != 0) encoding.jpeg_quality = quality;
-      EncodedFrame frame = encode_frame(sequence, index, encoding);
+      EncodedFrame frame;
+      const Supply supply = source.next(encoding, frame);
+      ended = supply == Supply::kEnd;
+      if (supply == Supply::kNotYet) continue;
       {
         const std::lock_guard lock(mutex);
-        ready.push_back(std::move(frame));
+        if (supply == Supply::kFrame) ready.push_back(std::move(frame));
+        at_end = ended;
       }
       on_ready();
     }
   }
 
-  const Sequence& sequence;
+  FrameSource& source;
   const Settings settings;
   const std::function<void()> on_ready;
-  std::int64_t next_to_take;         // the taker's thread only
   std::atomic<int> jpeg_quality{0};  // 0: none
 
   std::mutex mutex;
   std::condition_variable room_or_stop;
   std::deque<EncodedFrame> ready;  // guarded by mutex
+  bool at_end = false;             // guarded by mutex: the source has no more
   bool stopping = false;           // guarded by mutex
   std::thread thread;
 };
 
-FrameEncoder::FrameEncoder(const Sequence& sequence, const Settings& settings, std::function<void()> on_ready)
-    : worker_(std::make_unique<Worker>(sequence, settings, std::move(on_ready))) {}
+FrameEncoder::FrameEncoder(FrameSource& source, const Settings& settings, std::function<void()> on_ready)
+    : worker_(std::make_unique<Worker>(source, settings, std::move(on_ready))) {}
 
 FrameEncoder::~FrameEncoder() = default;
 
@@ -128,12 +141,14 @@ std::optional<EncodedFrame> FrameEncoder::take() {
     worker_->ready.pop_front();
   }
   worker_->room_or_stop.notify_one();
-  ++worker_->next_to_take;
   return frame;
 }
 
 void FrameEncoder::set_jpeg_quality(std::optional<int> quality) { worker_->jpeg_quality = quality.value_or(0); }
 
-bool FrameEncoder::exhausted() const { return worker_->next_to_take >= worker_->settings.range.end; }
+bool FrameEncoder::exhausted() const {
+  const std::lock_guard lock(worker_->mutex);
+  return worker_->at_end && worker_->ready.empty();
+}
 
 }  // namespace hermite

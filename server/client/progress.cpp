@@ -117,15 +117,23 @@ std::string format_progress(const StreamProgress& progress) {
 }
 
 void ProgressPrinter::show(const StreamProgress& progress) {
-  const double interval_s = is_terminal_ ? kTerminalInterval_s : kPlainInterval_s;
-  if (shown_at_s_ && progress.elapsed_s < *shown_at_s_ + interval_s) return;
-  show_now(progress);
+  if (is_due(progress.elapsed_s)) show_now(progress);
 }
 
-void ProgressPrinter::show_now(const StreamProgress& progress) {
-  shown_at_s_ = progress.elapsed_s;
+void ProgressPrinter::show_now(const StreamProgress& progress) { write(progress.elapsed_s, format_progress(progress)); }
+
+void ProgressPrinter::show(double now_s, const std::string& text) {
+  if (is_due(now_s)) write(now_s, text);
+}
+
+bool ProgressPrinter::is_due(double now_s) const {
+  return !shown_at_s_ || now_s >= *shown_at_s_ + (is_terminal_ ? kTerminalInterval_s : kPlainInterval_s);
+}
+
+void ProgressPrinter::write(double now_s, const std::string& text) {
+  shown_at_s_ = now_s;
   clear();
-  out_ << format_progress(progress);
+  out_ << text;
   line_is_open_ = is_terminal_;
   if (!is_terminal_) out_ << '\n';
   out_.flush();

@@ -30,9 +30,12 @@ class ProgressPrinter {
   // At most 5 times a second on a terminal, else every 5 s, by the progress's own clock.
   void show(const StreamProgress& progress);
   void show_now(const StreamProgress& progress);
-  void line(const std::string& words);  // a line of its own, which the progress does not overwrite
+  void show(double now_s, const std::string& text);  // the same for any line, by a clock of the caller's
+  void line(const std::string& words);               // a line of its own, which the progress does not overwrite
 
  private:
+  bool is_due(double now_s) const;
+  void write(double now_s, const std::string& text);
   void clear();
 
   std::ostream& out_;

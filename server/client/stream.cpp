@@ -9,7 +9,6 @@
 #include "proto/wire/client_message.h"
 #include "proto/wire/server_message.h"
 #include "server/client/backoff.h"
-#include "server/client/depth_codec_choice.h"
 #include "server/client/frame_encoder.h"
 #include "server/client/link.h"
 #include "server/client/link_adaption.h"
@@ -39,9 +38,9 @@ Error error_from(const wire::ErrorMessage& said) {
 // What one scan knows of itself while it runs, over one connection after the other. Lives on one thread.
 class Session {
  public:
-  Session(const Sequence& sequence, const StreamRequest& request, const StreamObserver& observer)
-      : sequence_(sequence), request_(request), observer_(observer), link_(request.server, request.ca), gate_(request.pacing) {
-    progress_.frame_count = request.frames.count();
+  Session(FrameSource& source, const StreamRequest& request, const StreamObserver& observer)
+      : source_(source), request_(request), observer_(observer), link_(request.server, request.ca), gate_(request.pacing) {
+    progress_.frame_count = static_cast<std::int64_t>(source.expected_frames());
   }
   Status run();
   void close() { link_.close(kClosePatience); }
@@ -68,6 +67,7 @@ class Session {
   void tell_problem(const std::string& words);
   void tell_link(const std::string& words);
   void tell_progress();
+  void tell_pause();
 
   // One overload a body of the protocol.
   void receive(const wire::Welcome& welcome);
@@ -88,11 +88,12 @@ class Session {
   void receive(const wire::SnapshotEnd&) { ++progress_.unknown_messages; }
   void receive(const wire::TrajectoryPart&) { ++progress_.unknown_messages; }
 
-  const Sequence& sequence_;
+  FrameSource& source_;
   const StreamRequest& request_;
   const StreamObserver& observer_;
 
   Link link_;
+  bool told_paused_ = false;              // over this connection
   bool link_lost_ = false;                // what step() says then is no reason to give up the scan
   std::optional<wire::Waiting> waiting_;  // for a place on the server
   SteadyTime hello_deadline_;
@@ -121,8 +122,7 @@ Status Session::run() {
   if (Status status = greet(); !status.ok()) return status;
   const auto& accepted = welcome_->color_codecs;
   const bool png_color = std::find(accepted.begin(), accepted.end(), wire::ColorCodec::kPng) != accepted.end();
-  encoder_.emplace(sequence_, FrameEncoder::Settings{.range = request_.frames, .encoding = {welcome_->depth_codec, png_color}},
-                   [this] { link_.wake(); });
+  encoder_.emplace(source_, FrameEncoder::Settings{.encoding = {welcome_->depth_codec, png_color}}, [this] { link_.wake(); });
   for (;;) {
     Status status = pump();
     if (status.ok()) status = finish();
@@ -133,7 +133,7 @@ Status Session::run() {
 
 Status Session::connect() {
   if (Status status = link_.open(request_.connect_patience); !status.ok()) return status;
-  link_lost_ = false;
+  link_lost_ = told_paused_ = false;
   last_news_ = Clock::now();
   return Done{};
 }
@@ -141,12 +141,12 @@ Status Session::connect() {
 Status Session::greet() {
   wire::StartScan start;
   start.title = request_.title;
-  start.camera = sequence_.camera();
-  start.depth_codecs = depth_codecs_for(sequence_, request_.frames);
+  start.camera = source_.camera();
+  start.depth_codecs = source_.depth_codecs();
   start.color_codecs = {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng};
   start.mode = request_.pacing.newest_wins ? wire::Mode::kLive : wire::Mode::kBatch;
   start.settings = request_.settings;
-  start.expected_frames = static_cast<std::uint64_t>(request_.frames.count());
+  start.expected_frames = source_.expected_frames();
   link_.connection().send(
       wire::format_client_message(wire::Hello{wire::kProtocolMinor, "hermite-client", request_.server.token, std::move(start)}));
 
@@ -297,6 +297,7 @@ Status Session::step(std::optional<SteadyTime> next_event) {
   link_lost_ = stay_away_ || link_.connection().ended();
   if (stay_away_) return Error{ErrorCode::kIo, "the server is stopping"};
   if (link_lost_) return *link_.connection().ended();
+  tell_pause();
   link_.ping(now);
   if (now - last_news_ > request_.silence_patience) {
     const auto patience_s = std::chrono::duration_cast<std::chrono::seconds>(request_.silence_patience).count();
@@ -408,6 +409,16 @@ void Session::tell_link(const std::string& words) {
   if (observer_.on_link) observer_.on_link(words);
 }
 
+// Not before the last frame has left: a frame ends a pause.
+void Session::tell_pause() {
+  const bool paused = observer_.paused && observer_.paused() && !progress_.finishing;
+  const bool knows_pauses = welcome_ && welcome_->protocol_minor >= wire::kMinorWithResume;
+  if (paused == told_paused_ || !knows_pauses || !link_.connection().can_send() || frames_.next() || !gate_.empty()) return;
+  if (paused) link_.connection().send(wire::format_client_message(wire::Pause{}));
+  if (!paused) link_.connection().send(wire::format_client_message(wire::Unpause{}));
+  told_paused_ = paused;
+}
+
 void Session::tell_progress() {
   progress_.sent_bytes = link_.sent_bytes();
   progress_.round_trip_ms = link_.round_trip_ms();
@@ -417,12 +428,18 @@ void Session::tell_progress() {
 
 }  // namespace
 
-Result<StreamOutcome> stream_sequence(const Sequence& sequence, const StreamRequest& request, const StreamObserver& observer) {
-  Session session(sequence, request, observer);
+Result<StreamOutcome> stream_frames(FrameSource& source, const StreamRequest& request, const StreamObserver& observer) {
+  Session session(source, request, observer);
   const Status status = session.run();
   session.close();
   if (!status.ok()) return status.error();
   return session.outcome();
+}
+
+Result<StreamOutcome> stream_sequence(const Sequence& sequence, const FrameRange& frames, const StreamRequest& request,
+                                      const StreamObserver& observer) {
+  RecordedFrames source(sequence, frames);
+  return stream_frames(source, request, observer);
 }
 
 }  // namespace hermite

@@ -1,5 +1,5 @@
-// Streams a recorded sequence to a Hermite server and waits for the result: connect, hello, frames, finish, report. When the connection is
-// lost, or the server ends and is started again, it connects anew and goes on where the server is.
+// Streams frames to a Hermite server and waits for the result: connect, hello, frames, finish, report. When the connection is lost, or the
+// server ends and is started again, it connects anew and goes on where the server is.
 #pragma once
 
 #include <chrono>
@@ -13,6 +13,7 @@
 #include "core/dataset/sequence.h"
 #include "proto/wire/messages.h"
 #include "server/client/flow_control.h"
+#include "server/client/frame_source.h"
 #include "server/client/server_url.h"
 
 namespace hermite {
@@ -21,7 +22,6 @@ struct StreamRequest {
   ServerUrl server;  // with its token
   std::string ca;    // file with the certificate authorities to believe, empty: the system's
   std::string title;
-  FrameRange frames;
   Pacing pacing;  // newest_wins asks the server for its live mode, and adapts what is sent to the link
   std::map<std::string, std::string> settings;
   std::chrono::milliseconds connect_patience{10'000};   // for the WebSocket, then for the welcome
@@ -32,7 +32,7 @@ struct StreamRequest {
 
 struct StreamProgress {
   std::string scan_id;
-  std::int64_t frame_count = 0;  // of the range
+  std::int64_t frame_count = 0;  // of the source, 0 when nobody knows
   std::uint64_t sent_frames = 0;
   std::uint64_t processed_frames = 0;       // results that came back
   std::uint64_t tracked_frames = 0;         // of these
@@ -52,13 +52,14 @@ struct StreamProgress {
   double elapsed_s = 0;    // since the welcome
 };
 
-// Called on the thread of stream_sequence; each may be empty.
+// Called on the thread of stream_frames; each may be empty.
 struct StreamObserver {
   std::function<void(const StreamProgress&)> on_progress;    // several times a second
   std::function<void(const std::string& words)> on_problem;  // of one frame; the scan goes on
   std::function<void(const std::string& words)> on_link;     // the connection is lost, or back
   std::function<void(const wire::FrameResult&)> on_event;    // a result with an event
   std::function<int()> interrupt_count;                      // 1: send no more frames and finish. 2: give up
+  std::function<bool()> paused;                              // no frames for now because a person wants it so: viewers are told
 };
 
 struct StreamOutcome {
@@ -67,10 +68,14 @@ struct StreamOutcome {
   StreamProgress progress;     // at the end
 };
 
-// Blocks until the server's report is here or the scan has failed. Reads and encodes on a second thread.
+// Blocks until the server's report is here or the scan has failed. Encodes on a second thread, which takes the frames of `source`.
 // Errors in words: those of Connection::open; what the server says when it ends the scan, or why it does not go on with it; the end of the
 // connection before the report, when it could not be got back; silence beyond the patience; kTooLarge for a frame above the server's limit
 // for a message; kIo when given up by interrupt.
-Result<StreamOutcome> stream_sequence(const Sequence& sequence, const StreamRequest& request, const StreamObserver& observer);
+Result<StreamOutcome> stream_frames(FrameSource& source, const StreamRequest& request, const StreamObserver& observer);
+
+// The same with the frames of a recording.
+Result<StreamOutcome> stream_sequence(const Sequence& sequence, const FrameRange& frames, const StreamRequest& request,
+                                      const StreamObserver& observer);
 
 }  // namespace hermite

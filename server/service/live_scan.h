@@ -12,10 +12,10 @@
 #include <string_view>
 
 #include "core/base/result.h"
+#include "core/log/frame_log.h"
 #include "proto/wire/messages.h"
 #include "server/service/audience.h"
 #include "server/service/scan_worker.h"
-#include "server/store/frame_log.h"
 
 namespace hermite {
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/base/result.h"
+#include "core/log/frame_log_reader.h"
 #include "proto/wire/messages.h"
-#include "server/store/frame_log_reader.h"
 
 namespace hermite {
 

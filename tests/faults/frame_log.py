@@ -1,4 +1,4 @@
-"""Reads a frame log, from server/store/frame_log.md alone."""
+"""Reads a frame log, from core/log/frame_log.md alone."""
 import glob
 import os
 import struct

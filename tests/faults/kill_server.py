@@ -5,7 +5,7 @@
 
 Passes when every scan came back after every kill, no frame that the client was told to be durable is missing from the log on disk, and
 trajectory and cloud of every scan have the hashes of an undisturbed run. The log is read here by a program of its own, from
-server/store/frame_log.md alone.
+core/log/frame_log.md alone.
 """
 import argparse
 import glob

@@ -32,9 +32,12 @@ const std::vector<Layer>& layers() {
       {"core/mesh", {"core/map", "core/frame", "core/gpu", "core/math", "core/base", "shaders/shared"}},
       {"core/image", {"core/base"}},
       {"core/archive", {"core/base"}},
+      {"core/log", {"core/base"}},
       {"core/raw", {"core/frame/rgbd_frame.h", "core/math", "core/base"}},
       {"core/adjust", {"core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
-      {"core/dataset", {"core/archive", "core/raw", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
+      // The messages as plain values: a frame log holds them as they came.
+      {"core/dataset",
+       {"core/archive", "core/log", "core/raw", "proto/wire", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"core/evaluate", {"core/dataset", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"core/output", {"core/math", "core/base"}},
       {"core/digest", {"core/base"}},
@@ -48,7 +51,7 @@ const std::vector<Layer>& layers() {
       {"proto/wire", {"core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"server",
        {"core/pipeline", "core/report", "core/adjust/mapping.h", "core/output", "core/dataset", "core/digest", "core/evaluate",
-        "core/frame/rgbd_frame.h", "core/raw", "core/image", "core/math", "core/base", "proto/wire"}},
+        "core/frame/rgbd_frame.h", "core/log", "core/raw", "core/image", "core/math", "core/base", "proto/wire"}},
       {"shaders", {}},
   };
   return table;
@@ -75,6 +78,8 @@ const std::vector<Door>& doors() {
       {"draco/", {"core/output"}},
       {"SQLiteCpp/", {"server/store"}},
       {"sqlite3.h", {"server/store"}},
+      {"libfreenect", {"server/capture/kinect.cpp"}},
+      {"OpenNI.h", {"server/capture/openni.cpp"}},
       {"boost/beast",
        {"server/net/transport.h", "server/service/websocket.h", "server/service/websocket.cpp", "server/service/http_connection.cpp",
         "server/client/connection.cpp"}},

@@ -147,6 +147,19 @@ TEST(FrameGate, AFrameThatIsLeftOutReplacesNoneThatWaits) {
   EXPECT_EQ(gate.due_count(), 1u);
 }
 
+TEST(FrameGate, ACameraWithItsOwnClockSendsEachFrameWhenItIsThereAndDropsForANewerOne) {
+  FrameGate gate({.rate_hz = std::nullopt, .newest_wins = true});
+  gate.offer(frame(0), at_ms(0));
+  EXPECT_EQ(gate.take(at_ms(0), true)->index, 0);
+  gate.offer(frame(1), at_ms(33));
+  EXPECT_FALSE(gate.take(at_ms(33), false));
+  ASSERT_TRUE(gate.wants(at_ms(34)));
+  gate.offer(frame(2), at_ms(34));
+  EXPECT_EQ(gate.take(at_ms(34), true)->index, 2);
+  EXPECT_EQ(gate.dropped_count(), 1u);
+  EXPECT_EQ(gate.next_event(at_ms(34)), std::nullopt);
+}
+
 TEST(FrameGateDeathTest, BatchLeavesNothingOut) { EXPECT_DEATH(FrameGate({}).keep(1, 2), "live camera"); }
 
 TEST(FrameGate, LiveFramesThatAreEarlyWaitForTheirTime) {

@@ -117,7 +117,8 @@ TEST(EncodeFrame, AJpegQualityMakesColourSmallerOrLeavesItAlone) {
 
 TEST(FrameEncoder, AJpegQualityHoldsForTheFramesFromThenOn) {
   const JpegRecording recording;
-  FrameEncoder encoder(recording, {.range = {0, 6}, .encoding = {}, .read_ahead = 1}, [] {});
+  RecordedFrames source(recording, {0, 6});
+  FrameEncoder encoder(source, {.encoding = {}, .read_ahead = 1}, [] {});
   encoder.set_jpeg_quality(50);
   const auto frames = take_all(encoder);
   ASSERT_EQ(frames.size(), 6u);
@@ -152,7 +153,8 @@ TEST(EncodeFrame, ColourThatIsNoImageIsLeftToTheServerToJudge) {
 
 TEST(FrameEncoder, GivesTheRangeInOrderAndThenNothing) {
   const ShortRecording recording;
-  FrameEncoder encoder(recording, {.range = {1, 9}, .encoding = {}, .read_ahead = 2}, [] {});
+  RecordedFrames source(recording, {1, 9});
+  FrameEncoder encoder(source, {.encoding = {}, .read_ahead = 2}, [] {});
   const auto frames = take_all(encoder);
   ASSERT_EQ(frames.size(), 8u);
   for (std::size_t k = 0; k < frames.size(); ++k) {
@@ -166,7 +168,8 @@ TEST(FrameEncoder, GivesTheRangeInOrderAndThenNothing) {
 TEST(FrameEncoder, SaysWhenAFrameIsReadyAndNeverRunsFurtherAhead) {
   const ShortRecording recording;
   std::atomic<int> ready_count{0};
-  FrameEncoder encoder(recording, {.range = {0, 12}, .encoding = {}, .read_ahead = 3}, [&] { ++ready_count; });
+  RecordedFrames source(recording, {0, 12});
+  FrameEncoder encoder(source, {.encoding = {}, .read_ahead = 3}, [&] { ++ready_count; });
   for (int taken = 0; taken < 12; ++taken) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (ready_count <= taken && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
@@ -179,7 +182,8 @@ TEST(FrameEncoder, SaysWhenAFrameIsReadyAndNeverRunsFurtherAhead) {
 TEST(FrameEncoder, EndsInTheMiddleWhenItsOwnerGoes) {
   const ShortRecording recording;
   {
-    FrameEncoder encoder(recording, {.range = {0, 12}, .encoding = {}, .read_ahead = 2}, [] {});
+    RecordedFrames source(recording, {0, 12});
+    FrameEncoder encoder(source, {.encoding = {}, .read_ahead = 2}, [] {});
   }
   EXPECT_LE(recording.read_count, 3);
 }

@@ -65,11 +65,12 @@ std::unique_ptr<Sequence> synthetic_room() {
   return *open_sequence("synthetic:frames=" + std::to_string(kFrameCount) + ",width=160,height=120");
 }
 
-StreamRequest request_for(const TestServer& server, const Sequence& sequence) {
+FrameRange all_of(const Sequence& sequence) { return {0, sequence.frame_count()}; }
+
+StreamRequest request_for(const TestServer& server) {
   StreamRequest request;
   request.server = server.url();
   request.title = "a test";
-  request.frames = {0, sequence.frame_count()};
   request.settings = {{"output.unstable", "true"}};  // a few frames make no stable surfels
   return request;
 }
@@ -108,7 +109,7 @@ TEST(Stream, GivesWhatALocalRunGivesForAnyCreditWindow) {
   const Expected expected = local_run(*sequence);
   for (const int credit_window : {1, 3, 16}) {
     const TestServer server(credit_window);
-    const auto outcome = stream_sequence(*sequence, request_for(server, *sequence), {});
+    const auto outcome = stream_sequence(*sequence, all_of(*sequence), request_for(server), {});
     ASSERT_TRUE(outcome.ok()) << outcome.error().message;
     EXPECT_EQ(cloud_sha256(*outcome), expected.cloud_sha256);
     EXPECT_EQ(outcome->trajectory_tum, expected.trajectory_tum) << "credit window " << credit_window;
@@ -127,7 +128,7 @@ TEST(Stream, TwoScansAtOnceAreTheSameAsOne) {
   const Expected expected = local_run(*sequence);
   const TestServer server(2);
   const auto stream = [&] {
-    const auto outcome = stream_sequence(*sequence, request_for(server, *sequence), {});
+    const auto outcome = stream_sequence(*sequence, all_of(*sequence), request_for(server), {});
     ASSERT_TRUE(outcome.ok()) << outcome.error().message;
     EXPECT_EQ(outcome->trajectory_tum, expected.trajectory_tum);
     EXPECT_EQ(cloud_sha256(*outcome), expected.cloud_sha256);
@@ -147,7 +148,7 @@ TEST(Stream, AFrameThatCannotBeReadStillHasItsLineAndIsReportedAsLost) {
   observer.on_problem = [&](const std::string& words) { problems.push_back(words); };
   std::vector<wire::FrameResult> events;
   observer.on_event = [&](const wire::FrameResult& result) { events.push_back(result); };
-  const auto outcome = stream_sequence(sequence, request_for(server, sequence), observer);
+  const auto outcome = stream_sequence(sequence, all_of(sequence), request_for(server), observer);
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   EXPECT_EQ(outcome->trajectory_tum, expected.trajectory_tum);
   EXPECT_EQ(cloud_sha256(*outcome), expected.cloud_sha256);
@@ -166,9 +167,9 @@ TEST(Stream, AFrameThatCannotBeReadStillHasItsLineAndIsReportedAsLost) {
 TEST(Stream, ALiveCameraAccountsForEveryFrame) {
   const auto sequence = synthetic_room();
   const TestServer server(1);
-  StreamRequest request = request_for(server, *sequence);
+  StreamRequest request = request_for(server);
   request.pacing = {.rate_hz = 1000, .newest_wins = true};
-  const auto outcome = stream_sequence(*sequence, request, {});
+  const auto outcome = stream_sequence(*sequence, all_of(*sequence), request, {});
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   const StreamProgress& progress = outcome->progress;
   EXPECT_EQ(progress.sent_frames + progress.dropped_frames + progress.left_out_frames, kFrameCount);
@@ -179,9 +180,9 @@ TEST(Stream, ALiveCameraAccountsForEveryFrame) {
 TEST(Stream, AWrongTokenIsSaidInWords) {
   const auto sequence = synthetic_room();
   const TestServer server;
-  StreamRequest request = request_for(server, *sequence);
+  StreamRequest request = request_for(server);
   request.server.token = "not the token";
-  const auto outcome = stream_sequence(*sequence, request, {});
+  const auto outcome = stream_sequence(*sequence, all_of(*sequence), request, {});
   ASSERT_FALSE(outcome.ok());
   EXPECT_EQ(outcome.error().code, ErrorCode::kUnauthorized);
   EXPECT_THAT(outcome.error().message, HasSubstr("token"));
@@ -192,9 +193,9 @@ TEST(Stream, AServerThatIsNotThereIsSaidInWords) {
   StreamRequest request;
   {
     const TestServer gone;
-    request = request_for(gone, *sequence);
+    request = request_for(gone);
   }
-  const auto outcome = stream_sequence(*sequence, request, {});
+  const auto outcome = stream_sequence(*sequence, all_of(*sequence), request, {});
   ASSERT_FALSE(outcome.ok());
   EXPECT_THAT(outcome.error().message, HasSubstr("cannot connect to " + request.server.host_and_port()));
 }
@@ -202,9 +203,9 @@ TEST(Stream, AServerThatIsNotThereIsSaidInWords) {
 TEST(Stream, ASettingThatTheServerRefusesIsNamed) {
   const auto sequence = synthetic_room();
   const TestServer server;
-  StreamRequest request = request_for(server, *sequence);
+  StreamRequest request = request_for(server);
   request.settings = {{"no.such_setting", "1"}};
-  const auto outcome = stream_sequence(*sequence, request, {});
+  const auto outcome = stream_sequence(*sequence, all_of(*sequence), request, {});
   ASSERT_FALSE(outcome.ok());
   EXPECT_THAT(outcome.error().message, HasSubstr("no.such_setting"));
 }
@@ -218,7 +219,7 @@ TEST(Stream, AnInterruptFinishesWithTheFramesSentSoFar) {
   observer.on_progress = [&](const StreamProgress& progress) {
     if (progress.processed_frames >= 2) interrupts = 1;
   };
-  const auto outcome = stream_sequence(*sequence, request_for(server, *sequence), observer);
+  const auto outcome = stream_sequence(*sequence, all_of(*sequence), request_for(server), observer);
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   EXPECT_GE(outcome->progress.sent_frames, 2u);
   EXPECT_LT(outcome->progress.sent_frames, kFrameCount);
@@ -232,7 +233,7 @@ TEST(Stream, ASecondInterruptGivesUp) {
   StreamObserver observer;
   observer.interrupt_count = [&] { return interrupts.load(); };
   observer.on_progress = [&](const StreamProgress&) { interrupts = 2; };
-  const auto outcome = stream_sequence(*sequence, request_for(server, *sequence), observer);
+  const auto outcome = stream_sequence(*sequence, all_of(*sequence), request_for(server), observer);
   ASSERT_FALSE(outcome.ok());
   EXPECT_THAT(outcome.error().message, HasSubstr("interrupted"));
 }
@@ -246,9 +247,9 @@ TEST(Stream, AServerThatStopsSaysWhy) {
   observer.on_progress = [&](const StreamProgress& progress) {
     if (progress.processed_frames >= 1) server.server.stop();
   };
-  StreamRequest request = request_for(server, *sequence);
+  StreamRequest request = request_for(server);
   request.reconnect_patience = std::chrono::milliseconds(100);
-  const auto outcome = stream_sequence(*sequence, request, observer);
+  const auto outcome = stream_sequence(*sequence, all_of(*sequence), request, observer);
   ASSERT_FALSE(outcome.ok());
   EXPECT_THAT(outcome.error().message, HasSubstr("stopping"));
   ASSERT_FALSE(links.empty());
@@ -263,7 +264,6 @@ TEST(Stream, GoesOnWithTheNextServerAndTheResultIsTheSame) {
   auto server = std::make_unique<test::RunningServer>(options);
   StreamRequest request;
   request.server = {"127.0.0.1", static_cast<std::uint16_t>(server->port()), server->token()};
-  request.frames = {0, sequence->frame_count()};
   request.settings = {{"output.unstable", "true"}};
   options.listen = "127.0.0.1:" + std::to_string(server->port());
   StreamObserver observer;
@@ -272,7 +272,7 @@ TEST(Stream, GoesOnWithTheNextServerAndTheResultIsTheSame) {
   observer.on_progress = [&](const StreamProgress& progress) { under_way = progress.processed_frames >= 2; };
   observer.on_link = [&](const std::string& words) { links.push_back(words); };
   std::optional<Result<StreamOutcome>> outcome;
-  std::thread streaming([&] { outcome = stream_sequence(*sequence, request, observer); });
+  std::thread streaming([&] { outcome = stream_sequence(*sequence, all_of(*sequence), request, observer); });
   for (int i = 0; i < 60'000 && !under_way; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   server.reset();
   server = std::make_unique<test::RunningServer>(options);

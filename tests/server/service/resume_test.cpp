@@ -7,9 +7,9 @@
 #include <thread>
 
 #include "core/digest/sha256.h"
+#include "core/log/frame_log.h"
 #include "core/pipeline/doctor.h"
 #include "server/service/scan_record.h"
-#include "server/store/frame_log.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
 #include "server/store/store.h"

@@ -1,4 +1,4 @@
-#include "server/store/frame_log.h"
+#include "core/log/frame_log.h"
 
 #include <condition_variable>
 #include <deque>
@@ -7,7 +7,7 @@
 #include <thread>
 #include <utility>
 
-#include "server/store/log_segments.h"
+#include "core/log/log_segments.h"
 
 namespace hermite {
 

@@ -1,4 +1,4 @@
-#include "server/store/frame_log.h"
+#include "core/log/frame_log.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -136,6 +136,31 @@ class FrameLogTest : public testing::Test {
   const std::string log_ = folder_ / "scan-log";
   Told told_;
 };
+
+TEST_F(FrameLogTest, IsReadWhileItGrowsAsFarAsItIsDurable) {
+  auto log = FrameLog::create(log_, "terms", "start", told_.events(), small_segments());
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  FrameLogReader reader(log_);
+  for (int i = 0; i < 2; ++i) EXPECT_TRUE(*reader.next());
+  for (int i = 0; i < kFrames; ++i) {
+    ASSERT_TRUE((*log)->append(RecordType::kFrame, payload(i)).ok());
+    ASSERT_TRUE(told_.wait_for_durable(static_cast<std::uint64_t>(i) + 1));
+    const Result<std::optional<LogRecord>> record = reader.next();
+    ASSERT_TRUE(record.ok()) << record.error().message;
+    ASSERT_TRUE(*record) << "record " << i << ": " << reader.end().words;
+    EXPECT_EQ((*record)->payload, payload(i));
+  }
+  EXPECT_GT(segments().size(), 2u);
+}
+
+TEST_F(FrameLogTest, ALogInTheWorkingFolderMayBeNamedWithoutAPath) {
+  const fs::path before = fs::current_path();
+  fs::current_path(folder_.path());
+  for (const char* name : {"bare", "with-slash/"}) EXPECT_TRUE(FrameLog::create(name, "terms", "start", told_.events()).ok()) << name;
+  fs::current_path(before);
+  EXPECT_EQ(records_of(folder_ / "bare").size(), 2u);
+  EXPECT_EQ(records_of(folder_ / "with-slash").size(), 2u);
+}
 
 TEST(Crc32c, IsThatOfTheStandard) {
   EXPECT_EQ(crc32c("123456789"), 0xe3069283u);

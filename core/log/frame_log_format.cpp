@@ -1,4 +1,4 @@
-#include "server/store/frame_log_format.h"
+#include "core/log/frame_log_format.h"
 
 #include <array>
 #include <bit>

@@ -1,4 +1,5 @@
-// Reads a frame log from its beginning (format: frame_log.md). Holds one record at a time.
+// Reads a frame log from its beginning (format: frame_log.md). Holds one record at a time. Of a log that is still written it may be asked
+// for those records that are durable: what is behind them may be half there.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +8,7 @@
 #include <string>
 
 #include "core/base/result.h"
-#include "server/store/frame_log_format.h"
+#include "core/log/frame_log_format.h"
 
 namespace hermite {
 

@@ -14,8 +14,8 @@
 #include <string>
 
 #include "core/base/result.h"
-#include "server/store/frame_log_format.h"
-#include "server/store/frame_log_reader.h"
+#include "core/log/frame_log_format.h"
+#include "core/log/frame_log_reader.h"
 
 namespace hermite {
 

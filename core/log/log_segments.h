@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "core/base/result.h"
-#include "server/store/frame_log.h"
+#include "core/log/frame_log.h"
 
 namespace hermite {
 

@@ -1,4 +1,4 @@
-#include "server/store/log_segments.h"
+#include "core/log/log_segments.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -30,7 +30,8 @@ Status sync_folder(const std::string& path) {
 
 }  // namespace
 
-LogSegments::LogSegments(std::string folder, FrameLogOptions options) : folder_(std::move(folder)), options_(std::move(options)) {}
+LogSegments::LogSegments(std::string folder, FrameLogOptions options)
+    : folder_(std::filesystem::absolute(std::filesystem::path(folder) / "").parent_path()), options_(std::move(options)) {}
 
 LogSegments::~LogSegments() {
   if (file_ >= 0) close(file_);
@@ -40,8 +41,10 @@ Status LogSegments::create() {
   if (mkdir(folder_.c_str(), 0700) != 0) return io_failure("creating " + folder_);
   const std::string scan_folder = std::filesystem::path(folder_).parent_path();
   const std::string scans_folder = std::filesystem::path(scan_folder).parent_path();
-  for (const std::string& folder : {scan_folder, scans_folder})
-    if (Status status = sync_folder(folder); !status.ok()) return status;
+  if (Status status = sync_folder(scan_folder); !status.ok()) return status;
+  // Who may not read that one has not just made the other in it.
+  if (access(scans_folder.c_str(), R_OK) == 0)
+    if (Status status = sync_folder(scans_folder); !status.ok()) return status;
   return begin_segment(0);
 }
 

@@ -1,4 +1,4 @@
-#include "server/store/frame_log_reader.h"
+#include "core/log/frame_log_reader.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -20,15 +20,24 @@ Error io_failure(const std::string& what) { return {ErrorCode::kIo, what + ": " 
 struct FrameLogReader::File {
   const std::string path;
   const int descriptor;
-  std::uint64_t offset = 0, size = 0;  // bytes; the size when it was opened
+  std::uint64_t offset = 0, size = 0;  // bytes; the size when it was last asked for
 
   File(std::string file_path, int opened) : path(std::move(file_path)), descriptor(opened) {}
   ~File() { close(descriptor); }
   File(const File&) = delete;
   File& operator=(const File&) = delete;
 
-  // As many bytes as there are, at most `count`. From the present size on, nothing: a writer may be adding.
+  Status ask_size() {
+    struct stat status {};
+    if (fstat(descriptor, &status) != 0) return io_failure("asking for the size of " + path);
+    size = static_cast<std::uint64_t>(status.st_size);
+    return Done{};
+  }
+
+  // As many bytes as there are, at most `count`.
   Result<std::string> read(std::size_t count) {
+    if (count > size - offset)
+      if (Status status = ask_size(); !status.ok()) return status.error();
     std::string bytes(static_cast<std::size_t>(std::min<std::uint64_t>(count, size - offset)), '\0');
     for (std::size_t have = 0; have < bytes.size();) {
       const ssize_t got = ::read(descriptor, bytes.data() + have, bytes.size() - have);
@@ -59,14 +68,14 @@ Result<bool> FrameLogReader::open_segment(std::uint32_t segment) {
   if (descriptor < 0 && errno == ENOENT) return false;
   if (descriptor < 0) return io_failure("opening " + path);
   file_ = std::make_unique<File>(path, descriptor);
-  struct stat status {};
-  if (fstat(descriptor, &status) != 0) return io_failure("asking for the size of " + path);
-  file_->size = static_cast<std::uint64_t>(status.st_size);
+  if (Status status = file_->ask_size(); !status.ok()) return status.error();
   return true;
 }
 
 Result<std::optional<LogRecord>> FrameLogReader::next() {
   if (stopped_) return std::optional<LogRecord>();
+  if (file_ && file_->offset == file_->size)
+    if (Status status = file_->ask_size(); !status.ok()) return status.error();
   if (!file_ || file_->offset == file_->size) {
     const std::uint32_t segment = file_ ? end_.segment + 1 : 0;
     const Result<bool> there = open_segment(segment);

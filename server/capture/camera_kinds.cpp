@@ -1,0 +1,103 @@
+#include "server/capture/camera_kinds.h"
+
+#include <charconv>
+#include <utility>
+
+#include "server/capture/recording_camera.h"
+
+#if HERMITE_WITH_FREENECT
+#include "server/capture/kinect.h"
+#endif
+#if HERMITE_WITH_OPENNI2
+#include "server/capture/openni.h"
+#endif
+
+namespace hermite {
+namespace {
+
+constexpr const char* kRecordingPrefix = "recording:";
+constexpr int kMaxIndex = 99;  // more cameras than any machine has USB controllers for
+
+constexpr CameraKind kKinds[] = {
+#if HERMITE_WITH_FREENECT
+    {"kinect", "Kinect v1, by libfreenect", find_kinects, open_kinect, nullptr},
+#else
+    {"kinect", "Kinect v1, by libfreenect", nullptr, nullptr, nullptr},
+#endif
+#if HERMITE_WITH_OPENNI2
+    {"openni", "Xtion, PrimeSense, Orbbec, by OpenNI2", find_openni_cameras, open_openni, open_openni_at},
+#else
+    {"openni", "Xtion, PrimeSense, Orbbec, by OpenNI2", nullptr, nullptr, nullptr},
+#endif
+};
+
+Error not_built(const CameraKind& kind) {
+  return {ErrorCode::kUnsupported,
+          std::string(kind.words) + ": not in this build (the library was not there; see deploy/packages.txt, then build again)"};
+}
+
+Result<int> parse_index(const std::string& wish, const std::string& text) {
+  int number = 0;
+  const char* const end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, number);
+  if (parsed.ec == std::errc() && parsed.ptr == end && number >= 1 && number <= kMaxIndex) return number - 1;
+  return Error{ErrorCode::kInvalidArgument,
+               "--camera \"" + wish + "\": behind the colon stands a number from 1 to " + std::to_string(kMaxIndex) + ", as --list counts"};
+}
+
+Error unknown_kind(const std::string& wish) {
+  std::string words = "--camera \"" + wish + "\" is not known; there are";
+  for (const CameraKind& kind : kKinds) words += std::string(" ") + kind.name + ",";
+  return {ErrorCode::kInvalidArgument, words + " each with :2 for the second, and " + kRecordingPrefix + "SEQUENCE"};
+}
+
+// `which`: what stands behind the colon of `wish`.
+Result<std::unique_ptr<CaptureCamera>> open_kind(const CameraKind& kind, const std::string& wish, const std::string& which,
+                                                 const std::optional<Camera>& intrinsics) {
+  if (!kind.open) return not_built(kind);
+  const Result<int> index = parse_index(wish, which);
+  if (!index.ok() && (!kind.open_at || which.empty())) return index.error();
+  auto camera = index.ok() ? kind.open(*index, intrinsics) : kind.open_at(which, intrinsics);
+  return camera.ok() ? std::move(camera) : in_context(kind.words, camera.error());
+}
+
+Result<std::unique_ptr<CaptureCamera>> open_first(const std::optional<Camera>& intrinsics) {
+  for (const CameraKind& kind : kKinds)
+    if (kind.find && !kind.find().empty()) return open_kind(kind, kind.name, "1", intrinsics);
+  return Error{ErrorCode::kNotFound, "no camera is attached\n" + list_cameras()};
+}
+
+Result<std::unique_ptr<CaptureCamera>> open_recording_camera(const std::string& source, const std::optional<Camera>& intrinsics) {
+  Result<std::unique_ptr<Sequence>> sequence = open_sequence(source, intrinsics);
+  if (!sequence.ok()) return sequence.error();
+  return play_recording(*std::move(sequence));
+}
+
+}  // namespace
+
+std::span<const CameraKind> camera_kinds() { return kKinds; }
+
+std::string list_cameras() {
+  std::string text;
+  for (const CameraKind& kind : kKinds) {
+    const std::vector<std::string> found = kind.find ? kind.find() : std::vector<std::string>();
+    for (std::size_t i = 0; i < found.size(); ++i) text += std::string(kind.name) + ":" + std::to_string(i + 1) + "  " + found[i] + "\n";
+    if (!kind.find) text += std::string(kind.name) + "  " + not_built(kind).message + "\n";
+    if (kind.find && found.empty()) text += std::string(kind.name) + "  " + kind.words + ": none is attached\n";
+  }
+  return text;
+}
+
+Result<std::unique_ptr<CaptureCamera>> open_camera(const std::string& wish, const std::optional<Camera>& intrinsics) {
+  if (intrinsics)
+    if (const Status status = validate(*intrinsics); !status.ok()) return status.error();
+  if (wish.empty()) return open_first(intrinsics);
+  if (wish.starts_with(kRecordingPrefix)) return open_recording_camera(wish.substr(std::string(kRecordingPrefix).size()), intrinsics);
+  const std::size_t colon = wish.find(':');
+  for (const CameraKind& kind : kKinds)
+    if (wish.substr(0, colon) == kind.name)
+      return open_kind(kind, wish, colon == std::string::npos ? "1" : wish.substr(colon + 1), intrinsics);
+  return unknown_kind(wish);
+}
+
+}  // namespace hermite

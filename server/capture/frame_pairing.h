@@ -1,0 +1,44 @@
+// Colour to depth by their time stamps, while both come in. A single-threaded value.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "core/base/image.h"
+#include "core/frame/rgbd_frame.h"
+
+namespace hermite {
+
+// Each depth image gets the colour image nearest to it in time, at most `max_gap_s` away; each is used once. A pair is ready as soon as no
+// better one can come: with the first colour image that is not before the depth image, or when another depth image is already that much
+// later. The images of each kind must come in the order of their time; one that does not is dropped.
+class FramePairing {
+ public:
+  explicit FramePairing(double max_gap_s) : max_gap_s_(max_gap_s) {}
+
+  void add_depth(double time_s, DepthImage depth);
+  void add_color(double time_s, ColorImage color);
+
+  // In the order of time, with the depth image's.
+  std::optional<RgbdFrame> take();
+
+  std::uint64_t unpaired_depth_count() const { return unpaired_depth_count_; }
+
+  static constexpr std::size_t kMaxWaiting = 4;  // of each kind; beyond, the oldest is dropped
+
+ private:
+  template <class Image>
+  struct Timed {
+    double time_s;
+    Image image;
+  };
+
+  const double max_gap_s_;
+  std::deque<Timed<DepthImage>> depths_;
+  std::deque<Timed<ColorImage>> colors_;
+  std::optional<double> last_depth_s_, last_color_s_;
+  std::uint64_t unpaired_depth_count_ = 0;
+};
+
+}  // namespace hermite

@@ -1,0 +1,172 @@
+#include "server/capture/kinect.h"
+
+#include <libfreenect.h>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "core/dataset/associate.h"
+#include "core/dataset/recorded_folder.h"
+#include "server/capture/device_clock.h"
+#include "server/capture/frame_pairing.h"
+#include "server/capture/kinect_depth.h"
+
+namespace hermite {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kWidth_px = 640, kHeight_px = 480;
+constexpr double kRate_hz = 30;
+constexpr double kTicksPerSecond = 60e6;  // two million a frame
+
+// What everybody uses for the colour camera of a Kinect that was not calibrated; single ones differ by some pixels.
+Camera nominal_color_camera() { return {kWidth_px, kHeight_px, 525, 525, 319.5, 239.5, 1000}; }
+
+// The same of the depth camera, with the colour camera beside it.
+Camera nominal_depth_camera() {
+  Camera camera{kWidth_px, kHeight_px, 585, 585, 320, 240, 1000};
+  camera.color = seven_scenes_color_camera(camera);
+  return camera;
+}
+
+std::optional<freenect_frame_mode> find_depth_mode(freenect_depth_format format) {
+  for (int i = 0; i < freenect_get_depth_mode_count(); ++i) {
+    const freenect_frame_mode mode = freenect_get_depth_mode(i);
+    if (mode.is_valid && mode.resolution == FREENECT_RESOLUTION_MEDIUM && mode.depth_format == format) return mode;
+  }
+  return std::nullopt;
+}
+
+double now_s() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
+
+// Opens and closes libfreenect. Its own messages would be written into the display.
+class Context {
+ public:
+  Context() {
+    if (freenect_init(&context_, nullptr) < 0) context_ = nullptr;
+    if (!context_) return;
+    freenect_set_log_level(context_, FREENECT_LOG_FATAL);
+    // The motor needs rights and firmware of its own, and nobody here moves it.
+    freenect_select_subdevices(context_, FREENECT_DEVICE_CAMERA);
+  }
+  ~Context() {
+    if (context_) freenect_shutdown(context_);
+  }
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+  freenect_context* get() const { return context_; }
+
+ private:
+  freenect_context* context_ = nullptr;
+};
+
+class Kinect final : public CaptureCamera {
+ public:
+  Kinect(const std::string& name, const std::optional<Camera>& intrinsics);
+  ~Kinect() override {
+    if (!device_) return;
+    freenect_stop_video(device_);
+    freenect_stop_depth(device_);
+    freenect_close_device(device_);
+  }
+  Kinect(const Kinect&) = delete;
+  Kinect& operator=(const Kinect&) = delete;
+
+  Status start(int index);
+  const CameraDescription& description() const override { return description_; }
+  Result<std::optional<RgbdFrame>> next(std::chrono::milliseconds patience) override;
+  LeftOut left_out() const override { return {.unpaired = pairing_.unpaired_depth_count()}; }
+
+ private:
+  // Called by libfreenect inside of next().
+  static void on_depth(freenect_device* device, void* data, std::uint32_t ticks);
+  static void on_color(freenect_device* device, void* data, std::uint32_t ticks);
+  static Kinect& of(freenect_device* device) { return *static_cast<Kinect*>(freenect_get_user(device)); }
+
+  // The library registers depth to colour. fakenect's does not, and gives the sensor's 11 bits.
+  const std::optional<freenect_frame_mode> registered_ = find_depth_mode(FREENECT_DEPTH_REGISTERED);
+  const CameraDescription description_;
+  Context context_;
+  freenect_device* device_ = nullptr;
+  DeviceClock clock_{kTicksPerSecond};
+  FramePairing pairing_{kMaxAssociationGap_s};
+};
+
+Kinect::Kinect(const std::string& name, const std::optional<Camera>& intrinsics)
+    : description_{name, intrinsics.value_or(registered_ ? nominal_color_camera() : nominal_depth_camera()),
+                   intrinsics ? "given" : "nominal for every Kinect v1", kRate_hz} {}
+
+void Kinect::on_depth(freenect_device* device, void* data, std::uint32_t ticks) {
+  DepthImage depth(kWidth_px, kHeight_px);
+  std::memcpy(depth.pixels.data(), data, depth.pixels.size() * sizeof(std::uint16_t));
+  Kinect& kinect = of(device);
+  if (!kinect.registered_) std::transform(depth.pixels.begin(), depth.pixels.end(), depth.pixels.begin(), kinect_depth_mm);
+  kinect.pairing_.add_depth(kinect.clock_.seconds_of(ticks, now_s()), std::move(depth));
+}
+
+void Kinect::on_color(freenect_device* device, void* data, std::uint32_t ticks) {
+  ColorImage color(kWidth_px, kHeight_px);
+  std::memcpy(color.pixels.data(), data, color.pixels.size() * sizeof(Rgb8));
+  Kinect& kinect = of(device);
+  kinect.pairing_.add_color(kinect.clock_.seconds_of(ticks, now_s()), std::move(color));
+}
+
+Status Kinect::start(int index) {
+  if (!context_.get()) return Error{ErrorCode::kDevice, "libfreenect cannot use USB on this machine"};
+  const int count = freenect_num_devices(context_.get());
+  if (index >= count) return Error{ErrorCode::kDevice, "there is no " + description_.name + ": " + std::to_string(count) + " are attached"};
+  if (freenect_open_device(context_.get(), &device_, index) < 0) {
+    device_ = nullptr;
+    return Error{ErrorCode::kDevice, description_.name +
+                                         " cannot be opened: another program uses it, or this user may not (the udev rules of "
+                                         "libfreenect0.5 allow the group plugdev)"};
+  }
+  freenect_set_user(device_, this);
+  freenect_set_depth_callback(device_, on_depth);
+  freenect_set_video_callback(device_, on_color);
+  const auto depth_mode = registered_ ? registered_ : find_depth_mode(FREENECT_DEPTH_11BIT);
+  const auto color_mode = freenect_find_video_mode(FREENECT_RESOLUTION_MEDIUM, FREENECT_VIDEO_RGB);
+  const bool starts = depth_mode && freenect_set_depth_mode(device_, *depth_mode) >= 0 &&
+                      freenect_set_video_mode(device_, color_mode) >= 0 && freenect_start_depth(device_) >= 0 &&
+                      freenect_start_video(device_) >= 0;
+  if (!starts)
+    return Error{ErrorCode::kDevice, description_.name + " does not start: it may have no power, or share its USB controller with others"};
+  return Done{};
+}
+
+Result<std::optional<RgbdFrame>> Kinect::next(std::chrono::milliseconds patience) {
+  const auto deadline = Clock::now() + patience;
+  for (;;) {
+    if (auto frame = pairing_.take()) return frame;
+    const auto left = std::chrono::duration_cast<std::chrono::microseconds>(deadline - Clock::now());
+    if (left.count() <= 0) return std::optional<RgbdFrame>();
+    timeval wait{.tv_sec = left.count() / 1'000'000, .tv_usec = left.count() % 1'000'000};
+    if (freenect_process_events_timeout(context_.get(), &wait) < 0)
+      return Error{ErrorCode::kDevice, description_.name + " does not answer any more: was it unplugged?"};
+  }
+}
+
+std::string name_of_kinect(int index) { return "Kinect v1 (" + std::to_string(index + 1) + ")"; }
+
+}  // namespace
+
+std::vector<std::string> find_kinects() {
+  const Context context;
+  std::vector<std::string> names;
+  const int count = context.get() ? freenect_num_devices(context.get()) : 0;
+  for (int i = 0; i < count; ++i) names.push_back(name_of_kinect(i));
+  return names;
+}
+
+Result<std::unique_ptr<CaptureCamera>> open_kinect(int index, const std::optional<Camera>& intrinsics) {
+  if (intrinsics && (intrinsics->width != kWidth_px || intrinsics->height != kHeight_px))
+    return Error{ErrorCode::kInvalidArgument, "the intrinsics are of " + std::to_string(intrinsics->width) + "x" +
+                                                  std::to_string(intrinsics->height) + " pixels, the camera gives 640x480"};
+  auto kinect = std::make_unique<Kinect>(name_of_kinect(index), intrinsics);
+  if (Status status = kinect->start(index); !status.ok()) return status.error();
+  return std::unique_ptr<CaptureCamera>(std::move(kinect));
+}
+
+}  // namespace hermite

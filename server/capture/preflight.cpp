@@ -1,0 +1,114 @@
+#include "server/capture/preflight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "core/base/check.h"
+#include "core/evaluate/depth_doubts.h"
+
+namespace hermite {
+namespace {
+
+constexpr double kGap = 1.5;              // median steps: one frame is missing
+constexpr double kRateTolerance = 0.2;    // of the nominal rate
+constexpr double kClockTolerance = 0.25;  // of the time that went by here: USB delivers in bursts
+constexpr double kShortestToCompare_s = 0.5;
+constexpr double kTooNear_m = 0.6;                          // structured light sees nothing within 0.4 to 0.5 m
+constexpr double kDark = 35, kBright = 225;                 // mean grey of 255: beyond, ORB finds next to nothing
+constexpr int kLuma_r = 299, kLuma_g = 587, kLuma_b = 114;  // thousandths, as JPEG weighs them
+
+std::string words_of(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+// Of every seventh pixel, a number that no row length shares.
+double mean_grey(const ColorImage& color) {
+  std::int64_t sum = 0, count = 0;
+  for (std::size_t i = 0; i < color.pixels.size(); i += 7, ++count)
+    sum += kLuma_r * color.pixels[i].r + kLuma_g * color.pixels[i].g + kLuma_b * color.pixels[i].b;
+  return count > 0 ? static_cast<double>(sum) / static_cast<double>(count) / 1000 : 0;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+Preflight::Preflight(const CameraDescription& camera) : camera_(camera) {}
+
+void Preflight::add(const RgbdFrame& frame, double host_s, const LeftOut& left_out) {
+  frames_.push_back({frame.timestamp_s, host_s, mean_grey(frame.color)});
+  left_out_ = left_out;
+  depth_.add(frame.depth);
+  if (!camera_.camera.color) registration_.add(frame, camera_.camera.depth_units_per_metre);
+}
+
+double Preflight::rate_hz() const {
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < frames_.size(); ++i) steps_s.push_back(frames_[i].time_s - frames_[i - 1].time_s);
+  const double step_s = median(std::move(steps_s));
+  return step_s > 0 ? 1 / step_s : 0;
+}
+
+void Preflight::add_time_doubts(std::vector<std::string>& doubts) const {
+  const double rate = rate_hz();
+  if (rate == 0) return;
+  if (std::abs(rate / camera_.frame_rate_hz - 1) > kRateTolerance)
+    doubts.push_back("the time stamps say " + words_of("%.3g", rate) + " frames a second, the camera should give " +
+                     words_of("%.3g", camera_.frame_rate_hz) + ": too dark a room makes some cameras slower, a shared USB port all");
+  const auto is_gap = [&](const Seen& before, const Seen& after) { return (after.time_s - before.time_s) * rate > kGap; };
+  int gap_count = 0;
+  for (std::size_t i = 1; i < frames_.size(); ++i) gap_count += is_gap(frames_[i - 1], frames_[i]) ? 1 : 0;
+  if (gap_count > 0)
+    doubts.push_back("frames are missing at " + std::to_string(gap_count) + " places: this computer or its USB is too slow");
+  const double camera_s = frames_.back().time_s - frames_.front().time_s, host_s = frames_.back().host_s - frames_.front().host_s;
+  if (host_s >= kShortestToCompare_s && std::abs(camera_s / host_s - 1) > kClockTolerance)
+    doubts.push_back("the time stamps do not fit the clock: they say " + words_of("%.2f s", camera_s) + " while " +
+                     words_of("%.2f s", host_s) + " went by");
+  if (left_out_.unpaired > 0)
+    doubts.push_back(std::to_string(left_out_.unpaired) + " depth images had no colour image at the same time and were left out");
+}
+
+void Preflight::add_picture_doubts(std::vector<std::string>& doubts) const {
+  std::vector<double> greys;
+  for (const Seen& seen : frames_) greys.push_back(seen.mean_grey);
+  const double grey = median(std::move(greys));
+  if (grey < kDark) doubts.push_back("the picture is dark (" + words_of("%.0f", grey) + " of 255): make more light");
+  if (grey > kBright)
+    doubts.push_back("the picture is overexposed (" + words_of("%.0f", grey) + " of 255): less light, or look away from it");
+}
+
+std::vector<std::string> Preflight::doubts() const {
+  CHECK(!frames_.empty(), "nothing was looked at");
+  const DepthSurvey survey = depth_.survey();
+  const double units = camera_.camera.depth_units_per_metre;
+  std::vector<std::string> doubts;
+  if (survey.median == 0) {
+    doubts.push_back("no pixel has depth: the lens is covered, or everything is nearer than 0.5 m");
+  } else {
+    doubts = depth_doubts({survey, guess_depth_unit(survey, units), registration_.fit(), units});
+    if (survey.median / units < kTooNear_m)
+      doubts.push_back("too near: half of what is seen is nearer than " + words_of("%.2f m", survey.median / units) +
+                       "; step back to 0.8 to 3 m");
+  }
+  add_picture_doubts(doubts);
+  add_time_doubts(doubts);
+  return doubts;
+}
+
+std::string Preflight::summary() const {
+  const DepthSurvey survey = depth_.survey();
+  const double units = camera_.camera.depth_units_per_metre;
+  return std::to_string(frames_.size()) + " frames at " + words_of("%.3g Hz", rate_hz()) + ", " +
+         words_of("%.0f %%", 100 * survey.valid_share) + " of the pixels have depth, " + words_of("%.2f", survey.nearest / units) + " to " +
+         words_of("%.2f m", survey.farthest / units);
+}
+
+}  // namespace hermite

@@ -1,0 +1,83 @@
+#include "server/capture/scan_display.h"
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+
+#include "server/client/link_adaption.h"
+#include "server/client/progress.h"
+
+namespace hermite {
+namespace {
+
+constexpr double kShownBehind_s = 0.05;  // less is not noticed
+constexpr double kMinRateTime_s = 0.1;   // a mean over less says nothing
+constexpr double kMaxShown_s = 1e6;
+
+std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
+std::string format(const char* pattern, ...) {
+  char text[160];
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(text, sizeof(text), pattern, arguments);
+  va_end(arguments);
+  return text;
+}
+
+// "0:42" since the first frame.
+std::string clock_words(double time_s, const CaptureState& capture) {
+  const auto whole = static_cast<long long>(std::clamp(time_s - capture.first_s, 0.0, kMaxShown_s));
+  return format("%lld:%02lld", whole / 60, whole % 60);
+}
+
+std::string tracking_words(const wire::FrameResult& result, const CaptureState& capture) {
+  if (result.status == wire::TrackingStatus::kTracked) return "  tracked";
+  if (result.status == wire::TrackingStatus::kWeak) return "  weak: " + result.reason;
+  const std::string lost = "  LOST: " + result.reason;
+  return result.last_tracked ? lost + " - go back to what was seen at " + clock_words(result.last_tracked->timestamp_s, capture) : lost;
+}
+
+std::string log_words(const LocalLog::State& log, const StreamProgress& stream) {
+  return "  " + std::to_string(log.durable_count) + " recorded, " + std::to_string(stream.durable_frames) + " on the server";
+}
+
+}  // namespace
+
+std::string format_scan_progress(const ScanProgress& progress) {
+  const CaptureState& capture = progress.capture;
+  const StreamProgress& stream = progress.stream;
+  std::string text = clock_words(capture.newest_s, capture);
+  if (capture.ended)
+    text += "  " + std::to_string(capture.frame_count) + " frames";
+  else if (capture.paused)
+    text += "  paused: space goes on";
+  else
+    text += format("  %.1f fps  %.0f %% depth", capture.rate_hz, 100 * capture.coverage);
+  if (stream.last_result) {
+    text += tracking_words(*stream.last_result, capture);
+    const double behind_s = capture.newest_s - stream.last_result->timestamp_s;
+    if (behind_s > kShownBehind_s) text += format("  %.1f s behind", std::min(behind_s, kMaxShown_s));
+  }
+  if (stream.elapsed_s >= kMinRateTime_s) text += format("  %.1f Mbit/s", 8e-6 * static_cast<double>(stream.sent_bytes) / stream.elapsed_s);
+  if (stream.round_trip_ms) text += format("  round trip %.0f ms", std::min(*stream.round_trip_ms, 1e6));
+  if (progress.dropped_frames > 0) text += "  " + std::to_string(progress.dropped_frames) + " dropped";
+  if (stream.left_out_frames > 0) text += "  " + std::to_string(stream.left_out_frames) + " left out";
+  if (stream.link_level > 0) text += "  slow link: " + in_words(link_level(stream.link_level));
+  if (progress.log) text += log_words(*progress.log, stream);
+  return stream.finishing ? text + "  finishing" : text;
+}
+
+std::string format_scan_summary(const ScanProgress& progress, const std::string& record_folder) {
+  std::string text =
+      std::to_string(progress.capture.frame_count) + " frames in " + format_duration(progress.capture.newest_s - progress.capture.first_s);
+  if (progress.dropped_frames > 0) text += ", " + std::to_string(progress.dropped_frames) + " dropped";
+  if (progress.log)
+    text += ", " + std::to_string(progress.log->durable_count) + " recorded in " + record_folder +
+            format(" (%.1f MB)", 1e-6 * static_cast<double>(progress.log->bytes));
+  if (progress.stream.scan_id.empty()) return text;
+  return text + "; scan " + progress.stream.scan_id + ": " + std::to_string(progress.stream.processed_frames) + " processed, " +
+         std::to_string(progress.stream.tracked_frames) + " tracked" +
+         (progress.stream.last_words.empty() ? "" : "; " + progress.stream.last_words);
+}
+
+}  // namespace hermite

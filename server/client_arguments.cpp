@@ -1,0 +1,86 @@
+// What the subcommands of hermite-client share.
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <iostream>
+#include <map>
+
+#include "core/output/ply.h"
+#include "server/client/server_url.h"
+#include "server/client_commands.h"
+
+namespace hermite {
+namespace {
+
+// Written by the signal handler only.
+std::atomic<int> interrupts{0};
+static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may touch it");
+
+void on_signal(int) { interrupts.fetch_add(1); }
+
+Result<std::map<std::string, std::string>> parse_settings(const std::vector<std::string>& texts) {
+  std::map<std::string, std::string> settings;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) return Error{ErrorCode::kInvalidArgument, "--set \"" + text + "\": expected key=value"};
+    settings[text.substr(0, equals)] = text.substr(equals + 1);
+  }
+  return settings;
+}
+
+}  // namespace
+
+CLI::Option* add_server_options(CLI::App& command, ServerArguments& arguments) {
+  command.add_option("--token", arguments.token, "The server's token, unless the address has it")->envname("HERMITE_TOKEN");
+  command.add_option("--ca", arguments.ca, "Believe the certificate authorities in this file (PEM) instead of the system's")
+      ->envname("HERMITE_CA");
+  command.add_option("--report", arguments.report_path, "Also write the report to this file");
+  command.add_option("--title", arguments.title, "Title of the scan (default: the name of the recording or camera)");
+  command.add_option("--set", arguments.settings, "Setting of the reconstruction, key=value; may be repeated")->allow_extra_args(false);
+  return command.add_option("--server", arguments.server,
+                            "http://HOST:PORT or https://HOST:PORT, or the address as the server prints it, with #token=...");
+}
+
+Result<StreamRequest> make_stream_request(const ServerArguments& arguments, const std::string& name) {
+  StreamRequest request;
+  auto url = parse_server_url(arguments.server);
+  if (!url.ok()) return url.error();
+  request.server = *std::move(url);
+  request.ca = arguments.ca;
+  if (!arguments.token.empty()) request.server.token = arguments.token;
+  if (request.server.token.empty()) return Error{ErrorCode::kInvalidArgument, "no token: give --token, or --server with #token=..."};
+  auto settings = parse_settings(arguments.settings);
+  if (!settings.ok()) return settings.error();
+  request.settings = *std::move(settings);
+  request.title = arguments.title.value_or(name);
+  return request;
+}
+
+int fail(int exit_status, const std::string& words) {
+  std::cerr << "hermite-client: " << words << '\n';
+  return exit_status;
+}
+
+int print_report(const std::string& report_json, const ServerArguments& arguments) {
+  std::cout << report_json << std::flush;
+  if (arguments.report_path.empty()) return 0;
+  const Status written = write_file_atomically(arguments.report_path, report_json);
+  return written.ok() ? 0 : fail(kFailed, written.error().message);
+}
+
+void count_interrupts() {
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+}
+
+int InterruptCounter::count() {
+  const std::lock_guard lock(mutex_);
+  const int signals = interrupts.load();
+  if (signals == 0) return 0;
+  const auto now = std::chrono::steady_clock::now();
+  if (!first_) first_ = now;
+  if (now - *first_ < std::chrono::seconds(1)) first_wish_ = signals;
+  return signals > first_wish_ ? 2 : 1;
+}
+
+}  // namespace hermite

@@ -1,0 +1,55 @@
+// What the subcommands of `hermite-client` share: where the server is, what to tell it, and when somebody wants an end. Exit status: 0
+// well, 1 the scan or the connection failed, 2 usage.
+#pragma once
+
+#include <chrono>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "server/client/stream.h"
+#include "server/commands.h"
+
+namespace hermite {
+
+struct ServerArguments {
+  std::string server;
+  std::string token;
+  std::string ca;
+  std::string report_path;
+  std::optional<std::string> title;
+  std::vector<std::string> settings;
+};
+
+CLI::Option* add_server_options(CLI::App& command, ServerArguments& arguments);  // --server, which the caller may require
+
+// kInvalidArgument, naming the option. `name`: the title when none is given.
+Result<StreamRequest> make_stream_request(const ServerArguments& arguments, const std::string& name);
+
+// To stderr; returns `exit_status`.
+int fail(int exit_status, const std::string& words);
+
+// The report to stdout and to --report. The exit status.
+int print_report(const std::string& report_json, const ServerArguments& arguments);
+
+// From now on SIGINT and SIGTERM are counted instead of ending the program.
+void count_interrupts();
+
+// 0, 1 or 2: whether somebody wants an end, and then whether somebody insists. Signals within a second of the first are the same wish:
+// wrappers pass on what the terminal has sent to everyone already. Thread-safe.
+class InterruptCounter {
+ public:
+  int count();
+
+ private:
+  std::mutex mutex_;
+  std::optional<std::chrono::steady_clock::time_point> first_;
+  int first_wish_ = 1;
+};
+
+Command add_stream_command(CLI::App& app);
+Command add_scan_command(CLI::App& app);
+
+}  // namespace hermite

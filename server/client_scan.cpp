@@ -1,0 +1,131 @@
+// hermite-client scan
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/dataset/sequence.h"
+#include "server/capture/camera_kinds.h"
+#include "server/capture/pause_key.h"
+#include "server/capture/scan.h"
+#include "server/capture/scan_display.h"
+#include "server/client/progress.h"
+#include "server/client_commands.h"
+
+namespace hermite {
+namespace {
+
+struct ScanArguments {
+  ServerArguments server;
+  std::string camera;
+  std::string intrinsics;
+  std::string record_folder;
+  std::uint64_t frame_count = 0;
+  int preflight_frames = kPreflightFrames;
+  bool list = false;
+};
+
+Result<ScanRequest> make_request(const ScanArguments& arguments, const CameraDescription& camera) {
+  ScanRequest request;
+  if (!arguments.server.server.empty()) {
+    auto stream = make_stream_request(arguments.server, camera.name);
+    if (!stream.ok()) return stream.error();
+    request.stream = *std::move(stream);
+  } else if (arguments.record_folder.empty()) {
+    return Error{ErrorCode::kInvalidArgument, "give --server, or --record, or both"};
+  }
+  request.title = arguments.server.title.value_or(camera.name);
+  request.record_folder = arguments.record_folder;
+  request.max_frames = arguments.frame_count;
+  request.preflight_frames = arguments.preflight_frames;
+  return request;
+}
+
+Result<std::unique_ptr<CaptureCamera>> open_wanted_camera(const ScanArguments& arguments) {
+  if (arguments.intrinsics.empty()) return open_camera(arguments.camera, std::nullopt);
+  const auto intrinsics = read_camera(arguments.intrinsics);
+  if (!intrinsics.ok()) return in_context("--intrinsics", intrinsics.error());
+  return open_camera(arguments.camera, *intrinsics);
+}
+
+// What the person at the terminal wants, and what it says to them.
+class Person {
+ public:
+  Person() : printer_(std::cerr, isatty(STDERR_FILENO) != 0) { count_interrupts(); }
+
+  ScanObserver observer() {
+    ScanObserver observer;
+    observer.wishes = [this] { return wishes(); };
+    observer.on_words = [this](const std::string& words) { printer_.line(words); };
+    observer.on_event = [this](const wire::FrameResult& result) { printer_.line(format_event(result)); };
+    observer.on_progress = [this](const ScanProgress& progress) {
+      if (wishes_.count() > 0 && !told_interrupt_) {
+        printer_.line("no more frames: waiting for the result; again to stop at once");
+        told_interrupt_ = true;
+      }
+      printer_.show(std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(),
+                    format_scan_progress(progress));
+    };
+    return observer;
+  }
+
+  void line(const std::string& words) { printer_.line(words); }
+
+ private:
+  CaptureWishes wishes() {
+    if (key_.presses() % 2 == 1) paused_ = !paused_;
+    return {.paused = paused_, .interrupt_count = wishes_.count()};
+  }
+
+  PauseKey key_;
+  InterruptCounter wishes_;
+  ProgressPrinter printer_;
+  std::atomic<bool> paused_{false};
+  bool told_interrupt_ = false;
+};
+
+int run(const ScanArguments& arguments) {
+  if (arguments.list) {
+    std::cout << list_cameras();
+    return 0;
+  }
+  const auto camera = open_wanted_camera(arguments);
+  if (!camera.ok()) return fail(kFailed, camera.error().message);
+  const CameraDescription& description = (*camera)->description();
+  const auto request = make_request(arguments, description);
+  if (!request.ok()) return fail(kUsage, request.error().message);
+  Person person;
+  person.line(description.name + ", intrinsics: " + description.camera_source);
+  const auto outcome = run_scan(**camera, *request, person.observer());
+  if (!outcome.ok()) {
+    person.line("hermite-client: " + outcome.error().message);
+    return kFailed;
+  }
+  person.line(format_scan_summary(outcome->progress, arguments.record_folder));
+  return outcome->stream ? print_report(outcome->stream->report_json, arguments.server) : 0;
+}
+
+}  // namespace
+
+Command add_scan_command(CLI::App& app) {
+  auto arguments = std::make_shared<ScanArguments>();
+  CLI::App& scan = *app.add_subcommand("scan", "Scan with an attached camera; space pauses, Ctrl-C finishes");
+  scan.add_flag("--list", arguments->list, "Say which cameras there are, and end");
+  scan.add_option("--camera", arguments->camera,
+                  "A kind (kinect, openni), kinect:2 for the second, or recording:SEQUENCE (default: the first there is)");
+  scan.add_option("--intrinsics", arguments->intrinsics, "camera.json of this very camera");
+  scan.add_option("--record", arguments->record_folder,
+                  "Keep every frame in this new folder, and send from there: nothing is lost when the server is away");
+  scan.add_option("--frames", arguments->frame_count, "Finish after so many (default: with Ctrl-C)");
+  scan.add_option("--preflight", arguments->preflight_frames, "Frames to look at before the scan begins")
+      ->check(CLI::Range(kMinPreflightFrames, 10 * kPreflightFrames));
+  add_server_options(scan, arguments->server);
+  return {&scan, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace hermite
