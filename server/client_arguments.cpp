@@ -18,6 +18,31 @@ static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may touch
 
 void on_signal(int) { interrupts.fetch_add(1); }
 
+}  // namespace
+
+CLI::Option* add_server_options(CLI::App& command, ServerArguments& arguments) {
+  command.add_option("--token", arguments.token, "The server's token, unless the address has it")->envname("HERMITE_TOKEN");
+  command.add_option("--ca", arguments.ca, "Believe the certificate authorities in this file (PEM) instead of the system's")
+      ->envname("HERMITE_CA");
+  return command.add_option("--server", arguments.server,
+                            "http://HOST:PORT or https://HOST:PORT, or the address as the server prints it, with #token=...");
+}
+
+CLI::Option* add_stream_options(CLI::App& command, StreamTarget& target) {
+  command.add_option("--report", target.report_path, "Also write the report to this file");
+  command.add_option("--title", target.title, "Title of the scan (default: the name of the recording or camera)");
+  command.add_option("--set", target.settings, "Setting of the reconstruction, key=value; may be repeated")->allow_extra_args(false);
+  return add_server_options(command, target.server);
+}
+
+Result<ServerUrl> server_of(const ServerArguments& arguments) {
+  Result<ServerUrl> url = parse_server_url(arguments.server);
+  if (!url.ok()) return url;
+  if (!arguments.token.empty()) url->token = arguments.token;
+  if (url->token.empty()) return Error{ErrorCode::kInvalidArgument, "no token: give --token, or --server with #token=..."};
+  return url;
+}
+
 Result<std::map<std::string, std::string>> parse_settings(const std::vector<std::string>& texts) {
   std::map<std::string, std::string> settings;
   for (const std::string& text : texts) {
@@ -28,31 +53,16 @@ Result<std::map<std::string, std::string>> parse_settings(const std::vector<std:
   return settings;
 }
 
-}  // namespace
-
-CLI::Option* add_server_options(CLI::App& command, ServerArguments& arguments) {
-  command.add_option("--token", arguments.token, "The server's token, unless the address has it")->envname("HERMITE_TOKEN");
-  command.add_option("--ca", arguments.ca, "Believe the certificate authorities in this file (PEM) instead of the system's")
-      ->envname("HERMITE_CA");
-  command.add_option("--report", arguments.report_path, "Also write the report to this file");
-  command.add_option("--title", arguments.title, "Title of the scan (default: the name of the recording or camera)");
-  command.add_option("--set", arguments.settings, "Setting of the reconstruction, key=value; may be repeated")->allow_extra_args(false);
-  return command.add_option("--server", arguments.server,
-                            "http://HOST:PORT or https://HOST:PORT, or the address as the server prints it, with #token=...");
-}
-
-Result<StreamRequest> make_stream_request(const ServerArguments& arguments, const std::string& name) {
+Result<StreamRequest> make_stream_request(const StreamTarget& target, const std::string& name) {
   StreamRequest request;
-  auto url = parse_server_url(arguments.server);
-  if (!url.ok()) return url.error();
-  request.server = *std::move(url);
-  request.ca = arguments.ca;
-  if (!arguments.token.empty()) request.server.token = arguments.token;
-  if (request.server.token.empty()) return Error{ErrorCode::kInvalidArgument, "no token: give --token, or --server with #token=..."};
-  auto settings = parse_settings(arguments.settings);
+  Result<ServerUrl> server = server_of(target.server);
+  if (!server.ok()) return server.error();
+  request.server = *std::move(server);
+  request.ca = target.server.ca;
+  auto settings = parse_settings(target.settings);
   if (!settings.ok()) return settings.error();
   request.settings = *std::move(settings);
-  request.title = arguments.title.value_or(name);
+  request.title = target.title.value_or(name);
   return request;
 }
 
@@ -61,10 +71,10 @@ int fail(int exit_status, const std::string& words) {
   return exit_status;
 }
 
-int print_report(const std::string& report_json, const ServerArguments& arguments) {
+int print_report(const std::string& report_json, const StreamTarget& target) {
   std::cout << report_json << std::flush;
-  if (arguments.report_path.empty()) return 0;
-  const Status written = write_file_atomically(arguments.report_path, report_json);
+  if (target.report_path.empty()) return 0;
+  const Status written = write_file_atomically(target.report_path, report_json);
   return written.ok() ? 0 : fail(kFailed, written.error().message);
 }
 

@@ -1,38 +1,53 @@
 // What the subcommands of `hermite-client` share: where the server is, what to tell it, and when somebody wants an end. Exit status: 0
-// well, 1 the scan or the connection failed, 2 usage.
+// well, 1 the scan or the connection failed, 2 usage, and of uploads those below (README.md).
 #pragma once
 
 #include <chrono>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/result.h"
+#include "server/client/server_url.h"
 #include "server/client/stream.h"
 #include "server/commands.h"
 
 namespace hermite {
 
+inline constexpr int kUnusable = 3;   // a recording was not sent: it is none, or damaged
+inline constexpr int kJobFailed = 4;  // what was sent came to nothing
+inline constexpr int kRefused = 5;    // the server says no: token, limits, room
+
 struct ServerArguments {
   std::string server;
   std::string token;
   std::string ca;
+};
+
+// A scan that goes to a server frame by frame.
+struct StreamTarget {
+  ServerArguments server;
   std::string report_path;
   std::optional<std::string> title;
   std::vector<std::string> settings;
 };
 
-CLI::Option* add_server_options(CLI::App& command, ServerArguments& arguments);  // --server, which the caller may require
+// They return --server, which the caller may require.
+CLI::Option* add_server_options(CLI::App& command, ServerArguments& arguments);
+CLI::Option* add_stream_options(CLI::App& command, StreamTarget& target);
 
-// kInvalidArgument, naming the option. `name`: the title when none is given.
-Result<StreamRequest> make_stream_request(const ServerArguments& arguments, const std::string& name);
+// kInvalidArgument, naming the option.
+Result<ServerUrl> server_of(const ServerArguments& arguments);
+Result<std::map<std::string, std::string>> parse_settings(const std::vector<std::string>& texts);
+Result<StreamRequest> make_stream_request(const StreamTarget& target, const std::string& name);  // `name`: the title when none is given
 
 // To stderr; returns `exit_status`.
 int fail(int exit_status, const std::string& words);
 
 // The report to stdout and to --report. The exit status.
-int print_report(const std::string& report_json, const ServerArguments& arguments);
+int print_report(const std::string& report_json, const StreamTarget& target);
 
 // From now on SIGINT and SIGTERM are counted instead of ending the program.
 void count_interrupts();
@@ -51,5 +66,7 @@ class InterruptCounter {
 
 Command add_stream_command(CLI::App& app);
 Command add_scan_command(CLI::App& app);
+Command add_upload_command(CLI::App& app);
+Command add_jobs_command(CLI::App& app);
 
 }  // namespace hermite

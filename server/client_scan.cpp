@@ -21,7 +21,7 @@ namespace hermite {
 namespace {
 
 struct ScanArguments {
-  ServerArguments server;
+  StreamTarget target;
   std::string camera;
   std::string intrinsics;
   std::string record_folder;
@@ -32,14 +32,14 @@ struct ScanArguments {
 
 Result<ScanRequest> make_request(const ScanArguments& arguments, const CameraDescription& camera) {
   ScanRequest request;
-  if (!arguments.server.server.empty()) {
-    auto stream = make_stream_request(arguments.server, camera.name);
+  if (!arguments.target.server.server.empty()) {
+    auto stream = make_stream_request(arguments.target, camera.name);
     if (!stream.ok()) return stream.error();
     request.stream = *std::move(stream);
   } else if (arguments.record_folder.empty()) {
     return Error{ErrorCode::kInvalidArgument, "give --server, or --record, or both"};
   }
-  request.title = arguments.server.title.value_or(camera.name);
+  request.title = arguments.target.title.value_or(camera.name);
   request.record_folder = arguments.record_folder;
   request.max_frames = arguments.frame_count;
   request.preflight_frames = arguments.preflight_frames;
@@ -107,7 +107,7 @@ int run(const ScanArguments& arguments) {
     return kFailed;
   }
   person.line(format_scan_summary(outcome->progress, arguments.record_folder));
-  return outcome->stream ? print_report(outcome->stream->report_json, arguments.server) : 0;
+  return outcome->stream ? print_report(outcome->stream->report_json, arguments.target) : 0;
 }
 
 }  // namespace
@@ -124,7 +124,7 @@ Command add_scan_command(CLI::App& app) {
   scan.add_option("--frames", arguments->frame_count, "Finish after so many (default: with Ctrl-C)");
   scan.add_option("--preflight", arguments->preflight_frames, "Frames to look at before the scan begins")
       ->check(CLI::Range(kMinPreflightFrames, 10 * kPreflightFrames));
-  add_server_options(scan, arguments->server);
+  add_stream_options(scan, arguments->target);
   return {&scan, [arguments] { return run(*arguments); }};
 }
 

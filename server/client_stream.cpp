@@ -21,7 +21,7 @@ namespace {
 constexpr double kMaxRate_hz = 1000;
 
 struct StreamArguments {
-  ServerArguments server;
+  StreamTarget target;
   std::string sequence;
   std::string frames;
   std::string rate;
@@ -66,7 +66,7 @@ Result<std::string> complete_report(const StreamOutcome& outcome, const Sequence
 int run_stream(const StreamArguments& arguments) {
   const auto sequence = open_with_camera(arguments);
   if (!sequence.ok()) return fail(kFailed, sequence.error().message);
-  auto request = make_stream_request(arguments.server, (*sequence)->name());
+  auto request = make_stream_request(arguments.target, (*sequence)->name());
   if (!request.ok()) return fail(kUsage, request.error().message);
   const auto pacing = parse_pacing(arguments, (*sequence)->frame_rate_hz());
   if (!pacing.ok()) return fail(kUsage, pacing.error().message);
@@ -97,7 +97,7 @@ int run_stream(const StreamArguments& arguments) {
   printer.line(format_summary(outcome->progress));
   const auto report = complete_report(*outcome, **sequence);
   if (!report.ok()) return fail(kFailed, report.error().message);
-  return print_report(*report, arguments.server);
+  return print_report(*report, arguments.target);
 }
 
 }  // namespace
@@ -108,7 +108,7 @@ Command add_stream_command(CLI::App& app) {
   stream
       .add_option("SEQUENCE", arguments->sequence, "Recording (folder, file or archive; see hermite inspect) or synthetic[:key=value,...]")
       ->required();
-  add_server_options(stream, arguments->server)->required();
+  add_stream_options(stream, arguments->target)->required();
   stream.add_option("--frames", arguments->frames, "A:B streams frames A to B-1");
   stream.add_option("--rate", arguments->rate, "Frames per second, or max (default; with --live: the recording's own rate)");
   stream.add_flag("--live", arguments->live, "As a live camera: drop frames rather than wait for the server");

@@ -1,4 +1,4 @@
-// hermite-client: streams recordings and cameras to a Hermite server. Exit status: 0 well, 1 the scan or the connection failed, 2 usage.
+// hermite-client: streams recordings and cameras to a Hermite server, or uploads recordings. Exit status: client_commands.h.
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <vector>
@@ -9,13 +9,19 @@ int main(int argc, char** argv) {
   using namespace hermite;
   CLI::App app("Streams RGB-D cameras and recordings to a Hermite server");
   app.require_subcommand(1);
-  const std::vector<Command> commands{add_scan_command(app), add_stream_command(app)};
+  const std::vector<Command> commands{add_scan_command(app), add_stream_command(app), add_upload_command(app), add_jobs_command(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsage;
   }
-  for (const Command& command : commands)
-    if (command.app->parsed()) return command.run();
+  for (const Command& command : commands) {
+    if (!command.app->parsed()) continue;
+    try {
+      return command.run();
+    } catch (const SetupError& error) {
+      return fail(kFailed, error.what());
+    }
+  }
   return kUsage;
 }

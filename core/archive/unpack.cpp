@@ -143,8 +143,8 @@ const char* refused_type(archive_entry* entry) {
 
 class Unpacking {
  public:
-  Unpacking(Reader reader, const FreshFolder& folder, const UnpackLimits& limits, std::uint64_t packed_bytes)
-      : reader_(std::move(reader)), folder_(folder), limits_(limits), packed_bytes_(packed_bytes), buffer_(kBlock_bytes) {}
+  Unpacking(Reader reader, const FreshFolder& folder, const UnpackLimits& limits, std::uint64_t packed_bytes, const UnpackWatch& watch)
+      : reader_(std::move(reader)), folder_(folder), limits_(limits), packed_bytes_(packed_bytes), watch_(watch), buffer_(kBlock_bytes) {}
 
   Result<UnpackSummary> run() {
     for (std::int64_t entry_count = 0;; ++entry_count) {
@@ -189,6 +189,7 @@ class Unpacking {
         if (const Status status = check_not_nested(block); !status.ok()) return status;
       summary_.output_bytes += block.size();
       if (const Status status = check_output(); !status.ok()) return status;
+      if (watch_ && !watch_(summary_.output_bytes)) return Error{ErrorCode::kIo, "unpacking was stopped"};
       if (const Status status = file.write(block); !status.ok()) return status;
     }
   }
@@ -226,17 +227,18 @@ class Unpacking {
   const FreshFolder& folder_;
   const UnpackLimits limits_;
   const std::uint64_t packed_bytes_;
+  const UnpackWatch& watch_;
   std::vector<std::uint8_t> buffer_;
   UnpackSummary summary_;
 };
 
-Result<UnpackSummary> unpack_source(const Source& source, const FreshFolder& folder, const UnpackLimits& limits) {
+Result<UnpackSummary> unpack_source(const Source& source, const FreshFolder& folder, const UnpackLimits& limits, const UnpackWatch& watch) {
   const std::string_view kind = source.kind;
   const Status sound = kind == "tar" ? check_tar_end(source) : kind == "zip" ? check_zip(source, limits) : Status(Done{});
   if (!sound.ok()) return sound.error();
   Result<Reader> reader = open_reader(source);
   if (!reader.ok()) return reader.error();
-  Result<UnpackSummary> summary = Unpacking(std::move(*reader), folder, limits, static_cast<std::uint64_t>(source.bytes)).run();
+  Result<UnpackSummary> summary = Unpacking(std::move(*reader), folder, limits, static_cast<std::uint64_t>(source.bytes), watch).run();
   if (!summary.ok()) {
     folder.clear();
     return summary.error();
@@ -252,14 +254,15 @@ bool is_archive(const std::string& path) {
   return source.ok() && source->kind != nullptr;
 }
 
-Result<UnpackSummary> unpack_archive(const std::string& path, const std::string& folder, const UnpackLimits& limits) {
+Result<UnpackSummary> unpack_archive(const std::string& path, const std::string& folder, const UnpackLimits& limits,
+                                     const UnpackWatch& watch) {
   const Result<Source> source = open_source(path);
   if (!source.ok()) return source.error();
   if (source->kind == nullptr)
     return Error{ErrorCode::kUnsupported, path + " is no archive: it begins neither as a zip nor as a tar, plain or in gzip or zstd"};
   const Result<FreshFolder> fresh = FreshFolder::open(folder);
   if (!fresh.ok()) return fresh.error();
-  const Result<UnpackSummary> summary = unpack_source(*source, *fresh, limits);
+  const Result<UnpackSummary> summary = unpack_source(*source, *fresh, limits, watch);
   if (!summary.ok()) return in_context(path, summary.error());
   return summary;
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "core/base/result.h"
@@ -20,6 +21,9 @@ struct UnpackLimits {
   std::uint64_t ratio_free_bytes = std::uint64_t{64} << 20;  // as much is never called a bomb
 };
 
+// Told now and then how much has been written; false ends the unpacking with kIo. Must not block.
+using UnpackWatch = std::function<bool(std::uint64_t output_bytes)>;
+
 struct UnpackSummary {
   std::string kind;  // "tar.zst"
   std::int64_t file_count = 0;
@@ -33,6 +37,7 @@ bool is_archive(const std::string& path);
 // Into `folder`, which is made if need be and must be empty. kNotFound, kIo; kCorruptData: cut or damaged; kTooLarge: a limit;
 // kUnsupported: no such archive; kInvalidArgument: an entry that is refused, or a folder that is not empty. Memory: under 256 MiB, of which
 // zstd may ask for 128. Thread-safe for different folders.
-Result<UnpackSummary> unpack_archive(const std::string& path, const std::string& folder, const UnpackLimits& limits = {});
+Result<UnpackSummary> unpack_archive(const std::string& path, const std::string& folder, const UnpackLimits& limits = {},
+                                     const UnpackWatch& watch = {});
 
 }  // namespace hermite

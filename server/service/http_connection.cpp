@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
@@ -13,6 +14,7 @@
 #include <string>
 
 #include "server/net/transport.h"
+#include "server/service/body_reader.h"
 #include "server/service/websocket.h"
 #include "server/store/unix_time.h"
 
@@ -32,6 +34,8 @@ constexpr std::chrono::seconds kGoodbyePatience(5);   // for the end of TLS
 constexpr std::chrono::milliseconds kLingerPatience(1000);
 constexpr std::chrono::milliseconds kRefusalPatience(500);
 constexpr std::size_t kLingerBytes = 256 * 1024;
+// A request that still writes an upload ends when its disk does: what it reads is cut at once.
+constexpr std::chrono::milliseconds kWriterPatience(10'000), kWriterCheck(20);
 
 std::string text_of(beast::string_view view) { return {view.data(), view.size()}; }
 
@@ -58,6 +62,7 @@ void set_headers(Response& response, const HttpAnswer& answer, bool encrypted, b
   response.set("Cross-Origin-Resource-Policy", "same-origin");
   if (!answer.download_name.empty())
     response.set(http::field::content_disposition, "attachment; filename=\"" + answer.download_name + "\"");
+  for (const auto& [name, value] : answer.headers) response.set(name, value);
   if (!answer.allow.empty()) response.set(http::field::allow, answer.allow);
   if (answer.retry_after_s > 0) response.set(http::field::retry_after, std::to_string(answer.retry_after_s));
   if (answer.status == 401) response.set(http::field::www_authenticate, "Bearer");
@@ -94,7 +99,7 @@ asio::awaitable<bool> write_answer(Transport& stream, HttpAnswer answer, const A
   const bool keep_alive = how.keep_alive && answer.status < 400;
   http::response<http::string_body> response{static_cast<http::status>(answer.status), how.version};
   set_headers(response, answer, how.encrypted, keep_alive);
-  response.content_length(answer.body.size());
+  if (answer.status != 204) response.content_length(answer.body.size());
   if (!how.head) response.body() = std::move(answer.body);
   error_code error;
   stream.next_layer().expires_after(kAnswerPatience);
@@ -103,15 +108,15 @@ asio::awaitable<bool> write_answer(Transport& stream, HttpAnswer answer, const A
 }
 
 // What is wrong with a request as such, whatever it asks for. `body_bytes` are announced to follow.
-std::optional<HttpAnswer> check_request(const Request& request, std::uint64_t body_bytes, const AllowedHosts& hosts) {
+std::optional<HttpAnswer> check_request(const Request& request, std::uint64_t body_bytes, bool long_body, const AllowedHosts& hosts) {
   const auto refuse = [](int status, const std::string& words) {
     return error_answer(status, {status == 403 ? ErrorCode::kUnauthorized : ErrorCode::kInvalidArgument, words});
   };
   if (request.version() != 11 && request.version() != 10) return refuse(505, "HTTP/1.1 or 1.0 is spoken here");
   // Transfer codings are where proxies and servers disagree about the end of a request; none is needed here.
   if (request.count(http::field::transfer_encoding) != 0) return refuse(400, "requests with Transfer-Encoding are not accepted");
-  if (request.method() != http::verb::post && body_bytes > 0) return refuse(413, "only POST requests may have a body");
-  if (body_bytes > kMaxBodyBytes)
+  if (request.method() != http::verb::post && body_bytes > 0 && !long_body) return refuse(413, "only POST requests may have a body");
+  if (body_bytes > kMaxBodyBytes && !long_body)
     return refuse(413, "the body has " + std::to_string(body_bytes) + " bytes, allowed are " + std::to_string(kMaxBodyBytes));
   if (request.count(http::field::host) != 1) return refuse(400, "a request must have one Host header");
   if (!host_allowed(hosts, text_of(request[http::field::host])))
@@ -131,15 +136,18 @@ std::optional<HttpAnswer> check_upgrade(const Request& request) {
   return std::nullopt;
 }
 
-HttpRequest plain(const Request& request, Caller caller) {
+HttpRequest plain(const Request& request, Caller caller, std::uint64_t body_bytes) {
   const std::string target = text_of(request.target());
   const std::size_t question = std::min(target.find('?'), target.size());
-  return {text_of(request.method_string()),
-          target.substr(0, question),
-          target.substr(std::min(question + 1, target.size())),
-          text_of(request[http::field::authorization]),
-          {},
-          std::move(caller)};
+  HttpRequest copy{text_of(request.method_string()),
+                   target.substr(0, question),
+                   target.substr(std::min(question + 1, target.size())),
+                   text_of(request[http::field::authorization]),
+                   {},
+                   std::move(caller)};
+  copy.body_bytes = body_bytes;
+  for (const auto& field : request) copy.headers.emplace_back(text_of(field.name_string()), text_of(field.value()));
+  return copy;
 }
 
 std::string joined(const Request& request, beast::string_view name) {
@@ -189,8 +197,6 @@ asio::awaitable<void> linger(Transport& transport) {
     total += co_await stream.async_read_some(asio::buffer(forgotten), asio::redirect_error(asio::use_awaitable, error));
 }
 
-using HeaderParser = http::request_parser<http::empty_body>;
-
 // The body that was announced behind the header, which is used up; nothing when the connection ended first.
 asio::awaitable<std::optional<std::string>> read_body(Transport& stream, beast::flat_buffer& buffer, HeaderParser& header) {
   http::request_parser<http::string_body> parser(std::move(header));
@@ -202,12 +208,28 @@ asio::awaitable<std::optional<std::string>> read_body(Transport& stream, beast::
   co_return std::move(parser.get().body());
 }
 
+bool is_long(const HttpRequest& request, const Site& site) { return site.disk && takes_long_body(request); }
+
+// The site's answer, when whoever stands in the way has gone, or has had time enough to.
+asio::awaitable<HttpAnswer> answer_patiently(Transport& stream, const Site& site, HttpRequest& request) {
+  HttpAnswer answer = site.answer(request);
+  asio::steady_timer pause(stream.get_executor());
+  for (auto waited = std::chrono::milliseconds(0); answer.ask_again && waited < kWriterPatience; waited += kWriterCheck) {
+    error_code ignored;
+    pause.expires_after(kWriterCheck);
+    co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+    request.caller.now_ms = unix_now_ms();
+    answer = site.answer(request);
+  }
+  co_return answer;
+}
+
 // What a request is refused for before its body is read.
-std::optional<HttpAnswer> check(const HeaderParser& parser, const Peer& peer, const Caller& caller, const std::string& address,
+std::optional<HttpAnswer> check(const HeaderParser& parser, const HttpRequest& request, const Peer& peer, const std::string& address,
                                 const Site& site) {
-  const std::int64_t wait_ms = site.requests ? site.requests->take(caller.address, caller.now_ms) : 0;
+  const std::int64_t wait_ms = site.requests ? site.requests->take(request.caller.address, request.caller.now_ms) : 0;
   if (wait_ms > 0) return wait_answer(429, "too many requests from this address", wait_ms);
-  std::optional<HttpAnswer> wrong = check_request(parser.get(), parser.content_length().value_or(0), site.hosts);
+  std::optional<HttpAnswer> wrong = check_request(parser.get(), request.body_bytes, is_long(request, site), site.hosts);
   if (!wrong) wrong = check_encryption(peer, address, site);
   if (!wrong && site.websockets && beast::websocket::is_upgrade(parser.get())) wrong = check_upgrade(parser.get());
   return wrong;
@@ -224,17 +246,27 @@ asio::awaitable<bool> shake_hands(Transport& stream, std::chrono::milliseconds p
 
 // Whether the connection can go on.
 asio::awaitable<bool> answer_request(Transport& stream, beast::flat_buffer& buffer, HeaderParser& parser, const Site& site,
-                                     std::optional<HttpAnswer> wrong, const Caller& caller, Answering how) {
+                                     std::optional<HttpAnswer> wrong, HttpRequest request, Answering how) {
   const auto start = std::chrono::steady_clock::now();
   if (wrong) how.keep_alive = false;
   if (!wrong) {
-    HttpRequest request = plain(parser.get(), caller);
-    if (parser.content_length().value_or(0) > 0) {
+    const bool long_body = is_long(request, site);
+    if (request.body_bytes > 0 && !long_body) {
       std::optional<std::string> body = co_await read_body(stream, buffer, parser);
       if (!body) co_return false;
       request.body = *std::move(body);
     }
-    wrong = site.answer(request);
+    HttpAnswer answer = co_await answer_patiently(stream, site, request);
+    if (const std::shared_ptr<BodySink> sink = std::exchange(answer.body_sink, nullptr)) {
+      const std::string_view named = answer.route;
+      const bool complete = co_await receive_body(stream, buffer, parser, *site.disk, *sink);
+      answer = sink->answer();
+      answer.route = named;
+      how.keep_alive = how.keep_alive && complete;
+    } else if (long_body && request.body_bytes > 0) {
+      how.keep_alive = false;  // what follows is a body that nobody reads
+    }
+    wrong = std::move(answer);
   }
   const int status = wrong->status;
   const std::string_view route = wrong->route;
@@ -265,14 +297,15 @@ asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, std::string
     }
     const Request& request = parser.get();
     Peer peer = peer_of_request(request, address, stream.encrypted(), site);
-    const Caller caller{address_group(peer.address), unix_now_ms()};
-    std::optional<HttpAnswer> wrong = check(parser, peer, caller, address, site);
+    Caller caller{address_group(peer.address), unix_now_ms()};
+    HttpRequest asked = plain(request, std::move(caller), parser.content_length().value_or(0));
+    std::optional<HttpAnswer> wrong = check(parser, asked, peer, address, site);
     if (!wrong && site.websockets && beast::websocket::is_upgrade(request)) {
       co_await serve_websocket(std::move(stream), parser.release(), *site.websockets, std::move(peer));
       co_return;
     }
     const Answering how{request.version(), peer.encrypted, request.method() == http::verb::head, request.keep_alive()};
-    go_on = co_await answer_request(stream, buffer, parser, site, std::move(wrong), caller, how);
+    go_on = co_await answer_request(stream, buffer, parser, site, std::move(wrong), std::move(asked), how);
   }
   co_await linger(stream);
 }

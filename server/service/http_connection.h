@@ -6,6 +6,7 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <functional>
 #include <string>
 #include <vector>
@@ -20,7 +21,7 @@
 namespace hermite {
 
 inline constexpr std::size_t kMaxHeaderBytes = 8 * 1024;
-inline constexpr std::size_t kMaxBodyBytes = 4 * 1024;  // of a POST; other requests carry none
+inline constexpr std::size_t kMaxBodyBytes = 4 * 1024;  // of a POST; other requests carry none, but those of takes_long_body()
 
 // What answers behind a listening port, and what every request is held to before anybody asks what it wants.
 struct Site {
@@ -31,7 +32,8 @@ struct Site {
   std::vector<Network> proxies = {};      // whose X-Forwarded- headers are believed
   // Requests that came neither from this machine nor encrypted, by TLS here or up to a trusted proxy, are refused.
   bool encrypted_only = false;
-  RateLimit* requests = nullptr;  // of each address; none: as many as come
+  RateLimit* requests = nullptr;             // of each address; none: as many as come
+  boost::asio::thread_pool* disk = nullptr;  // that long bodies are written on; none: there are none here
 };
 
 // Runs until the connection is over. A request that breaks a rule is answered and the connection closed, so that nothing behind it can be

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -10,7 +11,9 @@
 #include <variant>
 
 #include "server/service/administration.h"
+#include "server/service/job_routes.h"
 #include "server/service/json_time.h"
+#include "server/service/upload_routes.h"
 
 namespace hermite {
 
@@ -25,28 +28,8 @@ HttpAnswer json_answer(const Json& json) {
   return answer;
 }
 
-HttpAnswer refused(const Error& error) {
-  switch (error.code) {
-    case ErrorCode::kInvalidArgument: return hermite::error_answer(400, error);
-    case ErrorCode::kNotFound: return hermite::error_answer(404, error);
-    case ErrorCode::kUnauthorized: return hermite::error_answer(401, error);
-    case ErrorCode::kBusy: return hermite::error_answer(409, error);
-    default: return hermite::error_answer(500, error);
-  }
-}
-
 HttpAnswer on_route(std::string_view route, HttpAnswer answer) {
   answer.route = route;
-  return answer;
-}
-
-// JSON that is text already.
-HttpAnswer made(Result<std::string> json, int status = 200) {
-  if (!json.ok()) return refused(json.error());
-  HttpAnswer answer;
-  answer.status = status;
-  answer.content_type = "application/json";
-  answer.body = *std::move(json);
   return answer;
 }
 
@@ -67,13 +50,6 @@ Json row_json(const ScanRow& row) {
   json["finished_at"] = time_json(row.finished_at_ms);
   return json;
 }
-
-// What a route's function gets besides the world.
-struct Call {
-  const HttpRequest& request;
-  const Grant& grant;
-  std::string id;  // inside the path, for a route that has one
-};
 
 // For a share link only its scan, which need not be among the newest.
 Result<std::vector<ScanRow>> scans_for(const HttpWorld& world, const Grant& grant) {
@@ -142,7 +118,7 @@ HttpAnswer revoke(const HttpWorld& world, const Call& call, bool share) {
 HttpAnswer revoke_share(const HttpWorld& world, const Call& call) { return revoke(world, call, true); }
 HttpAnswer revoke_token(const HttpWorld& world, const Call& call) { return revoke(world, call, false); }
 
-enum class Needs { kView, kViewAndScan, kAdmin };
+enum class Needs { kView, kScan, kViewAndScan, kAdmin };
 
 struct Route {
   std::string_view method;
@@ -151,9 +127,11 @@ struct Route {
   bool has_id;
   Needs needs;
   HttpAnswer (*handle)(const HttpWorld&, const Call&);
+  bool long_body = false;
 };
 constexpr std::string_view kScanPath = "/api/v1/scans/";
-constexpr std::array<Route, 13> kApi = {{
+constexpr std::string_view kUploadPath = "/api/v1/uploads/", kJobPath = "/api/v1/jobs/";
+constexpr std::array<Route, 25> kApi = {{
     {"GET", "scans", "/api/v1/scans", "", false, Needs::kView, list_scans},
     {"GET", "scan", kScanPath, "", true, Needs::kView, show_scan},
     {"DELETE", "scan", kScanPath, "", true, Needs::kAdmin, remove_scan},
@@ -167,11 +145,24 @@ constexpr std::array<Route, 13> kApi = {{
     {"GET", "tokens", "/api/v1/tokens", "", false, Needs::kAdmin, list_all_tokens},
     {"POST", "tokens", "/api/v1/tokens", "", false, Needs::kAdmin, make_token},
     {"DELETE", "token", "/api/v1/tokens/", "", true, Needs::kAdmin, revoke_token},
+    {"GET", "uploads", "/api/v1/uploads", "", false, Needs::kScan, list_uploads},
+    {"OPTIONS", "uploads", "/api/v1/uploads", "", false, Needs::kScan, describe_uploads},
+    {"POST", "uploads", "/api/v1/uploads", "", false, Needs::kScan, create_upload, true},
+    {"HEAD", "upload", kUploadPath, "", true, Needs::kScan, show_upload},
+    {"PATCH", "upload", kUploadPath, "", true, Needs::kScan, continue_upload, true},
+    {"DELETE", "upload", kUploadPath, "", true, Needs::kScan, remove_upload},
+    {"PUT", "upload", kUploadPath, "", true, Needs::kScan, put_upload, true},
+    {"GET", "jobs", "/api/v1/jobs", "", false, Needs::kScan, list_jobs},
+    {"POST", "jobs", "/api/v1/jobs", "", false, Needs::kViewAndScan, create_job},
+    {"GET", "job", kJobPath, "", true, Needs::kScan, show_job},
+    {"DELETE", "job", kJobPath, "", true, Needs::kScan, cancel_job},
+    {"POST", "retry", kJobPath, "/retry", true, Needs::kScan, retry_job},
 }};
 
 // The scope that `grant` lacks for a route, if any.
 std::optional<Scope> lacking(const Grant& grant, Needs needs) {
   if (needs == Needs::kAdmin) return may(grant, Scope::kAdmin) ? std::nullopt : std::optional(Scope::kAdmin);
+  if (needs == Needs::kScan) return may(grant, Scope::kScan) ? std::nullopt : std::optional(Scope::kScan);
   if (!may(grant, Scope::kView)) return Scope::kView;
   return needs == Needs::kView || may(grant, Scope::kScan) ? std::nullopt : std::optional(Scope::kScan);
 }
@@ -207,7 +198,13 @@ HttpAnswer wrong_method(const std::string& allow) {
   return answer;
 }
 
-HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request, std::string_view method) {
+// A HEAD is a GET whose body stays behind, unless a route says otherwise.
+bool fits(const Route& route, std::string_view method, std::string_view path) {
+  return route.method == method || (method == "HEAD" && route.method == "GET" && path.substr(0, kUploadPath.size()) != kUploadPath);
+}
+
+HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
+  const std::string& method = request.method;
   std::variant<Grant, HttpAnswer> admitted = admit(world, request);
   if (auto* refusal = std::get_if<HttpAnswer>(&admitted)) return std::move(*refusal);
   const Grant& grant = std::get<Grant>(admitted);
@@ -215,7 +212,7 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request, std::s
   for (const Route& route : kApi) {
     const std::optional<std::string> id = match(route, request.path);
     if (!id) continue;
-    if (route.method == method) {
+    if (fits(route, method, request.path)) {
       if (const std::optional<Scope> scope = lacking(grant, route.needs)) {
         spdlog::info("{} {} refused to token {}", method, request.path, grant.token_id);
         return on_route(route.name, error_answer(403, lacks(grant, *scope)));
@@ -225,7 +222,8 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request, std::s
         return on_route(route.name, refused({ErrorCode::kNotFound, "there is no scan " + *id}));
       HttpAnswer answer = on_route(route.name, route.handle(world, {request, grant, *id}));
       // Who changed what; paths of the routes hold ids and no secrets.
-      if (method != "GET") spdlog::info("{} {} by token {}: {}", method, request.path, grant.token_id, answer.status);
+      const bool looks = method == "GET" || method == "HEAD" || answer.body_sink || answer.ask_again;
+      if (!looks) spdlog::info("{} {} by token {}: {}", method, request.path, grant.token_id, answer.status);
       return answer;
     }
     allow += (allow.empty() ? "" : ", ") + std::string(route.method);
@@ -257,6 +255,39 @@ HttpAnswer error_answer(int status, const Error& error) {
   return answer;
 }
 
+HttpAnswer refused(const Error& error) {
+  switch (error.code) {
+    case ErrorCode::kInvalidArgument: return hermite::error_answer(400, error);
+    case ErrorCode::kNotFound: return hermite::error_answer(404, error);
+    case ErrorCode::kUnauthorized: return hermite::error_answer(401, error);
+    case ErrorCode::kBusy: return hermite::error_answer(409, error);
+    default: return hermite::error_answer(500, error);
+  }
+}
+
+HttpAnswer made(Result<std::string> json, int status) {
+  if (!json.ok()) return refused(json.error());
+  HttpAnswer answer;
+  answer.status = status;
+  answer.content_type = "application/json";
+  answer.body = *std::move(json);
+  return answer;
+}
+
+bool takes_long_body(const HttpRequest& request) {
+  return std::any_of(kApi.begin(), kApi.end(), [&request](const Route& route) {
+    return route.long_body && route.method == request.method && match(route, request.path);
+  });
+}
+
+std::vector<std::string> api_routes() {
+  std::vector<std::string> routes;
+  for (const Route& route : kApi)
+    routes.push_back(std::string(route.method) + " " + std::string(route.before_id) + (route.has_id ? "{id}" : "") +
+                     std::string(route.after_id));
+  return routes;
+}
+
 HttpAnswer wait_answer(int status, const std::string& words, std::int64_t retry_in_ms) {
   HttpAnswer answer = error_answer(status, {ErrorCode::kBusy, words});
   answer.retry_after_s = (retry_in_ms + 999) / 1000;
@@ -264,10 +295,8 @@ HttpAnswer wait_answer(int status, const std::string& words, std::int64_t retry_
 }
 
 HttpAnswer answer(const HttpWorld& world, const HttpRequest& request) {
-  // A HEAD is a GET whose body stays here.
-  const std::string_view method = request.method == "HEAD" ? std::string_view("GET") : std::string_view(request.method);
-  if (request.path.rfind("/api/", 0) == 0) return answer_api(world, request, method);
-  if (method != "GET") return wrong_method("GET, HEAD");
+  if (request.path.rfind("/api/", 0) == 0) return answer_api(world, request);
+  if (request.method != "GET" && request.method != "HEAD") return wrong_method("GET, HEAD");
   if (request.path == "/healthz") {
     HttpAnswer healthy;
     healthy.body = "ok\n";

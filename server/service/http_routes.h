@@ -13,27 +13,47 @@
 //   GET    /api/v1/tokens                     admin
 //   POST   /api/v1/tokens                     admin  a new one
 //   DELETE /api/v1/tokens/{id}                admin  revoked
+//   GET    /api/v1/uploads                    scan   its own uploads (upload_routes.h has these)
+//   POST   /api/v1/uploads                    scan   a new one, by tus
+//   PUT    /api/v1/uploads/{name}             scan   a recording in one request
+//   HEAD, PATCH, DELETE /api/v1/uploads/{id}  scan   by tus: how much is there, more of it, away with it
+//   GET    /api/v1/jobs                       scan   newest first; without view only its own
+//   POST   /api/v1/jobs                       scan   a stored scan anew (scan and view; job_request.h has the body)
+//   GET    /api/v1/jobs/{id}                  scan   with its log
+//   DELETE /api/v1/jobs/{id}                  scan   cancelled; its own, or admin
+//   POST   /api/v1/jobs/{id}/retry            scan   one that has failed or was cancelled; its own, or admin
 //   GET    /...                               -      the viewer's files
+//
+// server/README.md has all of this for people who write clients.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
+#include "server/service/body_sink.h"
+#include "server/service/executor.h"
 #include "server/service/gate.h"
 #include "server/service/metrics.h"
 #include "server/service/scans.h"
 #include "server/service/static_files.h"
+#include "server/service/tus.h"
+#include "server/service/uploads.h"
 
 namespace hermite {
 
 struct HttpRequest {
-  std::string method;         // "GET", "HEAD", "DELETE", ...
-  std::string path;           // without query
-  std::string query;          // what follows the ?
-  std::string authorization;  // the header's value
-  std::string body;           // of a POST
-  Caller caller;              // who asks
+  std::string method;            // "GET", "HEAD", "DELETE", ...
+  std::string path;              // without query
+  std::string query;             // what follows the ?
+  std::string authorization;     // the header's value
+  std::string body;              // of a POST
+  Caller caller;                 // who asks
+  HttpHeaders headers = {};      // all of them
+  std::uint64_t body_bytes = 0;  // announced
 };
 
 struct HttpAnswer {
@@ -46,6 +66,11 @@ struct HttpAnswer {
   std::string allow;                 // methods, with status 405
   std::int64_t retry_after_s = 0;    // with status 429 and 503
   std::string_view route = "other";  // for metrics, never what a client wrote
+  HttpHeaders headers = {};          // besides those that every answer has
+  // Instead of all that: the body of the request goes there, and the answer comes from there.
+  std::shared_ptr<BodySink> body_sink = nullptr;
+  // Somebody else has to let go first; the same request may be made again in a moment. If that does not help, this is the answer.
+  bool ask_again = false;
 };
 
 struct HttpWorld {
@@ -54,12 +79,33 @@ struct HttpWorld {
   Gate& gate;
   const StaticFiles& files;
   Metrics& metrics;
+  Uploads& uploads;
+  Executor& executor;
 };
+
+// What a route's function gets besides the world.
+struct Call {
+  const HttpRequest& request;
+  const Grant& grant;
+  std::string id;  // inside the path, for a route that has one
+};
+
+// Whether the body of such a request may be long, so that only its answer says where it goes.
+bool takes_long_body(const HttpRequest& request);
+
+// "GET /api/v1/scans/{id}", one for each route of the API.
+std::vector<std::string> api_routes();
 
 HttpAnswer answer(const HttpWorld& world, const HttpRequest& request);
 
 // {"error": {"code": ..., "message": ...}}
 HttpAnswer error_answer(int status, const Error& error);
+
+// {"error": ...} with the status that goes with the code.
+HttpAnswer refused(const Error& error);
+
+// JSON that is text already, or why there is none.
+HttpAnswer made(Result<std::string> json, int status = 200);
 
 // 429 or 503 with Retry-After.
 HttpAnswer wait_answer(int status, const std::string& words, std::int64_t retry_in_ms);

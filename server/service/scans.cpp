@@ -5,20 +5,15 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
-#include <iterator>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <utility>
 
-#include "core/dataset/trajectory.h"
 #include "core/digest/sha256.h"
 #include "proto/wire/client_message.h"
 #include "proto/wire/frame_payload.h"
-#include "proto/wire/server_message.h"
 #include "server/service/access.h"
 #include "server/service/logging.h"
-#include "server/store/chunk_file.h"
+#include "server/service/stored_scan.h"
 #include "server/store/scan_id.h"
 #include "server/store/unix_time.h"
 
@@ -50,62 +45,6 @@ wire::ScanPhase wire_phase(ScanPhase phase) {
     case ScanPhase::kInterrupted: return wire::ScanPhase::kInterrupted;
   }
   return wire::ScanPhase::kFailed;
-}
-
-Result<std::string> read_file(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) return Error{ErrorCode::kNotFound, "there is no " + path};
-  std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (stream.bad()) return Error{ErrorCode::kIo, "reading " + path};
-  return bytes;
-}
-
-ModelUpdate model_of(StoredChunks stored) {
-  ModelUpdate model;
-  std::uint64_t version = 0;
-  for (EncodedChunk& chunk : stored.chunks) {
-    wire::Chunk message{
-        {chunk.key.submap, chunk.key.level, chunk.key.x, chunk.key.y, chunk.key.z}, ++version, chunk.point_count, std::move(chunk.draco)};
-    const bool empty = chunk.point_count == 0;
-    model.chunks.push_back({chunk.key, empty, std::make_shared<const std::string>(wire::format_server_message(std::move(message)))});
-  }
-  for (const StoredSubmap& submap : stored.submaps) model.poses.poses.push_back({submap.submap, submap.world_from_submap});
-  return model;
-}
-
-// What the report says about the map; 0 where there is none.
-void read_map_counts(const std::string& folder, wire::ScanState& state) {
-  const Result<std::string> text = read_file(folder + "/report.json");
-  if (!text.ok()) return;
-  const nlohmann::json report = nlohmann::json::parse(*text, nullptr, false);
-  const nlohmann::json mapping = report.is_object() ? report.value("mapping", nlohmann::json()) : nlohmann::json();
-  const auto count = [&mapping](const char* name) -> std::uint64_t {
-    const auto found = mapping.is_object() ? mapping.find(name) : mapping.end();
-    return found != mapping.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : 0;
-  };
-  state.keyframes = count("keyframes");
-  state.loops = count("loops by appearance") + count("loops by nearness");
-}
-
-// What is there is shown: a scan that failed has no files, and that is no error of the viewer.
-void show_files(const std::string& folder, Audience& audience) {
-  const Result<std::string> text = read_file(folder + "/trajectory.txt");
-  if (text.ok()) {
-    const Result<Trajectory> trajectory = parse_tum_trajectory(*text);
-    if (!trajectory.ok()) spdlog::error("{}/trajectory.txt: {}", folder, trajectory.error().message);
-    std::vector<float> positions_m;
-    for (const TimedPose& pose : trajectory.ok() ? *trajectory : Trajectory{})
-      for (const double axis : pose.world_from_camera.translation) positions_m.push_back(static_cast<float>(axis));
-    audience.set_positions(std::move(positions_m));
-  }
-  const Result<std::string> bytes = read_file(folder + "/chunks.bin");
-  if (!bytes.ok()) return;
-  Result<StoredChunks> stored = parse_chunk_file(*bytes);
-  if (!stored.ok()) {
-    spdlog::error("{}/chunks.bin: {}", folder, stored.error().message);
-    return;
-  }
-  audience.show_model(model_of(*std::move(stored)));
 }
 
 bool resume_token_fits(const std::string& token, const std::string& sha256) {
@@ -181,36 +120,27 @@ FrameLogEvents Scans::log_events(const Launch& launch) const {
           [this, launch](const Error& error) { deliver(launch, [error](LiveScan& target) { target.log_failed(error); }); }};
 }
 
-Status Scans::check_storage() const {
-  if (options_.storage_bytes == 0) return Done{};
-  const Result<std::uint64_t> stored_bytes = data_.stored_bytes();
-  if (!stored_bytes.ok()) return stored_bytes.error();
-  if (*stored_bytes >= options_.storage_bytes)
-    return Error{ErrorCode::kBusy, "the scans on this server take " + std::to_string(*stored_bytes / 1'000'000) + " MB of the " +
-                                       std::to_string(options_.storage_bytes / 1'000'000) + " MB that they may take: delete some"};
-  return Done{};
-}
-
-Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& grant, bool resumable) {
-  if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
-  Launch launch;
-  launch.place = place_request_of(grant, request.mode);
-  if (Status status = places_.check(launch.place); !status.ok()) return status.error();
-  if (Status status = check_storage(); !status.ok()) return status.error();
+Result<Scans::Launch> Scans::launch_of(const std::string& scan_id, const wire::StartScan& request, const std::string& resume_token,
+                                       const PlaceRequest& place) const {
   const std::size_t max_message_bytes = wire::max_frame_message_bytes(request.camera);
-  const std::string resume_token = resumable ? random_hex(kResumeTokenBytes) : "";
-  launch.record = {resumable ? sha256_hex(resume_token) : "", options_.gpu_memory_mb / options_.places.max_running,
+  Launch launch;
+  launch.place = place;
+  launch.record = {resume_token.empty() ? "" : sha256_hex(resume_token), options_.gpu_memory_mb / options_.places.max_running,
                    static_cast<std::uint32_t>(std::clamp<std::size_t>(kMaxQueuedBytes / max_message_bytes, 1, options_.credit_window)),
                    request};
   Result<Options> options = options_of(launch.record);
   if (!options.ok()) return options.error();
   launch.options = *options;
+  launch.row.id = scan_id;
+  launch.row.title = request.title;
+  launch.row.camera = request.camera;
+  launch.row.created_at_ms = unix_now_ms();
+  return launch;
+}
 
-  ScanRow& row = launch.row;
-  row.id = new_scan_id();
-  row.title = request.title;
-  row.camera = request.camera;
-  row.created_at_ms = unix_now_ms();
+// Folder, log and row, in this order: a scan that is listed has a log.
+Result<std::shared_ptr<LiveScan>> Scans::begin(const Launch& launch) {
+  const ScanRow& row = launch.row;
   if (Status status = data_.create_scan_folder(row.id); !status.ok()) return status.error();
   Result<std::unique_ptr<FrameLog>> log =
       FrameLog::create(data_.log_folder(row.id), format_terms(launch.record), format_start(launch.record), log_events(launch));
@@ -222,18 +152,31 @@ Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& gr
   std::shared_ptr<LiveScan> scan = run(launch, {*std::move(log), {}});
   log_with({row.id}, spdlog::level::info,
            fmt::format("scan {} started: {}x{}, {}", row.id, row.camera.width, row.camera.height,
-                       request.mode == wire::Mode::kLive ? "live" : "batch"));
+                       launch.record.request.mode == wire::Mode::kLive ? "live" : "batch"));
+  return scan;
+}
+
+Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& grant, bool resumable) {
+  if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
+  const PlaceRequest place = place_request_of(grant, request.mode);
+  if (Status status = places_.check(place); !status.ok()) return status.error();
+  if (Status status = check_storage(); !status.ok()) return status.error();
+  const std::string resume_token = resumable ? random_hex(kResumeTokenBytes) : "";
+  const Result<Launch> launch = launch_of(new_scan_id(), request, resume_token, place);
+  if (!launch.ok()) return launch.error();
+  Result<std::shared_ptr<LiveScan>> scan = begin(*launch);
+  if (!scan.ok()) return scan.error();
 
   wire::Welcome welcome;
-  welcome.scan_id = row.id;
-  welcome.max_message_bytes = max_message_bytes;
-  welcome.frame_credit = launch.record.credit_window;
+  welcome.scan_id = launch->row.id;
+  welcome.max_message_bytes = wire::max_frame_message_bytes(request.camera);
+  welcome.frame_credit = launch->record.credit_window;
   welcome.depth_codec = request.depth_codecs.front();
-  welcome.camera = row.camera;
-  welcome.title = row.title;
+  welcome.camera = request.camera;
+  welcome.title = request.title;
   welcome.resume_token = resume_token;
   if (resumable) welcome.resume_window_s = static_cast<std::uint32_t>(options_.resume_window.count() / 1000);
-  return StartedScan{std::move(scan), std::move(welcome)};
+  return StartedScan{*std::move(scan), std::move(welcome)};
 }
 
 std::shared_ptr<LiveScan> Scans::run(const Launch& launch, FrameLog::Opened opened) {
@@ -315,9 +258,9 @@ Result<ResumedScan> Scans::last_words(const ScanRow& row, const wire::ResumeScan
   wire::ScanState state{wire::ScanPhase::kFinished, row.words, received, static_cast<std::uint64_t>(row.frames_processed),
                         static_cast<std::uint64_t>(row.frames_dropped)};
   read_map_counts(data_.scan_folder(row.id), state);
-  Result<std::string> report = read_file(data_.scan_folder(row.id) + "/report.json");
+  Result<std::string> report = read_stored_file(data_.scan_folder(row.id) + "/report.json");
   if (!report.ok()) return report.error();
-  Result<std::string> trajectory = read_file(data_.scan_folder(row.id) + "/trajectory.txt");
+  Result<std::string> trajectory = read_stored_file(data_.scan_folder(row.id) + "/trajectory.txt");
   if (!trajectory.ok()) return trajectory.error();
   found.last_words = {found.resumed, std::move(state), wire::Finished{*std::move(report), *std::move(trajectory)}};
   return found;
@@ -370,6 +313,7 @@ Result<std::shared_ptr<Audience>> Scans::watch(const std::string& scan_id) {
   if (const auto known = read_again_.find(scan_id); known != read_again_.end()) return known->second.lock();
   const Result<ScanRow> row = find(scan_id);
   if (!row.ok()) return row.error();
+  if (row->phase == ScanPhase::kRunning) return Error{ErrorCode::kBusy, "the scan waits for its job to go on; try again later"};
   auto audience = std::make_shared<Audience>(SceneInfo{row->id, row->title, row->camera});
   show_files(data_.scan_folder(scan_id), *audience);
   wire::ScanState state{wire_phase(row->phase), row->words, static_cast<std::uint64_t>(row->frames_received),
@@ -397,7 +341,9 @@ Result<ScanRow> Scans::find(const std::string& scan_id) {
 
 Status Scans::remove(const std::string& scan_id) {
   if (running_.contains(scan_id)) return Error{ErrorCode::kBusy, "scan " + scan_id + " is running"};
-  if (Result<ScanRow> row = find(scan_id); !row.ok()) return row.error();
+  const Result<ScanRow> row = find(scan_id);
+  if (!row.ok()) return row.error();
+  if (row->phase == ScanPhase::kRunning) return Error{ErrorCode::kBusy, "scan " + scan_id + " waits for its job: cancel that"};
   if (Status status = data_.remove_scan_folder(scan_id); !status.ok()) return status;
   read_again_.erase(scan_id);
   return store_.remove(scan_id);

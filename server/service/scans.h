@@ -41,6 +41,14 @@ struct StartedScan {
   wire::Welcome welcome;
 };
 
+// A scan that a job feeds, as a camera of this process would.
+struct JobScan {
+  std::shared_ptr<LiveScan> scan;
+  std::uint64_t next_sequence = 0;   // the first frame that it does not have yet
+  std::uint64_t frames_granted = 0;  // in all
+  std::size_t max_message_bytes = 0;
+};
+
 // What a camera that comes back finds: its scan still running, or what has become of it.
 struct ResumedScan {
   std::shared_ptr<LiveScan> scan;     // null: it has ended, and `last_words` are all that there is to say
@@ -67,6 +75,14 @@ class Scans {
   // kBusy: a quota is used up, in words, or the server is stopping. kInvalidArgument: a setting. kIo: the store or the disk.
   // The camera can come back to a resumable one.
   Result<StartedScan> start(const wire::StartScan& request, const Grant& grant, bool resumable);
+
+  // The scan of a job, with the id that the job has chosen for it: goes on with the one that an earlier server left, else begins. It counts
+  // for no token, and stays running when the server stops. Only while has_room(). Errors as of start().
+  Result<JobScan> run_for_job(const std::string& scan_id, const wire::StartScan& request);
+  bool has_room() const;  // for a job's scan: cameras that wait go first
+
+  // What there is of the scan of a job that came to nothing.
+  void remove_unwanted(const std::string& scan_id);
 
   // Any error means that the camera cannot go on; its words say why.
   Result<ResumedScan> resume(const wire::ResumeScan& request);
@@ -103,6 +119,9 @@ class Scans {
     std::shared_ptr<std::weak_ptr<LiveScan>> self = std::make_shared<std::weak_ptr<LiveScan>>();
   };
   Status check_storage() const;
+  Result<Launch> launch_of(const std::string& scan_id, const wire::StartScan& request, const std::string& resume_token,
+                           const PlaceRequest& place) const;
+  Result<std::shared_ptr<LiveScan>> begin(const Launch& launch);
   template <class Tell>
   void deliver(const Launch& launch, Tell tell) const;
   ScanEvents worker_events(const Launch& launch);

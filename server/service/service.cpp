@@ -12,6 +12,7 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <chrono>
 #include <optional>
@@ -20,6 +21,7 @@
 #include "server/net/tls.h"
 #include "server/service/access.h"
 #include "server/service/admin.h"
+#include "server/service/batch.h"
 #include "server/service/gate.h"
 #include "server/service/http_connection.h"
 #include "server/service/logging.h"
@@ -48,6 +50,7 @@ constexpr std::chrono::seconds kStopPatience(60);  // for the frame in work and 
 constexpr std::chrono::milliseconds kStopCheck(20);
 constexpr std::chrono::milliseconds kTick(250);             // how exactly waits are ended that are given in seconds
 constexpr std::chrono::milliseconds kGoodbyePatience(500);  // for last messages to leave
+constexpr std::size_t kDiskThreads = 2;                     // uploads wait for disks, not for processors
 
 ServiceOptions checked(const ServiceOptions& options) {
   if (const Status status = check(options); !status.ok()) throw SetupError(status.error());
@@ -102,6 +105,12 @@ ScansOptions scans_options(const ServiceOptions& options) {
           static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000};
 }
 
+UploadLimits upload_limits(const ServiceOptions& options) {
+  constexpr std::int64_t kGigabyte = 1'000'000'000;
+  return {options.max_upload_gb * kGigabyte, options.uploads_per_token_gb * kGigabyte,
+          static_cast<std::uint64_t>(options.min_free_disk_mb) * 1'000'000, options.keep_upload_hours * 3'600'000LL};
+}
+
 AllowedHosts allowed_hosts(const ServiceOptions& options, const ListenAddress& address) {
   AllowedHosts hosts = default_hosts();
   hosts.push_back(address.host.find(':') == std::string::npos ? address.host : "[" + address.host + "]");
@@ -131,7 +140,8 @@ tcp::acceptor open_port(asio::io_context& context, const ListenAddress& address)
 
 }  // namespace
 
-// Declared in the order in which things depend on each other; the context, with all its connections, goes first of all.
+// Declared in the order in which things depend on each other; the context, with all its connections, goes first of all, behind the threads
+// that work for them.
 struct Service::Impl {
   // A port, what is behind it and how many may come in. Plain references: it may be copied.
   struct Door {
@@ -152,6 +162,7 @@ struct Service::Impl {
   CountLimit connections, admin_connections{kMaxAdminConnections, kMaxAdminConnections};
   RateLimit requests;
   std::unique_ptr<Scans> scans;
+  std::unique_ptr<Batch> batch;
   std::unique_ptr<HttpWorld> world;
   std::unique_ptr<DeviceWatch> device;
   std::unique_ptr<AdminWorld> admin_world;
@@ -167,6 +178,7 @@ struct Service::Impl {
   std::optional<tcp::acceptor> acceptor, admin_acceptor;
   asio::signal_set signals{context};
   asio::steady_timer watchdog{context}, drained{context};
+  asio::thread_pool disk{kDiskThreads};  // last: its work refers to connections
 
   explicit Impl(const ServiceOptions& service_options)
       : options(checked(service_options)),
@@ -180,12 +192,14 @@ struct Service::Impl {
         connections(options.max_connections, options.connections_per_address),
         requests(options.requests_per_second, 2.0 * options.requests_per_second) {
     token_works = gate.install_first_token(data.token(), unix_now_ms());
-    scans = std::make_unique<Scans>(scans_options(options), data, store, metrics,
-                                    [this](std::function<void()> action) { asio::post(context, std::move(action)); });
-    world = std::make_unique<HttpWorld>(HttpWorld{*scans, store, gate, files, metrics});
+    const auto post = [this](std::function<void()> action) { asio::post(context, std::move(action)); };
+    if (const Status recovered = recover_batch(data, store); !recovered.ok()) throw SetupError(recovered.error());
+    scans = std::make_unique<Scans>(scans_options(options), data, store, metrics, post);
+    batch = std::make_unique<Batch>(options.job_workers, upload_limits(options), data, store, *scans, post);
+    world = std::make_unique<HttpWorld>(HttpWorld{*scans, store, gate, files, metrics, batch->uploads(), batch->executor()});
     site = std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer(*world, request); },
                                        allowed_hosts(options, address), metrics, world.get(), proxies_of(options),
-                                       !is_loopback(address) && !tls && !options.insecure_listen, &requests});
+                                       !is_loopback(address) && !tls && !options.insecure_listen, &requests, &disk});
     acceptor = open_port(context, address);
     address.port = acceptor->local_endpoint().port();
     url = url_of(address);
@@ -270,7 +284,9 @@ struct Service::Impl {
       error_code error;
       pause.expires_after(kTick);
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
-      scans->tick(std::chrono::steady_clock::now());
+      const auto now = std::chrono::steady_clock::now();
+      scans->tick(now);
+      batch->tick(now);
     }
   }
 
@@ -280,6 +296,7 @@ struct Service::Impl {
     error_code error;
     acceptor->close(error);
     scans->refuse_new();
+    batch->refuse_new();
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(options.drain_s);
     if (scans->running_count() > 0 && !ending)
       spdlog::info("{} scan(s) may go on for {} s; another signal ends them at once", scans->running_count(), options.drain_s);
@@ -293,14 +310,16 @@ struct Service::Impl {
   asio::awaitable<void> end() {
     ending = true;
     error_code error;
+    batch->stop();
     scans->stop();
     asio::steady_timer pause(context);
     const auto deadline = std::chrono::steady_clock::now() + kStopPatience;
-    while (scans->running_count() > 0 && std::chrono::steady_clock::now() < deadline) {
+    const auto busy = [this] { return scans->running_count() + batch->running_count() > 0; };
+    while (busy() && std::chrono::steady_clock::now() < deadline) {
       pause.expires_after(kStopCheck);
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
     }
-    ended_in_time = scans->running_count() == 0;
+    ended_in_time = !busy();
     if (connections.count() > 0) {
       pause.expires_after(kGoodbyePatience);
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));

@@ -62,6 +62,12 @@ const std::vector<Row>& rows() {
       {"scans-per-token", &O::scans_per_token, "scans running at once of one token without the scope admin", 1, 64, "scans"},
       {"storage-gb", &O::storage_gb, "for the files of all scans; when it is used up no scan begins; 0: as much as there is", 0, 1'000'000,
        "GB"},
+      {"job-workers", &O::job_workers, "jobs at once; each needs one of max-scans", 1, 64, "jobs"},
+      {"max-upload", &O::max_upload_gb, "one upload", 1, 1'000'000, "GB"},
+      {"uploads-per-token", &O::uploads_per_token_gb,
+       "all uploads of one token without the scope admin that wait for their job; 0: as much as there is", 0, 1'000'000, "GB"},
+      {"keep-uploads", &O::keep_upload_hours, "how long an upload waits to be gone on with, or for its failed job to be tried again", 1,
+       720, "hours"},
       {"log-format", &O::log_format, "of the lines on stderr; auto: text on a terminal, else JSON", 0, 0, "", {"auto", "json", "text"}},
       {"log-level", &O::log_level, "lines below it are left out", 0, 0, "", {"debug", "info", "warn", "error"}},
   };

@@ -62,10 +62,10 @@ Status flush_to_disk(const fs::path& path) {
   return done ? Status(Done{}) : Status(io_error("writing " + path.string(), error));
 }
 
-// Of a server that runs, and of the database, which is copied another way.
+// Of a server that runs, of what its jobs have unpacked, and of the database, which is copied another way.
 bool is_left_out(const fs::path& relative) {
   static const std::set<std::string> names{"lock", "hermite.db", "hermite.db-wal", "hermite.db-shm"};
-  return names.contains(relative.string());
+  return names.contains(relative.string()) || *relative.begin() == "jobs";
 }
 
 Status copy_file(const fs::path& from, const fs::path& to, BackupSummary& summary) {

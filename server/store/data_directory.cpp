@@ -93,6 +93,9 @@ DataDirectory::DataDirectory(const std::string& path) : path_(path) {
   if (error) throw SetupError({ErrorCode::kIo, "creating " + path_ + "/scans: " + error.message()});
   lock_file_ = take_lock(path_ + "/lock");
   try {
+    std::filesystem::remove_all(path_ + "/jobs", error);
+    for (const char* folder : {"/uploads", "/jobs"})
+      if (mkdir((path_ + folder).c_str(), 0700) != 0 && errno != EEXIST) throw io_failure("creating " + path_ + folder);
     token_ = read_or_create_token(path_ + "/token");
   } catch (...) {
     close(lock_file_);  // no destructor runs for a constructor that throws
@@ -140,6 +143,31 @@ Result<std::uint64_t> DataDirectory::stored_bytes() const {
   if (error) return Error{ErrorCode::kIo, "adding up the files in " + path_ + "/scans: " + error.message()};
   return total;
 }
+
+std::string DataDirectory::upload_path(const std::string& upload_id) const {
+  CHECK(is_scan_id(upload_id), "a path from something that is no id");
+  return path_ + "/uploads/" + upload_id;
+}
+
+std::string DataDirectory::job_folder(const std::string& job_id) const {
+  CHECK(is_scan_id(job_id), "a path from something that is no id");
+  return path_ + "/jobs/" + job_id;
+}
+
+Status DataDirectory::create_job_folder(const std::string& job_id) const {
+  const std::string folder = job_folder(job_id);
+  if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) return Error{ErrorCode::kIo, "creating " + folder + ": " + std::strerror(errno)};
+  return Done{};
+}
+
+Status DataDirectory::remove_job_folder(const std::string& job_id) const {
+  std::error_code error;
+  std::filesystem::remove_all(job_folder(job_id), error);
+  if (error) return Error{ErrorCode::kIo, "removing the files of job " + job_id + ": " + error.message()};
+  return Done{};
+}
+
+Result<std::uint64_t> DataDirectory::free_disk_bytes() const { return free_bytes(path_); }
 
 Result<PublishedServer> published_server(const std::string& path) {
   constexpr std::size_t kMaxUrlBytes = 256;

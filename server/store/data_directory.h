@@ -5,6 +5,8 @@
 //   hermite.db    scans, tokens and share links (store.h)
 //   scans/ID/     cloud.ply trajectory.txt report.json chunks.bin of a scan that has ended
 //   scans/ID/log/ its frames as they came (frame_log.h)
+//   uploads/ID    the bytes of an upload, as far as they have come
+//   jobs/ID/      what a running job has unpacked; empty at every start
 #pragma once
 
 #include <cstdint>
@@ -39,6 +41,15 @@ class DataDirectory {
   Status create_scan_folder(const std::string& scan_id) const;
   Status remove_scan_folder(const std::string& scan_id) const;
   Status remove_log_folder(const std::string& scan_id) const;  // well, too, when there is none
+
+  // As above: the id must be one.
+  std::string upload_path(const std::string& upload_id) const;
+  std::string job_folder(const std::string& job_id) const;
+  Status create_job_folder(const std::string& job_id) const;
+  Status remove_job_folder(const std::string& job_id) const;  // well, too, when there is none
+
+  // Bytes free for us in the file system of this folder. kIo.
+  Result<std::uint64_t> free_disk_bytes() const;
 
  private:
   std::string path_;

@@ -17,7 +17,7 @@ namespace {
 constexpr int kApplicationId = 0x48524246;  // "HRBF"
 
 // Migration N brings user_version from N to N + 1. Never edit one that was released: add one.
-constexpr std::array<std::string_view, 2> kMigrations = {
+constexpr std::array<std::string_view, 3> kMigrations = {
     R"sql(
 CREATE TABLE scans(
   id TEXT PRIMARY KEY NOT NULL,
@@ -52,6 +52,43 @@ CREATE TABLE tokens(
   CHECK (scan_id IS NULL OR (may_view = 1 AND may_scan = 0 AND may_admin = 0))
 ) STRICT;
 CREATE INDEX tokens_by_scan ON tokens(scan_id);
+)sql",
+    // No foreign keys: a job outlives what it was made of, and the token that asked for it.
+    R"sql(
+CREATE TABLE uploads(
+  id TEXT PRIMARY KEY NOT NULL,
+  token_id TEXT NOT NULL,
+  length_bytes INTEGER NOT NULL,
+  metadata TEXT NOT NULL,
+  unchecked_from INTEGER NOT NULL,
+  created_at_ms INTEGER NOT NULL,
+  expires_at_ms INTEGER NOT NULL
+) STRICT;
+CREATE TABLE jobs(
+  id TEXT PRIMARY KEY NOT NULL,
+  token_id TEXT NOT NULL,
+  title TEXT NOT NULL,
+  source TEXT NOT NULL CHECK (source IN ('upload', 'scan')),
+  source_id TEXT NOT NULL,
+  settings TEXT NOT NULL,
+  camera TEXT NOT NULL,
+  priority INTEGER NOT NULL,
+  state TEXT NOT NULL CHECK (state IN ('queued', 'running', 'finished', 'failed', 'cancelled')),
+  words TEXT NOT NULL,
+  attempt_count INTEGER NOT NULL,
+  scan_id TEXT NOT NULL,
+  created_at_ms INTEGER NOT NULL,
+  started_at_ms INTEGER NOT NULL,
+  finished_at_ms INTEGER NOT NULL
+) STRICT;
+CREATE INDEX jobs_by_turn ON jobs(state, priority DESC, created_at_ms, id);
+CREATE TABLE job_lines(
+  job_id TEXT NOT NULL REFERENCES jobs(id) ON DELETE CASCADE,
+  number INTEGER NOT NULL,
+  at_ms INTEGER NOT NULL,
+  words TEXT NOT NULL,
+  PRIMARY KEY (job_id, number)
+) STRICT;
 )sql"};
 
 int pragma(SQLite::Database& database, const std::string& name) { return database.execAndGet("PRAGMA " + name).getInt(); }

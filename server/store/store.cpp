@@ -155,7 +155,9 @@ Result<std::vector<ScanRow>> Store::list() try {
 
 Result<std::vector<ScanRow>> Store::running() try {
   SQLite::Statement query(impl_->database,
-                          std::string("SELECT ") + kColumns + " FROM scans WHERE phase = 'running' ORDER BY created_at_ms, id");
+                          std::string("SELECT ") + kColumns +
+                              " FROM scans WHERE phase = 'running' AND id NOT IN (SELECT scan_id FROM jobs WHERE state IN ('queued', " +
+                              "'running')) ORDER BY created_at_ms, id");
   std::vector<ScanRow> rows;
   while (query.executeStep()) rows.push_back(row_of(query));
   return rows;

@@ -1,4 +1,4 @@
-// One row a scan and one a token, in SQLite. Rows outlive the server; the results themselves are files (data_directory.h).
+// One row a scan, a token, an upload and a job, in SQLite. Rows outlive the server; the results themselves are files (data_directory.h).
 //
 // One connection, which is also the only one that writes checkpoints: SQLite 3.40 can lose a WAL that two connections reset. It belongs to
 // one thread at a time. Failures of the database are kIo with SQLite's own words.
@@ -12,7 +12,9 @@
 
 #include "core/base/result.h"
 #include "core/math/camera.h"
+#include "server/store/job_row.h"
 #include "server/store/token_row.h"
+#include "server/store/upload_row.h"
 
 namespace hermite {
 
@@ -34,6 +36,10 @@ struct ScanRow {
 
 inline constexpr int kMaxListedScans = 1000;
 inline constexpr int kMaxTokens = 10'000;  // and share links, with those that have ended
+inline constexpr int kMaxUploads = 1000;
+inline constexpr int kMaxWaitingJobs = 1000;  // and running ones
+inline constexpr int kMaxListedJobs = 1000;
+inline constexpr int kMaxJobLines = 200;  // of one job; more are left out
 
 class Store {
  public:
@@ -57,7 +63,8 @@ class Store {
   // Newest first, at most kMaxListedScans.
   Result<std::vector<ScanRow>> list();
 
-  // All that have not ended; after a start: those that a dead server left.
+  // All that have not ended; after a start: those that a dead server left. Without those of jobs that have not ended: the job goes on
+  // with its scan.
   Result<std::vector<ScanRow>> running();
 
   // Whether the database would take a change now; makes none.
@@ -74,6 +81,23 @@ class Store {
   Status remove_token(const std::string& id);                       // kNotFound
   // Removes those revoked or expired before that time, but not the first token. How many.
   Result<int> forget_tokens(std::int64_t ended_before_ms);
+
+  // Uploads (store_uploads.cpp). kBusy: kMaxUploads. kInvalidArgument: the id is there already. kNotFound.
+  Status add_upload(const UploadRow& row);
+  Status update_upload(const UploadRow& row);  // length, unchecked_from and expires_at_ms
+  Result<UploadRow> upload(const std::string& id);
+  Result<std::vector<UploadRow>> list_uploads();  // oldest first
+  Status remove_upload(const std::string& id);
+
+  // Jobs (store_jobs.cpp). kBusy: kMaxWaitingJobs. kInvalidArgument: the id is there already. kNotFound.
+  Status add_job(const JobRow& row);
+  Status update_job(const JobRow& row);  // state, words, attempt_count, scan_id, started_at_ms and finished_at_ms
+  Result<JobRow> job(const std::string& id);
+  Result<std::vector<JobRow>> list_jobs();              // newest first, at most kMaxListedJobs
+  Result<std::vector<JobRow>> jobs_in(JobState state);  // the next one first
+  Status add_job_line(const std::string& id, const JobLine& line);
+  Result<std::vector<JobLine>> job_lines(const std::string& id);
+  Result<int> forget_jobs(std::int64_t ended_before_ms);  // with their lines. How many
 
  private:
   struct Impl;

@@ -6,6 +6,7 @@ import socket
 import subprocess
 import sys
 import threading
+import urllib.request
 
 FRAMES = 40
 SEQUENCE = f"synthetic:frames={FRAMES},width=160,height=120,noise=kinect,seed=1"
@@ -33,6 +34,14 @@ class Server:
         self.url = self.process.stdout.readline().strip()
         if not self.url.startswith("http"):
             sys.exit("the server did not start: " + self.tail())
+
+    def ask(self, path, method="GET", body=None):
+        """JSON of the API."""
+        address, token = self.url.split("/#token=")
+        request = urllib.request.Request(address + "/api/v1/" + path, data=body and json.dumps(body).encode(), method=method,
+                                         headers={"Authorization": "Bearer " + token})
+        with urllib.request.urlopen(request, timeout=PATIENCE_S) as answer:
+            return json.load(answer)
 
     def end(self, how):
         self.process.send_signal(how)

@@ -169,6 +169,15 @@ void add_archive_seeds(SeedFolder seeds) {
   }
 }
 
+void add_tus_seeds(SeedFolder seeds) {
+  const std::string version = "Tus-Resumable: 1.0.0\n";
+  seeds.add(version + "Upload-Length: 100\nUpload-Metadata: filename cm9vbS50YXI=,title,camera ZnIx,priority LTc=\n");
+  seeds.add(version + "Upload-Defer-Length: 1\nUpload-Metadata: settings eyJtYXAuc3RhYmxlX2NvbmZpZGVuY2UiOiAiMSJ9\n");
+  seeds.add(version +
+            "Upload-Offset: 70\nContent-Type: application/offset+octet-stream\nUpload-Checksum: sha1 2jmj7l5rSw0yVb/vlWAYkK/YBwk=\n");
+  seeds.add(version + "Upload-Checksum: sha256 47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=\nUpload-Offset: 9007199254740992\n");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -182,5 +191,6 @@ int main(int argc, char** argv) {
   add_message_seeds(SeedFolder(fs::path(argv[1]) / "message"));
   add_recording_seeds(SeedFolder(fs::path(argv[1]) / "klg"), SeedFolder(fs::path(argv[1]) / "sens"));
   add_archive_seeds(SeedFolder(fs::path(argv[1]) / "archive"));
+  add_tus_seeds(SeedFolder(fs::path(argv[1]) / "tus"));
   return 0;
 }

@@ -50,8 +50,8 @@ const std::vector<Layer>& layers() {
       {"tests/bench/codecs", {"core/dataset", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"proto/wire", {"core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"server",
-       {"core/pipeline", "core/report", "core/adjust/mapping.h", "core/output", "core/dataset", "core/digest", "core/evaluate",
-        "core/frame/rgbd_frame.h", "core/log", "core/raw", "core/image", "core/math", "core/base", "proto/wire"}},
+       {"core/pipeline", "core/report", "core/adjust/mapping.h", "core/output", "core/dataset", "core/archive", "core/digest",
+        "core/evaluate", "core/frame/rgbd_frame.h", "core/log", "core/raw", "core/image", "core/math", "core/base", "proto/wire"}},
       {"shaders", {}},
   };
   return table;
@@ -82,7 +82,7 @@ const std::vector<Door>& doors() {
       {"OpenNI.h", {"server/capture/openni.cpp"}},
       {"boost/beast",
        {"server/net/transport.h", "server/service/websocket.h", "server/service/websocket.cpp", "server/service/http_connection.cpp",
-        "server/client/connection.cpp"}},
+        "server/service/body_reader.h", "server/service/body_reader.cpp", "server/client/connection.cpp"}},
       {"boost/", {"server"}},
       {"prometheus/", {"server/service/metrics.cpp"}},
       {"google/protobuf", {"proto/wire"}},

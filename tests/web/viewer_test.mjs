@@ -57,6 +57,16 @@ test('a page without the token is told so', async () => {
   await context.close();
 });
 
+test('a file that is added becomes a job, which says why it failed', async () => {
+  const page = viewer.page;
+  await page.locator('#recordings').setInputFiles({ name: 'holiday.tar', mimeType: 'application/x-tar', buffer: Buffer.from('no recording') });
+  await page.getByText('holiday', { exact: true }).waitFor();
+  await page.getByText(/holiday is no recording we know/).waitFor();
+  await page.getByRole('button', { name: 'Try again' }).click();
+  await page.getByText(/holiday is no recording we know/).waitFor();
+  await picture('failed-job');
+});
+
 test('a scan is seen while it grows', { timeout: scan_ms + 60_000 }, async () => {
   const client = stream({ sequence, title });
   const { page } = viewer;

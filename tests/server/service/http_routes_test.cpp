@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/store/scan_id.h"
+#include "tests/source_root/source_root.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
@@ -86,6 +87,17 @@ TEST_F(HttpRoutesTest, EveryRouteAsksForItsScope) {
       {"GET", "/api/v1/tokens", 403, 403, 403},
       {"POST", "/api/v1/tokens", 403, 403, 403},
       {"DELETE", "/api/v1/tokens/first", 403, 403, 403},
+      {"GET", "/api/v1/uploads", 403, 200, 200},
+      {"POST", "/api/v1/uploads", 403, 412, 412},
+      {"HEAD", "/api/v1/uploads/x", 403, 412, 412},
+      {"PATCH", "/api/v1/uploads/x", 403, 412, 412},
+      {"PUT", "/api/v1/uploads/x", 403, 411, 411},
+      {"DELETE", "/api/v1/uploads/x", 403, 412, 412},
+      {"GET", "/api/v1/jobs", 403, 200, 200},
+      {"POST", "/api/v1/jobs", 403, 403, 400},
+      {"GET", "/api/v1/jobs/x", 403, 404, 404},
+      {"DELETE", "/api/v1/jobs/x", 403, 404, 404},
+      {"POST", "/api/v1/jobs/x/retry", 403, 404, 404},
   };
   for (const Case& route : cases) {
     EXPECT_EQ(status(route.method, route.path, view), route.with_view) << route.method << " " << route.path;
@@ -94,6 +106,28 @@ TEST_F(HttpRoutesTest, EveryRouteAsksForItsScope) {
   }
   EXPECT_THAT(ask("DELETE", "/api/v1/scans/" + id_, both).body, HasSubstr("this token allows view, scan; admin is needed"));
   EXPECT_EQ(status("DELETE", "/api/v1/scans/" + id_, server_->token()), 200);
+}
+
+TEST_F(HttpRoutesTest, TheReadmeHasEveryRouteAndNoOther) {
+  std::ifstream readme(test::source_root() / "server/README.md");
+  std::vector<std::string> written;
+  for (std::string line; std::getline(readme, line);) {
+    const std::size_t end = line.find("` |");
+    if (line.starts_with("| `") && line.find(" /api/") != std::string::npos) written.push_back(line.substr(3, end - 3));
+  }
+  EXPECT_THAT(written, testing::UnorderedElementsAreArray(api_routes()));
+}
+
+TEST_F(HttpRoutesTest, EveryWrittenRouteIsThere) {
+  // Whoever is not let in learns nothing about routes: a token is needed to see that one is missing.
+  for (const std::string& route : api_routes()) {
+    const std::size_t space = route.find(' ');
+    std::string path = route.substr(space + 1);
+    if (const std::size_t at = path.find("{id}"); at != std::string::npos) path.replace(at, 4, "x");
+    const Answer answer = ask(route.substr(0, space), path, server_->token());
+    EXPECT_NE(answer.status, 405) << route;
+    EXPECT_THAT(answer.body, Not(HasSubstr("there is nothing at this path"))) << route;
+  }
 }
 
 TEST_F(HttpRoutesTest, AShareLinkSeesItsScanAndNothingElse) {
@@ -111,6 +145,8 @@ TEST_F(HttpRoutesTest, AShareLinkSeesItsScanAndNothingElse) {
     EXPECT_NE(status(method, "/api/v1/scans/" + id_ + (method[0] == 'P' ? "/shares" : ""), secret), 200) << method;
   EXPECT_EQ(status("GET", "/api/v1/shares", secret), 403);
   EXPECT_EQ(status("GET", "/api/v1/tokens", secret), 403);
+  EXPECT_EQ(status("GET", "/api/v1/jobs", secret), 403);
+  EXPECT_EQ(status("GET", "/api/v1/uploads", secret), 403);
 }
 
 TEST_F(HttpRoutesTest, ARevokedShareLinkOpensNothing) {

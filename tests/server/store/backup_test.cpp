@@ -47,10 +47,12 @@ TEST_F(BackupTest, WhatIsBackedUpUnderARunningServerComesBack) {
     Store store(data.database_path());
     for (int i = 0; i < 3; ++i) add_scan(store, data);
     fs::create_symlink("/etc/passwd", data.scan_folder(ids_[0]) + "/link");
+    ASSERT_TRUE(data.create_job_folder(ids_[0]).ok());
+    std::ofstream(data.job_folder(ids_[0]) + "/unpacked") << "is there in the upload too";
     const auto summary = back_up(folder_ / "data", folder_ / "backup");
     ASSERT_TRUE(summary.ok()) << summary.error().message;
     EXPECT_EQ(summary->scan_count, 3);
-    EXPECT_EQ(summary->file_count, 4) << "three clouds and the token, no lock, no link";
+    EXPECT_EQ(summary->file_count, 4) << "three clouds and the token, no lock, no link, nothing of jobs";
     add_scan(store, data);  // too late
     EXPECT_EQ(store.list()->size(), 4u) << "the server goes on";
   }

@@ -55,7 +55,7 @@ export function fileNameOf(title: string): string {
   return title.normalize('NFKD').replace(/[^A-Za-z0-9._-]+/g, '_').replace(/^[._]+|[._]+$/g, '').slice(0, 80);
 }
 
-async function request(path: string, token: string, limit_ms: number, method = 'GET'): Promise<Response> {
+export async function request(path: string, token: string, limit_ms: number, method = 'GET'): Promise<Response> {
   let response: Response;
   try {
     response = await fetch(path, { method, headers: { Authorization: `Bearer ${token}` }, signal: AbortSignal.timeout(limit_ms) });
@@ -94,14 +94,14 @@ function phaseOf(value: unknown): ScanPhaseName {
   return value === 'running' || value === 'finished' || value === 'failed' || value === 'interrupted' ? value : 'unknown';
 }
 
-const textOf = (value: unknown): string => (typeof value === 'string' ? value : '');
-const numberOf = (value: unknown): number | null => (typeof value === 'number' && Number.isFinite(value) ? value : null);
+export const textOf = (value: unknown): string => (typeof value === 'string' ? value : '');
+export const numberOf = (value: unknown): number | null => (typeof value === 'number' && Number.isFinite(value) ? value : null);
 
 function dateOf(value: unknown): Date | null {
   const time_ms = typeof value === 'string' ? Date.parse(value) : NaN;
   return Number.isNaN(time_ms) ? null : new Date(time_ms);
 }
 
-function isRecord(value: unknown): value is Record<string, unknown> {
+export function isRecord(value: unknown): value is Record<string, unknown> {
   return typeof value === 'object' && value !== null;
 }

@@ -3,6 +3,7 @@ import { ApiError, fetchScans, type ScanSummary } from '../connection/api';
 import { hashOf } from '../state/route';
 import { ago, count, phaseWords } from '../state/words';
 import { element, type Panel } from './dom';
+import { jobsPanel } from './jobs_panel';
 import { statusMark } from './mark';
 
 const refresh_ms = 3_000;
@@ -19,7 +20,8 @@ export interface ListPage extends Panel {
 export function listPage(access: ListAccess): ListPage {
   const content = element('div', { class: 'content' });
   const notice = element('p', { class: 'notice', role: 'status' });
-  const node = element('main', { class: 'list-page' }, wordmark(), element('h1', {}, 'Scans'), notice, content);
+  const jobs = jobsPanel(access.token, () => void refresh());
+  const node = element('main', { class: 'list-page' }, wordmark(), element('h1', {}, 'Scans'), notice, jobs.element, content);
   let scans: readonly ScanSummary[] = [];
   let shown = '';
   let timer: ReturnType<typeof setTimeout> | undefined;
@@ -42,8 +44,10 @@ export function listPage(access: ListAccess): ListPage {
     try {
       if (document.visibilityState === 'visible') {
         scans = await fetchScans(access.token());
+        await jobs.refresh();
         if (disposed) return;
         say('');
+        jobs.element.hidden = false;
         const now = new Date();
         if (scans.length === 0) show('empty', emptyList());
         else show(JSON.stringify([scans, scans.map((scan) => scan.started && ago(scan.started, now))]), listOf(scans, now));
@@ -52,6 +56,7 @@ export function listPage(access: ListAccess): ListPage {
       if (disposed) return;
       if (error instanceof ApiError && error.unauthorized) {
         say('');
+        jobs.element.hidden = true;
         show('token', tokenForm(access, () => void refresh()));
         return; // until a token is given
       }
@@ -70,6 +75,7 @@ export function listPage(access: ListAccess): ListPage {
     dispose() {
       disposed = true;
       clearTimeout(timer);
+      jobs.dispose();
       document.removeEventListener('visibilitychange', onVisible);
     },
   };
@@ -106,7 +112,7 @@ function emptyList(): HTMLElement {
     'div',
     { class: 'empty-list' },
     element('p', { class: 'lead' }, 'No scans yet.'),
-    element('p', {}, 'Stream a recording, or the synthetic room, and it appears here while it grows:'),
+    element('p', {}, 'Drop a recording here, or stream one, or the synthetic room, and it appears here while it grows:'),
     element('pre', {}, element('code', {}, command)),
   );
 }

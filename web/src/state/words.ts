@@ -1,5 +1,6 @@
 // States and quantities in the words that a person reads. One word per thing: scan, frame, submap, point.
 import type { FrameEvent } from '../connection/events';
+import type { Job } from '../connection/jobs';
 import type { LiveScan } from './live_scan';
 
 export type Tone = 'good' | 'busy' | 'warn' | 'bad' | 'quiet';
@@ -22,6 +23,29 @@ export function phaseWords(phase: string): Words {
     default:
       return { text: 'Unknown', tone: 'quiet' };
   }
+}
+
+export function jobWords(job: Pick<Job, 'state' | 'stage' | 'done' | 'total'>): Words {
+  switch (job.state) {
+    case 'queued':
+      return { text: 'Waiting for its turn', tone: 'quiet' };
+    case 'running':
+      return { text: stageWords(job), tone: 'busy' };
+    case 'finished':
+      return { text: 'Finished', tone: 'quiet' };
+    case 'failed':
+      return { text: 'Failed', tone: 'bad' };
+    case 'cancelled':
+      return { text: 'Cancelled', tone: 'quiet' };
+    default:
+      return { text: 'Unknown', tone: 'quiet' };
+  }
+}
+
+function stageWords(job: Pick<Job, 'stage' | 'done' | 'total'>): string {
+  const stage = job.stage || 'starting';
+  const words = stage[0]!.toUpperCase() + stage.slice(1);
+  return job.total > 0 ? `${words} ${count(job.done)} of ${count(job.total)}` : words;
 }
 
 export function trackingWords(scan: LiveScan): Words {

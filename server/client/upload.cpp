@@ -1,0 +1,313 @@
+#include "server/client/upload.h"
+
+#include <fcntl.h>
+#include <openssl/evp.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <random>
+#include <thread>
+
+#include "core/archive/fresh_folder.h"
+#include "core/archive/tar_stream.h"
+#include "core/base/check.h"
+#include "core/dataset/text_file.h"
+#include "server/client/backoff.h"
+#include "server/client/http_exchange.h"
+#include "server/net/base64.h"
+
+namespace hermite {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+namespace fs = std::filesystem;
+
+constexpr const char* kUploads = "/api/v1/uploads";
+constexpr const char* kJobs = "/api/v1/jobs";
+constexpr int kMaxBadPieces = 5;  // in a row, of another checksum there than here
+constexpr std::chrono::milliseconds kJobPeriod(1000);
+
+std::string sha256_of(const std::string& bytes) {
+  unsigned char digest[EVP_MAX_MD_SIZE];
+  unsigned int size = 0;
+  CHECK(EVP_Digest(bytes.data(), bytes.size(), digest, &size, EVP_sha256(), nullptr) == 1, "SHA-256 is always there");
+  return {reinterpret_cast<const char*>(digest), size};
+}
+
+std::string hex_of(const std::string& bytes) {
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string text;
+  for (const char c : bytes) {
+    text += kDigits[static_cast<unsigned char>(c) >> 4];
+    text += kDigits[static_cast<unsigned char>(c) & 15];
+  }
+  return text;
+}
+
+Result<std::string> read_part(int descriptor, const std::string& path, std::int64_t offset, std::int64_t count) {
+  std::string bytes(static_cast<std::size_t>(count), '\0');
+  for (std::int64_t got = 0; got < count;) {
+    const ssize_t more = pread(descriptor, bytes.data() + got, static_cast<std::size_t>(count - got), offset + got);
+    if (more < 0 && errno == EINTR) continue;
+    if (more < 0) return Error{ErrorCode::kIo, "reading " + path + ": " + std::strerror(errno)};
+    if (more == 0) return Error{ErrorCode::kIo, path + " has become shorter"};
+    got += more;
+  }
+  return bytes;
+}
+
+Result<ByteSource> open_file(const std::string& path) {
+  const auto file = std::make_shared<OpenFile>(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  struct stat status {};
+  if (file->descriptor() < 0 || fstat(file->descriptor(), &status) != 0)
+    return Error{errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo, "opening " + path + ": " + std::strerror(errno)};
+  if (!S_ISREG(status.st_mode)) return Error{ErrorCode::kInvalidArgument, path + " is neither a file nor a folder"};
+  const std::int64_t size_bytes = status.st_size;
+  const std::string fingerprint = std::to_string(size_bytes) + " " + std::to_string(status.st_mtim.tv_sec) + "." +
+                                  std::to_string(status.st_mtim.tv_nsec) + " " + fs::path(path).filename().string();
+  return ByteSource{size_bytes, fingerprint, [file, path, size_bytes](std::int64_t offset, std::int64_t count) {
+                      return read_part(file->descriptor(), path, offset, std::clamp<std::int64_t>(count, 0, size_bytes - offset));
+                    }};
+}
+
+// One upload on its way.
+class Sender {
+ public:
+  Sender(const ByteSource& source, const UploadMetadata& metadata, const UploadTarget& target, const UploadObserver& observer)
+      : source_(source), target_(target), observer_(observer), backoff_(std::random_device{}()) {
+    for (const auto& [key, value] : metadata) metadata_ += (metadata_.empty() ? "" : ",") + key + " " + encode_base64(value);
+    const std::string known_by = target_.server.host_and_port() + "\n" + metadata_ + "\n" + source_.fingerprint;
+    if (!target_.notes_folder.empty()) note_path_ = target_.notes_folder + "/" + hex_of(sha256_of(known_by));
+  }
+
+  Result<std::string> run() {
+    take_up_old();
+    for (;;) {
+      const Result<bool> complete = location_.empty() ? create() : offset_ ? send_piece() : ask_offset();
+      if (complete.ok() && *complete) {
+        forget();
+        return location_.substr(location_.rfind('/') + 1);
+      }
+      if (observer_.interrupted && observer_.interrupted()) return Error{ErrorCode::kIo, "interrupted; the same command goes on with it"};
+      if (complete.ok()) continue;
+      if (Status waited = wait_after(complete.error()); !waited.ok()) return waited.error();
+    }
+  }
+
+ private:
+  Result<HttpReply> call(const std::string& method, const std::string& path, std::vector<std::pair<std::string, std::string>> headers,
+                         std::string body) const {
+    headers.emplace_back("Tus-Resumable", "1.0.0");
+    return http_exchange(target_.server, target_.tls, true, {method, path, std::move(headers), std::move(body)});
+  }
+
+  // False: there is more to do. An error with `fatal_` is final.
+  Result<bool> create() {
+    const Result<HttpReply> reply =
+        call("POST", kUploads, {{"Upload-Length", std::to_string(source_.size_bytes)}, {"Upload-Metadata", metadata_}}, "");
+    if (!reply.ok()) return reply.error();
+    if (reply->status != 201) return refused(*reply);
+    const std::string location = reply->field("Location").value_or("");
+    if (location.rfind(std::string(kUploads) + "/", 0) != 0) return final({ErrorCode::kIo, "the server gives an upload no address"});
+    location_ = location;
+    offset_ = 0;
+    got_on();
+    if (const Status kept = keep(); !kept.ok() && observer_.on_link) observer_.on_link(kept.error().message);
+    return false;
+  }
+
+  Result<bool> ask_offset() {
+    const Result<HttpReply> reply = call("HEAD", location_, {}, "");
+    if (!reply.ok()) return reply.error();
+    if (reply->status == 404 || reply->status == 410) {
+      // It has expired, or the note is of another life of the server.
+      location_.clear();
+      return false;
+    }
+    if (reply->status != 200) return refused(*reply);
+    const Result<std::int64_t> offset = offset_in(*reply);
+    if (!offset.ok()) return final(offset.error());
+    offset_ = *offset;
+    got_on();
+    if (*offset > 0 && observer_.on_link) observer_.on_link("going on at " + std::to_string(*offset / 1'000'000) + " MB");
+    return false;
+  }
+
+  // Nothing more to send is also sent: it makes the server look again whether all is there.
+  Result<bool> send_piece() {
+    Result<std::string> piece = source_.read(*offset_, std::min(target_.piece_bytes, source_.size_bytes - *offset_));
+    if (!piece.ok()) return final(piece.error());
+    const std::string checksum = "sha256 " + encode_base64(sha256_of(*piece));
+    const Result<HttpReply> reply = call(
+        "PATCH", location_,
+        {{"Upload-Offset", std::to_string(*offset_)}, {"Content-Type", "application/offset+octet-stream"}, {"Upload-Checksum", checksum}},
+        *std::move(piece));
+    const std::int64_t sent_from = *offset_;
+    offset_.reset();  // whatever went wrong, the server says how much it has
+    if (!reply.ok()) return reply.error();
+    if (reply->status == 409 || (reply->status == 460 && ++bad_pieces_ < kMaxBadPieces)) return false;
+    if (reply->status != 204) return refused(*reply);
+    const Result<std::int64_t> offset = offset_in(*reply);
+    if (!offset.ok() || *offset < sent_from) return final({ErrorCode::kIo, "the server says that it has less than before"});
+    offset_ = *offset;
+    bad_pieces_ = 0;
+    got_on();
+    if (observer_.on_progress) observer_.on_progress(*offset, source_.size_bytes);
+    return *offset == source_.size_bytes;
+  }
+
+  Result<std::int64_t> offset_in(const HttpReply& reply) const {
+    const std::string text = reply.field("Upload-Offset").value_or("");
+    std::int64_t offset = -1;
+    std::from_chars(text.data(), text.data() + text.size(), offset);
+    if (offset < 0 || offset > source_.size_bytes) return Error{ErrorCode::kIo, "the server tells no Upload-Offset that could be"};
+    return offset;
+  }
+
+  Error final(const Error& error) {
+    fatal_ = true;
+    return error;
+  }
+
+  Error refused(const HttpReply& reply) {
+    const Error error = refusal(reply);
+    fatal_ = error.code != ErrorCode::kBusy && error.code != ErrorCode::kIo;
+    return error;
+  }
+
+  void got_on() {
+    if (std::exchange(away_since_, std::nullopt) && observer_.on_link) observer_.on_link("connected again");
+    backoff_ = Backoff(std::random_device{}());
+  }
+
+  // Until it may be tried again; an error when that makes no sense.
+  Status wait_after(const Error& error) {
+    if (fatal_) return error;
+    const auto now = Clock::now();
+    if (!away_since_ && observer_.on_link) observer_.on_link(error.message + "; trying again");
+    if (!away_since_) away_since_ = now;
+    if (now - *away_since_ >= target_.patience) return in_context("given up", error);
+    const auto until = now + backoff_.next();
+    while (Clock::now() < until) {
+      if (observer_.interrupted && observer_.interrupted()) return Error{ErrorCode::kIo, "interrupted; the same command goes on with it"};
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return Done{};
+  }
+
+  void take_up_old() {
+    if (note_path_.empty()) return;
+    Result<std::string> note = read_text_file(note_path_, 256);
+    if (note.ok() && note->rfind(std::string(kUploads) + "/", 0) == 0) location_ = note->substr(0, note->find('\n'));
+  }
+
+  // Well, too, when it cannot be kept: then another run begins anew.
+  Status keep() const {
+    if (note_path_.empty()) return Done{};
+    std::error_code error;
+    fs::create_directories(target_.notes_folder, error);
+    const OpenFile file(::open(note_path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+    const std::string line = location_ + "\n";
+    if (file.descriptor() < 0) return Error{ErrorCode::kIo, "keeping a note of the upload: " + std::string(std::strerror(errno))};
+    return file.write({reinterpret_cast<const std::uint8_t*>(line.data()), line.size()});
+  }
+
+  void forget() const {
+    if (!note_path_.empty()) unlink(note_path_.c_str());
+  }
+
+  const ByteSource& source_;
+  const UploadTarget& target_;
+  const UploadObserver& observer_;
+  std::string metadata_;
+  std::string note_path_;
+  std::string location_;                // empty: there is none yet
+  std::optional<std::int64_t> offset_;  // that the server has; none: it has to be asked
+  int bad_pieces_ = 0;
+  bool fatal_ = false;
+  std::optional<Clock::time_point> away_since_;
+  Backoff backoff_;
+};
+
+JobReport report_of(const nlohmann::json& json) {
+  const auto text = [&json](const char* key) {
+    const auto found = json.find(key);
+    return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+  };
+  const auto number = [&json](const char* key) {
+    const auto found = json.find(key);
+    return found != json.end() && found->is_number_integer() ? found->get<std::int64_t>() : 0;
+  };
+  return {text("id"), text("title"), text("state"), text("stage"), text("words"), text("scan"), number("done"), number("total")};
+}
+
+Result<nlohmann::json> ask(const UploadTarget& target, const std::string& method, const std::string& path) {
+  const Result<HttpReply> reply = http_exchange(target.server, target.tls, true, {method, path, {}, ""});
+  if (!reply.ok()) return reply.error();
+  if (reply->status >= 300) return refusal(*reply);
+  nlohmann::json json = nlohmann::json::parse(reply->body, nullptr, false);
+  if (!json.is_object()) return Error{ErrorCode::kIo, "the server's answer is no JSON object"};
+  return json;
+}
+
+Result<JobReport> one_report(const Result<nlohmann::json>& json) {
+  if (!json.ok()) return json.error();
+  return report_of(*json);
+}
+
+}  // namespace
+
+Result<ByteSource> open_bytes(const std::string& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) return open_file(path);
+  Result<TarStream> opened = TarStream::open(path);
+  if (!opened.ok()) return opened.error();
+  const auto tar = std::make_shared<const TarStream>(*std::move(opened));
+  return ByteSource{tar->size_bytes(), tar->fingerprint(),
+                    [tar](std::int64_t offset, std::int64_t count) { return tar->read(offset, count); }};
+}
+
+Result<std::string> upload(const ByteSource& source, const UploadMetadata& metadata, const UploadTarget& target,
+                           const UploadObserver& observer) {
+  return Sender(source, metadata, target, observer).run();
+}
+
+Result<JobReport> job_report(const UploadTarget& target, const std::string& id) {
+  return one_report(ask(target, "GET", std::string(kJobs) + "/" + id));
+}
+
+Result<std::vector<JobReport>> job_reports(const UploadTarget& target) {
+  const Result<nlohmann::json> json = ask(target, "GET", kJobs);
+  if (!json.ok()) return json.error();
+  std::vector<JobReport> reports;
+  for (const nlohmann::json& job : json->value("jobs", nlohmann::json::array()))
+    if (job.is_object()) reports.push_back(report_of(job));
+  return reports;
+}
+
+Result<JobReport> change_job(const UploadTarget& target, const std::string& id, bool retry) {
+  return one_report(ask(target, retry ? "POST" : "DELETE", std::string(kJobs) + "/" + id + (retry ? "/retry" : "")));
+}
+
+Result<JobReport> wait_for_job(const UploadTarget& target, const std::string& id, const std::function<bool(const JobReport&)>& go_on) {
+  Clock::time_point heard_at = Clock::now();
+  for (;;) {
+    Result<JobReport> report = job_report(target, id);
+    const bool passing = !report.ok() && (report.error().code == ErrorCode::kIo || report.error().code == ErrorCode::kBusy);
+    if (!report.ok() && (!passing || Clock::now() - heard_at >= target.patience)) return report;
+    if (report.ok()) heard_at = Clock::now();
+    if (report.ok() && report->ended()) return report;
+    if (!go_on(report.ok() ? *report : JobReport{})) return Error{ErrorCode::kIo, "interrupted; the job goes on"};
+    std::this_thread::sleep_for(kJobPeriod);
+  }
+}
+
+}  // namespace hermite

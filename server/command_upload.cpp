@@ -1,0 +1,342 @@
+// hermite-client upload and jobs
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "core/dataset/camera_file.h"
+#include "core/evaluate/inspection.h"
+#include "server/client/upload.h"
+#include "server/client_commands.h"
+#include "server/net/tls.h"
+
+namespace hermite {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+struct UploadArguments {
+  ServerArguments server;
+  std::vector<std::string> paths;
+  std::string title, camera;
+  std::vector<std::string> settings;
+  int priority = 0;
+  int patience_s = 600;
+  bool wait = false, json = false, no_check = false;
+};
+
+struct JobsArguments {
+  ServerArguments server;
+  std::string cancel, retry;
+  bool json = false;
+};
+
+// What came of one recording.
+struct Outcome {
+  int exit_status = 0;
+  std::string path;
+  std::string job;
+  JobReport report;
+  std::string words;  // why not
+};
+
+Result<UploadTarget> target_of(const ServerArguments& arguments) {
+  UploadTarget target;
+  Result<ServerUrl> server = server_of(arguments);
+  if (!server.ok()) return server.error();
+  target.server = *std::move(server);
+  if (!target.server.tls) return target;
+  Result<TlsContext> tls = client_tls(arguments.ca);
+  if (!tls.ok()) return tls.error();
+  target.tls = *std::move(tls);
+  return target;
+}
+
+// $XDG_STATE_HOME/hermite/uploads, else ~/.local/state/hermite/uploads.
+std::string notes_folder() {
+  const char* const state = std::getenv("XDG_STATE_HOME");
+  if (state && *state) return std::string(state) + "/hermite/uploads";
+  const char* const home = std::getenv("HOME");
+  return std::string(home && *home ? home : ".") + "/.local/state/hermite/uploads";
+}
+
+// One line that is rewritten on a terminal, a line of its own for what stays.
+class Screen {
+ public:
+  explicit Screen(bool terminal) : terminal_(terminal) {}
+  void line(const std::string& words) {
+    clear();
+    std::cerr << words << std::endl;
+  }
+  void progress(const std::string& words) {
+    const Clock::time_point now = Clock::now();
+    if (!terminal_ || now - shown_at_ < std::chrono::milliseconds(200)) return;
+    shown_at_ = now;
+    std::cerr << "\r" << words << "\x1b[K" << std::flush;
+    open_ = true;
+  }
+  void clear() {
+    if (std::exchange(open_, false)) std::cerr << "\r\x1b[K" << std::flush;
+  }
+
+ private:
+  const bool terminal_;
+  bool open_ = false;
+  Clock::time_point shown_at_{};
+};
+
+std::string bar(double share) {
+  constexpr int kWidth = 30;
+  const int full = std::clamp(static_cast<int>(share * kWidth), 0, kWidth);
+  return "[" + std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(kWidth - full), '.') + "]";
+}
+
+std::string upload_words(const std::string& name, std::int64_t sent_bytes, std::int64_t total_bytes, double seconds) {
+  const double sent_mb = static_cast<double>(sent_bytes) / 1e6, total_mb = static_cast<double>(total_bytes) / 1e6;
+  char numbers[96];
+  std::snprintf(numbers, sizeof numbers, " %.1f of %.1f MB  %.1f MB/s", sent_mb, total_mb, seconds > 0 ? sent_mb / seconds : 0);
+  return name + " " + bar(total_bytes > 0 ? sent_mb / total_mb : 0) + numbers;
+}
+
+std::string job_words(const JobReport& job) {
+  std::string words = job.title + ": " + job.state;
+  if (!job.stage.empty()) words += ", " + job.stage;
+  if (job.total > 0) words += " " + std::to_string(job.done) + "/" + std::to_string(job.total);
+  if (!job.words.empty()) words += ": " + job.words;
+  return words;
+}
+
+Result<std::string> settings_json(const std::vector<std::string>& texts) {
+  const auto settings = parse_settings(texts);
+  if (!settings.ok()) return settings.error();
+  return Json(*settings).dump();
+}
+
+int status_of(const Error& error) {
+  switch (error.code) {
+    case ErrorCode::kUnauthorized:
+    case ErrorCode::kBusy:
+    case ErrorCode::kTooLarge:
+    case ErrorCode::kInvalidArgument: return kRefused;
+    default: return kFailed;
+  }
+}
+
+class Uploading {
+ public:
+  Uploading(const UploadArguments& arguments, UploadTarget target, std::string settings, InterruptCounter& interrupts)
+      : arguments_(arguments),
+        target_(std::move(target)),
+        settings_(std::move(settings)),
+        interrupts_(interrupts),
+        screen_(isatty(STDERR_FILENO) != 0) {}
+
+  int run() {
+    std::vector<Outcome> outcomes;
+    for (const std::string& path : arguments_.paths) {
+      outcomes.push_back(send(path));
+      if (!outcomes.back().words.empty()) screen_.line("hermite-client: " + path + ": " + outcomes.back().words);
+      if (!arguments_.wait) tell(outcomes.back());
+      // The others would fare no better.
+      if (interrupts_.count() > 0 || hopeless_) break;
+    }
+    int exit_status = 0;
+    for (Outcome& outcome : outcomes) {
+      if (arguments_.wait && !outcome.job.empty() && interrupts_.count() == 0) wait_for(outcome);
+      if (arguments_.wait) tell(outcome);
+      exit_status = std::max(exit_status, outcome.exit_status);
+    }
+    return exit_status;
+  }
+
+ private:
+  // What it is, before it is sent; its camera, so that the server need not guess from names.
+  Result<UploadMetadata> metadata_of(const std::string& path) {
+    const std::filesystem::path name = std::filesystem::path(path).lexically_normal();
+    const std::string filename = name.has_filename() ? name.filename().string() : name.parent_path().filename().string();
+    UploadMetadata metadata{{"filename", filename}};
+    if (!arguments_.title.empty()) metadata.emplace_back("title", arguments_.title);
+    if (settings_ != "{}") metadata.emplace_back("settings", settings_);
+    if (arguments_.priority != 0) metadata.emplace_back("priority", std::to_string(arguments_.priority));
+    std::optional<Camera> camera;
+    if (!arguments_.camera.empty()) {
+      const Result<Camera> given = read_camera(arguments_.camera);
+      if (!given.ok()) return given.error();
+      camera = *given;
+    }
+    if (!arguments_.no_check) {
+      const Result<Recording> recording = open_recording(path, camera);
+      if (!recording.ok()) return recording.error();
+      const Inspection inspection = inspect(*recording, path);
+      screen_.line(path + ": " + inspection.format + ", " + std::to_string(inspection.frame_count) + " frames");
+      for (const std::string& doubt : inspection.doubts) screen_.line("  " + doubt);
+      if (inspection.unreadable_count == inspection.frames_looked_at && inspection.frames_looked_at > 0)
+        return Error{ErrorCode::kCorruptData, "none of the frames that were looked at can be read"};
+      camera = recording->sequence->camera();
+    }
+    if (camera) metadata.emplace_back("camera", Json::parse(format_camera_json({*camera, kDefaultFrameRate_hz, true})).dump());
+    return metadata;
+  }
+
+  Outcome send(const std::string& path) {
+    Outcome outcome;
+    outcome.path = path;
+    const Result<UploadMetadata> metadata = metadata_of(path);
+    const Result<ByteSource> source = metadata.ok() ? open_bytes(path) : Result<ByteSource>(metadata.error());
+    if (!source.ok()) {
+      outcome.exit_status = kUnusable;
+      outcome.words = source.error().message;
+      return outcome;
+    }
+    const Clock::time_point start = Clock::now();
+    std::optional<std::int64_t> from;
+    UploadObserver observer;
+    observer.interrupted = [this] { return interrupts_.count() > 0; };
+    observer.on_link = [this, &path](const std::string& words) { screen_.line(path + ": " + words); };
+    observer.on_progress = [&](std::int64_t sent, std::int64_t total) {
+      screen_.progress(upload_words(path, sent, total, std::chrono::duration<double>(Clock::now() - start).count()));
+    };
+    const Result<std::string> job = upload(*source, *metadata, target_, observer);
+    screen_.clear();
+    if (!job.ok()) {
+      outcome.exit_status = status_of(job.error());
+      outcome.words = job.error().message;
+      hopeless_ = job.error().code == ErrorCode::kUnauthorized;
+      return outcome;
+    }
+    outcome.job = *job;
+    outcome.report.state = "queued";
+    screen_.line(path + ": sent, " + std::to_string(source->size_bytes) + " bytes, job " + *job);
+    return outcome;
+  }
+
+  void wait_for(Outcome& outcome) {
+    const Result<JobReport> report = wait_for_job(target_, outcome.job, [this](const JobReport& job) {
+      if (!job.id.empty()) screen_.progress(job_words(job));
+      return interrupts_.count() == 0;
+    });
+    screen_.clear();
+    if (!report.ok()) {
+      outcome.exit_status = status_of(report.error());
+      outcome.words = report.error().message;
+      screen_.line("hermite-client: " + outcome.path + ": " + outcome.words);
+      return;
+    }
+    outcome.report = *report;
+    screen_.line(outcome.path + ": " + job_words(*report));
+    if (report->state != "finished") outcome.exit_status = kJobFailed;
+  }
+
+  void tell(const Outcome& outcome) const {
+    if (!arguments_.json) {
+      if (!outcome.job.empty()) std::cout << outcome.job << std::endl;
+      return;
+    }
+    Json json = {{"path", outcome.path}};
+    json["job"] = outcome.job.empty() ? Json() : Json(outcome.job);
+    json["state"] = outcome.job.empty() ? "not sent" : outcome.report.state;
+    json["scan"] = outcome.report.scan.empty() ? Json() : Json(outcome.report.scan);
+    json["words"] = outcome.words.empty() ? outcome.report.words : outcome.words;
+    json["exit_status"] = outcome.exit_status;
+    std::cout << json.dump(-1, ' ', false, Json::error_handler_t::replace) << std::endl;
+  }
+
+  const UploadArguments& arguments_;
+  const UploadTarget target_;
+  const std::string settings_;
+  InterruptCounter& interrupts_;
+  Screen screen_;
+  bool hopeless_ = false;  // no other recording needs to be tried
+};
+
+int usage(const Error& error) {
+  std::cerr << "hermite-client: " << error.message << '\n';
+  return kUsage;
+}
+
+int run_upload(const UploadArguments& arguments) {
+  Result<UploadTarget> target = target_of(arguments.server);
+  if (!target.ok()) return usage(target.error());
+  target->notes_folder = notes_folder();
+  target->patience = std::chrono::seconds(arguments.patience_s);
+  const Result<std::string> settings = settings_json(arguments.settings);
+  if (!settings.ok()) return usage(settings.error());
+  count_interrupts();
+  InterruptCounter interrupts;
+  return Uploading(arguments, *std::move(target), *settings, interrupts).run();
+}
+
+Json job_json(const JobReport& job) {
+  return {{"id", job.id},     {"title", job.title}, {"state", job.state}, {"stage", job.stage},
+          {"done", job.done}, {"total", job.total}, {"words", job.words}, {"scan", job.scan.empty() ? Json() : Json(job.scan)}};
+}
+
+int run_jobs(const JobsArguments& arguments) {
+  const Result<UploadTarget> target = target_of(arguments.server);
+  if (!target.ok()) return usage(target.error());
+  std::vector<JobReport> jobs;
+  Error failure;
+  const auto take = [&](const Result<JobReport>& job) {
+    if (job.ok()) jobs.push_back(*job);
+    return job.ok() ? Status(Done{}) : Status(job.error());
+  };
+  Status status = Done{};
+  if (!arguments.cancel.empty()) {
+    status = take(change_job(*target, arguments.cancel, false));
+  } else if (!arguments.retry.empty()) {
+    status = take(change_job(*target, arguments.retry, true));
+  } else {
+    Result<std::vector<JobReport>> all = job_reports(*target);
+    status = all.ok() ? Status(Done{}) : Status(all.error());
+    if (all.ok()) jobs = *std::move(all);
+  }
+  if (!status.ok()) {
+    std::cerr << "hermite-client: " << status.error().message << '\n';
+    return status_of(status.error());
+  }
+  for (const JobReport& job : jobs)
+    std::cout << (arguments.json ? job_json(job).dump(-1, ' ', false, Json::error_handler_t::replace) : job.id + "  " + job_words(job))
+              << '\n';
+  return 0;
+}
+
+}  // namespace
+
+Command add_upload_command(CLI::App& app) {
+  auto arguments = std::make_shared<UploadArguments>();
+  CLI::App& upload = *app.add_subcommand("upload", "Send recordings to be reconstructed, and go on where an earlier try ended");
+  upload.add_option("PATH", arguments->paths, "Recordings: folders, files or archives (see hermite inspect)")->required();
+  add_server_options(upload, arguments->server)->required();
+  upload.add_option("--title", arguments->title, "Title of the scans (default: the recording's name)");
+  upload.add_option("--camera", arguments->camera, "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood");
+  upload.add_option("--set", arguments->settings, "Setting of the reconstruction, key=value; may be repeated")->allow_extra_args(false);
+  upload.add_option("--priority", arguments->priority, "-100 to 100; higher ones come first")->check(CLI::Range(-100, 100));
+  upload.add_option("--patience", arguments->patience_s, "So long a server that is away or full is asked again, in seconds (default 600)")
+      ->check(CLI::Range(0, 86'400));
+  upload.add_flag("--no-check", arguments->no_check, "Do not open the recordings before they are sent");
+  upload.add_flag("--wait", arguments->wait, "Wait until every job has ended");
+  upload.add_flag("--json", arguments->json, "One JSON object a recording, on a line");
+  return {&upload, [arguments] { return run_upload(*arguments); }};
+}
+
+Command add_jobs_command(CLI::App& app) {
+  auto arguments = std::make_shared<JobsArguments>();
+  CLI::App& jobs = *app.add_subcommand("jobs", "List the server's jobs, cancel one or try one again");
+  add_server_options(jobs, arguments->server)->required();
+  jobs.add_option("--cancel", arguments->cancel, "Cancel this job");
+  jobs.add_option("--retry", arguments->retry, "Try this job again, which has failed or was cancelled");
+  jobs.add_flag("--json", arguments->json, "One JSON object a job, on a line");
+  return {&jobs, [arguments] { return run_jobs(*arguments); }};
+}
+
+}  // namespace hermite

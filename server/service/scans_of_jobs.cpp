@@ -1,0 +1,58 @@
+// The part of Scans that is about scans which jobs feed, and about room for one more.
+#include <spdlog/spdlog.h>
+
+#include "core/base/check.h"
+#include "proto/wire/frame_payload.h"
+#include "server/service/scans.h"
+#include "server/store/scan_id.h"
+
+namespace hermite {
+
+Status Scans::check_storage() const {
+  if (options_.storage_bytes == 0) return Done{};
+  const Result<std::uint64_t> stored_bytes = data_.stored_bytes();
+  if (!stored_bytes.ok()) return stored_bytes.error();
+  if (*stored_bytes >= options_.storage_bytes)
+    return Error{ErrorCode::kBusy, "the scans on this server take " + std::to_string(*stored_bytes / 1'000'000) + " MB of the " +
+                                       std::to_string(options_.storage_bytes / 1'000'000) + " MB that they may take: delete some"};
+  return Done{};
+}
+
+namespace {
+
+const PlaceRequest kPlaceOfJob{{}, true, false};
+
+}  // namespace
+
+bool Scans::has_room() const { return !stopping_ && places_.check_for_newcomer(kPlaceOfJob).ok(); }
+
+Result<JobScan> Scans::run_for_job(const std::string& scan_id, const wire::StartScan& request) {
+  CHECK(has_room(), "a job waits for room");
+  if (Status status = check_storage(); !status.ok()) return status.error();
+  const Result<ScanRow> left = store_.find(scan_id);
+  const bool goes_on = left.ok() && left->phase == ScanPhase::kRunning && rebuild(*left).ok();
+  if (!goes_on) {
+    // Of a start that came no further than its folder, or of a scan that failed with the server.
+    if (Status status = data_.remove_scan_folder(scan_id); !status.ok()) return status.error();
+    if (left.ok())
+      if (Status status = store_.remove(scan_id); !status.ok()) return status.error();
+    // Nobody has this token, but what can be resumed is left running for the next server.
+    const Result<Launch> launch = launch_of(scan_id, request, random_hex(kResumeTokenBytes), kPlaceOfJob);
+    if (!launch.ok()) return launch.error();
+    if (const Result<std::shared_ptr<LiveScan>> scan = begin(*launch); !scan.ok()) return scan.error();
+  }
+  const std::shared_ptr<LiveScan> scan = running_.at(scan_id);
+  const Result<wire::Resumed> resumed = scan->resume(0);
+  if (!resumed.ok()) return resumed.error();
+  return JobScan{scan, resumed->next_sequence, resumed->frames_granted, wire::max_frame_message_bytes(request.camera)};
+}
+
+void Scans::remove_unwanted(const std::string& scan_id) {
+  CHECK(!running_.contains(scan_id), "a scan that runs is discarded");
+  if (const Status removed = data_.remove_scan_folder(scan_id); !removed.ok()) spdlog::warn("{}", removed.error().message);
+  read_again_.erase(scan_id);
+  const Status removed = store_.remove(scan_id);
+  if (!removed.ok() && removed.error().code != ErrorCode::kNotFound) spdlog::warn("{}", removed.error().message);
+}
+
+}  // namespace hermite

@@ -1,0 +1,74 @@
+#include "server/service/stored_scan.h"
+
+#include <spdlog/spdlog.h>
+
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "core/dataset/trajectory.h"
+#include "proto/wire/server_message.h"
+#include "server/store/chunk_file.h"
+
+namespace hermite {
+
+namespace {
+
+ModelUpdate model_of(StoredChunks stored) {
+  ModelUpdate model;
+  std::uint64_t version = 0;
+  for (EncodedChunk& chunk : stored.chunks) {
+    wire::Chunk message{
+        {chunk.key.submap, chunk.key.level, chunk.key.x, chunk.key.y, chunk.key.z}, ++version, chunk.point_count, std::move(chunk.draco)};
+    const bool empty = chunk.point_count == 0;
+    model.chunks.push_back({chunk.key, empty, std::make_shared<const std::string>(wire::format_server_message(std::move(message)))});
+  }
+  for (const StoredSubmap& submap : stored.submaps) model.poses.poses.push_back({submap.submap, submap.world_from_submap});
+  return model;
+}
+
+}  // namespace
+
+Result<std::string> read_stored_file(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) return Error{ErrorCode::kNotFound, "there is no " + path};
+  std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (stream.bad()) return Error{ErrorCode::kIo, "reading " + path};
+  return bytes;
+}
+
+void read_map_counts(const std::string& folder, wire::ScanState& state) {
+  const Result<std::string> text = read_stored_file(folder + "/report.json");
+  if (!text.ok()) return;
+  const nlohmann::json report = nlohmann::json::parse(*text, nullptr, false);
+  const nlohmann::json mapping = report.is_object() ? report.value("mapping", nlohmann::json()) : nlohmann::json();
+  const auto count = [&mapping](const char* name) -> std::uint64_t {
+    const auto found = mapping.is_object() ? mapping.find(name) : mapping.end();
+    return found != mapping.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : 0;
+  };
+  state.keyframes = count("keyframes");
+  state.loops = count("loops by appearance") + count("loops by nearness");
+}
+
+void show_files(const std::string& folder, Audience& audience) {
+  const Result<std::string> text = read_stored_file(folder + "/trajectory.txt");
+  if (text.ok()) {
+    const Result<Trajectory> trajectory = parse_tum_trajectory(*text);
+    if (!trajectory.ok()) spdlog::error("{}/trajectory.txt: {}", folder, trajectory.error().message);
+    std::vector<float> positions_m;
+    for (const TimedPose& pose : trajectory.ok() ? *trajectory : Trajectory{})
+      for (const double axis : pose.world_from_camera.translation) positions_m.push_back(static_cast<float>(axis));
+    audience.set_positions(std::move(positions_m));
+  }
+  const Result<std::string> bytes = read_stored_file(folder + "/chunks.bin");
+  if (!bytes.ok()) return;
+  Result<StoredChunks> stored = parse_chunk_file(*bytes);
+  if (!stored.ok()) {
+    spdlog::error("{}/chunks.bin: {}", folder, stored.error().message);
+    return;
+  }
+  audience.show_model(model_of(*std::move(stored)));
+}
+
+}  // namespace hermite

@@ -1,0 +1,280 @@
+#include "server/service/uploads.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "core/base/check.h"
+#include "server/store/scan_id.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr std::int64_t kSyncBytes = 16 * 1024 * 1024;  // dirty pages of one upload that may wait for the disk
+
+std::string megabytes(std::int64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
+
+Error no_upload() { return {ErrorCode::kNotFound, "there is no such upload; it may have expired"}; }
+
+// What an upload counts as: what it has announced, else what has come.
+std::int64_t claimed_bytes(const UploadRow& row, std::int64_t size_bytes) { return std::max(row.length_bytes, size_bytes); }
+
+}  // namespace
+
+UploadWriter::UploadWriter(UploadFile file, UploadPiece piece, std::function<Result<std::uint64_t>()> free_bytes,
+                           std::uint64_t min_free_bytes)
+    : file_(std::move(file)),
+      piece_(std::move(piece)),
+      free_bytes_(std::move(free_bytes)),
+      min_free_bytes_(min_free_bytes),
+      digest_(nullptr, EVP_MD_CTX_free) {
+  if (!piece_.checksum) return;
+  digest_.reset(EVP_MD_CTX_new());
+  const EVP_MD* const kind = piece_.checksum->algorithm == ChecksumAlgorithm::kSha1 ? EVP_sha1() : EVP_sha256();
+  CHECK(digest_ && EVP_DigestInit_ex(digest_.get(), kind, nullptr) == 1, "SHA-1 and SHA-256 are always there");
+}
+
+UploadWriter::~UploadWriter() = default;
+
+Status UploadWriter::write(std::string_view bytes) {
+  if (file_.size_bytes() + static_cast<std::int64_t>(bytes.size()) > piece_.offset_bytes + piece_.length_bytes)
+    return Error{ErrorCode::kTooLarge, "more has come than the " + std::to_string(piece_.length_bytes) + " bytes that were announced"};
+  if (digest_) CHECK(EVP_DigestUpdate(digest_.get(), bytes.data(), bytes.size()) == 1, "a digest takes any bytes");
+  if (Status status = file_.append(bytes); !status.ok()) return status;
+  unsynced_bytes_ += static_cast<std::int64_t>(bytes.size());
+  if (unsynced_bytes_ < kSyncBytes) return Done{};
+  unsynced_bytes_ = 0;
+  // Others fill the same disk meanwhile.
+  if (const Result<std::uint64_t> free = free_bytes_(); free.ok() && *free < min_free_bytes_)
+    return Error{ErrorCode::kBusy, "the disk is nearly full: " + megabytes(static_cast<std::int64_t>(*free)) + " are free"};
+  return file_.sync();
+}
+
+Status UploadWriter::check_sum() {
+  unsigned char digest[EVP_MAX_MD_SIZE];
+  unsigned int size = 0;
+  CHECK(EVP_DigestFinal_ex(digest_.get(), digest, &size) == 1, "a digest has an end");
+  if (std::string_view(reinterpret_cast<const char*>(digest), size) == piece_.checksum->digest) return Done{};
+  return Error{ErrorCode::kCorruptData, "the piece does not have the checksum that Upload-Checksum says; it was not taken"};
+}
+
+Status UploadWriter::close(bool complete) {
+  Status verdict = Done{};
+  if (digest_) {
+    verdict = complete ? check_sum() : Error{ErrorCode::kCorruptData, "the piece was cut, so that its checksum cannot be checked"};
+    if (!verdict.ok())
+      if (Status cut = file_.cut(piece_.offset_bytes); !cut.ok()) return cut;
+  }
+  if (Status synced = file_.sync(); !synced.ok()) {
+    // What a failed fdatasync has lost is not known, but what was there before is.
+    if (Status cut = file_.cut(piece_.offset_bytes); !cut.ok()) return cut;
+    return synced;
+  }
+  return verdict;
+}
+
+void UploadWriter::give_up() {
+  wanted_ = false;
+  if (const std::function<void()> run = std::exchange(on_unwanted_, nullptr)) run();
+}
+
+Uploads::Uploads(UploadLimits limits, const DataDirectory& data, Store& store, std::function<Status(const UploadRow&)> complete)
+    : limits_(limits), data_(data), store_(store), complete_(std::move(complete)) {
+  const Result<std::vector<UploadRow>> rows = store_.list_uploads();
+  if (!rows.ok()) throw SetupError(rows.error());
+  for (const UploadRow& row : *rows) {
+    const Result<std::int64_t> size_bytes = recover(row);
+    if (!size_bytes.ok()) spdlog::warn("upload {}: {}", row.id, size_bytes.error().message);
+    if (!size_bytes.ok() && size_bytes.error().code == ErrorCode::kNotFound) forget(row.id);
+    if (!size_bytes.ok() || *size_bytes != row.length_bytes) continue;
+    if (const Status told = complete_(row); !told.ok()) spdlog::warn("upload {}: {}", row.id, told.error().message);
+  }
+  std::error_code error;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(data_.upload_path(new_scan_id())).parent_path(), error)) {
+    const std::string name = entry.path().filename().string();
+    if (!is_scan_id(name) || store_.upload(name).ok()) continue;
+    if (const Status removed = remove_upload_file(data_.upload_path(name)); !removed.ok()) spdlog::warn("{}", removed.error().message);
+  }
+}
+
+// After a server that died, or did not: what is in the file is made durable before anybody is told of it.
+Result<std::int64_t> Uploads::recover(UploadRow row) {
+  Result<UploadFile> file = UploadFile::open(data_.upload_path(row.id));
+  if (!file.ok()) return file.error();
+  const bool unchecked = row.unchecked_from >= 0;
+  if (unchecked && row.unchecked_from < file->size_bytes())
+    if (Status status = file->cut(row.unchecked_from); !status.ok()) return status.error();
+  if (Status status = file->sync(); !status.ok()) return status.error();
+  row.unchecked_from = -1;
+  if (unchecked)
+    if (Status status = store_.update_upload(row); !status.ok()) return status.error();
+  return file->size_bytes();
+}
+
+std::int64_t Uploads::size_of(const std::string& id) const {
+  const Result<std::int64_t> size_bytes = upload_size_bytes(data_.upload_path(id));
+  return size_bytes.ok() ? *size_bytes : 0;
+}
+
+Status Uploads::check_room(std::int64_t more_bytes, const std::string& except_id, const Grant& grant) {
+  const Result<std::uint64_t> free = data_.free_disk_bytes();
+  if (!free.ok()) return free.error();
+  if (*free < limits_.min_free_disk_bytes + static_cast<std::uint64_t>(more_bytes))
+    return Error{ErrorCode::kBusy, "the server's disk has not enough room: " + megabytes(static_cast<std::int64_t>(*free)) + " are free"};
+  if (limits_.token_bytes == 0 || may(grant, Scope::kAdmin)) return Done{};
+  const Result<std::vector<UploadRow>> rows = store_.list_uploads();
+  if (!rows.ok()) return rows.error();
+  std::int64_t held_bytes = 0;
+  for (const UploadRow& row : *rows)
+    if (row.token_id == grant.token_id && row.id != except_id) held_bytes += claimed_bytes(row, size_of(row.id));
+  if (held_bytes + more_bytes <= limits_.token_bytes) return Done{};
+  return Error{ErrorCode::kBusy, "the uploads of this token take " + megabytes(held_bytes) + " of the " + megabytes(limits_.token_bytes) +
+                                     " that they may take: wait until their jobs have ended, or delete some"};
+}
+
+Result<UploadState> Uploads::create(std::int64_t length_bytes, const std::string& metadata, const Grant& grant, std::int64_t now_ms) {
+  UploadState state{{new_scan_id(), grant.token_id, -1, metadata, -1, now_ms, now_ms + limits_.keep_ms}, 0};
+  if (length_bytes >= 0) {
+    if (length_bytes > limits_.upload_bytes)
+      return Error{ErrorCode::kTooLarge,
+                   "Upload-Length is " + std::to_string(length_bytes) + ", allowed are " + std::to_string(limits_.upload_bytes) + " bytes"};
+    if (length_bytes == 0) return Error{ErrorCode::kInvalidArgument, "Upload-Length is 0: nothing can be made of it"};
+    if (Status status = check_room(length_bytes, "", grant); !status.ok()) return status.error();
+    state.row.length_bytes = length_bytes;
+  }
+  // A file without a row is removed at the next start; a row without a file would be a promise.
+  const Result<UploadFile> file = UploadFile::create(data_.upload_path(state.row.id));
+  if (!file.ok()) return file.error();
+  if (Status status = store_.add_upload(state.row); !status.ok()) {
+    if (Status removed = remove_upload_file(data_.upload_path(state.row.id)); !removed.ok()) spdlog::warn("{}", removed.error().message);
+    return status.error();
+  }
+  return state;
+}
+
+Result<UploadState> Uploads::find(const std::string& id, const Grant& grant, std::int64_t now_ms) {
+  if (!is_scan_id(id)) return no_upload();
+  Result<UploadRow> row = store_.upload(id);
+  if (!row.ok()) return row.error().code == ErrorCode::kNotFound ? no_upload() : row.error();
+  if (row->token_id != grant.token_id && !may(grant, Scope::kAdmin)) return no_upload();
+  if (row->expires_at_ms <= now_ms && !has_waiting_job(id)) return no_upload();
+  const Result<std::int64_t> offset_bytes = upload_size_bytes(data_.upload_path(id));
+  if (!offset_bytes.ok()) return offset_bytes.error();
+  return UploadState{*std::move(row), *offset_bytes};
+}
+
+bool Uploads::is_free(const std::string& id) {
+  const auto found = writers_.find(id);
+  if (found == writers_.end()) return true;
+  if (const std::shared_ptr<UploadWriter> writer = found->second.lock()) {
+    writer->give_up();
+    return false;
+  }
+  writers_.erase(found);
+  return true;
+}
+
+Status Uploads::set_length(UploadState& state, std::int64_t length_bytes, const Grant& grant) {
+  if (length_bytes < state.offset_bytes || length_bytes == 0)
+    return Error{ErrorCode::kInvalidArgument, "Upload-Length is " + std::to_string(length_bytes) + ", and " +
+                                                  std::to_string(state.offset_bytes) + " bytes are here already"};
+  if (length_bytes > limits_.upload_bytes)
+    return Error{ErrorCode::kTooLarge,
+                 "Upload-Length is " + std::to_string(length_bytes) + ", allowed are " + std::to_string(limits_.upload_bytes) + " bytes"};
+  if (Status status = check_room(length_bytes, state.row.id, grant); !status.ok()) return status;
+  state.row.length_bytes = length_bytes;
+  return store_.update_upload(state.row);
+}
+
+Result<std::shared_ptr<UploadWriter>> Uploads::write(const UploadState& state, const UploadPiece& piece, const Grant& grant) {
+  CHECK(is_free(state.row.id), "an upload has one writer");
+  if (piece.offset_bytes != state.offset_bytes)
+    return Error{ErrorCode::kInvalidArgument, "Upload-Offset is " + std::to_string(piece.offset_bytes) + ", and " +
+                                                  std::to_string(state.offset_bytes) + " bytes are here"};
+  const std::int64_t end = piece.offset_bytes + piece.length_bytes;
+  const bool known = state.row.length_bytes >= 0;
+  if (end > (known ? state.row.length_bytes : limits_.upload_bytes))
+    return Error{ErrorCode::kTooLarge,
+                 "the piece ends at byte " + std::to_string(end) + ", the upload " +
+                     (known ? "has " + std::to_string(state.row.length_bytes) : "may have " + std::to_string(limits_.upload_bytes))};
+  if (!known)
+    if (Status status = check_room(end, state.row.id, grant); !status.ok()) return status.error();
+  Result<UploadFile> file = UploadFile::open(data_.upload_path(state.row.id));
+  if (!file.ok()) return file.error();
+  if (piece.checksum) {
+    UploadRow row = state.row;
+    row.unchecked_from = piece.offset_bytes;
+    if (Status status = store_.update_upload(row); !status.ok()) return status.error();
+  }
+  auto writer = std::make_shared<UploadWriter>(
+      *std::move(file), piece, [this] { return data_.free_disk_bytes(); }, limits_.min_free_disk_bytes);
+  writers_[state.row.id] = writer;
+  return writer;
+}
+
+Result<UploadState> Uploads::written(const UploadState& state, const UploadWriter& writer, std::int64_t now_ms) {
+  UploadState now{state.row, writer.offset_bytes()};
+  now.row.unchecked_from = -1;
+  now.row.expires_at_ms = now_ms + limits_.keep_ms;
+  writers_.erase(now.row.id);
+  if (Status status = store_.update_upload(now.row); !status.ok()) return status.error();
+  if (now.complete())
+    if (Status status = complete_(now.row); !status.ok()) return status.error();
+  return now;
+}
+
+bool Uploads::is_written(const std::string& id) const {
+  const auto writer = writers_.find(id);
+  return writer != writers_.end() && !writer->second.expired();
+}
+
+bool Uploads::has_waiting_job(const std::string& id) {
+  const Result<JobRow> job = store_.job(id);
+  return job.ok() && !has_ended(job->state);
+}
+
+Status Uploads::remove(const std::string& id, const Grant& grant, std::int64_t now_ms) {
+  if (const Result<UploadState> found = find(id, grant, now_ms); !found.ok()) return found.error();
+  if (has_waiting_job(id)) return Error{ErrorCode::kBusy, "a job works on this upload: cancel that first"};
+  if (Status status = remove_upload_file(data_.upload_path(id)); !status.ok()) return status;
+  return store_.remove_upload(id);
+}
+
+Result<std::vector<UploadState>> Uploads::list(const Grant& grant) {
+  const Result<std::vector<UploadRow>> rows = store_.list_uploads();
+  if (!rows.ok()) return rows.error();
+  std::vector<UploadState> states;
+  for (const UploadRow& row : *rows)
+    if (row.token_id == grant.token_id || may(grant, Scope::kAdmin)) states.push_back({row, is_written(row.id) ? -1 : size_of(row.id)});
+  return states;
+}
+
+void Uploads::forget(const std::string& id) {
+  if (const Status removed = remove_upload_file(data_.upload_path(id)); !removed.ok()) spdlog::warn("{}", removed.error().message);
+  const Status removed = store_.remove_upload(id);
+  if (!removed.ok() && removed.error().code != ErrorCode::kNotFound) spdlog::warn("{}", removed.error().message);
+}
+
+void Uploads::keep(const std::string& id, std::int64_t now_ms) {
+  Result<UploadRow> row = store_.upload(id);
+  if (!row.ok()) return;
+  row->expires_at_ms = now_ms + limits_.keep_ms;
+  if (const Status kept = store_.update_upload(*row); !kept.ok()) spdlog::warn("upload {}: {}", id, kept.error().message);
+}
+
+void Uploads::sweep(std::int64_t now_ms) {
+  const Result<std::vector<UploadRow>> rows = store_.list_uploads();
+  if (!rows.ok()) return;
+  for (const UploadRow& row : *rows) {
+    if (row.expires_at_ms > now_ms || has_waiting_job(row.id)) continue;
+    if (is_written(row.id)) continue;
+    spdlog::info("upload {} has expired", row.id);
+    forget(row.id);
+  }
+}
+
+}  // namespace hermite

@@ -1,0 +1,43 @@
+// A job as a row of the store: one recording, or the frames of one scan, to be made into a scan. Plain values.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace hermite {
+
+enum class JobState { kQueued, kRunning, kFinished, kFailed, kCancelled };
+inline constexpr JobState kAllJobStates[] = {JobState::kQueued, JobState::kRunning, JobState::kFinished, JobState::kFailed,
+                                             JobState::kCancelled};
+const char* name_of(JobState state);  // "queued", "running", "finished", "failed", "cancelled"
+bool has_ended(JobState state);
+
+enum class JobSource { kUpload, kScan };
+const char* name_of(JobSource source);  // "upload", "scan"
+
+inline constexpr int kLowestPriority = -100, kHighestPriority = 100;  // higher ones first
+
+struct JobRow {
+  std::string id;  // of an upload's job: the upload's
+  std::string token_id;
+  std::string title;
+  JobSource source = JobSource::kUpload;
+  std::string source_id;        // of the upload or the scan
+  std::string settings = "{}";  // JSON object of texts, as for a camera
+  std::string camera;           // as in camera.json; empty: the recording's own
+  int priority = 0;
+  JobState state = JobState::kQueued;
+  std::string words;                // why it failed, or what is left to say about the scan
+  int attempt_count = 0;            // starts; more than one when a server ended in between
+  std::string scan_id;              // of the scan that is made; empty before the first start
+  std::int64_t created_at_ms = 0;   // Unix time
+  std::int64_t started_at_ms = 0;   // 0: not yet
+  std::int64_t finished_at_ms = 0;  // 0: has not ended
+};
+
+struct JobLine {
+  std::int64_t at_ms = 0;
+  std::string words;
+};
+
+}  // namespace hermite

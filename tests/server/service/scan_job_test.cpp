@@ -1,0 +1,150 @@
+// Recordings that become scans: a real server, real uploads, the real client. The same frames streamed give the same bits.
+#include "server/service/scan_job.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "core/dataset/write_tum.h"
+#include "server/client/api_request.h"
+#include "server/client/stream.h"
+#include "server/client/upload.h"
+#include "tests/support/running_server.h"
+#include "tests/support/temporary_folder.h"
+
+namespace hermite {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+class ScanJobTest : public testing::Test {
+ protected:
+  ScanJobTest() { start(); }
+  void start() {
+    server_.reset();
+    ServiceOptions options = test::test_options(folder_ / "data");
+    options.drain_s = 0;
+    server_ = std::make_unique<test::RunningServer>(options);
+  }
+  UploadTarget target() const {
+    UploadTarget target;
+    target.server = {"127.0.0.1", static_cast<std::uint16_t>(server_->port()), server_->token(), false};
+    return target;
+  }
+  std::string recording(int frames) {
+    const std::string path = folder_ / ("room" + std::to_string(frames));
+    const auto sequence = *open_sequence("synthetic:width=160,height=120,seed=1,frames=" + std::to_string(frames));
+    const auto range = *parse_frame_range("", frames);
+    EXPECT_TRUE(write_tum(*sequence, range, path, [](std::int64_t) {}).ok());
+    return path;
+  }
+  std::string send(const std::string& path, const UploadMetadata& metadata = {}) {
+    const Result<std::string> job = upload(*open_bytes(path), metadata, target(), {});
+    EXPECT_TRUE(job.ok()) << (job.ok() ? "" : job.error().message);
+    return *job;
+  }
+  JobReport end_of(const std::string& job) {
+    return *wait_for_job(target(), job, [](const JobReport&) { return true; });
+  }
+  json get(const std::string& path) { return json::parse(*api_request(target().server, "GET", "/api/v1/" + path, "")); }
+  std::pair<std::string, std::string> hashes(const json& report) { return {report["trajectory_sha256"], report["cloud_sha256"]}; }
+  // Until the job has a scan that so many frames were processed of.
+  bool runs(const std::string& job, std::int64_t frames) {
+    for (int i = 0; i < 2000; ++i) {
+      const JobReport report = *job_report(target(), job);
+      if (report.ended()) return false;
+      if (report.stage == "tracking" && report.done >= frames) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+  }
+
+  const test::TemporaryFolder folder_;
+  std::unique_ptr<test::RunningServer> server_;
+};
+
+TEST_F(ScanJobTest, GivesTheBitsThatStreamingGivesAndSoDoesDoingItAgain) {
+  const std::string path = recording(8);
+  const JobReport report = end_of(send(path, {{"filename", "room"}}));
+  ASSERT_EQ(report.state, "finished") << report.words;
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/uploads")) << "what was used up goes";
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/jobs"));
+  const auto of_job = hashes(get("scans/" + report.scan + "/report.json"));
+
+  const auto sequence = *open_sequence(path);
+  StreamRequest request;
+  request.server = target().server;
+  request.frames = *parse_frame_range("", sequence->frame_count());
+  const Result<StreamOutcome> streamed = stream_sequence(*sequence, request, {});
+  ASSERT_TRUE(streamed.ok());
+  EXPECT_EQ(of_job, hashes(json::parse(streamed->report_json)));
+
+  const std::string body = R"({"scan": ")" + report.scan + R"("})";
+  const JobReport again = end_of(json::parse(*api_request(target().server, "POST", "/api/v1/jobs", body))["id"]);
+  ASSERT_EQ(again.state, "finished") << again.words;
+  EXPECT_EQ(of_job, hashes(get("scans/" + again.scan + "/report.json")));
+
+  const std::string other = R"({"scan": ")" + report.scan + R"(", "settings": {"map.stable_confidence": "1"}})";
+  const JobReport changed = end_of(json::parse(*api_request(target().server, "POST", "/api/v1/jobs", other))["id"]);
+  ASSERT_EQ(changed.state, "finished") << changed.words;
+  EXPECT_NE(of_job.second, hashes(get("scans/" + changed.scan + "/report.json")).second);
+}
+
+TEST_F(ScanJobTest, ABadRecordingSaysWhyAndLeavesNothing) {
+  std::ofstream(folder_ / "bad.tar") << "no recording";
+  const JobReport bad = end_of(send(folder_ / "bad.tar", {{"filename", "bad.tar"}}));
+  EXPECT_EQ(bad.state, "failed");
+  EXPECT_THAT(bad.words, HasSubstr("bad is no recording we know"));
+  const std::string path = recording(3);
+  std::filesystem::remove(path + "/camera.json");
+  const JobReport blind = end_of(send(path));
+  EXPECT_EQ(blind.state, "failed");
+  EXPECT_THAT(blind.words, HasSubstr("camera"));
+  EXPECT_THAT(blind.words, testing::Not(HasSubstr(folder_.path()))) << "paths of the server are nobody's business";
+  EXPECT_EQ(get("scans")["scans"].size(), 0u);
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/scans"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/jobs"));
+}
+
+TEST_F(ScanJobTest, ACancelledOneLeavesNothingAndCanBeTriedAgain) {
+  const std::string job = send(recording(60));
+  ASSERT_TRUE(runs(job, 1));
+  const std::string scan = job_report(target(), job)->scan;
+  EXPECT_EQ(get("scans/" + scan)["state"], "running") << "it is in the list while it runs";
+  ASSERT_TRUE(change_job(target(), job, false).ok());
+  EXPECT_EQ(job_report(target(), job)->state, "cancelled");
+  for (int i = 0; i < 1000 && !get("scans")["scans"].empty(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/scans"));
+  Result<JobReport> again = change_job(target(), job, true);
+  for (int i = 0; i < 1000 && !again.ok(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    again = change_job(target(), job, true);
+  }
+  ASSERT_TRUE(again.ok()) << again.error().message;
+  EXPECT_TRUE(runs(job, 1));
+  change_job(target(), job, false).ok();
+}
+
+TEST_F(ScanJobTest, AServerThatStopsIsFollowedByOneThatGoesOnWithTheSameScan) {
+  const std::string path = recording(40);
+  const std::string job = send(path);
+  ASSERT_TRUE(runs(job, 5));
+  const std::string scan = job_report(target(), job)->scan;
+  start();
+  const JobReport report = end_of(job);
+  ASSERT_EQ(report.state, "finished") << report.words;
+  EXPECT_EQ(report.scan, scan);
+  const auto interrupted = hashes(get("scans/" + scan + "/report.json"));
+  EXPECT_EQ(get("scans")["scans"].size(), 1u);
+  const JobReport undisturbed = end_of(send(path));
+  EXPECT_EQ(interrupted, hashes(get("scans/" + undisturbed.scan + "/report.json")));
+}
+
+}  // namespace
+}  // namespace hermite

@@ -1,0 +1,222 @@
+#include "server/service/uploads.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "server/net/base64.h"
+#include "server/store/scan_id.h"
+#include "server/store/secret.h"
+#include "tests/support/temporary_folder.h"
+
+namespace hermite {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::int64_t kNow_ms = 1'000'000'000'000, kKeep_ms = 1000;
+
+class UploadsTest : public testing::Test {
+ protected:
+  UploadsTest() { open(); }
+  void open() {
+    uploads_.reset();
+    uploads_ = std::make_unique<Uploads>(limits_, data_, store_, [this](const UploadRow& row) {
+      completed_.push_back(row.id);
+      return Status(Done{});
+    });
+  }
+  UploadState create(std::int64_t length) {
+    Result<UploadState> state = uploads_->create(length, "", grant_, kNow_ms);
+    EXPECT_TRUE(state.ok()) << (state.ok() ? "" : state.error().message);
+    return *state;
+  }
+  // Sends a piece that comes as a whole, or not.
+  Result<UploadState> send(const UploadState& state, const std::string& bytes, std::optional<Checksum> checksum = std::nullopt,
+                           bool complete = true) {
+    const UploadPiece piece{state.offset_bytes, static_cast<std::int64_t>(bytes.size()) + (complete ? 0 : 1), std::move(checksum)};
+    Result<std::shared_ptr<UploadWriter>> writer = uploads_->write(state, piece, grant_);
+    if (!writer.ok()) return writer.error();
+    EXPECT_TRUE((*writer)->write(bytes).ok());
+    const Status closed = (*writer)->close(complete);
+    Result<UploadState> now = uploads_->written(state, **writer, kNow_ms);
+    if (!closed.ok()) return closed.error();
+    return now;
+  }
+  std::string words(const Status& status) { return status.ok() ? "well" : status.error().message; }
+  std::int64_t offset(const std::string& id) { return uploads_->find(id, grant_, kNow_ms)->offset_bytes; }
+
+  const test::TemporaryFolder folder_;
+  const DataDirectory data_{folder_ / "data"};
+  Store store_{data_.database_path()};
+  UploadLimits limits_{100, 150, 0, kKeep_ms};
+  Grant grant_{"mine", {true, true, false}, "", 0};
+  const Grant other_{"other", {true, true, false}, "", 0}, admin_{"root", {true, true, true}, "", 0};
+  std::vector<std::string> completed_;
+  std::unique_ptr<Uploads> uploads_;
+};
+
+TEST_F(UploadsTest, PiecesMakeAWholeThatIsToldOnce) {
+  UploadState state = create(10);
+  state = *send(state, "hello");
+  EXPECT_EQ(state.offset_bytes, 5);
+  EXPECT_TRUE(completed_.empty());
+  state = *send(state, "world");
+  EXPECT_TRUE(state.complete());
+  EXPECT_THAT(completed_, testing::ElementsAre(state.row.id));
+  std::ifstream file(data_.upload_path(state.row.id));
+  std::string bytes;
+  file >> bytes;
+  EXPECT_EQ(bytes, "helloworld");
+}
+
+TEST_F(UploadsTest, WhatWasCutStaysUnlessItHasAChecksum) {
+  const UploadState state = create(10);
+  ASSERT_TRUE(send(state, "hel", std::nullopt, false).ok());
+  EXPECT_EQ(offset(state.row.id), 3);
+  const UploadState at_three = *uploads_->find(state.row.id, grant_, kNow_ms);
+  const Result<UploadState> cut = send(at_three, "lo", Checksum{ChecksumAlgorithm::kSha256, sha256("lo!")}, false);
+  ASSERT_FALSE(cut.ok());
+  EXPECT_EQ(offset(state.row.id), 3);
+}
+
+TEST_F(UploadsTest, AWrongChecksumTakesThePieceBack) {
+  const UploadState state = create(10);
+  const Result<UploadState> wrong = send(state, "hello", Checksum{ChecksumAlgorithm::kSha256, sha256("hallo")});
+  ASSERT_FALSE(wrong.ok());
+  EXPECT_EQ(wrong.error().code, ErrorCode::kCorruptData);
+  EXPECT_EQ(offset(state.row.id), 0);
+  EXPECT_TRUE(send(state, "hello", Checksum{ChecksumAlgorithm::kSha256, sha256("hello")}).ok());
+  EXPECT_EQ(offset(state.row.id), 5);
+}
+
+TEST_F(UploadsTest, WhatADeadServerHadNotCheckedIsTakenBack) {
+  const UploadState state = *send(create(10), "hello");
+  {
+    Result<std::shared_ptr<UploadWriter>> writer =
+        uploads_->write(state, {5, 5, Checksum{ChecksumAlgorithm::kSha256, sha256("world")}}, grant_);
+    ASSERT_TRUE(writer.ok());
+    ASSERT_TRUE((*writer)->write("wor").ok());
+    // Here the server dies.
+  }
+  open();
+  EXPECT_EQ(offset(state.row.id), 5);
+  EXPECT_EQ(store_.upload(state.row.id)->unchecked_from, -1);
+}
+
+TEST_F(UploadsTest, AfterARestartAWholeOneIsToldAgainAndFilesWithoutARowGo) {
+  const UploadState whole = *send(create(5), "hello");
+  create(5);
+  completed_.clear();
+  const std::string stray = new_scan_id();
+  std::ofstream(data_.upload_path(stray)) << "stray";
+  open();
+  EXPECT_THAT(completed_, testing::ElementsAre(whole.row.id));
+  EXPECT_FALSE(std::filesystem::exists(data_.upload_path(stray)));
+}
+
+TEST_F(UploadsTest, ARowWithoutItsFileIsForgotten) {
+  const UploadState state = create(5);
+  std::filesystem::remove(data_.upload_path(state.row.id));
+  open();
+  EXPECT_FALSE(store_.upload(state.row.id).ok());
+}
+
+TEST_F(UploadsTest, OneThatIsTooLongIsNamed) {
+  const Result<UploadState> state = uploads_->create(101, "", grant_, kNow_ms);
+  ASSERT_FALSE(state.ok());
+  EXPECT_EQ(state.error().code, ErrorCode::kTooLarge);
+  EXPECT_THAT(state.error().message, HasSubstr("Upload-Length is 101, allowed are 100 bytes"));
+  EXPECT_EQ(uploads_->create(0, "", grant_, kNow_ms).error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST_F(UploadsTest, ATokenMayHaveSoMuchInAll) {
+  create(100);
+  const Result<UploadState> more = uploads_->create(51, "", grant_, kNow_ms);
+  ASSERT_FALSE(more.ok());
+  EXPECT_EQ(more.error().code, ErrorCode::kBusy);
+  EXPECT_TRUE(uploads_->create(50, "", grant_, kNow_ms).ok());
+  EXPECT_TRUE(uploads_->create(100, "", other_, kNow_ms).ok());
+  EXPECT_TRUE(uploads_->create(100, "", admin_, kNow_ms).ok());
+}
+
+TEST_F(UploadsTest, ADeferredLengthIsHeldToTheLimitsAtEveryPiece) {
+  create(100);
+  UploadState state = create(-1);
+  state = *send(state, std::string(40, 'x'));
+  EXPECT_THAT(words(uploads_->write(state, {40, 20, {}}, grant_).ok() ? Status(Done{}) : Error{ErrorCode::kBusy, "full"}), "full");
+  EXPECT_EQ(uploads_->write(state, {40, 61, {}}, grant_).error().code, ErrorCode::kTooLarge);
+  EXPECT_EQ(uploads_->set_length(state, 39, grant_).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(uploads_->set_length(state, 101, grant_).error().code, ErrorCode::kTooLarge);
+  EXPECT_EQ(uploads_->set_length(state, 60, grant_).error().code, ErrorCode::kBusy);
+  EXPECT_TRUE(uploads_->set_length(state, 45, grant_).ok());
+  EXPECT_TRUE(send(state, "12345")->complete());
+}
+
+TEST_F(UploadsTest, ADiskThatMustStayFreeDoes) {
+  limits_.min_free_disk_bytes = std::uint64_t{1} << 62;
+  open();
+  const Result<UploadState> state = uploads_->create(1, "", grant_, kNow_ms);
+  ASSERT_FALSE(state.ok());
+  EXPECT_THAT(state.error().message, HasSubstr("not enough room"));
+}
+
+TEST_F(UploadsTest, APieceElsewhereOrBeyondTheEndIsRefused) {
+  const UploadState state = create(10);
+  EXPECT_THAT(uploads_->write(state, {1, 1, {}}, grant_).error().message, HasSubstr("Upload-Offset is 1, and 0 bytes are here"));
+  EXPECT_EQ(uploads_->write(state, {0, 11, {}}, grant_).error().code, ErrorCode::kTooLarge);
+  Result<std::shared_ptr<UploadWriter>> writer = uploads_->write(state, {0, 2, {}}, grant_);
+  ASSERT_TRUE(writer.ok());
+  EXPECT_EQ((*writer)->write("abc").error().code, ErrorCode::kTooLarge) << "more than was announced";
+}
+
+TEST_F(UploadsTest, WhoeverWritesIsAskedToStop) {
+  const UploadState state = create(10);
+  EXPECT_TRUE(uploads_->is_free(state.row.id));
+  Result<std::shared_ptr<UploadWriter>> writer = uploads_->write(state, {0, 5, {}}, grant_);
+  ASSERT_TRUE(writer.ok());
+  bool told = false;
+  (*writer)->on_unwanted([&told] { told = true; });
+  EXPECT_FALSE(uploads_->is_free(state.row.id));
+  EXPECT_TRUE(told);
+  EXPECT_FALSE((*writer)->wanted());
+  EXPECT_EQ(uploads_->list(grant_)->front().offset_bytes, -1) << "what is not on disk yet is not told";
+  writer = Error{ErrorCode::kIo, "its connection is gone"};
+  EXPECT_TRUE(uploads_->is_free(state.row.id));
+}
+
+TEST_F(UploadsTest, OthersDoNotFindIt) {
+  const UploadState state = create(10);
+  EXPECT_EQ(uploads_->find(state.row.id, other_, kNow_ms).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(uploads_->remove(state.row.id, other_, kNow_ms).error().code, ErrorCode::kNotFound);
+  EXPECT_TRUE(uploads_->list(other_)->empty());
+  EXPECT_TRUE(uploads_->find(state.row.id, admin_, kNow_ms).ok());
+  for (const char* id : {"", "..", "../../hermite.db", "x"})
+    EXPECT_EQ(uploads_->find(id, admin_, kNow_ms).error().code, ErrorCode::kNotFound);
+  EXPECT_TRUE(uploads_->remove(state.row.id, grant_, kNow_ms).ok());
+  EXPECT_FALSE(std::filesystem::exists(data_.upload_path(state.row.id)));
+}
+
+TEST_F(UploadsTest, OneThatNobodyTouchesExpiresButNotWhileItsJobWaits) {
+  const UploadState idle = create(10), used = *send(create(5), "hello");
+  JobRow job;
+  job.id = job.source_id = used.row.id;
+  ASSERT_TRUE(store_.add_job(job).ok());
+  EXPECT_FALSE(uploads_->find(idle.row.id, grant_, kNow_ms + kKeep_ms).ok());
+  uploads_->sweep(kNow_ms + kKeep_ms);
+  EXPECT_FALSE(std::filesystem::exists(data_.upload_path(idle.row.id)));
+  EXPECT_TRUE(uploads_->find(used.row.id, grant_, kNow_ms + kKeep_ms).ok());
+  EXPECT_EQ(uploads_->remove(used.row.id, grant_, kNow_ms).error().code, ErrorCode::kBusy);
+  job.state = JobState::kFailed;
+  ASSERT_TRUE(store_.update_job(job).ok());
+  uploads_->keep(used.row.id, kNow_ms + kKeep_ms);
+  uploads_->sweep(kNow_ms + 2 * kKeep_ms - 1);
+  EXPECT_TRUE(std::filesystem::exists(data_.upload_path(used.row.id)));
+  uploads_->sweep(kNow_ms + 2 * kKeep_ms);
+  EXPECT_FALSE(std::filesystem::exists(data_.upload_path(used.row.id)));
+}
+
+}  // namespace
+}  // namespace hermite

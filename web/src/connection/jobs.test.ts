@@ -1,0 +1,42 @@
+import { describe, expect, it } from 'vitest';
+import { ApiError } from './api';
+import { jobWords } from '../state/words';
+import { parseJobs, refusalOf } from './jobs';
+
+describe('parseJobs', () => {
+  it('keeps the order of the server and what it says', () => {
+    const jobs = parseJobs({
+      jobs: [
+        { id: 'b', title: 'Hall', state: 'running', stage: 'tracking', done: 3, total: 10, words: '', scan: 's' },
+        { id: 'a', title: '', state: 'failed', words: 'cut short', scan: null },
+      ],
+    });
+    expect(jobs[0]).toEqual({ id: 'b', title: 'Hall', state: 'running', stage: 'tracking', done: 3, total: 10, words: '', scanId: 's' });
+    expect(jobs[1]).toMatchObject({ id: 'a', title: 'Untitled recording', state: 'failed', words: 'cut short', scanId: null });
+  });
+
+  it('survives rows with fields that are missing or of the wrong kind', () => {
+    const jobs = parseJobs({ jobs: [{ id: 'a', state: 7, done: 'all', total: NaN }, null, { title: 'no id' }] });
+    expect(jobs).toHaveLength(1);
+    expect(jobs[0]).toMatchObject({ state: 'unknown', done: 0, total: 0 });
+  });
+
+  it('says so when the answer is no list', () => {
+    for (const answer of [null, [], {}, { jobs: 3 }]) expect(() => parseJobs(answer)).toThrow(ApiError);
+  });
+});
+
+describe('refusalOf', () => {
+  it('has the words of the server, else the status', () => {
+    expect(refusalOf('{"error": {"message": "the disk is full"}}', 507)).toBe('The server says: the disk is full.');
+    for (const body of ['', '<html>', '{}', 'null', '{"error": {"message": 3}}']) expect(refusalOf(body, 502)).toBe('The server answered with HTTP 502.');
+  });
+});
+
+describe('jobWords', () => {
+  it('says how far a running job is', () => {
+    expect(jobWords({ state: 'running', stage: 'tracking', done: 3, total: 1000 }).text).toBe('Tracking 3 of 1,000');
+    expect(jobWords({ state: 'running', stage: '', done: 0, total: 0 }).text).toBe('Starting');
+    expect(jobWords({ state: 'failed', stage: '', done: 0, total: 0 })).toEqual({ text: 'Failed', tone: 'bad' });
+  });
+});

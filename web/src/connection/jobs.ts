@@ -1,0 +1,85 @@
+// Recordings that are sent to the server, and the jobs that it makes of them.
+import { ApiError, isRecord, numberOf, request, textOf } from './api';
+
+const limit_ms = 10_000;
+
+export type JobState = 'queued' | 'running' | 'finished' | 'failed' | 'cancelled' | 'unknown';
+
+export interface Job {
+  readonly id: string;
+  readonly title: string;
+  readonly state: JobState;
+  readonly stage: string; // what a running one is at, or empty
+  readonly done: number;
+  readonly total: number; // 0: not known
+  readonly words: string; // why it failed, or empty
+  readonly scanId: string | null;
+}
+
+// Newest first. A token that only looks knows of none.
+export async function fetchJobs(token: string): Promise<Job[]> {
+  try {
+    const response = await request('api/v1/jobs', token, limit_ms);
+    return parseJobs(await response.json());
+  } catch (error) {
+    if (error instanceof ApiError && error.unauthorized) return [];
+    throw error;
+  }
+}
+
+export async function cancelJob(id: string, token: string): Promise<void> {
+  await request(`api/v1/jobs/${encodeURIComponent(id)}`, token, limit_ms, 'DELETE');
+}
+
+export async function retryJob(id: string, token: string): Promise<void> {
+  await request(`api/v1/jobs/${encodeURIComponent(id)}/retry`, token, limit_ms, 'POST');
+}
+
+// Rows that are not jobs are left out.
+export function parseJobs(json: unknown): Job[] {
+  const rows = isRecord(json) && Array.isArray(json['jobs']) ? json['jobs'] : null;
+  if (!rows) throw new ApiError('The server’s list of jobs cannot be read.', false);
+  return rows.filter(isRecord).filter((row) => typeof row['id'] === 'string').map(jobOf);
+}
+
+function jobOf(row: Record<string, unknown>): Job {
+  return {
+    id: String(row['id']),
+    title: textOf(row['title']) || 'Untitled recording',
+    state: stateOf(row['state']),
+    stage: textOf(row['stage']),
+    done: numberOf(row['done']) ?? 0,
+    total: numberOf(row['total']) ?? 0,
+    words: textOf(row['words']),
+    scanId: textOf(row['scan']) || null,
+  };
+}
+
+function stateOf(value: unknown): JobState {
+  return value === 'queued' || value === 'running' || value === 'finished' || value === 'failed' || value === 'cancelled' ? value : 'unknown';
+}
+
+// Sends a file as it is; resolves when all of it is on the server's disk. Not with fetch, which tells no progress of what is sent.
+export function sendRecording(file: File, token: string, onProgress: (share: number) => void): Promise<void> {
+  return new Promise((resolve, reject) => {
+    const sending = new XMLHttpRequest();
+    sending.open('PUT', `api/v1/uploads/${encodeURIComponent(file.name)}`);
+    sending.setRequestHeader('Authorization', `Bearer ${token}`);
+    sending.upload.onprogress = (event) => onProgress(event.total > 0 ? event.loaded / event.total : 0);
+    sending.onload = () => (sending.status === 201 ? resolve() : reject(new ApiError(refusalOf(sending.responseText, sending.status), false)));
+    sending.onerror = () => reject(new ApiError('The connection was lost. hermite-client upload goes on after that.', false));
+    sending.send(file);
+  });
+}
+
+// The server's own words, which name what is wrong and the limit.
+export function refusalOf(body: string, status: number): string {
+  try {
+    const json: unknown = JSON.parse(body);
+    const error = isRecord(json) ? json['error'] : null;
+    if (isRecord(error) && textOf(error['message'])) return `The server says: ${textOf(error['message'])}.`;
+  } catch {
+    // No JSON: a proxy has answered.
+  }
+  return `The server answered with HTTP ${status}.`;
+}

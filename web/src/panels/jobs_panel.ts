@@ -1,0 +1,81 @@
+// Recordings on their way to being scans: what waits, what is done with it, what failed and why; and the way to add one.
+import { ApiError } from '../connection/api';
+import { cancelJob, fetchJobs, retryJob, sendRecording, type Job } from '../connection/jobs';
+import { jobWords } from '../state/words';
+import { element, type Panel } from './dom';
+import { statusMark } from './mark';
+
+const shown_count = 20;
+
+export interface JobsPanel extends Panel {
+  refresh(): Promise<void>;
+}
+
+// `changed` is called when something was done that shows in the list.
+export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
+  const list = element('ul', { class: 'scans jobs' });
+  const notice = element('p', { class: 'notice', role: 'status', hidden: true });
+  const input = element('input', { type: 'file', multiple: true, id: 'recordings', class: 'hidden-input' });
+  const add = element('label', { for: 'recordings', class: 'button' }, 'Add a recording');
+  const node = element('section', { class: 'jobs-panel', 'aria-label': 'Recordings' }, element('div', { class: 'field' }, input, add), notice, list);
+  let shown = '';
+
+  const say = (words: string): void => {
+    notice.hidden = words === '';
+    if (notice.textContent !== words) notice.textContent = words;
+  };
+  const attempt = async (work: () => Promise<void>): Promise<void> => {
+    try {
+      await work();
+      say('');
+    } catch (error) {
+      say(error instanceof ApiError ? error.message : 'That did not work.');
+    }
+    changed();
+  };
+  const send = (files: Iterable<File>): Promise<void> =>
+    attempt(async () => {
+      for (const file of files) await sendRecording(file, token(), (share) => say(`Sending ${file.name}: ${Math.floor(100 * share)} %`));
+    });
+  input.addEventListener('change', () => void send([...(input.files ?? [])]).finally(() => (input.value = '')));
+  // A file that is dropped beside the panel would replace the page.
+  const onDrag = (event: DragEvent): void => event.preventDefault();
+  const onDrop = (event: DragEvent): void => {
+    event.preventDefault();
+    void send([...(event.dataTransfer?.files ?? [])]);
+  };
+  document.addEventListener('dragover', onDrag);
+  document.addEventListener('drop', onDrop);
+  return {
+    element: node,
+    async refresh() {
+      const jobs = (await fetchJobs(token())).filter((job) => job.state !== 'finished' && job.state !== 'cancelled').slice(0, shown_count);
+      const key = JSON.stringify(jobs);
+      if (key === shown) return;
+      shown = key;
+      list.replaceChildren(...jobs.map((job) => element('li', {}, rowOf(job, token, attempt))));
+    },
+    dispose() {
+      document.removeEventListener('dragover', onDrag);
+      document.removeEventListener('drop', onDrop);
+    },
+  };
+}
+
+function rowOf(job: Job, token: () => string, attempt: (work: () => Promise<void>) => Promise<void>): HTMLElement {
+  const mark = statusMark();
+  mark.show(jobWords(job));
+  const failed = job.state === 'failed';
+  const button = element('button', { type: 'button', class: 'button' }, failed ? 'Try again' : 'Cancel');
+  button.addEventListener('click', () => void attempt(() => (failed ? retryJob(job.id, token()) : cancelJob(job.id, token()))));
+  const progress = job.total > 0 ? element('progress', { max: job.total, value: job.done, class: 'facts' }) : null;
+  return element(
+    'div',
+    { class: 'scan-row' },
+    element('span', { class: 'scan-title' }, job.title),
+    mark.element,
+    progress,
+    job.words ? element('span', { class: 'facts words' }, job.words) : null,
+    button,
+  );
+}
