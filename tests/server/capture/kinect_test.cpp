@@ -113,7 +113,8 @@ TEST(Kinect, GivesWhatWasDumpedPairedByTimeAndInOrder) {
 }
 
 TEST(Kinect, IsListedAndItsAbsenceIsSaid) {
-  EXPECT_EQ(std::system((std::string("'") + HERMITE_CLIENT + "' scan --list > /dev/null").c_str()), 0);
+  // OpenNI2's drivers, and fakenect below, do not free everything.
+  EXPECT_EQ(std::system((std::string("ASAN_OPTIONS=detect_leaks=0 '") + HERMITE_CLIENT + "' scan --list > /dev/null").c_str()), 0);
   if (!can_play()) GTEST_SKIP() << kCannotPlay;
   const test::TemporaryFolder folder;
   write_dump(folder / "dump", **open_sequence("synthetic:frames=1,width=640,height=480"), 1);

@@ -14,6 +14,9 @@
 
 #include "server/capture/camera_kinds.h"
 
+// OpenNI2's drivers keep what they have until the process ends. Asked for by LeakSanitizer, where that is there.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libOpenNI2\nleak:libPS1080\nleak:libPSLink\n"; }
+
 namespace hermite {
 namespace {
 
