@@ -123,7 +123,7 @@ Command add_scan_command(CLI::App& app) {
                   "Keep every frame in this new folder, and send from there: nothing is lost when the server is away");
   scan.add_option("--frames", arguments->frame_count, "Finish after so many (default: with Ctrl-C)");
   scan.add_option("--preflight", arguments->preflight_frames, "Frames to look at before the scan begins")
-      ->check(CLI::Range(kMinPreflightFrames, 10 * kPreflightFrames));
+      ->check(CLI::Range(kMinPreflightFrames, kMaxPreflightFrames));
   add_stream_options(scan, arguments->target);
   return {&scan, [arguments] { return run(*arguments); }};
 }

@@ -74,25 +74,35 @@ CaptureWishes Scan::wishes() {
   return wishes;
 }
 
-// The pre-flight: says what is wrong, and finds the codec for what this camera sees.
+// The pre-flight: says what is wrong, and finds the codec for what this camera sees. Looks only when all frames are there: a camera that is
+// kept waiting drops some, and the computer would get the blame.
 Status Scan::look_first() {
-  CHECK(request_.preflight_frames >= kMinPreflightFrames, "some frames are looked at");
-  Preflight preflight(camera_.description());
-  std::vector<DepthImage> depths;
-  const auto deadline = Clock::now() + request_.camera_patience;
-  while (preflight.frame_count() < request_.preflight_frames) {
+  CHECK(request_.preflight_frames >= kMinPreflightFrames && request_.preflight_frames <= kMaxPreflightFrames, "some frames are looked at");
+  struct Arrived {
+    RgbdFrame frame;
+    double host_s;
+  };
+  std::vector<Arrived> frames;
+  auto last_arrival = Clock::now();
+  while (frames.size() < static_cast<std::size_t>(request_.preflight_frames)) {
     if (wishes().interrupt_count > 0) return Error{ErrorCode::kIo, "interrupted before the scan began"};
     auto frame = camera_.next(kTick);
     if (!frame.ok()) return frame.error();
-    if (!*frame && Clock::now() >= deadline)
-      return Error{ErrorCode::kDevice, "the camera gave " + std::to_string(preflight.frame_count()) + " frames in " +
+    const auto now = Clock::now();
+    if (*frame) {
+      frames.push_back({**std::move(frame), std::chrono::duration<double>(now.time_since_epoch()).count()});
+      last_arrival = now;
+    } else if (now - last_arrival >= request_.camera_patience) {
+      return Error{ErrorCode::kDevice, "the camera gave " + std::to_string(frames.size()) + " frames, and then none for " +
                                            std::to_string(request_.camera_patience.count() / 1000) + " s: is it plugged in, with power?"};
-    if (!*frame) continue;
-    preflight.add(**frame, std::chrono::duration<double>(Clock::now().time_since_epoch()).count(), camera_.left_out());
-    if (depths.size() < static_cast<std::size_t>(kMinPreflightFrames)) depths.push_back(std::move((*frame)->depth));
+    }
   }
+  Preflight preflight(camera_.description());
+  for (const Arrived& arrived : frames) preflight.add(arrived.frame, arrived.host_s, camera_.left_out());
   tell("looked at " + preflight.summary());
   for (const std::string& doubt : preflight.doubts()) tell("careful: " + doubt);
+  std::vector<DepthImage> depths;
+  for (int i = 0; i < kMinPreflightFrames; ++i) depths.push_back(std::move(frames[static_cast<std::size_t>(i)].frame.depth));
   // A third of the time between two frames, as for recordings.
   depth_codecs_ = best_first(try_depth_codecs(depths), 1000 / camera_.description().frame_rate_hz / 3);
   return Done{};

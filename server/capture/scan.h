@@ -25,12 +25,13 @@ struct ScanRequest {
   std::string title{};
   std::string record_folder{};                         // new; empty: no recording (CHECKs that there is a stream)
   std::uint64_t max_frames = 0;                        // 0: until an interrupt, or the camera's end
-  int preflight_frames = kPreflightFrames;             // kMinPreflightFrames or more (CHECK); these are not part of the scan
-  std::chrono::milliseconds camera_patience{10'000};   // for the first frames
+  int preflight_frames = kPreflightFrames;             // kMin to kMaxPreflightFrames (CHECK); these are not part of the scan
+  std::chrono::milliseconds camera_patience{10'000};   // for each of the first frames
   std::chrono::milliseconds server_patience{600'000};  // when all is recorded, for a server that is away
 };
 
-inline constexpr int kMinPreflightFrames = 3;  // the depth codec is chosen by them
+inline constexpr int kMinPreflightFrames = 3;   // the depth codec is chosen by them
+inline constexpr int kMaxPreflightFrames = 90;  // they are held in memory: 1.5 MB each at 640x480
 
 struct ScanProgress {
   StreamProgress stream;  // of the connection that there is, or was last

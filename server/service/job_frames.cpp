@@ -11,9 +11,9 @@ namespace hermite {
 
 namespace {
 
-class RecordedFrames : public JobFrames {
+class FramesOfRecording : public JobFrames {
  public:
-  RecordedFrames(Recording recording, wire::StartScan request) : recording_(std::move(recording)), request_(std::move(request)) {
+  FramesOfRecording(Recording recording, wire::StartScan request) : recording_(std::move(recording)), request_(std::move(request)) {
     const Sequence& sequence = *recording_.sequence;
     // The codec that needs no trial: what is lossless makes no difference to the result, and nothing goes over a network.
     request_.depth_codecs = {wire::DepthCodec::kRvlZstd};
@@ -47,9 +47,9 @@ class RecordedFrames : public JobFrames {
   std::int64_t index_ = 0;
 };
 
-class LoggedFrames : public JobFrames {
+class FramesOfLog : public JobFrames {
  public:
-  LoggedFrames(const std::string& folder, wire::StartScan request) : log_(folder), request_(std::move(request)) {}
+  FramesOfLog(const std::string& folder, wire::StartScan request) : log_(folder), request_(std::move(request)) {}
 
   Status read_start(std::uint64_t frame_count) {
     const Result<std::optional<LogRecord>> terms = log_.next(), start = log_.next();
@@ -100,11 +100,11 @@ class LoggedFrames : public JobFrames {
 }  // namespace
 
 std::unique_ptr<JobFrames> recorded_frames(Recording recording, wire::StartScan request) {
-  return std::make_unique<RecordedFrames>(std::move(recording), std::move(request));
+  return std::make_unique<FramesOfRecording>(std::move(recording), std::move(request));
 }
 
 Result<std::unique_ptr<JobFrames>> logged_frames(const std::string& log_folder, std::uint64_t frame_count, const wire::StartScan& request) {
-  auto frames = std::make_unique<LoggedFrames>(log_folder, request);
+  auto frames = std::make_unique<FramesOfLog>(log_folder, request);
   if (Status status = frames->read_start(frame_count); !status.ok()) return status.error();
   return std::unique_ptr<JobFrames>(std::move(frames));
 }

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/dataset/recording.h"
+#include "server/capture/camera_kinds.h"
 #include "server/client/stream.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/fakenect_dump.h"
@@ -60,7 +61,10 @@ int scan(const test::TemporaryFolder& folder, const std::string& dump, const std
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-bool fakenect_is_there() { return std::filesystem::exists(std::string(HERMITE_FAKENECT_FOLDER) + "/libfreenect.so.0.5"); }
+bool can_play() {
+  return camera_kinds().front().open && std::filesystem::exists(std::string(HERMITE_FAKENECT_FOLDER) + "/libfreenect.so.0.5");
+}
+const char* const kCannotPlay = "built without libfreenect, or no fakenect (Debian packages libfreenect-dev, libfreenect-bin)";
 
 // Every depth to the nearest step of the sensor; beyond 4 m, where a step is 5 cm, nothing is looked at.
 void expect_same_depth(const DepthImage& seen, const DepthImage& dumped) {
@@ -83,7 +87,7 @@ double mean_difference(const ColorImage& a, const ColorImage& b) {
 }
 
 TEST(Kinect, GivesWhatWasDumpedPairedByTimeAndInOrder) {
-  if (!fakenect_is_there()) GTEST_SKIP() << "no fakenect (Debian package libfreenect-bin) in " << HERMITE_FAKENECT_FOLDER;
+  if (!can_play()) GTEST_SKIP() << kCannotPlay;
   const test::TemporaryFolder folder;
   const auto room = *open_sequence("synthetic:frames=10,width=640,height=480");
   constexpr int kWithoutColor = 6;
@@ -109,8 +113,9 @@ TEST(Kinect, GivesWhatWasDumpedPairedByTimeAndInOrder) {
 }
 
 TEST(Kinect, IsListedAndItsAbsenceIsSaid) {
-  EXPECT_EQ(std::system((std::string("'") + HERMITE_CLIENT + "' scan --list > /dev/null").c_str()), 0);
-  if (!fakenect_is_there()) GTEST_SKIP() << "no fakenect (Debian package libfreenect-bin) in " << HERMITE_FAKENECT_FOLDER;
+  // OpenNI2's drivers, and fakenect below, do not free everything.
+  EXPECT_EQ(std::system((std::string("ASAN_OPTIONS=detect_leaks=0 '") + HERMITE_CLIENT + "' scan --list > /dev/null").c_str()), 0);
+  if (!can_play()) GTEST_SKIP() << kCannotPlay;
   const test::TemporaryFolder folder;
   write_dump(folder / "dump", **open_sequence("synthetic:frames=1,width=640,height=480"), 1);
   EXPECT_EQ(scan(folder, folder / "dump", "--list"), 0);
@@ -123,7 +128,7 @@ TEST(Kinect, IsListedAndItsAbsenceIsSaid) {
 TEST(Kinect, AScanGivesTheCloudOfItsRecordingStreamedFromFile) {
   const auto data = test::data_folder("redkitchen");
   if (!data) GTEST_SKIP() << test::skip_words("redkitchen");
-  if (!fakenect_is_there()) GTEST_SKIP() << "no fakenect (Debian package libfreenect-bin) in " << HERMITE_FAKENECT_FOLDER;
+  if (!can_play()) GTEST_SKIP() << kCannotPlay;
   const test::TemporaryFolder folder;
   const auto kitchen = open_sequence(data->string());
   ASSERT_TRUE(kitchen.ok()) << kitchen.error().message;
