@@ -18,13 +18,8 @@ Status Scans::check_storage() const {
   return Done{};
 }
 
-namespace {
-
-const PlaceRequest kPlaceOfJob{{}, true, false};
-
-}  // namespace
-
-bool Scans::has_room() const { return !stopping_ && places_.check_for_newcomer(kPlaceOfJob).ok(); }
+// Behind the cameras that wait, and not where it would take frames from a live one.
+bool Scans::has_room() const { return !stopping_ && places_.check_for_newcomer({}).ok(); }
 
 Result<JobScan> Scans::run_for_job(const std::string& scan_id, const wire::StartScan& request) {
   CHECK(has_room(), "a job waits for room");
@@ -37,7 +32,7 @@ Result<JobScan> Scans::run_for_job(const std::string& scan_id, const wire::Start
     if (left.ok())
       if (Status status = store_.remove(scan_id); !status.ok()) return status.error();
     // Nobody has this token, but what can be resumed is left running for the next server.
-    const Result<Launch> launch = launch_of(scan_id, request, random_hex(kResumeTokenBytes), kPlaceOfJob);
+    const Result<Launch> launch = launch_of(scan_id, request, random_hex(kResumeTokenBytes), {});
     if (!launch.ok()) return launch.error();
     if (const Result<std::shared_ptr<LiveScan>> scan = begin(*launch); !scan.ok()) return scan.error();
   }

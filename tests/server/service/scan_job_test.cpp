@@ -80,8 +80,7 @@ TEST_F(ScanJobTest, GivesTheBitsThatStreamingGivesAndSoDoesDoingItAgain) {
   const auto sequence = *open_sequence(path);
   StreamRequest request;
   request.server = target().server;
-  request.frames = *parse_frame_range("", sequence->frame_count());
-  const Result<StreamOutcome> streamed = stream_sequence(*sequence, request, {});
+  const Result<StreamOutcome> streamed = stream_sequence(*sequence, *parse_frame_range("", sequence->frame_count()), request, {});
   ASSERT_TRUE(streamed.ok());
   EXPECT_EQ(of_job, hashes(json::parse(streamed->report_json)));
 
