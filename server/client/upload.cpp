@@ -1,7 +1,6 @@
 #include "server/client/upload.h"
 
 #include <fcntl.h>
-#include <openssl/evp.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,8 +16,8 @@
 
 #include "core/archive/fresh_folder.h"
 #include "core/archive/tar_stream.h"
-#include "core/base/check.h"
 #include "core/dataset/text_file.h"
+#include "core/digest/sha256.h"
 #include "server/client/backoff.h"
 #include "server/client/http_exchange.h"
 #include "server/net/base64.h"
@@ -34,23 +33,6 @@ constexpr const char* kUploads = "/api/v1/uploads";
 constexpr const char* kJobs = "/api/v1/jobs";
 constexpr int kMaxBadPieces = 5;  // in a row, of another checksum there than here
 constexpr std::chrono::milliseconds kJobPeriod(1000);
-
-std::string sha256_of(const std::string& bytes) {
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned int size = 0;
-  CHECK(EVP_Digest(bytes.data(), bytes.size(), digest, &size, EVP_sha256(), nullptr) == 1, "SHA-256 is always there");
-  return {reinterpret_cast<const char*>(digest), size};
-}
-
-std::string hex_of(const std::string& bytes) {
-  constexpr char kDigits[] = "0123456789abcdef";
-  std::string text;
-  for (const char c : bytes) {
-    text += kDigits[static_cast<unsigned char>(c) >> 4];
-    text += kDigits[static_cast<unsigned char>(c) & 15];
-  }
-  return text;
-}
 
 Result<std::string> read_part(int descriptor, const std::string& path, std::int64_t offset, std::int64_t count) {
   std::string bytes(static_cast<std::size_t>(count), '\0');
@@ -85,7 +67,7 @@ class Sender {
       : source_(source), target_(target), observer_(observer), backoff_(std::random_device{}()) {
     for (const auto& [key, value] : metadata) metadata_ += (metadata_.empty() ? "" : ",") + key + " " + encode_base64(value);
     const std::string known_by = target_.server.host_and_port() + "\n" + metadata_ + "\n" + source_.fingerprint;
-    if (!target_.notes_folder.empty()) note_path_ = target_.notes_folder + "/" + hex_of(sha256_of(known_by));
+    if (!target_.notes_folder.empty()) note_path_ = target_.notes_folder + "/" + sha256_hex(known_by);
   }
 
   Result<std::string> run() {
@@ -145,7 +127,7 @@ class Sender {
   Result<bool> send_piece() {
     Result<std::string> piece = source_.read(*offset_, std::min(target_.piece_bytes, source_.size_bytes - *offset_));
     if (!piece.ok()) return final(piece.error());
-    const std::string checksum = "sha256 " + encode_base64(sha256_of(*piece));
+    const std::string checksum = "sha256 " + encode_base64(sha256(*piece));
     const Result<HttpReply> reply = call(
         "PATCH", location_,
         {{"Upload-Offset", std::to_string(*offset_)}, {"Content-Type", "application/offset+octet-stream"}, {"Upload-Checksum", checksum}},

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "core/digest/sha256.h"
 #include "server/net/base64.h"
 #include "server/store/secret.h"
 #include "tests/support/raw_client.h"

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/digest/sha256.h"
 #include "server/net/base64.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
