@@ -33,8 +33,8 @@ struct HttpReply {
 // the certificate must have the server's name. Words never contain the token.
 Result<HttpReply> http_exchange(const ServerUrl& server, const TlsContext& tls, bool check_name, const HttpCall& call);
 
-// What a server says that refuses something: its words, as kNotFound (404, 410), kUnauthorized (401, 403), kBusy (409, 423, 429, 503), kTooLarge
-// (413), kInvalidArgument (other 4xx) or kIo.
+// What a server says that refuses something: its words, as kNotFound (404, 410), kUnauthorized (401, 403), kBusy (409, 423, 429, 503),
+// kTooLarge (413), kInvalidArgument (other 4xx) or kIo.
 Error refusal(const HttpReply& reply);
 
 }  // namespace hermite
