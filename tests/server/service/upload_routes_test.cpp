@@ -12,6 +12,7 @@
 #include "core/digest/sha256.h"
 #include "server/net/base64.h"
 #include "server/store/secret.h"
+#include "tests/support/memory_peak.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
@@ -228,20 +229,18 @@ TEST_F(UploadRoutesTest, APlainPutIsARecordingInOneRequest) {
 }
 
 TEST_F(UploadRoutesTest, ALongBodyTakesNoMemory) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer keeps what was freed: memory grows with every piece";
+#endif
   const std::string location = create("Upload-Length: 67108864\r\n");
-  const auto resident = [] {
-    std::ifstream status("/proc/self/statm");
-    std::size_t pages = 0, in_memory = 0;
-    status >> pages >> in_memory;
-    return in_memory * 4096;
-  };
   test::RawClient client(server_->port());
   client.send(head_of("PATCH", location, "Tus-Resumable: 1.0.0\r\nContent-Type: application/offset+octet-stream\r\nUpload-Offset: 0\r\n",
                       67108863));
   const std::string megabyte(1 << 20, 'x');
-  const std::size_t before = resident();
-  for (int i = 0; i < 63; ++i) client.send(megabyte);
-  EXPECT_LT(resident(), before + (16u << 20));
+  const std::size_t growth_bytes = test::peak_growth_bytes([&] {
+    for (int i = 0; i < 63; ++i) client.send(megabyte);
+  });
+  EXPECT_LT(growth_bytes, std::size_t{16} << 20);
   client.send(megabyte.substr(1));
   EXPECT_EQ(answer_of(client.read_to_end()).field("Upload-Offset"), "67108863");
 }
