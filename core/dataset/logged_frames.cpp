@@ -24,14 +24,6 @@ struct LoggedFrame {
   FilePart message;  // in that segment
 };
 
-Result<wire::Frame> parse_frame(std::string_view payload) {
-  Result<wire::ClientMessage> message = wire::parse_client_message(payload, kMaxRecordBytes);
-  if (!message.ok()) return message.error();
-  wire::Frame* const frame = std::get_if<wire::Frame>(&*message);
-  if (!frame) return Error{ErrorCode::kCorruptData, "it is another message than a frame"};
-  return std::move(*frame);
-}
-
 class LoggedSequence : public Sequence {
  public:
   LoggedSequence(std::string folder, Camera camera, wire::DepthCodec codec, double rate_hz, std::vector<LoggedFrame> frames)
@@ -51,7 +43,7 @@ class LoggedSequence : public Sequence {
     if (!segment.ok()) return segment.error();
     const auto bytes = segment->read(at.message);
     if (!bytes.ok()) return in_context(segment->path(), bytes.error());
-    Result<wire::Frame> frame = parse_frame({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+    Result<wire::Frame> frame = wire::parse_frame_message({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, kMaxRecordBytes);
     if (!frame.ok()) return in_context(segment->path(), frame.error());
     auto depth = wire::decode_depth_payload(frame->depth, codec_, camera_);
     if (!depth.ok()) return depth.error();
@@ -87,7 +79,7 @@ Status add_start(const std::string& payload, LogIndex& index) {
 }
 
 Status add_frame(const LogRecord& record, const LogEnd& end, LogIndex& index) {
-  const Result<wire::Frame> frame = parse_frame(record.payload);
+  const Result<wire::Frame> frame = wire::parse_frame_message(record.payload, kMaxRecordBytes);
   if (!frame.ok()) return frame.error();
   if (!std::isfinite(frame->timestamp_s) || (!index.frames.empty() && frame->timestamp_s <= index.frames.back().timestamp_s)) {
     index.out_of_order.add("record " + std::to_string(record.number));

@@ -154,6 +154,14 @@ Result<ClientMessage> parse_client_message(std::string_view bytes, std::size_t m
   return ClientMessage(Unknown{});
 }
 
+Result<Frame> parse_frame_message(std::string_view bytes, std::size_t max_bytes) {
+  Result<ClientMessage> message = parse_client_message(bytes, max_bytes);
+  if (!message.ok()) return message.error();
+  Frame* const frame = std::get_if<Frame>(&*message);
+  if (!frame) return Error{ErrorCode::kCorruptData, "it is another message than a frame"};
+  return std::move(*frame);
+}
+
 std::string format_client_message(ClientMessage message) {
   v1::ClientMessage out;
   std::visit(Writer{out}, message);

@@ -14,6 +14,9 @@ namespace hermite::wire {
 // kInvalidArgument, kUnsupported or kTooLarge, naming field and limit: a field breaks a rule of messages.h.
 Result<ClientMessage> parse_client_message(std::string_view bytes, std::size_t max_bytes);
 
+// The same of one that must be a frame, as the records of a frame log are: kCorruptData otherwise.
+Result<Frame> parse_frame_message(std::string_view bytes, std::size_t max_bytes);
+
 // The bytes of one message; Unknown gives an empty message.
 std::string format_client_message(ClientMessage message);
 

@@ -6,7 +6,6 @@
 #include <mutex>
 #include <thread>
 #include <utility>
-#include <variant>
 
 #include "core/log/frame_log.h"
 #include "proto/wire/client_message.h"
@@ -173,9 +172,9 @@ Result<EncodedFrame> LocalLogFrames::read(const WireEncoding& encoding) {
   while (record.ok() && *record && (*record)->type != RecordType::kFrame) record = reader_.next();
   if (!record.ok()) return record.error();
   if (!*record) return Error{ErrorCode::kCorruptData, "the log has become shorter: " + reader_.end().words};
-  Result<wire::ClientMessage> message = wire::parse_client_message((*record)->payload, kMaxRecordBytes);
-  if (!message.ok()) return message.error();
-  EncodedFrame frame{.index = static_cast<std::int64_t>(next_), .frame = std::get<wire::Frame>(std::move(*message)), .problem = {}};
+  Result<wire::Frame> logged = wire::parse_frame_message((*record)->payload, kMaxRecordBytes);
+  if (!logged.ok()) return logged.error();
+  EncodedFrame frame{.index = static_cast<std::int64_t>(next_), .frame = *std::move(logged), .problem = {}};
   if (encoding.depth == log_.depth_codec()) return frame;
   // An older server does not know the log's codec.
   auto depth = wire::decode_depth_payload(frame.frame.depth, log_.depth_codec(), log_.camera());

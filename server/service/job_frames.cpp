@@ -72,13 +72,11 @@ class FramesOfLog : public JobFrames {
       if (!record.ok()) return record.error();
       if (!*record) return std::optional<wire::Frame>();
       if ((*record)->type != RecordType::kFrame) continue;
-      Result<wire::ClientMessage> message = wire::parse_client_message((*record)->payload, kMaxRecordBytes);
-      if (!message.ok()) return in_context("a record of the frame log", message.error());
-      wire::Frame* const frame = std::get_if<wire::Frame>(&*message);
-      if (!frame) return Error{ErrorCode::kCorruptData, "a record of the frame log is another message than a frame"};
+      Result<wire::Frame> frame = wire::parse_frame_message((*record)->payload, kMaxRecordBytes);
+      if (!frame.ok()) return in_context("a record of the frame log", frame.error());
       // Refused frames of the old scan leave no gap.
       frame->sequence = sequence_++;
-      return std::optional<wire::Frame>(std::move(*frame));
+      return std::optional<wire::Frame>(*std::move(frame));
     }
   }
   Status skip(std::uint64_t frame_count) override {

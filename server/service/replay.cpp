@@ -1,7 +1,6 @@
 #include "server/service/replay.h"
 
 #include <utility>
-#include <variant>
 
 #include "proto/wire/client_message.h"
 
@@ -13,11 +12,9 @@ Result<std::optional<wire::Frame>> Replay::next() {
     if (!record.ok()) return record.error();
     if (!*record) return Error{ErrorCode::kCorruptData, "the frame log has become shorter: " + reader_.end().words};
     if ((*record)->type != RecordType::kFrame) continue;
-    Result<wire::ClientMessage> message = wire::parse_client_message((*record)->payload, kMaxRecordBytes);
-    if (!message.ok()) return in_context("a record of the frame log", message.error());
-    wire::Frame* const frame = std::get_if<wire::Frame>(&*message);
-    if (!frame) return Error{ErrorCode::kCorruptData, "a record of the frame log is another message than a frame"};
-    return std::optional<wire::Frame>(std::move(*frame));
+    Result<wire::Frame> frame = wire::parse_frame_message((*record)->payload, kMaxRecordBytes);
+    if (!frame.ok()) return in_context("a record of the frame log", frame.error());
+    return std::optional<wire::Frame>(*std::move(frame));
   }
   return std::optional<wire::Frame>();
 }

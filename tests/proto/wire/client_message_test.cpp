@@ -226,5 +226,13 @@ TEST(ClientMessage, AHelloWithoutARoleSaysWhatIsMissing) {
   EXPECT_THAT(message.error().message, HasSubstr("hello.role"));
 }
 
+TEST(ClientMessage, WhereAFrameIsExpectedNothingElseWillDo) {
+  const std::string frame = format_client_message(Frame{7, 1.5, "depth", "color"});
+  EXPECT_EQ(parse_frame_message(frame, frame.size())->sequence, 7u);
+  EXPECT_EQ(parse_frame_message(frame, frame.size() - 1).error().code, ErrorCode::kTooLarge);
+  EXPECT_EQ(parse_frame_message(format_client_message(Finish{}), 100).error().code, ErrorCode::kCorruptData);
+  EXPECT_EQ(parse_frame_message("", 100).error().code, ErrorCode::kCorruptData);
+}
+
 }  // namespace
 }  // namespace hermite::wire
