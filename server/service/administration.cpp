@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/digest/sha256.h"
+#include "server/service/json_text.h"
 #include "server/service/json_time.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
@@ -16,8 +17,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::int64_t kDay_ms = 24LL * 3600 * 1000;
 constexpr int kIdBytes = 6;  // 12 hex digits: short enough to type, and at most kMaxTokens share them
-
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 Error invalid(const std::string& words) { return {ErrorCode::kInvalidArgument, words}; }
 
@@ -117,7 +116,7 @@ Result<std::string> list_rows(Store& store, const char* name, std::int64_t now_m
   Json list = Json::array();
   for (const TokenRow& row : *rows)
     if (wanted(row)) list.push_back(row_json(row, now_ms));
-  return text_of({{name, std::move(list)}});
+  return json_text({{name, std::move(list)}});
 }
 
 }  // namespace
@@ -134,7 +133,7 @@ Result<std::string> create_token(Store& store, const std::string& request, std::
   auto [row, secret] = new_row(kTokenPrefix, *name, *days, now_ms);
   row.scopes = *scopes;
   if (Status status = store.add_token(row); !status.ok()) return status.error();
-  return text_of({{"token", row_json(row, now_ms)}, {"secret", secret}});
+  return json_text({{"token", row_json(row, now_ms)}, {"secret", secret}});
 }
 
 Result<std::string> create_share(Store& store, const std::string& scan_id, const std::string& request, std::int64_t now_ms) {
@@ -151,7 +150,7 @@ Result<std::string> create_share(Store& store, const std::string& scan_id, const
   if (!is_scan_id(scan_id)) return Error{ErrorCode::kNotFound, "there is no such scan: an id has 26 characters of a-z and 0-9"};
   if (Status status = store.add_token(row); !status.ok()) return status.error();
   const std::string path = "/#share=" + secret + "&scan=" + scan_id;
-  return text_of({{"share", row_json(row, now_ms)}, {"secret", secret}, {"path", path}});
+  return json_text({{"share", row_json(row, now_ms)}, {"secret", secret}, {"path", path}});
 }
 
 Result<std::string> list_tokens(Store& store, std::int64_t now_ms) {
@@ -169,7 +168,7 @@ Result<std::string> revoke_row(Store& store, const std::string& id, bool share, 
   if (row->scan_id.empty() == share)
     return Error{ErrorCode::kNotFound, "there is no " + std::string(share ? "share link " : "token ") + row->id};
   if (Status status = store.revoke_token(id, now_ms); !status.ok()) return status.error();
-  return text_of({{"revoked", id}});
+  return json_text({{"revoked", id}});
 }
 
 }  // namespace hermite

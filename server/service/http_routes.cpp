@@ -12,6 +12,7 @@
 
 #include "server/service/administration.h"
 #include "server/service/job_routes.h"
+#include "server/service/json_text.h"
 #include "server/service/json_time.h"
 #include "server/service/upload_routes.h"
 
@@ -24,7 +25,7 @@ using Json = nlohmann::ordered_json;
 HttpAnswer json_answer(const Json& json) {
   HttpAnswer answer;
   answer.content_type = "application/json";
-  answer.body = json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  answer.body = json_text(json);
   return answer;
 }
 

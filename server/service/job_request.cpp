@@ -5,6 +5,7 @@
 
 #include "core/dataset/camera_file.h"
 #include "proto/wire/messages.h"
+#include "server/service/json_text.h"
 #include "server/service/json_time.h"
 #include "server/service/scan_record.h"
 #include "server/service/tus.h"
@@ -83,8 +84,6 @@ Json row_json(const JobStatus& job) {
   json["finished_at"] = time_json(row.finished_at_ms);
   return json;
 }
-
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 // Bytes of the character at `at`, 0 when that is none.
 std::size_t utf8_length(const std::string& text, std::size_t at) {
@@ -182,14 +181,14 @@ std::map<std::string, std::string> settings_of(const JobRow& job) {
 std::string jobs_json(const std::vector<JobStatus>& jobs) {
   Json json = {{"jobs", Json::array()}};
   for (const JobStatus& job : jobs) json["jobs"].push_back(row_json(job));
-  return text_of(json);
+  return json_text(json);
 }
 
 std::string job_json(const JobStatus& job, const std::vector<JobLine>& log) {
   Json json = row_json(job);
   json["log"] = Json::array();
   for (const JobLine& line : log) json["log"].push_back({{"at", time_json(line.at_ms)}, {"words", line.words}});
-  return text_of(json);
+  return json_text(json);
 }
 
 }  // namespace hermite

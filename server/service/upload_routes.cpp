@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/service/job_request.h"
+#include "server/service/json_text.h"
 #include "server/service/json_time.h"
 #include "server/store/unix_time.h"
 
@@ -15,8 +16,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kUploadPath = "/api/v1/uploads/";
 constexpr std::int64_t kRoomRetry_ms = 30'000;  // jobs take minutes, and give back what their uploads took
-
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 HttpAnswer plain(int status, HttpHeaders headers = {}) {
   HttpAnswer answer;
@@ -134,7 +133,7 @@ HttpAnswer list_uploads(const HttpWorld& world, const Call& call) {
     row["expires_at"] = time_json(upload.row.expires_at_ms);
     json["uploads"].push_back(std::move(row));
   }
-  return made(text_of(json));
+  return made(json_text(json));
 }
 
 HttpAnswer describe_uploads(const HttpWorld& world, const Call&) {
@@ -236,7 +235,7 @@ HttpAnswer put_upload(const HttpWorld& world, const Call& call) {
   if (!state.ok()) return refused_upload(state.error());
   const UploadPiece piece{0, static_cast<std::int64_t>(call.request.body_bytes), std::nullopt};
   return receive(world, call, *state, piece, [&world](const UploadState& now, const Status& received) {
-    if (now.complete()) return made(text_of({{"job", now.row.id}}), 201);
+    if (now.complete()) return made(json_text({{"job", now.row.id}}), 201);
     // Nobody knows its name, so nobody could go on with it.
     world.uploads.forget(now.row.id);
     return received.ok() ? error_answer(400, {ErrorCode::kCorruptData, "the body was cut"}) : refused_upload(received.error());
