@@ -60,12 +60,6 @@ Result<int> parse_priority(const std::string& text) {
   return priority;
 }
 
-Status check_camera(const std::string& text) {
-  if (known_camera(text)) return Done{};
-  if (const Result<CameraFile> camera = parse_camera_json(text); !camera.ok()) return in_context("camera", camera.error());
-  return Done{};
-}
-
 Json row_json(const JobStatus& job) {
   const JobRow& row = job.row;
   Json json = {{"id", row.id}, {"title", row.title}, {"state", name_of(row.state)}, {"words", row.words}};
@@ -120,6 +114,14 @@ std::string clean_title(const std::string& text) {
   return title;
 }
 
+Result<std::optional<Camera>> camera_of(const JobRow& job) {
+  if (job.camera.empty()) return std::optional<Camera>();
+  if (std::optional<Camera> known = known_camera(job.camera)) return known;
+  const Result<CameraFile> file = parse_camera_json(job.camera);
+  if (!file.ok()) return in_context("camera", file.error());
+  return std::optional<Camera>(file->camera);
+}
+
 Result<JobRow> job_of_upload(const UploadRow& upload) {
   const Result<std::map<std::string, std::string>> metadata = parse_upload_metadata(upload.metadata);
   if (!metadata.ok()) return metadata.error();
@@ -132,8 +134,7 @@ Result<JobRow> job_of_upload(const UploadRow& upload) {
   job.token_id = upload.token_id;
   job.title = clean_title(value("title").empty() ? without_ending(value("filename")) : value("title"));
   job.camera = value("camera");
-  if (!job.camera.empty())
-    if (Status status = check_camera(job.camera); !status.ok()) return status.error();
+  if (const Result<std::optional<Camera>> camera = camera_of(job); !camera.ok()) return camera.error();
   if (!value("settings").empty()) {
     const Result<std::map<std::string, std::string>> settings = parse_settings(Json::parse(value("settings"), nullptr, false));
     if (!settings.ok()) return settings.error();

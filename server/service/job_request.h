@@ -2,10 +2,12 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/math/camera.h"
 #include "server/service/executor.h"
 #include "server/store/upload_row.h"
 
@@ -25,6 +27,10 @@ Result<JobRow> job_of_request(const std::string& body);
 
 // Of a row that came out of the above. A corrupt one has none.
 std::map<std::string, std::string> settings_of(const JobRow& job);
+
+// The camera that the job names or describes, none where it leaves that to the recording. kInvalidArgument, kCorruptData, as
+// parse_camera_json.
+Result<std::optional<Camera>> camera_of(const JobRow& job);
 
 // UTF-8 without control characters, as long as a title may be; what is neither becomes "?".
 std::string clean_title(const std::string& text);

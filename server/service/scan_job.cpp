@@ -19,14 +19,6 @@ namespace {
 constexpr std::chrono::milliseconds kReportPeriod(100);  // of what has been unpacked
 constexpr const char* kTracking = "tracking";
 
-Result<std::optional<Camera>> camera_of(const JobRow& row) {
-  if (row.camera.empty()) return std::optional<Camera>();
-  if (std::optional<Camera> known = known_camera(row.camera)) return known;
-  const Result<CameraFile> file = parse_camera_json(row.camera);
-  if (!file.ok()) return in_context("camera", file.error());
-  return std::optional<Camera>(file->camera);
-}
-
 // Paths of this machine are nobody's business.
 std::string without_path(std::string words, const std::string& path, const std::string& instead) {
   for (std::size_t at = 0; (at = words.find(path, at)) != std::string::npos; at += instead.size()) words.replace(at, path.size(), instead);
