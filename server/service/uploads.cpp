@@ -93,8 +93,7 @@ Uploads::Uploads(UploadLimits limits, const DataDirectory& data, Store& store, s
     if (const Status told = complete_(row); !told.ok()) spdlog::warn("upload {}: {}", row.id, told.error().message);
   }
   std::error_code error;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(data_.upload_path(new_scan_id())).parent_path(), error)) {
+  for (const auto& entry : std::filesystem::directory_iterator(data_.uploads_folder(), error)) {
     const std::string name = entry.path().filename().string();
     if (!is_scan_id(name) || store_.upload(name).ok()) continue;
     if (const Status removed = remove_upload_file(data_.upload_path(name)); !removed.ok()) spdlog::warn("{}", removed.error().message);

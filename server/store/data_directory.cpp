@@ -146,7 +146,7 @@ Result<std::uint64_t> DataDirectory::stored_bytes() const {
 
 std::string DataDirectory::upload_path(const std::string& upload_id) const {
   CHECK(is_scan_id(upload_id), "a path from something that is no id");
-  return path_ + "/uploads/" + upload_id;
+  return uploads_folder() + "/" + upload_id;
 }
 
 std::string DataDirectory::job_folder(const std::string& job_id) const {

@@ -44,6 +44,7 @@ class DataDirectory {
 
   // As above: the id must be one.
   std::string upload_path(const std::string& upload_id) const;
+  std::string uploads_folder() const { return path_ + "/uploads"; }
   std::string job_folder(const std::string& job_id) const;
   Status create_job_folder(const std::string& job_id) const;
   Status remove_job_folder(const std::string& job_id) const;  // well, too, when there is none
