@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "core/base/check.h"
 #include "core/evaluate/depth_doubts.h"
+#include "server/client/printf_text.h"
 
 namespace hermite {
 namespace {
@@ -17,12 +17,6 @@ constexpr double kShortestToCompare_s = 0.5;
 constexpr double kTooNear_m = 0.6;                          // structured light sees nothing within 0.4 to 0.5 m
 constexpr double kDark = 35, kBright = 225;                 // mean grey of 255: beyond, ORB finds next to nothing
 constexpr int kLuma_r = 299, kLuma_g = 587, kLuma_b = 114;  // thousandths, as JPEG weighs them
-
-std::string words_of(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 // Of every seventh pixel, a number that no row length shares.
 double mean_grey(const ColorImage& color) {
@@ -61,8 +55,8 @@ void Preflight::add_time_doubts(std::vector<std::string>& doubts) const {
   const double rate = rate_hz();
   if (rate == 0) return;
   if (std::abs(rate / camera_.frame_rate_hz - 1) > kRateTolerance)
-    doubts.push_back("the time stamps say " + words_of("%.3g", rate) + " frames a second, the camera should give " +
-                     words_of("%.3g", camera_.frame_rate_hz) + ": too dark a room makes some cameras slower, a shared USB port all");
+    doubts.push_back("the time stamps say " + printf_text("%.3g", rate) + " frames a second, the camera should give " +
+                     printf_text("%.3g", camera_.frame_rate_hz) + ": too dark a room makes some cameras slower, a shared USB port all");
   const auto is_gap = [&](const Seen& before, const Seen& after) { return (after.time_s - before.time_s) * rate > kGap; };
   int gap_count = 0;
   for (std::size_t i = 1; i < frames_.size(); ++i) gap_count += is_gap(frames_[i - 1], frames_[i]) ? 1 : 0;
@@ -70,8 +64,8 @@ void Preflight::add_time_doubts(std::vector<std::string>& doubts) const {
     doubts.push_back("frames are missing at " + std::to_string(gap_count) + " places: this computer or its USB is too slow");
   const double camera_s = frames_.back().time_s - frames_.front().time_s, host_s = frames_.back().host_s - frames_.front().host_s;
   if (host_s >= kShortestToCompare_s && std::abs(camera_s / host_s - 1) > kClockTolerance)
-    doubts.push_back("the time stamps do not fit the clock: they say " + words_of("%.2f s", camera_s) + " while " +
-                     words_of("%.2f s", host_s) + " went by");
+    doubts.push_back("the time stamps do not fit the clock: they say " + printf_text("%.2f s", camera_s) + " while " +
+                     printf_text("%.2f s", host_s) + " went by");
   if (left_out_.unpaired > 0)
     doubts.push_back(std::to_string(left_out_.unpaired) + " depth images had no colour image at the same time and were left out");
 }
@@ -80,9 +74,9 @@ void Preflight::add_picture_doubts(std::vector<std::string>& doubts) const {
   std::vector<double> greys;
   for (const Seen& seen : frames_) greys.push_back(seen.mean_grey);
   const double grey = median(std::move(greys));
-  if (grey < kDark) doubts.push_back("the picture is dark (" + words_of("%.0f", grey) + " of 255): make more light");
+  if (grey < kDark) doubts.push_back("the picture is dark (" + printf_text("%.0f", grey) + " of 255): make more light");
   if (grey > kBright)
-    doubts.push_back("the picture is overexposed (" + words_of("%.0f", grey) + " of 255): less light, or look away from it");
+    doubts.push_back("the picture is overexposed (" + printf_text("%.0f", grey) + " of 255): less light, or look away from it");
 }
 
 std::vector<std::string> Preflight::doubts() const {
@@ -95,7 +89,7 @@ std::vector<std::string> Preflight::doubts() const {
   } else {
     doubts = depth_doubts({survey, guess_depth_unit(survey, units), registration_.fit(), units});
     if (survey.median / units < kTooNear_m)
-      doubts.push_back("too near: half of what is seen is nearer than " + words_of("%.2f m", survey.median / units) +
+      doubts.push_back("too near: half of what is seen is nearer than " + printf_text("%.2f m", survey.median / units) +
                        "; step back to 0.8 to 3 m");
   }
   add_picture_doubts(doubts);
@@ -106,9 +100,9 @@ std::vector<std::string> Preflight::doubts() const {
 std::string Preflight::summary() const {
   const DepthSurvey survey = depth_.survey();
   const double units = camera_.camera.depth_units_per_metre;
-  return std::to_string(frames_.size()) + " frames at " + words_of("%.3g Hz", rate_hz()) + ", " +
-         words_of("%.0f %%", 100 * survey.valid_share) + " of the pixels have depth, " + words_of("%.2f", survey.nearest / units) + " to " +
-         words_of("%.2f m", survey.farthest / units);
+  return std::to_string(frames_.size()) + " frames at " + printf_text("%.3g Hz", rate_hz()) + ", " +
+         printf_text("%.0f %%", 100 * survey.valid_share) + " of the pixels have depth, " + printf_text("%.2f", survey.nearest / units) +
+         " to " + printf_text("%.2f m", survey.farthest / units);
 }
 
 }  // namespace hermite

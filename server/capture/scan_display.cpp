@@ -1,10 +1,9 @@
 #include "server/capture/scan_display.h"
 
 #include <algorithm>
-#include <cstdarg>
-#include <cstdio>
 
 #include "server/client/link_adaption.h"
+#include "server/client/printf_text.h"
 #include "server/client/progress.h"
 
 namespace hermite {
@@ -14,20 +13,10 @@ constexpr double kShownBehind_s = 0.05;  // less is not noticed
 constexpr double kMinRateTime_s = 0.1;   // a mean over less says nothing
 constexpr double kMaxShown_s = 1e6;
 
-std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
-std::string format(const char* pattern, ...) {
-  char text[160];
-  va_list arguments;
-  va_start(arguments, pattern);
-  std::vsnprintf(text, sizeof(text), pattern, arguments);
-  va_end(arguments);
-  return text;
-}
-
 // "0:42" since the first frame.
 std::string clock_words(double time_s, const CaptureState& capture) {
   const auto whole = static_cast<long long>(std::clamp(time_s - capture.first_s, 0.0, kMaxShown_s));
-  return format("%lld:%02lld", whole / 60, whole % 60);
+  return printf_text("%lld:%02lld", whole / 60, whole % 60);
 }
 
 std::string tracking_words(const wire::FrameResult& result, const CaptureState& capture) {
@@ -52,14 +41,15 @@ std::string format_scan_progress(const ScanProgress& progress) {
   else if (capture.paused)
     text += "  paused: space goes on";
   else
-    text += format("  %.1f fps  %.0f %% depth", capture.rate_hz, 100 * capture.coverage);
+    text += printf_text("  %.1f fps  %.0f %% depth", capture.rate_hz, 100 * capture.coverage);
   if (stream.last_result) {
     text += tracking_words(*stream.last_result, capture);
     const double behind_s = capture.newest_s - stream.last_result->timestamp_s;
-    if (behind_s > kShownBehind_s) text += format("  %.1f s behind", std::min(behind_s, kMaxShown_s));
+    if (behind_s > kShownBehind_s) text += printf_text("  %.1f s behind", std::min(behind_s, kMaxShown_s));
   }
-  if (stream.elapsed_s >= kMinRateTime_s) text += format("  %.1f Mbit/s", 8e-6 * static_cast<double>(stream.sent_bytes) / stream.elapsed_s);
-  if (stream.round_trip_ms) text += format("  round trip %.0f ms", std::min(*stream.round_trip_ms, 1e6));
+  if (stream.elapsed_s >= kMinRateTime_s)
+    text += printf_text("  %.1f Mbit/s", 8e-6 * static_cast<double>(stream.sent_bytes) / stream.elapsed_s);
+  if (stream.round_trip_ms) text += printf_text("  round trip %.0f ms", std::min(*stream.round_trip_ms, 1e6));
   if (progress.dropped_frames > 0) text += "  " + std::to_string(progress.dropped_frames) + " dropped";
   if (stream.left_out_frames > 0) text += "  " + std::to_string(stream.left_out_frames) + " left out";
   if (stream.link_level > 0) text += "  slow link: " + in_words(link_level(stream.link_level));
@@ -73,7 +63,7 @@ std::string format_scan_summary(const ScanProgress& progress, const std::string&
   if (progress.dropped_frames > 0) text += ", " + std::to_string(progress.dropped_frames) + " dropped";
   if (progress.log)
     text += ", " + std::to_string(progress.log->durable_count) + " recorded in " + record_folder +
-            format(" (%.1f MB)", 1e-6 * static_cast<double>(progress.log->bytes));
+            printf_text(" (%.1f MB)", 1e-6 * static_cast<double>(progress.log->bytes));
   if (progress.stream.scan_id.empty()) return text;
   return text + "; scan " + progress.stream.scan_id + ": " + std::to_string(progress.stream.processed_frames) + " processed, " +
          std::to_string(progress.stream.tracked_frames) + " tracked" +

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <ostream>
 
 #include "server/client/link_adaption.h"
+#include "server/client/printf_text.h"
 
 namespace hermite {
 namespace {
@@ -14,16 +13,6 @@ namespace {
 constexpr double kTerminalInterval_s = 0.2;
 constexpr double kPlainInterval_s = 5;
 constexpr double kMaxShown_s = 100.0 * 3600;
-
-std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
-std::string format(const char* pattern, ...) {
-  char text[160];
-  va_list arguments;
-  va_start(arguments, pattern);
-  std::vsnprintf(text, sizeof(text), pattern, arguments);
-  va_end(arguments);
-  return text;
-}
 
 // To centimetres, without a "-0.00".
 double rounded(double length_m) { return std::round(length_m * 100) / 100 + 0.0; }
@@ -45,9 +34,9 @@ double sent_Mbit_per_s(const StreamProgress& progress) { return per_second(8e-6 
 
 std::string format_duration(double seconds) {
   const auto whole = static_cast<long long>(std::clamp(seconds, 0.0, kMaxShown_s) + 0.5);
-  if (whole < 60) return format("%lld s", whole);
-  if (whole < 3600) return format("%lld:%02lld", whole / 60, whole % 60);
-  return format("%lld:%02lld:%02lld", whole / 3600, whole / 60 % 60, whole % 60);
+  if (whole < 60) return printf_text("%lld s", whole);
+  if (whole < 3600) return printf_text("%lld:%02lld", whole / 60, whole % 60);
+  return printf_text("%lld:%02lld:%02lld", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
 std::string format_summary(const StreamProgress& progress) {
@@ -57,7 +46,7 @@ std::string format_summary(const StreamProgress& progress) {
   if (dropped > 0) text += ", " + std::to_string(dropped) + " dropped";
   if (progress.left_out_frames > 0) text += ", " + std::to_string(progress.left_out_frames) + " left out for a slow link";
   if (progress.problem_frames > 0) text += ", " + std::to_string(progress.problem_frames) + " with problems";
-  text += format(", %.1f Mbit/s", sent_Mbit_per_s(progress));
+  text += printf_text(", %.1f Mbit/s", sent_Mbit_per_s(progress));
   return progress.last_words.empty() ? text : text + "; " + progress.last_words;
 }
 
@@ -78,7 +67,7 @@ constexpr double kShownCorrection_m = 0.005;
 
 std::string correction_words(double correction_m) {
   if (correction_m < kShownCorrection_m) return "the map was right";
-  return "the map was corrected by up to " + format("%.0f cm", std::min(100 * correction_m, 1e6));
+  return "the map was corrected by up to " + printf_text("%.0f cm", std::min(100 * correction_m, 1e6));
 }
 
 std::string format_event(const wire::FrameResult& result) {
@@ -99,10 +88,10 @@ std::string format_progress(const StreamProgress& progress) {
   const double processed_per_s = per_second(static_cast<double>(progress.processed_frames), progress);
   std::string text = "frame " + std::to_string(progress.processed_frames) + "/" + std::to_string(total) + " (sent " +
                      std::to_string(progress.sent_frames) + ")" +
-                     format("  %.1f fps  %.1f Mbit/s", processed_per_s, sent_Mbit_per_s(progress));
+                     printf_text("  %.1f fps  %.1f Mbit/s", processed_per_s, sent_Mbit_per_s(progress));
   if (progress.last_result) {
     const auto& position_m = progress.last_result->world_from_camera.translation;
-    text += format("  position %.2f %.2f %.2f m", rounded(position_m.x()), rounded(position_m.y()), rounded(position_m.z()));
+    text += printf_text("  position %.2f %.2f %.2f m", rounded(position_m.x()), rounded(position_m.y()), rounded(position_m.z()));
     text += tracking_words(*progress.last_result);
   }
   text += count_of(progress.dropped_frames + progress.server_dropped_frames, "dropped");
