@@ -368,17 +368,21 @@ void Scans::remove_old_logs() {
       if (Status status = data_.remove_log_folder(row.id); !status.ok()) spdlog::warn("{}", status.error().message);
 }
 
-void Scans::tick(LiveScan::Clock::time_point now) {
-  std::vector<double> remaining_s;
+std::vector<double> Scans::remaining_s() const {
+  const double frame_s = places_.frame_s() * static_cast<double>(running_.size());
+  std::vector<double> remaining;
   for (const auto& [id, scan] : running_) {
-    scan->tick(now);
     const std::optional<std::uint64_t> frames = scan->remaining_frames();
-    const double frame_s = places_.frame_s() * static_cast<double>(running_.size());
-    remaining_s.push_back(frames ? static_cast<double>(*frames) * frame_s : std::numeric_limits<double>::infinity());
+    remaining.push_back(frames ? static_cast<double>(*frames) * frame_s : std::numeric_limits<double>::infinity());
   }
+  return remaining;
+}
+
+void Scans::tick(LiveScan::Clock::time_point now) {
+  for (const auto& [id, scan] : running_) scan->tick(now);
   if (now - told_to_wait_at_ >= kWaitingPeriod) {
     told_to_wait_at_ = now;
-    places_.tell(std::move(remaining_s));
+    if (places_.waiting_count() > 0) places_.tell(remaining_s());
   }
   if (now - old_logs_removed_at_ >= std::chrono::hours(1)) remove_old_logs();
 }

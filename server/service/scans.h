@@ -129,6 +129,7 @@ class Scans {
   std::shared_ptr<LiveScan> run(const Launch& launch, FrameLog::Opened opened);
   Status rebuild(const ScanRow& row);
   void remove_old_logs();
+  std::vector<double> remaining_s() const;  // of the scans that run, as Places::tell() wants it
   Result<ResumedScan> last_words(const ScanRow& row, const wire::ResumeScan& request);
   void ended(const ScanRow& row, const ScanEnd& end);
   ScanRow with_counts(ScanRow row) const;
