@@ -61,6 +61,14 @@ Result<Places::Ticket> Places::wait(const PlaceRequest& request, std::function<v
   return next_ticket_++;
 }
 
+void Places::dismiss() {
+  while (!line_.empty()) {
+    const Waiter waiter = std::move(line_.begin()->second);
+    line_.erase(line_.begin());
+    waiter.begin();
+  }
+}
+
 void Places::serve() {
   for (auto entry = line_.begin(); entry != line_.end();) {
     const Ticket ticket = entry->first;

@@ -50,7 +50,8 @@ class Places {
   Result<Ticket> wait(const PlaceRequest& request, std::function<void(const wire::Waiting&)> tell, std::function<void()> begin);
   void leave(Ticket ticket) { line_.erase(ticket); }
 
-  void serve();  // lets begin whoever can; when a scan has ended
+  void dismiss();  // there will be no more places: everybody's turn comes, to be told so
+  void serve();    // lets begin whoever can; when a scan has ended
   // Everybody who waits, how long about. `remaining_s`: until each of the scans that run has ended, infinite where nobody knows.
   void tell(std::vector<double> remaining_s) const;
 

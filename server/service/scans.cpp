@@ -408,10 +408,13 @@ void Scans::describe(Load& load) const {
   load.frames_dropped = counts.dropped;
 }
 
-void Scans::refuse_new() { stopping_ = true; }
+void Scans::refuse_new() {
+  stopping_ = true;
+  places_.dismiss();
+}
 
 void Scans::stop() {
-  stopping_ = true;
+  refuse_new();
   for (const auto& [id, scan] : running_) scan->stop();
 }
 

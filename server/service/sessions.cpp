@@ -254,6 +254,7 @@ class WaitingSession final : public Session {
 
   void begin() {
     ticket_.reset();
+    if (session_->closing()) return;  // it broke a rule while it waited
     Greeting greeting = begin_();
     if (const Refusal* refusal = std::get_if<Refusal>(&greeting)) return session_->fail(refusal->error, refusal->code);
     session_ = std::get<std::unique_ptr<Session>>(std::move(greeting));

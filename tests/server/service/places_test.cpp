@@ -93,6 +93,15 @@ TEST(Places, WhoHasLeftTheLineIsForgotten) {
   EXPECT_THAT(line.begun, ElementsAre("second"));
 }
 
+TEST(Places, EverybodysTurnComesWhenThereWillBeNoMore) {
+  Line line({1, 1, 0});
+  line.places.began("running", kAdmin);
+  for (const char* scan : {"first", "second"}) ASSERT_TRUE(line.wait(scan, kAdmin).ok());
+  line.places.dismiss();
+  EXPECT_THAT(line.begun, ElementsAre("first", "second"));
+  EXPECT_EQ(line.places.waiting_count(), 0u);
+}
+
 TEST(Places, TheLineHasAnEnd) {
   Line line({1, 1, 0});
   line.places.began("running", kAdmin);

@@ -365,6 +365,22 @@ TEST_F(ScansTest, CamerasWaitForAPlaceInTheOrderInWhichTheyCame) {
   ASSERT_TRUE(third->read<wire::Welcome>()) << "nobody waits for one who has gone";
 }
 
+TEST_F(ScansTest, WhoWaitsIsToldThatTheServerStops) {
+  serve([](ServiceOptions& options) { options.max_scans = 1; });
+  Camera first = start();
+  RawClient second(server_->port());
+  ASSERT_TRUE(second.upgrade());
+  wire::StartScan request{"", room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0};
+  second.send_message(wire::Hello{wire::kProtocolMinor, "test", server_->token(), request});
+  ASSERT_TRUE(second.read<wire::Waiting>());
+  std::thread stopping([this] { server_->stop(); });
+  const auto error = second.read<wire::ErrorMessage>();
+  stopping.join();
+  ASSERT_TRUE(error);
+  EXPECT_THAT(error->message, HasSubstr("the server is stopping"));
+  EXPECT_EQ(second.close_code(), 4013);
+}
+
 TEST_F(ScansTest, AFrameBeforeTheWelcomeEndsTheWait) {
   serve([](ServiceOptions& options) { options.max_scans = 1; });
   Camera first = start();
