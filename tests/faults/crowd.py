@@ -6,7 +6,6 @@
 Passes when every camera finishes with the same result and those without a place were told to wait, and when after many connections of every bad kind the server
 has as many open files as before and hardly more memory. Exit status 77 (skipped) without python3-wsproto.
 """
-import argparse
 import json
 import os
 import re
@@ -18,7 +17,7 @@ import tempfile
 import time
 import urllib.request
 
-from programs import Camera, Server, check, failures
+from programs import Camera, Server, argument_parser, check, failures, open_files, resident_mb
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "server"))
 from independent_client import Client, hello_viewer  # noqa: E402
@@ -88,19 +87,15 @@ def come_and_go(server, count, scan_id):
 
 def state_of(process):
     """Open files and resident memory in MB, once the former is at rest."""
-    files = lambda: len(os.listdir(f"/proc/{process.pid}/fd"))
     before, deadline = -1, time.monotonic() + 60
-    while (count := files()) != before and time.monotonic() < deadline:
+    while (count := open_files(process)) != before and time.monotonic() < deadline:
         before = count
         time.sleep(1)
-    with open(f"/proc/{process.pid}/status", encoding="ascii") as status:
-        return count, int(re.search(r"VmRSS:\s+(\d+)", status.read())[1]) / 1000
+    return count, resident_mb(process)
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("hermite")
-    parser.add_argument("client")
+    parser = argument_parser()
     parser.add_argument("--cameras", type=int, default=8)
     parser.add_argument("--connects", type=int, default=1000)
     arguments = parser.parse_args()

@@ -7,7 +7,6 @@ A proxy between the two forwards in pieces of random size, down to single bytes,
 end (FIN) or without (RST), between messages or in their middle. Passes when every camera comes back by itself, trajectory and cloud have the
 hashes of an undisturbed run, and the server has as many open files afterwards as before.
 """
-import argparse
 import os
 import random
 import signal
@@ -18,7 +17,7 @@ import tempfile
 import threading
 import time
 
-from programs import FRAMES, Camera, Server, check, failures
+from programs import FRAMES, Camera, Server, argument_parser, check, failures, open_files
 
 
 # The upgrade and the hello have less. A camera that has not been told of its scan cannot come back to it, one that sends frames has.
@@ -81,10 +80,6 @@ class Proxy:
                 pass
 
 
-def open_files(process):
-    return len(os.listdir(f"/proc/{process.pid}/fd"))
-
-
 def settled(process, wanted):
     """The count when it has come down to `wanted`, or after 20 s."""
     deadline = time.monotonic() + 20
@@ -94,9 +89,7 @@ def settled(process, wanted):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("hermite")
-    parser.add_argument("client")
+    parser = argument_parser()
     parser.add_argument("--scans", type=int, default=3)
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()

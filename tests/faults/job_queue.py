@@ -5,7 +5,6 @@
 
 Passes when the right 18 finish, each exactly once and with the same result, and the other two say why and leave nothing.
 """
-import argparse
 import json
 import os
 import signal
@@ -14,7 +13,7 @@ import sys
 import tempfile
 import time
 
-from programs import PATIENCE_S, Server, check, failures
+from programs import PATIENCE_S, Server, argument_parser, check, failures
 
 GOOD = 18
 
@@ -52,9 +51,7 @@ def record(hermite, folder, name, frames):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("hermite")
-    parser.add_argument("client")
+    parser = argument_parser()
     parser.add_argument("--kills", type=int, default=1)
     parser.add_argument("--frames", type=int, default=5)
     arguments = parser.parse_args()

@@ -7,7 +7,6 @@ Passes when every scan came back after every kill, no frame that the client was 
 trajectory and cloud of every scan have the hashes of an undisturbed run. The log is read here by a program of its own, from
 core/log/frame_log.md alone.
 """
-import argparse
 import glob
 import os
 import random
@@ -17,7 +16,7 @@ import tempfile
 import time
 
 from frame_log import frames_in_log
-from programs import FRAMES, Camera, Server, check, durable_said, failures
+from programs import FRAMES, Camera, Server, argument_parser, check, durable_said, failures
 
 KILLS_PER_SCAN = 5
 
@@ -48,9 +47,7 @@ def disturb(server, camera, log, kills, rng):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("hermite")
-    parser.add_argument("client")
+    parser = argument_parser()
     parser.add_argument("--kills", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()

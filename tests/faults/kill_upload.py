@@ -7,7 +7,6 @@ Three clients: hermite-client upload; hermite-client upload that is killed as we
 web/node_modules; left out, visibly, where that is not installed). What is sent is noise, so that its job fails and the upload stays to be
 compared; the job must be there, once, and say why it failed. And curl does what server/README.md says.
 """
-import argparse
 import glob
 import hashlib
 import os
@@ -19,7 +18,7 @@ import sys
 import tempfile
 import time
 
-from programs import PATIENCE_S, Server, check, failures
+from programs import PATIENCE_S, Server, argument_parser, check, failures
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 TUS_CLIENT = os.path.join(HERE, "tus_upload.mjs")
@@ -91,9 +90,7 @@ def curl_works(server, folder, source):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("hermite")
-    parser.add_argument("client")
+    parser = argument_parser()
     parser.add_argument("--mb", type=int, default=60)
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()

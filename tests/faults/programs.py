@@ -1,5 +1,7 @@
 """The real programs, for the tests that break things around them."""
+import argparse
 import json
+import os
 import re
 import resource
 import socket
@@ -79,6 +81,23 @@ class Camera:
             return None
         report = json.loads(self.out)
         return report["frames"], report["trajectory_sha256"], report["cloud_sha256"]
+
+
+def argument_parser():
+    """The programs; a test adds what else it takes."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("hermite")
+    parser.add_argument("client")
+    return parser
+
+
+def open_files(process):
+    return len(os.listdir(f"/proc/{process.pid}/fd"))
+
+
+def resident_mb(process):
+    with open(f"/proc/{process.pid}/status", encoding="ascii") as status:
+        return int(re.search(r"VmRSS:\s+(\d+)", status.read())[1]) / 1000
 
 
 def durable_said(lines):

@@ -7,7 +7,6 @@ The server is killed after a third of the scan and comes back after the second t
 have the hashes of an undisturbed batch run of the recorded frames, streamed and local. Then: a scan whose server comes only after its end,
 a recording of which the client is killed, and the keys.
 """
-import argparse
 import json
 import os
 import pty
@@ -20,7 +19,7 @@ import sys
 import tempfile
 import time
 
-from programs import PATIENCE_S, Server, check, failures
+from programs import PATIENCE_S, Server, argument_parser, check, failures
 
 SETTINGS = ["--set", "map.stable_confidence=1"]
 PREFLIGHT = 3
@@ -163,9 +162,7 @@ def keys(client, server, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("hermite")
-    parser.add_argument("client")
+    parser = argument_parser()
     parser.add_argument("--frames", type=int, default=60)
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:

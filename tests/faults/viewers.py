@@ -6,9 +6,7 @@
 While a camera scans, each viewer asks for a Pong ten times a second and takes what comes, acknowledging as the browser does. Rounds with a viewer
 that reads 100 kbit/s take turns with rounds without. Prints a Markdown table: round trips of all the others, and what a viewer costs the server.
 """
-import argparse
 import os
-import re
 import selectors
 import signal
 import socket
@@ -18,7 +16,7 @@ import tempfile
 import time
 
 from crowd import scans, token_of
-from programs import Camera, Server
+from programs import Camera, Server, argument_parser, resident_mb
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "server"))
 from independent_client import PING, PONG, VIEWER_ACK, Client, field, fields, hello_viewer  # noqa: E402
@@ -105,7 +103,7 @@ def one_round(server, program, count, with_slow):
     while not (new := [scan["id"] for scan in scans(server) if scan["id"] not in known]):
         time.sleep(0.1)
     time.sleep(3)
-    alone_mb = state_of_memory(server)
+    alone_mb = resident_mb(server.process)
     viewers = [Viewer(server.port, token_of(server), new[0], with_slow and k == 0) for k in range(count)]
     selector = selectors.DefaultSelector()
     for viewer in viewers:
@@ -117,7 +115,7 @@ def one_round(server, program, count, with_slow):
         for viewer in viewers:
             if viewer.open:
                 viewer.speak()
-        most_mb = max(most_mb, state_of_memory(server))
+        most_mb = max(most_mb, resident_mb(server.process))
         for viewer in [v for v in viewers if not v.open and v.client.socket.fileno() >= 0]:
             selector.unregister(viewer.client.socket)
             viewer.client.socket.close()
@@ -130,15 +128,8 @@ def one_round(server, program, count, with_slow):
     return times, (most_mb - alone_mb) / count, fast, slow[0] if slow else None
 
 
-def state_of_memory(server):
-    with open(f"/proc/{server.process.pid}/status", encoding="ascii") as status:
-        return int(re.search(r"VmRSS:\s+(\d+)", status.read())[1]) / 1000
-
-
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("hermite")
-    parser.add_argument("client")
+    parser = argument_parser()
     parser.add_argument("--viewers", type=int, default=32)
     parser.add_argument("--rounds", type=int, default=3)
     arguments = parser.parse_args()
