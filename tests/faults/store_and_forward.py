@@ -23,6 +23,7 @@ from programs import PATIENCE_S, Server, argument_parser, check, failures
 
 SETTINGS = ["--set", "map.stable_confidence=1"]
 PREFLIGHT = 3
+FRAME_BYTES = 12_000  # a frame is recorded in somewhat more
 
 
 def camera(frames):
@@ -50,15 +51,21 @@ def reconstructed(hermite, folder, out):
         return hashes(report.read())
 
 
+def wait_for_recorded(process, log, frames):
+    """Until so many are on the disk: how long that takes is the machine's affair."""
+    deadline = time.monotonic() + PATIENCE_S
+    size = lambda: sum(entry.stat().st_size for entry in os.scandir(log)) if os.path.isdir(log) else 0
+    while size() < frames * FRAME_BYTES and process.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.01)
+    check(process.poll() is None, f"the camera still scans after {frames} frames")
+
+
 def away_for_a_third(hermite, client, server, folder, frames):
     log = os.path.join(folder, "away")
-    third_s = frames / 30 / 3
     process = subprocess.Popen(scan_command(client, camera(frames), log, server.url), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    while not os.path.exists(log) and process.poll() is None:
-        time.sleep(0.01)
-    time.sleep(third_s)
+    wait_for_recorded(process, log, frames // 3)
     server.end(signal.SIGKILL)
-    time.sleep(third_s)
+    wait_for_recorded(process, log, frames * 2 // 3)
     server.start()
     out, words = process.communicate(timeout=PATIENCE_S)
     check(process.returncode == 0, f"the scan ends well: {words}")
@@ -85,7 +92,7 @@ def server_comes_late(client, server, folder, frames):
 def killed_client(hermite, client, folder):
     log = os.path.join(folder, "killed")
     process = subprocess.Popen(scan_command(client, camera(1000), log), stderr=subprocess.DEVNULL)
-    time.sleep(2)
+    wait_for_recorded(process, log, 30)
     process.kill()
     process.wait()
     inspected = subprocess.run([hermite, "inspect", log, "--json"], check=True, capture_output=True, text=True)
