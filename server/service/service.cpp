@@ -30,7 +30,7 @@
 #include "server/service/settings.h"
 #include "server/service/static_files.h"
 #include "server/store/data_directory.h"
-#include "server/store/store.h"
+#include "server/store/sqlite_store.h"
 #include "server/store/unix_time.h"
 
 namespace hermite {
@@ -156,7 +156,7 @@ struct Service::Impl {
   TlsContext tls;  // of new connections; none: they are not encrypted
   const DataDirectory data;
   const StaticFiles files;
-  Store store;
+  SqliteStore store;
   Metrics metrics{kVersion};
   Gate gate;
   CountLimit connections, admin_connections{kMaxAdminConnections, kMaxAdminConnections};

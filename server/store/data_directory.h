@@ -2,7 +2,7 @@
 //
 //   lock          held (flock) for as long as the server runs, so that two programs never share a folder; the server's address is in it
 //   token         the first token: 64 hex digits, mode 0600
-//   hermite.db    scans, tokens and share links (store.h)
+//   hermite.db    scans, tokens, uploads and jobs (sqlite_store.h)
 //   scans/ID/     cloud.ply trajectory.txt report.json chunks.bin of a scan that has ended
 //   scans/ID/log/ its frames as they came (frame_log.h)
 //   uploads/ID    the bytes of an upload, as far as they have come

@@ -12,7 +12,7 @@
 #include "server/service/scan_record.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
-#include "server/store/store.h"
+#include "server/store/sqlite_store.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/room_frames.h"
 #include "tests/support/running_server.h"
@@ -100,7 +100,7 @@ class ResumeTest : public testing::Test {
   }
   ScanRow row(const std::string& id) {
     server_->stop();
-    Store store(folder_ / "data/hermite.db");
+    SqliteStore store(folder_ / "data/hermite.db");
     const auto found = store.find(id);
     EXPECT_TRUE(found.ok());
     return found.ok() ? *found : ScanRow{};
@@ -333,7 +333,7 @@ TEST_F(ResumeTest, RefusedFramesAndBadImagesAreTheSameAfterARestart) {
 TEST_F(ResumeTest, ARevokedTokenEndsTheConnectionAndAnotherTokenGoesOnWithTheScan) {
   server_->stop();
   {
-    Store store(folder_ / "data/hermite.db");
+    SqliteStore store(folder_ / "data/hermite.db");
     const auto add = [&store](const std::string& secret, const Scopes& scopes) {
       TokenRow token;
       token.id = token.name = secret;
@@ -381,7 +381,7 @@ TEST_F(ResumeTest, TheFramesOfAScanThatEndedLongAgoGoAndItsResultsStay) {
   server_->stop();
   ended.finished_at_ms -= std::int64_t{8} * 24 * 3600 * 1000;
   {
-    Store store(folder_ / "data/hermite.db");
+    SqliteStore store(folder_ / "data/hermite.db");
     ASSERT_TRUE(store.update(ended).ok());
   }
   serve(120);
@@ -425,7 +425,7 @@ TEST_F(ResumeTest, ADiscardedScanLeavesNothing) {
   EXPECT_EQ(client->close_code(), 1000);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "data/scans/" + welcome_.scan_id));
   server_->stop();
-  Store store(folder_ / "data/hermite.db");
+  SqliteStore store(folder_ / "data/hermite.db");
   EXPECT_EQ(store.find(welcome_.scan_id).error().code, ErrorCode::kNotFound);
 }
 

@@ -19,6 +19,7 @@
 #include "server/service/results.h"
 #include "server/store/chunk_file.h"
 #include "server/store/scan_id.h"
+#include "server/store/sqlite_store.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/room_frames.h"
 #include "tests/support/running_server.h"
@@ -569,7 +570,7 @@ TEST_F(ScansTest, AScanThatADeadServerLeftRunningIsInterruptedAndCanBeLookedAt) 
   left.camera = room().camera();
   left.created_at_ms = 1;
   {
-    Store store(folder_ / "data/hermite.db");
+    SqliteStore store(folder_ / "data/hermite.db");
     ASSERT_TRUE(store.add(left).ok());
   }
   serve([](ServiceOptions&) {});
