@@ -30,6 +30,7 @@
 #include "server/service/settings.h"
 #include "server/service/static_files.h"
 #include "server/store/data_directory.h"
+#include "server/store/file_blobs.h"
 #include "server/store/sqlite_store.h"
 #include "server/store/unix_time.h"
 
@@ -50,7 +51,7 @@ constexpr std::chrono::seconds kStopPatience(60);  // for the frame in work and 
 constexpr std::chrono::milliseconds kStopCheck(20);
 constexpr std::chrono::milliseconds kTick(250);             // how exactly waits are ended that are given in seconds
 constexpr std::chrono::milliseconds kGoodbyePatience(500);  // for last messages to leave
-constexpr std::size_t kDiskThreads = 2;                     // uploads wait for disks, not for processors
+constexpr std::size_t kDiskThreads = 2;                     // uploads and results wait for disks, not for processors
 
 ServiceOptions checked(const ServiceOptions& options) {
   if (const Status status = check(options); !status.ok()) throw SetupError(status.error());
@@ -157,6 +158,7 @@ struct Service::Impl {
   const DataDirectory data;
   const StaticFiles files;
   SqliteStore store;
+  FileBlobs blobs;
   Metrics metrics{kVersion};
   Gate gate;
   CountLimit connections, admin_connections{kMaxAdminConnections, kMaxAdminConnections};
@@ -178,6 +180,7 @@ struct Service::Impl {
   std::optional<tcp::acceptor> acceptor, admin_acceptor;
   asio::signal_set signals{context};
   asio::steady_timer watchdog{context}, drained{context};
+  asio::thread_pool log_readers{kMaxLogsRead};
   asio::thread_pool disk{kDiskThreads};  // last: its work refers to connections
 
   explicit Impl(const ServiceOptions& service_options)
@@ -188,13 +191,15 @@ struct Service::Impl {
         data(service_options.data_folder),
         files(viewer_files(service_options.web_folder)),
         store(data.database_path()),
+        blobs(data.scans_folder()),
         gate(store, options.failures_per_minute),
         connections(options.max_connections, options.connections_per_address),
         requests(options.requests_per_second, 2.0 * options.requests_per_second) {
     token_works = gate.install_first_token(data.token(), unix_now_ms());
     const auto post = [this](std::function<void()> action) { asio::post(context, std::move(action)); };
-    if (const Status recovered = recover_batch(data, store); !recovered.ok()) throw SetupError(recovered.error());
-    scans = std::make_unique<Scans>(scans_options(options), data, store, metrics, post);
+    const auto read = [this](std::function<void()> action) { asio::post(log_readers, std::move(action)); };
+    if (const Status recovered = recover_batch(data, store, blobs); !recovered.ok()) throw SetupError(recovered.error());
+    scans = std::make_unique<Scans>(scans_options(options), data, store, blobs, metrics, LogReaders::Threads{post, read});
     batch = std::make_unique<Batch>(options.job_workers, upload_limits(options), data, store, *scans, post);
     world = std::make_unique<HttpWorld>(HttpWorld{*scans, store, gate, files, metrics, batch->uploads(), batch->executor()});
     site = std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer(*world, request); },

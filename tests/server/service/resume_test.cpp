@@ -1,6 +1,9 @@
 // Cameras that lose their connection, and servers that die: what is told, what is kept, and that the result is the same.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -8,7 +11,9 @@
 
 #include "core/digest/sha256.h"
 #include "core/log/frame_log.h"
+#include "core/log/frame_log_format.h"
 #include "core/pipeline/doctor.h"
+#include "server/service/log_readers.h"
 #include "server/service/scan_record.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
@@ -385,12 +390,95 @@ TEST_F(ResumeTest, TheFramesOfAScanThatEndedLongAgoGoAndItsResultsStay) {
     ASSERT_TRUE(store.update(ended).ok());
   }
   serve(120);
+  for (int i = 0; i < 1000 && std::filesystem::exists(log_folder()); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_FALSE(std::filesystem::exists(log_folder()));
   EXPECT_TRUE(std::filesystem::exists(cloud));
   const auto late = resume(kFrameCount);
   const auto answer = late->read<wire::NotResumed>();
   ASSERT_TRUE(answer);
   EXPECT_THAT(answer->reason, HasSubstr("log is gone"));
+}
+
+// Logs that cannot be read to their end: pipes that nobody writes to, as disks are that do not answer.
+class SlowLogsTest : public ResumeTest {
+ protected:
+  void SetUp() override {
+    ResumeTest::SetUp();
+    if (IsSkipped()) return;
+    auto client = start();
+    send(*client, 0, 2);
+    ASSERT_TRUE(wait_for_durable(*client, 2));
+    server_->stop();
+    const std::string segment = log_folder() + "/" + segment_name(0);
+    std::filesystem::rename(segment, segment + ".whole");
+    ASSERT_EQ(mkfifo(segment.c_str(), 0600), 0);
+    segment_ = segment;
+    serve(120);
+  }
+  void TearDown() override { let_go(); }
+  // The log can be read again by those who open it now; whoever waits finds an empty one.
+  void let_go() {
+    if (segment_.empty()) return;
+    std::filesystem::rename(segment_, segment_ + ".pipe");
+    std::filesystem::rename(segment_ + ".whole", segment_);
+    for (int i = 0; i < 100; ++i) {
+      const int end = open((segment_ + ".pipe").c_str(), O_WRONLY | O_NONBLOCK);
+      if (end >= 0) {
+        close(end);
+        break;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));  // it has not been opened yet
+    }
+    segment_.clear();
+  }
+  std::string get(const std::string& path) {
+    RawClient client(server_->port());
+    client.send("GET " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + server_->token() +
+                "\r\n\r\n");
+    return client.read_to_end();
+  }
+  std::string segment_;
+};
+
+TEST_F(SlowLogsTest, DoNotKeepTheServerFromStarting) {
+  EXPECT_THAT(get("/healthz"), testing::StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(get("/api/v1/scans"), HasSubstr("\"state\":\"running\""));
+  const wire::Welcome old = welcome_;
+  const auto other = start();
+  send(*other, 0, kFrameCount);
+  other->send_message(wire::Finish{});
+  EXPECT_TRUE(other->read<wire::Finished>()) << "another scan runs meanwhile";
+  EXPECT_EQ(hello(wire::ViewScan{old.scan_id})->close_code(), 4013);
+}
+
+TEST_F(SlowLogsTest, LetTheCameraComeBackLater) {
+  const auto asked_at = std::chrono::steady_clock::now();
+  const auto camera = resume(0);
+  EXPECT_TRUE(camera->read<wire::GoAway>());
+  EXPECT_EQ(camera->close_code(), 1001);
+  const auto waited = std::chrono::steady_clock::now() - asked_at;
+  EXPECT_GE(waited, kReadPatience - std::chrono::milliseconds(500));
+  EXPECT_LT(waited, std::chrono::seconds(10)) << "longer than clients wait";
+}
+
+TEST_F(SlowLogsTest, AreSaidToBeBadWhenTheyTurnOutToBe) {
+  auto camera = resume(0);
+  let_go();
+  const auto answer = camera->read<wire::NotResumed>();
+  ASSERT_TRUE(answer);
+  EXPECT_THAT(answer->reason, HasSubstr("interrupted"));
+}
+
+TEST_F(SlowLogsTest, TheServerEndsWhileOneIsReadAndTheNextGoesOn) {
+  std::thread stopping([this] { EXPECT_TRUE(server_->stop()); });
+  std::this_thread::sleep_for(std::chrono::seconds(1));  // it has heard of its end, and waits for the log
+  let_go();
+  stopping.join();
+  serve(120);
+  const auto camera = resume(0);
+  const auto resumed = camera->read<wire::Resumed>();
+  ASSERT_TRUE(resumed) << "what the last server began to read stays as it was";
+  EXPECT_EQ(resumed->next_sequence, 2u);
 }
 
 TEST_F(ResumeTest, APauseIsShownAndAFrameEndsIt) {
