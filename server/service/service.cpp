@@ -29,6 +29,7 @@
 #include "server/service/scans.h"
 #include "server/service/settings.h"
 #include "server/service/static_files.h"
+#include "server/service/store_watch.h"
 #include "server/store/data_directory.h"
 #include "server/store/file_blobs.h"
 #include "server/store/sqlite_store.h"
@@ -159,6 +160,7 @@ struct Service::Impl {
   const StaticFiles files;
   SqliteStore store;
   FileBlobs blobs;
+  StoreWatch store_watch{store};
   Metrics metrics{kVersion};
   Gate gate;
   CountLimit connections, admin_connections{kMaxAdminConnections, kMaxAdminConnections};
@@ -225,7 +227,7 @@ struct Service::Impl {
     admin_address->port = admin_acceptor->local_endpoint().port();
     device = std::make_unique<DeviceWatch>(options.device);
     admin_world =
-        std::make_unique<AdminWorld>(AdminWorld{*scans, store, metrics, *device, options.data_folder,
+        std::make_unique<AdminWorld>(AdminWorld{*scans, store, metrics, *device, store_watch, options.data_folder,
                                                 static_cast<std::uint64_t>(options.min_free_disk_mb) * 1'000'000, connections, draining});
     admin_site = std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer_admin(*admin_world, request); },
                                              allowed_hosts(options, *admin_address), metrics});
@@ -292,6 +294,7 @@ struct Service::Impl {
       const auto now = std::chrono::steady_clock::now();
       scans->tick(now);
       batch->tick(now);
+      store_watch.tick(now);
     }
   }
 
