@@ -51,10 +51,11 @@ class ResumeTest : public testing::Test {
     serve(120);
   }
 
-  void serve(int resume_window_s) {
+  void serve(int resume_window_s, int max_scans = 4) {
     server_.reset();
     ServiceOptions options = test::test_options(folder_ / "data");
     options.resume_window_s = resume_window_s;
+    options.max_scans = max_scans;
     server_ = std::make_unique<test::RunningServer>(options);
   }
 
@@ -397,6 +398,32 @@ TEST_F(ResumeTest, TheFramesOfAScanThatEndedLongAgoGoAndItsResultsStay) {
   const auto answer = late->read<wire::NotResumed>();
   ASSERT_TRUE(answer);
   EXPECT_THAT(answer->reason, HasSubstr("log is gone"));
+}
+
+TEST_F(ResumeTest, MoreScansWereLeftThanThereArePlacesForAndGoOnOneAfterTheOther) {
+  std::vector<wire::Welcome> left;
+  std::vector<std::unique_ptr<RawClient>> cameras;
+  for (int i = 0; i < 2; ++i) {
+    cameras.push_back(start());
+    left.push_back(welcome_);
+    send(*cameras.back(), 0, 2);
+    ASSERT_TRUE(wait_for_durable(*cameras.back(), 2));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // one is the older by the clock
+  }
+  serve(120, 1);
+  welcome_ = left[1];
+  EXPECT_TRUE(resume(2)->read<wire::GoAway>());
+  welcome_ = left[0];
+  auto camera = resume(2);
+  ASSERT_TRUE(camera->read<wire::Resumed>());
+  send(*camera, 2, kFrameCount);
+  camera->send_message(wire::Finish{});
+  ASSERT_TRUE(camera->read<wire::Finished>());
+  welcome_ = left[1];
+  camera = resume(2);
+  const auto resumed = camera->read<wire::Resumed>();
+  ASSERT_TRUE(resumed);
+  EXPECT_EQ(resumed->next_sequence, 2u);
 }
 
 // Logs that cannot be read to their end: pipes that nobody writes to, as disks are that do not answer.
