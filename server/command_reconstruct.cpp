@@ -168,7 +168,8 @@ int run_reconstruct(const ReconstructArguments& arguments) {
   const std::vector<FrameRow> rows = process_frames(*sequence, range, pipeline);
   pipeline.finish();
   if (!arguments.per_frame_file.empty()) or_throw(write_file_atomically(arguments.per_frame_file, format_frame_table(rows)));
-  const RunResults results = or_throw(write_results(arguments.out_folder, pipeline, options, sequence->groundtruth()));
+  const RunResults results = or_throw(results_of(pipeline, options, sequence->groundtruth()));
+  for (const auto& [name, bytes] : files_of(results)) or_throw(write_file_atomically(arguments.out_folder + "/" + name, bytes));
   std::cout << results.report_json;
   return 0;
 }

@@ -16,6 +16,7 @@
 #include "server/service/gate.h"
 #include "server/service/service.h"
 #include "server/store/data_directory.h"
+#include "server/store/sqlite_store.h"
 #include "server/store/unix_time.h"
 
 namespace hermite {
@@ -89,7 +90,7 @@ class Office {
   }
 
   std::optional<DataDirectory> data_;
-  std::optional<Store> store_;
+  std::optional<SqliteStore> store_;
   std::optional<ServerUrl> server_;
 };
 

@@ -1,6 +1,7 @@
 #include "server/client/stream.h"
 
 #include <algorithm>
+#include <functional>
 #include <random>
 #include <thread>
 #include <utility>
@@ -47,11 +48,13 @@ class Session {
   StreamOutcome outcome() const { return {finished_->report_json, finished_->trajectory_tum, progress_}; }
 
  private:
+  Status begin();
   Status connect();
   Status greet();
   Status pump();
   Status finish();
   Status resume(const Error& lost);
+  Status get_back(const Error& lost, const std::function<Status()>& ask);
   Status ask_to_resume();
   Status wait_before_connecting(std::chrono::milliseconds wait);
   Status step(std::optional<SteadyTime> next_event);
@@ -118,8 +121,7 @@ class Session {
 
 // The scan in a sentence: whatever happens to the link, frames and finish are said until the result is here.
 Status Session::run() {
-  if (Status status = connect(); !status.ok()) return status;
-  if (Status status = greet(); !status.ok()) return status;
+  if (Status status = begin(); !status.ok()) return status;
   const auto& accepted = welcome_->color_codecs;
   const bool png_color = std::find(accepted.begin(), accepted.end(), wire::ColorCodec::kPng) != accepted.end();
   encoder_.emplace(source_, FrameEncoder::Settings{.encoding = {welcome_->depth_codec, png_color}}, [this] { link_.wake(); });
@@ -131,7 +133,19 @@ Status Session::run() {
   }
 }
 
+// Whoever waits for a place has nothing on the server that could be lost: without a link he comes again, to the end of the line.
+Status Session::begin() {
+  if (Status status = connect(); !status.ok()) return status;
+  Status status = greet();
+  while (!status.ok() && link_lost_ && waiting_) {
+    tell_link("connection lost while waiting for a place, trying to get it back: " + status.error().message);
+    status = get_back(status.error(), [this] { return greet(); });
+  }
+  return status;
+}
+
 Status Session::connect() {
+  waiting_.reset();
   if (Status status = link_.open(request_.connect_patience); !status.ok()) return status;
   link_lost_ = told_paused_ = false;
   last_news_ = Clock::now();
@@ -154,14 +168,24 @@ Status Session::greet() {
   while (!welcome_) {
     if (Status status = step(hello_deadline_); !status.ok()) return status;
     if (interrupts() > 0) return Error{ErrorCode::kIo, "interrupted before the scan began"};
-    if (!welcome_ && Clock::now() >= hello_deadline_) return Error{ErrorCode::kIo, "the server does not answer the hello"};
+    if (!welcome_ && Clock::now() >= hello_deadline_) {
+      link_lost_ = true;
+      return Error{ErrorCode::kIo, "the server does not answer the hello"};
+    }
   }
   return check_welcome();
 }
 
-// Tries until the server goes on with the scan, or says that it does not, or patience is at its end.
 Status Session::resume(const Error& lost) {
   tell_link("connection lost with " + std::to_string(frames_.first_kept()) + " frames durable, trying to get it back: " + lost.message);
+  if (Status status = get_back(lost, [this] { return ask_to_resume(); }); !status.ok()) return status;
+  ++progress_.resumed_count;
+  tell_link("connected again, going on with frame " + std::to_string(frames_.sent_count()));
+  return Done{};
+}
+
+// Connects and asks until the server says yes, or that it does not, or lets wait, or patience is at its end.
+Status Session::get_back(const Error& lost, const std::function<Status()>& ask) {
   const SteadyTime deadline = Clock::now() + request_.reconnect_patience;
   Backoff backoff(std::random_device{}());
   Error last = lost;
@@ -174,21 +198,19 @@ Status Session::resume(const Error& lost) {
     Status status = connect();
     const bool nobody_there = !status.ok() && (status.error().code == ErrorCode::kIo || status.error().code == ErrorCode::kBusy);
     if (!status.ok() && !nobody_there) return status;
-    if (status.ok()) status = ask_to_resume();
-    if (status.ok()) break;
-    if (!nobody_there && !link_lost_) return status;
+    if (status.ok()) status = ask();
+    const bool answered = !nobody_there && (!link_lost_ || waiting_);
+    if (status.ok() || answered) return status;
     last = status.error();
   }
-  ++progress_.resumed_count;
-  tell_link("connected again, going on with frame " + std::to_string(frames_.sent_count()));
-  return Done{};
 }
 
 Status Session::wait_before_connecting(std::chrono::milliseconds wait) {
   const SteadyTime until = Clock::now() + wait;
   while (Clock::now() < until) {
     if (interrupts() > 1) return Error{ErrorCode::kIo, "given up: interrupted twice"};
-    offer_frames(Clock::now());  // a live camera does not wait
+    if (!welcome_ && interrupts() > 0) return Error{ErrorCode::kIo, "interrupted before the scan began"};
+    if (encoder_) offer_frames(Clock::now());  // a live camera does not wait
     tell_progress();
     std::this_thread::sleep_until(std::min(until, Clock::now() + kTick));
   }
@@ -295,7 +317,7 @@ Status Session::step(std::optional<SteadyTime> next_event) {
   if (interrupts() > 1) return Error{ErrorCode::kIo, "given up: interrupted twice"};
   // One that goes away need not be waited for until it is gone.
   link_lost_ = stay_away_ || link_.connection().ended();
-  if (stay_away_) return Error{ErrorCode::kIo, "the server is stopping"};
+  if (stay_away_) return Error{ErrorCode::kIo, "the server is stopping, or has only just started"};
   if (link_lost_) return *link_.connection().ended();
   tell_pause();
   link_.ping(now);

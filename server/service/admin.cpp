@@ -35,6 +35,7 @@ HttpAnswer show_metrics(const AdminWorld& world, const HttpRequest&) {
   load.disk_free_bytes = free_bytes(world.data_folder).ok() ? *free_bytes(world.data_folder) : 0;
   load.connections = world.connections.count();
   load.draining = world.draining;
+  load.database_damaged = world.store_watch.damage().has_value();
   HttpAnswer answer = text_answer(200, world.metrics.text(load));
   answer.content_type = "text/plain; version=0.0.4; charset=utf-8";
   return answer;
@@ -83,6 +84,7 @@ std::vector<std::string> reasons_not_ready(const AdminWorld& world) {
   std::vector<std::string> reasons;
   if (world.draining) reasons.push_back("the server is ending");
   if (const Status status = world.store.writable(); !status.ok()) reasons.push_back(status.error().message);
+  if (world.store_watch.damage()) reasons.push_back("the database: " + *world.store_watch.damage());
   const Result<std::uint64_t> free = free_bytes(world.data_folder);
   if (!free.ok())
     reasons.push_back(free.error().message);

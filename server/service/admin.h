@@ -18,6 +18,7 @@
 #include "server/service/metrics.h"
 #include "server/service/rate_limit.h"
 #include "server/service/scans.h"
+#include "server/service/store_watch.h"
 #include "server/store/store.h"
 
 namespace hermite {
@@ -45,6 +46,7 @@ struct AdminWorld {
   Store& store;
   Metrics& metrics;
   DeviceWatch& device;
+  const StoreWatch& store_watch;
   const std::string& data_folder;
   std::uint64_t min_free_bytes = 0;
   const CountLimit& connections;

@@ -15,22 +15,23 @@ namespace {
 constexpr std::chrono::minutes kSweepPeriod(1);  // of uploads, which expire after hours
 
 // Of a job that has ended.
-void remove_unfinished_scan(const DataDirectory& data, Store& store, const std::string& id) {
+void remove_unfinished_scan(const DataDirectory& data, Store& store, Blobs& blobs, const std::string& id) {
   const Result<ScanRow> scan = store.find(id);
   if (!scan.ok() || scan->phase == ScanPhase::kFinished) return;
-  Status removed = data.remove_scan_folder(id);
+  Status removed = blobs.remove(id);
+  if (removed.ok()) removed = data.remove_scan_folder(id);
   if (removed.ok()) removed = store.remove(id);
   if (!removed.ok()) spdlog::warn("{}", removed.error().message);
 }
 
 }  // namespace
 
-Status recover_batch(const DataDirectory& data, Store& store) {
+Status recover_batch(const DataDirectory& data, Store& store, Blobs& blobs) {
   const JobScans scans{[&store](const std::string& id) {
                          const Result<ScanRow> scan = store.find(id);
                          return scan.ok() && scan->phase == ScanPhase::kFinished;
                        },
-                       [&](const std::string& id) { remove_unfinished_scan(data, store, id); }};
+                       [&](const std::string& id) { remove_unfinished_scan(data, store, blobs, id); }};
   return recover_jobs(store, scans, unix_now_ms());
 }
 

@@ -9,13 +9,14 @@
 #include "server/service/scan_job.h"
 #include "server/service/scans.h"
 #include "server/service/uploads.h"
+#include "server/store/blobs.h"
 #include "server/store/data_directory.h"
 #include "server/store/store.h"
 
 namespace hermite {
 
 // What becomes of the jobs of a server that died, and of their scans. Before there are Scans. kIo.
-Status recover_batch(const DataDirectory& data, Store& store);
+Status recover_batch(const DataDirectory& data, Store& store, Blobs& blobs);
 
 class Batch {
  public:

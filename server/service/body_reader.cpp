@@ -1,15 +1,15 @@
 #include "server/service/body_reader.h"
 
-#include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/http/buffer_body.hpp>
 #include <boost/beast/http/read.hpp>
 #include <chrono>
-#include <memory>
 #include <string_view>
 #include <vector>
+
+#include "server/net/run_on.h"
 
 namespace hermite {
 
@@ -21,20 +21,6 @@ using boost::system::error_code;
 
 constexpr std::chrono::seconds kPiecePatience(60);
 constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
-
-// Runs `work` on a thread of `pool`, and comes back to this one.
-template <class Work>
-asio::awaitable<void> run_on(asio::thread_pool& pool, Work& work) {
-  auto initiate = [&pool, &work](auto handler) {
-    auto shared = std::make_shared<decltype(handler)>(std::move(handler));
-    asio::post(pool, [shared = std::move(shared), &work]() mutable {
-      work();
-      const auto executor = asio::get_associated_executor(*shared);
-      asio::post(executor, [shared = std::move(shared)] { (*shared)(); });
-    });
-  };
-  co_await asio::async_initiate<const asio::use_awaitable_t<>, void()>(initiate, asio::use_awaitable);
-}
 
 asio::awaitable<bool> say_continue(Transport& stream, const HeaderParser& header) {
   if (header.get()[http::field::expect] != "100-continue") co_return true;

@@ -13,7 +13,7 @@ namespace hermite {
 
 // What a running job is at. A job that does not run has no stage.
 struct JobStage {
-  std::string name;  // "unpacking", "waiting for a free place", "tracking", "finishing"
+  std::string name;  // "unpacking", "waiting for a free place", "reading the frame log", "tracking", "finishing"
   std::int64_t done = 0;
   std::int64_t total = 0;  // 0: not known
 };

@@ -5,6 +5,7 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
@@ -13,6 +14,7 @@
 #include <optional>
 #include <string>
 
+#include "server/net/run_on.h"
 #include "server/net/transport.h"
 #include "server/service/body_reader.h"
 #include "server/service/websocket.h"
@@ -33,6 +35,7 @@ constexpr std::chrono::seconds kAnswerPatience(60);   // without progress while 
 constexpr std::chrono::seconds kGoodbyePatience(5);   // for the end of TLS
 constexpr std::chrono::milliseconds kLingerPatience(1000);
 constexpr std::chrono::milliseconds kRefusalPatience(500);
+constexpr std::size_t kStoredPieceBytes = 256 * 1024;
 constexpr std::size_t kLingerBytes = 256 * 1024;
 // A request that still writes an upload ends when its disk does: what it reads is cut at once.
 constexpr std::chrono::milliseconds kWriterPatience(10'000), kWriterCheck(20);
@@ -69,31 +72,38 @@ void set_headers(Response& response, const HttpAnswer& answer, bool encrypted, b
   response.keep_alive(keep_alive);
 }
 
-asio::awaitable<bool> write_file(Transport& stream, const HttpAnswer& answer, const Answering& how) {
-  http::response<http::file_body> response{http::status::ok, how.version};
+// Piece by piece, so that the patience is for progress and not for the whole of a large cloud.
+asio::awaitable<bool> write_stored(Transport& stream, const StoredBody& body, asio::thread_pool& disk) {
   error_code error;
-  response.body().open(answer.file.c_str(), beast::file_mode::scan, error);
-  if (error) co_return false;  // deleted this moment: the connection ends
-  set_headers(response, answer, how.encrypted, how.keep_alive);
-  response.prepare_payload();
-  http::response_serializer<http::file_body> serializer(response);
-  if (how.head) {
+  for (std::uint64_t sent = 0; !error && sent < body.size_bytes;) {
+    Result<std::string> piece = std::string();
+    auto read = [&] { piece = body.read(sent, kStoredPieceBytes); };
+    co_await run_on(disk, read);
+    if (!piece.ok() || piece->empty()) co_return false;  // deleted this moment: the connection ends
+    piece->resize(static_cast<std::size_t>(std::min<std::uint64_t>(piece->size(), body.size_bytes - sent)));
     stream.next_layer().expires_after(kAnswerPatience);
-    co_await http::async_write_header(stream, serializer, asio::redirect_error(asio::use_awaitable, error));
-    co_return !error;
-  }
-  // Piece by piece, so that the patience is for progress and not for the whole of a large cloud.
-  while (!error && !serializer.is_done()) {
-    stream.next_layer().expires_after(kAnswerPatience);
-    co_await http::async_write_some(stream, serializer, asio::redirect_error(asio::use_awaitable, error));
+    co_await asio::async_write(stream, asio::buffer(*piece), asio::redirect_error(asio::use_awaitable, error));
+    sent += piece->size();
   }
   co_return !error;
 }
 
+asio::awaitable<bool> write_stored_answer(Transport& stream, const HttpAnswer& answer, const Answering& how, asio::thread_pool& disk) {
+  http::response<http::empty_body> response{http::status::ok, how.version};
+  set_headers(response, answer, how.encrypted, how.keep_alive);
+  response.content_length(answer.stored->size_bytes);
+  http::response_serializer<http::empty_body> serializer(response);
+  error_code error;
+  stream.next_layer().expires_after(kAnswerPatience);
+  co_await http::async_write_header(stream, serializer, asio::redirect_error(asio::use_awaitable, error));
+  if (error || how.head) co_return !error;
+  co_return co_await write_stored(stream, *answer.stored, disk);
+}
+
 // True when the connection can go on.
-asio::awaitable<bool> write_answer(Transport& stream, HttpAnswer answer, const Answering& how) {
-  if (!answer.file.empty()) {
-    const bool written = co_await write_file(stream, answer, how);
+asio::awaitable<bool> write_answer(Transport& stream, HttpAnswer answer, const Answering& how, asio::thread_pool* disk) {
+  if (answer.stored && disk) {
+    const bool written = co_await write_stored_answer(stream, answer, how, *disk);
     co_return written&& how.keep_alive;
   }
   const bool keep_alive = how.keep_alive && answer.status < 400;
@@ -270,7 +280,7 @@ asio::awaitable<bool> answer_request(Transport& stream, beast::flat_buffer& buff
   }
   const int status = wrong->status;
   const std::string_view route = wrong->route;
-  const bool go_on = co_await write_answer(stream, *std::move(wrong), how);
+  const bool go_on = co_await write_answer(stream, *std::move(wrong), how, site.disk);
   site.metrics.request_answered(route, status, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   co_return go_on;
 }
@@ -292,7 +302,7 @@ asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, std::string
     co_await http::async_read_header(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
     if (error) {
       std::optional<HttpAnswer> words = answer_to(error);
-      if (words) co_await write_answer(stream, *std::move(words), {});
+      if (words) co_await write_answer(stream, *std::move(words), {}, nullptr);
       break;
     }
     const Request& request = parser.get();
@@ -319,7 +329,7 @@ asio::awaitable<void> refuse_connection(asio::ip::tcp::socket socket, TlsContext
   error_code ignored;
   stream.next_layer().expires_after(kRefusalPatience);
   co_await stream.async_read_some(asio::buffer(forgotten), asio::redirect_error(asio::use_awaitable, ignored));
-  co_await write_answer(stream, std::move(answer), {});
+  co_await write_answer(stream, std::move(answer), {}, nullptr);
   co_await linger(stream);
 }
 

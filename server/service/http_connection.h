@@ -33,7 +33,7 @@ struct Site {
   // Requests that came neither from this machine nor encrypted, by TLS here or up to a trusted proxy, are refused.
   bool encrypted_only = false;
   RateLimit* requests = nullptr;             // of each address; none: as many as come
-  boost::asio::thread_pool* disk = nullptr;  // that long bodies are written on; none: there are none here
+  boost::asio::thread_pool* disk = nullptr;  // where long bodies are written and read; none: there are none here
 };
 
 // Runs until the connection is over. A request that breaks a rule is answered and the connection closed, so that nothing behind it can be

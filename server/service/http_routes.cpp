@@ -79,11 +79,13 @@ HttpAnswer remove_scan(const HttpWorld& world, const Call& call) {
 }
 
 HttpAnswer send_file(const HttpWorld& world, const std::string& id, const char* name, const char* content_type) {
-  Result<std::string> path = world.scans.file_of(id, name);
-  if (!path.ok()) return refused(path.error());
+  Result<std::uint64_t> size_bytes = world.scans.size_of_result(id, name);
+  if (!size_bytes.ok()) return refused(size_bytes.error());
   HttpAnswer answer;
   answer.content_type = content_type;
-  answer.file = *std::move(path);
+  answer.stored = StoredBody{*size_bytes, [&blobs = world.scans.blobs(), id, name](std::uint64_t offset, std::size_t max_bytes) {
+                               return blobs.read(id, name, offset, max_bytes);
+                             }};
   answer.download_name = id + "-" + name;
   return answer;
 }

@@ -28,7 +28,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -56,12 +58,18 @@ struct HttpRequest {
   std::uint64_t body_bytes = 0;  // announced
 };
 
+// A long body that lies somewhere, and is read while it is sent.
+struct StoredBody {
+  std::uint64_t size_bytes = 0;
+  std::function<Result<std::string>(std::uint64_t offset, std::size_t max_bytes)> read;  // on another thread; what it needs outlives it
+};
+
 struct HttpAnswer {
   int status = 200;
   std::string content_type = "text/plain; charset=utf-8";
   std::string cache_control = "no-store";
   std::string body;
-  std::string file;                  // path of a file to send instead of `body`
+  std::optional<StoredBody> stored;  // to send instead of `body`
   std::string download_name;         // of an attachment
   std::string allow;                 // methods, with status 405
   std::int64_t retry_after_s = 0;    // with status 429 and 503

@@ -65,6 +65,7 @@ struct Metrics::Impl {
   Gauge& gpu_memory = gauge(registry, "hermite_gpu_memory_bytes", "Device memory of running scans").Add({});
   Gauge& disk_free = gauge(registry, "hermite_disk_free_bytes", "Free space for the data folder").Add({});
   Gauge& draining = gauge(registry, "hermite_draining", "1 while the server takes no new scans and ends").Add({});
+  Gauge& database_damaged = gauge(registry, "hermite_database_damaged", "1 when the last check has found the database damaged").Add({});
   std::mutex mutex;  // of text(): the counters that others keep are read, then raised
 };
 
@@ -111,6 +112,7 @@ std::string Metrics::text(const Load& load) {
   impl_->gpu_memory.Set(static_cast<double>(load.gpu_memory_bytes));
   impl_->disk_free.Set(static_cast<double>(load.disk_free_bytes));
   impl_->draining.Set(load.draining ? 1 : 0);
+  impl_->database_damaged.Set(load.database_damaged ? 1 : 0);
   return prometheus::TextSerializer().Serialize(impl_->registry.Collect());
 }
 

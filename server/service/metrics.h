@@ -26,6 +26,7 @@ struct Load {
   std::uint64_t disk_free_bytes = 0;  // for the data folder
   int connections = 0;
   bool draining = false;
+  bool database_damaged = false;
 };
 
 class Metrics {

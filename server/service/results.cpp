@@ -7,7 +7,7 @@
 
 namespace hermite {
 
-Result<RunResults> write_results(const std::string& folder, Pipeline& pipeline, const Options& options, const Trajectory& groundtruth) {
+Result<RunResults> results_of(Pipeline& pipeline, const Options& options, const Trajectory& groundtruth) {
   Result<Cloud> cloud = pipeline.cloud();
   if (!cloud.ok()) return in_context("reading the cloud", cloud.error());
   RunReport run;
@@ -15,15 +15,12 @@ Result<RunResults> write_results(const std::string& folder, Pipeline& pipeline, 
   run.options = options;
   run.trajectory_text = format_tum_trajectory(pipeline.trajectory());
   run.cloud_ply = format_ply(*cloud);
-  RunResults results;
-  results.report_json = format_report_json(run, pipeline.trajectory(), groundtruth);
-  results.trajectory_text = run.trajectory_text;
-  const std::pair<const char*, const std::string*> files[] = {
-      {"cloud.ply", &run.cloud_ply}, {"trajectory.txt", &run.trajectory_text}, {"report.json", &results.report_json}};
-  for (const auto& [name, bytes] : files)
-    if (Status status = write_file_atomically(folder + "/" + name, *bytes); !status.ok())
-      return in_context(std::string("writing ") + name, status.error());
-  return results;
+  std::string report_json = format_report_json(run, pipeline.trajectory(), groundtruth);
+  return RunResults{std::move(run.cloud_ply), std::move(run.trajectory_text), std::move(report_json)};
+}
+
+std::array<ResultFile, 3> files_of(const RunResults& results) {
+  return {{{"cloud.ply", results.cloud_ply}, {"trajectory.txt", results.trajectory_text}, {"report.json", results.report_json}}};
 }
 
 }  // namespace hermite

@@ -1,6 +1,7 @@
-// The files of a run: the same for a scan on the server and for `hermite reconstruct`, so that their hashes can be compared.
+// What comes of a run: the same for a scan on the server and for `hermite reconstruct`, so that their hashes can be compared.
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "core/base/result.h"
@@ -11,12 +12,19 @@
 namespace hermite {
 
 struct RunResults {
-  std::string report_json;
+  std::string cloud_ply;
   std::string trajectory_text;  // TUM
+  std::string report_json;
 };
 
-// Writes cloud.ply, trajectory.txt and, last, report.json into `folder`, which must exist; each is whole or absent.
-// `groundtruth` may be empty. kIo or kDevice, naming the file. On the thread that owns `pipeline`.
-Result<RunResults> write_results(const std::string& folder, Pipeline& pipeline, const Options& options, const Trajectory& groundtruth);
+// `groundtruth` may be empty. kDevice. On the thread that owns `pipeline`.
+Result<RunResults> results_of(Pipeline& pipeline, const Options& options, const Trajectory& groundtruth);
+
+// As they are stored, in this order: where there is a report there is all of it.
+struct ResultFile {
+  const char* name;  // cloud.ply, trajectory.txt, report.json
+  const std::string& bytes;
+};
+std::array<ResultFile, 3> files_of(const RunResults& results);
 
 }  // namespace hermite

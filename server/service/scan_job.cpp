@@ -172,17 +172,22 @@ void ScanJob::source_is_open(const wire::StartScan& request) {
 
 void ScanJob::begin_scan() {
   if (!waiting_ || cancelled_ || stopping_) return;
-  if (!world_.scans.has_room()) {
+  if (!world_.scans.has_room_for(row_.scan_id)) {
     events_.progress({"waiting for a free place"});
     return;
   }
+  const Result<std::optional<JobScan>> found = world_.scans.run_for_job(row_.scan_id, *waiting_);
+  if (found.ok() && !*found) {
+    events_.progress({"reading the frame log"});
+    return;
+  }
   const wire::StartScan request = *std::exchange(waiting_, std::nullopt);
-  Result<JobScan> begun = world_.scans.run_for_job(row_.scan_id, request);
-  if (!begun.ok()) {
-    failure_ = begun.error();
+  if (!found.ok()) {
+    failure_ = found.error();
     stop_thread();
     return;
   }
+  const std::optional<JobScan>& begun = *found;
   scan_ = begun->scan;
   stage_ = {kTracking, static_cast<std::int64_t>(scan_->counts().processed), static_cast<std::int64_t>(request.expected_frames)};
   events_.progress(stage_);

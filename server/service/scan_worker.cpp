@@ -13,7 +13,6 @@
 #include <thread>
 #include <utility>
 
-#include "core/output/ply.h"
 #include "core/pipeline/pipeline.h"
 #include "proto/wire/frame_payload.h"
 #include "proto/wire/server_message.h"
@@ -129,8 +128,10 @@ class ScanRun {
     pipeline_.finish();
     if (Status status = start_update(); !status.ok()) return status.error();
     if (Status status = tell_viewers(); !status.ok()) return status.error();
-    Result<RunResults> results = write_results(setup_.folder, pipeline_, setup_.options, {});
+    Result<RunResults> results = results_of(pipeline_, setup_.options, {});
     if (!results.ok()) return results.error();
+    for (const auto& [name, bytes] : files_of(*results))
+      if (Status status = put(name, bytes); !status.ok()) return status.error();
     StoredChunks stored;
     for (const SubmapPose& pose : pipeline_.submap_poses()) stored.submaps.push_back({pose.submap, pose.world_from_submap});
     for (const ChunkKey& key : filled_) {
@@ -138,8 +139,7 @@ class ScanRun {
       if (!chunk.ok()) return chunk.error();
       stored.chunks.push_back(*std::move(chunk));
     }
-    if (Status status = write_file_atomically(setup_.folder + "/chunks.bin", format_chunk_file(stored)); !status.ok())
-      return in_context("writing chunks.bin", status.error());
+    if (Status status = put(kChunksName, format_chunk_file(stored)); !status.ok()) return status.error();
     return wire::Finished{std::move(results->report_json), std::move(results->trajectory_text)};
   }
 
@@ -255,6 +255,11 @@ class ScanRun {
   Status tell_viewers_if_encoded() {
     if (!encoding_.valid() || encoding_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return Done{};
     return tell_viewers();
+  }
+
+  Status put(const char* name, const std::string& bytes) const {
+    const Status status = setup_.blobs->put(setup_.scan_id, name, bytes);
+    return status.ok() ? status : in_context(std::string("writing ") + name, status.error());
   }
 
   const ScanSetup& setup_;

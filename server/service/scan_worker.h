@@ -18,6 +18,7 @@
 #include "core/output/chunks.h"
 #include "core/pipeline/options.h"
 #include "proto/wire/messages.h"
+#include "server/store/blobs.h"
 
 namespace hermite {
 
@@ -34,7 +35,8 @@ struct ScanSetup {
   Options options;
   wire::DepthCodec depth_codec = wire::DepthCodec::kRvlZstd;
   std::size_t queue_capacity = 16;  // frames
-  std::string folder;               // for the results; exists
+  std::string scan_id;
+  Blobs* blobs = nullptr;  // for the results; outlives the worker
   CorrectionTime correction_time = CorrectionTime::kByFrames;
   // Of a scan that a server before this one began: the first so many records of its frame log come before all that is pushed.
   std::string log_folder;

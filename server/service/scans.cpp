@@ -1,7 +1,6 @@
 #include "server/service/scans.h"
 
 #include <spdlog/spdlog.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <chrono>
@@ -62,19 +61,26 @@ Error wrong_resume_token() { return {ErrorCode::kUnauthorized, "resume_scan.resu
 
 }  // namespace
 
-Scans::Scans(ScansOptions options, const DataDirectory& data, Store& store, Metrics& metrics, Post post)
-    : options_(std::move(options)), data_(data), store_(store), metrics_(metrics), post_(std::move(post)), places_(options_.places) {
+Scans::Scans(ScansOptions options, const DataDirectory& data, Store& store, Blobs& blobs, Metrics& metrics,
+             const LogReaders::Threads& threads)
+    : options_(std::move(options)),
+      data_(data),
+      store_(store),
+      metrics_(metrics),
+      blobs_(blobs),
+      post_(threads.network),
+      background_(threads.background),
+      places_(options_.places),
+      logs_(threads, [this](std::size_t reading_count) {
+        return running_.size() + reading_count < static_cast<std::size_t>(options_.places.max_running);
+      }) {
   const Result<std::vector<ScanRow>> left = store_.running();
   if (!left.ok()) throw SetupError(left.error());
-  for (ScanRow row : *left) {
-    const Status rebuilt = rebuild(row);
-    if (rebuilt.ok()) continue;
-    row.phase = ScanPhase::kInterrupted;
-    row.words = "the server ended during the scan, and it cannot be gone on with: " + rebuilt.error().message;
-    row.finished_at_ms = unix_now_ms();
-    log_with({row.id}, spdlog::level::warn, fmt::format("scan {}: {}", row.id, row.words));
-    if (Status status = store_.update(row); !status.ok()) throw SetupError(status.error());
-  }
+  for (const ScanRow& row : *left)
+    read_log(row, [this](LeftScan scan) {
+      const ScanRow left_row = scan.launch.row;
+      if (const Status status = run_left(std::move(scan)); !status.ok()) interrupt_left(left_row, status.error());
+    });
   remove_old_logs();
 }
 
@@ -198,7 +204,8 @@ std::shared_ptr<LiveScan> Scans::run(const Launch& launch, FrameLog::Opened open
                   launch.options,
                   request.depth_codecs.front(),
                   live ? std::min<std::size_t>(window, kLiveQueueFrames) : window,
-                  data_.scan_folder(row.id),
+                  row.id,
+                  &blobs_,
                   live ? CorrectionTime::kWhenReady : CorrectionTime::kByFrames,
                   data_.log_folder(row.id),
                   opened.contents.record_count};
@@ -207,29 +214,9 @@ std::shared_ptr<LiveScan> Scans::run(const Launch& launch, FrameLog::Opened open
   return scan;
 }
 
-Status Scans::rebuild(const ScanRow& row) {
-  Launch launch;
-  launch.row = row;
-  Result<FrameLog::Opened> opened = FrameLog::open(data_.log_folder(row.id), log_events(launch));
-  if (!opened.ok()) return opened.error();
-  const LogContents contents = opened->contents;
-  Result<ScanRecord> record = parse_scan_record(contents.terms, contents.start);
-  if (!record.ok()) return record.error();
-  launch.record = *std::move(record);
-  launch.row.camera = launch.record.request.camera;  // the row has no lens
-  Result<Options> options = options_of(launch.record);
-  if (!options.ok()) return options.error();
-  launch.options = *options;
-  launch.place.is_live = launch.record.request.mode == wire::Mode::kLive;
-  const std::shared_ptr<LiveScan> scan = run(launch, *std::move(opened));
-  spdlog::info("scan {} goes on: {} frames in its log{}{}", row.id, contents.frame_count,
-               contents.cut.empty() ? "" : "; cut: ", contents.cut);
-  if (!contents.finished) scan->wait_for_camera({ErrorCode::kIo, "the server ended during the scan"});
-  return Done{};
-}
-
 Result<ResumedScan> Scans::resume(const wire::ResumeScan& request) {
   if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
+  if (logs_.is_waited_for(request.scan_id)) return Error{ErrorCode::kBusy, "the frame log of the scan is still being read"};
   const auto running = running_.find(request.scan_id);
   if (running == running_.end()) {
     const Result<ScanRow> row = find(request.scan_id);
@@ -257,12 +244,10 @@ Result<ResumedScan> Scans::last_words(const ScanRow& row, const wire::ResumeScan
   found.resumed = {received, received, received};
   wire::ScanState state{wire::ScanPhase::kFinished, row.words, received, static_cast<std::uint64_t>(row.frames_processed),
                         static_cast<std::uint64_t>(row.frames_dropped)};
-  read_map_counts(data_.scan_folder(row.id), state);
-  Result<std::string> report = read_stored_file(data_.scan_folder(row.id) + "/report.json");
-  if (!report.ok()) return report.error();
-  Result<std::string> trajectory = read_stored_file(data_.scan_folder(row.id) + "/trajectory.txt");
-  if (!trajectory.ok()) return trajectory.error();
-  found.last_words = {found.resumed, std::move(state), wire::Finished{*std::move(report), *std::move(trajectory)}};
+  read_map_counts(blobs_, row.id, state);
+  Result<wire::Finished> results = read_results(blobs_, row.id);
+  if (!results.ok()) return results.error();
+  found.last_words = {found.resumed, std::move(state), *std::move(results)};
   return found;
 }
 
@@ -272,7 +257,10 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   // Not at once: this is called by the scan itself.
   post_([scan = running->second] {});
   places_.ended(row.id);
-  post_([this] { places_.serve(); });
+  post_([this] {
+    logs_.go_on();
+    places_.serve();
+  });
   if (end.phase == wire::ScanPhase::kRunning) {
     spdlog::info("scan {} is left running, with {} frames in its log", row.id, row.frames_received);
     running_.erase(running);
@@ -313,12 +301,13 @@ Result<std::shared_ptr<Audience>> Scans::watch(const std::string& scan_id) {
   if (const auto known = read_again_.find(scan_id); known != read_again_.end()) return known->second.lock();
   const Result<ScanRow> row = find(scan_id);
   if (!row.ok()) return row.error();
-  if (row->phase == ScanPhase::kRunning) return Error{ErrorCode::kBusy, "the scan waits for its job to go on; try again later"};
+  if (row->phase == ScanPhase::kRunning)
+    return Error{ErrorCode::kBusy, "the scan does not run again yet after a start of the server; try again later"};
   auto audience = std::make_shared<Audience>(SceneInfo{row->id, row->title, row->camera});
-  show_files(data_.scan_folder(scan_id), *audience);
+  show_results(blobs_, scan_id, *audience);
   wire::ScanState state{wire_phase(row->phase), row->words, static_cast<std::uint64_t>(row->frames_received),
                         static_cast<std::uint64_t>(row->frames_processed), static_cast<std::uint64_t>(row->frames_dropped)};
-  read_map_counts(data_.scan_folder(scan_id), state);
+  read_map_counts(blobs_, scan_id, state);
   audience->show_state(state);
   audience->close();
   read_again_[scan_id] = audience;
@@ -343,19 +332,19 @@ Status Scans::remove(const std::string& scan_id) {
   if (running_.contains(scan_id)) return Error{ErrorCode::kBusy, "scan " + scan_id + " is running"};
   const Result<ScanRow> row = find(scan_id);
   if (!row.ok()) return row.error();
-  if (row->phase == ScanPhase::kRunning) return Error{ErrorCode::kBusy, "scan " + scan_id + " waits for its job: cancel that"};
-  if (Status status = data_.remove_scan_folder(scan_id); !status.ok()) return status;
+  if (row->phase == ScanPhase::kRunning)
+    return Error{ErrorCode::kBusy, "scan " + scan_id + " is to go on: cancel its job, or try again later"};
+  if (Status status = remove_files(scan_id); !status.ok()) return status;
   read_again_.erase(scan_id);
   return store_.remove(scan_id);
 }
 
-Result<std::string> Scans::file_of(const std::string& scan_id, const std::string& name) {
+Result<std::uint64_t> Scans::size_of_result(const std::string& scan_id, const std::string& name) {
   if (Result<ScanRow> row = find(scan_id); !row.ok()) return row.error();
-  const std::string path = data_.scan_folder(scan_id) + "/" + name;
-  struct stat status {};
-  if (running_.contains(scan_id) || lstat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode))
-    return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + name + (running_.contains(scan_id) ? " yet" : "")};
-  return path;
+  const bool running = running_.contains(scan_id);
+  const Result<std::uint64_t> size_bytes = running ? Error{ErrorCode::kNotFound, ""} : blobs_.size_bytes(scan_id, name);
+  if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound) return size_bytes;
+  return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + name + (running ? " yet" : "")};
 }
 
 void Scans::remove_old_logs() {
@@ -365,7 +354,9 @@ void Scans::remove_old_logs() {
   const std::int64_t oldest_ms = unix_now_ms() - options_.keep_log_days * kDay_ms;
   for (const ScanRow& row : *rows)
     if (row.phase != ScanPhase::kRunning && row.finished_at_ms < oldest_ms)
-      if (Status status = data_.remove_log_folder(row.id); !status.ok()) spdlog::warn("{}", status.error().message);
+      background_([&data = data_, id = row.id] {
+        if (Status status = data.remove_log_folder(id); !status.ok()) spdlog::warn("{}", status.error().message);
+      });
 }
 
 std::vector<double> Scans::remaining_s() const {
@@ -380,6 +371,7 @@ std::vector<double> Scans::remaining_s() const {
 
 void Scans::tick(LiveScan::Clock::time_point now) {
   for (const auto& [id, scan] : running_) scan->tick(now);
+  logs_.tick(now);
   if (now - told_to_wait_at_ >= kWaitingPeriod) {
     told_to_wait_at_ = now;
     if (places_.waiting_count() > 0) places_.tell(remaining_s());
@@ -410,6 +402,7 @@ void Scans::describe(Load& load) const {
 
 void Scans::refuse_new() {
   stopping_ = true;
+  logs_.stop();
   places_.dismiss();
 }
 

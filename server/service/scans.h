@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,9 +15,11 @@
 #include "server/service/frame_traces.h"
 #include "server/service/gate.h"
 #include "server/service/live_scan.h"
+#include "server/service/log_readers.h"
 #include "server/service/metrics.h"
 #include "server/service/places.h"
 #include "server/service/scan_record.h"
+#include "server/store/blobs.h"
 #include "server/store/data_directory.h"
 #include "server/store/store.h"
 
@@ -63,11 +66,12 @@ PlaceRequest place_request_of(const Grant& grant, wire::Mode mode);
 class Scans {
  public:
   // Runs a function on the network thread, soon. Callable from every thread.
-  using Post = std::function<void(std::function<void()>)>;
+  using Post = LogReaders::Post;
 
-  // Goes on with the scans that an earlier server left running, from their frame logs; those without a usable one are interrupted.
-  // `data`, `store` and `metrics` outlive this. Throws SetupError when the store cannot. Blocks while the logs are read.
-  Scans(ScansOptions options, const DataDirectory& data, Store& store, Metrics& metrics, Post post);
+  // Goes on with the scans that an earlier server left running, from their frame logs; those without a usable one are interrupted. The
+  // logs are read in the background, that of the oldest scan first. `data`, `store`, `blobs` and `metrics` outlive this. Throws SetupError
+  // when the store cannot.
+  Scans(ScansOptions options, const DataDirectory& data, Store& store, Blobs& blobs, Metrics& metrics, const LogReaders::Threads& threads);
 
   // Cameras wait there for a scan of theirs to begin.
   Places& places() { return places_; }
@@ -77,15 +81,17 @@ class Scans {
   Result<StartedScan> start(const wire::StartScan& request, const Grant& grant, bool resumable);
 
   // The scan of a job, with the id that the job has chosen for it: goes on with the one that an earlier server left, else begins. It counts
-  // for no token, and stays running when the server stops. Only while has_room(). Errors as of start().
-  Result<JobScan> run_for_job(const std::string& scan_id, const wire::StartScan& request);
-  bool has_room() const;  // for a job's scan: cameras that wait go first
+  // for no token, and stays running when the server stops. Only while has_room_for(). None: the frame log of the one that was left is
+  // being read; ask again. Errors as of start().
+  Result<std::optional<JobScan>> run_for_job(const std::string& scan_id, const wire::StartScan& request);
+  bool has_room_for(const std::string& scan_id) const;  // of a job: cameras that wait go first
 
   // What there is of the scan of a job that came to nothing.
   void remove_unwanted(const std::string& scan_id);
 
-  // Any error means that the camera cannot go on; its words say why.
+  // Any error means that the camera cannot go on; its words say why. kBusy: not now, but later.
   Result<ResumedScan> resume(const wire::ResumeScan& request);
+  LogReaders& logs() { return logs_; }  // cameras wait there for the log of their scan to be read
 
   // kNotFound: no such scan. A scan that has ended is read from its files; one without files (failed) has nothing but its state.
   Result<std::shared_ptr<Audience>> watch(const std::string& scan_id);
@@ -97,13 +103,15 @@ class Scans {
   // kBusy: it is running. kNotFound.
   Status remove(const std::string& scan_id);
 
-  // Path of a result file of a scan that has ended. kNotFound: no such scan, or it has no such file.
-  Result<std::string> file_of(const std::string& scan_id, const std::string& name);
+  // Bytes of a result of a scan that has ended. kNotFound: no such scan, or it has no such result.
+  Result<std::uint64_t> size_of_result(const std::string& scan_id, const std::string& name);
+  Blobs& blobs() const { return blobs_; }
 
   void tick(LiveScan::Clock::time_point now);  // now and then: ends scans that have waited too long for their camera
   void refuse_new();                           // the server is about to stop
+  bool is_stopping() const { return stopping_; }
   void stop();  // no new scans; those that run end as interrupted, with results, or go on when there is a server again
-  std::size_t running_count() const { return running_.size(); }
+  std::size_t running_count() const { return running_.size() + logs_.reading_count(); }
 
   void describe(Load& load) const;  // what is known here
   const FrameTraces& traces() const { return traces_; }
@@ -127,7 +135,16 @@ class Scans {
   ScanEvents worker_events(const Launch& launch);
   FrameLogEvents log_events(const Launch& launch) const;
   std::shared_ptr<LiveScan> run(const Launch& launch, FrameLog::Opened opened);
-  Status rebuild(const ScanRow& row);
+  // scans_left.cpp
+  struct LeftScan {
+    Launch launch;
+    LogReaders::Opened opened;
+  };
+  void read_log(const ScanRow& row, std::function<void(LeftScan)> then);
+  Status run_left(LeftScan left);
+  void interrupt_left(ScanRow row, const Error& why);
+  void drop_left(const std::string& scan_id);
+  Status remove_files(const std::string& scan_id);
   void remove_old_logs();
   std::vector<double> remaining_s() const;  // of the scans that run, as Places::tell() wants it
   Result<ResumedScan> last_words(const ScanRow& row, const wire::ResumeScan& request);
@@ -138,9 +155,12 @@ class Scans {
   const DataDirectory& data_;
   Store& store_;
   Metrics& metrics_;
-  const Post post_;
+  Blobs& blobs_;
+  const Post post_, background_;
   std::map<std::string, std::shared_ptr<LiveScan>> running_;  // by id
   Places places_;
+  LogReaders logs_;
+  std::map<std::string, LeftScan> left_for_jobs_;              // by id; their logs were read
   std::map<std::string, std::weak_ptr<Audience>> read_again_;  // ended scans that someone is looking at
   FrameCounts ended_counts_;                                   // of all scans that have ended
   FrameTraces traces_;

@@ -18,18 +18,27 @@ Status Scans::check_storage() const {
   return Done{};
 }
 
-// Behind the cameras that wait, and not where it would take frames from a live one.
-bool Scans::has_room() const { return !stopping_ && places_.check_for_newcomer({}).ok(); }
+// Behind the cameras that wait, and not where it would take frames from a live one. What was left has its place already.
+bool Scans::has_room_for(const std::string& scan_id) const {
+  if (stopping_) return false;
+  return logs_.is_waited_for(scan_id) || left_for_jobs_.contains(scan_id) || places_.check_for_newcomer({}).ok();
+}
 
-Result<JobScan> Scans::run_for_job(const std::string& scan_id, const wire::StartScan& request) {
-  CHECK(has_room(), "a job waits for room");
+Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, const wire::StartScan& request) {
+  CHECK(has_room_for(scan_id), "a job waits for room");
+  if (logs_.is_waited_for(scan_id)) return std::optional<JobScan>();
   if (Status status = check_storage(); !status.ok()) return status.error();
-  const Result<ScanRow> left = store_.find(scan_id);
-  const bool goes_on = left.ok() && left->phase == ScanPhase::kRunning && rebuild(*left).ok();
-  if (!goes_on) {
+  auto read = left_for_jobs_.extract(scan_id);
+  const Result<ScanRow> row = store_.find(scan_id);
+  if (read.empty() && row.ok() && row->phase == ScanPhase::kRunning) {
+    read_log(*row, [this](LeftScan left) { left_for_jobs_.insert_or_assign(left.launch.row.id, std::move(left)); });
+    return std::optional<JobScan>();
+  }
+  if (read.empty() || !run_left(std::move(read.mapped())).ok()) {
     // Of a start that came no further than its folder, or of a scan that failed with the server.
-    if (Status status = data_.remove_scan_folder(scan_id); !status.ok()) return status.error();
-    if (left.ok())
+    places_.ended(scan_id);
+    if (Status status = remove_files(scan_id); !status.ok()) return status.error();
+    if (row.ok())
       if (Status status = store_.remove(scan_id); !status.ok()) return status.error();
     // Nobody has this token, but what can be resumed is left running for the next server.
     const Result<Launch> launch = launch_of(scan_id, request, random_hex(kResumeTokenBytes), {});
@@ -39,12 +48,13 @@ Result<JobScan> Scans::run_for_job(const std::string& scan_id, const wire::Start
   const std::shared_ptr<LiveScan> scan = running_.at(scan_id);
   const Result<wire::Resumed> resumed = scan->resume(0);
   if (!resumed.ok()) return resumed.error();
-  return JobScan{scan, resumed->next_sequence, resumed->frames_granted, wire::max_frame_message_bytes(request.camera)};
+  return std::optional(JobScan{scan, resumed->next_sequence, resumed->frames_granted, wire::max_frame_message_bytes(request.camera)});
 }
 
 void Scans::remove_unwanted(const std::string& scan_id) {
   CHECK(!running_.contains(scan_id), "a scan that runs is discarded");
-  if (const Status removed = data_.remove_scan_folder(scan_id); !removed.ok()) spdlog::warn("{}", removed.error().message);
+  drop_left(scan_id);
+  if (const Status removed = remove_files(scan_id); !removed.ok()) spdlog::warn("{}", removed.error().message);
   read_again_.erase(scan_id);
   const Status removed = store_.remove(scan_id);
   if (!removed.ok() && removed.error().code != ErrorCode::kNotFound) spdlog::warn("{}", removed.error().message);

@@ -29,8 +29,10 @@
 #include "server/service/scans.h"
 #include "server/service/settings.h"
 #include "server/service/static_files.h"
+#include "server/service/store_watch.h"
 #include "server/store/data_directory.h"
-#include "server/store/store.h"
+#include "server/store/file_blobs.h"
+#include "server/store/sqlite_store.h"
 #include "server/store/unix_time.h"
 
 namespace hermite {
@@ -50,7 +52,7 @@ constexpr std::chrono::seconds kStopPatience(60);  // for the frame in work and 
 constexpr std::chrono::milliseconds kStopCheck(20);
 constexpr std::chrono::milliseconds kTick(250);             // how exactly waits are ended that are given in seconds
 constexpr std::chrono::milliseconds kGoodbyePatience(500);  // for last messages to leave
-constexpr std::size_t kDiskThreads = 2;                     // uploads wait for disks, not for processors
+constexpr std::size_t kDiskThreads = 2;                     // uploads and results wait for disks, not for processors
 
 ServiceOptions checked(const ServiceOptions& options) {
   if (const Status status = check(options); !status.ok()) throw SetupError(status.error());
@@ -156,7 +158,9 @@ struct Service::Impl {
   TlsContext tls;  // of new connections; none: they are not encrypted
   const DataDirectory data;
   const StaticFiles files;
-  Store store;
+  SqliteStore store;
+  FileBlobs blobs;
+  StoreWatch store_watch{store};
   Metrics metrics{kVersion};
   Gate gate;
   CountLimit connections, admin_connections{kMaxAdminConnections, kMaxAdminConnections};
@@ -178,6 +182,7 @@ struct Service::Impl {
   std::optional<tcp::acceptor> acceptor, admin_acceptor;
   asio::signal_set signals{context};
   asio::steady_timer watchdog{context}, drained{context};
+  asio::thread_pool log_readers{kMaxLogsRead};
   asio::thread_pool disk{kDiskThreads};  // last: its work refers to connections
 
   explicit Impl(const ServiceOptions& service_options)
@@ -188,13 +193,15 @@ struct Service::Impl {
         data(service_options.data_folder),
         files(viewer_files(service_options.web_folder)),
         store(data.database_path()),
+        blobs(data.scans_folder()),
         gate(store, options.failures_per_minute),
         connections(options.max_connections, options.connections_per_address),
         requests(options.requests_per_second, 2.0 * options.requests_per_second) {
     token_works = gate.install_first_token(data.token(), unix_now_ms());
     const auto post = [this](std::function<void()> action) { asio::post(context, std::move(action)); };
-    if (const Status recovered = recover_batch(data, store); !recovered.ok()) throw SetupError(recovered.error());
-    scans = std::make_unique<Scans>(scans_options(options), data, store, metrics, post);
+    const auto read = [this](std::function<void()> action) { asio::post(log_readers, std::move(action)); };
+    if (const Status recovered = recover_batch(data, store, blobs); !recovered.ok()) throw SetupError(recovered.error());
+    scans = std::make_unique<Scans>(scans_options(options), data, store, blobs, metrics, LogReaders::Threads{post, read});
     batch = std::make_unique<Batch>(options.job_workers, upload_limits(options), data, store, *scans, post);
     world = std::make_unique<HttpWorld>(HttpWorld{*scans, store, gate, files, metrics, batch->uploads(), batch->executor()});
     site = std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer(*world, request); },
@@ -220,7 +227,7 @@ struct Service::Impl {
     admin_address->port = admin_acceptor->local_endpoint().port();
     device = std::make_unique<DeviceWatch>(options.device);
     admin_world =
-        std::make_unique<AdminWorld>(AdminWorld{*scans, store, metrics, *device, options.data_folder,
+        std::make_unique<AdminWorld>(AdminWorld{*scans, store, metrics, *device, store_watch, options.data_folder,
                                                 static_cast<std::uint64_t>(options.min_free_disk_mb) * 1'000'000, connections, draining});
     admin_site = std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer_admin(*admin_world, request); },
                                              allowed_hosts(options, *admin_address), metrics});
@@ -287,6 +294,7 @@ struct Service::Impl {
       const auto now = std::chrono::steady_clock::now();
       scans->tick(now);
       batch->tick(now);
+      store_watch.tick(now);
     }
   }
 

@@ -208,22 +208,27 @@ wire::Welcome complete_welcome(wire::Welcome welcome) {
 
 using Greeting = std::variant<std::unique_ptr<Session>, Refusal>;
 
-// A camera for which there is no place yet: first it waits, then it is as any other.
+// A camera that has to wait, for a place or for the log of its scan: first it waits, then it is as any other.
 class WaitingSession final : public Session {
  public:
   using Begin = std::function<Greeting()>;
 
-  // `begin` is called when there is a place.
-  WaitingSession(Places& places, Begin begin, std::function<void()> wake)
-      : places_(places), begin_(std::move(begin)), session_(std::make_unique<WaitingRoom>(std::move(wake))) {}
+  // `begin` is called when its turn has come.
+  WaitingSession(Begin begin, std::function<void()> wake)
+      : begin_(std::move(begin)), session_(std::make_unique<WaitingRoom>(std::move(wake))) {}
 
-  Status enter(const PlaceRequest& request) {
+  Status wait_for_place(Places& places, const PlaceRequest& request) {
     auto& room = static_cast<WaitingRoom&>(*session_);
-    Result<Places::Ticket> ticket = places_.wait(
+    Result<Places::Ticket> ticket = places.wait(
         request, [&room](const wire::Waiting& waiting) { room.tell(waiting); }, [this] { begin(); });
     if (!ticket.ok()) return ticket.error();
-    ticket_ = *ticket;
+    leave_ = [&places, number = *ticket] { places.leave(number); };
     return Done{};
+  }
+
+  void wait_for_log(LogReaders& logs, const std::string& scan_id) {
+    const LogReaders::Ticket ticket = logs.when_read(scan_id, [this] { begin(); });
+    leave_ = [&logs, ticket] { logs.forget(ticket); };
   }
 
   void receive(std::string_view message) override { session_->receive(message); }
@@ -253,20 +258,19 @@ class WaitingSession final : public Session {
   };
 
   void begin() {
-    ticket_.reset();
+    leave_ = nullptr;
     if (session_->closing()) return;  // it broke a rule while it waited
     Greeting greeting = begin_();
     if (const Refusal* refusal = std::get_if<Refusal>(&greeting)) return session_->fail(refusal->error, refusal->code);
     session_ = std::get<std::unique_ptr<Session>>(std::move(greeting));
   }
   void stop_waiting() {
-    if (ticket_) places_.leave(*ticket_);
-    ticket_.reset();
+    if (leave_) leave_();
+    leave_ = nullptr;
   }
 
-  Places& places_;
   const Begin begin_;
-  std::optional<Places::Ticket> ticket_;
+  std::function<void()> leave_;  // the line; none: not in one any more
   std::unique_ptr<Session> session_;
 };
 
@@ -278,23 +282,29 @@ Greeting start_scan(Scans& scans, const Grant& grant, const wire::Hello& hello, 
                                          std::move(wake));
 }
 
+Greeting go_away(const std::string& why, std::function<void()> wake) {
+  return std::make_unique<FarewellSession>(std::vector<wire::ServerMessage>{wire::GoAway{kResumeAfter_ms}},
+                                           Closing{CloseCode::kGoingAway, why}, std::move(wake));
+}
+
 Greeting greet_camera(Scans& scans, const Grant& grant, const wire::Hello& hello, std::function<void()> wake) {
   const PlaceRequest request = place_request_of(grant, std::get<wire::StartScan>(hello.role).mode);
   const Status place = scans.places().check_for_newcomer(request);
   if (place.ok()) return start_scan(scans, grant, hello, std::move(wake));
   if (hello.protocol_minor < wire::kMinorWithWaiting) return refusal_of(in_context("try again later", place.error()));
-  auto waiting = std::make_unique<WaitingSession>(
-      scans.places(), [&scans, grant, hello, wake] { return start_scan(scans, grant, hello, wake); }, wake);
-  if (Status status = waiting->enter(request); !status.ok()) return refusal_of(status.error());
+  auto begin = [&scans, grant, hello, wake] {
+    return scans.is_stopping() ? go_away("the server is stopping", wake) : start_scan(scans, grant, hello, wake);
+  };
+  auto waiting = std::make_unique<WaitingSession>(std::move(begin), wake);
+  if (Status status = waiting->wait_for_place(scans.places(), request); !status.ok()) return refusal_of(status.error());
   spdlog::info("a camera waits for a place: {}", place.error().message);
   return waiting;
 }
 
-Greeting greet_returning_camera(Scans& scans, const wire::ResumeScan& request, std::function<void()> wake) {
+Greeting resume_scan(Scans& scans, const wire::ResumeScan& request, std::function<void()> wake) {
   Result<ResumedScan> resumed = scans.resume(request);
-  if (!resumed.ok() && resumed.error().code == ErrorCode::kBusy)  // stopping: the next server will have the scan
-    return std::make_unique<FarewellSession>(std::vector<wire::ServerMessage>{wire::GoAway{kResumeAfter_ms}},
-                                             Closing{CloseCode::kGoingAway, resumed.error().message}, std::move(wake));
+  if (!resumed.ok() && resumed.error().code == ErrorCode::kBusy)  // stopping: the next server will have the scan; or not yet read
+    return go_away(resumed.error().message, std::move(wake));
   if (!resumed.ok()) {
     spdlog::info("a camera cannot resume: {}", resumed.error().message);
     return std::make_unique<FarewellSession>(std::vector<wire::ServerMessage>{wire::NotResumed{resumed.error().message}},
@@ -305,6 +315,14 @@ Greeting greet_returning_camera(Scans& scans, const wire::ResumeScan& request, s
                                              std::move(wake));
   spdlog::info("the camera of scan {} is back, from frame {} on", request.scan_id, resumed->resumed.next_sequence);
   return std::make_unique<CameraSession>(std::move(resumed->scan), resumed->resumed, resumed->max_message_bytes, std::move(wake));
+}
+
+// After a start of the server the log of its scan may still have to be read. Usually that is soon done.
+Greeting greet_returning_camera(Scans& scans, const wire::ResumeScan& request, std::function<void()> wake) {
+  if (!scans.logs().is_waited_for(request.scan_id)) return resume_scan(scans, request, std::move(wake));
+  auto waiting = std::make_unique<WaitingSession>([&scans, request, wake] { return resume_scan(scans, request, wake); }, wake);
+  waiting->wait_for_log(scans.logs(), request.scan_id);
+  return waiting;
 }
 
 Greeting greet_viewer(Scans& scans, const wire::ViewScan& request, std::function<void()> wake) {

@@ -2,8 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -14,6 +12,9 @@
 namespace hermite {
 
 namespace {
+
+// Far above what a scan of kMaxFramesPerScan frames leaves; what is longer is none of ours and must not take all memory.
+constexpr std::size_t kMaxResultBytes = std::size_t{2} * 1024 * 1024 * 1024;
 
 ModelUpdate model_of(StoredChunks stored) {
   ModelUpdate model;
@@ -30,16 +31,16 @@ ModelUpdate model_of(StoredChunks stored) {
 
 }  // namespace
 
-Result<std::string> read_stored_file(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) return Error{ErrorCode::kNotFound, "there is no " + path};
-  std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (stream.bad()) return Error{ErrorCode::kIo, "reading " + path};
-  return bytes;
+Result<wire::Finished> read_results(Blobs& blobs, const std::string& scan_id) {
+  Result<std::string> report = read_blob(blobs, scan_id, "report.json", kMaxResultBytes);
+  if (!report.ok()) return report.error();
+  Result<std::string> trajectory = read_blob(blobs, scan_id, "trajectory.txt", kMaxResultBytes);
+  if (!trajectory.ok()) return trajectory.error();
+  return wire::Finished{*std::move(report), *std::move(trajectory)};
 }
 
-void read_map_counts(const std::string& folder, wire::ScanState& state) {
-  const Result<std::string> text = read_stored_file(folder + "/report.json");
+void read_map_counts(Blobs& blobs, const std::string& scan_id, wire::ScanState& state) {
+  const Result<std::string> text = read_blob(blobs, scan_id, "report.json", kMaxResultBytes);
   if (!text.ok()) return;
   const nlohmann::json report = nlohmann::json::parse(*text, nullptr, false);
   const nlohmann::json mapping = report.is_object() ? report.value("mapping", nlohmann::json()) : nlohmann::json();
@@ -51,21 +52,21 @@ void read_map_counts(const std::string& folder, wire::ScanState& state) {
   state.loops = count("loops by appearance") + count("loops by nearness");
 }
 
-void show_files(const std::string& folder, Audience& audience) {
-  const Result<std::string> text = read_stored_file(folder + "/trajectory.txt");
+void show_results(Blobs& blobs, const std::string& scan_id, Audience& audience) {
+  const Result<std::string> text = read_blob(blobs, scan_id, "trajectory.txt", kMaxResultBytes);
   if (text.ok()) {
     const Result<Trajectory> trajectory = parse_tum_trajectory(*text);
-    if (!trajectory.ok()) spdlog::error("{}/trajectory.txt: {}", folder, trajectory.error().message);
+    if (!trajectory.ok()) spdlog::error("trajectory.txt of scan {}: {}", scan_id, trajectory.error().message);
     std::vector<float> positions_m;
     for (const TimedPose& pose : trajectory.ok() ? *trajectory : Trajectory{})
       for (const double axis : pose.world_from_camera.translation) positions_m.push_back(static_cast<float>(axis));
     audience.set_positions(std::move(positions_m));
   }
-  const Result<std::string> bytes = read_stored_file(folder + "/chunks.bin");
+  const Result<std::string> bytes = read_blob(blobs, scan_id, kChunksName, kMaxResultBytes);
   if (!bytes.ok()) return;
   Result<StoredChunks> stored = parse_chunk_file(*bytes);
   if (!stored.ok()) {
-    spdlog::error("{}/chunks.bin: {}", folder, stored.error().message);
+    spdlog::error("{} of scan {}: {}", kChunksName, scan_id, stored.error().message);
     return;
   }
   audience.show_model(model_of(*std::move(stored)));

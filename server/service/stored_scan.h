@@ -1,4 +1,4 @@
-// The files of a scan that has ended, for those who look at it.
+// The results of a scan that has ended, for those who look at it. Waits for where they are kept.
 #pragma once
 
 #include <string>
@@ -6,16 +6,17 @@
 #include "core/base/result.h"
 #include "proto/wire/messages.h"
 #include "server/service/audience.h"
+#include "server/store/blobs.h"
 
 namespace hermite {
 
-// kNotFound, kIo.
-Result<std::string> read_stored_file(const std::string& path);
+// What Finished says. kNotFound, kIo.
+Result<wire::Finished> read_results(Blobs& blobs, const std::string& scan_id);
 
 // What the report says about the map; 0 where there is none.
-void read_map_counts(const std::string& folder, wire::ScanState& state);
+void read_map_counts(Blobs& blobs, const std::string& scan_id, wire::ScanState& state);
 
-// What is there is shown: a scan that failed has no files, and that is no error of the viewer.
-void show_files(const std::string& folder, Audience& audience);
+// What is there is shown: a scan that failed has no results, and that is no error of the viewer.
+void show_results(Blobs& blobs, const std::string& scan_id, Audience& audience);
 
 }  // namespace hermite

@@ -10,6 +10,8 @@
 #include <set>
 #include <system_error>
 
+#include "server/store/sqlite_reader.h"
+
 namespace hermite {
 
 namespace {
@@ -21,31 +23,16 @@ constexpr const char* kUnfinished = ".partial";
 
 Error io_error(const std::string& what, const std::error_code& error) { return {ErrorCode::kIo, what + ": " + error.message()}; }
 
-// Reads only, and leaves the journal to the server.
-class Reader {
- public:
-  explicit Reader(const std::string& path) : database_(path, SQLite::OPEN_READONLY) {
-    database_.setBusyTimeout(5000);
-    sqlite3_db_config(database_.getHandle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
-    database_.exec("PRAGMA query_only = ON");
-  }
-  SQLite::Database& database() { return database_; }
-
- private:
-  SQLite::Database database_;
-};
-
 Result<std::int64_t> check_database(const std::string& path) try {
-  Reader reader(path);
-  const std::string verdict = reader.database().execAndGet("PRAGMA integrity_check(1)").getString();
-  if (verdict != "ok") return Error{ErrorCode::kCorruptData, path + " is damaged: " + verdict};
+  if (Status status = check_sqlite_file(path); !status.ok()) return status.error();
+  SqliteReader reader(path);
   return reader.database().execAndGet("SELECT count(*) FROM scans").getInt64();
 } catch (const SQLite::Exception& failure) {
   return Error{ErrorCode::kCorruptData, path + ": " + failure.what()};
 }
 
 Status copy_database(const std::string& from, const std::string& to) try {
-  Reader reader(from);
+  SqliteReader reader(from);
   SQLite::Database copy(to, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
   SQLite::Backup backup(copy, reader.database());
   if (backup.executeStep(-1) != SQLITE_DONE) return Error{ErrorCode::kIo, "copying the database " + from + ": it is locked"};

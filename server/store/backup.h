@@ -1,8 +1,8 @@
 // A copy of a data folder, taken while its server runs or not, and put back.
 //
 // The database is copied by SQLite in one transaction that only reads, so that the copy is of one moment; this connection never writes a
-// checkpoint (see store.h). Then come the token and the files of every scan. What a scan that runs has written so far is copied as it is:
-// after a restore it is an interrupted scan.
+// checkpoint (see sqlite_store.h). Then come the token and the files of every scan. What a scan that runs has written so far is copied as
+// it is: after a restore it is an interrupted scan.
 #pragma once
 
 #include <cstdint>

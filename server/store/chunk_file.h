@@ -17,6 +17,8 @@
 
 namespace hermite {
 
+inline constexpr const char* kChunksName = "chunks.bin";  // of the blob
+
 struct StoredSubmap {
   std::uint32_t submap = 0;
   Rigid3 world_from_submap;

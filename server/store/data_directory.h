@@ -2,8 +2,8 @@
 //
 //   lock          held (flock) for as long as the server runs, so that two programs never share a folder; the server's address is in it
 //   token         the first token: 64 hex digits, mode 0600
-//   hermite.db    scans, tokens and share links (store.h)
-//   scans/ID/     cloud.ply trajectory.txt report.json chunks.bin of a scan that has ended
+//   hermite.db    scans, tokens, uploads and jobs (sqlite_store.h)
+//   scans/ID/     cloud.ply trajectory.txt report.json chunks.bin of a scan that has ended (blobs.h)
 //   scans/ID/log/ its frames as they came (frame_log.h)
 //   uploads/ID    the bytes of an upload, as far as they have come
 //   jobs/ID/      what a running job has unpacked; empty at every start
@@ -36,6 +36,7 @@ class DataDirectory {
   Result<std::uint64_t> stored_bytes() const;
 
   // `scan_id` must be one (is_scan_id); a path is made of nothing else.
+  std::string scans_folder() const { return path_ + "/scans"; }
   std::string scan_folder(const std::string& scan_id) const;
   std::string log_folder(const std::string& scan_id) const { return scan_folder(scan_id) + "/log"; }
   Status create_scan_folder(const std::string& scan_id) const;

@@ -1,4 +1,4 @@
-// The schema of the database and how an older one becomes today's. For the sources of Store only.
+// The schema of the database and how an older one becomes today's. For the sources of SqliteStore only.
 #pragma once
 
 #include <string>

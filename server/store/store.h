@@ -1,38 +1,30 @@
-// One row a scan, a token, an upload and a job, in SQLite. Rows outlive the server; the results themselves are files (data_directory.h).
+// What a server remembers besides files: one row a scan, a token, an upload and a job. Rows outlive the server. Kept in SQLite
+// (sqlite_store.h) or, some day, in PostgreSQL; what every implementation keeps is in tests/server/store/store_contract.h.
 //
-// One connection, which is also the only one that writes checkpoints: SQLite 3.40 can lose a WAL that two connections reset. It belongs to
-// one thread at a time. Failures of the database are kIo with SQLite's own words.
+// What an implementation owes:
+//   atomic    Each call is one transaction. What returns an error has changed nothing; a limit or a key that is checked is checked and
+//             used at once. Nothing spans two calls: who needs two rows to agree writes them in an order that a death in between does no
+//             harm to (an upload's job has the upload's id, so that it is added once however often that is tried).
+//   durable   A change that returned well survives the death of the process, and that of the machine if its disk keeps its word.
+//   in order  A call sees all that earlier calls have changed, and no part of a later one.
+//   one user  Belongs to one thread at a time, and one server uses a store at a time. check_integrity() alone may be called from another
+//             thread beside the others.
+//
+// Errors, where nothing else is said: kIo, with the words of the database, for everything that it does not do. Ids and secrets are told
+// apart byte by byte.
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/math/camera.h"
 #include "server/store/job_row.h"
+#include "server/store/scan_row.h"
 #include "server/store/token_row.h"
 #include "server/store/upload_row.h"
 
 namespace hermite {
-
-enum class ScanPhase { kRunning, kFinished, kFailed, kInterrupted };
-const char* name_of(ScanPhase phase);  // "running", "finished", "failed", "interrupted"
-
-struct ScanRow {
-  std::string id;
-  std::string title;
-  ScanPhase phase = ScanPhase::kRunning;
-  std::string words;  // why, when it failed or was interrupted
-  Camera camera;
-  std::int64_t frames_received = 0;
-  std::int64_t frames_processed = 0;
-  std::int64_t frames_dropped = 0;
-  std::int64_t created_at_ms = 0;   // Unix time
-  std::int64_t finished_at_ms = 0;  // 0 while running
-};
 
 inline constexpr int kMaxListedScans = 1000;
 inline constexpr int kMaxTokens = 10'000;  // and share links, with those that have ended
@@ -43,65 +35,59 @@ inline constexpr int kMaxJobLines = 200;  // of one job; more are left out
 
 class Store {
  public:
-  // Opens or creates, and migrates an older schema after a backup (migrations.h). Throws SetupError in words: not a database, a damaged
-  // one, one of another program, or one with a newer schema than this program knows (which is left untouched).
-  explicit Store(const std::string& path);
-  ~Store();
-  Store(const Store&) = delete;
-  Store& operator=(const Store&) = delete;
+  virtual ~Store() = default;
 
   // kInvalidArgument: the id is there already.
-  Status add(const ScanRow& row);
+  virtual Status add(const ScanRow& row) = 0;
 
   // Everything but id, title, camera and created_at_ms. kNotFound: no such scan.
-  Status update(const ScanRow& row);
+  virtual Status update(const ScanRow& row) = 0;
 
   // kNotFound: no such scan.
-  Result<ScanRow> find(const std::string& id);
-  Status remove(const std::string& id);
+  virtual Result<ScanRow> find(const std::string& id) = 0;
+  virtual Status remove(const std::string& id) = 0;  // its share links go with it
 
   // Newest first, at most kMaxListedScans.
-  Result<std::vector<ScanRow>> list();
+  virtual Result<std::vector<ScanRow>> list() = 0;
 
-  // All that have not ended; after a start: those that a dead server left. Without those of jobs that have not ended: the job goes on
-  // with its scan.
-  Result<std::vector<ScanRow>> running();
+  // All that have not ended, oldest first; after a start: those that a dead server left. Without those of jobs that have not ended: the
+  // job goes on with its scan.
+  virtual Result<std::vector<ScanRow>> running() = 0;
 
   // Whether the database would take a change now; makes none.
-  Status writable();
+  virtual Status writable() = 0;
 
-  // Tokens and share links (store_tokens.cpp). Those that have ended stay in the list until they are forgotten.
+  // Reads all of it. kCorruptData: what is there is damaged, in words; kIo: that cannot be told now. May take long.
+  virtual Status check_integrity() const = 0;
+
+  // Tokens and share links. Those that have ended stay in the list until they are forgotten.
   // kInvalidArgument: the id or the secret is there already. kNotFound: no such scan. kBusy: kMaxTokens.
-  Status add_token(const TokenRow& row);
-  Result<TokenRow> find_token(const std::string& secret_sha256);    // kNotFound; also the revoked and the expired
-  Result<TokenRow> token(const std::string& id);                    // kNotFound
-  Result<std::vector<TokenRow>> list_tokens();                      // newest first
-  Status revoke_token(const std::string& id, std::int64_t now_ms);  // kNotFound
-  Status touch_token(const std::string& id, std::int64_t now_ms);   // last use. kNotFound
-  Status remove_token(const std::string& id);                       // kNotFound
+  virtual Status add_token(const TokenRow& row) = 0;
+  virtual Result<TokenRow> find_token(const std::string& secret_sha256) = 0;    // kNotFound; also the revoked and the expired
+  virtual Result<TokenRow> token(const std::string& id) = 0;                    // kNotFound
+  virtual Result<std::vector<TokenRow>> list_tokens() = 0;                      // newest first
+  virtual Status revoke_token(const std::string& id, std::int64_t now_ms) = 0;  // the first time stays. kNotFound
+  virtual Status touch_token(const std::string& id, std::int64_t now_ms) = 0;   // last use. kNotFound
+  virtual Status remove_token(const std::string& id) = 0;                       // kNotFound
   // Removes those revoked or expired before that time, but not the first token. How many.
-  Result<int> forget_tokens(std::int64_t ended_before_ms);
+  virtual Result<int> forget_tokens(std::int64_t ended_before_ms) = 0;
 
-  // Uploads (store_uploads.cpp). kBusy: kMaxUploads. kInvalidArgument: the id is there already. kNotFound.
-  Status add_upload(const UploadRow& row);
-  Status update_upload(const UploadRow& row);  // length, unchecked_from and expires_at_ms
-  Result<UploadRow> upload(const std::string& id);
-  Result<std::vector<UploadRow>> list_uploads();  // oldest first
-  Status remove_upload(const std::string& id);
+  // Uploads. kBusy: kMaxUploads. kInvalidArgument: the id is there already. kNotFound.
+  virtual Status add_upload(const UploadRow& row) = 0;
+  virtual Status update_upload(const UploadRow& row) = 0;  // length, unchecked_from and expires_at_ms
+  virtual Result<UploadRow> upload(const std::string& id) = 0;
+  virtual Result<std::vector<UploadRow>> list_uploads() = 0;  // oldest first
+  virtual Status remove_upload(const std::string& id) = 0;
 
-  // Jobs (store_jobs.cpp). kBusy: kMaxWaitingJobs. kInvalidArgument: the id is there already. kNotFound.
-  Status add_job(const JobRow& row);
-  Status update_job(const JobRow& row);  // state, words, attempt_count, scan_id, started_at_ms and finished_at_ms
-  Result<JobRow> job(const std::string& id);
-  Result<std::vector<JobRow>> list_jobs();              // newest first, at most kMaxListedJobs
-  Result<std::vector<JobRow>> jobs_in(JobState state);  // the next one first
-  Status add_job_line(const std::string& id, const JobLine& line);
-  Result<std::vector<JobLine>> job_lines(const std::string& id);
-  Result<int> forget_jobs(std::int64_t ended_before_ms);  // with their lines. How many
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  // Jobs. kBusy: kMaxWaitingJobs. kInvalidArgument: the id is there already. kNotFound.
+  virtual Status add_job(const JobRow& row) = 0;
+  virtual Status update_job(const JobRow& row) = 0;  // state, words, attempt_count, scan_id, started_at_ms and finished_at_ms
+  virtual Result<JobRow> job(const std::string& id) = 0;
+  virtual Result<std::vector<JobRow>> list_jobs() = 0;              // newest first, at most kMaxListedJobs
+  virtual Result<std::vector<JobRow>> jobs_in(JobState state) = 0;  // the next one first
+  virtual Status add_job_line(const std::string& id, const JobLine& line) = 0;
+  virtual Result<std::vector<JobLine>> job_lines(const std::string& id) = 0;
+  virtual Result<int> forget_jobs(std::int64_t ended_before_ms) = 0;  // with their lines. How many
 };
 
 }  // namespace hermite

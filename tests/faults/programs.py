@@ -57,8 +57,9 @@ class Server:
 
 
 class Camera:
-    def __init__(self, program, url, sequence=SEQUENCE):
-        command = [program, "stream", sequence, "--server", url, "--rate", str(RATE_HZ), "--set", "map.stable_confidence=1"]
+    def __init__(self, program, url, sequence=SEQUENCE, settings=()):
+        """`settings`: more arguments."""
+        command = [program, "stream", sequence, "--server", url, "--rate", str(RATE_HZ), "--set", "map.stable_confidence=1", *settings]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.lines = []
         self.out = ""

@@ -31,8 +31,8 @@ TEST(SecurityTable, NamesTestsThatExist) {
   const fs::path root = test::source_root();
   std::set<std::string> tests;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / "tests"))
-    if (entry.is_regular_file() && entry.path().extension() == ".cpp")
-      tests.merge(matches(text_of(entry.path()), std::regex(R"(TEST(?:_F)?\((\w+),\s*(\w+)\))")));
+    if (entry.is_regular_file() && (entry.path().extension() == ".cpp" || entry.path().extension() == ".h"))
+      tests.merge(matches(text_of(entry.path()), std::regex(R"(TEST(?:_F|_P)?\((\w+),\s*(\w+)\))")));
   const std::set<std::string> named = matches(text_of(root / "server/SECURITY.md"), std::regex(R"(`(\w+)\.(\w+)`)"));
   EXPECT_GT(named.size(), 30u) << "is this the table?";
   for (const std::string& name : named) EXPECT_TRUE(tests.contains(name)) << name << " is named in server/SECURITY.md and nowhere else";

@@ -260,10 +260,21 @@ def break_rules(port, token):
     refused(port, "hello", 1003, "text")
     check(Client(port, [(b"Origin", b"http://evil.example")]).status == 403, "a page of another site is refused")
     check(not Client(port, subprotocol=None).accepted, "the subprotocol must be offered")
-    unmasked = Client(port)
-    unmasked.socket.sendall(b"\x82\x03abc")
-    list(unmasked.messages())
-    check(unmasked.close_code == 1002, "frames without a mask are against RFC 6455")
+    mask = b"\0\0\0\0"
+    for bytes_sent, code, words in (
+            (b"\x82\x03abc", 1002, "no mask"),
+            (b"\xf2\x80" + mask, 1002, "reserved bits"),
+            (b"\x83\x80" + mask, 1002, "a reserved opcode"),
+            (b"\x80\x80" + mask, 1002, "a continuation of nothing"),
+            (b"\x09\x80" + mask, 1002, "a ping in fragments"),
+            (b"\x89\xfe\x00\x7e" + mask + b"a" * 126, 1002, "a ping of 126 bytes"),
+            (b"\x88\x81" + mask + b"a", 1002, "a close with half a code"),
+            (b"\x88\x82" + mask + (999).to_bytes(2, "big"), 1002, "a close with a code that is none"),
+            (b"\x81\x82" + mask + b"\xc3\x28", 1007, "text that is no UTF-8")):
+        client = Client(port)
+        client.socket.sendall(bytes_sent)
+        list(client.messages())
+        check(client.close_code == code, f"against RFC 6455, {words}: closed with {code}, not {client.close_code}")
 
 
 def main():

@@ -14,6 +14,7 @@
 #include "core/pipeline/pipeline.h"
 #include "core/report/run_report.h"
 #include "proto/wire/frame_payload.h"
+#include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
@@ -254,6 +255,71 @@ TEST(Stream, AServerThatStopsSaysWhy) {
   EXPECT_THAT(outcome.error().message, HasSubstr("stopping"));
   ASSERT_FALSE(links.empty());
   EXPECT_THAT(links.front(), HasSubstr("connection lost"));
+}
+
+// Another camera has the only place, and its server stops.
+TEST(Stream, WaitsForAPlaceAgainWhenTheLinkIsLost) {
+  const auto sequence = synthetic_room();
+  const test::TemporaryFolder folder;
+  ServiceOptions options = TestServer::options(folder.path(), 2);
+  options.max_scans = 1;
+  auto server = std::make_unique<test::RunningServer>(options);
+  StreamRequest request;
+  request.server = {"127.0.0.1", static_cast<std::uint16_t>(server->port()), server->token()};
+  options.listen = "127.0.0.1:" + std::to_string(server->port());
+  auto first = std::make_unique<test::RawClient>(server->port());
+  ASSERT_TRUE(first->upgrade());
+  // Of minor 0: it cannot come back, so its place is free when there is a server again.
+  first->send_message(wire::Hello{
+      0, "test", server->token(),
+      wire::StartScan{"", sequence->camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0}});
+  ASSERT_TRUE(first->read<wire::Welcome>());
+  StreamObserver observer;
+  std::atomic<bool> waiting{false};
+  std::vector<std::string> links;
+  observer.on_link = [&](const std::string& words) {
+    links.push_back(words);
+    waiting = true;
+  };
+  std::optional<Result<StreamOutcome>> outcome;
+  std::thread streaming([&] { outcome = stream_sequence(*sequence, all_of(*sequence), request, observer); });
+  for (int i = 0; i < 60'000 && !waiting; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  server.reset();
+  server = std::make_unique<test::RunningServer>(options);
+  streaming.join();
+  ASSERT_TRUE(outcome->ok()) << outcome->error().message;
+  EXPECT_EQ((*outcome)->progress.processed_frames, kFrameCount);
+  EXPECT_EQ((*outcome)->progress.resumed_count, 0u);
+  ASSERT_GE(links.size(), 2u);
+  EXPECT_THAT(links[0], HasSubstr("no place on the server yet"));
+  EXPECT_THAT(links[1], HasSubstr("connection lost while waiting for a place"));
+}
+
+TEST(Stream, AnInterruptEndsTheWaitForAServerThatIsGone) {
+  const auto sequence = synthetic_room();
+  const test::TemporaryFolder folder;
+  ServiceOptions options = TestServer::options(folder.path(), 2);
+  options.max_scans = 1;
+  auto server = std::make_unique<test::RunningServer>(options);
+  StreamRequest request;
+  request.server = {"127.0.0.1", static_cast<std::uint16_t>(server->port()), server->token()};
+  test::RawClient first(server->port());
+  ASSERT_TRUE(first.upgrade());
+  first.send_message(wire::Hello{
+      0, "test", server->token(),
+      wire::StartScan{"", sequence->camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0}});
+  ASSERT_TRUE(first.read<wire::Welcome>());
+  StreamObserver observer;
+  std::atomic<int> links{0};
+  observer.on_link = [&](const std::string&) { ++links; };
+  observer.interrupt_count = [&] { return links >= 2 ? 1 : 0; };
+  std::optional<Result<StreamOutcome>> outcome;
+  std::thread streaming([&] { outcome = stream_sequence(*sequence, all_of(*sequence), request, observer); });
+  for (int i = 0; i < 60'000 && links < 1; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  server.reset();
+  streaming.join();
+  ASSERT_FALSE(outcome->ok());
+  EXPECT_THAT(outcome->error().message, HasSubstr("interrupted before the scan began"));
 }
 
 TEST(Stream, GoesOnWithTheNextServerAndTheResultIsTheSame) {

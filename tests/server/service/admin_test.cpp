@@ -4,8 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <thread>
 
+#include "server/store/scan_id.h"
+#include "server/store/sqlite_store.h"
+#include "server/store/unix_time.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
@@ -68,6 +73,36 @@ TEST_F(AdminTest, SaysInWordsWhatIsMissing) {
   EXPECT_THAT(answer, HasSubstr("no such GPU"));
 }
 
+// Where nobody looks at a start: in the log of a job that has ended.
+TEST_F(AdminTest, SaysThatTheDatabaseIsDamaged) {
+  const std::string path = folder_ / "data/hermite.db";
+  std::filesystem::create_directory(folder_ / "data");
+  {
+    SqliteStore store(path);
+    JobRow job;
+    job.id = new_scan_id();
+    job.state = JobState::kFinished;
+    job.finished_at_ms = unix_now_ms();
+    ASSERT_TRUE(store.add_job(job).ok());
+    for (int i = 0; i < 100; ++i) ASSERT_TRUE(store.add_job_line(job.id, {i, std::string(500, 'x')}).ok());
+  }
+  constexpr std::uintmax_t kPageBytes = 4096;
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(static_cast<std::streamoff>(std::filesystem::file_size(path) - kPageBytes + 8));
+  file << std::string(2000, '\x7f');
+  file.close();
+  serve(options());
+  std::string answer;
+  for (int i = 0; i < 300 && answer.find("the database: ") == std::string::npos; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    answer = get("/readyz");
+  }
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 503"));
+  EXPECT_THAT(answer, HasSubstr("restore a backup"));
+  EXPECT_THAT(get("/metrics"), HasSubstr("hermite_database_damaged 1\n"));
+  EXPECT_THAT(get("/healthz"), StartsWith("HTTP/1.1 200")) << "a restart would not help";
+}
+
 TEST_F(AdminTest, MetricsCountRequestsByRouteAndNeverByPath) {
   serve(options());
   ask("GET", "/healthz", server_->port());
@@ -75,12 +110,13 @@ TEST_F(AdminTest, MetricsCountRequestsByRouteAndNeverByPath) {
   ask("GET", "/api/v1/scans", server_->port());
   const std::string text = get("/metrics");
   EXPECT_THAT(text, HasSubstr("Content-Type: text/plain; version=0.0.4"));
-  for (const char* line : {"hermite_build_info{version=\"0.1.0\"} 1\n", "# TYPE hermite_frame_latency_seconds histogram\n",
-                           "hermite_scans_running{mode=\"live\"} 0\n", "hermite_scans_running{mode=\"batch\"} 0\n", "hermite_viewers 0\n",
-                           "hermite_frames_received_total 0\n", "hermite_frames_dropped_total 0\n",
-                           "hermite_authentication_failures_total 1\n", "hermite_queue_bytes{queue=\"frames\"} 0\n", "hermite_draining 0\n",
-                           "hermite_http_request_duration_seconds_count{code=\"200\",route=\"healthz\"} 1\n",
-                           "hermite_http_request_duration_seconds_count{code=\"404\",route=\"other\"} 1\n"})
+  for (const char* line :
+       {"hermite_build_info{version=\"0.1.0\"} 1\n", "# TYPE hermite_frame_latency_seconds histogram\n",
+        "hermite_scans_running{mode=\"live\"} 0\n", "hermite_scans_running{mode=\"batch\"} 0\n", "hermite_viewers 0\n",
+        "hermite_frames_received_total 0\n", "hermite_frames_dropped_total 0\n", "hermite_authentication_failures_total 1\n",
+        "hermite_queue_bytes{queue=\"frames\"} 0\n", "hermite_draining 0\n", "hermite_database_damaged 0\n",
+        "hermite_http_request_duration_seconds_count{code=\"200\",route=\"healthz\"} 1\n",
+        "hermite_http_request_duration_seconds_count{code=\"404\",route=\"other\"} 1\n"})
     EXPECT_THAT(text, HasSubstr(line));
   EXPECT_THAT(text, Not(HasSubstr("secret-path")));
   EXPECT_THAT(text, Not(HasSubstr("hermite_disk_free_bytes 0\n")));

@@ -8,6 +8,7 @@
 #include "core/digest/sha256.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
+#include "server/store/sqlite_store.h"
 #include "tests/support/temporary_folder.h"
 
 namespace hermite {
@@ -36,7 +37,7 @@ class AdministrationTest : public testing::Test {
 
   const test::TemporaryFolder folder_;
   const std::string scan_id_ = new_scan_id();
-  Store store_{folder_ / "db"};
+  SqliteStore store_{folder_ / "db"};
 };
 
 TEST_F(AdministrationTest, ATokensSecretIsShownOnceAndKeptAsAHash) {

@@ -10,6 +10,7 @@
 
 #include "core/digest/sha256.h"
 #include "server/store/secret.h"
+#include "server/store/sqlite_store.h"
 #include "tests/support/temporary_folder.h"
 
 namespace hermite {
@@ -39,7 +40,7 @@ class GateTest : public testing::Test {
   }
 
   const test::TemporaryFolder folder_;
-  Store store_{folder_ / "db"};
+  SqliteStore store_{folder_ / "db"};
   Gate gate_{store_, kFailures};
 };
 

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/store/scan_id.h"
+#include "server/store/sqlite_store.h"
 #include "tests/source_root/source_root.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
@@ -27,7 +28,7 @@ class HttpRoutesTest : public testing::Test {
   HttpRoutesTest() {
     std::filesystem::create_directories(folder_ / "data");
     {
-      Store store(folder_ / "data/hermite.db");
+      SqliteStore store(folder_ / "data/hermite.db");
       for (const std::string& id : {id_, other_id_}) {
         ScanRow row;
         row.id = id;

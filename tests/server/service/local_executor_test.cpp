@@ -3,6 +3,7 @@
 #include <deque>
 #include <map>
 
+#include "server/store/sqlite_store.h"
 #include "tests/server/service/executor_contract.h"
 #include "tests/support/temporary_folder.h"
 
@@ -79,7 +80,7 @@ class LocalWorld {
   };
 
   void start() {
-    store_ = std::make_unique<Store>(folder_ / "db");
+    store_ = std::make_unique<SqliteStore>(folder_ / "db");
     const JobScans scans{[this](const std::string& id) { return finished_scans.contains(id); },
                          [this](const std::string& id) { removed_scans_.push_back(id); }};
     ASSERT_TRUE(recover_jobs(*store_, scans, ++now_ms_).ok());
@@ -101,7 +102,7 @@ class LocalWorld {
   std::map<std::string, int> done_;
   std::vector<std::string> started_, removed_scans_, ended_;
   std::deque<std::function<void()>> posted_;
-  std::unique_ptr<Store> store_;
+  std::unique_ptr<SqliteStore> store_;
   std::unique_ptr<LocalExecutor> executor_;
 };
 

@@ -1,6 +1,9 @@
 // Cameras that lose their connection, and servers that die: what is told, what is kept, and that the result is the same.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -8,11 +11,13 @@
 
 #include "core/digest/sha256.h"
 #include "core/log/frame_log.h"
+#include "core/log/frame_log_format.h"
 #include "core/pipeline/doctor.h"
+#include "server/service/log_readers.h"
 #include "server/service/scan_record.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
-#include "server/store/store.h"
+#include "server/store/sqlite_store.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/room_frames.h"
 #include "tests/support/running_server.h"
@@ -46,10 +51,11 @@ class ResumeTest : public testing::Test {
     serve(120);
   }
 
-  void serve(int resume_window_s) {
+  void serve(int resume_window_s, int max_scans = 4) {
     server_.reset();
     ServiceOptions options = test::test_options(folder_ / "data");
     options.resume_window_s = resume_window_s;
+    options.max_scans = max_scans;
     server_ = std::make_unique<test::RunningServer>(options);
   }
 
@@ -100,7 +106,7 @@ class ResumeTest : public testing::Test {
   }
   ScanRow row(const std::string& id) {
     server_->stop();
-    Store store(folder_ / "data/hermite.db");
+    SqliteStore store(folder_ / "data/hermite.db");
     const auto found = store.find(id);
     EXPECT_TRUE(found.ok());
     return found.ok() ? *found : ScanRow{};
@@ -333,7 +339,7 @@ TEST_F(ResumeTest, RefusedFramesAndBadImagesAreTheSameAfterARestart) {
 TEST_F(ResumeTest, ARevokedTokenEndsTheConnectionAndAnotherTokenGoesOnWithTheScan) {
   server_->stop();
   {
-    Store store(folder_ / "data/hermite.db");
+    SqliteStore store(folder_ / "data/hermite.db");
     const auto add = [&store](const std::string& secret, const Scopes& scopes) {
       TokenRow token;
       token.id = token.name = secret;
@@ -381,16 +387,125 @@ TEST_F(ResumeTest, TheFramesOfAScanThatEndedLongAgoGoAndItsResultsStay) {
   server_->stop();
   ended.finished_at_ms -= std::int64_t{8} * 24 * 3600 * 1000;
   {
-    Store store(folder_ / "data/hermite.db");
+    SqliteStore store(folder_ / "data/hermite.db");
     ASSERT_TRUE(store.update(ended).ok());
   }
   serve(120);
+  for (int i = 0; i < 1000 && std::filesystem::exists(log_folder()); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_FALSE(std::filesystem::exists(log_folder()));
   EXPECT_TRUE(std::filesystem::exists(cloud));
   const auto late = resume(kFrameCount);
   const auto answer = late->read<wire::NotResumed>();
   ASSERT_TRUE(answer);
   EXPECT_THAT(answer->reason, HasSubstr("log is gone"));
+}
+
+TEST_F(ResumeTest, MoreScansWereLeftThanThereArePlacesForAndGoOnOneAfterTheOther) {
+  std::vector<wire::Welcome> left;
+  std::vector<std::unique_ptr<RawClient>> cameras;
+  for (int i = 0; i < 2; ++i) {
+    cameras.push_back(start());
+    left.push_back(welcome_);
+    send(*cameras.back(), 0, 2);
+    ASSERT_TRUE(wait_for_durable(*cameras.back(), 2));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // one is the older by the clock
+  }
+  serve(120, 1);
+  welcome_ = left[1];
+  EXPECT_TRUE(resume(2)->read<wire::GoAway>());
+  welcome_ = left[0];
+  auto camera = resume(2);
+  ASSERT_TRUE(camera->read<wire::Resumed>());
+  send(*camera, 2, kFrameCount);
+  camera->send_message(wire::Finish{});
+  ASSERT_TRUE(camera->read<wire::Finished>());
+  welcome_ = left[1];
+  camera = resume(2);
+  const auto resumed = camera->read<wire::Resumed>();
+  ASSERT_TRUE(resumed);
+  EXPECT_EQ(resumed->next_sequence, 2u);
+}
+
+// Logs that cannot be read to their end: pipes that nobody writes to, as disks are that do not answer.
+class SlowLogsTest : public ResumeTest {
+ protected:
+  void SetUp() override {
+    ResumeTest::SetUp();
+    if (IsSkipped()) return;
+    auto client = start();
+    send(*client, 0, 2);
+    ASSERT_TRUE(wait_for_durable(*client, 2));
+    server_->stop();
+    const std::string segment = log_folder() + "/" + segment_name(0);
+    std::filesystem::rename(segment, segment + ".whole");
+    ASSERT_EQ(mkfifo(segment.c_str(), 0600), 0);
+    segment_ = segment;
+    serve(120);
+  }
+  void TearDown() override { let_go(); }
+  // The log can be read again by those who open it now; whoever waits finds an empty one.
+  void let_go() {
+    if (segment_.empty()) return;
+    std::filesystem::rename(segment_, segment_ + ".pipe");
+    std::filesystem::rename(segment_ + ".whole", segment_);
+    for (int i = 0; i < 100; ++i) {
+      const int end = open((segment_ + ".pipe").c_str(), O_WRONLY | O_NONBLOCK);
+      if (end >= 0) {
+        close(end);
+        break;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));  // it has not been opened yet
+    }
+    segment_.clear();
+  }
+  std::string get(const std::string& path) {
+    RawClient client(server_->port());
+    client.send("GET " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + server_->token() +
+                "\r\n\r\n");
+    return client.read_to_end();
+  }
+  std::string segment_;
+};
+
+TEST_F(SlowLogsTest, DoNotKeepTheServerFromStarting) {
+  EXPECT_THAT(get("/healthz"), testing::StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(get("/api/v1/scans"), HasSubstr("\"state\":\"running\""));
+  const wire::Welcome old = welcome_;
+  const auto other = start();
+  send(*other, 0, kFrameCount);
+  other->send_message(wire::Finish{});
+  EXPECT_TRUE(other->read<wire::Finished>()) << "another scan runs meanwhile";
+  EXPECT_EQ(hello(wire::ViewScan{old.scan_id})->close_code(), 4013);
+}
+
+TEST_F(SlowLogsTest, LetTheCameraComeBackLater) {
+  const auto asked_at = std::chrono::steady_clock::now();
+  const auto camera = resume(0);
+  EXPECT_TRUE(camera->read<wire::GoAway>());
+  EXPECT_EQ(camera->close_code(), 1001);
+  const auto waited = std::chrono::steady_clock::now() - asked_at;
+  EXPECT_GE(waited, kReadPatience - std::chrono::milliseconds(500));
+  EXPECT_LT(waited, std::chrono::seconds(10)) << "longer than clients wait";
+}
+
+TEST_F(SlowLogsTest, AreSaidToBeBadWhenTheyTurnOutToBe) {
+  auto camera = resume(0);
+  let_go();
+  const auto answer = camera->read<wire::NotResumed>();
+  ASSERT_TRUE(answer);
+  EXPECT_THAT(answer->reason, HasSubstr("interrupted"));
+}
+
+TEST_F(SlowLogsTest, TheServerEndsWhileOneIsReadAndTheNextGoesOn) {
+  std::thread stopping([this] { EXPECT_TRUE(server_->stop()); });
+  std::this_thread::sleep_for(std::chrono::seconds(1));  // it has heard of its end, and waits for the log
+  let_go();
+  stopping.join();
+  serve(120);
+  const auto camera = resume(0);
+  const auto resumed = camera->read<wire::Resumed>();
+  ASSERT_TRUE(resumed) << "what the last server began to read stays as it was";
+  EXPECT_EQ(resumed->next_sequence, 2u);
 }
 
 TEST_F(ResumeTest, APauseIsShownAndAFrameEndsIt) {
@@ -425,7 +540,7 @@ TEST_F(ResumeTest, ADiscardedScanLeavesNothing) {
   EXPECT_EQ(client->close_code(), 1000);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "data/scans/" + welcome_.scan_id));
   server_->stop();
-  Store store(folder_ / "data/hermite.db");
+  SqliteStore store(folder_ / "data/hermite.db");
   EXPECT_EQ(store.find(welcome_.scan_id).error().code, ErrorCode::kNotFound);
 }
 

@@ -11,6 +11,7 @@
 #include "core/pipeline/doctor.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
+#include "server/store/sqlite_store.h"
 #include "server/store/unix_time.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
@@ -27,7 +28,7 @@ class SessionsTest : public testing::Test {
   // Tokens "view" and "scan", named after what they allow, and the link "share" of the finished scan id_.
   SessionsTest() {
     std::filesystem::create_directories(folder_ / "data");
-    Store store(folder_ / "data/hermite.db");
+    SqliteStore store(folder_ / "data/hermite.db");
     for (const std::string& id : {id_, other_id_}) {
       ScanRow scan;
       scan.id = id;
@@ -156,7 +157,7 @@ TEST_F(SessionsTest, ARevocationEndsWhatWasOpenedWithTheToken) {
 TEST_F(SessionsTest, AnExpiryEndsWhatWasOpenedWithTheToken) {
   if (!gpu_is_fit()) GTEST_SKIP() << "no fit GPU here";
   {
-    Store store(folder_ / "data/hermite.db");
+    SqliteStore store(folder_ / "data/hermite.db");
     TokenRow soon;
     soon.id = "soon";
     soon.secret_sha256 = sha256("soon");

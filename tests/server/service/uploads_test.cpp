@@ -10,6 +10,7 @@
 #include "server/net/base64.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
+#include "server/store/sqlite_store.h"
 #include "tests/support/temporary_folder.h"
 
 namespace hermite {
@@ -51,7 +52,7 @@ class UploadsTest : public testing::Test {
 
   const test::TemporaryFolder folder_;
   const DataDirectory data_{folder_ / "data"};
-  Store store_{data_.database_path()};
+  SqliteStore store_{data_.database_path()};
   UploadLimits limits_{100, 150, 0, kKeep_ms};
   Grant grant_{"mine", {true, true, false}, "", 0};
   const Grant other_{"other", {true, true, false}, "", 0}, admin_{"root", {true, true, true}, "", 0};

@@ -9,7 +9,7 @@
 
 #include "server/store/data_directory.h"
 #include "server/store/scan_id.h"
-#include "server/store/store.h"
+#include "server/store/sqlite_store.h"
 #include "tests/support/temporary_folder.h"
 
 namespace hermite {
@@ -44,7 +44,7 @@ class BackupTest : public testing::Test {
 TEST_F(BackupTest, WhatIsBackedUpUnderARunningServerComesBack) {
   {
     const DataDirectory data(folder_ / "data");
-    Store store(data.database_path());
+    SqliteStore store(data.database_path());
     for (int i = 0; i < 3; ++i) add_scan(store, data);
     fs::create_symlink("/etc/passwd", data.scan_folder(ids_[0]) + "/link");
     ASSERT_TRUE(data.create_job_folder(ids_[0]).ok());
@@ -59,7 +59,7 @@ TEST_F(BackupTest, WhatIsBackedUpUnderARunningServerComesBack) {
   const auto restored = restore(folder_ / "backup", folder_ / "restored");
   ASSERT_TRUE(restored.ok()) << restored.error().message;
   const DataDirectory data(folder_ / "restored");
-  Store store(data.database_path());
+  SqliteStore store(data.database_path());
   EXPECT_EQ(store.list()->size(), 3u);
   EXPECT_EQ(content(data.scan_folder(ids_[1]) + "/cloud.ply"), "points of " + ids_[1]);
   EXPECT_EQ(content(folder_ / "restored/token"), content(folder_ / "data/token"));
@@ -70,7 +70,7 @@ TEST_F(BackupTest, WhatIsBackedUpUnderARunningServerComesBack) {
 TEST_F(BackupTest, NothingIsOverwritten) {
   {
     const DataDirectory data(folder_ / "data");
-    Store store(data.database_path());
+    SqliteStore store(data.database_path());
     add_scan(store, data);
   }
   ASSERT_TRUE(back_up(folder_ / "data", folder_ / "backup").ok());
@@ -87,7 +87,7 @@ TEST_F(BackupTest, WhatIsNoDataFolderOrDamagedIsRefused) {
   EXPECT_EQ(restore(folder_ / "nowhere", folder_ / "data").error().code, ErrorCode::kNotFound);
   {
     const DataDirectory data(folder_ / "data");
-    Store store(data.database_path());
+    SqliteStore store(data.database_path());
     for (int i = 0; i < 200; ++i) add_scan(store, data);
   }
   ASSERT_TRUE(back_up(folder_ / "data", folder_ / "backup").ok());

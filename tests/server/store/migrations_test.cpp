@@ -1,4 +1,4 @@
-// Databases of earlier versions, through the door of Store. golden/schema-N.db was written by the hermite whose schema was N.
+// Databases of earlier versions, through the door of SqliteStore. golden/schema-N.db was written by the hermite whose schema was N.
 #include "server/store/migrations.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -10,7 +10,7 @@
 
 #include "core/digest/sha256.h"
 #include "server/store/secret.h"
-#include "server/store/store.h"
+#include "server/store/sqlite_store.h"
 #include "tests/source_root/source_root.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
@@ -36,7 +36,7 @@ class MigrationsTest : public testing::Test {
   }
   std::string words_of_open() const {
     try {
-      Store store(path_);
+      SqliteStore store(path_);
     } catch (const SetupError& error) {
       return error.what();
     }
@@ -50,7 +50,7 @@ class MigrationsTest : public testing::Test {
 TEST_F(MigrationsTest, TheFirstVersionsScansAreThereAfterwards) {
   take_golden(1);
   {
-    Store store(path_);
+    SqliteStore store(path_);
     const auto rows = store.list();
     ASSERT_TRUE(rows.ok()) << rows.error().message;
     ASSERT_EQ(rows->size(), 2u);
@@ -70,7 +70,7 @@ TEST_F(MigrationsTest, TheFirstVersionsScansAreThereAfterwards) {
 
 TEST_F(MigrationsTest, ABackupIsMadeFirst) {
   take_golden(1);
-  { Store store(path_); }
+  { SqliteStore store(path_); }
   const std::string backup = backup_path(path_, 1);
   EXPECT_EQ(version_of(backup), 1);
   SQLite::Database database(backup, SQLite::OPEN_READONLY);
@@ -104,16 +104,16 @@ TEST_F(MigrationsTest, AStepThatFailsLeavesTheDatabaseAsItWas) {
 }
 
 TEST_F(MigrationsTest, ANewDatabaseNeedsNoBackup) {
-  { Store store(path_); }
+  { SqliteStore store(path_); }
   EXPECT_EQ(version_of(path_), schema_version());
   EXPECT_FALSE(std::filesystem::exists(backup_path(path_, 0)));
-  { Store store(path_); }
+  { SqliteStore store(path_); }
   EXPECT_FALSE(std::filesystem::exists(backup_path(path_, schema_version())));
 }
 
 TEST_F(MigrationsTest, ADamagedDatabaseOfADeadServerIsNotUsed) {
   {
-    Store store(path_);
+    SqliteStore store(path_);
     ScanRow row;
     row.id = "a";
     row.title = std::string(20'000, 't');

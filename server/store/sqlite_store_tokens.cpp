@@ -1,7 +1,7 @@
-// The part of Store that is about tokens and share links.
+// The part of SqliteStore that is about tokens and share links.
 #include <sqlite3.h>
 
-#include "server/store/store_connection.h"
+#include "server/store/sqlite_connection.h"
 
 namespace hermite {
 
@@ -29,25 +29,7 @@ Error no_token(const std::string& id) { return {ErrorCode::kNotFound, "there is 
 
 }  // namespace
 
-const char* name_of(Scope scope) {
-  switch (scope) {
-    case Scope::kView: return "view";
-    case Scope::kScan: return "scan";
-    case Scope::kAdmin: return "admin";
-  }
-  return "unknown";
-}
-
-bool includes(const Scopes& scopes, Scope scope) {
-  switch (scope) {
-    case Scope::kView: return scopes.view || scopes.admin;
-    case Scope::kScan: return scopes.scan || scopes.admin;
-    case Scope::kAdmin: return scopes.admin;
-  }
-  return false;
-}
-
-Status Store::add_token(const TokenRow& row) try {
+Status SqliteStore::add_token(const TokenRow& row) try {
   SQLite::Database& database = impl_->database;
   if (!row.scan_id.empty())
     if (const Result<ScanRow> scan = find(row.scan_id); !scan.ok()) return scan.error();
@@ -71,7 +53,7 @@ Status Store::add_token(const TokenRow& row) try {
   return database_error(failure);
 }
 
-Result<TokenRow> Store::find_token(const std::string& secret_sha256) try {
+Result<TokenRow> SqliteStore::find_token(const std::string& secret_sha256) try {
   SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM tokens WHERE secret_sha256 = ?");
   query.bind(1, secret_sha256.data(), static_cast<int>(secret_sha256.size()));
   if (!query.executeStep()) return Error{ErrorCode::kNotFound, "there is no token with this secret"};
@@ -80,7 +62,7 @@ Result<TokenRow> Store::find_token(const std::string& secret_sha256) try {
   return database_error(failure);
 }
 
-Result<TokenRow> Store::token(const std::string& id) try {
+Result<TokenRow> SqliteStore::token(const std::string& id) try {
   SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM tokens WHERE id = ?");
   query.bind(1, id);
   if (!query.executeStep()) return no_token(id);
@@ -89,7 +71,7 @@ Result<TokenRow> Store::token(const std::string& id) try {
   return database_error(failure);
 }
 
-Result<std::vector<TokenRow>> Store::list_tokens() try {
+Result<std::vector<TokenRow>> SqliteStore::list_tokens() try {
   SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM tokens ORDER BY created_at_ms DESC, id");
   std::vector<TokenRow> rows;
   while (query.executeStep()) rows.push_back(row_of(query));
@@ -98,7 +80,7 @@ Result<std::vector<TokenRow>> Store::list_tokens() try {
   return database_error(failure);
 }
 
-Status Store::revoke_token(const std::string& id, std::int64_t now_ms) try {
+Status SqliteStore::revoke_token(const std::string& id, std::int64_t now_ms) try {
   // The time of the first revocation stays.
   SQLite::Statement change(impl_->database, "UPDATE tokens SET revoked_at_ms = iif(revoked_at_ms = 0, ?, revoked_at_ms) WHERE id = ?");
   change.bind(1, now_ms);
@@ -109,7 +91,7 @@ Status Store::revoke_token(const std::string& id, std::int64_t now_ms) try {
   return database_error(failure);
 }
 
-Status Store::touch_token(const std::string& id, std::int64_t now_ms) try {
+Status SqliteStore::touch_token(const std::string& id, std::int64_t now_ms) try {
   SQLite::Statement change(impl_->database, "UPDATE tokens SET used_at_ms = ? WHERE id = ?");
   change.bind(1, now_ms);
   change.bind(2, id);
@@ -119,7 +101,7 @@ Status Store::touch_token(const std::string& id, std::int64_t now_ms) try {
   return database_error(failure);
 }
 
-Status Store::remove_token(const std::string& id) try {
+Status SqliteStore::remove_token(const std::string& id) try {
   SQLite::Statement change(impl_->database, "DELETE FROM tokens WHERE id = ?");
   change.bind(1, id);
   if (change.exec() == 0) return no_token(id);
@@ -128,7 +110,7 @@ Status Store::remove_token(const std::string& id) try {
   return database_error(failure);
 }
 
-Result<int> Store::forget_tokens(std::int64_t ended_before_ms) try {
+Result<int> SqliteStore::forget_tokens(std::int64_t ended_before_ms) try {
   SQLite::Statement change(impl_->database,
                            "DELETE FROM tokens WHERE id <> ? AND ((revoked_at_ms > 0 AND revoked_at_ms < ?) OR "
                            "(expires_at_ms > 0 AND expires_at_ms < ?))");

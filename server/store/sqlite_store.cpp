@@ -1,10 +1,11 @@
-#include "server/store/store.h"
+#include "server/store/sqlite_store.h"
 
 #include <filesystem>
 #include <system_error>
 
 #include "server/store/migrations.h"
-#include "server/store/store_connection.h"
+#include "server/store/sqlite_connection.h"
+#include "server/store/sqlite_reader.h"
 
 namespace hermite {
 
@@ -57,25 +58,15 @@ void check_whole(SQLite::Database& database, const std::string& path) {
 
 }  // namespace
 
-const char* name_of(ScanPhase phase) {
-  switch (phase) {
-    case ScanPhase::kRunning: return "running";
-    case ScanPhase::kFinished: return "finished";
-    case ScanPhase::kFailed: return "failed";
-    case ScanPhase::kInterrupted: return "interrupted";
-  }
-  return "unknown";
-}
-
 Error database_error(const SQLite::Exception& failure) { return {ErrorCode::kIo, std::string("database: ") + failure.what()}; }
 
-Store::Impl::Impl(const std::string& path) : database(path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE) {
+SqliteStore::Impl::Impl(const std::string& path) : database(path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE) {
   database.setBusyTimeout(5000);
   for (const char* setting : {"trusted_schema = OFF", "cell_size_check = ON", "foreign_keys = ON"})
     database.exec(std::string("PRAGMA ") + setting);
 }
 
-Store::Store(const std::string& path) {
+SqliteStore::SqliteStore(const std::string& path) : path_(path) {
   try {
     const bool unclean = ended_uncleanly(path);
     impl_ = std::make_unique<Impl>(path);
@@ -89,9 +80,9 @@ Store::Store(const std::string& path) {
   }
 }
 
-Store::~Store() = default;
+SqliteStore::~SqliteStore() = default;
 
-Status Store::add(const ScanRow& row) try {
+Status SqliteStore::add(const ScanRow& row) try {
   SQLite::Statement insert(impl_->database, std::string("INSERT INTO scans(") + kColumns + ") VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
   int column = 0;
   for (const std::string& text : {row.id, row.title, std::string(name_of(row.phase)), row.words}) insert.bind(++column, text);
@@ -108,7 +99,7 @@ Status Store::add(const ScanRow& row) try {
   return database_error(failure);
 }
 
-Status Store::update(const ScanRow& row) try {
+Status SqliteStore::update(const ScanRow& row) try {
   SQLite::Statement change(impl_->database,
                            "UPDATE scans SET phase = ?, words = ?, frames_received = ?, frames_processed = ?, frames_dropped = ?, "
                            "finished_at_ms = ? WHERE id = ?");
@@ -125,7 +116,7 @@ Status Store::update(const ScanRow& row) try {
   return database_error(failure);
 }
 
-Result<ScanRow> Store::find(const std::string& id) try {
+Result<ScanRow> SqliteStore::find(const std::string& id) try {
   SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM scans WHERE id = ?");
   query.bind(1, id);
   if (!query.executeStep()) return Error{ErrorCode::kNotFound, "there is no scan " + id};
@@ -134,7 +125,7 @@ Result<ScanRow> Store::find(const std::string& id) try {
   return database_error(failure);
 }
 
-Status Store::remove(const std::string& id) try {
+Status SqliteStore::remove(const std::string& id) try {
   SQLite::Statement change(impl_->database, "DELETE FROM scans WHERE id = ?");
   change.bind(1, id);
   if (change.exec() == 0) return Error{ErrorCode::kNotFound, "there is no scan " + id};
@@ -143,7 +134,7 @@ Status Store::remove(const std::string& id) try {
   return database_error(failure);
 }
 
-Result<std::vector<ScanRow>> Store::list() try {
+Result<std::vector<ScanRow>> SqliteStore::list() try {
   SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM scans ORDER BY created_at_ms DESC, id LIMIT ?");
   query.bind(1, kMaxListedScans);
   std::vector<ScanRow> rows;
@@ -153,7 +144,7 @@ Result<std::vector<ScanRow>> Store::list() try {
   return database_error(failure);
 }
 
-Result<std::vector<ScanRow>> Store::running() try {
+Result<std::vector<ScanRow>> SqliteStore::running() try {
   SQLite::Statement query(impl_->database,
                           std::string("SELECT ") + kColumns +
                               " FROM scans WHERE phase = 'running' AND id NOT IN (SELECT scan_id FROM jobs WHERE state IN ('queued', " +
@@ -165,7 +156,7 @@ Result<std::vector<ScanRow>> Store::running() try {
   return database_error(failure);
 }
 
-Status Store::writable() try {
+Status SqliteStore::writable() try {
   // Writes a page of the journal and takes it back.
   SQLite::Transaction transaction(impl_->database, SQLite::TransactionBehavior::IMMEDIATE);
   impl_->database.exec("PRAGMA user_version = " + std::to_string(schema_version()));
@@ -173,5 +164,7 @@ Status Store::writable() try {
 } catch (const SQLite::Exception& failure) {
   return database_error(failure);
 }
+
+Status SqliteStore::check_integrity() const { return check_sqlite_file(path_); }
 
 }  // namespace hermite

@@ -1,7 +1,7 @@
-// The part of Store that is about uploads.
+// The part of SqliteStore that is about uploads.
 #include <sqlite3.h>
 
-#include "server/store/store_connection.h"
+#include "server/store/sqlite_connection.h"
 
 namespace hermite {
 
@@ -25,7 +25,7 @@ Error no_upload(const std::string& id) { return {ErrorCode::kNotFound, "there is
 
 }  // namespace
 
-Status Store::add_upload(const UploadRow& row) try {
+Status SqliteStore::add_upload(const UploadRow& row) try {
   SQLite::Database& database = impl_->database;
   if (database.execAndGet("SELECT count(*) FROM uploads").getInt() >= kMaxUploads)
     return Error{ErrorCode::kBusy, "there are " + std::to_string(kMaxUploads) + " uploads, which is the limit"};
@@ -44,7 +44,7 @@ Status Store::add_upload(const UploadRow& row) try {
   return database_error(failure);
 }
 
-Status Store::update_upload(const UploadRow& row) try {
+Status SqliteStore::update_upload(const UploadRow& row) try {
   SQLite::Statement change(impl_->database, "UPDATE uploads SET length_bytes = ?, unchecked_from = ?, expires_at_ms = ? WHERE id = ?");
   change.bind(1, row.length_bytes);
   change.bind(2, row.unchecked_from);
@@ -56,7 +56,7 @@ Status Store::update_upload(const UploadRow& row) try {
   return database_error(failure);
 }
 
-Result<UploadRow> Store::upload(const std::string& id) try {
+Result<UploadRow> SqliteStore::upload(const std::string& id) try {
   SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM uploads WHERE id = ?");
   query.bind(1, id);
   if (!query.executeStep()) return no_upload(id);
@@ -65,7 +65,7 @@ Result<UploadRow> Store::upload(const std::string& id) try {
   return database_error(failure);
 }
 
-Result<std::vector<UploadRow>> Store::list_uploads() try {
+Result<std::vector<UploadRow>> SqliteStore::list_uploads() try {
   SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM uploads ORDER BY created_at_ms, id");
   std::vector<UploadRow> rows;
   while (query.executeStep()) rows.push_back(row_of(query));
@@ -74,7 +74,7 @@ Result<std::vector<UploadRow>> Store::list_uploads() try {
   return database_error(failure);
 }
 
-Status Store::remove_upload(const std::string& id) try {
+Status SqliteStore::remove_upload(const std::string& id) try {
   SQLite::Statement change(impl_->database, "DELETE FROM uploads WHERE id = ?");
   change.bind(1, id);
   if (change.exec() == 0) return no_upload(id);

@@ -1,7 +1,7 @@
-// The part of Store that is about jobs.
+// The part of SqliteStore that is about jobs.
 #include <sqlite3.h>
 
-#include "server/store/store_connection.h"
+#include "server/store/sqlite_connection.h"
 
 namespace hermite {
 
@@ -41,22 +41,7 @@ Error no_job(const std::string& id) { return {ErrorCode::kNotFound, "there is no
 
 }  // namespace
 
-const char* name_of(JobState state) {
-  switch (state) {
-    case JobState::kQueued: return "queued";
-    case JobState::kRunning: return "running";
-    case JobState::kFinished: return "finished";
-    case JobState::kFailed: return "failed";
-    case JobState::kCancelled: return "cancelled";
-  }
-  return "unknown";
-}
-
-bool has_ended(JobState state) { return state != JobState::kQueued && state != JobState::kRunning; }
-
-const char* name_of(JobSource source) { return source == JobSource::kUpload ? "upload" : "scan"; }
-
-Status Store::add_job(const JobRow& row) try {
+Status SqliteStore::add_job(const JobRow& row) try {
   SQLite::Database& database = impl_->database;
   if (database.execAndGet("SELECT count(*) FROM jobs WHERE state IN ('queued', 'running')").getInt() >= kMaxWaitingJobs)
     return Error{ErrorCode::kBusy, std::to_string(kMaxWaitingJobs) + " jobs wait, which is the limit; try again when some have ended"};
@@ -78,7 +63,7 @@ Status Store::add_job(const JobRow& row) try {
   return database_error(failure);
 }
 
-Status Store::update_job(const JobRow& row) try {
+Status SqliteStore::update_job(const JobRow& row) try {
   SQLite::Statement change(impl_->database,
                            "UPDATE jobs SET state = ?, words = ?, attempt_count = ?, scan_id = ?, started_at_ms = ?, finished_at_ms = ? "
                            "WHERE id = ?");
@@ -95,7 +80,7 @@ Status Store::update_job(const JobRow& row) try {
   return database_error(failure);
 }
 
-Result<JobRow> Store::job(const std::string& id) try {
+Result<JobRow> SqliteStore::job(const std::string& id) try {
   SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM jobs WHERE id = ?");
   query.bind(1, id);
   if (!query.executeStep()) return no_job(id);
@@ -104,7 +89,7 @@ Result<JobRow> Store::job(const std::string& id) try {
   return database_error(failure);
 }
 
-Result<std::vector<JobRow>> Store::list_jobs() try {
+Result<std::vector<JobRow>> SqliteStore::list_jobs() try {
   SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM jobs ORDER BY created_at_ms DESC, id LIMIT ?");
   query.bind(1, kMaxListedJobs);
   std::vector<JobRow> rows;
@@ -114,7 +99,7 @@ Result<std::vector<JobRow>> Store::list_jobs() try {
   return database_error(failure);
 }
 
-Result<std::vector<JobRow>> Store::jobs_in(JobState state) try {
+Result<std::vector<JobRow>> SqliteStore::jobs_in(JobState state) try {
   SQLite::Statement query(impl_->database,
                           std::string("SELECT ") + kColumns + " FROM jobs WHERE state = ? ORDER BY priority DESC, created_at_ms, id");
   query.bind(1, std::string(name_of(state)));
@@ -125,7 +110,7 @@ Result<std::vector<JobRow>> Store::jobs_in(JobState state) try {
   return database_error(failure);
 }
 
-Status Store::add_job_line(const std::string& id, const JobLine& line) try {
+Status SqliteStore::add_job_line(const std::string& id, const JobLine& line) try {
   SQLite::Statement count(impl_->database, "SELECT count(*) FROM job_lines WHERE job_id = ?");
   count.bind(1, id);
   count.executeStep();
@@ -143,7 +128,7 @@ Status Store::add_job_line(const std::string& id, const JobLine& line) try {
   return database_error(failure);
 }
 
-Result<std::vector<JobLine>> Store::job_lines(const std::string& id) try {
+Result<std::vector<JobLine>> SqliteStore::job_lines(const std::string& id) try {
   SQLite::Statement query(impl_->database, "SELECT at_ms, words FROM job_lines WHERE job_id = ? ORDER BY number");
   query.bind(1, id);
   std::vector<JobLine> lines;
@@ -153,7 +138,7 @@ Result<std::vector<JobLine>> Store::job_lines(const std::string& id) try {
   return database_error(failure);
 }
 
-Result<int> Store::forget_jobs(std::int64_t ended_before_ms) try {
+Result<int> SqliteStore::forget_jobs(std::int64_t ended_before_ms) try {
   SQLite::Statement change(impl_->database, "DELETE FROM jobs WHERE state NOT IN ('queued', 'running') AND finished_at_ms < ?");
   change.bind(1, ended_before_ms);
   return change.exec();

@@ -1,15 +1,15 @@
-// The one connection behind Store, for the sources of Store only.
+// The one connection behind SqliteStore, for its sources only.
 #pragma once
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
 #include <string>
 
-#include "server/store/store.h"
+#include "server/store/sqlite_store.h"
 
 namespace hermite {
 
-struct Store::Impl {
+struct SqliteStore::Impl {
   SQLite::Database database;
 
   // Opens or creates; changes nothing yet. Throws SQLite::Exception.

@@ -1,0 +1,31 @@
+// Work that waits for a disk, away from the network thread. One of the places that know Asio's coroutines.
+#pragma once
+
+#include <utility>  // Boost 1.74's awaitable.hpp needs it and does not include it
+
+#include <boost/asio/associated_executor.hpp>
+#include <boost/asio/async_result.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <memory>
+
+namespace hermite {
+
+// Runs `work` on a thread of `pool`, and comes back to this one. `work` is a named value: it has to outlive the wait.
+template <class Work>
+boost::asio::awaitable<void> run_on(boost::asio::thread_pool& pool, Work& work) {
+  namespace asio = boost::asio;
+  auto initiate = [&pool, &work](auto handler) {
+    auto shared = std::make_shared<decltype(handler)>(std::move(handler));
+    asio::post(pool, [shared = std::move(shared), &work]() mutable {
+      work();
+      const auto executor = asio::get_associated_executor(*shared);
+      asio::post(executor, [shared = std::move(shared)] { (*shared)(); });
+    });
+  };
+  co_await asio::async_initiate<const asio::use_awaitable_t<>, void()>(initiate, asio::use_awaitable);
+}
+
+}  // namespace hermite

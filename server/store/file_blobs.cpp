@@ -1,0 +1,132 @@
+#include "server/store/file_blobs.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include "core/base/check.h"
+#include "core/output/ply.h"
+#include "server/store/scan_id.h"
+
+namespace hermite {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Error io_error(const std::string& what, int error) { return {ErrorCode::kIo, what + ": " + std::strerror(error)}; }
+
+// A file descriptor that closes itself.
+struct File {
+  const int descriptor;
+  explicit File(int opened) : descriptor(opened) {}
+  ~File() {
+    if (descriptor >= 0) close(descriptor);
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+};
+
+// For reading; a link is none of ours.
+int open_blob(const std::string& path) { return open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK); }
+
+Error cannot_open(const std::string& path, int error) {
+  return error == ENOENT || error == ENOTDIR || error == ELOOP ? Error{ErrorCode::kNotFound, "there is no " + path}
+                                                               : io_error("opening " + path, error);
+}
+
+// Of a regular file.
+Result<std::uint64_t> size_of(const File& file, const std::string& path) {
+  struct stat status {};
+  if (fstat(file.descriptor, &status) != 0) return io_error("reading " + path, errno);
+  if (!S_ISREG(status.st_mode)) return Error{ErrorCode::kNotFound, path + " is no file"};
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
+// The name of a new folder is in its parent: that has to reach the disk, too.
+Status make_folder(const std::string& folder, const std::string& parent) {
+  if (mkdir(folder.c_str(), 0700) != 0) return errno == EEXIST ? Status(Done{}) : Status(io_error("creating " + folder, errno));
+  const File opened(open(parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (opened.descriptor < 0 || fsync(opened.descriptor) != 0) return io_error("writing " + parent, errno);
+  return Done{};
+}
+
+}  // namespace
+
+std::string FileBlobs::folder_of(const std::string& scan_id) const {
+  CHECK(is_scan_id(scan_id), "a path from something that is no scan id");
+  return folder_ + "/" + scan_id;
+}
+
+std::string FileBlobs::path_of(const std::string& scan_id, const std::string& name) const {
+  CHECK(is_blob_name(name), "a path from something that is no name of a blob");
+  return folder_of(scan_id) + "/" + name;
+}
+
+Status FileBlobs::put(const std::string& scan_id, const std::string& name, const std::string& bytes) {
+  const std::string path = path_of(scan_id, name);
+  if (Status status = make_folder(folder_of(scan_id), folder_); !status.ok()) return status;
+  return write_file_atomically(path, bytes);
+}
+
+Result<std::string> FileBlobs::read(const std::string& scan_id, const std::string& name, std::uint64_t offset, std::size_t max_bytes) {
+  const std::string path = path_of(scan_id, name);
+  const File file(open_blob(path));
+  if (file.descriptor < 0) return cannot_open(path, errno);
+  const Result<std::uint64_t> size_bytes = size_of(file, path);
+  if (!size_bytes.ok()) return size_bytes.error();
+  if (offset >= *size_bytes) return std::string();
+  std::string bytes(static_cast<std::size_t>(std::min<std::uint64_t>(max_bytes, *size_bytes - offset)), '\0');
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t count = pread(file.descriptor, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return io_error("reading " + path, errno);
+    if (count == 0) return Error{ErrorCode::kIo, path + " has become shorter"};
+    done += static_cast<std::size_t>(count);
+  }
+  return bytes;
+}
+
+Result<std::uint64_t> FileBlobs::size_bytes(const std::string& scan_id, const std::string& name) {
+  const std::string path = path_of(scan_id, name);
+  const File file(open_blob(path));
+  if (file.descriptor < 0) return cannot_open(path, errno);
+  return size_of(file, path);
+}
+
+Result<std::vector<BlobInfo>> FileBlobs::list(const std::string& scan_id) {
+  const std::string folder = folder_of(scan_id);
+  std::vector<BlobInfo> found;
+  std::error_code error;
+  fs::directory_iterator entry(folder, error);
+  if (error == std::errc::no_such_file_or_directory) return found;
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    const std::string name = entry->path().filename();
+    std::error_code gone;  // between its listing and now: it is not there any more
+    if (!is_blob_name(name) || !fs::is_regular_file(entry->symlink_status(gone))) continue;
+    const std::uintmax_t size_bytes = entry->file_size(gone);
+    if (!gone) found.push_back({name, size_bytes});
+  }
+  if (error) return Error{ErrorCode::kIo, "reading " + folder + ": " + error.message()};
+  std::sort(found.begin(), found.end(), [](const BlobInfo& a, const BlobInfo& b) { return a.name < b.name; });
+  return found;
+}
+
+Status FileBlobs::remove(const std::string& scan_id) {
+  const Result<std::vector<BlobInfo>> blobs = list(scan_id);
+  if (!blobs.ok()) return blobs.error();
+  for (const BlobInfo& blob : *blobs) {
+    const std::string path = path_of(scan_id, blob.name);
+    if (unlink(path.c_str()) != 0 && errno != ENOENT) return io_error("removing " + path, errno);
+  }
+  return Done{};
+}
+
+}  // namespace hermite

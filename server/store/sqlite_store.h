@@ -1,0 +1,66 @@
+// The store in one SQLite file. A change is on disk (synchronous = FULL) before its call returns.
+//
+// One connection, which is also the only one that writes checkpoints: SQLite 3.40 can lose a WAL that two connections reset.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/store/store.h"
+
+namespace hermite {
+
+class SqliteStore : public Store {
+ public:
+  // Opens or creates, and migrates an older schema after a backup (migrations.h). Throws SetupError in words: not a database, a damaged
+  // one, one of another program, or one with a newer schema than this program knows (which is left untouched).
+  explicit SqliteStore(const std::string& path);
+  ~SqliteStore() override;
+  SqliteStore(const SqliteStore&) = delete;
+  SqliteStore& operator=(const SqliteStore&) = delete;
+
+  Status add(const ScanRow& row) override;
+  Status update(const ScanRow& row) override;
+  Result<ScanRow> find(const std::string& id) override;
+  Status remove(const std::string& id) override;
+  Result<std::vector<ScanRow>> list() override;
+  Result<std::vector<ScanRow>> running() override;
+  Status writable() override;
+  Status check_integrity() const override;  // over a connection of its own that only reads
+
+  // sqlite_store_tokens.cpp
+  Status add_token(const TokenRow& row) override;
+  Result<TokenRow> find_token(const std::string& secret_sha256) override;
+  Result<TokenRow> token(const std::string& id) override;
+  Result<std::vector<TokenRow>> list_tokens() override;
+  Status revoke_token(const std::string& id, std::int64_t now_ms) override;
+  Status touch_token(const std::string& id, std::int64_t now_ms) override;
+  Status remove_token(const std::string& id) override;
+  Result<int> forget_tokens(std::int64_t ended_before_ms) override;
+
+  // sqlite_store_uploads.cpp
+  Status add_upload(const UploadRow& row) override;
+  Status update_upload(const UploadRow& row) override;
+  Result<UploadRow> upload(const std::string& id) override;
+  Result<std::vector<UploadRow>> list_uploads() override;
+  Status remove_upload(const std::string& id) override;
+
+  // sqlite_store_jobs.cpp
+  Status add_job(const JobRow& row) override;
+  Status update_job(const JobRow& row) override;
+  Result<JobRow> job(const std::string& id) override;
+  Result<std::vector<JobRow>> list_jobs() override;
+  Result<std::vector<JobRow>> jobs_in(JobState state) override;
+  Status add_job_line(const std::string& id, const JobLine& line) override;
+  Result<std::vector<JobLine>> job_lines(const std::string& id) override;
+  Result<int> forget_jobs(std::int64_t ended_before_ms) override;
+
+ private:
+  struct Impl;
+  const std::string path_;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace hermite

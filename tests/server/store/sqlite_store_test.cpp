@@ -1,0 +1,119 @@
+#include "server/store/sqlite_store.h"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "tests/server/store/store_contract.h"
+#include "tests/support/temporary_folder.h"
+
+namespace hermite {
+namespace {
+
+using test::scan_row;
+using testing::HasSubstr;
+
+class SqliteWorld {
+ public:
+  Store& store() { return *store_; }
+  void restart() {
+    store_.reset();
+    store_ = std::make_unique<SqliteStore>(path_);
+  }
+  // What a killed server leaves behind: the files as they are now, without a clean close.
+  void die() {
+    const std::string left = folder_ / "left-" + std::to_string(++death_count_);
+    for (const char* end : {"", "-wal"}) std::filesystem::copy_file(path_ + end, left + end);
+    path_ = left;
+    store_ = std::make_unique<SqliteStore>(path_);
+  }
+
+ private:
+  const test::TemporaryFolder folder_;
+  std::string path_ = folder_ / "db";
+  int death_count_ = 0;
+  std::unique_ptr<Store> store_ = std::make_unique<SqliteStore>(path_);
+};
+
+std::string words_of_open(const std::string& path) {
+  try {
+    SqliteStore store(path);
+  } catch (const SetupError& error) {
+    return error.what();
+  }
+  return "opened";
+}
+
+TEST(SqliteStore, RefusesANewerSchemaAndLeavesItAlone) {
+  const test::TemporaryFolder folder;
+  { SqliteStore store(folder / "db"); }
+  {
+    SQLite::Database database(folder / "db", SQLite::OPEN_READWRITE);
+    database.exec("PRAGMA user_version = 99");
+  }
+  EXPECT_THAT(words_of_open(folder / "db"), HasSubstr("schema 99"));
+  SQLite::Database database(folder / "db", SQLite::OPEN_READONLY);
+  EXPECT_EQ(database.execAndGet("PRAGMA user_version").getInt(), 99);
+}
+
+TEST(SqliteStore, RefusesTheDatabaseOfAnotherProgram) {
+  const test::TemporaryFolder folder;
+  {
+    SQLite::Database database(folder / "db", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+    database.exec("CREATE TABLE other(a)");
+  }
+  EXPECT_THAT(words_of_open(folder / "db"), HasSubstr("another program"));
+}
+
+TEST(SqliteStore, RefusesWhatIsNoDatabase) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "db") << std::string(5000, 'x');
+  EXPECT_THAT(words_of_open(folder / "db"), HasSubstr("database"));
+  EXPECT_THAT(words_of_open(folder / "no/such/folder"), HasSubstr("no/such/folder"));
+}
+
+// A page of the file is overwritten behind the store's back, as a disk does it that forgets.
+void damage(const std::string& path) {
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(4096 + 8);
+  file << std::string(2000, '\x7f');
+}
+
+TEST(SqliteStore, SaysThatItIsDamaged) {
+  const test::TemporaryFolder folder;
+  {
+    SqliteStore store(folder / "db");
+    for (int i = 0; i < 200; ++i) ASSERT_TRUE(store.add(scan_row("scan " + std::to_string(i))).ok());
+  }
+  damage(folder / "db");
+  const SqliteStore store(folder / "db");  // not after a crash: it was not looked at
+  const Status whole = store.check_integrity();
+  ASSERT_FALSE(whole.ok());
+  EXPECT_EQ(whole.error().code, ErrorCode::kCorruptData);
+  EXPECT_THAT(whole.error().message, HasSubstr("damaged"));
+}
+
+TEST(SqliteStore, IsCheckedBesideChanges) {
+  const test::TemporaryFolder folder;
+  SqliteStore store(folder / "db");
+  std::thread checking([&store] {
+    for (int i = 0; i < 20; ++i) {
+      const Status whole = store.check_integrity();
+      EXPECT_TRUE(whole.ok()) << whole.error().message;
+    }
+  });
+  for (int i = 0; i < 200; ++i) EXPECT_TRUE(store.add(scan_row("scan " + std::to_string(i))).ok());
+  checking.join();
+}
+
+}  // namespace
+
+namespace test {
+INSTANTIATE_TYPED_TEST_SUITE_P(Sqlite, StoreContract, SqliteWorld);
+}  // namespace test
+
+}  // namespace hermite

@@ -1,0 +1,368 @@
+// What every Store keeps. An implementation is put through it with a world of its own:
+//
+//   struct World {
+//     Store& store();
+//     void restart();  // the server ends as it should, and another one opens what it left
+//     void die();      // the server is killed between two calls, and another one opens what it left
+//   };
+//   INSTANTIATE_TYPED_TEST_SUITE_P(Sqlite, StoreContract, World);
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/digest/sha256.h"
+#include "server/store/scan_id.h"
+#include "server/store/store.h"
+
+namespace hermite::test {
+
+inline ScanRow scan_row(const std::string& id, std::int64_t created_at_ms = 1) {
+  ScanRow row;
+  row.id = id;
+  row.title = "title of " + id + " 'quoted'; -- \xC3\xA4\xE2\x82\xAC";
+  row.camera = {640, 480, 525.5, 524.5, 319.5, 239.5, 5000};
+  row.created_at_ms = created_at_ms;
+  return row;
+}
+
+inline TokenRow token_row(const std::string& id, std::int64_t created_at_ms = 1) {
+  TokenRow row;
+  row.id = id;
+  row.secret_sha256 = sha256("secret of " + id);
+  row.name = "name of " + id;
+  row.scopes = {true, true, false};
+  row.created_at_ms = created_at_ms;
+  return row;
+}
+
+inline TokenRow share_row(const std::string& id, const std::string& scan_id) {
+  TokenRow row = token_row(id);
+  row.scopes = {true, false, false};
+  row.scan_id = scan_id;
+  return row;
+}
+
+inline JobRow job_row(int priority = 0, std::int64_t created_at_ms = 0, JobState state = JobState::kQueued) {
+  JobRow row;
+  row.id = new_scan_id();
+  row.token_id = "t";
+  row.title = "a 'title'";
+  row.source_id = row.id;
+  row.priority = priority;
+  row.state = state;
+  row.created_at_ms = created_at_ms;
+  return row;
+}
+
+template <class Row>
+std::vector<std::string> ids_of(const Result<std::vector<Row>>& rows) {
+  std::vector<std::string> ids;
+  EXPECT_TRUE(rows.ok());
+  if (rows.ok())
+    for (const Row& row : *rows) ids.push_back(row.id);
+  return ids;
+}
+
+template <class World>
+class StoreContract : public testing::Test {
+ protected:
+  Store& store() { return world_.store(); }
+  JobRow added_job(int priority = 0, std::int64_t created_at_ms = 0, JobState state = JobState::kQueued) {
+    const JobRow row = job_row(priority, created_at_ms, state);
+    EXPECT_TRUE(store().add_job(row).ok());
+    return row;
+  }
+  World world_;
+};
+TYPED_TEST_SUITE_P(StoreContract);
+
+TYPED_TEST_P(StoreContract, AScanComesBackAsItWasOverARestart) {
+  ScanRow row = scan_row("a", 1000);
+  ASSERT_TRUE(this->store().add(row).ok());
+  row.phase = ScanPhase::kFinished;
+  row.words = "all well";
+  row.frames_received = 10;
+  row.frames_processed = 9;
+  row.frames_dropped = 1;
+  row.finished_at_ms = 2000;
+  ASSERT_TRUE(this->store().update(row).ok());
+  this->world_.restart();
+  const Result<ScanRow> found = this->store().find("a");
+  ASSERT_TRUE(found.ok()) << found.error().message;
+  EXPECT_EQ(found->title, row.title);
+  EXPECT_EQ(found->phase, ScanPhase::kFinished);
+  EXPECT_EQ(found->words, "all well");
+  EXPECT_EQ(found->camera, row.camera);
+  EXPECT_EQ(found->frames_received, 10);
+  EXPECT_EQ(found->frames_processed, 9);
+  EXPECT_EQ(found->frames_dropped, 1);
+  EXPECT_EQ(found->created_at_ms, 1000);
+  EXPECT_EQ(found->finished_at_ms, 2000);
+}
+
+TYPED_TEST_P(StoreContract, WhatReturnedWellSurvivesADeath) {
+  ScanRow scan = scan_row("a");
+  ASSERT_TRUE(this->store().add(scan).ok());
+  scan.words = "changed";
+  ASSERT_TRUE(this->store().update(scan).ok());
+  ASSERT_TRUE(this->store().add(scan_row("removed")).ok());
+  ASSERT_TRUE(this->store().remove("removed").ok());
+  ASSERT_TRUE(this->store().add_token(token_row("t")).ok());
+  ASSERT_TRUE(this->store().revoke_token("t", 5).ok());
+  ASSERT_TRUE(this->store().add_upload({"u", "t", 10, "m", -1, 1, 2}).ok());
+  const JobRow job = this->added_job();
+  ASSERT_TRUE(this->store().add_job_line(job.id, {1, "a line"}).ok());
+  this->world_.die();
+  EXPECT_EQ(this->store().find("a")->words, "changed");
+  EXPECT_EQ(this->store().find("removed").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().token("t")->revoked_at_ms, 5);
+  EXPECT_EQ(this->store().upload("u")->length_bytes, 10);
+  EXPECT_EQ(this->store().job_lines(job.id)->size(), 1u);
+}
+
+TYPED_TEST_P(StoreContract, WhatWasRefusedHasChangedNothing) {
+  ASSERT_TRUE(this->store().add(scan_row("a", 1)).ok());
+  ScanRow twin = scan_row("a", 2);
+  twin.title = "another";
+  EXPECT_EQ(this->store().add(twin).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(this->store().find("a")->title, scan_row("a").title);
+  ASSERT_TRUE(this->store().add_token(token_row("t")).ok());
+  TokenRow other = token_row("other");
+  other.secret_sha256 = sha256("secret of t");
+  EXPECT_EQ(this->store().add_token(other).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(this->store().token("other").error().code, ErrorCode::kNotFound);
+  const JobRow job = this->added_job(3);
+  JobRow again = job;
+  again.priority = 9;
+  EXPECT_EQ(this->store().add_job(again).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(this->store().job(job.id)->priority, 3);
+  ASSERT_TRUE(this->store().add_upload({"u", "t", 10, "m", -1, 1, 2}).ok());
+  EXPECT_EQ(this->store().add_upload({"u", "t", 11, "m", -1, 1, 2}).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(this->store().upload("u")->length_bytes, 10);
+}
+
+TYPED_TEST_P(StoreContract, WhatIsNotThereIsNotFoundAndNotMade) {
+  EXPECT_EQ(this->store().find("a").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().update(scan_row("a")).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().remove("a").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().find("a").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().token("a").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().revoke_token("a", 1).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().touch_token("a", 1).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().remove_token("a").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().upload("a").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().update_upload({"a", "t", 1, "", -1, 0, 0}).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().remove_upload("a").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().job("a").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().update_job(job_row()).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().add_job_line("a", {0, "y"}).error().code, ErrorCode::kNotFound);
+  EXPECT_TRUE(this->store().list()->empty());
+  EXPECT_TRUE(this->store().list_tokens()->empty());
+  EXPECT_TRUE(this->store().list_uploads()->empty());
+  EXPECT_TRUE(this->store().list_jobs()->empty());
+}
+
+TYPED_TEST_P(StoreContract, IdsAreToldApartByteByByte) {
+  for (const char* id : {"a", "A", "a ", "", "%", "_"}) ASSERT_TRUE(this->store().add(scan_row(id)).ok()) << id;
+  ASSERT_TRUE(this->store().remove("A").ok());
+  EXPECT_THAT(ids_of(this->store().list()), testing::UnorderedElementsAre("a", "a ", "", "%", "_"));
+}
+
+TYPED_TEST_P(StoreContract, ScansAreListedNewestFirst) {
+  for (const auto& [id, time] : {std::pair{"b", 2}, std::pair{"c", 3}, std::pair{"a", 1}})
+    ASSERT_TRUE(this->store().add(scan_row(id, time)).ok());
+  EXPECT_THAT(ids_of(this->store().list()), testing::ElementsAre("c", "b", "a"));
+}
+
+TYPED_TEST_P(StoreContract, ScansThatADeadServerLeftRunningAreFoundOldestFirst) {
+  ASSERT_TRUE(this->store().add(scan_row("younger", 3)).ok());
+  ASSERT_TRUE(this->store().add(scan_row("older", 1)).ok());
+  ScanRow finished = scan_row("finished", 2);
+  finished.phase = ScanPhase::kFinished;
+  ASSERT_TRUE(this->store().add(finished).ok());
+  this->world_.die();
+  EXPECT_THAT(ids_of(this->store().running()), testing::ElementsAre("older", "younger"));
+}
+
+TYPED_TEST_P(StoreContract, AScanOfAJobIsNoneThatTheServerGoesOnWith) {
+  ASSERT_TRUE(this->store().add(scan_row("a")).ok());
+  JobRow job = this->added_job();
+  job.scan_id = "a";
+  ASSERT_TRUE(this->store().update_job(job).ok());
+  EXPECT_THAT(ids_of(this->store().running()), testing::ElementsAre());
+  job.state = JobState::kFailed;
+  ASSERT_TRUE(this->store().update_job(job).ok());
+  EXPECT_THAT(ids_of(this->store().running()), testing::ElementsAre("a"));
+}
+
+TYPED_TEST_P(StoreContract, SaysThatItTakesChangesAndIsWhole) {
+  EXPECT_TRUE(this->store().writable().ok());
+  EXPECT_TRUE(this->store().writable().ok()) << "and leaves no transaction behind";
+  ASSERT_TRUE(this->store().add(scan_row("a")).ok());
+  EXPECT_TRUE(this->store().check_integrity().ok());
+  EXPECT_TRUE(this->store().add(scan_row("b")).ok()) << "the check leaves none behind either";
+}
+
+TYPED_TEST_P(StoreContract, ATokenIsFoundByItsHash) {
+  TokenRow row = token_row("a");
+  row.expires_at_ms = 77;
+  ASSERT_TRUE(this->store().add_token(row).ok());
+  const Result<TokenRow> found = this->store().find_token(sha256("secret of a"));
+  ASSERT_TRUE(found.ok()) << found.error().message;
+  EXPECT_EQ(found->id, "a");
+  EXPECT_EQ(found->name, "name of a");
+  EXPECT_EQ(found->scopes, row.scopes);
+  EXPECT_EQ(found->scan_id, "");
+  EXPECT_EQ(found->expires_at_ms, 77);
+  EXPECT_EQ(found->revoked_at_ms, 0);
+  for (const std::string& secret : {sha256("secret of b"), std::string("secret of a"), std::string()})
+    EXPECT_EQ(this->store().find_token(secret).error().code, ErrorCode::kNotFound);
+}
+
+TYPED_TEST_P(StoreContract, ASecretThatIsNoHashIsNoToken) {
+  TokenRow plain = token_row("c");
+  plain.secret_sha256 = "no hash";
+  EXPECT_FALSE(this->store().add_token(plain).ok());
+}
+
+TYPED_TEST_P(StoreContract, ARevocationStaysAsItWasFirst) {
+  ASSERT_TRUE(this->store().add_token(token_row("a")).ok());
+  ASSERT_TRUE(this->store().revoke_token("a", 100).ok());
+  ASSERT_TRUE(this->store().revoke_token("a", 200).ok());
+  EXPECT_EQ(this->store().token("a")->revoked_at_ms, 100);
+}
+
+TYPED_TEST_P(StoreContract, ATokenKnowsItsLastUse) {
+  ASSERT_TRUE(this->store().add_token(token_row("a")).ok());
+  EXPECT_EQ(this->store().token("a")->used_at_ms, 0);
+  ASSERT_TRUE(this->store().touch_token("a", 300).ok());
+  EXPECT_EQ(this->store().token("a")->used_at_ms, 300);
+}
+
+TYPED_TEST_P(StoreContract, TokensAreListedNewestFirst) {
+  for (const auto& [id, time] : {std::pair{"b", 2}, std::pair{"c", 3}, std::pair{"a", 1}})
+    ASSERT_TRUE(this->store().add_token(token_row(id, time)).ok());
+  EXPECT_THAT(ids_of(this->store().list_tokens()), testing::ElementsAre("c", "b", "a"));
+}
+
+TYPED_TEST_P(StoreContract, AShareLinkIsOfAScanThatIsThereAndGoesWithIt) {
+  EXPECT_EQ(this->store().add_token(share_row("s", "none")).error().code, ErrorCode::kNotFound);
+  ASSERT_TRUE(this->store().add(scan_row("scan")).ok());
+  ASSERT_TRUE(this->store().add_token(share_row("s", "scan")).ok());
+  EXPECT_EQ(this->store().token("s")->scan_id, "scan");
+  ASSERT_TRUE(this->store().remove("scan").ok());
+  EXPECT_EQ(this->store().token("s").error().code, ErrorCode::kNotFound);
+}
+
+TYPED_TEST_P(StoreContract, AShareLinkMayOnlyLook) {
+  ASSERT_TRUE(this->store().add(scan_row("scan")).ok());
+  TokenRow row = share_row("s", "scan");
+  row.scopes.scan = true;
+  EXPECT_EQ(this->store().add_token(row).error().code, ErrorCode::kInvalidArgument);
+}
+
+TYPED_TEST_P(StoreContract, TokensThatEndedLongAgoAreForgotten) {
+  for (const char* id : {kFirstTokenId, "revoked", "active"}) ASSERT_TRUE(this->store().add_token(token_row(id)).ok());
+  for (const char* id : {kFirstTokenId, "revoked"}) ASSERT_TRUE(this->store().revoke_token(id, 100).ok());
+  TokenRow expired = token_row("expired");
+  expired.expires_at_ms = 100;
+  ASSERT_TRUE(this->store().add_token(expired).ok());
+  EXPECT_EQ(*this->store().forget_tokens(100), 0);
+  EXPECT_EQ(*this->store().forget_tokens(101), 2);
+  EXPECT_TRUE(this->store().token(kFirstTokenId).ok()) << "or its file's secret would come to life again";
+  EXPECT_TRUE(this->store().token("active").ok());
+}
+
+TYPED_TEST_P(StoreContract, AJobComesBackAsItWasOverARestart) {
+  JobRow row = this->added_job(7, 1000);
+  row.state = JobState::kFailed;
+  row.words = "no 'camera'";
+  row.attempt_count = 2;
+  row.scan_id = new_scan_id();
+  row.started_at_ms = 2000;
+  row.finished_at_ms = 3000;
+  ASSERT_TRUE(this->store().update_job(row).ok());
+  this->world_.restart();
+  const Result<JobRow> found = this->store().job(row.id);
+  ASSERT_TRUE(found.ok());
+  EXPECT_EQ(found->title, row.title);
+  EXPECT_EQ(found->words, row.words);
+  EXPECT_EQ(found->state, JobState::kFailed);
+  EXPECT_EQ(found->priority, 7);
+  EXPECT_EQ(found->attempt_count, 2);
+  EXPECT_EQ(found->scan_id, row.scan_id);
+  EXPECT_EQ(found->finished_at_ms, 3000);
+}
+
+TYPED_TEST_P(StoreContract, TheNextJobIsTheHighestAndThenTheOldest) {
+  const JobRow late = this->added_job(0, 2000), early = this->added_job(0, 1000), urgent = this->added_job(5, 3000),
+               last = this->added_job(-5, 0);
+  this->added_job(99, 0, JobState::kFinished);
+  EXPECT_THAT(ids_of(this->store().jobs_in(JobState::kQueued)), testing::ElementsAre(urgent.id, early.id, late.id, last.id));
+}
+
+TYPED_TEST_P(StoreContract, TheLogOfAJobIsBounded) {
+  const JobRow row = this->added_job();
+  for (int i = 0; i < kMaxJobLines + 50; ++i) ASSERT_TRUE(this->store().add_job_line(row.id, {i, "line " + std::to_string(i)}).ok());
+  const Result<std::vector<JobLine>> lines = this->store().job_lines(row.id);
+  ASSERT_TRUE(lines.ok());
+  ASSERT_EQ(lines->size(), static_cast<std::size_t>(kMaxJobLines + 1));
+  EXPECT_EQ(lines->front().words, "line 0");
+  EXPECT_EQ(lines->back().words, "what follows is left out");
+}
+
+TYPED_TEST_P(StoreContract, OldJobsAreForgottenWithTheirLogs) {
+  JobRow old = this->added_job(0, 0, JobState::kFinished);
+  const JobRow waiting = this->added_job();
+  ASSERT_TRUE(this->store().add_job_line(old.id, {0, "x"}).ok());
+  old.finished_at_ms = 10;
+  ASSERT_TRUE(this->store().update_job(old).ok());
+  EXPECT_EQ(*this->store().forget_jobs(10), 0);
+  EXPECT_EQ(*this->store().forget_jobs(11), 1);
+  EXPECT_FALSE(this->store().job(old.id).ok());
+  EXPECT_TRUE(this->store().job_lines(old.id)->empty());
+  EXPECT_TRUE(this->store().job(waiting.id).ok());
+}
+
+TYPED_TEST_P(StoreContract, AnUploadComesBackAsItWasOverARestart) {
+  UploadRow row{new_scan_id(), "t", -1, "filename Zg==", -1, 1, 2};
+  ASSERT_TRUE(this->store().add_upload(row).ok());
+  row.length_bytes = 5;
+  row.unchecked_from = 3;
+  row.expires_at_ms = 9;
+  ASSERT_TRUE(this->store().update_upload(row).ok());
+  this->world_.restart();
+  const Result<UploadRow> found = this->store().upload(row.id);
+  ASSERT_TRUE(found.ok());
+  EXPECT_EQ(found->length_bytes, 5);
+  EXPECT_EQ(found->unchecked_from, 3);
+  EXPECT_EQ(found->expires_at_ms, 9);
+  EXPECT_EQ(found->metadata, "filename Zg==");
+  EXPECT_EQ(this->store().list_uploads()->size(), 1u);
+  EXPECT_TRUE(this->store().remove_upload(row.id).ok());
+  EXPECT_TRUE(this->store().list_uploads()->empty());
+}
+
+TYPED_TEST_P(StoreContract, ThereAreOnlySoManyUploadsAndWaitingJobs) {
+  for (int i = 0; i < kMaxUploads; ++i) ASSERT_TRUE(this->store().add_upload({new_scan_id(), "t", 1, "", -1, 0, 0}).ok());
+  EXPECT_EQ(this->store().add_upload({new_scan_id(), "t", 1, "", -1, 0, 0}).error().code, ErrorCode::kBusy);
+  for (int i = 0; i < kMaxWaitingJobs; ++i) this->added_job();
+  EXPECT_EQ(this->store().add_job(job_row()).error().code, ErrorCode::kBusy);
+}
+
+REGISTER_TYPED_TEST_SUITE_P(StoreContract, AScanComesBackAsItWasOverARestart, WhatReturnedWellSurvivesADeath,
+                            WhatWasRefusedHasChangedNothing, WhatIsNotThereIsNotFoundAndNotMade, IdsAreToldApartByteByByte,
+                            ScansAreListedNewestFirst, ScansThatADeadServerLeftRunningAreFoundOldestFirst,
+                            AScanOfAJobIsNoneThatTheServerGoesOnWith, SaysThatItTakesChangesAndIsWhole, ATokenIsFoundByItsHash,
+                            ASecretThatIsNoHashIsNoToken, ARevocationStaysAsItWasFirst, ATokenKnowsItsLastUse, TokensAreListedNewestFirst,
+                            AShareLinkIsOfAScanThatIsThereAndGoesWithIt, AShareLinkMayOnlyLook, TokensThatEndedLongAgoAreForgotten,
+                            AJobComesBackAsItWasOverARestart, TheNextJobIsTheHighestAndThenTheOldest, TheLogOfAJobIsBounded,
+                            OldJobsAreForgottenWithTheirLogs, AnUploadComesBackAsItWasOverARestart,
+                            ThereAreOnlySoManyUploadsAndWaitingJobs);
+
+}  // namespace hermite::test
