@@ -13,6 +13,7 @@
 #include "core/image/image_codec.h"
 #include "proto/wire/client_message.h"
 #include "proto/wire/server_message.h"
+#include "tests/core/dataset/oni_bytes.h"
 #include "tests/core/dataset/recording_bytes.h"
 #include "tests/support/archive_bytes.h"
 
@@ -160,6 +161,15 @@ void add_recording_seeds(SeedFolder klg, SeedFolder sens) {
   sens.add(text(test::sens_bytes(*sequence, {.color_factor = 2})));
 }
 
+void add_oni_seeds(SeedFolder seeds) {
+  const auto sequence = *open_sequence("synthetic:frames=2,width=64,height=64", Camera{64, 64, 60, 60, 31.5, 31.5, 1000});
+  for (const char* const depth_codec : {"NONE", "16zP", "16zT"})
+    for (const char* const color_codec : {"NONE", "JPEG"})
+      seeds.add(text(test::oni_bytes(*sequence, {.depth_codec = depth_codec, .color_codec = color_codec})));
+  seeds.add(text(test::oni_bytes(*sequence, {.mirrored = true, .old_positions = true})));
+  seeds.add(text(test::oni_bytes(*sequence, {.has_color = false, .has_end = false})));
+}
+
 void add_archive_seeds(SeedFolder seeds) {
   const std::vector<test::ArchiveEntry> plain{{"a/rgb/1.png", "colour"}, {"a/", "", '5'}, {"a/depth.txt", std::string(700, 'd')}};
   const std::vector<test::ArchiveEntry> odd{{"l", "", '2', "/etc"}, {"../x", "x"}, {"f", "", '6'}, {"big", "x", '0', "", 1 << 30}};
@@ -190,6 +200,7 @@ int main(int argc, char** argv) {
   add_image_seeds(SeedFolder(fs::path(argv[1]) / "image"));
   add_message_seeds(SeedFolder(fs::path(argv[1]) / "message"));
   add_recording_seeds(SeedFolder(fs::path(argv[1]) / "klg"), SeedFolder(fs::path(argv[1]) / "sens"));
+  add_oni_seeds(SeedFolder(fs::path(argv[1]) / "oni"));
   add_archive_seeds(SeedFolder(fs::path(argv[1]) / "archive"));
   add_tus_seeds(SeedFolder(fs::path(argv[1]) / "tus"));
   return 0;
