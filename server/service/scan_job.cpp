@@ -177,7 +177,7 @@ void ScanJob::begin_scan() {
     return;
   }
   const wire::StartScan request = *std::exchange(waiting_, std::nullopt);
-  Result<JobScan> begun = world_.scans.run_for_job(row_.scan_id, request);
+  Result<JobScan> begun = world_.scans.run_for_job(row_.scan_id, row_.source == JobSource::kUpload ? row_.source_id : "", request);
   if (!begun.ok()) {
     failure_ = begun.error();
     stop_thread();

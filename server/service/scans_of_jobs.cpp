@@ -8,22 +8,23 @@
 
 namespace hermite {
 
-Status Scans::check_storage() const {
+Status Scans::check_storage(const std::string& except_upload_id) const {
   if (options_.storage_bytes == 0) return Done{};
-  const Result<std::uint64_t> stored_bytes = data_.stored_bytes();
+  const Result<std::uint64_t> stored_bytes = data_.stored_bytes(except_upload_id);
   if (!stored_bytes.ok()) return stored_bytes.error();
   if (*stored_bytes >= options_.storage_bytes)
-    return Error{ErrorCode::kBusy, "the scans on this server take " + std::to_string(*stored_bytes / 1'000'000) + " MB of the " +
-                                       std::to_string(options_.storage_bytes / 1'000'000) + " MB that they may take: delete some"};
+    return Error{ErrorCode::kBusy, "the scans and uploads on this server take " + std::to_string(*stored_bytes / 1'000'000) +
+                                       " MB of the " + std::to_string(options_.storage_bytes / 1'000'000) +
+                                       " MB that they may take: delete some"};
   return Done{};
 }
 
 // Behind the cameras that wait, and not where it would take frames from a live one.
 bool Scans::has_room() const { return !stopping_ && places_.check_for_newcomer({}).ok(); }
 
-Result<JobScan> Scans::run_for_job(const std::string& scan_id, const wire::StartScan& request) {
+Result<JobScan> Scans::run_for_job(const std::string& scan_id, const std::string& upload_id, const wire::StartScan& request) {
   CHECK(has_room(), "a job waits for room");
-  if (Status status = check_storage(); !status.ok()) return status.error();
+  if (Status status = check_storage(upload_id); !status.ok()) return status.error();
   const Result<ScanRow> left = store_.find(scan_id);
   const bool goes_on = left.ok() && left->phase == ScanPhase::kRunning && rebuild(*left).ok();
   if (!goes_on) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -95,6 +96,7 @@ class Store {
   Result<JobRow> job(const std::string& id);
   Result<std::vector<JobRow>> list_jobs();              // newest first, at most kMaxListedJobs
   Result<std::vector<JobRow>> jobs_in(JobState state);  // the next one first
+  Result<std::map<JobState, int>> count_jobs();         // those that are remembered, of every state
   Status add_job_line(const std::string& id, const JobLine& line);
   Result<std::vector<JobLine>> job_lines(const std::string& id);
   Result<int> forget_jobs(std::int64_t ended_before_ms);  // with their lines. How many

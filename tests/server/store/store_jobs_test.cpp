@@ -63,6 +63,17 @@ TEST_F(StoreJobsTest, TheNextOneIsTheHighestAndThenTheOldest) {
   EXPECT_THAT(ids, testing::ElementsAre(urgent.id, early.id, late.id, last.id));
 }
 
+TEST_F(StoreJobsTest, JobsAreCountedByState) {
+  for (int i = 0; i < 3; ++i) add(0, 1000);
+  add(0, 1000, JobState::kFailed);
+  const auto counts = store_->count_jobs();
+  ASSERT_TRUE(counts.ok());
+  EXPECT_EQ(
+      *counts,
+      (std::map<JobState, int>{
+          {JobState::kQueued, 3}, {JobState::kRunning, 0}, {JobState::kFinished, 0}, {JobState::kFailed, 1}, {JobState::kCancelled, 0}}));
+}
+
 TEST_F(StoreJobsTest, AnIdIsThereOnce) {
   const JobRow row = add(0, 0);
   EXPECT_EQ(store_->add_job(row).error().code, ErrorCode::kInvalidArgument);
