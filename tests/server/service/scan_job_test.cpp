@@ -16,6 +16,7 @@
 #include "server/client/stream.h"
 #include "server/client/upload.h"
 #include "server/store/scan_id.h"
+#include "tests/core/dataset/oni_bytes.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
@@ -118,6 +119,16 @@ TEST_F(ScanJobTest, AnUploadThatFillsTheStorageIsStillMadeIntoAScanAndTheNextOne
   test::RawClient admin(server_->service().admin_port());
   admin.send("GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   EXPECT_THAT(admin.read_to_end(), HasSubstr("hermite_jobs{state=\"finished\"} 1\n"));
+}
+
+TEST_F(ScanJobTest, ARecordingOfOpenNiIsTakenAlone) {
+  const std::string path = folder_ / "room.oni";
+  const auto bytes = test::oni_bytes(**open_sequence("synthetic:width=160,height=120,frames=3"));
+  { std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())); }
+  const JobReport report = end_of(send(path, {{"filename", "room.oni"}}));
+  EXPECT_EQ(report.state, "finished") << report.words;
+  EXPECT_EQ(report.title, "room");
+  EXPECT_EQ(get("scans/" + report.scan + "/report.json")["frames"], 3);
 }
 
 TEST_F(ScanJobTest, ABadRecordingSaysWhyAndLeavesNothing) {
