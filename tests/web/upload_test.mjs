@@ -56,6 +56,12 @@ test('an upload survives a killed server and a reload, and every byte arrives on
   await addFile();
   await sentBeyond(5);
 
+  // It goes on while another page is looked at.
+  await page.evaluate((id) => (location.hash = `#/scan/${id}`), 'a'.repeat(26));
+  await page.getByText('This scan does not exist').waitFor();
+  await page.evaluate(() => (location.hash = '#/'));
+  await sentBeyond(10);
+
   outage.on = true;
   await server.kill();
   await page.getByText(/waiting for the server/).waitFor();

@@ -131,6 +131,21 @@ describe('sendRecording', () => {
     expect(unfinishedUploads(world)).toEqual([]);
   });
 
+  it('sends a file once at a time, and does not call it unfinished meanwhile', async () => {
+    let go = (): void => {};
+    const held = new Promise<void>((resolve) => (go = resolve));
+    world = { ...world, wait: () => held };
+    server.faults.set(2, { keep: 100 });
+    const first = send(fileOf(5000));
+    await new Promise((resolve) => setTimeout(resolve, 20));
+    expect(world.storage.length).toBe(1);
+    expect(unfinishedUploads(world)).toEqual([]);
+    await expect(send(fileOf(5000))).rejects.toThrow('kitchen.tar is being sent already.');
+    go();
+    await first;
+    expect(server.uploads.size).toBe(1);
+  });
+
   it('does not take another file for the same', () => {
     const same = fingerprint(fileOf(10));
     expect(fingerprint(fileOf(10))).toBe(same);

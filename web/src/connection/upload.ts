@@ -45,11 +45,15 @@ export function fingerprint(file: RecordingFile): string {
   return `${keyPrefix}${file.size}.${file.lastModified}.${file.name}`;
 }
 
+// Fingerprints of what this page sends: two that send one upload would take it from each other.
+const underWay = new Set<string>();
+
 // Names of files that were not sent to their end and that the server still waits for. Forgets those that it does not.
 export function unfinishedUploads({ storage, now_ms }: Pick<UploadWorld, 'storage' | 'now_ms'>): string[] {
   const keys = Array.from({ length: storage.length }, (_, i) => storage.key(i) ?? '').filter((key) => key.startsWith(keyPrefix));
   return keys.flatMap((key) => {
     const noted = notedUpload(storage, key);
+    if (underWay.has(key)) return [];
     if (noted && noted.expires_ms > now_ms()) return [noted.name];
     storage.removeItem(key);
     return [];
@@ -59,7 +63,17 @@ export function unfinishedUploads({ storage, now_ms }: Pick<UploadWorld, 'storag
 // Resolves when all of the file is on the server's disk. Rejects with an ApiError: in the server's words when it refuses, or when it was not
 // there for too long; the next call with the same file goes on then.
 export async function sendRecording(file: RecordingFile, token: string, world: UploadWorld, onProgress: (progress: Progress) => void): Promise<void> {
-  const upload = new Upload(file, token, world, onProgress);
+  const key = fingerprint(file);
+  if (underWay.has(key)) throw new ApiError(`${file.name} is being sent already.`, false);
+  underWay.add(key);
+  try {
+    await sendToTheEnd(new Upload(file, token, world, onProgress), file.name, world);
+  } finally {
+    underWay.delete(key);
+  }
+}
+
+async function sendToTheEnd(upload: Upload, name: string, world: UploadWorld): Promise<void> {
   for (let failures = 0; ; ) {
     try {
       const before = upload.offset;
@@ -67,7 +81,7 @@ export async function sendRecording(file: RecordingFile, token: string, world: U
       if (upload.offset > before) failures = 0;
     } catch (error) {
       if (!(error instanceof Interrupted)) throw error;
-      if (++failures > maxFailures) throw new ApiError(`The server was not there for too long. Add ${file.name} again and it goes on from here.`, false);
+      if (++failures > maxFailures) throw new ApiError(`The server was not there for too long. Add ${name} again and it goes on from here.`, false);
       upload.interrupted();
       await world.wait(backoffDelay_ms(failures, world.random()));
     }

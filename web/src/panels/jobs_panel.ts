@@ -8,6 +8,9 @@ import { statusMark } from './mark';
 
 const shown_count = 20;
 
+// Of the panel that is on the page: what is sent goes on while another page is looked at.
+let sayOnPage = (_words: string): void => {};
+
 export interface JobsPanel extends Panel {
   refresh(): Promise<void>;
 }
@@ -26,19 +29,20 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
     notice.hidden = words === '';
     if (notice.textContent !== words) notice.textContent = words;
   };
-  const sayUnfinished = (): void => say(unfinishedWords(unfinishedUploads(world)));
+  sayOnPage = say;
+  const sayUnfinished = (): void => sayOnPage(unfinishedWords(unfinishedUploads(world)));
   const attempt = async (work: () => Promise<void>): Promise<void> => {
     try {
       await work();
       sayUnfinished();
     } catch (error) {
-      say(error instanceof ApiError ? error.message : 'That did not work.');
+      sayOnPage(error instanceof ApiError ? error.message : 'That did not work.');
     }
     changed();
   };
   const send = (files: Iterable<File>): Promise<void> =>
     attempt(async () => {
-      for (const file of files) await sendRecording(file, token(), world, (progress) => say(sendingWords(file.name, progress)));
+      for (const file of files) await sendRecording(file, token(), world, (progress) => sayOnPage(sendingWords(file.name, progress)));
     });
   sayUnfinished();
   input.addEventListener('change', () => void send([...(input.files ?? [])]).finally(() => (input.value = '')));
