@@ -1,6 +1,7 @@
 // .oni files made of any sequence, as OpenNI's recorders write them (core/dataset/oni_file.h). Header only.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -104,7 +105,8 @@ inline void describe_stream(OniWriter& writer, std::uint32_t node, const Camera&
   writer.property(node, "xnCropping", std::array<std::uint16_t, 5>{options.cropped, 10, 10, 40, 40});
 }
 
-inline Bytes oni_bytes(const Sequence& sequence, const OniOptions& options = {}) {
+// Of the first frames of the sequence, at most `frame_limit`.
+inline Bytes oni_bytes(const Sequence& sequence, const OniOptions& options = {}, std::int64_t frame_limit = INT64_MAX) {
   OniWriter writer(options);
   writer.node(1, "Depth1", 2, options.depth_codec);
   describe_stream(writer, 1, sequence.camera(), 1, options);
@@ -119,7 +121,7 @@ inline Bytes oni_bytes(const Sequence& sequence, const OniOptions& options = {})
   for (const std::uint32_t node : {1u, 2u}) writer.record(0x09, node);
   const double zero_s = options.streams_from_zero ? 0 : 1000;
   double color_zero_s = zero_s;
-  for (std::int64_t i = 0; i < sequence.frame_count(); ++i) {
+  for (std::int64_t i = 0; i < std::min(sequence.frame_count(), frame_limit); ++i) {
     const RgbdFrame frame = frame_of(sequence, i);
     const auto stamp_us = [&](double from_s) { return static_cast<std::uint64_t>(std::llround((from_s + frame.timestamp_s) * 1e6)); };
     const double first_s = sequence.timestamp_s(0);

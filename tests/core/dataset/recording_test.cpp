@@ -401,6 +401,15 @@ TEST_P(RealRoundTrip, TumAndArchiveKeepEveryBit) {
     EXPECT_EQ(klg->read(i)->depth, source->read(i)->depth);
     EXPECT_EQ(klg->read(i)->color_bytes, source->read(i)->color_bytes);
   }
+  for (const char* const codec : {"16zP", "16zT"}) {
+    folder.write("a.oni", test::oni_bytes(*source, {.depth_codec = codec, .color_codec = "NONE"}, 6));
+    const auto oni = *open_sequence(folder.path("a.oni"));
+    ASSERT_EQ(oni->frame_count(), 6);
+    for (std::int64_t i = 0; i < 6; ++i) {
+      EXPECT_EQ(oni->read(i)->depth, source->read(i)->depth);
+      EXPECT_EQ(decode_frame(*oni->read(i))->color, decode_frame(*source->read(i))->color);
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RealRoundTrip, testing::Values("redkitchen", "tum_fr1_rpy_part", "living_room_part"),
