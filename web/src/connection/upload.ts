@@ -1,5 +1,5 @@
-// Sends a recording by tus 1.0.0 (https://tus.io/protocols/resumable-upload), and goes on where it was after a broken link, a restart of the
-// server or a reload of the page: which upload belongs to which file is noted in localStorage, how much of it arrived the server knows.
+// Sends a recording by tus 1.0.0 (https://tus.io/protocols/resumable-upload), and goes on where it was after a broken link, a restart of
+// the server or a reload of the page: which upload belongs to which file is noted in localStorage, how much of it arrived the server knows.
 import { ApiError, isRecord, textOf } from './api';
 import { backoffDelay_ms } from './backoff';
 import { refusalOf } from './jobs';
@@ -17,7 +17,13 @@ export interface Answer {
   readonly body: string;
   header(name: string): string | null;
 }
-export type Send = (method: string, path: string, headers: Record<string, string>, body: Blob | null, onSent: (bytes: number) => void) => Promise<Answer>;
+export type Send = (
+  method: string,
+  path: string,
+  headers: Record<string, string>,
+  body: Blob | null,
+  onSent: (bytes: number) => void,
+) => Promise<Answer>;
 
 export interface UploadWorld {
   readonly send: Send;
@@ -60,9 +66,14 @@ export function unfinishedUploads({ storage, now_ms }: Pick<UploadWorld, 'storag
   });
 }
 
-// Resolves when all of the file is on the server's disk. Rejects with an ApiError: in the server's words when it refuses, or when it was not
-// there for too long; the next call with the same file goes on then.
-export async function sendRecording(file: RecordingFile, token: string, world: UploadWorld, onProgress: (progress: Progress) => void): Promise<void> {
+// Resolves when all of the file is on the server's disk. Rejects with an ApiError: in the server's words when it refuses, or when it was
+// not there for too long; the next call with the same file goes on then.
+export async function sendRecording(
+  file: RecordingFile,
+  token: string,
+  world: UploadWorld,
+  onProgress: (progress: Progress) => void,
+): Promise<void> {
   const key = fingerprint(file);
   if (underWay.has(key)) throw new ApiError(`${file.name} is being sent already.`, false);
   underWay.add(key);
@@ -81,7 +92,8 @@ async function sendToTheEnd(upload: Upload, name: string, world: UploadWorld): P
       if (upload.offset > before) failures = 0;
     } catch (error) {
       if (!(error instanceof Interrupted)) throw error;
-      if (++failures > maxFailures) throw new ApiError(`The server was not there for too long. Add ${name} again and it goes on from here.`, false);
+      if (++failures > maxFailures)
+        throw new ApiError(`The server was not there for too long. Add ${name} again and it goes on from here.`, false);
       upload.interrupted();
       await world.wait(backoffDelay_ms(failures, world.random()));
     }
@@ -147,8 +159,9 @@ class Upload {
     const from = this.offset;
     const piece = this.file.slice(from, Math.min(this.file.size, from + piece_bytes));
     const headers = { 'Upload-Offset': String(from), 'Content-Type': 'application/offset+octet-stream' };
-    const answer = await this.request('PATCH', path, headers, piece, (bytes) => this.onProgress({ share: this.share(from + bytes), waiting: false }));
-    if (answer.status === 404 || answer.status === 409 || answer.status === 410) throw new Interrupted(); // the server knows better: it is asked
+    const onSent = (bytes: number): void => this.onProgress({ share: this.share(from + bytes), waiting: false });
+    const answer = await this.request('PATCH', path, headers, piece, onSent);
+    if ([404, 409, 410].includes(answer.status)) throw new Interrupted(); // the server knows better: it is asked
     if (answer.status !== 204) throw refused(answer);
     return this.arrived(answer);
   }
@@ -178,7 +191,13 @@ class Upload {
     }
   }
 
-  private async request(method: string, path: string, more: Record<string, string> = {}, body: Blob | null = null, onSent = (_bytes: number) => {}): Promise<Answer> {
+  private async request(
+    method: string,
+    path: string,
+    more: Record<string, string> = {},
+    body: Blob | null = null,
+    onSent = (_bytes: number): void => {},
+  ): Promise<Answer> {
     const answer = await this.world.send(method, path, { ...this.headers, ...more }, body, onSent);
     if (busyStatuses.includes(answer.status)) throw new Interrupted();
     return answer;
@@ -221,7 +240,8 @@ const sendByXhr: Send = (method, path, headers, body, onSent) =>
       moved();
       onSent(event.loaded);
     };
-    sending.onload = () => resolve({ status: sending.status, body: sending.responseText, header: (name) => sending.getResponseHeader(name) });
+    const header = (name: string): string | null => sending.getResponseHeader(name);
+    sending.onload = () => resolve({ status: sending.status, body: sending.responseText, header });
     sending.onerror = sending.onabort = () => reject(new Interrupted());
     sending.onloadend = () => clearTimeout(stalled);
     moved();
