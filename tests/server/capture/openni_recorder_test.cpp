@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <optional>
 
 #include "core/dataset/recording.h"
 #include "tests/core/dataset/temp_folder.h"
@@ -30,7 +31,7 @@ std::string raw_name(int stream, int number) { return (stream == 0 ? "depth-" : 
 
 bool check(OniStatus status) { return status == ONI_STATUS_OK; }
 
-// The exit status of a process: the virtual device crashes some time after it was closed. 0: recorded.
+// 0: recorded.
 int record(const TempFolder& folder, bool lossy) {
   OniDeviceHandle device = nullptr;
   OniRecorderHandle recorder = nullptr;
@@ -58,9 +59,16 @@ int record(const TempFolder& folder, bool lossy) {
   return check(oniRecorderDestroy(&recorder)) ? 0 : 7;
 }
 
+// In a process of its own: the virtual device crashes some time after it was closed, and the recorder may lock itself out when
+// it ends (Debian's 2.2.0.33).
+constexpr unsigned kLongest_s = 10;
+
 int record_in_a_process(const TempFolder& folder, bool lossy) {
   const pid_t child = fork();
-  if (child == 0) std::_Exit(record(folder, lossy));
+  if (child == 0) {
+    alarm(kLongest_s);
+    std::_Exit(record(folder, lossy));
+  }
   int status = 0;
   return child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
@@ -82,8 +90,11 @@ class OpenNiRecorder : public testing::TestWithParam<bool> {};
 
 TEST_P(OpenNiRecorder, WhatItWroteIsReadToTheBit) {
   const bool lossy = GetParam();
-  const TempFolder folder;
-  ASSERT_EQ(record_in_a_process(folder, lossy), 0);
+  std::optional<TempFolder> made;
+  int result = -1;
+  for (int attempt = 0; attempt < 5 && result != 0; ++attempt) result = record_in_a_process(made.emplace(), lossy);
+  ASSERT_EQ(result, 0);
+  const TempFolder& folder = *made;
   const auto recording = open_recording(folder.path("a.oni"), kIntrinsics);
   ASSERT_TRUE(recording.ok()) << recording.error().message;
   const Sequence& found = *recording->sequence;
