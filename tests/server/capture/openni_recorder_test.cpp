@@ -1,5 +1,4 @@
 // .oni files that Debian's OpenNI2 wrote, of its virtual device: what the importer is to read is not only what we think the format is.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #if HERMITE_WITH_OPENNI2
@@ -18,8 +17,6 @@
 
 namespace hermite {
 namespace {
-
-using testing::HasSubstr;
 
 constexpr int kWidth = 320, kHeight = 240;  // of the virtual device
 constexpr int kEnough = 12;                 // images of each stream
