@@ -117,7 +117,7 @@ Command add_scan_command(CLI::App& app) {
   CLI::App& scan = *app.add_subcommand("scan", "Scan with an attached camera; space pauses, Ctrl-C finishes");
   scan.add_flag("--list", arguments->list, "Say which cameras there are, and end");
   scan.add_option("--camera", arguments->camera,
-                  "A kind (kinect, openni), kinect:2 for the second, or recording:SEQUENCE (default: the first there is)");
+                  "A kind (kinect, openni, realsense), kinect:2 for the second, or recording:SEQUENCE (default: the first there is)");
   scan.add_option("--intrinsics", arguments->intrinsics, "camera.json of this very camera");
   scan.add_option("--record", arguments->record_folder,
                   "Keep every frame in this new folder, and send from there: nothing is lost when the server is away");

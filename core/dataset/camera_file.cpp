@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -168,6 +169,17 @@ Result<CameraFile> read_camera_json(const std::string& path) {
   Result<CameraFile> file = parse_camera_json(*text);
   if (!file.ok()) return in_context(path, file.error());
   return file;
+}
+
+Result<std::optional<CameraBeside>> camera_beside(const std::string& path) {
+  const std::filesystem::path in_folder = std::filesystem::path(path).parent_path() / "camera.json";
+  for (const std::string& candidate : {path + ".camera.json", in_folder.string()}) {
+    if (!is_file(candidate)) continue;
+    Result<CameraFile> file = read_camera_json(candidate);
+    if (!file.ok()) return file.error();
+    return std::optional(CameraBeside{std::move(*file), std::filesystem::path(candidate).filename().string()});
+  }
+  return std::optional<CameraBeside>();
 }
 
 std::string format_camera_json(const CameraFile& file) {

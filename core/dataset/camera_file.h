@@ -31,6 +31,13 @@ struct CameraFile {
 Result<CameraFile> parse_camera_json(const std::string& text);
 Result<CameraFile> read_camera_json(const std::string& path);
 
+// FILE.camera.json, else camera.json in the file's folder, with its name; nothing when neither is there.
+struct CameraBeside {
+  CameraFile file;
+  std::string name;
+};
+Result<std::optional<CameraBeside>> camera_beside(const std::string& path);
+
 // The object that parse_camera_json reads as the same camera; says_color_camera does not matter, the key is always there.
 std::string format_camera_json(const CameraFile& file);
 

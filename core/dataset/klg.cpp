@@ -6,7 +6,6 @@
 // FILE.groundtruth.txt (TUM format) is the ground truth.
 #include <algorithm>
 #include <array>
-#include <filesystem>
 
 #include "core/dataset/camera_file.h"
 #include "core/dataset/frame_file.h"
@@ -104,13 +103,9 @@ Result<KlgCamera> camera_of(const ByteFile& file, const std::vector<KlgFrame>& f
                             std::vector<std::string>& doubts) {
   const std::string& path = file.path();
   if (given) return KlgCamera{*given, kDefaultFrameRate_hz, "given"};
-  const std::string beside = (std::filesystem::path(path).parent_path() / "camera.json").string();
-  for (const std::string& candidate : {path + ".camera.json", beside}) {
-    if (!is_file(candidate)) continue;
-    const Result<CameraFile> read = read_camera_json(candidate);
-    if (!read.ok()) return read.error();
-    return KlgCamera{read->camera, read->frame_rate_hz, std::filesystem::path(candidate).filename().string()};
-  }
+  const auto beside = camera_beside(path);
+  if (!beside.ok()) return beside.error();
+  if (*beside) return KlgCamera{(*beside)->file.camera, (*beside)->file.frame_rate_hz, (*beside)->name};
   const std::optional<ImageSize> size = size_of_images(file, frames);
   if (!size || !(*size == ImageSize{kElasticFusionCamera.width, kElasticFusionCamera.height}))
     return Error{ErrorCode::kNotFound,

@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 constexpr RecordingFormat kFormats[] = {
     {"raw frames", "a file that begins with HRMFRAME", probe_raw, open_raw},
     {"frame log", "a folder with segment-000000.rlog", probe_frame_log, open_frame_log},
+    {"OpenNI", "an .oni file", probe_oni, open_oni},
     {"ScanNet", "a .sens file of version 4", probe_sens, open_sens},
     {"klg", "a .klg log", probe_klg, open_klg},
     {"7-Scenes", "frame-NNNNNN.depth.png files", probe_seven_scenes,

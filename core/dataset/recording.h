@@ -37,6 +37,8 @@ std::optional<std::string> probe_klg(const std::string& path);  // klg.cpp
 Result<Recording> open_klg(const std::string& path, const std::optional<Camera>& camera);
 std::optional<std::string> probe_sens(const std::string& path);  // sens.cpp
 Result<Recording> open_sens(const std::string& path, const std::optional<Camera>& camera);
+std::optional<std::string> probe_oni(const std::string& path);  // oni.cpp
+Result<Recording> open_oni(const std::string& path, const std::optional<Camera>& camera);
 std::optional<std::string> probe_frame_log(const std::string& path);  // logged_frames.cpp
 Result<Recording> open_frame_log(const std::string& path, const std::optional<Camera>& camera);
 std::optional<std::string> probe_raw(const std::string& path);  // raw_recording.cpp

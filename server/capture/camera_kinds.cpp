@@ -11,6 +11,9 @@
 #if HERMITE_WITH_OPENNI2
 #include "server/capture/openni.h"
 #endif
+#if HERMITE_WITH_REALSENSE
+#include "server/capture/realsense.h"
+#endif
 
 namespace hermite {
 namespace {
@@ -29,11 +32,15 @@ constexpr CameraKind kKinds[] = {
 #else
     {"openni", "Xtion, PrimeSense, Orbbec, by OpenNI2", nullptr, nullptr, nullptr},
 #endif
+#if HERMITE_WITH_REALSENSE
+    {"realsense", "RealSense, by librealsense 2", find_realsense_cameras, open_realsense, open_realsense_at},
+#else
+    {"realsense", "RealSense, by librealsense 2", nullptr, nullptr, nullptr},
+#endif
 };
 
 Error not_built(const CameraKind& kind) {
-  return {ErrorCode::kUnsupported,
-          std::string(kind.words) + ": not in this build (the library was not there; see deploy/packages.txt, then build again)"};
+  return {ErrorCode::kUnsupported, std::string(kind.words) + ": not in this build (its library was not there when this was built)"};
 }
 
 Result<int> parse_index(const std::string& wish, const std::string& text) {

@@ -12,6 +12,7 @@ namespace {
 constexpr double kShownBehind_s = 0.05;  // less is not noticed
 constexpr double kMinRateTime_s = 0.1;   // a mean over less says nothing
 constexpr double kMaxShown_s = 1e6;
+constexpr std::uint64_t kOnTheirWay_frames = 30;  // a second of most cameras: so many are sent and not yet said to be on the disk
 
 // "0:42" since the first frame.
 std::string clock_words(double time_s, const CaptureState& capture) {
@@ -26,8 +27,12 @@ std::string tracking_words(const wire::FrameResult& result, const CaptureState& 
   return result.last_tracked ? lost + " - go back to what was seen at " + clock_words(result.last_tracked->timestamp_s, capture) : lost;
 }
 
+// Without a recording a slow link shows in what is sent, with one only here.
 std::string log_words(const LocalLog::State& log, const StreamProgress& stream) {
-  return "  " + std::to_string(log.durable_count) + " recorded, " + std::to_string(stream.durable_frames) + " on the server";
+  const std::uint64_t behind = log.durable_count - std::min(log.durable_count, stream.durable_frames);
+  std::string text = "  " + std::to_string(log.durable_count) + " recorded, " + std::to_string(stream.durable_frames) + " on the server";
+  if (behind > kOnTheirWay_frames) text += ": " + std::to_string(behind) + " frames behind, catching up";
+  return text;
 }
 
 }  // namespace

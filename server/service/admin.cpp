@@ -32,6 +32,8 @@ HttpAnswer show_readiness(const AdminWorld& world, const HttpRequest&) {
 HttpAnswer show_metrics(const AdminWorld& world, const HttpRequest&) {
   Load load;
   world.scans.describe(load);
+  if (const Result<std::map<JobState, int>> jobs = world.store.count_jobs(); jobs.ok())
+    for (const auto& [state, count] : *jobs) load.jobs[name_of(state)] = count;
   load.disk_free_bytes = free_bytes(world.data_folder).ok() ? *free_bytes(world.data_folder) : 0;
   load.connections = world.connections.count();
   load.draining = world.draining;

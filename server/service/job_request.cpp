@@ -23,7 +23,7 @@ Error invalid(const std::string& words) { return {ErrorCode::kInvalidArgument, w
 std::string without_ending(std::string name) {
   const std::size_t slash = name.find_last_of("/\\");
   if (slash != std::string::npos) name.erase(0, slash + 1);
-  for (const char* ending : {".tar.gz", ".tar.zst", ".tgz", ".tar", ".zip", ".klg", ".sens", ".raw"})
+  for (const char* ending : {".tar.gz", ".tar.zst", ".tgz", ".tar", ".zip", ".klg", ".sens", ".oni", ".raw"})
     if (name.size() > std::string_view(ending).size() && name.ends_with(ending)) {
       name.resize(name.size() - std::string_view(ending).size());
       break;

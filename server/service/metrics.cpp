@@ -57,6 +57,7 @@ struct Metrics::Impl {
   Counter& authentication_failures =
       counter(registry, "hermite_authentication_failures_total", "Requests and connections without a right token").Add({});
   Family<Gauge>& scans = gauge(registry, "hermite_scans_running", "Scans by mode");
+  Family<Gauge>& jobs = gauge(registry, "hermite_jobs", "Jobs by state; those that have ended count until they are forgotten");
   Gauge& waiting_cameras = gauge(registry, "hermite_waiting_cameras", "Cameras that wait for a scan of theirs to begin").Add({});
   Gauge& viewers = gauge(registry, "hermite_viewers", "Connected viewers").Add({});
   Gauge& connections = gauge(registry, "hermite_connections", "Open connections, those of the admin address left out").Add({});
@@ -104,6 +105,7 @@ std::string Metrics::text(const Load& load) {
   raise(impl_->frames_processed, load.frames_processed);
   raise(impl_->frames_dropped, load.frames_dropped);
   for (const auto& [mode, count] : load.scans) impl_->scans.Add({{"mode", mode}}).Set(count);
+  for (const auto& [state, count] : load.jobs) impl_->jobs.Add({{"state", state}}).Set(count);
   impl_->waiting_cameras.Set(load.waiting_cameras);
   impl_->viewers.Set(load.viewers);
   impl_->connections.Set(load.connections);

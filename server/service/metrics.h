@@ -17,6 +17,7 @@ namespace hermite {
 // Of the whole server.
 struct Load {
   std::map<std::string, int> scans;  // running, by mode: "live", "batch"
+  std::map<std::string, int> jobs;   // remembered, by state: "queued", "running", "finished", "failed", "cancelled"
   int waiting_cameras = 0;           // for a place
   int viewers = 0;
   std::uint64_t frames_received = 0, frames_processed = 0, frames_dropped = 0;  // since the start

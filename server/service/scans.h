@@ -35,7 +35,7 @@ struct ScansOptions {
   int gpu_memory_mb = 0;                             // of all scans together, in equal shares; 0: as much as there is
   std::chrono::milliseconds resume_window{120'000};  // so long a scan waits for its lost camera
   int keep_log_days = 7;                             // after the end of a scan; 0: for ever
-  std::uint64_t storage_bytes = 0;                   // for the files of all scans; 0: as much as there is
+  std::uint64_t storage_bytes = 0;                   // for the files of all scans and uploads; 0: as much as there is
 };
 
 // What a camera is told of the scan it has started.
@@ -81,9 +81,10 @@ class Scans {
   Result<StartedScan> start(const wire::StartScan& request, const Grant& grant, bool resumable);
 
   // The scan of a job, with the id that the job has chosen for it: goes on with the one that an earlier server left, else begins. It counts
-  // for no token, and stays running when the server stops. Only while has_room_for(). None: the frame log of the one that was left is
-  // being read; ask again. Errors as of start().
-  Result<std::optional<JobScan>> run_for_job(const std::string& scan_id, const wire::StartScan& request);
+  // for no token, and stays running when the server stops. The upload that it is made of, if any, does not count for the storage: it goes
+  // when the scan is finished. Only while has_room_for(). None: the frame log of the one that was left is being read; ask again. Errors as
+  // of start().
+  Result<std::optional<JobScan>> run_for_job(const std::string& scan_id, const std::string& upload_id, const wire::StartScan& request);
   bool has_room_for(const std::string& scan_id) const;  // of a job: cameras that wait go first
 
   // What there is of the scan of a job that came to nothing.
@@ -126,7 +127,7 @@ class Scans {
     PlaceRequest place;
     std::shared_ptr<std::weak_ptr<LiveScan>> self = std::make_shared<std::weak_ptr<LiveScan>>();
   };
-  Status check_storage() const;
+  Status check_storage(const std::string& except_upload_id = "") const;
   Result<Launch> launch_of(const std::string& scan_id, const wire::StartScan& request, const std::string& resume_token,
                            const PlaceRequest& place) const;
   Result<std::shared_ptr<LiveScan>> begin(const Launch& launch);

@@ -8,13 +8,14 @@
 
 namespace hermite {
 
-Status Scans::check_storage() const {
+Status Scans::check_storage(const std::string& except_upload_id) const {
   if (options_.storage_bytes == 0) return Done{};
-  const Result<std::uint64_t> stored_bytes = data_.stored_bytes();
+  const Result<std::uint64_t> stored_bytes = data_.stored_bytes(except_upload_id);
   if (!stored_bytes.ok()) return stored_bytes.error();
   if (*stored_bytes >= options_.storage_bytes)
-    return Error{ErrorCode::kBusy, "the scans on this server take " + std::to_string(*stored_bytes / 1'000'000) + " MB of the " +
-                                       std::to_string(options_.storage_bytes / 1'000'000) + " MB that they may take: delete some"};
+    return Error{ErrorCode::kBusy, "the scans and uploads on this server take " + std::to_string(*stored_bytes / 1'000'000) +
+                                       " MB of the " + std::to_string(options_.storage_bytes / 1'000'000) +
+                                       " MB that they may take: delete some"};
   return Done{};
 }
 
@@ -24,10 +25,11 @@ bool Scans::has_room_for(const std::string& scan_id) const {
   return logs_.is_waited_for(scan_id) || left_for_jobs_.contains(scan_id) || places_.check_for_newcomer({}).ok();
 }
 
-Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, const wire::StartScan& request) {
+Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, const std::string& upload_id,
+                                                  const wire::StartScan& request) {
   CHECK(has_room_for(scan_id), "a job waits for room");
   if (logs_.is_waited_for(scan_id)) return std::optional<JobScan>();
-  if (Status status = check_storage(); !status.ok()) return status.error();
+  if (Status status = check_storage(upload_id); !status.ok()) return status.error();
   auto read = left_for_jobs_.extract(scan_id);
   const Result<ScanRow> row = store_.find(scan_id);
   if (read.empty() && row.ok() && row->phase == ScanPhase::kRunning) {

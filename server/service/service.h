@@ -33,7 +33,7 @@ struct ServiceOptions {
   int requests_per_second = 60;              // HTTP requests of an address, upgrades too; twice as many at once
   int failures_per_minute = 5;               // wrong tokens of an address
   int scans_per_token = 2;                   // running at once; tokens that may administer have only the server's limit
-  int storage_gb = 0;                        // for the files of all scans, 0: as much as there is
+  int storage_gb = 0;                        // for the files of all scans and uploads, 0: as much as there is
   int job_workers = 1;                       // jobs at once; each has one of max_scans
   int max_upload_gb = 20;                    // one upload
   int uploads_per_token_gb = 20;             // all uploads of one token that are kept, 0: as much as there is

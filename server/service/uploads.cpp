@@ -124,15 +124,32 @@ Status Uploads::check_room(std::int64_t more_bytes, const std::string& except_id
   if (!free.ok()) return free.error();
   if (*free < limits_.min_free_disk_bytes + static_cast<std::uint64_t>(more_bytes))
     return Error{ErrorCode::kBusy, "the server's disk has not enough room: " + megabytes(static_cast<std::int64_t>(*free)) + " are free"};
-  if (limits_.token_bytes == 0 || may(grant, Scope::kAdmin)) return Done{};
   const Result<std::vector<UploadRow>> rows = store_.list_uploads();
   if (!rows.ok()) return rows.error();
+  if (Status status = check_storage(more_bytes, except_id, *rows); !status.ok()) return status;
+  if (limits_.token_bytes == 0 || may(grant, Scope::kAdmin)) return Done{};
   std::int64_t held_bytes = 0;
   for (const UploadRow& row : *rows)
     if (row.token_id == grant.token_id && row.id != except_id) held_bytes += claimed_bytes(row, size_of(row.id));
   if (held_bytes + more_bytes <= limits_.token_bytes) return Done{};
   return Error{ErrorCode::kBusy, "the uploads of this token take " + megabytes(held_bytes) + " of the " + megabytes(limits_.token_bytes) +
                                      " that they may take: wait until their jobs have ended, or delete some"};
+}
+
+// What is there, and what others were promised and have not sent yet.
+Status Uploads::check_storage(std::int64_t more_bytes, const std::string& except_id, const std::vector<UploadRow>& rows) const {
+  if (limits_.storage_bytes == 0) return Done{};
+  const Result<std::uint64_t> stored_bytes = data_.stored_bytes(except_id);
+  if (!stored_bytes.ok()) return stored_bytes.error();
+  auto held_bytes = static_cast<std::int64_t>(*stored_bytes);
+  for (const UploadRow& row : rows) {
+    const std::int64_t size_bytes = size_of(row.id);
+    if (row.id != except_id) held_bytes += claimed_bytes(row, size_bytes) - size_bytes;
+  }
+  if (held_bytes + more_bytes <= static_cast<std::int64_t>(limits_.storage_bytes)) return Done{};
+  return Error{ErrorCode::kBusy, "the scans and uploads on this server take " + megabytes(held_bytes) + " of the " +
+                                     megabytes(static_cast<std::int64_t>(limits_.storage_bytes)) +
+                                     " that they may take: delete some, or wait until jobs have ended"};
 }
 
 Result<UploadState> Uploads::create(std::int64_t length_bytes, const std::string& metadata, const Grant& grant, std::int64_t now_ms) {

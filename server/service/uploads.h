@@ -28,6 +28,7 @@ struct UploadLimits {
   std::int64_t upload_bytes = std::int64_t{20} << 30;
   std::int64_t token_bytes = std::int64_t{20} << 30;  // of all uploads of one token that may not administer; 0: as much as there is
   std::uint64_t min_free_disk_bytes = 0;              // that must remain
+  std::uint64_t storage_bytes = 0;                    // for the files of all scans and uploads together; 0: as much as there is
   std::int64_t keep_ms = 24LL * 3600 * 1000;          // after something has happened with it last
 };
 
@@ -111,6 +112,7 @@ class Uploads {
 
  private:
   Status check_room(std::int64_t more_bytes, const std::string& except_id, const Grant& grant);
+  Status check_storage(std::int64_t more_bytes, const std::string& except_id, const std::vector<UploadRow>& rows) const;
   Result<std::int64_t> recover(UploadRow row);
   bool is_written(const std::string& id) const;
   bool has_waiting_job(const std::string& id);

@@ -130,17 +130,20 @@ Status DataDirectory::publish_address(const std::string& url) const {
   return Done{};
 }
 
-Result<std::uint64_t> DataDirectory::stored_bytes() const {
-  std::error_code error;
-  std::uint64_t total = 0;
+Result<std::uint64_t> DataDirectory::stored_bytes(const std::string& except_upload_id) const {
   namespace fs = std::filesystem;
-  for (fs::recursive_directory_iterator entry(path_ + "/scans", error), end; !error && entry != end; entry.increment(error)) {
-    std::error_code gone;  // between its listing and now: not counted
-    const bool file = entry->is_regular_file(gone) && !entry->is_symlink(gone);
-    const std::uintmax_t bytes = file && !gone ? entry->file_size(gone) : 0;
-    if (!gone) total += bytes;
+  const fs::path left_out = except_upload_id.empty() ? fs::path() : fs::path(upload_path(except_upload_id));
+  std::uint64_t total = 0;
+  for (const std::string& folder : {path_ + "/scans", uploads_folder()}) {
+    std::error_code error;
+    for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+      std::error_code gone;  // between its listing and now: not counted
+      const bool file = entry->is_regular_file(gone) && !entry->is_symlink(gone) && entry->path() != left_out;
+      const std::uintmax_t bytes = file && !gone ? entry->file_size(gone) : 0;
+      if (!gone) total += bytes;
+    }
+    if (error) return Error{ErrorCode::kIo, "adding up the files in " + folder + ": " + error.message()};
   }
-  if (error) return Error{ErrorCode::kIo, "adding up the files in " + path_ + "/scans: " + error.message()};
   return total;
 }
 

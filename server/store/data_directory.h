@@ -32,8 +32,9 @@ class DataDirectory {
   // Writes where this server listens into the lock file, for programs beside it.
   Status publish_address(const std::string& url) const;
 
-  // Bytes of all files of all scans.
-  Result<std::uint64_t> stored_bytes() const;
+  // Bytes of all files of all scans and uploads, those of `except_upload_id` left out. What running jobs have unpacked goes with them and
+  // does not count. kIo.
+  Result<std::uint64_t> stored_bytes(const std::string& except_upload_id = "") const;
 
   // `scan_id` must be one (is_scan_id); a path is made of nothing else.
   std::string scans_folder() const { return path_ + "/scans"; }

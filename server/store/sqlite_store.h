@@ -53,6 +53,7 @@ class SqliteStore : public Store {
   Result<JobRow> job(const std::string& id) override;
   Result<std::vector<JobRow>> list_jobs() override;
   Result<std::vector<JobRow>> jobs_in(JobState state) override;
+  Result<std::map<JobState, int>> count_jobs() override;
   Status add_job_line(const std::string& id, const JobLine& line) override;
   Result<std::vector<JobLine>> job_lines(const std::string& id) override;
   Result<int> forget_jobs(std::int64_t ended_before_ms) override;

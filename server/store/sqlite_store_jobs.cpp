@@ -110,6 +110,16 @@ Result<std::vector<JobRow>> SqliteStore::jobs_in(JobState state) try {
   return database_error(failure);
 }
 
+Result<std::map<JobState, int>> SqliteStore::count_jobs() try {
+  std::map<JobState, int> counts;
+  for (const JobState state : kAllJobStates) counts[state] = 0;
+  SQLite::Statement query(impl_->database, "SELECT state, count(*) FROM jobs GROUP BY state");
+  while (query.executeStep()) counts[state_of(query.getColumn(0).getString())] += query.getColumn(1).getInt();
+  return counts;
+} catch (const SQLite::Exception& failure) {
+  return database_error(failure);
+}
+
 Status SqliteStore::add_job_line(const std::string& id, const JobLine& line) try {
   SQLite::Statement count(impl_->database, "SELECT count(*) FROM job_lines WHERE job_id = ?");
   count.bind(1, id);

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -85,6 +86,7 @@ class Store {
   virtual Result<JobRow> job(const std::string& id) = 0;
   virtual Result<std::vector<JobRow>> list_jobs() = 0;              // newest first, at most kMaxListedJobs
   virtual Result<std::vector<JobRow>> jobs_in(JobState state) = 0;  // the next one first
+  virtual Result<std::map<JobState, int>> count_jobs() = 0;         // those that are remembered, of every state
   virtual Status add_job_line(const std::string& id, const JobLine& line) = 0;
   virtual Result<std::vector<JobLine>> job_lines(const std::string& id) = 0;
   virtual Result<int> forget_jobs(std::int64_t ended_before_ms) = 0;  // with their lines. How many

@@ -11,8 +11,10 @@
 #include "core/image/depth_codec.h"
 #include "core/image/depth_ranks.h"
 #include "core/image/image_codec.h"
+#include "core/log/frame_log_format.h"
 #include "proto/wire/client_message.h"
 #include "proto/wire/server_message.h"
+#include "tests/core/dataset/oni_bytes.h"
 #include "tests/core/dataset/recording_bytes.h"
 #include "tests/support/archive_bytes.h"
 
@@ -160,6 +162,47 @@ void add_recording_seeds(SeedFolder klg, SeedFolder sens) {
   sens.add(text(test::sens_bytes(*sequence, {.color_factor = 2})));
 }
 
+void add_oni_seeds(SeedFolder seeds) {
+  const auto sequence = *open_sequence("synthetic:frames=2,width=64,height=64", Camera{64, 64, 60, 60, 31.5, 31.5, 1000});
+  for (const char* const depth_codec : {"NONE", "16zP", "16zT"})
+    for (const char* const color_codec : {"NONE", "JPEG"})
+      seeds.add(text(test::oni_bytes(*sequence, {.depth_codec = depth_codec, .color_codec = color_codec})));
+  seeds.add(text(test::oni_bytes(*sequence, {.mirrored = true, .old_positions = true})));
+  seeds.add(text(test::oni_bytes(*sequence, {.has_color = false, .has_end = false})));
+}
+
+// Whole, in two segments, and records of no use in a row.
+void add_log_seeds(SeedFolder seeds) {
+  const auto sequence = *open_sequence("synthetic:frames=2,width=64,height=64");
+  wire::StartScan start;
+  start.title = "kitchen";
+  start.camera = sequence->camera();
+  start.depth_codecs = {wire::DepthCodec::kRvlZstd};
+  start.color_codecs = {wire::ColorCodec::kPng};
+  std::vector<std::pair<RecordType, std::string>> records{
+      {RecordType::kTerms, "{}"}, {RecordType::kStart, wire::format_client_message(wire::Hello{0, "client 1", "", start})}};
+  for (std::int64_t i = 0; i < sequence->frame_count(); ++i) {
+    const RecordedFrame frame = *sequence->read(i);
+    const wire::Frame message{static_cast<std::uint64_t>(i), frame.timestamp_s, text(encode_depth_rvl_zstd(frame.depth)),
+                              text(frame.color_bytes)};
+    records.emplace_back(RecordType::kFrame, wire::format_client_message(message));
+  }
+  records.emplace_back(RecordType::kRefusedFrame, "");
+  records.emplace_back(RecordType::kFinish, "");
+  const auto log_of = [](const auto& all, std::size_t first_in_second) {
+    std::string bytes = format_segment_header(0);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (i == first_in_second) bytes += std::string("\xff\x00\xff\x00", 4) + format_segment_header(1);
+      bytes += format_record_header(all[i].first, i, all[i].second) + all[i].second;
+    }
+    return bytes;
+  };
+  seeds.add(log_of(records, records.size()));
+  seeds.add(log_of(records, 3));
+  records.erase(records.begin() + 1);
+  seeds.add(log_of(records, 1));
+}
+
 void add_archive_seeds(SeedFolder seeds) {
   const std::vector<test::ArchiveEntry> plain{{"a/rgb/1.png", "colour"}, {"a/", "", '5'}, {"a/depth.txt", std::string(700, 'd')}};
   const std::vector<test::ArchiveEntry> odd{{"l", "", '2', "/etc"}, {"../x", "x"}, {"f", "", '6'}, {"big", "x", '0', "", 1 << 30}};
@@ -190,6 +233,8 @@ int main(int argc, char** argv) {
   add_image_seeds(SeedFolder(fs::path(argv[1]) / "image"));
   add_message_seeds(SeedFolder(fs::path(argv[1]) / "message"));
   add_recording_seeds(SeedFolder(fs::path(argv[1]) / "klg"), SeedFolder(fs::path(argv[1]) / "sens"));
+  add_oni_seeds(SeedFolder(fs::path(argv[1]) / "oni"));
+  add_log_seeds(SeedFolder(fs::path(argv[1]) / "log"));
   add_archive_seeds(SeedFolder(fs::path(argv[1]) / "archive"));
   add_tus_seeds(SeedFolder(fs::path(argv[1]) / "tus"));
   return 0;

@@ -80,6 +80,7 @@ const std::vector<Door>& doors() {
       {"sqlite3.h", {"server/store"}},
       {"libfreenect", {"server/capture/kinect.cpp"}},
       {"OpenNI.h", {"server/capture/openni.cpp"}},
+      {"librealsense2/", {"server/capture/realsense.cpp"}},
       {"boost/beast",
        {"server/net/transport.h", "server/service/websocket.h", "server/service/websocket.cpp", "server/service/websocket_stream.h",
         "server/service/websocket_stream.cpp", "server/service/http_connection.cpp", "server/service/body_reader.h",

@@ -117,6 +117,19 @@ TEST(CameraFile, NamesEverybodyKnows) {
   for (const char* name : {"fr1", "fr2", "fr3", "icl-nuim"}) EXPECT_TRUE(validate(*known_camera(name)).ok()) << name;
 }
 
+TEST(CameraFile, BesideAFileItsOwnComesBeforeThatOfTheFolder) {
+  const TempFolder folder;
+  EXPECT_FALSE(*camera_beside(folder.path("a.klg")));
+  folder.write("camera.json", kGood);
+  auto found = camera_beside(folder.path("a.klg"));
+  ASSERT_TRUE(found.ok() && *found);
+  EXPECT_EQ((*found)->name, "camera.json");
+  EXPECT_EQ((*found)->file.camera.fx, 525.5);
+  folder.write("a.klg.camera.json", "{");
+  EXPECT_THAT(camera_beside(folder.path("a.klg")).error().message, HasSubstr("a.klg.camera.json"));
+  EXPECT_EQ((*camera_beside(folder.path("b.klg")))->name, "camera.json");
+}
+
 TEST(CameraFile, ReadCameraTakesAPathOrAName) {
   const TempFolder folder;
   folder.write("camera.json", kGood);

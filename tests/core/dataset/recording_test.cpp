@@ -10,6 +10,7 @@
 #include "core/dataset/write_klg.h"
 #include "core/dataset/write_raw.h"
 #include "core/dataset/write_tum.h"
+#include "tests/core/dataset/oni_bytes.h"
 #include "tests/core/dataset/recording_bytes.h"
 #include "tests/core/dataset/temp_folder.h"
 #include "tests/support/archive_bytes.h"
@@ -275,6 +276,8 @@ class Damaged : public testing::TestWithParam<const char*> {
       ASSERT_TRUE(write_klg(*source, {0, 3}, folder.path("r/a.klg"), kSilent).ok());
     } else if (kind == "sens") {
       folder.write("r/a.sens", test::sens_bytes(*source));
+    } else if (kind == "oni") {
+      folder.write("r/a.oni", test::oni_bytes(*source));
     } else if (kind == "raw") {
       fs::create_directories(folder.path("r"));
       ASSERT_TRUE(write_raw(*source, {0, 3}, folder.path("r/a.raw"), kSilent).ok());
@@ -372,7 +375,7 @@ TEST_P(Damaged, GivesWordsInBoundedMemory) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, Damaged,
-                         testing::Values("klg", "sens", "raw", "redwood", "7scenes", "icl", "images", "log", "tum", "tar", "tar.gz",
+                         testing::Values("klg", "sens", "oni", "raw", "redwood", "7scenes", "icl", "images", "log", "tum", "tar", "tar.gz",
                                          "tar.zst", "zip"),
                          [](const auto& info) {
                            std::string name = info.param;
@@ -397,6 +400,15 @@ TEST_P(RealRoundTrip, TumAndArchiveKeepEveryBit) {
   for (std::int64_t i = 0; i < 6; ++i) {
     EXPECT_EQ(klg->read(i)->depth, source->read(i)->depth);
     EXPECT_EQ(klg->read(i)->color_bytes, source->read(i)->color_bytes);
+  }
+  for (const char* const codec : {"16zP", "16zT"}) {
+    folder.write("a.oni", test::oni_bytes(*source, {.depth_codec = codec, .color_codec = "NONE"}, 6));
+    const auto oni = *open_sequence(folder.path("a.oni"));
+    ASSERT_EQ(oni->frame_count(), 6);
+    for (std::int64_t i = 0; i < 6; ++i) {
+      EXPECT_EQ(oni->read(i)->depth, source->read(i)->depth);
+      EXPECT_EQ(decode_frame(*oni->read(i))->color, decode_frame(*source->read(i))->color);
+    }
   }
 }
 

@@ -49,7 +49,10 @@ TEST(ScanDisplay, PauseDropsRecordingAndASlowLinkShow) {
   const std::string text = format_scan_progress(progress);
   EXPECT_THAT(text, HasSubstr("paused: space goes on"));
   EXPECT_THAT(text, Not(HasSubstr("fps")));
-  EXPECT_THAT(text, HasSubstr("3 dropped  2 left out  slow link: colour q70, 2 of 3 frames  1257 recorded, 1100 on the server"));
+  EXPECT_THAT(text, HasSubstr("3 dropped  2 left out  slow link: colour q70, 2 of 3 frames  1257 recorded, 1100 on the server: 157 frames "
+                              "behind, catching up"));
+  progress.stream.durable_frames = 1240;
+  EXPECT_THAT(format_scan_progress(progress), testing::EndsWith("1257 recorded, 1240 on the server"));
 }
 
 TEST(ScanDisplay, AfterTheLastFrameItSaysHowManyThereAre) {

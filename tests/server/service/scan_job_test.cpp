@@ -10,10 +10,14 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "core/dataset/write_raw.h"
 #include "core/dataset/write_tum.h"
 #include "server/client/api_request.h"
 #include "server/client/stream.h"
 #include "server/client/upload.h"
+#include "server/store/scan_id.h"
+#include "tests/core/dataset/oni_bytes.h"
+#include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
@@ -26,10 +30,12 @@ using testing::HasSubstr;
 class ScanJobTest : public testing::Test {
  protected:
   ScanJobTest() { start(); }
-  void start() {
+  void start(int storage_gb = 0) {
     server_.reset();
     ServiceOptions options = test::test_options(folder_ / "data");
     options.drain_s = 0;
+    options.storage_gb = storage_gb;
+    options.admin_listen = "127.0.0.1:0";
     server_ = std::make_unique<test::RunningServer>(options);
   }
   UploadTarget target() const {
@@ -93,6 +99,36 @@ TEST_F(ScanJobTest, GivesTheBitsThatStreamingGivesAndSoDoesDoingItAgain) {
   const JobReport changed = end_of(json::parse(*api_request(target().server, "POST", "/api/v1/jobs", other))["id"]);
   ASSERT_EQ(changed.state, "finished") << changed.words;
   EXPECT_NE(of_job.second, hashes(get("scans/" + changed.scan + "/report.json")).second);
+}
+
+TEST_F(ScanJobTest, AnUploadThatFillsTheStorageIsStillMadeIntoAScanAndTheNextOneIsRefused) {
+  start(1);
+  const std::string path = folder_ / "room.raw";
+  ASSERT_TRUE(write_raw(**open_sequence("synthetic:width=160,height=120,frames=2"), {0, 2}, path, [](std::int64_t) {}).ok());
+  const std::string other = folder_ / "data/scans/" + new_scan_id();
+  std::filesystem::create_directories(other);
+  { std::ofstream(other + "/cloud.ply") << "x"; }
+  std::filesystem::resize_file(other + "/cloud.ply", 1'000'000'000 - std::filesystem::file_size(path));  // sparse
+  const JobReport report = end_of(send(path));
+  EXPECT_EQ(report.state, "finished") << report.words;
+  UploadTarget impatient = target();
+  impatient.patience = std::chrono::seconds(0);
+  const Result<std::string> refused = upload(*open_bytes(path), {}, impatient, {});
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(refused.error().message, HasSubstr("the scans and uploads on this server take"));
+  test::RawClient admin(server_->service().admin_port());
+  admin.send("GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+  EXPECT_THAT(admin.read_to_end(), HasSubstr("hermite_jobs{state=\"finished\"} 1\n"));
+}
+
+TEST_F(ScanJobTest, ARecordingOfOpenNiIsTakenAlone) {
+  const std::string path = folder_ / "room.oni";
+  const auto bytes = test::oni_bytes(**open_sequence("synthetic:width=160,height=120,frames=3"));
+  { std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())); }
+  const JobReport report = end_of(send(path, {{"filename", "room.oni"}}));
+  EXPECT_EQ(report.state, "finished") << report.words;
+  EXPECT_EQ(report.title, "room");
+  EXPECT_EQ(get("scans/" + report.scan + "/report.json")["frames"], 3);
 }
 
 TEST_F(ScanJobTest, ABadRecordingSaysWhyAndLeavesNothing) {

@@ -53,7 +53,7 @@ class UploadsTest : public testing::Test {
   const test::TemporaryFolder folder_;
   const DataDirectory data_{folder_ / "data"};
   SqliteStore store_{data_.database_path()};
-  UploadLimits limits_{100, 150, 0, kKeep_ms};
+  UploadLimits limits_{100, 150, 0, 0, kKeep_ms};
   Grant grant_{"mine", {true, true, false}, "", 0};
   const Grant other_{"other", {true, true, false}, "", 0}, admin_{"root", {true, true, true}, "", 0};
   std::vector<std::string> completed_;
@@ -163,6 +163,28 @@ TEST_F(UploadsTest, ADiskThatMustStayFreeDoes) {
   const Result<UploadState> state = uploads_->create(1, "", grant_, kNow_ms);
   ASSERT_FALSE(state.ok());
   EXPECT_THAT(state.error().message, HasSubstr("not enough room"));
+}
+
+TEST_F(UploadsTest, ScansAndUploadsShareTheStorage) {
+  limits_.storage_bytes = 200;
+  limits_.token_bytes = 0;
+  open();
+  const std::string scan = new_scan_id();
+  ASSERT_TRUE(data_.create_scan_folder(scan).ok());
+  std::ofstream(data_.scan_folder(scan) + "/cloud.ply") << std::string(100, 'x');
+  const UploadState half = *send(create(60), std::string(30, 'x'));
+  // 100 of the scan, 60 that were promised, of which 30 are there.
+  const Result<UploadState> beyond = uploads_->create(41, "", admin_, kNow_ms);
+  ASSERT_FALSE(beyond.ok()) << "also for who may administer";
+  EXPECT_EQ(beyond.error().code, ErrorCode::kBusy);
+  EXPECT_THAT(beyond.error().message, HasSubstr("the scans and uploads on this server take"));
+  EXPECT_TRUE(send(half, std::string(30, 'x'))->complete()) << "what was promised is kept";
+  UploadState unknown = create(-1);
+  EXPECT_EQ(uploads_->set_length(unknown, 41, grant_).error().code, ErrorCode::kBusy);
+  EXPECT_EQ(send(unknown, std::string(41, 'x')).error().code, ErrorCode::kBusy);
+  EXPECT_TRUE(send(unknown, std::string(40, 'x')).ok());
+  uploads_->forget(half.row.id);
+  EXPECT_TRUE(uploads_->create(60, "", grant_, kNow_ms).ok());
 }
 
 TEST_F(UploadsTest, APieceElsewhereOrBeyondTheEndIsRefused) {

@@ -106,7 +106,7 @@ TEST(DataDirectory, TellsOtherProgramsWhereItsServerListens) {
   EXPECT_EQ(published_server(folder / "data").error().code, ErrorCode::kNotFound) << "that was another server";
 }
 
-TEST(DataDirectory, AddsUpTheFilesOfAllScans) {
+TEST(DataDirectory, AddsUpTheFilesOfAllScansAndUploads) {
   const test::TemporaryFolder folder;
   const DataDirectory directory(folder / "data");
   EXPECT_EQ(*directory.stored_bytes(), 0u);
@@ -116,6 +116,13 @@ TEST(DataDirectory, AddsUpTheFilesOfAllScans) {
   std::ofstream(directory.scan_folder(two) + "/b") << std::string(23, 'x');
   std::filesystem::create_symlink("/proc/self/exe", directory.scan_folder(two) + "/link");
   EXPECT_EQ(*directory.stored_bytes(), 123u);
+  const std::string upload = new_scan_id();
+  std::ofstream(directory.upload_path(upload)) << std::string(1000, 'x');
+  ASSERT_TRUE(directory.create_job_folder(upload).ok());
+  std::ofstream(directory.job_folder(upload) + "/unpacked") << std::string(5000, 'x');
+  EXPECT_EQ(*directory.stored_bytes(), 1123u);
+  EXPECT_EQ(*directory.stored_bytes(upload), 123u);
+  EXPECT_EQ(*directory.stored_bytes(new_scan_id()), 1123u);
 }
 
 TEST(FreeBytes, OfAFolderAndOfNone) {

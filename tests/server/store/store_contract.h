@@ -306,6 +306,17 @@ TYPED_TEST_P(StoreContract, TheNextJobIsTheHighestAndThenTheOldest) {
   EXPECT_THAT(ids_of(this->store().jobs_in(JobState::kQueued)), testing::ElementsAre(urgent.id, early.id, late.id, last.id));
 }
 
+TYPED_TEST_P(StoreContract, JobsAreCountedByState) {
+  for (int i = 0; i < 3; ++i) this->added_job();
+  this->added_job(0, 0, JobState::kFailed);
+  const auto counts = this->store().count_jobs();
+  ASSERT_TRUE(counts.ok());
+  EXPECT_EQ(
+      *counts,
+      (std::map<JobState, int>{
+          {JobState::kQueued, 3}, {JobState::kRunning, 0}, {JobState::kFinished, 0}, {JobState::kFailed, 1}, {JobState::kCancelled, 0}}));
+}
+
 TYPED_TEST_P(StoreContract, TheLogOfAJobIsBounded) {
   const JobRow row = this->added_job();
   for (int i = 0; i < kMaxJobLines + 50; ++i) ASSERT_TRUE(this->store().add_job_line(row.id, {i, "line " + std::to_string(i)}).ok());
@@ -361,8 +372,8 @@ REGISTER_TYPED_TEST_SUITE_P(StoreContract, AScanComesBackAsItWasOverARestart, Wh
                             AScanOfAJobIsNoneThatTheServerGoesOnWith, SaysThatItTakesChangesAndIsWhole, ATokenIsFoundByItsHash,
                             ASecretThatIsNoHashIsNoToken, ARevocationStaysAsItWasFirst, ATokenKnowsItsLastUse, TokensAreListedNewestFirst,
                             AShareLinkIsOfAScanThatIsThereAndGoesWithIt, AShareLinkMayOnlyLook, TokensThatEndedLongAgoAreForgotten,
-                            AJobComesBackAsItWasOverARestart, TheNextJobIsTheHighestAndThenTheOldest, TheLogOfAJobIsBounded,
-                            OldJobsAreForgottenWithTheirLogs, AnUploadComesBackAsItWasOverARestart,
+                            AJobComesBackAsItWasOverARestart, TheNextJobIsTheHighestAndThenTheOldest, JobsAreCountedByState,
+                            TheLogOfAJobIsBounded, OldJobsAreForgottenWithTheirLogs, AnUploadComesBackAsItWasOverARestart,
                             ThereAreOnlySoManyUploadsAndWaitingJobs);
 
 }  // namespace hermite::test

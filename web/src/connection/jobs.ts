@@ -1,4 +1,4 @@
-// Recordings that are sent to the server, and the jobs that it makes of them.
+// The jobs that the server makes of recordings. How these get there: upload.ts.
 import { ApiError, isRecord, numberOf, request, textOf } from './api';
 
 const limit_ms = 10_000;
@@ -57,19 +57,6 @@ function jobOf(row: Record<string, unknown>): Job {
 
 function stateOf(value: unknown): JobState {
   return value === 'queued' || value === 'running' || value === 'finished' || value === 'failed' || value === 'cancelled' ? value : 'unknown';
-}
-
-// Sends a file as it is; resolves when all of it is on the server's disk. Not with fetch, which tells no progress of what is sent.
-export function sendRecording(file: File, token: string, onProgress: (share: number) => void): Promise<void> {
-  return new Promise((resolve, reject) => {
-    const sending = new XMLHttpRequest();
-    sending.open('PUT', `api/v1/uploads/${encodeURIComponent(file.name)}`);
-    sending.setRequestHeader('Authorization', `Bearer ${token}`);
-    sending.upload.onprogress = (event) => onProgress(event.total > 0 ? event.loaded / event.total : 0);
-    sending.onload = () => (sending.status === 201 ? resolve() : reject(new ApiError(refusalOf(sending.responseText, sending.status), false)));
-    sending.onerror = () => reject(new ApiError('The connection was lost. hermite-client upload goes on after that.', false));
-    sending.send(file);
-  });
 }
 
 // The server's own words, which name what is wrong and the limit.

@@ -1,11 +1,15 @@
 // Recordings on their way to being scans: what waits, what is done with it, what failed and why; and the way to add one.
 import { ApiError } from '../connection/api';
-import { cancelJob, fetchJobs, retryJob, sendRecording, type Job } from '../connection/jobs';
-import { jobWords } from '../state/words';
+import { cancelJob, fetchJobs, retryJob, type Job } from '../connection/jobs';
+import { browserWorld, sendRecording, unfinishedUploads } from '../connection/upload';
+import { jobWords, sendingWords, unfinishedWords } from '../state/words';
 import { element, type Panel } from './dom';
 import { statusMark } from './mark';
 
 const shown_count = 20;
+
+// Of the panel that is on the page: what is sent goes on while another page is looked at.
+let sayOnPage = (_words: string): void => {};
 
 export interface JobsPanel extends Panel {
   refresh(): Promise<void>;
@@ -18,25 +22,29 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
   const input = element('input', { type: 'file', multiple: true, id: 'recordings', class: 'hidden-input' });
   const add = element('label', { for: 'recordings', class: 'button' }, 'Add a recording');
   const node = element('section', { class: 'jobs-panel', 'aria-label': 'Recordings' }, element('div', { class: 'field' }, input, add), notice, list);
+  const world = browserWorld();
   let shown = '';
 
   const say = (words: string): void => {
     notice.hidden = words === '';
     if (notice.textContent !== words) notice.textContent = words;
   };
+  sayOnPage = say;
+  const sayUnfinished = (): void => sayOnPage(unfinishedWords(unfinishedUploads(world)));
   const attempt = async (work: () => Promise<void>): Promise<void> => {
     try {
       await work();
-      say('');
+      sayUnfinished();
     } catch (error) {
-      say(error instanceof ApiError ? error.message : 'That did not work.');
+      sayOnPage(error instanceof ApiError ? error.message : 'That did not work.');
     }
     changed();
   };
   const send = (files: Iterable<File>): Promise<void> =>
     attempt(async () => {
-      for (const file of files) await sendRecording(file, token(), (share) => say(`Sending ${file.name}: ${Math.floor(100 * share)} %`));
+      for (const file of files) await sendRecording(file, token(), world, (progress) => sayOnPage(sendingWords(file.name, progress)));
     });
+  sayUnfinished();
   input.addEventListener('change', () => void send([...(input.files ?? [])]).finally(() => (input.value = '')));
   // A file that is dropped beside the panel would replace the page.
   const onDrag = (event: DragEvent): void => event.preventDefault();

@@ -1,6 +1,7 @@
 // States and quantities in the words that a person reads. One word per thing: scan, frame, submap, point.
 import type { FrameEvent } from '../connection/events';
 import type { Job } from '../connection/jobs';
+import type { Progress } from '../connection/upload';
 import type { LiveScan } from './live_scan';
 
 export type Tone = 'good' | 'busy' | 'warn' | 'bad' | 'quiet';
@@ -40,6 +41,17 @@ export function jobWords(job: Pick<Job, 'state' | 'stage' | 'done' | 'total'>): 
     default:
       return { text: 'Unknown', tone: 'quiet' };
   }
+}
+
+export function sendingWords(name: string, { share, waiting }: Progress): string {
+  return `Sending ${name}: ${Math.floor(100 * share)} %${waiting ? ', waiting for the server' : ''}`;
+}
+
+// Empty when there is nothing to go on with. A browser may not open a file again by itself.
+export function unfinishedWords(names: readonly string[]): string {
+  if (names.length === 0) return '';
+  const [verb, what] = names.length === 1 ? ['was', 'it again and it goes'] : ['were', 'them again and they go'];
+  return `${names.join(', ')} ${verb} not sent to the end. Add ${what} on from there.`;
 }
 
 function stageWords(job: Pick<Job, 'stage' | 'done' | 'total'>): string {

@@ -1,0 +1,281 @@
+// .oni, recordings of OpenNI (oni_file.h). The file says how wide depth sees, nothing about lenses: a pinhole camera with the centre in the
+// middle of the image, unless a camera is given or lies in FILE.camera.json or camera.json beside it. Mirrored images, which is how OpenNI
+// records unless told otherwise, are turned back.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+
+#include "core/dataset/associate.h"
+#include "core/dataset/camera_file.h"
+#include "core/dataset/frame_file.h"
+#include "core/dataset/oni_file.h"
+#include "core/dataset/recording.h"
+#include "core/image/nibble_depth.h"
+#include "core/image/resize.h"
+
+namespace hermite {
+namespace {
+
+// What a PrimeSense sensor (Kinect v1, Xtion) says of itself where its recording does not.
+constexpr double kPrimeSenseView_rad[] = {1.0144686707507438, 0.78980943449644714};
+constexpr double kMaxFrameRate_hz = 500;
+enum OniPixelFormat : std::int64_t { kDepth1Mm = 100, kDepth100Um = 101, kRgb888 = 200, kOniJpeg = 204 };
+enum XnPixelFormat : std::int64_t { kXnRgb24 = 1, kXnJpeg = 5 };
+enum class Coding { kRaw, kNibbles, kNibblesWithTable, kJpeg };
+
+struct Stream {
+  Coding coding = Coding::kRaw;
+  ImageSize size;
+  bool is_mirrored = false;
+};
+
+template <class Pixel>
+void turn_back(Image<Pixel>& image) {
+  for (auto row = image.pixels.begin(); row != image.pixels.end(); row += image.width) std::reverse(row, row + image.width);
+}
+
+// A raw image of exactly `size`.
+template <class Pixel>
+Result<Image<Pixel>> raw_image(const std::vector<std::uint8_t>& bytes, ImageSize size) {
+  Image<Pixel> image(size.width, size.height);
+  const std::size_t expected = image.pixels.size() * sizeof(Pixel);
+  if (bytes.size() != expected)
+    return Error{ErrorCode::kCorruptData,
+                 "the image has " + std::to_string(bytes.size()) + " bytes, not the " + std::to_string(expected) + " of its pixels"};
+  std::memcpy(image.pixels.data(), bytes.data(), expected);
+  return image;
+}
+
+class OniSequence : public Sequence {
+ public:
+  OniSequence(ByteFile file, Camera camera, double rate_hz, Stream depth, Stream color, std::vector<FrameParts> frames)
+      : file_(std::move(file)), camera_(std::move(camera)), rate_hz_(rate_hz), depth_(depth), color_(color), frames_(std::move(frames)) {}
+
+  std::string format() const override { return "oni"; }
+  std::string name() const override { return std::filesystem::path(file_.path()).stem().string(); }
+  const Camera& camera() const override { return camera_; }
+  double frame_rate_hz() const override { return rate_hz_; }
+  std::int64_t frame_count() const override { return static_cast<std::int64_t>(frames_.size()); }
+  double timestamp_s(std::int64_t index) const override { return frames_.at(static_cast<std::size_t>(index)).timestamp_s; }
+  const Trajectory& groundtruth() const override { return none_; }
+
+  Result<RecordedFrame> read(std::int64_t index) const override {
+    const FrameParts& parts = frames_.at(static_cast<std::size_t>(index));
+    const auto where = [&](const char* image, const FilePart& part) {
+      return file_.path() + ", frame " + std::to_string(index) + ", " + image + " at offset " + std::to_string(part.offset);
+    };
+    auto depth = read_depth(parts.depth);
+    if (!depth.ok()) return in_context(where("depth", parts.depth), depth.error());
+    auto color = read_color(parts.color);
+    if (!color.ok()) return in_context(where("colour", parts.color), color.error());
+    return RecordedFrame{parts.timestamp_s, std::move(*depth), std::move(*color)};
+  }
+
+ private:
+  Result<DepthImage> read_depth(const FilePart& part) const {
+    const auto bytes = file_.read(part);
+    if (!bytes.ok()) return bytes.error();
+    Result<DepthImage> depth = depth_.coding == Coding::kNibbles            ? decode_depth_nibbles(*bytes, depth_.size)
+                               : depth_.coding == Coding::kNibblesWithTable ? decode_depth_nibbles_with_table(*bytes, depth_.size)
+                                                                            : raw_image<std::uint16_t>(*bytes, depth_.size);
+    if (depth.ok() && depth_.is_mirrored) turn_back(*depth);
+    return depth;
+  }
+
+  Result<std::vector<std::uint8_t>> read_color(const FilePart& part) const {
+    if (part.bytes == 0) return encode_png(ColorImage(depth_.size.width, depth_.size.height));
+    auto bytes = file_.read(part);
+    if (!bytes.ok()) return bytes.error();
+    if (color_.coding == Coding::kJpeg && color_.size == depth_.size && !color_.is_mirrored) {
+      const Result<ImageSize> found = read_image_size(*bytes);
+      if (!found.ok()) return found.error();
+      if (*found == color_.size) return bytes;
+    }
+    auto image = color_.coding == Coding::kJpeg ? decode_color(*bytes, color_.size) : raw_image<Rgb8>(*bytes, color_.size);
+    if (!image.ok()) return image.error();
+    if (color_.is_mirrored) turn_back(*image);
+    return encode_png(color_.size == depth_.size ? *image : resize_color(*image, depth_.size));
+  }
+
+  const ByteFile file_;
+  const Camera camera_;
+  const double rate_hz_;
+  const Stream depth_, color_;
+  const std::vector<FrameParts> frames_;
+  const Trajectory none_;
+};
+
+Error unsupported(const std::string& words) { return {ErrorCode::kUnsupported, words}; }
+
+std::string words_of(ImageSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
+
+Status check_stream(const OniStream& stream, const char* name, int max_side_px) {
+  if (stream.is_cropped) return unsupported(std::string(name) + " was recorded cropped: only whole images are read");
+  const auto inside = [max_side_px](int side) { return side >= kMinImageSide_px && side <= max_side_px; };
+  if (inside(stream.size.width) && inside(stream.size.height)) return Done{};
+  return Error{ErrorCode::kCorruptData, std::string(name) + ": xnMapOutputMode says " + words_of(stream.size) + " pixels, allowed is " +
+                                            std::to_string(kMinImageSide_px) + " to " + std::to_string(max_side_px)};
+}
+
+Result<Stream> depth_stream(const OniStream& found) {
+  if (const Status status = check_stream(found, "depth", kMaxImageSide_px); !status.ok()) return status.error();
+  const std::int64_t format = found.oni_pixel_format;
+  if (format != 0 && format != kDepth1Mm && format != kDepth100Um)
+    return unsupported("depth: oniPixelFormat is " + std::to_string(format) + ", only 100 (1 mm) and 101 (0.1 mm) are read");
+  const std::pair<const char*, Coding> known[] = {{"NONE", Coding::kRaw}, {"16zP", Coding::kNibbles}, {"16zT", Coding::kNibblesWithTable}};
+  for (const auto& [codec, coding] : known)
+    if (found.codec == codec) return Stream{coding, found.size, found.is_mirrored};
+  return unsupported("depth: the codec is \"" + found.codec + "\", known are NONE, 16zP and 16zT");
+}
+
+Result<Stream> color_stream(const OniStream& found, ImageSize depth_size) {
+  if (const Status status = check_stream(found, "colour", kMaxStoredColorSide_px); !status.ok()) return status.error();
+  if (found.size.width * depth_size.height != found.size.height * depth_size.width)
+    return unsupported("colour has " + words_of(found.size) + " pixels, depth " + words_of(depth_size) +
+                       ": these are not of one shape, the file does not say which part of one the other shows");
+  const bool says_format = found.oni_pixel_format != 0 || found.pixel_format != 0;
+  const bool is_jpeg =
+      found.codec == "JPEG" || (found.codec == "NONE" && (found.oni_pixel_format == kOniJpeg || found.pixel_format == kXnJpeg));
+  if (is_jpeg) return Stream{Coding::kJpeg, found.size, found.is_mirrored};
+  const bool is_rgb = found.oni_pixel_format == kRgb888 || (found.oni_pixel_format == 0 && found.pixel_format == kXnRgb24);
+  if (found.codec == "NONE" && (is_rgb || !says_format)) return Stream{Coding::kRaw, found.size, found.is_mirrored};
+  return unsupported("colour: codec \"" + found.codec + "\" with pixel format " +
+                     std::to_string(found.oni_pixel_format != 0 ? found.oni_pixel_format : found.pixel_format) +
+                     " is not read, but JPEG and plain RGB are");
+}
+
+std::string degrees(double rad) { return std::to_string(std::lround(rad * 180 / 3.14159265358979)); }
+
+Result<Camera> camera_of(const OniStream& depth, const std::optional<Camera>& given, Recording& recording, const std::string& path) {
+  const auto choose = [&](const Camera& camera, const std::string& source) -> Result<Camera> {
+    recording.camera_source = source;
+    if (ImageSize{camera.width, camera.height} == depth.size) return camera;
+    return Error{ErrorCode::kInvalidArgument,
+                 "its images have " + words_of(depth.size) + " pixels, the camera " + words_of({camera.width, camera.height})};
+  };
+  if (given) return choose(*given, "given");
+  const auto beside = camera_beside(path);
+  if (!beside.ok()) return beside.error();
+  if (*beside) return choose((*beside)->file.camera, (*beside)->name);
+  const bool says_view = depth.view_rad[0] != 0 && depth.view_rad[1] != 0;
+  if (!says_view && 3 * depth.size.width != 4 * depth.size.height)
+    return Error{ErrorCode::kNotFound,
+                 "the file does not say how wide its camera sees (xnFOV): give a camera, or put " + path + ".camera.json beside it"};
+  const double across_rad = says_view ? depth.view_rad[0] : kPrimeSenseView_rad[0];
+  const double down_rad = says_view ? depth.view_rad[1] : kPrimeSenseView_rad[1];
+  const auto focal_px = [](int side_px, double view_rad) { return 0.5 * side_px / std::tan(0.5 * view_rad); };
+  const Camera camera{depth.size.width,
+                      depth.size.height,
+                      focal_px(depth.size.width, across_rad),
+                      focal_px(depth.size.height, down_rad),
+                      0.5 * (depth.size.width - 1),
+                      0.5 * (depth.size.height - 1),
+                      depth.oni_pixel_format == kDepth100Um ? 10'000.0 : 1000.0};
+  if (const Status status = validate(camera); !status.ok()) return in_context("xnFOV", status.error());
+  const std::string view = degrees(across_rad) + " by " + degrees(down_rad) + " degrees";
+  if (!says_view)
+    recording.doubts.push_back("the file does not say how wide its camera sees: " + view + " is assumed, as of a Kinect or Xtion");
+  return choose(camera,
+                says_view ? "the file's field of view (" + view + "), centre in the middle" : "a Kinect's or Xtion's field of view");
+}
+
+// Ascending, in seconds; images that are not after the one before are left out of the stream.
+std::vector<double> ascending_times(OniStream& stream, std::size_t& left_out) {
+  std::vector<double> times_s;
+  std::vector<OniImage> kept;
+  for (const OniImage& image : stream.images) {
+    const double time_s = static_cast<double>(image.stamp_us) / 1e6;
+    if (!times_s.empty() && time_s <= times_s.back()) continue;
+    times_s.push_back(time_s);
+    kept.push_back(image);
+  }
+  left_out += stream.images.size() - kept.size();
+  stream.images = std::move(kept);
+  return times_s;
+}
+
+// OpenNI 2 lets the stamps of each stream begin at 0. The one that began later began, as far as the file tells, when the other's latest
+// image came.
+void align_starts(const OniStream& stream, std::vector<double>& times_s, const std::vector<double>& other_s,
+                  std::vector<std::string>& doubts) {
+  const bool both_from_zero = !times_s.empty() && !other_s.empty() && times_s.front() == 0 && other_s.front() == 0;
+  const auto before = static_cast<std::size_t>(stream.images.empty() ? 0 : stream.images.front().images_before);
+  if (!both_from_zero || before < 2 || before > other_s.size()) return;
+  const double start_s = other_s[before - 1];
+  doubts.push_back("one stream began " + std::to_string(start_s) +
+                   " s after the other by its place in the file; their stamps do not say it");
+  for (double& time_s : times_s) time_s += start_s;
+}
+
+Result<std::vector<FrameParts>> pair_images(OniFile& found, std::vector<std::string>& doubts) {
+  std::size_t left_out = 0;
+  std::vector<double> depth_s = ascending_times(*found.depth, left_out);
+  std::vector<FrameParts> frames;
+  if (!found.color) {
+    doubts.push_back("there is no colour: all frames are black");
+    for (std::size_t i = 0; i < depth_s.size(); ++i) frames.push_back({depth_s[i], found.depth->images[i].part, {}});
+  } else {
+    std::vector<double> color_s = ascending_times(*found.color, left_out);
+    const std::vector<double> unmoved_depth_s = depth_s;
+    align_starts(*found.depth, depth_s, color_s, doubts);
+    align_starts(*found.color, color_s, unmoved_depth_s, doubts);
+    const auto pairs = associate_by_time(depth_s, color_s);
+    if (!pairs.ok()) return pairs.error();
+    for (const IndexPair& pair : *pairs)
+      frames.push_back({depth_s[pair.first], found.depth->images[pair.first].part, found.color->images[pair.second].part});
+    if (const std::size_t lonely = depth_s.size() - frames.size(); lonely > 0)
+      doubts.push_back(std::to_string(lonely) + " of " + std::to_string(depth_s.size()) +
+                       " depth images have no colour within 20 ms and are left out");
+  }
+  if (left_out > 0) doubts.push_back(std::to_string(left_out) + " images have no time after the one before and are left out");
+  if (frames.empty()) return Error{ErrorCode::kCorruptData, "no depth image has a colour image within 20 ms"};
+  return frames;
+}
+
+Result<Recording> open_file(ByteFile file, const std::optional<Camera>& given) {
+  Result<OniFile> found = read_oni_file(file);
+  if (!found.ok()) return found.error();
+  if (!found->depth || found->depth->images.empty()) return Error{ErrorCode::kCorruptData, "there is no depth image in it"};
+  const Result<Stream> depth = depth_stream(*found->depth);
+  if (!depth.ok()) return depth.error();
+  if (found->color && found->color->images.empty()) found->color.reset();
+  Stream color;
+  if (found->color) {
+    const Result<Stream> described = color_stream(*found->color, depth->size);
+    if (!described.ok()) return described.error();
+    color = *described;
+  }
+  Recording recording;
+  const auto camera = camera_of(*found->depth, given, recording, file.path());
+  if (!camera.ok()) return camera.error();
+  if (!found->cut.empty()) recording.doubts.push_back("the file is cut or damaged, what is behind cannot be used: " + found->cut);
+  if (!camera->color) recording.doubts.push_back("an .oni file does not say whether its depth is registered to colour: it is taken to be");
+  if (found->color && depth->is_mirrored != color.is_mirrored)
+    recording.doubts.push_back("only one of depth and colour is said to be mirrored: that one is turned back");
+  auto frames = pair_images(*found, recording.doubts);
+  if (!frames.ok()) return frames.error();
+  const double rate_hz = found->depth->frame_rate_hz;
+  const bool is_a_rate = rate_hz >= 1 && rate_hz <= kMaxFrameRate_hz;
+  recording.sequence = std::make_unique<OniSequence>(std::move(file), *camera, is_a_rate ? rate_hz : kDefaultFrameRate_hz, *depth, color,
+                                                     std::move(*frames));
+  return recording;
+}
+
+}  // namespace
+
+std::optional<std::string> probe_oni(const std::string& path) {
+  const Result<ByteFile> file = ByteFile::open(path);
+  if (!file.ok() || !looks_like_oni(*file)) return std::nullopt;
+  return "it begins with NI10 (a recording of OpenNI)";
+}
+
+Result<Recording> open_oni(const std::string& path, const std::optional<Camera>& given) {
+  Result<ByteFile> file = ByteFile::open(path);
+  if (!file.ok()) return file.error();
+  Result<Recording> recording = open_file(std::move(*file), given);
+  if (!recording.ok()) return in_context(path, recording.error());
+  return recording;
+}
+
+}  // namespace hermite

@@ -1,0 +1,10 @@
+// .oni files. Input: the file.
+#include "tests/fuzz/recording_file.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace hermite;
+  const fuzz::MemoryFile file(data, size);
+  static_cast<void>(probe_oni(file.path()));
+  fuzz::check_recording(open_oni(file.path(), std::nullopt));
+  return 0;
+}
