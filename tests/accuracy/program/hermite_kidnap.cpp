@@ -6,6 +6,7 @@
 #include <iostream>
 #include <optional>
 #include <random>
+#include <vector>
 
 #include "core/dataset/sequence.h"
 #include "core/evaluate/trajectory_error.h"
@@ -34,7 +35,7 @@ struct Outcome {
   std::optional<std::int64_t> known_at;         // first frame after that that shows ground from before
   std::optional<std::int64_t> found_at;         // first frame after that whose pose is right
   std::int64_t lost_count = 0, part_count = 0;  // frames; parts at the end
-  double ate_mm = 0;
+  double ate_mm = 0;                            // of the frames that were not lost: the pose of a lost one is only held
 };
 
 std::string source_of(const Walk& walk, int run, const std::string& suffix) {
@@ -57,19 +58,24 @@ Outcome observe(const Walk& walk, int run, const std::string& suffix, Outcome ou
   const Trajectory& truth = sequence->groundtruth();
   const Options options;
   Pipeline pipeline(walk.device, sequence->camera(), options, make_mapping(sequence->camera(), options.adjust, CorrectionTime::kByFrames));
+  std::vector<bool> is_lost;
   for (std::int64_t i = 0; i < sequence->frame_count(); ++i) {
     const FrameResult result = or_throw(pipeline.process(or_throw(decode_frame(or_throw(sequence->read(i))))));
     const auto frame = static_cast<std::int64_t>(std::llround((result.timestamp_s - truth.front().timestamp_s) * walk.rate_hz));
-    outcome.lost_count += result.status == TrackingStatus::kLost ? 1 : 0;
+    is_lost.push_back(result.status == TrackingStatus::kLost);
+    outcome.lost_count += is_lost.back() ? 1 : 0;
     if (frame < outcome.hidden_until || outcome.found_at) continue;
     if (!outcome.known_at && sees_known_ground(truth, frame, outcome.first_hidden)) outcome.known_at = frame;
     const Rigid3 true_pose = inverse(truth.front().world_from_camera) * truth[static_cast<std::size_t>(frame)].world_from_camera;
     const bool is_right = (inverse(true_pose) * result.world_from_camera).translation.norm() < kFound_m;
-    if (outcome.known_at && is_right && result.status != TrackingStatus::kLost) outcome.found_at = frame;
+    if (outcome.known_at && is_right && !is_lost.back()) outcome.found_at = frame;
   }
   pipeline.finish();
   outcome.part_count = pipeline.statistics().mapping.at("parts");
-  outcome.ate_mm = 1e3 * or_throw(trajectory_error(pipeline.trajectory(), truth)).ate_m.rmse;
+  Trajectory known;
+  for (std::size_t i = 0; i < is_lost.size(); ++i)
+    if (!is_lost[i]) known.push_back(pipeline.trajectory()[i]);
+  outcome.ate_mm = 1e3 * or_throw(trajectory_error(known, truth)).ate_m.rmse;
   return outcome;
 }
 
