@@ -81,17 +81,17 @@ Motion FrontEnd::track(const FrameContent& content, const Rigid3& last_motion, i
   const std::vector<Rigid3> starts = guesses(turned, last_motion);
   OdometryResult found;
   if (lost_count == 0) found = odometry_.track(maps, reference, starts);
-  if (!is_believable(found.agreement, options_.track)) found = odometry_.search(maps, reference, with_turns(starts));
+  const auto is_found = [&] { return is_believable(found.agreement, found.reference_from_camera, options_.track); };
+  if (!is_found()) found = odometry_.search(maps, reference, with_turns(starts));
   TrackingEvidence evidence;
   evidence.content = content;
   evidence.lost_count = lost_count;
-  if (!is_believable(found.agreement, options_.track)) evidence.unmoved = odometry_.agreement(maps, reference, turned);
+  if (!is_found()) evidence.unmoved = odometry_.agreement(maps, reference, turned);
   evidence.agreement = found.agreement;
   evidence.inlier_share = found.agreement.surface * found.inlier_ratio;
   evidence.observability = found.observability;
-  evidence.step_m = found.reference_from_camera.translation.norm();
-  evidence.turn_rad = Eigen::AngleAxisd(found.reference_from_camera.rotation).angle();
-  evidence.turn_seen_rad = Eigen::AngleAxisd(turned.rotation).angle();
+  evidence.reference_from_camera = found.reference_from_camera;
+  evidence.turn_seen_rad = angle_rad(turned.rotation);
   return {found, judge(evidence, options_.track)};
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/frame/frame_content.h"
+#include "core/math/rigid3.h"
 #include "core/track/track_options.h"
 
 namespace hermite {
@@ -30,11 +31,11 @@ struct TrackingEvidence {
   FrameContent content;
   Agreement agreement;
   Agreement unmoved;  // the same where the camera was before, turned as the pictures say; only needed of a pose that is not believable
-  double inlier_share = 0;          // geometric correspondences, of all pixels
-  double observability = 0;         // see core/track/normal_equations.h
-  double step_m = 0, turn_rad = 0;  // the motion found
-  double turn_seen_rad = 0;         // of the pictures alone, before tracking
-  int lost_count = 0;               // frames lost just before this one
+  double inlier_share = 0;       // geometric correspondences, of all pixels
+  double observability = 0;      // see core/track/normal_equations.h
+  Rigid3 reference_from_camera;  // the motion found
+  double turn_seen_rad = 0;      // of the pictures alone, before tracking
+  int lost_count = 0;            // frames lost just before this one
 };
 
 struct Judgement {
@@ -43,8 +44,8 @@ struct Judgement {
   bool picture_is_good = true;  // the colours may be believed
 };
 
-// Whether the frame shows at this pose what the map says. If not, another start may find a better one.
-bool is_believable(const Agreement& agreement, const TrackOptions& options);
+// Whether the frame shows what the map says where this motion has brought the camera. If not, another start may find a better one.
+bool is_believable(const Agreement& agreement, const Rigid3& reference_from_camera, const TrackOptions& options);
 
 // Whether a camera that may be anywhere is here: a stricter question, since the map is bent to the answer.
 bool is_same_place(const Agreement& agreement, double observability);

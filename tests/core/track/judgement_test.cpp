@@ -26,10 +26,12 @@ TrackingEvidence good() {
                  .sharpness = 1.1};
   e.inlier_share = 0.45;
   e.observability = 0.03;
-  e.step_m = 0.01;
-  e.turn_rad = e.turn_seen_rad = 0.01;
+  e.reference_from_camera.translation.x() = 0.01;
+  e.turn_seen_rad = 0.01;
   return e;
 }
+
+Eigen::Quaterniond turned(double turn_rad) { return Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitY())); }
 
 struct Case {
   const char* reason;  // what the words begin with
@@ -83,7 +85,7 @@ TEST(Judgement, SaysWhyACameraIsLost) {
       {"dark or blurred", [](TrackingEvidence& e) { e.agreement.agreeing = 0.3, e.content.mean_grey = 4; }},
       {"dark or blurred", [](TrackingEvidence& e) { e.agreement.agreeing = 0.3, e.content.texture = 0.1; }},
       {"too fast", [](TrackingEvidence& e) { e.agreement.overlap = 0.1, e.turn_seen_rad = 0.4; }},
-      {"too fast: the camera would have jumped 45 cm", [](TrackingEvidence& e) { e.step_m = 0.45; }},
+      {"too fast: the camera would have jumped 45 cm", [](TrackingEvidence& e) { e.reference_from_camera.translation.x() = 0.45; }},
       {"blank surface", [](TrackingEvidence& e) { e.agreement.agreeing = 0.3, e.observability = 0; }},
       {"too little in common", [](TrackingEvidence& e) { e.agreement.agreeing = 0.3; }},
       {"too little in common", [](TrackingEvidence& e) { e.agreement.overlap = 0.1; }},
@@ -102,8 +104,8 @@ TEST(Judgement, WarnsWithAReasonBeforeTheCameraIsLost) {
       {"too little in common: only 30 %", [](TrackingEvidence& e) { e.agreement.overlap = 0.3; }},
       {"occluded", [](TrackingEvidence& e) { e.agreement.agreeing = 0.7, e.agreement.in_front = 0.28; }},
       {"too little in common: 30 %", [](TrackingEvidence& e) { e.agreement.agreeing = 0.7; }},
-      {"too fast: 20 cm", [](TrackingEvidence& e) { e.step_m = 0.2; }},
-      {"too fast: the camera turned by 15 degrees", [](TrackingEvidence& e) { e.turn_rad = 0.262; }},
+      {"too fast: 20 cm", [](TrackingEvidence& e) { e.reference_from_camera.translation.x() = 0.2; }},
+      {"too fast: the camera turned by 15 degrees", [](TrackingEvidence& e) { e.reference_from_camera.rotation = turned(0.262); }},
       {"blank surface", [](TrackingEvidence& e) { e.observability = 0; }},
   };
   for (const Case& c : cases) {
@@ -144,13 +146,29 @@ TEST(Judgement, TheLessAgreesTheMoreItMustLookTheSame) {
     Agreement agreement = good().agreement;
     agreement.agreeing = agreeing;
     agreement.correlation = correlation;
-    EXPECT_EQ(is_believable(agreement, TrackOptions{}), believed) << agreeing << " " << correlation;
+    EXPECT_EQ(is_believable(agreement, Rigid3{}, TrackOptions{}), believed) << agreeing << " " << correlation;
   }
+}
+
+TEST(Judgement, AJumpIsBelievedWhereNearlyAllFits) {
+  const auto status = [](double step_m, double turn_rad, double agreeing, double correlation) {
+    TrackingEvidence evidence = good();
+    evidence.reference_from_camera = {turned(turn_rad), {step_m, 0, 0}};
+    evidence.agreement.agreeing = agreeing, evidence.agreement.correlation = correlation;
+    return judge(evidence, TrackOptions{}).status;
+  };
+  for (const auto& [step_m, turn_rad] : {std::pair(0.25, 0.01), std::pair(0.01, 0.3)}) {
+    EXPECT_EQ(status(step_m, turn_rad, 0.91, 0.82), TrackingStatus::kWeak);
+    EXPECT_EQ(status(step_m, turn_rad, 0.76, 0.58), TrackingStatus::kLost);
+    EXPECT_EQ(status(step_m, turn_rad, 0.76, 0.93), TrackingStatus::kLost);
+    EXPECT_EQ(status(step_m, turn_rad, 0.98, 0.55), TrackingStatus::kLost);
+  }
+  EXPECT_EQ(status(0.01, 0.01, 0.76, 0.58), TrackingStatus::kWeak) << "a step is no jump";
 }
 
 TEST(Judgement, TheLongerACameraWasLostTheFartherItMayHaveGone) {
   TrackingEvidence evidence = good();
-  evidence.step_m = 0.5;
+  evidence.reference_from_camera.translation.x() = 0.5;
   EXPECT_EQ(judge(evidence, TrackOptions{}).status, TrackingStatus::kLost);
   evidence.lost_count = 1;
   EXPECT_EQ(judge(evidence, TrackOptions{}).status, TrackingStatus::kWeak);

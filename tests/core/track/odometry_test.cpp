@@ -93,7 +93,7 @@ TEST_F(OdometryTest, GeometryAloneFindsASmallMotion) {
   TrackOptions options = until_converged();
   options.geometric_weight = 1e9;  // beside it the picture counts nothing
   const OdometryResult result = track(options);
-  EXPECT_TRUE(is_believable(result.agreement, TrackOptions{}));
+  EXPECT_TRUE(is_believable(result.agreement, result.reference_from_camera, TrackOptions{}));
   expect_close(result.reference_from_camera, small_motion(), 1e-4, 0.005);
   EXPECT_LT(result.residual_rms_m, 5e-5);
   EXPECT_GT(result.inlier_ratio, 0.9);
@@ -105,7 +105,7 @@ TEST_F(OdometryTest, ThePictureAloneFindsASmallMotion) {
   TrackOptions options = until_converged();
   options.geometric_weight = 0;
   const OdometryResult result = track(options);
-  EXPECT_TRUE(is_believable(result.agreement, TrackOptions{}));
+  EXPECT_TRUE(is_believable(result.agreement, result.reference_from_camera, TrackOptions{}));
   EXPECT_GT(result.photometric_count, 5000);
   expect_close(result.reference_from_camera, small_motion(), 5e-4, 0.03);
 }
@@ -113,7 +113,7 @@ TEST_F(OdometryTest, ThePictureAloneFindsASmallMotion) {
 TEST_F(OdometryTest, BothTogetherFindASmallMotionWithTheDefaults) {
   set_both(test::wave_scene(1), small_motion());
   const OdometryResult result = track(TrackOptions{});
-  EXPECT_TRUE(is_believable(result.agreement, TrackOptions{}));
+  EXPECT_TRUE(is_believable(result.agreement, result.reference_from_camera, TrackOptions{}));
   expect_close(result.reference_from_camera, small_motion(), 1e-4, 0.006);
 }
 
@@ -122,7 +122,7 @@ TEST_F(OdometryTest, TheDissimilaritySearchFindsItToo) {
   TrackOptions options = until_converged();
   options.dissimilarity_search = true;
   const OdometryResult result = track(options);
-  EXPECT_TRUE(is_believable(result.agreement, TrackOptions{}));
+  EXPECT_TRUE(is_believable(result.agreement, result.reference_from_camera, TrackOptions{}));
   expect_close(result.reference_from_camera, small_motion(), 3e-4, 0.02);
 }
 
@@ -131,7 +131,7 @@ TEST_F(OdometryTest, AGuessIsTheStartAndTheSameMotionTheEnd) {
   set_both(test::wave_scene(1), motion);
   const Rigid3 guess = exp_se3((Vector6d() << 0.005, -0.004, 0.003, 0.004, -0.006, 0.005).finished()) * motion;
   const OdometryResult result = track(until_converged(), guess);
-  EXPECT_TRUE(is_believable(result.agreement, TrackOptions{}));
+  EXPECT_TRUE(is_believable(result.agreement, result.reference_from_camera, TrackOptions{}));
   expect_close(result.reference_from_camera, motion, 1.5e-4, 0.01);
 }
 
@@ -149,7 +149,7 @@ TEST_F(OdometryTest, OfSeveralGuessesTheBestIsTaken) {
 TEST_F(OdometryTest, AStillCameraStaysStillAndStopsEarly) {
   set_both(test::wave_scene(1), Rigid3{});
   const OdometryResult result = track(TrackOptions{});
-  EXPECT_TRUE(is_believable(result.agreement, TrackOptions{}));
+  EXPECT_TRUE(is_believable(result.agreement, result.reference_from_camera, TrackOptions{}));
   expect_close(result.reference_from_camera, Rigid3{}, 1e-6, 1e-4);
   EXPECT_EQ(result.iteration_count, kPyramidLevels) << "one step a level";
   EXPECT_NEAR(result.inlier_ratio, 1, 1e-9);
@@ -231,7 +231,7 @@ TEST_F(OdometryTest, HolesAreNoSurface) {
   set_frame(seen);
   set_reference(model);
   const OdometryResult result = track(until_converged());
-  EXPECT_TRUE(is_believable(result.agreement, TrackOptions{}));
+  EXPECT_TRUE(is_believable(result.agreement, result.reference_from_camera, TrackOptions{}));
   EXPECT_NEAR(result.inlier_ratio, 0.5, 0.05);
   expect_close(result.reference_from_camera, small_motion(), 3e-4, 0.02);
 }
@@ -260,7 +260,7 @@ TEST_F(OdometryTest, WithoutDepthNothingIsFound) {
   set_reference(render(test::wave_scene(1), Rigid3{}));
   const OdometryResult result = track(TrackOptions{});
   EXPECT_EQ(result.agreement.surface, 0);
-  EXPECT_FALSE(is_believable(result.agreement, TrackOptions{}));
+  EXPECT_FALSE(is_believable(result.agreement, result.reference_from_camera, TrackOptions{}));
   EXPECT_EQ(result.inlier_count, 0);
   EXPECT_TRUE(is_finite(result.reference_from_camera));
 }
@@ -270,7 +270,7 @@ TEST_F(OdometryTest, WithoutAReferenceNothingIsFound) {
   const OdometryResult result = track(TrackOptions{});
   EXPECT_GT(result.agreement.surface, 0.9);
   EXPECT_EQ(result.agreement.overlap, 0);
-  EXPECT_FALSE(is_believable(result.agreement, TrackOptions{}));
+  EXPECT_FALSE(is_believable(result.agreement, result.reference_from_camera, TrackOptions{}));
   EXPECT_TRUE(is_finite(result.reference_from_camera));
 }
 
@@ -278,7 +278,7 @@ TEST_F(OdometryTest, ElsewhereItIsNotBelieved) {
   set_both(test::wave_scene(1), Rigid3{});
   set_frame(render(test::plane_scene(2), Rigid3{}));
   const OdometryResult result = track(TrackOptions{});
-  EXPECT_FALSE(is_believable(result.agreement, TrackOptions{}));
+  EXPECT_FALSE(is_believable(result.agreement, result.reference_from_camera, TrackOptions{}));
   EXPECT_TRUE(is_finite(result.reference_from_camera));
 }
 
@@ -286,11 +286,12 @@ TEST_F(OdometryTest, ElsewhereItIsNotBelieved) {
 TEST_F(OdometryTest, TheSearchFindsWhatTrackingCannot) {
   const Rigid3 motion = exp_se3((Vector6d() << 0.12, 0.02, -0.03, 0, 0.26, 0).finished());
   set_both(test::wave_scene(1), motion);
-  EXPECT_FALSE(is_believable(track(TrackOptions{}).agreement, TrackOptions{}));
+  const OdometryResult tracked = track(TrackOptions{});
+  EXPECT_FALSE(is_believable(tracked.agreement, tracked.reference_from_camera, TrackOptions{}));
   const Rigid3 turned = exp_se3((Vector6d() << 0, 0, 0, 0, 0.2, 0).finished());
   Odometry odometry(device(), intrinsics_of(kCamera), TrackOptions{});
   const OdometryResult found = odometry.search(frame, reference, std::array{Rigid3{}, inverse(turned), turned});
-  EXPECT_TRUE(is_believable(found.agreement, TrackOptions{}));
+  EXPECT_TRUE(is_believable(found.agreement, found.reference_from_camera, TrackOptions{}));
   expect_close(found.reference_from_camera, motion, 1e-3, 0.05);
 }
 
