@@ -3,19 +3,16 @@
 
     crowd.py path/to/hermite path/to/hermite-client [--cameras 8] [--connects 1000]
 
-Passes when every camera finishes with the same result and those without a place were told to wait, and when after many connections of every bad kind the server
-has as many open files as before and hardly more memory. Exit status 77 (skipped) without python3-wsproto.
+Passes when every camera finishes with the same result and those without a place were told to wait, and when after many connections of every
+bad kind the server has as many open files as before and hardly more memory. Exit status 77 (skipped) without python3-wsproto.
 """
-import json
 import os
-import re
 import signal
 import socket
 import struct
 import sys
 import tempfile
 import time
-import urllib.request
 
 from programs import Camera, Server, argument_parser, check, failures, open_files, resident_mb
 
@@ -25,22 +22,12 @@ from independent_client import Client, hello_viewer  # noqa: E402
 PLACES = 2
 
 
-def token_of(server):
-    return re.search(r"#token=(\S+)", server.url)[1]
-
-
-def scans(server):
-    request = urllib.request.Request(f"http://127.0.0.1:{server.port}/api/v1/scans", headers={"Authorization": "Bearer " + token_of(server)})
-    with urllib.request.urlopen(request, timeout=30) as answer:
-        return json.load(answer)["scans"]
-
-
 def crowd_of_cameras(server, program, count):
     started = time.monotonic()
     cameras = [Camera(program, server.url) for _ in range(count)]
     most = 0
     while any(camera.process.poll() is None for camera in cameras):
-        most = max(most, sum(scan["state"] == "running" for scan in scans(server)))
+        most = max(most, sum(scan["state"] == "running" for scan in server.scans()))
         time.sleep(0.2)
     results = [camera.result() for camera in cameras]
     waited = sum("no place on the server yet" in "".join(camera.lines) for camera in cameras)
@@ -76,7 +63,7 @@ def come_and_go(server, count, scan_id):
 
     def viewer():
         client = Client(server.port)
-        client.send_message(hello_viewer(token_of(server), scan_id))
+        client.send_message(hello_viewer(server.token(), scan_id))
         client.next_event()
         reset(client.socket)
 
@@ -104,7 +91,7 @@ def main():
         server = Server(arguments.hermite, os.path.join(folder, "data"), settings=[
             "--max-scans", str(PLACES), "--requests-per-second", "10000", "--connections-per-address", "1000"])
         crowd_of_cameras(server, arguments.client, arguments.cameras)
-        scan_id = scans(server)[0]["id"]
+        scan_id = server.scans()[0]["id"]
         come_and_go(server, 60, scan_id)  # what is made once and kept
         before = state_of(server.process)
         come_and_go(server, arguments.connects, scan_id)

@@ -8,24 +8,15 @@ words and ends, nothing that it was told to be durable is missing, the server li
 room another scan goes well.
 """
 import glob
-import json
 import os
 import signal
 import sys
 import tempfile
-import urllib.request
 
 from frame_log import frames_in_log
 from programs import FRAMES, Camera, Server, check, durable_said, failures
 
 LARGEST_FILE = 300_000
-
-
-def scans_of(server):
-    address, token = server.url.split("/#token=")
-    request = urllib.request.Request(address + "/api/v1/scans", headers={"Authorization": "Bearer " + token})
-    with urllib.request.urlopen(request, timeout=20) as answer:
-        return json.load(answer)["scans"]
 
 
 def main():
@@ -37,7 +28,7 @@ def main():
         said = "".join(camera.lines)
         check("cannot be stored" in said, "the client is told why: " + said)
         check(server.process.poll() is None, "the server lives")
-        (scan,) = scans_of(server)
+        (scan,) = server.scans()
         check(scan["state"] in ("interrupted", "failed") and scan["words"], f"the state says why: {scan}")
         (log,) = glob.glob(os.path.join(data, "scans", "*", "log"))
         frames = frames_in_log(log)
@@ -47,7 +38,7 @@ def main():
 
         server.largest_file = None
         server.start()
-        check(scans_of(server)[0]["state"] == scan["state"], "the state is the same after a restart")
+        check(server.scans()[0]["state"] == scan["state"], "the state is the same after a restart")
         result = Camera(sys.argv[2], server.url).result()
         check(result is not None and result[0] == FRAMES, f"a scan on a disk with room: {result}")
         if failures:

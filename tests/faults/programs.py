@@ -39,11 +39,17 @@ class Server:
 
     def ask(self, path, method="GET", body=None):
         """JSON of the API."""
-        address, token = self.url.split("/#token=")
+        address = self.url.split("/#token=")[0]
         request = urllib.request.Request(address + "/api/v1/" + path, data=body and json.dumps(body).encode(), method=method,
-                                         headers={"Authorization": "Bearer " + token})
+                                         headers={"Authorization": "Bearer " + self.token()})
         with urllib.request.urlopen(request, timeout=PATIENCE_S) as answer:
             return json.load(answer)
+
+    def token(self):
+        return self.url.split("#token=")[1]
+
+    def scans(self):
+        return self.ask("scans")["scans"]
 
     def end(self, how):
         self.process.send_signal(how)

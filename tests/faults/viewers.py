@@ -15,7 +15,6 @@ import sys
 import tempfile
 import time
 
-from crowd import scans, token_of
 from programs import Camera, Server, argument_parser, resident_mb
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "server"))
@@ -98,13 +97,13 @@ class Viewer:
 
 def one_round(server, program, count, with_slow):
     """Round trips of the fast viewers [ms], and memory of the server with and without viewers [MB]."""
-    known = {scan["id"] for scan in scans(server)}
+    known = {scan["id"] for scan in server.scans()}
     camera = Camera(program, server.url, SEQUENCE)
-    while not (new := [scan["id"] for scan in scans(server) if scan["id"] not in known]):
+    while not (new := [scan["id"] for scan in server.scans() if scan["id"] not in known]):
         time.sleep(0.1)
     time.sleep(3)
     alone_mb = resident_mb(server.process)
-    viewers = [Viewer(server.port, token_of(server), new[0], with_slow and k == 0) for k in range(count)]
+    viewers = [Viewer(server.port, server.token(), new[0], with_slow and k == 0) for k in range(count)]
     selector = selectors.DefaultSelector()
     for viewer in viewers:
         selector.register(viewer.client.socket, selectors.EVENT_READ, viewer)
