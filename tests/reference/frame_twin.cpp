@@ -80,17 +80,19 @@ std::vector<double> bilateral_twin(const std::vector<float>& raw_depth_m, const 
     const double centre = static_cast<double>(raw_depth_m[i]);
     if (centre <= 0) return;
     const double beyond = std::max(0.0, centre - 0.4);
-    const double sigma = options.bilateral_noise_sigmas * (options.noise_floor_m + options.noise_growth_per_m * beyond * beyond);
+    const double sigma_m = options.bilateral_noise_sigmas * (options.noise_floor_m + options.noise_growth_per_m * beyond * beyond);
+    const double sigma_per_m = sigma_m / (centre * centre);
     double sum = 0, weights = 0;
     for (int v = y - radius; v <= y + radius; ++v)
       for (int u = x - radius; u <= x + radius; ++u) {
         const double z = inside(camera, u, v) ? static_cast<double>(raw_depth_m[index(camera, u, v)]) : 0;
         if (z <= 0) continue;
-        const double w = std::exp(-((u - x) * (u - x) + (v - y) * (v - y)) / space2 - (z - centre) * (z - centre) / (2 * sigma * sigma));
-        sum += w * z;
+        const double difference = (1 / z - 1 / centre) / sigma_per_m;
+        const double w = std::exp(-((u - x) * (u - x) + (v - y) * (v - y)) / space2 - difference * difference / 2);
+        sum += w / z;
         weights += w;
       }
-    filtered[i] = sum / weights;
+    filtered[i] = weights / sum;
   });
   return filtered;
 }

@@ -120,6 +120,25 @@ TEST_F(PreprocessTest, FilteredDepthAgreesWithItsTwin) {
   }
 }
 
+TEST_F(PreprocessTest, TheFilterLeavesPlanesWhereTheyAre) {
+  FrameOptions options;
+  options.bilateral_noise_sigmas = 100;  // so that all of the window counts
+  const FrameMaps& maps = run(kKinect, options, test::plane_scene(1.5, M_PI / 3));
+  const std::vector<float> raw = maps.raw_depth_m.download(), filtered = maps.filtered_depth_m.download();
+  const shared::Intrinsics& camera = maps.surface.levels[0].camera;
+  constexpr int kRadius = 3;  // of the window: beyond the border of the image it is not whole
+  double shift_m = 0;
+  int count = 0;
+  for (int y = kRadius; y + kRadius < static_cast<int>(camera.height); ++y)
+    for (int x = kRadius; x + kRadius < static_cast<int>(camera.width); ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * camera.width + static_cast<std::size_t>(x);
+      ASSERT_NEAR(filtered[i], raw[i], 0.05e-3) << x << ", " << y;  // a unit of depth
+      shift_m += static_cast<double>(filtered[i] - raw[i]);
+      ++count;
+    }
+  EXPECT_LT(std::abs(shift_m / count), 1e-6);
+}
+
 TEST_F(PreprocessTest, TheFilterKeepsAStep) {
   DepthImage depth(kOdd.width, kOdd.height);
   for (int y = 0; y < kOdd.height; ++y)
