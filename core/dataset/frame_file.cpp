@@ -30,9 +30,9 @@ class FrameFileSequence : public Sequence {
     const auto where = [&](const char* image, const FilePart& part) {
       return contents_.file.path() + ", frame " + std::to_string(index) + ", " + image + " at offset " + std::to_string(part.offset);
     };
-    auto depth = read_depth(parts.depth);
+    auto depth = decoded(parts.depth, contents_.decoders.depth);
     if (!depth.ok()) return in_context(where("depth", parts.depth), depth.error());
-    auto color = read_color(parts.color);
+    auto color = parts.color.bytes > 0 ? decoded(parts.color, contents_.decoders.color) : encode_png(black());
     if (!color.ok()) return in_context(where("colour", parts.color), color.error());
     return RecordedFrame{parts.timestamp_s, std::move(*depth), std::move(*color)};
   }
@@ -43,41 +43,43 @@ class FrameFileSequence : public Sequence {
     return contents_.frames[static_cast<std::size_t>(index)];
   }
 
-  ImageSize size() const { return {contents_.camera.width, contents_.camera.height}; }
-
-  Result<DepthImage> read_depth(const FilePart& part) const {
+  template <class Image>
+  Result<Image> decoded(const FilePart& part, const std::function<Result<Image>(std::vector<std::uint8_t>)>& decode) const {
     Result<std::vector<std::uint8_t>> bytes = contents_.file.read(part);
     if (!bytes.ok()) return bytes.error();
-    DepthImage depth(size().width, size().height);
-    const std::size_t depth_bytes = pixel_count(size()) * sizeof(std::uint16_t);
-    if (bytes->size() != depth_bytes) {
-      bytes = inflate_exactly(*bytes, depth_bytes);
-      if (!bytes.ok()) return bytes.error();
-    }
-    std::memcpy(depth.pixels.data(), bytes->data(), depth_bytes);
-    return depth;
+    return decode(*std::move(bytes));
   }
 
-  Result<std::vector<std::uint8_t>> read_color(const FilePart& part) const {
-    if (part.bytes == 0) return encode_png(ColorImage(size().width, size().height));
-    Result<std::vector<std::uint8_t>> bytes = contents_.file.read(part);
-    if (!bytes.ok()) return bytes.error();
-    const ImageSize stored = contents_.color_size;
-    if (bytes->size() != pixel_count(stored) * sizeof(Rgb8)) {
-      const Result<ImageSize> found = read_image_size(*bytes);
-      if (!found.ok()) return found.error();
-      if (*found == stored && stored == size()) return bytes;
-      const Result<ColorImage> image = decode_color(*bytes, stored);
-      if (!image.ok()) return image.error();
-      return encode_png(resize_color(*image, size()));
-    }
-    ColorImage image(stored.width, stored.height);
-    std::memcpy(image.pixels.data(), bytes->data(), bytes->size());
-    return encode_png(stored == size() ? image : resize_color(image, size()));
-  }
+  ColorImage black() const { return ColorImage(contents_.camera.width, contents_.camera.height); }
 
   const FrameFile contents_;
 };
+
+Result<DepthImage> raw_or_inflated_depth(std::vector<std::uint8_t> bytes, ImageSize size) {
+  DepthImage depth(size.width, size.height);
+  const std::size_t depth_bytes = pixel_count(size) * sizeof(std::uint16_t);
+  if (bytes.size() != depth_bytes) {
+    auto inflated = inflate_exactly(bytes, depth_bytes);
+    if (!inflated.ok()) return inflated.error();
+    bytes = *std::move(inflated);
+  }
+  std::memcpy(depth.pixels.data(), bytes.data(), depth_bytes);
+  return depth;
+}
+
+Result<std::vector<std::uint8_t>> raw_or_coded_color(std::vector<std::uint8_t> bytes, ImageSize stored, ImageSize size) {
+  if (bytes.size() != pixel_count(stored) * sizeof(Rgb8)) {
+    const Result<ImageSize> found = read_image_size(bytes);
+    if (!found.ok()) return found.error();
+    if (*found == stored && stored == size) return bytes;
+    const Result<ColorImage> image = decode_color(bytes, stored);
+    if (!image.ok()) return image.error();
+    return encode_png(resize_color(*image, size));
+  }
+  ColorImage image(stored.width, stored.height);
+  std::memcpy(image.pixels.data(), bytes.data(), bytes.size());
+  return encode_png(stored == size ? image : resize_color(image, size));
+}
 
 bool ascends(const std::vector<std::int64_t>& stamps) {
   return std::adjacent_find(stamps.begin(), stamps.end(), [](std::int64_t a, std::int64_t b) { return a >= b; }) == stamps.end();
@@ -94,9 +96,23 @@ double median_step(const std::vector<std::int64_t>& stamps) {
 
 }  // namespace
 
+FrameDecoders raw_or_packed(ImageSize size, ImageSize color_size) {
+  return {[size](std::vector<std::uint8_t> bytes) { return raw_or_inflated_depth(std::move(bytes), size); },
+          [size, color_size](std::vector<std::uint8_t> bytes) { return raw_or_coded_color(std::move(bytes), color_size, size); }};
+}
+
 Result<std::unique_ptr<Sequence>> make_frame_file_sequence(FrameFile contents) {
   if (contents.frames.empty()) return Error{ErrorCode::kCorruptData, "there is no frame in it"};
   return std::unique_ptr<Sequence>(std::make_unique<FrameFileSequence>(std::move(contents)));
+}
+
+Result<Recording> open_file_with(Result<Recording> (*open)(ByteFile file, const std::optional<Camera>& camera), const std::string& path,
+                                 const std::optional<Camera>& camera) {
+  Result<ByteFile> file = ByteFile::open(path);
+  if (!file.ok()) return file.error();
+  Result<Recording> recording = open(std::move(*file), camera);
+  if (!recording.ok()) return in_context(path, recording.error());
+  return recording;
 }
 
 std::vector<double> seconds_of_stamps(const std::vector<std::int64_t>& stamps, double frame_rate_hz, std::vector<std::string>& doubts) {

@@ -149,7 +149,7 @@ Result<Recording> open_klg(const std::string& path, const std::optional<Camera>&
   std::vector<std::int64_t> stamps;
   for (const KlgFrame& frame : *index) stamps.push_back(frame.stamp);
   const std::vector<double> times_s = seconds_of_stamps(stamps, camera->frame_rate_hz, recording.doubts);
-  FrameFile contents{"klg", std::move(*file), {}, {}, camera->camera, size, camera->frame_rate_hz};
+  FrameFile contents{"klg", std::move(*file), {}, {}, camera->camera, raw_or_packed(size, size), camera->frame_rate_hz};
   for (std::size_t i = 0; i < index->size(); ++i) contents.frames.push_back({times_s[i], (*index)[i].depth, (*index)[i].color});
   const auto black = std::count_if(index->begin(), index->end(), [](const KlgFrame& frame) { return frame.color.bytes == 0; });
   if (black > 0) recording.doubts.push_back(std::to_string(black) + " frames have no colour: they are black");

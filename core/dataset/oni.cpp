@@ -47,64 +47,25 @@ Result<Image<Pixel>> raw_image(const std::vector<std::uint8_t>& bytes, ImageSize
   return image;
 }
 
-class OniSequence : public Sequence {
- public:
-  OniSequence(ByteFile file, Camera camera, double rate_hz, Stream depth, Stream color, std::vector<FrameParts> frames)
-      : file_(std::move(file)), camera_(std::move(camera)), rate_hz_(rate_hz), depth_(depth), color_(color), frames_(std::move(frames)) {}
+Result<DepthImage> decode_depth(const std::vector<std::uint8_t>& bytes, const Stream& stream) {
+  Result<DepthImage> depth = stream.coding == Coding::kNibbles            ? decode_depth_nibbles(bytes, stream.size)
+                             : stream.coding == Coding::kNibblesWithTable ? decode_depth_nibbles_with_table(bytes, stream.size)
+                                                                          : raw_image<std::uint16_t>(bytes, stream.size);
+  if (depth.ok() && stream.is_mirrored) turn_back(*depth);
+  return depth;
+}
 
-  std::string format() const override { return "oni"; }
-  std::string name() const override { return std::filesystem::path(file_.path()).stem().string(); }
-  const Camera& camera() const override { return camera_; }
-  double frame_rate_hz() const override { return rate_hz_; }
-  std::int64_t frame_count() const override { return static_cast<std::int64_t>(frames_.size()); }
-  double timestamp_s(std::int64_t index) const override { return frames_.at(static_cast<std::size_t>(index)).timestamp_s; }
-  const Trajectory& groundtruth() const override { return none_; }
-
-  Result<RecordedFrame> read(std::int64_t index) const override {
-    const FrameParts& parts = frames_.at(static_cast<std::size_t>(index));
-    const auto where = [&](const char* image, const FilePart& part) {
-      return file_.path() + ", frame " + std::to_string(index) + ", " + image + " at offset " + std::to_string(part.offset);
-    };
-    auto depth = read_depth(parts.depth);
-    if (!depth.ok()) return in_context(where("depth", parts.depth), depth.error());
-    auto color = read_color(parts.color);
-    if (!color.ok()) return in_context(where("colour", parts.color), color.error());
-    return RecordedFrame{parts.timestamp_s, std::move(*depth), std::move(*color)};
+Result<std::vector<std::uint8_t>> decode_color_part(std::vector<std::uint8_t> bytes, const Stream& stream, ImageSize size) {
+  if (stream.coding == Coding::kJpeg && stream.size == size && !stream.is_mirrored) {
+    const Result<ImageSize> found = read_image_size(bytes);
+    if (!found.ok()) return found.error();
+    if (*found == stream.size) return bytes;
   }
-
- private:
-  Result<DepthImage> read_depth(const FilePart& part) const {
-    const auto bytes = file_.read(part);
-    if (!bytes.ok()) return bytes.error();
-    Result<DepthImage> depth = depth_.coding == Coding::kNibbles            ? decode_depth_nibbles(*bytes, depth_.size)
-                               : depth_.coding == Coding::kNibblesWithTable ? decode_depth_nibbles_with_table(*bytes, depth_.size)
-                                                                            : raw_image<std::uint16_t>(*bytes, depth_.size);
-    if (depth.ok() && depth_.is_mirrored) turn_back(*depth);
-    return depth;
-  }
-
-  Result<std::vector<std::uint8_t>> read_color(const FilePart& part) const {
-    if (part.bytes == 0) return encode_png(ColorImage(depth_.size.width, depth_.size.height));
-    auto bytes = file_.read(part);
-    if (!bytes.ok()) return bytes.error();
-    if (color_.coding == Coding::kJpeg && color_.size == depth_.size && !color_.is_mirrored) {
-      const Result<ImageSize> found = read_image_size(*bytes);
-      if (!found.ok()) return found.error();
-      if (*found == color_.size) return bytes;
-    }
-    auto image = color_.coding == Coding::kJpeg ? decode_color(*bytes, color_.size) : raw_image<Rgb8>(*bytes, color_.size);
-    if (!image.ok()) return image.error();
-    if (color_.is_mirrored) turn_back(*image);
-    return encode_png(color_.size == depth_.size ? *image : resize_color(*image, depth_.size));
-  }
-
-  const ByteFile file_;
-  const Camera camera_;
-  const double rate_hz_;
-  const Stream depth_, color_;
-  const std::vector<FrameParts> frames_;
-  const Trajectory none_;
-};
+  auto image = stream.coding == Coding::kJpeg ? decode_color(bytes, stream.size) : raw_image<Rgb8>(bytes, stream.size);
+  if (!image.ok()) return image.error();
+  if (stream.is_mirrored) turn_back(*image);
+  return encode_png(stream.size == size ? *image : resize_color(*image, size));
+}
 
 Error unsupported(const std::string& words) { return {ErrorCode::kUnsupported, words}; }
 
@@ -257,8 +218,13 @@ Result<Recording> open_file(ByteFile file, const std::optional<Camera>& given) {
   if (!frames.ok()) return frames.error();
   const double rate_hz = found->depth->frame_rate_hz;
   const bool is_a_rate = rate_hz >= 1 && rate_hz <= kMaxFrameRate_hz;
-  recording.sequence = std::make_unique<OniSequence>(std::move(file), *camera, is_a_rate ? rate_hz : kDefaultFrameRate_hz, *depth, color,
-                                                     std::move(*frames));
+  FrameDecoders decoders{
+      [depth = *depth](std::vector<std::uint8_t> bytes) { return decode_depth(bytes, depth); },
+      [color, size = depth->size](std::vector<std::uint8_t> bytes) { return decode_color_part(std::move(bytes), color, size); }};
+  auto sequence = make_frame_file_sequence(
+      {"oni", std::move(file), *std::move(frames), {}, *camera, std::move(decoders), is_a_rate ? rate_hz : kDefaultFrameRate_hz});
+  if (!sequence.ok()) return sequence.error();
+  recording.sequence = std::move(*sequence);
   return recording;
 }
 
@@ -270,12 +236,6 @@ std::optional<std::string> probe_oni(const std::string& path) {
   return "it begins with NI10 (a recording of OpenNI)";
 }
 
-Result<Recording> open_oni(const std::string& path, const std::optional<Camera>& given) {
-  Result<ByteFile> file = ByteFile::open(path);
-  if (!file.ok()) return file.error();
-  Result<Recording> recording = open_file(std::move(*file), given);
-  if (!recording.ok()) return in_context(path, recording.error());
-  return recording;
-}
+Result<Recording> open_oni(const std::string& path, const std::optional<Camera>& given) { return open_file_with(open_file, path, given); }
 
 }  // namespace hermite

@@ -195,7 +195,8 @@ Result<Recording> open_file(ByteFile file, const std::optional<Camera>& given) {
   for (const SensFrame& frame : frames) stamps.push_back(frame.stamp);
   const std::vector<double> times_s = seconds_of_stamps(stamps, kDefaultFrameRate_hz, recording.doubts);
   const ImageSize color_size{static_cast<int>(color_width), static_cast<int>(color_height)};
-  FrameFile contents{"sens", std::move(file), {}, {}, *camera, color_size, kDefaultFrameRate_hz};
+  FrameFile contents{
+      "sens", std::move(file), {}, {}, *camera, raw_or_packed({camera->width, camera->height}, color_size), kDefaultFrameRate_hz};
   for (std::size_t i = 0; i < frames.size(); ++i) contents.frames.push_back({times_s[i], frames[i].depth, frames[i].color});
   add_poses(frames, contents, recording.doubts);
   auto sequence = make_frame_file_sequence(std::move(contents));
@@ -219,12 +220,6 @@ std::optional<std::string> probe_sens(const std::string& path) {
   return "version 4, a sensor's name and four 4x4 matrices (ScanNet's .sens)";
 }
 
-Result<Recording> open_sens(const std::string& path, const std::optional<Camera>& given) {
-  Result<ByteFile> file = ByteFile::open(path);
-  if (!file.ok()) return file.error();
-  Result<Recording> recording = open_file(std::move(*file), given);
-  if (!recording.ok()) return in_context(path, recording.error());
-  return recording;
-}
+Result<Recording> open_sens(const std::string& path, const std::optional<Camera>& given) { return open_file_with(open_file, path, given); }
 
 }  // namespace hermite
