@@ -9,6 +9,7 @@ struct MapOptions {
   bool hrbf_prediction = true;
   bool correct_bias = true;
   int window = 5;
+  bool curvature_weight = false;
   double curvature_lambda_per_m = 10.0;
   double confidence_scale = 1.0 / 256.0;
   int min_support = 7;

@@ -2,6 +2,13 @@
 
 namespace hermite {
 
+namespace {
+
+// A lambda that no curvature comes near (frame.curvature_limit_per_m is 1e4 at most).
+constexpr float kNothingIsCurved_per_m = 1e6f;
+
+}  // namespace
+
 Predictor::Predictor(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options)
     : options_(options),
       predict_(device, "map/predict", {static_cast<std::uint32_t>(options.window / 2)}),
@@ -13,7 +20,7 @@ void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const Ind
   SurfaceLevel& out = surface_.levels[0];
   const SurfaceLevel& own = frame.surface.levels[0];
   set_camera(surface_, own.camera);
-  const float lambda_per_m = static_cast<float>(options_.curvature_lambda_per_m);
+  const float lambda_per_m = options_.curvature_weight ? static_cast<float>(options_.curvature_lambda_per_m) : kNothingIsCurved_per_m;
   const float confidence_scale = static_cast<float>(options_.confidence_scale);
   const shared::uint pixels = out.camera.width * out.camera.height;
 

@@ -1,4 +1,4 @@
-// Frame-to-model odometry: photometric rotation first, then three levels of Gauss-Newton on curvature-weighted point-to-plane and
+// Frame-to-model odometry: photometric rotation first, then three levels of Gauss-Newton on weighted point-to-plane and
 // photometric terms (paper section 4). Every step is one dispatch; the host adds the workgroups' sums in order and solves in double
 // precision.
 #pragma once

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Normal equations of one Gauss-Newton step: curvature-weighted point-to-plane terms against the predicted surface (paper Eq. 6-9) plus
+// Normal equations of one Gauss-Newton step: weighted point-to-plane terms against the predicted surface (paper Eq. 6-9) plus
 // photometric terms against its colour (Eq. 10), linearised for reference_from_camera <- exp(x) reference_from_camera,
 // x = (translation, rotation). Both systems apart: the host judges the geometric one before it adds them (core/track/normal_equations.h).
 #include "shaders/shared/track.h"

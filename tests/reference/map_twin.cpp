@@ -245,7 +245,8 @@ std::vector<HrbfKernel> prediction_window(const std::vector<Surfel>& surfels, co
 
 double tracking_weight_twin(const Eigen::Vector2d& curvatures, double confidence, double depth_m, const MapOptions& options) {
   const double largest = std::max(curvatures.cwiseAbs().maxCoeff(), 1e-3), ratio = options.curvature_lambda_per_m / largest;
-  return (confidence * options.confidence_scale + std::exp(-0.5 * ratio * ratio)) / (depth_m * depth_m);
+  const double feature = options.curvature_weight ? std::exp(-0.5 * ratio * ratio) : 0;
+  return (confidence * options.confidence_scale + feature) / (depth_m * depth_m);
 }
 
 SurfaceImage predict_twin(const std::vector<Surfel>& surfels, const MapView& view, const std::vector<std::uint32_t>& ids,

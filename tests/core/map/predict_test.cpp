@@ -199,15 +199,19 @@ TEST_F(PredictTest, AttributesComeFromTheNearestSurfel) {
   surfels[marked].curvature_max_per_m = 30;
   surfels[marked].curvature_min_per_m = -40;
   surfels[marked].confidence = 64;
-  const MapOptions options;
-  const SurfaceImage actual = predict(kCamera, surfels, options);
-  for (int y = 18; y <= 22; ++y)
-    for (int x = 28; x <= 32; ++x) {
-      const std::size_t i = actual.index(x, y);
-      EXPECT_NEAR(actual.intensity[i], i == marked ? 200 : 0, 1e-3);
-      EXPECT_EQ(actual.curvatures[i], i == marked ? Eigen::Vector2d(30, -40) : Eigen::Vector2d(0, 0));
-      EXPECT_NEAR(actual.weight[i], i == marked ? 64.0 / 256 + std::exp(-100.0 / (2 * 40 * 40)) : 5.0 / 256, 1e-4);
-    }
+  for (const bool curvature_weight : {false, true}) {
+    MapOptions options;
+    options.curvature_weight = curvature_weight;
+    const double feature = curvature_weight ? std::exp(-100.0 / (2 * 40 * 40)) : 0;
+    const SurfaceImage actual = predict(kCamera, surfels, options);
+    for (int y = 18; y <= 22; ++y)
+      for (int x = 28; x <= 32; ++x) {
+        const std::size_t i = actual.index(x, y);
+        EXPECT_NEAR(actual.intensity[i], i == marked ? 200 : 0, 1e-3);
+        EXPECT_EQ(actual.curvatures[i], i == marked ? Eigen::Vector2d(30, -40) : Eigen::Vector2d(0, 0));
+        EXPECT_NEAR(actual.weight[i], i == marked ? 64.0 / 256 + feature : 5.0 / 256, 1e-4);
+      }
+  }
 }
 
 TEST_F(PredictTest, NeedsEnoughKernels) {
