@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/adjust/adjust_options.h"
+#include "core/base/byte_stream.h"
 #include "core/frame/rgbd_frame.h"
 #include "core/math/camera.h"
 #include "core/math/rigid3.h"
@@ -66,6 +67,12 @@ class Mapping {
 
   // For the report: "submaps", "keyframes", "landmarks", "loops", ...
   virtual std::map<std::string, std::int64_t> counts() const = 0;
+
+  // All of it, between frames. Does not wait for an adjustment that is running.
+  virtual void save(ByteWriter& bytes) const = 0;
+
+  // Of a mapping of the same camera, options and time that has seen no frame. After a failure of the reader it is of no use any more.
+  virtual void restore(ByteReader& bytes) = 0;
 };
 
 // `camera` is that of frames as they arrive.

@@ -52,6 +52,24 @@ void PlaceIndex::add(std::uint32_t landmark, const Descriptor& descriptor) {
   entries_.push_back(entry);
 }
 
+void PlaceIndex::save(ByteWriter& bytes) const {
+  bytes.list(entries_, [](ByteWriter& to, const Entry& entry) {
+    to.number(entry.landmark);
+    to.number(entry.descriptor);
+  });
+}
+
+void PlaceIndex::restore(ByteReader& bytes, std::size_t landmark_count) {
+  std::vector<Entry> added;
+  bytes.list(added, [landmark_count](ByteReader& from, Entry& entry) {
+    from.number(entry.landmark);
+    from.number(entry.descriptor);
+    from.require(entry.landmark < landmark_count, "a landmark of the index");
+  });
+  if (!bytes.ok()) return;
+  for (const Entry& entry : added) add(entry.landmark, entry.descriptor);
+}
+
 std::size_t PlaceIndex::memory_bytes() const {
   return entries_.capacity() * sizeof(Entry) + heads_.size() * sizeof(heads_[0]) + counts_.size();
 }

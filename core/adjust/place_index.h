@@ -7,6 +7,7 @@
 
 #include "core/adjust/projection_match.h"
 #include "core/adjust/sparse_map.h"
+#include "core/base/byte_stream.h"
 
 namespace hermite {
 
@@ -32,6 +33,10 @@ class PlaceIndex {
   // Landmarks seen once are mostly never seen again: remember those that a second keyframe has seen (InsertResult::repeated).
   // A landmark may come again with another descriptor, for instance when its appearance changed. Tombstones need not be taken out.
   void add(std::uint32_t landmark, const Descriptor& descriptor);
+
+  // What was added, in order: the rest follows from it. restore() is of an empty index, of a map that has so many landmarks.
+  void save(ByteWriter& bytes) const;
+  void restore(ByteReader& bytes, std::size_t landmark_count);
 
   std::size_t size() const { return entries_.size(); }
   std::size_t memory_bytes() const;

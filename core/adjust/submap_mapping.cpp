@@ -323,7 +323,7 @@ void SubmapMapping::adjust_locally() {
   std::vector<std::uint32_t> free;
   for (const auto& [way, submap] : near) free.push_back(submap);
   std::sort(free.begin(), free.end());
-  start(bundle_of(map_, graph_, free), kDelayFrames, false);
+  start({bundle_of(map_, graph_, free), map_.world_from_submap.size(), frame_ + kDelayFrames, false});
 }
 
 void SubmapMapping::adjust_globally() {
@@ -336,12 +336,12 @@ void SubmapMapping::adjust_globally() {
     if (graph_.part[submap] == graph_.part[layout_.current]) all.push_back(submap);
   BundleOfMap bundle = bundle_of(map_, graph_, all);
   const auto delay = static_cast<std::int64_t>(bundle.problem.observations.size() / kObservationsPerFrame);
-  start(std::move(bundle), kDelayFrames + delay, true);
+  start({std::move(bundle), map_.world_from_submap.size(), frame_ + kDelayFrames + delay, true});
 }
 
-void SubmapMapping::start(BundleOfMap bundle, std::int64_t delay_frames, bool is_global) {
-  running_ = Running{std::move(bundle.scope), map_.world_from_submap.size(), frame_ + delay_frames, is_global};
-  adjuster_->start(std::move(bundle.problem), {});
+void SubmapMapping::start(Running running) {
+  running_ = std::move(running);
+  adjuster_->start(running_->bundle.problem, {});
 }
 
 void SubmapMapping::apply_due() {
@@ -358,7 +358,7 @@ void SubmapMapping::apply_result(const Result<BundleSolution>& result) {
     return;
   }
   const std::vector<Rigid3> before = map_.world_from_submap;
-  apply(*result, done.scope, map_);
+  apply(*result, done.bundle.scope, map_);
   // Submaps that came since follow the one they were opened from.
   for (std::size_t submap = done.submap_count; submap < before.size(); ++submap) {
     const std::uint32_t parent = graph_.parent[submap];

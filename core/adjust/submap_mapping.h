@@ -27,11 +27,13 @@ class SubmapMapping final : public Mapping {
   void begin_part(const Rigid3& world_from_camera) override;
   void finish() override;
   std::map<std::string, std::int64_t> counts() const override;
+  void save(ByteWriter& bytes) const override;
+  void restore(ByteReader& bytes) override;
 
  private:
   struct Running {
-    BundleScope scope;
-    std::size_t submap_count = 0;  // when it began
+    BundleOfMap bundle;              // what the adjuster works on: to be begun anew by who goes on from save()
+    std::uint64_t submap_count = 0;  // when it began
     std::int64_t due_frame = 0;
     bool is_global = false;
   };
@@ -54,11 +56,17 @@ class SubmapMapping final : public Mapping {
   void join(std::uint32_t target, const Rigid3& seen_from);
   void adjust_locally();
   void adjust_globally();
-  void start(BundleOfMap bundle, std::int64_t delay_frames, bool is_global);
+  void start(Running running);
   void apply_due();
   void apply_result(const Result<BundleSolution>& result);
   void publish();
   void publish_correction();
+  // submap_mapping_state.cpp
+  template <class Bytes, class Saved>
+  static void fields(Bytes& bytes, Saved& saved);
+  template <class Bytes, class Saved>
+  static void running_fields(Bytes& bytes, Saved& running);
+  void restore_running(ByteReader& bytes);
 
   const AdjustOptions options_;
   const CorrectionTime time_;

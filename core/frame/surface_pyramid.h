@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 
+#include "core/base/byte_stream.h"
 #include "core/frame/sampling.h"
 #include "core/gpu/buffer.h"
 #include "core/gpu/commands.h"
@@ -32,6 +33,12 @@ SurfacePyramid make_surface_pyramid(gpu::Device& device, const shared::Intrinsic
 
 // Another camera of the same size, as when other pixels are sampled.
 void set_camera(SurfacePyramid& pyramid, const shared::Intrinsics& finest);
+
+// All levels as they are; between submissions.
+void save(ByteWriter& bytes, const SurfacePyramid& pyramid);
+
+// Into a pyramid of the same size, as the reader requires.
+void restore(ByteReader& bytes, SurfacePyramid& pyramid);
 
 // Records the passes that fill levels 1 and 2 from level 0.
 void downsample(gpu::Commands& commands, const gpu::Kernel& kernel, SurfacePyramid& pyramid, double depth_gate_m);

@@ -224,11 +224,7 @@ void SurfelStore::download_blocks(std::uint32_t first, std::uint32_t count, std:
                 {t.begin() + begin, t.begin() + end},
                 b[i],
                 changed[i]};
-    for (std::size_t slot = 0; slot < kSlotsPerBlock; ++slot) {
-      if (block.positions[slot].w <= 0) continue;
-      ++block.alive_count;
-      block.submap = block.attributes[slot].radius_submap >> 16;
-    }
+    describe(block);
     blocks.push_back(std::move(block));
   }
 }

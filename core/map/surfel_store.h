@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/byte_stream.h"
 #include "core/gpu/buffer.h"
 #include "core/gpu/commands.h"
 #include "core/math/rigid3.h"
@@ -91,6 +92,12 @@ class SurfelStore {
   // On device and host, those of blocks that have changed after frame `since` (0: all that hold something).
   std::vector<NumberedSurfel> changed_blocks(std::uint32_t since) const;
 
+  // All of it, between frames; takes time like copying the map.
+  void save(ByteWriter& bytes) const;
+
+  // Of a store that nothing has happened to. After a failure of the reader, or a throw as of reserve(), this is of no use any more.
+  void restore(ByteReader& bytes);
+
   // On device and host together.
   std::int64_t surfel_count() const;
   std::int64_t host_bytes() const;
@@ -125,6 +132,14 @@ class SurfelStore {
   void download_blocks(std::uint32_t first, std::uint32_t count, std::vector<Block>& blocks) const;
   void upload_blocks(std::span<const Block> blocks);
   void clear_blocks(std::uint32_t first, std::uint32_t count);
+  // surfel_store_state.cpp
+  struct OnDevice;
+  template <class Bytes, class Saved>
+  static void block_fields(Bytes& bytes, Saved& block);
+  static void describe(Block& block);
+  static void check(ByteReader& bytes, const OnDevice& saved, std::size_t submap_count);
+  static void read_host_blocks(ByteReader& bytes, std::size_t submap_count, std::map<std::uint32_t, std::vector<Block>>& host_blocks);
+  void check_numbers(ByteReader& bytes, std::size_t blocks_on_device) const;
 
   gpu::Device& device_;
   const std::uint32_t max_slots_;

@@ -149,4 +149,21 @@ void FrontEnd::predict(const Rigid3& world_from_camera, const MapLayout& layout)
   show(world_from_camera, layout.is_active);
 }
 
+void FrontEnd::save(ByteWriter& bytes) const {
+  bytes.number(frame_number);
+  bytes.number(submap_);
+  hermite::save(bytes, predictor_.surface());
+  odometry_.save(bytes);
+  store.save(bytes);
+}
+
+void FrontEnd::restore(ByteReader& bytes) {
+  bytes.number(frame_number);
+  bytes.number(submap_);
+  hermite::restore(bytes, predictor_.surface());
+  odometry_.restore(bytes);
+  store.restore(bytes);
+  bytes.require(submap_ < store.world_from_submap().size(), "the submap of new surfels");
+}
+
 }  // namespace hermite

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/adjust/mapping.h"
+#include "core/base/byte_stream.h"
 #include "core/base/timeline.h"
 #include "core/frame/frame_content.h"
 #include "core/frame/preprocess.h"
@@ -52,6 +53,11 @@ class FrontEnd {
 
   // Records: the surface of the active submaps as seen from `world_from_camera`, for a camera that is lost there.
   void predict(const Rigid3& world_from_camera, const MapLayout& layout);
+
+  // What goes from one frame to the next, after submit_and_wait(): the map, the prediction and the last picture. restore() is of a front
+  // end that has seen no frame; after a failure of the reader, or a throw of the store, it is of no use any more.
+  void save(ByteWriter& bytes) const;
+  void restore(ByteReader& bytes);
 
   gpu::Device device;
   gpu::Commands commands;

@@ -4,43 +4,18 @@
 #include <chrono>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "core/frame/frame_content.h"
 #include "core/frame/rectify.h"
+#include "core/math/rigid3_fields.h"
+#include "core/pipeline/checkpoint.h"
+#include "core/pipeline/cloud_points.h"
 #include "core/pipeline/front_end.h"
 
 namespace hermite {
 
 namespace {
-
-CloudPoint to_cloud_point(const Surfel& surfel, const Rigid3& target_from_submap) {
-  CloudPoint point;
-  point.position_m = (target_from_submap * surfel.position_in_submap_m.cast<double>()).cast<float>();
-  // Inside, normals point away from the camera; outside, everybody expects them towards it.
-  point.normal = (target_from_submap.rotation * -surfel.normal_in_submap.cast<double>()).cast<float>();
-  point.color = {surfel.r, surfel.g, surfel.b};
-  point.confidence = surfel.confidence;
-  point.curvature_max_per_m = surfel.curvature_max_per_m;
-  point.curvature_min_per_m = surfel.curvature_min_per_m;
-  point.radius_m = surfel.radius_m;
-  point.submap = surfel.submap;
-  return point;
-}
-
-Surfel to_surfel(const CloudPoint& point, std::uint32_t frame_number) {
-  Surfel surfel;
-  surfel.position_in_submap_m = point.position_m;
-  surfel.normal_in_submap = -point.normal;
-  surfel.radius_m = point.radius_m;
-  surfel.confidence = point.confidence;
-  surfel.curvature_max_per_m = point.curvature_max_per_m;
-  surfel.curvature_min_per_m = point.curvature_min_per_m;
-  surfel.r = point.color.r;
-  surfel.g = point.color.g;
-  surfel.b = point.color.b;
-  surfel.created_frame = surfel.observed_frame = frame_number;
-  return surfel;
-}
 
 Error wrong_size(const RgbdFrame& frame, const Camera& camera) {
   const auto size = [](int width, int height) { return std::to_string(width) + "x" + std::to_string(height); };
@@ -85,6 +60,10 @@ struct Pipeline::Impl {
         front_end(device, camera, options, timeline) {}
 
   FrameResult process(const RgbdFrame& frame);
+  Conditions conditions() const { return conditions_of(front_end.device.info(), camera, options, mapping != nullptr); }
+  template <class Bytes, class Saved>
+  static void fields(Bytes& bytes, Saved& saved);
+  Status restore(ByteReader& bytes);
   MapEvent observe(const RgbdFrame& frame, const Rigid3& tracked);
   MapEvent find(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
   void describe_pose(FrameResult& result) const;
@@ -121,6 +100,7 @@ struct Pipeline::Impl {
   Trajectory trajectory;  // `poses` in the world, as of correction_count
   std::uint64_t correction_count = 0;
   std::int64_t tracked_frame_count = 0, weak_frame_count = 0;
+  std::int64_t timed_frame_count = 0;  // that the next two are of, and the device's clocks: since restore()
   double total_ms = 0;
   std::map<std::string, double> stage_total_ms;
   std::uint32_t changes_since = 0;
@@ -226,8 +206,47 @@ FrameResult Pipeline::Impl::process(const RgbdFrame& given) {
   result.surfel_count = front_end.store.surfel_count();
   remember(given.timestamp_s);
   describe_pose(result);
+  ++timed_frame_count;
   total_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return result;
+}
+
+template <class Bytes, class Saved>
+void Pipeline::Impl::fields(Bytes& bytes, Saved& saved) {
+  rigid3_fields(bytes, saved.world_from_camera);
+  rigid3_fields(bytes, saved.last_motion);
+  bytes.number(saved.lost_count);
+  bytes.list(saved.poses, [](auto& to, auto& pose) {
+    to.number(pose.timestamp_s);
+    to.number(pose.submap);
+    rigid3_fields(to, pose.submap_from_camera);
+  });
+  bytes.list(saved.trajectory, [](auto& to, auto& pose) {
+    to.number(pose.timestamp_s);
+    rigid3_fields(to, pose.world_from_camera);
+  });
+  bytes.number(saved.correction_count);
+  bytes.number(saved.tracked_frame_count);
+  bytes.number(saved.weak_frame_count);
+  bytes.number(saved.changes_since);
+  bytes.flags(saved.published);
+}
+
+Status Pipeline::Impl::restore(ByteReader& bytes) {
+  if (Status same = read_head(bytes, conditions()); !same.ok()) return same;
+  fields(bytes, *this);
+  if (mapping) mapping->restore(bytes);
+  front_end.restore(bytes);
+  const auto frames = static_cast<std::int64_t>(poses.size());
+  const std::size_t submaps = layout().world_from_submap.size();
+  bytes.require(poses.size() == trajectory.size() && tracked_frame_count >= 0 && tracked_frame_count <= frames && weak_frame_count >= 0 &&
+                    weak_frame_count <= frames && lost_count >= 0 && lost_count <= frames,
+                "the number of frames");
+  bytes.require(std::all_of(poses.begin(), poses.end(), [submaps](const AnchoredPose& pose) { return pose.submap < submaps; }) &&
+                    front_end.store.world_from_submap().size() <= submaps,
+                "the number of submaps");
+  bytes.require(bytes.at_end(), "more than a checkpoint");
+  return bytes.status();
 }
 
 const char* name_of(MapEvent event) {
@@ -263,6 +282,30 @@ void Pipeline::finish() {
   impl_->mapping->finish();
   impl_->front_end.store.set_submaps(impl_->layout().world_from_submap);
   impl_->follow_corrections();
+}
+
+Result<std::string> Pipeline::save() const {
+  try {
+    ByteWriter bytes;
+    write_head(bytes, impl_->conditions());
+    Impl::fields(bytes, std::as_const(*impl_));
+    if (impl_->mapping) impl_->mapping->save(bytes);
+    impl_->front_end.save(bytes);
+    return bytes.take();
+  } catch (const SetupError& error) {
+    return error.error();
+  }
+}
+
+Status Pipeline::restore(std::string_view bytes) {
+  CHECK(impl_->trajectory.empty(), "a pipeline that has seen frames cannot go on from others");
+  try {
+    ByteReader reader(bytes);
+    const Status restored = impl_->restore(reader);
+    return restored.ok() ? restored : in_context("checkpoint", restored.error());
+  } catch (const SetupError& error) {
+    return error.error();
+  }
 }
 
 Status Pipeline::insert(const Cloud& cloud) {
@@ -308,6 +351,11 @@ Result<std::vector<SlotChange>> Pipeline::take_changes() {
   }
 }
 
+void Pipeline::forget_taken_changes() {
+  impl_->changes_since = 0;
+  impl_->published.clear();
+}
+
 std::vector<SubmapPose> Pipeline::submap_poses() const {
   std::vector<SubmapPose> poses;
   for (const Rigid3& pose : impl_->front_end.store.world_from_submap())
@@ -324,7 +372,7 @@ PipelineStatistics Pipeline::statistics() const {
   statistics.surfel_count = impl.front_end.store.surfel_count();
   statistics.surfel_slot_count = impl.front_end.store.slot_count();
   statistics.surfel_capacity = impl.front_end.store.capacity();
-  const double frames = static_cast<double>(std::max<std::size_t>(impl.trajectory.size(), 1));
+  const double frames = static_cast<double>(std::max<std::int64_t>(impl.timed_frame_count, 1));
   statistics.mean_frame_ms = impl.total_ms / frames;
   for (const auto& [stage, ms] : impl.stage_total_ms) statistics.stages_ms[stage] = ms / frames;
   for (const auto& pass : impl.front_end.device.pass_times()) statistics.gpu_passes_ms[pass.kernel] = pass.total_ms / frames;

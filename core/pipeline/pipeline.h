@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/adjust/mapping.h"
@@ -63,7 +64,7 @@ struct PipelineStatistics {
   std::int64_t surfel_count = 0;
   std::int64_t surfel_slot_count = 0;                    // in use or free again
   std::int64_t surfel_capacity = 0;                      // slots there is memory for
-  double mean_frame_ms = 0;                              // wall clock inside process()
+  double mean_frame_ms = 0;                              // wall clock inside process(); this and the next two since restore()
   std::map<std::string, double> stages_ms;               // mean per frame, by stage
   std::map<std::string, double> gpu_passes_ms;           // mean per frame, by shader; GPU time stamps
   std::map<std::string, std::int64_t> gpu_memory_bytes;  // by purpose
@@ -95,6 +96,15 @@ class Pipeline {
   // cloud(); points without confidence are left out. kDevice: no room.
   Status insert(const Cloud& cloud);
 
+  // All that has come of the frames so far, as bytes; takes time like copying the map, and waits for nothing. kDevice.
+  Result<std::string> save() const;
+
+  // Goes on from where save() was, to the same poses, cloud and changes as if nothing had been between, bit for bit. This has seen no
+  // frame. kUnsupported: saved under other conditions (device, program, camera, options), in words. kCorruptData: not what save() made.
+  // kDevice: no room. After an error this is of no use any more. Damage that leaves the bytes a possible state is not seen: whoever keeps
+  // them adds a checksum.
+  Status restore(std::string_view bytes);
+
   // One pose for every frame given, lost ones included, with the frame's own time stamp; all as the map lies now.
   const Trajectory& trajectory() const;
 
@@ -103,6 +113,9 @@ class Pipeline {
 
   // Slots that changed since the last call, in slot order, in submap frames: enough to keep a mirror of what cloud() would return.
   Result<std::vector<SlotChange>> take_changes();
+
+  // The next take_changes() is of everything: for a mirror that begins anew.
+  void forget_taken_changes();
 
   std::vector<SubmapPose> submap_poses() const;
   PipelineStatistics statistics() const;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/gpu/buffer_bytes.h"
 #include "core/map/surfel_store.h"
 #include "core/track/normal_equations.h"
 
@@ -271,6 +272,20 @@ void Odometry::remember(gpu::Commands& commands, const FrameMaps& frame) {
   commands.copy(image.intensity, previous_intensity_, image.intensity.bytes());
   previous_camera_ = image.camera;
   has_previous_ = true;
+}
+
+void Odometry::save(ByteWriter& bytes) const {
+  bytes.flag(has_previous_);
+  bytes.number(previous_camera_);
+  gpu::save(bytes, previous_intensity_);
+}
+
+void Odometry::restore(ByteReader& bytes) {
+  bytes.flag(has_previous_);
+  bytes.number(previous_camera_);
+  const std::uint64_t pixels = std::uint64_t{previous_camera_.width} * previous_camera_.height;
+  bytes.require(pixels == (has_previous_ ? previous_intensity_.count() : 0), "the camera of the last picture");
+  gpu::restore(bytes, previous_intensity_);
 }
 
 }  // namespace hermite

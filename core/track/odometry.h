@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/byte_stream.h"
 #include "core/frame/preprocess.h"
 #include "core/math/rigid3.h"
 #include "core/track/judgement.h"
@@ -45,6 +46,10 @@ class Odometry {
 
   // Keeps the frame's grey image for the next align_rotation.
   void remember(gpu::Commands& commands, const FrameMaps& frame);
+
+  // What is remembered: nothing else goes from one frame to the next. Between submissions.
+  void save(ByteWriter& bytes) const;
+  void restore(ByteReader& bytes);
 
  private:
   struct Sums;

@@ -47,6 +47,8 @@ class PlaceAudit final : public Mapping {
   void begin_part(const Rigid3& world_from_camera) override { mapping_->begin_part(world_from_camera); }
   void finish() override { result(); }
   std::map<std::string, std::int64_t> counts() const override { return mapping_->counts(); }
+  void save(ByteWriter& bytes) const override { mapping_->save(bytes); }
+  void restore(ByteReader& bytes) override { mapping_->restore(bytes); }
 
  private:
   struct View {

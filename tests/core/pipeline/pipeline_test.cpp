@@ -263,6 +263,8 @@ class PlayedMapping final : public Mapping {
   }
   void finish() override {}
   std::map<std::string, std::int64_t> counts() const override { return {}; }
+  void save(ByteWriter&) const override {}
+  void restore(ByteReader&) override {}
 
   // Of the current submap, which surely shows what the camera sees.
   Revisit at(const Rigid3& world_from_camera) const {

@@ -1,0 +1,119 @@
+#include "core/pipeline/checkpoint.h"
+
+#include <elf.h>
+#include <link.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstring>
+#include <initializer_list>
+
+namespace hermite {
+
+namespace {
+
+constexpr std::array<char, 8> kMagic{'H', 'R', 'M', 'C', 'K', 'P', 'T', '1'};
+
+// The shortest that reads back as the same numbers.
+std::string in_words(std::initializer_list<double> values) {
+  std::string words;
+  for (const double value : values) {
+    std::array<char, 32> text{};
+    char* const end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+    words += (words.empty() ? "" : " ") + std::string(text.data(), end);
+  }
+  return words;
+}
+
+std::string in_words(const Distortion& lens) { return in_words({lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}); }
+
+std::string in_words(const ColorCamera& color) {
+  const Eigen::Quaterniond& q = color.color_from_depth.rotation;
+  const Eigen::Vector3d& t = color.color_from_depth.translation;
+  return in_words({color.fx, color.fy, color.cx, color.cy}) + " " + in_words(color.distortion) + " " +
+         in_words({q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()});
+}
+
+std::string in_words(const Camera& camera) {
+  return std::to_string(camera.width) + "x" + std::to_string(camera.height) + " " +
+         in_words({camera.fx, camera.fy, camera.cx, camera.cy, camera.depth_units_per_metre}) + " " + in_words(camera.distortion) +
+         (camera.color ? " " + in_words(*camera.color) : "");
+}
+
+// The note of type NT_GNU_BUILD_ID among those of one segment; empty when it is not there.
+std::string build_id_among(const char* notes, std::size_t size) {
+  const auto padded = [](std::size_t bytes) { return (bytes + 3) / 4 * 4; };
+  for (std::size_t at = 0; at + sizeof(ElfW(Nhdr)) <= size;) {
+    ElfW(Nhdr) note;
+    std::memcpy(&note, notes + at, sizeof note);
+    const std::size_t name = at + sizeof note, content = name + padded(note.n_namesz);
+    if (note.n_type == NT_GNU_BUILD_ID && std::strcmp(notes + name, "GNU") == 0) {
+      std::string id;
+      for (std::size_t i = 0; i < note.n_descsz; ++i)
+        for (const int shift : {4, 0}) id += "0123456789abcdef"[notes[content + i] >> shift & 15];
+      return id;
+    }
+    at = content + padded(note.n_descsz);
+  }
+  return {};
+}
+
+// Of the object listed first: the program itself.
+int take_build_id(dl_phdr_info* object, std::size_t, void* id) {
+  for (std::size_t i = 0; i < object->dlpi_phnum; ++i) {
+    const ElfW(Phdr)& segment = object->dlpi_phdr[i];
+    if (segment.p_type != PT_NOTE) continue;
+    const std::string found = build_id_among(reinterpret_cast<const char*>(object->dlpi_addr + segment.p_vaddr), segment.p_memsz);
+    if (!found.empty()) *static_cast<std::string*>(id) = found;
+  }
+  return 1;
+}
+
+}  // namespace
+
+std::string program_identity() {
+  std::string id;
+  dl_iterate_phdr(take_build_id, &id);
+  return id;
+}
+
+Conditions conditions_of(const gpu::DeviceInfo& device, const Camera& camera, const Options& options, bool with_mapping) {
+  Conditions conditions{{"device", device.name},
+                        {"driver", device.driver},
+                        {"program", program_identity()},
+                        {"camera", in_words(camera)},
+                        {"mapping", with_mapping ? "yes" : "no"}};
+  for (const Setting& setting : list_settings(options)) conditions.emplace_back(setting.key, setting.value);
+  return conditions;
+}
+
+void write_head(ByteWriter& bytes, const Conditions& conditions) {
+  bytes.number(kMagic);
+  bytes.list(conditions, [](ByteWriter& to, const auto& condition) {
+    to.text(condition.first);
+    to.text(condition.second);
+  });
+}
+
+Status read_head(ByteReader& bytes, const Conditions& conditions) {
+  std::array<char, 8> magic{};
+  bytes.number(magic);
+  if (bytes.ok() && magic != kMagic) return Error{ErrorCode::kUnsupported, "a checkpoint of another format"};
+  Conditions found;
+  bytes.list(found, [](ByteReader& from, auto& condition) {
+    from.text(condition.first);
+    from.text(condition.second);
+  });
+  if (!bytes.ok()) return bytes.status();
+  for (std::size_t i = 0; i < std::min(found.size(), conditions.size()); ++i) {
+    const auto& [name, value] = conditions[i];
+    if (found[i].first != name) return Error{ErrorCode::kUnsupported, "a checkpoint without " + name};
+    if (found[i].second != value)
+      return Error{ErrorCode::kUnsupported, "a checkpoint where " + name + " is '" + found[i].second + "', here it is '" + value + "'"};
+  }
+  if (found.size() != conditions.size()) return Error{ErrorCode::kUnsupported, "a checkpoint with other settings"};
+  return Done{};
+}
+
+}  // namespace hermite

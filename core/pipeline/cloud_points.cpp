@@ -1,0 +1,33 @@
+#include "core/pipeline/cloud_points.h"
+
+namespace hermite {
+
+CloudPoint to_cloud_point(const Surfel& surfel, const Rigid3& target_from_submap) {
+  CloudPoint point;
+  point.position_m = (target_from_submap * surfel.position_in_submap_m.cast<double>()).cast<float>();
+  point.normal = (target_from_submap.rotation * -surfel.normal_in_submap.cast<double>()).cast<float>();
+  point.color = {surfel.r, surfel.g, surfel.b};
+  point.confidence = surfel.confidence;
+  point.curvature_max_per_m = surfel.curvature_max_per_m;
+  point.curvature_min_per_m = surfel.curvature_min_per_m;
+  point.radius_m = surfel.radius_m;
+  point.submap = surfel.submap;
+  return point;
+}
+
+Surfel to_surfel(const CloudPoint& point, std::uint32_t frame_number) {
+  Surfel surfel;
+  surfel.position_in_submap_m = point.position_m;
+  surfel.normal_in_submap = -point.normal;
+  surfel.radius_m = point.radius_m;
+  surfel.confidence = point.confidence;
+  surfel.curvature_max_per_m = point.curvature_max_per_m;
+  surfel.curvature_min_per_m = point.curvature_min_per_m;
+  surfel.r = point.color.r;
+  surfel.g = point.color.g;
+  surfel.b = point.color.b;
+  surfel.created_frame = surfel.observed_frame = frame_number;
+  return surfel;
+}
+
+}  // namespace hermite
