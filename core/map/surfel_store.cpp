@@ -6,6 +6,7 @@
 #include <iterator>
 #include <span>
 #include <string>
+#include <tuple>
 
 #include "core/base/check.h"
 
@@ -15,65 +16,25 @@ namespace {
 
 constexpr std::uint32_t kFirstCapacity = 1u << 19;
 
+// So many slots more than there must be are no reason yet to copy the map: 3 MB.
+constexpr std::uint32_t kCompactedSlots = 1u << 16;
+
 // Takes every point to z = -1 m, where no pass sees it.
 constexpr shared::Transform kBehindTheCamera{{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, -1}};
 
-float half_to_float(std::uint32_t half) {
-  return static_cast<float>(Eigen::numext::bit_cast<Eigen::half>(static_cast<std::uint16_t>(half)));
-}
-std::uint32_t float_to_half(float value) { return Eigen::numext::bit_cast<std::uint16_t>(Eigen::half(value)); }
-
-// The octahedral code of shaders/lib/geometry.glsl.
-Eigen::Vector3f unpack_unit(std::uint32_t packed) {
-  const auto snorm = [](std::uint32_t bits) {
-    return std::clamp(static_cast<float>(static_cast<std::int16_t>(bits & 0xffffu)) / 32767.0f, -1.0f, 1.0f);
-  };
-  const float x = snorm(packed), y = snorm(packed >> 16);
-  Eigen::Vector3f n(x, y, 1.0f - std::abs(x) - std::abs(y));
-  if (n.z() < 0) {
-    n.x() = (1.0f - std::abs(y)) * (x >= 0 ? 1.0f : -1.0f);
-    n.y() = (1.0f - std::abs(x)) * (y >= 0 ? 1.0f : -1.0f);
+// Along a curve through cells of 2 cm (Morton's), which keeps neighbours together.
+std::uint32_t cell_of(const shared::vec4& position) {
+  constexpr float kCell_m = 0.02f;
+  constexpr int kBits = 10;  // an axis: 20 m around the submap's origin
+  std::uint32_t cell = 0;
+  int axis = 0;
+  for (const float p_m : {position.x, position.y, position.z}) {
+    const float at = std::clamp(p_m / kCell_m + float{1 << (kBits - 1)}, 0.0f, float{(1 << kBits) - 1});
+    const auto index = static_cast<std::uint32_t>(at);
+    for (int bit = 0; bit < kBits; ++bit) cell |= ((index >> bit) & 1u) << (3 * bit + axis);
+    ++axis;
   }
-  return n.normalized();
-}
-
-std::uint32_t pack_unit(const Eigen::Vector3f& n) {
-  const auto snorm = [](float value) {
-    return static_cast<std::uint32_t>(std::lround(std::clamp(value, -1.0f, 1.0f) * 32767.0f)) & 0xffffu;
-  };
-  const auto sign = [](float value) { return value >= 0 ? 1.0f : -1.0f; };
-  Eigen::Vector2f p = n.head<2>() / n.lpNorm<1>();
-  if (n.z() < 0) p = Eigen::Vector2f((1 - std::abs(p.y())) * sign(p.x()), (1 - std::abs(p.x())) * sign(p.y()));
-  return snorm(p.x()) | (snorm(p.y()) << 16);
-}
-
-// As shaders/lib/blocks.glsl orders numbers.
-std::uint32_t ordered(float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
-}
-
-shared::SurfelAttributes pack_attributes(const Surfel& s) {
-  return {pack_unit(s.normal_in_submap), float_to_half(s.radius_m) | (s.submap << 16),
-          s.r | (std::uint32_t{s.g} << 8) | (std::uint32_t{s.b} << 16),
-          float_to_half(s.curvature_max_per_m) | (float_to_half(s.curvature_min_per_m) << 16)};
-}
-
-Surfel unpack(const shared::vec4& p, const shared::SurfelAttributes& a, const shared::uvec2& t) {
-  Surfel s;
-  s.position_in_submap_m = {p.x, p.y, p.z};
-  s.normal_in_submap = unpack_unit(a.normal);
-  s.radius_m = half_to_float(a.radius_submap & 0xffffu);
-  s.confidence = p.w;
-  s.curvature_max_per_m = half_to_float(a.curvatures & 0xffffu);
-  s.curvature_min_per_m = half_to_float(a.curvatures >> 16);
-  s.r = static_cast<std::uint8_t>(a.color & 255u);
-  s.g = static_cast<std::uint8_t>((a.color >> 8) & 255u);
-  s.b = static_cast<std::uint8_t>((a.color >> 16) & 255u);
-  s.submap = a.radius_submap >> 16;
-  s.created_frame = t.x;
-  s.observed_frame = t.y;
-  return s;
+  return cell;
 }
 
 // A larger buffer with the old content in front.
@@ -94,22 +55,6 @@ shared::Transform to_shared(const Rigid3& target_from_source) {
   const Eigen::Matrix<float, 3, 4> m = target_from_source.matrix().topRows<3>().cast<float>();
   const auto row = [&m](int i) { return shared::vec4{m(i, 0), m(i, 1), m(i, 2), m(i, 3)}; };
   return {row(0), row(1), row(2)};
-}
-
-std::vector<shared::BlockBounds> bounds_of(std::span<const Surfel> surfels) {
-  std::vector<shared::BlockBounds> bounds((surfels.size() + kSlotsPerBlock - 1) / kSlotsPerBlock);
-  for (std::size_t slot = 0; slot < surfels.size(); ++slot) {
-    const Surfel& s = surfels[slot];
-    if (s.confidence <= 0) continue;
-    const Eigen::Vector3f& p = s.position_in_submap_m;
-    const auto submap = static_cast<float>(s.submap);
-    const float reach[8] = {p.x(), p.y(), p.z(), -p.x(), -p.y(), -p.z(), submap, -submap};
-    for (int i = 0; i < 8; ++i) {
-      std::uint32_t& farthest = bounds[slot / kSlotsPerBlock].reach[i];
-      farthest = std::max(farthest, ordered(reach[i]));
-    }
-  }
-  return bounds;
 }
 
 SurfelStore::SurfelStore(gpu::Device& device, std::uint32_t max_slots)
@@ -203,8 +148,8 @@ std::vector<Surfel> SurfelStore::download() const {
   return surfels;
 }
 
-std::uint32_t SurfelStore::number_of(std::uint32_t block) const {
-  return block < numbers_.size() ? numbers_[block] : next_number_ + block - static_cast<std::uint32_t>(numbers_.size());
+SurfelStore::Name SurfelStore::name_of(std::uint32_t block) const {
+  return block < names_.size() ? names_[block] : Name{next_number_ + block - static_cast<std::uint32_t>(names_.size())};
 }
 
 // Behind those in `blocks`. One transfer an array, however many blocks: each costs a round trip to a device with memory of its own.
@@ -218,12 +163,14 @@ void SurfelStore::download_blocks(std::uint32_t first, std::uint32_t count, std:
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto begin = static_cast<std::ptrdiff_t>(std::size_t{i} * kSlotsPerBlock),
                end = begin + static_cast<std::ptrdiff_t>(kSlotsPerBlock);
-    Block block{number_of(first + i),
+    const Name name = name_of(first + i);
+    Block block{name.number,
                 {p.begin() + begin, p.begin() + end},
                 {a.begin() + begin, a.begin() + end},
                 {t.begin() + begin, t.begin() + end},
                 b[i],
-                changed[i]};
+                changed[i],
+                name.moved_frame};
     describe(block);
     blocks.push_back(std::move(block));
   }
@@ -259,12 +206,36 @@ void SurfelStore::clear_blocks(std::uint32_t first, std::uint32_t count) {
   changed_frames.upload(std::vector<shared::uint>(count), first);
 }
 
-void SurfelStore::keep(const SubmapSet& submaps) {
+// From now on exactly these are on the device.
+void SurfelStore::replace_blocks(std::span<const Block> blocks) {
   const std::uint32_t count_before = block_count();
-  std::vector<Block> all, kept;
-  download_blocks(0, count_before, all);
+  const auto count = static_cast<std::uint32_t>(blocks.size());
+  shared::MapState after{};
+  state.upload(std::vector{after});  // empty, so that there is room for what comes
+  reserve(count * kSlotsPerBlock);
+  upload_blocks(blocks);
+  if (count < count_before) clear_blocks(count, count_before - count);
+  names_.clear();
+  for (const Block& block : blocks) {
+    names_.push_back({block.number, block.moved_frame});
+    after.alive_count += block.alive_count;
+  }
+  after.slot_count = count * kSlotsPerBlock;
+  state.upload(std::vector{after});
+}
+
+// Those on the device, each with its name.
+std::vector<SurfelStore::Block> SurfelStore::take_blocks() {
+  std::vector<Block> all;
+  download_blocks(0, block_count(), all);
+  next_number_ += block_count() - static_cast<std::uint32_t>(names_.size());
+  return all;
+}
+
+void SurfelStore::keep(const SubmapSet& submaps) {
+  std::vector<Block> kept;
   std::map<std::uint32_t, std::vector<Block>> leaving;
-  for (Block& block : all) {
+  for (Block& block : take_blocks()) {
     const bool stays = block.alive_count == 0 || submaps[block.submap];  // what has died in an empty one may still have to be told
     (stays ? kept : leaving[block.submap]).push_back(std::move(block));
   }
@@ -272,21 +243,65 @@ void SurfelStore::keep(const SubmapSet& submaps) {
     if (submaps[submap]) std::move(blocks.begin(), blocks.end(), std::back_inserter(kept));
   std::erase_if(host_blocks_, [&](const auto& entry) { return submaps[entry.first]; });
   for (auto& [submap, blocks] : leaving) std::move(blocks.begin(), blocks.end(), std::back_inserter(host_blocks_[submap]));
+  replace_blocks(kept);
+}
 
-  next_number_ += count_before - static_cast<std::uint32_t>(numbers_.size());
-  shared::MapState after{};
-  state.upload(std::vector{after});  // empty, so that there is room for what comes
-  const auto count = static_cast<std::uint32_t>(kept.size());
-  reserve(count * kSlotsPerBlock);
-  upload_blocks(kept);
-  if (count < count_before) clear_blocks(count, count_before - count);
-  numbers_.clear();
-  for (const Block& block : kept) {
-    numbers_.push_back(block.number);
-    after.alive_count += block.alive_count;
+bool SurfelStore::is_sparse() const {
+  const std::uint64_t left_by_compact = 2 * std::uint64_t{alive_count()} + kSlotsPerBlock * world_from_submap_.size();
+  const std::uint64_t room = std::min(alive_count() + kCompactedSlots, max_slots_ / 4);
+  return slot_count() > left_by_compact + room;
+}
+
+void SurfelStore::compact(std::uint32_t frame_number) {
+  std::vector<Block> kept, sparse;
+  for (Block& block : take_blocks()) {
+    const bool stays = 2 * block.alive_count >= kSlotsPerBlock;
+    if (!stays) gone_blocks_.push_back({block.number, frame_number});
+    (stays ? kept : sparse).push_back(std::move(block));
   }
-  after.slot_count = count * kSlotsPerBlock;
-  state.upload(std::vector{after});
+  for (Block& block : regrouped(sparse, frame_number)) kept.push_back(std::move(block));
+  replace_blocks(kept);
+}
+
+// The surfels of these blocks in as few new ones as there can be.
+std::vector<SurfelStore::Block> SurfelStore::regrouped(const std::vector<Block>& sparse, std::uint32_t frame_number) {
+  struct Place {
+    std::uint32_t submap, cell;
+    std::size_t block, slot;
+  };
+  std::vector<Place> places;
+  for (std::size_t block = 0; block < sparse.size(); ++block)
+    for (std::size_t slot = 0; slot < kSlotsPerBlock; ++slot)
+      if (const shared::vec4& p = sparse[block].positions[slot]; p.w > 0) places.push_back({sparse[block].submap, cell_of(p), block, slot});
+  std::stable_sort(places.begin(), places.end(),
+                   [](const Place& a, const Place& b) { return std::tie(a.submap, a.cell) < std::tie(b.submap, b.cell); });
+  std::vector<Block> blocks;
+  for (const Place& from : places) {
+    if (blocks.empty() || blocks.back().submap != from.submap || blocks.back().alive_count == kSlotsPerBlock) {
+      Block block;
+      block.number = next_number_++;
+      block.positions.resize(kSlotsPerBlock);
+      block.attributes.resize(kSlotsPerBlock);
+      block.times.resize(kSlotsPerBlock);
+      block.changed_frame = block.moved_frame = frame_number;
+      block.submap = from.submap;
+      blocks.push_back(std::move(block));
+    }
+    Block& to = blocks.back();
+    const Block& old = sparse[from.block];
+    to.positions[to.alive_count] = old.positions[from.slot];
+    to.attributes[to.alive_count] = old.attributes[from.slot];
+    to.times[to.alive_count] = old.times[from.slot];
+    ++to.alive_count;
+  }
+  for (Block& block : blocks) block.bounds = bounds_of(surfels_of(block)).front();
+  return blocks;
+}
+
+std::vector<Surfel> SurfelStore::surfels_of(const Block& block) {
+  std::vector<Surfel> surfels(kSlotsPerBlock);
+  for (std::size_t i = 0; i < kSlotsPerBlock; ++i) surfels[i] = unpack(block.positions[i], block.attributes[i], block.times[i]);
+  return surfels;
 }
 
 std::vector<NumberedSurfel> SurfelStore::changed_blocks(std::uint32_t since) const {
@@ -301,12 +316,15 @@ std::vector<NumberedSurfel> SurfelStore::changed_blocks(std::uint32_t since) con
   for (const auto& [submap, blocks] : host_blocks_)
     for (const Block& block : blocks)
       if (block.changed_frame > since) changed.push_back(block);
-  std::sort(changed.begin(), changed.end(), [](const Block& a, const Block& b) { return a.number < b.number; });
   std::vector<NumberedSurfel> surfels;
   surfels.reserve(changed.size() * kSlotsPerBlock);
   for (const Block& block : changed)
-    for (std::uint32_t i = 0; i < kSlotsPerBlock; ++i)
-      surfels.push_back({block.number * kSlotsPerBlock + i, unpack(block.positions[i], block.attributes[i], block.times[i])});
+    for (std::uint32_t i = 0; const Surfel& surfel : surfels_of(block))
+      surfels.push_back({block.number * kSlotsPerBlock + i++, surfel, std::max(surfel.observed_frame, block.moved_frame)});
+  for (const GoneBlock& gone : gone_blocks_)
+    for (std::uint32_t i = 0; since > 0 && gone.frame > since && i < kSlotsPerBlock; ++i)
+      surfels.push_back({gone.number * kSlotsPerBlock + i, Surfel{}, gone.frame});
+  std::sort(surfels.begin(), surfels.end(), [](const NumberedSurfel& a, const NumberedSurfel& b) { return a.number < b.number; });
   return surfels;
 }
 

@@ -2,8 +2,8 @@
 // poses of submaps. Submaps that are not needed for now may wait in the host's memory.
 //
 // A surfel's position and normal are in the frame of its submap. All surfels of a block are of one submap. A block has a number of its own,
-// which it keeps wherever it lies; a surfel keeps its place in its block while it lives, and the place is used again afterwards. One thread
-// at a time: the device's.
+// which it keeps wherever it lies; a surfel keeps its place in its block while it lives, and the place is used again afterwards. Only
+// compact() puts surfels into other blocks. One thread at a time: the device's.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@
 #include "core/base/byte_stream.h"
 #include "core/gpu/buffer.h"
 #include "core/gpu/commands.h"
+#include "core/map/surfel.h"
 #include "core/math/rigid3.h"
 #include "shaders/shared/map.h"
 
 namespace hermite {
 
-inline constexpr std::uint32_t kSlotsPerBlock = 256;
 // As many blocks as every device can dispatch at once.
 inline constexpr std::uint32_t kMaxSlots = 65535 * kSlotsPerBlock;
 // Of all buffers that grow with the map: the surfel itself, its place in the list of free slots, its share of what is kept for a block.
@@ -29,27 +29,14 @@ inline constexpr std::uint32_t kMaxSubmaps = 1u << 16;  // a surfel has 16 bits 
 // By submap: is it one of them?
 using SubmapSet = std::vector<bool>;
 
-struct Surfel {
-  Eigen::Vector3f position_in_submap_m;
-  Eigen::Vector3f normal_in_submap;  // unit, away from the camera that saw it
-  float radius_m = 0;
-  float confidence = 0;  // 0: the slot is free
-  float curvature_max_per_m = 0, curvature_min_per_m = 0;
-  std::uint8_t r = 0, g = 0, b = 0;
-  std::uint32_t submap = 0;
-  std::uint32_t created_frame = 0, observed_frame = 0;
-};
-
 shared::Transform to_shared(const Rigid3& target_from_source);
 
 // Of a map with its numbers, in ascending order: block number * kSlotsPerBlock + place in the block.
 struct NumberedSurfel {
   std::uint32_t number = 0;
-  Surfel surfel;  // without confidence: none is there
+  Surfel surfel;                    // without confidence: none is there
+  std::uint32_t changed_frame = 0;  // when it was last observed, went, or came here from another block
 };
-
-// Of surfels in slots from the beginning of a block on; those without confidence do not count.
-std::vector<shared::BlockBounds> bounds_of(std::span<const Surfel> surfels);
 
 class SurfelStore {
  public:
@@ -65,6 +52,15 @@ class SurfelStore {
   // time like copying the map. Throws as reserve() does.
   void keep(const SubmapSet& submaps);
   bool is_on_device(std::uint32_t submap) const { return !host_blocks_.contains(submap); }
+
+  // Places that died stay with the block that they are in, and few are where the camera needs some: a camera that comes back again and
+  // again leaves ever more of them behind. True when there are many times more slots than surfels; not for long after compact().
+  bool is_sparse() const;
+
+  // Surfels of blocks less than half full come together in new blocks, neighbours of a submap with neighbours, and all their old blocks go.
+  // Leaves at most twice as many slots as surfels, and a block for each submap. Between frames, like keep(); whoever asks for changes since
+  // a frame before `frame_number` is told.
+  void compact(std::uint32_t frame_number);
 
   // From now on: one pose for every submap, those there were and new ones. To begin with there is submap 0, where the world is.
   // CHECK: none is taken away, at most kMaxSubmaps.
@@ -123,12 +119,25 @@ class SurfelStore {
     std::vector<shared::uvec2> times;
     shared::BlockBounds bounds;
     std::uint32_t changed_frame = 0;
+    std::uint32_t moved_frame = 0;  // compact() has made it before that frame
     std::uint32_t alive_count = 0;
     std::uint32_t submap = 0;  // of those alive
   };
+  // What a block is called, wherever it lies.
+  struct Name {
+    std::uint32_t number = 0, moved_frame = 0;
+  };
+  // Its surfels are elsewhere since.
+  struct GoneBlock {
+    std::uint32_t number = 0, frame = 0;
+  };
   shared::MapState counters() const { return state.mapped()[0]; }
   std::uint32_t block_count() const { return (slot_count() + kSlotsPerBlock - 1) / kSlotsPerBlock; }
-  std::uint32_t number_of(std::uint32_t block) const;
+  Name name_of(std::uint32_t block) const;
+  std::vector<Block> take_blocks();
+  void replace_blocks(std::span<const Block> blocks);
+  std::vector<Block> regrouped(const std::vector<Block>& sparse, std::uint32_t frame_number);
+  static std::vector<Surfel> surfels_of(const Block& block);
   void download_blocks(std::uint32_t first, std::uint32_t count, std::vector<Block>& blocks) const;
   void upload_blocks(std::span<const Block> blocks);
   void clear_blocks(std::uint32_t first, std::uint32_t count);
@@ -145,8 +154,9 @@ class SurfelStore {
   const std::uint32_t max_slots_;
   std::uint32_t capacity_ = 0;
   // By block on the device; those behind them, which have come since the map was rearranged, have next_number_ and so on.
-  std::vector<std::uint32_t> numbers_;
+  std::vector<Name> names_;
   std::uint32_t next_number_ = 0;
+  std::vector<GoneBlock> gone_blocks_;
   std::map<std::uint32_t, std::vector<Block>> host_blocks_;  // by submap
   std::vector<Rigid3> world_from_submap_;
 };

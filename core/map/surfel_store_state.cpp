@@ -43,6 +43,7 @@ void SurfelStore::block_fields(Bytes& bytes, Saved& block) {
   bytes.numbers(block.times);
   bytes.number(block.bounds);
   bytes.number(block.changed_frame);
+  bytes.number(block.moved_frame);
 }
 
 // What can be told from the surfels of the block.
@@ -66,8 +67,9 @@ void SurfelStore::save(ByteWriter& bytes) const {
   bytes.numbers(bounds.download(block_count()));
   bytes.numbers(changed_frames.download(block_count()));
   bytes.numbers(free_slots.download(counters().free_count));
-  bytes.numbers(numbers_);
+  bytes.numbers(names_);
   bytes.number(next_number_);
+  bytes.numbers(gone_blocks_);
   bytes.number(static_cast<std::uint32_t>(host_blocks_.size()));
   for (const auto& [submap, blocks] : host_blocks_) {
     bytes.number(submap);
@@ -117,9 +119,9 @@ void SurfelStore::read_host_blocks(ByteReader& bytes, std::size_t submap_count, 
   }
 }
 
-// Each names one block, here or on the host.
+// Each names one block, here, on the host or gone.
 void SurfelStore::check_numbers(ByteReader& bytes, std::size_t blocks_on_device) const {
-  const std::size_t named = numbers_.size();
+  const std::size_t named = names_.size();
   bytes.require(named <= blocks_on_device && next_number_ <= kMaxBlockNumber - std::min<std::size_t>(blocks_on_device, kMaxBlockNumber),
                 "the numbers of blocks");
   if (!bytes.ok()) return;
@@ -129,9 +131,10 @@ void SurfelStore::check_numbers(ByteReader& bytes, std::size_t blocks_on_device)
     bytes.require(right, "the number of a block");
     if (right) is_taken[number] = true;
   };
-  for (const std::uint32_t number : numbers_) take(number);
+  for (const Name& name : names_) take(name.number);
   for (const auto& [submap, blocks] : host_blocks_)
     for (const Block& block : blocks) take(block.number);
+  for (const GoneBlock& gone : gone_blocks_) take(gone.number);
 }
 
 void SurfelStore::restore(ByteReader& bytes) {
@@ -146,8 +149,9 @@ void SurfelStore::restore(ByteReader& bytes) {
   bytes.numbers(saved.changed_frames);
   bytes.numbers(saved.free_slots);
   check(bytes, saved, poses.size());
-  bytes.numbers(numbers_);
+  bytes.numbers(names_);
   bytes.number(next_number_);
+  bytes.numbers(gone_blocks_);
   read_host_blocks(bytes, poses.size(), host_blocks_);
   check_numbers(bytes, saved.bounds.size());
   if (!bytes.ok()) return;

@@ -123,6 +123,7 @@ void FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, bo
   if (layout.current != submap_) store.begin_block();
   submap_ = layout.current;
   ++frame_number;
+  if (store.is_sparse()) store.compact(frame_number);
   bring(layout.is_active, layout);
   store.reserve(fuser_.new_slots_bound());
   store.set_submaps(layout.world_from_submap);

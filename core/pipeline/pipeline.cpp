@@ -325,7 +325,7 @@ const Trajectory& Pipeline::trajectory() const { return impl_->trajectory; }
 Result<Cloud> Pipeline::cloud() {
   try {
     Cloud cloud;
-    for (const auto& [number, surfel] : impl_->front_end.store.changed_blocks(0))
+    for (const auto& [number, surfel, changed_frame] : impl_->front_end.store.changed_blocks(0))
       if (impl_->is_output(surfel)) cloud.push_back(to_cloud_point(surfel, impl_->layout().world_from_submap[surfel.submap]));
     return cloud;
   } catch (const SetupError& error) {
@@ -337,8 +337,8 @@ Result<std::vector<SlotChange>> Pipeline::take_changes() {
   Impl& impl = *impl_;
   try {
     std::vector<SlotChange> changes;
-    for (const auto& [number, surfel] : impl.front_end.store.changed_blocks(impl.changes_since)) {
-      if (surfel.observed_frame <= impl.changes_since) continue;
+    for (const auto& [number, surfel, changed_frame] : impl.front_end.store.changed_blocks(impl.changes_since)) {
+      if (changed_frame <= impl.changes_since) continue;
       if (impl.published.size() <= number) impl.published.resize(number + kSlotsPerBlock, false);
       const bool alive = impl.is_output(surfel);
       if (alive || impl.published[number]) changes.push_back({number, alive, alive ? to_cloud_point(surfel, Rigid3{}) : CloudPoint{}});

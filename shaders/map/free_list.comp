@@ -14,11 +14,21 @@ layout(scalar, binding = 5) readonly buffer Visible { uint groups[3]; uint turn_
 layout(scalar, binding = 6) readonly buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, binding = 7) writeonly buffer Changed { uint changed_frame[]; };
 layout(scalar, push_constant) uniform Push { FreeListParams p; };
+const uint kRow = 16u;
 shared uint is_free[kBlock];
+shared uint free_in_row[kBlock / kRow];
+
+// Free slots before this lane, by rows of lanes: a walk along all of them costs more than all the rest where most are free.
+uint free_before(uint lane) {
+  uint count = 0u;
+  for (uint row = 0u; row < lane / kRow; ++row) count += free_in_row[row];
+  for (uint i = lane / kRow * kRow; i < lane; ++i) count += is_free[i];
+  return count;
+}
 
 bool all_free() {
   uint count = 0u;
-  for (uint i = 0u; i < kBlock; ++i) count += is_free[i];
+  for (uint row = 0u; row < kBlock / kRow; ++row) count += free_in_row[row];
   return count == kBlock;
 }
 
@@ -27,6 +37,12 @@ void main() {
   bool dead = slot < state.slot_count && position_confidence[slot].w <= 0.0;
   is_free[lane] = dead ? 1u : 0u;
   barrier();
+  if (lane < kBlock / kRow) {
+    uint count = 0u;
+    for (uint i = 0u; i < kRow; ++i) count += is_free[lane * kRow + i];
+    free_in_row[lane] = count;
+  }
+  barrier();
   if (!dead) return;
   if (position_confidence[slot].w < 0.0) {
     position_confidence[slot].w = 0.0;
@@ -34,7 +50,5 @@ void main() {
     changed_frame[slot / kBlock] = p.frame_number;
   }
   if (!has_room(blocks[group], bounds[block_of(blocks[group])], p.submap) && !all_free()) return;  // as map/count_free has it
-  uint rank = free_by_group[group];
-  for (uint i = 0u; i < lane; ++i) rank += is_free[i];
-  free_slots[rank] = slot;
+  free_slots[free_by_group[group] + free_before(lane)] = slot;
 }

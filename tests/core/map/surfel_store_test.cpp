@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <random>
 
 #include "tests/support/gpu_test.h"
+#include "tests/support/map_bench.h"
 #include "tests/support/packing.h"
 #include "tests/support/surface_image.h"
 
@@ -175,6 +177,82 @@ TEST_F(SurfelStoreTest, OnlyChangedBlocksAreRead) {
   EXPECT_TRUE(store.changed_blocks(3).empty());
   store.keep({true, true, false});
   EXPECT_EQ(store.changed_blocks(2).size(), 2u * kSlotsPerBlock) << "on the host too";
+}
+
+// Of all that live, by place. Each has a creation frame of its own, which tells it from the others.
+using Places = std::map<std::uint32_t, Surfel>;
+
+Places living(const std::vector<NumberedSurfel>& surfels) {
+  Places places;
+  for (const NumberedSurfel& s : surfels)
+    if (s.surfel.confidence > 0) places[s.number] = s.surfel;
+  return places;
+}
+
+std::vector<Surfel> by_creation(const Places& places) {
+  std::vector<Surfel> surfels;
+  for (const auto& [number, surfel] : places) surfels.push_back(surfel);
+  std::sort(surfels.begin(), surfels.end(), [](const Surfel& a, const Surfel& b) { return a.created_frame < b.created_frame; });
+  return surfels;
+}
+
+TEST_F(SurfelStoreTest, CompactingKeepsWhatLivesAndSaysWhereItIs) {
+  constexpr std::uint32_t kSubmaps = 3, kCount = 12'000, kFrame = 7;
+  SurfelStore store(device(), 1u << 16);
+  store.set_submaps(std::vector<Rigid3>(kSubmaps));
+  std::uint32_t next = 0, alive_count = 0;
+  std::vector<shared::vec4> positions;
+  for (std::uint32_t submap = 0; submap < kSubmaps; ++submap) {
+    std::vector<Surfel> surfels = random_surfels(kCount, submap + 10);
+    for (Surfel& s : surfels) s.submap = submap, s.confidence = 2, s.observed_frame = 1, s.created_frame = next++;
+    store.append(surfels);
+  }
+  EXPECT_FALSE(store.is_sparse());
+  // One in ten lives, but of the first two blocks all.
+  positions = store.positions.download(store.slot_count());
+  for (std::size_t slot = 2 * kSlotsPerBlock; slot < positions.size(); ++slot)
+    if (slot % 10 != 0) positions[slot].w = 0;
+  for (const shared::vec4& p : positions) alive_count += p.w > 0 ? 1 : 0;
+  store.positions.upload(positions);
+  shared::MapState state = store.state.download(1)[0];
+  state.alive_count = alive_count;
+  store.state.upload(std::vector{state});
+  EXPECT_TRUE(store.is_sparse());
+
+  const Places before = living(store.changed_blocks(0));
+  store.compact(kFrame);
+  const Places after = living(store.changed_blocks(0));
+  EXPECT_FALSE(store.is_sparse());
+  EXPECT_EQ(store.alive_count(), alive_count);
+  EXPECT_LE(store.slot_count(), alive_count + kSlotsPerBlock * kSubmaps);
+  test::expect_consistent(store);
+  const std::vector<Surfel> old = by_creation(before), now = by_creation(after);
+  ASSERT_EQ(now.size(), old.size());
+  for (std::size_t i = 0; i < now.size(); ++i) expect_same(now[i], old[i], i);
+  for (std::uint32_t number = 0; number < 2 * kSlotsPerBlock; ++number) ASSERT_TRUE(after.contains(number)) << "full blocks stay";
+
+  // Who follows the changes has the same.
+  Places mirror = before;
+  for (const NumberedSurfel& s : store.changed_blocks(kFrame - 1)) {
+    if (s.changed_frame < kFrame) continue;
+    if (s.surfel.confidence > 0)
+      mirror[s.number] = s.surfel;
+    else
+      mirror.erase(s.number);
+  }
+  ASSERT_EQ(mirror.size(), after.size());
+  for (const auto& [number, surfel] : after) ASSERT_TRUE(mirror.contains(number)) << number;
+  EXPECT_TRUE(store.changed_blocks(kFrame).empty());
+}
+
+TEST_F(SurfelStoreTest, CompactingAnEmptyOrFullMapIsNothing) {
+  SurfelStore store(device());
+  store.compact(1);
+  EXPECT_EQ(store.slot_count(), 0u);
+  append_submaps(store, 1, 2 * kSlotsPerBlock);
+  store.compact(9);
+  EXPECT_EQ(store.slot_count(), 2 * kSlotsPerBlock);
+  EXPECT_TRUE(store.changed_blocks(8).empty());
 }
 
 TEST_F(SurfelStoreTest, StaysWithinItsBound) {

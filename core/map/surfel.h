@@ -1,0 +1,33 @@
+// A surfel as values, and as it lies in GPU memory (shaders/shared/map.h).
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "shaders/shared/map.h"
+
+namespace hermite {
+
+inline constexpr std::uint32_t kSlotsPerBlock = 256;
+
+struct Surfel {
+  Eigen::Vector3f position_in_submap_m;
+  Eigen::Vector3f normal_in_submap;  // unit, away from the camera that saw it
+  float radius_m = 0;
+  float confidence = 0;  // 0: the slot is free
+  float curvature_max_per_m = 0, curvature_min_per_m = 0;
+  std::uint8_t r = 0, g = 0, b = 0;
+  std::uint32_t submap = 0;
+  std::uint32_t created_frame = 0, observed_frame = 0;
+};
+
+// Everything but position, confidence and times.
+shared::SurfelAttributes pack_attributes(const Surfel& surfel);
+Surfel unpack(const shared::vec4& position_confidence, const shared::SurfelAttributes& attributes, const shared::uvec2& times);
+
+// Of surfels in slots from the beginning of a block on; those without confidence do not count.
+std::vector<shared::BlockBounds> bounds_of(std::span<const Surfel> surfels);
+
+}  // namespace hermite
