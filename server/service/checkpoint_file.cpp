@@ -55,4 +55,16 @@ Result<ScanCheckpoint> parse_checkpoint(std::string_view bytes) {
   return checkpoint;
 }
 
+Result<ScanCheckpoint> read_checkpoint(Blobs& blobs, const std::string& scan_id, std::uint64_t log_record_count) {
+  const Result<std::string> bytes = read_blob(blobs, scan_id, kCheckpointName, kMaxCheckpointBytes);
+  if (!bytes.ok()) return bytes.error();
+  Result<ScanCheckpoint> checkpoint = parse_checkpoint(*bytes);
+  if (!checkpoint.ok()) return checkpoint;
+  if (checkpoint->scan_id != scan_id) return Error{ErrorCode::kCorruptData, "the checkpoint is of scan " + checkpoint->scan_id};
+  if (checkpoint->record_count > log_record_count)
+    return Error{ErrorCode::kCorruptData, "the checkpoint is of " + std::to_string(checkpoint->record_count) +
+                                              " records of the frame log, which has only " + std::to_string(log_record_count)};
+  return checkpoint;
+}
+
 }  // namespace hermite

@@ -4,7 +4,7 @@
 //   "HRMSCNK1", u32 CRC-32C of all that follows, one zstd frame of:
 //   text scan id, u64 record_count, flag and u64 sequence, f64 time of the last tracked frame, bytes of the pipeline (byte_stream.h)
 //
-// Pure functions.
+// Pure functions, but for the last.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +14,7 @@
 
 #include "core/base/result.h"
 #include "proto/wire/messages.h"
+#include "server/store/blobs.h"
 
 namespace hermite {
 
@@ -35,5 +36,9 @@ std::string format_checkpoint(const ScanCheckpoint& checkpoint);
 
 // kCorruptData or kTooLarge, in words.
 Result<ScanCheckpoint> parse_checkpoint(std::string_view bytes);
+
+// That of the scan, whose frame log has so many records; waits for where it is kept. kNotFound: there is none. kCorruptData, also when it
+// is of another scan or of more records than there are. kTooLarge, kIo.
+Result<ScanCheckpoint> read_checkpoint(Blobs& blobs, const std::string& scan_id, std::uint64_t log_record_count);
 
 }  // namespace hermite

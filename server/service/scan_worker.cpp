@@ -138,22 +138,9 @@ class ScanRun {
                                            make_mapping(setup_.camera, setup_.options.adjust, setup_.correction_time), &timeline_);
   }
 
-  Result<ScanCheckpoint> read_checkpoint() const {
-    const Result<std::string> bytes = read_blob(*setup_.blobs, setup_.scan_id, kCheckpointName, kMaxCheckpointBytes);
-    if (!bytes.ok()) return bytes.error();
-    Result<ScanCheckpoint> checkpoint = parse_checkpoint(*bytes);
-    if (!checkpoint.ok()) return checkpoint;
-    if (checkpoint->scan_id != setup_.scan_id) return Error{ErrorCode::kCorruptData, "the checkpoint is of scan " + checkpoint->scan_id};
-    if (checkpoint->record_count > setup_.replayed_record_count)
-      return Error{ErrorCode::kCorruptData, "the checkpoint is of " + std::to_string(checkpoint->record_count) +
-                                                " records of the frame log, which has only " +
-                                                std::to_string(setup_.replayed_record_count)};
-    return checkpoint;
-  }
-
   // kNotFound: there is no checkpoint. After any error begin() anew.
   Result<RestoredScan> restore() {
-    const Result<ScanCheckpoint> checkpoint = read_checkpoint();
+    const Result<ScanCheckpoint> checkpoint = read_checkpoint(*setup_.blobs, setup_.scan_id, setup_.replayed_record_count);
     if (!checkpoint.ok()) return checkpoint.error();
     if (Status status = pipeline_->restore(checkpoint->pipeline); !status.ok()) return status.error();
     const Result<std::uint64_t> refused_count = replay_->skip(checkpoint->record_count);
