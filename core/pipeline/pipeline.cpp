@@ -30,13 +30,6 @@ const Camera& checked(const Camera& camera) {
   return camera;
 }
 
-// A camera's pose as it stays when submaps move.
-struct AnchoredPose {
-  double timestamp_s = 0;
-  std::uint32_t submap = 0;
-  Rigid3 submap_from_camera;
-};
-
 std::size_t part_count(const MapLayout& layout) { return std::set(layout.part.begin(), layout.part.end()).size(); }
 
 double farthest_correction_m(const std::vector<Rigid3>& before, const MapLayout& layout) {
@@ -321,6 +314,7 @@ Status Pipeline::insert(const Cloud& cloud) {
 }
 
 const Trajectory& Pipeline::trajectory() const { return impl_->trajectory; }
+std::vector<AnchoredPose> Pipeline::anchored_poses() const { return impl_->poses; }
 
 Result<Cloud> Pipeline::cloud() {
   try {

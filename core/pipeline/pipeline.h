@@ -57,6 +57,13 @@ struct SubmapPose {
   std::uint32_t part = 0;  // see MapLayout; the pose relative to submaps of other parts says nothing
 };
 
+// A camera's pose as it stays when submaps move.
+struct AnchoredPose {
+  double timestamp_s = 0;
+  std::uint32_t submap = 0;
+  Rigid3 submap_from_camera;
+};
+
 struct PipelineStatistics {
   std::int64_t frame_count = 0;
   std::int64_t tracked_frame_count = 0;  // weakly tracked ones included
@@ -107,6 +114,9 @@ class Pipeline {
 
   // One pose for every frame given, lost ones included, with the frame's own time stamp; all as the map lies now.
   const Trajectory& trajectory() const;
+
+  // Of every frame, the same poses in the frames of their submaps.
+  std::vector<AnchoredPose> anchored_poses() const;
 
   // Stable surfels (all of them with options.output_unstable), in the world frame, normals towards the camera.
   Result<Cloud> cloud();

@@ -24,11 +24,21 @@ void Audience::show_state(const wire::ScanState& state) {
   wake_all();
 }
 
-void Audience::show_result(const wire::FrameResult& result) {
-  const wire::PoseInSubmap where = result.in_submap.value_or(wire::PoseInSubmap{0, result.world_from_camera});
+void Audience::add_position(const wire::PoseInSubmap& where) {
   const Eigen::Vector3f position_m = where.submap_from_camera.translation.cast<float>();
   positions_in_submaps_m_.insert(positions_in_submaps_m_.end(), position_m.data(), position_m.data() + 3);
   submaps_.push_back(where.submap);
+}
+
+void Audience::show_past(const std::vector<wire::PoseInSubmap>& poses) {
+  for (const wire::PoseInSubmap& pose : poses) add_position(pose);
+  // Who is there already has been told of no past.
+  for (Viewer* viewer : viewers_) viewer->trajectory_ = shared(trajectory());
+  wake_all();
+}
+
+void Audience::show_result(const wire::FrameResult& result) {
+  add_position(result.in_submap.value_or(wire::PoseInSubmap{0, result.world_from_camera}));
   result_ = shared(result);
   const bool has_event = result.event != wire::MapEvent::kNone;
   for (Viewer* viewer : viewers_) {

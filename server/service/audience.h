@@ -42,7 +42,8 @@ class Audience {
   const SceneInfo& info() const { return info_; }
 
   void show_state(const wire::ScanState& state);
-  void show_result(const wire::FrameResult& result);  // and adds its position to the trajectory
+  void show_result(const wire::FrameResult& result);             // and adds its position to the trajectory
+  void show_past(const std::vector<wire::PoseInSubmap>& poses);  // of frames whose results nobody told: they come before all others
   void show_poses(wire::SubmapPoses poses);
   void show_model(ModelUpdate update);
 
@@ -64,6 +65,7 @@ class Audience {
     bool empty = false;
   };
   void wake_all();
+  void add_position(const wire::PoseInSubmap& where);
   wire::TrajectoryPart trajectory() const;
 
   const SceneInfo info_;

@@ -137,7 +137,7 @@ void LiveScan::discard() {
   if (no_more_frames()) return;
   why_waiting_ = {ErrorCode::kNotFound, kDiscarded};
   ending_ = discarded_ = true;
-  if (worker_) worker_->abandon();
+  if (worker_) worker_->abandon(Abandon::kForGood);
 }
 
 void LiveScan::end_early(const Error& why) {
@@ -174,15 +174,25 @@ void LiveScan::stop() {
   // The frames are on disk and the camera can come back: nothing has to end.
   ending_ = true;
   why_waiting_ = why;
-  worker_->abandon();
+  worker_->abandon(Abandon::kToGoOn);
 }
 
 void LiveScan::frames_durable(std::uint64_t count) {
   durable_ = count;
+  if (worker_) worker_->frames_durable(count);
   if (!no_more_frames()) grant();
 }
 
 void LiveScan::log_failed(const Error& error) { end_early(in_context("the scan's frames cannot be stored", error)); }
+
+void LiveScan::restored(RestoredScan restored) {
+  counts_.processed += restored.processed;
+  counts_.dropped += restored.dropped;
+  audience_->show_past(restored.past);
+  if (restored.processed > 0) audience_->show_poses(std::move(restored.poses));
+  grant();
+  show_state();
+}
 
 void LiveScan::frame_done(const FrameOutcome& outcome) {
   ++counts_.processed;

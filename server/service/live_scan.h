@@ -89,6 +89,7 @@ class LiveScan {
   void log_failed(const Error& error);
 
   // Told by the worker, through the network thread.
+  void restored(RestoredScan restored);
   void frame_done(const FrameOutcome& outcome);
   void model_changed(ModelUpdate update);
   void ended(ScanEnd end);

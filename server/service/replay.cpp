@@ -19,4 +19,15 @@ Result<std::optional<wire::Frame>> Replay::next() {
   return std::optional<wire::Frame>();
 }
 
+Result<std::uint64_t> Replay::skip(std::uint64_t record_count) {
+  std::uint64_t refused_count = 0;
+  while (reader_.end().record_count < record_count) {
+    const Result<std::optional<LogRecord>> record = reader_.next();
+    if (!record.ok()) return record.error();
+    if (!*record) return Error{ErrorCode::kCorruptData, "the frame log has become shorter: " + reader_.end().words};
+    refused_count += (*record)->type == RecordType::kRefusedFrame ? 1 : 0;
+  }
+  return refused_count;
+}
+
 }  // namespace hermite

@@ -21,6 +21,9 @@ class Replay {
   // In order, without those that were refused. None: that was the last one. kIo or kCorruptData: the log is not any more what it was.
   Result<std::optional<wire::Frame>> next();
 
+  // Leaves out the first `record_count` records; before next(). How many refused frames were among them. Errors as of next().
+  Result<std::uint64_t> skip(std::uint64_t record_count);
+
  private:
   FrameLogReader reader_;
   const std::uint64_t record_count_;

@@ -1,5 +1,7 @@
 #include "server/service/scan_worker.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <chrono>
 #include <exception>
@@ -16,7 +18,9 @@
 #include "core/pipeline/pipeline.h"
 #include "proto/wire/frame_payload.h"
 #include "proto/wire/server_message.h"
+#include "server/service/checkpoint_writer.h"
 #include "server/service/frame_queue.h"
+#include "server/service/pipeline_words.h"
 #include "server/service/replay.h"
 #include "server/service/results.h"
 #include "server/store/chunk_file.h"
@@ -32,55 +36,6 @@ constexpr std::chrono::milliseconds kEncodingPatience(20);
 
 double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
 
-wire::TrackingStatus wire_status(TrackingStatus status) {
-  if (status == TrackingStatus::kTracked) return wire::TrackingStatus::kTracked;
-  return status == TrackingStatus::kWeak ? wire::TrackingStatus::kWeak : wire::TrackingStatus::kLost;
-}
-
-wire::MapEvent wire_event(MapEvent event) {
-  switch (event) {
-    case MapEvent::kNone: return wire::MapEvent::kNone;
-    case MapEvent::kLost: return wire::MapEvent::kLost;
-    case MapEvent::kFoundAgain: return wire::MapEvent::kFoundAgain;
-    case MapEvent::kNewPart: return wire::MapEvent::kNewPart;
-    case MapEvent::kJoined: return wire::MapEvent::kJoined;
-    case MapEvent::kLoopClosed: return wire::MapEvent::kLoopClosed;
-  }
-  return wire::MapEvent::kNone;
-}
-
-wire::FrameResult wire_result(const FrameResult& result, std::uint64_t sequence, double frame_ms) {
-  wire::FrameResult sent;
-  sent.sequence = sequence;
-  sent.timestamp_s = result.timestamp_s;
-  sent.world_from_camera = result.world_from_camera;
-  sent.status = wire_status(result.status);
-  sent.reason = result.reason;
-  sent.inlier_count = static_cast<std::uint64_t>(result.inlier_count);
-  sent.inlier_ratio = result.inlier_ratio;
-  sent.residual_rms_m = result.residual_rms_m;
-  sent.surfel_count = static_cast<std::uint64_t>(result.surfel_count);
-  sent.frame_ms = frame_ms;
-  sent.in_submap = wire::PoseInSubmap{result.submap, result.submap_from_camera};
-  sent.event = wire_event(result.event);
-  sent.correction_m = result.correction_m;
-  return sent;
-}
-
-wire::SubmapPoses wire_poses(const Pipeline& pipeline) {
-  wire::SubmapPoses poses;
-  for (const SubmapPose& pose : pipeline.submap_poses()) poses.poses.push_back({pose.submap, pose.world_from_submap, pose.part});
-  return poses;
-}
-
-bool same_poses(const wire::SubmapPoses& a, const wire::SubmapPoses& b) {
-  const auto same = [](const wire::SubmapPose& x, const wire::SubmapPose& y) {
-    return x.submap == y.submap && x.part == y.part && x.world_from_submap.translation == y.world_from_submap.translation &&
-           x.world_from_submap.rotation.coeffs() == y.world_from_submap.rotation.coeffs();
-  };
-  return std::equal(a.poses.begin(), a.poses.end(), b.poses.begin(), b.poses.end(), same);
-}
-
 std::uint64_t sum_of(const std::map<std::string, std::int64_t>& counts, std::initializer_list<const char*> names) {
   std::int64_t sum = 0;
   for (const char* name : names)
@@ -93,13 +48,21 @@ ScanEnd failure(const Error& error) { return {wire::ScanPhase::kFailed, error, {
 // The worker's thread: one scan from the first frame to its files.
 class ScanRun {
  public:
-  ScanRun(const ScanSetup& setup, const ScanEvents& events, FrameQueue& queue)
-      : setup_(setup),
-        events_(events),
-        queue_(queue),
-        replay_(setup.log_folder, setup.replayed_record_count),
-        pipeline_(setup.device, setup.camera, setup.options, make_mapping(setup.camera, setup.options.adjust, setup.correction_time),
-                  &timeline_) {}
+  ScanRun(const ScanSetup& setup, const ScanEvents& events, FrameQueue& queue, DurableFrames& durable)
+      : setup_(setup), events_(events), queue_(queue), checkpoints_(*setup.blobs, setup.scan_id, setup.checkpoint_period, durable) {
+    begin();
+  }
+
+  // Where an earlier server was with the scan, as far as there is a checkpoint of it; the rest is worked through again.
+  void go_on() {
+    if (setup_.replayed_record_count == 0) return;
+    Result<RestoredScan> restored = restore();
+    if (restored.ok()) return events_.restored(*std::move(restored));
+    begin();  // without what was taken of the checkpoint
+    RestoredScan nothing;
+    if (restored.error().code != ErrorCode::kNotFound) nothing.why_not = restored.error().message;
+    events_.restored(std::move(nothing));
+  }
 
   // While the GPU works on a frame, other threads decode the next one and encode what the last ones have changed.
   Status take_frames() {
@@ -116,6 +79,8 @@ class ScanRun {
         if (!waiting.ok()) return waiting.error();
         const DecodingFrame now = std::exchange(next, *std::move(waiting));
         if (Status status = take_frame(*now); !status.ok()) return status;
+        if (checkpoints_.is_due(Clock::now()))
+          if (Status status = write_checkpoint(); !status.ok()) return status;
       }
       if (Status status = tell_viewers_if_encoded(); !status.ok()) return status;
       if (frames_since_update_ >= kFramesPerUpdate || (frames_since_update_ > 0 && Clock::now() - updated_at_ >= kUpdatePeriod)) {
@@ -125,15 +90,15 @@ class ScanRun {
   }
 
   Result<wire::Finished> write() {
-    pipeline_.finish();
+    pipeline_->finish();
     if (Status status = start_update(); !status.ok()) return status.error();
     if (Status status = tell_viewers(); !status.ok()) return status.error();
-    Result<RunResults> results = results_of(pipeline_, setup_.options, {});
+    Result<RunResults> results = results_of(*pipeline_, setup_.options, {});
     if (!results.ok()) return results.error();
     for (const auto& [name, bytes] : files_of(*results))
       if (Status status = put(name, bytes); !status.ok()) return status.error();
     StoredChunks stored;
-    for (const SubmapPose& pose : pipeline_.submap_poses()) stored.submaps.push_back({pose.submap, pose.world_from_submap});
+    for (const SubmapPose& pose : pipeline_->submap_poses()) stored.submaps.push_back({pose.submap, pose.world_from_submap});
     for (const ChunkKey& key : filled_) {
       Result<EncodedChunk> chunk = model_.encode(key);
       if (!chunk.ok()) return chunk.error();
@@ -143,9 +108,16 @@ class ScanRun {
     return wire::Finished{std::move(results->report_json), std::move(results->trajectory_text)};
   }
 
+  // The next server goes on from here. Whatever goes wrong: it has the frame log.
+  void leave() {
+    if (checkpoints_.is_on() && record_count_ > saved_record_count_)
+      if (const Status status = write_checkpoint(); !status.ok()) spdlog::warn("scan {}: {}", setup_.scan_id, status.error().message);
+    checkpoints_.wait();
+  }
+
   // What is left to say about the map when the scan is over.
   std::string last_words() const {
-    const std::uint64_t parts = sum_of(pipeline_.statistics().mapping, {"parts"});
+    const std::uint64_t parts = sum_of(pipeline_->statistics().mapping, {"parts"});
     if (parts < 2) return {};
     return "the map is in " + std::to_string(parts) + " parts that could not be joined: the camera never saw enough of two at once";
   }
@@ -158,6 +130,45 @@ class ScanRun {
     std::future<Result<RgbdFrame>> images;  // its destructor waits, and the others live longer
   };
   using DecodingFrame = std::unique_ptr<Decoding>;
+
+  void begin() {
+    replay_.emplace(setup_.log_folder, setup_.replayed_record_count);
+    pipeline_.reset();  // its memory first
+    pipeline_ = std::make_unique<Pipeline>(setup_.device, setup_.camera, setup_.options,
+                                           make_mapping(setup_.camera, setup_.options.adjust, setup_.correction_time), &timeline_);
+  }
+
+  // kNotFound: there is no checkpoint. After any error begin() anew.
+  Result<RestoredScan> restore() {
+    const Result<ScanCheckpoint> checkpoint = read_checkpoint(*setup_.blobs, setup_.scan_id, setup_.replayed_record_count);
+    if (!checkpoint.ok()) return checkpoint.error();
+    if (Status status = pipeline_->restore(checkpoint->pipeline); !status.ok()) return status.error();
+    const Result<std::uint64_t> refused_count = replay_->skip(checkpoint->record_count);
+    if (!refused_count.ok()) return refused_count.error();
+    RestoredScan restored;
+    restored.processed = pipeline_->trajectory().size();
+    const std::uint64_t others = restored.processed + *refused_count + kRecordsBeforeFrames;
+    if (checkpoint->record_count < others) return Error{ErrorCode::kCorruptData, "the checkpoint has more frames than its part of the log"};
+    restored.dropped = checkpoint->record_count - others;
+    restored.past = wire_past(*pipeline_);
+    restored.poses = told_poses_ = wire_poses(*pipeline_);
+    last_tracked_ = checkpoint->last_tracked;
+    record_count_ = saved_record_count_ = checkpoint->record_count;
+    // Viewers are new to this server.
+    pipeline_->forget_taken_changes();
+    frames_since_update_ = kFramesPerUpdate;
+    return restored;
+  }
+
+  // Of all frames so far.
+  Status write_checkpoint() {
+    const Clock::time_point began = Clock::now();
+    Result<std::string> state = pipeline_->save();
+    if (!state.ok()) return state.error();
+    checkpoints_.write({setup_.scan_id, record_count_, last_tracked_, *std::move(state)}, began);
+    saved_record_count_ = record_count_;
+    return Done{};
+  }
 
   DecodingFrame decode(FrameQueue::Popped popped) const {
     auto decoding = std::make_unique<Decoding>();
@@ -182,7 +193,7 @@ class ScanRun {
   // From the log, as long as there is something in it to be done again, then from the queue.
   Result<FrameQueue::Popped> pop(std::chrono::milliseconds patience) {
     if (queue_.discarded()) return FrameQueue::Popped{std::nullopt, true};
-    Result<std::optional<wire::Frame>> logged = replay_.next();
+    Result<std::optional<wire::Frame>> logged = replay_->next();
     if (!logged.ok()) return logged.error();
     if (*logged) return FrameQueue::Popped{**std::move(logged), false, Clock::now()};
     return queue_.pop(patience);
@@ -195,25 +206,26 @@ class ScanRun {
     Result<RgbdFrame> decoded = decoding.images.get();
     if (!decoded.ok()) outcome.bad_images = decoded.error();
     // A frame that cannot be read counts as one that shows nothing, as in `hermite reconstruct`: every frame has its pose.
-    Result<FrameResult> result = pipeline_.process(decoded.ok() ? *decoded : wire::empty_frame(frame.timestamp_s, setup_.camera));
+    Result<FrameResult> result = pipeline_->process(decoded.ok() ? *decoded : wire::empty_frame(frame.timestamp_s, setup_.camera));
     if (!result.ok()) return result.error();
     outcome.result = wire_result(*result, frame.sequence, ms_since(start));
     if (result->last_tracked_frame == result->frame_index) last_tracked_ = {frame.sequence, result->last_tracked_timestamp_s};
     outcome.result.last_tracked = last_tracked_;
-    wire::SubmapPoses poses = wire_poses(pipeline_);
+    wire::SubmapPoses poses = wire_poses(*pipeline_);
     outcome.stages = {std::move(decoding.queued), std::move(decoding.decoded)};
     std::move(timeline_.stages.begin(), timeline_.stages.end(), std::back_inserter(outcome.stages));
     timeline_ = {};
     if (!same_poses(poses, told_poses_)) outcome.poses = told_poses_ = std::move(poses);
     events_.frame_done(std::move(outcome));
     ++frames_since_update_;
+    record_count_ = frame.sequence + 1 + kRecordsBeforeFrames;
     return Done{};
   }
 
   // Ends the update before this one: one at a time owns model_, filled_ and version_.
   Status start_update() {
     if (Status status = tell_viewers(); !status.ok()) return status;
-    Result<std::vector<SlotChange>> changes = pipeline_.take_changes();
+    Result<std::vector<SlotChange>> changes = pipeline_->take_changes();
     if (!changes.ok()) return changes.error();
     encoding_ = std::async(std::launch::async, [this, changes = *std::move(changes)] { return encode(changes); });
     frames_since_update_ = 0;
@@ -243,8 +255,8 @@ class ScanRun {
     Result<ModelUpdate> update = encoding_.get();
     if (!update.ok()) return update.error();
     // As they are now: viewers may have been told of newer ones than there were when the encoding began.
-    update->poses = told_poses_ = wire_poses(pipeline_);
-    const PipelineStatistics statistics = pipeline_.statistics();
+    update->poses = told_poses_ = wire_poses(*pipeline_);
+    const PipelineStatistics statistics = pipeline_->statistics();
     update->keyframes = sum_of(statistics.mapping, {"keyframes"});
     update->loops = sum_of(statistics.mapping, {"loops by appearance", "loops by nearness"});
     for (const auto& [purpose, bytes] : statistics.gpu_memory_bytes) update->gpu_memory_bytes += static_cast<std::uint64_t>(bytes);
@@ -265,9 +277,9 @@ class ScanRun {
   const ScanSetup& setup_;
   const ScanEvents& events_;
   FrameQueue& queue_;
-  Replay replay_;
+  std::optional<Replay> replay_;
   Timeline timeline_;  // of the frame in work
-  Pipeline pipeline_;
+  std::unique_ptr<Pipeline> pipeline_;
   ChunkedModel model_;
   std::set<ChunkKey> filled_;  // chunks that have points
   std::uint64_t version_ = 0;  // of the chunks, one count for all
@@ -275,6 +287,8 @@ class ScanRun {
   Clock::time_point updated_at_ = Clock::now();
   std::optional<wire::TrackedFrame> last_tracked_;
   wire::SubmapPoses told_poses_;
+  std::uint64_t record_count_ = 0, saved_record_count_ = 0;  // of the frame log: that the pipeline has, and the last checkpoint
+  CheckpointWriter checkpoints_;
   std::future<Result<ModelUpdate>> encoding_;  // last: its destructor waits for what uses the others
 };
 
@@ -284,29 +298,40 @@ struct ScanWorker::Impl {
   const ScanSetup setup;
   const ScanEvents events;
   FrameQueue queue;
+  DurableFrames durable;
   std::mutex mutex;
   std::optional<Error> interrupted;  // guarded by mutex; why the scan ended early
   bool finishing = false;            // guarded by mutex
-  bool abandoned = false;            // guarded by mutex
+  std::optional<Abandon> abandoned;  // guarded by mutex
   std::thread thread;
 
   Impl(ScanSetup scan_setup, ScanEvents scan_events)
-      : setup(std::move(scan_setup)), events(std::move(scan_events)), queue(setup.queue_capacity) {}
+      : setup(std::move(scan_setup)), events(std::move(scan_events)), queue(setup.queue_capacity), durable(setup.replayed_frame_count) {}
 
   std::optional<Error> why_interrupted() {
     const std::lock_guard lock(mutex);
     return interrupted;
   }
 
-  bool is_abandoned() {
+  std::optional<Abandon> how_abandoned() {
     const std::lock_guard lock(mutex);
     return abandoned;
   }
 
+  // Nobody goes on with a scan that has ended.
+  void remove_checkpoint() const {
+    if (const Status removed = setup.blobs->remove(setup.scan_id, kCheckpointName); !removed.ok())
+      spdlog::warn("scan {}: its checkpoint is left: {}", setup.scan_id, removed.error().message);
+  }
+
   ScanEnd run() try {
-    ScanRun scan(setup, events, queue);
+    ScanRun scan(setup, events, queue, durable);
+    scan.go_on();
     if (Status status = scan.take_frames(); !status.ok()) return failure(status.error());
-    if (is_abandoned()) return {wire::ScanPhase::kRunning, {}, {}, {}};
+    if (const std::optional<Abandon> how = how_abandoned()) {
+      if (*how == Abandon::kToGoOn) scan.leave();
+      return {wire::ScanPhase::kRunning, {}, {}, {}};
+    }
     Result<wire::Finished> results = scan.write();
     const std::optional<Error> reason = why_interrupted();
     if (!results.ok()) return failure(reason ? in_context(reason->message, results.error()) : results.error());
@@ -323,6 +348,7 @@ struct ScanWorker::Impl {
 ScanWorker::ScanWorker(ScanSetup setup, ScanEvents events) : impl_(std::make_unique<Impl>(std::move(setup), std::move(events))) {
   impl_->thread = std::thread([impl = impl_.get()] {
     ScanEnd end = impl->run();
+    if (end.phase != wire::ScanPhase::kRunning) impl->remove_checkpoint();
     // From here on nobody takes frames: they must not pile up.
     impl->queue.close(true);
     impl->events.ended(std::move(end));
@@ -344,10 +370,10 @@ void ScanWorker::finish() {
   impl_->queue.close(false);
 }
 
-void ScanWorker::abandon() {
+void ScanWorker::abandon(Abandon how) {
   {
     const std::lock_guard lock(impl_->mutex);
-    impl_->abandoned = true;
+    impl_->abandoned = how;
   }
   impl_->queue.close(true);
 }
@@ -359,6 +385,8 @@ void ScanWorker::interrupt(const Error& reason, bool discard) {
   }
   impl_->queue.close(discard);
 }
+
+void ScanWorker::frames_durable(std::uint64_t count) { impl_->durable.advance(count); }
 
 std::size_t ScanWorker::waiting_bytes() const { return impl_->queue.waiting_bytes(); }
 

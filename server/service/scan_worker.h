@@ -4,6 +4,7 @@
 // ScanEvents, which are called on the worker's thread and are expected to hand over to another one.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -41,6 +42,17 @@ struct ScanSetup {
   // Of a scan that a server before this one began: the first so many records of its frame log come before all that is pushed.
   std::string log_folder;
   std::uint64_t replayed_record_count = 0;
+  std::uint64_t replayed_frame_count = 0;          // among these, with the refused ones
+  std::chrono::milliseconds checkpoint_period{0};  // so often what the scan has come to is stored (checkpoint_file.h); 0: never
+};
+
+// What a checkpoint had of such a scan: frames that are not told of one by one.
+struct RestoredScan {
+  std::uint64_t processed = 0;           // by the pipeline of an earlier server; 0: all frames are worked through again
+  std::uint64_t dropped = 0;             // of those before the last of them, beside the refused ones
+  std::vector<wire::PoseInSubmap> past;  // where the camera was
+  wire::SubmapPoses poses;
+  std::string why_not;  // a checkpoint that is there cannot be used: in words
 };
 
 struct FrameOutcome {
@@ -75,10 +87,13 @@ struct ScanEnd {
 
 // The last event is `ended`, always and once.
 struct ScanEvents {
+  std::function<void(RestoredScan)> restored;    // of a scan that an earlier server began: once, before all others
   std::function<void(FrameOutcome)> frame_done;  // once for every frame taken from the queue, in order
   std::function<void(ModelUpdate)> model_changed;
   std::function<void(ScanEnd)> ended;
 };
+
+enum class Abandon { kForGood, kToGoOn };  // another worker goes on from what this one stores
 
 // Call from one thread.
 class ScanWorker {
@@ -99,8 +114,10 @@ class ScanWorker {
   void interrupt(const Error& reason, bool discard);
 
   // Ends after the frame in work, without results: the phase that is told is `running`.
-  void abandon();
-  std::size_t waiting_bytes() const;  // of frames in the queue
+  void abandon(Abandon how);
+
+  void frames_durable(std::uint64_t count);  // so many are: what is stored of the scan rests on no others
+  std::size_t waiting_bytes() const;         // of frames in the queue
 
  private:
   struct Impl;

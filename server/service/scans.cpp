@@ -98,6 +98,14 @@ void Scans::deliver(const Launch& launch, Tell tell) const {
 
 ScanEvents Scans::worker_events(const Launch& launch) {
   ScanEvents events;
+  events.restored = [this, launch](RestoredScan restored) {
+    deliver(launch, [id = launch.row.id, restored = std::move(restored)](LiveScan& target) mutable {
+      if (!restored.why_not.empty()) spdlog::warn("scan {}: its checkpoint cannot be used: {}", id, restored.why_not);
+      spdlog::info("scan {} is rebuilt: {} frames from a checkpoint, {} by replay", id, restored.processed,
+                   target.counts().received - target.counts().dropped - restored.processed - restored.dropped);
+      target.restored(std::move(restored));
+    });
+  };
   events.frame_done = [this, launch](FrameOutcome outcome) {
     const double latency_s = std::chrono::duration<double>(Timeline::Clock::now() - outcome.stages.front().start).count();
     metrics_.frame_done(outcome.stages, latency_s, outcome.bad_images.has_value(), outcome.result.event == wire::MapEvent::kLost);
@@ -208,7 +216,9 @@ std::shared_ptr<LiveScan> Scans::run(const Launch& launch, FrameLog::Opened open
                   &blobs_,
                   live ? CorrectionTime::kWhenReady : CorrectionTime::kByFrames,
                   data_.log_folder(row.id),
-                  opened.contents.record_count};
+                  opened.contents.record_count,
+                  opened.contents.frame_count,
+                  options_.checkpoint_period};
   places_.began(row.id, launch.place);
   scan->start(std::make_unique<ScanWorker>(std::move(setup), worker_events(launch)), std::move(opened.log));
   return scan;

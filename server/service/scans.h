@@ -36,6 +36,7 @@ struct ScansOptions {
   std::chrono::milliseconds resume_window{120'000};  // so long a scan waits for its lost camera
   int keep_log_days = 7;                             // after the end of a scan; 0: for ever
   std::uint64_t storage_bytes = 0;                   // for the files of all scans and uploads; 0: as much as there is
+  std::chrono::milliseconds checkpoint_period{0};    // of scans that run; 0: none are written
 };
 
 // What a camera is told of the scan it has started.

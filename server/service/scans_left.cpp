@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "server/service/checkpoint_file.h"
 #include "server/service/logging.h"
 #include "server/service/scans.h"
 #include "server/store/unix_time.h"
@@ -47,6 +48,7 @@ void Scans::interrupt_left(ScanRow row, const Error& why) {
   row.finished_at_ms = unix_now_ms();
   log_with({row.id}, spdlog::level::warn, fmt::format("scan {}: {}", row.id, row.words));
   if (Status status = store_.update(row); !status.ok()) spdlog::error("scan {}: {}", row.id, status.error().message);
+  if (Status status = blobs_.remove(row.id, kCheckpointName); !status.ok()) spdlog::warn("{}", status.error().message);
   places_.ended(row.id);
   places_.serve();
 }

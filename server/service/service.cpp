@@ -104,7 +104,8 @@ ScansOptions scans_options(const ServiceOptions& options) {
           options.gpu_memory_mb,
           std::chrono::seconds(options.resume_window_s),
           options.keep_log_days,
-          static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000};
+          static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000,
+          std::chrono::milliseconds(options.checkpoint_period_ms)};
 }
 
 UploadLimits upload_limits(const ServiceOptions& options) {

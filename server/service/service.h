@@ -25,6 +25,7 @@ struct ServiceOptions {
   int credit_window = 16;                    // frames
   int gpu_memory_mb = 0;                     // for all scans, 0: as much as there is
   int resume_window_s = 120;                 // so long a scan waits for its lost camera
+  int checkpoint_period_ms = 30'000;         // of running scans, 0: none
   int keep_log_days = 7;                     // frames of an ended scan; 0: for ever
   int drain_s = 20;                          // that running scans get to finish after SIGTERM
   int min_free_disk_mb = 1024;               // with less the server is not ready

@@ -44,6 +44,8 @@ const std::vector<Row>& rows() {
        "frames/s"},
       {"credit-window", &O::credit_window, "frames a camera may send ahead of the reconstruction", 1, 256, "frames"},
       {"resume-window", &O::resume_window_s, "how long a scan waits for its camera when the connection is lost", 0, 86'400, "s"},
+      {"checkpoint-period", &O::checkpoint_period_ms,
+       "how often a running scan is stored, so that a restart works through fewer frames again; 0: never", 0, 3'600'000, "ms"},
       {"keep-logs", &O::keep_log_days, "how long the frames of an ended scan are kept; 0: for ever", 0, 36'500, "days"},
       {"allow-host", &O::allow_hosts, "other names that this server is reached by"},
       {"tls-certificate", &O::tls_certificate, "certificate and its chain, PEM; read again on SIGHUP; empty: no TLS"},

@@ -46,6 +46,8 @@ class Blobs {
   virtual Result<std::vector<BlobInfo>> list(const std::string& scan_id) = 0;  // by name; empty: it has none
 
   virtual Status remove(const std::string& scan_id) = 0;  // all of them; well, too, when there are none
+
+  virtual Status remove(const std::string& scan_id, const std::string& name) = 0;  // this one; well, too, when there is none
 };
 
 // All of it. kNotFound, kIo; kTooLarge: more than `max_bytes`.

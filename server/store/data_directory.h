@@ -5,6 +5,7 @@
 //   hermite.db    scans, tokens, uploads and jobs (sqlite_store.h)
 //   scans/ID/     cloud.ply trajectory.txt report.json chunks.bin of a scan that has ended (blobs.h)
 //   scans/ID/log/ its frames as they came (frame_log.h)
+//   scans/ID/checkpoint.bin  of one that runs: what it has come to (checkpoint_file.h)
 //   uploads/ID    the bytes of an upload, as far as they have come
 //   jobs/ID/      what a running job has unpacked; empty at every start
 #pragma once

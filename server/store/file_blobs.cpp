@@ -122,10 +122,14 @@ Result<std::vector<BlobInfo>> FileBlobs::list(const std::string& scan_id) {
 Status FileBlobs::remove(const std::string& scan_id) {
   const Result<std::vector<BlobInfo>> blobs = list(scan_id);
   if (!blobs.ok()) return blobs.error();
-  for (const BlobInfo& blob : *blobs) {
-    const std::string path = path_of(scan_id, blob.name);
-    if (unlink(path.c_str()) != 0 && errno != ENOENT) return io_error("removing " + path, errno);
-  }
+  for (const BlobInfo& blob : *blobs)
+    if (Status status = remove(scan_id, blob.name); !status.ok()) return status;
+  return Done{};
+}
+
+Status FileBlobs::remove(const std::string& scan_id, const std::string& name) {
+  const std::string path = path_of(scan_id, name);
+  if (unlink(path.c_str()) != 0 && errno != ENOENT) return io_error("removing " + path, errno);
   return Done{};
 }
 

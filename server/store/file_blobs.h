@@ -18,6 +18,7 @@ class FileBlobs : public Blobs {
   Result<std::uint64_t> size_bytes(const std::string& scan_id, const std::string& name) override;
   Result<std::vector<BlobInfo>> list(const std::string& scan_id) override;
   Status remove(const std::string& scan_id) override;
+  Status remove(const std::string& scan_id, const std::string& name) override;
 
  private:
   std::string folder_of(const std::string& scan_id) const;

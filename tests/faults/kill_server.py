@@ -4,12 +4,13 @@
     kill_server.py path/to/hermite path/to/hermite-client [--kills 20] [--seed 1]
 
 Passes when every scan came back after every kill, no frame that the client was told to be durable is missing from the log on disk, and
-trajectory and cloud of every scan have the hashes of an undisturbed run. The log is read here by a program of its own, from
+trajectory and cloud of every scan have the hashes of an undisturbed run, whether it was rebuilt from a checkpoint or not. The log is read here by a program of its own, from
 core/log/frame_log.md alone.
 """
 import glob
 import os
 import random
+import re
 import signal
 import sys
 import tempfile
@@ -19,6 +20,9 @@ from frame_log import frames_in_log
 from programs import FRAMES, Camera, Server, argument_parser, check, durable_said, failures
 
 KILLS_PER_SCAN = 5
+
+# So that most kills find a checkpoint, and many a half-written one.
+CHECKPOINT_PERIOD_MS = 100
 
 
 def logs_in(data):
@@ -54,7 +58,7 @@ def main():
     rng = random.Random(arguments.seed)
     with tempfile.TemporaryDirectory() as folder:
         data = os.path.join(folder, "data")
-        server = Server(arguments.hermite, data)
+        server = Server(arguments.hermite, data, settings=("--checkpoint-period", str(CHECKPOINT_PERIOD_MS)))
         started = time.monotonic()
         expected = Camera(arguments.client, server.url).result()
         check(expected is not None and expected[0] == FRAMES, f"the undisturbed run: {expected}")
@@ -80,8 +84,13 @@ def main():
         if failures:
             print(server.tail())
         check(server.end(signal.SIGTERM) == 0, "the server ends well")
+        restored = [int(count) for count in re.findall(r"rebuilt: (\d+) frames from a checkpoint", server.all_of_log())]
+        check(any(restored) or kills < 10, "no scan was rebuilt from a checkpoint")
+        unusable = server.all_of_log().count("checkpoint cannot be used")
         verdict = "FAILED" if failures else "nothing lost, all results the same"
         print(f"{kills} kills in {scans} scans of {FRAMES} frames (up to {longest} a scan), {resumed} times resumed, "
+              f"{len(restored)} times rebuilt, of these {sum(count > 0 for count in restored)} from a checkpoint "
+              f"({sum(restored)} frames in all), {unusable} checkpoints could not be used, "
               f"{time.monotonic() - started:.0f} s, seed {arguments.seed}: {verdict}")
     return 1 if failures else 0
 

@@ -57,9 +57,12 @@ class Server:
         self.process.stdout.close()
         return status
 
-    def tail(self):
+    def all_of_log(self):
         self.log.seek(0)
-        return self.log.read()[-3000:]
+        return self.log.read()
+
+    def tail(self):
+        return self.all_of_log()[-3000:]
 
 
 class Camera:

@@ -13,11 +13,14 @@
 #include "core/log/frame_log.h"
 #include "core/log/frame_log_format.h"
 #include "core/pipeline/doctor.h"
+#include "server/service/checkpoint_file.h"
 #include "server/service/log_readers.h"
 #include "server/service/scan_record.h"
+#include "server/store/chunk_file.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
 #include "server/store/sqlite_store.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/room_frames.h"
 #include "tests/support/running_server.h"
@@ -43,6 +46,13 @@ wire::StartScan request() {
           kFrameCount};
 }
 
+std::string read_file(const std::string& path) {
+  const std::vector<std::uint8_t> bytes = test::file_bytes(path);
+  return {bytes.begin(), bytes.end()};
+}
+
+void write_file(const std::string& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
+
 class ResumeTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -51,10 +61,11 @@ class ResumeTest : public testing::Test {
     serve(120);
   }
 
-  void serve(int resume_window_s, int max_scans = 4) {
+  void serve(int resume_window_s, int max_scans = 4, int checkpoint_period_ms = 0) {
     server_.reset();
     ServiceOptions options = test::test_options(folder_ / "data");
     options.resume_window_s = resume_window_s;
+    options.checkpoint_period_ms = checkpoint_period_ms;
     options.max_scans = max_scans;
     server_ = std::make_unique<test::RunningServer>(options);
   }
@@ -111,6 +122,32 @@ class ResumeTest : public testing::Test {
     EXPECT_TRUE(found.ok());
     return found.ok() ? *found : ScanRow{};
   }
+  std::string checkpoint() const { return folder_ / "data/scans/" + welcome_.scan_id + "/" + kCheckpointName; }
+  // A scan of four frames that a server has left with a checkpoint, when it was stopped.
+  void leave_four_frames() {
+    serve(120, 4, 3'600'000);
+    const auto client = start();
+    send(*client, 0, 4);
+    for (int i = 0; i < 4; ++i) EXPECT_TRUE(client->read<wire::FrameResult>());
+    EXPECT_FALSE(std::filesystem::exists(checkpoint())) << "it is not due yet";
+    server_->stop();
+    EXPECT_TRUE(std::filesystem::exists(checkpoint()));
+  }
+  // The sequence of the first result that the next server tells of.
+  std::uint64_t finish_and_compare(const Json& expected) {
+    serve(120, 4, 3'600'000);
+    const auto client = resume(4);
+    EXPECT_TRUE(client->read<wire::Resumed>());
+    send(*client, 4, kFrameCount);
+    client->send_message(wire::Finish{});
+    const auto first = client->read<wire::FrameResult>();
+    const auto finished = client->read<wire::Finished>();
+    EXPECT_TRUE(first && finished);
+    if (finished) expect_undisturbed(*finished, expected);
+    EXPECT_FALSE(std::filesystem::exists(checkpoint())) << "nobody goes on with a scan that has ended";
+    return first ? first->sequence : kFrameCount;
+  }
+  std::string chunks_of(const std::string& scan_id) const { return read_file(folder_ / "data/scans/" + scan_id + "/" + kChunksName); }
   std::string log_folder() const { return folder_ / "data/scans/" + welcome_.scan_id + "/log"; }
 
   const test::TemporaryFolder folder_;
@@ -240,6 +277,70 @@ TEST_F(ResumeTest, AServerThatStopsSaysGoAwayAndTheNextOneGoesOn) {
   const auto finished = client->read<wire::Finished>();
   ASSERT_TRUE(finished);
   expect_undisturbed(*finished, expected);
+}
+
+TEST_F(ResumeTest, TheNextServerGoesOnFromTheCheckpoint) {
+  const Json expected = undisturbed();
+  const std::string undisturbed_id = welcome_.scan_id;
+  leave_four_frames();
+  EXPECT_EQ(finish_and_compare(expected), 4u) << "frames were worked through again";
+  EXPECT_EQ(chunks_of(welcome_.scan_id), chunks_of(undisturbed_id)) << "viewers see the same";
+}
+
+TEST_F(ResumeTest, ViewersOfARestoredScanGetAllOfIt) {
+  leave_four_frames();
+  serve(120, 4, 3'600'000);
+  ASSERT_TRUE(resume(4)->read<wire::Resumed>());
+  const auto viewer = hello(wire::ViewScan{welcome_.scan_id});
+  const auto past = viewer->read<wire::TrajectoryPart>();
+  ASSERT_TRUE(past);
+  EXPECT_EQ(past->positions_m.size(), 4 * 3u);
+  EXPECT_EQ(past->submaps.size(), 4u);
+  const auto chunk = viewer->read<wire::Chunk>();
+  ASSERT_TRUE(chunk) << "without a new frame";
+  EXPECT_GT(chunk->point_count, 0u);
+}
+
+TEST_F(ResumeTest, WhileItRunsAScanIsStoredNowAndThen) {
+  serve(120, 4, 1);
+  const auto client = start();
+  send(*client, 0, kFrameCount);
+  for (int i = 0; i < kFrameCount; ++i) ASSERT_TRUE(client->read<wire::FrameResult>());
+  for (int i = 0; i < 1000 && !std::filesystem::exists(checkpoint()); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  const Result<ScanCheckpoint> stored = parse_checkpoint(read_file(checkpoint()));
+  ASSERT_TRUE(stored.ok()) << stored.error().message;
+  EXPECT_EQ(stored->scan_id, welcome_.scan_id);
+  EXPECT_GT(stored->record_count, kRecordsBeforeFrames);
+  client->send_message(wire::Discard{});
+  for (int i = 0; i < 1000 && std::filesystem::exists(checkpoint()); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_FALSE(std::filesystem::exists(checkpoint())) << "of a discarded scan nothing is left";
+}
+
+TEST_F(ResumeTest, ACheckpointThatCannotBeUsedOnlyCostsTime) {
+  const Json expected = undisturbed();
+  const auto write = [this](const std::string& bytes) { write_file(checkpoint(), bytes); };
+  const auto rewrite = [&](const std::function<void(ScanCheckpoint&)>& change) {
+    Result<ScanCheckpoint> stored = parse_checkpoint(read_file(checkpoint()));
+    ASSERT_TRUE(stored.ok());
+    change(*stored);
+    write(format_checkpoint(*stored));
+  };
+  const std::function<void()> spoilers[] = {
+      [&] { write(read_file(checkpoint()).substr(0, 1000)); },
+      [&] {
+        // Of other settings.
+        rewrite([](ScanCheckpoint& stored) { ++stored.pipeline[stored.pipeline.find("track.geometric_weight") + 6]; });
+      },
+      [&] { rewrite([](ScanCheckpoint& stored) { stored.pipeline.resize(stored.pipeline.size() / 2); }); },
+      [&] { rewrite([](ScanCheckpoint& stored) { stored.record_count = 100; }); },
+      [&] { rewrite([](ScanCheckpoint& stored) { stored.record_count = 3; }); },
+      [&] { rewrite([](ScanCheckpoint& stored) { stored.scan_id = "another"; }); },
+  };
+  for (const std::function<void()>& spoil : spoilers) {
+    leave_four_frames();
+    spoil();
+    EXPECT_EQ(finish_and_compare(expected), 0u) << "all frames are worked through again";
+  }
 }
 
 // What a dead server leaves: a row that says running, and a log that may be cut anywhere.

@@ -89,6 +89,15 @@ TYPED_TEST_P(BlobsContract, AScanListsItsOwnByName) {
   EXPECT_THAT(*found, testing::ElementsAre(BlobInfo{"chunks.bin", 10}, BlobInfo{"cloud.ply", 9}, BlobInfo{"report.json", 11}));
 }
 
+TYPED_TEST_P(BlobsContract, RemovesOneAndNothingElse) {
+  for (const char* name : {"a", "b"}) ASSERT_TRUE(this->blobs().put(this->scan_, name, "x").ok());
+  EXPECT_TRUE(this->blobs().remove(this->scan_, "a").ok());
+  EXPECT_TRUE(this->blobs().remove(this->scan_, "a").ok()) << "it is not there: all is well";
+  EXPECT_TRUE(this->blobs().remove(new_scan_id(), "a").ok());
+  EXPECT_EQ(this->blobs().size_bytes(this->scan_, "a").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->content("b"), "x");
+}
+
 TYPED_TEST_P(BlobsContract, RemovesAllOfOneScanAndNothingElse) {
   const std::string other = new_scan_id();
   for (const std::string& scan : {this->scan_, other})
@@ -130,7 +139,7 @@ TYPED_TEST_P(BlobsContract, IsWholeForWhoeverReadsWhileItIsReplaced) {
 }
 
 REGISTER_TYPED_TEST_SUITE_P(BlobsContract, ABlobComesBackAsItWasPut, IsReadInPieces, WhatIsNotThereIsNotFound, MoreThanIsAllowedIsNotRead,
-                            PutAgainItIsReplaced, AScanListsItsOwnByName, RemovesAllOfOneScanAndNothingElse, WhatWasPutSurvivesADeath,
+                            PutAgainItIsReplaced, AScanListsItsOwnByName, RemovesOneAndNothingElse, RemovesAllOfOneScanAndNothingElse, WhatWasPutSurvivesADeath,
                             IsWholeForWhoeverReadsWhileItIsReplaced);
 
 }  // namespace hermite::test

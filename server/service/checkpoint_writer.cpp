@@ -1,0 +1,62 @@
+#include "server/service/checkpoint_writer.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace hermite {
+
+namespace {
+
+// A scan gives one part of its time in so many to its checkpoints.
+constexpr int kWorkPerCheckpoint = 50;
+
+// The log is synced ten times a second: a disk that takes so much longer has other troubles.
+constexpr std::chrono::seconds kDurablePatience(10);
+
+}  // namespace
+
+void DurableFrames::advance(std::uint64_t count) {
+  {
+    const std::lock_guard lock(mutex_);
+    count_ = std::max(count_, count);
+  }
+  changed_.notify_all();
+}
+
+bool DurableFrames::wait_for(std::uint64_t count, std::chrono::milliseconds patience) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, patience, [&] { return count_ >= count; });
+}
+
+CheckpointWriter::CheckpointWriter(Blobs& blobs, std::string scan_id, std::chrono::milliseconds period, DurableFrames& durable)
+    : blobs_(blobs), scan_id_(std::move(scan_id)), period_(period), durable_(durable), next_(Clock::now() + period) {}
+
+bool CheckpointWriter::is_due(Clock::time_point now) const {
+  const bool busy = writing_.valid() && writing_.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
+  return is_on() && now >= next_ && !busy;
+}
+
+void CheckpointWriter::write(ScanCheckpoint checkpoint, Clock::time_point began) {
+  wait();
+  const Clock::time_point now = Clock::now();
+  next_ = now + std::max<Clock::duration>(period_, kWorkPerCheckpoint * (now - began));
+  writing_ = std::async(std::launch::async, [this, cost = now - began, checkpoint = std::move(checkpoint)] {
+    const Clock::time_point start = Clock::now();
+    const std::string bytes = format_checkpoint(checkpoint);
+    const std::uint64_t frames = checkpoint.record_count - kRecordsBeforeFrames;
+    Status stored = Error{ErrorCode::kBusy, "its frames are not on disk yet"};
+    if (durable_.wait_for(frames, kDurablePatience)) stored = blobs_.put(scan_id_, kCheckpointName, bytes);
+    if (!stored.ok()) return spdlog::warn("scan {}: no checkpoint was written: {}", scan_id_, stored.error().message);
+    const auto ms = [](Clock::duration time) { return std::chrono::duration_cast<std::chrono::milliseconds>(time).count(); };
+    spdlog::debug("scan {}: checkpoint of {} frames, {} kB of {} kB; {} ms of the scan's time, {} ms beside it", scan_id_, frames,
+                  bytes.size() / 1000, checkpoint.pipeline.size() / 1000, ms(cost), ms(Clock::now() - start));
+  });
+}
+
+void CheckpointWriter::wait() {
+  if (writing_.valid()) writing_.get();
+}
+
+}  // namespace hermite

@@ -1,0 +1,66 @@
+#include "server/service/pipeline_words.h"
+
+#include <algorithm>
+
+namespace hermite {
+
+namespace {
+
+wire::TrackingStatus wire_status(TrackingStatus status) {
+  if (status == TrackingStatus::kTracked) return wire::TrackingStatus::kTracked;
+  return status == TrackingStatus::kWeak ? wire::TrackingStatus::kWeak : wire::TrackingStatus::kLost;
+}
+
+wire::MapEvent wire_event(MapEvent event) {
+  switch (event) {
+    case MapEvent::kNone: return wire::MapEvent::kNone;
+    case MapEvent::kLost: return wire::MapEvent::kLost;
+    case MapEvent::kFoundAgain: return wire::MapEvent::kFoundAgain;
+    case MapEvent::kNewPart: return wire::MapEvent::kNewPart;
+    case MapEvent::kJoined: return wire::MapEvent::kJoined;
+    case MapEvent::kLoopClosed: return wire::MapEvent::kLoopClosed;
+  }
+  return wire::MapEvent::kNone;
+}
+
+}  // namespace
+
+wire::FrameResult wire_result(const FrameResult& result, std::uint64_t sequence, double frame_ms) {
+  wire::FrameResult sent;
+  sent.sequence = sequence;
+  sent.timestamp_s = result.timestamp_s;
+  sent.world_from_camera = result.world_from_camera;
+  sent.status = wire_status(result.status);
+  sent.reason = result.reason;
+  sent.inlier_count = static_cast<std::uint64_t>(result.inlier_count);
+  sent.inlier_ratio = result.inlier_ratio;
+  sent.residual_rms_m = result.residual_rms_m;
+  sent.surfel_count = static_cast<std::uint64_t>(result.surfel_count);
+  sent.frame_ms = frame_ms;
+  sent.in_submap = wire::PoseInSubmap{result.submap, result.submap_from_camera};
+  sent.event = wire_event(result.event);
+  sent.correction_m = result.correction_m;
+  return sent;
+}
+
+wire::SubmapPoses wire_poses(const Pipeline& pipeline) {
+  wire::SubmapPoses poses;
+  for (const SubmapPose& pose : pipeline.submap_poses()) poses.poses.push_back({pose.submap, pose.world_from_submap, pose.part});
+  return poses;
+}
+
+bool same_poses(const wire::SubmapPoses& a, const wire::SubmapPoses& b) {
+  const auto same = [](const wire::SubmapPose& x, const wire::SubmapPose& y) {
+    return x.submap == y.submap && x.part == y.part && x.world_from_submap.translation == y.world_from_submap.translation &&
+           x.world_from_submap.rotation.coeffs() == y.world_from_submap.rotation.coeffs();
+  };
+  return std::equal(a.poses.begin(), a.poses.end(), b.poses.begin(), b.poses.end(), same);
+}
+
+std::vector<wire::PoseInSubmap> wire_past(const Pipeline& pipeline) {
+  std::vector<wire::PoseInSubmap> past;
+  for (const AnchoredPose& pose : pipeline.anchored_poses()) past.push_back({pose.submap, pose.submap_from_camera});
+  return past;
+}
+
+}  // namespace hermite

@@ -1,0 +1,21 @@
+// What a pipeline tells of a frame and of its map, as the protocol has it. Pure functions.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/pipeline/pipeline.h"
+#include "proto/wire/messages.h"
+
+namespace hermite {
+
+// Without last_tracked, which is a sequence number of the scan's.
+wire::FrameResult wire_result(const FrameResult& result, std::uint64_t sequence, double frame_ms);
+
+wire::SubmapPoses wire_poses(const Pipeline& pipeline);
+bool same_poses(const wire::SubmapPoses& a, const wire::SubmapPoses& b);
+
+// Of every frame so far.
+std::vector<wire::PoseInSubmap> wire_past(const Pipeline& pipeline);
+
+}  // namespace hermite
