@@ -136,6 +136,9 @@ class Scans {
   ScanEvents worker_events(const Launch& launch);
   FrameLogEvents log_events(const Launch& launch) const;
   std::shared_ptr<LiveScan> run(const Launch& launch, FrameLog::Opened opened);
+  void ended(const ScanRow& row, const ScanEnd& end);
+  ScanRow with_counts(ScanRow row) const;
+  std::vector<double> remaining_s() const;  // of the scans that run, as Places::tell() wants it
   // scans_left.cpp
   struct LeftScan {
     Launch launch;
@@ -145,12 +148,10 @@ class Scans {
   Status run_left(LeftScan left);
   void interrupt_left(ScanRow row, const Error& why);
   void drop_left(const std::string& scan_id);
+  // scans_ended.cpp
+  Result<ResumedScan> last_words(const ScanRow& row, const wire::ResumeScan& request);
   Status remove_files(const std::string& scan_id);
   void remove_old_logs();
-  std::vector<double> remaining_s() const;  // of the scans that run, as Places::tell() wants it
-  Result<ResumedScan> last_words(const ScanRow& row, const wire::ResumeScan& request);
-  void ended(const ScanRow& row, const ScanEnd& end);
-  ScanRow with_counts(ScanRow row) const;
 
   const ScansOptions options_;
   const DataDirectory& data_;
