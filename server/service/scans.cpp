@@ -41,13 +41,13 @@ double work_s_of(const FrameOutcome& outcome) {
 
 }  // namespace
 
-Scans::Scans(ScansOptions options, const DataDirectory& data, Store& store, Blobs& blobs, Metrics& metrics,
-             const LogReaders::Threads& threads)
+Scans::Scans(ScansOptions options, const Storage& storage, Metrics& metrics, const LogReaders::Threads& threads)
     : options_(std::move(options)),
-      data_(data),
-      store_(store),
+      storage_(storage),
+      data_(storage.data),
+      store_(storage.store),
       metrics_(metrics),
-      blobs_(blobs),
+      blobs_(storage.blobs),
       post_(threads.network),
       background_(threads.background),
       places_(options_.places),
@@ -232,6 +232,7 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
            fmt::format("scan {} {}: {} frames received, {} processed, {} dropped{}{}", row.id, name_of(row.phase), row.frames_received,
                        row.frames_processed, row.frames_dropped, row.words.empty() ? "" : "; ", row.words));
   metrics_.scan_ended(name_of(row.phase));
+  storage_.quota.scan_ended();
   device_failed_ = end.phase == wire::ScanPhase::kFailed && end.error.code == ErrorCode::kDevice;
   const FrameCounts& counts = running->second->counts();
   ended_counts_.received += counts.received;
@@ -280,6 +281,7 @@ std::vector<double> Scans::remaining_s() const {
 void Scans::tick(LiveScan::Clock::time_point now) {
   for (const auto& [id, scan] : running_) scan->tick(now);
   logs_.tick(now);
+  storage_.quota.tick(now);
   if (now - told_to_wait_at_ >= kWaitingPeriod) {
     told_to_wait_at_ = now;
     if (places_.waiting_count() > 0) places_.tell(remaining_s());

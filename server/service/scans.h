@@ -19,9 +19,7 @@
 #include "server/service/metrics.h"
 #include "server/service/places.h"
 #include "server/service/scan_record.h"
-#include "server/store/blobs.h"
-#include "server/store/data_directory.h"
-#include "server/store/store.h"
+#include "server/service/storage.h"
 
 namespace hermite {
 
@@ -35,7 +33,6 @@ struct ScansOptions {
   int gpu_memory_mb = 0;                             // of all scans together, in equal shares; 0: as much as there is
   std::chrono::milliseconds resume_window{120'000};  // so long a scan waits for its lost camera
   int keep_log_days = 7;                             // after the end of a scan; 0: for ever
-  std::uint64_t storage_bytes = 0;                   // for the files of all scans and uploads; 0: as much as there is
 };
 
 // What a camera is told of the scan it has started.
@@ -69,9 +66,9 @@ class Scans {
   using Post = LogReaders::Post;
 
   // Goes on with the scans that an earlier server left running, from their frame logs; those without a usable one are interrupted. The
-  // logs are read in the background, that of the oldest scan first. `data`, `store`, `blobs` and `metrics` outlive this. Throws SetupError
+  // logs are read in the background, that of the oldest scan first. What is in `storage`, and `metrics`, outlive this. Throws SetupError
   // when the store cannot.
-  Scans(ScansOptions options, const DataDirectory& data, Store& store, Blobs& blobs, Metrics& metrics, const LogReaders::Threads& threads);
+  Scans(ScansOptions options, const Storage& storage, Metrics& metrics, const LogReaders::Threads& threads);
 
   // Cameras wait there for a scan of theirs to begin.
   Places& places() { return places_; }
@@ -150,10 +147,10 @@ class Scans {
   void drop_left(const std::string& scan_id);
   // scans_ended.cpp
   Result<ResumedScan> last_words(const ScanRow& row, const wire::ResumeScan& request);
-  Status remove_files(const std::string& scan_id);
   void remove_old_logs();
 
   const ScansOptions options_;
+  const Storage storage_;
   const DataDirectory& data_;
   Store& store_;
   Metrics& metrics_;

@@ -67,18 +67,13 @@ Result<std::shared_ptr<Audience>> Scans::watch(const std::string& scan_id) {
   return audience;
 }
 
-Status Scans::remove_files(const std::string& scan_id) {
-  if (Status status = blobs_.remove(scan_id); !status.ok()) return status;
-  return data_.remove_scan_folder(scan_id);
-}
-
 Status Scans::remove(const std::string& scan_id) {
   if (running_.contains(scan_id)) return Error{ErrorCode::kBusy, "scan " + scan_id + " is running"};
   const Result<ScanRow> row = find(scan_id);
   if (!row.ok()) return row.error();
   if (row->phase == ScanPhase::kRunning)
     return Error{ErrorCode::kBusy, "scan " + scan_id + " is to go on: cancel its job, or try again later"};
-  if (Status status = remove_files(scan_id); !status.ok()) return status;
+  if (Status status = remove_files_of_scan(storage_, scan_id); !status.ok()) return status;
   read_again_.erase(scan_id);
   return store_.remove(scan_id);
 }

@@ -29,6 +29,7 @@
 #include "server/service/scans.h"
 #include "server/service/service_setup.h"
 #include "server/service/static_files.h"
+#include "server/service/storage.h"
 #include "server/service/store_watch.h"
 #include "server/store/data_directory.h"
 #include "server/store/file_blobs.h"
@@ -53,6 +54,8 @@ constexpr std::chrono::milliseconds kStopCheck(20);
 constexpr std::chrono::milliseconds kTick(250);             // how exactly waits are ended that are given in seconds
 constexpr std::chrono::milliseconds kGoodbyePatience(500);  // for last messages to leave
 constexpr std::size_t kDiskThreads = 2;                     // uploads and results wait for disks, not for processors
+// Old logs are removed and files added up while others are read.
+constexpr std::size_t kBackgroundThreads = kMaxLogsRead + 1;
 
 }  // namespace
 
@@ -79,6 +82,8 @@ struct Service::Impl {
   Gate gate;
   CountLimit connections, admin_connections{kMaxAdminConnections, kMaxAdminConnections};
   RateLimit requests;
+  std::unique_ptr<Waste> waste;
+  std::unique_ptr<StorageQuota> quota;
   std::unique_ptr<Scans> scans;
   std::unique_ptr<Batch> batch;
   std::unique_ptr<HttpWorld> world;
@@ -96,7 +101,7 @@ struct Service::Impl {
   std::optional<tcp::acceptor> acceptor, admin_acceptor;
   asio::signal_set signals{context};
   asio::steady_timer watchdog{context}, drained{context};
-  asio::thread_pool log_readers{kMaxLogsRead};
+  asio::thread_pool background{kBackgroundThreads};
   asio::thread_pool disk{kDiskThreads};  // last: its work refers to connections
 
   explicit Impl(const ServiceOptions& service_options)
@@ -113,10 +118,14 @@ struct Service::Impl {
         requests(options.requests_per_second, 2.0 * options.requests_per_second) {
     token_works = gate.install_first_token(data.token(), unix_now_ms());
     const auto post = [this](std::function<void()> action) { asio::post(context, std::move(action)); };
-    const auto read = [this](std::function<void()> action) { asio::post(log_readers, std::move(action)); };
-    if (const Status recovered = recover_batch(data, store, blobs); !recovered.ok()) throw SetupError(recovered.error());
-    scans = std::make_unique<Scans>(scans_options(options), data, store, blobs, metrics, LogReaders::Threads{post, read});
-    batch = std::make_unique<Batch>(options.job_workers, upload_limits(options), data, store, *scans, post);
+    const LogReaders::Threads threads{post, [this](std::function<void()> action) { asio::post(background, std::move(action)); }};
+    waste = std::make_unique<Waste>(data, threads.background);
+    quota = std::make_unique<StorageQuota>(
+        static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000, [this] { return data.scan_sizes(); }, threads);
+    const Storage storage{data, store, blobs, *waste, *quota};
+    if (const Status recovered = recover_batch(storage); !recovered.ok()) throw SetupError(recovered.error());
+    scans = std::make_unique<Scans>(scans_options(options), storage, metrics, threads);
+    batch = std::make_unique<Batch>(options.job_workers, upload_limits(options), storage, *scans, post);
     world = std::make_unique<HttpWorld>(HttpWorld{*scans, store, gate, files, metrics, batch->uploads(), batch->executor()});
     site = std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer(*world, request); },
                                        allowed_hosts(options, address), metrics, world.get(), proxies_of(options),

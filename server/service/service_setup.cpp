@@ -60,15 +60,13 @@ ScansOptions scans_options(const ServiceOptions& options) {
           static_cast<std::uint32_t>(options.credit_window),
           options.gpu_memory_mb,
           std::chrono::seconds(options.resume_window_s),
-          options.keep_log_days,
-          static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000};
+          options.keep_log_days};
 }
 
 UploadLimits upload_limits(const ServiceOptions& options) {
   constexpr std::int64_t kGigabyte = 1'000'000'000;
   return {options.max_upload_gb * kGigabyte, options.uploads_per_token_gb * kGigabyte,
-          static_cast<std::uint64_t>(options.min_free_disk_mb) * 1'000'000, static_cast<std::uint64_t>(options.storage_gb * kGigabyte),
-          options.keep_upload_hours * 3'600'000LL};
+          static_cast<std::uint64_t>(options.min_free_disk_mb) * 1'000'000, options.keep_upload_hours * 3'600'000LL};
 }
 
 AllowedHosts allowed_hosts(const ServiceOptions& options, const ListenAddress& address) {

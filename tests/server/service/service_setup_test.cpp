@@ -29,15 +29,12 @@ TEST(ServiceSetup, GigabytesAndHoursBecomeBytesAndMilliseconds) {
   options.max_upload_gb = 3;
   options.uploads_per_token_gb = 5;
   options.min_free_disk_mb = 7;
-  options.storage_gb = 11;
   options.keep_upload_hours = 2;
   const UploadLimits limits = upload_limits(options);
   EXPECT_EQ(limits.upload_bytes, 3'000'000'000);
   EXPECT_EQ(limits.token_bytes, 5'000'000'000);
   EXPECT_EQ(limits.min_free_disk_bytes, 7'000'000u);
-  EXPECT_EQ(limits.storage_bytes, 11'000'000'000u);
   EXPECT_EQ(limits.keep_ms, 7'200'000);
-  EXPECT_EQ(scans_options(options).storage_bytes, 11'000'000'000u) << "one limit for both";
 }
 
 TEST(ServiceSetup, AnAddressOfThisMachineMayBeAskedFor) {
