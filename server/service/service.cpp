@@ -25,6 +25,7 @@
 #include "server/service/gate.h"
 #include "server/service/http_connection.h"
 #include "server/service/logging.h"
+#include "server/service/orphans.h"
 #include "server/service/rate_limit.h"
 #include "server/service/scans.h"
 #include "server/service/service_setup.h"
@@ -119,6 +120,7 @@ struct Service::Impl {
     token_works = gate.install_first_token(data.token(), unix_now_ms());
     const auto post = [this](std::function<void()> action) { asio::post(context, std::move(action)); };
     const LogReaders::Threads threads{post, [this](std::function<void()> action) { asio::post(background, std::move(action)); }};
+    clear_orphans(data, store, unix_now_ms());
     waste = std::make_unique<Waste>(data, threads.background);
     quota = std::make_unique<StorageQuota>(
         static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000, [this] { return data.scan_sizes(); }, threads);

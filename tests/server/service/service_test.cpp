@@ -6,11 +6,15 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <optional>
 #include <thread>
 
 #include "server/client/api_request.h"
 #include "server/store/data_directory.h"
+#include "server/store/scan_id.h"
+#include "server/store/sqlite_store.h"
 #include "tests/support/certificate.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
@@ -173,6 +177,32 @@ TEST(Service, SaysWhereItListensToProgramsBesideIt) {
   ASSERT_TRUE(published.ok());
   EXPECT_EQ(published->url, service.url());
   EXPECT_EQ(published->token, service.token());
+}
+
+TEST(Service, AStartTakesOutOfTheWayWhatNoRowKnowsAndWhatNobodyWants) {
+  const test::TemporaryFolder folder;
+  const std::string scan = new_scan_id(), upload = new_scan_id(), known = new_scan_id(), removed = new_scan_id();
+  {
+    const DataDirectory data(folder / "data");
+    SqliteStore store(data.database_path());
+    ScanRow row;
+    row.id = known;
+    row.phase = ScanPhase::kFinished;
+    row.camera = {160, 120, 131, 131, 79.5, 59.5, 5000};
+    ASSERT_TRUE(store.add(row).ok());
+    for (const std::string& id : {scan, known, removed}) ASSERT_TRUE(data.create_scan_folder(id).ok());
+    std::ofstream(data.upload_path(upload)) << "half of it";
+    ASSERT_TRUE(data.discard_scan(removed).ok()) << "and here the server died";
+  }
+  test::RunningServer server(test::test_options(folder / "data"));
+  EXPECT_TRUE(std::filesystem::exists(folder / ("data/scans/" + known)));
+  EXPECT_TRUE(std::filesystem::exists(folder / ("data/lost/scans/" + scan)));
+  EXPECT_TRUE(std::filesystem::exists(folder / ("data/lost/uploads/" + upload)));
+  EXPECT_FALSE(std::filesystem::exists(folder / ("data/scans/" + scan)));
+  // Beside everything else.
+  for (int i = 0; i < 500 && !std::filesystem::is_empty(folder / "data/waste"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "data/waste"));
 }
 
 TEST(Service, EndsWithASignal) {
