@@ -148,6 +148,7 @@ class Scans {
   // scans_ended.cpp
   Result<ResumedScan> last_words(const ScanRow& row, const wire::ResumeScan& request);
   void remove_old_logs();
+  void remove_old_logs_of(const std::vector<std::string>& scan_ids);
 
   const ScansOptions options_;
   const Storage storage_;

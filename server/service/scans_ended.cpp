@@ -1,7 +1,9 @@
 // The part of Scans that is about scans which have ended: what is still told of them, and how they go.
 #include <spdlog/spdlog.h>
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "server/service/results.h"
 #include "server/service/scans.h"
@@ -86,16 +88,26 @@ Result<std::uint64_t> Scans::size_of_result(const std::string& scan_id, const st
   return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + name + (running ? " yet" : "")};
 }
 
+// Of every folder and not of every row: the store lists the newest scans only.
 void Scans::remove_old_logs() {
   old_logs_removed_at_ = LiveScan::Clock::now();
-  const Result<std::vector<ScanRow>> rows = store_.list();
-  if (!rows.ok() || options_.keep_log_days == 0) return;
+  if (options_.keep_log_days == 0) return;
+  background_([this] {
+    Result<std::vector<std::string>> ids = data_.logged_scan_ids();
+    if (!ids.ok()) return spdlog::warn("{}", ids.error().message);
+    post_([this, ids = *std::move(ids)] { remove_old_logs_of(ids); });
+  });
+}
+
+void Scans::remove_old_logs_of(const std::vector<std::string>& scan_ids) {
   const std::int64_t oldest_ms = unix_now_ms() - options_.keep_log_days * kDay_ms;
-  for (const ScanRow& row : *rows)
-    if (row.phase != ScanPhase::kRunning && row.finished_at_ms < oldest_ms)
-      background_([&data = data_, id = row.id] {
-        if (Status status = data.remove_log_folder(id); !status.ok()) spdlog::warn("{}", status.error().message);
-      });
+  for (const std::string& id : scan_ids) {
+    const Result<ScanRow> row = store_.find(id);
+    if (!row.ok() || row->phase == ScanPhase::kRunning || row->finished_at_ms >= oldest_ms) continue;
+    background_([&data = data_, id] {
+      if (Status status = data.remove_log_folder(id); !status.ok()) spdlog::warn("{}", status.error().message);
+    });
+  }
 }
 
 }  // namespace hermite

@@ -194,6 +194,16 @@ Result<std::uint64_t> DataDirectory::uploads_bytes(const std::string& except_upl
 
 Result<std::vector<std::string>> DataDirectory::scan_ids() const { return ids_in(scans_folder(), fs::file_type::directory); }
 
+Result<std::vector<std::string>> DataDirectory::logged_scan_ids() const {
+  Result<std::vector<std::string>> ids = scan_ids();
+  if (ids.ok())
+    std::erase_if(*ids, [this](const std::string& id) {
+      std::error_code gone;
+      return !fs::is_directory(fs::symlink_status(log_folder(id), gone));
+    });
+  return ids;
+}
+
 Result<std::vector<std::string>> DataDirectory::upload_ids() const { return ids_in(uploads_folder(), fs::file_type::regular); }
 
 int DataDirectory::remove_unfinished_files(const std::string& scan_id) const {

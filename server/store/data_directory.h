@@ -66,6 +66,7 @@ class DataDirectory {
 
   // Ids that have a folder or a file, whether somebody knows them or not. kIo.
   Result<std::vector<std::string>> scan_ids() const;
+  Result<std::vector<std::string>> logged_scan_ids() const;  // those that still have their frames
   Result<std::vector<std::string>> upload_ids() const;
   // What a death in the middle of writing has left beside the files of a scan. How many there were. While nobody writes there.
   int remove_unfinished_files(const std::string& scan_id) const;
