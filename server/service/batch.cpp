@@ -15,32 +15,31 @@ namespace {
 constexpr std::chrono::minutes kSweepPeriod(1);  // of uploads, which expire after hours
 
 // Of a job that has ended.
-void remove_unfinished_scan(const DataDirectory& data, Store& store, Blobs& blobs, const std::string& id) {
-  const Result<ScanRow> scan = store.find(id);
+void remove_unfinished_scan(const Storage& storage, const std::string& id) {
+  const Result<ScanRow> scan = storage.store.find(id);
   if (!scan.ok() || scan->phase == ScanPhase::kFinished) return;
-  Status removed = blobs.remove(id);
-  if (removed.ok()) removed = data.remove_scan_folder(id);
-  if (removed.ok()) removed = store.remove(id);
+  Status removed = remove_files_of_scan(storage, id);
+  if (removed.ok()) removed = storage.store.remove(id);
   if (!removed.ok()) spdlog::warn("{}", removed.error().message);
 }
 
 }  // namespace
 
-Status recover_batch(const DataDirectory& data, Store& store, Blobs& blobs) {
-  const JobScans scans{[&store](const std::string& id) {
-                         const Result<ScanRow> scan = store.find(id);
+Status recover_batch(const Storage& storage) {
+  const JobScans scans{[&storage](const std::string& id) {
+                         const Result<ScanRow> scan = storage.store.find(id);
                          return scan.ok() && scan->phase == ScanPhase::kFinished;
                        },
-                       [&](const std::string& id) { remove_unfinished_scan(data, store, blobs, id); }};
-  return recover_jobs(store, scans, unix_now_ms());
+                       [&storage](const std::string& id) { remove_unfinished_scan(storage, id); }};
+  return recover_jobs(storage.store, scans, unix_now_ms());
 }
 
-Batch::Batch(int worker_count, const UploadLimits& limits, const DataDirectory& data, Store& store, Scans& scans, const Scans::Post& post)
-    : store_(store),
+Batch::Batch(int worker_count, const UploadLimits& limits, const Storage& storage, Scans& scans, const Scans::Post& post)
+    : store_(storage.store),
       scans_(scans),
-      job_world_{scans, data, post, {}, limits.min_free_disk_bytes},
-      executor_(worker_count, store, executor_hooks(post)),
-      uploads_(limits, data, store, [this](const UploadRow& row) { return submit(row); }) {}
+      job_world_{scans, storage.data, post, {}, limits.min_free_disk_bytes},
+      executor_(worker_count, storage.store, executor_hooks(post)),
+      uploads_(limits, storage, [this](const UploadRow& row) { return submit(row); }) {}
 
 LocalExecutor::Hooks Batch::executor_hooks(const Scans::Post& post) {
   return {[this](const JobRow& row, JobEvents events) { return std::make_unique<ScanJob>(job_world_, row, std::move(events)); },

@@ -8,20 +8,18 @@
 #include "server/service/local_executor.h"
 #include "server/service/scan_job.h"
 #include "server/service/scans.h"
+#include "server/service/storage.h"
 #include "server/service/uploads.h"
-#include "server/store/blobs.h"
-#include "server/store/data_directory.h"
-#include "server/store/store.h"
 
 namespace hermite {
 
 // What becomes of the jobs of a server that died, and of their scans. Before there are Scans. kIo.
-Status recover_batch(const DataDirectory& data, Store& store, Blobs& blobs);
+Status recover_batch(const Storage& storage);
 
 class Batch {
  public:
-  // `data`, `store` and `scans` outlive this. Throws SetupError.
-  Batch(int worker_count, const UploadLimits& limits, const DataDirectory& data, Store& store, Scans& scans, const Scans::Post& post);
+  // What is in `storage`, and `scans`, outlive this. Throws SetupError.
+  Batch(int worker_count, const UploadLimits& limits, const Storage& storage, Scans& scans, const Scans::Post& post);
 
   Uploads& uploads() { return uploads_; }
   Executor& executor() { return executor_; }

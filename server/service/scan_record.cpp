@@ -7,7 +7,9 @@
 #include <utility>
 #include <variant>
 
+#include "core/digest/sha256.h"
 #include "proto/wire/client_message.h"
+#include "server/service/access.h"
 
 namespace hermite {
 
@@ -48,6 +50,11 @@ Result<ScanRecord> parse_scan_record(const std::string& terms, const std::string
   if (!hello || !std::holds_alternative<wire::StartScan>(hello->role)) return corrupt("the start is no hello of a camera");
   record.request = std::get<wire::StartScan>(std::move(hello->role));
   return record;
+}
+
+Status check_resume_token(const std::string& token, const std::string& resume_token_sha256) {
+  if (!resume_token_sha256.empty() && tokens_equal(sha256_hex(token), resume_token_sha256)) return Done{};
+  return Error{ErrorCode::kUnauthorized, "resume_scan.resume_token is not the one of this scan"};
 }
 
 Result<Options> options_of(const ScanRecord& record) {

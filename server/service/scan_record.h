@@ -27,6 +27,9 @@ std::string format_start(const ScanRecord& record);  // a Hello without its toke
 // kCorruptData or what parse_client_message says.
 Result<ScanRecord> parse_scan_record(const std::string& terms, const std::string& start);
 
+// Whether that is the token whose hash the scan has. kUnauthorized, also where the camera cannot come back.
+Status check_resume_token(const std::string& token, const std::string& resume_token_sha256);
+
 // Settings and share of memory together. kInvalidArgument: a setting.
 Result<Options> options_of(const ScanRecord& record);
 

@@ -10,9 +10,7 @@
 #include "core/digest/sha256.h"
 #include "proto/wire/client_message.h"
 #include "proto/wire/frame_payload.h"
-#include "server/service/access.h"
 #include "server/service/logging.h"
-#include "server/service/stored_scan.h"
 #include "server/store/scan_id.h"
 #include "server/store/unix_time.h"
 
@@ -24,8 +22,6 @@ constexpr std::size_t kLiveQueueFrames = 4;  // older ones are not worth waiting
 // Those who wait hear of it so often: they give up when they hear nothing for longer.
 constexpr std::chrono::seconds kWaitingPeriod(5);
 
-constexpr std::int64_t kDay_ms = 24 * 3600 * 1000;
-
 ScanPhase stored_phase(wire::ScanPhase phase) {
   switch (phase) {
     case wire::ScanPhase::kRunning: return ScanPhase::kRunning;
@@ -36,20 +32,6 @@ ScanPhase stored_phase(wire::ScanPhase phase) {
   return ScanPhase::kFailed;
 }
 
-wire::ScanPhase wire_phase(ScanPhase phase) {
-  switch (phase) {
-    case ScanPhase::kRunning: return wire::ScanPhase::kRunning;
-    case ScanPhase::kFinished: return wire::ScanPhase::kFinished;
-    case ScanPhase::kFailed: return wire::ScanPhase::kFailed;
-    case ScanPhase::kInterrupted: return wire::ScanPhase::kInterrupted;
-  }
-  return wire::ScanPhase::kFailed;
-}
-
-bool resume_token_fits(const std::string& token, const std::string& sha256) {
-  return !sha256.empty() && tokens_equal(sha256_hex(token), sha256);
-}
-
 // From the end of its waiting in the queue.
 double work_s_of(const FrameOutcome& outcome) {
   double work_ms = 0;
@@ -57,17 +39,15 @@ double work_s_of(const FrameOutcome& outcome) {
   return work_ms / 1000;
 }
 
-Error wrong_resume_token() { return {ErrorCode::kUnauthorized, "resume_scan.resume_token is not the one of this scan"}; }
-
 }  // namespace
 
-Scans::Scans(ScansOptions options, const DataDirectory& data, Store& store, Blobs& blobs, Metrics& metrics,
-             const LogReaders::Threads& threads)
+Scans::Scans(ScansOptions options, const Storage& storage, Metrics& metrics, const LogReaders::Threads& threads)
     : options_(std::move(options)),
-      data_(data),
-      store_(store),
+      storage_(storage),
+      data_(storage.data),
+      store_(storage.store),
       metrics_(metrics),
-      blobs_(blobs),
+      blobs_(storage.blobs),
       post_(threads.network),
       background_(threads.background),
       places_(options_.places),
@@ -233,32 +213,10 @@ Result<ResumedScan> Scans::resume(const wire::ResumeScan& request) {
     return row.ok() ? last_words(*row, request) : row.error();
   }
   const std::shared_ptr<LiveScan> scan = running->second;
-  if (!resume_token_fits(request.resume_token, scan->resume_token_sha256())) return wrong_resume_token();
+  if (Status status = check_resume_token(request.resume_token, scan->resume_token_sha256()); !status.ok()) return status.error();
   const Result<wire::Resumed> resumed = scan->resume(request.next_sequence);
   if (!resumed.ok()) return resumed.error();
   return ResumedScan{scan, wire::max_frame_message_bytes(scan->audience().info().camera), *resumed, {}};
-}
-
-// For a camera that was away when its scan ended.
-Result<ResumedScan> Scans::last_words(const ScanRow& row, const wire::ResumeScan& request) {
-  FrameLogReader log(data_.log_folder(row.id));
-  const Result<std::optional<LogRecord>> terms = log.next(), start = log.next();
-  if (!terms.ok() || !start.ok() || !*terms || !*start) return Error{ErrorCode::kNotFound, "the scan has ended, and its log is gone"};
-  const Result<ScanRecord> record = parse_scan_record((*terms)->payload, (*start)->payload);
-  if (!record.ok()) return record.error();
-  if (!resume_token_fits(request.resume_token, record->resume_token_sha256)) return wrong_resume_token();
-  if (row.phase != ScanPhase::kFinished)
-    return Error{ErrorCode::kNotFound, std::string("the scan is ") + name_of(row.phase) + ": " + row.words};
-  ResumedScan found;
-  const auto received = static_cast<std::uint64_t>(row.frames_received);
-  found.resumed = {received, received, received};
-  wire::ScanState state{wire::ScanPhase::kFinished, row.words, received, static_cast<std::uint64_t>(row.frames_processed),
-                        static_cast<std::uint64_t>(row.frames_dropped)};
-  read_map_counts(blobs_, row.id, state);
-  Result<wire::Finished> results = read_results(blobs_, row.id);
-  if (!results.ok()) return results.error();
-  found.last_words = {found.resumed, std::move(state), *std::move(results)};
-  return found;
 }
 
 void Scans::ended(const ScanRow& started, const ScanEnd& end) {
@@ -284,6 +242,7 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
            fmt::format("scan {} {}: {} frames received, {} processed, {} dropped{}{}", row.id, name_of(row.phase), row.frames_received,
                        row.frames_processed, row.frames_dropped, row.words.empty() ? "" : "; ", row.words));
   metrics_.scan_ended(name_of(row.phase));
+  storage_.quota.scan_ended();
   device_failed_ = end.phase == wire::ScanPhase::kFailed && end.error.code == ErrorCode::kDevice;
   const FrameCounts& counts = running->second->counts();
   ended_counts_.received += counts.received;
@@ -305,25 +264,6 @@ ScanRow Scans::with_counts(ScanRow row) const {
   return row;
 }
 
-Result<std::shared_ptr<Audience>> Scans::watch(const std::string& scan_id) {
-  if (const auto running = running_.find(scan_id); running != running_.end()) return running->second->shared_audience();
-  std::erase_if(read_again_, [](const auto& entry) { return entry.second.expired(); });
-  if (const auto known = read_again_.find(scan_id); known != read_again_.end()) return known->second.lock();
-  const Result<ScanRow> row = find(scan_id);
-  if (!row.ok()) return row.error();
-  if (row->phase == ScanPhase::kRunning)
-    return Error{ErrorCode::kBusy, "the scan does not run again yet after a start of the server; try again later"};
-  auto audience = std::make_shared<Audience>(SceneInfo{row->id, row->title, row->camera});
-  show_results(blobs_, scan_id, *audience);
-  wire::ScanState state{wire_phase(row->phase), row->words, static_cast<std::uint64_t>(row->frames_received),
-                        static_cast<std::uint64_t>(row->frames_processed), static_cast<std::uint64_t>(row->frames_dropped)};
-  read_map_counts(blobs_, scan_id, state);
-  audience->show_state(state);
-  audience->close();
-  read_again_[scan_id] = audience;
-  return audience;
-}
-
 Result<std::vector<ScanRow>> Scans::list() {
   Result<std::vector<ScanRow>> rows = store_.list();
   if (!rows.ok()) return rows;
@@ -336,37 +276,6 @@ Result<ScanRow> Scans::find(const std::string& scan_id) {
   Result<ScanRow> row = store_.find(scan_id);
   if (!row.ok()) return row;
   return with_counts(*std::move(row));
-}
-
-Status Scans::remove(const std::string& scan_id) {
-  if (running_.contains(scan_id)) return Error{ErrorCode::kBusy, "scan " + scan_id + " is running"};
-  const Result<ScanRow> row = find(scan_id);
-  if (!row.ok()) return row.error();
-  if (row->phase == ScanPhase::kRunning)
-    return Error{ErrorCode::kBusy, "scan " + scan_id + " is to go on: cancel its job, or try again later"};
-  if (Status status = remove_files(scan_id); !status.ok()) return status;
-  read_again_.erase(scan_id);
-  return store_.remove(scan_id);
-}
-
-Result<std::uint64_t> Scans::size_of_result(const std::string& scan_id, const std::string& name) {
-  if (Result<ScanRow> row = find(scan_id); !row.ok()) return row.error();
-  const bool running = running_.contains(scan_id);
-  const Result<std::uint64_t> size_bytes = running ? Error{ErrorCode::kNotFound, ""} : blobs_.size_bytes(scan_id, name);
-  if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound) return size_bytes;
-  return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + name + (running ? " yet" : "")};
-}
-
-void Scans::remove_old_logs() {
-  old_logs_removed_at_ = LiveScan::Clock::now();
-  const Result<std::vector<ScanRow>> rows = store_.list();
-  if (!rows.ok() || options_.keep_log_days == 0) return;
-  const std::int64_t oldest_ms = unix_now_ms() - options_.keep_log_days * kDay_ms;
-  for (const ScanRow& row : *rows)
-    if (row.phase != ScanPhase::kRunning && row.finished_at_ms < oldest_ms)
-      background_([&data = data_, id = row.id] {
-        if (Status status = data.remove_log_folder(id); !status.ok()) spdlog::warn("{}", status.error().message);
-      });
 }
 
 std::vector<double> Scans::remaining_s() const {
@@ -382,6 +291,7 @@ std::vector<double> Scans::remaining_s() const {
 void Scans::tick(LiveScan::Clock::time_point now) {
   for (const auto& [id, scan] : running_) scan->tick(now);
   logs_.tick(now);
+  storage_.quota.tick(now);
   if (now - told_to_wait_at_ >= kWaitingPeriod) {
     told_to_wait_at_ = now;
     if (places_.waiting_count() > 0) places_.tell(remaining_s());

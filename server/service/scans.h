@@ -19,9 +19,7 @@
 #include "server/service/metrics.h"
 #include "server/service/places.h"
 #include "server/service/scan_record.h"
-#include "server/store/blobs.h"
-#include "server/store/data_directory.h"
-#include "server/store/store.h"
+#include "server/service/storage.h"
 
 namespace hermite {
 
@@ -35,7 +33,6 @@ struct ScansOptions {
   int gpu_memory_mb = 0;                             // of all scans together, in equal shares; 0: as much as there is
   std::chrono::milliseconds resume_window{120'000};  // so long a scan waits for its lost camera
   int keep_log_days = 7;                             // after the end of a scan; 0: for ever
-  std::uint64_t storage_bytes = 0;                   // for the files of all scans and uploads; 0: as much as there is
   std::chrono::milliseconds checkpoint_period{0};    // of scans that run; 0: none are written
 };
 
@@ -70,9 +67,9 @@ class Scans {
   using Post = LogReaders::Post;
 
   // Goes on with the scans that an earlier server left running, from their frame logs; those without a usable one are interrupted. The
-  // logs are read in the background, that of the oldest scan first. `data`, `store`, `blobs` and `metrics` outlive this. Throws SetupError
+  // logs are read in the background, that of the oldest scan first. What is in `storage`, and `metrics`, outlive this. Throws SetupError
   // when the store cannot.
-  Scans(ScansOptions options, const DataDirectory& data, Store& store, Blobs& blobs, Metrics& metrics, const LogReaders::Threads& threads);
+  Scans(ScansOptions options, const Storage& storage, Metrics& metrics, const LogReaders::Threads& threads);
 
   // Cameras wait there for a scan of theirs to begin.
   Places& places() { return places_; }
@@ -137,6 +134,9 @@ class Scans {
   ScanEvents worker_events(const Launch& launch);
   FrameLogEvents log_events(const Launch& launch) const;
   std::shared_ptr<LiveScan> run(const Launch& launch, FrameLog::Opened opened);
+  void ended(const ScanRow& row, const ScanEnd& end);
+  ScanRow with_counts(ScanRow row) const;
+  std::vector<double> remaining_s() const;  // of the scans that run, as Places::tell() wants it
   // scans_left.cpp
   struct LeftScan {
     Launch launch;
@@ -146,14 +146,13 @@ class Scans {
   Status run_left(LeftScan left);
   void interrupt_left(ScanRow row, const Error& why);
   void drop_left(const std::string& scan_id);
-  Status remove_files(const std::string& scan_id);
-  void remove_old_logs();
-  std::vector<double> remaining_s() const;  // of the scans that run, as Places::tell() wants it
+  // scans_ended.cpp
   Result<ResumedScan> last_words(const ScanRow& row, const wire::ResumeScan& request);
-  void ended(const ScanRow& row, const ScanEnd& end);
-  ScanRow with_counts(ScanRow row) const;
+  void remove_old_logs();
+  void remove_old_logs_of(const std::vector<std::string>& scan_ids);
 
   const ScansOptions options_;
+  const Storage storage_;
   const DataDirectory& data_;
   Store& store_;
   Metrics& metrics_;

@@ -60,9 +60,4 @@ void Scans::drop_left(const std::string& scan_id) {
   places_.ended(scan_id);
 }
 
-Status Scans::remove_files(const std::string& scan_id) {
-  if (Status status = blobs_.remove(scan_id); !status.ok()) return status;
-  return data_.remove_scan_folder(scan_id);
-}
-
 }  // namespace hermite

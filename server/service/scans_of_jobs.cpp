@@ -9,14 +9,11 @@
 namespace hermite {
 
 Status Scans::check_storage(const std::string& except_upload_id) const {
-  if (options_.storage_bytes == 0) return Done{};
-  const Result<std::uint64_t> stored_bytes = data_.stored_bytes(except_upload_id);
-  if (!stored_bytes.ok()) return stored_bytes.error();
-  if (*stored_bytes >= options_.storage_bytes)
-    return Error{ErrorCode::kBusy, "the scans and uploads on this server take " + std::to_string(*stored_bytes / 1'000'000) +
-                                       " MB of the " + std::to_string(options_.storage_bytes / 1'000'000) +
-                                       " MB that they may take: delete some"};
-  return Done{};
+  if (!storage_.quota.has_limit()) return Done{};
+  const Result<std::uint64_t> upload_bytes = data_.uploads_bytes(except_upload_id);
+  if (!upload_bytes.ok()) return upload_bytes.error();
+  // How long a scan will be nobody knows: it begins while there is any room.
+  return storage_.quota.check(*upload_bytes, 1);
 }
 
 // Behind the cameras that wait, and not where it would take frames from a live one. What was left has its place already.
@@ -39,7 +36,7 @@ Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, co
   if (read.empty() || !run_left(std::move(read.mapped())).ok()) {
     // Of a start that came no further than its folder, or of a scan that failed with the server.
     places_.ended(scan_id);
-    if (Status status = remove_files(scan_id); !status.ok()) return status.error();
+    if (Status status = remove_files_of_scan(storage_, scan_id); !status.ok()) return status.error();
     if (row.ok())
       if (Status status = store_.remove(scan_id); !status.ok()) return status.error();
     // Nobody has this token, but what can be resumed is left running for the next server.
@@ -56,7 +53,7 @@ Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, co
 void Scans::remove_unwanted(const std::string& scan_id) {
   CHECK(!running_.contains(scan_id), "a scan that runs is discarded");
   drop_left(scan_id);
-  if (const Status removed = remove_files(scan_id); !removed.ok()) spdlog::warn("{}", removed.error().message);
+  if (const Status removed = remove_files_of_scan(storage_, scan_id); !removed.ok()) spdlog::warn("{}", removed.error().message);
   read_again_.erase(scan_id);
   const Status removed = store_.remove(scan_id);
   if (!removed.ok() && removed.error().code != ErrorCode::kNotFound) spdlog::warn("{}", removed.error().message);

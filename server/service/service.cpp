@@ -25,10 +25,12 @@
 #include "server/service/gate.h"
 #include "server/service/http_connection.h"
 #include "server/service/logging.h"
+#include "server/service/orphans.h"
 #include "server/service/rate_limit.h"
 #include "server/service/scans.h"
-#include "server/service/settings.h"
+#include "server/service/service_setup.h"
 #include "server/service/static_files.h"
+#include "server/service/storage.h"
 #include "server/service/store_watch.h"
 #include "server/store/data_directory.h"
 #include "server/store/file_blobs.h"
@@ -53,94 +55,8 @@ constexpr std::chrono::milliseconds kStopCheck(20);
 constexpr std::chrono::milliseconds kTick(250);             // how exactly waits are ended that are given in seconds
 constexpr std::chrono::milliseconds kGoodbyePatience(500);  // for last messages to leave
 constexpr std::size_t kDiskThreads = 2;                     // uploads and results wait for disks, not for processors
-
-ServiceOptions checked(const ServiceOptions& options) {
-  if (const Status status = check(options); !status.ok()) throw SetupError(status.error());
-  return options;
-}
-
-ListenAddress checked_address(const ServiceOptions& options) {
-  const ListenAddress address = or_throw(parse_listen_address(options.listen));
-  const bool protected_somehow = !options.tls_certificate.empty() || !options.trusted_proxies.empty() || options.insecure_listen;
-  if (!is_loopback(address) && !protected_somehow)
-    throw SetupError({ErrorCode::kInvalidArgument,
-                      "--listen " + options.listen +
-                          " is reachable from other machines and the connection is not encrypted: give --tls-certificate and --tls-key, or "
-                          "name the proxy that ends TLS with --trusted-proxy, or listen on 127.0.0.1, or add --insecure-i-know"});
-  return address;
-}
-
-// None: off.
-std::optional<ListenAddress> checked_admin_address(const ServiceOptions& options) {
-  if (options.admin_listen == "off") return std::nullopt;
-  const Result<ListenAddress> address = parse_listen_address(options.admin_listen);
-  if (!address.ok()) throw SetupError(in_context("--admin-listen", address.error()));
-  if (!is_loopback(*address) && !options.insecure_listen)
-    throw SetupError({ErrorCode::kInvalidArgument,
-                      "--admin-listen " + options.admin_listen +
-                          " is reachable from other machines, and whoever reaches it needs no token: take a loopback address, or add "
-                          "--insecure-i-know"});
-  return *address;
-}
-
-std::vector<Network> proxies_of(const ServiceOptions& options) {
-  std::vector<Network> networks;
-  for (const std::string& text : options.trusted_proxies) {
-    const Result<Network> network = parse_network(text);
-    if (!network.ok()) throw SetupError(in_context("--trusted-proxy", network.error()));
-    networks.push_back(*network);
-  }
-  return networks;
-}
-
-TlsContext tls_of(const ServiceOptions& options) {
-  return options.tls_certificate.empty() ? nullptr : or_throw(server_tls(options.tls_certificate, options.tls_key));
-}
-
-ScansOptions scans_options(const ServiceOptions& options) {
-  return {options.device,
-          {options.max_scans, options.scans_per_token, options.live_rate_hz},
-          static_cast<std::uint32_t>(options.credit_window),
-          options.gpu_memory_mb,
-          std::chrono::seconds(options.resume_window_s),
-          options.keep_log_days,
-          static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000,
-          std::chrono::milliseconds(options.checkpoint_period_ms)};
-}
-
-UploadLimits upload_limits(const ServiceOptions& options) {
-  constexpr std::int64_t kGigabyte = 1'000'000'000;
-  return {options.max_upload_gb * kGigabyte, options.uploads_per_token_gb * kGigabyte,
-          static_cast<std::uint64_t>(options.min_free_disk_mb) * 1'000'000, static_cast<std::uint64_t>(options.storage_gb * kGigabyte),
-          options.keep_upload_hours * 3'600'000LL};
-}
-
-AllowedHosts allowed_hosts(const ServiceOptions& options, const ListenAddress& address) {
-  AllowedHosts hosts = default_hosts();
-  hosts.push_back(address.host.find(':') == std::string::npos ? address.host : "[" + address.host + "]");
-  hosts.insert(hosts.end(), options.allow_hosts.begin(), options.allow_hosts.end());
-  return hosts;
-}
-
-// The service works without its viewer: cameras do not need it.
-StaticFiles viewer_files(const std::string& folder) {
-  Result<StaticFiles> files = read_static_files(folder);
-  if (files.ok()) return *std::move(files);
-  spdlog::warn("no web viewer: {}", files.error().message);
-  return {};
-}
-
-tcp::acceptor open_port(asio::io_context& context, const ListenAddress& address) {
-  error_code error;
-  const tcp::endpoint endpoint(asio::ip::make_address(address.host, error), address.port);
-  tcp::acceptor acceptor(context);
-  if (!error) acceptor.open(endpoint.protocol(), error);
-  if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-  if (!error) acceptor.bind(endpoint, error);
-  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (error) throw SetupError({ErrorCode::kIo, "listening on " + url_of(address) + ": " + error.message()});
-  return acceptor;
-}
+// Old logs are removed and files added up while others are read.
+constexpr std::size_t kBackgroundThreads = kMaxLogsRead + 1;
 
 }  // namespace
 
@@ -167,6 +83,8 @@ struct Service::Impl {
   Gate gate;
   CountLimit connections, admin_connections{kMaxAdminConnections, kMaxAdminConnections};
   RateLimit requests;
+  std::unique_ptr<Waste> waste;
+  std::unique_ptr<StorageQuota> quota;
   std::unique_ptr<Scans> scans;
   std::unique_ptr<Batch> batch;
   std::unique_ptr<HttpWorld> world;
@@ -184,7 +102,7 @@ struct Service::Impl {
   std::optional<tcp::acceptor> acceptor, admin_acceptor;
   asio::signal_set signals{context};
   asio::steady_timer watchdog{context}, drained{context};
-  asio::thread_pool log_readers{kMaxLogsRead};
+  asio::thread_pool background{kBackgroundThreads};
   asio::thread_pool disk{kDiskThreads};  // last: its work refers to connections
 
   explicit Impl(const ServiceOptions& service_options)
@@ -201,10 +119,15 @@ struct Service::Impl {
         requests(options.requests_per_second, 2.0 * options.requests_per_second) {
     token_works = gate.install_first_token(data.token(), unix_now_ms());
     const auto post = [this](std::function<void()> action) { asio::post(context, std::move(action)); };
-    const auto read = [this](std::function<void()> action) { asio::post(log_readers, std::move(action)); };
-    if (const Status recovered = recover_batch(data, store, blobs); !recovered.ok()) throw SetupError(recovered.error());
-    scans = std::make_unique<Scans>(scans_options(options), data, store, blobs, metrics, LogReaders::Threads{post, read});
-    batch = std::make_unique<Batch>(options.job_workers, upload_limits(options), data, store, *scans, post);
+    const LogReaders::Threads threads{post, [this](std::function<void()> action) { asio::post(background, std::move(action)); }};
+    clear_orphans(data, store, unix_now_ms());
+    waste = std::make_unique<Waste>(data, threads.background);
+    quota = std::make_unique<StorageQuota>(
+        static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000, [this] { return data.scan_sizes(); }, threads);
+    const Storage storage{data, store, blobs, *waste, *quota};
+    if (const Status recovered = recover_batch(storage); !recovered.ok()) throw SetupError(recovered.error());
+    scans = std::make_unique<Scans>(scans_options(options), storage, metrics, threads);
+    batch = std::make_unique<Batch>(options.job_workers, upload_limits(options), storage, *scans, post);
     world = std::make_unique<HttpWorld>(HttpWorld{*scans, store, gate, files, metrics, batch->uploads(), batch->executor()});
     site = std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer(*world, request); },
                                        allowed_hosts(options, address), metrics, world.get(), proxies_of(options),

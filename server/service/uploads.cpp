@@ -3,7 +3,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <utility>
 
 #include "core/base/check.h"
@@ -81,8 +80,8 @@ void UploadWriter::give_up() {
   if (const std::function<void()> run = std::exchange(on_unwanted_, nullptr)) run();
 }
 
-Uploads::Uploads(UploadLimits limits, const DataDirectory& data, Store& store, std::function<Status(const UploadRow&)> complete)
-    : limits_(limits), data_(data), store_(store), complete_(std::move(complete)) {
+Uploads::Uploads(UploadLimits limits, const Storage& storage, std::function<Status(const UploadRow&)> complete)
+    : limits_(limits), storage_(storage), data_(storage.data), store_(storage.store), complete_(std::move(complete)) {
   const Result<std::vector<UploadRow>> rows = store_.list_uploads();
   if (!rows.ok()) throw SetupError(rows.error());
   for (const UploadRow& row : *rows) {
@@ -91,12 +90,6 @@ Uploads::Uploads(UploadLimits limits, const DataDirectory& data, Store& store, s
     if (!size_bytes.ok() && size_bytes.error().code == ErrorCode::kNotFound) forget(row.id);
     if (!size_bytes.ok() || *size_bytes != row.length_bytes) continue;
     if (const Status told = complete_(row); !told.ok()) spdlog::warn("upload {}: {}", row.id, told.error().message);
-  }
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(data_.uploads_folder(), error)) {
-    const std::string name = entry.path().filename().string();
-    if (!is_scan_id(name) || store_.upload(name).ok()) continue;
-    if (const Status removed = remove_upload_file(data_.upload_path(name)); !removed.ok()) spdlog::warn("{}", removed.error().message);
   }
 }
 
@@ -138,18 +131,11 @@ Status Uploads::check_room(std::int64_t more_bytes, const std::string& except_id
 
 // What is there, and what others were promised and have not sent yet.
 Status Uploads::check_storage(std::int64_t more_bytes, const std::string& except_id, const std::vector<UploadRow>& rows) const {
-  if (limits_.storage_bytes == 0) return Done{};
-  const Result<std::uint64_t> stored_bytes = data_.stored_bytes(except_id);
-  if (!stored_bytes.ok()) return stored_bytes.error();
-  auto held_bytes = static_cast<std::int64_t>(*stored_bytes);
-  for (const UploadRow& row : rows) {
-    const std::int64_t size_bytes = size_of(row.id);
-    if (row.id != except_id) held_bytes += claimed_bytes(row, size_bytes) - size_bytes;
-  }
-  if (held_bytes + more_bytes <= static_cast<std::int64_t>(limits_.storage_bytes)) return Done{};
-  return Error{ErrorCode::kBusy, "the scans and uploads on this server take " + megabytes(held_bytes) + " of the " +
-                                     megabytes(static_cast<std::int64_t>(limits_.storage_bytes)) +
-                                     " that they may take: delete some, or wait until jobs have ended"};
+  if (!storage_.quota.has_limit()) return Done{};
+  std::int64_t held_bytes = 0;
+  for (const UploadRow& row : rows)
+    if (row.id != except_id) held_bytes += claimed_bytes(row, size_of(row.id));
+  return storage_.quota.check(static_cast<std::uint64_t>(held_bytes), static_cast<std::uint64_t>(more_bytes));
 }
 
 Result<UploadState> Uploads::create(std::int64_t length_bytes, const std::string& metadata, const Grant& grant, std::int64_t now_ms) {
@@ -162,7 +148,7 @@ Result<UploadState> Uploads::create(std::int64_t length_bytes, const std::string
     if (Status status = check_room(length_bytes, "", grant); !status.ok()) return status.error();
     state.row.length_bytes = length_bytes;
   }
-  // A file without a row is removed at the next start; a row without a file would be a promise.
+  // A file without a row is out of the way after the next start (orphans.h); a row without a file would be a promise.
   const Result<UploadFile> file = UploadFile::create(data_.upload_path(state.row.id));
   if (!file.ok()) return file.error();
   if (Status status = store_.add_upload(state.row); !status.ok()) {
@@ -256,7 +242,7 @@ bool Uploads::has_waiting_job(const std::string& id) {
 Status Uploads::remove(const std::string& id, const Grant& grant, std::int64_t now_ms) {
   if (const Result<UploadState> found = find(id, grant, now_ms); !found.ok()) return found.error();
   if (has_waiting_job(id)) return Error{ErrorCode::kBusy, "a job works on this upload: cancel that first"};
-  if (Status status = remove_upload_file(data_.upload_path(id)); !status.ok()) return status;
+  if (Status status = storage_.waste.remove_upload(id); !status.ok()) return status;
   return store_.remove_upload(id);
 }
 
@@ -270,7 +256,7 @@ Result<std::vector<UploadState>> Uploads::list(const Grant& grant) {
 }
 
 void Uploads::forget(const std::string& id) {
-  if (const Status removed = remove_upload_file(data_.upload_path(id)); !removed.ok()) spdlog::warn("{}", removed.error().message);
+  if (const Status removed = storage_.waste.remove_upload(id); !removed.ok()) spdlog::warn("{}", removed.error().message);
   const Status removed = store_.remove_upload(id);
   if (!removed.ok() && removed.error().code != ErrorCode::kNotFound) spdlog::warn("{}", removed.error().message);
 }

@@ -17,9 +17,8 @@
 
 #include "core/base/result.h"
 #include "server/service/gate.h"
+#include "server/service/storage.h"
 #include "server/service/tus.h"
-#include "server/store/data_directory.h"
-#include "server/store/store.h"
 #include "server/store/upload_file.h"
 
 namespace hermite {
@@ -28,7 +27,6 @@ struct UploadLimits {
   std::int64_t upload_bytes = std::int64_t{20} << 30;
   std::int64_t token_bytes = std::int64_t{20} << 30;  // of all uploads of one token that may not administer; 0: as much as there is
   std::uint64_t min_free_disk_bytes = 0;              // that must remain
-  std::uint64_t storage_bytes = 0;                    // for the files of all scans and uploads together; 0: as much as there is
   std::int64_t keep_ms = 24LL * 3600 * 1000;          // after something has happened with it last
 };
 
@@ -80,9 +78,9 @@ class UploadWriter {
 
 class Uploads {
  public:
-  // Takes back what a dead server has not checked, syncs all files, and removes those without a row. `complete` is told of uploads that
-  // are whole, after a start once more of those that were before. Throws SetupError.
-  Uploads(UploadLimits limits, const DataDirectory& data, Store& store, std::function<Status(const UploadRow&)> complete);
+  // Takes back what a dead server has not checked, and syncs all files. `complete` is told of uploads that are whole, after a start once
+  // more of those that were before. What is in `storage` outlives this. Throws SetupError.
+  Uploads(UploadLimits limits, const Storage& storage, std::function<Status(const UploadRow&)> complete);
 
   // kTooLarge: more than an upload may have. kBusy: a quota or the disk is used up, in words.
   Result<UploadState> create(std::int64_t length_bytes, const std::string& metadata, const Grant& grant, std::int64_t now_ms);
@@ -119,6 +117,7 @@ class Uploads {
   std::int64_t size_of(const std::string& id) const;
 
   const UploadLimits limits_;
+  const Storage storage_;
   const DataDirectory& data_;
   Store& store_;
   const std::function<Status(const UploadRow&)> complete_;

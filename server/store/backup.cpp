@@ -49,10 +49,11 @@ Status flush_to_disk(const fs::path& path) {
   return done ? Status(Done{}) : Status(io_error("writing " + path.string(), error));
 }
 
-// Of a server that runs, of what its jobs have unpacked, and of the database, which is copied another way.
+// Of a server that runs, of what its jobs have unpacked, what nobody wants or knows, and of the database, which is copied another way.
 bool is_left_out(const fs::path& relative) {
   static const std::set<std::string> names{"lock", "hermite.db", "hermite.db-wal", "hermite.db-shm"};
-  return names.contains(relative.string()) || *relative.begin() == "jobs";
+  static const std::set<std::string> folders{"jobs", "waste", "lost"};
+  return names.contains(relative.string()) || folders.contains(relative.begin()->string());
 }
 
 Status copy_file(const fs::path& from, const fs::path& to, BackupSummary& summary) {

@@ -7,9 +7,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "core/base/check.h"
 #include "server/store/scan_id.h"
@@ -68,6 +71,40 @@ std::string read_or_create_token(const std::string& path) {
   return token;
 }
 
+namespace fs = std::filesystem;
+
+// Of all regular files, however deep. What goes between its listing and now does not count.
+Result<std::uint64_t> bytes_below(const std::string& folder) {
+  std::uint64_t total = 0;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code gone;
+    const std::uintmax_t bytes = fs::is_regular_file(entry->symlink_status(gone)) ? entry->file_size(gone) : 0;
+    if (!gone) total += bytes;
+  }
+  // A scan may be removed while somebody counts.
+  if (error && error != std::errc::no_such_file_or_directory)
+    return Error{ErrorCode::kIo, "adding up the files in " + folder + ": " + error.message()};
+  return total;
+}
+
+Result<std::vector<std::string>> ids_in(const std::string& folder, fs::file_type type) {
+  std::vector<std::string> ids;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::string name = entry->path().filename();
+    std::error_code gone;
+    if (is_scan_id(name) && entry->symlink_status(gone).type() == type) ids.push_back(std::move(name));
+  }
+  if (error) return Error{ErrorCode::kIo, "reading " + folder + ": " + error.message()};
+  return ids;
+}
+
+fs::file_time_type file_time(std::int64_t unix_ms) {
+  const std::chrono::sys_time<std::chrono::milliseconds> time{std::chrono::milliseconds(unix_ms)};
+  return std::chrono::file_clock::from_sys(time);
+}
+
 int take_lock(const std::string& path) {
   const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (descriptor < 0) throw io_failure("creating " + path);
@@ -93,9 +130,10 @@ DataDirectory::DataDirectory(const std::string& path) : path_(path) {
   if (error) throw SetupError({ErrorCode::kIo, "creating " + path_ + "/scans: " + error.message()});
   lock_file_ = take_lock(path_ + "/lock");
   try {
-    std::filesystem::remove_all(path_ + "/jobs", error);
-    for (const char* folder : {"/uploads", "/jobs"})
+    for (const char* folder : {"/waste", "/lost", "/lost/scans", "/lost/uploads", "/uploads"})
       if (mkdir((path_ + folder).c_str(), 0700) != 0 && errno != EEXIST) throw io_failure("creating " + path_ + folder);
+    or_throw(discard(path_ + "/jobs"));
+    if (mkdir((path_ + "/jobs").c_str(), 0700) != 0) throw io_failure("creating " + path_ + "/jobs");
     token_ = read_or_create_token(path_ + "/token");
   } catch (...) {
     close(lock_file_);  // no destructor runs for a constructor that throws
@@ -130,21 +168,114 @@ Status DataDirectory::publish_address(const std::string& url) const {
   return Done{};
 }
 
-Result<std::uint64_t> DataDirectory::stored_bytes(const std::string& except_upload_id) const {
-  namespace fs = std::filesystem;
-  const fs::path left_out = except_upload_id.empty() ? fs::path() : fs::path(upload_path(except_upload_id));
+Result<std::map<std::string, std::uint64_t>> DataDirectory::scan_sizes() const {
+  const Result<std::vector<std::string>> ids = scan_ids();
+  if (!ids.ok()) return ids.error();
+  std::map<std::string, std::uint64_t> sizes;
+  for (const std::string& id : *ids) {
+    const Result<std::uint64_t> bytes = bytes_below(scan_folder(id));
+    if (!bytes.ok()) return bytes.error();
+    sizes[id] = *bytes;
+  }
+  return sizes;
+}
+
+Result<std::uint64_t> DataDirectory::uploads_bytes(const std::string& except_upload_id) const {
+  const Result<std::vector<std::string>> ids = upload_ids();
+  if (!ids.ok()) return ids.error();
   std::uint64_t total = 0;
-  for (const std::string& folder : {path_ + "/scans", uploads_folder()}) {
-    std::error_code error;
-    for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-      std::error_code gone;  // between its listing and now: not counted
-      const bool file = entry->is_regular_file(gone) && !entry->is_symlink(gone) && entry->path() != left_out;
-      const std::uintmax_t bytes = file && !gone ? entry->file_size(gone) : 0;
-      if (!gone) total += bytes;
-    }
-    if (error) return Error{ErrorCode::kIo, "adding up the files in " + folder + ": " + error.message()};
+  for (const std::string& id : *ids) {
+    std::error_code gone;
+    const std::uintmax_t bytes = id == except_upload_id ? 0 : fs::file_size(upload_path(id), gone);
+    if (!gone) total += bytes;
   }
   return total;
+}
+
+Result<std::vector<std::string>> DataDirectory::scan_ids() const { return ids_in(scans_folder(), fs::file_type::directory); }
+
+Result<std::vector<std::string>> DataDirectory::logged_scan_ids() const {
+  Result<std::vector<std::string>> ids = scan_ids();
+  if (ids.ok())
+    std::erase_if(*ids, [this](const std::string& id) {
+      std::error_code gone;
+      return !fs::is_directory(fs::symlink_status(log_folder(id), gone));
+    });
+  return ids;
+}
+
+Result<std::vector<std::string>> DataDirectory::upload_ids() const { return ids_in(uploads_folder(), fs::file_type::regular); }
+
+int DataDirectory::remove_unfinished_files(const std::string& scan_id) const {
+  int count = 0;
+  std::error_code error;
+  std::vector<fs::path> found;
+  for (fs::directory_iterator entry(scan_folder(scan_id), error), end; !error && entry != end; entry.increment(error))
+    if (std::error_code gone; entry->path().extension() == ".tmp" && fs::is_regular_file(entry->symlink_status(gone)))
+      found.push_back(entry->path());
+  for (const fs::path& path : found) count += fs::remove(path, error) ? 1 : 0;
+  return count;
+}
+
+Result<std::string> DataDirectory::discard(const std::string& path) const {
+  const std::string name = new_scan_id();
+  if (rename(path.c_str(), (path_ + "/waste/" + name).c_str()) == 0) return name;
+  if (errno == ENOENT) return std::string();
+  return Error{ErrorCode::kIo, "removing " + path + ": " + std::strerror(errno)};
+}
+
+Result<std::string> DataDirectory::discard_scan(const std::string& scan_id) const { return discard(scan_folder(scan_id)); }
+
+Result<std::string> DataDirectory::discard_upload(const std::string& upload_id) const { return discard(upload_path(upload_id)); }
+
+std::vector<std::string> DataDirectory::waste() const {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator entry(path_ + "/waste", error), end; !error && entry != end; entry.increment(error))
+    names.push_back(entry->path().filename());
+  return names;
+}
+
+Status DataDirectory::remove_waste(const std::string& name) const {
+  CHECK(is_scan_id(name), "a path from something that is no name of waste");
+  std::error_code error;
+  fs::remove_all(path_ + "/waste/" + name, error);
+  if (error) return Error{ErrorCode::kIo, "removing " + path_ + "/waste/" + name + ": " + error.message()};
+  return Done{};
+}
+
+Status DataDirectory::lose(const std::string& place, std::int64_t now_ms) const {
+  const std::string lost = path_ + "/lost/" + place;
+  std::error_code error;
+  // A rename would put it into the place of an empty folder, or of a file.
+  if (fs::exists(fs::symlink_status(lost, error))) return Error{ErrorCode::kIo, lost + " is there already"};
+  fs::rename(path_ + "/" + place, lost, error);
+  if (!error) fs::last_write_time(lost, file_time(now_ms), error);
+  if (error) return Error{ErrorCode::kIo, "moving " + place + " to lost/: " + error.message()};
+  return Done{};
+}
+
+Status DataDirectory::lose_scan(const std::string& scan_id, std::int64_t now_ms) const {
+  CHECK(is_scan_id(scan_id), "a path from something that is no scan id");
+  return lose("scans/" + scan_id, now_ms);
+}
+
+Status DataDirectory::lose_upload(const std::string& upload_id, std::int64_t now_ms) const {
+  CHECK(is_scan_id(upload_id), "a path from something that is no id");
+  return lose("uploads/" + upload_id, now_ms);
+}
+
+std::vector<std::string> DataDirectory::discard_lost(std::int64_t lost_before_ms) const {
+  std::vector<std::string> discarded;
+  for (const std::string kind : {"scans", "uploads"}) {
+    std::vector<fs::path> old;
+    std::error_code error;
+    for (fs::directory_iterator entry(path_ + "/lost/" + kind, error), end; !error && entry != end; entry.increment(error))
+      if (std::error_code gone; fs::last_write_time(entry->path(), gone) < file_time(lost_before_ms) && !gone) old.push_back(entry->path());
+    for (const fs::path& path : old)
+      if (discard(path).ok()) discarded.push_back("lost/" + kind + "/" + path.filename().string());
+  }
+  return discarded;
 }
 
 std::string DataDirectory::upload_path(const std::string& upload_id) const {

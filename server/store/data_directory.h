@@ -8,10 +8,14 @@
 //   scans/ID/checkpoint.bin  of one that runs: what it has come to (checkpoint_file.h)
 //   uploads/ID    the bytes of an upload, as far as they have come
 //   jobs/ID/      what a running job has unpacked; empty at every start
+//   waste/        what was removed, until the disk has let go of it
+//   lost/         scans/ID and uploads/ID that no row knew at a start (orphans.h)
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
+#include <vector>
 
 #include "core/base/result.h"
 
@@ -33,9 +37,11 @@ class DataDirectory {
   // Writes where this server listens into the lock file, for programs beside it.
   Status publish_address(const std::string& url) const;
 
-  // Bytes of all files of all scans and uploads, those of `except_upload_id` left out. What running jobs have unpacked goes with them and
-  // does not count. kIo.
-  Result<std::uint64_t> stored_bytes(const std::string& except_upload_id = "") const;
+  // Bytes of all files of each scan, by its id. Looks at every file: not for a thread that others wait for. kIo.
+  Result<std::map<std::string, std::uint64_t>> scan_sizes() const;
+
+  // Bytes of all uploads but that one. Quick: they are few (kMaxUploads). kIo.
+  Result<std::uint64_t> uploads_bytes(const std::string& except_upload_id = "") const;
 
   // `scan_id` must be one (is_scan_id); a path is made of nothing else.
   std::string scans_folder() const { return path_ + "/scans"; }
@@ -52,10 +58,33 @@ class DataDirectory {
   Status create_job_folder(const std::string& job_id) const;
   Status remove_job_folder(const std::string& job_id) const;  // well, too, when there is none
 
+  // What is not wanted any more: out of the way at once, so that its id is free, while its bytes go with remove_waste() or in vain, if that
+  // never comes, with that of the next server. The name is what it is called as waste; empty: there was nothing. kIo.
+  Result<std::string> discard_scan(const std::string& scan_id) const;
+  Result<std::string> discard_upload(const std::string& upload_id) const;
+  std::vector<std::string> waste() const;              // names
+  Status remove_waste(const std::string& name) const;  // as long as a disk takes for gigabytes
+
+  // Ids that have a folder or a file, whether somebody knows them or not. kIo.
+  Result<std::vector<std::string>> scan_ids() const;
+  Result<std::vector<std::string>> logged_scan_ids() const;  // those that still have their frames
+  Result<std::vector<std::string>> upload_ids() const;
+  // What a death in the middle of writing has left beside the files of a scan. How many there were. While nobody writes there.
+  int remove_unfinished_files(const std::string& scan_id) const;
+
+  // Moves what nobody knows to lost/, from where a person may take it back. kIo, also when one of that id is lost already.
+  Status lose_scan(const std::string& scan_id, std::int64_t now_ms) const;
+  Status lose_upload(const std::string& upload_id, std::int64_t now_ms) const;
+  // Makes waste of what was lost before that time: its places, as a person knows them.
+  std::vector<std::string> discard_lost(std::int64_t lost_before_ms) const;
+
   // Bytes free for us in the file system of this folder. kIo.
   Result<std::uint64_t> free_disk_bytes() const;
 
  private:
+  Result<std::string> discard(const std::string& path) const;
+  Status lose(const std::string& place, std::int64_t now_ms) const;
+
   std::string path_;
   std::string token_;
   int lock_file_ = -1;

@@ -1,6 +1,8 @@
 // The part of SqliteStore that is about tokens and share links.
 #include <sqlite3.h>
 
+#include <initializer_list>
+
 #include "server/store/sqlite_connection.h"
 
 namespace hermite {
@@ -26,6 +28,18 @@ TokenRow row_of(const SQLite::Statement& query) {
 }
 
 Error no_token(const std::string& id) { return {ErrorCode::kNotFound, "there is no token or share link " + id}; }
+
+// `sql` changes the token of one id, its last parameter; the ones before are `values`.
+Status change_token(SQLite::Database& database, const char* sql, std::initializer_list<std::int64_t> values, const std::string& id) try {
+  SQLite::Statement change(database, sql);
+  int column = 0;
+  for (const std::int64_t value : values) change.bind(++column, value);
+  change.bind(++column, id);
+  if (change.exec() == 0) return no_token(id);
+  return Done{};
+} catch (const SQLite::Exception& failure) {
+  return database_error(failure);
+}
 
 }  // namespace
 
@@ -80,35 +94,17 @@ Result<std::vector<TokenRow>> SqliteStore::list_tokens() try {
   return database_error(failure);
 }
 
-Status SqliteStore::revoke_token(const std::string& id, std::int64_t now_ms) try {
-  // The time of the first revocation stays.
-  SQLite::Statement change(impl_->database, "UPDATE tokens SET revoked_at_ms = iif(revoked_at_ms = 0, ?, revoked_at_ms) WHERE id = ?");
-  change.bind(1, now_ms);
-  change.bind(2, id);
-  if (change.exec() == 0) return no_token(id);
-  return Done{};
-} catch (const SQLite::Exception& failure) {
-  return database_error(failure);
+// The time of the first revocation stays.
+Status SqliteStore::revoke_token(const std::string& id, std::int64_t now_ms) {
+  return change_token(impl_->database, "UPDATE tokens SET revoked_at_ms = iif(revoked_at_ms = 0, ?, revoked_at_ms) WHERE id = ?", {now_ms},
+                      id);
 }
 
-Status SqliteStore::touch_token(const std::string& id, std::int64_t now_ms) try {
-  SQLite::Statement change(impl_->database, "UPDATE tokens SET used_at_ms = ? WHERE id = ?");
-  change.bind(1, now_ms);
-  change.bind(2, id);
-  if (change.exec() == 0) return no_token(id);
-  return Done{};
-} catch (const SQLite::Exception& failure) {
-  return database_error(failure);
+Status SqliteStore::touch_token(const std::string& id, std::int64_t now_ms) {
+  return change_token(impl_->database, "UPDATE tokens SET used_at_ms = ? WHERE id = ?", {now_ms}, id);
 }
 
-Status SqliteStore::remove_token(const std::string& id) try {
-  SQLite::Statement change(impl_->database, "DELETE FROM tokens WHERE id = ?");
-  change.bind(1, id);
-  if (change.exec() == 0) return no_token(id);
-  return Done{};
-} catch (const SQLite::Exception& failure) {
-  return database_error(failure);
-}
+Status SqliteStore::remove_token(const std::string& id) { return change_token(impl_->database, "DELETE FROM tokens WHERE id = ?", {}, id); }
 
 Result<int> SqliteStore::forget_tokens(std::int64_t ended_before_ms) try {
   SQLite::Statement change(impl_->database,

@@ -14,54 +14,42 @@ import socket
 import struct
 import sys
 import tempfile
-import threading
 import time
 
-from programs import FRAMES, Camera, Server, argument_parser, check, failures, open_files
+from programs import FRAMES, Camera, Proxy, Server, argument_parser, check, failures, open_files
 
 
 # The upgrade and the hello have less. A camera that has not been told of its scan cannot come back to it, one that sends frames has.
 HELLO_BYTES = 4000
 
 
-class Proxy:
-    """Between one camera and the server. Cuts every connection once the first frame was on its way, while `cutting`."""
+class CuttingProxy(Proxy):
+    """Cuts every connection once the first frame was on its way, while `cutting`."""
 
     def __init__(self, port, rng):
-        self.server_port = port
         self.rng = rng
         self.cutting = True
         self.cuts = 0
-        self.upward_bytes = 0
-        self.listener = socket.create_server(("127.0.0.1", 0))
-        self.port = self.listener.getsockname()[1]
-        threading.Thread(target=self.accept, daemon=True).start()
+        super().__init__(port)
 
-    def accept(self):
-        while True:
-            try:
-                near, _ = self.listener.accept()
-            except OSError:
-                return
-            far = socket.create_connection(("127.0.0.1", self.server_port))
-            # A frame has about 18 kB here: between the upgrade and some 15 frames.
-            allowance = [self.rng.choice([300, 3_000, 50_000, 300_000]) * self.rng.uniform(0.5, 1)]
-            abrupt = self.rng.random() < 0.5
-            piece = self.rng.choice([1, 100, 65536])
-            for source, sink in ((near, far), (far, near)):
-                threading.Thread(target=self.forward, args=(source, sink, far, allowance, piece, abrupt), daemon=True).start()
+    def new_pair(self, near, far):
+        # A frame has about 18 kB here: between the upgrade and some 15 frames.
+        allowance = self.rng.choice([300, 3_000, 50_000, 300_000]) * self.rng.uniform(0.5, 1)
+        abrupt = self.rng.random() < 0.5
+        return {"far": far, "allowance": allowance, "abrupt": abrupt, "piece": self.rng.choice([1, 100, 65536])}
 
-    def forward(self, source, sink, far, allowance, piece, abrupt):
+    def forward(self, source, sink, pair):
+        piece = pair["piece"]
         try:
             while data := source.recv(65536):
-                if sink is far:
+                if sink is pair["far"]:
                     self.upward_bytes += len(data)
-                if self.cutting and self.upward_bytes > HELLO_BYTES and allowance[0] < len(data):
-                    sink.sendall(data[:max(0, int(allowance[0]))])
-                    self.cuts += allowance[0] >= 0
-                    allowance[0] = -1
+                if self.cutting and self.upward_bytes > HELLO_BYTES and pair["allowance"] < len(data):
+                    sink.sendall(data[:max(0, int(pair["allowance"]))])
+                    self.cuts += pair["allowance"] >= 0
+                    pair["allowance"] = -1
                     break
-                allowance[0] -= len(data)
+                pair["allowance"] -= len(data)
                 small = data[:64] if piece == 1 else b""
                 for k in range(len(small)):
                     sink.sendall(small[k:k + 1])
@@ -71,7 +59,7 @@ class Proxy:
             pass
         for end in (source, sink):
             try:
-                if abrupt:
+                if pair["abrupt"]:
                     end.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
                 else:
                     end.shutdown(socket.SHUT_RDWR)
@@ -102,7 +90,7 @@ def main():
         before = open_files(server.process)
         cuts = 0
         for scan in range(arguments.scans):
-            proxy = Proxy(server.port, rng)
+            proxy = CuttingProxy(server.port, rng)
             camera = Camera(arguments.client, server.url.replace(str(server.port), str(proxy.port)))
             begun = time.monotonic()
             while camera.process.poll() is None and (proxy.cuts == 0 or time.monotonic() < begun + 10):

@@ -83,8 +83,8 @@ def failed_job(server, upload):
 
 def curl_works(server, folder, source):
     """As in server/README.md."""
-    address, token = server.url.split("/#token=")
-    process = subprocess.run(["curl", "-sS", "-T", source, "-H", "Authorization: Bearer " + token, address + "/api/v1/uploads/"],
+    address = server.url.split("/#token=")[0]
+    process = subprocess.run(["curl", "-sS", "-T", source, "-H", "Authorization: Bearer " + server.token(), address + "/api/v1/uploads/"],
                              capture_output=True, text=True, timeout=PATIENCE_S)
     check('{"job":"' in process.stdout, f"curl: {process.stdout} {process.stderr}")
 

@@ -93,6 +93,36 @@ class Camera:
         return report["frames"], report["trajectory_sha256"], report["cloud_sha256"]
 
 
+class Proxy:
+    """Between cameras and a server. What becomes of the bytes is said by forward()."""
+
+    def __init__(self, port):
+        self.server_port = port
+        self.upward_bytes = 0
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.port = self.listener.getsockname()[1]
+        threading.Thread(target=self.accept, daemon=True).start()
+
+    def accept(self):
+        while True:
+            try:
+                near, _ = self.listener.accept()
+            except OSError:
+                return
+            far = socket.create_connection(("127.0.0.1", self.server_port))
+            pair = self.new_pair(near, far)
+            for source, sink in ((near, far), (far, near)):
+                threading.Thread(target=self.forward, args=(source, sink, pair), daemon=True).start()
+
+    def new_pair(self, near, far):
+        """What the two directions of a connection share."""
+        raise NotImplementedError
+
+    def forward(self, source, sink, pair):
+        """One direction of a connection until its end, on a thread of its own."""
+        raise NotImplementedError
+
+
 def argument_parser():
     """The programs; a test adds what else it takes."""
     parser = argparse.ArgumentParser()

@@ -21,7 +21,7 @@ import tempfile
 import threading
 import time
 
-from programs import FRAMES, Camera, Server, argument_parser, check, failures, open_files
+from programs import FRAMES, Camera, Proxy, Server, argument_parser, check, failures, open_files
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "server"))
 from independent_client import Client, hello_viewer  # noqa: E402
@@ -34,29 +34,16 @@ PLACES = 3
 RESUME_S = 40
 
 
-class Proxy:
-    """Between one camera and the server. While `swallowing`, what was read is forgotten: no byte, no end and no reset gets through."""
+class SilentProxy(Proxy):
+    """What was read of swallowed connections is forgotten: no byte, no end and no reset gets through."""
 
     def __init__(self, port):
-        self.server_port = port
-        self.swallowing = False
-        self.upward_bytes = 0
         self.pairs = []
-        self.listener = socket.create_server(("127.0.0.1", 0))
-        self.port = self.listener.getsockname()[1]
-        threading.Thread(target=self.accept, daemon=True).start()
+        super().__init__(port)
 
-    def accept(self):
-        while True:
-            try:
-                near, _ = self.listener.accept()
-            except OSError:
-                return
-            far = socket.create_connection(("127.0.0.1", self.server_port))
-            pair = {"near": near, "far": far, "swallowed": self.swallowing}
-            self.pairs.append(pair)
-            for source, sink in ((near, far), (far, near)):
-                threading.Thread(target=self.forward, args=(source, sink, pair), daemon=True).start()
+    def new_pair(self, near, far):
+        self.pairs.append({"near": near, "far": far, "swallowed": False})
+        return self.pairs[-1]
 
     def forward(self, source, sink, pair):
         try:
@@ -154,7 +141,7 @@ def stopped(server, program, expected, report):
 
 
 def swallowed(server, program, expected, report):
-    proxy = Proxy(server.port)
+    proxy = SilentProxy(server.port)
     camera = Camera(program, through(server, proxy))
     wait_until(lambda: proxy.upward_bytes > 100_000, 30)
     proxy.swallow()
@@ -170,12 +157,11 @@ def swallowed(server, program, expected, report):
 
 
 def mute_viewer(server, report):
-    token = re.search(r"#token=(\S+)", server.url)[1]
     wait_until(lambda: under_way(server, "stopped"), 60)  # a scan that is there for long
     scan = next(scan["id"] for scan in running(server) if scan["title"] == "stopped")
     client = Client(server.port)
     client.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-    client.send_message(hello_viewer(token, scan))
+    client.send_message(hello_viewer(server.token(), scan))
     port = client.socket.getsockname()[1]
     took = wait_until(lambda: connections(server, [port]) == 0, LET_GO_S)
     check(took is not None, f"the server lets a mute viewer go within {LET_GO_S} s")
@@ -185,7 +171,7 @@ def mute_viewer(server, report):
 
 def waiting(server, program, expected, holders, report):
     """The places are taken by scans whose cameras are stopped, until the end of this."""
-    proxy = Proxy(server.port)
+    proxy = SilentProxy(server.port)
     camera = Camera(program, through(server, proxy))
     check(wait_until(lambda: has_said(camera, "no place on the server yet"), 30) is not None, "a camera without a place waits")
     started = time.monotonic()

@@ -2,7 +2,9 @@
 #include "server/client/stream.h"
 
 #include <atomic>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -257,23 +259,41 @@ TEST(Stream, AServerThatStopsSaysWhy) {
   EXPECT_THAT(links.front(), HasSubstr("connection lost"));
 }
 
-// Another camera has the only place, and its server stops.
-TEST(Stream, WaitsForAPlaceAgainWhenTheLinkIsLost) {
-  const auto sequence = synthetic_room();
+// A server whose only place another camera has. It can be stopped, and started again at the same address.
+struct TakenServer {
+  TakenServer() {
+    options.max_scans = 1;
+    server = std::make_unique<test::RunningServer>(options);
+    request.server = {"127.0.0.1", static_cast<std::uint16_t>(server->port()), server->token()};
+    options.listen = "127.0.0.1:" + std::to_string(server->port());
+    first = std::make_unique<test::RawClient>(server->port());
+    EXPECT_TRUE(first->upgrade());
+    // Of minor 0: it cannot come back, so its place is free when there is a server again.
+    first->send_message(wire::Hello{
+        0, "test", server->token(),
+        wire::StartScan{"", sequence->camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0}});
+    EXPECT_TRUE(first->read<wire::Welcome>());
+  }
+  // Streams until the end; meanwhile, when `ready`, does `then`.
+  Result<StreamOutcome> stream(const StreamObserver& observer, const std::function<bool()>& ready, const std::function<void()>& then) {
+    std::optional<Result<StreamOutcome>> outcome;
+    std::thread streaming([&] { outcome = stream_sequence(*sequence, all_of(*sequence), request, observer); });
+    for (int i = 0; i < 60'000 && !ready(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    then();
+    streaming.join();
+    return *std::move(outcome);
+  }
+
+  const std::unique_ptr<Sequence> sequence = synthetic_room();
   const test::TemporaryFolder folder;
   ServiceOptions options = TestServer::options(folder.path(), 2);
-  options.max_scans = 1;
-  auto server = std::make_unique<test::RunningServer>(options);
+  std::unique_ptr<test::RunningServer> server;
   StreamRequest request;
-  request.server = {"127.0.0.1", static_cast<std::uint16_t>(server->port()), server->token()};
-  options.listen = "127.0.0.1:" + std::to_string(server->port());
-  auto first = std::make_unique<test::RawClient>(server->port());
-  ASSERT_TRUE(first->upgrade());
-  // Of minor 0: it cannot come back, so its place is free when there is a server again.
-  first->send_message(wire::Hello{
-      0, "test", server->token(),
-      wire::StartScan{"", sequence->camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0}});
-  ASSERT_TRUE(first->read<wire::Welcome>());
+  std::unique_ptr<test::RawClient> first;
+};
+
+TEST(Stream, WaitsForAPlaceAgainWhenTheLinkIsLost) {
+  TakenServer taken;
   StreamObserver observer;
   std::atomic<bool> waiting{false};
   std::vector<std::string> links;
@@ -281,45 +301,30 @@ TEST(Stream, WaitsForAPlaceAgainWhenTheLinkIsLost) {
     links.push_back(words);
     waiting = true;
   };
-  std::optional<Result<StreamOutcome>> outcome;
-  std::thread streaming([&] { outcome = stream_sequence(*sequence, all_of(*sequence), request, observer); });
-  for (int i = 0; i < 60'000 && !waiting; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  server.reset();
-  server = std::make_unique<test::RunningServer>(options);
-  streaming.join();
-  ASSERT_TRUE(outcome->ok()) << outcome->error().message;
-  EXPECT_EQ((*outcome)->progress.processed_frames, kFrameCount);
-  EXPECT_EQ((*outcome)->progress.resumed_count, 0u);
+  const Result<StreamOutcome> outcome = taken.stream(
+      observer, [&] { return waiting.load(); },
+      [&] {
+        taken.server.reset();
+        taken.server = std::make_unique<test::RunningServer>(taken.options);
+      });
+  ASSERT_TRUE(outcome.ok()) << outcome.error().message;
+  EXPECT_EQ(outcome->progress.processed_frames, kFrameCount);
+  EXPECT_EQ(outcome->progress.resumed_count, 0u);
   ASSERT_GE(links.size(), 2u);
   EXPECT_THAT(links[0], HasSubstr("no place on the server yet"));
   EXPECT_THAT(links[1], HasSubstr("connection lost while waiting for a place"));
 }
 
 TEST(Stream, AnInterruptEndsTheWaitForAServerThatIsGone) {
-  const auto sequence = synthetic_room();
-  const test::TemporaryFolder folder;
-  ServiceOptions options = TestServer::options(folder.path(), 2);
-  options.max_scans = 1;
-  auto server = std::make_unique<test::RunningServer>(options);
-  StreamRequest request;
-  request.server = {"127.0.0.1", static_cast<std::uint16_t>(server->port()), server->token()};
-  test::RawClient first(server->port());
-  ASSERT_TRUE(first.upgrade());
-  first.send_message(wire::Hello{
-      0, "test", server->token(),
-      wire::StartScan{"", sequence->camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0}});
-  ASSERT_TRUE(first.read<wire::Welcome>());
+  TakenServer taken;
   StreamObserver observer;
   std::atomic<int> links{0};
   observer.on_link = [&](const std::string&) { ++links; };
   observer.interrupt_count = [&] { return links >= 2 ? 1 : 0; };
-  std::optional<Result<StreamOutcome>> outcome;
-  std::thread streaming([&] { outcome = stream_sequence(*sequence, all_of(*sequence), request, observer); });
-  for (int i = 0; i < 60'000 && links < 1; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  server.reset();
-  streaming.join();
-  ASSERT_FALSE(outcome->ok());
-  EXPECT_THAT(outcome->error().message, HasSubstr("interrupted before the scan began"));
+  const Result<StreamOutcome> outcome = taken.stream(
+      observer, [&] { return links >= 1; }, [&] { taken.server.reset(); });
+  ASSERT_FALSE(outcome.ok());
+  EXPECT_THAT(outcome.error().message, HasSubstr("interrupted before the scan began"));
 }
 
 TEST(Stream, GoesOnWithTheNextServerAndTheResultIsTheSame) {

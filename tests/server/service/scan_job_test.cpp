@@ -16,6 +16,7 @@
 #include "server/client/stream.h"
 #include "server/client/upload.h"
 #include "server/store/scan_id.h"
+#include "server/store/sqlite_store.h"
 #include "tests/core/dataset/oni_bytes.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
@@ -37,6 +38,19 @@ class ScanJobTest : public testing::Test {
     options.storage_gb = storage_gb;
     options.admin_listen = "127.0.0.1:0";
     server_ = std::make_unique<test::RunningServer>(options);
+  }
+  // With the result of an earlier scan, while no server runs.
+  void fill_storage(std::uint64_t bytes) {
+    server_.reset();
+    ScanRow row;
+    row.id = new_scan_id();
+    row.phase = ScanPhase::kFinished;
+    row.camera = {160, 120, 131, 131, 79.5, 59.5, 5000};
+    ASSERT_TRUE(SqliteStore(folder_ / "data/hermite.db").add(row).ok());
+    const std::string file = folder_ / "data/scans/" + row.id + "/cloud.ply";
+    std::filesystem::create_directory(folder_ / "data/scans/" + row.id);
+    { std::ofstream cloud(file); }
+    std::filesystem::resize_file(file, bytes);  // sparse
   }
   UploadTarget target() const {
     UploadTarget target;
@@ -102,18 +116,17 @@ TEST_F(ScanJobTest, GivesTheBitsThatStreamingGivesAndSoDoesDoingItAgain) {
 }
 
 TEST_F(ScanJobTest, AnUploadThatFillsTheStorageIsStillMadeIntoAScanAndTheNextOneIsRefused) {
+  const std::string path = folder_ / "room.raw", longer = folder_ / "longer.raw";
+  const auto room = *open_sequence("synthetic:width=160,height=120,frames=3");
+  ASSERT_TRUE(write_raw(*room, {0, 2}, path, [](std::int64_t) {}).ok());
+  ASSERT_TRUE(write_raw(*room, {0, 3}, longer, [](std::int64_t) {}).ok());
+  fill_storage(1'000'000'000 - std::filesystem::file_size(path));
   start(1);
-  const std::string path = folder_ / "room.raw";
-  ASSERT_TRUE(write_raw(**open_sequence("synthetic:width=160,height=120,frames=2"), {0, 2}, path, [](std::int64_t) {}).ok());
-  const std::string other = folder_ / "data/scans/" + new_scan_id();
-  std::filesystem::create_directories(other);
-  { std::ofstream(other + "/cloud.ply") << "x"; }
-  std::filesystem::resize_file(other + "/cloud.ply", 1'000'000'000 - std::filesystem::file_size(path));  // sparse
   const JobReport report = end_of(send(path));
   EXPECT_EQ(report.state, "finished") << report.words;
   UploadTarget impatient = target();
   impatient.patience = std::chrono::seconds(0);
-  const Result<std::string> refused = upload(*open_bytes(path), {}, impatient, {});
+  const Result<std::string> refused = upload(*open_bytes(longer), {}, impatient, {});
   ASSERT_FALSE(refused.ok());
   EXPECT_THAT(refused.error().message, HasSubstr("the scans and uploads on this server take"));
   test::RawClient admin(server_->service().admin_port());

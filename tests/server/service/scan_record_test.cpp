@@ -45,6 +45,16 @@ TEST(ScanRecord, HoldsNoToken) {
   EXPECT_THAT(format_terms(record), Not(HasSubstr("a token")));
 }
 
+TEST(ScanRecord, OnlyItsOwnTokenResumesAScan) {
+  EXPECT_TRUE(check_resume_token("a token", sha256_hex("a token")).ok());
+  for (const char* wrong : {"", "a toke", "a tokens", "A token"}) {
+    const Status status = check_resume_token(wrong, sha256_hex("a token"));
+    ASSERT_FALSE(status.ok()) << wrong;
+    EXPECT_EQ(status.error().code, ErrorCode::kUnauthorized);
+  }
+  EXPECT_FALSE(check_resume_token("", "").ok()) << "its camera cannot come back";
+}
+
 TEST(ScanRecord, WhatIsNoneIsSaidInWords) {
   const ScanRecord record = some_record();
   const std::string terms = format_terms(record), start = format_start(record);

@@ -75,6 +75,14 @@ class ScansTest : public testing::Test {
     if (welcome) camera.welcome = *welcome;
     return camera;
   }
+  // A camera that asks for a scan; the answer is the test's business.
+  std::unique_ptr<RawClient> ask(const std::string& title = "", std::uint32_t protocol_minor = wire::kProtocolMinor) {
+    auto client = std::make_unique<RawClient>(server_->port());
+    EXPECT_TRUE(client->upgrade());
+    wire::StartScan request{title, room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0};
+    client->send_message(wire::Hello{protocol_minor, "test", server_->token(), request});
+    return client;
+  }
   // Sends the frames of the room within the credit and asks for the result.
   static std::optional<wire::Finished> stream(Camera& camera) {
     std::uint64_t granted = camera.welcome.frame_credit;
@@ -319,15 +327,12 @@ TEST_F(ScansTest, StoppingTheServerKeepsWhatThereIs) {
 TEST_F(ScansTest, MoreScansThanAllowedAreRefusedUntilOneEnds) {
   serve([](ServiceOptions& options) { options.max_scans = 1; });
   Camera first = start();
-  RawClient second(server_->port());
-  ASSERT_TRUE(second.upgrade());
-  wire::StartScan request{"second", room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0};
-  second.send_message(wire::Hello{0, "test", server_->token(), request});
-  const auto error = second.read<wire::ErrorMessage>();
+  const auto second = ask("second", 0);
+  const auto error = second->read<wire::ErrorMessage>();
   ASSERT_TRUE(error);
   EXPECT_EQ(error->code, "busy");
   EXPECT_THAT(error->message, HasSubstr("at most 1 scans"));
-  EXPECT_EQ(second.close_code(), 4013);
+  EXPECT_EQ(second->close_code(), 4013);
   first.client->send_message(wire::Finish{});
   ASSERT_TRUE(first.client->read<wire::Finished>()) << "a scan without frames has a result too";
   EXPECT_EQ(final_state(first.welcome.scan_id), "finished");
@@ -337,18 +342,11 @@ TEST_F(ScansTest, MoreScansThanAllowedAreRefusedUntilOneEnds) {
 TEST_F(ScansTest, CamerasWaitForAPlaceInTheOrderInWhichTheyCame) {
   serve([](ServiceOptions& options) { options.max_scans = 1; });
   Camera first = start();
-  const auto wait = [&](const std::string& title) {
-    auto client = std::make_unique<RawClient>(server_->port());
-    EXPECT_TRUE(client->upgrade());
-    wire::StartScan request{title, room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0};
-    client->send_message(wire::Hello{wire::kProtocolMinor, "test", server_->token(), request});
-    return client;
-  };
-  const auto second = wait("second");
+  const auto second = ask("second");
   EXPECT_EQ(second->read<wire::Waiting>()->before, 0u);
-  auto gone = wait("gone");
+  auto gone = ask("gone");
   EXPECT_EQ(gone->read<wire::Waiting>()->before, 1u);
-  const auto third = wait("third");
+  const auto third = ask("third");
   EXPECT_EQ(third->read<wire::Waiting>()->before, 2u);
   second->send_message(wire::Ping{7});
   EXPECT_EQ(second->read<wire::Pong>()->id, 7u) << "who waits is heard";
@@ -368,30 +366,24 @@ TEST_F(ScansTest, CamerasWaitForAPlaceInTheOrderInWhichTheyCame) {
 TEST_F(ScansTest, WhoWaitsIsToldToComeBackWhenTheServerStops) {
   serve([](ServiceOptions& options) { options.max_scans = 1; });
   Camera first = start();
-  RawClient second(server_->port());
-  ASSERT_TRUE(second.upgrade());
-  wire::StartScan request{"", room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0};
-  second.send_message(wire::Hello{wire::kProtocolMinor, "test", server_->token(), request});
-  ASSERT_TRUE(second.read<wire::Waiting>());
+  const auto second = ask();
+  ASSERT_TRUE(second->read<wire::Waiting>());
   std::thread stopping([this] { server_->stop(); });
-  EXPECT_TRUE(second.read<wire::GoAway>());
-  EXPECT_EQ(second.close_code(), 1001);
+  EXPECT_TRUE(second->read<wire::GoAway>());
+  EXPECT_EQ(second->close_code(), 1001);
   stopping.join();
 }
 
 TEST_F(ScansTest, AFrameBeforeTheWelcomeEndsTheWait) {
   serve([](ServiceOptions& options) { options.max_scans = 1; });
   Camera first = start();
-  RawClient second(server_->port());
-  ASSERT_TRUE(second.upgrade());
-  wire::StartScan request{"", room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0};
-  second.send_message(wire::Hello{wire::kProtocolMinor, "test", server_->token(), request});
-  ASSERT_TRUE(second.read<wire::Waiting>());
+  const auto second = ask();
+  ASSERT_TRUE(second->read<wire::Waiting>());
   wire::Frame frame = room_frame(0);
-  second.send_message(frame);
-  const auto error = second.read<wire::ErrorMessage>();
+  second->send_message(frame);
+  const auto error = second->read<wire::ErrorMessage>();
   ASSERT_TRUE(error);
-  EXPECT_EQ(second.close_code(), 1002);
+  EXPECT_EQ(second->close_code(), 1002);
 }
 
 TEST_F(ScansTest, ADeviceThatIsNotThereFailsTheScanInWords) {

@@ -6,11 +6,16 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <optional>
 #include <thread>
 
 #include "server/client/api_request.h"
 #include "server/store/data_directory.h"
+#include "server/store/scan_id.h"
+#include "server/store/sqlite_store.h"
+#include "server/store/unix_time.h"
 #include "tests/support/certificate.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
@@ -173,6 +178,64 @@ TEST(Service, SaysWhereItListensToProgramsBesideIt) {
   ASSERT_TRUE(published.ok());
   EXPECT_EQ(published->url, service.url());
   EXPECT_EQ(published->token, service.token());
+}
+
+TEST(Service, AStartTakesOutOfTheWayWhatNoRowKnowsAndWhatNobodyWants) {
+  const test::TemporaryFolder folder;
+  const std::string scan = new_scan_id(), upload = new_scan_id(), known = new_scan_id(), removed = new_scan_id();
+  {
+    const DataDirectory data(folder / "data");
+    SqliteStore store(data.database_path());
+    ScanRow row;
+    row.id = known;
+    row.phase = ScanPhase::kFinished;
+    row.camera = {160, 120, 131, 131, 79.5, 59.5, 5000};
+    ASSERT_TRUE(store.add(row).ok());
+    for (const std::string& id : {scan, known, removed}) ASSERT_TRUE(data.create_scan_folder(id).ok());
+    std::ofstream(data.upload_path(upload)) << "half of it";
+    ASSERT_TRUE(data.discard_scan(removed).ok()) << "and here the server died";
+  }
+  test::RunningServer server(test::test_options(folder / "data"));
+  EXPECT_TRUE(std::filesystem::exists(folder / ("data/scans/" + known)));
+  EXPECT_TRUE(std::filesystem::exists(folder / ("data/lost/scans/" + scan)));
+  EXPECT_TRUE(std::filesystem::exists(folder / ("data/lost/uploads/" + upload)));
+  EXPECT_FALSE(std::filesystem::exists(folder / ("data/scans/" + scan)));
+  // Beside everything else.
+  for (int i = 0; i < 500 && !std::filesystem::is_empty(folder / "data/waste"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "data/waste"));
+}
+
+TEST(Service, AStartRemovesTheFramesOfScansThatEndedLongAgo) {
+  const test::TemporaryFolder folder;
+  constexpr std::int64_t kDay_ms = 24 * 3600 * 1000;
+  std::string old, recent, running;
+  {
+    const DataDirectory data(folder / "data");
+    SqliteStore store(data.database_path());
+    const auto scan = [&](ScanPhase phase, std::int64_t finished_at_ms) {
+      ScanRow row;
+      row.id = new_scan_id();
+      row.camera = {160, 120, 131, 131, 79.5, 59.5, 5000};
+      EXPECT_TRUE(store.add(row).ok());
+      row.phase = phase;
+      row.finished_at_ms = finished_at_ms;
+      EXPECT_TRUE(store.update(row).ok());
+      std::filesystem::create_directories(data.log_folder(row.id));
+      std::ofstream(data.scan_folder(row.id) + "/cloud.ply") << "points";
+      return row.id;
+    };
+    old = scan(ScanPhase::kFinished, unix_now_ms() - 8 * kDay_ms);
+    recent = scan(ScanPhase::kFinished, unix_now_ms() - 6 * kDay_ms);
+    running = scan(ScanPhase::kRunning, 0);
+  }
+  test::RunningServer server(test::test_options(folder / "data"));
+  const std::string scans = folder / "data/scans/";
+  for (int i = 0; i < 500 && std::filesystem::exists(scans + old + "/log"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_FALSE(std::filesystem::exists(scans + old + "/log"));
+  EXPECT_TRUE(std::filesystem::exists(scans + old + "/cloud.ply")) << "results stay";
+  EXPECT_TRUE(std::filesystem::exists(scans + recent + "/log"));
+  EXPECT_TRUE(std::filesystem::exists(scans + running + "/log"));
 }
 
 TEST(Service, EndsWithASignal) {

@@ -8,6 +8,7 @@
 
 #include "core/digest/sha256.h"
 #include "server/net/base64.h"
+#include "server/store/file_blobs.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
 #include "server/store/sqlite_store.h"
@@ -25,7 +26,9 @@ class UploadsTest : public testing::Test {
   UploadsTest() { open(); }
   void open() {
     uploads_.reset();
-    uploads_ = std::make_unique<Uploads>(limits_, data_, store_, [this](const UploadRow& row) {
+    quota_ = std::make_unique<StorageQuota>(
+        storage_bytes_, [this] { return data_.scan_sizes(); }, LogReaders::Threads{now_, now_});
+    uploads_ = std::make_unique<Uploads>(limits_, Storage{data_, store_, blobs_, waste_, *quota_}, [this](const UploadRow& row) {
       completed_.push_back(row.id);
       return Status(Done{});
     });
@@ -53,7 +56,12 @@ class UploadsTest : public testing::Test {
   const test::TemporaryFolder folder_;
   const DataDirectory data_{folder_ / "data"};
   SqliteStore store_{data_.database_path()};
-  UploadLimits limits_{100, 150, 0, 0, kKeep_ms};
+  FileBlobs blobs_{data_.scans_folder()};
+  const Waste::Post now_ = [](const std::function<void()>& action) { action(); };
+  Waste waste_{data_, now_};
+  std::uint64_t storage_bytes_ = 0;
+  std::unique_ptr<StorageQuota> quota_;
+  UploadLimits limits_{100, 150, 0, kKeep_ms};
   Grant grant_{"mine", {true, true, false}, "", 0};
   const Grant other_{"other", {true, true, false}, "", 0}, admin_{"root", {true, true, true}, "", 0};
   std::vector<std::string> completed_;
@@ -108,15 +116,12 @@ TEST_F(UploadsTest, WhatADeadServerHadNotCheckedIsTakenBack) {
   EXPECT_EQ(store_.upload(state.row.id)->unchecked_from, -1);
 }
 
-TEST_F(UploadsTest, AfterARestartAWholeOneIsToldAgainAndFilesWithoutARowGo) {
+TEST_F(UploadsTest, AfterARestartAWholeOneIsToldAgain) {
   const UploadState whole = *send(create(5), "hello");
   create(5);
   completed_.clear();
-  const std::string stray = new_scan_id();
-  std::ofstream(data_.upload_path(stray)) << "stray";
   open();
   EXPECT_THAT(completed_, testing::ElementsAre(whole.row.id));
-  EXPECT_FALSE(std::filesystem::exists(data_.upload_path(stray)));
 }
 
 TEST_F(UploadsTest, ARowWithoutItsFileIsForgotten) {
@@ -166,12 +171,10 @@ TEST_F(UploadsTest, ADiskThatMustStayFreeDoes) {
 }
 
 TEST_F(UploadsTest, ScansAndUploadsShareTheStorage) {
-  limits_.storage_bytes = 200;
+  storage_bytes_ = 200;
   limits_.token_bytes = 0;
+  ASSERT_TRUE(blobs_.put(new_scan_id(), "cloud.ply", std::string(100, 'x')).ok());
   open();
-  const std::string scan = new_scan_id();
-  ASSERT_TRUE(data_.create_scan_folder(scan).ok());
-  std::ofstream(data_.scan_folder(scan) + "/cloud.ply") << std::string(100, 'x');
   const UploadState half = *send(create(60), std::string(30, 'x'));
   // 100 of the scan, 60 that were promised, of which 30 are there.
   const Result<UploadState> beyond = uploads_->create(41, "", admin_, kNow_ms);

@@ -109,20 +109,40 @@ TEST(DataDirectory, TellsOtherProgramsWhereItsServerListens) {
 TEST(DataDirectory, AddsUpTheFilesOfAllScansAndUploads) {
   const test::TemporaryFolder folder;
   const DataDirectory directory(folder / "data");
-  EXPECT_EQ(*directory.stored_bytes(), 0u);
+  EXPECT_TRUE(directory.scan_sizes()->empty());
+  EXPECT_EQ(*directory.uploads_bytes(), 0u);
   const std::string one = new_scan_id(), two = new_scan_id();
   for (const std::string& id : {one, two}) ASSERT_TRUE(directory.create_scan_folder(id).ok());
   std::ofstream(directory.scan_folder(one) + "/a") << std::string(100, 'x');
+  std::filesystem::create_directory(directory.log_folder(one));
+  std::ofstream(directory.log_folder(one) + "/segment") << std::string(1000, 'x');
   std::ofstream(directory.scan_folder(two) + "/b") << std::string(23, 'x');
   std::filesystem::create_symlink("/proc/self/exe", directory.scan_folder(two) + "/link");
-  EXPECT_EQ(*directory.stored_bytes(), 123u);
+  EXPECT_THAT(*directory.scan_sizes(), testing::UnorderedElementsAre(testing::Pair(one, 1100u), testing::Pair(two, 23u)));
   const std::string upload = new_scan_id();
   std::ofstream(directory.upload_path(upload)) << std::string(1000, 'x');
   ASSERT_TRUE(directory.create_job_folder(upload).ok());
   std::ofstream(directory.job_folder(upload) + "/unpacked") << std::string(5000, 'x');
-  EXPECT_EQ(*directory.stored_bytes(), 1123u);
-  EXPECT_EQ(*directory.stored_bytes(upload), 123u);
-  EXPECT_EQ(*directory.stored_bytes(new_scan_id()), 1123u);
+  EXPECT_EQ(*directory.uploads_bytes(), 1000u);
+  EXPECT_EQ(*directory.uploads_bytes(upload), 0u);
+  EXPECT_EQ(*directory.uploads_bytes(new_scan_id()), 1000u);
+  ASSERT_TRUE(directory.discard_scan(one).ok());
+  EXPECT_EQ(directory.scan_sizes()->size(), 1u) << "waste does not count";
+}
+
+TEST(DataDirectory, WhatJobsHadUnpackedIsOutOfTheWayAtTheNextStart) {
+  const test::TemporaryFolder folder;
+  const std::string job = new_scan_id();
+  {
+    const DataDirectory directory(folder / "data");
+    ASSERT_TRUE(directory.create_job_folder(job).ok());
+    EXPECT_TRUE(directory.waste().empty());
+  }
+  const DataDirectory next(folder / "data");
+  EXPECT_FALSE(std::filesystem::exists(next.job_folder(job)));
+  ASSERT_EQ(next.waste().size(), 1u);
+  EXPECT_TRUE(next.remove_waste(next.waste().front()).ok());
+  EXPECT_TRUE(next.waste().empty());
 }
 
 TEST(FreeBytes, OfAFolderAndOfNone) {

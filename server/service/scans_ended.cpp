@@ -1,0 +1,113 @@
+// The part of Scans that is about scans which have ended: what is still told of them, and how they go.
+#include <spdlog/spdlog.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/service/results.h"
+#include "server/service/scans.h"
+#include "server/service/stored_scan.h"
+#include "server/store/unix_time.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr std::int64_t kDay_ms = 24 * 3600 * 1000;
+
+wire::ScanPhase wire_phase(ScanPhase phase) {
+  switch (phase) {
+    case ScanPhase::kRunning: return wire::ScanPhase::kRunning;
+    case ScanPhase::kFinished: return wire::ScanPhase::kFinished;
+    case ScanPhase::kFailed: return wire::ScanPhase::kFailed;
+    case ScanPhase::kInterrupted: return wire::ScanPhase::kInterrupted;
+  }
+  return wire::ScanPhase::kFailed;
+}
+
+}  // namespace
+
+// For a camera that was away when its scan ended.
+Result<ResumedScan> Scans::last_words(const ScanRow& row, const wire::ResumeScan& request) {
+  FrameLogReader log(data_.log_folder(row.id));
+  const Result<std::optional<LogRecord>> terms = log.next(), start = log.next();
+  if (!terms.ok() || !start.ok() || !*terms || !*start) return Error{ErrorCode::kNotFound, "the scan has ended, and its log is gone"};
+  const Result<ScanRecord> record = parse_scan_record((*terms)->payload, (*start)->payload);
+  if (!record.ok()) return record.error();
+  if (Status status = check_resume_token(request.resume_token, record->resume_token_sha256); !status.ok()) return status.error();
+  if (row.phase != ScanPhase::kFinished)
+    return Error{ErrorCode::kNotFound, std::string("the scan is ") + name_of(row.phase) + ": " + row.words};
+  ResumedScan found;
+  const auto received = static_cast<std::uint64_t>(row.frames_received);
+  found.resumed = {received, received, received};
+  wire::ScanState state{wire::ScanPhase::kFinished, row.words, received, static_cast<std::uint64_t>(row.frames_processed),
+                        static_cast<std::uint64_t>(row.frames_dropped)};
+  read_map_counts(blobs_, row.id, state);
+  Result<wire::Finished> results = read_results(blobs_, row.id);
+  if (!results.ok()) return results.error();
+  found.last_words = {found.resumed, std::move(state), *std::move(results)};
+  return found;
+}
+
+Result<std::shared_ptr<Audience>> Scans::watch(const std::string& scan_id) {
+  if (const auto running = running_.find(scan_id); running != running_.end()) return running->second->shared_audience();
+  std::erase_if(read_again_, [](const auto& entry) { return entry.second.expired(); });
+  if (const auto known = read_again_.find(scan_id); known != read_again_.end()) return known->second.lock();
+  const Result<ScanRow> row = find(scan_id);
+  if (!row.ok()) return row.error();
+  if (row->phase == ScanPhase::kRunning)
+    return Error{ErrorCode::kBusy, "the scan does not run again yet after a start of the server; try again later"};
+  auto audience = std::make_shared<Audience>(SceneInfo{row->id, row->title, row->camera});
+  show_results(blobs_, scan_id, *audience);
+  wire::ScanState state{wire_phase(row->phase), row->words, static_cast<std::uint64_t>(row->frames_received),
+                        static_cast<std::uint64_t>(row->frames_processed), static_cast<std::uint64_t>(row->frames_dropped)};
+  read_map_counts(blobs_, scan_id, state);
+  audience->show_state(state);
+  audience->close();
+  read_again_[scan_id] = audience;
+  return audience;
+}
+
+Status Scans::remove(const std::string& scan_id) {
+  if (running_.contains(scan_id)) return Error{ErrorCode::kBusy, "scan " + scan_id + " is running"};
+  const Result<ScanRow> row = find(scan_id);
+  if (!row.ok()) return row.error();
+  if (row->phase == ScanPhase::kRunning)
+    return Error{ErrorCode::kBusy, "scan " + scan_id + " is to go on: cancel its job, or try again later"};
+  if (Status status = remove_files_of_scan(storage_, scan_id); !status.ok()) return status;
+  read_again_.erase(scan_id);
+  return store_.remove(scan_id);
+}
+
+Result<std::uint64_t> Scans::size_of_result(const std::string& scan_id, const std::string& name) {
+  if (Result<ScanRow> row = find(scan_id); !row.ok()) return row.error();
+  const bool running = running_.contains(scan_id);
+  const Result<std::uint64_t> size_bytes = running ? Error{ErrorCode::kNotFound, ""} : blobs_.size_bytes(scan_id, name);
+  if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound) return size_bytes;
+  return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + name + (running ? " yet" : "")};
+}
+
+// Of every folder and not of every row: the store lists the newest scans only.
+void Scans::remove_old_logs() {
+  old_logs_removed_at_ = LiveScan::Clock::now();
+  if (options_.keep_log_days == 0) return;
+  background_([this] {
+    Result<std::vector<std::string>> ids = data_.logged_scan_ids();
+    if (!ids.ok()) return spdlog::warn("{}", ids.error().message);
+    post_([this, ids = *std::move(ids)] { remove_old_logs_of(ids); });
+  });
+}
+
+void Scans::remove_old_logs_of(const std::vector<std::string>& scan_ids) {
+  const std::int64_t oldest_ms = unix_now_ms() - options_.keep_log_days * kDay_ms;
+  for (const std::string& id : scan_ids) {
+    const Result<ScanRow> row = store_.find(id);
+    if (!row.ok() || row->phase == ScanPhase::kRunning || row->finished_at_ms >= oldest_ms) continue;
+    background_([&data = data_, id] {
+      if (Status status = data.remove_log_folder(id); !status.ok()) spdlog::warn("{}", status.error().message);
+    });
+  }
+}
+
+}  // namespace hermite
