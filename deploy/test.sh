@@ -37,10 +37,14 @@ step_sanitized() {
 
 step_sanitized_tests() { ctest --preset dev -j "$jobs" --no-tests=error; }
 
-# What hands work to a helper thread, under the thread sanitizer.
+# What hands work to another thread, under the thread sanitizer: frame log, queues, encoder, check of the database, uploads to a whole server.
+# Without what runs a pipeline: a software GPU is too slow there, and not ours.
 step_threads() {
   cmake --preset threads
-  cmake --build --preset threads --target test_adjust
+  cmake --build --preset threads --target test_adjust test_data test_server
+  build/threads/tests/test_data --gtest_brief=1 --gtest_filter='FrameLog*'
+  build/threads/tests/test_server --gtest_brief=1 \
+    --gtest_filter='FrameQueue*:FrameReader*:FrameEncoder*:StoreWatch*:UploadRoutesTest*:WasteTest*'
   build/threads/tests/test_adjust --gtest_brief=1 \
     --gtest_filter='Adjuster*:SubmapMapping.TheSame*:SubmapMapping.ALost*:SubmapMapping.ANewPart*'
 }
