@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 namespace hermite {
@@ -44,15 +45,23 @@ void CheckpointWriter::write(ScanCheckpoint checkpoint, Clock::time_point began)
   next_ = now + std::max<Clock::duration>(period_, kWorkPerCheckpoint * (now - began));
   writing_ = std::async(std::launch::async, [this, cost = now - began, checkpoint = std::move(checkpoint)] {
     const Clock::time_point start = Clock::now();
-    const std::string bytes = format_checkpoint(checkpoint);
     const std::uint64_t frames = checkpoint.record_count - kRecordsBeforeFrames;
-    Status stored = Error{ErrorCode::kBusy, "its frames are not on disk yet"};
-    if (durable_.wait_for(frames, kDurablePatience)) stored = blobs_.put(scan_id_, kCheckpointName, bytes);
-    if (!stored.ok()) return spdlog::warn("scan {}: no checkpoint was written: {}", scan_id_, stored.error().message);
+    const Result<std::size_t> bytes = store(checkpoint, frames);
+    if (!bytes.ok()) return spdlog::warn("scan {}: no checkpoint was written: {}", scan_id_, bytes.error().message);
     const auto ms = [](Clock::duration time) { return std::chrono::duration_cast<std::chrono::milliseconds>(time).count(); };
     spdlog::debug("scan {}: checkpoint of {} frames, {} kB of {} kB; {} ms of the scan's time, {} ms beside it", scan_id_, frames,
-                  bytes.size() / 1000, checkpoint.pipeline.size() / 1000, ms(cost), ms(Clock::now() - start));
+                  *bytes / 1000, checkpoint.pipeline.size() / 1000, ms(cost), ms(Clock::now() - start));
   });
+}
+
+// How many bytes it has.
+Result<std::size_t> CheckpointWriter::store(const ScanCheckpoint& checkpoint, std::uint64_t frames) try {
+  const std::string bytes = format_checkpoint(checkpoint);
+  if (!durable_.wait_for(frames, kDurablePatience)) return Error{ErrorCode::kBusy, "its frames are not on disk yet"};
+  if (Status stored = blobs_.put(scan_id_, kCheckpointName, bytes); !stored.ok()) return stored.error();
+  return bytes.size();
+} catch (const std::bad_alloc&) {
+  return Error{ErrorCode::kTooLarge, "there is no memory for it"};
 }
 
 void CheckpointWriter::wait() {

@@ -47,6 +47,8 @@ class CheckpointWriter {
   void wait();  // for what is under way
 
  private:
+  Result<std::size_t> store(const ScanCheckpoint& checkpoint, std::uint64_t frames);
+
   Blobs& blobs_;
   const std::string scan_id_;
   const std::chrono::milliseconds period_;

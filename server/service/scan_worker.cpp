@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <set>
 #include <thread>
 #include <utility>
@@ -139,7 +140,7 @@ class ScanRun {
   }
 
   // kNotFound: there is no checkpoint. After any error begin() anew.
-  Result<RestoredScan> restore() {
+  Result<RestoredScan> restore() try {
     const Result<ScanCheckpoint> checkpoint = read_checkpoint(*setup_.blobs, setup_.scan_id, setup_.replayed_record_count);
     if (!checkpoint.ok()) return checkpoint.error();
     if (Status status = pipeline_->restore(checkpoint->pipeline); !status.ok()) return status.error();
@@ -158,15 +159,20 @@ class ScanRun {
     pipeline_->forget_taken_changes();
     frames_since_update_ = kFramesPerUpdate;
     return restored;
+  } catch (const std::bad_alloc&) {
+    return Error{ErrorCode::kTooLarge, "there is no memory for the checkpoint"};
   }
 
-  // Of all frames so far.
-  Status write_checkpoint() {
+  // Of all frames so far. An error is the device's, with which the scan ends; without memory it goes on without a checkpoint.
+  Status write_checkpoint() try {
     const Clock::time_point began = Clock::now();
     Result<std::string> state = pipeline_->save();
     if (!state.ok()) return state.error();
     checkpoints_.write({setup_.scan_id, record_count_, last_tracked_, *std::move(state)}, began);
     saved_record_count_ = record_count_;
+    return Done{};
+  } catch (const std::bad_alloc&) {
+    spdlog::warn("scan {}: there is no memory for a checkpoint", setup_.scan_id);
     return Done{};
   }
 

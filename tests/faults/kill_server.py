@@ -29,10 +29,26 @@ def logs_in(data):
     return set(glob.glob(os.path.join(data, "scans", "*", "log")))
 
 
+def time_of_checkpoint(log):
+    try:
+        return os.stat(os.path.join(os.path.dirname(log), "checkpoint.bin")).st_mtime_ns
+    except FileNotFoundError:
+        return 0
+
+
+def wait_for_checkpoint(camera, log):
+    """Until the server has written one since now; not for ever."""
+    before, deadline = time_of_checkpoint(log), time.monotonic() + 10
+    while time_of_checkpoint(log) == before and time.monotonic() < deadline and camera.process.poll() is None:
+        time.sleep(0.005)
+
+
 def disturb(server, camera, log, kills, rng):
     """Up to `kills` kills while the camera streams. Returns how many there were."""
     done = seen = 0
     while done < kills:
+        if done % 2 == 1:
+            wait_for_checkpoint(camera, log)
         deadline = time.monotonic() + rng.uniform(0.02, 2.0)
         while time.monotonic() < deadline and camera.process.poll() is None:
             time.sleep(0.005)
