@@ -20,6 +20,7 @@
 #include "server/service/places.h"
 #include "server/service/scan_record.h"
 #include "server/service/storage.h"
+#include "server/service/stored_scan.h"
 
 namespace hermite {
 
@@ -92,8 +93,12 @@ class Scans {
   Result<ResumedScan> resume(const wire::ResumeScan& request);
   LogReaders& logs() { return logs_; }  // cameras wait there for the log of their scan to be read
 
-  // kNotFound: no such scan. A scan that has ended is read from its files; one without files (failed) has nothing but its state.
+  // kNotFound: no such scan. A scan that has ended is read from its files; one without files (failed) has nothing but its state. None: they
+  // are being read in the background; ask again when_shown().
   Result<std::shared_ptr<Audience>> watch(const std::string& scan_id);
+  using Ticket = std::uint64_t;
+  Ticket when_shown(const std::string& scan_id, std::function<void()> then);  // once, later
+  void forget(Ticket ticket);
 
   // With the present counts for running scans; newest first.
   Result<std::vector<ScanRow>> list();
@@ -148,6 +153,7 @@ class Scans {
   void drop_left(const std::string& scan_id);
   // scans_ended.cpp
   Result<ResumedScan> last_words(const ScanRow& row, const wire::ResumeScan& request);
+  void show(const std::string& scan_id, StoredScan stored);
   void remove_old_logs();
   void remove_old_logs_of(const std::vector<std::string>& scan_ids);
 
@@ -163,7 +169,10 @@ class Scans {
   LogReaders logs_;
   std::map<std::string, LeftScan> left_for_jobs_;              // by id; their logs were read
   std::map<std::string, std::weak_ptr<Audience>> read_again_;  // ended scans that someone is looking at
-  FrameCounts ended_counts_;                                   // of all scans that have ended
+  // And those whose results are being read, with who waits for them.
+  std::map<std::string, std::map<Ticket, std::function<void()>>> being_read_;
+  Ticket next_ticket_ = 0;
+  FrameCounts ended_counts_;  // of all scans that have ended
   FrameTraces traces_;
   LiveScan::Clock::time_point old_logs_removed_at_, told_to_wait_at_;
   bool device_failed_ = false;

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/check.h"
 #include "server/service/results.h"
 #include "server/service/scans.h"
 #include "server/service/stored_scan.h"
@@ -58,15 +59,47 @@ Result<std::shared_ptr<Audience>> Scans::watch(const std::string& scan_id) {
   if (!row.ok()) return row.error();
   if (row->phase == ScanPhase::kRunning)
     return Error{ErrorCode::kBusy, "the scan does not run again yet after a start of the server; try again later"};
-  auto audience = std::make_shared<Audience>(SceneInfo{row->id, row->title, row->camera});
-  show_results(blobs_, scan_id, *audience);
-  wire::ScanState state{wire_phase(row->phase), row->words, static_cast<std::uint64_t>(row->frames_received),
-                        static_cast<std::uint64_t>(row->frames_processed), static_cast<std::uint64_t>(row->frames_dropped)};
-  read_map_counts(blobs_, scan_id, state);
-  audience->show_state(state);
-  audience->close();
-  read_again_[scan_id] = audience;
-  return audience;
+  if (!being_read_.contains(scan_id)) {
+    being_read_[scan_id];
+    background_([this, scan_id] {
+      auto stored = std::make_shared<StoredScan>(read_stored_scan(blobs_, scan_id));
+      post_([this, scan_id, stored] { show(scan_id, std::move(*stored)); });
+    });
+  }
+  return std::shared_ptr<Audience>();
+}
+
+Scans::Ticket Scans::when_shown(const std::string& scan_id, std::function<void()> then) {
+  const auto reading = being_read_.find(scan_id);
+  CHECK(reading != being_read_.end(), "watch() says when there is something to wait for");
+  reading->second[next_ticket_] = std::move(then);
+  return next_ticket_++;
+}
+
+void Scans::forget(Ticket ticket) {
+  for (auto& [scan_id, waiting] : being_read_) waiting.erase(ticket);
+}
+
+void Scans::show(const std::string& scan_id, StoredScan stored) {
+  std::shared_ptr<Audience> audience;  // until those who wait are there
+  // Removed meanwhile: they will be told when they ask again.
+  if (const Result<ScanRow> row = find(scan_id); row.ok() && row->phase != ScanPhase::kRunning) {
+    audience = std::make_shared<Audience>(SceneInfo{row->id, row->title, row->camera});
+    if (!stored.positions_m.empty()) audience->set_positions(std::move(stored.positions_m));
+    if (stored.model) audience->show_model(*std::move(stored.model));
+    wire::ScanState state = stored.map_counts;
+    state.phase = wire_phase(row->phase);
+    state.words = row->words;
+    state.frames_received = static_cast<std::uint64_t>(row->frames_received);
+    state.frames_processed = static_cast<std::uint64_t>(row->frames_processed);
+    state.frames_dropped = static_cast<std::uint64_t>(row->frames_dropped);
+    audience->show_state(state);
+    audience->close();
+    read_again_[scan_id] = audience;
+  }
+  // What one of them does may take others away.
+  for (auto& waiting = being_read_[scan_id]; !waiting.empty();) waiting.extract(waiting.begin()).mapped()();
+  being_read_.erase(scan_id);
 }
 
 Status Scans::remove(const std::string& scan_id) {

@@ -55,8 +55,8 @@ constexpr std::chrono::milliseconds kStopCheck(20);
 constexpr std::chrono::milliseconds kTick(250);             // how exactly waits are ended that are given in seconds
 constexpr std::chrono::milliseconds kGoodbyePatience(500);  // for last messages to leave
 constexpr std::size_t kDiskThreads = 2;                     // uploads and results wait for disks, not for processors
-// Old logs are removed and files added up while others are read.
-constexpr std::size_t kBackgroundThreads = kMaxLogsRead + 1;
+// Results are read for viewers, old logs removed and files added up while logs are read.
+constexpr std::size_t kBackgroundThreads = kMaxLogsRead + 2;
 
 }  // namespace
 

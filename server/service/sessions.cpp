@@ -208,7 +208,8 @@ wire::Welcome complete_welcome(wire::Welcome welcome) {
 
 using Greeting = std::variant<std::unique_ptr<Session>, Refusal>;
 
-// A camera that has to wait, for a place or for the log of its scan: first it waits, then it is as any other.
+// Who has to wait, a camera for a place or for the log of its scan, a viewer for the results of one: first it waits, then it is as any
+// other.
 class WaitingSession final : public Session {
  public:
   using Begin = std::function<Greeting()>;
@@ -229,6 +230,11 @@ class WaitingSession final : public Session {
   void wait_for_log(LogReaders& logs, const std::string& scan_id) {
     const LogReaders::Ticket ticket = logs.when_read(scan_id, [this] { begin(); });
     leave_ = [&logs, ticket] { logs.forget(ticket); };
+  }
+
+  void wait_for_results(Scans& scans, const std::string& scan_id) {
+    const Scans::Ticket ticket = scans.when_shown(scan_id, [this] { begin(); });
+    leave_ = [&scans, ticket] { scans.forget(ticket); };
   }
 
   void receive(std::string_view message) override { session_->receive(message); }
@@ -328,6 +334,11 @@ Greeting greet_returning_camera(Scans& scans, const wire::ResumeScan& request, s
 Greeting greet_viewer(Scans& scans, const wire::ViewScan& request, std::function<void()> wake) {
   Result<std::shared_ptr<Audience>> audience = scans.watch(request.scan_id);
   if (!audience.ok()) return refusal_of(audience.error());
+  if (!*audience) {
+    auto waiting = std::make_unique<WaitingSession>([&scans, request, wake] { return greet_viewer(scans, request, wake); }, wake);
+    waiting->wait_for_results(scans, request.scan_id);
+    return waiting;
+  }
   Result<std::unique_ptr<Viewer>> viewer = Audience::join(*audience, wake);
   if (!viewer.ok()) return refusal_of(viewer.error());
   const SceneInfo& info = (*audience)->info();

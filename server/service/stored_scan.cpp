@@ -52,24 +52,23 @@ void read_map_counts(Blobs& blobs, const std::string& scan_id, wire::ScanState& 
   state.loops = count("loops by appearance") + count("loops by nearness");
 }
 
-void show_results(Blobs& blobs, const std::string& scan_id, Audience& audience) {
-  const Result<std::string> text = read_blob(blobs, scan_id, "trajectory.txt", kMaxResultBytes);
-  if (text.ok()) {
+StoredScan read_stored_scan(Blobs& blobs, const std::string& scan_id) {
+  StoredScan scan;
+  read_map_counts(blobs, scan_id, scan.map_counts);
+  if (const Result<std::string> text = read_blob(blobs, scan_id, "trajectory.txt", kMaxResultBytes); text.ok()) {
     const Result<Trajectory> trajectory = parse_tum_trajectory(*text);
     if (!trajectory.ok()) spdlog::error("trajectory.txt of scan {}: {}", scan_id, trajectory.error().message);
-    std::vector<float> positions_m;
     for (const TimedPose& pose : trajectory.ok() ? *trajectory : Trajectory{})
-      for (const double axis : pose.world_from_camera.translation) positions_m.push_back(static_cast<float>(axis));
-    audience.set_positions(std::move(positions_m));
+      for (const double axis : pose.world_from_camera.translation) scan.positions_m.push_back(static_cast<float>(axis));
   }
   const Result<std::string> bytes = read_blob(blobs, scan_id, kChunksName, kMaxResultBytes);
-  if (!bytes.ok()) return;
+  if (!bytes.ok()) return scan;
   Result<StoredChunks> stored = parse_chunk_file(*bytes);
-  if (!stored.ok()) {
+  if (stored.ok())
+    scan.model = model_of(*std::move(stored));
+  else
     spdlog::error("{} of scan {}: {}", kChunksName, scan_id, stored.error().message);
-    return;
-  }
-  audience.show_model(model_of(*std::move(stored)));
+  return scan;
 }
 
 }  // namespace hermite

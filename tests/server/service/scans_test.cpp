@@ -506,6 +506,31 @@ TEST_F(ScansTest, AViewerOfARunningScanAndOneAfterARestartSeeTheSame) {
   EXPECT_EQ(stored.chunks.size(), filled_count);
 }
 
+// Its results are read beside the network thread, once; who leaves before they are there harms nobody.
+TEST_F(ScansTest, ViewersThatComeTogetherWaitForTheSameResults) {
+  Camera camera = start();
+  ASSERT_TRUE(stream(camera));
+  serve([](ServiceOptions&) {});
+  constexpr int kViewers = 6;
+  std::vector<std::unique_ptr<RawClient>> viewers;
+  for (int i = 0; i < kViewers; ++i) {
+    viewers.push_back(std::make_unique<RawClient>(server_->port()));
+    ASSERT_TRUE(viewers.back()->upgrade());
+  }
+  for (const auto& viewer : viewers) viewer->send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  viewers.erase(viewers.begin() + 1);  // with its connection
+  std::optional<std::size_t> chunk_count;
+  for (const auto& viewer : viewers) {
+    const Watched watched = watch(*viewer);
+    EXPECT_TRUE(watched.welcome);
+    EXPECT_TRUE(watched.snapshot_ended);
+    EXPECT_EQ(watched.close_code, 1000);
+    EXPECT_EQ(watched.chunks.size(), chunk_count.value_or(watched.chunks.size()));
+    chunk_count = watched.chunks.size();
+  }
+  EXPECT_GT(chunk_count.value_or(0), 3u);
+}
+
 // From the fourth frame on the camera hangs head down: nothing fits, and a new part begins.
 TEST_F(ScansTest, AScanInTwoPartsSaysSoAndShowsBoth) {
   Camera camera = start(wire::Mode::kBatch, {{"output.unstable", "true"}, {"adjust.new_part_after_frames", "2"}});
