@@ -39,7 +39,8 @@ ivec2 pixel_of(uint i) { return ivec2(i % p.camera.width, i / p.camera.width); }
 
 float fused_depth_m(uint i) { return p.fuse_surface != 0u ? surface_depth_m[i] : raw_depth_m[i]; }
 
-bool can_be_fused(uint i) { return surface_depth_m[i] > 0.0 && raw_depth_m[i] > 0.0; }
+// Without confidence a surfel would count as one, in a slot that counts as free.
+bool can_be_fused(uint i) { return surface_depth_m[i] > 0.0 && raw_depth_m[i] > 0.0 && frame_confidence[i] > 0.0; }
 
 Measurement measure(uint i) {
   vec3 normal = unpack_normal(frame_normals[i]);

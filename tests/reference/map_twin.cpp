@@ -108,7 +108,7 @@ class Fusion {
     for (int y = 0; y < static_cast<int>(view_.camera.height); ++y)
       for (int x = 0; x < static_cast<int>(view_.camera.width); ++x) {
         const std::size_t i = index(view_.camera, x, y);
-        if (frame_.surface.depth_m[i] <= 0 || frame_.raw_depth_m[i] <= 0) continue;
+        if (frame_.surface.depth_m[i] <= 0 || frame_.raw_depth_m[i] <= 0 || frame_.surface.weight[i] <= 0) continue;
         double distance_px = 0;
         const std::optional<std::uint32_t> slot = continued(ids, x, y, distance_px);
         if (slot)
