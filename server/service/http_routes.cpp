@@ -53,17 +53,21 @@ Json row_json(const ScanRow& row) {
 }
 
 // For a share link only its scan, which need not be among the newest.
-Result<std::vector<ScanRow>> scans_for(const HttpWorld& world, const Grant& grant) {
-  if (grant.scan_id.empty()) return world.scans.list();
+Result<std::vector<ScanRow>> scans_for(const HttpWorld& world, const Grant& grant, const std::string& older_than_id) {
+  if (grant.scan_id.empty()) return world.scans.list(older_than_id);
   Result<ScanRow> row = world.scans.find(grant.scan_id);
   if (!row.ok()) return row.error();
   return std::vector<ScanRow>{*std::move(row)};
 }
 
 HttpAnswer list_scans(const HttpWorld& world, const Call& call) {
-  const Result<std::vector<ScanRow>> rows = scans_for(world, call.grant);
+  constexpr std::string_view kOlder = "older-than=";
+  const std::string& query = call.request.query;
+  if (!query.empty() && !query.starts_with(kOlder))
+    return refused({ErrorCode::kInvalidArgument, "the list of scans knows ?older-than=ID and nothing else"});
+  const Result<std::vector<ScanRow>> rows = scans_for(world, call.grant, query.empty() ? "" : query.substr(kOlder.size()));
   if (!rows.ok()) return refused(rows.error());
-  Json json = {{"scans", Json::array()}};
+  Json json = {{"scans", Json::array()}, {"more", rows->size() == kMaxListedScans}};
   for (const ScanRow& row : *rows) json["scans"].push_back(row_json(row));
   return json_answer(json);
 }

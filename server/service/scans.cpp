@@ -264,8 +264,8 @@ ScanRow Scans::with_counts(ScanRow row) const {
   return row;
 }
 
-Result<std::vector<ScanRow>> Scans::list() {
-  Result<std::vector<ScanRow>> rows = store_.list();
+Result<std::vector<ScanRow>> Scans::list(const std::string& older_than_id) {
+  Result<std::vector<ScanRow>> rows = older_than_id.empty() ? store_.list() : store_.list_older_than(older_than_id);
   if (!rows.ok()) return rows;
   for (ScanRow& row : *rows) row = with_counts(std::move(row));
   return rows;

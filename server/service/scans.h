@@ -100,8 +100,8 @@ class Scans {
   Ticket when_shown(const std::string& scan_id, std::function<void()> then);  // once, later
   void forget(Ticket ticket);
 
-  // With the present counts for running scans; newest first.
-  Result<std::vector<ScanRow>> list();
+  // With the present counts for running scans; as Store has it, the newest for an empty id.
+  Result<std::vector<ScanRow>> list(const std::string& older_than_id = "");
   Result<ScanRow> find(const std::string& scan_id);
 
   // kBusy: it is running. kNotFound.

@@ -42,6 +42,12 @@ ScanRow row_of(const SQLite::Statement& query) {
   return row;
 }
 
+std::vector<ScanRow> rows_of(SQLite::Statement& query) {
+  std::vector<ScanRow> rows;
+  while (query.executeStep()) rows.push_back(row_of(query));
+  return rows;
+}
+
 // A clean end leaves no log behind: what is in it then is a dead server's, and may tell of a machine that failed.
 bool ended_uncleanly(const std::string& path) {
   std::error_code error;
@@ -137,9 +143,21 @@ Status SqliteStore::remove(const std::string& id) try {
 Result<std::vector<ScanRow>> SqliteStore::list() try {
   SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM scans ORDER BY created_at_ms DESC, id LIMIT ?");
   query.bind(1, kMaxListedScans);
-  std::vector<ScanRow> rows;
-  while (query.executeStep()) rows.push_back(row_of(query));
-  return rows;
+  return rows_of(query);
+} catch (const SQLite::Exception& failure) {
+  return database_error(failure);
+}
+
+Result<std::vector<ScanRow>> SqliteStore::list_older_than(const std::string& id) try {
+  const Result<ScanRow> newer = find(id);
+  if (!newer.ok()) return newer.error();
+  SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns +
+                                               " FROM scans WHERE created_at_ms < ?1 OR (created_at_ms = ?1 AND id > ?2) ORDER BY "
+                                               "created_at_ms DESC, id LIMIT ?3");
+  query.bind(1, newer->created_at_ms);
+  query.bind(2, id);
+  query.bind(3, kMaxListedScans);
+  return rows_of(query);
 } catch (const SQLite::Exception& failure) {
   return database_error(failure);
 }

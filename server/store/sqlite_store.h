@@ -26,6 +26,7 @@ class SqliteStore : public Store {
   Result<ScanRow> find(const std::string& id) override;
   Status remove(const std::string& id) override;
   Result<std::vector<ScanRow>> list() override;
+  Result<std::vector<ScanRow>> list_older_than(const std::string& id) override;
   Result<std::vector<ScanRow>> running() override;
   Status writable() override;
   Status check_integrity() const override;  // over a connection of its own that only reads

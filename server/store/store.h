@@ -48,8 +48,9 @@ class Store {
   virtual Result<ScanRow> find(const std::string& id) = 0;
   virtual Status remove(const std::string& id) = 0;  // its share links go with it
 
-  // Newest first, at most kMaxListedScans.
+  // Newest first, at most kMaxListedScans: the newest, or those next to this one. kNotFound: no such scan.
   virtual Result<std::vector<ScanRow>> list() = 0;
+  virtual Result<std::vector<ScanRow>> list_older_than(const std::string& id) = 0;
 
   // All that have not ended, oldest first; after a start: those that a dead server left. Without those of jobs that have not ended: the
   // job goes on with its scan.

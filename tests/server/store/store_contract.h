@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -177,6 +178,20 @@ TYPED_TEST_P(StoreContract, ScansAreListedNewestFirst) {
   for (const auto& [id, time] : {std::pair{"b", 2}, std::pair{"c", 3}, std::pair{"a", 1}})
     ASSERT_TRUE(this->store().add(scan_row(id, time)).ok());
   EXPECT_THAT(ids_of(this->store().list()), testing::ElementsAre("c", "b", "a"));
+}
+
+TYPED_TEST_P(StoreContract, EveryScanIsListedOnceHoweverManyThereAre) {
+  constexpr int kCount = kMaxListedScans + 7;
+  for (int i = 0; i < kCount; ++i) ASSERT_TRUE(this->store().add(scan_row("scan " + std::to_string(i), 1000 + i / 3)).ok());
+  std::vector<std::string> ids = ids_of(this->store().list());
+  ASSERT_EQ(ids.size(), static_cast<std::size_t>(kMaxListedScans));
+  const std::vector<std::string> older = ids_of(this->store().list_older_than(ids.back()));
+  EXPECT_EQ(older.size(), 7u);
+  EXPECT_EQ(older.back(), "scan 2") << "the oldest, by its id among those of the same moment";
+  ids.insert(ids.end(), older.begin(), older.end());
+  EXPECT_EQ(std::set(ids.begin(), ids.end()).size(), static_cast<std::size_t>(kCount));
+  EXPECT_TRUE(this->store().list_older_than(ids.back())->empty());
+  EXPECT_EQ(this->store().list_older_than("nobody").error().code, ErrorCode::kNotFound);
 }
 
 TYPED_TEST_P(StoreContract, ScansThatADeadServerLeftRunningAreFoundOldestFirst) {
@@ -368,9 +383,10 @@ TYPED_TEST_P(StoreContract, ThereAreOnlySoManyUploadsAndWaitingJobs) {
 
 REGISTER_TYPED_TEST_SUITE_P(StoreContract, AScanComesBackAsItWasOverARestart, WhatReturnedWellSurvivesADeath,
                             WhatWasRefusedHasChangedNothing, WhatIsNotThereIsNotFoundAndNotMade, IdsAreToldApartByteByByte,
-                            ScansAreListedNewestFirst, ScansThatADeadServerLeftRunningAreFoundOldestFirst,
-                            AScanOfAJobIsNoneThatTheServerGoesOnWith, SaysThatItTakesChangesAndIsWhole, ATokenIsFoundByItsHash,
-                            ASecretThatIsNoHashIsNoToken, ARevocationStaysAsItWasFirst, ATokenKnowsItsLastUse, TokensAreListedNewestFirst,
+                            ScansAreListedNewestFirst, EveryScanIsListedOnceHoweverManyThereAre,
+                            ScansThatADeadServerLeftRunningAreFoundOldestFirst, AScanOfAJobIsNoneThatTheServerGoesOnWith,
+                            SaysThatItTakesChangesAndIsWhole, ATokenIsFoundByItsHash, ASecretThatIsNoHashIsNoToken,
+                            ARevocationStaysAsItWasFirst, ATokenKnowsItsLastUse, TokensAreListedNewestFirst,
                             AShareLinkIsOfAScanThatIsThereAndGoesWithIt, AShareLinkMayOnlyLook, TokensThatEndedLongAgoAreForgotten,
                             AJobComesBackAsItWasOverARestart, TheNextJobIsTheHighestAndThenTheOldest, JobsAreCountedByState,
                             TheLogOfAJobIsBounded, OldJobsAreForgottenWithTheirLogs, AnUploadComesBackAsItWasOverARestart,

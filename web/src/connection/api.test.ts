@@ -1,25 +1,39 @@
 import { describe, expect, it } from 'vitest';
-import { ApiError, fileNameOf, parseScans, shareLinkOf } from './api';
+import { ApiError, fileNameOf, parseScans, shareLinkOf, withOlder, type ScanSummary } from './api';
 
 describe('parseScans', () => {
   it('lists the newest scan first', () => {
-    const scans = parseScans({
+    const { scans, more } = parseScans({
       scans: [
         { id: 'old', title: 'Hall', state: 'finished', frames_processed: 10, created_at: '2026-05-01T12:00:00.000Z' },
         { id: 'new', title: '', state: 'running', frames_processed: 3, created_at: '2026-05-01T12:00:00.001Z' },
       ],
     });
     expect(scans.map((scan) => scan.id)).toEqual(['new', 'old']);
+    expect(more).toBe(false);
     expect(scans[0]).toMatchObject({ title: 'Untitled scan', phase: 'running', frameCount: 3, started: new Date('2026-05-01T12:00:00.001Z') });
   });
 
   it('survives rows with fields that are missing or of the wrong kind', () => {
-    const scans = parseScans({ scans: [{ id: 'a', state: 7, frames_processed: 'many', created_at: 'soon' }, null, { title: 'no id' }] });
+    const { scans, more } = parseScans({ more: true, scans: [{ id: 'a', state: 7, frames_processed: 'many', created_at: 'soon' }, null, { title: 'no id' }] });
     expect(scans).toEqual([{ id: 'a', title: 'Untitled scan', phase: 'unknown', words: '', frameCount: 0, started: null }]);
+    expect(more).toBe(true);
   });
 
   it('says so when the answer is no list', () => {
     for (const answer of [null, [], {}, { scans: 3 }]) expect(() => parseScans(answer)).toThrow(ApiError);
+  });
+});
+
+describe('withOlder', () => {
+  const scan = (id: string, time_ms: number): ScanSummary => ({ id, title: id, phase: 'finished', words: '', frameCount: 1, started: new Date(time_ms) });
+  const ids = (scans: readonly ScanSummary[]): string[] => scans.map(({ id }) => id);
+
+  it('keeps what slips out of the newest and leaves out what was removed from them', () => {
+    const before = [scan('d', 4), scan('c', 3), scan('b', 2), scan('a', 1)];
+    expect(ids(withOlder([scan('e', 5), scan('d', 4)], before))).toEqual(['e', 'd', 'c', 'b', 'a']);
+    expect(ids(withOlder([scan('d', 4), scan('b', 2)], before))).toEqual(['d', 'b', 'a']);
+    expect(ids(withOlder([], before))).toEqual(['d', 'c', 'b', 'a']);
   });
 });
 

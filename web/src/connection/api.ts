@@ -22,9 +22,23 @@ export class ApiError extends Error {
   }
 }
 
-export async function fetchScans(token: string): Promise<ScanSummary[]> {
-  const response = await request('api/v1/scans', token, listLimit_ms);
+export interface ScanList {
+  readonly scans: readonly ScanSummary[]; // newest first
+  readonly more: boolean; // there may be older ones
+}
+
+// The newest, or those next to a scan of that id.
+export async function fetchScans(token: string, olderThan = ''): Promise<ScanList> {
+  const query = olderThan === '' ? '' : `?older-than=${encodeURIComponent(olderThan)}`;
+  const response = await request(`api/v1/scans${query}`, token, listLimit_ms);
   return parseScans(await response.json());
+}
+
+// And those of `known` that are older than all of these: what was removed among the newer ones is gone.
+export function withOlder(newer: readonly ScanSummary[], known: readonly ScanSummary[]): ScanSummary[] {
+  const ids = new Set(newer.map((scan) => scan.id));
+  const last_ms = newer.at(-1)?.started?.getTime() ?? Infinity;
+  return [...newer, ...known.filter((scan) => !ids.has(scan.id) && (scan.started?.getTime() ?? 0) <= last_ms)];
 }
 
 // Saves the file under a readable name. A link cannot carry the token, hence the detour over a blob.
@@ -70,12 +84,13 @@ export async function request(path: string, token: string, limit_ms: number, met
   return response;
 }
 
-// Newest first. Rows that are not scans are left out.
-export function parseScans(json: unknown): ScanSummary[] {
+// Rows that are not scans are left out.
+export function parseScans(json: unknown): ScanList {
   const rows = isRecord(json) && Array.isArray(json['scans']) ? json['scans'] : null;
   if (!rows) throw new ApiError('The server’s list of scans cannot be read.', false);
   const scans = rows.filter(isRecord).filter((row) => typeof row['id'] === 'string').map(summaryOf);
-  return scans.sort((a, b) => (b.started?.getTime() ?? 0) - (a.started?.getTime() ?? 0));
+  scans.sort((a, b) => (b.started?.getTime() ?? 0) - (a.started?.getTime() ?? 0));
+  return { scans, more: isRecord(json) && json['more'] === true };
 }
 
 function summaryOf(row: Record<string, unknown>): ScanSummary {

@@ -1,5 +1,5 @@
-// All scans of the server, newest first, asked for again every few seconds while the page is seen.
-import { ApiError, fetchScans, type ScanSummary } from '../connection/api';
+// All scans of the server, newest first. The newest are asked for again every few seconds while the page is seen, older ones when somebody wants them.
+import { ApiError, fetchScans, withOlder, type ScanSummary } from '../connection/api';
 import { hashOf } from '../state/route';
 import { ago, count, phaseWords } from '../state/words';
 import { element, type Panel } from './dom';
@@ -23,6 +23,8 @@ export function listPage(access: ListAccess): ListPage {
   const jobs = jobsPanel(access.token, () => void refresh());
   const node = element('main', { class: 'list-page' }, wordmark(), element('h1', {}, 'Scans'), notice, jobs.element, content);
   let scans: readonly ScanSummary[] = [];
+  let olderShown = false; // some beyond what the server tells at once
+  let more = false;
   let shown = '';
   let timer: ReturnType<typeof setTimeout> | undefined;
   let disposed = false;
@@ -43,14 +45,16 @@ export function listPage(access: ListAccess): ListPage {
     clearTimeout(timer);
     try {
       if (document.visibilityState === 'visible') {
-        scans = await fetchScans(access.token());
+        const newest = await fetchScans(access.token());
         await jobs.refresh();
         if (disposed) return;
+        if (!olderShown) more = newest.more;
+        scans = olderShown ? withOlder(newest.scans, scans) : newest.scans;
         say('');
         jobs.element.hidden = false;
         const now = new Date();
         if (scans.length === 0) show('empty', emptyList());
-        else show(JSON.stringify([scans, scans.map((scan) => scan.started && ago(scan.started, now))]), listOf(scans, now));
+        else show(JSON.stringify([more, scans, scans.map((scan) => scan.started && ago(scan.started, now))]), listOf(scans, now), ...(more ? [olderButton(showOlder)] : []));
       }
     } catch (error) {
       if (disposed) return;
@@ -63,6 +67,19 @@ export function listPage(access: ListAccess): ListPage {
       say(error instanceof ApiError ? error.message : 'The list of scans could not be loaded.');
     }
     timer = setTimeout(() => void refresh(), refresh_ms);
+  };
+  const showOlder = async (): Promise<void> => {
+    const last = scans.at(-1);
+    if (!last) return;
+    try {
+      const next = await fetchScans(access.token(), last.id);
+      scans = withOlder(scans, next.scans);
+      olderShown = true;
+      more = next.more;
+    } catch (error) {
+      say(error instanceof ApiError ? error.message : 'Older scans could not be loaded.');
+    }
+    if (!disposed) await refresh();
   };
   say('Loading.');
   void refresh();
@@ -83,6 +100,15 @@ export function listPage(access: ListAccess): ListPage {
 
 function wordmark(): HTMLElement {
   return element('p', { class: 'wordmark' }, element('img', { src: './icon.svg', alt: '', width: 28, height: 28 }), 'Hermite');
+}
+
+function olderButton(showOlder: () => Promise<void>): HTMLElement {
+  const button = element('button', { type: 'button', class: 'button older' }, 'Older scans');
+  button.addEventListener('click', () => {
+    button.disabled = true;
+    void showOlder();
+  });
+  return button;
 }
 
 function listOf(scans: readonly ScanSummary[], now: Date): HTMLElement {
