@@ -3,6 +3,7 @@
 #
 #   deploy/test.sh                 all steps
 #   deploy/test.sh web browser     only these
+#   deploy/test.sh service_threads the long thread sanitizer run, which is not among them
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source deploy/install.sh
@@ -37,16 +38,22 @@ step_sanitized() {
 
 step_sanitized_tests() { ctest --preset dev -j "$jobs" --no-tests=error; }
 
-# What hands work to another thread, under the thread sanitizer: frame log, queues, encoder, check of the database, uploads to a whole server.
-# Without what runs a pipeline: a software GPU is too slow there, and not ours.
+# What hands work to a helper thread, under the thread sanitizer.
 step_threads() {
   cmake --preset threads
-  cmake --build --preset threads --target test_adjust test_data test_server
+  cmake --build --preset threads --target test_adjust
+  build/threads/tests/test_adjust --gtest_brief=1 \
+    --gtest_filter='Adjuster*:SubmapMapping.TheSame*:SubmapMapping.ALost*:SubmapMapping.ANewPart*'
+}
+
+# The same for frame log, queues, encoder, check of the database, uploads to a whole server. Without what runs a pipeline: a software GPU is
+# too slow there, and not ours. Not among all steps: it builds for ten minutes and tests for one.
+step_service_threads() {
+  cmake --preset threads
+  cmake --build --preset threads --target test_data test_server
   build/threads/tests/test_data --gtest_brief=1 --gtest_filter='FrameLog*'
   build/threads/tests/test_server --gtest_brief=1 \
     --gtest_filter='FrameQueue*:FrameReader*:FrameEncoder*:StoreWatch*:UploadRoutesTest*:WasteTest*'
-  build/threads/tests/test_adjust --gtest_brief=1 \
-    --gtest_filter='Adjuster*:SubmapMapping.TheSame*:SubmapMapping.ALost*:SubmapMapping.ANewPart*'
 }
 
 step_fuzz() { tests/fuzz/run; }
