@@ -278,14 +278,8 @@ std::vector<SurfelStore::Block> SurfelStore::regrouped(const std::vector<Block>&
   std::vector<Block> blocks;
   for (const Place& from : places) {
     if (blocks.empty() || blocks.back().submap != from.submap || blocks.back().alive_count == kSlotsPerBlock) {
-      Block block;
-      block.number = next_number_++;
-      block.positions.resize(kSlotsPerBlock);
-      block.attributes.resize(kSlotsPerBlock);
-      block.times.resize(kSlotsPerBlock);
-      block.changed_frame = block.moved_frame = frame_number;
-      block.submap = from.submap;
-      blocks.push_back(std::move(block));
+      blocks.push_back(empty_block({next_number_++, frame_number}));
+      blocks.back().submap = from.submap;
     }
     Block& to = blocks.back();
     const Block& old = sparse[from.block];
@@ -296,6 +290,17 @@ std::vector<SurfelStore::Block> SurfelStore::regrouped(const std::vector<Block>&
   }
   for (Block& block : blocks) block.bounds = bounds_of(surfels_of(block)).front();
   return blocks;
+}
+
+// Nobody is in it any more, or not yet.
+SurfelStore::Block SurfelStore::empty_block(const Name& name) {
+  return {name.number,
+          std::vector<shared::vec4>(kSlotsPerBlock),
+          std::vector<shared::SurfelAttributes>(kSlotsPerBlock),
+          std::vector<shared::uvec2>(kSlotsPerBlock),
+          {},
+          name.moved_frame,
+          name.moved_frame};
 }
 
 std::vector<Surfel> SurfelStore::surfels_of(const Block& block) {
@@ -316,15 +321,14 @@ std::vector<NumberedSurfel> SurfelStore::changed_blocks(std::uint32_t since) con
   for (const auto& [submap, blocks] : host_blocks_)
     for (const Block& block : blocks)
       if (block.changed_frame > since) changed.push_back(block);
+  for (const Name& gone : gone_blocks_)
+    if (since > 0 && gone.moved_frame > since) changed.push_back(empty_block(gone));
+  std::sort(changed.begin(), changed.end(), [](const Block& a, const Block& b) { return a.number < b.number; });
   std::vector<NumberedSurfel> surfels;
   surfels.reserve(changed.size() * kSlotsPerBlock);
   for (const Block& block : changed)
     for (std::uint32_t i = 0; const Surfel& surfel : surfels_of(block))
       surfels.push_back({block.number * kSlotsPerBlock + i++, surfel, std::max(surfel.observed_frame, block.moved_frame)});
-  for (const GoneBlock& gone : gone_blocks_)
-    for (std::uint32_t i = 0; since > 0 && gone.frame > since && i < kSlotsPerBlock; ++i)
-      surfels.push_back({gone.number * kSlotsPerBlock + i, Surfel{}, gone.frame});
-  std::sort(surfels.begin(), surfels.end(), [](const NumberedSurfel& a, const NumberedSurfel& b) { return a.number < b.number; });
   return surfels;
 }
 

@@ -119,7 +119,7 @@ class SurfelStore {
     std::vector<shared::uvec2> times;
     shared::BlockBounds bounds;
     std::uint32_t changed_frame = 0;
-    std::uint32_t moved_frame = 0;  // compact() has made it before that frame
+    std::uint32_t moved_frame = 0;  // compact() has made or emptied it before that frame
     std::uint32_t alive_count = 0;
     std::uint32_t submap = 0;  // of those alive
   };
@@ -127,16 +127,13 @@ class SurfelStore {
   struct Name {
     std::uint32_t number = 0, moved_frame = 0;
   };
-  // Its surfels are elsewhere since.
-  struct GoneBlock {
-    std::uint32_t number = 0, frame = 0;
-  };
   shared::MapState counters() const { return state.mapped()[0]; }
   std::uint32_t block_count() const { return (slot_count() + kSlotsPerBlock - 1) / kSlotsPerBlock; }
   Name name_of(std::uint32_t block) const;
   std::vector<Block> take_blocks();
   void replace_blocks(std::span<const Block> blocks);
   std::vector<Block> regrouped(const std::vector<Block>& sparse, std::uint32_t frame_number);
+  static Block empty_block(const Name& name);
   static std::vector<Surfel> surfels_of(const Block& block);
   void download_blocks(std::uint32_t first, std::uint32_t count, std::vector<Block>& blocks) const;
   void upload_blocks(std::span<const Block> blocks);
@@ -156,7 +153,7 @@ class SurfelStore {
   // By block on the device; those behind them, which have come since the map was rearranged, have next_number_ and so on.
   std::vector<Name> names_;
   std::uint32_t next_number_ = 0;
-  std::vector<GoneBlock> gone_blocks_;
+  std::vector<Name> gone_blocks_;                            // their surfels are elsewhere since
   std::map<std::uint32_t, std::vector<Block>> host_blocks_;  // by submap
   std::vector<Rigid3> world_from_submap_;
 };

@@ -134,7 +134,7 @@ void SurfelStore::check_numbers(ByteReader& bytes, std::size_t blocks_on_device)
   for (const Name& name : names_) take(name.number);
   for (const auto& [submap, blocks] : host_blocks_)
     for (const Block& block : blocks) take(block.number);
-  for (const GoneBlock& gone : gone_blocks_) take(gone.number);
+  for (const Name& gone : gone_blocks_) take(gone.number);
 }
 
 void SurfelStore::restore(ByteReader& bytes) {
