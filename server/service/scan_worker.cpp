@@ -59,7 +59,6 @@ class ScanRun {
     if (setup_.replayed_record_count == 0) return;
     Result<RestoredScan> restored = restore();
     if (restored.ok()) return events_.restored(*std::move(restored));
-    begin();  // without what was taken of the checkpoint
     RestoredScan nothing;
     if (restored.error().code != ErrorCode::kNotFound) nothing.why_not = restored.error().message;
     events_.restored(std::move(nothing));
@@ -139,28 +138,36 @@ class ScanRun {
                                            make_mapping(setup_.camera, setup_.options.adjust, setup_.correction_time), &timeline_);
   }
 
-  // kNotFound: there is no checkpoint. After any error begin() anew.
+  // kNotFound: there is no checkpoint. After any error the scan is at its beginning.
   Result<RestoredScan> restore() try {
     const Result<ScanCheckpoint> checkpoint = read_checkpoint(*setup_.blobs, setup_.scan_id, setup_.replayed_record_count);
     if (!checkpoint.ok()) return checkpoint.error();
-    if (Status status = pipeline_->restore(checkpoint->pipeline); !status.ok()) return status.error();
-    const Result<std::uint64_t> refused_count = replay_->skip(checkpoint->record_count);
+    Result<RestoredScan> restored = take(*checkpoint);
+    if (!restored.ok()) begin();
+    return restored;
+  } catch (const std::bad_alloc&) {
+    begin();
+    return Error{ErrorCode::kTooLarge, "there is no memory for the checkpoint"};
+  }
+
+  // After an error or a throw it may have been taken in part.
+  Result<RestoredScan> take(const ScanCheckpoint& checkpoint) {
+    if (Status status = pipeline_->restore(checkpoint.pipeline); !status.ok()) return status.error();
+    const Result<std::uint64_t> refused_count = replay_->skip(checkpoint.record_count);
     if (!refused_count.ok()) return refused_count.error();
     RestoredScan restored;
     restored.processed = pipeline_->trajectory().size();
     const std::uint64_t others = restored.processed + *refused_count + kRecordsBeforeFrames;
-    if (checkpoint->record_count < others) return Error{ErrorCode::kCorruptData, "the checkpoint has more frames than its part of the log"};
-    restored.dropped = checkpoint->record_count - others;
+    if (checkpoint.record_count < others) return Error{ErrorCode::kCorruptData, "the checkpoint has more frames than its part of the log"};
+    restored.dropped = checkpoint.record_count - others;
     restored.past = wire_past(*pipeline_);
     restored.poses = told_poses_ = wire_poses(*pipeline_);
-    last_tracked_ = checkpoint->last_tracked;
-    record_count_ = saved_record_count_ = checkpoint->record_count;
+    last_tracked_ = checkpoint.last_tracked;
+    record_count_ = saved_record_count_ = checkpoint.record_count;
     // Viewers are new to this server.
     pipeline_->forget_taken_changes();
     frames_since_update_ = kFramesPerUpdate;
     return restored;
-  } catch (const std::bad_alloc&) {
-    return Error{ErrorCode::kTooLarge, "there is no memory for the checkpoint"};
   }
 
   // Of all frames so far. An error is the device's, with which the scan ends; without memory it goes on without a checkpoint.
