@@ -17,6 +17,7 @@ struct DeviceInfo {
   std::string driver;                  // name and version
   std::uint32_t api_version = 0;       // as VK_MAKE_API_VERSION
   std::uint64_t memory_bytes = 0;      // largest device-local heap
+  std::uint64_t all_memory_bytes = 0;  // all device-local heaps together; for kCpu a number that says nothing: the memory is the host's
   std::uint64_t max_buffer_bytes = 0;  // largest storage buffer that can be allocated and bound whole
   std::uint32_t max_shared_memory_bytes = 0;
   std::string unsuitable;  // why it cannot be used, in words; empty when it can

@@ -120,9 +120,11 @@ DeviceInfo describe(VkPhysicalDevice device, int index) {
   info.kind = kind_of(properties.properties.deviceType);
   info.driver = std::string(driver.driverName) + (driver.driverInfo[0] ? std::string(" ") + driver.driverInfo : std::string());
   info.api_version = properties.properties.apiVersion;
-  for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i)
-    if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
-      info.memory_bytes = std::max<std::uint64_t>(info.memory_bytes, memory.memoryHeaps[i].size);
+  for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i) {
+    if (!(memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)) continue;
+    info.memory_bytes = std::max<std::uint64_t>(info.memory_bytes, memory.memoryHeaps[i].size);
+    info.all_memory_bytes += memory.memoryHeaps[i].size;
+  }
   info.max_buffer_bytes = std::min<std::uint64_t>(properties.properties.limits.maxStorageBufferRange, maintenance3.maxMemoryAllocationSize);
   info.max_shared_memory_bytes = properties.properties.limits.maxComputeSharedMemorySize;
   info.unsuitable = why_unsuitable(device, properties.properties);

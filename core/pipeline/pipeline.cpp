@@ -371,12 +371,14 @@ PipelineStatistics Pipeline::statistics() const {
   for (const auto& [stage, ms] : impl.stage_total_ms) statistics.stages_ms[stage] = ms / frames;
   for (const auto& pass : impl.front_end.device.pass_times()) statistics.gpu_passes_ms[pass.kernel] = pass.total_ms / frames;
   statistics.gpu_memory_bytes = impl.front_end.device.memory_by_purpose();
+  const gpu::DeviceInfo& device = impl.front_end.device.info();
+  if (device.kind != gpu::DeviceKind::kCpu) statistics.device_memory_bytes = static_cast<std::int64_t>(device.all_memory_bytes);
   statistics.host_memory_bytes = impl.front_end.store.host_bytes();
   if (impl.mapping) {
     statistics.mapping = impl.mapping->counts();
     statistics.mapping["parts"] = static_cast<std::int64_t>(part_count(impl.layout()));
   }
-  statistics.device = impl.front_end.device.info().name;
+  statistics.device = device.name;
   return statistics;
 }
 

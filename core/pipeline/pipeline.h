@@ -75,6 +75,7 @@ struct PipelineStatistics {
   std::map<std::string, double> stages_ms;               // mean per frame, by stage
   std::map<std::string, double> gpu_passes_ms;           // mean per frame, by shader; GPU time stamps
   std::map<std::string, std::int64_t> gpu_memory_bytes;  // by purpose
+  std::int64_t device_memory_bytes = 0;                  // that the device has in all; 0: nobody knows, it is a processor
   std::int64_t host_memory_bytes = 0;                    // of submaps that wait there
   std::map<std::string, std::int64_t> mapping;           // submaps, parts, keyframes, loops, ...; empty without mapping
   std::string device;

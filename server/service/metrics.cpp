@@ -64,6 +64,11 @@ struct Metrics::Impl {
   Gauge& credits = gauge(registry, "hermite_credits", "Frames that cameras may send at the moment").Add({});
   Gauge& frame_queue = gauge(registry, "hermite_queue_bytes", "Bytes that wait: frames for their worker").Add({{"queue", "frames"}});
   Gauge& gpu_memory = gauge(registry, "hermite_gpu_memory_bytes", "Device memory of running scans").Add({});
+  Gauge& gpu_memory_limit =
+      gauge(registry, "hermite_gpu_memory_limit_bytes", "Device memory for all scans together; 0: not known, and none waits for it")
+          .Add({});
+  Gauge& scan_gpu_memory =
+      gauge(registry, "hermite_scan_gpu_memory_bytes", "Device memory that a scan comes to, as measured; 0: none was seen yet").Add({});
   Gauge& disk_free = gauge(registry, "hermite_disk_free_bytes", "Free space for the data folder").Add({});
   Gauge& draining = gauge(registry, "hermite_draining", "1 while the server takes no new scans and ends").Add({});
   Gauge& database_damaged = gauge(registry, "hermite_database_damaged", "1 when the last check has found the database damaged").Add({});
@@ -112,6 +117,8 @@ std::string Metrics::text(const Load& load) {
   impl_->credits.Set(static_cast<double>(load.credits));
   impl_->frame_queue.Set(static_cast<double>(load.queue_bytes));
   impl_->gpu_memory.Set(static_cast<double>(load.gpu_memory_bytes));
+  impl_->gpu_memory_limit.Set(static_cast<double>(load.gpu_memory_limit_bytes));
+  impl_->scan_gpu_memory.Set(static_cast<double>(load.scan_gpu_memory_bytes));
   impl_->disk_free.Set(static_cast<double>(load.disk_free_bytes));
   impl_->draining.Set(load.draining ? 1 : 0);
   impl_->database_damaged.Set(load.database_damaged ? 1 : 0);

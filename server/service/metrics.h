@@ -23,8 +23,10 @@ struct Load {
   std::uint64_t frames_received = 0, frames_processed = 0, frames_dropped = 0;  // since the start
   std::uint64_t credits = 0;                                                    // frames that cameras may send now
   std::uint64_t queue_bytes = 0;                                                // of frames that wait for their worker
-  std::uint64_t gpu_memory_bytes = 0;
-  std::uint64_t disk_free_bytes = 0;  // for the data folder
+  std::uint64_t gpu_memory_bytes = 0;                                           // of running scans
+  std::uint64_t gpu_memory_limit_bytes = 0;                                     // for all of them; 0: nobody knows
+  std::uint64_t scan_gpu_memory_bytes = 0;                                      // that a scan comes to; 0: none was seen yet
+  std::uint64_t disk_free_bytes = 0;                                            // for the data folder
   int connections = 0;
   bool draining = false;
   bool database_damaged = false;

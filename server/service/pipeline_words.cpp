@@ -1,6 +1,8 @@
 #include "server/service/pipeline_words.h"
 
 #include <algorithm>
+#include <initializer_list>
+#include <map>
 
 namespace hermite {
 
@@ -21,6 +23,13 @@ wire::MapEvent wire_event(MapEvent event) {
     case MapEvent::kLoopClosed: return wire::MapEvent::kLoopClosed;
   }
   return wire::MapEvent::kNone;
+}
+
+std::uint64_t sum_of(const std::map<std::string, std::int64_t>& counts, std::initializer_list<const char*> names) {
+  std::int64_t sum = 0;
+  for (const char* name : names)
+    if (const auto found = counts.find(name); found != counts.end()) sum += found->second;
+  return static_cast<std::uint64_t>(sum);
 }
 
 }  // namespace
@@ -61,6 +70,19 @@ std::vector<wire::PoseInSubmap> wire_past(const Pipeline& pipeline) {
   std::vector<wire::PoseInSubmap> past;
   for (const AnchoredPose& pose : pipeline.anchored_poses()) past.push_back({pose.submap, pose.submap_from_camera});
   return past;
+}
+
+void measure(const PipelineStatistics& statistics, ModelUpdate& update) {
+  update.keyframes = sum_of(statistics.mapping, {"keyframes"});
+  update.loops = sum_of(statistics.mapping, {"loops by appearance", "loops by nearness"});
+  for (const auto& [purpose, bytes] : statistics.gpu_memory_bytes) update.gpu_memory_bytes += static_cast<std::uint64_t>(bytes);
+  update.device_memory_bytes = static_cast<std::uint64_t>(statistics.device_memory_bytes);
+}
+
+std::string words_about_map(const PipelineStatistics& statistics) {
+  const std::uint64_t parts = sum_of(statistics.mapping, {"parts"});
+  if (parts < 2) return {};
+  return "the map is in " + std::to_string(parts) + " parts that could not be joined: the camera never saw enough of two at once";
 }
 
 }  // namespace hermite

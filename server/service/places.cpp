@@ -10,8 +10,15 @@ namespace {
 
 // The mean follows a change of the scene within a second or two of frames.
 constexpr double kFrameWeight = 1.0 / 16;
+// One large scan among small ones keeps others out for the next few, and not for longer.
+constexpr double kScanWeight = 1.0 / 4;
 
 Error busy(const std::string& words) { return {ErrorCode::kBusy, words}; }
+
+std::string in_mb(std::uint64_t bytes) { return std::to_string((bytes + 500'000) / 1'000'000) + " MB"; }
+
+// The first is the mean.
+void add_to_mean(double& mean, double value, double weight) { mean = mean == 0 ? value : mean + weight * (value - mean); }
 
 }  // namespace
 
@@ -19,19 +26,30 @@ Status Places::check_server(const PlaceRequest& request) const {
   if (running_.size() >= static_cast<std::size_t>(rules_.max_running))
     return busy("this server runs at most " + std::to_string(rules_.max_running) + " scans at once");
   const bool any_live =
-      request.is_live || std::any_of(running_.begin(), running_.end(), [](const auto& entry) { return entry.second.is_live; });
+      request.is_live || std::any_of(running_.begin(), running_.end(), [](const auto& entry) { return entry.second.request.is_live; });
   const double together_s = frame_s_ * static_cast<double>(running_.size() + 1);
   if (any_live && !running_.empty() && together_s * rules_.live_rate_hz > 1)
     return busy("a frame takes " + std::to_string(std::lround(1000 * frame_s_)) +
                 " ms on this server: with one scan more a live one would get fewer than " + std::to_string(rules_.live_rate_hz) +
                 " frames a second");
-  return Done{};
+  return check_memory();
+}
+
+// Scans grow while they run, so each counts for what a scan comes to, or more if it takes more already.
+Status Places::check_memory() const {
+  const std::uint64_t all = gpu_memory_bytes(), one_more = scan_gpu_memory_bytes();
+  if (all == 0 || running_.empty()) return Done{};
+  std::uint64_t taken = 0;
+  for (const auto& [id, scan] : running_) taken += std::max(scan.memory_bytes, one_more);
+  if (taken + one_more <= all) return Done{};
+  return busy("the scans that run come to " + in_mb(taken) + " of GPU memory and one more to " + in_mb(one_more) + ": there are " +
+              in_mb(all) + " for all");
 }
 
 Status Places::check_token(const PlaceRequest& request) const {
   if (request.is_admin || request.token_id.empty()) return Done{};
   const auto own =
-      std::count_if(running_.begin(), running_.end(), [&](const auto& entry) { return entry.second.token_id == request.token_id; });
+      std::count_if(running_.begin(), running_.end(), [&](const auto& entry) { return entry.second.request.token_id == request.token_id; });
   if (own < rules_.max_running_per_token) return Done{};
   return busy("this token may run at most " + std::to_string(rules_.max_running_per_token) + " scans at once");
 }
@@ -50,7 +68,33 @@ Status Places::check_for_newcomer(const PlaceRequest& request) const {
 void Places::frame_done(double work_s) {
   // Scans share the device: with two of them a frame takes twice as long.
   const double alone_s = work_s / static_cast<double>(std::max<std::size_t>(1, running_.size()));
-  frame_s_ = frame_s_ == 0 ? alone_s : frame_s_ + kFrameWeight * (alone_s - frame_s_);
+  add_to_mean(frame_s_, alone_s, kFrameWeight);
+}
+
+void Places::ended(const std::string& scan_id) {
+  const auto scan = running_.find(scan_id);
+  if (scan == running_.end()) return;
+  // One that ended before it was measured says nothing about the next.
+  if (const std::uint64_t most = scan->second.most_memory_bytes; most > 0)
+    add_to_mean(ended_memory_bytes_, static_cast<double>(most), kScanWeight);
+  running_.erase(scan);
+}
+
+void Places::memory_measured(const std::string& scan_id, std::uint64_t taken_bytes, std::uint64_t device_bytes) {
+  device_memory_bytes_ = device_bytes;
+  const auto scan = running_.find(scan_id);
+  if (scan == running_.end()) return;
+  scan->second.memory_bytes = taken_bytes;
+  scan->second.most_memory_bytes = std::max(scan->second.most_memory_bytes, taken_bytes);
+}
+
+std::uint64_t Places::gpu_memory_bytes() const { return rules_.gpu_memory_bytes > 0 ? rules_.gpu_memory_bytes : device_memory_bytes_; }
+
+std::uint64_t Places::scan_gpu_memory_bytes() const {
+  if (ended_memory_bytes_ > 0) return static_cast<std::uint64_t>(std::llround(ended_memory_bytes_));
+  std::uint64_t most = 0;
+  for (const auto& [id, scan] : running_) most = std::max(most, scan.most_memory_bytes);
+  return most;
 }
 
 Result<Places::Ticket> Places::wait(const PlaceRequest& request, std::function<void(const wire::Waiting&)> tell,

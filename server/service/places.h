@@ -1,6 +1,7 @@
 // Who may run a scan now, and who waits for that: first come, first served. Belongs to the network thread.
 //
-// Places are counted, and measured: what a frame costs on this device decides how many scans a live one can have beside it.
+// Places are counted, and measured: what a frame costs on this device decides how many scans a live one can have beside it, and what a
+// scan takes of the device's memory how many there can be at all.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +20,9 @@ inline constexpr std::size_t kMaxWaitingCameras = 32;
 
 struct PlaceRules {
   int max_running = 4;
-  int max_running_per_token = 2;  // of tokens that may not administer
-  int live_rate_hz = 5;           // frames a second that a live scan gets at least, or no other runs beside it; 0: whatever is left
+  int max_running_per_token = 2;       // of tokens that may not administer
+  int live_rate_hz = 5;                // frames a second that a live scan gets at least, or no other runs beside it; 0: whatever is left
+  std::uint64_t gpu_memory_bytes = 0;  // for all scans together; 0: what the device has
 };
 
 struct PlaceRequest {
@@ -40,11 +42,14 @@ class Places {
   // The same, and nobody is passed who waits and could begin as well.
   Status check_for_newcomer(const PlaceRequest& request) const;
 
-  void began(const std::string& scan_id, const PlaceRequest& request) { running_[scan_id] = request; }
-  void ended(const std::string& scan_id) { running_.erase(scan_id); }
+  void began(const std::string& scan_id, const PlaceRequest& request) { running_[scan_id] = {request}; }
+  void ended(const std::string& scan_id);
 
   // A frame of one of the scans was in work for so long.
   void frame_done(double work_s);
+
+  // So much the scan takes of the device's memory, and so much there is for all; 0: nobody knows.
+  void memory_measured(const std::string& scan_id, std::uint64_t taken_bytes, std::uint64_t device_bytes);
 
   // kBusy: the line is full. `tell` is called at once and by tell(); `begin` when the turn has come: the camera has left the line then.
   Result<Ticket> wait(const PlaceRequest& request, std::function<void(const wire::Waiting&)> tell, std::function<void()> begin);
@@ -56,22 +61,31 @@ class Places {
   void tell(std::vector<double> remaining_s) const;
 
   std::size_t waiting_count() const { return line_.size(); }
-  double frame_s() const { return frame_s_; }  // that a frame takes when no other scan runs; 0: none was seen yet
+  double frame_s() const { return frame_s_; }   // that a frame takes when no other scan runs; 0: none was seen yet
+  std::uint64_t gpu_memory_bytes() const;       // for all scans together; 0: nobody knows, and none is refused for it
+  std::uint64_t scan_gpu_memory_bytes() const;  // that a scan comes to; 0: none was seen yet
 
  private:
+  struct Running {
+    PlaceRequest request;
+    std::uint64_t memory_bytes = 0, most_memory_bytes = 0;  // of the device, now and ever
+  };
   struct Waiter {
     PlaceRequest request;
     std::function<void(const wire::Waiting&)> tell;
     std::function<void()> begin;
   };
   Status check_server(const PlaceRequest& request) const;
+  Status check_memory() const;
   Status check_token(const PlaceRequest& request) const;
 
   const PlaceRules rules_;
-  std::map<std::string, PlaceRequest> running_;  // by scan
+  std::map<std::string, Running> running_;  // by scan
   std::map<Ticket, Waiter> line_;
   Ticket next_ticket_ = 0;
   double frame_s_ = 0;
+  std::uint64_t device_memory_bytes_ = 0;
+  double ended_memory_bytes_ = 0;  // mean of the most that scans took which have ended; 0: none has
 };
 
 }  // namespace hermite

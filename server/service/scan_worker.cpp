@@ -6,9 +6,7 @@
 #include <chrono>
 #include <exception>
 #include <future>
-#include <initializer_list>
 #include <iterator>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <new>
@@ -36,13 +34,6 @@ constexpr std::chrono::milliseconds kUpdatePeriod(kMsPerUpdate);
 constexpr std::chrono::milliseconds kEncodingPatience(20);
 
 double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
-
-std::uint64_t sum_of(const std::map<std::string, std::int64_t>& counts, std::initializer_list<const char*> names) {
-  std::int64_t sum = 0;
-  for (const char* name : names)
-    if (const auto found = counts.find(name); found != counts.end()) sum += found->second;
-  return static_cast<std::uint64_t>(sum);
-}
 
 ScanEnd failure(const Error& error) { return {wire::ScanPhase::kFailed, error, {}, error.message}; }
 
@@ -115,12 +106,7 @@ class ScanRun {
     checkpoints_.wait();
   }
 
-  // What is left to say about the map when the scan is over.
-  std::string last_words() const {
-    const std::uint64_t parts = sum_of(pipeline_->statistics().mapping, {"parts"});
-    if (parts < 2) return {};
-    return "the map is in " + std::to_string(parts) + " parts that could not be joined: the camera never saw enough of two at once";
-  }
+  std::string last_words() const { return words_about_map(pipeline_->statistics()); }
 
  private:
   struct Decoding {
@@ -269,10 +255,7 @@ class ScanRun {
     if (!update.ok()) return update.error();
     // As they are now: viewers may have been told of newer ones than there were when the encoding began.
     update->poses = told_poses_ = wire_poses(*pipeline_);
-    const PipelineStatistics statistics = pipeline_->statistics();
-    update->keyframes = sum_of(statistics.mapping, {"keyframes"});
-    update->loops = sum_of(statistics.mapping, {"loops by appearance", "loops by nearness"});
-    for (const auto& [purpose, bytes] : statistics.gpu_memory_bytes) update->gpu_memory_bytes += static_cast<std::uint64_t>(bytes);
+    measure(pipeline_->statistics(), *update);
     events_.model_changed(*std::move(update));
     return Done{};
   }

@@ -74,6 +74,7 @@ struct ModelUpdate {
   wire::SubmapPoses poses;
   std::uint64_t keyframes = 0, loops = 0;  // so far
   std::uint64_t gpu_memory_bytes = 0;      // of the scan
+  std::uint64_t device_memory_bytes = 0;   // that there is for all of them; 0: nobody knows
   Timeline::Stage encoding;                // of `chunks`
 };
 

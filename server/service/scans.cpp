@@ -100,6 +100,7 @@ ScanEvents Scans::worker_events(const Launch& launch) {
     for (const ChunkUpdate& chunk : update.chunks) metrics_.chunks_encoded(chunk.message->size());
     deliver(launch, [this, id = launch.row.id, update = std::move(update)](LiveScan& target) mutable {
       traces_.add(id, target.counts().processed, {update.encoding});
+      places_.memory_measured(id, update.gpu_memory_bytes, update.device_memory_bytes);
       target.model_changed(std::move(update));
     });
   };
@@ -315,6 +316,8 @@ void Scans::describe(Load& load) const {
   for (const auto& [id, weak] : read_again_)
     if (const std::shared_ptr<Audience> audience = weak.lock()) load.viewers += static_cast<int>(audience->viewer_count());
   load.waiting_cameras = static_cast<int>(places_.waiting_count());
+  load.gpu_memory_limit_bytes = places_.gpu_memory_bytes();
+  load.scan_gpu_memory_bytes = places_.scan_gpu_memory_bytes();
   load.frames_received = counts.received;
   load.frames_processed = counts.processed;
   load.frames_dropped = counts.dropped;

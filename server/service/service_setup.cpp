@@ -56,7 +56,7 @@ TlsContext tls_of(const ServiceOptions& options) {
 
 ScansOptions scans_options(const ServiceOptions& options) {
   return {options.device,
-          {options.max_scans, options.scans_per_token, options.live_rate_hz},
+          {options.max_scans, options.scans_per_token, options.live_rate_hz, static_cast<std::uint64_t>(options.gpu_memory_mb) * 1'000'000},
           static_cast<std::uint32_t>(options.credit_window),
           options.gpu_memory_mb,
           std::chrono::seconds(options.resume_window_s),

@@ -32,6 +32,7 @@ TEST(Device, ListSaysWhatAPersonAsksFor) {
     EXPECT_FALSE(devices[i].name.empty());
     EXPECT_FALSE(devices[i].driver.empty());
     EXPECT_GT(devices[i].memory_bytes, 0u);
+    EXPECT_GE(devices[i].all_memory_bytes, devices[i].memory_bytes);
     EXPECT_GE(devices[i].max_buffer_bytes, 128u << 20) << "the least that Vulkan promises";
     EXPECT_GE(devices[i].max_shared_memory_bytes, 16384u);
   }

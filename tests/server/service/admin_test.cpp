@@ -110,13 +110,14 @@ TEST_F(AdminTest, MetricsCountRequestsByRouteAndNeverByPath) {
   ask("GET", "/api/v1/scans", server_->port());
   const std::string text = get("/metrics");
   EXPECT_THAT(text, HasSubstr("Content-Type: text/plain; version=0.0.4"));
-  for (const char* line : {"hermite_build_info{version=\"0.1.0\"} 1\n", "# TYPE hermite_frame_latency_seconds histogram\n",
-                           "hermite_scans_running{mode=\"live\"} 0\n", "hermite_scans_running{mode=\"batch\"} 0\n", "hermite_viewers 0\n",
-                           "hermite_jobs{state=\"queued\"} 0\n", "hermite_jobs{state=\"failed\"} 0\n", "hermite_frames_received_total 0\n",
-                           "hermite_frames_dropped_total 0\n", "hermite_authentication_failures_total 1\n",
-                           "hermite_queue_bytes{queue=\"frames\"} 0\n", "hermite_draining 0\n", "hermite_database_damaged 0\n",
-                           "hermite_http_request_duration_seconds_count{code=\"200\",route=\"healthz\"} 1\n",
-                           "hermite_http_request_duration_seconds_count{code=\"404\",route=\"other\"} 1\n"})
+  for (const char* line :
+       {"hermite_build_info{version=\"0.1.0\"} 1\n", "# TYPE hermite_frame_latency_seconds histogram\n",
+        "hermite_scans_running{mode=\"live\"} 0\n", "hermite_scans_running{mode=\"batch\"} 0\n", "hermite_viewers 0\n",
+        "hermite_jobs{state=\"queued\"} 0\n", "hermite_jobs{state=\"failed\"} 0\n", "hermite_frames_received_total 0\n",
+        "hermite_frames_dropped_total 0\n", "hermite_authentication_failures_total 1\n", "hermite_queue_bytes{queue=\"frames\"} 0\n",
+        "hermite_gpu_memory_limit_bytes 0\n", "hermite_scan_gpu_memory_bytes 0\n", "hermite_draining 0\n", "hermite_database_damaged 0\n",
+        "hermite_http_request_duration_seconds_count{code=\"200\",route=\"healthz\"} 1\n",
+        "hermite_http_request_duration_seconds_count{code=\"404\",route=\"other\"} 1\n"})
     EXPECT_THAT(text, HasSubstr(line));
   EXPECT_THAT(text, Not(HasSubstr("secret-path")));
   EXPECT_THAT(text, Not(HasSubstr("hermite_disk_free_bytes 0\n")));

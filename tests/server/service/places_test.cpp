@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <limits>
 
 namespace hermite {
@@ -135,6 +136,100 @@ TEST(Places, AFrameBesideOthersCountsForLess) {
   line.places.began("2", kAdmin);
   line.places.frame_done(0.2);
   EXPECT_DOUBLE_EQ(line.places.frame_s(), 0.1);
+}
+
+// --- Device memory ---
+
+constexpr std::uint64_t kMegabyte = 1'000'000;
+
+// Without bounds of number or time.
+PlaceRules within_memory(std::uint64_t mb = 0) { return {8, 8, 0, mb * kMegabyte}; }
+
+TEST(Places, AreNoMoreThanTheDevicesMemoryHasRoomFor) {
+  Line line(within_memory());
+  line.places.began("1", kAdmin);
+  line.places.memory_measured("1", 300 * kMegabyte, 1000 * kMegabyte);
+  EXPECT_EQ(line.places.scan_gpu_memory_bytes(), 300 * kMegabyte) << "none has ended: what the largest that runs takes";
+  line.places.began("2", kAdmin);
+  EXPECT_TRUE(line.places.check(kAdmin).ok()) << "the second counts as much though it takes nothing yet";
+  line.places.began("3", kAdmin);
+  const Status full = line.places.check(kAdmin);
+  EXPECT_EQ(full.error().code, ErrorCode::kBusy);
+  for (const char* words : {"come to 900 MB", "one more to 300 MB", "1000 MB for all"}) EXPECT_THAT(full.error().message, HasSubstr(words));
+  line.places.ended("3");
+  EXPECT_TRUE(line.places.check(kAdmin).ok());
+}
+
+TEST(Places, AScanCountsForWhatItTakesWhenThatIsMoreThanUsual) {
+  Line line(within_memory());
+  line.places.began("1", kAdmin);
+  line.places.memory_measured("1", 100 * kMegabyte, 1000 * kMegabyte);
+  line.places.ended("1");
+  line.places.began("2", kAdmin);
+  line.places.memory_measured("2", 901 * kMegabyte, 1000 * kMegabyte);
+  EXPECT_EQ(line.places.scan_gpu_memory_bytes(), 100 * kMegabyte);
+  EXPECT_FALSE(line.places.check(kAdmin).ok());
+  line.places.memory_measured("2", 900 * kMegabyte, 1000 * kMegabyte);
+  EXPECT_TRUE(line.places.check(kAdmin).ok()) << "just enough";
+}
+
+TEST(Places, WhatAScanComesToIsTheMeanOfTheMostThatTheLastTook) {
+  Line line(within_memory());
+  const auto run = [&line](std::uint64_t most_mb) {
+    line.places.began("scan", kAdmin);
+    for (const std::uint64_t mb : {most_mb / 2, most_mb, most_mb / 4}) line.places.memory_measured("scan", mb * kMegabyte, 0);
+    line.places.ended("scan");
+  };
+  run(400);
+  EXPECT_EQ(line.places.scan_gpu_memory_bytes(), 400 * kMegabyte);
+  run(800);
+  EXPECT_EQ(line.places.scan_gpu_memory_bytes(), 500 * kMegabyte);
+  line.places.began("broken off before it was measured", kAdmin);
+  line.places.ended("broken off before it was measured");
+  EXPECT_EQ(line.places.scan_gpu_memory_bytes(), 500 * kMegabyte);
+  for (int i = 0; i < 20; ++i) run(100);
+  EXPECT_LT(line.places.scan_gpu_memory_bytes(), 105 * kMegabyte) << "one large scan is forgotten";
+}
+
+TEST(Places, TheFirstScanHasAPlaceHoweverLittleMemoryThereIs) {
+  Line line(within_memory());
+  line.places.began("1", kAdmin);
+  line.places.memory_measured("1", 2000 * kMegabyte, 1000 * kMegabyte);
+  EXPECT_FALSE(line.places.check(kAdmin).ok());
+  line.places.ended("1");
+  EXPECT_TRUE(line.places.check(kAdmin).ok());
+}
+
+TEST(Places, WhereNobodyKnowsTheMemoryNobodyWaitsForIt) {
+  Line line(within_memory());
+  line.places.began("1", kAdmin);
+  EXPECT_TRUE(line.places.check(kAdmin).ok()) << "nothing was measured yet";
+  line.places.memory_measured("1", 5000 * kMegabyte, 0);
+  EXPECT_TRUE(line.places.check(kAdmin).ok()) << "a processor's memory is the host's";
+}
+
+TEST(Places, TheSettingGoesBeforeWhatTheDeviceHas) {
+  Line line(within_memory(500));
+  EXPECT_EQ(line.places.gpu_memory_bytes(), 500 * kMegabyte);
+  line.places.began("1", kAdmin);
+  line.places.memory_measured("1", 300 * kMegabyte, 8000 * kMegabyte);
+  EXPECT_THAT(line.places.check(kAdmin).error().message, HasSubstr("500 MB for all"));
+}
+
+TEST(Places, TheLineMovesOnWhenMemoryIsFreeAgain) {
+  Line line(within_memory());
+  for (const char* scan : {"1", "2"}) {
+    line.places.began(scan, kAdmin);
+    line.places.memory_measured(scan, 400 * kMegabyte, 1000 * kMegabyte);
+  }
+  ASSERT_FALSE(line.places.check_for_newcomer(kAdmin).ok());
+  for (const char* scan : {"first", "second"}) ASSERT_TRUE(line.wait(scan, kAdmin).ok());
+  line.places.serve();
+  EXPECT_TRUE(line.begun.empty());
+  line.end("1");
+  EXPECT_THAT(line.begun, ElementsAre("first")) << "it counts for 400 MB at once: there is no room for the second beside it";
+  line.end("2");
+  EXPECT_THAT(line.begun, ElementsAre("first", "second"));
 }
 
 TEST(Places, ThoseWhoWaitAreToldHowLong) {
