@@ -52,6 +52,14 @@ struct Metrics::Impl {
   Counter& chunk_bytes =
       counter(registry, "hermite_chunk_encoded_bytes_total", "Encoded parts of the model, made once for all viewers").Add({});
   Family<Counter>& ended = counter(registry, "hermite_scans_ended_total", "Scans by how they ended");
+  Family<Counter>& scans_rebuilt =
+      counter(registry, "hermite_scans_rebuilt_total",
+              "Scans of an earlier server that were gone on with, from a checkpoint or by replay of all frames");
+  Counter& rebuilt_from_checkpoint = scans_rebuilt.Add({{"from", "checkpoint"}});
+  Counter& rebuilt_by_replay = scans_rebuilt.Add({{"from", "replay"}});
+  Family<Counter>& frames_rebuilt = counter(registry, "hermite_frames_rebuilt_total", "Their frames: out of the checkpoint, or replayed");
+  Counter& frames_from_checkpoint = frames_rebuilt.Add({{"from", "checkpoint"}});
+  Counter& frames_by_replay = frames_rebuilt.Add({{"from", "replay"}});
   Family<Histogram>& requests = histogram(registry, "hermite_http_request_duration_seconds", "From a whole request to a whole answer");
   Family<Counter>& closes = counter(registry, "hermite_websocket_closed_total", "Closed WebSockets by close code; 1006: by the other side");
   Counter& authentication_failures =
@@ -94,6 +102,12 @@ void Metrics::stage_done(const Timeline::Stage& stage) {
 void Metrics::chunks_encoded(std::uint64_t bytes) { impl_->chunk_bytes.Increment(static_cast<double>(bytes)); }
 
 void Metrics::scan_ended(const char* phase) { impl_->ended.Add({{"phase", phase}}).Increment(); }
+
+void Metrics::scan_rebuilt(std::uint64_t checkpoint_frames, std::uint64_t replayed_frames) {
+  (checkpoint_frames > 0 ? impl_->rebuilt_from_checkpoint : impl_->rebuilt_by_replay).Increment();
+  impl_->frames_from_checkpoint.Increment(static_cast<double>(checkpoint_frames));
+  impl_->frames_by_replay.Increment(static_cast<double>(replayed_frames));
+}
 
 void Metrics::request_answered(std::string_view route, int status, double duration_s) {
   impl_->requests.Add({{"route", std::string(route)}, {"code", std::to_string(status)}}, kRequestBuckets_s).Observe(duration_s);

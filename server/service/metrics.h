@@ -44,6 +44,8 @@ class Metrics {
   void stage_done(const Timeline::Stage& stage);
   void chunks_encoded(std::uint64_t bytes);
   void scan_ended(const char* phase);
+  // After a start of the server, with so many frames from its checkpoint (0: none could be used) and so many that are worked through again.
+  void scan_rebuilt(std::uint64_t checkpoint_frames, std::uint64_t replayed_frames);
   // `route` as in the table of routes, never as a client wrote it.
   void request_answered(std::string_view route, int status, double duration_s);
   // `code`: what this server closed with, 1006 where the other side did.

@@ -76,13 +76,14 @@ void Scans::deliver(const Launch& launch, Tell tell) const {
   });
 }
 
-ScanEvents Scans::worker_events(const Launch& launch) {
+ScanEvents Scans::worker_events(const Launch& launch, const ScanPast& past) {
   ScanEvents events;
-  events.restored = [this, launch](RestoredScan restored) {
-    deliver(launch, [id = launch.row.id, restored = std::move(restored)](LiveScan& target) mutable {
+  events.restored = [this, launch, frames = past.received - past.refused](RestoredScan restored) {
+    const std::uint64_t replayed = frames - restored.processed - restored.dropped;
+    metrics_.scan_rebuilt(restored.processed, replayed);
+    deliver(launch, [id = launch.row.id, replayed, restored = std::move(restored)](LiveScan& target) mutable {
       if (!restored.why_not.empty()) spdlog::warn("scan {}: its checkpoint cannot be used: {}", id, restored.why_not);
-      spdlog::info("scan {} is rebuilt: {} frames from a checkpoint, {} by replay", id, restored.processed,
-                   target.counts().received - target.counts().dropped - restored.processed - restored.dropped);
+      spdlog::info("scan {} is rebuilt: {} frames from a checkpoint, {} by replay", id, restored.processed, replayed);
       target.restored(std::move(restored));
     });
   };
@@ -201,7 +202,7 @@ std::shared_ptr<LiveScan> Scans::run(const Launch& launch, FrameLog::Opened open
                   opened.contents.frame_count,
                   options_.checkpoint_period};
   places_.began(row.id, launch.place);
-  scan->start(std::make_unique<ScanWorker>(std::move(setup), worker_events(launch)), std::move(opened.log));
+  scan->start(std::make_unique<ScanWorker>(std::move(setup), worker_events(launch, past)), std::move(opened.log));
   return scan;
 }
 

@@ -136,7 +136,7 @@ class Scans {
   Result<std::shared_ptr<LiveScan>> begin(const Launch& launch);
   template <class Tell>
   void deliver(const Launch& launch, Tell tell) const;
-  ScanEvents worker_events(const Launch& launch);
+  ScanEvents worker_events(const Launch& launch, const ScanPast& past);
   FrameLogEvents log_events(const Launch& launch) const;
   std::shared_ptr<LiveScan> run(const Launch& launch, FrameLog::Opened opened);
   void ended(const ScanRow& row, const ScanEnd& end);

@@ -67,6 +67,7 @@ class ResumeTest : public testing::Test {
     options.resume_window_s = resume_window_s;
     options.checkpoint_period_ms = checkpoint_period_ms;
     options.max_scans = max_scans;
+    options.admin_listen = "127.0.0.1:0";
     server_ = std::make_unique<test::RunningServer>(options);
   }
 
@@ -146,6 +147,11 @@ class ResumeTest : public testing::Test {
     if (finished) expect_undisturbed(*finished, expected);
     EXPECT_FALSE(std::filesystem::exists(checkpoint())) << "nobody goes on with a scan that has ended";
     return first ? first->sequence : kFrameCount;
+  }
+  std::string metrics() {
+    RawClient admin(server_->service().admin_port());
+    admin.send("GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+    return admin.read_to_end();
   }
   std::string chunks_of(const std::string& scan_id) const { return read_file(folder_ / "data/scans/" + scan_id + "/" + kChunksName); }
   std::string log_folder() const { return folder_ / "data/scans/" + welcome_.scan_id + "/log"; }
@@ -284,6 +290,11 @@ TEST_F(ResumeTest, TheNextServerGoesOnFromTheCheckpoint) {
   const std::string undisturbed_id = welcome_.scan_id;
   leave_four_frames();
   EXPECT_EQ(finish_and_compare(expected), 4u) << "frames were worked through again";
+  const std::string now = metrics();
+  for (const char* line : {"hermite_scans_rebuilt_total{from=\"checkpoint\"} 1\n", "hermite_scans_rebuilt_total{from=\"replay\"} 0\n",
+                           "hermite_frames_rebuilt_total{from=\"checkpoint\"} 4\n", "hermite_frames_rebuilt_total{from=\"replay\"} 0\n"})
+    EXPECT_THAT(now, HasSubstr(line));
+  EXPECT_THAT(now, testing::Not(HasSubstr("hermite_scan_gpu_memory_bytes 0\n"))) << "the scan has ended, and what it took is known";
   EXPECT_EQ(chunks_of(welcome_.scan_id), chunks_of(undisturbed_id)) << "viewers see the same";
 }
 
@@ -340,6 +351,8 @@ TEST_F(ResumeTest, ACheckpointThatCannotBeUsedOnlyCostsTime) {
     leave_four_frames();
     spoil();
     EXPECT_EQ(finish_and_compare(expected), 0u) << "all frames are worked through again";
+    EXPECT_THAT(metrics(), testing::AllOf(HasSubstr("hermite_scans_rebuilt_total{from=\"replay\"} 1\n"),
+                                          HasSubstr("hermite_frames_rebuilt_total{from=\"replay\"} 4\n")));
   }
 }
 
