@@ -206,19 +206,19 @@ std::shared_ptr<LiveScan> Scans::run(const Launch& launch, FrameLog::Opened open
   return scan;
 }
 
-Result<ResumedScan> Scans::resume(const wire::ResumeScan& request) {
+Result<std::optional<ResumedScan>> Scans::resume(const wire::ResumeScan& request) {
   if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
   if (logs_.is_waited_for(request.scan_id)) return Error{ErrorCode::kBusy, "the frame log of the scan is still being read"};
   const auto running = running_.find(request.scan_id);
   if (running == running_.end()) {
-    const Result<ScanRow> row = find(request.scan_id);
-    return row.ok() ? last_words(*row, request) : row.error();
+    if (const Result<ScanRow> row = find(request.scan_id); !row.ok()) return row.error();
+    return std::optional<ResumedScan>();
   }
   const std::shared_ptr<LiveScan> scan = running->second;
   if (Status status = check_resume_token(request.resume_token, scan->resume_token_sha256()); !status.ok()) return status.error();
   const Result<wire::Resumed> resumed = scan->resume(request.next_sequence);
   if (!resumed.ok()) return resumed.error();
-  return ResumedScan{scan, wire::max_frame_message_bytes(scan->audience().info().camera), *resumed, {}};
+  return std::optional(ResumedScan{scan, *resumed, wire::max_frame_message_bytes(scan->audience().info().camera)});
 }
 
 void Scans::ended(const ScanRow& started, const ScanEnd& end) {

@@ -51,12 +51,11 @@ struct JobScan {
   std::size_t max_message_bytes = 0;
 };
 
-// What a camera that comes back finds: its scan still running, or what has become of it.
+// What a camera that comes back finds: its scan, still running.
 struct ResumedScan {
-  std::shared_ptr<LiveScan> scan;     // null: it has ended, and `last_words` are all that there is to say
-  std::size_t max_message_bytes = 0;  // as in its Welcome
+  std::shared_ptr<LiveScan> scan;
   wire::Resumed resumed;
-  std::vector<wire::ServerMessage> last_words;
+  std::size_t max_message_bytes = 0;  // as in its Welcome
 };
 
 // What is asked of Places for such a scan.
@@ -89,8 +88,8 @@ class Scans {
   // What there is of the scan of a job that came to nothing.
   void remove_unwanted(const std::string& scan_id);
 
-  // Any error means that the camera cannot go on; its words say why. kBusy: not now, but later.
-  Result<ResumedScan> resume(const wire::ResumeScan& request);
+  // Any error means that the camera cannot go on; its words say why. kBusy: not now, but later. None: the scan has ended; see when_told().
+  Result<std::optional<ResumedScan>> resume(const wire::ResumeScan& request);
   LogReaders& logs() { return logs_; }  // cameras wait there for the log of their scan to be read
 
   // kNotFound: no such scan. A scan that has ended is read from its files; one without files (failed) has nothing but its state. None: they
@@ -98,7 +97,11 @@ class Scans {
   Result<std::shared_ptr<Audience>> watch(const std::string& scan_id);
   using Ticket = std::uint64_t;
   Ticket when_shown(const std::string& scan_id, std::function<void()> then);  // once, later
-  void forget(Ticket ticket);
+
+  // All that there is to say to the camera of a scan that has ended, or in words why nothing: read in the background, told once, later.
+  using LastWords = Result<std::vector<wire::ServerMessage>>;
+  Ticket when_told(const wire::ResumeScan& request, std::function<void(LastWords)> then);
+  void forget(Ticket ticket);  // of both
 
   // With the present counts for running scans; as Store has it, the newest for an empty id.
   Result<std::vector<ScanRow>> list(const std::string& older_than_id = "");
@@ -152,7 +155,7 @@ class Scans {
   void interrupt_left(ScanRow row, const Error& why);
   void drop_left(const std::string& scan_id);
   // scans_ended.cpp
-  Result<ResumedScan> last_words(const ScanRow& row, const wire::ResumeScan& request);
+  LastWords last_words(const ScanRow& row, const wire::ResumeScan& request) const;
   void show(const std::string& scan_id, StoredScan stored);
   void remove_old_logs();
   void remove_old_logs_of(const std::vector<std::string>& scan_ids);
@@ -171,6 +174,7 @@ class Scans {
   std::map<std::string, std::weak_ptr<Audience>> read_again_;  // ended scans that someone is looking at
   // And those whose results are being read, with who waits for them.
   std::map<std::string, std::map<Ticket, std::function<void()>>> being_read_;
+  std::map<Ticket, std::function<void(LastWords)>> to_be_told_;  // cameras of such scans
   Ticket next_ticket_ = 0;
   FrameCounts ended_counts_;  // of all scans that have ended
   FrameTraces traces_;

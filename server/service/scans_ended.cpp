@@ -29,8 +29,8 @@ wire::ScanPhase wire_phase(ScanPhase phase) {
 
 }  // namespace
 
-// For a camera that was away when its scan ended.
-Result<ResumedScan> Scans::last_words(const ScanRow& row, const wire::ResumeScan& request) {
+// For a camera that was away when its scan ended. In the background: of this, it uses what any thread may.
+Scans::LastWords Scans::last_words(const ScanRow& row, const wire::ResumeScan& request) const {
   FrameLogReader log(data_.log_folder(row.id));
   const Result<std::optional<LogRecord>> terms = log.next(), start = log.next();
   if (!terms.ok() || !start.ok() || !*terms || !*start) return Error{ErrorCode::kNotFound, "the scan has ended, and its log is gone"};
@@ -39,16 +39,26 @@ Result<ResumedScan> Scans::last_words(const ScanRow& row, const wire::ResumeScan
   if (Status status = check_resume_token(request.resume_token, record->resume_token_sha256); !status.ok()) return status.error();
   if (row.phase != ScanPhase::kFinished)
     return Error{ErrorCode::kNotFound, std::string("the scan is ") + name_of(row.phase) + ": " + row.words};
-  ResumedScan found;
   const auto received = static_cast<std::uint64_t>(row.frames_received);
-  found.resumed = {received, received, received};
   wire::ScanState state{wire::ScanPhase::kFinished, row.words, received, static_cast<std::uint64_t>(row.frames_processed),
                         static_cast<std::uint64_t>(row.frames_dropped)};
   read_map_counts(blobs_, row.id, state);
   Result<wire::Finished> results = read_results(blobs_, row.id);
   if (!results.ok()) return results.error();
-  found.last_words = {found.resumed, std::move(state), *std::move(results)};
-  return found;
+  return std::vector<wire::ServerMessage>{wire::Resumed{received, received, received}, std::move(state), *std::move(results)};
+}
+
+Scans::Ticket Scans::when_told(const wire::ResumeScan& request, std::function<void(LastWords)> then) {
+  const Ticket ticket = next_ticket_++;
+  to_be_told_[ticket] = std::move(then);
+  background_([this, ticket, row = find(request.scan_id), request] {
+    // Functions that are posted are copied; what was read need not be.
+    const auto words = std::make_shared<LastWords>(row.ok() ? last_words(*row, request) : row.error());
+    post_([this, ticket, words] {
+      if (auto waiting = to_be_told_.extract(ticket); !waiting.empty()) waiting.mapped()(std::move(*words));
+    });
+  });
+  return ticket;
 }
 
 Result<std::shared_ptr<Audience>> Scans::watch(const std::string& scan_id) {
@@ -78,6 +88,7 @@ Scans::Ticket Scans::when_shown(const std::string& scan_id, std::function<void()
 
 void Scans::forget(Ticket ticket) {
   for (auto& [scan_id, waiting] : being_read_) waiting.erase(ticket);
+  to_be_told_.erase(ticket);
 }
 
 void Scans::show(const std::string& scan_id, StoredScan stored) {

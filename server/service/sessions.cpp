@@ -208,8 +208,7 @@ wire::Welcome complete_welcome(wire::Welcome welcome) {
 
 using Greeting = std::variant<std::unique_ptr<Session>, Refusal>;
 
-// Who has to wait, a camera for a place or for the log of its scan, a viewer for the results of one: first it waits, then it is as any
-// other.
+// Who has to wait, for a place or for what is read from a disk: first it waits, then it is as any other.
 class WaitingSession final : public Session {
  public:
   using Begin = std::function<Greeting()>;
@@ -234,6 +233,14 @@ class WaitingSession final : public Session {
 
   void wait_for_results(Scans& scans, const std::string& scan_id) {
     const Scans::Ticket ticket = scans.when_shown(scan_id, [this] { begin(); });
+    leave_ = [&scans, ticket] { scans.forget(ticket); };
+  }
+
+  void wait_for_last_words(Scans& scans, const wire::ResumeScan& request, const std::shared_ptr<Scans::LastWords>& words) {
+    const Scans::Ticket ticket = scans.when_told(request, [this, words](Scans::LastWords told) {
+      *words = std::move(told);
+      begin();
+    });
     leave_ = [&scans, ticket] { scans.forget(ticket); };
   }
 
@@ -307,20 +314,31 @@ Greeting greet_camera(Scans& scans, const Grant& grant, const wire::Hello& hello
   return waiting;
 }
 
+Greeting not_resumed(const Error& why, std::function<void()> wake) {
+  if (why.code == ErrorCode::kBusy) return go_away(why.message, std::move(wake));  // later, or by the next server
+  spdlog::info("a camera cannot resume: {}", why.message);
+  return std::make_unique<FarewellSession>(std::vector<wire::ServerMessage>{wire::NotResumed{why.message}},
+                                           Closing{close_code_of(why), why.message}, std::move(wake));
+}
+
+Greeting tell_last_words(Scans& scans, const wire::ResumeScan& request, std::function<void()> wake) {
+  const auto words = std::make_shared<Scans::LastWords>(std::vector<wire::ServerMessage>());
+  auto begin = [words, wake]() -> Greeting {
+    if (!words->ok()) return not_resumed(words->error(), wake);
+    return std::make_unique<FarewellSession>(*std::move(*words), Closing{CloseCode::kNormal, "the scan has ended"}, wake);
+  };
+  auto waiting = std::make_unique<WaitingSession>(std::move(begin), wake);
+  waiting->wait_for_last_words(scans, request, words);
+  return waiting;
+}
+
 Greeting resume_scan(Scans& scans, const wire::ResumeScan& request, std::function<void()> wake) {
-  Result<ResumedScan> resumed = scans.resume(request);
-  if (!resumed.ok() && resumed.error().code == ErrorCode::kBusy)  // stopping: the next server will have the scan; or not yet read
-    return go_away(resumed.error().message, std::move(wake));
-  if (!resumed.ok()) {
-    spdlog::info("a camera cannot resume: {}", resumed.error().message);
-    return std::make_unique<FarewellSession>(std::vector<wire::ServerMessage>{wire::NotResumed{resumed.error().message}},
-                                             Closing{close_code_of(resumed.error()), resumed.error().message}, std::move(wake));
-  }
-  if (!resumed->scan)
-    return std::make_unique<FarewellSession>(std::move(resumed->last_words), Closing{CloseCode::kNormal, "the scan has ended"},
-                                             std::move(wake));
-  spdlog::info("the camera of scan {} is back, from frame {} on", request.scan_id, resumed->resumed.next_sequence);
-  return std::make_unique<CameraSession>(std::move(resumed->scan), resumed->resumed, resumed->max_message_bytes, std::move(wake));
+  Result<std::optional<ResumedScan>> found = scans.resume(request);
+  if (!found.ok()) return not_resumed(found.error(), std::move(wake));
+  if (!*found) return tell_last_words(scans, request, std::move(wake));
+  const auto& [scan, resumed, max_message_bytes] = **found;
+  spdlog::info("the camera of scan {} is back, from frame {} on", request.scan_id, resumed.next_sequence);
+  return std::make_unique<CameraSession>(scan, resumed, max_message_bytes, std::move(wake));
 }
 
 // After a start of the server the log of its scan may still have to be read. Usually that is soon done.

@@ -550,13 +550,16 @@ class SlowLogsTest : public ResumeTest {
     send(*client, 0, 2);
     ASSERT_TRUE(wait_for_durable(*client, 2));
     server_->stop();
+    block();
+    serve(120);
+  }
+  void TearDown() override { let_go(); }
+  void block() {
     const std::string segment = log_folder() + "/" + segment_name(0);
     std::filesystem::rename(segment, segment + ".whole");
     ASSERT_EQ(mkfifo(segment.c_str(), 0600), 0);
     segment_ = segment;
-    serve(120);
   }
-  void TearDown() override { let_go(); }
   // The log can be read again by those who open it now; whoever waits finds an empty one.
   void let_go() {
     if (segment_.empty()) return;
@@ -608,6 +611,20 @@ TEST_F(SlowLogsTest, AreSaidToBeBadWhenTheyTurnOutToBe) {
   const auto answer = camera->read<wire::NotResumed>();
   ASSERT_TRUE(answer);
   EXPECT_THAT(answer->reason, HasSubstr("interrupted"));
+}
+
+TEST_F(SlowLogsTest, OfScansThatHaveEndedKeepOnlyTheirCamerasWaiting) {
+  auto camera = resume(0);
+  let_go();
+  ASSERT_TRUE(camera->read<wire::NotResumed>());
+  block();
+  camera = resume(0);
+  EXPECT_THAT(get("/healthz"), testing::StartsWith("HTTP/1.1 200"));
+  resume(0).reset();  // one that does not wait for the answer
+  let_go();
+  const auto answer = camera->read<wire::NotResumed>();
+  ASSERT_TRUE(answer);
+  EXPECT_THAT(answer->reason, HasSubstr("its log is gone"));
 }
 
 TEST_F(SlowLogsTest, TheServerEndsWhileOneIsReadAndTheNextGoesOn) {
