@@ -87,6 +87,7 @@ std::vector<std::string> reasons_not_ready(const AdminWorld& world) {
   if (world.draining) reasons.push_back("the server is ending");
   if (const Status status = world.store.writable(); !status.ok()) reasons.push_back(status.error().message);
   if (world.store_watch.damage()) reasons.push_back("the database: " + *world.store_watch.damage());
+  if (const Status status = check_takes_files(world.data_folder); !status.ok()) reasons.push_back("the disk: " + status.error().message);
   const Result<std::uint64_t> free = free_bytes(world.data_folder);
   if (!free.ok())
     reasons.push_back(free.error().message);

@@ -189,6 +189,7 @@ std::shared_ptr<LiveScan> Scans::run(const Launch& launch, FrameLog::Opened open
       [this, row](const ScanEnd& end) { ended(row, end); });
   *launch.self = scan;
   running_[row.id] = scan;
+  unstored_ends_.erase(row.id);
   ScanSetup setup{options_.device,
                   request.camera,
                   launch.options,
@@ -222,7 +223,7 @@ Result<std::optional<ResumedScan>> Scans::resume(const wire::ResumeScan& request
 }
 
 void Scans::ended(const ScanRow& started, const ScanEnd& end) {
-  ScanRow row = with_counts(started);
+  ScanRow row = as_it_is(started);
   const auto running = running_.find(row.id);
   // Not at once: this is called by the scan itself.
   post_([scan = running->second] {});
@@ -239,7 +240,7 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   row.phase = stored_phase(end.phase);
   row.words = end.words;
   row.finished_at_ms = unix_now_ms();
-  if (Status status = store_.update(row); !status.ok()) spdlog::error("scan {}: {}", row.id, status.error().message);
+  store_end(row);
   log_with({row.id, {}, static_cast<double>(row.finished_at_ms - row.created_at_ms) / 1000}, spdlog::level::info,
            fmt::format("scan {} {}: {} frames received, {} processed, {} dropped{}{}", row.id, name_of(row.phase), row.frames_received,
                        row.frames_processed, row.frames_dropped, row.words.empty() ? "" : "; ", row.words));
@@ -256,9 +257,13 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   if (Status status = remove(row.id); !status.ok()) spdlog::error("scan {}: {}", row.id, status.error().message);
 }
 
-ScanRow Scans::with_counts(ScanRow row) const {
+// A row of the store with what that does not know.
+ScanRow Scans::as_it_is(ScanRow row) const {
   const auto running = running_.find(row.id);
-  if (running == running_.end()) return row;
+  if (running == running_.end()) {
+    const auto ended = unstored_ends_.find(row.id);
+    return ended == unstored_ends_.end() ? row : ended->second;
+  }
   const FrameCounts& counts = running->second->counts();
   row.frames_received = static_cast<std::int64_t>(counts.received);
   row.frames_processed = static_cast<std::int64_t>(counts.processed);
@@ -269,7 +274,7 @@ ScanRow Scans::with_counts(ScanRow row) const {
 Result<std::vector<ScanRow>> Scans::list(const std::string& older_than_id) {
   Result<std::vector<ScanRow>> rows = older_than_id.empty() ? store_.list() : store_.list_older_than(older_than_id);
   if (!rows.ok()) return rows;
-  for (ScanRow& row : *rows) row = with_counts(std::move(row));
+  for (ScanRow& row : *rows) row = as_it_is(std::move(row));
   return rows;
 }
 
@@ -277,7 +282,7 @@ Result<ScanRow> Scans::find(const std::string& scan_id) {
   if (!is_scan_id(scan_id)) return Error{ErrorCode::kNotFound, "there is no such scan: an id has 26 characters of a-z and 0-9"};
   Result<ScanRow> row = store_.find(scan_id);
   if (!row.ok()) return row;
-  return with_counts(*std::move(row));
+  return as_it_is(*std::move(row));
 }
 
 std::vector<double> Scans::remaining_s() const {
@@ -297,6 +302,7 @@ void Scans::tick(LiveScan::Clock::time_point now) {
   if (now - told_to_wait_at_ >= kWaitingPeriod) {
     told_to_wait_at_ = now;
     if (places_.waiting_count() > 0) places_.tell(remaining_s());
+    store_ends_again();
   }
   if (now - old_logs_removed_at_ >= std::chrono::hours(1)) remove_old_logs();
 }

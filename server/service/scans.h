@@ -143,7 +143,7 @@ class Scans {
   FrameLogEvents log_events(const Launch& launch) const;
   std::shared_ptr<LiveScan> run(const Launch& launch, FrameLog::Opened opened);
   void ended(const ScanRow& row, const ScanEnd& end);
-  ScanRow with_counts(ScanRow row) const;
+  ScanRow as_it_is(ScanRow row) const;
   std::vector<double> remaining_s() const;  // of the scans that run, as Places::tell() wants it
   // scans_left.cpp
   struct LeftScan {
@@ -157,6 +157,8 @@ class Scans {
   // scans_ended.cpp
   LastWords last_words(const ScanRow& row, const wire::ResumeScan& request) const;
   void show(const std::string& scan_id, StoredScan stored);
+  void store_end(const ScanRow& row);
+  void store_ends_again();
   void remove_old_logs();
   void remove_old_logs_of(const std::vector<std::string>& scan_ids);
 
@@ -176,7 +178,8 @@ class Scans {
   std::map<std::string, std::map<Ticket, std::function<void()>>> being_read_;
   std::map<Ticket, std::function<void(LastWords)>> to_be_told_;  // cameras of such scans
   Ticket next_ticket_ = 0;
-  FrameCounts ended_counts_;  // of all scans that have ended
+  std::map<std::string, ScanRow> unstored_ends_;  // by id: scans that have ended, of which the store does not know it yet
+  FrameCounts ended_counts_;                      // of all scans that have ended
   FrameTraces traces_;
   LiveScan::Clock::time_point old_logs_removed_at_, told_to_wait_at_;
   bool device_failed_ = false;

@@ -113,6 +113,24 @@ void Scans::show(const std::string& scan_id, StoredScan stored) {
   being_read_.erase(scan_id);
 }
 
+// A disk that takes nothing does not make a scan run that has ended. There are no more of these than could run: none begins without a row.
+void Scans::store_end(const ScanRow& row) {
+  const Status stored = store_.update(row);
+  if (stored.ok()) return;
+  spdlog::error("scan {}: that it has ended cannot be stored yet: {}", row.id, stored.error().message);
+  if (stored.error().code != ErrorCode::kNotFound) unstored_ends_[row.id] = row;
+}
+
+void Scans::store_ends_again() {
+  while (!unstored_ends_.empty()) {
+    const auto entry = unstored_ends_.begin();
+    const Status stored = store_.update(entry->second);
+    if (!stored.ok() && stored.error().code != ErrorCode::kNotFound) return;  // the others would fail, too, and each takes its time
+    spdlog::info("scan {}: that it has ended is stored now", entry->first);
+    unstored_ends_.erase(entry);
+  }
+}
+
 Status Scans::remove(const std::string& scan_id) {
   if (running_.contains(scan_id)) return Error{ErrorCode::kBusy, "scan " + scan_id + " is running"};
   const Result<ScanRow> row = find(scan_id);
@@ -121,7 +139,9 @@ Status Scans::remove(const std::string& scan_id) {
     return Error{ErrorCode::kBusy, "scan " + scan_id + " is to go on: cancel its job, or try again later"};
   if (Status status = remove_files_of_scan(storage_, scan_id); !status.ok()) return status;
   read_again_.erase(scan_id);
-  return store_.remove(scan_id);
+  const Status removed = store_.remove(scan_id);
+  if (removed.ok()) unstored_ends_.erase(scan_id);
+  return removed;
 }
 
 Result<std::uint64_t> Scans::size_of_result(const std::string& scan_id, const std::string& name) {

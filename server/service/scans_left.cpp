@@ -47,7 +47,7 @@ void Scans::interrupt_left(ScanRow row, const Error& why) {
   row.words = "the server ended during the scan, and it cannot be gone on with: " + why.message;
   row.finished_at_ms = unix_now_ms();
   log_with({row.id}, spdlog::level::warn, fmt::format("scan {}: {}", row.id, row.words));
-  if (Status status = store_.update(row); !status.ok()) spdlog::error("scan {}: {}", row.id, status.error().message);
+  store_end(row);
   if (Status status = blobs_.remove(row.id, kCheckpointName); !status.ok()) spdlog::warn("{}", status.error().message);
   places_.ended(row.id);
   places_.serve();

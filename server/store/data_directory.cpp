@@ -329,4 +329,12 @@ Result<std::uint64_t> free_bytes(const std::string& path) {
   return static_cast<std::uint64_t>(space.available);
 }
 
+Status check_takes_files(const std::string& data_folder) {
+  const std::string path = data_folder + "/probe";
+  const File file(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (file.descriptor < 0 || unlink(path.c_str()) != 0)
+    return Error{ErrorCode::kIo, "making a file in " + data_folder + ": " + std::strerror(errno)};
+  return Done{};
+}
+
 }  // namespace hermite

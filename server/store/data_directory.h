@@ -9,6 +9,7 @@
 //   uploads/ID    the bytes of an upload, as far as they have come
 //   jobs/ID/      what a running job has unpacked; empty at every start
 //   waste/        what was removed, until the disk has let go of it
+//   probe         comes and goes: whether the disk takes anything
 //   lost/         scans/ID and uploads/ID that no row knew at a start (orphans.h)
 #pragma once
 
@@ -101,5 +102,8 @@ Result<PublishedServer> published_server(const std::string& path);
 
 // Bytes free for us in the file system that holds `path` (which must exist).
 Result<std::uint64_t> free_bytes(const std::string& path);
+
+// Makes a file there and removes it. kIo in words: the disk takes none, as one that has become read-only.
+Status check_takes_files(const std::string& data_folder);
 
 }  // namespace hermite

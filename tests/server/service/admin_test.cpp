@@ -73,6 +73,15 @@ TEST_F(AdminTest, SaysInWordsWhatIsMissing) {
   EXPECT_THAT(answer, HasSubstr("no such GPU"));
 }
 
+TEST_F(AdminTest, SaysThatTheDiskTakesNoFiles) {
+  serve(options());
+  std::filesystem::create_directory(folder_ / "data/probe");  // in the way of the file that is tried
+  EXPECT_THAT(readiness(), HasSubstr("not ready: the disk: making a file in "));
+  std::filesystem::remove(folder_ / "data/probe");
+  EXPECT_THAT(readiness(), StartsWith("HTTP/1.1 200"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "data/probe"));
+}
+
 // Where nobody looks at a start: in the log of a job that has ended.
 TEST_F(AdminTest, SaysThatTheDatabaseIsDamaged) {
   const std::string path = folder_ / "data/hermite.db";

@@ -1,6 +1,7 @@
 // Scans on a real server with a real pipeline: tiny synthetic frames, sent by hand.
 #include "server/service/scans.h"
 
+#include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -322,6 +323,21 @@ TEST_F(ScansTest, StoppingTheServerKeepsWhatThereIs) {
   serve([](ServiceOptions&) {});
   EXPECT_EQ(row(camera.welcome.scan_id)["state"], "interrupted");
   EXPECT_TRUE(std::filesystem::exists(scan_file(camera.welcome.scan_id, "cloud.ply")));
+}
+
+// Somebody else is writing, for longer than the server waits for him.
+TEST_F(ScansTest, AScanHasEndedAlsoWhereTheDatabaseDoesNotTakeIt) {
+  Camera camera = start();
+  SQLite::Database other(folder_ / "data/hermite.db", SQLite::OPEN_READWRITE);
+  other.exec("BEGIN IMMEDIATE");
+  ASSERT_TRUE(stream(camera));
+  EXPECT_EQ(row(camera.welcome.scan_id)["state"], "finished");
+  EXPECT_EQ(row(camera.welcome.scan_id)["frames_processed"], kFrameCount);
+  const auto stored = [&] { return other.execAndGet("SELECT phase FROM scans WHERE id = '" + camera.welcome.scan_id + "'").getString(); };
+  EXPECT_EQ(stored(), "running");
+  other.exec("ROLLBACK");
+  for (int i = 0; i < 300 && stored() == "running"; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(stored(), "finished") << "it is tried again";
 }
 
 TEST_F(ScansTest, MoreScansThanAllowedAreRefusedUntilOneEnds) {
