@@ -7,9 +7,11 @@
 #include <functional>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <random>
 
 #include "core/pipeline/pipeline.h"
+#include "tests/support/doomed_surfels.h"
 #include "tests/support/recording.h"
 
 namespace hermite {
@@ -231,6 +233,30 @@ TEST(Checkpoint, PartsThatAreNotJoinedYetComeBack) {
   EXPECT_EQ(scan.count("joined parts"), 1);
   undisturbed.end = told_at_the_end(*scan.pipeline);
   expect_same_from(frames, make_pipeline(adjusted_often()), undisturbed, 26);
+}
+
+// Surfels get other slots, and what has not been told of them yet is told by who goes on.
+TEST(Checkpoint, AMapIsCompactedBeforeAndAfter) {
+  Options options = adjusted_often();
+  options.map.clean_interval_frames = 1;
+  const std::vector<std::size_t> frames = range(0, 14);
+  Scan scan(frames, make_pipeline(options));
+  ASSERT_TRUE(scan.pipeline->insert(test::doomed_surfels(200'000)).ok());
+  ASSERT_TRUE(scan.pipeline->take_changes().ok());
+  Undisturbed undisturbed;
+  std::optional<std::size_t> compacted_in;  // the frame
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const std::int64_t slots = scan.pipeline->statistics().surfel_slot_count;
+    undisturbed.states[i] = *scan.pipeline->save();
+    undisturbed.told.push_back(scan.step(i));
+    if (scan.pipeline->statistics().surfel_slot_count < slots / 2) compacted_in = i;
+  }
+  undisturbed.end = told_at_the_end(*scan.pipeline);
+  ASSERT_TRUE(compacted_in && *compacted_in + 3 < frames.size()) << "the scan is not the one that this test is about";
+  // Before it, right after it, and when viewers have been told of some of it or all: they are after every third frame.
+  const auto is_far = [&](std::size_t k) { return k < *compacted_in || k > *compacted_in + 3; };
+  std::erase_if(undisturbed.states, [&](const auto& state) { return is_far(state.first); });
+  for (const auto& [k, state] : undisturbed.states) expect_same_from(frames, make_pipeline(options), undisturbed, k);
 }
 
 TEST(Checkpoint, AMirrorMayBeginAnew) {

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "core/evaluate/trajectory_error.h"
+#include "tests/support/doomed_surfels.h"
 #include "tests/support/recording.h"
 
 namespace hermite {
@@ -419,16 +420,8 @@ TEST(Pipeline, SlotsThatDiedDoNotStayForEver) {
   constexpr std::size_t kDoomed = 200'000;
   Options options = soon_stable();
   options.map.clean_interval_frames = 1;
-  Cloud doomed(kDoomed);
-  for (std::size_t i = 0; i < kDoomed; ++i) {  // in view, behind the walls
-    doomed[i].position_m = {0.0001f * static_cast<float>(i % 500), 0.0001f * static_cast<float>(i / 500), 9};
-    doomed[i].normal = -Eigen::Vector3f::UnitZ();
-    doomed[i].confidence = 9;
-    doomed[i].radius_m = 0.02f;
-    doomed[i].curvature_max_per_m = 1000;  // beyond what is believed
-  }
   Pipeline pipeline("", recording().camera, options);
-  ASSERT_TRUE(pipeline.insert(doomed).ok());
+  ASSERT_TRUE(pipeline.insert(test::doomed_surfels(kDoomed)).ok());
   Mirror mirror;
   mirror.follow(pipeline);
   EXPECT_EQ(mirror.points.size(), kDoomed);
