@@ -3,8 +3,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <stdexcept>
 #include <string>
 
 #include "core/dataset/sequence.h"
@@ -16,11 +14,13 @@
 #include "proto/wire/server_message.h"
 #include "tests/core/dataset/oni_bytes.h"
 #include "tests/core/dataset/recording_bytes.h"
+#include "tests/fuzz/seed_folder.h"
 #include "tests/support/archive_bytes.h"
 
 namespace {
 
 using namespace hermite;
+using fuzz::SeedFolder;
 namespace fs = std::filesystem;
 
 constexpr ImageSize kSize{16, 12};
@@ -42,20 +42,6 @@ ColorImage color_image() {
   }
   return color;
 }
-
-class SeedFolder {
- public:
-  explicit SeedFolder(fs::path folder) : folder_(std::move(folder)) { fs::create_directories(folder_); }
-  void add(const std::string& bytes) {
-    std::ofstream file(folder_ / ("seed-" + std::to_string(count_++)), std::ios::binary);
-    file << bytes;
-    if (!file.flush()) throw std::runtime_error("cannot write a seed into " + folder_.string());
-  }
-
- private:
-  fs::path folder_;
-  int count_ = 0;
-};
 
 void add_depth_seeds(SeedFolder seeds) {
   const std::string size(1, static_cast<char>((kSize.height - 1) * 16 + kSize.width - 1));
@@ -237,5 +223,7 @@ int main(int argc, char** argv) {
   add_log_seeds(SeedFolder(fs::path(argv[1]) / "log"));
   add_archive_seeds(SeedFolder(fs::path(argv[1]) / "archive"));
   add_tus_seeds(SeedFolder(fs::path(argv[1]) / "tus"));
+  fuzz::add_checkpoint_seeds(SeedFolder(fs::path(argv[1]) / "checkpoint"));
+  fuzz::add_mapping_seeds(SeedFolder(fs::path(argv[1]) / "mapping"));
   return 0;
 }
