@@ -6,6 +6,21 @@
 
 namespace hermite {
 
+namespace {
+
+template <class Pyramid, class Work>
+void for_each_buffer(Pyramid& pyramid, Work work) {
+  for (auto& level : pyramid.levels) {
+    work(level.depth_m);
+    work(level.normals);
+    work(level.curvatures);
+    work(level.weight);
+    work(level.intensity);
+  }
+}
+
+}  // namespace
+
 SurfacePyramid make_surface_pyramid(gpu::Device& device, const shared::Intrinsics& finest, const std::string& purpose) {
   SurfacePyramid pyramid;
   shared::Intrinsics camera = finest;
@@ -32,13 +47,7 @@ void set_camera(SurfacePyramid& pyramid, const shared::Intrinsics& finest) {
 
 void save(ByteWriter& bytes, const SurfacePyramid& pyramid) {
   bytes.number(pyramid.levels[0].camera);
-  for (const SurfaceLevel& level : pyramid.levels) {
-    gpu::save(bytes, level.depth_m);
-    gpu::save(bytes, level.normals);
-    gpu::save(bytes, level.curvatures);
-    gpu::save(bytes, level.weight);
-    gpu::save(bytes, level.intensity);
-  }
+  for_each_buffer(pyramid, [&bytes](const auto& buffer) { gpu::save(bytes, buffer); });
 }
 
 void restore(ByteReader& bytes, SurfacePyramid& pyramid) {
@@ -49,13 +58,7 @@ void restore(ByteReader& bytes, SurfacePyramid& pyramid) {
                     std::isfinite(camera.cx) && std::isfinite(camera.cy),
                 "the camera of a surface");
   if (bytes.ok()) set_camera(pyramid, camera);
-  for (SurfaceLevel& level : pyramid.levels) {
-    gpu::restore(bytes, level.depth_m);
-    gpu::restore(bytes, level.normals);
-    gpu::restore(bytes, level.curvatures);
-    gpu::restore(bytes, level.weight);
-    gpu::restore(bytes, level.intensity);
-  }
+  for_each_buffer(pyramid, [&bytes](auto& buffer) { gpu::restore(bytes, buffer); });
 }
 
 void downsample(gpu::Commands& commands, const gpu::Kernel& kernel, SurfacePyramid& pyramid, double depth_gate_m) {

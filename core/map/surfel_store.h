@@ -142,6 +142,8 @@ class SurfelStore {
   struct OnDevice;
   template <class Bytes, class Saved>
   static void block_fields(Bytes& bytes, Saved& block);
+  template <class Bytes, class Saved>
+  static void name_fields(Bytes& bytes, Saved& store);
   static void describe(Block& block);
   static void check(ByteReader& bytes, const OnDevice& saved, std::size_t submap_count);
   static void read_host_blocks(ByteReader& bytes, std::size_t submap_count, std::map<std::uint32_t, std::vector<Block>>& host_blocks);

@@ -46,6 +46,13 @@ void SurfelStore::block_fields(Bytes& bytes, Saved& block) {
   bytes.number(block.moved_frame);
 }
 
+template <class Bytes, class Saved>
+void SurfelStore::name_fields(Bytes& bytes, Saved& store) {
+  bytes.numbers(store.names_);
+  bytes.number(store.next_number_);
+  bytes.numbers(store.gone_blocks_);
+}
+
 // What can be told from the surfels of the block.
 void SurfelStore::describe(Block& block) {
   block.alive_count = 0;
@@ -67,9 +74,7 @@ void SurfelStore::save(ByteWriter& bytes) const {
   bytes.numbers(bounds.download(block_count()));
   bytes.numbers(changed_frames.download(block_count()));
   bytes.numbers(free_slots.download(counters().free_count));
-  bytes.numbers(names_);
-  bytes.number(next_number_);
-  bytes.numbers(gone_blocks_);
+  name_fields(bytes, *this);
   bytes.number(static_cast<std::uint32_t>(host_blocks_.size()));
   for (const auto& [submap, blocks] : host_blocks_) {
     bytes.number(submap);
@@ -149,9 +154,7 @@ void SurfelStore::restore(ByteReader& bytes) {
   bytes.numbers(saved.changed_frames);
   bytes.numbers(saved.free_slots);
   check(bytes, saved, poses.size());
-  bytes.numbers(names_);
-  bytes.number(next_number_);
-  bytes.numbers(gone_blocks_);
+  name_fields(bytes, *this);
   read_host_blocks(bytes, poses.size(), host_blocks_);
   check_numbers(bytes, saved.bounds.size());
   if (!bytes.ok()) return;

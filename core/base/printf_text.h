@@ -1,0 +1,20 @@
+// printf into a string, for lines that people read. Header only.
+#pragma once
+
+#include <cstdarg>
+#include <cstdio>
+#include <string>
+
+namespace hermite {
+
+// Cut after 159 bytes: no line of a terminal is longer.
+__attribute__((format(printf, 1, 2))) inline std::string printf_text(const char* pattern, ...) {
+  char text[160];
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(text, sizeof text, pattern, arguments);
+  va_end(arguments);
+  return text;
+}
+
+}  // namespace hermite
