@@ -14,7 +14,7 @@
 layout(local_size_x = 256) in;
 layout(scalar, binding = 0) buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 1) readonly buffer Attributes { SurfelAttributes attributes[]; };
-layout(scalar, binding = 2) readonly buffer Times { uvec2 times[]; };
+layout(scalar, binding = 2) readonly buffer Times { uint times[]; };  // of a slot: created, observed
 layout(scalar, binding = 3) readonly buffer Submaps { Transform camera_from_submap[]; };
 layout(scalar, binding = 4) readonly buffer StableIds { uint stable_ids[]; };
 layout(scalar, binding = 5) readonly buffer StableDepths { uint stable_depth_bits[]; };
@@ -24,13 +24,15 @@ layout(scalar, binding = 8) writeonly buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, push_constant) uniform Push { CleanParams p; };
 shared uint is_alive[kBlock];
 shared vec4 position_submap[kBlock];
+const uint kRow = 16u, kRows = kBlock / kRow;
+shared uint farthest_in_row[kRows * 8u];
 
 bool doubled(uint slot, ivec2 pixel, float z, SurfelAttributes a, uint created) {
   uint cell = uint(pixel.y) * p.camera.width + uint(pixel.x);
   uint shown = stable_ids[cell];
   if (shown == 0xffffffffu || shown == slot || z - uintBitsToFloat(stable_depth_bits[cell]) > p.redundancy_depth_m) return false;
   SurfelAttributes b = attributes[shown];
-  return surfel_submap(b) != surfel_submap(a) && times[shown].x < created && surfel_radius(b) <= 1.5 * surfel_radius(a);
+  return surfel_submap(b) != surfel_submap(a) && times[2u * shown] < created && surfel_radius(b) <= 1.5 * surfel_radius(a);
 }
 
 bool contradicted(uint slot, vec4 surfel) {
@@ -40,7 +42,7 @@ bool contradicted(uint slot, vec4 surfel) {
   ivec2 pixel = ivec2(floor(project(p.camera, point) + 0.5));
   bool visible = point.z > 0.05 && inside(p.camera, pixel);
   float radius = surfel_radius(a);
-  uvec2 time = times[slot];
+  uint created = times[2u * slot];
   float normal_z = abs(rotate(t, unpack_unit(a.normal)).z);
   int neighbours = 0, redundant = 0, seen_through = 0;
   // A loop without a turn is left at once by a whole subgroup; what an `if` skips, software devices execute under a mask.
@@ -55,32 +57,41 @@ bool contradicted(uint slot, vec4 surfel) {
       ++neighbours;
       float gap = uintBitsToFloat(stable_depth_bits[cell]) - point.z;
       vec2 lateral = vec2(dx, dy) * point.z / vec2(p.camera.fx, p.camera.fy);
-      uvec2 other_time = times[other];
-      bool near = gap > 0.0 && gap < p.redundancy_depth_m && dot(lateral, lateral) < 1.96 * radius * radius;
-      redundant += near && other_time.x < time.x ? 1 : 0;
-      seen_through += gap >= p.redundancy_depth_m && other_time.y == p.frame_number && normal_z > 0.85 ? 1 : 0;
+      bool far_behind = gap >= p.redundancy_depth_m;
+      bool just_behind = gap > 0.0 && !far_behind && dot(lateral, lateral) < 1.96 * radius * radius;
+      uint time = times[2u * other + (far_behind ? 1u : 0u)];
+      redundant += just_behind && time < created ? 1 : 0;
+      seen_through += far_behind && time == p.frame_number && normal_z > 0.85 ? 1 : 0;
     }
   }
-  if (visible && doubled(slot, pixel, point.z, a, time.x)) return true;
+  if (visible && doubled(slot, pixel, point.z, a, created)) return true;
   // More than half, or more than a quarter, of those that are there; fewer than three may be the edge of something.
   return (redundant > 2 && 2 * redundant > neighbours) || (seen_through > 2 && 4 * seen_through > neighbours);
 }
 
 bool outlived(vec4 surfel, uint slot) {
   vec2 kappa = unpackHalf2x16(attributes[slot].curvatures);
-  return (surfel.w < p.stable_confidence && p.frame_number - times[slot].y > p.max_unstable_age) ||
+  return (surfel.w < p.stable_confidence && p.frame_number - times[2u * slot + 1u] > p.max_unstable_age) ||
          max(abs(kappa.x), abs(kappa.y)) > p.curvature_limit_per_m;
 }
 
+// Sixteen lanes go along a row of slots each, then one for each direction along the rows.
 void write_bounds(uint block) {
-  uint direction = gl_LocalInvocationID.x;
-  if (direction >= 8u) return;
-  uint farthest = 0u;
-  for (uint i = 0u; i < kBlock; ++i) {
-    uint key = ordered(reach(direction, position_submap[i]));
-    farthest = is_alive[i] != 0u ? max(farthest, key) : farthest;
+  uint lane = gl_LocalInvocationID.x;
+  if (lane < kRows) {
+    uint farthest[8] = uint[](0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u);
+    for (uint i = lane * kRow; i < (lane + 1u) * kRow; ++i) {
+      uint any = is_alive[i] != 0u ? 0xffffffffu : 0u;
+      for (uint direction = 0u; direction < 8u; ++direction)
+        farthest[direction] = max(farthest[direction], ordered(reach(direction, position_submap[i])) & any);
+    }
+    for (uint direction = 0u; direction < 8u; ++direction) farthest_in_row[lane * 8u + direction] = farthest[direction];
   }
-  bounds[block].reach[direction] = farthest;
+  barrier();
+  if (lane >= 8u) return;
+  uint farthest = 0u;
+  for (uint row = 0u; row < kRows; ++row) farthest = max(farthest, farthest_in_row[row * 8u + lane]);
+  bounds[block].reach[lane] = farthest;
 }
 
 void main() {

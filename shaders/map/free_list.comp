@@ -2,9 +2,10 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // Writes the free slots of the listed blocks, zone by zone. Those that cleaning has just freed (confidence -1) get this frame's number.
+// A lane goes along a row of slots, as in map/count_free.
 #include "shaders/shared/map.h"
 #include "shaders/lib/blocks.glsl"
-layout(local_size_x = 256) in;
+layout(local_size_x = 16) in;
 layout(scalar, binding = 0) buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 1) readonly buffer Groups { uint free_by_group[]; };
 layout(scalar, binding = 2) readonly buffer State { MapState state; };
@@ -14,41 +15,31 @@ layout(scalar, binding = 5) readonly buffer Visible { uint groups[3]; uint turn_
 layout(scalar, binding = 6) readonly buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, binding = 7) writeonly buffer Changed { uint changed_frame[]; };
 layout(scalar, push_constant) uniform Push { FreeListParams p; };
-const uint kRow = 16u;
-shared uint is_free[kBlock];
-shared uint free_in_row[kBlock / kRow];
-
-// Free slots before this lane, by rows of lanes: a walk along all of them costs more than all the rest where most are free.
-uint free_before(uint lane) {
-  uint count = 0u;
-  for (uint row = 0u; row < lane / kRow; ++row) count += free_in_row[row];
-  for (uint i = lane / kRow * kRow; i < lane; ++i) count += is_free[i];
-  return count;
-}
-
-bool all_free() {
-  uint count = 0u;
-  for (uint row = 0u; row < kBlock / kRow; ++row) count += free_in_row[row];
-  return count == kBlock;
-}
+const uint kRows = gl_WorkGroupSize.x, kRow = kBlock / kRows;
+shared uint free_in_row[kRows];
 
 void main() {
-  uint group = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x, slot = block_of(blocks[group]) * kBlock + lane;
-  bool dead = slot < state.slot_count && position_confidence[slot].w <= 0.0;
-  is_free[lane] = dead ? 1u : 0u;
-  barrier();
-  if (lane < kBlock / kRow) {
-    uint count = 0u;
-    for (uint i = 0u; i < kRow; ++i) count += is_free[lane * kRow + i];
-    free_in_row[lane] = count;
+  uint group = gl_WorkGroupID.x, row = gl_LocalInvocationID.x, block = block_of(blocks[group]), first = block * kBlock + row * kRow;
+  uint end = min(first + kRow, state.slot_count);
+  uint is_free = 0u, just_freed = 0u;  // bit i: the row's slot i
+  for (uint slot = first; slot < end; ++slot) {
+    float confidence = position_confidence[slot].w;
+    is_free |= (confidence <= 0.0 ? 1u : 0u) << (slot - first);
+    just_freed |= (confidence < 0.0 ? 1u : 0u) << (slot - first);
   }
-  barrier();
-  if (!dead) return;
-  if (position_confidence[slot].w < 0.0) {
+  free_in_row[row] = bitCount(is_free);
+  for (; just_freed != 0u; just_freed &= just_freed - 1u) {
+    uint slot = first + findLSB(just_freed);
     position_confidence[slot].w = 0.0;
     times[slot].y = p.frame_number;
-    changed_frame[slot / kBlock] = p.frame_number;
+    changed_frame[block] = p.frame_number;
   }
-  if (!has_room(blocks[group], bounds[block_of(blocks[group])], p.submap) && !all_free()) return;  // as map/count_free has it
-  free_slots[free_by_group[group] + free_before(lane)] = slot;
+  barrier();
+  uint before = 0u, all = 0u;
+  for (uint i = 0u; i < kRows; ++i) {
+    before += i < row ? free_in_row[i] : 0u;
+    all += free_in_row[i];
+  }
+  if (!has_room(blocks[group], bounds[block], p.submap) && all != kBlock) return;  // as map/count_free has it
+  for (uint at = free_by_group[group] + before; is_free != 0u; is_free &= is_free - 1u) free_slots[at++] = first + findLSB(is_free);
 }
