@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "server/store/owned_descriptor.h"
 #include "server/store/scan_id.h"
 
 namespace hermite {
@@ -26,23 +27,12 @@ constexpr std::size_t kTokenDigits = 2 * kTokenBytes;
 
 SetupError io_failure(const std::string& what) { return SetupError({ErrorCode::kIo, what + ": " + std::strerror(errno)}); }
 
-// A file descriptor that closes itself.
-struct File {
-  int descriptor;
-  explicit File(int opened) : descriptor(opened) {}
-  ~File() {
-    if (descriptor >= 0) close(descriptor);
-  }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-};
-
 bool is_token(const std::string& text) {
   return text.size() == kTokenDigits && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
 std::string create_token(const std::string& path) {
-  const File file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+  const OwnedDescriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (file.descriptor < 0) throw io_failure("creating " + path);
   const std::string token = random_hex(kTokenBytes);
   const std::string line = token + "\n";
@@ -52,7 +42,7 @@ std::string create_token(const std::string& path) {
 }
 
 // At most `max_bytes`, without the ends of lines behind it.
-std::string read_line(const File& file, std::size_t max_bytes) {
+std::string read_line(const OwnedDescriptor& file, std::size_t max_bytes) {
   std::string text(max_bytes, '\0');
   const ssize_t count = pread(file.descriptor, text.data(), max_bytes, 0);
   text.resize(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
@@ -61,7 +51,7 @@ std::string read_line(const File& file, std::size_t max_bytes) {
 }
 
 std::string read_or_create_token(const std::string& path) {
-  const File file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  const OwnedDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (file.descriptor < 0 && errno == ENOENT) return create_token(path);
   if (file.descriptor < 0) throw io_failure("opening " + path);
   const std::string token = read_line(file, kTokenDigits + 2);
@@ -305,8 +295,8 @@ Result<std::uint64_t> DataDirectory::free_disk_bytes() const { return free_bytes
 
 Result<PublishedServer> published_server(const std::string& path) {
   constexpr std::size_t kMaxUrlBytes = 256;
-  const File lock(open((path + "/lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  const File token(open((path + "/token").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  const OwnedDescriptor lock(open((path + "/lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  const OwnedDescriptor token(open((path + "/token").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (lock.descriptor < 0 || token.descriptor < 0)
     return Error{ErrorCode::kNotFound, "reading lock and token in " + path + ": " + std::strerror(errno)};
   PublishedServer server{read_line(lock, kMaxUrlBytes), read_line(token, kTokenDigits + 2)};
@@ -331,7 +321,7 @@ Result<std::uint64_t> free_bytes(const std::string& path) {
 
 Status check_takes_files(const std::string& data_folder) {
   const std::string path = data_folder + "/probe";
-  const File file(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  const OwnedDescriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (file.descriptor < 0 || unlink(path.c_str()) != 0)
     return Error{ErrorCode::kIo, "making a file in " + data_folder + ": " + std::strerror(errno)};
   return Done{};

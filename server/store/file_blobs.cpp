@@ -12,6 +12,7 @@
 
 #include "core/base/check.h"
 #include "core/output/ply.h"
+#include "server/store/owned_descriptor.h"
 #include "server/store/scan_id.h"
 
 namespace hermite {
@@ -22,17 +23,6 @@ namespace fs = std::filesystem;
 
 Error io_error(const std::string& what, int error) { return {ErrorCode::kIo, what + ": " + std::strerror(error)}; }
 
-// A file descriptor that closes itself.
-struct File {
-  const int descriptor;
-  explicit File(int opened) : descriptor(opened) {}
-  ~File() {
-    if (descriptor >= 0) close(descriptor);
-  }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-};
-
 // For reading; a link is none of ours.
 int open_blob(const std::string& path) { return open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK); }
 
@@ -42,7 +32,7 @@ Error cannot_open(const std::string& path, int error) {
 }
 
 // Of a regular file.
-Result<std::uint64_t> size_of(const File& file, const std::string& path) {
+Result<std::uint64_t> size_of(const OwnedDescriptor& file, const std::string& path) {
   struct stat status {};
   if (fstat(file.descriptor, &status) != 0) return io_error("reading " + path, errno);
   if (!S_ISREG(status.st_mode)) return Error{ErrorCode::kNotFound, path + " is no file"};
@@ -52,7 +42,7 @@ Result<std::uint64_t> size_of(const File& file, const std::string& path) {
 // The name of a new folder is in its parent: that has to reach the disk, too.
 Status make_folder(const std::string& folder, const std::string& parent) {
   if (mkdir(folder.c_str(), 0700) != 0) return errno == EEXIST ? Status(Done{}) : Status(io_error("creating " + folder, errno));
-  const File opened(open(parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const OwnedDescriptor opened(open(parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (opened.descriptor < 0 || fsync(opened.descriptor) != 0) return io_error("writing " + parent, errno);
   return Done{};
 }
@@ -77,7 +67,7 @@ Status FileBlobs::put(const std::string& scan_id, const std::string& name, const
 
 Result<std::string> FileBlobs::read(const std::string& scan_id, const std::string& name, std::uint64_t offset, std::size_t max_bytes) {
   const std::string path = path_of(scan_id, name);
-  const File file(open_blob(path));
+  const OwnedDescriptor file(open_blob(path));
   if (file.descriptor < 0) return cannot_open(path, errno);
   const Result<std::uint64_t> size_bytes = size_of(file, path);
   if (!size_bytes.ok()) return size_bytes.error();
@@ -96,7 +86,7 @@ Result<std::string> FileBlobs::read(const std::string& scan_id, const std::strin
 
 Result<std::uint64_t> FileBlobs::size_bytes(const std::string& scan_id, const std::string& name) {
   const std::string path = path_of(scan_id, name);
-  const File file(open_blob(path));
+  const OwnedDescriptor file(open_blob(path));
   if (file.descriptor < 0) return cannot_open(path, errno);
   return size_of(file, path);
 }

@@ -11,7 +11,7 @@ namespace hermite {
 
 namespace {
 
-constexpr const char* kColumns =
+constexpr const char* kScanColumns =
     "id, title, phase, words, width, height, fx, fy, cx, cy, depth_units_per_metre, frames_received, frames_processed, frames_dropped, "
     "created_at_ms, finished_at_ms";
 
@@ -21,7 +21,7 @@ ScanPhase phase_of(const std::string& name) {
   return ScanPhase::kInterrupted;
 }
 
-ScanRow row_of(const SQLite::Statement& query) {
+ScanRow scan_row_of(const SQLite::Statement& query) {
   ScanRow row;
   row.id = query.getColumn(0).getString();
   row.title = query.getColumn(1).getString();
@@ -44,7 +44,7 @@ ScanRow row_of(const SQLite::Statement& query) {
 
 std::vector<ScanRow> rows_of(SQLite::Statement& query) {
   std::vector<ScanRow> rows;
-  while (query.executeStep()) rows.push_back(row_of(query));
+  while (query.executeStep()) rows.push_back(scan_row_of(query));
   return rows;
 }
 
@@ -89,7 +89,7 @@ SqliteStore::SqliteStore(const std::string& path) : path_(path) {
 SqliteStore::~SqliteStore() = default;
 
 Status SqliteStore::add(const ScanRow& row) try {
-  SQLite::Statement insert(impl_->database, std::string("INSERT INTO scans(") + kColumns + ") VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+  SQLite::Statement insert(impl_->database, std::string("INSERT INTO scans(") + kScanColumns + ") VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
   int column = 0;
   for (const std::string& text : {row.id, row.title, std::string(name_of(row.phase)), row.words}) insert.bind(++column, text);
   for (const int side : {row.camera.width, row.camera.height}) insert.bind(++column, side);
@@ -123,10 +123,10 @@ Status SqliteStore::update(const ScanRow& row) try {
 }
 
 Result<ScanRow> SqliteStore::find(const std::string& id) try {
-  SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM scans WHERE id = ?");
+  SQLite::Statement query(impl_->database, std::string("SELECT ") + kScanColumns + " FROM scans WHERE id = ?");
   query.bind(1, id);
   if (!query.executeStep()) return Error{ErrorCode::kNotFound, "there is no scan " + id};
-  return row_of(query);
+  return scan_row_of(query);
 } catch (const SQLite::Exception& failure) {
   return database_error(failure);
 }
@@ -141,7 +141,7 @@ Status SqliteStore::remove(const std::string& id) try {
 }
 
 Result<std::vector<ScanRow>> SqliteStore::list() try {
-  SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM scans ORDER BY created_at_ms DESC, id LIMIT ?");
+  SQLite::Statement query(impl_->database, std::string("SELECT ") + kScanColumns + " FROM scans ORDER BY created_at_ms DESC, id LIMIT ?");
   query.bind(1, kMaxListedScans);
   return rows_of(query);
 } catch (const SQLite::Exception& failure) {
@@ -151,7 +151,7 @@ Result<std::vector<ScanRow>> SqliteStore::list() try {
 Result<std::vector<ScanRow>> SqliteStore::list_older_than(const std::string& id) try {
   const Result<ScanRow> newer = find(id);
   if (!newer.ok()) return newer.error();
-  SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns +
+  SQLite::Statement query(impl_->database, std::string("SELECT ") + kScanColumns +
                                                " FROM scans WHERE created_at_ms < ?1 OR (created_at_ms = ?1 AND id > ?2) ORDER BY "
                                                "created_at_ms DESC, id LIMIT ?3");
   query.bind(1, newer->created_at_ms);
@@ -164,11 +164,11 @@ Result<std::vector<ScanRow>> SqliteStore::list_older_than(const std::string& id)
 
 Result<std::vector<ScanRow>> SqliteStore::running() try {
   SQLite::Statement query(impl_->database,
-                          std::string("SELECT ") + kColumns +
+                          std::string("SELECT ") + kScanColumns +
                               " FROM scans WHERE phase = 'running' AND id NOT IN (SELECT scan_id FROM jobs WHERE state IN ('queued', " +
                               "'running')) ORDER BY created_at_ms, id");
   std::vector<ScanRow> rows;
-  while (query.executeStep()) rows.push_back(row_of(query));
+  while (query.executeStep()) rows.push_back(scan_row_of(query));
   return rows;
 } catch (const SQLite::Exception& failure) {
   return database_error(failure);

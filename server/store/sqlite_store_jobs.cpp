@@ -7,7 +7,7 @@ namespace hermite {
 
 namespace {
 
-constexpr const char* kColumns =
+constexpr const char* kJobColumns =
     "id, token_id, title, source, source_id, settings, camera, priority, state, words, attempt_count, scan_id, created_at_ms, "
     "started_at_ms, finished_at_ms";
 
@@ -17,7 +17,7 @@ JobState state_of(const std::string& name) {
   return JobState::kFailed;
 }
 
-JobRow row_of(const SQLite::Statement& query) {
+JobRow job_row_of(const SQLite::Statement& query) {
   JobRow row;
   row.id = query.getColumn(0).getString();
   row.token_id = query.getColumn(1).getString();
@@ -45,7 +45,7 @@ Status SqliteStore::add_job(const JobRow& row) try {
   SQLite::Database& database = impl_->database;
   if (database.execAndGet("SELECT count(*) FROM jobs WHERE state IN ('queued', 'running')").getInt() >= kMaxWaitingJobs)
     return Error{ErrorCode::kBusy, std::to_string(kMaxWaitingJobs) + " jobs wait, which is the limit; try again when some have ended"};
-  SQLite::Statement insert(database, std::string("INSERT INTO jobs(") + kColumns + ") VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+  SQLite::Statement insert(database, std::string("INSERT INTO jobs(") + kJobColumns + ") VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
   int column = 0;
   for (const std::string& text :
        {row.id, row.token_id, row.title, std::string(name_of(row.source)), row.source_id, row.settings, row.camera})
@@ -81,19 +81,19 @@ Status SqliteStore::update_job(const JobRow& row) try {
 }
 
 Result<JobRow> SqliteStore::job(const std::string& id) try {
-  SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM jobs WHERE id = ?");
+  SQLite::Statement query(impl_->database, std::string("SELECT ") + kJobColumns + " FROM jobs WHERE id = ?");
   query.bind(1, id);
   if (!query.executeStep()) return no_job(id);
-  return row_of(query);
+  return job_row_of(query);
 } catch (const SQLite::Exception& failure) {
   return database_error(failure);
 }
 
 Result<std::vector<JobRow>> SqliteStore::list_jobs() try {
-  SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM jobs ORDER BY created_at_ms DESC, id LIMIT ?");
+  SQLite::Statement query(impl_->database, std::string("SELECT ") + kJobColumns + " FROM jobs ORDER BY created_at_ms DESC, id LIMIT ?");
   query.bind(1, kMaxListedJobs);
   std::vector<JobRow> rows;
-  while (query.executeStep()) rows.push_back(row_of(query));
+  while (query.executeStep()) rows.push_back(job_row_of(query));
   return rows;
 } catch (const SQLite::Exception& failure) {
   return database_error(failure);
@@ -101,10 +101,10 @@ Result<std::vector<JobRow>> SqliteStore::list_jobs() try {
 
 Result<std::vector<JobRow>> SqliteStore::jobs_in(JobState state) try {
   SQLite::Statement query(impl_->database,
-                          std::string("SELECT ") + kColumns + " FROM jobs WHERE state = ? ORDER BY priority DESC, created_at_ms, id");
+                          std::string("SELECT ") + kJobColumns + " FROM jobs WHERE state = ? ORDER BY priority DESC, created_at_ms, id");
   query.bind(1, std::string(name_of(state)));
   std::vector<JobRow> rows;
-  while (query.executeStep()) rows.push_back(row_of(query));
+  while (query.executeStep()) rows.push_back(job_row_of(query));
   return rows;
 } catch (const SQLite::Exception& failure) {
   return database_error(failure);

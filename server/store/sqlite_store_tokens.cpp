@@ -9,11 +9,11 @@ namespace hermite {
 
 namespace {
 
-constexpr const char* kColumns =
+constexpr const char* kTokenColumns =
     "id, secret_sha256, name, may_view, may_scan, may_admin, coalesce(scan_id, ''), created_at_ms, expires_at_ms, used_at_ms, "
     "revoked_at_ms";
 
-TokenRow row_of(const SQLite::Statement& query) {
+TokenRow token_row_of(const SQLite::Statement& query) {
   TokenRow row;
   row.id = query.getColumn(0).getString();
   row.secret_sha256 = query.getColumn(1).getString();
@@ -68,27 +68,27 @@ Status SqliteStore::add_token(const TokenRow& row) try {
 }
 
 Result<TokenRow> SqliteStore::find_token(const std::string& secret_sha256) try {
-  SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM tokens WHERE secret_sha256 = ?");
+  SQLite::Statement query(impl_->database, std::string("SELECT ") + kTokenColumns + " FROM tokens WHERE secret_sha256 = ?");
   query.bind(1, secret_sha256.data(), static_cast<int>(secret_sha256.size()));
   if (!query.executeStep()) return Error{ErrorCode::kNotFound, "there is no token with this secret"};
-  return row_of(query);
+  return token_row_of(query);
 } catch (const SQLite::Exception& failure) {
   return database_error(failure);
 }
 
 Result<TokenRow> SqliteStore::token(const std::string& id) try {
-  SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM tokens WHERE id = ?");
+  SQLite::Statement query(impl_->database, std::string("SELECT ") + kTokenColumns + " FROM tokens WHERE id = ?");
   query.bind(1, id);
   if (!query.executeStep()) return no_token(id);
-  return row_of(query);
+  return token_row_of(query);
 } catch (const SQLite::Exception& failure) {
   return database_error(failure);
 }
 
 Result<std::vector<TokenRow>> SqliteStore::list_tokens() try {
-  SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM tokens ORDER BY created_at_ms DESC, id");
+  SQLite::Statement query(impl_->database, std::string("SELECT ") + kTokenColumns + " FROM tokens ORDER BY created_at_ms DESC, id");
   std::vector<TokenRow> rows;
-  while (query.executeStep()) rows.push_back(row_of(query));
+  while (query.executeStep()) rows.push_back(token_row_of(query));
   return rows;
 } catch (const SQLite::Exception& failure) {
   return database_error(failure);

@@ -7,9 +7,9 @@ namespace hermite {
 
 namespace {
 
-constexpr const char* kColumns = "id, token_id, length_bytes, metadata, unchecked_from, created_at_ms, expires_at_ms";
+constexpr const char* kUploadColumns = "id, token_id, length_bytes, metadata, unchecked_from, created_at_ms, expires_at_ms";
 
-UploadRow row_of(const SQLite::Statement& query) {
+UploadRow upload_row_of(const SQLite::Statement& query) {
   UploadRow row;
   row.id = query.getColumn(0).getString();
   row.token_id = query.getColumn(1).getString();
@@ -29,7 +29,7 @@ Status SqliteStore::add_upload(const UploadRow& row) try {
   SQLite::Database& database = impl_->database;
   if (database.execAndGet("SELECT count(*) FROM uploads").getInt() >= kMaxUploads)
     return Error{ErrorCode::kBusy, "there are " + std::to_string(kMaxUploads) + " uploads, which is the limit"};
-  SQLite::Statement insert(database, std::string("INSERT INTO uploads(") + kColumns + ") VALUES(?,?,?,?,?,?,?)");
+  SQLite::Statement insert(database, std::string("INSERT INTO uploads(") + kUploadColumns + ") VALUES(?,?,?,?,?,?,?)");
   insert.bind(1, row.id);
   insert.bind(2, row.token_id);
   insert.bind(3, row.length_bytes);
@@ -57,18 +57,18 @@ Status SqliteStore::update_upload(const UploadRow& row) try {
 }
 
 Result<UploadRow> SqliteStore::upload(const std::string& id) try {
-  SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM uploads WHERE id = ?");
+  SQLite::Statement query(impl_->database, std::string("SELECT ") + kUploadColumns + " FROM uploads WHERE id = ?");
   query.bind(1, id);
   if (!query.executeStep()) return no_upload(id);
-  return row_of(query);
+  return upload_row_of(query);
 } catch (const SQLite::Exception& failure) {
   return database_error(failure);
 }
 
 Result<std::vector<UploadRow>> SqliteStore::list_uploads() try {
-  SQLite::Statement query(impl_->database, std::string("SELECT ") + kColumns + " FROM uploads ORDER BY created_at_ms, id");
+  SQLite::Statement query(impl_->database, std::string("SELECT ") + kUploadColumns + " FROM uploads ORDER BY created_at_ms, id");
   std::vector<UploadRow> rows;
-  while (query.executeStep()) rows.push_back(row_of(query));
+  while (query.executeStep()) rows.push_back(upload_row_of(query));
   return rows;
 } catch (const SQLite::Exception& failure) {
   return database_error(failure);

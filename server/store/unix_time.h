@@ -9,6 +9,8 @@
 
 namespace hermite {
 
+inline constexpr std::int64_t kDay_ms = 24LL * 3600 * 1000;
+
 inline std::int64_t unix_now_ms() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
