@@ -22,7 +22,7 @@
 namespace hermite {
 namespace {
 
-constexpr std::size_t kBlock_bytes = 64 << 10;
+constexpr std::size_t kReadBlock_bytes = 64 << 10;
 constexpr std::size_t kTarBlock_bytes = 512;
 // A name at least, which no zip goes without: with 128 bytes an entry the directory of the most entries allowed takes 26 MB.
 constexpr std::int64_t kZipDirectorySlack = 3;
@@ -120,7 +120,7 @@ Result<Reader> open_reader(const Source& source) {
   if (status == ARCHIVE_OK && kind == "zstd") status = archive_read_support_filter_zstd(reader.get());
   // A warning would mean that another program has to decompress.
   if (status != ARCHIVE_OK) return Error{ErrorCode::kUnsupported, "this build of libarchive does not read " + std::string(kind)};
-  if (archive_read_open_fd(reader.get(), source.file.descriptor(), kBlock_bytes) != ARCHIVE_OK) return archive_error(reader);
+  if (archive_read_open_fd(reader.get(), source.file.descriptor(), kReadBlock_bytes) != ARCHIVE_OK) return archive_error(reader);
   return reader;
 }
 
@@ -144,7 +144,12 @@ const char* refused_type(archive_entry* entry) {
 class Unpacking {
  public:
   Unpacking(Reader reader, const FreshFolder& folder, const UnpackLimits& limits, std::uint64_t packed_bytes, const UnpackWatch& watch)
-      : reader_(std::move(reader)), folder_(folder), limits_(limits), packed_bytes_(packed_bytes), watch_(watch), buffer_(kBlock_bytes) {}
+      : reader_(std::move(reader)),
+        folder_(folder),
+        limits_(limits),
+        packed_bytes_(packed_bytes),
+        watch_(watch),
+        buffer_(kReadBlock_bytes) {}
 
   Result<UnpackSummary> run() {
     for (std::int64_t entry_count = 0;; ++entry_count) {

@@ -13,7 +13,7 @@ namespace hermite {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> kEnd = {'P', 'K', 5, 6};
-constexpr std::int64_t kEnd_bytes = 22, kMaxComment_bytes = 65535;
+constexpr std::int64_t kEndRecord_bytes = 22, kMaxComment_bytes = 65535;
 constexpr std::int64_t kLocator_bytes = 20, kEnd64_bytes = 56;
 constexpr std::int64_t kMinEntry_bytes = 46;  // without a name
 constexpr std::uint32_t kSeeEnd64 = 0xffffffff;
@@ -48,12 +48,12 @@ Result<std::int64_t> begin_from_end64(int descriptor, std::int64_t end_offset) {
 }  // namespace
 
 Result<std::int64_t> max_zip_entries(int descriptor, std::int64_t file_bytes) {
-  const std::int64_t tail_bytes = std::min(file_bytes, kEnd_bytes + kMaxComment_bytes);
+  const std::int64_t tail_bytes = std::min(file_bytes, kEndRecord_bytes + kMaxComment_bytes);
   const auto tail = read_at(descriptor, file_bytes - tail_bytes, tail_bytes);
   if (!tail.ok()) return tail.error();
   const auto found = std::find_end(tail->begin(), tail->end(), kEnd.begin(), kEnd.end());
   const std::int64_t at = found - tail->begin();
-  if (found == tail->end() || tail_bytes - at < kEnd_bytes) return corrupt("no directory at its end: cut short");
+  if (found == tail->end() || tail_bytes - at < kEndRecord_bytes) return corrupt("no directory at its end: cut short");
   const std::int64_t end_offset = file_bytes - tail_bytes + at;
   std::int64_t begin = little_endian<std::uint32_t>(*tail, static_cast<std::size_t>(at) + 16);
   if (begin == kSeeEnd64) {

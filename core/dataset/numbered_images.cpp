@@ -39,11 +39,11 @@ bool has_ending(const std::string& name, Kind kind) {
   return ending == ".png" || (kind == Kind::kColor && (ending == ".jpg" || ending == ".jpeg"));
 }
 
-struct Image {
+struct ImageName {
   std::string path;  // relative to the folder
   std::optional<double> time_s;
 };
-using Images = std::map<std::int64_t, Image>;  // by number
+using ImageNames = std::map<std::int64_t, ImageName>;  // by number
 
 std::vector<std::int64_t> digit_runs(std::string_view name) {
   constexpr std::string_view kDigits = "0123456789";
@@ -57,16 +57,16 @@ std::vector<std::int64_t> digit_runs(std::string_view name) {
   return runs;
 }
 
-void add_image(const std::string& within, const std::string& name, Kind kind, Images& images) {
+void add_image(const std::string& within, const std::string& name, Kind kind, ImageNames& images) {
   const auto runs = digit_runs(std::filesystem::path(name).stem().string());
   if (runs.empty() || !has_ending(name, kind)) return;
-  Image image{within + name, std::nullopt};
+  ImageName image{within + name, std::nullopt};
   if (runs.size() == 2) image.time_s = static_cast<double>(runs[1]) * 1e-6;
   images.emplace(runs[0], std::move(image));  // of two with one number the first in the alphabet
 }
 
-bool times_ascend(const Images& images) {
-  const Image* before = nullptr;
+bool times_ascend(const ImageNames& images) {
+  const ImageName* before = nullptr;
   for (const auto& [number, image] : images) {
     if (!image.time_s || (before && *image.time_s <= *before->time_s)) return false;
     before = &image;
@@ -74,7 +74,7 @@ bool times_ascend(const Images& images) {
   return !images.empty();
 }
 
-Result<NumberedImages> pair_images(const Images& colors, const Images& depths, double frame_rate_hz) {
+Result<NumberedImages> pair_images(const ImageNames& colors, const ImageNames& depths, double frame_rate_hz) {
   NumberedImages found;
   found.has_times = times_ascend(depths);
   if (found.has_times && times_ascend(colors)) {  // two clocks, which need not count alike
@@ -127,7 +127,7 @@ ImageFolders image_folders(const std::vector<std::string>& names, const std::str
 }
 
 Result<NumberedImages> from_two_folders(const std::string& folder, const ImageFolders& folders, double frame_rate_hz) {
-  Images colors, depths;
+  ImageNames colors, depths;
   for (const auto& [within, kind, images] :
        {std::tuple{folders.color, Kind::kColor, &colors}, std::tuple{folders.depth, Kind::kDepth, &depths}}) {
     const auto names = file_names(folder + "/" + within);
@@ -142,7 +142,7 @@ Result<NumberedImages> from_two_folders(const std::string& folder, const ImageFo
 Result<NumberedImages> from_one_folder(const std::string& folder, const std::string& within, double frame_rate_hz) {
   const auto names = file_names(folder + "/" + within);
   if (!names.ok()) return names.error();
-  Images colors, depths;
+  ImageNames colors, depths;
   for (const std::string& name : *names) {
     const Kind kind = kind_of(name);
     if (kind != Kind::kNone) add_image(within, name, kind, kind == Kind::kDepth ? depths : colors);

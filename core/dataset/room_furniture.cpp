@@ -6,8 +6,6 @@
 namespace hermite {
 namespace {
 
-constexpr double kHalfLength_m = kRoomLength_m / 2, kHalfWidth_m = kRoomWidth_m / 2;
-
 void add_shell(Furnisher& f) {
   // In the order of the room's faces: -x, +x, -y, +y, floor, ceiling.
   f.material(Pattern::kWallpaper, 0xe7dcc6, 0x8f9f86);

@@ -12,6 +12,7 @@ namespace hermite {
 inline constexpr double kRoomLength_m = 4.8;  // x
 inline constexpr double kRoomWidth_m = 3.8;   // y
 inline constexpr double kRoomHeight_m = 2.6;  // z; of every scene
+inline constexpr double kHalfLength_m = kRoomLength_m / 2, kHalfWidth_m = kRoomWidth_m / 2;
 
 // A lamp, a tube between two points, and a window light what is nearest to the zone's rectangle and nothing else: light does not pass
 // walls.

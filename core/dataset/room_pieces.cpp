@@ -7,8 +7,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kHalfLength_m = kRoomLength_m / 2, kHalfWidth_m = kRoomWidth_m / 2;
-
 }  // namespace
 
 void add_trim(Furnisher& f) {

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "core/base/printf_text.h"
 #include "core/dataset/associate.h"
 #include "core/evaluate/depth_doubts.h"
 
@@ -16,12 +17,6 @@ constexpr std::size_t kMaxGapsNamed = 5;
 constexpr double kRateTolerance = 0.2;      // of the stated rate
 constexpr double kFastestHand_m_per_s = 5;  // beyond, a pose is wrong
 constexpr std::size_t kMaxFilesCounted = 1'000'000;
-
-std::string words_of(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 std::uint64_t bytes_below(const std::string& path) {
   std::error_code failure;
@@ -57,11 +52,11 @@ void survey_times(const Sequence& sequence, Inspection& found) {
   found.longest_gaps = std::move(gaps);
   if (found.gap_count > 0)
     found.doubts.push_back(std::to_string(found.gap_count) + " gaps in time, the longest of " +
-                           words_of("%.3g s", found.longest_gaps.front().length_s) + " after frame " +
+                           printf_text("%.3g s", found.longest_gaps.front().length_s) + " after frame " +
                            std::to_string(found.longest_gaps.front().after_frame));
   if (std::abs(found.measured_rate_hz / found.stated_rate_hz - 1) > kRateTolerance)
-    found.doubts.push_back("the times say " + words_of("%.3g", found.measured_rate_hz) + " frames a second, stated are " +
-                           words_of("%.3g", found.stated_rate_hz));
+    found.doubts.push_back("the times say " + printf_text("%.3g", found.measured_rate_hz) + " frames a second, stated are " +
+                           printf_text("%.3g", found.stated_rate_hz));
 }
 
 void survey_images(const Sequence& sequence, std::int64_t max_frames, Inspection& found) {
@@ -111,7 +106,7 @@ void survey_truth(const Sequence& sequence, Inspection& found) {
     found.doubts.push_back(std::to_string(sequence.frame_count() - found.truth.frames_with_pose) + " of " +
                            std::to_string(sequence.frame_count()) + " frames have no true pose within 20 ms");
   if (found.truth.fastest_m_per_s > kFastestHand_m_per_s)
-    found.doubts.push_back("the ground truth jumps: up to " + words_of("%.1f m/s", found.truth.fastest_m_per_s) + " between two poses");
+    found.doubts.push_back("the ground truth jumps: up to " + printf_text("%.1f m/s", found.truth.fastest_m_per_s) + " between two poses");
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <memory>
 #include <string>
 
+#include "core/image/corrupt_depth.h"
+
 namespace hermite {
 namespace {
 
@@ -15,8 +17,6 @@ static_assert(std::endian::native == std::endian::little, "RVL words are copied 
 constexpr int kZstdLevel = 1;
 constexpr int kGroupsPerWord = 8;
 constexpr int kMaxGroupsPerNumber = 10;  // 30 bits: more than any run or difference needs
-
-Error corrupt(const std::string& words) { return {ErrorCode::kCorruptData, "depth: " + words}; }
 
 class RvlWriter {
  public:
@@ -94,25 +94,25 @@ Result<std::vector<std::uint32_t>> unpack_words(std::span<const std::uint8_t> by
   std::uint32_t magic = 0;
   if (bytes.size() >= sizeof(magic)) std::memcpy(&magic, bytes.data(), sizeof(magic));
   if (magic != ZSTD_MAGICNUMBER)
-    return corrupt(std::to_string(bytes.size()) + " bytes that are no zstd frame");  // nor a legacy or skippable one
+    return corrupt_depth(std::to_string(bytes.size()) + " bytes that are no zstd frame");  // nor a legacy or skippable one
   const unsigned long long content_bytes = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
-  if (content_bytes == ZSTD_CONTENTSIZE_ERROR) return corrupt("the zstd header is cut or damaged");
-  if (content_bytes == ZSTD_CONTENTSIZE_UNKNOWN) return corrupt("the zstd frame does not state its content size");
+  if (content_bytes == ZSTD_CONTENTSIZE_ERROR) return corrupt_depth("the zstd header is cut or damaged");
+  if (content_bytes == ZSTD_CONTENTSIZE_UNKNOWN) return corrupt_depth("the zstd frame does not state its content size");
   if (content_bytes > max_bytes) {
     return Error{ErrorCode::kTooLarge, "depth: the zstd frame states " + std::to_string(content_bytes) +
                                            " bytes, the limit for this image is " + std::to_string(max_bytes)};
   }
   if (content_bytes == 0 || content_bytes % sizeof(std::uint32_t) != 0) {
-    return corrupt("RVL of " + std::to_string(content_bytes) + " bytes is not a number of 32-bit words");
+    return corrupt_depth("RVL of " + std::to_string(content_bytes) + " bytes is not a number of 32-bit words");
   }
-  if (ZSTD_findFrameCompressedSize(bytes.data(), bytes.size()) != bytes.size()) return corrupt("not exactly one whole zstd frame");
+  if (ZSTD_findFrameCompressedSize(bytes.data(), bytes.size()) != bytes.size()) return corrupt_depth("not exactly one whole zstd frame");
 
   std::vector<std::uint32_t> words(content_bytes / sizeof(std::uint32_t));
   const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
   if (!context) throw std::bad_alloc();
   const std::size_t size = ZSTD_decompressDCtx(context.get(), words.data(), content_bytes, bytes.data(), bytes.size());
-  if (ZSTD_isError(size)) return corrupt(std::string("zstd: ") + ZSTD_getErrorName(size));
-  if (size != content_bytes) return corrupt("the zstd frame holds less than it states");
+  if (ZSTD_isError(size)) return corrupt_depth(std::string("zstd: ") + ZSTD_getErrorName(size));
+  if (size != content_bytes) return corrupt_depth("the zstd frame holds less than it states");
   return words;
 }
 
@@ -143,24 +143,24 @@ Status decode_rvl(std::span<const std::uint32_t> words, std::span<std::uint16_t>
   std::size_t at = 0;
   while (at < pixels.size()) {
     std::uint32_t zeros = 0, nonzeros = 0;
-    if (!reader.get(zeros) || !reader.get(nonzeros)) return corrupt("RVL ends at pixel " + std::to_string(at));
-    if (zeros == 0 && nonzeros == 0) return corrupt("RVL has an empty run at pixel " + std::to_string(at));
+    if (!reader.get(zeros) || !reader.get(nonzeros)) return corrupt_depth("RVL ends at pixel " + std::to_string(at));
+    if (zeros == 0 && nonzeros == 0) return corrupt_depth("RVL has an empty run at pixel " + std::to_string(at));
     const std::size_t left = pixels.size() - at;
     if (zeros > left || nonzeros > left - zeros) {
-      return corrupt("RVL has a run of " + std::to_string(zeros) + " + " + std::to_string(nonzeros) + " pixels where " +
-                     std::to_string(left) + " are left");
+      return corrupt_depth("RVL has a run of " + std::to_string(zeros) + " + " + std::to_string(nonzeros) + " pixels where " +
+                           std::to_string(left) + " are left");
     }
     at += zeros;
     for (const std::size_t end = at + nonzeros; at < end; ++at) {
       std::uint32_t number = 0;
-      if (!reader.get(number)) return corrupt("RVL ends at pixel " + std::to_string(at));
+      if (!reader.get(number)) return corrupt_depth("RVL ends at pixel " + std::to_string(at));
       const std::int32_t value = previous + unzigzag(number);  // no overflow: 16 bits plus 30 bits
-      if (value < 1 || value > 65535) return corrupt("RVL value " + std::to_string(value) + " at pixel " + std::to_string(at));
+      if (value < 1 || value > 65535) return corrupt_depth("RVL value " + std::to_string(value) + " at pixel " + std::to_string(at));
       pixels[at] = static_cast<std::uint16_t>(value);
       previous = value;
     }
   }
-  if (!reader.at_end()) return corrupt("RVL goes on after the last pixel");
+  if (!reader.at_end()) return corrupt_depth("RVL goes on after the last pixel");
   return Done{};
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/image/bit_stream.h"
+#include "core/image/corrupt_depth.h"
 #include "core/image/rank_dictionary.h"
 #include "core/image/rans.h"
 
@@ -32,8 +33,6 @@ constexpr std::uint32_t kFirstFlatContext = 15;
 constexpr std::uint32_t kFirstSteepContext = kFirstFlatContext + 27;
 constexpr std::uint32_t kSteepContexts = 13;
 constexpr std::size_t kContextCount = kFirstSteepContext + kSteepContexts;
-
-Error corrupt(const std::string& words) { return {ErrorCode::kCorruptData, "depth: " + words}; }
 
 // The ranks of a band, with a frame of invalid ones above and beside it, so that every pixel has its four neighbours.
 class Band {
@@ -142,9 +141,9 @@ Result<std::vector<std::uint16_t>> read_frequencies(BitReader& header) {
   for (std::uint32_t left = kFrequencySum; left > 0;) {
     const std::uint32_t zeros_and_one = header.get_gamma();
     if (zeros_and_one == 0 || zeros_and_one > kSymbolCount - frequencies.size())
-      return corrupt("frequencies of more symbols than there are");
+      return corrupt_depth("frequencies of more symbols than there are");
     const std::uint32_t frequency = header.get_gamma();
-    if (frequency == 0 || frequency > left) return corrupt("frequencies beyond their sum");
+    if (frequency == 0 || frequency > left) return corrupt_depth("frequencies beyond their sum");
     frequencies.resize(frequencies.size() + zeros_and_one - 1);
     frequencies.push_back(static_cast<std::uint16_t>(frequency));
     left -= frequency;
@@ -268,9 +267,9 @@ Status decode_bands(PixelDecoder& decoder, std::array<Band, kRansLanes>& bands) 
       valid &= decoder.decode(0, upper + x, bands[0].stride());
       if (lower != nullptr) valid &= decoder.decode(1, lower + x, bands[1].stride());
     }
-    if (!valid) return corrupt("a rank that the dictionary has not, in row " + std::to_string(y) + " of a band");
+    if (!valid) return corrupt_depth("a rank that the dictionary has not, in row " + std::to_string(y) + " of a band");
   }
-  if (!decoder.at_end()) return corrupt("the words do not end with the last pixel");
+  if (!decoder.at_end()) return corrupt_depth("the words do not end with the last pixel");
   return Done{};
 }
 
@@ -330,7 +329,7 @@ Result<DepthImage> decode_depth_ranks(std::span<const std::uint8_t> bytes, Image
   if (!dictionary.ok()) return dictionary.error();
   const Result<Frequencies> frequencies = read_all_frequencies(header);
   if (!frequencies.ok()) return frequencies.error();
-  if (header.cut() || !header.padding_is_zero()) return corrupt("the header is cut or damaged");
+  if (header.cut() || !header.padding_is_zero()) return corrupt_depth("the header is cut or damaged");
 
   PixelDecoder decoder(header.rest(), *frequencies, highest_rank(*dictionary));
   std::array<Band, kRansLanes> bands = make_bands(expected.width, expected.height);
@@ -339,7 +338,7 @@ Result<DepthImage> decode_depth_ranks(std::span<const std::uint8_t> bytes, Image
   for (int lane = 0; lane < kRansLanes; ++lane)
     fill_pixels(bands[static_cast<std::size_t>(lane)], depth.pixels.data() + first_pixel(lane, expected.width, expected.height),
                 *dictionary);
-  if (checksum_of(depth.pixels) != checksum) return corrupt("the pixels have another checksum");
+  if (checksum_of(depth.pixels) != checksum) return corrupt_depth("the pixels have another checksum");
   return depth;
 }
 

@@ -3,10 +3,10 @@
 #include <bit>
 #include <string>
 
+#include "core/image/corrupt_depth.h"
+
 namespace hermite {
 namespace {
-
-Error corrupt(const std::string& words) { return {ErrorCode::kCorruptData, "depth: " + words}; }
 
 std::uint64_t gamma_bits(std::uint32_t value) { return 2 * static_cast<std::uint64_t>(std::bit_width(value)) - 1; }
 
@@ -51,12 +51,13 @@ void write_rank_dictionary(const RankDictionary& dictionary, BitWriter& header) 
 Result<RankDictionary> read_rank_dictionary(BitReader& header) {
   if (header.get(1) == 0) return RankDictionary{};
   const std::uint32_t size = header.get_gamma();
-  if (size == 0 || size > kMaxRank + 1) return corrupt("the dictionary has no valid size");
+  if (size == 0 || size > kMaxRank + 1) return corrupt_depth("the dictionary has no valid size");
   RankDictionary dictionary{0};
   while (dictionary.size() < size) {
     const std::uint32_t step = header.get_gamma();
     if (step == 0 || dictionary.back() + step > kMaxRank) {
-      return corrupt("value " + std::to_string(dictionary.size()) + " of " + std::to_string(size - 1) + " in the dictionary is no depth");
+      return corrupt_depth("value " + std::to_string(dictionary.size()) + " of " + std::to_string(size - 1) +
+                           " in the dictionary is no depth");
     }
     dictionary.push_back(static_cast<std::uint16_t>(dictionary.back() + step));
   }

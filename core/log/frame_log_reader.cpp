@@ -13,7 +13,7 @@ namespace hermite {
 
 namespace {
 
-Error io_failure(const std::string& what) { return {ErrorCode::kIo, what + ": " + std::strerror(errno)}; }
+Error read_failure(const std::string& what) { return {ErrorCode::kIo, what + ": " + std::strerror(errno)}; }
 
 }  // namespace
 
@@ -29,7 +29,7 @@ struct FrameLogReader::File {
 
   Status ask_size() {
     struct stat status {};
-    if (fstat(descriptor, &status) != 0) return io_failure("asking for the size of " + path);
+    if (fstat(descriptor, &status) != 0) return read_failure("asking for the size of " + path);
     size = static_cast<std::uint64_t>(status.st_size);
     return Done{};
   }
@@ -42,7 +42,7 @@ struct FrameLogReader::File {
     for (std::size_t have = 0; have < bytes.size();) {
       const ssize_t got = ::read(descriptor, bytes.data() + have, bytes.size() - have);
       if (got < 0 && errno == EINTR) continue;
-      if (got < 0) return io_failure("reading " + path);
+      if (got < 0) return read_failure("reading " + path);
       if (got == 0) bytes.resize(have);
       have += static_cast<std::size_t>(got);
     }
@@ -66,7 +66,7 @@ Result<bool> FrameLogReader::open_segment(std::uint32_t segment) {
   const std::string path = folder_ + "/" + segment_name(segment);
   const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
   if (descriptor < 0 && errno == ENOENT) return false;
-  if (descriptor < 0) return io_failure("opening " + path);
+  if (descriptor < 0) return read_failure("opening " + path);
   file_ = std::make_unique<File>(path, descriptor);
   if (Status status = file_->ask_size(); !status.ok()) return status.error();
   return true;

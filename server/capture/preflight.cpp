@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/base/check.h"
+#include "core/base/printf_text.h"
 #include "core/evaluate/depth_doubts.h"
-#include "server/client/printf_text.h"
 
 namespace hermite {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/printf_text.h"
 #include "server/client/link_adaption.h"
-#include "server/client/printf_text.h"
 #include "server/client/progress.h"
 
 namespace hermite {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <ostream>
 
+#include "core/base/printf_text.h"
 #include "server/client/link_adaption.h"
-#include "server/client/printf_text.h"
 
 namespace hermite {
 namespace {

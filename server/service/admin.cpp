@@ -56,11 +56,11 @@ HttpAnswer show_trace(const AdminWorld& world, const HttpRequest& request) {
 
 HttpAnswer show_health(const AdminWorld&, const HttpRequest&) { return text_answer(200, "ok\n"); }
 
-struct Route {
+struct AdminRoute {
   std::string_view path;
   HttpAnswer (*handle)(const AdminWorld&, const HttpRequest&);
 };
-constexpr Route kRoutes[] = {
+constexpr AdminRoute kRoutes[] = {
     {"/healthz", show_health}, {"/readyz", show_readiness}, {"/metrics", show_metrics}, {"/debug/trace", show_trace}};
 
 }  // namespace
@@ -104,7 +104,7 @@ HttpAnswer answer_admin(const AdminWorld& world, const HttpRequest& request) {
     answer.allow = "GET, HEAD";
     return answer;
   }
-  for (const Route& route : kRoutes) {
+  for (const AdminRoute& route : kRoutes) {
     if (route.path != request.path) continue;
     HttpAnswer answer = route.handle(world, request);
     answer.route = route.path;

@@ -8,6 +8,7 @@
 #include "server/service/json_time.h"
 #include "server/store/scan_id.h"
 #include "server/store/secret.h"
+#include "server/store/unix_time.h"
 
 namespace hermite {
 
@@ -15,7 +16,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::int64_t kDay_ms = 24LL * 3600 * 1000;
 constexpr int kIdBytes = 6;  // 12 hex digits: short enough to type, and at most kMaxTokens share them
 
 Error invalid(const std::string& words) { return {ErrorCode::kInvalidArgument, words}; }

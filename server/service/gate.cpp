@@ -5,12 +5,13 @@
 #include "core/digest/sha256.h"
 #include "server/service/access.h"
 #include "server/store/secret.h"
+#include "server/store/unix_time.h"
 
 namespace hermite {
 
 namespace {
 
-constexpr std::int64_t kForgetAfter_ms = 90LL * 24 * 3600 * 1000;  // ended tokens stay in the list for as long
+constexpr std::int64_t kForgetAfter_ms = 90 * kDay_ms;  // ended tokens stay in the list for as long
 
 std::string words_of(const Scopes& scopes) {
   std::string words;

@@ -30,9 +30,9 @@ namespace http = boost::beast::http;
 using boost::system::error_code;
 using Request = http::request<http::empty_body>;
 
-constexpr std::chrono::seconds kRequestPatience(10);  // for a whole header, also between two requests
-constexpr std::chrono::seconds kAnswerPatience(60);   // without progress while an answer is written
-constexpr std::chrono::seconds kGoodbyePatience(5);   // for the end of TLS
+constexpr std::chrono::seconds kRequestPatience(10);    // for a whole header, also between two requests
+constexpr std::chrono::seconds kAnswerPatience(60);     // without progress while an answer is written
+constexpr std::chrono::seconds kTlsGoodbyePatience(5);  // for the end of TLS
 constexpr std::chrono::milliseconds kLingerPatience(1000);
 constexpr std::chrono::milliseconds kRefusalPatience(500);
 constexpr std::size_t kStoredPieceBytes = 256 * 1024;
@@ -196,7 +196,7 @@ asio::awaitable<void> linger(Transport& transport) {
   error_code error;
   beast::tcp_stream& stream = transport.next_layer();
   if (transport.tls()) {
-    stream.expires_after(kGoodbyePatience);
+    stream.expires_after(kTlsGoodbyePatience);
     co_await transport.tls()->async_shutdown(asio::redirect_error(asio::use_awaitable, error));
     error = {};
   }

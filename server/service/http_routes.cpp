@@ -127,7 +127,7 @@ HttpAnswer revoke_token(const HttpWorld& world, const Call& call) { return revok
 
 enum class Needs { kView, kScan, kViewAndScan, kAdmin };
 
-struct Route {
+struct ApiRoute {
   std::string_view method;
   std::string_view name;                 // in metrics
   std::string_view before_id, after_id;  // the path, around an id where has_id
@@ -137,8 +137,8 @@ struct Route {
   bool long_body = false;
 };
 constexpr std::string_view kScanPath = "/api/v1/scans/";
-constexpr std::string_view kUploadPath = "/api/v1/uploads/", kJobPath = "/api/v1/jobs/";
-constexpr std::array<Route, 25> kApi = {{
+constexpr std::string_view kUploadsPath = "/api/v1/uploads/", kJobsPath = "/api/v1/jobs/";
+constexpr std::array<ApiRoute, 25> kApi = {{
     {"GET", "scans", "/api/v1/scans", "", false, Needs::kView, list_scans},
     {"GET", "scan", kScanPath, "", true, Needs::kView, show_scan},
     {"DELETE", "scan", kScanPath, "", true, Needs::kAdmin, remove_scan},
@@ -155,15 +155,15 @@ constexpr std::array<Route, 25> kApi = {{
     {"GET", "uploads", "/api/v1/uploads", "", false, Needs::kScan, list_uploads},
     {"OPTIONS", "uploads", "/api/v1/uploads", "", false, Needs::kScan, describe_uploads},
     {"POST", "uploads", "/api/v1/uploads", "", false, Needs::kScan, create_upload, true},
-    {"HEAD", "upload", kUploadPath, "", true, Needs::kScan, show_upload},
-    {"PATCH", "upload", kUploadPath, "", true, Needs::kScan, continue_upload, true},
-    {"DELETE", "upload", kUploadPath, "", true, Needs::kScan, remove_upload},
-    {"PUT", "upload", kUploadPath, "", true, Needs::kScan, put_upload, true},
+    {"HEAD", "upload", kUploadsPath, "", true, Needs::kScan, show_upload},
+    {"PATCH", "upload", kUploadsPath, "", true, Needs::kScan, continue_upload, true},
+    {"DELETE", "upload", kUploadsPath, "", true, Needs::kScan, remove_upload},
+    {"PUT", "upload", kUploadsPath, "", true, Needs::kScan, put_upload, true},
     {"GET", "jobs", "/api/v1/jobs", "", false, Needs::kScan, list_jobs},
     {"POST", "jobs", "/api/v1/jobs", "", false, Needs::kViewAndScan, create_job},
-    {"GET", "job", kJobPath, "", true, Needs::kScan, show_job},
-    {"DELETE", "job", kJobPath, "", true, Needs::kScan, cancel_job},
-    {"POST", "retry", kJobPath, "/retry", true, Needs::kScan, retry_job},
+    {"GET", "job", kJobsPath, "", true, Needs::kScan, show_job},
+    {"DELETE", "job", kJobsPath, "", true, Needs::kScan, cancel_job},
+    {"POST", "retry", kJobsPath, "/retry", true, Needs::kScan, retry_job},
 }};
 
 // The scope that `grant` lacks for a route, if any.
@@ -175,7 +175,7 @@ std::optional<Scope> lacking(const Grant& grant, Needs needs) {
 }
 
 // The id inside `path` (empty for a route without one), nothing when the route is for other paths.
-std::optional<std::string> match(const Route& route, std::string_view path) {
+std::optional<std::string> match(const ApiRoute& route, std::string_view path) {
   if (!route.has_id) return path == route.before_id ? std::optional<std::string>("") : std::nullopt;
   if (path.size() <= route.before_id.size() + route.after_id.size()) return std::nullopt;
   if (path.substr(0, route.before_id.size()) != route.before_id) return std::nullopt;
@@ -206,8 +206,8 @@ HttpAnswer wrong_method(const std::string& allow) {
 }
 
 // A HEAD is a GET whose body stays behind, unless a route says otherwise.
-bool fits(const Route& route, std::string_view method, std::string_view path) {
-  return route.method == method || (method == "HEAD" && route.method == "GET" && path.substr(0, kUploadPath.size()) != kUploadPath);
+bool fits(const ApiRoute& route, std::string_view method, std::string_view path) {
+  return route.method == method || (method == "HEAD" && route.method == "GET" && path.substr(0, kUploadsPath.size()) != kUploadsPath);
 }
 
 HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
@@ -216,7 +216,7 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
   if (auto* refusal = std::get_if<HttpAnswer>(&admitted)) return std::move(*refusal);
   const Grant& grant = std::get<Grant>(admitted);
   std::string allow;
-  for (const Route& route : kApi) {
+  for (const ApiRoute& route : kApi) {
     const std::optional<std::string> id = match(route, request.path);
     if (!id) continue;
     if (fits(route, method, request.path)) {
@@ -282,14 +282,14 @@ HttpAnswer made(Result<std::string> json, int status) {
 }
 
 bool takes_long_body(const HttpRequest& request) {
-  return std::any_of(kApi.begin(), kApi.end(), [&request](const Route& route) {
+  return std::any_of(kApi.begin(), kApi.end(), [&request](const ApiRoute& route) {
     return route.long_body && route.method == request.method && match(route, request.path);
   });
 }
 
 std::vector<std::string> api_routes() {
   std::vector<std::string> routes;
-  for (const Route& route : kApi)
+  for (const ApiRoute& route : kApi)
     routes.push_back(std::string(route.method) + " " + std::string(route.before_id) + (route.has_id ? "{id}" : "") +
                      std::string(route.after_id));
   return routes;

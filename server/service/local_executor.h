@@ -12,11 +12,12 @@
 
 #include "server/service/executor.h"
 #include "server/store/store.h"
+#include "server/store/unix_time.h"
 
 namespace hermite {
 
 inline constexpr int kMaxAttempts = 3;  // a job that ends its server would end it for ever
-inline constexpr std::int64_t kForgetJobsAfter_ms = 90LL * 24 * 3600 * 1000;
+inline constexpr std::int64_t kForgetJobsAfter_ms = 90 * kDay_ms;
 
 struct JobEnd {
   JobState state = JobState::kFinished;  // queued: the server stops, the job goes on when there is one again

@@ -15,8 +15,6 @@ namespace hermite {
 
 namespace {
 
-constexpr std::int64_t kDay_ms = 24 * 3600 * 1000;
-
 wire::ScanPhase wire_phase(ScanPhase phase) {
   switch (phase) {
     case ScanPhase::kRunning: return wire::ScanPhase::kRunning;

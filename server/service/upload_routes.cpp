@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kUploadPath = "/api/v1/uploads/";
+constexpr const char* kUploadLocation = "/api/v1/uploads/";
 constexpr std::int64_t kRoomRetry_ms = 30'000;  // jobs take minutes, and give back what their uploads took
 
 HttpAnswer plain(int status, HttpHeaders headers = {}) {
@@ -160,7 +160,7 @@ HttpAnswer create_upload(const HttpWorld& world, const Call& call) {
   Result<UploadState> state =
       world.uploads.create(headers->length_bytes.value_or(-1), headers->metadata, call.grant, call.request.caller.now_ms);
   if (!state.ok()) return refuse(state.error());
-  const std::string location = kUploadPath + state->row.id;
+  const std::string location = kUploadLocation + state->row.id;
   const auto say = [location](const UploadState& now, const Status& received) {
     if (!received.ok() && now.offset_bytes == 0) return refused_piece(received.error());
     HttpHeaders all = offset_headers(now);

@@ -19,6 +19,7 @@
 #include "server/service/gate.h"
 #include "server/service/storage.h"
 #include "server/service/tus.h"
+#include "server/store/unix_time.h"
 #include "server/store/upload_file.h"
 
 namespace hermite {
@@ -27,7 +28,7 @@ struct UploadLimits {
   std::int64_t upload_bytes = std::int64_t{20} << 30;
   std::int64_t token_bytes = std::int64_t{20} << 30;  // of all uploads of one token that may not administer; 0: as much as there is
   std::uint64_t min_free_disk_bytes = 0;              // that must remain
-  std::int64_t keep_ms = 24LL * 3600 * 1000;          // after something has happened with it last
+  std::int64_t keep_ms = kDay_ms;                     // after something has happened with it last
 };
 
 struct UploadState {

@@ -12,8 +12,6 @@
 namespace hermite {
 namespace {
 
-const test::ViewNoise kNoise{0.5, 1, 30};
-
 // Keyframes every `step_deg` from 0 to `end_deg`, and which point of the world every landmark truly is.
 struct Walk {
   test::PointWorld world{3000};
@@ -25,7 +23,7 @@ struct Walk {
     for (double yaw_deg = 0; yaw_deg <= end_deg; yaw_deg += step_deg) add(test::looking(yaw_deg, 0.1));
   }
   void add(const Rigid3& pose, const Rigid3& stated_error = {}) {
-    views.push_back(world.view(pose, kNoise, views.size() + 1));
+    views.push_back(world.view(pose, test::kViewNoise, views.size() + 1));
     results.push_back(insert_keyframe(map, test::keyframe_of(views.back(), pose * stated_error)));
   }
   // Observations of another point than the landmark's first one.
@@ -104,7 +102,7 @@ TEST(InsertKeyframe, APlaceFoundAgainIsJoinedWhenAskedFor) {
   Walk walk;
   walk.add(test::looking(0));
   for (double yaw_deg : {90, 180, 270}) walk.add(test::looking(yaw_deg));  // share nothing
-  const test::View view = walk.world.view(test::looking(2), kNoise, 99);
+  const test::View view = walk.world.view(test::looking(2), test::kViewNoise, 99);
   SparseMap joined = walk.map;
   EXPECT_EQ(insert_keyframe(walk.map, test::keyframe_of(view, test::looking(2))).matched_count, 0);
   EXPECT_GT(insert_keyframe(joined, test::keyframe_of(view, test::looking(2)), {0}).matched_count, 100);
@@ -114,7 +112,7 @@ TEST(InsertKeyframe, ObservationsCrossSubmaps) {
   Walk walk;
   walk.add(test::looking(0));
   walk.map.world_from_submap.push_back(test::looking(3, 0.2));
-  walk.views.push_back(walk.world.view(test::looking(5), kNoise, 7));
+  walk.views.push_back(walk.world.view(test::looking(5), test::kViewNoise, 7));
   const Rigid3 in_submap = inverse(walk.map.world_from_submap[1]) * test::looking(5);
   const InsertResult result = insert_keyframe(walk.map, test::keyframe_of(walk.views.back(), in_submap, 1));
   EXPECT_GT(result.matched_count, 100);

@@ -10,8 +10,6 @@
 namespace hermite {
 namespace {
 
-const test::ViewNoise kNoise{0.5, 1, 30};
-
 // Keyframes all around, 10 degrees apart: 62 degrees are seen at once, so keyframes from the seventh on share nothing with the first.
 struct Round {
   test::PointWorld world{3000};
@@ -22,7 +20,7 @@ struct Round {
     for (int i = 0; i < 36; ++i) {
       const Rigid3 pose = test::looking(10 * i);
       const auto seed = static_cast<std::uint64_t>(i + 1);
-      const InsertResult result = insert_keyframe(map, test::keyframe_of(world.view(pose, kNoise, seed), pose));
+      const InsertResult result = insert_keyframe(map, test::keyframe_of(world.view(pose, test::kViewNoise, seed), pose));
       for (const std::uint32_t landmark : result.repeated) index.add(landmark, map.landmarks[landmark].descriptor);
     }
   }
@@ -36,7 +34,7 @@ const Round& round_of_the_room() {
 TEST(PlaceIndex, TheBestCandidateLooksWhereTheImageDoes) {
   const Round& round = round_of_the_room();
   for (const int yaw_deg : {33, 147, 298}) {
-    const test::View view = round.world.view(test::looking(yaw_deg, 0.1), kNoise, 1000);
+    const test::View view = round.world.view(test::looking(yaw_deg, 0.1), test::kViewNoise, 1000);
     const auto candidates = round.index.query(view.features, round.map);
     ASSERT_FALSE(candidates.empty());
     EXPECT_LE(std::abs(static_cast<int>(candidates[0].keyframe) * 10 - yaw_deg), 15);
@@ -49,8 +47,8 @@ TEST(PlaceIndex, TheBestCandidateLooksWhereTheImageDoes) {
 
 TEST(PlaceIndex, CandidatesAreDifferentPlaces) {
   const Round& round = round_of_the_room();
-  std::vector<Feature> features = round.world.view(test::looking(90), kNoise, 1000).features;
-  const std::vector<Feature> behind = round.world.view(test::looking(270), kNoise, 1001).features;
+  std::vector<Feature> features = round.world.view(test::looking(90), test::kViewNoise, 1000).features;
+  const std::vector<Feature> behind = round.world.view(test::looking(270), test::kViewNoise, 1001).features;
   features.insert(features.end(), behind.begin(), behind.end());
   const auto candidates = round.index.query(features, round.map);
   ASSERT_GE(candidates.size(), 2u);
@@ -62,7 +60,8 @@ TEST(PlaceIndex, CandidatesAreDifferentPlaces) {
 TEST(PlaceIndex, ExcludedKeyframesAreInNoPlace) {
   const Round& round = round_of_the_room();
   const std::vector<std::uint32_t> excluded{8, 9, 10};
-  for (const PlaceCandidate& candidate : round.index.query(round.world.view(test::looking(90), kNoise, 1000).features, round.map, excluded))
+  for (const PlaceCandidate& candidate :
+       round.index.query(round.world.view(test::looking(90), test::kViewNoise, 1000).features, round.map, excluded))
     for (const std::uint32_t keyframe : candidate.keyframes)
       EXPECT_EQ(std::count(excluded.begin(), excluded.end(), keyframe), 0) << keyframe;
 }
@@ -70,7 +69,7 @@ TEST(PlaceIndex, ExcludedKeyframesAreInNoPlace) {
 TEST(PlaceIndex, TombstonesDoNotVote) {
   SparseMap map = round_of_the_room().map;
   for (std::uint32_t landmark = 0; landmark < map.landmarks.size(); ++landmark) bury_landmark(map, landmark);
-  const test::View view = round_of_the_room().world.view(test::looking(0), kNoise, 1000);
+  const test::View view = round_of_the_room().world.view(test::looking(0), test::kViewNoise, 1000);
   EXPECT_TRUE(round_of_the_room().index.query(view.features, map).empty());
 }
 

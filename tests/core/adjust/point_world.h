@@ -46,6 +46,7 @@ struct ViewNoise {
   double depth_sigmas = 0;  // of depth_deviation_m
   int flipped_bits = 0;     // at most, of each descriptor
 };
+inline constexpr ViewNoise kViewNoise{0.5, 1, 30};  // of a common camera
 
 // The walls of a room of 6 x 6 m, 3 m high, with a camera near its centre that looks about.
 struct PointWorld {

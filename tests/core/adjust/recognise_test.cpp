@@ -10,8 +10,6 @@
 namespace hermite {
 namespace {
 
-const test::ViewNoise kNoise{0.5, 1, 30};
-
 struct Place {
   SparseMap map = test::empty_map();
   PlaceIndex index;
@@ -24,7 +22,7 @@ struct Place {
   void add_round(const test::PointWorld& world, std::uint32_t submap = 0) {
     for (int i = 0; i < 36; ++i) {
       const Rigid3 pose = test::looking(10 * i);
-      add(test::keyframe_of(world.view(pose, kNoise, static_cast<std::uint64_t>(i + 1)), pose, submap));
+      add(test::keyframe_of(world.view(pose, test::kViewNoise, static_cast<std::uint64_t>(i + 1)), pose, submap));
     }
   }
 };
@@ -42,7 +40,7 @@ TEST(Recognise, FindsThePoseWithoutAGuess) {
   place.add_round(world);
   for (const double yaw_deg : {3.0, 77.0, 201.0}) {
     const Rigid3 truth = test::looking(yaw_deg, 0.2);
-    const test::View view = world.view(truth, kNoise, 999);
+    const test::View view = world.view(truth, test::kViewNoise, 999);
     const std::vector<PlaceMatch> found = recognise(place.map, place.index, view.features);
     ASSERT_EQ(found.size(), 1u) << yaw_deg;
     expect_pose(found[0].submap_from_camera, truth);
@@ -57,7 +55,7 @@ TEST(Recognise, AnotherRoomIsNoPlace) {
   place.add_round(test::PointWorld(3000, 1));
   const test::PointWorld elsewhere(3000, 2);
   for (int yaw_deg = 0; yaw_deg < 360; yaw_deg += 60)
-    EXPECT_TRUE(recognise(place.map, place.index, elsewhere.view(test::looking(yaw_deg), kNoise, 999).features).empty());
+    EXPECT_TRUE(recognise(place.map, place.index, elsewhere.view(test::looking(yaw_deg), test::kViewNoise, 999).features).empty());
 }
 
 TEST(Recognise, OfTwoRoomsAlikeBothAreListed) {
@@ -67,7 +65,7 @@ TEST(Recognise, OfTwoRoomsAlikeBothAreListed) {
   place.add_round(world, 0);
   place.add_round(world, 1);
   const Rigid3 truth = test::looking(45, 0.1);
-  const std::vector<PlaceMatch> found = recognise(place.map, place.index, world.view(truth, kNoise, 999).features);
+  const std::vector<PlaceMatch> found = recognise(place.map, place.index, world.view(truth, test::kViewNoise, 999).features);
   ASSERT_EQ(found.size(), 2u);
   EXPECT_NE(found[0].submap, found[1].submap);
   EXPECT_GE(found[0].matches.size(), found[1].matches.size());
@@ -81,7 +79,7 @@ TEST(Recognise, ThePoseIsInTheSubmapWhateverTheWorld) {
   place.add_round(world);
   place.map.world_from_submap[0] = exp_se3((Vector6d() << 4, -3, 2, 0.5, 1, -2).finished());  // a correction
   const Rigid3 truth = test::looking(130, 0.2);
-  const auto found = recognise(place.map, place.index, world.view(truth, kNoise, 999).features);
+  const auto found = recognise(place.map, place.index, world.view(truth, test::kViewNoise, 999).features);
   ASSERT_EQ(found.size(), 1u);
   expect_pose(found[0].submap_from_camera, truth);
 }
@@ -92,14 +90,14 @@ TEST(Recognise, ExcludedKeyframesAreNotFound) {
   place.add_round(world);
   std::vector<std::uint32_t> all;
   for (std::uint32_t i = 0; i < place.map.keyframes.size(); ++i) all.push_back(i);
-  EXPECT_TRUE(recognise(place.map, place.index, world.view(test::looking(45), kNoise, 999).features, all).empty());
+  EXPECT_TRUE(recognise(place.map, place.index, world.view(test::looking(45), test::kViewNoise, 999).features, all).empty());
 }
 
 TEST(Recognise, TheSameQuestionGetsTheSameAnswer) {
   const test::PointWorld world(3000);
   Place place;
   place.add_round(world);
-  const test::View view = world.view(test::looking(45), kNoise, 999);
+  const test::View view = world.view(test::looking(45), test::kViewNoise, 999);
   const auto first = recognise(place.map, place.index, view.features), second = recognise(place.map, place.index, view.features);
   ASSERT_EQ(first.size(), second.size());
   ASSERT_FALSE(first.empty());
@@ -111,7 +109,7 @@ TEST(Recognise, FeaturesWithoutDepthOrAtAllFindNothing) {
   const test::PointWorld world(3000);
   Place place;
   place.add_round(world);
-  test::View view = world.view(test::looking(45), kNoise, 999);
+  test::View view = world.view(test::looking(45), test::kViewNoise, 999);
   for (Feature& feature : view.features) feature.depth_m = 0;
   EXPECT_TRUE(recognise(place.map, place.index, view.features).empty());
   EXPECT_TRUE(recognise(place.map, place.index, {}).empty());

@@ -6,6 +6,7 @@
 
 #include "tests/core/dataset/recording_bytes.h"
 #include "tests/core/dataset/temp_folder.h"
+#include "tests/support/joined.h"
 
 namespace hermite {
 namespace {
@@ -15,13 +16,7 @@ using testing::HasSubstr;
 
 // The size of klg files is the one that ElasticFusion assumes: smaller ones need a camera.
 const char* const kKlgSource = "synthetic:frames=3,width=640,height=480";
-const char* const kSource = "synthetic:frames=4,width=96,height=72";
-
-std::string joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const std::string& line : lines) text += line + "\n";
-  return text;
-}
+const char* const kFourFrames = "synthetic:frames=4,width=96,height=72";
 
 void expect_same_depth(const Sequence& found, const Sequence& source) {
   ASSERT_EQ(found.frame_count(), source.frame_count());
@@ -42,7 +37,7 @@ TEST(Klg, EveryMixOfCodingsReadsBack) {
     const Sequence& found = *recording->sequence;
     EXPECT_EQ(found.format(), "klg");
     EXPECT_EQ(found.camera().fx, 528);
-    EXPECT_THAT(joined(recording->doubts), HasSubstr("ElasticFusion's default"));
+    EXPECT_THAT(test::joined(recording->doubts), HasSubstr("ElasticFusion's default"));
     expect_same_depth(found, *source);
     EXPECT_NEAR(found.timestamp_s(2), 1000 + source->timestamp_s(2), 1e-6);
     const auto color = decode_frame(*found.read(1))->color;
@@ -58,12 +53,12 @@ TEST(Klg, MissingColourIsBlackAndSaid) {
   folder.write("a.klg", test::klg_bytes(*source, {true, false, true}));
   const auto recording = open_recording(folder.path("a.klg"));
   ASSERT_TRUE(recording.ok()) << recording.error().message;
-  EXPECT_THAT(joined(recording->doubts), HasSubstr("3 frames have no colour"));
+  EXPECT_THAT(test::joined(recording->doubts), HasSubstr("3 frames have no colour"));
   EXPECT_EQ(decode_frame(*recording->sequence->read(0))->color, ColorImage(640, 480));
 }
 
 TEST(Klg, TheCameraBesideTheFileDecidesTheSize) {
-  const auto source = *open_sequence(kSource);
+  const auto source = *open_sequence(kFourFrames);
   const TempFolder folder;
   folder.write("a.klg", test::klg_bytes(*source));
   EXPECT_THAT(open_recording(folder.path("a.klg")).error().message, HasSubstr("give a camera"));
@@ -105,12 +100,12 @@ TEST(FrameFile, StampsGetTheUnitThatMakesSense) {
   EXPECT_NEAR(seconds_of_stamps({5'000'000, 5'033'333, 5'066'666}, 30, doubts)[1], 5.033333, 1e-9);
   EXPECT_TRUE(doubts.empty());
   EXPECT_NEAR(seconds_of_stamps({0, 33'333'333, 66'666'666}, 30, doubts)[2], 0.066666666, 1e-9);
-  EXPECT_THAT(joined(doubts), HasSubstr("nanoseconds"));
+  EXPECT_THAT(test::joined(doubts), HasSubstr("nanoseconds"));
   EXPECT_NEAR(seconds_of_stamps({100, 133, 166}, 30, doubts)[2], 0.166, 1e-9);
-  EXPECT_THAT(joined(doubts), HasSubstr("milliseconds"));
+  EXPECT_THAT(test::joined(doubts), HasSubstr("milliseconds"));
   doubts.clear();
   EXPECT_NEAR(seconds_of_stamps({7, 7, 7}, 10, doubts)[2], 0.2, 1e-9);
-  EXPECT_THAT(joined(doubts), HasSubstr("do not ascend"));
+  EXPECT_THAT(test::joined(doubts), HasSubstr("do not ascend"));
   // So large that neighbours are one double.
   const auto far = seconds_of_stamps({INT64_MAX - 1, INT64_MAX}, 30, doubts);
   EXPECT_LT(far[0], far[1]);
@@ -118,7 +113,7 @@ TEST(FrameFile, StampsGetTheUnitThatMakesSense) {
 }
 
 TEST(Sens, EveryMixOfCodingsReadsBackWithPosesAndCamera) {
-  const auto source = *open_sequence(kSource);
+  const auto source = *open_sequence(kFourFrames);
   const TempFolder folder;
   for (const FileOptions options : {FileOptions{}, FileOptions{true, true}, FileOptions{true, false}}) {
     folder.write("a.sens", test::sens_bytes(*source, options));
@@ -141,7 +136,7 @@ TEST(Sens, EveryMixOfCodingsReadsBackWithPosesAndCamera) {
 }
 
 TEST(Sens, LargerColourIsBroughtToTheDepthsSize) {
-  const auto source = *open_sequence(kSource);
+  const auto source = *open_sequence(kFourFrames);
   const TempFolder folder;
   folder.write("a.sens", test::sens_bytes(*source, {.raw_color = true, .color_factor = 3}));
   auto recording = open_recording(folder.path("a.sens"));
@@ -158,7 +153,7 @@ TEST(Sens, LargerColourIsBroughtToTheDepthsSize) {
 }
 
 TEST(Sens, LostPosesAreLeftOut) {
-  const auto source = *open_sequence(kSource);
+  const auto source = *open_sequence(kFourFrames);
   const TempFolder folder;
   test::Bytes bytes = test::sens_bytes(*source);
   const std::size_t first_pose = 4 + 8 + 15 + 4 * 64 + 8 + 16 + 4 + 8;
@@ -168,11 +163,11 @@ TEST(Sens, LostPosesAreLeftOut) {
   const auto recording = open_recording(folder.path("a.sens"));
   ASSERT_TRUE(recording.ok()) << recording.error().message;
   EXPECT_EQ(recording->sequence->groundtruth().size(), 3u);
-  EXPECT_THAT(joined(recording->doubts), HasSubstr("1 of 4 frames have no valid pose"));
+  EXPECT_THAT(test::joined(recording->doubts), HasSubstr("1 of 4 frames have no valid pose"));
 }
 
 TEST(Sens, FieldsAreJudgedWithTheirPlace) {
-  const auto source = *open_sequence(kSource);
+  const auto source = *open_sequence(kFourFrames);
   const TempFolder folder;
   const auto error_with = [&](std::size_t offset, std::uint32_t value) {
     test::Bytes bytes = test::sens_bytes(*source);

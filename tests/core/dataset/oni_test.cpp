@@ -8,6 +8,7 @@
 #include "tests/core/dataset/oni_bytes.h"
 #include "tests/core/dataset/temp_folder.h"
 #include "tests/support/archive_bytes.h"
+#include "tests/support/joined.h"
 
 namespace hermite {
 namespace {
@@ -16,16 +17,10 @@ using test::OniOptions;
 using testing::HasSubstr;
 using testing::Not;
 
-const Camera kCamera{96, 72, 80, 81, 47.5, 35.5, 1000};
+const Camera kOniCamera{96, 72, 80, 81, 47.5, 35.5, 1000};
 
 std::unique_ptr<Sequence> source_of(std::int64_t frames = 4) {
-  return *open_sequence("synthetic:frames=" + std::to_string(frames) + ",width=96,height=72", kCamera);
-}
-
-std::string joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const std::string& line : lines) text += line + "\n";
-  return text;
+  return *open_sequence("synthetic:frames=" + std::to_string(frames) + ",width=96,height=72", kOniCamera);
 }
 
 Result<Recording> open_bytes(const TempFolder& folder, const test::Bytes& bytes) {
@@ -66,8 +61,8 @@ TEST(Oni, EveryMixOfCodingsReadsBack) {
         EXPECT_EQ(recording->sequence->format(), "oni");
         EXPECT_THAT(recording->format_reason, HasSubstr("NI10"));
         EXPECT_THAT(recording->camera_source, HasSubstr("field of view (62 by 48 degrees)"));
-        EXPECT_THAT(joined(recording->doubts), HasSubstr("registered to colour"));
-        EXPECT_EQ(recording->doubts.size(), 1u) << joined(recording->doubts);
+        EXPECT_THAT(test::joined(recording->doubts), HasSubstr("registered to colour"));
+        EXPECT_EQ(recording->doubts.size(), 1u) << test::joined(recording->doubts);
         const Camera& camera = recording->sequence->camera();
         EXPECT_NEAR(camera.fx, 80, 1e-9);
         EXPECT_NEAR(camera.fy, 81, 1e-9);
@@ -101,8 +96,8 @@ TEST(Oni, ColourThatBeganLaterIsPairedByItsPlaceInTheFile) {
   const auto recording =
       open_bytes(folder, test::oni_bytes(*source, {.color_codec = "NONE", .color_frames_late = 3, .streams_from_zero = true}));
   ASSERT_TRUE(recording.ok()) << recording.error().message;
-  EXPECT_THAT(joined(recording->doubts), HasSubstr("by its place in the file"));
-  EXPECT_THAT(joined(recording->doubts), HasSubstr("3 of 8 depth images have no colour"));
+  EXPECT_THAT(test::joined(recording->doubts), HasSubstr("by its place in the file"));
+  EXPECT_THAT(test::joined(recording->doubts), HasSubstr("3 of 8 depth images have no colour"));
   expect_same_frames(*recording->sequence, *source, true, 3);
 }
 
@@ -111,8 +106,8 @@ TEST(Oni, WhatTheFileDoesNotSayIsADoubtOrTakenFromBeside) {
   const TempFolder folder;
   const auto without_view = open_bytes(folder, test::oni_bytes(*source, {.has_view = false, .has_color = false}));
   ASSERT_TRUE(without_view.ok()) << without_view.error().message;
-  EXPECT_THAT(joined(without_view->doubts), HasSubstr("58 by 45 degrees is assumed"));
-  EXPECT_THAT(joined(without_view->doubts), HasSubstr("all frames are black"));
+  EXPECT_THAT(test::joined(without_view->doubts), HasSubstr("58 by 45 degrees is assumed"));
+  EXPECT_THAT(test::joined(without_view->doubts), HasSubstr("all frames are black"));
   EXPECT_EQ(decode_frame(*without_view->sequence->read(0))->color, ColorImage(96, 72));
 
   EXPECT_EQ(open_bytes(folder, test::oni_bytes(*source, {.oni_pixel_format = 101}))->sequence->camera().depth_units_per_metre, 10'000);
@@ -123,7 +118,7 @@ TEST(Oni, WhatTheFileDoesNotSayIsADoubtOrTakenFromBeside) {
   ASSERT_TRUE(beside.ok()) << beside.error().message;
   EXPECT_EQ(beside->camera_source, "a.oni.camera.json");
   EXPECT_EQ(beside->sequence->camera().fx, 70);
-  Camera wrong = kCamera;
+  Camera wrong = kOniCamera;
   wrong.width = 100;
   EXPECT_THAT(words(open_recording(folder.path("a.oni"), wrong)), HasSubstr("96x72 pixels, the camera 100x72"));
 }
@@ -133,13 +128,13 @@ TEST(Oni, ARecorderThatDiedLeavesWhatItHadWritten) {
   const TempFolder folder;
   const auto unfinished = open_bytes(folder, test::oni_bytes(*source, {.has_end = false}));
   ASSERT_TRUE(unfinished.ok()) << unfinished.error().message;
-  EXPECT_THAT(joined(unfinished->doubts), HasSubstr("is cut or damaged"));
+  EXPECT_THAT(test::joined(unfinished->doubts), HasSubstr("is cut or damaged"));
   EXPECT_EQ(unfinished->sequence->frame_count(), 4);
   test::Bytes bytes = test::oni_bytes(*source);
   bytes.resize(bytes.size() * 6 / 10);
   const auto cut = open_bytes(folder, bytes);
   ASSERT_TRUE(cut.ok()) << cut.error().message;
-  EXPECT_THAT(joined(cut->doubts), HasSubstr("offset"));
+  EXPECT_THAT(test::joined(cut->doubts), HasSubstr("offset"));
   EXPECT_LT(cut->sequence->frame_count(), 4);
   // Debian's OpenNI2 leaves zeros behind the end record.
   bytes = test::oni_bytes(*source);
@@ -172,7 +167,7 @@ TEST(Oni, TimesThatDoNotAscendAreLeftOut) {
   const TempFolder folder;
   test::OniWriter writer({});
   writer.node(1, "Depth", 2, "NONE");
-  test::describe_stream(writer, 1, kCamera, 1, {});
+  test::describe_stream(writer, 1, kOniCamera, 1, {});
   std::uint32_t number = 0;
   for (const std::uint64_t stamp_us : {100u, 40'000u, 40'000u, 90u, 80'000u})
     writer.image(1, stamp_us, ++number, test::raw_depth(source->read(0)->depth));
@@ -180,7 +175,7 @@ TEST(Oni, TimesThatDoNotAscendAreLeftOut) {
   const auto recording = open_bytes(folder, writer.bytes);
   ASSERT_TRUE(recording.ok()) << recording.error().message;
   EXPECT_EQ(recording->sequence->frame_count(), 3);
-  EXPECT_THAT(joined(recording->doubts), HasSubstr("2 images have no time after the one before"));
+  EXPECT_THAT(test::joined(recording->doubts), HasSubstr("2 images have no time after the one before"));
 }
 
 TEST(Oni, IsFoundInFoldersAndArchives) {

@@ -16,6 +16,7 @@
 #include "tests/support/archive_bytes.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/file_bytes.h"
+#include "tests/support/joined.h"
 #include "tests/support/memory_peak.h"
 
 namespace hermite {
@@ -26,12 +27,6 @@ using testing::HasSubstr;
 
 const char* const kSource = "synthetic:frames=4,width=96,height=72";
 const WriteProgress kSilent = [](std::int64_t) {};
-
-std::string joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const std::string& line : lines) text += line + "\n";
-  return text;
-}
 
 std::string number(std::int64_t value, int digits) {
   std::string text = std::to_string(value);
@@ -98,7 +93,7 @@ TEST(Recording, RedwoodIsImagesWithALogOfPoses) {
     EXPECT_EQ(found.format(), "redwood");
     EXPECT_EQ(found.camera().fx, 525);
     EXPECT_THAT(recording->format_reason, HasSubstr("stone_trajectory.log"));
-    EXPECT_THAT(joined(recording->doubts), HasSubstr("assumed to be Redwood's"));
+    EXPECT_THAT(test::joined(recording->doubts), HasSubstr("assumed to be Redwood's"));
     ASSERT_EQ(found.frame_count(), 4);
     EXPECT_EQ(found.read(2)->depth, source->read(2)->depth);
     EXPECT_NEAR(found.timestamp_s(3) - found.timestamp_s(0), 0.1, 1e-5);
@@ -125,7 +120,7 @@ TEST(Recording, DamagedLogsNameTheLine) {
   EXPECT_THAT(error_with(log + "4 4 5\n1 0 0 0\n0 1 0 0\n0 0 2 0\n0 0 0 1\n"), HasSubstr("not a rigid transform"));
   EXPECT_THAT(error_with(log + "4 4 5\n1 0 0 nan\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"), HasSubstr("not a finite number"));
   EXPECT_EQ(error_with(log + "9 9 10\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"), "opened");
-  EXPECT_THAT(joined(open_recording(folder.path())->doubts), HasSubstr("poses of frames from 9 on"));
+  EXPECT_THAT(test::joined(open_recording(folder.path())->doubts), HasSubstr("poses of frames from 9 on"));
 }
 
 TEST(Recording, AnybodysImagesNeedACamera) {
@@ -145,7 +140,7 @@ TEST(Recording, AnybodysImagesNeedACamera) {
     EXPECT_EQ(recording->sequence->format(), "images");
     EXPECT_EQ(recording->sequence->timestamp_s(1), 11 / 20.0);
     EXPECT_EQ(recording->sequence->read(3)->depth, source->read(3)->depth);
-    EXPECT_THAT(joined(recording->doubts), HasSubstr("say no times"));
+    EXPECT_THAT(test::joined(recording->doubts), HasSubstr("say no times"));
   }
 }
 
@@ -225,7 +220,7 @@ TEST(WriteKlg, MillimetresReadBackBitForBitOthersWithARemark) {
   const TempFolder folder;
   const auto summary = write_klg(*source, {0, 4}, folder.path("a.klg"), kSilent);
   ASSERT_TRUE(summary.ok()) << summary.error().message;
-  EXPECT_THAT(joined(summary->remarks), testing::Not(HasSubstr("millimetres")));
+  EXPECT_THAT(test::joined(summary->remarks), testing::Not(HasSubstr("millimetres")));
   const auto found = *open_sequence(folder.path("a.klg"));
   EXPECT_EQ(found->camera(), millimetres);
   EXPECT_EQ(found->groundtruth().size(), 4u);
@@ -235,7 +230,7 @@ TEST(WriteKlg, MillimetresReadBackBitForBitOthersWithARemark) {
     EXPECT_NEAR(found->timestamp_s(i), source->timestamp_s(i), 1e-6);
   }
   const auto fifths = write_klg(**open_sequence(kSource), {0, 4}, folder.path("b.klg"), kSilent);
-  EXPECT_THAT(joined(fifths->remarks), HasSubstr("rounded to millimetres"));
+  EXPECT_THAT(test::joined(fifths->remarks), HasSubstr("rounded to millimetres"));
   EXPECT_NEAR((*open_sequence(folder.path("b.klg")))->read(1)->depth.at(40, 30), (*open_sequence(kSource))->read(1)->depth.at(40, 30) / 5.0,
               0.51);
 }
@@ -340,7 +335,7 @@ class Damaged : public testing::TestWithParam<const char*> {
       return;
     }
     // A frame log is read up to where it was cut, and says so.
-    if (joined(recording->doubts).find("cut") != std::string::npos) ++cut;
+    if (test::joined(recording->doubts).find("cut") != std::string::npos) ++cut;
     for (std::int64_t i = 0; i < recording->sequence->frame_count(); ++i) {
       const auto frame = recording->sequence->read(i);
       const auto decoded = frame.ok() ? decode_frame(*frame) : Result<RgbdFrame>(frame.error());

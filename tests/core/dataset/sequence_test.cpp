@@ -15,7 +15,7 @@ using testing::HasSubstr;
 
 constexpr int kWidth = 80, kHeight = 64;
 
-const char* const kCameraJson =
+const char* const kNumberedCameraJson =
     R"({"width": 80, "height": 64, "fx": 70, "fy": 71, "cx": 39.5, "cy": 31.5, "depth_units_per_metre": 5000, "frame_rate_hz": 10})";
 
 // Every frame's depth carries its number, so that a test can tell which image it got.
@@ -54,7 +54,7 @@ void write_tum(const TempFolder& folder) {
 TEST(TumSequence, ReadsFramesAtTheDepthsTimes) {
   const TempFolder folder;
   write_tum(folder);
-  folder.write("camera.json", kCameraJson);
+  folder.write("camera.json", kNumberedCameraJson);
   folder.write("groundtruth.txt", "# x\n1.0 0 0 0 0 0 0 1\n1.1 1 2 3 0 0 0 1\n");
   const auto opened = open_sequence(folder.path() + "/");
   ASSERT_TRUE(opened.ok()) << opened.error().message;
@@ -79,7 +79,7 @@ TEST(TumSequence, ReadsFramesAtTheDepthsTimes) {
 TEST(TumSequence, FramesWithoutAPartnerAreLeftOut) {
   const TempFolder folder;
   write_tum(folder);
-  folder.write("camera.json", kCameraJson);
+  folder.write("camera.json", kNumberedCameraJson);
   folder.write("depth.txt", "1.0 depth/0.png\n1.117 depth/1.png\n1.2 depth/2.png\n");
   const auto opened = open_sequence(folder.path());
   ASSERT_TRUE(opened.ok()) << opened.error().message;
@@ -92,7 +92,7 @@ TEST(TumSequence, FramesWithoutAPartnerAreLeftOut) {
 TEST(TumSequence, AMissingOrBrokenImageIsAnErrorOfItsFrameAlone) {
   const TempFolder folder;
   write_tum(folder);
-  folder.write("camera.json", kCameraJson);
+  folder.write("camera.json", kNumberedCameraJson);
   std::filesystem::remove(folder.path("depth/0.png"));
   folder.write("rgb/1.png", "this is no image");
   const auto opened = open_sequence(folder.path());
@@ -110,7 +110,7 @@ TEST(TumSequence, AMissingOrBrokenImageIsAnErrorOfItsFrameAlone) {
 TEST(TumSequence, AnotherSizeThanTheCamerasIsAnErrorWithBothSizes) {
   const TempFolder folder;
   write_tum(folder);
-  folder.write("camera.json", kCameraJson);
+  folder.write("camera.json", kNumberedCameraJson);
   folder.write("rgb/1.png", *encode_png(color_of(1, 96, 64)));
   const auto opened = open_sequence(folder.path());
   ASSERT_TRUE(opened.ok());
@@ -124,7 +124,7 @@ TEST(TumSequence, AnotherSizeThanTheCamerasIsAnErrorWithBothSizes) {
 TEST(TumSequence, BadLinesAreNamed) {
   const TempFolder folder;
   write_tum(folder);
-  folder.write("camera.json", kCameraJson);
+  folder.write("camera.json", kNumberedCameraJson);
   const std::pair<const char*, const char*> cases[] = {
       {"x depth/0.png", "the time is not a finite number"},
       {"nan depth/0.png", "the time is not a finite number"},
@@ -143,7 +143,7 @@ TEST(TumSequence, BadLinesAreNamed) {
 TEST(TumSequence, ABrokenGroundTruthIsAnError) {
   const TempFolder folder;
   write_tum(folder);
-  folder.write("camera.json", kCameraJson);
+  folder.write("camera.json", kNumberedCameraJson);
   folder.write("groundtruth.txt", "1 2 3\n");
   EXPECT_THAT(error_of(folder.path()), HasSubstr("groundtruth.txt: trajectory, line 1"));
 }
@@ -154,7 +154,7 @@ TEST(TumSequence, TheCameraIsGivenOrReadOrKnownOrAnError) {
   EXPECT_THAT(error_of(folder.path()), HasSubstr("does not say which camera took it"));
   folder.write("groundtruth.txt", "# file: 'rgbd_dataset_freiburg2_xyz.bag'\n1 0 0 0 0 0 0 1\n");
   EXPECT_THAT(error_of(folder.path()), HasSubstr("the camera 640x480")) << "the benchmark's name in a comment gives its camera";
-  folder.write("camera.json", kCameraJson);
+  folder.write("camera.json", kNumberedCameraJson);
   EXPECT_EQ((*open_sequence(folder.path()))->camera().fx, 70) << "camera.json comes before the name";
   const Camera given{80, 64, 75, 75, 40, 32, 1000};
   EXPECT_EQ((*open_sequence(folder.path(), given))->camera(), given);
@@ -168,7 +168,7 @@ void write_icl(const TempFolder& folder) {
     folder.write("rgb/" + std::to_string(i) + ".png", color_png(i));
     folder.write("depth/" + std::to_string(i) + ".png", depth_png(i));
   }
-  folder.write("camera.json", kCameraJson);
+  folder.write("camera.json", kNumberedCameraJson);
 }
 
 TEST(IclNuimSequence, NumbersAreFramesAtThirtyHertz) {
@@ -362,7 +362,7 @@ TEST(Sequence, UnknownSourcesAreErrors) {
 TEST(Sequence, NoiseIsAskedForBehindTheSource) {
   const TempFolder folder;
   write_tum(folder);
-  folder.write("camera.json", kCameraJson);
+  folder.write("camera.json", kNumberedCameraJson);
   const auto clean = open_sequence(folder.path()), noisy = open_sequence(folder.path() + "+noise=gaussian,sigma_mm=6,seed=2");
   ASSERT_TRUE(noisy.ok()) << noisy.error().message;
   EXPECT_EQ((*noisy)->name(), (*clean)->name());

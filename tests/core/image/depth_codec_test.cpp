@@ -10,6 +10,7 @@
 #include <string>
 
 #include "tests/support/data_folder.h"
+#include "tests/support/depth_pattern.h"
 #include "tests/support/memory_peak.h"
 #include "tests/support/recorded_depth.h"
 
@@ -20,16 +21,10 @@ using ::testing::HasSubstr;
 using Bytes = std::vector<std::uint8_t>;
 using Words = std::vector<std::uint32_t>;
 
-DepthImage make_depth(ImageSize size, const std::function<std::uint16_t(std::size_t)>& value) {
-  DepthImage depth(size.width, size.height);
-  for (std::size_t i = 0; i < depth.pixels.size(); ++i) depth.pixels[i] = value(i);
-  return depth;
-}
-
 // Surfaces, steps, holes and noise, as a sensor gives them.
 DepthImage sensor_like(ImageSize size, unsigned seed) {
   std::mt19937 random(seed);
-  return make_depth(size, [&](std::size_t i) {
+  return test::make_depth(size, [&](std::size_t i) {
     if (random() % 7 == 0 || (i / 13) % 11 == 0) return std::uint16_t{0};
     return static_cast<std::uint16_t>(800 + (i % 97) * 3 + random() % 5 + ((i / 50) % 2) * 2000);
   });
@@ -90,7 +85,7 @@ TEST(DepthCodec, RoundTripsPathologicalImages) {
   };
   for (std::size_t i = 0; i < patterns.size(); ++i) {
     SCOPED_TRACE(i);
-    expect_round_trip(make_depth(size, patterns[i]));
+    expect_round_trip(test::make_depth(size, patterns[i]));
   }
 }
 
@@ -100,7 +95,7 @@ TEST(DepthCodec, RoundTripsRandomImagesOfAllSizes) {
     SCOPED_TRACE(trial);
     const ImageSize size{1 + static_cast<int>(random() % 40), 1 + static_cast<int>(random() % 40)};
     const auto value_bits = 1 + random() % 16, zero_share = random() % 5;
-    expect_round_trip(make_depth(size, [&](std::size_t) {
+    expect_round_trip(test::make_depth(size, [&](std::size_t) {
       return random() % 4 < zero_share ? std::uint16_t{0} : static_cast<std::uint16_t>(random() & ((1u << value_bits) - 1u));
     }));
   }

@@ -10,6 +10,7 @@
 
 #include "core/image/depth_codec.h"
 #include "tests/support/data_folder.h"
+#include "tests/support/depth_pattern.h"
 #include "tests/support/memory_peak.h"
 #include "tests/support/recorded_depth.h"
 
@@ -19,16 +20,10 @@ namespace {
 using ::testing::HasSubstr;
 using Bytes = std::vector<std::uint8_t>;
 
-DepthImage make_depth(ImageSize size, const std::function<std::uint16_t(std::size_t)>& value) {
-  DepthImage depth(size.width, size.height);
-  for (std::size_t i = 0; i < depth.pixels.size(); ++i) depth.pixels[i] = value(i);
-  return depth;
-}
-
 // A slanted surface with steps, holes and noise; `quantised` to disparities as structured light gives them.
 DepthImage sensor_like(ImageSize size, unsigned seed, bool quantised) {
   std::mt19937 random(seed);
-  return make_depth(size, [&](std::size_t i) {
+  return test::make_depth(size, [&](std::size_t i) {
     const std::size_t x = i % static_cast<std::size_t>(size.width), y = i / static_cast<std::size_t>(size.width);
     if (x % 97 < 5 || random() % 200 == 0) return std::uint16_t{0};
     const double depth_mm = 900 + 3.0 * static_cast<double>(x) + static_cast<double>(y) + (x / 50 % 2 == 0 ? 0 : 1500);
@@ -38,7 +33,7 @@ DepthImage sensor_like(ImageSize size, unsigned seed, bool quantised) {
   });
 }
 
-void expect_round_trip(const DepthImage& depth) {
+void expect_same_after_ranks(const DepthImage& depth) {
   const Bytes bytes = encode_depth_ranks(depth);
   EXPECT_LE(bytes.size(), max_depth_ranks_bytes(depth.pixels.size()));
   const Result<DepthImage> decoded = decode_depth_ranks(bytes, {depth.width, depth.height});
@@ -46,7 +41,7 @@ void expect_round_trip(const DepthImage& depth) {
   EXPECT_TRUE(*decoded == depth);
 }
 
-void expect_refused(const Bytes& bytes, ImageSize expected, ErrorCode code, const std::string& words) {
+void expect_ranks_refused(const Bytes& bytes, ImageSize expected, ErrorCode code, const std::string& words) {
   const Result<DepthImage> decoded = decode_depth_ranks(bytes, expected);
   ASSERT_FALSE(decoded.ok());
   EXPECT_EQ(name_of(decoded.error().code), std::string(name_of(code)));
@@ -71,7 +66,7 @@ TEST(DepthRanks, RoundTripsPathologicalImages) {
   };
   for (std::size_t i = 0; i < patterns.size(); ++i) {
     SCOPED_TRACE(i);
-    expect_round_trip(make_depth(size, patterns[i]));
+    expect_same_after_ranks(test::make_depth(size, patterns[i]));
   }
 }
 
@@ -81,7 +76,7 @@ TEST(DepthRanks, RoundTripsRandomImagesOfAllSizes) {
     SCOPED_TRACE(trial);
     const ImageSize size{1 + static_cast<int>(random() % 40), 1 + static_cast<int>(random() % 40)};
     const auto value_bits = 1 + random() % 16, zero_share = random() % 5, step = 1 + random() % 9;
-    expect_round_trip(make_depth(size, [&](std::size_t) {
+    expect_same_after_ranks(test::make_depth(size, [&](std::size_t) {
       return random() % 4 < zero_share ? std::uint16_t{0}
                                        : static_cast<std::uint16_t>((random() & ((1u << value_bits) - 1u)) / step * step);
     }));
@@ -89,11 +84,12 @@ TEST(DepthRanks, RoundTripsRandomImagesOfAllSizes) {
 }
 
 TEST(DepthRanks, RoundTripsASinglePixelOfAnyValue) {
-  for (const int value : {0, 1, 2, 255, 40000, 65534, 65535}) expect_round_trip(make_depth({1, 1}, [&](std::size_t) { return value; }));
+  for (const int value : {0, 1, 2, 255, 40000, 65534, 65535})
+    expect_same_after_ranks(test::make_depth({1, 1}, [&](std::size_t) { return value; }));
 }
 
 TEST(DepthRanks, RoundTripsBothKindsOfSensor) {
-  for (const bool quantised : {true, false}) expect_round_trip(sensor_like({640, 480}, 3, quantised));
+  for (const bool quantised : {true, false}) expect_same_after_ranks(sensor_like({640, 480}, 3, quantised));
 }
 
 TEST(DepthRanks, IsSmallerThanRvlOnBothKindsOfSensor) {
@@ -120,9 +116,10 @@ TEST(DepthRanks, WritesTheSameBytesForEver) {
                    0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x66, 0x14, 0x10, 0x12, 0x66, 0x04, 0x04, 0x00, 0x04, 0x00, 0x01, 0x00}));
   std::mt19937 random(13);
   const auto slanted = [&](std::size_t i) { return static_cast<std::uint16_t>(i % 19 == 0 ? 0 : (700 + i / 7 % 50 + random() % 5)); };
-  EXPECT_EQ(digest(encode_depth_ranks(make_depth({97, 61}, slanted))), 25225475u);
-  EXPECT_EQ(digest(encode_depth_ranks(make_depth({97, 61}, [&](std::size_t i) { return static_cast<std::uint16_t>(9 * slanted(i)); }))),
-            2880315120u);
+  EXPECT_EQ(digest(encode_depth_ranks(test::make_depth({97, 61}, slanted))), 25225475u);
+  EXPECT_EQ(
+      digest(encode_depth_ranks(test::make_depth({97, 61}, [&](std::size_t i) { return static_cast<std::uint16_t>(9 * slanted(i)); }))),
+      2880315120u);
 }
 
 TEST(DepthRanks, RefusesAnyCutOrFlippedBit) {
@@ -151,9 +148,10 @@ TEST(DepthRanks, RefusesAnotherSize) {
   const Bytes bytes = encode_depth_ranks(sensor_like({20, 10}, 4, true));
   for (const ImageSize size : {ImageSize{20, 9}, ImageSize{20, 11}, ImageSize{10, 20}, ImageSize{1, 1}})
     EXPECT_FALSE(decode_depth_ranks(bytes, size).ok()) << size.width << "x" << size.height;
-  expect_refused(bytes, {0, 10}, ErrorCode::kInvalidArgument, "image size 0x10");
-  expect_refused(bytes, {kMaxImageEdge_px + 1, 1}, ErrorCode::kInvalidArgument, "1 to 16384 pixels an edge");
-  expect_refused(Bytes(max_depth_ranks_bytes(200) + 1), {20, 10}, ErrorCode::kTooLarge, "33569 bytes, the limit for this image is 33568");
+  expect_ranks_refused(bytes, {0, 10}, ErrorCode::kInvalidArgument, "image size 0x10");
+  expect_ranks_refused(bytes, {kMaxImageEdge_px + 1, 1}, ErrorCode::kInvalidArgument, "1 to 16384 pixels an edge");
+  expect_ranks_refused(Bytes(max_depth_ranks_bytes(200) + 1), {20, 10}, ErrorCode::kTooLarge,
+                       "33569 bytes, the limit for this image is 33568");
 }
 
 TEST(DepthRanks, TakesTheMemoryOfTheExpectedImageWhateverTheBytes) {
@@ -184,7 +182,7 @@ TEST(DepthRanks, KeepsRecordedDepth) {
   const std::vector<DepthImage> images = test::recorded_depth(*folder);
   std::size_t encoded_bytes = 0;
   for (const DepthImage& depth : images) {
-    expect_round_trip(depth);
+    expect_same_after_ranks(depth);
     encoded_bytes += encode_depth_ranks(depth).size();
   }
   const double bits_per_pixel = 8.0 * static_cast<double>(encoded_bytes) / (640.0 * 480.0 * static_cast<double>(images.size()));

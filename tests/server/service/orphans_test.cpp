@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kNow_ms = 1'800'000'000'000;
+constexpr std::int64_t kToday_ms = 1'800'000'000'000;
 constexpr std::int64_t kKeep_ms = std::chrono::milliseconds(kKeepLost).count();
 
 class OrphansTest : public testing::Test {
@@ -55,7 +55,7 @@ TEST_F(OrphansTest, WhatARowKnowsStays) {
   UploadRow upload;
   upload.id = upload_file();
   ASSERT_TRUE(store_.add_upload(upload).ok());
-  clear_orphans(data_, store_, kNow_ms);
+  clear_orphans(data_, store_, kToday_ms);
   for (const std::string& id : {finished, running}) {
     EXPECT_TRUE(fs::exists(data_.scan_folder(id) + "/cloud.ply"));
     EXPECT_TRUE(fs::exists(data_.log_folder(id) + "/segment-0000.rlog"));
@@ -67,7 +67,7 @@ TEST_F(OrphansTest, WhatARowKnowsStays) {
 
 TEST_F(OrphansTest, AScanThatNoRowKnowsIsLostAsAWhole) {
   const std::string id = scan_files();
-  clear_orphans(data_, store_, kNow_ms);
+  clear_orphans(data_, store_, kToday_ms);
   EXPECT_FALSE(fs::exists(data_.scan_folder(id)));
   EXPECT_TRUE(fs::exists(path("lost/scans/" + id + "/cloud.ply")));
   EXPECT_TRUE(fs::exists(path("lost/scans/" + id + "/log/segment-0000.rlog")));
@@ -78,7 +78,7 @@ TEST_F(OrphansTest, AScanThatNoRowKnowsIsLostAsAWhole) {
 
 TEST_F(OrphansTest, AnUploadThatNoRowKnowsIsLost) {
   const std::string id = upload_file();
-  clear_orphans(data_, store_, kNow_ms);
+  clear_orphans(data_, store_, kToday_ms);
   EXPECT_FALSE(fs::exists(data_.upload_path(id)));
   EXPECT_TRUE(fs::exists(path("lost/uploads/" + id)));
 }
@@ -88,11 +88,11 @@ TEST_F(OrphansTest, AJobThatIsToGoOnKnowsItsScan) {
   job.id = new_scan_id();
   job.scan_id = scan_files();
   ASSERT_TRUE(store_.add_job(job).ok());
-  clear_orphans(data_, store_, kNow_ms);
+  clear_orphans(data_, store_, kToday_ms);
   EXPECT_TRUE(fs::exists(data_.scan_folder(job.scan_id)));
   job.state = JobState::kCancelled;
   ASSERT_TRUE(store_.update_job(job).ok());
-  clear_orphans(data_, store_, kNow_ms);
+  clear_orphans(data_, store_, kToday_ms);
   EXPECT_FALSE(fs::exists(data_.scan_folder(job.scan_id)));
 }
 
@@ -100,7 +100,7 @@ TEST_F(OrphansTest, WhatWasHalfWrittenGoesAndTheResultsStay) {
   const std::string id = scan(ScanPhase::kInterrupted);
   std::ofstream(data_.scan_folder(id) + "/cloud.ply.77-0.tmp") << "poi";
   std::ofstream(data_.log_folder(id) + "/segment-0001.rlog") << "frames";
-  clear_orphans(data_, store_, kNow_ms);
+  clear_orphans(data_, store_, kToday_ms);
   EXPECT_FALSE(fs::exists(data_.scan_folder(id) + "/cloud.ply.77-0.tmp"));
   EXPECT_EQ(blobs_.list(id)->size(), 1u);
   EXPECT_TRUE(fs::exists(data_.log_folder(id) + "/segment-0001.rlog"));
@@ -108,10 +108,10 @@ TEST_F(OrphansTest, WhatWasHalfWrittenGoesAndTheResultsStay) {
 
 TEST_F(OrphansTest, WhatWasLostLongAgoBecomesWaste) {
   const std::string scan = scan_files(), upload = upload_file();
-  clear_orphans(data_, store_, kNow_ms);
-  clear_orphans(data_, store_, kNow_ms + kKeep_ms);
+  clear_orphans(data_, store_, kToday_ms);
+  clear_orphans(data_, store_, kToday_ms + kKeep_ms);
   EXPECT_TRUE(fs::exists(path("lost/scans/" + scan)));
-  clear_orphans(data_, store_, kNow_ms + kKeep_ms + 1);
+  clear_orphans(data_, store_, kToday_ms + kKeep_ms + 1);
   EXPECT_TRUE(fs::is_empty(path("lost/scans")));
   EXPECT_TRUE(fs::is_empty(path("lost/uploads")));
   EXPECT_EQ(data_.waste().size(), 2u);
@@ -122,15 +122,15 @@ TEST_F(OrphansTest, WhatIsNoneOfOursStays) {
   const std::string id = new_scan_id();
   std::ofstream(path("scans/" + id)) << "a file where folders are";
   fs::create_directory(path("uploads/" + id));
-  clear_orphans(data_, store_, kNow_ms);
+  clear_orphans(data_, store_, kToday_ms);
   for (const std::string& there : {std::string("scans/notes"), "scans/" + id, "uploads/" + id}) EXPECT_TRUE(fs::exists(path(there)));
 }
 
 TEST_F(OrphansTest, ASecondOneOfTheSameIdStaysWhereItIs) {
   const std::string id = scan_files();
-  clear_orphans(data_, store_, kNow_ms);
+  clear_orphans(data_, store_, kToday_ms);
   ASSERT_TRUE(blobs_.put(id, "cloud.ply", "others").ok());
-  clear_orphans(data_, store_, kNow_ms);
+  clear_orphans(data_, store_, kToday_ms);
   EXPECT_EQ(*read_blob(blobs_, id, "cloud.ply", 100), "others");
   EXPECT_TRUE(fs::exists(path("lost/scans/" + id)));
 }
@@ -138,7 +138,7 @@ TEST_F(OrphansTest, ASecondOneOfTheSameIdStaysWhereItIs) {
 TEST_F(OrphansTest, AStoreThatCannotTellLosesNothing) {
   const std::string scan = scan_files(), upload = upload_file();
   SQLite::Database(data_.database_path(), SQLite::OPEN_READWRITE).exec("DROP TABLE scans; DROP TABLE uploads");
-  clear_orphans(data_, store_, kNow_ms);
+  clear_orphans(data_, store_, kToday_ms);
   EXPECT_TRUE(fs::exists(data_.scan_folder(scan)));
   EXPECT_TRUE(fs::exists(data_.upload_path(upload)));
 }

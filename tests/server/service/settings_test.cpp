@@ -36,7 +36,7 @@ TEST(Settings, WhatIsPrintedReadsBack) {
 
 TEST(Settings, EveryOneIsPrintedWithItsLimitsDefaultAndVariable) {
   const std::string printed = format_config({}, {});
-  for (const ServiceSetting& setting : list_settings({})) {
+  for (const ServiceSetting& setting : list_settings(ServiceOptions())) {
     EXPECT_THAT(printed, HasSubstr("\n" + setting.key + " = " + setting.value + "\n"));
     EXPECT_THAT(printed, HasSubstr("# " + setting.description + "\n"));
     EXPECT_THAT(printed, HasSubstr("environment: " + setting.environment));

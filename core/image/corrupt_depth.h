@@ -1,0 +1,12 @@
+// What decoders of depth say of bytes that cannot be what they claim to be. Header only.
+#pragma once
+
+#include <string>
+
+#include "core/base/result.h"
+
+namespace hermite {
+
+inline Error corrupt_depth(const std::string& words) { return {ErrorCode::kCorruptData, "depth: " + words}; }
+
+}  // namespace hermite
