@@ -1,5 +1,8 @@
 #include "core/gpu/instance.h"
 
+#include <dlfcn.h>
+#include <link.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -30,6 +33,20 @@ std::vector<T> enumerate(Enumerate&& call) {
   }
   items.resize(result == VK_SUCCESS ? count : 0);
   return items;
+}
+
+// With the last instance the loader unloads the drivers, and what those keep once for the process is lost each time: on AMD processors Mesa
+// leaks its list of their caches. Loading LLVM again costs time, too. So what is loaded stays.
+void keep_drivers_loaded() {
+  std::vector<std::string> paths;
+  dl_iterate_phdr(
+      [](dl_phdr_info* module, std::size_t, void* found) {
+        if (module->dlpi_name[0] != '\0') static_cast<std::vector<std::string>*>(found)->push_back(module->dlpi_name);
+        return 0;
+      },
+      &paths);
+  for (const std::string& path : paths)
+    if (void* module = dlopen(path.c_str(), RTLD_LAZY | RTLD_NOLOAD | RTLD_NODELETE)) dlclose(module);
 }
 
 bool validation_wanted() {
@@ -159,6 +176,7 @@ void Instance::create(bool with_validation) {
     create.ppEnabledExtensionNames = &messenger_extension;
   }
   throw_if_failed(vkCreateInstance(&create, nullptr, &instance_), "start Vulkan");
+  keep_drivers_loaded();
   if (!with_validation) return;
   const auto create_messenger =
       reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
