@@ -23,7 +23,7 @@ using Control = Eigen::Array4d;  // x, y, yaw, pitch
 constexpr double kWalk_m_s = 0.40, kTurn_deg_s = 30, kNod_deg_s = 12;  // between control points: the spline is never faster
 constexpr double kKnot_s = 0.5;
 constexpr double kHeight_m = 1.36;  // as in the furnished room
-constexpr double kDegree = M_PI / 180;
+constexpr double kDegree_rad = M_PI / 180;
 
 // Every kKnot_s a control point on the polygon of way points, and the curve is the uniform quintic B-spline of them: four derivatives are
 // continuous, it stays within the polygon's hull, and being a mean of them its velocities are bounded by those of the control points.
@@ -156,8 +156,8 @@ Rigid3 world_pose(RoomScene scene, double laps) {
   const double alternating = std::sin(M_PI * laps);
   const double sway = 2 * M_PI * laps;
   const Vector3d position(here[0], here[1], kHeight_m + 0.04 * std::sin(4 * sway + 0.7) + 0.10 * alternating);
-  const double heading = kDegree * here[2], pitch = kDegree * (here[3] - 4 * alternating);
-  const double roll = kDegree * 2 * std::sin(6 * sway + 0.3);
+  const double heading = kDegree_rad * here[2], pitch = kDegree_rad * (here[3] - 4 * alternating);
+  const double roll = kDegree_rad * 2 * std::sin(6 * sway + 0.3);
   return camera_at(position, heading, pitch, roll);
 }
 

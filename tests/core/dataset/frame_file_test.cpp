@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/core/dataset/recording_bytes.h"
+#include "tests/core/dataset/rendered_once.h"
 #include "tests/core/dataset/temp_folder.h"
 #include "tests/support/joined.h"
 
@@ -28,29 +29,29 @@ void expect_same_depth(const Sequence& found, const Sequence& source) {
 }
 
 TEST(Klg, EveryMixOfCodingsReadsBack) {
-  const auto source = *open_sequence(kKlgSource);
+  const test::RenderedOnce source(kKlgSource);
   const TempFolder folder;
   for (const FileOptions options : {FileOptions{}, FileOptions{true, true}, FileOptions{true, false}, FileOptions{false, true}}) {
-    folder.write("a.bin", test::klg_bytes(*source, options));
+    folder.write("a.bin", test::klg_bytes(source, options));
     const auto recording = open_recording(folder.path("a.bin"));
     ASSERT_TRUE(recording.ok()) << recording.error().message;
     const Sequence& found = *recording->sequence;
     EXPECT_EQ(found.format(), "klg");
     EXPECT_EQ(found.camera().fx, 528);
     EXPECT_THAT(test::joined(recording->doubts), HasSubstr("ElasticFusion's default"));
-    expect_same_depth(found, *source);
-    EXPECT_NEAR(found.timestamp_s(2), 1000 + source->timestamp_s(2), 1e-6);
+    expect_same_depth(found, source);
+    EXPECT_NEAR(found.timestamp_s(2), 1000 + source.timestamp_s(2), 1e-6);
     const auto color = decode_frame(*found.read(1))->color;
     if (options.raw_color) {
-      EXPECT_EQ(color, test::frame_of(*source, 1).color);
+      EXPECT_EQ(color, test::frame_of(source, 1).color);
     }
   }
 }
 
 TEST(Klg, MissingColourIsBlackAndSaid) {
-  const auto source = *open_sequence(kKlgSource);
+  const test::RenderedOnce source(kKlgSource);
   const TempFolder folder;
-  folder.write("a.klg", test::klg_bytes(*source, {true, false, true}));
+  folder.write("a.klg", test::klg_bytes(source, {true, false, true}));
   const auto recording = open_recording(folder.path("a.klg"));
   ASSERT_TRUE(recording.ok()) << recording.error().message;
   EXPECT_THAT(test::joined(recording->doubts), HasSubstr("3 frames have no colour"));
@@ -75,10 +76,10 @@ TEST(Klg, TheCameraBesideTheFileDecidesTheSize) {
 }
 
 TEST(Klg, LengthsAreJudgedBeforeAnythingIsAllocated) {
-  const auto source = *open_sequence(kKlgSource);
+  const test::RenderedOnce source(kKlgSource);
   const TempFolder folder;
   const auto error_with = [&](std::size_t offset, std::int32_t value) {
-    test::Bytes bytes = test::klg_bytes(*source);
+    test::Bytes bytes = test::klg_bytes(source);
     std::memcpy(bytes.data() + offset, &value, sizeof value);
     folder.write("a.klg", bytes);
     const auto recording = open_klg(folder.path("a.klg"), std::nullopt);

@@ -12,6 +12,7 @@
 #include "core/dataset/write_tum.h"
 #include "tests/core/dataset/oni_bytes.h"
 #include "tests/core/dataset/recording_bytes.h"
+#include "tests/core/dataset/rendered_once.h"
 #include "tests/core/dataset/temp_folder.h"
 #include "tests/support/archive_bytes.h"
 #include "tests/support/data_folder.h"
@@ -83,10 +84,10 @@ void expect_equal(const Sequence& found, const Sequence& source, std::int64_t co
 }
 
 TEST(Recording, RedwoodIsImagesWithALogOfPoses) {
-  const auto source = *open_sequence("synthetic:frames=4,width=640,height=480");
+  const test::RenderedOnce source("synthetic:frames=4,width=640,height=480");
   for (const bool with_times : {false, true}) {
     const TempFolder folder;
-    write_redwood(folder, *source, with_times);
+    write_redwood(folder, source, with_times);
     const auto recording = open_recording(folder.path());
     ASSERT_TRUE(recording.ok()) << recording.error().message;
     const Sequence& found = *recording->sequence;
@@ -95,11 +96,11 @@ TEST(Recording, RedwoodIsImagesWithALogOfPoses) {
     EXPECT_THAT(recording->format_reason, HasSubstr("stone_trajectory.log"));
     EXPECT_THAT(test::joined(recording->doubts), HasSubstr("assumed to be Redwood's"));
     ASSERT_EQ(found.frame_count(), 4);
-    EXPECT_EQ(found.read(2)->depth, source->read(2)->depth);
+    EXPECT_EQ(found.read(2)->depth, source.read(2)->depth);
     EXPECT_NEAR(found.timestamp_s(3) - found.timestamp_s(0), 0.1, 1e-5);
     ASSERT_EQ(found.groundtruth().size(), 4u);
     EXPECT_EQ(found.groundtruth()[1].timestamp_s, found.timestamp_s(1));
-    EXPECT_LT((found.groundtruth()[3].world_from_camera.translation - source->groundtruth()[3].world_from_camera.translation).norm(), 1e-6);
+    EXPECT_LT((found.groundtruth()[3].world_from_camera.translation - source.groundtruth()[3].world_from_camera.translation).norm(), 1e-6);
   }
 }
 
