@@ -46,14 +46,14 @@ step_threads() {
     --gtest_filter='Adjuster*:SubmapMapping.TheSame*:SubmapMapping.ALost*:SubmapMapping.ANewPart*'
 }
 
-# The same for frame log, queues, encoder, check of the database, uploads to a whole server. Without what runs a pipeline: a software GPU is
-# too slow there, and not ours. Not among all steps: it builds for ten minutes and tests for one.
+# The same for the service: frame log, queues, encoder, uploads, viewers, sockets and sessions. Without what reconstructs long scans: a software
+# GPU is too slow there, and not ours. Not among all steps: it builds for ten minutes and tests for three.
 step_service_threads() {
   cmake --preset threads
   cmake --build --preset threads --target test_data test_server
   build/threads/tests/test_data --gtest_brief=1 --gtest_filter='FrameLog*'
-  build/threads/tests/test_server --gtest_brief=1 \
-    --gtest_filter='FrameQueue*:FrameReader*:FrameEncoder*:StoreWatch*:UploadRoutesTest*:WasteTest*'
+  TSAN_OPTIONS="suppressions=$PWD/tests/tsan_suppressions.txt" build/threads/tests/test_server --gtest_brief=1 \
+    --gtest_filter='-*DeathTest*:ResumeTest*:ScansTest*:SlowLogs*:ScanJob*:SqliteStore*:Service.*:Stream.*:HttpTest*:*LocalExecutor*:Local/*'
 }
 
 step_fuzz() { tests/fuzz/run; }
