@@ -24,8 +24,6 @@ layout(scalar, binding = 8) writeonly buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, push_constant) uniform Push { CleanParams p; };
 shared uint is_alive[kBlock];
 shared vec4 position_submap[kBlock];
-const uint kRow = 16u, kRows = kBlock / kRow;
-shared uint farthest_in_row[kRows * 8u];
 
 bool doubled(uint slot, ivec2 pixel, float z, SurfelAttributes a, uint created) {
   uint cell = uint(pixel.y) * p.camera.width + uint(pixel.x);
@@ -75,23 +73,15 @@ bool outlived(vec4 surfel, uint slot) {
          max(abs(kappa.x), abs(kappa.y)) > p.curvature_limit_per_m;
 }
 
-// Sixteen lanes go along a row of slots each, then one for each direction along the rows.
 void write_bounds(uint block) {
-  uint lane = gl_LocalInvocationID.x;
-  if (lane < kRows) {
-    uint farthest[8] = uint[](0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u);
-    for (uint i = lane * kRow; i < (lane + 1u) * kRow; ++i) {
-      uint any = is_alive[i] != 0u ? 0xffffffffu : 0u;
-      for (uint direction = 0u; direction < 8u; ++direction)
-        farthest[direction] = max(farthest[direction], ordered(reach(direction, position_submap[i])) & any);
-    }
-    for (uint direction = 0u; direction < 8u; ++direction) farthest_in_row[lane * 8u + direction] = farthest[direction];
-  }
-  barrier();
-  if (lane >= 8u) return;
+  uint direction = gl_LocalInvocationID.x;
+  if (direction >= 8u) return;
   uint farthest = 0u;
-  for (uint row = 0u; row < kRows; ++row) farthest = max(farthest, farthest_in_row[row * 8u + lane]);
-  bounds[block].reach[lane] = farthest;
+  for (uint i = 0u; i < kBlock; ++i) {
+    uint key = ordered(reach(direction, position_submap[i]));
+    farthest = is_alive[i] != 0u ? max(farthest, key) : farthest;
+  }
+  bounds[block].reach[direction] = farthest;
 }
 
 void main() {
