@@ -7,9 +7,9 @@
 
 namespace hermite {
 
-// Cut after 159 bytes: no line of a terminal is longer.
+// Cut after 255 bytes: no line of a terminal or table is longer.
 __attribute__((format(printf, 1, 2))) inline std::string printf_text(const char* pattern, ...) {
-  char text[160];
+  char text[256];
   va_list arguments;
   va_start(arguments, pattern);
   std::vsnprintf(text, sizeof text, pattern, arguments);

@@ -1,22 +1,13 @@
 #include "tests/bench/program/tables.h"
 
 #include <algorithm>
-#include <cstdarg>
-#include <cstdio>
 #include <numeric>
+
+#include "core/base/printf_text.h"
 
 namespace hermite::bench {
 
 namespace {
-
-[[gnu::format(printf, 1, 2)]] std::string text(const char* format, ...) {
-  char buffer[256];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(buffer, sizeof buffer, format, arguments);
-  va_end(arguments);
-  return buffer;
-}
 
 double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 double median(const std::vector<double>& values) { return percentile(values, 0.5); }
@@ -29,8 +20,8 @@ Entry& entry_of(std::vector<Entry>& entries, const Entry& fresh) {
 }
 
 std::string time_row(const Series& series) {
-  return text("| %s | %.2f | %.2f | %.2f |\n", series.name.c_str(), median(series.values), percentile(series.values, 0.95),
-              percentile(series.values, 1));
+  return printf_text("| %s | %.2f | %.2f | %.2f |\n", series.name.c_str(), median(series.values), percentile(series.values, 0.95),
+                     percentile(series.values, 1));
 }
 
 std::string format_frame_times(const Measurement& measurement, const std::vector<PassSeries>& passes) {
@@ -50,12 +41,12 @@ std::string format_passes(const std::vector<PassSeries>& passes) {
       "| GPU pass, ms a frame | dispatches | median | p95 | share [%] | bound | by | times its bound "
       "|\n|---|---|---|---|---|---|---|---|\n";
   for (const PassSeries& pass : passes) {
-    table += text("| %s | %.0f | %.3f | %.3f | %.1f ", pass.name.c_str(), median(pass.dispatches), median(pass.gpu_ms),
-                  percentile(pass.gpu_ms, 0.95), all_ms > 0 ? 100 * sum(pass.gpu_ms) / all_ms : 0);
+    table += printf_text("| %s | %.0f | %.3f | %.3f | %.1f ", pass.name.c_str(), median(pass.dispatches), median(pass.gpu_ms),
+                         percentile(pass.gpu_ms, 0.95), all_ms > 0 ? 100 * sum(pass.gpu_ms) / all_ms : 0);
     const double bound_ms = sum(pass.bound_ms);
     if (bound_ms > 0)
-      table += text("| %.4f | %s | %.1f |\n", median(pass.bound_ms), pass.memory_ms > pass.arithmetic_ms ? "memory" : "arithmetic",
-                    sum(pass.gpu_ms) / bound_ms);
+      table += printf_text("| %.4f | %s | %.1f |\n", median(pass.bound_ms), pass.memory_ms > pass.arithmetic_ms ? "memory" : "arithmetic",
+                           sum(pass.gpu_ms) / bound_ms);
     else
       table += "| – | – | – |\n";
   }
@@ -66,10 +57,10 @@ std::string format_memory(const PipelineStatistics& statistics) {
   std::string table = "| device memory | MB |\n|---|---|\n";
   double all_bytes = 0;
   for (const auto& [purpose, bytes] : statistics.gpu_memory_bytes) {
-    table += text("| %s | %.2f |\n", purpose.c_str(), static_cast<double>(bytes) / 1e6);
+    table += printf_text("| %s | %.2f |\n", purpose.c_str(), static_cast<double>(bytes) / 1e6);
     all_bytes += static_cast<double>(bytes);
   }
-  return table + text("| all | %.2f |\n\n", all_bytes / 1e6);
+  return table + printf_text("| all | %.2f |\n\n", all_bytes / 1e6);
 }
 
 std::string format_surfels(const PipelineStatistics& statistics) {
@@ -77,11 +68,11 @@ std::string format_surfels(const PipelineStatistics& statistics) {
   const double map_bytes = map == statistics.gpu_memory_bytes.end() ? 0 : static_cast<double>(map->second);
   const auto each = [map_bytes](std::int64_t count) { return count > 0 ? map_bytes / static_cast<double>(count) : 0; };
   return "| surfels | count | bytes of the map each |\n|---|---|---|\n" +
-         text("| alive | %lld | %.1f |\n", static_cast<long long>(statistics.surfel_count), each(statistics.surfel_count)) +
-         text("| slots in use | %lld | %.1f |\n", static_cast<long long>(statistics.surfel_slot_count),
-              each(statistics.surfel_slot_count)) +
-         text("| slots there is memory for | %lld | %.1f |\n", static_cast<long long>(statistics.surfel_capacity),
-              each(statistics.surfel_capacity));
+         printf_text("| alive | %lld | %.1f |\n", static_cast<long long>(statistics.surfel_count), each(statistics.surfel_count)) +
+         printf_text("| slots in use | %lld | %.1f |\n", static_cast<long long>(statistics.surfel_slot_count),
+                     each(statistics.surfel_slot_count)) +
+         printf_text("| slots there is memory for | %lld | %.1f |\n", static_cast<long long>(statistics.surfel_capacity),
+                     each(statistics.surfel_capacity));
 }
 
 }  // namespace
