@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/dataset/changed_sequence.h"
 #include "core/dataset/key_values.h"
 
 namespace hermite {
@@ -54,26 +55,17 @@ int shifted(int position, double normal, int side) {
   return std::clamp(position + static_cast<int>(std::lround(kKinectLateralSigma_px * normal)), 0, side - 1);
 }
 
-class NoisySequence : public Sequence {
+class NoisySequence : public ChangedSequence {
  public:
-  NoisySequence(std::unique_ptr<Sequence> clean, const NoiseOptions& options) : clean_(std::move(clean)), options_(options) {}
-
-  std::string format() const override { return clean_->format(); }
-  std::string name() const override { return clean_->name(); }
-  const Camera& camera() const override { return clean_->camera(); }
-  double frame_rate_hz() const override { return clean_->frame_rate_hz(); }
-  std::int64_t frame_count() const override { return clean_->frame_count(); }
-  double timestamp_s(std::int64_t index) const override { return clean_->timestamp_s(index); }
-  const Trajectory& groundtruth() const override { return clean_->groundtruth(); }
+  NoisySequence(std::unique_ptr<Sequence> clean, const NoiseOptions& options) : ChangedSequence(std::move(clean)), options_(options) {}
 
   Result<RecordedFrame> read(std::int64_t index) const override {
-    Result<RecordedFrame> frame = clean_->read(index);
+    Result<RecordedFrame> frame = original_->read(index);
     if (frame.ok()) frame->depth = add_noise(frame->depth, camera(), options_, index);
     return frame;
   }
 
  private:
-  const std::unique_ptr<Sequence> clean_;
   const NoiseOptions options_;
 };
 

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <string_view>
 
+#include "core/dataset/changed_sequence.h"
 #include "core/image/image_codec.h"
 
 namespace hermite {
@@ -29,28 +30,19 @@ ColorImage palm(int width, int height) {
   return color;
 }
 
-// Everything but the frames is that of another sequence.
-class Disturbed : public Sequence {
+class Disturbed : public ChangedSequence {
  public:
-  Disturbed(std::unique_ptr<Sequence> whole, const FrameSpan& span) : whole_(std::move(whole)), span_(span) {}
-  std::string format() const override { return whole_->format(); }
-  std::string name() const override { return whole_->name(); }
-  const Camera& camera() const override { return whole_->camera(); }
-  double frame_rate_hz() const override { return whole_->frame_rate_hz(); }
-  const Trajectory& groundtruth() const override { return whole_->groundtruth(); }
+  Disturbed(std::unique_ptr<Sequence> whole, const FrameSpan& span) : ChangedSequence(std::move(whole)), span_(span) {}
 
  protected:
-  const std::unique_ptr<Sequence> whole_;
   const FrameSpan span_;
 };
 
 class Covered : public Disturbed {
  public:
   using Disturbed::Disturbed;
-  std::int64_t frame_count() const override { return whole_->frame_count(); }
-  double timestamp_s(std::int64_t index) const override { return whole_->timestamp_s(index); }
   Result<RecordedFrame> read(std::int64_t index) const override {
-    if (index < span_.from || index >= span_.from + span_.count) return whole_->read(index);
+    if (index < span_.from || index >= span_.from + span_.count) return original_->read(index);
     const int width = camera().width, height = camera().height;
     auto color = encode_jpeg(palm(width, height), kJpegQuality);
     if (!color.ok()) return color.error();
@@ -61,9 +53,9 @@ class Covered : public Disturbed {
 class Missing : public Disturbed {
  public:
   using Disturbed::Disturbed;
-  std::int64_t frame_count() const override { return whole_->frame_count() - span_.count; }
-  double timestamp_s(std::int64_t index) const override { return whole_->timestamp_s(index_in_whole(index)); }
-  Result<RecordedFrame> read(std::int64_t index) const override { return whole_->read(index_in_whole(index)); }
+  std::int64_t frame_count() const override { return original_->frame_count() - span_.count; }
+  double timestamp_s(std::int64_t index) const override { return original_->timestamp_s(index_in_whole(index)); }
+  Result<RecordedFrame> read(std::int64_t index) const override { return original_->read(index_in_whole(index)); }
 
  private:
   std::int64_t index_in_whole(std::int64_t index) const { return index < span_.from ? index : index + span_.count; }

@@ -1,0 +1,29 @@
+// A sequence made of another one: whatever a class derived from it leaves alone is that one's. Header only.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "core/dataset/sequence.h"
+
+namespace hermite {
+
+class ChangedSequence : public Sequence {
+ public:
+  explicit ChangedSequence(std::unique_ptr<Sequence> original) : original_(std::move(original)) {}
+
+  std::string format() const override { return original_->format(); }
+  std::string name() const override { return original_->name(); }
+  const Camera& camera() const override { return original_->camera(); }
+  double frame_rate_hz() const override { return original_->frame_rate_hz(); }
+  std::int64_t frame_count() const override { return original_->frame_count(); }
+  double timestamp_s(std::int64_t index) const override { return original_->timestamp_s(index); }
+  Result<RecordedFrame> read(std::int64_t index) const override { return original_->read(index); }
+  const Trajectory& groundtruth() const override { return original_->groundtruth(); }
+
+ protected:
+  const std::unique_ptr<Sequence> original_;
+};
+
+}  // namespace hermite
