@@ -28,6 +28,7 @@ struct MapLayout {
   std::vector<std::uint32_t> part{0};
   std::uint32_t current = 0;           // new surfels belong to it
   std::uint64_t correction_count = 0;  // times that submaps were moved
+  std::uint64_t closure_count = 0;     // times that a loop was closed or a part joined
 };
 
 // Perhaps the camera sees known ground that is not active.
@@ -35,6 +36,12 @@ struct Revisit {
   Rigid3 world_from_camera;    // where it would be
   std::vector<bool> submaps;   // by submap: those to look at from there
   bool by_appearance = false;  // recognised; otherwise only near
+};
+
+// What the front end has seen of a revisit.
+struct Look {
+  Rigid3 world_from_camera;  // from where the frame shows what the revisit shows
+  double overlap = 0;        // share of the frame's surface, 0 to 1, that falls onto that ground
 };
 
 enum class CorrectionTime { kByFrames, kWhenReady };  // batch, live
@@ -49,9 +56,10 @@ class Mapping {
   // are applied, submaps opened. The camera's pose relative to the submap that was current stays what it is.
   virtual std::vector<Revisit> observe(const RgbdFrame& frame, const Rigid3& world_from_camera) = 0;
 
-  // The frame observed last fits what the revisit shows when it is seen from `world_from_camera`. Corrects the layout, or refuses: then the
-  // correction would be more than the camera can have drifted by, or contradicts what else is known.
-  virtual bool confirm(const Revisit& revisit, const Rigid3& world_from_camera) = 0;
+  // The frame observed last fits the revisit. Corrects the layout, at once or in one of the next calls of observe() or confirm(), when the
+  // camera has seen as much of the place as it will. Or refuses: then the correction would be more than the camera can have drifted by, or
+  // contradicts what else is known.
+  virtual bool confirm(const Revisit& revisit, const Look& look) = 0;
 
   // Where a lost camera may be, likeliest first.
   virtual std::vector<Revisit> find(const RgbdFrame& frame) = 0;

@@ -21,7 +21,7 @@ class SubmapMapping final : public Mapping {
 
   const MapLayout& layout() const override { return layout_; }
   std::vector<Revisit> observe(const RgbdFrame& frame, const Rigid3& world_from_camera) override;
-  bool confirm(const Revisit& revisit, const Rigid3& world_from_camera) override;
+  bool confirm(const Revisit& revisit, const Look& look) override;
   std::vector<Revisit> find(const RgbdFrame& frame) override;
   void found(const Revisit& revisit, const Rigid3& world_from_camera) override;
   void begin_part(const Rigid3& world_from_camera) override;
@@ -38,6 +38,14 @@ class SubmapMapping final : public Mapping {
     bool is_global = false;
   };
 
+  // A loop that is measured again as long as the camera sees more of the place.
+  struct PendingLoop {
+    SubmapLink link;  // by the look that saw most
+    double overlap = 0;
+    std::int64_t frame = 0, keyframe = 0;  // of that look, how many there were
+    bool by_appearance = false;
+  };
+
   Rigid3 world_from_camera() const { return map_.world_from_submap[layout_.current] * submap_from_camera_; }
   bool is_active(std::uint32_t submap) const { return layout_.is_active[submap]; }
   std::uint32_t open_submap(const Rigid3& world_from_submap, std::uint32_t part);
@@ -52,8 +60,12 @@ class SubmapMapping final : public Mapping {
   std::vector<bool> submaps_in_view(const Rigid3& world_from_camera, std::uint32_t part) const;
   Revisit revisit_of(const Rigid3& world_from_camera, std::uint32_t submap, bool by_appearance) const;
   std::uint32_t nearest_submap(const std::vector<bool>& among, const Rigid3& world_from_camera) const;
+  std::vector<Revisit> look_again() const;
+  Rigid3 placed_by(const SubmapLink& loop) const;
   bool bend(const SubmapLink& loop);
-  void join(std::uint32_t target, const Rigid3& seen_from);
+  void join(const SubmapLink& loop);
+  bool close(const PendingLoop& loop);
+  void close_when_seen();
   void adjust_locally();
   void adjust_globally();
   void start(Running running);
@@ -64,6 +76,8 @@ class SubmapMapping final : public Mapping {
   // submap_mapping_state.cpp
   template <class Bytes, class Saved>
   static void fields(Bytes& bytes, Saved& saved);
+  template <class Bytes, class Saved>
+  static void pending_fields(Bytes& bytes, Saved& pending);
   template <class Bytes, class Saved>
   static void running_fields(Bytes& bytes, Saved& running);
   void restore_running(ByteReader& bytes);
@@ -80,6 +94,7 @@ class SubmapMapping final : public Mapping {
   std::int64_t looked_at_keyframe_ = -1000;  // when near submaps were last offered
   std::unique_ptr<Adjuster> adjuster_;
   std::optional<Running> running_;
+  std::optional<PendingLoop> pending_;
   std::map<std::string, std::int64_t> counts_;
 };
 

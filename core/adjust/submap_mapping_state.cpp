@@ -140,11 +140,22 @@ void SubmapMapping::fields(Bytes& bytes, Saved& saved) {
   bytes.flags(saved.layout_.is_active);
   bytes.number(saved.layout_.current);
   bytes.number(saved.layout_.correction_count);
+  bytes.number(saved.layout_.closure_count);
   rigid3_fields(bytes, saved.submap_from_camera_);
   bytes.number(saved.frame_);
   bytes.number(saved.part_count_);
   bytes.number(saved.looked_at_keyframe_);
   bytes.require(is_index(saved.frame_) && is_index(saved.looked_at_keyframe_), "the number of a frame");
+}
+
+template <class Bytes, class Saved>
+void SubmapMapping::pending_fields(Bytes& bytes, Saved& pending) {
+  link_fields(bytes, pending.link);
+  bytes.number(pending.overlap);
+  bytes.number(pending.frame);
+  bytes.number(pending.keyframe);
+  bytes.flag(pending.by_appearance);
+  bytes.require(pending.overlap >= 0 && pending.overlap <= 1 && is_index(pending.frame) && is_index(pending.keyframe), "a loop that waits");
 }
 
 template <class Bytes, class Saved>
@@ -165,6 +176,8 @@ void SubmapMapping::save(ByteWriter& bytes) const {
     bytes.text(name);
     bytes.number(count);
   }
+  bytes.flag(pending_.has_value());
+  if (pending_) pending_fields(bytes, *pending_);
   bytes.flag(running_.has_value());
   if (running_) running_fields(bytes, *running_);
 }
@@ -187,7 +200,12 @@ void SubmapMapping::restore(ByteReader& bytes) {
     bytes.text(name);
     bytes.number(counts_[name]);
   }
-  bool is_running = false;
+  bool is_pending = false, is_running = false;
+  bytes.flag(is_pending);
+  if (is_pending) {
+    pending_fields(bytes, pending_.emplace());
+    bytes.require(pending_->link.from < submaps && pending_->link.to < submaps, "the ends of a loop");
+  }
   bytes.flag(is_running);
   if (bytes.ok()) publish();
   if (is_running) restore_running(bytes);

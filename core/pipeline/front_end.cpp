@@ -105,7 +105,7 @@ void FrontEnd::show(const Rigid3& world_from_camera, const SubmapSet& submaps) {
   downsample(commands, preprocessor_.downsample_kernel(), predictor_.surface(), 0.5 * options_.frame.depth_gate_m);
 }
 
-std::optional<Rigid3> FrontEnd::look(const Revisit& revisit, const MapLayout& layout) {
+std::optional<Look> FrontEnd::look(const Revisit& revisit, const MapLayout& layout) {
   store.set_submaps(layout.world_from_submap);
   SubmapSet submaps = revisit.submaps;
   submaps.resize(layout.world_from_submap.size(), false);
@@ -115,7 +115,7 @@ std::optional<Rigid3> FrontEnd::look(const Revisit& revisit, const MapLayout& la
   const std::vector<Rigid3> start{Rigid3{}};
   const OdometryResult found = odometry_.search(preprocessor_.maps(), predictor_.surface(), start);
   if (!is_same_place(found.agreement, found.observability)) return std::nullopt;
-  return revisit.world_from_camera * found.reference_from_camera;
+  return Look{revisit.world_from_camera * found.reference_from_camera, found.agreement.overlap};
 }
 
 void FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, bool with_color) {

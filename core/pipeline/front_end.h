@@ -41,8 +41,8 @@ class FrontEnd {
   // Whether the frame shows enough surface to begin a map, or a part of one.
   Judgement judge_start(const FrameContent& content);
 
-  // From where the frame preprocessed last sees the submaps of the revisit: nothing if it does not fit. Takes the place of the prediction.
-  std::optional<Rigid3> look(const Revisit& revisit, const MapLayout& layout);
+  // What the frame preprocessed last sees of the submaps of the revisit: nothing if it does not fit. Takes the place of the prediction.
+  std::optional<Look> look(const Revisit& revisit, const MapLayout& layout);
 
   // Records: the frame preprocessed last, seen from `world_from_camera`, is fused into the active submaps, what is new into the current
   // one.

@@ -104,26 +104,25 @@ struct Pipeline::Impl {
 MapEvent Pipeline::Impl::observe(const RgbdFrame& frame, const Rigid3& tracked) {
   const std::uint32_t submap = layout().current;
   const Rigid3 submap_from_camera = inverse(layout().world_from_submap[submap]) * tracked;
-  MapEvent event = MapEvent::kNone;
+  const std::size_t parts_before = part_count(layout());
+  const std::uint64_t closures_before = layout().closure_count;
   for (const Revisit& revisit : mapping->observe(frame, tracked)) {
-    const std::optional<Rigid3> seen_from = front_end.look(revisit, layout());
-    const std::size_t parts_before = part_count(layout());
-    if (!seen_from || !mapping->confirm(revisit, *seen_from)) continue;
-    event = part_count(layout()) < parts_before ? MapEvent::kJoined : MapEvent::kLoopClosed;
-    break;  // the others were guessed from how the map was before
+    const std::optional<Look> look = front_end.look(revisit, layout());
+    if (look && mapping->confirm(revisit, *look)) break;  // the others were guessed from how the map was before
   }
   world_from_camera = layout().world_from_submap[submap] * submap_from_camera;
-  return event;
+  if (part_count(layout()) < parts_before) return MapEvent::kJoined;
+  return layout().closure_count > closures_before ? MapEvent::kLoopClosed : MapEvent::kNone;
 }
 
 // A lost camera is found, or the map goes on in a new part.
 MapEvent Pipeline::Impl::find(const RgbdFrame& frame, const FrameContent& content, Motion& motion) {
   const std::vector<Revisit> revisits = mapping->find(frame);
   for (const Revisit& revisit : revisits) {
-    const std::optional<Rigid3> seen_from = front_end.look(revisit, layout());
-    if (!seen_from) continue;
-    mapping->found(revisit, *seen_from);
-    world_from_camera = *seen_from;
+    const std::optional<Look> look = front_end.look(revisit, layout());
+    if (!look) continue;
+    mapping->found(revisit, look->world_from_camera);
+    world_from_camera = look->world_from_camera;
     motion = {{}, {TrackingStatus::kWeak, "found again"}};
     return MapEvent::kFoundAgain;
   }

@@ -21,7 +21,7 @@ void go_on(Mapping& mapping) {
         "a layout of nothing");
   for (const std::size_t i : {fuzz::kSeenFrames, std::size_t{0}})
     for (const Revisit& revisit : mapping.observe(fuzz::frame_at(i), fuzz::world_from_camera(i)))
-      mapping.confirm(revisit, revisit.world_from_camera);
+      mapping.confirm(revisit, {revisit.world_from_camera, i == 0 ? 1.0 : 0.3});
   const std::vector<Revisit> revisits = mapping.find(fuzz::frame_at(1));
   if (revisits.empty())
     mapping.begin_part(Rigid3{});

@@ -95,8 +95,8 @@ bool PlaceAudit::is_right(const Revisit& revisit, const Rigid3& seen_from) const
   return is_within(inverse(expected) * seen_from, kRight_m, kRight_deg);
 }
 
-bool PlaceAudit::confirm(const Revisit& revisit, const Rigid3& seen_from) {
-  if (is_right(revisit, seen_from))
+bool PlaceAudit::confirm(const Revisit& revisit, const Look& look) {
+  if (is_right(revisit, look.world_from_camera))
     answered_right_ = true;
   else
     ++counts_.wrong;

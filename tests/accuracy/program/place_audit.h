@@ -41,7 +41,7 @@ class PlaceAudit final : public Mapping {
 
   const MapLayout& layout() const override { return mapping_->layout(); }
   std::vector<Revisit> observe(const RgbdFrame& frame, const Rigid3& world_from_camera) override;
-  bool confirm(const Revisit& revisit, const Rigid3& world_from_camera) override;
+  bool confirm(const Revisit& revisit, const Look& look) override;
   std::vector<Revisit> find(const RgbdFrame&) override { return {}; }
   void found(const Revisit&, const Rigid3&) override {}
   void begin_part(const Rigid3& world_from_camera) override { mapping_->begin_part(world_from_camera); }

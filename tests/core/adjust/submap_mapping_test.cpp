@@ -68,7 +68,7 @@ class PlayedFrontEnd {
     for (const Revisit& revisit : revisits) {
       ++offered;
       const std::optional<Rigid3> seen_from = look(revisit, step);
-      if (seen_from && mapping.confirm(revisit, *seen_from)) break;
+      if (seen_from && mapping.confirm(revisit, {*seen_from * off_by, overlap})) break;
     }
     settle();
   }
@@ -123,6 +123,8 @@ class PlayedFrontEnd {
   SubmapMapping mapping;
   std::vector<Rigid3> true_world_from_submap;
   int offered = 0;
+  double overlap = 1;  // of its looks
+  Rigid3 off_by;       // and what they are off by
 
  private:
   // A submap's frame is the camera that opened it.
@@ -188,6 +190,40 @@ TEST(SubmapMapping, ACircuitIsClosed) {
   RecordProperty("closed_mm", static_cast<int>(1000 * closed.worst_error_m()));
   EXPECT_GT(open.worst_error_m(), 0.05) << "nothing to correct";
   EXPECT_LT(closed.worst_error_m(), open.worst_error_m() / 3);
+}
+
+// Until a place is well in view, looks at it are off, and the last one is not the best.
+TEST(SubmapMapping, ALoopIsMeasuredWhereMostOfThePlaceIsInView) {
+  PlayedFrontEnd front_end({}, 1);
+  front_end.overlap = 0.2;
+  front_end.off_by.translation.y() = 0.03;
+  std::size_t next = 0;
+  const auto has_looked = [&] { return front_end.offered > 0; };
+  while (next < circuit().size() && !has_looked()) front_end.track(circuit()[next++]);
+  ASSERT_TRUE(has_looked());
+  EXPECT_EQ(front_end.loops(), 0) << "a first look is not believed";
+  EXPECT_EQ(front_end.mapping.layout().correction_count, 0u);
+  front_end.overlap = 0.5;
+  front_end.off_by = Rigid3{};
+  front_end.track(circuit()[next++]);
+  front_end.overlap = 0.4;
+  front_end.off_by.translation.y() = 0.03;
+  while (next < circuit().size() && front_end.loops() == 0) front_end.track(circuit()[next++]);
+  EXPECT_EQ(front_end.loops(), 1) << "nor waited for for ever";
+  EXPECT_EQ(front_end.mapping.layout().closure_count, 1u);
+  const Rigid3& truth = circuit()[next - 1].world_from_camera;
+  EXPECT_LT((front_end.world_from_camera().translation - truth.translation).norm(), 0.015) << "by the look that saw most";
+}
+
+TEST(SubmapMapping, ALoopThatWaitsIsClosedAtTheEnd) {
+  PlayedFrontEnd front_end({}, 1);
+  front_end.overlap = 0.2;
+  for (std::size_t i = 0; i < circuit().size() && front_end.offered == 0; ++i) front_end.track(circuit()[i]);
+  ASSERT_EQ(front_end.loops(), 0);
+  const double before_m = front_end.worst_error_m();
+  front_end.mapping.finish();
+  EXPECT_EQ(front_end.loops(), 1);
+  EXPECT_LT(front_end.worst_error_m(), before_m / 2);
 }
 
 TEST(SubmapMapping, TheSameFramesGiveTheSameMap) {

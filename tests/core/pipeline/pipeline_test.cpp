@@ -246,8 +246,9 @@ class PlayedMapping final : public Mapping {
     if (!confirms) return {};
     return {at(world_from_camera)};
   }
-  bool confirm(const Revisit&, const Rigid3&) override {
+  bool confirm(const Revisit&, const Look&) override {
     confirms(map);
+    ++map.closure_count;
     confirms = nullptr;
     return true;
   }
