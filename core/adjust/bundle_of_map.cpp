@@ -20,13 +20,31 @@ std::vector<std::uint32_t> places_of(const std::vector<std::uint32_t>& members, 
   return places;
 }
 
+// `variance_of_tracking`: over that which information_of() has.
 void add_links(const SubmapGraph& graph, const std::vector<std::uint32_t>& place_of_submap, bool loops_may_be_wrong,
-               BundleProblem& problem) {
+               double variance_of_tracking, BundleProblem& problem) {
   for (const SubmapLink& link : graph.links) {
     const std::uint32_t from = place_of_submap[link.from], to = place_of_submap[link.to];
     if (from == kOutside || to == kOutside || (problem.is_fixed[from] && problem.is_fixed[to])) continue;
-    problem.links.push_back({from, to, link.from_from_to, information_of(link), link.is_loop && loops_may_be_wrong});
+    const Matrix6d information = information_of(link) / (link.is_loop ? 1.0 : variance_of_tracking);
+    problem.links.push_back({from, to, link.from_from_to, information, link.is_loop && loops_may_be_wrong});
   }
+}
+
+// How well this scan was tracked: what the loops have left of the links where everything lies now, after a pose graph. Each loop says six
+// numbers; one more stands for what information_of() says. Never worse than that.
+double variance_of_tracking(const SparseMap& map, const SubmapGraph& graph, const std::vector<std::uint32_t>& place_of_submap) {
+  double chi2 = 0;
+  int loop_count = 0;
+  for (const SubmapLink& link : graph.links) {
+    if (place_of_submap[link.from] == kOutside || place_of_submap[link.to] == kOutside) continue;
+    loop_count += link.is_loop ? 1 : 0;
+    if (link.is_loop) continue;
+    const Vector6d off =
+        link_residual(link.from_from_to, map.world_from_submap[link.from], map.world_from_submap[link.to], nullptr);
+    chi2 += off.dot(information_of(link) * off);
+  }
+  return std::min(1.0, (chi2 + 1) / (6 * loop_count + 1));
 }
 
 // Landmarks that at least two keyframes see, one of them of a submap in `free`.
@@ -104,7 +122,7 @@ BundleOfMap pose_graph_of(const SparseMap& map, const SubmapGraph& graph, const 
     bundle.problem.world_from_submap.push_back(map.world_from_submap[submap]);
     bundle.problem.is_fixed.push_back(submap == fixed);
   }
-  add_links(graph, places_of(submaps, map.world_from_submap.size()), false, bundle.problem);
+  add_links(graph, places_of(submaps, map.world_from_submap.size()), false, 1, bundle.problem);
   return bundle;
 }
 
@@ -124,7 +142,8 @@ BundleOfMap bundle_of(const SparseMap& map, const SubmapGraph& graph, const std:
     bundle.problem.is_fixed.push_back(i >= free.size());
   }
   if (bundle.scope.submaps.size() == free.size()) bundle.problem.is_fixed[0] = true;
-  add_links(graph, places_of(bundle.scope.submaps, map.world_from_submap.size()), true, bundle.problem);
+  const std::vector<std::uint32_t> place_of_submap = places_of(bundle.scope.submaps, map.world_from_submap.size());
+  add_links(graph, place_of_submap, true, variance_of_tracking(map, graph, place_of_submap), bundle.problem);
   add_observations(map, bundle);
   const double factor = misfit(bundle.problem);
   for (BundleObservation& observation : bundle.problem.observations) observation.scale *= factor;

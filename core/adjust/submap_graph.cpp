@@ -26,6 +26,10 @@ constexpr double kDriftFloor_rad = 0.05, kDriftGrowth_rad_per_m = 0.02;
 
 double length_of(const Rigid3& a_from_b) { return a_from_b.translation.norm() + kMetresPerRadian * angle_rad(a_from_b.rotation); }
 
+bool is_within(const Rigid3& a_from_b, double distance_m, double turn_rad) {
+  return a_from_b.translation.norm() < distance_m && angle_rad(a_from_b.rotation) < turn_rad;
+}
+
 std::uint32_t add_submap(SubmapGraph& graph, std::uint32_t part) {
   const auto submap = static_cast<std::uint32_t>(graph.part.size());
   graph.part.push_back(part);

@@ -24,6 +24,8 @@ struct SubmapGraph {
 // How far apart two cameras are: metres, where a turn counts as the way of a point half a metre off.
 double length_of(const Rigid3& a_from_b);
 
+bool is_within(const Rigid3& a_from_b, double distance_m, double turn_rad);
+
 // Without a link.
 std::uint32_t add_submap(SubmapGraph& graph, std::uint32_t part);
 

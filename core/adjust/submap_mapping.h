@@ -52,9 +52,19 @@ class SubmapMapping final : public Mapping {
   void choose_submap();
   void go_on_in(std::uint32_t submap, const Rigid3& world_from_camera);
   void update_active();
+  std::vector<std::uint32_t> submaps_of(std::uint32_t part) const;
+  std::vector<std::uint32_t> keyframes_in_view(bool active) const;
   bool is_new_view() const;
   std::vector<std::uint32_t> keyframes_near(double distance_m, double turn_rad, bool active) const;
   std::vector<Revisit> take_keyframe(const RgbdFrame& frame);
+  void adjust_locally();
+  void adjust_globally();
+  void start(Running running);
+  void apply_due();
+  void apply_result(const Result<BundleSolution>& result);
+  void publish();
+  void publish_correction();
+  // submap_mapping_loops.cpp
   std::vector<Revisit> recognised(const std::vector<Feature>& features);
   std::vector<Revisit> near_inactive();
   std::vector<bool> submaps_in_view(const Rigid3& world_from_camera, std::uint32_t part) const;
@@ -66,13 +76,6 @@ class SubmapMapping final : public Mapping {
   void join(const SubmapLink& loop);
   bool close(const PendingLoop& loop);
   void close_when_seen();
-  void adjust_locally();
-  void adjust_globally();
-  void start(Running running);
-  void apply_due();
-  void apply_result(const Result<BundleSolution>& result);
-  void publish();
-  void publish_correction();
   // submap_mapping_state.cpp
   template <class Bytes, class Saved>
   static void fields(Bytes& bytes, Saved& saved);
