@@ -40,8 +40,7 @@ double variance_of_tracking(const SparseMap& map, const SubmapGraph& graph, cons
     if (place_of_submap[link.from] == kOutside || place_of_submap[link.to] == kOutside) continue;
     loop_count += link.is_loop ? 1 : 0;
     if (link.is_loop) continue;
-    const Vector6d off =
-        link_residual(link.from_from_to, map.world_from_submap[link.from], map.world_from_submap[link.to], nullptr);
+    const Vector6d off = link_residual(link.from_from_to, map.world_from_submap[link.from], map.world_from_submap[link.to], nullptr);
     chi2 += off.dot(information_of(link) * off);
   }
   return std::min(1.0, (chi2 + 1) / (6 * loop_count + 1));

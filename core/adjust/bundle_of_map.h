@@ -29,8 +29,8 @@ struct BundleOfMap {
 BundleOfMap pose_graph_of(const SparseMap& map, const SubmapGraph& graph, const std::vector<std::uint32_t>& submaps, std::uint32_t fixed);
 
 // Also the landmarks that two keyframes of these submaps see. `free` move; other submaps whose keyframes see their landmarks take part as
-// they are. When there are none, the first of `free` stays. Where everything lies tells how well it was tracked: after a pose graph, tracked
-// links count as much more than information_of() says as their loops had less to correct.
+// they are. When there are none, the first of `free` stays. Where everything lies tells how well it was tracked: after a pose graph,
+// tracked links count as much more than information_of() says as their loops had less to correct.
 BundleOfMap bundle_of(const SparseMap& map, const SubmapGraph& graph, const std::vector<std::uint32_t>& free);
 
 // What became of the map since the problem was made stays: landmarks that were moved to another one, keyframes that came. Observations that

@@ -44,6 +44,7 @@ class SubmapMapping final : public Mapping {
     double overlap = 0;
     std::int64_t frame = 0, keyframe = 0;  // of that look, how many there were
     bool by_appearance = false;
+    std::uint32_t later_looks = 0;  // that fitted too
   };
 
   Rigid3 world_from_camera() const { return map_.world_from_submap[layout_.current] * submap_from_camera_; }

@@ -152,21 +152,27 @@ bool SubmapMapping::confirm(const Revisit& revisit, const Look& look) {
   }
   const Rigid3 target_from_camera = inverse(map_.world_from_submap[target]) * look.world_from_camera;
   const SubmapLink link{layout_.current, target, submap_from_camera_ * inverse(target_from_camera), 0, true};
-  const PendingLoop loop{link, look.overlap, frame_, static_cast<std::int64_t>(map_.keyframes.size()), revisit.by_appearance};
+  const auto keyframe = static_cast<std::int64_t>(map_.keyframes.size());
+  const PendingLoop loop{link, look.overlap, frame_, keyframe, revisit.by_appearance, pending_ ? pending_->later_looks + 1 : 0};
   if (look.overlap >= kSeenWell || (same_part && is_small(drift))) {
     pending_.reset();
     return close(loop);
   }
   if (!pending_ || look.overlap > pending_->overlap) pending_ = loop;
+  pending_->later_looks = loop.later_looks;
   return true;
 }
 
-// What is there of the loop is believed when the camera does not see more of the place.
+// When the camera does not see more of the place, the loop is believed; but not if it looked again and nothing fitted any more.
 void SubmapMapping::close_when_seen() {
   if (!pending_) return;
-  const auto keyframe = static_cast<std::int64_t>(map_.keyframes.size());
-  if (keyframe < pending_->keyframe + kPatientKeyframes && frame_ < pending_->frame + kPatientFrames) return;
-  close(*std::exchange(pending_, std::nullopt));
+  const bool has_looked = static_cast<std::int64_t>(map_.keyframes.size()) >= pending_->keyframe + kPatientKeyframes;
+  if (!has_looked && frame_ < pending_->frame + kPatientFrames) return;
+  const PendingLoop loop = *std::exchange(pending_, std::nullopt);
+  if (has_looked && loop.later_looks == 0)
+    ++counts_["unrepeated loops"];
+  else
+    close(loop);
 }
 
 // The map is bent so that the loop closes. No: it contradicts what else is known, and nothing has moved.

@@ -155,6 +155,7 @@ void SubmapMapping::pending_fields(Bytes& bytes, Saved& pending) {
   bytes.number(pending.frame);
   bytes.number(pending.keyframe);
   bytes.flag(pending.by_appearance);
+  bytes.number(pending.later_looks);
   bytes.require(pending.overlap >= 0 && pending.overlap <= 1 && is_index(pending.frame) && is_index(pending.keyframe), "a loop that waits");
 }
 

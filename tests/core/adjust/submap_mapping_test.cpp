@@ -67,7 +67,7 @@ class PlayedFrontEnd {
     note_new_submaps(step);
     for (const Revisit& revisit : revisits) {
       ++offered;
-      const std::optional<Rigid3> seen_from = look(revisit, step);
+      const std::optional<Rigid3> seen_from = is_blind ? std::nullopt : look(revisit, step);
       if (seen_from && mapping.confirm(revisit, {*seen_from * off_by, overlap})) break;
     }
     settle();
@@ -123,8 +123,9 @@ class PlayedFrontEnd {
   SubmapMapping mapping;
   std::vector<Rigid3> true_world_from_submap;
   int offered = 0;
-  double overlap = 1;  // of its looks
-  Rigid3 off_by;       // and what they are off by
+  double overlap = 1;     // of its looks
+  Rigid3 off_by;          // and what they are off by
+  bool is_blind = false;  // they see nothing that fits
 
  private:
   // A submap's frame is the camera that opened it.
@@ -213,6 +214,18 @@ TEST(SubmapMapping, ALoopIsMeasuredWhereMostOfThePlaceIsInView) {
   EXPECT_EQ(front_end.mapping.layout().closure_count, 1u);
   const Rigid3& truth = circuit()[next - 1].world_from_camera;
   EXPECT_LT((front_end.world_from_camera().translation - truth.translation).norm(), 0.015) << "by the look that saw most";
+}
+
+TEST(SubmapMapping, ALoopThatNoLaterLookRepeatsIsNotBelieved) {
+  PlayedFrontEnd front_end({}, 1);
+  front_end.overlap = 0.2;
+  std::size_t next = 0;
+  while (next < circuit().size() && front_end.offered == 0) front_end.track(circuit()[next++]);
+  front_end.is_blind = true;
+  while (next < circuit().size() && front_end.count("unrepeated loops") == 0) front_end.track(circuit()[next++]);
+  EXPECT_EQ(front_end.count("unrepeated loops"), 1);
+  EXPECT_EQ(front_end.loops(), 0);
+  EXPECT_EQ(front_end.mapping.layout().correction_count, 0u);
 }
 
 TEST(SubmapMapping, ALoopThatWaitsIsClosedAtTheEnd) {
