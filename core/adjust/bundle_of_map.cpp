@@ -20,13 +20,13 @@ std::vector<std::uint32_t> places_of(const std::vector<std::uint32_t>& members, 
   return places;
 }
 
-// `variance_of_tracking`: over that which information_of() has.
+// Tracked links have `tracked_variance` times that which information_of() says.
 void add_links(const SubmapGraph& graph, const std::vector<std::uint32_t>& place_of_submap, bool loops_may_be_wrong,
-               double variance_of_tracking, BundleProblem& problem) {
+               double tracked_variance, BundleProblem& problem) {
   for (const SubmapLink& link : graph.links) {
     const std::uint32_t from = place_of_submap[link.from], to = place_of_submap[link.to];
     if (from == kOutside || to == kOutside || (problem.is_fixed[from] && problem.is_fixed[to])) continue;
-    const Matrix6d information = information_of(link) / (link.is_loop ? 1.0 : variance_of_tracking);
+    const Matrix6d information = information_of(link) / (link.is_loop ? 1.0 : tracked_variance);
     problem.links.push_back({from, to, link.from_from_to, information, link.is_loop && loops_may_be_wrong});
   }
 }

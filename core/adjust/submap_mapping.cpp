@@ -129,7 +129,9 @@ std::vector<Revisit> SubmapMapping::take_keyframe(const RgbdFrame& frame) {
   near.resize(std::min(near.size(), kNearKeyframes));
   Keyframe keyframe{frame_, layout_.current, submap_from_camera_, detect_features(frame, map_.camera), {}};
   std::vector<Revisit> revisits;
-  if (options_.global_bundle_adjustment) revisits = pending_ ? look_again() : recognised(keyframe.features);
+  if (options_.global_bundle_adjustment) revisits = recognised(keyframe.features);
+  if (pending_ && std::none_of(revisits.begin(), revisits.end(), [this](const Revisit& r) { return is_of_another_part(r); }))
+    revisits = look_again();
   const InsertResult inserted = insert_keyframe(map_, std::move(keyframe), near);
   for (const std::uint32_t landmark : inserted.repeated) index_.add(landmark, map_.landmarks[landmark].descriptor);
   if (revisits.empty() && options_.global_bundle_adjustment && !pending_) revisits = near_inactive();
@@ -151,6 +153,7 @@ void SubmapMapping::found(const Revisit& revisit, const Rigid3& seen_from) {
 }
 
 void SubmapMapping::begin_part(const Rigid3& world_from_camera) {
+  if (pending_) close(*std::exchange(pending_, std::nullopt));  // the camera will not see more of it
   go_on_in(open_submap(world_from_camera, part_count_++), world_from_camera);
 }
 

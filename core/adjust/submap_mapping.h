@@ -71,6 +71,7 @@ class SubmapMapping final : public Mapping {
   std::vector<bool> submaps_in_view(const Rigid3& world_from_camera, std::uint32_t part) const;
   Revisit revisit_of(const Rigid3& world_from_camera, std::uint32_t submap, bool by_appearance) const;
   std::uint32_t nearest_submap(const std::vector<bool>& among, const Rigid3& world_from_camera) const;
+  bool is_of_another_part(const Revisit& revisit) const;
   std::vector<Revisit> look_again() const;
   Rigid3 placed_by(const SubmapLink& loop) const;
   bool bend(const SubmapLink& loop);

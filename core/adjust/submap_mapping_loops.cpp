@@ -21,6 +21,7 @@ constexpr double kInView_m = 3.0, kInView_rad = M_PI / 2;
 // 2.8, at 54 % by 1.4, and from 60 % on by 0.4 to 1 (tests/accuracy/README.md).
 constexpr double kSeenWell = 0.6;
 constexpr std::int64_t kPatientKeyframes = 3, kPatientFrames = 45;
+constexpr std::uint32_t kMostLooks = 15;
 
 // One place is meant when the next best has fewer inliers than this share: identical rooms have nearly as many.
 constexpr double kAmbiguous = 0.7;
@@ -105,6 +106,12 @@ std::uint32_t SubmapMapping::nearest_submap(const std::vector<bool>& among, cons
 // Where in the world the loop says that the submap it starts from stands.
 Rigid3 SubmapMapping::placed_by(const SubmapLink& loop) const { return map_.world_from_submap[loop.to] * inverse(loop.from_from_to); }
 
+bool SubmapMapping::is_of_another_part(const Revisit& revisit) const {
+  const auto seen = std::find(revisit.submaps.begin(), revisit.submaps.end(), true);
+  return seen != revisit.submaps.end() &&
+         graph_.part[static_cast<std::size_t>(seen - revisit.submaps.begin())] != graph_.part[layout_.current];
+}
+
 // The place of the pending loop, from where the camera must be if the loop is right.
 std::vector<Revisit> SubmapMapping::look_again() const {
   const SubmapLink& loop = pending_->link;
@@ -154,7 +161,8 @@ bool SubmapMapping::confirm(const Revisit& revisit, const Look& look) {
   const SubmapLink link{layout_.current, target, submap_from_camera_ * inverse(target_from_camera), 0, true};
   const auto keyframe = static_cast<std::int64_t>(map_.keyframes.size());
   const PendingLoop loop{link, look.overlap, frame_, keyframe, revisit.by_appearance, pending_ ? pending_->later_looks + 1 : 0};
-  if (look.overlap >= kSeenWell || (same_part && is_small(drift))) {
+  // Parts are joined at once: a camera in a new one cannot tell how long it will see the old one.
+  if (look.overlap >= kSeenWell || !same_part || is_small(drift)) {
     pending_.reset();
     return close(loop);
   }
@@ -166,7 +174,8 @@ bool SubmapMapping::confirm(const Revisit& revisit, const Look& look) {
 // When the camera does not see more of the place, the loop is believed; but not if it looked again and nothing fitted any more.
 void SubmapMapping::close_when_seen() {
   if (!pending_) return;
-  const bool has_looked = static_cast<std::int64_t>(map_.keyframes.size()) >= pending_->keyframe + kPatientKeyframes;
+  const bool has_looked =
+      static_cast<std::int64_t>(map_.keyframes.size()) >= pending_->keyframe + kPatientKeyframes || pending_->later_looks >= kMostLooks;
   if (!has_looked && frame_ < pending_->frame + kPatientFrames) return;
   const PendingLoop loop = *std::exchange(pending_, std::nullopt);
   if (has_looked && loop.later_looks == 0)
