@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <utility>
 
 #include "core/digest/sha256.h"
 #include "core/log/frame_log.h"
@@ -560,19 +561,21 @@ class SlowLogsTest : public ResumeTest {
     ASSERT_EQ(mkfifo(segment.c_str(), 0600), 0);
     segment_ = segment;
   }
+  // Whether within that time somebody opens the log and waits for what it says; who does waits until it is let go.
+  bool is_read_within(const std::string& pipe, std::chrono::milliseconds patience) {
+    const auto end = std::chrono::steady_clock::now() + patience;
+    while (writer_ < 0 && std::chrono::steady_clock::now() < end) {
+      writer_ = open(pipe.c_str(), O_WRONLY | O_NONBLOCK);
+      if (writer_ < 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return writer_ >= 0;
+  }
   // The log can be read again by those who open it now; whoever waits finds an empty one.
   void let_go() {
     if (segment_.empty()) return;
     std::filesystem::rename(segment_, segment_ + ".pipe");
     std::filesystem::rename(segment_ + ".whole", segment_);
-    for (int i = 0; i < 100; ++i) {
-      const int end = open((segment_ + ".pipe").c_str(), O_WRONLY | O_NONBLOCK);
-      if (end >= 0) {
-        close(end);
-        break;
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));  // it has not been opened yet
-    }
+    if (is_read_within(segment_ + ".pipe", std::chrono::seconds(1))) close(std::exchange(writer_, -1));
     segment_.clear();
   }
   std::string get(const std::string& path) {
@@ -582,6 +585,7 @@ class SlowLogsTest : public ResumeTest {
     return client.read_to_end();
   }
   std::string segment_;
+  int writer_ = -1;  // of its pipe
 };
 
 TEST_F(SlowLogsTest, DoNotKeepTheServerFromStarting) {
@@ -621,6 +625,7 @@ TEST_F(SlowLogsTest, OfScansThatHaveEndedKeepOnlyTheirCamerasWaiting) {
   camera = resume(0);
   EXPECT_THAT(get("/healthz"), testing::StartsWith("HTTP/1.1 200"));
   resume(0).reset();  // one that does not wait for the answer
+  ASSERT_TRUE(is_read_within(segment_, std::chrono::seconds(10)));
   let_go();
   const auto answer = camera->read<wire::NotResumed>();
   ASSERT_TRUE(answer);
