@@ -239,6 +239,25 @@ TEST(SubmapMapping, ALoopThatWaitsIsClosedAtTheEnd) {
   EXPECT_LT(front_end.worst_error_m(), before_m / 2);
 }
 
+TEST(SubmapMapping, ALoopThatWaitsIsPartOfTheState) {
+  PlayedFrontEnd front_end({}, 1);
+  front_end.overlap = 0.2;
+  for (std::size_t i = 0; i < circuit().size() && front_end.offered == 0; ++i) front_end.track(circuit()[i]);
+  ByteWriter saved;
+  front_end.mapping.save(saved);
+  const std::string state = saved.take();
+  SubmapMapping restored(kCamera, {}, CorrectionTime::kByFrames);
+  ByteReader bytes(state);
+  restored.restore(bytes);
+  ASSERT_TRUE(bytes.ok() && bytes.at_end());
+  for (SubmapMapping* mapping : {&front_end.mapping, &restored}) mapping->finish();
+  EXPECT_EQ(restored.counts(), front_end.mapping.counts());
+  EXPECT_EQ(restored.layout().closure_count, 1u);
+  const std::vector<Rigid3>& poses = front_end.mapping.layout().world_from_submap;
+  ASSERT_EQ(restored.layout().world_from_submap.size(), poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_EQ(restored.layout().world_from_submap[i].matrix(), poses[i].matrix());
+}
+
 TEST(SubmapMapping, TheSameFramesGiveTheSameMap) {
   std::vector<Rigid3> first;
   AdjustOptions options;
