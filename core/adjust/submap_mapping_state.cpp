@@ -204,8 +204,10 @@ void SubmapMapping::restore(ByteReader& bytes) {
   bool is_pending = false, is_running = false;
   bytes.flag(is_pending);
   if (is_pending) {
-    pending_fields(bytes, pending_.emplace());
-    bytes.require(pending_->link.from < submaps && pending_->link.to < submaps, "the ends of a loop");
+    PendingLoop pending;
+    pending_fields(bytes, pending);
+    bytes.require(pending.link.from < submaps && pending.link.to < submaps, "the ends of a loop");
+    pending_ = pending;
   }
   bytes.flag(is_running);
   if (bytes.ok()) publish();

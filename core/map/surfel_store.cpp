@@ -232,18 +232,25 @@ std::vector<SurfelStore::Block> SurfelStore::take_blocks() {
   return all;
 }
 
-void SurfelStore::keep(const SubmapSet& submaps) {
+bool SurfelStore::keep(const SubmapSet& submaps) {
+  // What has died in an empty block may still have to be told.
+  const auto stays = [&submaps](const Block& block) { return block.alive_count == 0 || submaps[block.submap]; };
+  std::vector<Block> on_device = take_blocks();
+  auto block_count = static_cast<std::size_t>(std::count_if(on_device.begin(), on_device.end(), stays));
+  for (const auto& [submap, blocks] : host_blocks_) block_count += submaps[submap] ? blocks.size() : 0;
+  if (block_count > max_slots_ / kSlotsPerBlock) {
+    replace_blocks(on_device);
+    return false;
+  }
   std::vector<Block> kept;
   std::map<std::uint32_t, std::vector<Block>> leaving;
-  for (Block& block : take_blocks()) {
-    const bool stays = block.alive_count == 0 || submaps[block.submap];  // what has died in an empty one may still have to be told
-    (stays ? kept : leaving[block.submap]).push_back(std::move(block));
-  }
+  for (Block& block : on_device) (stays(block) ? kept : leaving[block.submap]).push_back(std::move(block));
   for (auto& [submap, blocks] : host_blocks_)
     if (submaps[submap]) std::move(blocks.begin(), blocks.end(), std::back_inserter(kept));
   std::erase_if(host_blocks_, [&](const auto& entry) { return submaps[entry.first]; });
   for (auto& [submap, blocks] : leaving) std::move(blocks.begin(), blocks.end(), std::back_inserter(host_blocks_[submap]));
   replace_blocks(kept);
+  return true;
 }
 
 bool SurfelStore::is_sparse() const {

@@ -49,8 +49,8 @@ class SurfelStore {
   bool has_room_for(std::uint32_t additional) const { return additional <= max_slots_ && slot_count() <= max_slots_ - additional; }
 
   // Leaves on the device the blocks of these submaps, with those that were on the host, and sends the others there. Between frames; takes
-  // time like copying the map. Throws as reserve() does.
-  void keep(const SubmapSet& submaps);
+  // time like copying the map. False: there may not be so many slots, and everything is where it was. Throws as reserve() does.
+  bool keep(const SubmapSet& submaps);
   bool is_on_device(std::uint32_t submap) const { return !host_blocks_.contains(submap); }
 
   // Places that died stay with the block that they are in, and few are where the camera needs some: a camera that comes back again and

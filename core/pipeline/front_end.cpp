@@ -43,14 +43,14 @@ std::uint32_t FrontEnd::max_slots() const {
   return static_cast<std::uint32_t>(std::min<std::int64_t>(slots, kMaxSlots));
 }
 
-// These submaps are on the device, and there is room for another frame: if need be others wait on the host.
-void FrontEnd::bring(const SubmapSet& needed, const MapLayout& layout) {
+// These submaps are on the device, and there is room for another frame: if need be others wait on the host. No: they are too many.
+bool FrontEnd::bring(const SubmapSet& needed, const MapLayout& layout) {
   bool is_there = store.has_room_for(fuser_.new_slots_bound());
   for (std::uint32_t submap = 0; submap < needed.size(); ++submap) is_there = is_there && (!needed[submap] || store.is_on_device(submap));
-  if (is_there) return;
+  if (is_there) return true;
   SubmapSet kept = needed;
   for (std::size_t submap = 0; submap < kept.size(); ++submap) kept[submap] = kept[submap] || layout.is_active[submap];
-  store.keep(kept);
+  return store.keep(kept);
 }
 
 void FrontEnd::preprocess(const RgbdFrame& frame, std::int64_t frame_index) { preprocessor_.run(commands, frame, frame_index); }
@@ -109,7 +109,7 @@ std::optional<Look> FrontEnd::look(const Revisit& revisit, const MapLayout& layo
   store.set_submaps(layout.world_from_submap);
   SubmapSet submaps = revisit.submaps;
   submaps.resize(layout.world_from_submap.size(), false);
-  bring(submaps, layout);
+  if (!bring(submaps, layout)) return std::nullopt;  // a place that does not fit beside where the camera is cannot be looked at
   show(revisit.world_from_camera, submaps);
   commands.submit_and_wait();
   const std::vector<Rigid3> start{Rigid3{}};
@@ -124,7 +124,8 @@ void FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, bo
   submap_ = layout.current;
   ++frame_number;
   if (store.is_sparse()) store.compact(frame_number);
-  bring(layout.is_active, layout);
+  if (!bring(layout.is_active, layout))
+    throw gpu::DeviceError("the map is full: the submaps around the camera do not fit into the device memory that may be used");
   store.reserve(fuser_.new_slots_bound());
   store.set_submaps(layout.world_from_submap);
   store.set_camera(world_from_camera, layout.is_active);
@@ -146,7 +147,7 @@ void FrontEnd::clean_and_predict(bool with_color) {
 
 void FrontEnd::predict(const Rigid3& world_from_camera, const MapLayout& layout) {
   store.set_submaps(layout.world_from_submap);
-  bring(layout.is_active, layout);
+  bring(layout.is_active, layout);  // what does not fit is not shown
   show(world_from_camera, layout.is_active);
 }
 

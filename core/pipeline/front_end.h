@@ -64,7 +64,7 @@ class FrontEnd {
 
  private:
   std::uint32_t max_slots() const;
-  void bring(const SubmapSet& needed, const MapLayout& layout);
+  bool bring(const SubmapSet& needed, const MapLayout& layout);
   std::vector<Rigid3> guesses(const Rigid3& turned, const Rigid3& last_motion) const;
   void show(const Rigid3& world_from_camera, const SubmapSet& submaps);
 

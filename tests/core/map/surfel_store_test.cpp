@@ -141,7 +141,7 @@ TEST_F(SurfelStoreTest, SubmapsWaitOnTheHostAndComeBackUnchanged) {
   };
   for (const SubmapSet& kept :
        {SubmapSet{false, true, false}, {true, false, false}, {true, true, true}, {false, false, false}, {true, false, true}}) {
-    store.keep(kept);
+    EXPECT_TRUE(store.keep(kept));
     const auto kept_count = static_cast<std::uint32_t>(std::count(kept.begin(), kept.end(), true));
     EXPECT_EQ(store.alive_count(), 600 * kept_count);
     EXPECT_EQ(store.slot_count(), 768 * kept_count);
@@ -150,6 +150,28 @@ TEST_F(SurfelStoreTest, SubmapsWaitOnTheHostAndComeBackUnchanged) {
     for (const Surfel& s : store.download()) EXPECT_TRUE(s.confidence == 0 || kept[s.submap]);
     expect_as_before();
   }
+}
+
+TEST_F(SurfelStoreTest, WhatDoesNotFitStaysWhereItIs) {
+  SurfelStore store(device(), 5 * kSlotsPerBlock);
+  append_submaps(store, 2, 300);  // two blocks each
+  ASSERT_TRUE(store.keep({false, true}));
+  std::vector<Surfel> more = random_surfels(600, 3);
+  for (Surfel& s : more) s.submap = 1, s.confidence = 2, s.observed_frame = 7;
+  store.append(more);  // three
+  const std::vector<NumberedSurfel> before = store.changed_blocks(0);
+  EXPECT_FALSE(store.keep({true, true}));
+  EXPECT_FALSE(store.is_on_device(0));
+  EXPECT_EQ(store.alive_count(), 900u);
+  EXPECT_EQ(store.surfel_count(), 1200);
+  const std::vector<NumberedSurfel> after = store.changed_blocks(0);
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    ASSERT_EQ(after[i].number, before[i].number);
+    expect_same(after[i].surfel, before[i].surfel, i);
+  }
+  EXPECT_TRUE(store.keep({true, false}));
+  EXPECT_EQ(store.alive_count(), 300u);
 }
 
 TEST_F(SurfelStoreTest, BlocksThatComeLaterHaveOtherNumbers) {
