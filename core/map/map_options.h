@@ -18,6 +18,7 @@ struct MapOptions {
   double fuse_depth_gate_m = 0.05;
   double fuse_normal_gate_rad = 0.5;
   bool fuse_surface = true;
+  bool weigh_by_radius = true;
   int clean_interval_frames = 4;
   int max_unstable_age_frames = 200;
   double redundancy_depth_m = 0.01;

@@ -81,6 +81,7 @@ const std::vector<Row>& rows() {
       {"map.fuse_depth_gate_m", m(&M::fuse_depth_gate_m), 0.005, 1, "a measurement and its surfel agree to this along the ray [m]"},
       {"map.fuse_normal_gate_rad", m(&M::fuse_normal_gate_rad), 0.01, 3.2, "and to this in the normal [rad]"},
       {"map.fuse_surface", m(&M::fuse_surface), 0, 1, "fuse points of the HRBF surface, or raw depth"},
+      {"map.weigh_by_radius", m(&M::weigh_by_radius), 0, 1, "in the means, count a finer view of a surfel for more, by its radius squared"},
       {"map.clean_interval_frames", m(&M::clean_interval_frames), 1, 100, "every surfel is examined for removal once in so many frames"},
       {"map.max_unstable_age_frames", m(&M::max_unstable_age_frames), 1, 1e6, "unstable surfels not seen for longer are removed [frames]"},
       {"map.redundancy_depth_m", m(&M::redundancy_depth_m), 0.001, 0.1, "surfels this close before an older surface are redundant [m]"},

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Winners of the association update their surfel in place by confidence-weighted means (paper Eq. 11, reference notes 4.2);
+// Winners of the association update their surfel in place by means weighed by confidence (paper Eq. 11, reference notes 4.2) and fineness;
 // new measurements are counted by workgroup.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
@@ -21,7 +21,10 @@ void merge(uint slot, Measurement m) {
   float radius = surfel_radius(a);
   // A much coarser measurement (further away or more slanted) confirms the surfel but does not move it.
   if (m.radius_m < 1.5 * radius) {
-    float gain = m.confidence / total;
+    // What filter and kernels round off a corner grows with the pixel's footprint, and so with the radius: an error whose square is as
+    // radius^2, the same from every view at that distance. A mean by confidence alone keeps it long after the corner was seen from nearer.
+    float coarser = p.weigh_by_radius != 0u ? m.radius_m / radius : 1.0;
+    float gain = m.confidence / (surfel.w * coarser * coarser + m.confidence);
     vec3 normal = normalize(mix(unpack_unit(a.normal), rotate_back(t, m.normal), gain));
     // Along the normal only: the measurement beside the surfel says nothing about its place within the surface.
     surfel.xyz += gain * dot(normal, transform_back(t, m.position) - surfel.xyz) * normal;

@@ -87,6 +87,7 @@ struct FuseParams {
   float curvature_limit_per_m;
   uint submap;                 // new surfels belong to it
   uint fuse_surface;           // 1: fuse the HRBF surface, 0: the raw depth
+  uint weigh_by_radius;        // 1: means are weighed by confidence / radius^2, 0: by confidence
   float radius_scale;
   uint merge_color;            // 0: surfels keep their colour
 };

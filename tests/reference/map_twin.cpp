@@ -179,7 +179,9 @@ class Fusion {
 
   void merge(Surfel& s, const Claim& pixel) {
     const Surfel m = measure(pixel.x, pixel.y);
-    const float total = s.confidence + m.confidence, old_share = s.confidence / total, new_share = m.confidence / total;
+    const float total = s.confidence + m.confidence;
+    const float coarser = settings_.map.weigh_by_radius ? m.radius_m / s.radius_m : 1.0f;
+    const float new_share = m.confidence / (s.confidence * coarser * coarser + m.confidence), old_share = 1 - new_share;
     decided_by(m.radius_m / s.radius_m - 1.5);
     if (m.radius_m < 1.5f * s.radius_m) {
       const auto mean = [&](float a, float b) { return old_share * a + new_share * b; };

@@ -124,7 +124,7 @@ TEST_F(FuseTest, TheWorldIsWhereTheCameraSays) {
   bench.clean(kNow, world_from_camera);
   const std::vector<Surfel> merged = bench.store.download();
   ASSERT_EQ(merged.size(), 1u);
-  const Vector3d moved(0, 0, 0.01);  // along the normal
+  const Vector3d moved(0, 0, 0.02 / (1 + std::pow(1.22 / 1.2, 2)));  // along the normal; the view from farther away counts for less
   EXPECT_LT((merged[0].position_in_submap_m.cast<double>() - world_from_camera * (kCamera.unproject(8, 6, 1.2) + moved)).norm(), 1e-5);
 }
 
@@ -147,6 +147,8 @@ class OnePairTest : public FuseTest {
 };
 
 TEST_F(OnePairTest, TheMeanIsWeightedByConfidenceAndMovesAlongTheNormal) {
+  MapOptions options = keeping();
+  options.weigh_by_radius = false;
   Surfel surfel = surfel_seen_at(kCamera, 8.2, 6.1, 1.0, 3);
   surfel.curvature_max_per_m = 8;
   surfel.curvature_min_per_m = -16;
@@ -154,7 +156,7 @@ TEST_F(OnePairTest, TheMeanIsWeightedByConfidenceAndMovesAlongTheNormal) {
   frame.surface.normals[pixel] = Vector3d(0.3, 0, 1).normalized();
   frame.surface.curvatures[pixel] = {16, 0};
   frame.color[pixel] = {100, 20, 255};
-  const auto [s, slot_count] = fuse(surfel, frame);
+  const auto [s, slot_count] = fuse(surfel, frame, options);
   EXPECT_EQ(slot_count, 1u);
   const Vector3d before = surfel.position_in_submap_m.cast<double>(), measured = kCamera.unproject(8, 6, 1.02);
   const Vector3d normal = (0.75 * Vector3d::UnitZ() + 0.25 * frame.surface.normals[pixel]).normalized();
@@ -192,11 +194,26 @@ TEST_F(OnePairTest, ConfidenceIsCappedButNeverLowered) {
   EXPECT_FLOAT_EQ(fuse(surfel_seen_at(kCamera, 8, 6, 1, 12), frame, options).surfel.confidence, 12);
 }
 
+TEST_F(OnePairTest, AFinerMeasurementCountsForMore) {
+  for (const double coarser : {1.4, 1.0, 0.5, 0.1}) {
+    Surfel surfel = surfel_seen_at(kCamera, 8, 6, 1.0, 3);
+    surfel.radius_m = static_cast<float>(surfel.radius_m * 1.02 / coarser);
+    const Surfel s = fuse(surfel, test::frontal_frame(kCamera, 1.02f, 1)).surfel;
+    const double share = 1 / (3 * coarser * coarser + 1);
+    EXPECT_NEAR(s.position_in_submap_m.z(), 1 + 0.02 * share, 3e-5) << coarser;  // radii are half floats
+    const double finer_radius_m = surfel.radius_m * coarser;
+    EXPECT_NEAR(s.radius_m, surfel.radius_m + share * (finer_radius_m - surfel.radius_m), 2 * test::kHalfLoss * surfel.radius_m) << coarser;
+    EXPECT_FLOAT_EQ(s.confidence, 4) << "a view is a view";
+  }
+}
+
 TEST_F(OnePairTest, AMuchCoarserMeasurementConfirmsWithoutMoving) {
+  MapOptions options = keeping();
+  options.weigh_by_radius = false;
   for (const double ratio : {1.45, 1.55}) {
     Surfel surfel = surfel_seen_at(kCamera, 8, 6, 1.0, 1);
     surfel.radius_m = static_cast<float>(surfel.radius_m * 1.02 / ratio);
-    const Surfel s = fuse(surfel, test::frontal_frame(kCamera, 1.02f, 1)).surfel;
+    const Surfel s = fuse(surfel, test::frontal_frame(kCamera, 1.02f, 1), options).surfel;
     EXPECT_NEAR(s.position_in_submap_m.z(), ratio < 1.5 ? 1.01 : 1.0, kFloatLoss) << ratio;
     EXPECT_EQ(s.r, ratio < 1.5 ? 60 : 20) << ratio;
     EXPECT_FLOAT_EQ(s.confidence, 2);
