@@ -42,16 +42,6 @@ Matrix6d inverse_left_jacobian(const Vector6d& twist) {
   return jacobian;
 }
 
-// target_from_source * exp(d) = exp(adjoint * d) * target_from_source.
-Matrix6d adjoint_of(const Rigid3& target_from_source) {
-  const Eigen::Matrix3d rotation = target_from_source.rotation.toRotationMatrix();
-  Matrix6d adjoint = Matrix6d::Zero();
-  adjoint.topLeftCorner<3, 3>() = rotation;
-  adjoint.bottomRightCorner<3, 3>() = rotation;
-  adjoint.topRightCorner<3, 3>() = skew(target_from_source.translation) * rotation;
-  return adjoint;
-}
-
 }  // namespace
 
 KeyframeView view_of(const BundleKeyframe& keyframe, const Camera& camera) {
@@ -103,7 +93,7 @@ Vector6d link_residual(const Rigid3& from_from_to, const Rigid3& world_from_from
     // log(E exp(d)) = log(E) + (right Jacobian)^-1 d, and the right Jacobian at a twist is the left one at its negative. A twist of `from`
     // enters as exp(-d) in front of `estimated`, which is exp(-adjoint(estimated^-1) d) behind it.
     derivatives->by_to = inverse_left_jacobian(-residual);
-    derivatives->by_from.noalias() = -derivatives->by_to * adjoint_of(inverse(estimated));
+    derivatives->by_from.noalias() = -derivatives->by_to * adjoint(inverse(estimated));
   }
   return residual;
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/adjust/depth_planes.h"
 #include "core/adjust/features.h"
 #include "core/math/rigid3.h"
 
@@ -19,6 +20,7 @@ struct Keyframe {
   Rigid3 submap_from_camera;
   std::vector<Feature> features;
   std::vector<std::int32_t> landmark_of_feature;  // one per feature, kNoLandmark: none
+  std::vector<DepthPlane> planes{};               // of depth_grid_of(the map's camera); empty: it has none
 };
 
 struct Observation {

@@ -60,6 +60,7 @@ class SubmapMapping final : public Mapping {
   std::vector<Revisit> take_keyframe(const RgbdFrame& frame);
   void adjust_locally();
   void adjust_globally();
+  void straighten(const std::vector<std::uint32_t>& submaps);
   void start(Running running);
   void apply_due();
   void apply_result(const Result<BundleSolution>& result);

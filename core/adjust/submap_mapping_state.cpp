@@ -37,6 +37,7 @@ void keyframe_fields(Bytes& bytes, Saved& keyframe) {
   bytes.number(keyframe.submap);
   rigid3_fields(bytes, keyframe.submap_from_camera);
   bytes.list(keyframe.features, [](auto& to, auto& feature) { feature_fields(to, feature); });
+  bytes.numbers(keyframe.planes);
 }
 
 template <class Bytes, class Saved>
@@ -116,8 +117,11 @@ void name_landmarks(ByteReader& bytes, SparseMap& map) {
 void check_map(ByteReader& bytes, const SparseMap& map) {
   const std::size_t submaps = map.world_from_submap.size();
   bytes.require(submaps >= 1 && submaps <= kMaxSubmaps, "the number of submaps");
-  for (const Keyframe& keyframe : map.keyframes)
+  const std::size_t planes = depth_grid_of(map.camera).count();
+  for (const Keyframe& keyframe : map.keyframes) {
     bytes.require(keyframe.submap < submaps && keyframe.features.size() <= static_cast<std::size_t>(kMaxFeatureCount), "a keyframe");
+    bytes.require(keyframe.planes.empty() || keyframe.planes.size() == planes, "the planes of a keyframe");
+  }
   for (const Landmark& landmark : map.landmarks) bytes.require(landmark.submap < submaps, "the submap of a landmark");
 }
 

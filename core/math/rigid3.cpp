@@ -26,6 +26,15 @@ Eigen::Vector3d rotation_vector_of(const Eigen::Quaterniond& rotation) {
 
 }  // namespace
 
+Matrix6d adjoint(const Rigid3& target_from_source) {
+  const Eigen::Matrix3d rotation = target_from_source.rotation.toRotationMatrix();
+  Matrix6d adjoint = Matrix6d::Zero();
+  adjoint.topLeftCorner<3, 3>() = rotation;
+  adjoint.bottomRightCorner<3, 3>() = rotation;
+  adjoint.topRightCorner<3, 3>() = skew(target_from_source.translation) * rotation;
+  return adjoint;
+}
+
 Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
   m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;

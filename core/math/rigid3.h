@@ -29,6 +29,9 @@ Rigid3 rigid3_from_matrix(const Eigen::Matrix4d& matrix);
 Rigid3 exp_se3(const Vector6d& twist);
 Vector6d log_se3(const Rigid3& transform);
 
+// target_from_source * exp_se3(twist) = exp_se3(adjoint(target_from_source) * twist) * target_from_source.
+Matrix6d adjoint(const Rigid3& target_from_source);
+
 // skew(a) * b is the cross product of a and b.
 Eigen::Matrix3d skew(const Eigen::Vector3d& v);
 

@@ -90,6 +90,8 @@ const std::vector<Row>& rows() {
       {"adjust.local_bundle_adjustment", a(&A::local_bundle_adjustment), 0, 1, "align neighbouring submaps by the landmarks they share"},
       {"adjust.global_bundle_adjustment", a(&A::global_bundle_adjustment), 0, 1,
        "close loops, find a lost camera, join parts of the map, and align all submaps"},
+      {"adjust.depth_links", a(&A::depth_links), 0, 1,
+       "after the last frame, if a loop was closed, align submaps also by their keyframes' depth"},
       {"adjust.submap_distance_m", a(&A::submap_distance_m), 0.05, 10, "a submap is opened so far from the last one [m]"},
       {"adjust.submap_turn_deg", a(&A::submap_turn_deg), 2, 90, "or turned by so much [deg]"},
       {"adjust.keyframe_distance_m", a(&A::keyframe_distance_m), 0.02, 10, "a keyframe is taken so far from all others near [m]"},
