@@ -23,7 +23,9 @@ Rigid3 moved(double x, double y, double z, double rx, double ry, double rz) {
   return exp_se3(twist);
 }
 
-const std::vector<Rigid3> kCameras{{}, moved(0.3, -0.1, 0.1, 0.05, 0.15, 0.02), moved(-0.2, 0.1, 0.2, -0.1, 0.1, 0)};
+// They look down a little.
+const std::vector<Rigid3> kCameras{moved(0, 0, 0, -0.3, 0, 0), moved(0.3, -0.1, 0.1, -0.25, 0.15, 0.02),
+                                   moved(-0.2, 0.1, 0.2, -0.4, 0.1, 0)};
 
 // A submap with a keyframe for each camera, all where they truly are. Seed 0: no noise.
 SparseMap map_of(const PlaneRoom& room, const std::vector<Rigid3>& world_from_camera, std::uint64_t seed) {
@@ -119,7 +121,7 @@ TEST(DepthLinks, OnlyWhatOverlapsIsLinked) {
 
 // A wall 10 cm behind another is another wall.
 TEST(DepthLinks, SurfacesThatDoNotMeetAreNotTakenForOne) {
-  SparseMap map = map_of(kCorner, {kCameras[0], kCameras[1]}, 0);
+  SparseMap map = map_of(kWall, {kCameras[0], kCameras[1]}, 0);
   map.world_from_submap[1] = moved(0, 0, 0.1, 0, 0, 0) * map.world_from_submap[1];
   EXPECT_TRUE(depth_links(map, {0, 1}).empty());
 }
