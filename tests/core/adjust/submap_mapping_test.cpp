@@ -193,6 +193,24 @@ TEST(SubmapMapping, ACircuitIsClosed) {
   EXPECT_LT(closed.worst_error_m(), open.worst_error_m() / 3);
 }
 
+// Landmarks leave what the features are off by; depth knows better. Without a loop nothing is laid anew.
+TEST(SubmapMapping, DepthStraightensWhatLandmarksLeave) {
+  AdjustOptions by_landmarks;
+  by_landmarks.depth_links = false;
+  PlayedFrontEnd straight({}, 1), bent(by_landmarks, 1), open({}, 1);
+  for (const Step& step : circuit()) {
+    straight.track(step);
+    bent.track(step);
+  }
+  for (std::size_t i = 0; i < circuit().size() / 2; ++i) open.track(circuit()[i]);
+  const double before_m = open.worst_error_m();
+  for (PlayedFrontEnd* front_end : {&straight, &bent, &open}) front_end->mapping.finish();
+  ASSERT_GE(straight.loops(), 1);
+  EXPECT_LT(straight.worst_error_m(), 0.75 * bent.worst_error_m()) << bent.worst_error_m();
+  EXPECT_EQ(open.loops(), 0);
+  EXPECT_EQ(open.worst_error_m(), before_m);
+}
+
 // Until a place is well in view, looks at it are off, and the last one is not the best.
 TEST(SubmapMapping, ALoopIsMeasuredWhereMostOfThePlaceIsInView) {
   PlayedFrontEnd front_end({}, 1);
