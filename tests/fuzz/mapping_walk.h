@@ -43,6 +43,7 @@ inline std::unique_ptr<Mapping> make_walker(CorrectionTime time) {
   options.local_bundle_adjustment = true;
   options.submap_distance_m = 0.3;
   options.active_path_m = 0.3;
+  options.depth_links = false;  // planes are numbers of any value, and so many that nothing else of the state would be changed
   return make_mapping(kWalker, options, time);
 }
 

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <cmath>
+#include <limits>
 
 #include "core/adjust/bundle_residuals.h"
 #include "core/dataset/depth_noise.h"
@@ -132,6 +134,21 @@ TEST(DepthLinks, WhatContradictsTheLayoutSaysLess) {
   map.world_from_submap[2] = map.world_from_submap[2] * moved(0.01, 0.01, 0.01, 0, 0, 0);
   const Matrix6d unsure = depth_links(map, {0, 1, 2})[0].information;
   EXPECT_LT(unsure.norm(), 0.1 * sure.norm()) << "that of the two others, too";
+}
+
+// As a damaged checkpoint may have them.
+TEST(DepthLinks, PlanesThatAreNoneDoNoHarm) {
+  const SparseMap map = map_of(kCorner, {kCameras[0], kCameras[1]}, 0);
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
+  for (const float value : {kNan, kInfinity, -kInfinity, 1e38f, 1e-38f, -1.0f})
+    for (const std::size_t damaged : {0u, 1u}) {
+      SparseMap other = map;
+      for (std::size_t i = 0; i < other.keyframes[damaged].planes.size(); ++i) other.keyframes[damaged].planes[i][i % 3] = value;
+      for (const BundleLink& link : depth_links(other, {0, 1})) {
+        EXPECT_TRUE(is_finite(link.from_from_to)) << value;
+        EXPECT_TRUE(link.information.allFinite()) << value;
+      }
+    }
 }
 
 }  // namespace
