@@ -13,10 +13,10 @@ namespace hermite {
 namespace {
 
 // A point is of a surface that it is so near to, along the normal and, twice as far, along the ray, and that faces as its own.
-constexpr double kNear_m = 0.04, kLeastCosine = 0.8;
+constexpr double kNear_m = 0.04, kAlikeCosine = 0.8;
 
 // Keyframes farther apart, or turned by more, share little.
-constexpr double kMaxApart_m = 2.5, kLeastCosineOfAxes = 0.3;
+constexpr double kMaxApart_m = 2.5, kFacingCosine = 0.3;
 constexpr std::size_t kMostOthers = 40;
 
 // Two keyframes overlap when so many points are on a surface of the other, so large a share of all, and so large a share of those that have
@@ -66,7 +66,7 @@ bool measure(const std::vector<DepthPlane>& source, const std::vector<DepthPlane
       ++opposite;
       const Eigen::Vector3d normal = (rotation * own).normalized();
       const double distance_m = (over_plane - 1) / other.norm(), behind_m = point.z() * (1 - 1 / over_plane);
-      if (std::abs(distance_m) > kNear_m || std::abs(behind_m) > 2 * kNear_m || normal.dot(other) < kLeastCosine * other.norm()) continue;
+      if (std::abs(distance_m) > kNear_m || std::abs(behind_m) > 2 * kNear_m || normal.dot(other) < kAlikeCosine * other.norm()) continue;
       ++on_surface;
       const double sigma_m = deviation_m(std::max(1 / inverse_depth_per_m, point.z()));
       const double weight = 1 / (sigma_m * sigma_m + distance_m * distance_m / kDistanceChi2);  // Cauchy's loss
@@ -88,7 +88,7 @@ std::vector<std::uint32_t> others_of(const SparseMap& map, const std::vector<Rig
     if (submap == map.keyframes[keyframe].submap || place_of_submap[submap] < 0 || map.keyframes[other].planes.empty()) continue;
     const Rigid3 &a = world_from_camera[keyframe], &b = world_from_camera[other];
     const double cosine = (a.rotation * Eigen::Vector3d::UnitZ()).dot(b.rotation * Eigen::Vector3d::UnitZ());
-    if ((a.translation - b.translation).norm() < kMaxApart_m && cosine > kLeastCosineOfAxes) others.push_back(other);
+    if ((a.translation - b.translation).norm() < kMaxApart_m && cosine > kFacingCosine) others.push_back(other);
   }
   if (others.size() <= kMostOthers) return others;
   std::vector<std::uint32_t> spread;

@@ -19,7 +19,7 @@ constexpr int kColumns = 80;
 // (tests/accuracy/README.md).
 constexpr double kFlat = 1.5, kCreased = 2.5;
 
-constexpr double kLeastCosine = 0.3;  // of the angle between the plane's normal and the ray to it
+constexpr double kSteepestCosine = 0.3;  // of the angle between the plane's normal and the ray to it
 
 // Inverse depth, which is linear over the image of a plane. 0: none that could be trusted.
 using InverseDepth = Image<float>;  // [1/m]
@@ -76,7 +76,7 @@ Eigen::Vector3d plane_at(const InverseDepth& inverse, const Camera& camera, int 
   if (variance > bound * bound) return Eigen::Vector3d::Zero();
   const Eigen::Vector3d plane(per_u * camera.fx, per_v * camera.fy, mean - per_u * (u - camera.cx) - per_v * (v - camera.cy));
   const Eigen::Vector3d ray = camera.unproject(u, v, 1);
-  return plane.dot(ray) < kLeastCosine * plane.norm() * ray.norm() ? Eigen::Vector3d::Zero() : plane;
+  return plane.dot(ray) < kSteepestCosine * plane.norm() * ray.norm() ? Eigen::Vector3d::Zero() : plane;
 }
 
 // Something around (u, v) has no depth, or is creased.
