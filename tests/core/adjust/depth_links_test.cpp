@@ -13,8 +13,6 @@
 namespace hermite {
 namespace {
 
-const Camera kCamera{320, 240, 262.5, 262.5, 159.5, 119.5, 5000};
-
 // Two walls and the floor of a room; y is down. One wall is before the camera.
 const PlaneRoom kCorner{{0.2, 0, 0.4}, {-0.7, 0, 0.3}, {0, 1.6, 0}};
 const PlaneRoom kWall{{0, 0, 0.5}};
@@ -32,15 +30,15 @@ const std::vector<Rigid3> kCameras{moved(0, 0, 0, -0.3, 0, 0), moved(0.3, -0.1, 
 // A submap with a keyframe for each camera, all where they truly are. Seed 0: no noise.
 SparseMap map_of(const PlaneRoom& room, const std::vector<Rigid3>& world_from_camera, std::uint64_t seed) {
   SparseMap map;
-  map.camera = kCamera;
+  map.camera = kPlaneCamera;
   const Rigid3 submap_from_camera = moved(0.05, 0.02, -0.03, 0.1, 0, 0.05);
   for (std::size_t i = 0; i < world_from_camera.size(); ++i) {
-    const DepthImage depth = depth_of(seen_from(room, world_from_camera[i]), kCamera);
+    const DepthImage depth = depth_of(seen_from(room, world_from_camera[i]), kPlaneCamera);
     const NoiseOptions noise{.model = seed > 0 ? NoiseModel::kKinect : NoiseModel::kNone, .seed = seed};
     Keyframe keyframe;
     keyframe.submap = static_cast<std::uint32_t>(i);
     keyframe.submap_from_camera = submap_from_camera;
-    keyframe.planes = fit_depth_planes(add_noise(depth, kCamera, noise, static_cast<std::int64_t>(i)), kCamera);
+    keyframe.planes = fit_depth_planes(add_noise(depth, kPlaneCamera, noise, static_cast<std::int64_t>(i)), kPlaneCamera);
     map.keyframes.push_back(std::move(keyframe));
     map.world_from_submap.push_back(world_from_camera[i] * inverse(submap_from_camera));
   }

@@ -11,6 +11,8 @@
 
 namespace hermite {
 
+inline const Camera kPlaneCamera{320, 240, 262.5, 262.5, 159.5, 119.5, 5000};
+
 // The points of a plane are those with plane . point = 1; the room is where it is less for all of them.
 using PlaneRoom = std::vector<Eigen::Vector3d>;
 
