@@ -37,7 +37,6 @@ void keyframe_fields(Bytes& bytes, Saved& keyframe) {
   bytes.number(keyframe.submap);
   rigid3_fields(bytes, keyframe.submap_from_camera);
   bytes.list(keyframe.features, [](auto& to, auto& feature) { feature_fields(to, feature); });
-  bytes.numbers(keyframe.planes);
 }
 
 template <class Bytes, class Saved>
@@ -150,6 +149,7 @@ void SubmapMapping::fields(Bytes& bytes, Saved& saved) {
   bytes.number(saved.part_count_);
   bytes.number(saved.looked_at_keyframe_);
   bytes.require(is_index(saved.frame_) && is_index(saved.looked_at_keyframe_), "the number of a frame");
+  for (auto& keyframe : saved.map_.keyframes) bytes.numbers(keyframe.planes);  // most of the bytes, and of any value: after what is not
 }
 
 template <class Bytes, class Saved>
