@@ -16,7 +16,7 @@ FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera, int step) {
   const std::size_t pixels = static_cast<std::size_t>(finest.width) * finest.height;
   FrameMaps maps{{device, pixels, "frame"},
                  {device, pixels, "frame"},
-                 {device, pixels, "frame"},
+                 {device, kernel_image_size(finest), "frame"},
                  {device, pixels, "frame"},
                  make_surface_pyramid(device, finest, "frame"),
                  {}};
@@ -74,14 +74,14 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
                               static_cast<float>(options_.noise_floor_m), static_cast<float>(options_.noise_growth_per_m),
                               static_cast<float>(options_.bilateral_noise_sigmas)},
       {units_, maps_.raw_depth_m, maps_.filtered_depth_m});
-  commands.dispatch(normals_, image, shared::NormalParams{camera, 0.5f * depth_gate_m}, {maps_.filtered_depth_m, maps_.first_normals});
+  commands.dispatch(normals_, image, shared::NormalParams{camera, 0.5f * depth_gate_m}, {maps_.filtered_depth_m, maps_.kernels});
   commands.dispatch(
       surface_, {(camera.width + 3) / 4, camera.height},  // four pixels an invocation
       shared::SurfaceParams{camera, static_cast<float>(options_.support_radius_scale), depth_gate_m,
                             static_cast<float>(options_.confidence_epsilon * static_cast<double>(camera.fx) / kKinectFocalLength_px),
                             static_cast<float>(options_.curvature_limit_per_m), options_.hrbf_confidence ? 1u : 0u,
                             options_.project_to_surface ? 1u : 0u},
-      {maps_.filtered_depth_m, maps_.first_normals, surface.depth_m, surface.normals, surface.curvatures, surface.weight});
+      {maps_.kernels, surface.depth_m, surface.normals, surface.curvatures, surface.weight});
   commands.dispatch(intensity_, image, shared::IntensityParams{whole, sampling},
                     {color_, surface.intensity, maps_.gradients[0], maps_.color});
   downsample(commands, downsample_, maps_.surface, 0.5 * options_.depth_gate_m);

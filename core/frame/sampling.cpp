@@ -40,4 +40,9 @@ shared::Intrinsics coarser(const shared::Intrinsics& camera) {
   return {0.5f * camera.fx, 0.5f * camera.fy, 0.5f * (camera.cx - 0.5f), 0.5f * (camera.cy - 0.5f), camera.width / 2, camera.height / 2};
 }
 
+std::size_t kernel_image_size(const shared::Intrinsics& camera) {
+  constexpr std::size_t kMargin = HERMITE_KERNEL_MARGIN;
+  return (camera.width + 2 * kMargin + 3) * (camera.height + 2 * kMargin);
+}
+
 }  // namespace hermite

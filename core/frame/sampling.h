@@ -2,6 +2,7 @@
 // frame, covers all of them within four frames and costs a quarter.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "core/math/camera.h"
@@ -20,5 +21,8 @@ shared::Sampling sampling_of_frame(int step, std::int64_t frame_index);
 shared::Intrinsics intrinsics_of(const Camera& camera);
 shared::Intrinsics sampled(const shared::Intrinsics& camera, const shared::Sampling& sampling);
 shared::Intrinsics coarser(const shared::Intrinsics& camera);
+
+// Elements of an image of kernels of this camera, with its margins: see shaders/lib/kernels.glsl.
+std::size_t kernel_image_size(const shared::Intrinsics& camera);
 
 }  // namespace hermite

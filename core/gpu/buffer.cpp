@@ -35,7 +35,7 @@ int find_memory_type(const Device& device, std::uint32_t allowed, Memory memory)
 
 }  // namespace
 
-RawBuffer::RawBuffer(Device& device, std::size_t bytes, std::string purpose, Memory memory)
+RawBuffer::RawBuffer(Device& device, std::size_t bytes, std::size_t element_bytes, std::string purpose, Memory memory)
     : device_(&device), bytes_(bytes), allocated_bytes_((std::max<VkDeviceSize>(bytes, 1) + 3) / 4 * 4), purpose_(std::move(purpose)) {
   const std::string wanted = bytes_in_words(bytes) + " for '" + purpose_ + "'";
   if (bytes > device.info().max_buffer_bytes)
@@ -43,6 +43,7 @@ RawBuffer::RawBuffer(Device& device, std::size_t bytes, std::string purpose, Mem
                       bytes_in_words(device.info().max_buffer_bytes));
   try {
     allocate(memory);
+    make_texels(element_bytes);
     clear();
   } catch (const DeviceError& error) {
     release();
@@ -57,8 +58,8 @@ void RawBuffer::allocate(Memory memory) {
   VkBufferCreateInfo create{};
   create.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
   create.size = allocated_bytes_;
-  create.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-                 VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  create.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+                 VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   create.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
   throw_if_failed(vkCreateBuffer(device_->vk(), &create, nullptr, &buffer_), "make a buffer");
   VkMemoryRequirements needs;
@@ -80,6 +81,19 @@ void RawBuffer::allocate(Memory memory) {
     throw_if_failed(vkMapMemory(device_->vk(), memory_, 0, VK_WHOLE_SIZE, 0, &mapped_), "map memory");
 }
 
+void RawBuffer::make_texels(std::size_t element_bytes) {
+  const std::size_t texel_bytes = element_bytes % 16 == 0 ? 16 : element_bytes % 8 == 0 ? 8 : 4;
+  if (allocated_bytes_ < texel_bytes || allocated_bytes_ / texel_bytes > device_->limits().maxTexelBufferElements) return;
+  VkBufferViewCreateInfo create{};
+  create.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO;
+  create.buffer = buffer_;
+  create.format = texel_bytes == 16  ? VK_FORMAT_R32G32B32A32_UINT
+                  : texel_bytes == 8 ? VK_FORMAT_R32G32_UINT
+                                     : VK_FORMAT_R32_UINT;
+  create.range = allocated_bytes_ / texel_bytes * texel_bytes;
+  throw_if_failed(vkCreateBufferView(device_->vk(), &create, nullptr, &texels_), "make a view of a buffer");
+}
+
 void RawBuffer::clear() {
   if (mapped_)
     std::memset(mapped_, 0, allocated_bytes_);
@@ -93,12 +107,14 @@ void RawBuffer::release() noexcept {
   if (!device_) return;
   if (memory_ != VK_NULL_HANDLE) device_->note_memory(purpose_, -static_cast<std::int64_t>(allocated_bytes_));
   if (device_->may_release()) {
+    vkDestroyBufferView(device_->vk(), texels_, nullptr);
     vkDestroyBuffer(device_->vk(), buffer_, nullptr);
     vkFreeMemory(device_->vk(), memory_, nullptr);
   }
   device_ = nullptr;
   buffer_ = VK_NULL_HANDLE;
   memory_ = VK_NULL_HANDLE;
+  texels_ = VK_NULL_HANDLE;
   mapped_ = nullptr;
   bytes_ = 0;
   allocated_bytes_ = 0;
@@ -112,6 +128,7 @@ RawBuffer& RawBuffer::operator=(RawBuffer&& other) noexcept {
   device_ = std::exchange(other.device_, nullptr);
   buffer_ = std::exchange(other.buffer_, VK_NULL_HANDLE);
   memory_ = std::exchange(other.memory_, VK_NULL_HANDLE);
+  texels_ = std::exchange(other.texels_, VK_NULL_HANDLE);
   mapped_ = std::exchange(other.mapped_, nullptr);
   bytes_ = std::exchange(other.bytes_, 0);
   allocated_bytes_ = std::exchange(other.allocated_bytes_, 0);

@@ -1,4 +1,5 @@
-// Storage buffers: arrays in GPU memory, zero when made.
+// Arrays in GPU memory, zero when made. A shader binds one as a storage buffer, or, only to read it, as a texel buffer: a texel is as wide as
+// the array's elements, or as the widest of 4, 8 and 16 bytes that divides them.
 //
 // Host access is immediate: it does not wait for commands that are recorded but not yet submitted, and these will see what it wrote.
 // A buffer must die before its device and must not be used by commands after it is gone. Moving is cheap; a moved-from buffer is empty.
@@ -29,18 +30,19 @@ enum class Memory {
 struct BufferRef {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize bytes = 0;
+  VkBufferView texels = VK_NULL_HANDLE;  // none where the device's texel buffers hold fewer
 };
 
 class RawBuffer {
  public:
   RawBuffer() = default;
-  RawBuffer(Device& device, std::size_t bytes, std::string purpose, Memory memory);
+  RawBuffer(Device& device, std::size_t bytes, std::size_t element_bytes, std::string purpose, Memory memory);
   ~RawBuffer();
   RawBuffer(RawBuffer&& other) noexcept;
   RawBuffer& operator=(RawBuffer&& other) noexcept;
 
   std::size_t bytes() const { return bytes_; }
-  BufferRef ref() const { return {buffer_, allocated_bytes_}; }
+  BufferRef ref() const { return {buffer_, allocated_bytes_, texels_}; }
   void* mapped() const { return mapped_; }  // null where the host cannot see the memory
 
   // CHECK: within bytes().
@@ -49,12 +51,14 @@ class RawBuffer {
 
  private:
   void allocate(Memory memory);
+  void make_texels(std::size_t element_bytes);
   void clear();
   void release() noexcept;
 
   Device* device_ = nullptr;
   VkBuffer buffer_ = VK_NULL_HANDLE;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  VkBufferView texels_ = VK_NULL_HANDLE;
   void* mapped_ = nullptr;
   std::size_t bytes_ = 0;
   VkDeviceSize allocated_bytes_ = 0;
@@ -68,7 +72,7 @@ class Buffer {
  public:
   Buffer() = default;  // empty, cannot be bound
   Buffer(Device& device, std::size_t count, std::string purpose, Memory memory = Memory::kDevice)
-      : raw_(device, bytes_of(count), std::move(purpose), memory), count_(count) {}
+      : raw_(device, bytes_of(count), sizeof(T), std::move(purpose), memory), count_(count) {}
   Buffer(Buffer&& other) noexcept : raw_(std::move(other.raw_)), count_(std::exchange(other.count_, 0)) {}
   Buffer& operator=(Buffer&& other) noexcept {
     raw_ = std::move(other.raw_);

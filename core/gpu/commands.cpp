@@ -40,8 +40,8 @@ VkCommandBuffer Commands::next() {
 }
 
 void Commands::bind(const Kernel& kernel, Constants constants, std::initializer_list<BufferRef> buffers) {
-  CHECK(buffers.size() == kernel.binding_count(),
-        kernel.name() + " binds " + std::to_string(kernel.binding_count()) + " buffers, not " + std::to_string(buffers.size()));
+  CHECK(buffers.size() == kernel.bindings().size(),
+        kernel.name() + " binds " + std::to_string(kernel.bindings().size()) + " buffers, not " + std::to_string(buffers.size()));
   CHECK(constants.size == (kernel.push_constant_bytes() + std::size_t{3}) / 4 * 4,
         kernel.name() + " takes " + std::to_string(kernel.push_constant_bytes()) + " bytes of parameters, not " +
             std::to_string(constants.size));
@@ -85,14 +85,20 @@ void Commands::push_buffers(const Kernel& kernel, std::initializer_list<BufferRe
   std::uint32_t count = 0;
   for (const BufferRef& buffer : buffers) {
     CHECK(buffer.buffer != VK_NULL_HANDLE, kernel.name() + ": buffer " + std::to_string(count) + " is empty");
+    const Binding kind = kernel.bindings()[count];
+    if (kind == Binding::kTexels && buffer.texels == VK_NULL_HANDLE)
+      throw DeviceError(kernel.name() + ": buffer " + std::to_string(count) + " of " + std::to_string(buffer.bytes) +
+                        " bytes is read as texels, of which the device's buffers hold " +
+                        std::to_string(device_.limits().maxTexelBufferElements));
     infos[count] = {buffer.buffer, 0, buffer.bytes};
     VkWriteDescriptorSet& write = writes[count];
     write = {};
     write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
     write.dstBinding = count;
     write.descriptorCount = 1;
-    write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    write.descriptorType = descriptor_type(kind);
     write.pBufferInfo = &infos[count];
+    write.pTexelBufferView = &buffer.texels;
     ++count;
   }
   device_.push_descriptors()(commands_.vk(), VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0, count, writes.data());

@@ -27,6 +27,10 @@ std::uint32_t round_up_to_4(std::uint32_t bytes) { return (bytes + 3) / 4 * 4; }
 
 }  // namespace
 
+VkDescriptorType descriptor_type(Binding kind) {
+  return kind == Binding::kTexels ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
+
 Kernel::Kernel(Device& device, std::string_view name, std::vector<std::uint32_t> specialization)
     : Kernel(device, name, find_embedded(name), specialization) {}
 
@@ -61,8 +65,8 @@ void Kernel::read(std::span<const std::uint32_t> words, const std::vector<std::u
   }
   if (invocations > limits.maxComputeWorkGroupInvocations)
     throw DeviceError("shader '" + name_ + "': the device's work groups are smaller than the shader's");
-  if (binding_count() > device_->max_push_descriptors())
-    throw DeviceError("shader '" + name_ + "': " + std::to_string(binding_count()) + " buffers, the device binds " +
+  if (bindings().size() > device_->max_push_descriptors())
+    throw DeviceError("shader '" + name_ + "': " + std::to_string(bindings().size()) + " buffers, the device binds " +
                       std::to_string(device_->max_push_descriptors()));
   if (push_constant_bytes() > limits.maxPushConstantsSize)
     throw DeviceError("shader '" + name_ + "': " + std::to_string(push_constant_bytes()) + " bytes of push constants, the device takes " +
@@ -70,14 +74,15 @@ void Kernel::read(std::span<const std::uint32_t> words, const std::vector<std::u
 }
 
 void Kernel::create_layout() {
-  std::vector<VkDescriptorSetLayoutBinding> bindings(binding_count());
-  for (std::uint32_t i = 0; i < binding_count(); ++i)
-    bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+  std::vector<VkDescriptorSetLayoutBinding> layout_bindings;
+  for (const Binding kind : bindings())
+    layout_bindings.push_back(
+        {static_cast<std::uint32_t>(layout_bindings.size()), descriptor_type(kind), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
   VkDescriptorSetLayoutCreateInfo set{};
   set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
   set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
-  set.bindingCount = binding_count();
-  set.pBindings = bindings.data();
+  set.bindingCount = static_cast<std::uint32_t>(layout_bindings.size());
+  set.pBindings = layout_bindings.data();
   throw_if_failed(vkCreateDescriptorSetLayout(device_->vk(), &set, nullptr, &set_layout_), "make a descriptor set layout");
 
   const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, round_up_to_4(push_constant_bytes())};

@@ -15,6 +15,8 @@
 
 namespace hermite::gpu {
 
+VkDescriptorType descriptor_type(Binding kind);
+
 // Owns a compute pipeline; movable; must die before its device. Immutable, so any number of Commands may dispatch it.
 class Kernel {
  public:
@@ -28,7 +30,7 @@ class Kernel {
   Kernel& operator=(Kernel&& other) noexcept;
 
   const std::string& name() const { return name_; }
-  std::uint32_t binding_count() const { return interface_.binding_count; }
+  const std::vector<Binding>& bindings() const { return interface_.bindings; }
   std::uint32_t push_constant_bytes() const { return interface_.push_constant_bytes; }
   const std::array<std::uint32_t, 3>& local_size() const { return interface_.local_size; }  // after specialisation
 

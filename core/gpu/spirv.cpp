@@ -1,6 +1,7 @@
 #include "core/gpu/spirv.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -23,6 +24,8 @@ enum Op : std::uint32_t {
   kOpTypeFloat = 22,
   kOpTypeVector = 23,
   kOpTypeMatrix = 24,
+  kOpTypeImage = 25,
+  kOpTypeSampledImage = 27,
   kOpTypeArray = 28,
   kOpTypeStruct = 30,
   kOpTypePointer = 32,
@@ -46,6 +49,7 @@ enum Decoration : std::uint32_t {
   kOffset = 35
 };
 enum StorageClass : std::uint32_t { kUniformConstant = 0, kUniform = 2, kPushConstant = 9, kStorageBuffer = 12 };
+constexpr std::uint32_t kBufferImage = 5, kSampled = 1;  // an image's dimension; how it is used
 constexpr std::uint32_t kGlCompute = 5, kLocalSize = 17, kLocalSizeId = 38, kWorkgroupSize = 25;
 
 struct Type {
@@ -55,6 +59,18 @@ struct Type {
 struct Variable {
   std::uint32_t pointer_type = 0, storage_class = 0, id = 0;
 };
+
+// Operands that a type has at least, its result among them.
+std::size_t words_of_type(std::uint32_t op) {
+  switch (op) {
+    case kOpTypeStruct: return 1;
+    case kOpTypeInt:
+    case kOpTypeFloat:
+    case kOpTypeSampledImage: return 2;
+    case kOpTypeImage: return 8;
+    default: return 3;
+  }
+}
 
 std::uint64_t pair_of(std::uint32_t high, std::uint32_t low) { return std::uint64_t{high} << 32 | low; }
 
@@ -68,6 +84,7 @@ class Reader {
   void take_decoration(std::span<const std::uint32_t> operands);
   void take_member_decoration(std::span<const std::uint32_t> operands);
   Status read_local_size(ShaderInterface& shader) const;
+  Result<Binding> kind_of(const Variable& variable) const;
   Status read_bindings(ShaderInterface& shader) const;
   Status read_push_constants(ShaderInterface& shader);
   Result<std::uint64_t> size_of(std::uint32_t type, std::optional<std::uint32_t> member, std::uint32_t parent, int depth);
@@ -140,11 +157,12 @@ Status Reader::take(std::uint32_t op, std::span<const std::uint32_t> operands) {
     case kOpTypeFloat:
     case kOpTypeVector:
     case kOpTypeMatrix:
+    case kOpTypeImage:
+    case kOpTypeSampledImage:
     case kOpTypeArray:
     case kOpTypeStruct:
     case kOpTypePointer: {
-      const std::size_t at_least = op == kOpTypeStruct ? 1 : (op == kOpTypeInt || op == kOpTypeFloat ? 2 : 3);
-      if (!needs(at_least)) return cut;
+      if (!needs(words_of_type(op))) return cut;
       // Types refer only to types before them, which keeps every walk over them finite.
       if (types_.contains(operands[0])) return corrupt("a type is defined twice");
       types_[operands[0]] = {op, {operands.begin() + 1, operands.end()}};
@@ -220,21 +238,36 @@ Status Reader::read_local_size(ShaderInterface& shader) const {
   return Done{};
 }
 
+Result<Binding> Reader::kind_of(const Variable& variable) const {
+  if (variable.storage_class == kStorageBuffer) return Binding::kStorage;
+  const auto type_of = [&](std::uint32_t id, Op op) {
+    const auto found = types_.find(id);
+    return found != types_.end() && found->second.op == op ? &found->second : nullptr;
+  };
+  const Type* const pointer = type_of(variable.pointer_type, kOpTypePointer);
+  const Type* const sampled = pointer ? type_of(pointer->operands[1], kOpTypeSampledImage) : nullptr;
+  const Type* const image = sampled ? type_of(sampled->operands[0], kOpTypeImage) : nullptr;
+  if (image && image->operands[1] == kBufferImage && image->operands[5] == kSampled) return Binding::kTexels;
+  return unsupported("only storage and texel buffers can be bound, no uniforms or images");
+}
+
 Status Reader::read_bindings(ShaderInterface& shader) const {
-  std::set<std::uint32_t> bindings;  // two views of one buffer may share a binding
+  std::map<std::uint32_t, Binding> bindings;
   for (const Variable& variable : variables_) {
-    if (variable.storage_class == kUniform || variable.storage_class == kUniformConstant)
-      return unsupported("only storage buffers can be bound, no uniforms or images");
-    if (variable.storage_class != kStorageBuffer) continue;
+    if (variable.storage_class != kUniform && variable.storage_class != kUniformConstant && variable.storage_class != kStorageBuffer) continue;
+    const Result<Binding> kind = kind_of(variable);
+    if (!kind.ok()) return kind.error();
     const auto set = decoration(variable.id, kDescriptorSet), binding = decoration(variable.id, kBinding);
     if (!binding) return unsupported("a buffer without a binding");
     if (set.value_or(0) != 0) return unsupported("binding " + std::to_string(*binding) + " is not in set 0");
-    bindings.insert(*binding);
+    // Two views of one buffer may share a binding, if they see it alike.
+    if (bindings.emplace(*binding, *kind).first->second != *kind)
+      return unsupported("binding " + std::to_string(*binding) + " is a storage and a texel buffer");
   }
-  if (!bindings.empty() && *bindings.rbegin() + std::uint64_t{1} != bindings.size())
-    return unsupported("bindings go up to " + std::to_string(*bindings.rbegin()) + " but only " + std::to_string(bindings.size()) +
+  if (!bindings.empty() && bindings.rbegin()->first + std::uint64_t{1} != bindings.size())
+    return unsupported("bindings go up to " + std::to_string(bindings.rbegin()->first) + " but only " + std::to_string(bindings.size()) +
                        " are declared");
-  shader.binding_count = static_cast<std::uint32_t>(bindings.size());
+  for (const auto& [number, kind] : bindings) shader.bindings.push_back(kind);
   return Done{};
 }
 

@@ -5,20 +5,23 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/base/result.h"
 
 namespace hermite::gpu {
 
+enum class Binding { kStorage, kTexels };
+
 struct ShaderInterface {
-  std::uint32_t binding_count = 0;        // storage buffers at set 0, bindings 0 to binding_count - 1
+  std::vector<Binding> bindings;          // buffers at set 0, by number
   std::uint32_t push_constant_bytes = 0;  // up to the end of the block's last member; 0 without a block
   std::array<std::uint32_t, 3> local_size = {1, 1, 1};
   std::array<std::optional<std::uint32_t>, 3> local_size_constant;  // the constant_id that replaces it when specialised
 };
 
-// kCorruptData for words that are no SPIR-V module; kUnsupported, in words, for anything but one compute entry point with storage buffers
-// at set 0, numbered without a gap, and push constants of scalars, vectors, matrices, arrays and structs. Pure; any words are safe.
+// kCorruptData for words that are no SPIR-V module; kUnsupported, in words, for anything but one compute entry point with storage and
+// (read-only) texel buffers at set 0, numbered without a gap, and push constants of scalars, vectors, matrices, arrays and structs. Pure; any words are safe.
 Result<ShaderInterface> read_interface(std::span<const std::uint32_t> words);
 
 }  // namespace hermite::gpu

@@ -16,7 +16,7 @@ Transfer::Transfer(Device& device) : device_(device), commands_(device) {}
 Transfer::~Transfer() = default;
 
 RawBuffer& Transfer::staging() {
-  if (!staging_) staging_ = std::make_unique<RawBuffer>(device_, kStagingBytes, "staging", Memory::kReadback);
+  if (!staging_) staging_ = std::make_unique<RawBuffer>(device_, kStagingBytes, 4, "staging", Memory::kReadback);
   return *staging_;
 }
 

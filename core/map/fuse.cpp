@@ -49,7 +49,7 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
   commands.dispatch(merge_, {threads}, params,
                     {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
                      store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, all.slots(), claims_,
-                     store.changed_frames});
+                     store.changed_frames, store.positions, store.attributes});
   commands.dispatch(scan_, {128}, shared::ScanParams{surface.camera, tiles}, {new_by_tile_, store.state, store.visible_blocks});
   commands.dispatch(append_, {threads}, params,
                     {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
@@ -65,13 +65,13 @@ void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& s
                           static_cast<shared::uint>(options_.max_unstable_age_frames), static_cast<float>(options_.redundancy_depth_m),
                           static_cast<float>(curvature_limit_per_m_)},
       {store.positions, store.attributes, store.times, store.camera_from_submap, stable.slots(), stable.depth_bits(), store.state,
-       store.visible_blocks, store.bounds});
+       store.visible_blocks, store.bounds, store.positions});
   commands.dispatch_indirect(count_free_, {store.visible_blocks}, listed,
                              {store.positions, store.group_counts, store.state, store.visible_blocks, store.bounds});
   commands.dispatch(scan_, {128}, shared::ScanParams{camera, 0}, {store.group_counts, store.state, store.visible_blocks});
   commands.dispatch_indirect(free_list_, {store.visible_blocks}, listed,
                              {store.positions, store.group_counts, store.state, store.free_slots, store.times, store.visible_blocks,
-                              store.bounds, store.changed_frames});
+                              store.bounds, store.changed_frames, store.positions});
 }
 
 }  // namespace hermite

@@ -1,5 +1,7 @@
 #include "core/map/predict.h"
 
+#include "core/frame/sampling.h"
+
 namespace hermite {
 
 namespace {
@@ -11,8 +13,10 @@ constexpr float kNothingIsCurved_per_m = 1e6f;
 
 Predictor::Predictor(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options)
     : options_(options),
+      describe_(device, "map/kernels"),
       predict_(device, "map/predict", {static_cast<std::uint32_t>(options.window / 2)}),
       fill_in_(device, "map/fill_in"),
+      kernels_(device, kernel_image_size(camera), "prediction"),
       covered_pixel_count_(device, 1, "prediction"),
       surface_(make_surface_pyramid(device, camera, "prediction")) {}
 
@@ -24,12 +28,14 @@ void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const Ind
   const float confidence_scale = static_cast<float>(options_.confidence_scale);
   const shared::uint pixels = out.camera.width * out.camera.height;
 
+  commands.dispatch(describe_, {out.camera.width, out.camera.height}, out.camera,
+                    {store.positions, store.attributes, store.camera_from_submap, stable.slots(), kernels_});
   commands.fill(covered_pixel_count_, 0);
   commands.dispatch(predict_, {(out.camera.width + 3) / 4, out.camera.height},  // four pixels an invocation
                     shared::PredictParams{out.camera, lambda_per_m, confidence_scale, static_cast<shared::uint>(options_.min_support),
                                           static_cast<shared::uint>(options_.max_iterations), options_.correct_bias ? 1u : 0u,
                                           options_.hrbf_prediction ? 1u : 0u},
-                    {store.positions, store.attributes, store.camera_from_submap, stable.slots(), out.depth_m, out.normals, out.curvatures,
+                    {store.positions, store.attributes, kernels_, stable.slots(), out.depth_m, out.normals, out.curvatures,
                      out.weight, out.intensity, covered_pixel_count_});
   if (fill_in == FillIn::kNothing) return;
   commands.dispatch(fill_in_, {pixels},

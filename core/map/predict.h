@@ -26,7 +26,8 @@ class Predictor {
 
  private:
   const MapOptions options_;
-  gpu::Kernel predict_, fill_in_;
+  gpu::Kernel describe_, predict_, fill_in_;
+  gpu::Buffer<shared::uvec4> kernels_;  // by pixel, with a margin
   gpu::Buffer<shared::uint> covered_pixel_count_;
   SurfacePyramid surface_;
 };

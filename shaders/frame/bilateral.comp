@@ -9,8 +9,9 @@
 // all pixels.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/texels.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(scalar, binding = 0) readonly buffer Units { uint units[]; };  // two pixels a word
+TEXELS(0, units);  // two pixels a word
 layout(scalar, binding = 1) writeonly buffer Raw { float raw_m[]; };
 layout(scalar, binding = 2) writeonly buffer Filtered { float filtered_m[]; };
 layout(scalar, push_constant) uniform Push { BilateralParams p; };
@@ -23,7 +24,7 @@ shared float tile[kTile * kTile];  // 1/m, 0 where nothing was measured
 float measured_depth_m(ivec2 pixel) {
   if (!inside(p.camera, pixel)) return 0.0;
   uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
-  uint word = units[index >> 1];
+  uint word = uint_at(units, index >> 1);
   float depth_m = float((index & 1u) == 0u ? word & 0xffffu : word >> 16) * p.metres_per_unit;
   return depth_m >= p.depth_min_m && depth_m <= p.depth_max_m ? depth_m : 0.0;
 }

@@ -5,12 +5,13 @@
 // The centre of the coarse pixel is the centre of the four, so the coarse camera has cx' = (cx - 0.5) / 2.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/texels.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(scalar, binding = 0) readonly buffer FineDepth { float fine_depth_m[]; };
-layout(scalar, binding = 1) readonly buffer FineNormals { uint fine_normals[]; };
-layout(scalar, binding = 2) readonly buffer FineCurvatures { uint fine_curvatures[]; };
-layout(scalar, binding = 3) readonly buffer FineWeight { float fine_weight[]; };
-layout(scalar, binding = 4) readonly buffer FineIntensity { float fine_intensity[]; };
+TEXELS(0, fine_depth_m);
+TEXELS(1, fine_normals);
+TEXELS(2, fine_curvatures);
+TEXELS(3, fine_weight);
+TEXELS(4, fine_intensity);
 layout(scalar, binding = 5) writeonly buffer Depth { float depth_m[]; };
 layout(scalar, binding = 6) writeonly buffer Normals { uint normals[]; };
 layout(scalar, binding = 7) writeonly buffer Curvatures { uint curvatures[]; };
@@ -30,14 +31,14 @@ void main() {
   float weight_sum = 0.0;
   vec2 curvature_sum = vec2(0.0);
   for (int i = 0; i < 4; ++i) {
-    float z = fine_depth_m[fine[i]];
-    float g = fine_intensity[fine[i]];
+    float z = float_at(fine_depth_m, fine[i]);
+    float g = float_at(fine_intensity, fine[i]);
     low = min(low, z);
     high = max(high, z);
     depth_sum += z;
-    normal_sum += unpack_normal(fine_normals[fine[i]]);
-    weight_sum += fine_weight[fine[i]];
-    curvature_sum += unpackHalf2x16(fine_curvatures[fine[i]]);
+    normal_sum += unpack_normal(uint_at(fine_normals, fine[i]));
+    weight_sum += float_at(fine_weight, fine[i]);
+    curvature_sum += unpackHalf2x16(uint_at(fine_curvatures, fine[i]));
     grey_sum += g;
     grey_low = min(grey_low, g);
   }

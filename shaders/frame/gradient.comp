@@ -3,8 +3,9 @@
 #extension GL_GOOGLE_include_directive : require
 // Sobel gradient of the frame's grey image, grey values per pixel; zero on the border.
 #include "shaders/shared/frame.h"
+#include "shaders/lib/texels.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(scalar, binding = 0) readonly buffer Intensity { float intensity[]; };
+TEXELS(0, intensity);
 layout(scalar, binding = 1) writeonly buffer Gradient { uint gradient[]; };  // 2 x half float
 layout(scalar, push_constant) uniform Push { GradientParams p; };
 
@@ -15,9 +16,9 @@ void main() {
   vec2 g = vec2(0.0);
   if (pixel.x > 0u && pixel.y > 0u && pixel.x + 1u < p.width && pixel.y + 1u < p.height) {
     uint above = i - p.width, below = i + p.width;
-    float nw = intensity[above - 1u], n = intensity[above], ne = intensity[above + 1u];
-    float w = intensity[i - 1u], e = intensity[i + 1u];
-    float sw = intensity[below - 1u], s = intensity[below], se = intensity[below + 1u];
+    float nw = float_at(intensity, above - 1u), n = float_at(intensity, above), ne = float_at(intensity, above + 1u);
+    float w = float_at(intensity, i - 1u), e = float_at(intensity, i + 1u);
+    float sw = float_at(intensity, below - 1u), s = float_at(intensity, below), se = float_at(intensity, below + 1u);
     g = 0.125 * vec2(ne + 2.0 * e + se - nw - 2.0 * w - sw, sw + 2.0 * s + se - nw - 2.0 * n - ne);
   }
   gradient[i] = packHalf2x16(g);

@@ -6,9 +6,10 @@
 #include "shaders/shared/frame.h"
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/texels.glsl"
 #include "shaders/lib/surfel.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(scalar, binding = 0) readonly buffer Color { uint color[]; };
+TEXELS(0, color);
 layout(scalar, binding = 1) writeonly buffer Intensity { float intensity[]; };
 layout(scalar, binding = 2) writeonly buffer Gradient { uint gradient[]; };  // 2 x half float
 layout(scalar, binding = 3) writeonly buffer SampledColor { uint sampled_color[]; };
@@ -16,7 +17,7 @@ layout(scalar, push_constant) uniform Push { IntensityParams p; };
 
 float grey_at(ivec2 pixel) {
   ivec2 q = clamp(pixel, ivec2(0), ivec2(p.camera.width, p.camera.height) - 1);
-  uint c = color[uint(q.y) * p.camera.width + uint(q.x)];
+  uint c = uint_at(color, uint(q.y) * p.camera.width + uint(q.x));
   return grey(vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u));
 }
 
@@ -34,7 +35,7 @@ void main() {
   bool border = !inside(p.camera, pixel - 1) || !inside(p.camera, pixel + 1);
   vec2 slope = vec2(0.25 * (above.y + 2.0 * here.y + below.y), 0.5 * (below.x - above.x));
   uint index = sampled.y * size.x + sampled.x;
-  sampled_color[index] = color[uint(pixel.y) * p.camera.width + uint(pixel.x)];
+  sampled_color[index] = uint_at(color, uint(pixel.y) * p.camera.width + uint(pixel.x));
   intensity[index] = 0.25 * (above.x + 2.0 * here.x + below.x);
   gradient[index] = border ? 0u : packHalf2x16(float(p.sampling.step) * slope);
 }

@@ -1,17 +1,20 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// First normals by central differences of the filtered depth (paper section 3.2), pointing away from the camera.
+// First normals by central differences of the filtered depth (paper section 3.2), pointing away from the camera: with the depth, the kernels of
+// the frame's own HRBF.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/texels.glsl"
+#include "shaders/lib/kernels.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(scalar, binding = 0) readonly buffer Depth { float depth_m[]; };
-layout(scalar, binding = 1) writeonly buffer Normals { uint normals[]; };  // kNoNormal where there is none
+TEXELS(0, depth_m);
+layout(scalar, binding = 1) writeonly buffer Kernels { uvec2 kernels[]; };  // depth and normal; 0 and kNoNormal where there is none
 layout(scalar, push_constant) uniform Push { NormalParams p; };
 
 vec3 vertex_at(ivec2 pixel) {
   if (!inside(p.camera, pixel)) return vec3(0.0);
-  return pixel_ray(p.camera, vec2(pixel)) * depth_m[uint(pixel.y) * p.camera.width + uint(pixel.x)];
+  return pixel_ray(p.camera, vec2(pixel)) * float_at(depth_m, uint(pixel.y) * p.camera.width + uint(pixel.x));
 }
 
 // Difference along one image axis: central where both sides lie on the same surface, else one-sided; zero where neither does.
@@ -25,10 +28,10 @@ vec3 difference(vec3 centre, ivec2 pixel, ivec2 axis) {
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (!inside(p.camera, pixel)) return;
-  uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
   vec3 centre = vertex_at(pixel);
   vec3 normal = cross(difference(centre, pixel, ivec2(1, 0)), difference(centre, pixel, ivec2(0, 1)));
   float length_squared = dot(normal, normal);
   bool valid = centre.z > 0.0 && length_squared > 1e-20 && normal.z > 0.0;
-  normals[index] = valid ? pack_normal(normal * inversesqrt(length_squared)) : kNoNormal;
+  kernels[kernel_index(p.camera, pixel)] =
+      valid ? uvec2(floatBitsToUint(centre.z), pack_normal(normal * inversesqrt(length_squared))) : uvec2(0u, kNoNormal);
 }

@@ -6,23 +6,18 @@
 // Normals point away from the camera, so surfaces that bulge towards it have positive curvature.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/texels.glsl"
+#include "shaders/lib/kernels.glsl"
 layout(local_size_x = 8, local_size_y = 16) in;  // four neighbouring pixels an invocation: a kernel is unpacked once for all of them
-layout(scalar, binding = 0) readonly buffer Filtered { float filtered_m[]; };
-layout(scalar, binding = 1) readonly buffer Normals { uint normals[]; };
-layout(scalar, binding = 2) writeonly buffer Depth { float depth_m[]; };
-layout(scalar, binding = 3) writeonly buffer SurfaceNormals { uint surface_normals[]; };
-layout(scalar, binding = 4) writeonly buffer Curvatures { uint curvatures[]; };
-layout(scalar, binding = 5) writeonly buffer Confidence { float confidence[]; };
+TEXELS(0, kernels);
+layout(scalar, binding = 1) writeonly buffer Depth { float depth_m[]; };
+layout(scalar, binding = 2) writeonly buffer SurfaceNormals { uint surface_normals[]; };
+layout(scalar, binding = 3) writeonly buffer Curvatures { uint curvatures[]; };
+layout(scalar, binding = 4) writeonly buffer Confidence { float confidence[]; };
 layout(scalar, push_constant) uniform Push { SurfaceParams p; };
 
 const int kRadius = 3;
-const int kTileWidth = 32 + 2 * kRadius;
-const int kTileHeight = 16 + 2 * kRadius;
-const int kTileSize = kTileWidth * kTileHeight;
 const uint kMinKernels = 16;  // reference notes 1.6
-// Two words a kernel: everything else follows from the pixel.
-shared float tile_depth[kTileSize];
-shared uint tile_normal[kTileSize];
 
 struct Kernel {
   vec3 position, normal;
@@ -43,23 +38,11 @@ struct Rays {
   vec4 vertex_z;
 };
 
-void load_tile() {
-  ivec2 corner = ivec2(gl_WorkGroupID.xy) * ivec2(32, 16) - kRadius;
-  for (uint i = gl_LocalInvocationIndex; i < kTileSize; i += 128u) {
-    ivec2 pixel = corner + ivec2(i % kTileWidth, i / kTileWidth);
-    bool visible = inside(p.camera, pixel);
-    uint index = visible ? uint(pixel.y) * p.camera.width + uint(pixel.x) : 0u;
-    uint normal = visible ? normals[index] : kNoNormal;
-    tile_normal[i] = normal;
-    tile_depth[i] = normal != kNoNormal ? filtered_m[index] : 0.0;
-  }
-}
-
-// `first` is the corner of the first pixel's window in the tile, `ray` belongs to its centre.
+// `first` is the index of the window's corner for the first pixel, `ray` belongs to its centre.
 Kernel kernel_at(int first, int dx, int dy, vec3 ray) {
-  int i = first + dy * kTileWidth + dx;
-  float z = tile_depth[i];
-  vec3 normal = unpack_normal(tile_normal[i]);
+  uvec2 words = uvec2_at(kernels, uint(first + dy * kernel_stride(p.camera) + dx));
+  float z = uintBitsToFloat(words.x);
+  vec3 normal = unpack_normal(words.y);
   vec3 position = z * (ray + vec3(float(dx - kRadius) / p.camera.fx, float(dy - kRadius) / p.camera.fy, 0.0));
   return Kernel(position, normal, support_radius(p.camera, p.radius_scale, z, normal.z));
 }
@@ -163,15 +146,13 @@ void write(ivec2 pixel, float z, vec3 gradient, vec3 diagonal, vec3 mixed, float
 }
 
 void main() {
-  load_tile();
-  barrier();
   ivec2 pixel = ivec2(gl_GlobalInvocationID.x * 4u, gl_GlobalInvocationID.y);
   if (!inside(p.camera, pixel)) return;
-  int first = int(gl_LocalInvocationID.y) * kTileWidth + int(gl_LocalInvocationID.x) * 4;
-  int centre = first + kRadius * kTileWidth + kRadius;
+  int first = kernel_index(p.camera, pixel - kRadius);
+  uint centre = uint(kernel_index(p.camera, pixel));
   vec3 ray = pixel_ray(p.camera, vec2(pixel));
   Rays rays = Rays(ray.x + vec4(0.0, 1.0, 2.0, 3.0) / p.camera.fx, ray.y,
-                   vec4(tile_depth[centre], tile_depth[centre + 1], tile_depth[centre + 2], tile_depth[centre + 3]));
+                   vec4(float_at(kernels, centre), float_at(kernels, centre + 1u), float_at(kernels, centre + 2u), float_at(kernels, centre + 3u)));
   vec4 z = rays.vertex_z;
   if (p.project_to_surface != 0u) {
     vec4 moved = step_to_surface(first, rays);
@@ -184,6 +165,6 @@ void main() {
     ivec2 q = pixel + ivec2(i, 0);
     if (!inside(p.camera, q)) continue;
     write(q, z[i], vec3(f.gradient_x[i], f.gradient_y[i], f.gradient_z[i]), vec3(f.xx[i], f.yy[i], f.zz[i]),
-          vec3(f.xy[i], f.xz[i], f.yz[i]), f.count[i], unpack_normal(tile_normal[centre + i]));
+          vec3(f.xy[i], f.xz[i], f.yz[i]), f.count[i], unpack_normal(uvec2_at(kernels, centre + uint(i)).y));
   }
 }

@@ -4,10 +4,11 @@
 // New surfels take the free slots of their zone in order, then slots at the end: the same measurement gets the same slot on every run.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/texels.glsl"
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/fuse_bindings.glsl"
 layout(local_size_x = 256) in;
-layout(scalar, binding = 13) readonly buffer FreeList { uint free_slots[]; };
+TEXELS(13, free_slots);
 layout(scalar, binding = 14) buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, binding = 15) writeonly buffer Changed { uint changed_frame[]; };
 shared uint is_new[256];
@@ -22,10 +23,10 @@ void main() {
   for (uint k = 0u; k < gl_LocalInvocationID.x; ++k) rank += is_new[k];
   ZoneSlots zone = state.zones[zone_of_tile(p.camera, gl_WorkGroupID.x)];
   rank -= zone.new_begin;
-  uint slot = rank < zone.free_count ? free_slots[zone.free_begin + rank] : state.slot_count + zone.fresh_begin + rank - zone.free_count;
+  uint slot = rank < zone.free_count ? uint_at(free_slots, zone.free_begin + rank) : state.slot_count + zone.fresh_begin + rank - zone.free_count;
   if (slot >= p.slot_capacity) return;
   Measurement m = measure(i);
-  Transform t = camera_from_submap[p.submap];
+  Transform t = transform_at(camera_from_submap, p.submap);
   vec3 position = transform_back(t, m.position);
   for (uint direction = 0u; direction < 8u; ++direction)
     atomicMax(bounds[slot / kBlock].reach[direction], ordered(reach(direction, vec4(position, float(p.submap)))));

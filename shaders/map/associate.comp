@@ -6,12 +6,13 @@
 // Several pixels may want one surfel: the claim of its cell goes to the closest, then to the lowest pixel, whatever the order of threads.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/texels.glsl"
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/fuse_bindings.glsl"
 layout(local_size_x = 256) in;
-layout(scalar, binding = 13) readonly buffer Depths { uint depth_bits[]; };
+TEXELS(13, depth_bits);
 layout(scalar, binding = 14) buffer Claims { uint claims[]; };
-layout(scalar, binding = 15) readonly buffer Cells { IndexCell cells[]; };
+TEXELS(15, cells);  // IndexCell
 
 uint claim_key(float distance_px, uint i) { return (min(uint(distance_px * 256.0), 1023u) << kPixelBits) | i; }
 
@@ -26,7 +27,7 @@ void main() {
   vec3 ray = pixel_ray(p.camera, vec2(pixel));
   float ray_length = length(ray);
   float z = fused_depth_m(i);
-  vec3 normal = unpack_normal(frame_normals[i]);
+  vec3 normal = unpack_normal(uint_at(frame_normals, i));
   uint best_cell = kNew;
   float best = 1e9;
   for (int dy = -1; dy <= 1; ++dy) {
@@ -34,12 +35,14 @@ void main() {
       ivec2 q = pixel + ivec2(dx, dy);
       if (!inside(p.camera, q)) continue;
       uint cell = uint(q.y) * p.camera.width + uint(q.x);
-      if (depth_bits[cell] == kInvalid) continue;
-      float surfel_z = uintBitsToFloat(depth_bits[cell]);
+      uint bits = uint_at(depth_bits, cell);
+      if (bits == kInvalid) continue;
+      float surfel_z = uintBitsToFloat(bits);
       if (abs(surfel_z - z) * ray_length > p.depth_gate_m) continue;
-      vec3 n = unpack_unit(cells[cell].normal);
+      uvec2 offset_normal = uvec2_at(cells, cell);
+      vec3 n = unpack_unit(offset_normal.y);
       if (abs(n.z) >= 0.75 && dot(n, normal) < p.cos_normal_gate) continue;
-      vec3 position = surfel_z * pixel_ray(p.camera, vec2(q) + 0.5 * unpackSnorm2x16(cells[cell].offset));
+      vec3 position = surfel_z * pixel_ray(p.camera, vec2(q) + 0.5 * unpackSnorm2x16(offset_normal.x));
       float distance_px = length(cross(position, ray)) / ray_length * p.camera.fx / z;
       if (distance_px < best) {
         best = distance_px;

@@ -9,38 +9,40 @@
 //   unstable    never confirmed for max_unstable_age frames
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/texels.glsl"
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/blocks.glsl"
 layout(local_size_x = 256) in;
-layout(scalar, binding = 0) buffer Positions { vec4 position_confidence[]; };
-layout(scalar, binding = 1) readonly buffer Attributes { SurfelAttributes attributes[]; };
-layout(scalar, binding = 2) readonly buffer Times { uint times[]; };  // of a slot: created, observed
-layout(scalar, binding = 3) readonly buffer Submaps { Transform camera_from_submap[]; };
-layout(scalar, binding = 4) readonly buffer StableIds { uint stable_ids[]; };
-layout(scalar, binding = 5) readonly buffer StableDepths { uint stable_depth_bits[]; };
+layout(scalar, binding = 0) writeonly buffer Positions { vec4 position_confidence[]; };
+TEXELS(1, attributes);
+TEXELS(2, times);  // of a slot: created, observed
+TEXELS(3, camera_from_submap);
+TEXELS(4, stable_ids);
+TEXELS(5, stable_depth_bits);
 layout(scalar, binding = 6) buffer State { MapState state; };
-layout(scalar, binding = 7) readonly buffer Visible { uint groups[3]; uint turn_groups[3]; uint blocks[]; };
+TEXELS(7, visible_blocks);
 layout(scalar, binding = 8) writeonly buffer Bounds { BlockBounds bounds[]; };
+TEXELS(9, read_position_confidence);  // its own thread alone writes a surfel
 layout(scalar, push_constant) uniform Push { CleanParams p; };
 shared uint is_alive[kBlock];
 shared vec4 position_submap[kBlock];
 
 bool doubled(uint slot, ivec2 pixel, float z, SurfelAttributes a, uint created) {
   uint cell = uint(pixel.y) * p.camera.width + uint(pixel.x);
-  uint shown = stable_ids[cell];
-  if (shown == 0xffffffffu || shown == slot || z - uintBitsToFloat(stable_depth_bits[cell]) > p.redundancy_depth_m) return false;
-  SurfelAttributes b = attributes[shown];
-  return surfel_submap(b) != surfel_submap(a) && times[2u * shown] < created && surfel_radius(b) <= 1.5 * surfel_radius(a);
+  uint shown = uint_at(stable_ids, cell);
+  if (shown == 0xffffffffu || shown == slot || z - float_at(stable_depth_bits, cell) > p.redundancy_depth_m) return false;
+  SurfelAttributes b = attributes_at(attributes, shown);
+  return surfel_submap(b) != surfel_submap(a) && uvec2_at(times, shown).x < created && surfel_radius(b) <= 1.5 * surfel_radius(a);
 }
 
 bool contradicted(uint slot, vec4 surfel) {
-  SurfelAttributes a = attributes[slot];
-  Transform t = camera_from_submap[surfel_submap(a)];
+  SurfelAttributes a = attributes_at(attributes, slot);
+  Transform t = transform_at(camera_from_submap, surfel_submap(a));
   vec3 point = transform_point(t, surfel.xyz);
   ivec2 pixel = ivec2(floor(project(p.camera, point) + 0.5));
   bool visible = point.z > 0.05 && inside(p.camera, pixel);
   float radius = surfel_radius(a);
-  uint created = times[2u * slot];
+  uint created = uvec2_at(times, slot).x;
   float normal_z = abs(rotate(t, unpack_unit(a.normal)).z);
   int neighbours = 0, redundant = 0, seen_through = 0;
   // A loop without a turn is left at once by a whole subgroup; what an `if` skips, software devices execute under a mask.
@@ -50,14 +52,15 @@ bool contradicted(uint slot, vec4 surfel) {
       ivec2 q = pixel + ivec2(dx, dy);
       if (!inside(p.camera, q)) continue;
       uint cell = uint(q.y) * p.camera.width + uint(q.x);
-      uint other = stable_ids[cell];
+      uint other = uint_at(stable_ids, cell);
       if (other == 0xffffffffu || other == slot) continue;
       ++neighbours;
-      float gap = uintBitsToFloat(stable_depth_bits[cell]) - point.z;
+      float gap = float_at(stable_depth_bits, cell) - point.z;
       vec2 lateral = vec2(dx, dy) * point.z / vec2(p.camera.fx, p.camera.fy);
       bool far_behind = gap >= p.redundancy_depth_m;
       bool just_behind = gap > 0.0 && !far_behind && dot(lateral, lateral) < 1.96 * radius * radius;
-      uint time = times[2u * other + (far_behind ? 1u : 0u)];
+      uvec2 created_observed = uvec2_at(times, other);
+      uint time = far_behind ? created_observed.y : created_observed.x;
       redundant += just_behind && time < created ? 1 : 0;
       seen_through += far_behind && time == p.frame_number && normal_z > 0.85 ? 1 : 0;
     }
@@ -68,8 +71,8 @@ bool contradicted(uint slot, vec4 surfel) {
 }
 
 bool outlived(vec4 surfel, uint slot) {
-  vec2 kappa = unpackHalf2x16(attributes[slot].curvatures);
-  return (surfel.w < p.stable_confidence && p.frame_number - times[2u * slot + 1u] > p.max_unstable_age) ||
+  vec2 kappa = unpackHalf2x16(attributes_at(attributes, slot).curvatures);
+  return (surfel.w < p.stable_confidence && p.frame_number - uvec2_at(times, slot).y > p.max_unstable_age) ||
          max(abs(kappa.x), abs(kappa.y)) > p.curvature_limit_per_m;
 }
 
@@ -85,10 +88,10 @@ void write_bounds(uint block) {
 }
 
 void main() {
-  uint lane = gl_LocalInvocationID.x, block = block_of(blocks[gl_WorkGroupID.x]), slot = block * kBlock + lane;
+  uint lane = gl_LocalInvocationID.x, block = block_of(listed_block(visible_blocks, gl_WorkGroupID.x)), slot = block * kBlock + lane;
   // Fusion has appended, but the count is brought up to date after this pass.
   bool exists = slot < state.slot_count + state.fresh_count;
-  vec4 surfel = exists ? position_confidence[slot] : vec4(0.0);
+  vec4 surfel = exists ? vec4_at(read_position_confidence, slot) : vec4(0.0);
   bool alive = surfel.w > 0.0;
   if (alive && (contradicted(slot, surfel) || outlived(surfel, slot))) {
     alive = false;
@@ -97,7 +100,7 @@ void main() {
     atomicAdd(state.freed_count, 1u);
   }
   is_alive[lane] = alive ? 1u : 0u;
-  position_submap[lane] = vec4(surfel.xyz, exists ? float(surfel_submap(attributes[slot])) : 0.0);
+  position_submap[lane] = vec4(surfel.xyz, exists ? float(surfel_submap(attributes_at(attributes, slot))) : 0.0);
   barrier();
   write_bounds(block);
 }

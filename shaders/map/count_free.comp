@@ -3,21 +3,22 @@
 #extension GL_GOOGLE_include_directive : require
 // How many slots of each listed block are free for use. A lane goes along a row of slots: one for each slot would wait longer than it works.
 #include "shaders/shared/map.h"
+#include "shaders/lib/texels.glsl"
 #include "shaders/lib/blocks.glsl"
 layout(local_size_x = 16) in;
-layout(scalar, binding = 0) readonly buffer Positions { vec4 position_confidence[]; };
+TEXELS(0, position_confidence);
 layout(scalar, binding = 1) writeonly buffer Groups { uint free_by_group[]; };
 layout(scalar, binding = 2) readonly buffer State { MapState state; };
-layout(scalar, binding = 3) readonly buffer Visible { uint groups[3]; uint turn_groups[3]; uint blocks[]; };
+TEXELS(3, visible_blocks);
 layout(scalar, binding = 4) readonly buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, push_constant) uniform Push { FreeListParams p; };
 const uint kRows = gl_WorkGroupSize.x, kRow = kBlock / kRows;
 shared uint free_in_row[kRows];
 
 void main() {
-  uint row = gl_LocalInvocationID.x, entry = blocks[gl_WorkGroupID.x], first = block_of(entry) * kBlock + row * kRow;
+  uint row = gl_LocalInvocationID.x, entry = listed_block(visible_blocks, gl_WorkGroupID.x), first = block_of(entry) * kBlock + row * kRow;
   uint end = min(first + kRow, state.slot_count + state.fresh_count), free = 0u;
-  for (uint slot = first; slot < end; ++slot) free += position_confidence[slot].w <= 0.0 ? 1u : 0u;
+  for (uint slot = first; slot < end; ++slot) free += vec4_at(position_confidence, slot).w <= 0.0 ? 1u : 0u;
   free_in_row[row] = free;
   barrier();
   if (row != 0u) return;

@@ -4,26 +4,28 @@
 // Writes the free slots of the listed blocks, zone by zone. Those that cleaning has just freed (confidence -1) get this frame's number.
 // A lane goes along a row of slots, as in map/count_free.
 #include "shaders/shared/map.h"
+#include "shaders/lib/texels.glsl"
 #include "shaders/lib/blocks.glsl"
 layout(local_size_x = 16) in;
-layout(scalar, binding = 0) buffer Positions { vec4 position_confidence[]; };
+layout(scalar, binding = 0) writeonly buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 1) readonly buffer Groups { uint free_by_group[]; };
 layout(scalar, binding = 2) readonly buffer State { MapState state; };
 layout(scalar, binding = 3) writeonly buffer FreeList { uint free_slots[]; };
 layout(scalar, binding = 4) writeonly buffer Times { uvec2 times[]; };
-layout(scalar, binding = 5) readonly buffer Visible { uint groups[3]; uint turn_groups[3]; uint blocks[]; };
+TEXELS(5, visible_blocks);
 layout(scalar, binding = 6) readonly buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, binding = 7) writeonly buffer Changed { uint changed_frame[]; };
+TEXELS(8, read_position_confidence);  // its own thread alone writes a surfel
 layout(scalar, push_constant) uniform Push { FreeListParams p; };
 const uint kRows = gl_WorkGroupSize.x, kRow = kBlock / kRows;
 shared uint free_in_row[kRows];
 
 void main() {
-  uint group = gl_WorkGroupID.x, row = gl_LocalInvocationID.x, block = block_of(blocks[group]), first = block * kBlock + row * kRow;
+  uint group = gl_WorkGroupID.x, row = gl_LocalInvocationID.x, entry = listed_block(visible_blocks, group), block = block_of(entry), first = block * kBlock + row * kRow;
   uint end = min(first + kRow, state.slot_count);
   uint is_free = 0u, just_freed = 0u;  // bit i: the row's slot i
   for (uint slot = first; slot < end; ++slot) {
-    float confidence = position_confidence[slot].w;
+    float confidence = vec4_at(read_position_confidence, slot).w;
     is_free |= (confidence <= 0.0 ? 1u : 0u) << (slot - first);
     just_freed |= (confidence < 0.0 ? 1u : 0u) << (slot - first);
   }
@@ -40,6 +42,6 @@ void main() {
     before += i < row ? free_in_row[i] : 0u;
     all += free_in_row[i];
   }
-  if (!has_room(blocks[group], bounds[block], p.submap) && all != kBlock) return;  // as map/count_free has it
+  if (!has_room(entry, bounds[block], p.submap) && all != kBlock) return;  // as map/count_free has it
   for (uint at = free_by_group[group] + before; is_free != 0u; is_free &= is_free - 1u) free_slots[at++] = first + findLSB(is_free);
 }

@@ -4,15 +4,16 @@
 // First half of the index map: the depth of the nearest surfel in every pixel, by integer minimum (order cannot change it).
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/texels.glsl"
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/blocks.glsl"
 layout(local_size_x = 256) in;
-layout(scalar, binding = 0) readonly buffer Positions { vec4 position_confidence[]; };
-layout(scalar, binding = 1) readonly buffer Attributes { SurfelAttributes attributes[]; };
-layout(scalar, binding = 2) readonly buffer Submaps { Transform camera_from_submap[]; };
+TEXELS(0, position_confidence);
+TEXELS(1, attributes);
+TEXELS(2, camera_from_submap);
 layout(scalar, binding = 3) buffer Depths { uint depth_bits[]; };
 layout(scalar, binding = 4) buffer Ids { uint ids[]; };
-layout(scalar, binding = 5) readonly buffer Visible { uint groups[3]; uint turn_groups[3]; uint blocks[]; };
+TEXELS(5, visible_blocks);
 layout(scalar, push_constant) uniform Push { IndexParams p; };
 #include "shaders/lib/index_cell.glsl"
 

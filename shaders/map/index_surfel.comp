@@ -5,21 +5,24 @@
 // and its normal in the camera's frame. (Its depth is in the index map.)
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/texels.glsl"
 #include "shaders/lib/surfel.glsl"
 layout(local_size_x = 256) in;
-layout(scalar, binding = 0) readonly buffer Positions { vec4 position_confidence[]; };
-layout(scalar, binding = 1) readonly buffer Attributes { SurfelAttributes attributes[]; };
-layout(scalar, binding = 2) readonly buffer Submaps { Transform camera_from_submap[]; };
-layout(scalar, binding = 3) readonly buffer Ids { uint ids[]; };
+TEXELS(0, position_confidence);
+TEXELS(1, attributes);
+TEXELS(2, camera_from_submap);
+TEXELS(3, ids);
 layout(scalar, binding = 4) writeonly buffer Cells { IndexCell cells[]; };
 layout(scalar, push_constant) uniform Push { Intrinsics camera; };
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
-  if (i >= camera.width * camera.height || ids[i] == 0xffffffffu) return;
-  SurfelAttributes a = attributes[ids[i]];
-  Transform t = camera_from_submap[surfel_submap(a)];
+  if (i >= camera.width * camera.height) return;
+  uint slot = uint_at(ids, i);
+  if (slot == 0xffffffffu) return;
+  SurfelAttributes a = attributes_at(attributes, slot);
+  Transform t = transform_at(camera_from_submap, surfel_submap(a));
   vec2 pixel = vec2(i % camera.width, i / camera.width);
-  vec2 offset = project(camera, transform_point(t, position_confidence[ids[i]].xyz)) - pixel;
+  vec2 offset = project(camera, transform_point(t, vec4_at(position_confidence, slot).xyz)) - pixel;
   cells[i] = IndexCell(packSnorm2x16(2.0 * offset), pack_unit(rotate(t, unpack_unit(a.normal))));
 }

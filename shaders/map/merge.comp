@@ -5,18 +5,22 @@
 // new measurements are counted by workgroup.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/texels.glsl"
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/fuse_bindings.glsl"
 layout(local_size_x = 256) in;
-layout(scalar, binding = 13) readonly buffer Ids { uint ids[]; };
-layout(scalar, binding = 14) readonly buffer Claims { uint claims[]; };
+TEXELS(13, ids);
+TEXELS(14, claims);
 layout(scalar, binding = 15) writeonly buffer Changed { uint changed_frame[]; };
+// A surfel belongs to one thread, which reads it before it writes.
+TEXELS(16, read_position_confidence);
+TEXELS(17, read_attributes);
 shared uint is_new[256];
 
 void merge(uint slot, Measurement m) {
-  vec4 surfel = position_confidence[slot];
-  SurfelAttributes a = attributes[slot];
-  Transform t = camera_from_submap[surfel_submap(a)];
+  vec4 surfel = vec4_at(read_position_confidence, slot);
+  SurfelAttributes a = attributes_at(read_attributes, slot);
+  Transform t = transform_at(camera_from_submap, surfel_submap(a));
   float total = surfel.w + m.confidence;
   float radius = surfel_radius(a);
   // A much coarser measurement (further away or more slanted) confirms the surfel but does not move it.
@@ -48,8 +52,8 @@ void main() {
     uint cell = candidates[i];
     if (cell == kNew) {
       fresh = 1u;
-    } else if (cell != kInvalid && (claims[cell] & ((1u << kPixelBits) - 1u)) == i) {
-      merge(ids[cell], measure(i));
+    } else if (cell != kInvalid && (uint_at(claims, cell) & ((1u << kPixelBits) - 1u)) == i) {
+      merge(uint_at(ids, cell), measure(i));
     }
   }
   is_new[gl_LocalInvocationID.x] = fresh;

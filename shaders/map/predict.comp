@@ -7,14 +7,16 @@
 // Each invocation answers four neighbouring pixels (the components of a vec4), so that a kernel is loaded and unpacked once for all of them.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/texels.glsl"
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/weight.glsl"
+#include "shaders/lib/kernels.glsl"
 layout(local_size_x = 8, local_size_y = 16) in;
 layout(constant_id = 0) const int kRadius = 3;  // window of 2 kRadius + 1
-layout(scalar, binding = 0) readonly buffer Positions { vec4 position_confidence[]; };
-layout(scalar, binding = 1) readonly buffer Attributes { SurfelAttributes attributes[]; };
-layout(scalar, binding = 2) readonly buffer Submaps { Transform camera_from_submap[]; };
-layout(scalar, binding = 3) readonly buffer Ids { uint ids[]; };
+TEXELS(0, position_confidence);
+TEXELS(1, attributes);
+TEXELS(2, kernels);
+TEXELS(3, ids);
 layout(scalar, binding = 4) writeonly buffer Depth { float depth_m[]; };
 layout(scalar, binding = 5) writeonly buffer Normals { uint normals[]; };
 layout(scalar, binding = 6) writeonly buffer Curvatures { uint curvatures[]; };
@@ -24,53 +26,18 @@ layout(scalar, binding = 9) buffer Covered { uint covered_count; };
 layout(scalar, push_constant) uniform Push { PredictParams p; };
 
 const uint kNone = 0xffffffffu;
-const int kTileWidth = 32 + 2 * kRadius;
-const int kTileHeight = 16 + 2 * kRadius;
-const int kTileSize = kTileWidth * kTileHeight;
-// Four words a kernel: loads are what this pass spends its time on.
-shared float tile_depth[kTileSize];
-shared uint tile_offset[kTileSize];  // from the pixel's centre, half pixels, 2 x snorm16
-shared uint tile_normal[kTileSize];
-shared float tile_radius[kTileSize];  // 0: there is no kernel
 
 struct Kernel {
   vec3 position, normal;
   float radius;
 };
 
-void load_tile() {
-  ivec2 corner = ivec2(gl_WorkGroupID.xy) * ivec2(32, 16) - kRadius;
-  for (uint i = gl_LocalInvocationIndex; i < kTileSize; i += 128u) {
-    ivec2 pixel = corner + ivec2(i % kTileWidth, i / kTileWidth);
-    uint slot = inside(p.camera, pixel) ? ids[uint(pixel.y) * p.camera.width + uint(pixel.x)] : kNone;
-    float depth = 0.0, radius = 0.0;
-    uint offset = 0u, packed_normal = 0u;
-    if (slot != kNone) {
-      SurfelAttributes a = attributes[slot];
-      Transform t = camera_from_submap[surfel_submap(a)];
-      vec3 n = rotate(t, unpack_unit(a.normal));
-      vec4 surfel = position_confidence[slot];
-      if (n.z >= 0.0 && surfel.w > 0.0) {
-        vec3 position = transform_point(t, surfel.xyz);
-        depth = position.z;
-        offset = packSnorm2x16(2.0 * (project(p.camera, position) - vec2(pixel)));
-        packed_normal = pack_normal(n);
-        radius = surfel_radius(a);
-      }
-    }
-    tile_depth[i] = depth;
-    tile_offset[i] = offset;
-    tile_normal[i] = packed_normal;
-    tile_radius[i] = radius;
-  }
-}
-
-// `first` is the window's corner in the tile for the first pixel, `ray` belongs to its centre.
+// `first` is the index of the window's corner for the first pixel, `ray` belongs to its centre.
 Kernel kernel_at(int first, int dx, int dy, vec3 ray) {
-  int i = first + dy * kTileWidth + dx;
-  vec2 offset = vec2(float(dx - kRadius), float(dy - kRadius)) + 0.5 * unpackSnorm2x16(tile_offset[i]);
+  uvec4 words = uvec4_at(kernels, uint(first + dy * kernel_stride(p.camera) + dx));
+  vec2 offset = vec2(float(dx - kRadius), float(dy - kRadius)) + 0.5 * unpackSnorm2x16(words.y);
   vec3 direction = ray + vec3(offset / vec2(p.camera.fx, p.camera.fy), 0.0);
-  return Kernel(tile_depth[i] * direction, unpack_normal(tile_normal[i]), tile_radius[i]);
+  return Kernel(uintBitsToFloat(words.x) * direction, unpack_normal(words.z), uintBitsToFloat(words.w));
 }
 
 // Rays of the four pixels: (x, y, 1).
@@ -148,14 +115,16 @@ Field evaluate(int first, Rays rays, vec4 t) {
   return f;
 }
 
+float depth_at(int first, int dx, int dy) { return float_at(kernels, uint(first + dy * kernel_stride(p.camera) + dx)); }
+
 // Depth to start from: of the pixel's own surfel, or the nearest in the window where it has none.
 float first_guess(int first, int pixel) {
-  float depth = tile_depth[first + pixel + kRadius * kTileWidth + kRadius];
+  float depth = depth_at(first, pixel + kRadius, kRadius);
   if (depth > 0.0) return depth;
   float nearest = 1e9;
   for (int dy = 0; dy <= 2 * kRadius; ++dy)
     for (int dx = 0; dx <= 2 * kRadius; ++dx) {
-      float z = tile_depth[first + pixel + dy * kTileWidth + dx];
+      float z = depth_at(first, pixel + dx, dy);
       nearest = z > 0.0 ? min(nearest, z) : nearest;
     }
   return nearest < 1e9 ? nearest : 0.0;
@@ -220,23 +189,21 @@ void write(ivec2 pixel, float z, vec3 normal, uint cell) {
     return;
   }
   ivec2 source = pixel + ivec2(int(cell & 255u), int(cell >> 8)) - kRadius;
-  uint slot = ids[uint(source.y) * p.camera.width + uint(source.x)];
-  SurfelAttributes a = attributes[slot];
+  uint slot = uint_at(ids, uint(source.y) * p.camera.width + uint(source.x));
+  SurfelAttributes a = attributes_at(attributes, slot);
   depth_m[index] = z;
   normals[index] = pack_normal(normal);
   curvatures[index] = a.curvatures;
   weight[index] =
-      tracking_weight(unpackHalf2x16(a.curvatures), position_confidence[slot].w * p.confidence_scale, p.curvature_lambda_per_m, z);
+      tracking_weight(unpackHalf2x16(a.curvatures), vec4_at(position_confidence, slot).w * p.confidence_scale, p.curvature_lambda_per_m, z);
   intensity[index] = grey(surfel_color(a));
   atomicAdd(covered_count, 1u);
 }
 
 void main() {
-  load_tile();
-  barrier();
   ivec2 pixel = ivec2(gl_GlobalInvocationID.x * 4u, gl_GlobalInvocationID.y);
   if (!inside(p.camera, pixel)) return;
-  int first = int(gl_LocalInvocationID.y) * kTileWidth + int(gl_LocalInvocationID.x) * 4;
+  int first = kernel_index(p.camera, pixel - kRadius);
   vec3 ray = pixel_ray(p.camera, vec2(pixel));
   vec4 z = vec4(0.0);
   Normals4 n = Normals4(vec4(0.0), vec4(0.0), vec4(0.0));

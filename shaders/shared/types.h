@@ -32,6 +32,9 @@ struct Sampling {
   uint x, y;  // offset, below step
 };
 
+// Around images of kernels, in pixels: half the largest window. See shaders/lib/kernels.glsl.
+#define HERMITE_KERNEL_MARGIN 4
+
 // target_from_source: p_target = (dot(row0.xyz, p) + row0.w, ...). Metres.
 struct Transform {
   vec4 row0, row1, row2;

@@ -4,14 +4,15 @@
 // How well a frame fits the predicted surface once its pose is known: does it see what the map shows, and does that look the same?
 #include "shaders/shared/track.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/texels.glsl"
 const uint kTerms = HERMITE_AGREEMENT_TERMS;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
 layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
-layout(scalar, binding = 0) readonly buffer Depth { float depth_m[]; };
-layout(scalar, binding = 1) readonly buffer Intensity { float intensity[]; };
-layout(scalar, binding = 2) readonly buffer ReferenceDepth { float reference_depth_m[]; };
-layout(scalar, binding = 3) readonly buffer ReferenceNormals { uint reference_normals[]; };
-layout(scalar, binding = 4) readonly buffer ReferenceIntensity { float reference_intensity[]; };
+TEXELS(0, depth_m);
+TEXELS(1, intensity);
+TEXELS(2, reference_depth_m);
+TEXELS(3, reference_normals);
+TEXELS(4, reference_intensity);
 layout(scalar, binding = 5) writeonly buffer Sums { float partial_sums[]; };
 layout(scalar, push_constant) uniform Push { AgreementParams p; };
 #include "shaders/lib/sums.glsl"
@@ -22,11 +23,11 @@ uint at(Intrinsics camera, ivec2 pixel) { return uint(pixel.y) * camera.width + 
 vec2 changes(uvec2 frame_pixel, ivec2 pixel) {
   ivec2 f = ivec2(frame_pixel), right = ivec2(1, 0), down = ivec2(0, 1);
   if (!inside(p.camera, f + 1) || !inside(p.reference, pixel + 1)) return vec2(0.0);
-  float known = reference_intensity[at(p.reference, pixel)];
-  float known_right = reference_intensity[at(p.reference, pixel + right)], known_down = reference_intensity[at(p.reference, pixel + down)];
+  float known = float_at(reference_intensity, at(p.reference, pixel));
+  float known_right = float_at(reference_intensity, at(p.reference, pixel + right)), known_down = float_at(reference_intensity, at(p.reference, pixel + down));
   if (min(min(known, known_right), known_down) < 0.0) return vec2(0.0);
-  float seen = intensity[at(p.camera, f)];
-  return vec2(abs(intensity[at(p.camera, f + right)] - seen) + abs(intensity[at(p.camera, f + down)] - seen),
+  float seen = float_at(intensity, at(p.camera, f));
+  return vec2(abs(float_at(intensity, at(p.camera, f + right)) - seen) + abs(float_at(intensity, at(p.camera, f + down)) - seen),
               abs(known_right - known) + abs(known_down - known));
 }
 
@@ -36,7 +37,7 @@ void main() {
   vec2 grey = vec2(0.0);                   // frame, reference
   vec3 grey_squares = vec3(0.0);           // frame^2, reference^2, frame * reference
   for (uint i = gl_GlobalInvocationID.x; i < p.camera.width * p.camera.height; i += gl_NumWorkGroups.x * kGroupSize) {
-    float z = depth_m[i];
+    float z = float_at(depth_m, i);
     if (z <= 0.0) continue;
     surface += 1.0;
     uvec2 seen_at = uvec2(i % p.camera.width, i / p.camera.width);
@@ -44,16 +45,16 @@ void main() {
     ivec2 pixel = ivec2(floor(project(p.reference, point) + 0.5));
     if (point.z < 0.05 || !inside(p.reference, pixel)) continue;
     uint j = at(p.reference, pixel);
-    float reference_z = reference_depth_m[j];
+    float reference_z = float_at(reference_depth_m, j);
     if (reference_z <= 0.0) continue;
     overlap += 1.0;
     // Thrice the noise of the sensor, as it grows with distance, beside what the model may be off by.
     float tolerance = p.tolerance_m + p.tolerance_growth_per_m * z * z;
     vec3 d = pixel_ray(p.reference, vec2(pixel)) * reference_z;
     in_front += reference_z - point.z > 2.0 * tolerance ? 1.0 : 0.0;
-    if (abs(dot(unpack_normal(reference_normals[j]), point - d)) > tolerance) continue;
+    if (abs(dot(unpack_normal(uint_at(reference_normals, j)), point - d)) > tolerance) continue;
     agreeing += 1.0;
-    float seen = intensity[i] - 128.0, known = reference_intensity[j] - 128.0;  // near zero, so that the sums keep their digits
+    float seen = float_at(intensity, i) - 128.0, known = float_at(reference_intensity, j) - 128.0;  // near zero, so that the sums keep their digits
     if (known < -128.0) continue;
     coloured += 1.0;
     grey += vec2(seen, known);

@@ -6,19 +6,20 @@
 // x = (translation, rotation). Both systems apart: the host judges the geometric one before it adds them (core/track/normal_equations.h).
 #include "shaders/shared/track.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/texels.glsl"
 const uint kTerms = HERMITE_ODOMETRY_TERMS;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
 layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
-layout(scalar, binding = 0) readonly buffer Depth { float depth_m[]; };
-layout(scalar, binding = 1) readonly buffer Normals { uint normals[]; };
-layout(scalar, binding = 2) readonly buffer Curvatures { uint curvatures[]; };
-layout(scalar, binding = 3) readonly buffer Intensity { float intensity[]; };
-layout(scalar, binding = 4) readonly buffer Gradient { uint gradient[]; };
-layout(scalar, binding = 5) readonly buffer ReferenceDepth { float reference_depth_m[]; };
-layout(scalar, binding = 6) readonly buffer ReferenceNormals { uint reference_normals[]; };
-layout(scalar, binding = 7) readonly buffer ReferenceCurvatures { uint reference_curvatures[]; };
-layout(scalar, binding = 8) readonly buffer ReferenceWeight { float reference_weight[]; };
-layout(scalar, binding = 9) readonly buffer ReferenceIntensity { float reference_intensity[]; };
+TEXELS(0, depth_m);
+TEXELS(1, normals);
+TEXELS(2, curvatures);
+TEXELS(3, intensity);
+TEXELS(4, gradient);
+TEXELS(5, reference_depth_m);
+TEXELS(6, reference_normals);
+TEXELS(7, reference_curvatures);
+TEXELS(8, reference_weight);
+TEXELS(9, reference_intensity);
 layout(scalar, binding = 10) writeonly buffer Sums { float partial_sums[]; };
 layout(scalar, push_constant) uniform Push { OdometryParams p; };
 #include "shaders/lib/sums.glsl"
@@ -68,7 +69,7 @@ void put_system(System system) {
   put_vector(system.r);
 }
 
-vec3 reference_vertex(ivec2 pixel, uint i) { return pixel_ray(p.reference, vec2(pixel)) * reference_depth_m[i]; }
+vec3 reference_vertex(ivec2 pixel, uint i) { return pixel_ray(p.reference, vec2(pixel)) * float_at(reference_depth_m, i); }
 
 bool agree(vec3 point, vec3 normal, vec3 vertex, vec3 n) {
   vec3 v = point - vertex, c = cross(n, normal);
@@ -96,9 +97,9 @@ uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
       if (!inside(p.reference, q)) continue;
       uint i = uint(q.y) * p.reference.width + uint(q.x);
       vec3 vertex = reference_vertex(q, i);
-      vec3 n = unpack_normal(reference_normals[i]);
+      vec3 n = unpack_normal(uint_at(reference_normals, i));
       if (!agree(point, normal, vertex, n)) continue;
-      vec2 k = unpackHalf2x16(reference_curvatures[i]);
+      vec2 k = unpackHalf2x16(uint_at(reference_curvatures, i));
       float scale = max(max(abs(k.x), abs(k.y)), 1e-3);
       float dissimilarity =
           distance(point, vertex) / farthest + 1.0 - dot(n, normal) + 1.0 - exp(-(abs(kappa.x - k.x) + abs(kappa.y - k.y)) / scale);
@@ -111,17 +112,17 @@ uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
 }
 
 void add_geometry(ivec2 centre, vec3 s, uint i) {
-  vec3 normal = rotate(p.reference_from_camera, unpack_normal(normals[i]));
+  vec3 normal = rotate(p.reference_from_camera, unpack_normal(uint_at(normals, i)));
   uint j = uint(centre.y) * p.reference.width + uint(centre.x);
   if (p.search_radius > 0u) {
-    j = search(centre, s, normal, unpackHalf2x16(curvatures[i]));
+    j = search(centre, s, normal, unpackHalf2x16(uint_at(curvatures, i)));
     if (j == kNone) return;
     centre = ivec2(j % p.reference.width, j / p.reference.width);
   }
   vec3 d = reference_vertex(centre, j);
-  vec3 n = unpack_normal(reference_normals[j]);
+  vec3 n = unpack_normal(uint_at(reference_normals, j));
   if (!agree(s, normal, d, n)) return;
-  float residual = dot(n, s - d), weight = p.geometric_weight * reference_weight[j];
+  float residual = dot(n, s - d), weight = p.geometric_weight * float_at(reference_weight, j);
   add_row(geometric, n, cross(s, n), residual, weight);
   vec3 sine = cross(n, normal);
   moment_0 += weight;
@@ -132,19 +133,19 @@ void add_geometry(ivec2 centre, vec3 s, uint i) {
 }
 
 void add_photometry(vec2 uv, vec3 s, uint i) {
-  vec2 g = unpackHalf2x16(gradient[i]);
+  vec2 g = unpackHalf2x16(uint_at(gradient, i));
   if (dot(g, g) < p.gradient_min * p.gradient_min) return;
   ivec2 q = ivec2(floor(uv));
   if (q.x < 0 || q.y < 0 || q.x + 1 >= int(p.reference.width) || q.y + 1 >= int(p.reference.height)) return;
   uint j = uint(q.y) * p.reference.width + uint(q.x);
-  float i00 = reference_intensity[j], i10 = reference_intensity[j + 1u];
-  float i01 = reference_intensity[j + p.reference.width], i11 = reference_intensity[j + p.reference.width + 1u];
+  float i00 = float_at(reference_intensity, j), i10 = float_at(reference_intensity, j + 1u);
+  float i01 = float_at(reference_intensity, j + p.reference.width), i11 = float_at(reference_intensity, j + p.reference.width + 1u);
   if (min(min(i00, i10), min(i01, i11)) < 0.0) return;
   vec2 f = uv - vec2(q);
   uint nearest = j + (f.x >= 0.5 ? 1u : 0u) + (f.y >= 0.5 ? p.reference.width : 0u);
-  float z = reference_depth_m[nearest];
+  float z = float_at(reference_depth_m, nearest);
   if (z <= 0.0 || abs(z - s.z) > p.photometric_depth_gate_m) return;
-  float residual = intensity[i] - mix(mix(i00, i10, f.x), mix(i01, i11, f.x), f.y);
+  float residual = float_at(intensity, i) - mix(mix(i00, i10, f.x), mix(i01, i11, f.x), f.y);
   vec2 scaled = g * vec2(p.camera.fx, p.camera.fy) / s.z;
   vec3 a = -vec3(scaled, -dot(scaled, s.xy) / s.z);
   float weight = 1.0 / (p.photometric_sigma + abs(residual));
@@ -155,7 +156,7 @@ void add_photometry(vec2 uv, vec3 s, uint i) {
 void main() {
   for (uint i = gl_GlobalInvocationID.x; i < p.camera.width * p.camera.height; i += gl_NumWorkGroups.x * kGroupSize) {
     ivec2 pixel = ivec2(i % p.camera.width, i / p.camera.width);
-    float z = depth_m[i];
+    float z = float_at(depth_m, i);
     if (z <= 0.0) continue;
     surface_count += 1.0;
     vec3 s = transform_point(p.reference_from_camera, pixel_ray(p.camera, vec2(pixel)) * z);

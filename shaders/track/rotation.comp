@@ -5,11 +5,12 @@
 // residual I_current(pi(R ray)) - I_previous(x), linearised for R <- exp(omega) R.
 #include "shaders/shared/track.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/texels.glsl"
 const uint kTerms = HERMITE_ROTATION_TERMS;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
 layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
-layout(scalar, binding = 0) readonly buffer Previous { float previous[]; };
-layout(scalar, binding = 1) readonly buffer Current { float current[]; };
+TEXELS(0, previous);
+TEXELS(1, current);
 layout(scalar, binding = 2) writeonly buffer Sums { float partial_sums[]; };
 layout(scalar, push_constant) uniform Push { RotationParams p; };
 #include "shaders/lib/sums.glsl"
@@ -20,10 +21,10 @@ bool has_neighbours(ivec2 pixel) {
 }
 uint at(ivec2 pixel) { return uint(pixel.y) * p.previous.width + uint(pixel.x); }
 vec2 slope_previous(uint i) {
-  return 0.5 * vec2(previous[i + 1u] - previous[i - 1u], previous[i + p.previous.width] - previous[i - p.previous.width]);
+  return 0.5 * vec2(float_at(previous, i + 1u) - float_at(previous, i - 1u), float_at(previous, i + p.previous.width) - float_at(previous, i - p.previous.width));
 }
 vec2 slope_current(uint i) {
-  return 0.5 * vec2(current[i + 1u] - current[i - 1u], current[i + p.previous.width] - current[i - p.previous.width]);
+  return 0.5 * vec2(float_at(current, i + 1u) - float_at(current, i - 1u), float_at(current, i + p.previous.width) - float_at(current, i - p.previous.width));
 }
 
 void main() {
@@ -40,8 +41,8 @@ void main() {
     if (!has_neighbours(y)) continue;
     vec2 f = uv - vec2(y);
     uint j = at(y);
-    float value = mix(mix(current[j], current[j + 1u], f.x), mix(current[j + p.previous.width], current[j + p.previous.width + 1u], f.x), f.y);
-    float residual = value - previous[i];
+    float value = mix(mix(float_at(current, j), float_at(current, j + 1u), f.x), mix(float_at(current, j + p.previous.width), float_at(current, j + p.previous.width + 1u), f.x), f.y);
+    float residual = value - float_at(previous, i);
     vec2 g = 0.5 * (slope_previous(i) + slope_current(at(ivec2(floor(uv + 0.5)))));
     vec2 scaled = g * vec2(p.current.fx, p.current.fy) / q.z;
     vec3 a = vec3(scaled, -dot(scaled, q.xy) / q.z);

@@ -58,7 +58,7 @@ FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera) {
   const std::size_t pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   FrameMaps maps{.raw_depth_m = {device, pixels, "test"},
                  .filtered_depth_m = {device, pixels, "test"},
-                 .first_normals = {device, pixels, "test"},
+                 .kernels = {device, kernel_image_size(intrinsics_of(camera)), "test"},
                  .color = {device, pixels, "test"},
                  .surface = make_surface_pyramid(device, intrinsics_of(camera), "test"),
                  .gradients = {}};

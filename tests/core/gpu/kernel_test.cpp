@@ -18,7 +18,7 @@ class KernelTest : public testing::Test {
 TEST_F(KernelTest, ReadsItsInterfaceFromTheShader) {
   const Kernel kernel(device, "test/affine");
   EXPECT_EQ(kernel.name(), "test/affine");
-  EXPECT_EQ(kernel.binding_count(), 2u);
+  EXPECT_EQ(kernel.bindings().size(), 2u);
   EXPECT_EQ(kernel.push_constant_bytes(), 20u);
   EXPECT_THAT(kernel.local_size(), testing::ElementsAre(8, 2, 1));
 }

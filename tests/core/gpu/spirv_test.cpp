@@ -56,7 +56,7 @@ void expect_refused(const Words& words, ErrorCode code, const std::string& part_
 TEST(ReadInterface, SpecialisedLocalSizeBuffersAndConstants) {
   const Result<ShaderInterface> shader = read_interface(embedded("test/affine"));
   ASSERT_TRUE(shader.ok()) << shader.error().message;
-  EXPECT_EQ(shader->binding_count, 2u);
+  EXPECT_EQ(shader->bindings.size(), 2u);
   EXPECT_EQ(shader->push_constant_bytes, 20u);
   EXPECT_THAT(shader->local_size, testing::ElementsAre(8, 2, 1));
   EXPECT_EQ(shader->local_size_constant[0], 0u);
@@ -67,7 +67,7 @@ TEST(ReadInterface, SizesMatricesArraysAndStructs) {
   const Result<ShaderInterface> shader = read_interface(embedded("test/layouts"));
   ASSERT_TRUE(shader.ok()) << shader.error().message;
   EXPECT_EQ(shader->push_constant_bytes, 112u);
-  EXPECT_EQ(shader->binding_count, 2u) << "two views of binding 0 are one";
+  EXPECT_EQ(shader->bindings.size(), 2u) << "two views of binding 0 are one";
   EXPECT_THAT(shader->local_size, testing::ElementsAre(4, 3, 2));
 }
 
@@ -75,7 +75,7 @@ TEST(ReadInterface, NoPushConstants) {
   const Result<ShaderInterface> shader = read_interface(embedded("test/count"));
   ASSERT_TRUE(shader.ok());
   EXPECT_EQ(shader->push_constant_bytes, 0u);
-  EXPECT_EQ(shader->binding_count, 1u);
+  EXPECT_EQ(shader->bindings.size(), 1u);
 }
 
 TEST(ReadInterface, EveryEmbeddedShaderIsUnderstood) {
@@ -105,12 +105,12 @@ TEST(ReadInterface, RefusesWhatIsNoModule) {
 }
 
 TEST(ReadInterface, RefusesWhatTheDispatchCannotBind) {
-  EXPECT_EQ(read_interface(module(with_buffers({{0, 1}, {0, 0}})))->binding_count, 2u);
+  EXPECT_EQ(read_interface(module(with_buffers({{0, 1}, {0, 0}})))->bindings.size(), 2u);
   expect_refused(module(with_buffers({{0, 0}, {0, 2}})), ErrorCode::kUnsupported, "up to 2 but only 2");
   expect_refused(module(with_buffers({{0, 0xffffffff}})), ErrorCode::kUnsupported, "only 1 are declared");
   expect_refused(module(with_buffers({{1, 0}})), ErrorCode::kUnsupported, "not in set 0");
-  expect_refused(module(with_buffers({{0, 0}}, 2)), ErrorCode::kUnsupported, "only storage buffers");
-  expect_refused(module(with_buffers({{0, 0}}, 0)), ErrorCode::kUnsupported, "only storage buffers");
+  expect_refused(module(with_buffers({{0, 0}}, 2)), ErrorCode::kUnsupported, "only storage and texel buffers");
+  expect_refused(module(with_buffers({{0, 0}}, 0)), ErrorCode::kUnsupported, "only storage and texel buffers");
   expect_refused(module({{59, 40, 50, 12}}), ErrorCode::kUnsupported, "without a binding");
 }
 
