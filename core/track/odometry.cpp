@@ -15,8 +15,8 @@ namespace hermite {
 namespace {
 
 constexpr std::uint32_t kMaxGroups = HERMITE_ODOMETRY_GROUPS;
-// Adding up a group's terms costs as much as several pixels of each of its threads.
-constexpr std::uint32_t kPixelsPerThread = 16;
+// Adding up a group's terms costs as much as several pixels of each of its threads. A processor has no use for more groups than that.
+std::uint32_t pixels_per_thread(const gpu::Device& device) { return device.info().kind == gpu::DeviceKind::kCpu ? 64 : 16; }
 constexpr int kTerms = HERMITE_ODOMETRY_TERMS;
 constexpr int kRotationTerms = HERMITE_ROTATION_TERMS;
 constexpr int kAgreementTerms = HERMITE_AGREEMENT_TERMS;
@@ -40,9 +40,9 @@ constexpr double kSearchReach = 3;
 constexpr std::size_t kSearchTries = 3;
 
 // Invocations that share so many pixels: whole workgroups.
-std::uint32_t threads_for(std::uint32_t pixel_count) {
-  constexpr std::uint32_t kPixelsPerGroup = kPixelsPerThread * HERMITE_ODOMETRY_GROUP_SIZE;
-  return HERMITE_ODOMETRY_GROUP_SIZE * std::clamp((pixel_count + kPixelsPerGroup - 1) / kPixelsPerGroup, 1u, kMaxGroups);
+std::uint32_t threads_for(std::uint32_t pixel_count, std::uint32_t pixels_per_thread) {
+  const std::uint32_t pixels_per_group = pixels_per_thread * HERMITE_ODOMETRY_GROUP_SIZE;
+  return HERMITE_ODOMETRY_GROUP_SIZE * std::clamp((pixel_count + pixels_per_group - 1) / pixels_per_group, 1u, kMaxGroups);
 }
 
 // Sums of all workgroups, in order.
@@ -95,6 +95,7 @@ struct Odometry::Sums {
 
 Odometry::Odometry(gpu::Device& device, const shared::Intrinsics& finest, const TrackOptions& options)
     : options_(options),
+      pixels_per_thread_(pixels_per_thread(device)),
       odometry_(device, "track/odometry"),
       rotation_(device, "track/rotation"),
       agreement_(device, "track/agreement"),
@@ -128,7 +129,7 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
                                       kGradientMin[l],
                                       static_cast<float>(options_.photometric_depth_gate_m),
                                       gates.search ? 2u : 0u};
-  const std::uint32_t threads = threads_for(from.camera.width * from.camera.height);
+  const std::uint32_t threads = threads_for(from.camera.width * from.camera.height, pixels_per_thread_);
   commands_.dispatch(odometry_, {threads}, params,
                      {from.depth_m, from.normals, from.curvatures, from.intensity, frame.gradients[l], to.depth_m, to.normals,
                       to.curvatures, to.weight, to.intensity, partial_sums_});
@@ -219,7 +220,7 @@ Agreement Odometry::agreement(const FrameMaps& frame, const SurfacePyramid& refe
   const SurfaceLevel& from = frame.surface.levels[kAgreementLevel];
   const SurfaceLevel& to = reference.levels[kAgreementLevel];
   const shared::AgreementParams params{to_shared(reference_from_camera), from.camera, to.camera, kTolerance_m, kToleranceGrowth_per_m};
-  const std::uint32_t threads = threads_for(from.camera.width * from.camera.height);
+  const std::uint32_t threads = threads_for(from.camera.width * from.camera.height, pixels_per_thread_);
   commands_.dispatch(agreement_, {threads}, params, {from.depth_m, from.intensity, to.depth_m, to.normals, to.intensity, partial_sums_});
   commands_.submit_and_wait();
   const auto sums = total<kAgreementTerms>(partial_sums_.mapped(), threads);
@@ -244,7 +245,7 @@ Eigen::Quaterniond Odometry::align_rotation(const FrameMaps& frame) {
   Eigen::Quaterniond current_from_previous = Eigen::Quaterniond::Identity();
   if (!has_previous_) return current_from_previous;
   const SurfaceLevel& image = frame.surface.levels[kRotationLevel];
-  const std::uint32_t threads = threads_for(image.camera.width * image.camera.height);
+  const std::uint32_t threads = threads_for(image.camera.width * image.camera.height, pixels_per_thread_);
   Eigen::Quaterniond best = current_from_previous;
   double best_error = 1e300;
   for (int i = 0; i < 10; ++i) {

@@ -60,6 +60,7 @@ class Odometry {
   OdometryResult refine(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, double reach);
 
   const TrackOptions options_;
+  const std::uint32_t pixels_per_thread_;
   gpu::Kernel odometry_, rotation_, agreement_;
   gpu::Commands commands_;
   gpu::Buffer<float> partial_sums_;

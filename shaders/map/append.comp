@@ -11,16 +11,14 @@ layout(local_size_x = 256) in;
 TEXELS(13, free_slots);
 layout(scalar, binding = 14) buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, binding = 15) writeonly buffer Changed { uint changed_frame[]; };
-shared uint is_new[256];
+#include "shaders/lib/new_in_tile.glsl"
 
 void main() {
   uint i = pixel_index();
   bool fresh = i != kOutside && candidates[i] == kNew;
-  is_new[gl_LocalInvocationID.x] = fresh ? 1u : 0u;
-  barrier();
+  share_new(fresh);
   if (!fresh) return;
-  uint rank = new_by_group[gl_WorkGroupID.x];
-  for (uint k = 0u; k < gl_LocalInvocationID.x; ++k) rank += is_new[k];
+  uint rank = new_by_group[gl_WorkGroupID.x] + new_before(gl_LocalInvocationID.x);
   ZoneSlots zone = state.zones[zone_of_tile(p.camera, gl_WorkGroupID.x)];
   rank -= zone.new_begin;
   uint slot = rank < zone.free_count ? uint_at(free_slots, zone.free_begin + rank) : state.slot_count + zone.fresh_begin + rank - zone.free_count;

@@ -15,7 +15,7 @@ layout(scalar, binding = 15) writeonly buffer Changed { uint changed_frame[]; };
 // A surfel belongs to one thread, which reads it before it writes.
 TEXELS(16, read_position_confidence);
 TEXELS(17, read_attributes);
-shared uint is_new[256];
+#include "shaders/lib/new_in_tile.glsl"
 
 void merge(uint slot, Measurement m) {
   vec4 surfel = vec4_at(read_position_confidence, slot);
@@ -47,20 +47,15 @@ void merge(uint slot, Measurement m) {
 
 void main() {
   uint i = pixel_index();
-  uint fresh = 0u;
+  bool fresh = false;
   if (i != kOutside) {
     uint cell = candidates[i];
     if (cell == kNew) {
-      fresh = 1u;
+      fresh = true;
     } else if (cell != kInvalid && (uint_at(claims, cell) & ((1u << kPixelBits) - 1u)) == i) {
       merge(uint_at(ids, cell), measure(i));
     }
   }
-  is_new[gl_LocalInvocationID.x] = fresh;
-  barrier();
-  if (gl_LocalInvocationID.x == 0u) {
-    uint sum = 0u;
-    for (uint k = 0u; k < 256u; ++k) sum += is_new[k];
-    new_by_group[gl_WorkGroupID.x] = sum;
-  }
+  share_new(fresh);
+  if (gl_LocalInvocationID.x == 0u) new_by_group[gl_WorkGroupID.x] = new_in_tile();
 }

@@ -111,15 +111,15 @@ uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
   return found;
 }
 
-void add_geometry(ivec2 centre, vec3 s, uint i) {
+// reference_z is the prediction's depth at the pixel `centre`, index j, that s falls into.
+void add_geometry(ivec2 centre, uint j, float reference_z, vec3 s, uint i) {
   vec3 normal = rotate(p.reference_from_camera, unpack_normal(uint_at(normals, i)));
-  uint j = uint(centre.y) * p.reference.width + uint(centre.x);
+  vec3 d = pixel_ray(p.reference, vec2(centre)) * reference_z;
   if (p.search_radius > 0u) {
     j = search(centre, s, normal, unpackHalf2x16(uint_at(curvatures, i)));
     if (j == kNone) return;
-    centre = ivec2(j % p.reference.width, j / p.reference.width);
+    d = reference_vertex(ivec2(j % p.reference.width, j / p.reference.width), j);
   }
-  vec3 d = reference_vertex(centre, j);
   vec3 n = unpack_normal(uint_at(reference_normals, j));
   if (!agree(s, normal, d, n)) return;
   float residual = dot(n, s - d), weight = p.geometric_weight * float_at(reference_weight, j);
@@ -132,7 +132,7 @@ void add_geometry(ivec2 centre, vec3 s, uint i) {
   geometric_error += vec2(residual * residual, 1.0);
 }
 
-void add_photometry(vec2 uv, vec3 s, uint i) {
+void add_photometry(vec2 uv, float reference_z, vec3 s, uint i) {
   vec2 g = unpackHalf2x16(uint_at(gradient, i));
   if (dot(g, g) < p.gradient_min * p.gradient_min) return;
   ivec2 q = ivec2(floor(uv));
@@ -142,9 +142,7 @@ void add_photometry(vec2 uv, vec3 s, uint i) {
   float i01 = float_at(reference_intensity, j + p.reference.width), i11 = float_at(reference_intensity, j + p.reference.width + 1u);
   if (min(min(i00, i10), min(i01, i11)) < 0.0) return;
   vec2 f = uv - vec2(q);
-  uint nearest = j + (f.x >= 0.5 ? 1u : 0u) + (f.y >= 0.5 ? p.reference.width : 0u);
-  float z = float_at(reference_depth_m, nearest);
-  if (z <= 0.0 || abs(z - s.z) > p.photometric_depth_gate_m) return;
+  if (reference_z <= 0.0 || abs(reference_z - s.z) > p.photometric_depth_gate_m) return;
   float residual = float_at(intensity, i) - mix(mix(i00, i10, f.x), mix(i01, i11, f.x), f.y);
   vec2 scaled = g * vec2(p.camera.fx, p.camera.fy) / s.z;
   vec3 a = -vec3(scaled, -dot(scaled, s.xy) / s.z);
@@ -164,8 +162,10 @@ void main() {
     vec2 uv = project(p.reference, s);
     ivec2 centre = ivec2(floor(uv + 0.5));
     if (!inside(p.reference, centre)) continue;
-    add_geometry(centre, s, i);
-    add_photometry(uv, s, i);
+    uint j = uint(centre.y) * p.reference.width + uint(centre.x);
+    float reference_z = float_at(reference_depth_m, j);
+    add_geometry(centre, j, reference_z, s, i);
+    add_photometry(uv, reference_z, s, i);
   }
   begin_terms();
   put_system(geometric);
