@@ -9,7 +9,7 @@
 #include "shaders/lib/kernels.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 TEXELS(0, depth_m);
-layout(scalar, binding = 1) writeonly buffer Kernels { uvec2 kernels[]; };  // depth and normal; 0 and kNoNormal where there is none
+layout(scalar, binding = 1) writeonly buffer Kernels { uvec4 kernels[]; };  // depth, normal, its z, inverse radius; zeros where there is none
 layout(scalar, push_constant) uniform Push { NormalParams p; };
 
 vec3 vertex_at(ivec2 pixel) {
@@ -32,6 +32,8 @@ void main() {
   vec3 normal = cross(difference(centre, pixel, ivec2(1, 0)), difference(centre, pixel, ivec2(0, 1)));
   float length_squared = dot(normal, normal);
   bool valid = centre.z > 0.0 && length_squared > 1e-20 && normal.z > 0.0;
+  uint packed_normal = pack_normal(normal * inversesqrt(length_squared));
+  float normal_z = unpack_normal(packed_normal).z, inverse_radius = 1.0 / support_radius(p.camera, p.radius_scale, centre.z, normal_z);
   kernels[kernel_index(p.camera, pixel)] =
-      valid ? uvec2(floatBitsToUint(centre.z), pack_normal(normal * inversesqrt(length_squared))) : uvec2(0u, kNoNormal);
+      valid ? uvec4(floatBitsToUint(centre.z), packed_normal, floatBitsToUint(normal_z), floatBitsToUint(inverse_radius)) : uvec4(0u);
 }

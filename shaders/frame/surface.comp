@@ -21,8 +21,9 @@ const uint kMinKernels = 16;  // reference notes 1.6
 
 struct Kernel {
   vec3 position, normal;
-  float radius;  // 0: there is none
+  float inverse_radius;  // kNoKernel: there is none
 };
+vec2 inverse_focal = 1.0 / vec2(p.camera.fx, p.camera.fy);
 
 // Of four points, one a component.
 struct Field {
@@ -40,18 +41,16 @@ struct Rays {
 
 // `first` is the index of the window's corner for the first pixel, `ray` belongs to its centre.
 Kernel kernel_at(int first, int dx, int dy, vec3 ray) {
-  uvec2 words = uvec2_at(kernels, uint(first + dy * kernel_stride(p.camera) + dx));
-  float z = uintBitsToFloat(words.x);
-  vec3 normal = unpack_normal(words.y);
-  vec3 position = z * (ray + vec3(float(dx - kRadius) / p.camera.fx, float(dy - kRadius) / p.camera.fy, 0.0));
-  return Kernel(position, normal, support_radius(p.camera, p.radius_scale, z, normal.z));
+  uvec4 words = uvec4_at(kernels, uint(first + dy * kernel_stride(p.camera) + dx));
+  vec3 position = uintBitsToFloat(words.x) * (ray + vec3(vec2(dx - kRadius, dy - kRadius) * inverse_focal, 0.0));
+  return Kernel(position, vec3(unpack_snorm(words.y), uintBitsToFloat(words.z)), inverse_radius_of(words.w));
 }
 
 // 1 where column dx of the first pixel's window is in the window of each pixel and the kernel lies on the same surface as its vertex.
 vec4 admits(int dx, Kernel k, Rays rays) {
   vec4 column = float(dx) - vec4(0.0, 1.0, 2.0, 3.0);
   vec4 near = vec4(lessThan(abs(k.position.z - rays.vertex_z), vec4(p.depth_gate_m)));
-  return step(0.0, column) * step(column, vec4(2.0 * kRadius)) * near * (k.radius > 0.0 ? 1.0 : 0.0);
+  return step(0.0, column) * step(column, vec4(2.0 * kRadius)) * near * (k.inverse_radius < kNoKernel ? 1.0 : 0.0);
 }
 
 // One weighted-plane step along the rays (reference notes 8.2.1): t = sum(w n.p) / sum(w n.d), w = s^3 / r^2.
@@ -63,9 +62,8 @@ vec4 step_to_surface(int first, Rays rays) {
     for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
       Kernel k = kernel_at(first, dx, dy, ray);
       vec4 vx = x - k.position.x, vy = y - k.position.y, vz = t - k.position.z;
-      float inverse_radius = 1.0 / max(k.radius, 1e-6);
-      vec4 s = max(1.0 - sqrt(vx * vx + vy * vy + vz * vz) * inverse_radius, 0.0);
-      vec4 w = s * s * s * (inverse_radius * inverse_radius) * admits(dx, k, rays);
+      vec4 s = max(1.0 - sqrt(vx * vx + vy * vy + vz * vz) * k.inverse_radius, 0.0);
+      vec4 w = s * s * s * (k.inverse_radius * k.inverse_radius) * admits(dx, k, rays);
       plane += w * dot(k.normal, k.position);
       slope += w * (k.normal.x * rays.x + (k.normal.y * rays.y + k.normal.z));
     }
@@ -83,9 +81,8 @@ Field evaluate(int first, Rays rays, vec4 t) {
       Kernel k = kernel_at(first, dx, dy, ray);
       vec3 n = k.normal;
       vec4 vx = x - k.position.x, vy = y - k.position.y, vz = t - k.position.z;
-      float inverse_radius = 1.0 / max(k.radius, 1e-6);
-      float weight = inverse_radius * inverse_radius;
-      vec4 rho = sqrt(vx * vx + vy * vy + vz * vz) * inverse_radius;
+      float weight = k.inverse_radius * k.inverse_radius;
+      vec4 rho = sqrt(vx * vx + vy * vy + vz * vz) * k.inverse_radius;
       vec4 supports = admits(dx, k, rays) * vec4(lessThan(rho, vec4(1.0)));
       f.count += supports;
       vec4 a = supports * (200.0 * weight);  // 20 C / r^2 with C = 10
@@ -165,6 +162,6 @@ void main() {
     ivec2 q = pixel + ivec2(i, 0);
     if (!inside(p.camera, q)) continue;
     write(q, z[i], vec3(f.gradient_x[i], f.gradient_y[i], f.gradient_z[i]), vec3(f.xx[i], f.yy[i], f.zz[i]),
-          vec3(f.xy[i], f.xz[i], f.yz[i]), f.count[i], unpack_normal(uvec2_at(kernels, centre + uint(i)).y));
+          vec3(f.xy[i], f.xz[i], f.yz[i]), f.count[i], unpack_normal(uvec4_at(kernels, centre + uint(i)).y));
   }
 }

@@ -30,8 +30,10 @@ vec3 unpack_unit(uint packed) {
 // Unit vectors with z >= 0, such as normals that point away from the camera: x and y as 2 x snorm16. One word keeps the maps small.
 const uint kNoNormal = 0x80008000u;  // (-1, -1) is no unit vector
 uint pack_normal(vec3 n) { return packSnorm2x16(n.xy); }
+// As unpackSnorm2x16 without its divisions and clamps.
+vec2 unpack_snorm(uint packed) { return vec2(ivec2(int(packed << 16) >> 16, int(packed) >> 16)) * (1.0 / 32767.0); }
 vec3 unpack_normal(uint packed) {
-  vec2 xy = unpackSnorm2x16(packed);
+  vec2 xy = unpack_snorm(packed);
   return vec3(xy, sqrt(max(0.0, 1.0 - dot(xy, xy))));
 }
 

@@ -29,15 +29,16 @@ const uint kNone = 0xffffffffu;
 
 struct Kernel {
   vec3 position, normal;
-  float radius;
+  float inverse_radius;  // kNoKernel: there is none
 };
+vec2 inverse_focal = 1.0 / vec2(p.camera.fx, p.camera.fy);
 
 // `first` is the index of the window's corner for the first pixel, `ray` belongs to its centre.
 Kernel kernel_at(int first, int dx, int dy, vec3 ray) {
   uvec4 words = uvec4_at(kernels, uint(first + dy * kernel_stride(p.camera) + dx));
-  vec2 offset = vec2(float(dx - kRadius), float(dy - kRadius)) + 0.5 * unpackSnorm2x16(words.y);
-  vec3 direction = ray + vec3(offset / vec2(p.camera.fx, p.camera.fy), 0.0);
-  return Kernel(uintBitsToFloat(words.x) * direction, unpack_normal(words.z), uintBitsToFloat(words.w));
+  vec2 offset = vec2(float(dx - kRadius), float(dy - kRadius)) + 0.5 * unpack_snorm(words.y);
+  vec3 direction = ray + vec3(offset * inverse_focal, 0.0);
+  return Kernel(uintBitsToFloat(words.x) * direction, unpack_normal(words.z), inverse_radius_of(words.w));
 }
 
 // Rays of the four pixels: (x, y, 1).
@@ -73,9 +74,8 @@ vec4 step_to_surface(int first, Rays rays, vec4 t, Normals4 mid, float share) {
     for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
       Kernel k = kernel_at(first, dx, dy, ray);
       vec4 vx = x - k.position.x, vy = y - k.position.y, vz = t - k.position.z;
-      float inverse_radius = k.radius > 0.0 ? 1.0 / k.radius : 1e6;
-      vec4 s = max(1.0 - sqrt(vx * vx + vy * vy + vz * vz) * inverse_radius, 0.0);
-      vec4 w = s * s * s * (inverse_radius * inverse_radius) * window_mask(dx);
+      vec4 s = max(1.0 - sqrt(vx * vx + vy * vy + vz * vz) * k.inverse_radius, 0.0);
+      vec4 w = s * s * s * (k.inverse_radius * k.inverse_radius) * window_mask(dx);
       vec4 mid_plane = mid.x * k.position.x + mid.y * k.position.y + mid.z * k.position.z;
       plane += w * mix(vec4(dot(k.normal, k.position)), mid_plane, share);
       slope += w * mix(k.normal.x * rays.x + (k.normal.y * rays.y + k.normal.z), mid_slope, share);
@@ -94,11 +94,10 @@ Field evaluate(int first, Rays rays, vec4 t) {
     for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
       Kernel k = kernel_at(first, dx, dy, ray);
       vec4 vx = x - k.position.x, vy = y - k.position.y, vz = t - k.position.z;
-      float inverse_radius = k.radius > 0.0 ? 1.0 / k.radius : 1e6;
-      float weight = inverse_radius * inverse_radius;
+      float weight = k.inverse_radius * k.inverse_radius;
       vec4 in_window = window_mask(dx);
       vec4 d2 = vx * vx + vy * vy + vz * vz;
-      vec4 rho = sqrt(d2) * inverse_radius;
+      vec4 rho = sqrt(d2) * k.inverse_radius;
       vec4 s = max(1.0 - rho, 0.0) * in_window;
       vec4 w = s * s * weight;
       vec4 along = w * (3.0 * weight) / max(rho, 1e-4) * (k.normal.x * vx + k.normal.y * vy + k.normal.z * vz);
@@ -107,7 +106,7 @@ Field evaluate(int first, Rays rays, vec4 t) {
       f.gradient.x += w * k.normal.x - along * vx;
       f.gradient.y += w * k.normal.y - along * vy;
       f.gradient.z += w * k.normal.z - along * vz;
-      bvec4 closer = lessThan(mix(vec4(1e9), d2, bvec4(uvec4(in_window) * uint(k.radius > 0.0))), f.nearest);
+      bvec4 closer = lessThan(mix(vec4(1e9), d2, bvec4(uvec4(in_window) * uint(k.inverse_radius < kNoKernel))), f.nearest);
       f.nearest = mix(f.nearest, d2, closer);
       f.nearest_cell = mix(f.nearest_cell, uvec4(dx | (dy << 8)), closer);
     }
@@ -164,11 +163,11 @@ float intersect_disc(int first, vec3 ray, out vec3 normal, out uint cell) {
     for (int dx = 0; dx <= 2 * kRadius; ++dx) {
       Kernel k = kernel_at(first, dx, dy, ray);
       float slope = dot(k.normal, ray);
-      if (k.radius <= 0.0 || slope <= 0.1) continue;
+      if (k.inverse_radius >= kNoKernel || slope <= 0.1) continue;
       float candidate = dot(k.normal, k.position) / slope;
       vec3 v = candidate * ray - k.position;
       // The support of a kernel spans 2.5 pixel diagonals, a splat one.
-      if (candidate < t && dot(v, v) < 0.16 * k.radius * k.radius) {
+      if (candidate < t && dot(v, v) * (k.inverse_radius * k.inverse_radius) < 0.16) {
         t = candidate;
         normal = k.normal;
         cell = uint(dx | (dy << 8));

@@ -21,11 +21,12 @@ struct BilateralParams {
 struct NormalParams {
   Intrinsics camera;
   float depth_gate_m;    // neighbours further apart in depth lie on another surface
+  float radius_scale;    // support radius in pixel diagonals of a frontal surface
 };
 
 struct SurfaceParams {
   Intrinsics camera;
-  float radius_scale;          // support radius in pixel diagonals of a frontal surface
+  float radius_scale;          // as above
   float depth_gate_m;
   float confidence_epsilon;    // paper Eq. 5, in units of sqrt(|gradient|)
   float curvature_limit_per_m; // beyond it a curvature says nothing

@@ -148,14 +148,22 @@ TEST_F(PreprocessTest, TheFilterKeepsAStep) {
     ASSERT_NEAR(static_cast<double>(filtered[i]), depth.pixels[i] / 5000.0, kDepthLoss_m) << i;
 }
 
-// Of the kernels, without their margins.
+// Of the kernels, without their margins; zero where there is none.
 std::vector<Vector3d> first_normals(const FrameMaps& maps) {
   const std::size_t width = maps.camera().width, height = maps.camera().height, margin = HERMITE_KERNEL_MARGIN;
-  const std::vector<shared::uvec2> kernels = maps.kernels.download();
+  const std::vector<shared::uvec4> kernels = maps.kernels.download();
   std::vector<shared::uint> packed;
+  std::vector<bool> is_kernel;
   for (std::size_t y = 0; y < height; ++y)
-    for (std::size_t x = 0; x < width; ++x) packed.push_back(kernels[(y + margin) * (width + 2 * margin + 3) + x + margin].y);
-  return test::unpack_normals(packed);
+    for (std::size_t x = 0; x < width; ++x) {
+      const shared::uvec4& kernel = kernels[(y + margin) * (width + 2 * margin + 3) + x + margin];
+      packed.push_back(kernel.y);
+      is_kernel.push_back(kernel.w != 0);
+    }
+  std::vector<Vector3d> normals = test::unpack_normals(packed);
+  for (std::size_t i = 0; i < normals.size(); ++i)
+    if (!is_kernel[i]) normals[i].setZero();
+  return normals;
 }
 
 TEST_F(PreprocessTest, FirstNormalsAgreeWithTheirTwin) {
