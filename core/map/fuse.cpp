@@ -19,11 +19,13 @@ Fuser::Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOpt
       merge_(device, "map/merge"),
       scan_(device, "map/scan"),
       append_(device, "map/append"),
+      index_times_(device, "map/index_times"),
       clean_(device, "map/clean"),
       count_free_(device, "map/count_free"),
       free_list_(device, "map/free_list"),
       candidates_(device, static_cast<std::size_t>(camera.width) * camera.height, "fusion"),
       claims_(device, static_cast<std::size_t>(camera.width) * camera.height, "fusion"),
+      seen_(device, static_cast<std::size_t>(camera.width) * camera.height, "fusion"),
       new_by_tile_(device, tile_count(camera), "fusion") {}
 
 void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, FusedFrame fused) {
@@ -59,13 +61,15 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
 
 void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, const shared::Intrinsics& camera, FusedFrame fused) {
   const shared::FreeListParams listed{fused.number, fused.submap};
+  const shared::uint pixels = camera.width * camera.height;
+  commands.dispatch(index_times_, {pixels}, pixels, {stable.slots(), stable.depth_bits(), store.times, seen_});
   commands.dispatch_indirect(
       clean_, {store.visible_blocks, 3},
       shared::CleanParams{camera, fused.number, static_cast<float>(options_.stable_confidence),
                           static_cast<shared::uint>(options_.max_unstable_age_frames), static_cast<float>(options_.redundancy_depth_m),
                           static_cast<float>(curvature_limit_per_m_)},
-      {store.positions, store.attributes, store.times, store.camera_from_submap, stable.slots(), stable.depth_bits(), store.state,
-       store.visible_blocks, store.bounds, store.positions});
+      {store.positions, store.attributes, store.times, store.camera_from_submap, seen_, store.state, store.visible_blocks, store.bounds,
+       store.positions});
   commands.dispatch_indirect(count_free_, {store.visible_blocks}, listed,
                              {store.positions, store.group_counts, store.state, store.visible_blocks, store.bounds});
   commands.dispatch(scan_, {128}, shared::ScanParams{camera, 0}, {store.group_counts, store.state, store.visible_blocks});

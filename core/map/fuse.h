@@ -33,9 +33,10 @@ class Fuser {
  private:
   const MapOptions options_;
   const double curvature_limit_per_m_, radius_scale_;
-  gpu::Kernel associate_, merge_, scan_, append_, clean_, count_free_, free_list_;
+  gpu::Kernel associate_, merge_, scan_, append_, index_times_, clean_, count_free_, free_list_;
   gpu::Buffer<shared::uint> candidates_;  // by pixel
   gpu::Buffer<shared::uint> claims_;      // by pixel of the index map
+  gpu::Buffer<shared::uvec4> seen_;       // by pixel of the index map of stable surfels
   gpu::Buffer<shared::uint> new_by_tile_;
 };
 

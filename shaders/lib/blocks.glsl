@@ -35,10 +35,9 @@ uint ordered(float value) {
 }
 float unordered(uint key) { return uintBitsToFloat((key & 0x80000000u) != 0u ? key & 0x7fffffffu : ~key); }
 
-float reach(uint direction, vec4 position_submap) {
-  float value = position_submap[direction < 6u ? direction % 3u : 3u];
-  return (direction < 3u || direction == 6u) ? value : -value;
-}
+uint coordinate_of(uint direction) { return direction < 6u ? direction % 3u : 3u; }
+float sign_of(uint direction) { return direction < 3u || direction == 6u ? 1.0 : -1.0; }
+float reach(uint direction, vec4 position_submap) { return sign_of(direction) * position_submap[coordinate_of(direction)]; }
 
 // Whose surfels does the block hold? Of several submaps or none, as its bounds may say until they are brought up to date: kNoSubmap.
 const uint kNoSubmap = 0xffffffffu;

@@ -17,22 +17,20 @@ layout(scalar, binding = 0) writeonly buffer Positions { vec4 position_confidenc
 TEXELS(1, attributes);
 TEXELS(2, times);  // of a slot: created, observed
 TEXELS(3, camera_from_submap);
-TEXELS(4, stable_ids);
-TEXELS(5, stable_depth_bits);
-layout(scalar, binding = 6) buffer State { MapState state; };
-TEXELS(7, visible_blocks);
-layout(scalar, binding = 8) writeonly buffer Bounds { BlockBounds bounds[]; };
-TEXELS(9, read_position_confidence);  // its own thread alone writes a surfel
+TEXELS(4, seen);  // by pixel of the index map of stable surfels: see map/index_times
+layout(scalar, binding = 5) buffer State { MapState state; };
+TEXELS(6, visible_blocks);
+layout(scalar, binding = 7) writeonly buffer Bounds { BlockBounds bounds[]; };
+TEXELS(8, read_position_confidence);  // its own thread alone writes a surfel
 layout(scalar, push_constant) uniform Push { CleanParams p; };
-shared uint is_alive[kBlock];
-shared vec4 position_submap[kBlock];
+const float kDead = 1e30;  // no coordinate
+shared float position_submap[4u * kBlock];  // by coordinate, the submap last
 
 bool doubled(uint slot, ivec2 pixel, float z, SurfelAttributes a, uint created) {
-  uint cell = uint(pixel.y) * p.camera.width + uint(pixel.x);
-  uint shown = uint_at(stable_ids, cell);
-  if (shown == 0xffffffffu || shown == slot || z - float_at(stable_depth_bits, cell) > p.redundancy_depth_m) return false;
-  SurfelAttributes b = attributes_at(attributes, shown);
-  return surfel_submap(b) != surfel_submap(a) && uvec2_at(times, shown).x < created && surfel_radius(b) <= 1.5 * surfel_radius(a);
+  uvec4 shown = uvec4_at(seen, uint(pixel.y) * p.camera.width + uint(pixel.x));
+  if (shown.x == 0xffffffffu || shown.x == slot || z - uintBitsToFloat(shown.y) > p.redundancy_depth_m) return false;
+  SurfelAttributes b = attributes_at(attributes, shown.x);
+  return surfel_submap(b) != surfel_submap(a) && shown.z < created && surfel_radius(b) <= 1.5 * surfel_radius(a);
 }
 
 bool contradicted(uint slot, vec4 surfel) {
@@ -51,18 +49,15 @@ bool contradicted(uint slot, vec4 surfel) {
     for (int dx = -2; dx <= 2; ++dx) {
       ivec2 q = pixel + ivec2(dx, dy);
       if (!inside(p.camera, q)) continue;
-      uint cell = uint(q.y) * p.camera.width + uint(q.x);
-      uint other = uint_at(stable_ids, cell);
-      if (other == 0xffffffffu || other == slot) continue;
+      uvec4 other = uvec4_at(seen, uint(q.y) * p.camera.width + uint(q.x));
+      if (other.x == 0xffffffffu || other.x == slot) continue;
       ++neighbours;
-      float gap = float_at(stable_depth_bits, cell) - point.z;
+      float gap = uintBitsToFloat(other.y) - point.z;
       vec2 lateral = vec2(dx, dy) * point.z / vec2(p.camera.fx, p.camera.fy);
       bool far_behind = gap >= p.redundancy_depth_m;
       bool just_behind = gap > 0.0 && !far_behind && dot(lateral, lateral) < 1.96 * radius * radius;
-      uvec2 created_observed = uvec2_at(times, other);
-      uint time = far_behind ? created_observed.y : created_observed.x;
-      redundant += just_behind && time < created ? 1 : 0;
-      seen_through += far_behind && time == p.frame_number && normal_z > 0.85 ? 1 : 0;
+      redundant += just_behind && other.z < created ? 1 : 0;
+      seen_through += far_behind && other.w == p.frame_number && normal_z > 0.85 ? 1 : 0;
     }
   }
   if (visible && doubled(slot, pixel, point.z, a, created)) return true;
@@ -80,9 +75,10 @@ void write_bounds(uint block) {
   uint direction = gl_LocalInvocationID.x;
   if (direction >= 8u) return;
   uint farthest = 0u;
-  for (uint i = 0u; i < kBlock; ++i) {
-    uint key = ordered(reach(direction, position_submap[i]));
-    farthest = is_alive[i] != 0u ? max(farthest, key) : farthest;
+  uint first = kBlock * coordinate_of(direction);
+  for (uint i = first; i < first + kBlock; ++i) {
+    float value = position_submap[i];
+    farthest = value != kDead ? max(farthest, ordered(sign_of(direction) * value)) : farthest;
   }
   bounds[block].reach[direction] = farthest;
 }
@@ -99,8 +95,8 @@ void main() {
     position_confidence[slot].w = -1.0;
     atomicAdd(state.freed_count, 1u);
   }
-  is_alive[lane] = alive ? 1u : 0u;
-  position_submap[lane] = vec4(surfel.xyz, exists ? float(surfel_submap(attributes_at(attributes, slot))) : 0.0);
+  for (uint i = 0u; i < 3u; ++i) position_submap[kBlock * i + lane] = alive ? surfel[i] : kDead;
+  position_submap[kBlock * 3u + lane] = alive ? float(surfel_submap(attributes_at(attributes, slot))) : kDead;
   barrier();
   write_bounds(block);
 }
