@@ -20,6 +20,7 @@ constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 constexpr std::uint32_t kMinPushConstantBytes = 128;
 constexpr std::uint32_t kMinSharedMemoryBytes = 32 * 1024;
 constexpr std::uint32_t kMinInvocations = 256;
+constexpr std::uint32_t kMinTexels = 1u << 22;  // the pixels of the largest frames, surfels of a room
 
 template <class T, class Enumerate>
 std::vector<T> enumerate(Enumerate&& call) {
@@ -115,6 +116,7 @@ std::string why_unsuitable(VkPhysicalDevice device, const VkPhysicalDeviceProper
   if (limits.maxComputeSharedMemorySize < kMinSharedMemoryBytes) return "less than 32 KiB of shared memory";
   if (limits.maxComputeWorkGroupInvocations < kMinInvocations || limits.maxComputeWorkGroupSize[0] < kMinInvocations)
     return "work groups of fewer than 256 invocations";
+  if (limits.maxTexelBufferElements < kMinTexels) return "texel buffers of fewer than 4194304 texels";
   return {};
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 
 #include "core/gpu/transfer.h"
@@ -39,6 +41,38 @@ TEST_F(CommandsTest, EveryInvocationOfAnOddGridRunsOnce) {
   const std::vector<std::uint32_t> result = target.download();
   for (std::uint32_t i = 0; i < values.size(); ++i) EXPECT_EQ(result[i], 3 * values[i] + 7) << i;
   for (std::size_t i = values.size(); i < result.size(); ++i) EXPECT_EQ(result[i], 0u) << "written outside the grid";
+}
+
+TEST_F(CommandsTest, TexelsAreTheWordsOfAnElement) {
+  constexpr std::uint32_t kCount = 5, kWords = 16;
+  std::uint32_t next = 0x7f800001u;  // as floats signalling NaNs: no word may be touched on its way
+  const auto words = [&next] { return next++; };
+  std::vector<std::uint16_t> halves(2 * kCount);
+  for (std::size_t i = 0; i < halves.size(); ++i) halves[i] = static_cast<std::uint16_t>(0x8000 + i);
+  std::vector<std::uint32_t> single(kCount);
+  std::vector<std::array<std::uint32_t, 2>> pairs(kCount);
+  std::vector<std::array<std::uint32_t, 12>> transforms(kCount);
+  std::generate(single.begin(), single.end(), words);
+  for (auto& pair : pairs) std::generate(pair.begin(), pair.end(), words);
+  for (auto& transform : transforms) std::generate(transform.begin(), transform.end(), words);
+  Buffer<std::uint16_t> a(device, halves.size(), "halves");
+  Buffer<std::uint32_t> b(device, kCount, "words"), target(device, kCount * kWords, "target");
+  Buffer<std::array<std::uint32_t, 2>> c(device, kCount, "pairs");
+  Buffer<std::array<std::uint32_t, 12>> d(device, kCount, "transforms");
+  a.upload(halves);
+  b.upload(single);
+  c.upload(pairs);
+  d.upload(transforms);
+  const Kernel kernel(device, "test/texels");
+  Commands commands(device);
+  commands.dispatch(kernel, {kCount}, {a, b, c, d, target});
+  commands.submit_and_wait();
+  const std::vector<std::uint32_t> result = target.download();
+  for (std::uint32_t i = 0; i < kCount; ++i) {
+    std::vector<std::uint32_t> expected = {halves[2 * i] | std::uint32_t{halves[2 * i + 1]} << 16, single[i], pairs[i][0], pairs[i][1]};
+    expected.insert(expected.end(), transforms[i].begin(), transforms[i].end());
+    EXPECT_EQ(std::vector<std::uint32_t>(result.begin() + i * kWords, result.begin() + (i + 1) * kWords), expected) << i;
+  }
 }
 
 TEST_F(CommandsTest, EachCommandSeesTheOnesBefore) {

@@ -71,6 +71,13 @@ TEST(ReadInterface, SizesMatricesArraysAndStructs) {
   EXPECT_THAT(shader->local_size, testing::ElementsAre(4, 3, 2));
 }
 
+TEST(ReadInterface, TellsTexelsFromStorage) {
+  const Result<ShaderInterface> shader = read_interface(embedded("test/texels"));
+  ASSERT_TRUE(shader.ok()) << shader.error().message;
+  EXPECT_THAT(shader->bindings,
+              testing::ElementsAre(Binding::kTexels, Binding::kTexels, Binding::kTexels, Binding::kTexels, Binding::kStorage));
+}
+
 TEST(ReadInterface, NoPushConstants) {
   const Result<ShaderInterface> shader = read_interface(embedded("test/count"));
   ASSERT_TRUE(shader.ok());
@@ -112,6 +119,24 @@ TEST(ReadInterface, RefusesWhatTheDispatchCannotBind) {
   expect_refused(module(with_buffers({{0, 0}}, 2)), ErrorCode::kUnsupported, "only storage and texel buffers");
   expect_refused(module(with_buffers({{0, 0}}, 0)), ErrorCode::kUnsupported, "only storage and texel buffers");
   expect_refused(module({{59, 40, 50, 12}}), ErrorCode::kUnsupported, "without a binding");
+  // OpTypeInt 10, OpTypeImage 11 of dimension and use, OpTypeSampledImage 12, OpTypePointer 40 UniformConstant.
+  const auto sampled = [](std::uint32_t dimension, std::uint32_t use) {
+    return std::vector<Words>{{21, 10, 32, 0}, {25, 11, 10, dimension, 0, 0, 0, use, 0}, {27, 12, 11}, {32, 40, 0, 12}};
+  };
+  const auto with = [](std::vector<Words> types, const std::vector<Words>& variables) {
+    types.insert(types.end(), variables.begin(), variables.end());
+    return module(types);
+  };
+  EXPECT_THAT(read_interface(with(sampled(5, 1), with_buffers({{0, 0}}, 0)))->bindings, testing::ElementsAre(Binding::kTexels));
+  expect_refused(with(sampled(1, 1), with_buffers({{0, 0}}, 0)), ErrorCode::kUnsupported, "no uniforms or images");
+  expect_refused(with(sampled(5, 2), with_buffers({{0, 0}}, 0)), ErrorCode::kUnsupported, "no uniforms or images");
+  std::vector<Words> both = with_buffers({{0, 0}}, 0);
+  for (Words word : with_buffers({{0, 0}}, 12)) {
+    if (word[0] == 71) word[1] = 60;  // another variable on the same binding
+    if (word[0] == 59) word[2] = 60;
+    both.push_back(word);
+  }
+  expect_refused(with(sampled(5, 1), both), ErrorCode::kUnsupported, "a storage and a texel buffer");
 }
 
 TEST(ReadInterface, RefusesOtherEntryPoints) {
