@@ -50,6 +50,10 @@ std::vector<PassCost> pass_costs(const Options& options) {
       by_pixel("track/odometry", 10, 345),
       by_pixel("track/rotation", 2, 95),
       by_pixel("track/agreement", 5, 75),
+      // Slot, depth and times; the four words of them.
+      {"map/index_times", 2 * kWord + kTimes + 4 * kWord, 0},
+      // Its slot, the surfel there; the kernel.
+      {"map/kernels", kWord + kPosition + kAttributes + 4 * kWord, 75},
       // Its slot, the surfel there; the cell.
       {"map/index_surfel", kWord + kPosition + kAttributes + 2 * kWord, 70},
       // The pixel's measurement, its cell of the index map; candidate and claim.
@@ -57,8 +61,8 @@ std::vector<PassCost> pass_costs(const Options& options) {
       // Candidate, claim, cell, the measurement, the surfel read and written.
       {"map/merge", 3 * kWord + 6 * kWord + 2 * (kPosition + kAttributes) + kTimes, 150},
       {"map/append", kWord, 0},
-      // Four pixels: cell, surfel, the pixel of the prediction.
-      {"map/predict", 4 * (kWord + kPosition + kAttributes + surface_pixel), predict_flops(options.map)},
+      // Four pixels: kernel, slot, surfel, the pixel of the prediction.
+      {"map/predict", 4 * (4 * kWord + kWord + kPosition + kAttributes + surface_pixel), predict_flops(options.map)},
       {"(fill)", 0, 0, 1, 0},
       {"(copy)", 0, 0, 1, 0},
   };
