@@ -39,7 +39,7 @@ class Commands {
   Commands& operator=(const Commands&) = delete;
 
   // `buffers` in binding order. CHECK: as many as the shader binds, and sizeof(Params) is the shader's push-constant size (rounded up to
-  // 4). Throws DeviceError when the device has no grid this large, or is lost.
+  // 4). Throws DeviceError when the device has no grid this large or no texel buffer as large as one that is read so, or is lost.
   template <class Params>
   void dispatch(const Kernel& kernel, Threads threads, const Params& params, std::initializer_list<BufferRef> buffers) {
     static_assert(std::is_trivially_copyable_v<Params> && sizeof(Params) % 4 == 0);
