@@ -74,10 +74,12 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
                               static_cast<float>(options_.noise_floor_m), static_cast<float>(options_.noise_growth_per_m),
                               static_cast<float>(options_.bilateral_noise_sigmas)},
       {units_, maps_.raw_depth_m, maps_.filtered_depth_m});
-  commands.dispatch(normals_, image, shared::NormalParams{camera, 0.5f * depth_gate_m, static_cast<float>(options_.support_radius_scale)}, {maps_.filtered_depth_m, maps_.kernels});
+  const auto radius_scale = static_cast<float>(options_.support_radius_scale);
+  commands.dispatch(normals_, image, shared::NormalParams{camera, 0.5f * depth_gate_m, radius_scale},
+                    {maps_.filtered_depth_m, maps_.kernels});
   commands.dispatch(
       surface_, {(camera.width + 3) / 4, camera.height},  // four pixels an invocation
-      shared::SurfaceParams{camera, static_cast<float>(options_.support_radius_scale), depth_gate_m,
+      shared::SurfaceParams{camera, radius_scale, depth_gate_m,
                             static_cast<float>(options_.confidence_epsilon * static_cast<double>(camera.fx) / kKinectFocalLength_px),
                             static_cast<float>(options_.curvature_limit_per_m), options_.hrbf_confidence ? 1u : 0u,
                             options_.project_to_surface ? 1u : 0u},

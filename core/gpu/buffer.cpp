@@ -87,9 +87,9 @@ void RawBuffer::make_texels(std::size_t element_bytes) {
   VkBufferViewCreateInfo create{};
   create.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO;
   create.buffer = buffer_;
-  create.format = texel_bytes == 16  ? VK_FORMAT_R32G32B32A32_UINT
-                  : texel_bytes == 8 ? VK_FORMAT_R32G32_UINT
-                                     : VK_FORMAT_R32_UINT;
+  create.format = VK_FORMAT_R32_UINT;
+  if (texel_bytes == 8) create.format = VK_FORMAT_R32G32_UINT;
+  if (texel_bytes == 16) create.format = VK_FORMAT_R32G32B32A32_UINT;
   create.range = allocated_bytes_ / texel_bytes * texel_bytes;
   throw_if_failed(vkCreateBufferView(device_->vk(), &create, nullptr, &texels_), "make a view of a buffer");
 }

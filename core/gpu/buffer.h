@@ -1,5 +1,5 @@
-// Arrays in GPU memory, zero when made. A shader binds one as a storage buffer, or, only to read it, as a texel buffer: a texel is as wide as
-// the array's elements, or as the widest of 4, 8 and 16 bytes that divides them.
+// Arrays in GPU memory, zero when made. A shader binds one as a storage buffer, or, only to read it, as a texel buffer: a texel is as wide
+// as the array's elements, or as the widest of 4, 8 and 16 bytes that divides them.
 //
 // Host access is immediate: it does not wait for commands that are recorded but not yet submitted, and these will see what it wrote.
 // A buffer must die before its device and must not be used by commands after it is gone. Moving is cheap; a moved-from buffer is empty.
@@ -30,7 +30,7 @@ enum class Memory {
 struct BufferRef {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize bytes = 0;
-  VkBufferView texels = VK_NULL_HANDLE;  // none where the device's texel buffers hold fewer
+  VkBufferView texels = VK_NULL_HANDLE;  // none where no texel is whole, or the device's texel buffers hold fewer
 };
 
 class RawBuffer {

@@ -88,7 +88,7 @@ void Commands::push_buffers(const Kernel& kernel, std::initializer_list<BufferRe
     const Binding kind = kernel.bindings()[count];
     if (kind == Binding::kTexels && buffer.texels == VK_NULL_HANDLE)
       throw DeviceError(kernel.name() + ": buffer " + std::to_string(count) + " of " + std::to_string(buffer.bytes) +
-                        " bytes is read as texels, of which the device's buffers hold " +
+                        " bytes cannot be read as texels: none is whole, or they are more than the device's " +
                         std::to_string(device_.limits().maxTexelBufferElements));
     infos[count] = {buffer.buffer, 0, buffer.bytes};
     VkWriteDescriptorSet& write = writes[count];

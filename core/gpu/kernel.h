@@ -15,7 +15,7 @@
 
 namespace hermite::gpu {
 
-VkDescriptorType descriptor_type(Binding kind);
+VkDescriptorType descriptor_type(Binding kind);  // of a pipeline's layout and of what is bound to it
 
 // Owns a compute pipeline; movable; must die before its device. Immutable, so any number of Commands may dispatch it.
 class Kernel {

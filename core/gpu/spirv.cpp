@@ -254,7 +254,8 @@ Result<Binding> Reader::kind_of(const Variable& variable) const {
 Status Reader::read_bindings(ShaderInterface& shader) const {
   std::map<std::uint32_t, Binding> bindings;
   for (const Variable& variable : variables_) {
-    if (variable.storage_class != kUniform && variable.storage_class != kUniformConstant && variable.storage_class != kStorageBuffer) continue;
+    if (variable.storage_class != kUniform && variable.storage_class != kUniformConstant && variable.storage_class != kStorageBuffer)
+      continue;
     const Result<Binding> kind = kind_of(variable);
     if (!kind.ok()) return kind.error();
     const auto set = decoration(variable.id, kDescriptorSet), binding = decoration(variable.id, kBinding);

@@ -20,8 +20,8 @@ struct ShaderInterface {
   std::array<std::optional<std::uint32_t>, 3> local_size_constant;  // the constant_id that replaces it when specialised
 };
 
-// kCorruptData for words that are no SPIR-V module; kUnsupported, in words, for anything but one compute entry point with storage and
-// (read-only) texel buffers at set 0, numbered without a gap, and push constants of scalars, vectors, matrices, arrays and structs. Pure; any words are safe.
+// kCorruptData for words that are no SPIR-V module; kUnsupported, in words, for anything but one compute entry point with storage and texel
+// buffers at set 0, numbered without a gap, and push constants of scalars, vectors, matrices, arrays and structs. Pure; any words are safe.
 Result<ShaderInterface> read_interface(std::span<const std::uint32_t> words);
 
 }  // namespace hermite::gpu

@@ -35,8 +35,8 @@ void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const Ind
                     shared::PredictParams{out.camera, lambda_per_m, confidence_scale, static_cast<shared::uint>(options_.min_support),
                                           static_cast<shared::uint>(options_.max_iterations), options_.correct_bias ? 1u : 0u,
                                           options_.hrbf_prediction ? 1u : 0u},
-                    {store.positions, store.attributes, kernels_, stable.slots(), out.depth_m, out.normals, out.curvatures,
-                     out.weight, out.intensity, covered_pixel_count_});
+                    {store.positions, store.attributes, kernels_, stable.slots(), out.depth_m, out.normals, out.curvatures, out.weight,
+                     out.intensity, covered_pixel_count_});
   if (fill_in == FillIn::kNothing) return;
   commands.dispatch(fill_in_, {pixels},
                     shared::FillInParams{pixels, lambda_per_m, confidence_scale,

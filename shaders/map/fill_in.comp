@@ -27,7 +27,7 @@ void main() {
   depth_m[i] = float_at(frame_depth_m, i);
   normals[i] = uint_at(frame_normals, i);
   curvatures[i] = uint_at(frame_curvatures, i);
-  weight[i] = tracking_weight(unpackHalf2x16(uint_at(frame_curvatures, i)), float_at(frame_confidence, i) * p.confidence_scale, p.curvature_lambda_per_m,
-                              float_at(frame_depth_m, i));
+  weight[i] = tracking_weight(unpackHalf2x16(uint_at(frame_curvatures, i)), float_at(frame_confidence, i) * p.confidence_scale,
+                              p.curvature_lambda_per_m, float_at(frame_depth_m, i));
   intensity[i] = p.with_color != 0u ? float_at(frame_intensity, i) : -1.0;
 }

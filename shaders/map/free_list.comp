@@ -21,7 +21,8 @@ const uint kRows = gl_WorkGroupSize.x, kRow = kBlock / kRows;
 shared uint free_in_row[kRows];
 
 void main() {
-  uint group = gl_WorkGroupID.x, row = gl_LocalInvocationID.x, entry = listed_block(visible_blocks, group), block = block_of(entry), first = block * kBlock + row * kRow;
+  uint group = gl_WorkGroupID.x, row = gl_LocalInvocationID.x;
+  uint entry = listed_block(visible_blocks, group), block = block_of(entry), first = block * kBlock + row * kRow;
   uint end = min(first + kRow, state.slot_count);
   uint is_free = 0u, just_freed = 0u;  // bit i: the row's slot i
   for (uint slot = first; slot < end; ++slot) {

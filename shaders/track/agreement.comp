@@ -24,7 +24,8 @@ vec2 changes(uvec2 frame_pixel, ivec2 pixel) {
   ivec2 f = ivec2(frame_pixel), right = ivec2(1, 0), down = ivec2(0, 1);
   if (!inside(p.camera, f + 1) || !inside(p.reference, pixel + 1)) return vec2(0.0);
   float known = float_at(reference_intensity, at(p.reference, pixel));
-  float known_right = float_at(reference_intensity, at(p.reference, pixel + right)), known_down = float_at(reference_intensity, at(p.reference, pixel + down));
+  float known_right = float_at(reference_intensity, at(p.reference, pixel + right));
+  float known_down = float_at(reference_intensity, at(p.reference, pixel + down));
   if (min(min(known, known_right), known_down) < 0.0) return vec2(0.0);
   float seen = float_at(intensity, at(p.camera, f));
   return vec2(abs(float_at(intensity, at(p.camera, f + right)) - seen) + abs(float_at(intensity, at(p.camera, f + down)) - seen),

@@ -20,11 +20,9 @@ bool has_neighbours(ivec2 pixel) {
   return pixel.x >= 1 && pixel.y >= 1 && pixel.x + 2 < int(p.previous.width) && pixel.y + 2 < int(p.previous.height);
 }
 uint at(ivec2 pixel) { return uint(pixel.y) * p.previous.width + uint(pixel.x); }
-vec2 slope_previous(uint i) {
-  return 0.5 * vec2(float_at(previous, i + 1u) - float_at(previous, i - 1u), float_at(previous, i + p.previous.width) - float_at(previous, i - p.previous.width));
-}
-vec2 slope_current(uint i) {
-  return 0.5 * vec2(float_at(current, i + 1u) - float_at(current, i - 1u), float_at(current, i + p.previous.width) - float_at(current, i - p.previous.width));
+vec2 slope(usamplerBuffer image, uint i) {
+  return 0.5 * vec2(float_at(image, i + 1u) - float_at(image, i - 1u),
+                    float_at(image, i + p.previous.width) - float_at(image, i - p.previous.width));
 }
 
 void main() {
@@ -41,9 +39,11 @@ void main() {
     if (!has_neighbours(y)) continue;
     vec2 f = uv - vec2(y);
     uint j = at(y);
-    float value = mix(mix(float_at(current, j), float_at(current, j + 1u), f.x), mix(float_at(current, j + p.previous.width), float_at(current, j + p.previous.width + 1u), f.x), f.y);
+    uint below = j + p.previous.width;
+    float value = mix(mix(float_at(current, j), float_at(current, j + 1u), f.x),
+                      mix(float_at(current, below), float_at(current, below + 1u), f.x), f.y);
     float residual = value - float_at(previous, i);
-    vec2 g = 0.5 * (slope_previous(i) + slope_current(at(ivec2(floor(uv + 0.5)))));
+    vec2 g = 0.5 * (slope(previous, i) + slope(current, at(ivec2(floor(uv + 0.5)))));
     vec2 scaled = g * vec2(p.current.fx, p.current.fy) / q.z;
     vec3 a = vec3(scaled, -dot(scaled, q.xy) / q.z);
     vec3 row = cross(q, a);

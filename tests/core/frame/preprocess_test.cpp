@@ -205,8 +205,7 @@ TEST_F(PreprocessTest, ALonelyPixelHasNoNormal) {
   RgbdFrame frame = test::grey_frame(DepthImage(kOdd.width, kOdd.height));
   frame.depth.at(20, 20) = 5000;
   frame.depth.at(30, 20) = frame.depth.at(31, 20) = 5000;  // no extent in y
-  for (const Vector3d& normal : first_normals(run(kOdd, FrameOptions{}, frame)))
-    ASSERT_TRUE(normal.isZero());
+  for (const Vector3d& normal : first_normals(run(kOdd, FrameOptions{}, frame))) ASSERT_TRUE(normal.isZero());
 }
 
 // Curvature is a difference of large sums: floats keep three or four of its digits, halves three.
@@ -238,8 +237,7 @@ TEST_F(PreprocessTest, TheSurfaceAgreesWithItsTwin) {
       const FrameMaps& maps = run(kOdd, options, colourful_frame(kOdd, 3));
       const SurfaceImage surface = test::download(maps.surface.levels[0]);
       SCOPED_TRACE(std::string(project ? "projected" : "not projected") + (hrbf_confidence ? ", c_r" : ""));
-      expect_same_surface(surface, test::surface_twin(maps.filtered_depth_m.download(), first_normals(maps),
-                                                      surface.camera, options));
+      expect_same_surface(surface, test::surface_twin(maps.filtered_depth_m.download(), first_normals(maps), surface.camera, options));
     }
 }
 
