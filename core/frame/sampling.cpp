@@ -41,8 +41,7 @@ shared::Intrinsics coarser(const shared::Intrinsics& camera) {
 }
 
 std::size_t kernel_image_size(const shared::Intrinsics& camera) {
-  constexpr std::size_t kMargin = HERMITE_KERNEL_MARGIN;
-  return (camera.width + 2 * kMargin + 3) * (camera.height + 2 * kMargin);
+  return HERMITE_KERNEL_STRIDE(std::size_t{camera.width}) * (std::size_t{camera.height} + 2 * HERMITE_KERNEL_MARGIN);
 }
 
 }  // namespace hermite

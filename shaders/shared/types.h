@@ -32,8 +32,10 @@ struct Sampling {
   uint x, y;  // offset, below step
 };
 
-// Around images of kernels, in pixels: half the largest window. See shaders/lib/kernels.glsl.
+// Images of kernels (shaders/lib/kernels.glsl): the margin around them, half the largest window, and from row to row. Invocations of four
+// pixels reach three farther to the right.
 #define HERMITE_KERNEL_MARGIN 4
+#define HERMITE_KERNEL_STRIDE(width) ((width) + 2 * HERMITE_KERNEL_MARGIN + 3)
 
 // target_from_source: p_target = (dot(row0.xyz, p) + row0.w, ...). Metres.
 struct Transform {

@@ -156,7 +156,7 @@ std::vector<Vector3d> first_normals(const FrameMaps& maps) {
   std::vector<bool> is_kernel;
   for (std::size_t y = 0; y < height; ++y)
     for (std::size_t x = 0; x < width; ++x) {
-      const shared::uvec4& kernel = kernels[(y + margin) * (width + 2 * margin + 3) + x + margin];
+      const shared::uvec4& kernel = kernels[(y + margin) * HERMITE_KERNEL_STRIDE(width) + x + margin];
       packed.push_back(kernel.y);
       is_kernel.push_back(kernel.w != 0);
     }
