@@ -9,6 +9,7 @@
 #include <memory>
 #include <system_error>
 
+#include "core/base/read_ahead.h"
 #include "core/dataset/depth_noise.h"
 #include "core/dataset/frame_range.h"
 #include "core/dataset/sequence.h"
@@ -17,7 +18,7 @@
 #include "core/raw/raw_frames.h"
 #include "core/report/frame_table.h"
 #include "server/commands.h"
-#include "server/service/frame_reader.h"
+#include "server/service/read_frame.h"
 #include "server/service/results.h"
 
 namespace hermite {
@@ -101,16 +102,25 @@ class Progress {
   Clock::time_point shown_at_;
 };
 
-// Gives every frame of the range to `work`, which returns words for the line of progress.
-template <class Work>
-void for_each_frame(const Sequence& sequence, FrameRange range, Work work) {
-  FrameReader reader(sequence, range, kFramesAhead);
+// Every frame of the range goes through `prepare` on a second thread, a few ahead, and then to `work`, which returns words for the line of
+// progress: reconstruction waits neither for a PNG nor for a straight image.
+template <class Prepare, class Work>
+void for_each_frame(const Sequence& sequence, FrameRange range, Prepare prepare, Work work) {
+  struct Ready {
+    std::int64_t index;
+    std::string problem;
+    decltype(prepare(RgbdFrame())) frame;
+  };
+  ReadAhead<Ready> reader(range.begin, range.end, kFramesAhead, [&](std::int64_t index) {
+    ReadFrame read = read_frame(sequence, index);
+    return Ready{index, std::move(read.problem), prepare(std::move(read.frame))};
+  });
   Progress progress(range.count());
   std::int64_t done = 0;
-  while (const std::optional<ReadFrame> read = reader.next()) {
-    if (!read->problem.empty())
-      progress.line("frame " + std::to_string(read->index) + " cannot be read and counts as empty: " + read->problem);
-    progress.show(++done, work(*read, progress));
+  while (std::optional<Ready> ready = reader.next()) {
+    if (!ready->problem.empty())
+      progress.line("frame " + std::to_string(ready->index) + " cannot be read and counts as empty: " + ready->problem);
+    progress.show(++done, work(ready->index, std::move(ready->frame), progress));
   }
 }
 
@@ -130,12 +140,14 @@ std::string remark_on(const FrameResult& result, const std::string& said) {
 std::vector<FrameRow> process_frames(const Sequence& sequence, FrameRange range, Pipeline& pipeline) {
   std::vector<FrameRow> rows;
   std::string said;
-  for_each_frame(sequence, range, [&](const ReadFrame& read, Progress& progress) {
+  const auto prepare = [&pipeline](RgbdFrame frame) { return pipeline.prepare(std::move(frame)); };
+  for_each_frame(sequence, range, prepare, [&](std::int64_t index, Result<PreparedFrame> frame, Progress& progress) {
+    const PreparedFrame prepared = or_throw(std::move(frame));
     const Clock::time_point start = Clock::now();
-    const FrameResult result = or_throw(pipeline.process(read.frame));
+    const FrameResult result = or_throw(pipeline.process(prepared));
     rows.push_back({result, std::chrono::duration<double, std::milli>(Clock::now() - start).count()});
     if (const std::string remark = remark_on(result, said); !remark.empty())
-      progress.line("frame " + std::to_string(read.index) + " " + remark);
+      progress.line("frame " + std::to_string(index) + " " + remark);
     said = result.reason;
     return std::to_string(result.surfel_count) + " surfels" +
            (result.status == TrackingStatus::kTracked ? "" : std::string("  ") + name_of(result.status));
@@ -145,8 +157,9 @@ std::vector<FrameRow> process_frames(const Sequence& sequence, FrameRange range,
 
 int dump_raw(const std::string& path, const Sequence& sequence, FrameRange range) {
   RawFrameWriter writer = or_throw(RawFrameWriter::create(path, sequence.camera(), range.count()));
-  for_each_frame(sequence, range, [&writer](const ReadFrame& read, Progress&) {
-    or_throw(writer.append(read.frame));
+  const auto as_it_came = [](RgbdFrame frame) { return frame; };
+  for_each_frame(sequence, range, as_it_came, [&writer](std::int64_t, const RgbdFrame& frame, Progress&) {
+    or_throw(writer.append(frame));
     return std::string();
   });
   or_throw(writer.finish());

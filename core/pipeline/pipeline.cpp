@@ -6,7 +6,6 @@
 #include <set>
 #include <utility>
 
-#include "core/frame/frame_content.h"
 #include "core/frame/rectify.h"
 #include "core/math/rigid3_fields.h"
 #include "core/pipeline/checkpoint.h"
@@ -52,7 +51,8 @@ struct Pipeline::Impl {
         mapping(std::move(mapping_of_scan)),
         front_end(device, camera, options, timeline) {}
 
-  FrameResult process(const RgbdFrame& frame);
+  PreparedFrame prepare(RgbdFrame frame) const;
+  FrameResult process(const PreparedFrame& prepared);
   Conditions conditions() const { return conditions_of(front_end.device.info(), camera, options, mapping != nullptr); }
   template <class Bytes, class Saved>
   static void fields(Bytes& bytes, Saved& saved);
@@ -158,18 +158,20 @@ void Pipeline::Impl::describe_pose(FrameResult& result) const {
     result.last_tracked_timestamp_s = poses[static_cast<std::size_t>(result.last_tracked_frame)].timestamp_s;
 }
 
-FrameResult Pipeline::Impl::process(const RgbdFrame& given) {
+PreparedFrame Pipeline::Impl::prepare(RgbdFrame frame) const {
+  const FrameContent content = content_of(frame, camera.depth_units_per_metre, options.frame);
+  return {rectifier ? rectifier->apply(frame) : std::move(frame), content};
+}
+
+FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
   const auto start = std::chrono::steady_clock::now();
+  const auto& [frame, content] = prepared;
   FrameResult result;
   result.frame_index = static_cast<std::int64_t>(trajectory.size());
-  result.timestamp_s = given.timestamp_s;
+  result.timestamp_s = frame.timestamp_s;
 
-  std::optional<RgbdFrame> rectified;
-  if (rectifier) rectified = rectifier->apply(given);
-  const RgbdFrame& frame = rectified ? *rectified : given;
   timed("preprocess", [&] { front_end.preprocess(frame, result.frame_index); });
   const std::vector<Rigid3> poses_before = layout().world_from_submap;
-  const FrameContent content = content_of(given, camera.depth_units_per_metre, options.frame);
   Motion motion;
   timed("track", [&] { motion = front_end.track(content, last_motion, lost_count); });
   if (motion.judgement.status != TrackingStatus::kLost) world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
@@ -196,7 +198,7 @@ FrameResult Pipeline::Impl::process(const RgbdFrame& given) {
   result.inlier_ratio = motion.odometry.inlier_ratio;
   result.residual_rms_m = motion.odometry.residual_rms_m;
   result.surfel_count = front_end.store.surfel_count();
-  remember(given.timestamp_s);
+  remember(frame.timestamp_s);
   describe_pose(result);
   ++timed_frame_count;
   total_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -258,15 +260,24 @@ Pipeline::Pipeline(const std::string& device, const Camera& camera, const Option
     : impl_(std::make_unique<Impl>(device, camera, options, std::move(mapping), timeline)) {}
 Pipeline::~Pipeline() = default;
 
-Result<FrameResult> Pipeline::process(const RgbdFrame& frame) {
+Result<PreparedFrame> Pipeline::prepare(RgbdFrame frame) const {
   const Camera& camera = impl_->camera;
   const auto fits = [&camera](int width, int height) { return width == camera.width && height == camera.height; };
   if (!fits(frame.depth.width, frame.depth.height) || !fits(frame.color.width, frame.color.height)) return wrong_size(frame, camera);
+  return impl_->prepare(std::move(frame));
+}
+
+Result<FrameResult> Pipeline::process(const PreparedFrame& prepared) {
   try {
-    return impl_->process(frame);
+    return impl_->process(prepared);
   } catch (const SetupError& error) {
     return error.error();
   }
+}
+
+Result<FrameResult> Pipeline::process(RgbdFrame frame) {
+  const Result<PreparedFrame> prepared = prepare(std::move(frame));
+  return prepared.ok() ? process(*prepared) : prepared.error();
 }
 
 void Pipeline::finish() {

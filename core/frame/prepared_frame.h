@@ -1,0 +1,14 @@
+// A frame that waits for its turn on the device: all that can be done with it before is done. Plain value.
+#pragma once
+
+#include "core/frame/frame_content.h"
+#include "core/frame/rgbd_frame.h"
+
+namespace hermite {
+
+struct PreparedFrame {
+  RgbdFrame frame;       // of rectified(camera): straight, colour registered to depth
+  FrameContent content;  // of the frame as it came
+};
+
+}  // namespace hermite
