@@ -9,12 +9,13 @@
 // all pixels.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 TEXELS(0, units);  // two pixels a word
 layout(scalar, binding = 1) writeonly buffer Raw { float raw_m[]; };
 layout(scalar, binding = 2) writeonly buffer Filtered { float filtered_m[]; };
-layout(scalar, push_constant) uniform Push { BilateralParams p; };
+PARAMETERS(BilateralParams, p);
 
 layout(constant_id = 0) const int kRadius = 6;  // of the window
 layout(constant_id = 1) const int kStep = 1;    // as in p.sampling

@@ -5,6 +5,7 @@
 // The centre of the coarse pixel is the centre of the four, so the coarse camera has cx' = (cx - 0.5) / 2.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 TEXELS(0, fine_depth_m);
@@ -17,7 +18,7 @@ layout(scalar, binding = 6) writeonly buffer Normals { uint normals[]; };
 layout(scalar, binding = 7) writeonly buffer Curvatures { uint curvatures[]; };
 layout(scalar, binding = 8) writeonly buffer Weight { float weight[]; };
 layout(scalar, binding = 9) writeonly buffer Intensity { float intensity[]; };
-layout(scalar, push_constant) uniform Push { DownsampleParams p; };
+PARAMETERS(DownsampleParams, p);
 
 void main() {
   uvec2 pixel = gl_GlobalInvocationID.xy;

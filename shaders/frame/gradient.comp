@@ -3,11 +3,12 @@
 #extension GL_GOOGLE_include_directive : require
 // Sobel gradient of the frame's grey image, grey values per pixel; zero on the border.
 #include "shaders/shared/frame.h"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 TEXELS(0, intensity);
 layout(scalar, binding = 1) writeonly buffer Gradient { uint gradient[]; };  // 2 x half float
-layout(scalar, push_constant) uniform Push { GradientParams p; };
+PARAMETERS(GradientParams, p);
 
 void main() {
   uvec2 pixel = gl_GlobalInvocationID.xy;

@@ -6,6 +6,7 @@
 #include "shaders/shared/frame.h"
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 #include "shaders/lib/surfel.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
@@ -13,7 +14,7 @@ TEXELS(0, color);
 layout(scalar, binding = 1) writeonly buffer Intensity { float intensity[]; };
 layout(scalar, binding = 2) writeonly buffer Gradient { uint gradient[]; };  // 2 x half float
 layout(scalar, binding = 3) writeonly buffer SampledColor { uint sampled_color[]; };
-layout(scalar, push_constant) uniform Push { IntensityParams p; };
+PARAMETERS(IntensityParams, p);
 
 float grey_at(ivec2 pixel) {
   ivec2 q = clamp(pixel, ivec2(0), ivec2(p.camera.width, p.camera.height) - 1);

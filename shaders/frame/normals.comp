@@ -5,12 +5,13 @@
 // the frame's own HRBF.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 #include "shaders/lib/kernels.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 TEXELS(0, depth_m);
 layout(scalar, binding = 1) writeonly buffer Kernels { uvec4 kernels[]; };  // depth, normal, its z, inverse radius; zeros where there is none
-layout(scalar, push_constant) uniform Push { NormalParams p; };
+PARAMETERS(NormalParams, p);
 
 vec3 vertex_at(ivec2 pixel) {
   if (!inside(p.camera, pixel)) return vec3(0.0);

@@ -6,6 +6,7 @@
 // Normals point away from the camera, so surfaces that bulge towards it have positive curvature.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 #include "shaders/lib/kernels.glsl"
 layout(local_size_x = 8, local_size_y = 16) in;  // four neighbouring pixels an invocation: a kernel is unpacked once for all of them
@@ -14,7 +15,7 @@ layout(scalar, binding = 1) writeonly buffer Depth { float depth_m[]; };
 layout(scalar, binding = 2) writeonly buffer SurfaceNormals { uint surface_normals[]; };
 layout(scalar, binding = 3) writeonly buffer Curvatures { uint curvatures[]; };
 layout(scalar, binding = 4) writeonly buffer Confidence { float confidence[]; };
-layout(scalar, push_constant) uniform Push { SurfaceParams p; };
+PARAMETERS(SurfaceParams, p);
 
 const int kRadius = 3;
 const uint kMinKernels = 16;  // reference notes 1.6

@@ -1,5 +1,6 @@
 // What the passes of fusion share: the frame maps, the map, and the measurement at a pixel.
 #include "shaders/lib/blocks.glsl"
+#include "shaders/lib/parameters.glsl"
 TEXELS(0, raw_depth_m);
 TEXELS(1, surface_depth_m);
 TEXELS(2, frame_normals);
@@ -13,7 +14,7 @@ TEXELS(9, camera_from_submap);
 layout(scalar, binding = 10) buffer Candidates { uint candidates[]; };  // by pixel: a cell of the index map, or one of these
 layout(scalar, binding = 11) buffer Tiles { uint new_by_group[]; };
 layout(scalar, binding = 12) buffer State { MapState state; };
-layout(scalar, push_constant) uniform Push { FuseParams p; };
+PARAMETERS(FuseParams, p);
 
 const uint kInvalid = 0xffffffffu;  // nothing to fuse here
 const uint kNew = 0xfffffffeu;      // a surface the map does not have yet

@@ -9,6 +9,7 @@
 //   unstable    never confirmed for max_unstable_age frames
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/blocks.glsl"
@@ -22,7 +23,7 @@ layout(scalar, binding = 5) buffer State { MapState state; };
 TEXELS(6, visible_blocks);
 layout(scalar, binding = 7) writeonly buffer Bounds { BlockBounds bounds[]; };
 TEXELS(8, read_position_confidence);  // its own thread alone writes a surfel
-layout(scalar, push_constant) uniform Push { CleanParams p; };
+PARAMETERS(CleanParams, p);
 const float kDead = 1e30;  // no coordinate
 shared float position_submap[4u * kBlock];  // by coordinate, the submap last
 

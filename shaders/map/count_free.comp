@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 // How many slots of each listed block are free for use. A lane goes along a row of slots: one for each slot would wait longer than it works.
 #include "shaders/shared/map.h"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 #include "shaders/lib/blocks.glsl"
 layout(local_size_x = 16) in;
@@ -11,7 +12,7 @@ layout(scalar, binding = 1) writeonly buffer Groups { uint free_by_group[]; };
 layout(scalar, binding = 2) readonly buffer State { MapState state; };
 TEXELS(3, visible_blocks);
 layout(scalar, binding = 4) readonly buffer Bounds { BlockBounds bounds[]; };
-layout(scalar, push_constant) uniform Push { FreeListParams p; };
+PARAMETERS(FreeListParams, p);
 const uint kRows = gl_WorkGroupSize.x, kRow = kBlock / kRows;
 shared uint free_in_row[kRows];
 

@@ -4,6 +4,7 @@
 // Where the map predicts too little of the view, as in the first frames, the frame's own surface stands in for it (reference notes 2.5).
 // Frame and prediction are seen from the same pose.
 #include "shaders/shared/map.h"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 #include "shaders/lib/weight.glsl"
 layout(local_size_x = 256) in;
@@ -18,7 +19,7 @@ layout(scalar, binding = 7) buffer Curvatures { uint curvatures[]; };
 layout(scalar, binding = 8) buffer Weight { float weight[]; };
 layout(scalar, binding = 9) buffer Intensity { float intensity[]; };
 layout(scalar, binding = 10) readonly buffer Covered { uint covered_count; };
-layout(scalar, push_constant) uniform Push { FillInParams p; };
+PARAMETERS(FillInParams, p);
 
 void main() {
   uint i = gl_GlobalInvocationID.x;

@@ -4,6 +4,7 @@
 // Writes the free slots of the listed blocks, zone by zone. Those that cleaning has just freed (confidence -1) get this frame's number.
 // A lane goes along a row of slots, as in map/count_free.
 #include "shaders/shared/map.h"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 #include "shaders/lib/blocks.glsl"
 layout(local_size_x = 16) in;
@@ -16,7 +17,7 @@ TEXELS(5, visible_blocks);
 layout(scalar, binding = 6) readonly buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, binding = 7) writeonly buffer Changed { uint changed_frame[]; };
 TEXELS(8, read_position_confidence);  // its own thread alone writes a surfel
-layout(scalar, push_constant) uniform Push { FreeListParams p; };
+PARAMETERS(FreeListParams, p);
 const uint kRows = gl_WorkGroupSize.x, kRow = kBlock / kRows;
 shared uint free_in_row[kRows];
 

@@ -4,6 +4,7 @@
 // First half of the index map: the depth of the nearest surfel in every pixel, by integer minimum (order cannot change it).
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/blocks.glsl"
@@ -14,7 +15,7 @@ TEXELS(2, camera_from_submap);
 layout(scalar, binding = 3) buffer Depths { uint depth_bits[]; };
 layout(scalar, binding = 4) buffer Ids { uint ids[]; };
 TEXELS(5, visible_blocks);
-layout(scalar, push_constant) uniform Push { IndexParams p; };
+PARAMETERS(IndexParams, p);
 #include "shaders/lib/index_cell.glsl"
 
 void main() {

@@ -4,6 +4,7 @@
 // Second half of the index map: which surfel that is; of several at exactly the same depth the lowest slot.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/blocks.glsl"
@@ -14,7 +15,7 @@ TEXELS(2, camera_from_submap);
 TEXELS(3, depth_bits);
 layout(scalar, binding = 4) buffer Ids { uint ids[]; };
 TEXELS(5, visible_blocks);
-layout(scalar, push_constant) uniform Push { IndexParams p; };
+PARAMETERS(IndexParams, p);
 #include "shaders/lib/index_cell.glsl"
 
 void main() {

@@ -5,6 +5,7 @@
 // and its normal in the camera's frame. (Its depth is in the index map.)
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 #include "shaders/lib/surfel.glsl"
 layout(local_size_x = 256) in;
@@ -13,7 +14,7 @@ TEXELS(1, attributes);
 TEXELS(2, camera_from_submap);
 TEXELS(3, ids);
 layout(scalar, binding = 4) writeonly buffer Cells { IndexCell cells[]; };
-layout(scalar, push_constant) uniform Push { Intrinsics camera; };
+PARAMETERS(Intrinsics, camera);
 
 void main() {
   uint i = gl_GlobalInvocationID.x;

@@ -3,13 +3,14 @@
 #extension GL_GOOGLE_include_directive : require
 // What cleaning asks of the stable surfel in each pixel of the index map, once instead of by all surfels around it.
 #include "shaders/shared/map.h"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 layout(local_size_x = 256) in;
 TEXELS(0, stable_ids);
 TEXELS(1, stable_depth_bits);
 TEXELS(2, times);
 layout(scalar, binding = 3) writeonly buffer Seen { uvec4 seen[]; };  // slot, depth's bits, frames of creation and of the last observation
-layout(scalar, push_constant) uniform Push { uint pixel_count; };
+PARAMETERS(uint, pixel_count);
 
 void main() {
   uint i = gl_GlobalInvocationID.x;

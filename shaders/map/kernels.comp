@@ -4,6 +4,7 @@
 // What prediction asks of the surfel in each pixel of the index map, once instead of by all rays around it.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/kernels.glsl"
@@ -13,7 +14,7 @@ TEXELS(1, attributes);
 TEXELS(2, camera_from_submap);
 TEXELS(3, ids);
 layout(scalar, binding = 4) writeonly buffer Kernels { uvec4 kernels[]; };
-layout(scalar, push_constant) uniform Push { Intrinsics camera; };
+PARAMETERS(Intrinsics, camera);
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);

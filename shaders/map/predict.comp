@@ -7,6 +7,7 @@
 // Each invocation answers four neighbouring pixels (the components of a vec4), so that a kernel is loaded and unpacked once for all of them.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/weight.glsl"
@@ -23,7 +24,7 @@ layout(scalar, binding = 6) writeonly buffer Curvatures { uint curvatures[]; };
 layout(scalar, binding = 7) writeonly buffer Weight { float weight[]; };
 layout(scalar, binding = 8) writeonly buffer Intensity { float intensity[]; };
 layout(scalar, binding = 9) buffer Covered { uint covered_count; };
-layout(scalar, push_constant) uniform Push { PredictParams p; };
+PARAMETERS(PredictParams, p);
 
 const uint kNone = 0xffffffffu;
 

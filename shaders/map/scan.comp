@@ -4,12 +4,13 @@
 // From the counts of all workgroups to where each of them begins, in place and zone by zone (stable), by one workgroup; what a zone has in all
 // goes into the map's state. The workgroups are tiles of pixels with new surfels, or listed blocks with free slots.
 #include "shaders/shared/map.h"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/blocks.glsl"
 layout(local_size_x = 128) in;
 layout(scalar, binding = 0) buffer Counts { uint counts[]; };
 layout(scalar, binding = 1) buffer State { MapState state; };
 layout(scalar, binding = 2) readonly buffer Visible { uint groups[3]; uint turn_groups[3]; uint blocks[]; };
-layout(scalar, push_constant) uniform Push { ScanParams p; };
+PARAMETERS(ScanParams, p);
 const uint kZones = HERMITE_ZONES, kLanes = 128u;
 shared uint sums[kZones * kLanes];  // by zone and lane
 shared uint totals[kZones];

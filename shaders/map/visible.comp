@@ -5,13 +5,14 @@
 // and the sizes of the dispatches that follow. Everything outside costs nothing until the camera turns to it.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/blocks.glsl"
 layout(local_size_x = 256) in;
 layout(scalar, binding = 0) readonly buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, binding = 1) readonly buffer Submaps { Transform camera_from_submap[]; };
 layout(scalar, binding = 2) readonly buffer State { MapState state; };
 layout(scalar, binding = 3) writeonly buffer Visible { uint groups[3]; uint turn_groups[3]; uint blocks[]; };
-layout(scalar, push_constant) uniform Push { VisibleParams p; };
+PARAMETERS(VisibleParams, p);
 shared uvec2 counts[256], total;  // in turn, others
 
 struct Box {

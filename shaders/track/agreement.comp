@@ -4,6 +4,7 @@
 // How well a frame fits the predicted surface once its pose is known: does it see what the map shows, and does that look the same?
 #include "shaders/shared/track.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 const uint kTerms = HERMITE_AGREEMENT_TERMS;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
@@ -14,7 +15,7 @@ TEXELS(2, reference_depth_m);
 TEXELS(3, reference_normals);
 TEXELS(4, reference_intensity);
 layout(scalar, binding = 5) writeonly buffer Sums { float partial_sums[]; };
-layout(scalar, push_constant) uniform Push { AgreementParams p; };
+PARAMETERS(AgreementParams, p);
 #include "shaders/lib/sums.glsl"
 
 uint at(Intrinsics camera, ivec2 pixel) { return uint(pixel.y) * camera.width + uint(pixel.x); }

@@ -6,6 +6,7 @@
 // x = (translation, rotation). Both systems apart: the host judges the geometric one before it adds them (core/track/normal_equations.h).
 #include "shaders/shared/track.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 const uint kTerms = HERMITE_ODOMETRY_TERMS;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
@@ -21,7 +22,7 @@ TEXELS(7, reference_curvatures);
 TEXELS(8, reference_weight);
 TEXELS(9, reference_intensity);
 layout(scalar, binding = 10) writeonly buffer Sums { float partial_sums[]; };
-layout(scalar, push_constant) uniform Push { OdometryParams p; };
+PARAMETERS(OdometryParams, p);
 #include "shaders/lib/sums.glsl"
 
 const uint kNone = 0xffffffffu;

@@ -5,6 +5,7 @@
 // residual I_current(pi(R ray)) - I_previous(x), linearised for R <- exp(omega) R.
 #include "shaders/shared/track.h"
 #include "shaders/lib/geometry.glsl"
+#include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 const uint kTerms = HERMITE_ROTATION_TERMS;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
@@ -12,7 +13,7 @@ layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
 TEXELS(0, previous);
 TEXELS(1, current);
 layout(scalar, binding = 2) writeonly buffer Sums { float partial_sums[]; };
-layout(scalar, push_constant) uniform Push { RotationParams p; };
+PARAMETERS(RotationParams, p);
 #include "shaders/lib/sums.glsl"
 
 // Both images have the same size.
