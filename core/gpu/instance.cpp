@@ -96,14 +96,18 @@ bool has_push_descriptors(VkPhysicalDevice device) {
   });
 }
 
-bool has_scalar_layout(VkPhysicalDevice device) {
+struct Features {
+  bool scalar_layout = false, atomics_64_bit = false;
+};
+
+Features features_of(VkPhysicalDevice device) {
   VkPhysicalDeviceVulkan12Features vulkan12{};
   vulkan12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
   VkPhysicalDeviceFeatures2 features{};
   features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
   features.pNext = &vulkan12;
   vkGetPhysicalDeviceFeatures2(device, &features);
-  return vulkan12.scalarBlockLayout == VK_TRUE;
+  return {vulkan12.scalarBlockLayout == VK_TRUE, features.features.shaderInt64 == VK_TRUE && vulkan12.shaderBufferInt64Atomics == VK_TRUE};
 }
 
 std::string why_unsuitable(VkPhysicalDevice device, const VkPhysicalDeviceProperties& properties) {
@@ -111,7 +115,7 @@ std::string why_unsuitable(VkPhysicalDevice device, const VkPhysicalDeviceProper
   if (properties.apiVersion < VK_API_VERSION_1_2) return "Vulkan 1.2 is needed";
   if (find_compute_family(device) < 0) return "it has no compute queue";
   if (!has_push_descriptors(device)) return "VK_KHR_push_descriptor is missing";
-  if (!has_scalar_layout(device)) return "scalarBlockLayout is missing";
+  if (!features_of(device).scalar_layout) return "scalarBlockLayout is missing";
   if (limits.maxPushConstantsSize < kMinPushConstantBytes) return "fewer than 128 bytes of push constants";
   if (limits.maxComputeSharedMemorySize < kMinSharedMemoryBytes) return "less than 32 KiB of shared memory";
   if (limits.maxComputeWorkGroupInvocations < kMinInvocations || limits.maxComputeWorkGroupSize[0] < kMinInvocations)
@@ -146,6 +150,7 @@ DeviceInfo describe(VkPhysicalDevice device, int index) {
   }
   info.max_buffer_bytes = std::min<std::uint64_t>(properties.properties.limits.maxStorageBufferRange, maintenance3.maxMemoryAllocationSize);
   info.max_shared_memory_bytes = properties.properties.limits.maxComputeSharedMemorySize;
+  info.has_64_bit_atomics = features_of(device).atomics_64_bit;
   info.unsuitable = why_unsuitable(device, properties.properties);
   return info;
 }

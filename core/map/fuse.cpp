@@ -46,11 +46,10 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
   commands.fill(claims_, kNoSurfel);
   commands.dispatch(associate_, {threads}, params,
                     {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
-                     store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, all.depth_bits(),
-                     claims_, all.cells()});
+                     store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, all.cells(), claims_});
   commands.dispatch(merge_, {threads}, params,
                     {frame.raw_depth_m, surface.depth_m, surface.normals, surface.curvatures, surface.weight, frame.color, store.positions,
-                     store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, all.slots(), claims_,
+                     store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, all.cells(), claims_,
                      store.changed_frames, store.positions, store.attributes});
   commands.dispatch(scan_, {128}, shared::ScanParams{surface.camera, tiles}, {new_by_tile_, store.state, store.visible_blocks});
   commands.dispatch(append_, {threads}, params,
@@ -62,7 +61,7 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
 void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, const shared::Intrinsics& camera, FusedFrame fused) {
   const shared::FreeListParams listed{fused.number, fused.submap};
   const shared::uint pixels = camera.width * camera.height;
-  commands.dispatch(index_times_, {pixels}, pixels, {stable.slots(), stable.depth_bits(), store.times, seen_});
+  commands.dispatch(index_times_, {pixels}, pixels, {stable.nearest(), store.times, seen_});
   commands.dispatch_indirect(
       clean_, {store.visible_blocks, 3},
       shared::CleanParams{camera, fused.number, static_cast<float>(options_.stable_confidence),

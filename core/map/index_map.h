@@ -1,5 +1,7 @@
-// Which surfel is nearest in every pixel of a view. Built by two passes of integer minima: deterministic.
+// Which surfel is nearest in every pixel of a view. Built by integer minima, in two passes or by 64 bits in one: deterministic, the same map.
 #pragma once
+
+#include <vector>
 
 #include "core/gpu/kernel.h"
 #include "core/map/surfel_store.h"
@@ -13,7 +15,8 @@ inline constexpr shared::uint kNoSurfel = 0xffffffffu;
 
 class IndexMap {
  public:
-  // `camera` has the size of all views.
+  // `camera` has the size of all views. `passes`: 1 only where the device has 64-bit atomics.
+  IndexMap(gpu::Device& device, const shared::Intrinsics& camera, int passes);
   IndexMap(gpu::Device& device, const shared::Intrinsics& camera);
 
   // Records the passes: surfels of at least `min_confidence` (and alive), as seen by the camera that the store was set to, 5 cm to
@@ -23,14 +26,14 @@ class IndexMap {
   // Records: what association asks of the surfels shown. After build(), with the same camera.
   void describe(gpu::Commands& commands, const SurfelStore& store, const shared::Intrinsics& camera);
 
-  // By pixel: the depth of that surfel as the bits of a float.
-  const gpu::Buffer<shared::uint>& depth_bits() const { return depth_bits_; }
-  const gpu::Buffer<shared::uint>& slots() const { return ids_; }         // by pixel, kNoSurfel where there is none
-  const gpu::Buffer<shared::IndexCell>& cells() const { return cells_; }  // by pixel, after describe()
+  // By pixel.
+  const gpu::Buffer<shared::NearestSurfel>& nearest() const { return nearest_; }
+  const gpu::Buffer<shared::IndexCell>& cells() const { return cells_; }  // after describe()
 
  private:
-  gpu::Kernel depth_kernel_, id_kernel_, surfel_kernel_;
-  gpu::Buffer<shared::uint> depth_bits_, ids_;
+  std::vector<gpu::Kernel> passes_;
+  gpu::Kernel surfel_kernel_;
+  gpu::Buffer<shared::NearestSurfel> nearest_;
   gpu::Buffer<shared::IndexCell> cells_;
 };
 

@@ -29,13 +29,13 @@ void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const Ind
   const shared::uint pixels = out.camera.width * out.camera.height;
 
   commands.dispatch(describe_, {out.camera.width, out.camera.height}, out.camera,
-                    {store.positions, store.attributes, store.camera_from_submap, stable.slots(), kernels_});
+                    {store.positions, store.attributes, store.camera_from_submap, stable.nearest(), kernels_});
   commands.fill(covered_pixel_count_, 0);
   commands.dispatch(predict_, {(out.camera.width + 3) / 4, out.camera.height},  // four pixels an invocation
                     shared::PredictParams{out.camera, lambda_per_m, confidence_scale, static_cast<shared::uint>(options_.min_support),
                                           static_cast<shared::uint>(options_.max_iterations), options_.correct_bias ? 1u : 0u,
                                           options_.hrbf_prediction ? 1u : 0u},
-                    {store.positions, store.attributes, kernels_, stable.slots(), out.depth_m, out.normals, out.curvatures, out.weight,
+                    {store.positions, store.attributes, kernels_, stable.nearest(), out.depth_m, out.normals, out.curvatures, out.weight,
                      out.intensity, covered_pixel_count_});
   if (fill_in == FillIn::kNothing) return;
   commands.dispatch(fill_in_, {pixels},

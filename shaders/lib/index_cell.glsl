@@ -1,5 +1,18 @@
-// The pixel a surfel falls into and the bits of its depth (positive floats order like their bits). Shared by both halves of the index
-// map, which must agree to the last bit: hence `precise`. Needs the bindings of index_depth.comp.
+// What the passes that build an index map share: the pixel a surfel falls into and the bits of its depth (positive floats order like their
+// bits). Halves of the index map must agree on both to the last bit: hence `precise`.
+#include "shaders/shared/map.h"
+#include "shaders/lib/geometry.glsl"
+#include "shaders/lib/parameters.glsl"
+#include "shaders/lib/texels.glsl"
+#include "shaders/lib/surfel.glsl"
+#include "shaders/lib/blocks.glsl"
+layout(local_size_x = 256) in;
+TEXELS(0, position_confidence);
+TEXELS(1, attributes);
+TEXELS(2, camera_from_submap);
+TEXELS(4, visible_blocks);
+PARAMETERS(IndexParams, p);
+
 uint listed_slot() { return block_of(listed_block(visible_blocks, gl_WorkGroupID.x)) * kBlock + gl_LocalInvocationID.x; }
 
 bool index_cell(uint slot, out uint cell, out uint bits) {

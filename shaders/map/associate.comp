@@ -10,9 +10,8 @@
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/fuse_bindings.glsl"
 layout(local_size_x = 256) in;
-TEXELS(13, depth_bits);
+TEXELS(13, cells);  // IndexCell
 layout(scalar, binding = 14) buffer Claims { uint claims[]; };
-TEXELS(15, cells);  // IndexCell
 
 uint claim_key(float distance_px, uint i) { return (min(uint(distance_px * 256.0), 1023u) << kPixelBits) | i; }
 
@@ -35,14 +34,13 @@ void main() {
       ivec2 q = pixel + ivec2(dx, dy);
       if (!inside(p.camera, q)) continue;
       uint cell = uint(q.y) * p.camera.width + uint(q.x);
-      uint bits = uint_at(depth_bits, cell);
-      if (bits == kInvalid) continue;
-      float surfel_z = uintBitsToFloat(bits);
+      uvec4 shown = uvec4_at(cells, cell);
+      if (shown.x == kInvalid) continue;
+      float surfel_z = uintBitsToFloat(shown.y);
       if (abs(surfel_z - z) * ray_length > p.depth_gate_m) continue;
-      uvec2 offset_normal = uvec2_at(cells, cell);
-      vec3 n = unpack_unit(offset_normal.y);
+      vec3 n = unpack_unit(shown.w);
       if (abs(n.z) >= 0.75 && dot(n, normal) < p.cos_normal_gate) continue;
-      vec3 position = surfel_z * pixel_ray(p.camera, vec2(q) + 0.5 * unpackSnorm2x16(offset_normal.x));
+      vec3 position = surfel_z * pixel_ray(p.camera, vec2(q) + 0.5 * unpackSnorm2x16(shown.z));
       float distance_px = length(cross(position, ray)) / ray_length * p.camera.fx / z;
       if (distance_px < best) {
         best = distance_px;

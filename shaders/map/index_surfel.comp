@@ -2,7 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // What association asks of the surfel in each pixel of the index map, once instead of by all of its neighbours: where in the pixel it lies
-// and its normal in the camera's frame. (Its depth is in the index map.)
+// and its normal in the camera's frame.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -12,18 +12,20 @@ layout(local_size_x = 256) in;
 TEXELS(0, position_confidence);
 TEXELS(1, attributes);
 TEXELS(2, camera_from_submap);
-TEXELS(3, ids);
+TEXELS(3, nearest);  // NearestSurfel
 layout(scalar, binding = 4) writeonly buffer Cells { IndexCell cells[]; };
 PARAMETERS(Intrinsics, camera);
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= camera.width * camera.height) return;
-  uint slot = uint_at(ids, i);
+  uvec2 shown = uvec2_at(nearest, i);
+  uint slot = shown.x;
+  cells[i] = IndexCell(slot, shown.y, 0u, 0u);
   if (slot == 0xffffffffu) return;
   SurfelAttributes a = attributes_at(attributes, slot);
   Transform t = transform_at(camera_from_submap, surfel_submap(a));
   vec2 pixel = vec2(i % camera.width, i / camera.width);
   vec2 offset = project(camera, transform_point(t, vec4_at(position_confidence, slot).xyz)) - pixel;
-  cells[i] = IndexCell(packSnorm2x16(2.0 * offset), pack_unit(rotate(t, unpack_unit(a.normal))));
+  cells[i] = IndexCell(slot, shown.y, packSnorm2x16(2.0 * offset), pack_unit(rotate(t, unpack_unit(a.normal))));
 }

@@ -6,15 +6,14 @@
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 layout(local_size_x = 256) in;
-TEXELS(0, stable_ids);
-TEXELS(1, stable_depth_bits);
-TEXELS(2, times);
-layout(scalar, binding = 3) writeonly buffer Seen { uvec4 seen[]; };  // slot, depth's bits, frames of creation and of the last observation
+TEXELS(0, nearest);  // NearestSurfel
+TEXELS(1, times);
+layout(scalar, binding = 2) writeonly buffer Seen { uvec4 seen[]; };  // slot, depth's bits, frames of creation and of the last observation
 PARAMETERS(uint, pixel_count);
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= pixel_count) return;
-  uint slot = uint_at(stable_ids, i);
-  seen[i] = uvec4(slot, uint_at(stable_depth_bits, i), slot != 0xffffffffu ? uvec2_at(times, slot) : uvec2(0u));
+  uvec2 shown = uvec2_at(nearest, i);
+  seen[i] = uvec4(shown, shown.x != 0xffffffffu ? uvec2_at(times, shown.x) : uvec2(0u));
 }

@@ -12,14 +12,14 @@ layout(local_size_x = 16, local_size_y = 16) in;
 TEXELS(0, position_confidence);
 TEXELS(1, attributes);
 TEXELS(2, camera_from_submap);
-TEXELS(3, ids);
+TEXELS(3, nearest);  // NearestSurfel
 layout(scalar, binding = 4) writeonly buffer Kernels { uvec4 kernels[]; };
 PARAMETERS(Intrinsics, camera);
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (!inside(camera, pixel)) return;
-  uint slot = uint_at(ids, uint(pixel.y) * camera.width + uint(pixel.x));
+  uint slot = uvec2_at(nearest, uint(pixel.y) * camera.width + uint(pixel.x)).x;
   uvec4 words = uvec4(0u);
   if (slot != 0xffffffffu) {
     SurfelAttributes a = attributes_at(attributes, slot);

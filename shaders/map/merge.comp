@@ -9,7 +9,7 @@
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/fuse_bindings.glsl"
 layout(local_size_x = 256) in;
-TEXELS(13, ids);
+TEXELS(13, cells);  // IndexCell
 TEXELS(14, claims);
 layout(scalar, binding = 15) writeonly buffer Changed { uint changed_frame[]; };
 // A surfel belongs to one thread, which reads it before it writes.
@@ -53,7 +53,7 @@ void main() {
     if (cell == kNew) {
       fresh = true;
     } else if (cell != kInvalid && (uint_at(claims, cell) & ((1u << kPixelBits) - 1u)) == i) {
-      merge(uint_at(ids, cell), measure(i));
+      merge(uvec4_at(cells, cell).x, measure(i));
     }
   }
   share_new(fresh);

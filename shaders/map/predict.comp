@@ -17,7 +17,7 @@ layout(constant_id = 0) const int kRadius = 3;  // window of 2 kRadius + 1
 TEXELS(0, position_confidence);
 TEXELS(1, attributes);
 TEXELS(2, kernels);
-TEXELS(3, ids);
+TEXELS(3, nearest);  // NearestSurfel
 layout(scalar, binding = 4) writeonly buffer Depth { float depth_m[]; };
 layout(scalar, binding = 5) writeonly buffer Normals { uint normals[]; };
 layout(scalar, binding = 6) writeonly buffer Curvatures { uint curvatures[]; };
@@ -189,7 +189,7 @@ void write(ivec2 pixel, float z, vec3 normal, uint cell) {
     return;
   }
   ivec2 source = pixel + ivec2(int(cell & 255u), int(cell >> 8)) - kRadius;
-  uint slot = uint_at(ids, uint(source.y) * p.camera.width + uint(source.x));
+  uint slot = uvec2_at(nearest, uint(source.y) * p.camera.width + uint(source.x)).x;
   SurfelAttributes a = attributes_at(attributes, slot);
   depth_m[index] = z;
   normals[index] = pack_normal(normal);

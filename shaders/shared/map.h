@@ -53,8 +53,15 @@ struct IndexParams {
   float depth_max_m;
 };
 
-// Of the surfel that a pixel of the index map shows.
+// Of a pixel of the index map. One 64-bit number to the device: the least is the nearest, and of equal ones that of the lowest slot.
+struct NearestSurfel {
+  uint slot;        // kNoSurfel where there is none
+  uint depth_bits;  // of a float [m]
+};
+
+// The same with what association asks of the surfel.
 struct IndexCell {
+  uint slot, depth_bits;
   uint offset;  // from the pixel's centre, half pixels, 2 x snorm16
   uint normal;  // octahedral, camera frame
 };

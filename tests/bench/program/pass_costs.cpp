@@ -55,9 +55,9 @@ std::vector<PassCost> pass_costs(const Options& options) {
       // Its slot, the surfel there; the kernel.
       {"map/kernels", kWord + kPosition + kAttributes + 4 * kWord, 75},
       // Its slot, the surfel there; the cell.
-      {"map/index_surfel", kWord + kPosition + kAttributes + 2 * kWord, 70},
+      {"map/index_surfel", 2 * kWord + kPosition + kAttributes + 4 * kWord, 70},
       // The pixel's measurement, its cell of the index map; candidate and claim.
-      {"map/associate", 3 * kWord + 3 * kWord + 2 * kWord, 500},
+      {"map/associate", 3 * kWord + 4 * kWord + 2 * kWord, 500},
       // Candidate, claim, cell, the measurement, the surfel read and written.
       {"map/merge", 3 * kWord + 6 * kWord + 2 * (kPosition + kAttributes) + kTimes, 150},
       {"map/append", kWord, 0},

@@ -7,6 +7,7 @@
 
 #include "tests/reference/frame_twin.h"
 #include "tests/support/gpu_test.h"
+#include "tests/support/index_slots.h"
 #include "tests/support/map_bench.h"
 #include "tests/support/packing.h"
 
@@ -388,7 +389,7 @@ TEST_F(FuseTest, RandomMapsAndFramesAgreeWithTheTwin) {
     const test::FuseSettings settings{.map = keeping(), .frame_number = seed};
     bench.fuse(random.frame, settings.frame_number);
     const test::MapView view{intrinsics_of(kCamera)};
-    const test::FuseOutcome expected = test::fuse_twin(before, free, view, bench.index.slots().download(), random.frame, settings);
+    const test::FuseOutcome expected = test::fuse_twin(before, free, view, test::slots_of(bench.index), random.frame, settings);
     // Floats may decide otherwise where it is a matter of the last digits; most seeds are free of that.
     if (expected.closest_decision < 1e-5) continue;
     ++compared_count;

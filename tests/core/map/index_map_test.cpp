@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "core/map/visible_blocks.h"
 #include "tests/reference/map_twin.h"
 #include "tests/support/gpu_test.h"
+#include "tests/support/index_slots.h"
 
 namespace hermite {
 namespace {
@@ -43,7 +45,7 @@ class IndexMapTest : public test::GpuTest {
     visible.list(commands, store, view.camera, 1);
     map.build(commands, store, view.camera, min_confidence);
     commands.submit_and_wait();
-    return map.slots().download();
+    return test::slots_of(map);
   }
   std::vector<std::uint32_t> build(const std::vector<Surfel>& surfels, double min_confidence = kLowest) {
     test::upload(surfels, store);
@@ -99,6 +101,20 @@ TEST_F(IndexMapTest, ThousandsOfSurfelsAgreeWithTheTwin) {
     EXPECT_EQ(build(min_confidence), expected) << min_confidence;
     EXPECT_GT(expected.size() - static_cast<std::size_t>(std::count(expected.begin(), expected.end(), kNoSurfel)), 1000u);
   }
+}
+
+TEST_F(IndexMapTest, OnePassAndTwoMakeTheSameMap) {
+  if (!device().info().has_64_bit_atomics) GTEST_SKIP() << "the device has no 64-bit atomics";
+  test::upload(random_surfels(20'000, view, 3), store);
+  store.set_camera(Rigid3{});
+  const auto slots = [&](int passes) {
+    map = IndexMap(device(), intrinsics_of(kCamera), passes);
+    return build();
+  };
+  const std::vector<std::uint32_t> in_one = slots(1);
+  const std::vector<shared::NearestSurfel> nearest = map.nearest().download();
+  EXPECT_EQ(slots(2), in_one);
+  EXPECT_TRUE(std::ranges::equal(map.nearest().download(), nearest, {}, &shared::NearestSurfel::depth_bits, &shared::NearestSurfel::depth_bits));
 }
 
 TEST_F(IndexMapTest, SubmapsAreSeenWithTheirOwnPoses) {

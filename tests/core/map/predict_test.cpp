@@ -10,6 +10,7 @@
 #include "tests/reference/map_twin.h"
 #include "tests/support/analytic_scene.h"
 #include "tests/support/gpu_test.h"
+#include "tests/support/index_slots.h"
 #include "tests/support/packing.h"
 
 namespace hermite {
@@ -83,7 +84,7 @@ class PredictTest : public test::GpuTest {
     predictor.run(commands, store, index, maps);
     commands.submit_and_wait();
     stored_ = store.download();
-    ids_ = index.slots().download();
+    ids_ = test::slots_of(index);
     return test::download(predictor.surface().levels[0]);
   }
   SurfaceImage twin(const Camera& camera, const MapOptions& options) const {

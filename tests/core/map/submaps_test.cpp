@@ -7,6 +7,7 @@
 
 #include "core/map/fuse.h"
 #include "tests/support/gpu_test.h"
+#include "tests/support/index_slots.h"
 #include "tests/support/map_bench.h"
 #include "tests/support/packing.h"
 
@@ -49,7 +50,7 @@ class SubmapsTest : public test::GpuTest {
 
   std::size_t shown_pixels(const SubmapSet& seen, const Rigid3& world_from_camera = {}) {
     bench.look(seen, world_from_camera);
-    const std::vector<shared::uint> slots = bench.index.slots().download();
+    const std::vector<shared::uint> slots = test::slots_of(bench.index);
     return slots.size() - static_cast<std::size_t>(std::count(slots.begin(), slots.end(), kNoSurfel));
   }
 
@@ -105,7 +106,7 @@ TEST_F(SubmapsTest, SubmapsOutsideTheSetAreNotSeen) {
   ASSERT_EQ(alive().size(), 2u * 48 * 32);
   const auto nearest_m = [&](const SubmapSet& seen) {
     EXPECT_EQ(shown_pixels(seen), seen[0] || seen[1] ? 48u * 32 : 0u);
-    return std::bit_cast<float>(bench.index.depth_bits().download()[kCamera.width * 16 + 20]);
+    return std::bit_cast<float>(bench.index.nearest().download()[kCamera.width * 16 + 20].depth_bits);
   };
   EXPECT_NEAR(nearest_m({true, true}), 1.0f, 1e-5f);
   EXPECT_NEAR(nearest_m({false, true}), 1.0f, 1e-5f);
