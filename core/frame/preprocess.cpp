@@ -20,8 +20,8 @@ FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera, int step) {
                  {device, pixels, "frame"},
                  make_surface_pyramid(device, finest, "frame"),
                  {}};
-  for (std::size_t level = 0; level < maps.gradients.size(); ++level)
-    maps.gradients[level] = {device, maps.surface.levels[level].intensity.count(), "frame"};
+  for (std::size_t level = 0; level < maps.pictures.size(); ++level)
+    maps.pictures[level] = {device, maps.surface.levels[level].intensity.count(), "frame"};
   return maps;
 }
 
@@ -83,15 +83,15 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
                             static_cast<float>(options_.confidence_epsilon * static_cast<double>(camera.fx) / kKinectFocalLength_px),
                             static_cast<float>(options_.curvature_limit_per_m), options_.hrbf_confidence ? 1u : 0u,
                             options_.project_to_surface ? 1u : 0u},
-      {maps_.kernels, surface.depth_m, surface.normals, surface.curvatures, surface.weight});
+      {maps_.kernels, surface.points});
   commands.dispatch(intensity_, image, shared::IntensityParams{whole, sampling},
-                    {color_, surface.intensity, maps_.gradients[0], maps_.color});
+                    {color_, surface.intensity, maps_.pictures[0], maps_.color});
   downsample(commands, downsample_, maps_.surface, 0.5 * options_.depth_gate_m);
-  for (std::size_t level = 1; level < maps_.gradients.size(); ++level) {
+  for (std::size_t level = 1; level < maps_.pictures.size(); ++level) {
     const SurfaceLevel& image_level = maps_.surface.levels[level];
     commands.dispatch(gradient_, {image_level.camera.width, image_level.camera.height},
                       shared::GradientParams{image_level.camera.width, image_level.camera.height},
-                      {image_level.intensity, maps_.gradients[level]});
+                      {image_level.intensity, maps_.pictures[level]});
   }
   return maps_;
 }

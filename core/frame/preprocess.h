@@ -12,12 +12,12 @@ namespace hermite {
 
 // All of the sampled pixels only.
 struct FrameMaps {
-  gpu::Buffer<float> raw_depth_m;                                   // as measured, inside the range
-  gpu::Buffer<float> filtered_depth_m;                              // after the bilateral filter
-  gpu::Buffer<shared::uvec4> kernels;                               // of the HRBF, with a margin: depth, normal from central differences
-  gpu::Buffer<shared::uint> color;                                  // r | g << 8 | b << 16
-  SurfacePyramid surface;                                           // weight is the confidence c = c_r c_d
-  std::array<gpu::Buffer<shared::uint>, kPyramidLevels> gradients;  // grey values per pixel of the level, 2 x half float
+  gpu::Buffer<float> raw_depth_m;       // as measured, inside the range
+  gpu::Buffer<float> filtered_depth_m;  // after the bilateral filter
+  gpu::Buffer<shared::uvec4> kernels;   // of the HRBF, with a margin: depth, normal from central differences
+  gpu::Buffer<shared::uint> color;      // r | g << 8 | b << 16
+  SurfacePyramid surface;               // weight is the confidence c = c_r c_d
+  std::array<gpu::Buffer<shared::GreyAndGradient>, kPyramidLevels> pictures;
 
   const shared::Intrinsics& camera() const { return surface.levels[0].camera; }
 };

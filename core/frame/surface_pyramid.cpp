@@ -11,10 +11,7 @@ namespace {
 template <class Pyramid, class Work>
 void for_each_buffer(Pyramid& pyramid, Work work) {
   for (auto& level : pyramid.levels) {
-    work(level.depth_m);
-    work(level.normals);
-    work(level.curvatures);
-    work(level.weight);
+    work(level.points);
     work(level.intensity);
   }
 }
@@ -26,12 +23,7 @@ SurfacePyramid make_surface_pyramid(gpu::Device& device, const shared::Intrinsic
   shared::Intrinsics camera = finest;
   for (SurfaceLevel& level : pyramid.levels) {
     const std::size_t pixels = static_cast<std::size_t>(camera.width) * camera.height;
-    level = {camera,
-             {device, pixels, purpose},
-             {device, pixels, purpose},
-             {device, pixels, purpose},
-             {device, pixels, purpose},
-             {device, pixels, purpose}};
+    level = {camera, {device, pixels, purpose}, {device, pixels, purpose}};
     camera = coarser(camera);
   }
   return pyramid;
@@ -67,8 +59,7 @@ void downsample(gpu::Commands& commands, const gpu::Kernel& kernel, SurfacePyram
     SurfaceLevel& coarse = pyramid.levels[level];
     const shared::DownsampleParams params{coarse.camera.width, coarse.camera.height, fine.camera.width, static_cast<float>(depth_gate_m)};
     commands.dispatch(kernel, {coarse.camera.width, coarse.camera.height}, params,
-                      {fine.depth_m, fine.normals, fine.curvatures, fine.weight, fine.intensity, coarse.depth_m, coarse.normals,
-                       coarse.curvatures, coarse.weight, coarse.intensity});
+                      {fine.points, fine.intensity, coarse.points, coarse.intensity});
   }
 }
 

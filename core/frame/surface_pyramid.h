@@ -15,14 +15,11 @@ namespace hermite {
 
 inline constexpr int kPyramidLevels = 3;
 
-// Row major, camera.width * camera.height entries each. Empty pixels have depth 0 and, where there is no colour, intensity -1.
+// Row major, camera.width * camera.height entries each.
 struct SurfaceLevel {
   shared::Intrinsics camera;
-  gpu::Buffer<float> depth_m;            // z along the pixel's ray
-  gpu::Buffer<shared::uint> normals;     // unit, camera frame, away from the camera: x and y as 2 x snorm16
-  gpu::Buffer<shared::uint> curvatures;  // max, min [1/m] as 2 x half float
-  gpu::Buffer<float> weight;             // of a frame: confidence, 0 to 1; of a prediction: tracking weight
-  gpu::Buffer<float> intensity;          // grey, 0 to 255
+  gpu::Buffer<shared::SurfacePoint> points;
+  gpu::Buffer<float> intensity;  // grey, 0 to 255; -1: no colour here
 };
 
 struct SurfacePyramid {

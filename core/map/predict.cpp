@@ -35,15 +35,13 @@ void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const Ind
                     shared::PredictParams{out.camera, lambda_per_m, confidence_scale, static_cast<shared::uint>(options_.min_support),
                                           static_cast<shared::uint>(options_.max_iterations), options_.correct_bias ? 1u : 0u,
                                           options_.hrbf_prediction ? 1u : 0u},
-                    {store.positions, store.attributes, kernels_, stable.nearest(), out.depth_m, out.normals, out.curvatures, out.weight,
-                     out.intensity, covered_pixel_count_});
+                    {store.positions, store.attributes, kernels_, stable.nearest(), out.points, out.intensity, covered_pixel_count_});
   if (fill_in == FillIn::kNothing) return;
   commands.dispatch(fill_in_, {pixels},
                     shared::FillInParams{pixels, lambda_per_m, confidence_scale,
                                          static_cast<shared::uint>(options_.fill_in_below * static_cast<double>(pixels)),
                                          fill_in == FillIn::kSurfaceAndColor ? 1u : 0u},
-                    {own.depth_m, own.normals, own.curvatures, own.weight, own.intensity, out.depth_m, out.normals, out.curvatures,
-                     out.weight, out.intensity, covered_pixel_count_});
+                    {own.points, own.intensity, out.points, out.intensity, covered_pixel_count_});
 }
 
 }  // namespace hermite

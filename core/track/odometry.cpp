@@ -131,8 +131,7 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
                                       gates.search ? 2u : 0u};
   const std::uint32_t threads = threads_for(from.camera.width * from.camera.height, pixels_per_thread_);
   commands_.dispatch(odometry_, {threads}, params,
-                     {from.depth_m, from.normals, from.curvatures, from.intensity, frame.gradients[l], to.depth_m, to.normals,
-                      to.curvatures, to.weight, to.intensity, partial_sums_});
+                     {from.points, frame.pictures[l], to.points, to.intensity, partial_sums_});
   commands_.submit_and_wait();
   const auto terms = total<kTerms>(partial_sums_.mapped(), threads);
   // As laid out in shaders/shared/track.h.
@@ -221,7 +220,7 @@ Agreement Odometry::agreement(const FrameMaps& frame, const SurfacePyramid& refe
   const SurfaceLevel& to = reference.levels[kAgreementLevel];
   const shared::AgreementParams params{to_shared(reference_from_camera), from.camera, to.camera, kTolerance_m, kToleranceGrowth_per_m};
   const std::uint32_t threads = threads_for(from.camera.width * from.camera.height, pixels_per_thread_);
-  commands_.dispatch(agreement_, {threads}, params, {from.depth_m, from.intensity, to.depth_m, to.normals, to.intensity, partial_sums_});
+  commands_.dispatch(agreement_, {threads}, params, {from.points, from.intensity, to.points, to.intensity, partial_sums_});
   commands_.submit_and_wait();
   const auto sums = total<kAgreementTerms>(partial_sums_.mapped(), threads);
   // As laid out in shaders/shared/track.h.

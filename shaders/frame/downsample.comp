@@ -7,17 +7,12 @@
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
+#include "shaders/lib/surface_point.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
-TEXELS(0, fine_depth_m);
-TEXELS(1, fine_normals);
-TEXELS(2, fine_curvatures);
-TEXELS(3, fine_weight);
-TEXELS(4, fine_intensity);
-layout(scalar, binding = 5) writeonly buffer Depth { float depth_m[]; };
-layout(scalar, binding = 6) writeonly buffer Normals { uint normals[]; };
-layout(scalar, binding = 7) writeonly buffer Curvatures { uint curvatures[]; };
-layout(scalar, binding = 8) writeonly buffer Weight { float weight[]; };
-layout(scalar, binding = 9) writeonly buffer Intensity { float intensity[]; };
+TEXELS(0, fine_points);
+TEXELS(1, fine_intensity);
+layout(scalar, binding = 2) writeonly buffer Points { SurfacePoint points[]; };
+layout(scalar, binding = 3) writeonly buffer Intensity { float intensity[]; };
 PARAMETERS(DownsampleParams, p);
 
 void main() {
@@ -32,22 +27,21 @@ void main() {
   float weight_sum = 0.0;
   vec2 curvature_sum = vec2(0.0);
   for (int i = 0; i < 4; ++i) {
-    float z = float_at(fine_depth_m, fine[i]);
+    SurfacePoint point = point_at(fine_points, fine[i]);
+    float z = point.depth_m;
     float g = float_at(fine_intensity, fine[i]);
     low = min(low, z);
     high = max(high, z);
     depth_sum += z;
-    normal_sum += unpack_normal(uint_at(fine_normals, fine[i]));
-    weight_sum += float_at(fine_weight, fine[i]);
-    curvature_sum += unpackHalf2x16(uint_at(fine_curvatures, fine[i]));
+    normal_sum += unpack_normal(point.normal);
+    weight_sum += point.weight;
+    curvature_sum += unpackHalf2x16(point.curvatures);
     grey_sum += g;
     grey_low = min(grey_low, g);
   }
   uint index = pixel.y * p.width + pixel.x;
   bool valid = low > 0.0 && high - low < p.depth_gate_m;
-  depth_m[index] = valid ? 0.25 * depth_sum : 0.0;
-  normals[index] = valid ? pack_normal(normalize(normal_sum)) : kNoNormal;
-  curvatures[index] = valid ? packHalf2x16(0.25 * curvature_sum) : 0u;
-  weight[index] = valid ? 0.25 * weight_sum : 0.0;
+  points[index] = valid ? SurfacePoint(0.25 * depth_sum, pack_normal(normalize(normal_sum)), packHalf2x16(0.25 * curvature_sum), 0.25 * weight_sum)
+                        : kNoPoint;
   intensity[index] = grey_low >= 0.0 ? 0.25 * grey_sum : -1.0;  // negative: no colour here (a hole of the prediction)
 }

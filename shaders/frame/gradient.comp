@@ -1,13 +1,13 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Sobel gradient of the frame's grey image, grey values per pixel; zero on the border.
+// The frame's grey image and its Sobel gradient, grey values per pixel; zero on the border.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 TEXELS(0, intensity);
-layout(scalar, binding = 1) writeonly buffer Gradient { uint gradient[]; };  // 2 x half float
+layout(scalar, binding = 1) writeonly buffer Picture { GreyAndGradient picture[]; };
 PARAMETERS(GradientParams, p);
 
 void main() {
@@ -22,5 +22,5 @@ void main() {
     float sw = float_at(intensity, below - 1u), s = float_at(intensity, below), se = float_at(intensity, below + 1u);
     g = 0.125 * vec2(ne + 2.0 * e + se - nw - 2.0 * w - sw, sw + 2.0 * s + se - nw - 2.0 * n - ne);
   }
-  gradient[i] = packHalf2x16(g);
+  picture[i] = GreyAndGradient(float_at(intensity, i), packHalf2x16(g));
 }

@@ -12,7 +12,7 @@
 layout(local_size_x = 16, local_size_y = 16) in;
 TEXELS(0, color);
 layout(scalar, binding = 1) writeonly buffer Intensity { float intensity[]; };
-layout(scalar, binding = 2) writeonly buffer Gradient { uint gradient[]; };  // 2 x half float
+layout(scalar, binding = 2) writeonly buffer Picture { GreyAndGradient picture[]; };
 layout(scalar, binding = 3) writeonly buffer SampledColor { uint sampled_color[]; };
 PARAMETERS(IntensityParams, p);
 
@@ -37,6 +37,7 @@ void main() {
   vec2 slope = vec2(0.25 * (above.y + 2.0 * here.y + below.y), 0.5 * (below.x - above.x));
   uint index = sampled.y * size.x + sampled.x;
   sampled_color[index] = uint_at(color, uint(pixel.y) * p.camera.width + uint(pixel.x));
-  intensity[index] = 0.25 * (above.x + 2.0 * here.x + below.x);
-  gradient[index] = border ? 0u : packHalf2x16(float(p.sampling.step) * slope);
+  float smoothed = 0.25 * (above.x + 2.0 * here.x + below.x);
+  intensity[index] = smoothed;
+  picture[index] = GreyAndGradient(smoothed, border ? 0u : packHalf2x16(float(p.sampling.step) * slope));
 }

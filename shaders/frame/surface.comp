@@ -9,12 +9,10 @@
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 #include "shaders/lib/kernels.glsl"
+#include "shaders/lib/surface_point.glsl"
 layout(local_size_x = 8, local_size_y = 16) in;  // four neighbouring pixels an invocation: a kernel is unpacked once for all of them
 TEXELS(0, kernels);
-layout(scalar, binding = 1) writeonly buffer Depth { float depth_m[]; };
-layout(scalar, binding = 2) writeonly buffer SurfaceNormals { uint surface_normals[]; };
-layout(scalar, binding = 3) writeonly buffer Curvatures { uint curvatures[]; };
-layout(scalar, binding = 4) writeonly buffer Confidence { float confidence[]; };
+layout(scalar, binding = 1) writeonly buffer Points { SurfacePoint points[]; };
 PARAMETERS(SurfaceParams, p);
 
 const int kRadius = 3;
@@ -137,10 +135,8 @@ void write(ivec2 pixel, float z, vec3 gradient, vec3 diagonal, vec3 mixed, float
   bool facing = gradient.z > 0.0 && dot(gradient, pixel_ray(p.camera, vec2(pixel))) > 0.0;  // nobody sees a back side
   bool valid = z > 0.0 && count >= float(kMinKernels) && facing && abs(kappa.x) < p.curvature_limit_per_m &&
                abs(kappa.y) < p.curvature_limit_per_m;
-  depth_m[index] = valid ? z : 0.0;
-  surface_normals[index] = valid ? pack_normal(normalize(gradient)) : kNoNormal;
-  curvatures[index] = valid ? packHalf2x16(kappa) : 0u;
-  confidence[index] = valid ? confidence_at(pixel, abs(dot(gradient, first_normal))) : 0.0;
+  float confidence = confidence_at(pixel, abs(dot(gradient, first_normal)));
+  points[index] = valid ? SurfacePoint(z, pack_normal(normalize(gradient)), packHalf2x16(kappa), confidence) : kNoPoint;
 }
 
 void main() {

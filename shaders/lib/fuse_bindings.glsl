@@ -1,19 +1,17 @@
 // What the passes of fusion share: the frame maps, the map, and the measurement at a pixel.
 #include "shaders/lib/blocks.glsl"
+#include "shaders/lib/surface_point.glsl"
 #include "shaders/lib/parameters.glsl"
 TEXELS(0, raw_depth_m);
-TEXELS(1, surface_depth_m);
-TEXELS(2, frame_normals);
-TEXELS(3, frame_curvatures);
-TEXELS(4, frame_confidence);
-TEXELS(5, frame_color);
-layout(scalar, binding = 6) buffer Positions { vec4 position_confidence[]; };
-layout(scalar, binding = 7) buffer Attributes { SurfelAttributes attributes[]; };
-layout(scalar, binding = 8) buffer Times { uvec2 times[]; };
-TEXELS(9, camera_from_submap);
-layout(scalar, binding = 10) buffer Candidates { uint candidates[]; };  // by pixel: a cell of the index map, or one of these
-layout(scalar, binding = 11) buffer Tiles { uint new_by_group[]; };
-layout(scalar, binding = 12) buffer State { MapState state; };
+TEXELS(1, frame_points);
+TEXELS(2, frame_color);
+layout(scalar, binding = 3) buffer Positions { vec4 position_confidence[]; };
+layout(scalar, binding = 4) buffer Attributes { SurfelAttributes attributes[]; };
+layout(scalar, binding = 5) buffer Times { uvec2 times[]; };
+TEXELS(6, camera_from_submap);
+layout(scalar, binding = 7) buffer Candidates { uint candidates[]; };  // by pixel: a cell of the index map, or one of these
+layout(scalar, binding = 8) buffer Tiles { uint new_by_group[]; };
+layout(scalar, binding = 9) buffer State { MapState state; };
 PARAMETERS(FuseParams, p);
 
 const uint kInvalid = 0xffffffffu;  // nothing to fuse here
@@ -38,15 +36,16 @@ uint pixel_index() {
 }
 ivec2 pixel_of(uint i) { return ivec2(i % p.camera.width, i / p.camera.width); }
 
-float fused_depth_m(uint i) { return p.fuse_surface != 0u ? float_at(surface_depth_m, i) : float_at(raw_depth_m, i); }
+float fused_depth_m(SurfacePoint point, uint i) { return p.fuse_surface != 0u ? point.depth_m : float_at(raw_depth_m, i); }
 
 // Without confidence a surfel would count as one, in a slot that counts as free.
-bool can_be_fused(uint i) { return float_at(surface_depth_m, i) > 0.0 && float_at(raw_depth_m, i) > 0.0 && float_at(frame_confidence, i) > 0.0; }
+bool can_be_fused(SurfacePoint point, uint i) { return point.depth_m > 0.0 && float_at(raw_depth_m, i) > 0.0 && point.weight > 0.0; }
 
 Measurement measure(uint i) {
-  vec3 normal = unpack_normal(uint_at(frame_normals, i));
+  SurfacePoint point = point_at(frame_points, i);
+  vec3 normal = unpack_normal(point.normal);
   uint c = uint_at(frame_color, i);
-  return Measurement(pixel_ray(p.camera, vec2(pixel_of(i))) * fused_depth_m(i), normal,
-                     support_radius(p.camera, p.radius_scale, float_at(surface_depth_m, i), normal.z), unpackHalf2x16(uint_at(frame_curvatures, i)),
-                     vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u), float_at(frame_confidence, i));
+  return Measurement(pixel_ray(p.camera, vec2(pixel_of(i))) * fused_depth_m(point, i), normal,
+                     support_radius(p.camera, p.radius_scale, point.depth_m, normal.z), unpackHalf2x16(point.curvatures),
+                     vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u), point.weight);
 }

@@ -8,9 +8,9 @@
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/fuse_bindings.glsl"
 layout(local_size_x = 256) in;
-TEXELS(13, free_slots);
-layout(scalar, binding = 14) buffer Bounds { BlockBounds bounds[]; };
-layout(scalar, binding = 15) writeonly buffer Changed { uint changed_frame[]; };
+TEXELS(10, free_slots);
+layout(scalar, binding = 11) buffer Bounds { BlockBounds bounds[]; };
+layout(scalar, binding = 12) writeonly buffer Changed { uint changed_frame[]; };
 #include "shaders/lib/new_in_tile.glsl"
 
 void main() {

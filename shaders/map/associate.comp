@@ -10,23 +10,24 @@
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/fuse_bindings.glsl"
 layout(local_size_x = 256) in;
-TEXELS(13, cells);  // IndexCell
-layout(scalar, binding = 14) buffer Claims { uint claims[]; };
+TEXELS(10, cells);  // IndexCell
+layout(scalar, binding = 11) buffer Claims { uint claims[]; };
 
 uint claim_key(float distance_px, uint i) { return (min(uint(distance_px * 256.0), 1023u) << kPixelBits) | i; }
 
 void main() {
   uint i = pixel_index();
   if (i == kOutside) return;
-  if (!can_be_fused(i)) {
+  SurfacePoint point = point_at(frame_points, i);
+  if (!can_be_fused(point, i)) {
     candidates[i] = kInvalid;
     return;
   }
   ivec2 pixel = pixel_of(i);
   vec3 ray = pixel_ray(p.camera, vec2(pixel));
   float ray_length = length(ray);
-  float z = fused_depth_m(i);
-  vec3 normal = unpack_normal(uint_at(frame_normals, i));
+  float z = fused_depth_m(point, i);
+  vec3 normal = unpack_normal(point.normal);
   uint best_cell = kNew;
   float best = 1e9;
   for (int dy = -1; dy <= 1; ++dy) {

@@ -9,12 +9,12 @@
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/fuse_bindings.glsl"
 layout(local_size_x = 256) in;
-TEXELS(13, cells);  // IndexCell
-TEXELS(14, claims);
-layout(scalar, binding = 15) writeonly buffer Changed { uint changed_frame[]; };
+TEXELS(10, cells);  // IndexCell
+TEXELS(11, claims);
+layout(scalar, binding = 12) writeonly buffer Changed { uint changed_frame[]; };
 // A surfel belongs to one thread, which reads it before it writes.
-TEXELS(16, read_position_confidence);
-TEXELS(17, read_attributes);
+TEXELS(13, read_position_confidence);
+TEXELS(14, read_attributes);
 #include "shaders/lib/new_in_tile.glsl"
 
 void merge(uint slot, Measurement m) {

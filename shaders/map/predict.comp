@@ -12,18 +12,16 @@
 #include "shaders/lib/surfel.glsl"
 #include "shaders/lib/weight.glsl"
 #include "shaders/lib/kernels.glsl"
+#include "shaders/lib/surface_point.glsl"
 layout(local_size_x = 8, local_size_y = 16) in;
 layout(constant_id = 0) const int kRadius = 3;  // window of 2 kRadius + 1
 TEXELS(0, position_confidence);
 TEXELS(1, attributes);
 TEXELS(2, kernels);
 TEXELS(3, nearest);  // NearestSurfel
-layout(scalar, binding = 4) writeonly buffer Depth { float depth_m[]; };
-layout(scalar, binding = 5) writeonly buffer Normals { uint normals[]; };
-layout(scalar, binding = 6) writeonly buffer Curvatures { uint curvatures[]; };
-layout(scalar, binding = 7) writeonly buffer Weight { float weight[]; };
-layout(scalar, binding = 8) writeonly buffer Intensity { float intensity[]; };
-layout(scalar, binding = 9) buffer Covered { uint covered_count; };
+layout(scalar, binding = 4) writeonly buffer Points { SurfacePoint points[]; };
+layout(scalar, binding = 5) writeonly buffer Intensity { float intensity[]; };
+layout(scalar, binding = 6) buffer Covered { uint covered_count; };
 PARAMETERS(PredictParams, p);
 
 const uint kNone = 0xffffffffu;
@@ -181,21 +179,16 @@ float intersect_disc(int first, vec3 ray, out vec3 normal, out uint cell) {
 void write(ivec2 pixel, float z, vec3 normal, uint cell) {
   uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
   if (z <= 0.0 || cell == kNone) {
-    depth_m[index] = 0.0;
-    normals[index] = kNoNormal;
-    curvatures[index] = 0u;
-    weight[index] = 0.0;
+    points[index] = kNoPoint;
     intensity[index] = -1.0;
     return;
   }
   ivec2 source = pixel + ivec2(int(cell & 255u), int(cell >> 8)) - kRadius;
   uint slot = uvec2_at(nearest, uint(source.y) * p.camera.width + uint(source.x)).x;
   SurfelAttributes a = attributes_at(attributes, slot);
-  depth_m[index] = z;
-  normals[index] = pack_normal(normal);
-  curvatures[index] = a.curvatures;
-  weight[index] =
+  float weight =
       tracking_weight(unpackHalf2x16(a.curvatures), vec4_at(position_confidence, slot).w * p.confidence_scale, p.curvature_lambda_per_m, z);
+  points[index] = SurfacePoint(z, pack_normal(normal), a.curvatures, weight);
   intensity[index] = grey(surfel_color(a));
   atomicAdd(covered_count, 1u);
 }

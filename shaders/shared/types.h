@@ -37,6 +37,20 @@ struct Sampling {
 #define HERMITE_KERNEL_MARGIN 4
 #define HERMITE_KERNEL_STRIDE(width) ((width) + 2 * HERMITE_KERNEL_MARGIN + 3)
 
+// A surface as seen from one pose, by pixel (shaders/lib/surface_point.glsl).
+struct SurfacePoint {
+  float depth_m;    // along the pixel's ray; 0: there is none
+  uint normal;      // unit, camera frame, away from the camera: x and y as 2 x snorm16
+  uint curvatures;  // max, min [1/m] as 2 x half float
+  float weight;     // of a frame: confidence, 0 to 1; of a prediction: tracking weight
+};
+
+// Of a picture, by pixel.
+struct GreyAndGradient {
+  float grey;     // 0 to 255
+  uint gradient;  // grey values per pixel, 2 x half float
+};
+
 // target_from_source: p_target = (dot(row0.xyz, p) + row0.w, ...). Metres.
 struct Transform {
   vec4 row0, row1, row2;

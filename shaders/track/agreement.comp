@@ -6,15 +6,15 @@
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
+#include "shaders/lib/surface_point.glsl"
 const uint kTerms = HERMITE_AGREEMENT_TERMS;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
 layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
-TEXELS(0, depth_m);
+TEXELS(0, points);
 TEXELS(1, intensity);
-TEXELS(2, reference_depth_m);
-TEXELS(3, reference_normals);
-TEXELS(4, reference_intensity);
-layout(scalar, binding = 5) writeonly buffer Sums { float partial_sums[]; };
+TEXELS(2, reference_points);
+TEXELS(3, reference_intensity);
+layout(scalar, binding = 4) writeonly buffer Sums { float partial_sums[]; };
 PARAMETERS(AgreementParams, p);
 #include "shaders/lib/sums.glsl"
 
@@ -39,7 +39,7 @@ void main() {
   vec2 grey = vec2(0.0);                   // frame, reference
   vec3 grey_squares = vec3(0.0);           // frame^2, reference^2, frame * reference
   for (uint i = gl_GlobalInvocationID.x; i < p.camera.width * p.camera.height; i += gl_NumWorkGroups.x * kGroupSize) {
-    float z = float_at(depth_m, i);
+    float z = point_at(points, i).depth_m;
     if (z <= 0.0) continue;
     surface += 1.0;
     uvec2 seen_at = uvec2(i % p.camera.width, i / p.camera.width);
@@ -47,14 +47,15 @@ void main() {
     ivec2 pixel = ivec2(floor(project(p.reference, point) + 0.5));
     if (point.z < 0.05 || !inside(p.reference, pixel)) continue;
     uint j = at(p.reference, pixel);
-    float reference_z = float_at(reference_depth_m, j);
+    SurfacePoint shown = point_at(reference_points, j);
+    float reference_z = shown.depth_m;
     if (reference_z <= 0.0) continue;
     overlap += 1.0;
     // Thrice the noise of the sensor, as it grows with distance, beside what the model may be off by.
     float tolerance = p.tolerance_m + p.tolerance_growth_per_m * z * z;
     vec3 d = pixel_ray(p.reference, vec2(pixel)) * reference_z;
     in_front += reference_z - point.z > 2.0 * tolerance ? 1.0 : 0.0;
-    if (abs(dot(unpack_normal(uint_at(reference_normals, j)), point - d)) > tolerance) continue;
+    if (abs(dot(unpack_normal(shown.normal), point - d)) > tolerance) continue;
     agreeing += 1.0;
     float seen = float_at(intensity, i) - 128.0, known = float_at(reference_intensity, j) - 128.0;  // near zero, so that the sums keep their digits
     if (known < -128.0) continue;

@@ -8,20 +8,15 @@
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
+#include "shaders/lib/surface_point.glsl"
 const uint kTerms = HERMITE_ODOMETRY_TERMS;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
 layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
-TEXELS(0, depth_m);
-TEXELS(1, normals);
-TEXELS(2, curvatures);
-TEXELS(3, intensity);
-TEXELS(4, gradient);
-TEXELS(5, reference_depth_m);
-TEXELS(6, reference_normals);
-TEXELS(7, reference_curvatures);
-TEXELS(8, reference_weight);
-TEXELS(9, reference_intensity);
-layout(scalar, binding = 10) writeonly buffer Sums { float partial_sums[]; };
+TEXELS(0, points);
+TEXELS(1, picture);  // GreyAndGradient
+TEXELS(2, reference_points);
+TEXELS(3, reference_intensity);
+layout(scalar, binding = 4) writeonly buffer Sums { float partial_sums[]; };
 PARAMETERS(OdometryParams, p);
 #include "shaders/lib/sums.glsl"
 
@@ -70,7 +65,7 @@ void put_system(System system) {
   put_vector(system.r);
 }
 
-vec3 reference_vertex(ivec2 pixel, uint i) { return pixel_ray(p.reference, vec2(pixel)) * float_at(reference_depth_m, i); }
+vec3 reference_vertex(ivec2 pixel, SurfacePoint point) { return pixel_ray(p.reference, vec2(pixel)) * point.depth_m; }
 
 bool agree(vec3 point, vec3 normal, vec3 vertex, vec3 n) {
   vec3 v = point - vertex, c = cross(n, normal);
@@ -87,7 +82,7 @@ uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
       ivec2 q = centre + ivec2(dx, dy);
       if (!inside(p.reference, q)) continue;
       uint i = uint(q.y) * p.reference.width + uint(q.x);
-      float d = distance(point, reference_vertex(q, i));
+      float d = distance(point, reference_vertex(q, point_at(reference_points, i)));
       if (d < p.distance_gate_m) farthest = max(farthest, d);
     }
   float best = 1e9;
@@ -97,10 +92,11 @@ uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
       ivec2 q = centre + ivec2(dx, dy);
       if (!inside(p.reference, q)) continue;
       uint i = uint(q.y) * p.reference.width + uint(q.x);
-      vec3 vertex = reference_vertex(q, i);
-      vec3 n = unpack_normal(uint_at(reference_normals, i));
+      SurfacePoint candidate = point_at(reference_points, i);
+      vec3 vertex = reference_vertex(q, candidate);
+      vec3 n = unpack_normal(candidate.normal);
       if (!agree(point, normal, vertex, n)) continue;
-      vec2 k = unpackHalf2x16(uint_at(reference_curvatures, i));
+      vec2 k = unpackHalf2x16(candidate.curvatures);
       float scale = max(max(abs(k.x), abs(k.y)), 1e-3);
       float dissimilarity =
           distance(point, vertex) / farthest + 1.0 - dot(n, normal) + 1.0 - exp(-(abs(kappa.x - k.x) + abs(kappa.y - k.y)) / scale);
@@ -112,18 +108,18 @@ uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
   return found;
 }
 
-// reference_z is the prediction's depth at the pixel `centre`, index j, that s falls into.
-void add_geometry(ivec2 centre, uint j, float reference_z, vec3 s, uint i) {
-  vec3 normal = rotate(p.reference_from_camera, unpack_normal(uint_at(normals, i)));
-  vec3 d = pixel_ray(p.reference, vec2(centre)) * reference_z;
+// `shown` is the prediction at the pixel `centre` that s, seen as `point`, falls into.
+void add_geometry(ivec2 centre, SurfacePoint shown, vec3 s, SurfacePoint point) {
+  vec3 normal = rotate(p.reference_from_camera, unpack_normal(point.normal));
   if (p.search_radius > 0u) {
-    j = search(centre, s, normal, unpackHalf2x16(uint_at(curvatures, i)));
+    uint j = search(centre, s, normal, unpackHalf2x16(point.curvatures));
     if (j == kNone) return;
-    d = reference_vertex(ivec2(j % p.reference.width, j / p.reference.width), j);
+    shown = point_at(reference_points, j);
+    centre = ivec2(j % p.reference.width, j / p.reference.width);
   }
-  vec3 n = unpack_normal(uint_at(reference_normals, j));
+  vec3 d = reference_vertex(centre, shown), n = unpack_normal(shown.normal);
   if (!agree(s, normal, d, n)) return;
-  float residual = dot(n, s - d), weight = p.geometric_weight * float_at(reference_weight, j);
+  float residual = dot(n, s - d), weight = p.geometric_weight * shown.weight;
   add_row(geometric, n, cross(s, n), residual, weight);
   vec3 sine = cross(n, normal);
   moment_0 += weight;
@@ -134,7 +130,8 @@ void add_geometry(ivec2 centre, uint j, float reference_z, vec3 s, uint i) {
 }
 
 void add_photometry(vec2 uv, float reference_z, vec3 s, uint i) {
-  vec2 g = unpackHalf2x16(uint_at(gradient, i));
+  uvec2 seen = uvec2_at(picture, i);
+  vec2 g = unpackHalf2x16(seen.y);
   if (dot(g, g) < p.gradient_min * p.gradient_min) return;
   ivec2 q = ivec2(floor(uv));
   if (q.x < 0 || q.y < 0 || q.x + 1 >= int(p.reference.width) || q.y + 1 >= int(p.reference.height)) return;
@@ -144,7 +141,7 @@ void add_photometry(vec2 uv, float reference_z, vec3 s, uint i) {
   if (min(min(i00, i10), min(i01, i11)) < 0.0) return;
   vec2 f = uv - vec2(q);
   if (reference_z <= 0.0 || abs(reference_z - s.z) > p.photometric_depth_gate_m) return;
-  float residual = float_at(intensity, i) - mix(mix(i00, i10, f.x), mix(i01, i11, f.x), f.y);
+  float residual = uintBitsToFloat(seen.x) - mix(mix(i00, i10, f.x), mix(i01, i11, f.x), f.y);
   vec2 scaled = g * vec2(p.camera.fx, p.camera.fy) / s.z;
   vec3 a = -vec3(scaled, -dot(scaled, s.xy) / s.z);
   float weight = 1.0 / (p.photometric_sigma + abs(residual));
@@ -155,7 +152,8 @@ void add_photometry(vec2 uv, float reference_z, vec3 s, uint i) {
 void main() {
   for (uint i = gl_GlobalInvocationID.x; i < p.camera.width * p.camera.height; i += gl_NumWorkGroups.x * kGroupSize) {
     ivec2 pixel = ivec2(i % p.camera.width, i / p.camera.width);
-    float z = float_at(depth_m, i);
+    SurfacePoint point = point_at(points, i);
+    float z = point.depth_m;
     if (z <= 0.0) continue;
     surface_count += 1.0;
     vec3 s = transform_point(p.reference_from_camera, pixel_ray(p.camera, vec2(pixel)) * z);
@@ -164,9 +162,9 @@ void main() {
     ivec2 centre = ivec2(floor(uv + 0.5));
     if (!inside(p.reference, centre)) continue;
     uint j = uint(centre.y) * p.reference.width + uint(centre.x);
-    float reference_z = float_at(reference_depth_m, j);
-    add_geometry(centre, j, reference_z, s, i);
-    add_photometry(uv, reference_z, s, i);
+    SurfacePoint shown = point_at(reference_points, j);
+    add_geometry(centre, shown, s, point);
+    add_photometry(uv, shown.depth_m, s, i);
   }
   begin_terms();
   put_system(geometric);

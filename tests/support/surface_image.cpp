@@ -27,24 +27,24 @@ std::vector<Eigen::Vector3d> unpack_normals(const std::vector<shared::uint>& pac
 
 SurfaceImage download(const SurfaceLevel& level) {
   SurfaceImage image(level.camera);
-  image.depth_m = level.depth_m.download();
-  image.normals = unpack_normals(level.normals.download());
-  const std::vector<shared::uint> curvatures = level.curvatures.download();
-  std::transform(curvatures.begin(), curvatures.end(), image.curvatures.begin(), unpack_halves);
-  image.weight = level.weight.download();
+  const std::vector<shared::SurfacePoint> points = level.points.download();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    image.depth_m[i] = points[i].depth_m;
+    image.normals[i] = unpack_normal(points[i].normal);
+    image.curvatures[i] = unpack_halves(points[i].curvatures);
+    image.weight[i] = points[i].weight;
+  }
   image.intensity = level.intensity.download();
   return image;
 }
 
 void upload(const SurfaceImage& image, SurfaceLevel& level) {
-  std::vector<shared::uint> words(image.size());
-  level.depth_m.upload(image.depth_m);
-  std::transform(image.normals.begin(), image.normals.end(), words.begin(), pack_normal);
-  level.normals.upload(words);
-  std::transform(image.curvatures.begin(), image.curvatures.end(), words.begin(),
-                 [](const Eigen::Vector2d& k) { return pack_halves(k.x(), k.y()); });
-  level.curvatures.upload(words);
-  level.weight.upload(image.weight);
+  std::vector<shared::SurfacePoint> points(image.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector2d& kappa = image.curvatures[i];
+    points[i] = {image.depth_m[i], pack_normal(image.normals[i]), pack_halves(kappa.x(), kappa.y()), image.weight[i]};
+  }
+  level.points.upload(points);
   level.intensity.upload(image.intensity);
 }
 
@@ -61,9 +61,9 @@ FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera) {
                  .kernels = {device, kernel_image_size(intrinsics_of(camera)), "test"},
                  .color = {device, pixels, "test"},
                  .surface = make_surface_pyramid(device, intrinsics_of(camera), "test"),
-                 .gradients = {}};
-  for (std::size_t level = 0; level < maps.gradients.size(); ++level)
-    maps.gradients[level] = {device, maps.surface.levels[level].intensity.count(), "test"};
+                 .pictures = {}};
+  for (std::size_t level = 0; level < maps.pictures.size(); ++level)
+    maps.pictures[level] = {device, maps.surface.levels[level].intensity.count(), "test"};
   return maps;
 }
 

@@ -58,10 +58,11 @@ class OdometryTest : public test::GpuTest {
   void set_frame(const Levels& levels) {
     for (std::size_t level = 0; level < levels.size(); ++level) {
       test::upload(levels[level], frame.surface.levels[level]);
-      std::vector<shared::uint> packed;
-      for (const Eigen::Vector2d& g : test::gradient_twin(levels[level].intensity, levels[level].camera))
-        packed.push_back(test::pack_halves(g.x(), g.y()));
-      frame.gradients[level].upload(packed);
+      const std::vector<float>& grey = levels[level].intensity;
+      std::vector<shared::GreyAndGradient> picture;
+      for (const Eigen::Vector2d& g : test::gradient_twin(grey, levels[level].camera))
+        picture.push_back({grey[picture.size()], test::pack_halves(g.x(), g.y())});
+      frame.pictures[level].upload(picture);
     }
   }
   void set_reference(const Levels& levels) {
