@@ -1,23 +1,41 @@
 // A colour between pixels.
 #pragma once
 
+#include <cstdint>
+
 #include "core/base/image.h"
 
 namespace hermite {
 
-// Bilinear between the four pixels around (x, y); black unless all four are in the image.
+// Three channels in one number, with eight bits to spare each; `pixel` has four bytes, of which the lowest are red, green and blue.
+inline std::uint64_t spread(std::uint32_t pixel) { return (pixel & 0xff00ffu) | (std::uint64_t{pixel & 0xff00u} << 24); }
+
+// Between two such, `share` in 256ths.
+inline std::uint64_t mix(std::uint64_t a, std::uint64_t b, std::uint64_t share) {
+  return ((a * (256 - share) + b * share + 0x8000800080u) >> 8) & 0xff00ff00ffu;
+}
+
+// Between two neighbours of a row.
+inline std::uint64_t mix(const Rgb8* pair, std::uint64_t share) {
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(pair);
+  const auto four = [bytes](int first) {
+    return std::uint32_t{bytes[first]} | std::uint32_t{bytes[first + 1]} << 8 | std::uint32_t{bytes[first + 2]} << 16 |
+           std::uint32_t{bytes[first + 3]} << 24;
+  };
+  return mix(spread(four(0)), spread(four(2) >> 8), share);
+}
+
+// Bilinear between the four pixels around (x, y), which counts to a 256th of a pixel; black unless all four are in the image. Off by at
+// most one level.
 inline Rgb8 color_between(const ColorImage& color, float x, float y) {
   if (!(x >= 0 && y >= 0)) return {0, 0, 0};
   const int left = static_cast<int>(x), top = static_cast<int>(y);
   if (left + 1 >= color.width || top + 1 >= color.height) return {0, 0, 0};
-  const float right_share = x - static_cast<float>(left), bottom_share = y - static_cast<float>(top);
-  const Rgb8 nw = color.at(left, top), ne = color.at(left + 1, top), sw = color.at(left, top + 1), se = color.at(left + 1, top + 1);
-  const auto mix = [&](std::uint8_t Rgb8::*channel) {
-    const auto blend = [](float a, float b, float share) { return a + share * (b - a); };
-    const float above = blend(nw.*channel, ne.*channel, right_share), below = blend(sw.*channel, se.*channel, right_share);
-    return static_cast<std::uint8_t>(blend(above, below, bottom_share) + 0.5f);
-  };
-  return {mix(&Rgb8::r), mix(&Rgb8::g), mix(&Rgb8::b)};
+  const auto in_256ths = [](float share) { return static_cast<std::uint64_t>(static_cast<int>(256 * share + 0.5f)); };
+  const std::uint64_t right = in_256ths(x - static_cast<float>(left)), bottom = in_256ths(y - static_cast<float>(top));
+  const Rgb8* above = &color.at(left, top);
+  const std::uint64_t mixed = mix(mix(above, right), mix(above + color.width, right), bottom);
+  return {static_cast<std::uint8_t>(mixed), static_cast<std::uint8_t>(mixed >> 32), static_cast<std::uint8_t>(mixed >> 16)};
 }
 
 }  // namespace hermite

@@ -64,6 +64,9 @@ InverseDepths filled_inverse_depths(const DepthImage& depth, float metres_per_de
   return inverse_depths;
 }
 
+// Outside by as much as any place may be: casts to int stay in range.
+constexpr float kOutside_px = 2;
+
 // Half the distance to the next pixel's place, and the half that rounding takes, so that no column of a surface stays open.
 int reach_px(const Camera& camera) { return static_cast<int>(std::ceil(0.5 * camera.color->fx / camera.fx + 0.5)); }
 
@@ -88,49 +91,49 @@ ColorRegistration::ColorRegistration(const Camera& camera)
       cy_(static_cast<float>(camera.color->cy)),
       ray_from_pixel_(ray_from_pixel(camera)),
       depth_camera_m_(camera.color->color_from_depth.translation.cast<float>()),
+      columns_(Eigen::ArrayXf::LinSpaced(camera.width, 0.0f, static_cast<float>(camera.width - 1))),
       reach_px_(reach_px(camera)),
+      margin_px_(static_cast<int>(kOutside_px) + reach_px_ + 1),
       hiding_per_m_(hiding_per_m(*camera.color, reach_px_)) {}
 
-ColorRegistration::Place ColorRegistration::place_of(const Eigen::Vector3f& in_color) const {
-  // Outside by as much as any place may be: casts to int stay in range.
-  constexpr float kOutside_px = 2;
-  if (!(in_color.z() > kLeastForward)) return {-kOutside_px, -kOutside_px};
-  const float scale = 1 / in_color.z();
-  float x = in_color.x() * scale, y = in_color.y() * scale;
-  if (is_distorted_) {
-    const Eigen::Vector2f at = distortion_.apply(x, y).cast<float>();
-    x = at.x(), y = at.y();
-  }
-  const auto pixel = [](float value, int side) { return std::clamp(value, -kOutside_px, static_cast<float>(side) + kOutside_px); };
-  return {pixel(x * fx_ + cx_, width_), pixel(y * fy_ + cy_, height_)};
-}
-
 void ColorRegistration::find_places(const InverseDepths& inverse_depths, int y, Row& row) const {
-  const Eigen::Vector3f first = ray_from_pixel_.col(1) * static_cast<float>(y) + ray_from_pixel_.col(2);
+  const Eigen::Vector3f first = ray_from_pixel_.col(1) * static_cast<float>(y) + ray_from_pixel_.col(2), step = ray_from_pixel_.col(0);
+  const Eigen::Map<const Eigen::ArrayXf> inverse_depth(&inverse_depths.at(0, y), width_);
+  const auto coordinate = [&](int i) { return first[i] + step[i] * columns_ + depth_camera_m_[i] * inverse_depth; };
+  const Eigen::ArrayXf forward = coordinate(2), scale = forward.max(kLeastForward).inverse();
+  row.u = coordinate(0) * scale;
+  row.v = coordinate(1) * scale;
+  if (is_distorted_)
+    for (int x = 0; x < width_; ++x) {
+      const Eigen::Vector2f at = distortion_.apply(row.u[x], row.v[x]).cast<float>();
+      row.u[x] = at.x(), row.v[x] = at.y();
+    }
+  row.u = (row.u * fx_ + cx_).max(-kOutside_px).min(static_cast<float>(width_) + kOutside_px);
+  row.v = (row.v * fy_ + cy_).max(-kOutside_px).min(static_cast<float>(height_) + kOutside_px);
+  if (forward.minCoeff() > kLeastForward) return;
   for (int x = 0; x < width_; ++x)
-    row.places[static_cast<std::size_t>(x)] =
-        place_of(first + ray_from_pixel_.col(0) * static_cast<float>(x) + depth_camera_m_ * inverse_depths.at(x, y));
+    if (!(forward[x] > kLeastForward)) row.u[x] = row.v[x] = -kOutside_px;
 }
 
 // Only what was measured hides, and only what is in the colour image is hidden.
 void ColorRegistration::find_hidden(const InverseDepths& inverse_depths, const DepthImage& depth, int y, Row& row) const {
-  std::fill(row.nearest_per_m.begin(), row.nearest_per_m.end(), 0.0f);
+  constexpr int kOutside = static_cast<int>(kOutside_px);
+  const std::uint16_t* measured = &depth.at(0, y);
+  const float* inverse_depth = &inverse_depths.at(0, y);
+  row.nearest_per_m.setZero();
+  float* nearest = row.nearest_per_m.data() + margin_px_;
   for (int x = 0; x < width_; ++x) {
-    if (depth.at(x, y) == 0) continue;
-    // To the nearest whole column: no place is left of -2.
-    const int middle = static_cast<int>(row.places[static_cast<std::size_t>(x)].x + 2.5f) - 2;
-    for (int column = std::max(0, middle - reach_px_); column <= std::min(middle + reach_px_, width_ - 1); ++column) {
-      float& nearest = row.nearest_per_m[static_cast<std::size_t>(column)];
-      nearest = std::max(nearest, inverse_depths.at(x, y));
-    }
+    if (measured[x] == 0) continue;
+    const int column = static_cast<int>(row.u[x] + (kOutside_px + 0.5f)) - kOutside;
+    nearest[column] = std::max(nearest[column], inverse_depth[x]);
   }
-  const auto hides = [&](int column, int x) {
-    return row.nearest_per_m[static_cast<std::size_t>(column)] - inverse_depths.at(x, y) > hiding_per_m_;
-  };
+  row.covering_per_m.setZero();
+  for (int offset = -reach_px_; offset <= reach_px_ + 1; ++offset)
+    row.covering_per_m = row.covering_per_m.max(row.nearest_per_m.segment(margin_px_ + offset, width_));
   for (int x = 0; x < width_; ++x) {
-    const float place = row.places[static_cast<std::size_t>(x)].x;
-    const int left = static_cast<int>(place);
-    row.is_hidden[static_cast<std::size_t>(x)] = place >= 0 && left + 1 < width_ && (hides(left, x) || hides(left + 1, x));
+    const int left = static_cast<int>(row.u[x]);
+    row.is_hidden[static_cast<std::size_t>(x)] =
+        row.u[x] >= 0 && left + 1 < width_ && row.covering_per_m[left] - inverse_depth[x] > hiding_per_m_;
   }
 }
 
@@ -149,15 +152,13 @@ void ColorRegistration::uncover(const InverseDepths& inverse_depths, int y, cons
 ColorImage ColorRegistration::apply(const ColorImage& color, const DepthImage& straight_depth) const {
   const InverseDepths inverse_depths = filled_inverse_depths(straight_depth, metres_per_depth_unit_);
   const auto side = static_cast<std::size_t>(width_);
-  Row row{std::vector<Place>(side), std::vector<float>(side), std::vector<std::uint8_t>(side)};
+  Row row{Eigen::ArrayXf(width_), Eigen::ArrayXf(width_), Eigen::ArrayXf(width_ + 2 * margin_px_), Eigen::ArrayXf(width_),
+          std::vector<std::uint8_t>(side)};
   ColorImage registered(width_, height_);
   for (int y = 0; y < height_; ++y) {
     find_places(inverse_depths, y, row);
     find_hidden(inverse_depths, straight_depth, y, row);
-    for (int x = 0; x < width_; ++x) {
-      const auto [u, v] = row.places[static_cast<std::size_t>(x)];
-      registered.at(x, y) = color_between(color, u, v);
-    }
+    for (int x = 0; x < width_; ++x) registered.at(x, y) = color_between(color, row.u[x], row.v[x]);
     uncover(inverse_depths, y, row, registered);
   }
   return registered;

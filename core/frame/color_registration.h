@@ -8,6 +8,7 @@
 //     devices sit side by side, so that what hides a point lies in its row. Of lenses one above the other, near colours leak.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
@@ -27,16 +28,12 @@ class ColorRegistration {
 
  private:
   using InverseDepths = Image<float>;  // 1/m
-  // Of a pixel's point in the colour image.
-  struct Place {
-    float x = 0, y = 0;  // pixels
-  };
   struct Row {
-    std::vector<Place> places;
-    std::vector<float> nearest_per_m;  // by column of the colour image: inverse depth of the nearest thing measured there
+    Eigen::ArrayXf u, v;            // where the pixels' points lie in the colour image [px]
+    Eigen::ArrayXf nearest_per_m;   // by column of the colour image, with margins: inverse depth of the nearest thing measured there
+    Eigen::ArrayXf covering_per_m;  // by column: the same of all that may cover it or the next
     std::vector<std::uint8_t> is_hidden;
   };
-  Place place_of(const Eigen::Vector3f& in_color) const;
   void find_places(const InverseDepths& inverse_depths, int y, Row& row) const;
   void find_hidden(const InverseDepths& inverse_depths, const DepthImage& depth, int y, Row& row) const;
   void uncover(const InverseDepths& inverse_depths, int y, const Row& row, ColorImage& registered) const;
@@ -48,7 +45,9 @@ class ColorRegistration {
   const float fx_, fy_, cx_, cy_;         // of the colour camera [px]
   const Eigen::Matrix3f ray_from_pixel_;  // of the depth image; the ray is in the colour camera's frame, its length of no meaning
   const Eigen::Vector3f depth_camera_m_;  // in the colour camera's frame
+  const Eigen::ArrayXf columns_;          // 0, 1, 2, ... of a row
   const int reach_px_;                    // how far a pixel of the depth image covers the colour image to either side of its place
+  const int margin_px_;                   // beside the columns of the colour image: what lies there may reach into it
   const float hiding_per_m_;              // what hides a point is nearer by at least so much, in inverse depth
 };
 

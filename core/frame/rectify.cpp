@@ -16,19 +16,18 @@ Rectifier::Rectifier(const Camera& camera) {
       const Eigen::Vector2d at = camera.distort(x, y);
       // Far outside is outside: the cast below stays in range.
       const auto pixel = [](double value, int side) { return static_cast<float>(std::clamp(value, -2.0, side + 1.0)); };
-      sources_.push_back({pixel(at.x(), camera.width), pixel(at.y(), camera.height)});
+      const float source_x = pixel(at.x(), camera.width), source_y = pixel(at.y(), camera.height);
+      const int column = static_cast<int>(std::lround(source_x)), row = static_cast<int>(std::lround(source_y));
+      const bool inside = column >= 0 && row >= 0 && column < camera.width && row < camera.height;
+      sources_.push_back({source_x, source_y, inside ? row * camera.width + column : -1});
     }
 }
 
 DepthImage Rectifier::straight(const DepthImage& depth) const {
   if (sources_.empty()) return depth;
   DepthImage straight(depth.width, depth.height);
-  for (std::size_t i = 0; i < sources_.size(); ++i) {
-    const auto [x, y] = sources_[i];
-    const int column = static_cast<int>(std::lround(x)), row = static_cast<int>(std::lround(y));
-    const bool inside = column >= 0 && row >= 0 && column < depth.width && row < depth.height;
-    straight.pixels[i] = inside ? depth.at(column, row) : std::uint16_t{0};
-  }
+  for (std::size_t i = 0; i < sources_.size(); ++i)
+    straight.pixels[i] = sources_[i].nearest >= 0 ? depth.pixels[static_cast<std::size_t>(sources_[i].nearest)] : std::uint16_t{0};
   return straight;
 }
 

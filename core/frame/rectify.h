@@ -2,6 +2,7 @@
 // take the camera for one pinhole with registered images, rectified(camera).
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -24,7 +25,8 @@ class Rectifier {
  private:
   // Where a pixel of the straight images lies in the distorted ones.
   struct Source {
-    float x = 0, y = 0;  // pixels
+    float x = 0, y = 0;         // pixels
+    std::int32_t nearest = -1;  // index of the pixel nearest to it; -1: outside
   };
   DepthImage straight(const DepthImage& depth) const;
   ColorImage straight(const ColorImage& color) const;
