@@ -1,7 +1,7 @@
 #include "core/frame/preprocess.h"
 
+#include <algorithm>
 #include <cmath>
-#include <cstring>
 
 namespace hermite {
 
@@ -25,6 +25,11 @@ FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera, int step) {
   return maps;
 }
 
+// With its margin.
+std::size_t depth_image_size(const Camera& camera) {
+  return static_cast<std::size_t>(HERMITE_DEPTH_STRIDE(camera.width)) * static_cast<std::size_t>(camera.height + 2 * HERMITE_DEPTH_MARGIN);
+}
+
 // The window ends where the Gaussian has fallen to about 0.4 (radius 6 for 4.5 px, as in the authors' program).
 std::uint32_t window_radius(double sigma_px) { return static_cast<std::uint32_t>(std::lround(sigma_px * 4.0 / 3.0)); }
 
@@ -34,26 +39,30 @@ Preprocessor::Preprocessor(gpu::Device& device, const Camera& camera, const Fram
     : camera_(camera),
       options_(options),
       step_(sampling_step(camera, options.sampling)),
+      inverse_depth_(device, "frame/inverse_depth"),
       bilateral_(device, "frame/bilateral", {window_radius(options.bilateral_sigma_space_px), static_cast<std::uint32_t>(step_)}),
       normals_(device, "frame/normals"),
       surface_(device, "frame/surface"),
       intensity_(device, "frame/intensity"),
       gradient_(device, "frame/gradient"),
       downsample_(device, "frame/downsample"),
-      units_(device, (static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height) + 1) / 2, "frame"),
-      color_(device, static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height), "frame"),
+      staged_units_(depth_image_size(camera)),
+      units_(device, staged_units_.size() / 8, "frame"),
+      inverse_depth_per_m_(device, staged_units_.size() / 4, "frame"),
+      staged_color_(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height)),
+      color_(device, staged_color_.size(), "frame"),
       maps_(make_frame_maps(device, camera, step_)) {}
 
 void Preprocessor::upload(const RgbdFrame& frame) {
-  staging_.assign(units_.count(), 0);
-  std::memcpy(staging_.data(), frame.depth.pixels.data(), frame.depth.pixels.size() * sizeof(std::uint16_t));
-  units_.upload(staging_);
-  staging_.resize(frame.color.pixels.size());
-  for (std::size_t i = 0; i < staging_.size(); ++i) {
+  for (int y = 0; y < frame.depth.height; ++y)
+    std::copy_n(&frame.depth.at(0, y), frame.depth.width,
+                &staged_units_[static_cast<std::size_t>((y + HERMITE_DEPTH_MARGIN) * HERMITE_DEPTH_STRIDE(camera_.width) + HERMITE_DEPTH_MARGIN)]);
+  units_.upload({reinterpret_cast<const shared::uvec4*>(staged_units_.data()), units_.count()});
+  for (std::size_t i = 0; i < staged_color_.size(); ++i) {
     const Rgb8 c = frame.color.pixels[i];
-    staging_[i] = static_cast<shared::uint>(c.r | (c.g << 8) | (c.b << 16));
+    staged_color_[i] = static_cast<shared::uint>(c.r | (c.g << 8) | (c.b << 16));
   }
-  color_.upload(staging_);
+  color_.upload(staged_color_);
 }
 
 const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& frame, std::int64_t frame_index) {
@@ -66,19 +75,24 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
   SurfaceLevel& surface = maps_.surface.levels[0];
   const float depth_gate_m = static_cast<float>(options_.depth_gate_m);
 
+  const gpu::Threads fours{(camera.width + 3) / 4, camera.height};  // four pixels an invocation
+  const auto texels = static_cast<shared::uint>(units_.count());
+  commands.dispatch(inverse_depth_, {texels},
+                    shared::InverseDepthParams{texels, static_cast<float>(1.0 / camera_.depth_units_per_metre),
+                                               static_cast<float>(options_.depth_min_m), static_cast<float>(options_.depth_max_m)},
+                    {units_, inverse_depth_per_m_});
   commands.dispatch(
-      bilateral_, image,
-      shared::BilateralParams{whole, sampling, static_cast<float>(1.0 / camera_.depth_units_per_metre),
-                              static_cast<float>(options_.depth_min_m), static_cast<float>(options_.depth_max_m),
+      bilateral_, fours,
+      shared::BilateralParams{whole, sampling,
                               static_cast<float>(0.5 / (options_.bilateral_sigma_space_px * options_.bilateral_sigma_space_px)),
                               static_cast<float>(options_.noise_floor_m), static_cast<float>(options_.noise_growth_per_m),
                               static_cast<float>(options_.bilateral_noise_sigmas)},
-      {units_, maps_.raw_depth_m, maps_.filtered_depth_m});
+      {inverse_depth_per_m_, maps_.raw_depth_m, maps_.filtered_depth_m});
   const auto radius_scale = static_cast<float>(options_.support_radius_scale);
   commands.dispatch(normals_, image, shared::NormalParams{camera, 0.5f * depth_gate_m, radius_scale},
                     {maps_.filtered_depth_m, maps_.kernels});
   commands.dispatch(
-      surface_, {(camera.width + 3) / 4, camera.height},  // four pixels an invocation
+      surface_, fours,
       shared::SurfaceParams{camera, radius_scale, depth_gate_m,
                             static_cast<float>(options_.confidence_epsilon * static_cast<double>(camera.fx) / kKinectFocalLength_px),
                             static_cast<float>(options_.curvature_limit_per_m), options_.hrbf_confidence ? 1u : 0u,

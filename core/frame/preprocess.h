@@ -40,10 +40,14 @@ class Preprocessor {
   const Camera camera_;
   const FrameOptions options_;
   const int step_;
-  gpu::Kernel bilateral_, normals_, surface_, intensity_, gradient_, downsample_;
-  gpu::Buffer<shared::uint> units_;  // of the whole image, two 16-bit depths a word
-  gpu::Buffer<shared::uint> color_;  // of the whole image
-  std::vector<shared::uint> staging_;
+  gpu::Kernel inverse_depth_, bilateral_, normals_, surface_, intensity_, gradient_, downsample_;
+  // Of the whole image; with a margin, and eight and four pixels an element:
+  std::vector<std::uint16_t> staged_units_;
+  gpu::Buffer<shared::uvec4> units_;
+  gpu::Buffer<shared::vec4> inverse_depth_per_m_;
+  // and without:
+  std::vector<shared::uint> staged_color_;
+  gpu::Buffer<shared::uint> color_;
   FrameMaps maps_;
 };
 

@@ -1,70 +1,78 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Sensor units to metres, and the bilateral filter (paper section 3.2). It works on inverse depth, which is linear over the image of a plane: a
-// mean over the window leaves planes where they are, however tilted, and a triangulating sensor's noise is the same on both sides. Its width
-// over depth follows the sensor's noise at that depth instead of being fixed: 30 mm everywhere, as in the authors' program, rounds off
-// what a Kinect still resolves at 1 m.
+// The bilateral filter (paper section 3.2). It works on inverse depth, which is linear over the image of a plane: a mean over the window leaves
+// planes where they are, however tilted, and a triangulating sensor's noise is the same on both sides. Its width over depth follows the
+// sensor's noise at that depth instead of being fixed: 30 mm everywhere, as in the authors' program, rounds off what a Kinect still
+// resolves at 1 m.
 // Two outputs, by sampled pixel: the measured depth, and the filtered one; 0 where nothing was measured inside the range. The filter looks at
-// all pixels.
+// all pixels. Each invocation answers four neighbouring samples (the components of a vec4): what their windows share is read once.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
-layout(local_size_x = 16, local_size_y = 16) in;
-TEXELS(0, units);  // two pixels a word
+layout(local_size_x = 8, local_size_y = 16) in;
+TEXELS(0, inverse_depth_per_m);  // four pixels a texel, with a margin
 layout(scalar, binding = 1) writeonly buffer Raw { float raw_m[]; };
 layout(scalar, binding = 2) writeonly buffer Filtered { float filtered_m[]; };
 PARAMETERS(BilateralParams, p);
 
 layout(constant_id = 0) const int kRadius = 6;  // of the window
 layout(constant_id = 1) const int kStep = 1;    // as in p.sampling
-const int kTile = 16 * kStep + 2 * kRadius;
-shared float tile[kTile * kTile];  // 1/m, 0 where nothing was measured
+const int kLeft = (kRadius + 3) / 4;            // texels that the window reaches to the left of the first sample's
+const int kTexels = kLeft + (3 * kStep + kRadius + 1) / 4 + 1;
+const int kMaxColumns = 24;                     // of a radius up to 8 and steps up to 2, and one more
+float columns[kMaxColumns + 1];                 // of a row, from kLeft texels before that of the first sample on, by the sampling's offset
 
-float measured_depth_m(ivec2 pixel) {
-  if (!inside(p.camera, pixel)) return 0.0;
-  uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
-  uint word = uint_at(units, index >> 1);
-  float depth_m = float((index & 1u) == 0u ? word & 0xffffu : word >> 16) * p.metres_per_unit;
-  return depth_m >= p.depth_min_m && depth_m <= p.depth_max_m ? depth_m : 0.0;
+void read_row(int texel) {
+  for (int i = 0; i < kTexels; ++i) {
+    vec4 four = vec4_at(inverse_depth_per_m, uint(texel + i));
+    columns[4 * i] = four.x;
+    columns[4 * i + 1] = four.y;
+    columns[4 * i + 2] = four.z;
+    columns[4 * i + 3] = four.w;
+  }
+  if (kStep == 1) return;
+  bool odd = p.sampling.x != 0u;
+  for (int i = 0; i < 4 * kTexels - 1; ++i) columns[i] = odd ? columns[i + 1] : columns[i];
 }
 
-float inverse_depth_per_m(ivec2 pixel) {
-  float depth_m = measured_depth_m(pixel);
-  return depth_m > 0.0 ? 1.0 / depth_m : 0.0;
+// The pixels dx beside the four samples.
+vec4 beside(int dx) {
+  int first = 4 * kLeft + dx;
+  return vec4(columns[first], columns[first + kStep], columns[first + 2 * kStep], columns[first + 3 * kStep]);
 }
 
 void main() {
-  ivec2 corner = pixel_of_sample(p.sampling, gl_WorkGroupID.xy * 16u) - kRadius;
-  for (uint i = gl_LocalInvocationIndex; i < kTile * kTile; i += 256u)
-    tile[i] = inverse_depth_per_m(corner + ivec2(i % kTile, i / kTile));
-  barrier();
-
-  uvec2 sampled = gl_GlobalInvocationID.xy, size = sampled_size(p.camera, p.sampling);
+  uvec2 sampled = gl_GlobalInvocationID.xy * uvec2(4u, 1u), size = sampled_size(p.camera, p.sampling);
   if (sampled.x >= size.x || sampled.y >= size.y) return;
-  ivec2 local = ivec2(gl_LocalInvocationID.xy) * kStep + kRadius;
-  float centre_m = measured_depth_m(pixel_of_sample(p.sampling, sampled));
-  float centre_per_m = tile[local.y * kTile + local.x];
-  uint index = sampled.y * size.x + sampled.x;
-  raw_m[index] = centre_m;
-  filtered_m[index] = 0.0;
-  if (centre_m <= 0.0) return;
+  int y = int(p.sampling.step * sampled.y + p.sampling.y) + HERMITE_DEPTH_MARGIN;
+  int texel = (y * HERMITE_DEPTH_STRIDE(int(p.camera.width)) + HERMITE_DEPTH_MARGIN + kStep * int(sampled.x)) / 4 - kLeft;
+  int row = HERMITE_DEPTH_STRIDE(int(p.camera.width)) / 4;
+  read_row(texel);
+  vec4 centre_per_m = beside(0);
+  vec4 centre_m = mix(vec4(0.0), 1.0 / centre_per_m, greaterThan(centre_per_m, vec4(0.0)));
 
-  float beyond = max(centre_m - 0.4, 0.0);
-  float sigma_m = p.noise_sigmas * (p.noise_floor_m + p.noise_growth_per_m * beyond * beyond);
-  float sigma_per_m = sigma_m * centre_per_m * centre_per_m;
-  float inverse_two_sigma2 = 0.5 / (sigma_per_m * sigma_per_m);
-  float sum = 0.0, weights = 0.0;
+  vec4 beyond = max(centre_m - 0.4, 0.0);
+  vec4 sigma_m = p.noise_sigmas * (p.noise_floor_m + p.noise_growth_per_m * beyond * beyond);
+  vec4 sigma_per_m = sigma_m * centre_per_m * centre_per_m;
+  vec4 inverse_two_sigma2 = 0.5 / (sigma_per_m * sigma_per_m);
+  vec4 sum = vec4(0.0), weights = vec4(0.0);
   for (int dy = -kRadius; dy <= kRadius; ++dy) {
+    read_row(texel + dy * row);
     for (int dx = -kRadius; dx <= kRadius; ++dx) {
-      float per_m = tile[(local.y + dy) * kTile + local.x + dx];
-      float difference = per_m - centre_per_m;
-      float w = exp(-float(dx * dx + dy * dy) * p.inverse_two_sigma_space2 - difference * difference * inverse_two_sigma2);
-      w = per_m > 0.0 ? w : 0.0;
+      vec4 per_m = beside(dx);
+      vec4 difference = per_m - centre_per_m;
+      vec4 w = exp(-float(dx * dx + dy * dy) * p.inverse_two_sigma_space2 - difference * difference * inverse_two_sigma2);
+      w = mix(vec4(0.0), w, greaterThan(per_m, vec4(0.0)));
       sum += w * per_m;
       weights += w;
     }
   }
-  filtered_m[index] = weights / sum;
+  for (int i = 0; i < 4; ++i) {
+    if (sampled.x + uint(i) >= size.x) continue;
+    uint index = sampled.y * size.x + sampled.x + uint(i);
+    raw_m[index] = centre_m[i];
+    filtered_m[index] = centre_m[i] > 0.0 ? weights[i] / sum[i] : 0.0;
+  }
 }

@@ -8,11 +8,19 @@
 namespace hermite::shared {
 #endif
 
+// The whole depth image has a margin without depth, so that windows of a radius up to it need no bounds, and rows of whole texels.
+#define HERMITE_DEPTH_MARGIN 8
+#define HERMITE_DEPTH_STRIDE(width) (((width) + 7) / 8 * 8 + 2 * HERMITE_DEPTH_MARGIN)
+
+struct InverseDepthParams {
+  uint texel_count;
+  float metres_per_unit;
+  float depth_min_m, depth_max_m;
+};
+
 struct BilateralParams {
   Intrinsics camera;       // of the whole image
   Sampling sampling;
-  float metres_per_unit;
-  float depth_min_m, depth_max_m;
   float inverse_two_sigma_space2;  // 1/px^2
   float noise_floor_m, noise_growth_per_m;  // standard deviation of a measurement: floor + growth (z - 0.4 m)^2
   float noise_sigmas;                       // sigma over depth, in these

@@ -21,7 +21,7 @@ PassCost by_pixel(const std::string& pass, double words, double flops_per_pixel)
 
 double bilateral_flops(const FrameOptions& options) {
   const double side = 2 * std::round(options.bilateral_sigma_space_px * 4 / 3) + 1;
-  return 9 * side * side;  // difference, squares, exponential, two sums
+  return 4 * 9 * side * side;  // four pixels an invocation: difference, squares, exponential, two sums
 }
 
 // Four pixels an invocation: a step to the surface and the field with its Hessian over 7 rows of 10 kernels, then curvatures.
@@ -39,6 +39,7 @@ std::vector<PassCost> pass_costs(const Options& options) {
   // Of a pixel of a surface: depth, normal, curvatures, weight, intensity.
   const double surface_pixel = 5 * kWord;
   return {
+      whole_buffers("frame/inverse_depth", 8 * 2),
       whole_buffers("frame/bilateral", bilateral_flops(options.frame)),
       whole_buffers("frame/normals", 63),
       whole_buffers("frame/surface", surface_flops(options.frame)),

@@ -103,7 +103,7 @@ TEST_F(PreprocessTest, RawDepthIsMetresInsideTheRangeOnly) {
 }
 
 TEST_F(PreprocessTest, FilteredDepthAgreesWithItsTwin) {
-  for (const double sigma_px : {4.5, 1.5}) {
+  for (const double sigma_px : {6.0, 4.5, 1.5, 0.8}) {  // windows of a radius of 8, 6, 2 and 1
     FrameOptions options;
     options.bilateral_sigma_space_px = sigma_px;
     options.bilateral_noise_sigmas = 3;
@@ -414,6 +414,25 @@ TEST_F(PreprocessTest, AQuarterOfThePixelsIsMeasuredAsAllOfThemAre) {
     }
   }
   EXPECT_EQ(seen.size(), 4u * 161 * 120) << "four frames see all pixels";
+}
+
+TEST_F(PreprocessTest, AQuarterOfThePixelsIsFilteredAsAllOfThemAreWhateverTheWindow) {
+  const RgbdFrame frame = colourful_frame(kLarge, 9);
+  for (const double sigma_px : {6.0, 4.5, 3.5, 0.8}) {
+    FrameOptions options;
+    options.bilateral_sigma_space_px = sigma_px;
+    const std::vector<float> all = run(kLarge, options, frame).filtered_depth_m.download();
+    Preprocessor preprocessor(device(), kLarge, options);
+    gpu::Commands commands(device());
+    for (std::int64_t frame_index = 0; frame_index < 4; ++frame_index) {
+      const FrameMaps& maps = preprocessor.run(commands, frame, frame_index);
+      commands.submit_and_wait();
+      const std::vector<float> quarter = maps.filtered_depth_m.download();
+      const shared::Sampling sampling = sampling_of_frame(2, frame_index);
+      for (std::size_t i = 0; i < quarter.size(); ++i)
+        ASSERT_NEAR(quarter[i], all[(2 * (i / 161) + sampling.y) * 322 + 2 * (i % 161) + sampling.x], kDepthLoss_m) << i << ", " << sigma_px;
+    }
+  }
 }
 
 TEST_F(PreprocessTest, ASmallImageIsTakenWhole) {
