@@ -11,6 +11,8 @@
 #include <thread>
 #include <utility>
 
+#include "core/base/step_back.h"
+
 namespace hermite {
 
 template <class Item>
@@ -46,6 +48,7 @@ class ReadAhead {
 
  private:
   void make_all(std::int64_t begin) {
+    step_back();
     for (std::int64_t index = begin; index < end_; ++index) {
       {
         std::unique_lock lock(mutex_);

@@ -14,6 +14,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/base/step_back.h"
 #include "core/pipeline/pipeline.h"
 #include "proto/wire/frame_payload.h"
 #include "proto/wire/server_message.h"
@@ -174,6 +175,7 @@ class ScanRun {
     decoding->frame = *std::move(popped.frame);
     decoding->queued = {"queue", popped.since, ms_since(popped.since)};
     decoding->images = std::async(std::launch::async, [this, &received = decoding->frame, &stage = decoding->decoded] {
+      step_back();
       stage = {"decode", Clock::now(), 0};
       Result<RgbdFrame> images = wire::decode_frame_payload(received, setup_.depth_codec, setup_.camera);
       Result<PreparedFrame> prepared = images.ok() ? pipeline_->prepare(*std::move(images)) : images.error();
@@ -235,6 +237,7 @@ class ScanRun {
   }
 
   Result<ModelUpdate> encode(const std::vector<SlotChange>& changes) {
+    step_back();
     ModelUpdate update;
     update.encoding = {"encode", Clock::now(), 0};
     model_.apply(changes);
