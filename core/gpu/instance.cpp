@@ -96,11 +96,11 @@ bool has_push_descriptors(VkPhysicalDevice device) {
   });
 }
 
-struct Features {
+struct Abilities {
   bool scalar_layout = false, atomics_64_bit = false;
 };
 
-Features features_of(VkPhysicalDevice device) {
+Abilities abilities_of(VkPhysicalDevice device) {
   VkPhysicalDeviceVulkan12Features vulkan12{};
   vulkan12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
   VkPhysicalDeviceFeatures2 features{};
@@ -115,7 +115,7 @@ std::string why_unsuitable(VkPhysicalDevice device, const VkPhysicalDeviceProper
   if (properties.apiVersion < VK_API_VERSION_1_2) return "Vulkan 1.2 is needed";
   if (find_compute_family(device) < 0) return "it has no compute queue";
   if (!has_push_descriptors(device)) return "VK_KHR_push_descriptor is missing";
-  if (!features_of(device).scalar_layout) return "scalarBlockLayout is missing";
+  if (!abilities_of(device).scalar_layout) return "scalarBlockLayout is missing";
   if (limits.maxPushConstantsSize < kMinPushConstantBytes) return "fewer than 128 bytes of push constants";
   if (limits.maxComputeSharedMemorySize < kMinSharedMemoryBytes) return "less than 32 KiB of shared memory";
   if (limits.maxComputeWorkGroupInvocations < kMinInvocations || limits.maxComputeWorkGroupSize[0] < kMinInvocations)
@@ -150,7 +150,7 @@ DeviceInfo describe(VkPhysicalDevice device, int index) {
   }
   info.max_buffer_bytes = std::min<std::uint64_t>(properties.properties.limits.maxStorageBufferRange, maintenance3.maxMemoryAllocationSize);
   info.max_shared_memory_bytes = properties.properties.limits.maxComputeSharedMemorySize;
-  info.has_64_bit_atomics = features_of(device).atomics_64_bit;
+  info.has_64_bit_atomics = abilities_of(device).atomics_64_bit;
   info.unsuitable = why_unsuitable(device, properties.properties);
   return info;
 }
