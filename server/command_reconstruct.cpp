@@ -146,8 +146,7 @@ std::vector<FrameRow> process_frames(const Sequence& sequence, FrameRange range,
     const Clock::time_point start = Clock::now();
     const FrameResult result = or_throw(pipeline.process(prepared));
     rows.push_back({result, std::chrono::duration<double, std::milli>(Clock::now() - start).count()});
-    if (const std::string remark = remark_on(result, said); !remark.empty())
-      progress.line("frame " + std::to_string(index) + " " + remark);
+    if (const std::string remark = remark_on(result, said); !remark.empty()) progress.line("frame " + std::to_string(index) + " " + remark);
     said = result.reason;
     return std::to_string(result.surfel_count) + " surfels" +
            (result.status == TrackingStatus::kTracked ? "" : std::string("  ") + name_of(result.status));

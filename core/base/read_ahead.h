@@ -18,7 +18,8 @@ namespace hermite {
 template <class Item>
 class ReadAhead {
  public:
-  // make(begin), ..., make(end - 1), one after the other. At most `ahead` items wait. `make` does not throw, and what it uses outlives this.
+  // make(begin), ..., make(end - 1), one after the other. At most `ahead` items wait. `make` does not throw, and what it uses outlives
+  // this.
   ReadAhead(std::int64_t begin, std::int64_t end, std::size_t ahead, std::function<Item(std::int64_t)> make)
       : end_(end), ahead_(ahead), make_(std::move(make)), next_(begin), thread_([this, begin] { make_all(begin); }) {}
 

@@ -55,8 +55,9 @@ Preprocessor::Preprocessor(gpu::Device& device, const Camera& camera, const Fram
 
 void Preprocessor::upload(const RgbdFrame& frame) {
   for (int y = 0; y < frame.depth.height; ++y)
-    std::copy_n(&frame.depth.at(0, y), frame.depth.width,
-                &staged_units_[static_cast<std::size_t>((y + HERMITE_DEPTH_MARGIN) * HERMITE_DEPTH_STRIDE(camera_.width) + HERMITE_DEPTH_MARGIN)]);
+    std::copy_n(
+        &frame.depth.at(0, y), frame.depth.width,
+        &staged_units_[static_cast<std::size_t>((y + HERMITE_DEPTH_MARGIN) * HERMITE_DEPTH_STRIDE(camera_.width) + HERMITE_DEPTH_MARGIN)]);
   units_.upload({reinterpret_cast<const shared::uvec4*>(staged_units_.data()), units_.count()});
   for (std::size_t i = 0; i < staged_color_.size(); ++i) {
     const Rgb8 c = frame.color.pixels[i];
@@ -81,13 +82,12 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
                     shared::InverseDepthParams{texels, static_cast<float>(1.0 / camera_.depth_units_per_metre),
                                                static_cast<float>(options_.depth_min_m), static_cast<float>(options_.depth_max_m)},
                     {units_, inverse_depth_per_m_});
-  commands.dispatch(
-      bilateral_, fours,
-      shared::BilateralParams{whole, sampling,
-                              static_cast<float>(0.5 / (options_.bilateral_sigma_space_px * options_.bilateral_sigma_space_px)),
-                              static_cast<float>(options_.noise_floor_m), static_cast<float>(options_.noise_growth_per_m),
-                              static_cast<float>(options_.bilateral_noise_sigmas)},
-      {inverse_depth_per_m_, maps_.raw_depth_m, maps_.filtered_depth_m});
+  commands.dispatch(bilateral_, fours,
+                    shared::BilateralParams{
+                        whole, sampling, static_cast<float>(0.5 / (options_.bilateral_sigma_space_px * options_.bilateral_sigma_space_px)),
+                        static_cast<float>(options_.noise_floor_m), static_cast<float>(options_.noise_growth_per_m),
+                        static_cast<float>(options_.bilateral_noise_sigmas)},
+                    {inverse_depth_per_m_, maps_.raw_depth_m, maps_.filtered_depth_m});
   const auto radius_scale = static_cast<float>(options_.support_radius_scale);
   commands.dispatch(normals_, image, shared::NormalParams{camera, 0.5f * depth_gate_m, radius_scale},
                     {maps_.filtered_depth_m, maps_.kernels});

@@ -21,7 +21,7 @@ struct DeviceInfo {
   std::uint64_t max_buffer_bytes = 0;  // largest storage buffer that can be allocated and bound whole
   std::uint32_t max_shared_memory_bytes = 0;
   bool has_64_bit_atomics = false;  // on buffers
-  std::string unsuitable;  // why it cannot be used, in words; empty when it can
+  std::string unsuitable;           // why it cannot be used, in words; empty when it can
 };
 
 // One line: "0: llvmpipe (cpu, Mesa 22.3.6)", and why not if so.

@@ -45,14 +45,17 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
   const std::uint32_t tiles = tile_count(surface.camera), threads = 256 * tiles;
   commands.fill(claims_, kNoSurfel);
   commands.dispatch(associate_, {threads}, params,
-                    {frame.raw_depth_m, surface.points, frame.color, store.positions, store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, all.cells(), claims_});
-  commands.dispatch(merge_, {threads}, params,
-                    {frame.raw_depth_m, surface.points, frame.color, store.positions, store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, all.cells(), claims_,
-                     store.changed_frames, store.positions, store.attributes});
+                    {frame.raw_depth_m, surface.points, frame.color, store.positions, store.attributes, store.times,
+                     store.camera_from_submap, candidates_, new_by_tile_, store.state, all.cells(), claims_});
+  commands.dispatch(
+      merge_, {threads}, params,
+      {frame.raw_depth_m, surface.points, frame.color, store.positions, store.attributes, store.times, store.camera_from_submap,
+       candidates_, new_by_tile_, store.state, all.cells(), claims_, store.changed_frames, store.positions, store.attributes});
   commands.dispatch(scan_, {128}, shared::ScanParams{surface.camera, tiles}, {new_by_tile_, store.state, store.visible_blocks});
-  commands.dispatch(append_, {threads}, params,
-                    {frame.raw_depth_m, surface.points, frame.color, store.positions, store.attributes, store.times, store.camera_from_submap, candidates_, new_by_tile_, store.state, store.free_slots,
-                     store.bounds, store.changed_frames});
+  commands.dispatch(
+      append_, {threads}, params,
+      {frame.raw_depth_m, surface.points, frame.color, store.positions, store.attributes, store.times, store.camera_from_submap,
+       candidates_, new_by_tile_, store.state, store.free_slots, store.bounds, store.changed_frames});
 }
 
 void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, const shared::Intrinsics& camera, FusedFrame fused) {

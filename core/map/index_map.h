@@ -1,4 +1,5 @@
-// Which surfel is nearest in every pixel of a view. Built by integer minima, in two passes or by 64 bits in one: deterministic, the same map.
+// Which surfel is nearest in every pixel of a view. Built by integer minima, in two passes or by 64 bits in one: deterministic, the same
+// map.
 #pragma once
 
 #include <vector>

@@ -130,8 +130,7 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
                                       static_cast<float>(options_.photometric_depth_gate_m),
                                       gates.search ? 2u : 0u};
   const std::uint32_t threads = threads_for(from.camera.width * from.camera.height, pixels_per_thread_);
-  commands_.dispatch(odometry_, {threads}, params,
-                     {from.points, frame.pictures[l], to.points, to.intensity, partial_sums_});
+  commands_.dispatch(odometry_, {threads}, params, {from.points, frame.pictures[l], to.points, to.intensity, partial_sums_});
   commands_.submit_and_wait();
   const auto terms = total<kTerms>(partial_sums_.mapped(), threads);
   // As laid out in shaders/shared/track.h.

@@ -113,7 +113,7 @@ class ScanRun {
   struct Decoding {
     wire::Frame frame;
     Timeline::Stage queued;
-    Timeline::Stage decoded;                // written by the other thread
+    Timeline::Stage decoded;                    // written by the other thread
     std::future<Result<PreparedFrame>> images;  // its destructor waits, and the others live longer
   };
   using DecodingFrame = std::unique_ptr<Decoding>;

@@ -430,7 +430,8 @@ TEST_F(PreprocessTest, AQuarterOfThePixelsIsFilteredAsAllOfThemAreWhateverTheWin
       const std::vector<float> quarter = maps.filtered_depth_m.download();
       const shared::Sampling sampling = sampling_of_frame(2, frame_index);
       for (std::size_t i = 0; i < quarter.size(); ++i)
-        ASSERT_NEAR(quarter[i], all[(2 * (i / 161) + sampling.y) * 322 + 2 * (i % 161) + sampling.x], kDepthLoss_m) << i << ", " << sigma_px;
+        ASSERT_NEAR(quarter[i], all[(2 * (i / 161) + sampling.y) * 322 + 2 * (i % 161) + sampling.x], kDepthLoss_m)
+            << i << ", " << sigma_px;
     }
   }
 }

@@ -114,7 +114,8 @@ TEST_F(IndexMapTest, OnePassAndTwoMakeTheSameMap) {
   const std::vector<std::uint32_t> in_one = slots(1);
   const std::vector<shared::NearestSurfel> nearest = map.nearest().download();
   EXPECT_EQ(slots(2), in_one);
-  EXPECT_TRUE(std::ranges::equal(map.nearest().download(), nearest, {}, &shared::NearestSurfel::depth_bits, &shared::NearestSurfel::depth_bits));
+  EXPECT_TRUE(
+      std::ranges::equal(map.nearest().download(), nearest, {}, &shared::NearestSurfel::depth_bits, &shared::NearestSurfel::depth_bits));
 }
 
 TEST_F(IndexMapTest, SubmapsAreSeenWithTheirOwnPoses) {

@@ -19,7 +19,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr std::int64_t kNow_ms = 1'700'000'000'000;
+constexpr std::int64_t kPresent_ms = 1'700'000'000'000;
 constexpr int kFailures = 5;
 
 class GateTest : public testing::Test {
@@ -30,12 +30,12 @@ class GateTest : public testing::Test {
     row.id = id;
     row.secret_sha256 = sha256(secret);
     row.scopes = scopes;
-    row.created_at_ms = kNow_ms;
+    row.created_at_ms = kPresent_ms;
     row.expires_at_ms = expires_at_ms;
     EXPECT_TRUE(store_.add_token(row).ok());
     return secret;
   }
-  Result<Grant> admit(const std::string& secret, std::int64_t now_ms = kNow_ms, const std::string& address = "1.2.3.4") {
+  Result<Grant> admit(const std::string& secret, std::int64_t now_ms = kPresent_ms, const std::string& address = "1.2.3.4") {
     return gate_.admit(secret, {address, now_ms});
   }
 
@@ -71,21 +71,21 @@ TEST_F(GateTest, OtherSecretsAreNothing) {
 }
 
 TEST_F(GateTest, ATokenExpires) {
-  const std::string secret = add("t", {true, false, false}, kNow_ms + 1000);
-  const Result<Grant> grant = admit(secret, kNow_ms + 999);
+  const std::string secret = add("t", {true, false, false}, kPresent_ms + 1000);
+  const Result<Grant> grant = admit(secret, kPresent_ms + 999);
   ASSERT_TRUE(grant.ok());
-  EXPECT_TRUE(gate_.holds(*grant, kNow_ms + 999));
-  EXPECT_FALSE(gate_.holds(*grant, kNow_ms + 1000)) << "what was opened before ends too";
-  EXPECT_EQ(admit(secret, kNow_ms + 1000).error().code, ErrorCode::kUnauthorized);
+  EXPECT_TRUE(gate_.holds(*grant, kPresent_ms + 999));
+  EXPECT_FALSE(gate_.holds(*grant, kPresent_ms + 1000)) << "what was opened before ends too";
+  EXPECT_EQ(admit(secret, kPresent_ms + 1000).error().code, ErrorCode::kUnauthorized);
 }
 
 TEST_F(GateTest, ARevokedTokenIsWorthNothingAndWhatWasGrantedEnds) {
   const std::string secret = add("t", {true, false, false});
   const Result<Grant> grant = admit(secret), other = admit(add("o", {true, false, false}));
-  ASSERT_TRUE(store_.revoke_token("t", kNow_ms).ok());
+  ASSERT_TRUE(store_.revoke_token("t", kPresent_ms).ok());
   gate_.forget_grants("t");
-  EXPECT_FALSE(gate_.holds(*grant, kNow_ms));
-  EXPECT_TRUE(gate_.holds(*other, kNow_ms));
+  EXPECT_FALSE(gate_.holds(*grant, kPresent_ms));
+  EXPECT_TRUE(gate_.holds(*other, kPresent_ms));
   EXPECT_EQ(admit(secret).error().message, admit("unknown").error().message) << "or one learns that it once was right";
 }
 
@@ -114,36 +114,36 @@ TEST_F(GateTest, TooManyWrongSecretsOfAnAddressMustWait) {
   EXPECT_EQ(late.error().code, ErrorCode::kBusy);
   EXPECT_THAT(late.error().message, HasSubstr("try again in 12 s"));
   EXPECT_TRUE(admit(secret).ok()) << "a right one behind the same proxy is not locked out";
-  EXPECT_EQ(admit("wrong", kNow_ms, "5.6.7.8").error().code, ErrorCode::kUnauthorized) << "nor are others";
-  EXPECT_EQ(admit("wrong", kNow_ms + gate_.failure_wait_ms()).error().code, ErrorCode::kUnauthorized);
+  EXPECT_EQ(admit("wrong", kPresent_ms, "5.6.7.8").error().code, ErrorCode::kUnauthorized) << "nor are others";
+  EXPECT_EQ(admit("wrong", kPresent_ms + gate_.failure_wait_ms()).error().code, ErrorCode::kUnauthorized);
 }
 
 TEST_F(GateTest, NotesTheLastUseButNotEveryUse) {
   const std::string secret = add("t", {true, false, false});
   ASSERT_TRUE(admit(secret).ok());
-  EXPECT_EQ(store_.token("t")->used_at_ms, kNow_ms);
-  ASSERT_TRUE(admit(secret, kNow_ms + kLastUsePrecision_ms - 1).ok());
-  EXPECT_EQ(store_.token("t")->used_at_ms, kNow_ms);
-  ASSERT_TRUE(admit(secret, kNow_ms + kLastUsePrecision_ms).ok());
-  EXPECT_EQ(store_.token("t")->used_at_ms, kNow_ms + kLastUsePrecision_ms);
+  EXPECT_EQ(store_.token("t")->used_at_ms, kPresent_ms);
+  ASSERT_TRUE(admit(secret, kPresent_ms + kLastUsePrecision_ms - 1).ok());
+  EXPECT_EQ(store_.token("t")->used_at_ms, kPresent_ms);
+  ASSERT_TRUE(admit(secret, kPresent_ms + kLastUsePrecision_ms).ok());
+  EXPECT_EQ(store_.token("t")->used_at_ms, kPresent_ms + kLastUsePrecision_ms);
 }
 
 TEST_F(GateTest, TheFirstTokenIsTheFiles) {
-  EXPECT_TRUE(gate_.install_first_token("one", kNow_ms));
-  EXPECT_TRUE(gate_.install_first_token("one", kNow_ms + 1));
+  EXPECT_TRUE(gate_.install_first_token("one", kPresent_ms));
+  EXPECT_TRUE(gate_.install_first_token("one", kPresent_ms + 1));
   EXPECT_TRUE(may(*admit("one"), Scope::kAdmin));
-  EXPECT_TRUE(gate_.install_first_token("two", kNow_ms)) << "the file was deleted";
+  EXPECT_TRUE(gate_.install_first_token("two", kPresent_ms)) << "the file was deleted";
   EXPECT_FALSE(admit("one").ok());
   EXPECT_TRUE(admit("two").ok());
 }
 
 TEST_F(GateTest, ARevokedFirstTokenStaysRevokedOverARestart) {
-  ASSERT_TRUE(gate_.install_first_token("one", kNow_ms));
-  ASSERT_TRUE(store_.revoke_token(kFirstTokenId, kNow_ms).ok());
+  ASSERT_TRUE(gate_.install_first_token("one", kPresent_ms));
+  ASSERT_TRUE(store_.revoke_token(kFirstTokenId, kPresent_ms).ok());
   Gate again(store_, kFailures);
   constexpr std::int64_t kYear_ms = 365LL * 24 * 3600 * 1000;
-  EXPECT_FALSE(again.install_first_token("one", kNow_ms + kYear_ms));
-  EXPECT_FALSE(again.admit("one", {"a", kNow_ms + kYear_ms}).ok());
+  EXPECT_FALSE(again.install_first_token("one", kPresent_ms + kYear_ms));
+  EXPECT_FALSE(again.admit("one", {"a", kPresent_ms + kYear_ms}).ok());
 }
 
 TEST_F(GateTest, ABrokenStoreLetsNobodyIn) {
@@ -163,7 +163,7 @@ TEST_F(GateTest, NoSecretIsEverLogged) {
   const auto level = logger->level();
   logger->set_level(spdlog::level::trace);
   const std::string right = add("t", {true, false, false}), revoked = add("r", {true, false, false});
-  ASSERT_TRUE(store_.revoke_token("r", kNow_ms).ok());
+  ASSERT_TRUE(store_.revoke_token("r", kPresent_ms).ok());
   for (const std::string& secret : {right, revoked, std::string("hmt_a wrong one")}) (void)admit(secret);
   logger->flush();
   logger->sinks().pop_back();
