@@ -1,5 +1,5 @@
-// Which surfel is nearest in every pixel of a view. Built by integer minima, in two passes or by 64 bits in one: deterministic, the same
-// map.
+// Which surfel is nearest in every pixel of a view. Built by integer minima, whose order changes nothing: in one pass where the device has
+// 64-bit atomics, else in two, to the same map.
 #pragma once
 
 #include <vector>

@@ -16,6 +16,11 @@ namespace hermite {
 
 namespace {
 
+bool has_size_of(const Camera& camera, const RgbdFrame& frame) {
+  const auto fits = [&camera](int width, int height) { return width == camera.width && height == camera.height; };
+  return fits(frame.depth.width, frame.depth.height) && fits(frame.color.width, frame.color.height);
+}
+
 Error wrong_size(const RgbdFrame& frame, const Camera& camera) {
   const auto size = [](int width, int height) { return std::to_string(width) + "x" + std::to_string(height); };
   return {ErrorCode::kInvalidArgument, "the frame is " + size(frame.depth.width, frame.depth.height) + " depth and " +
@@ -261,13 +266,12 @@ Pipeline::Pipeline(const std::string& device, const Camera& camera, const Option
 Pipeline::~Pipeline() = default;
 
 Result<PreparedFrame> Pipeline::prepare(RgbdFrame frame) const {
-  const Camera& camera = impl_->camera;
-  const auto fits = [&camera](int width, int height) { return width == camera.width && height == camera.height; };
-  if (!fits(frame.depth.width, frame.depth.height) || !fits(frame.color.width, frame.color.height)) return wrong_size(frame, camera);
+  if (!has_size_of(impl_->camera, frame)) return wrong_size(frame, impl_->camera);
   return impl_->prepare(std::move(frame));
 }
 
 Result<FrameResult> Pipeline::process(const PreparedFrame& prepared) {
+  if (!has_size_of(impl_->camera, prepared.frame)) return wrong_size(prepared.frame, impl_->camera);
   try {
     return impl_->process(prepared);
   } catch (const SetupError& error) {

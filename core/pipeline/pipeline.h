@@ -97,7 +97,8 @@ class Pipeline {
   Result<PreparedFrame> prepare(RgbdFrame frame) const;
 
   // Never fails because of what a frame contains: a frame that cannot be used is kLost, with a reason.
-  // Error only for the device (kDevice: lost or out of memory), after which only trajectory() and statistics() may be called.
+  // `prepared` is of a pipeline with the same camera and options. Error only for a frame of another size (kInvalidArgument) and for the
+  // device (kDevice: lost or out of memory), after which only trajectory() and statistics() may be called.
   Result<FrameResult> process(const PreparedFrame& prepared);
 
   // Both.

@@ -21,8 +21,7 @@ layout(constant_id = 0) const int kRadius = 6;  // of the window
 layout(constant_id = 1) const int kStep = 1;    // as in p.sampling
 const int kLeft = (kRadius + 3) / 4;            // texels that the window reaches to the left of the first sample's
 const int kTexels = kLeft + (3 * kStep + kRadius + 1) / 4 + 1;
-const int kMaxColumns = 24;                     // of a radius up to 8 and steps up to 2, and one more
-float columns[kMaxColumns + 1];                 // of a row, from kLeft texels before that of the first sample on, by the sampling's offset
+float columns[24];                              // of a row, for radii up to 8: from kLeft texels on, less the sampling's offset
 
 void read_row(int texel) {
   for (int i = 0; i < kTexels; ++i) {

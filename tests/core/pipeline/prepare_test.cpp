@@ -39,15 +39,18 @@ TEST(Prepare, AheadOnAnotherThreadTheScanIsTheSameBitForBit) {
   EXPECT_TRUE(std::ranges::equal(ahead.trajectory(), at_once.trajectory(), same_pose));
 }
 
-TEST(Prepare, AFrameOfAnotherSizeIsRefusedBeforeItsTurn) {
+TEST(Prepare, AFrameOfAnotherSizeIsRefusedBeforeItsTurnAndAtIt) {
   const test::Recording room = bent();
-  const Pipeline pipeline("", room.camera, Options{});
+  Pipeline pipeline("", room.camera, Options{});
   RgbdFrame narrow = room.frames[0];
   narrow.depth = DepthImage(80, 120);
   const Result<PreparedFrame> prepared = pipeline.prepare(narrow);
   ASSERT_FALSE(prepared.ok());
   EXPECT_EQ(prepared.error().code, ErrorCode::kInvalidArgument);
   EXPECT_NE(prepared.error().message.find("80x120"), std::string::npos) << prepared.error().message;
+  const Result<FrameResult> processed = pipeline.process(PreparedFrame{narrow, {}});
+  ASSERT_FALSE(processed.ok());
+  EXPECT_EQ(processed.error().code, ErrorCode::kInvalidArgument);
 }
 
 }  // namespace
