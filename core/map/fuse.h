@@ -1,6 +1,7 @@
 // Fusion of a frame into the map, and cleaning (paper section 5, reference notes 4).
 #pragma once
 
+#include "core/frame/brightness.h"
 #include "core/frame/preprocess.h"
 #include "core/map/index_map.h"
 #include "core/map/map_options.h"
@@ -11,6 +12,7 @@ struct FusedFrame {
   std::uint32_t number = 0;  // of the frames fused, the first is 1
   bool with_color = true;    // surfels that exist take on its colours
   std::uint32_t submap = 0;  // new surfels belong to it
+  Brightness brightness{};   // of the frame; the map keeps its own
 };
 
 class Fuser {

@@ -20,7 +20,8 @@ Predictor::Predictor(gpu::Device& device, const shared::Intrinsics& camera, cons
       covered_pixel_count_(device, 1, "prediction"),
       surface_(make_surface_pyramid(device, camera, "prediction")) {}
 
-void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const FrameMaps& frame, FillIn fill_in) {
+void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const FrameMaps& frame, FillIn fill_in,
+                    const Brightness& brightness) {
   SurfaceLevel& out = surface_.levels[0];
   const SurfaceLevel& own = frame.surface.levels[0];
   set_camera(surface_, own.camera);
@@ -40,7 +41,8 @@ void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const Ind
   commands.dispatch(fill_in_, {pixels},
                     shared::FillInParams{pixels, lambda_per_m, confidence_scale,
                                          static_cast<shared::uint>(options_.fill_in_below * static_cast<double>(pixels)),
-                                         fill_in == FillIn::kSurfaceAndColor ? 1u : 0u},
+                                         fill_in == FillIn::kSurfaceAndColor ? 1u : 0u, static_cast<float>(brightness.gain),
+                                         static_cast<float>(brightness.offset)},
                     {own.points, own.intensity, out.points, out.intensity, covered_pixel_count_});
 }
 

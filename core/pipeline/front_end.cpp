@@ -21,7 +21,7 @@ FrontEnd::FrontEnd(const std::string& device_choice, const Camera& camera, const
       commands(device),
       options_(options),
       preprocessor_(device, camera, options.frame),
-      odometry_(device, preprocessor_.maps().camera(), options.track),
+      odometry_(device, preprocessor_.maps().camera(), options.track, options.frame),
       visible_(device, options.map),
       index_(device, preprocessor_.maps().camera()),
       fuser_(device, preprocessor_.maps().camera(), options.map, options.frame),
@@ -118,7 +118,7 @@ std::optional<Look> FrontEnd::look(const Revisit& revisit, const MapLayout& layo
   return Look{revisit.world_from_camera * found.reference_from_camera, found.agreement.overlap};
 }
 
-void FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, bool with_color) {
+void FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, const PictureUse& picture) {
   const FrameMaps& maps = preprocessor_.maps();
   if (layout.current != submap_) store.begin_block();
   submap_ = layout.current;
@@ -132,15 +132,15 @@ void FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, bo
   visible_.list(commands, store, maps.camera(), frame_number);
   index_.build(commands, store, maps.camera(), 0);
   index_.describe(commands, store, maps.camera());
-  fuser_.fuse(commands, maps, store, index_, {frame_number, with_color, submap_});
+  fuser_.fuse(commands, maps, store, index_, {frame_number, picture.is_good, submap_, picture.brightness});
 }
 
-void FrontEnd::clean_and_predict(bool with_color) {
+void FrontEnd::clean_and_predict(const PictureUse& picture) {
   const FrameMaps& maps = preprocessor_.maps();
   visible_.list(commands, store, maps.camera(), frame_number);
   index_.build(commands, store, maps.camera(), options_.map.stable_confidence);
-  fuser_.clean(commands, store, index_, maps.camera(), {frame_number, with_color, submap_});
-  predictor_.run(commands, store, index_, maps, with_color ? FillIn::kSurfaceAndColor : FillIn::kSurface);
+  fuser_.clean(commands, store, index_, maps.camera(), {frame_number, picture.is_good, submap_, picture.brightness});
+  predictor_.run(commands, store, index_, maps, picture.is_good ? FillIn::kSurfaceAndColor : FillIn::kSurface, picture.brightness);
   downsample(commands, preprocessor_.downsample_kernel(), predictor_.surface(), 0.5 * options_.frame.depth_gate_m);
   odometry_.remember(commands, maps);
 }

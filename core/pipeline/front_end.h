@@ -22,6 +22,12 @@
 
 namespace hermite {
 
+// What of a frame's picture goes into the map.
+struct PictureUse {
+  bool is_good = true;
+  Brightness brightness;
+};
+
 struct Motion {
   OdometryResult odometry;
   Judgement judgement;
@@ -46,10 +52,10 @@ class FrontEnd {
 
   // Records: the frame preprocessed last, seen from `world_from_camera`, is fused into the active submaps, what is new into the current
   // one.
-  void fuse(const Rigid3& world_from_camera, const MapLayout& layout, bool with_color);
+  void fuse(const Rigid3& world_from_camera, const MapLayout& layout, const PictureUse& picture);
 
   // Records: the surface as seen from where fuse() was last, and what goes on there between frames: cleaning.
-  void clean_and_predict(bool with_color);
+  void clean_and_predict(const PictureUse& picture);
 
   // Records: the surface of the active submaps as seen from `world_from_camera`, for a camera that is lost there.
   void predict(const Rigid3& world_from_camera, const MapLayout& layout);

@@ -191,8 +191,9 @@ FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
   lost_count = lost ? lost_count + 1 : 0;
   if (!lost) {
     last_motion = motion.odometry.reference_from_camera;
-    timed("fuse", [&] { front_end.fuse(world_from_camera, layout(), motion.judgement.picture_is_good); });
-    timed("predict", [&] { front_end.clean_and_predict(motion.judgement.picture_is_good); });
+    const PictureUse picture{motion.judgement.picture_is_good, motion.odometry.brightness};
+    timed("fuse", [&] { front_end.fuse(world_from_camera, layout(), picture); });
+    timed("predict", [&] { front_end.clean_and_predict(picture); });
     ++tracked_frame_count;
     weak_frame_count += motion.judgement.status == TrackingStatus::kWeak ? 1 : 0;
   }

@@ -6,6 +6,41 @@
 
 namespace hermite {
 
+namespace {
+
+// A thousandth of the picture says that nothing has changed, in gain by half as in offset by 20 grey values. It decides only where there is
+// no contrast to tell gain from offset.
+constexpr double kPriorShare = 1e-3, kOffsetOverGain = 20 / 0.5;
+
+struct BrightnessSystem {
+  Eigen::Matrix2d hessian;
+  Eigen::Vector2d right_hand_side;
+};
+
+BrightnessSystem with_prior(const PhotometricSystem& system, const Brightness& at) {
+  const double weight = kPriorShare * system.hessian(1, 1);
+  const Eigen::Vector2d prior(weight * kOffsetOverGain * kOffsetOverGain, weight);
+  return {system.hessian + Eigen::Matrix2d(prior.asDiagonal()),
+          system.right_hand_side + prior.cwiseProduct(Eigen::Vector2d(1 - at.gain, -at.offset))};
+}
+
+}  // namespace
+
+NormalEquations without_brightness(const PhotometricSystem& system, const Brightness& at) {
+  if (system.hessian(1, 1) <= 0) return {};
+  const BrightnessSystem known = with_prior(system, at);
+  const Eigen::Matrix<double, 6, 2> eliminated = known.hessian.ldlt().solve(system.mixed.transpose()).transpose();
+  return {system.motion.hessian - eliminated * system.mixed.transpose(),
+          system.motion.right_hand_side - eliminated * known.right_hand_side};
+}
+
+Brightness brightness_after(const PhotometricSystem& system, const Brightness& at, const Vector6d& step) {
+  if (system.hessian(1, 1) <= 0) return at;
+  const BrightnessSystem known = with_prior(system, at);
+  const Eigen::Vector2d change = known.hessian.ldlt().solve(known.right_hand_side - system.mixed.transpose() * step);
+  return {at.gain + change[0], at.offset + change[1]};
+}
+
 NormalEquations discount_normal_noise(const NormalEquations& geometric, const Matrix6d& displacement, double disagreement) {
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> motions(geometric.hessian, displacement);
   if (motions.info() != Eigen::Success || !motions.eigenvectors().allFinite()) return {};

@@ -1,6 +1,7 @@
 // Joining what depth and colour say about the motion. Pure functions of values, any thread.
 #pragma once
 
+#include "core/frame/brightness.h"
 #include "core/math/rigid3.h"
 
 namespace hermite {
@@ -18,6 +19,21 @@ struct NormalEquations {
 // moves with the camera. So in every principal motion the model's sigma^2 is taken off. Frame and model disagree by 2 (sigma_frame^2 +
 // sigma_model^2), and the model is no noisier than the frame: sigma^2 is at most a quarter of that.
 NormalEquations discount_normal_noise(const NormalEquations& geometric, const Matrix6d& displacement, double disagreement);
+
+// The photometric system with the brightness among its unknowns: hessian and right_hand_side of `motion` are those of the motion alone.
+struct PhotometricSystem {
+  NormalEquations motion;
+  Eigen::Matrix<double, 6, 2> mixed = Eigen::Matrix<double, 6, 2>::Zero();  // motion x (gain, offset)
+  Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();                        // of (gain, offset)
+  Eigen::Vector2d right_hand_side = Eigen::Vector2d::Zero();
+};
+
+// What the picture says of the motion whatever the brightness: the Schur complement, with a weak prior of gain 1 and offset 0. `at` is
+// where the system was linearised. All zero where there is no picture.
+NormalEquations without_brightness(const PhotometricSystem& system, const Brightness& at);
+
+// The brightness after the motion has made `step`.
+Brightness brightness_after(const PhotometricSystem& system, const Brightness& at, const Vector6d& step);
 
 // The Gauss-Newton step of both together; motions about which neither knows anything stay out of it. Not finite only when the input is not.
 Vector6d solve(const NormalEquations& geometric, const NormalEquations& photometric, const Matrix6d& displacement);

@@ -35,6 +35,11 @@ constexpr float kGradientMin[kPyramidLevels] = {5, 3, 1};
 constexpr std::size_t kAgreementLevel = 1;
 constexpr float kTolerance_m = 0.015f, kToleranceGrowth_per_m = 0.0057f;
 
+// Of Student's t distribution; as in shaders/track/odometry.comp (Kerl, Sturm, Cremers 2013 found 5 to fit).
+constexpr double kDegreesOfFreedom = 5;
+constexpr double kFirstGeometricScale = 10, kLeastGeometricScale = 0.25;  // standard deviations of the sensor
+constexpr double kFirstPhotometricScale_grey = 30, kLeastPhotometricScale_grey = 2;
+
 // A lost camera is searched for within thrice the usual gates, and so many ends are compared.
 constexpr double kSearchReach = 3;
 constexpr std::size_t kSearchTries = 3;
@@ -87,19 +92,31 @@ Matrix6d read_displacement(const double*& next) {
 }  // namespace
 
 struct Odometry::Sums {
-  NormalEquations geometric, photometric;
+  NormalEquations geometric;
+  PhotometricSystem photometric;
   Matrix6d displacement;  // of the geometric pairs
   double disagreement = 0;
   double geometric_error_m2 = 0, geometric_count = 0, photometric_count = 0, surface_count = 0, pixel_count = 0;
+  // Mean squares of the residuals as Student's t distribution has them, in scales squared; nothing where there are no pairs.
+  double geometric_spread2 = 0, photometric_spread2 = 0;
 };
 
-Odometry::Odometry(gpu::Device& device, const shared::Intrinsics& finest, const TrackOptions& options)
+// What is believed of residuals before a step.
+struct Odometry::Believed {
+  double geometric_scale = 0;    // standard deviations of the sensor
+  double photometric_scale = 0;  // grey values
+  Brightness brightness;
+};
+
+Odometry::Odometry(gpu::Device& device, const shared::Intrinsics& finest, const TrackOptions& options, const FrameOptions& noise)
     : options_(options),
+      noise_(noise),
       pixels_per_thread_(pixels_per_thread(device)),
       odometry_(device, "track/odometry"),
       rotation_(device, "track/rotation"),
       agreement_(device, "track/agreement"),
       commands_(device),
+      residual_model_(device, 1, "odometry", gpu::Memory::kReadback),
       partial_sums_(device, std::size_t{kMaxGroups} * kTerms, "odometry", gpu::Memory::kReadback),
       previous_intensity_(device, static_cast<std::size_t>(finest.width >> kRotationLevel) * (finest.height >> kRotationLevel),
                           "odometry") {}
@@ -115,7 +132,7 @@ Odometry::Gates Odometry::gates_within(double reach) const {
 }
 
 Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, int level,
-                                   const Gates& gates) {
+                                   const Gates& gates, const Believed& believed) {
   const auto l = static_cast<std::size_t>(level);
   const SurfaceLevel& from = frame.surface.levels[l];
   const SurfaceLevel& to = reference.levels[l];
@@ -129,15 +146,21 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
                                       kGradientMin[l],
                                       static_cast<float>(options_.photometric_depth_gate_m),
                                       gates.search ? 2u : 0u};
+  const shared::ResidualModel model{static_cast<float>(noise_.noise_floor_m),      static_cast<float>(noise_.noise_growth_per_m),
+                                    static_cast<float>(believed.geometric_scale),  static_cast<float>(believed.photometric_scale),
+                                    static_cast<float>(options_.photometric_gate), static_cast<float>(options_.mature_confidence),
+                                    static_cast<float>(believed.brightness.gain),  static_cast<float>(believed.brightness.offset)};
+  residual_model_.upload({&model, 1});
   const std::uint32_t threads = threads_for(from.camera.width * from.camera.height, pixels_per_thread_);
-  commands_.dispatch(odometry_, {threads}, params, {from.points, frame.pictures[l], to.points, to.intensity, partial_sums_});
+  commands_.dispatch(odometry_, {threads}, params,
+                     {from.points, frame.pictures[l], to.points, to.intensity, partial_sums_, residual_model_});
   commands_.submit_and_wait();
   const auto terms = total<kTerms>(partial_sums_.mapped(), threads);
   // As laid out in shaders/shared/track.h.
   const double* next = terms.data();
   Sums sums{};
   sums.geometric = read_system(next);
-  sums.photometric = read_system(next);
+  sums.photometric.motion = read_system(next);
   sums.displacement = read_displacement(next);
   const double weight = sums.displacement(0, 0);
   sums.disagreement = weight > 0 ? *next / weight : 0;
@@ -145,8 +168,29 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
   sums.geometric_count = next[2];
   sums.photometric_count = next[4];
   sums.surface_count = next[5];
+  next += 6;
+  sums.photometric.mixed = Eigen::Map<const Eigen::Matrix<double, 6, 2, Eigen::RowMajor>>(next);
+  next += 12;
+  sums.photometric.hessian = read_upper_triangle<Eigen::Matrix2d>(next);
+  sums.photometric.right_hand_side = Eigen::Map<const Eigen::Vector2d>(next);
+  next += 2;
+  constexpr double kOfStudentsT = (kDegreesOfFreedom + 1) / kDegreesOfFreedom;
+  if (next[0] > 0) sums.geometric_spread2 = kOfStudentsT * next[1] / next[0];
+  if (next[2] > 0) sums.photometric_spread2 = kOfStudentsT * next[3] / next[2];
   sums.pixel_count = static_cast<double>(from.camera.width) * from.camera.height;
   return sums;
+}
+
+// Before the first step the camera may be off by centimetres, and its exposure by a fifth.
+Odometry::Believed Odometry::believed_at_first(double reach) { return {reach * kFirstGeometricScale, kFirstPhotometricScale_grey, {}}; }
+
+// Scales follow the residuals. They end at what a model is off by and at the steps of grey values: closer agreement is chance.
+Odometry::Believed Odometry::believed_after(const Believed& before, const Sums& sums, const Vector6d& step) {
+  Believed after = before;
+  if (sums.geometric_spread2 > 0) after.geometric_scale = std::max(std::sqrt(sums.geometric_spread2), kLeastGeometricScale);
+  if (sums.photometric_spread2 > 0) after.photometric_scale = std::max(std::sqrt(sums.photometric_spread2), kLeastPhotometricScale_grey);
+  after.brightness = brightness_after(sums.photometric, before.brightness, step);
+  return after;
 }
 
 // Ordered by the mean distance at the coarsest level, least first, where what matches nothing counts as far as the gate.
@@ -157,7 +201,7 @@ std::vector<Rigid3> Odometry::by_misfit(std::span<const Rigid3> guesses, const F
   const Gates gates = gates_within(reach);
   std::vector<std::pair<double, std::size_t>> misfits_m2;
   for (const Rigid3& guess : guesses) {
-    const Sums sums = linearise(frame, reference, guess, kPyramidLevels - 1, gates);
+    const Sums sums = linearise(frame, reference, guess, kPyramidLevels - 1, gates, believed_at_first(reach));
     const double misfit_m2 = sums.geometric_error_m2 + (sums.surface_count - sums.geometric_count) * gates.distance_m * gates.distance_m;
     misfits_m2.emplace_back(misfit_m2, misfits_m2.size());
   }
@@ -171,16 +215,19 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
   result.reference_from_camera = guess;
   const int iterations[kPyramidLevels] = {options_.max_iterations_fine, options_.max_iterations_middle, options_.max_iterations_coarse};
   Sums sums{};
+  Believed believed = believed_at_first(reach);
   for (int level = kPyramidLevels - 1; level >= 0; --level) {
     const double scale = std::ldexp(1.0, level);
     Gates gates = gates_within(level == kPyramidLevels - 1 ? reach : 1.0);
     const int steps = static_cast<int>(iterations[level] * gates.distance_m / options_.distance_gate_m);
     for (int i = 0; i < steps; ++i) {
-      sums = linearise(frame, reference, result.reference_from_camera, level, gates);
+      sums = linearise(frame, reference, result.reference_from_camera, level, gates, believed);
       ++result.iteration_count;
       if (options_.discount_normal_noise) sums.geometric = discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement);
-      const Vector6d step = solve(sums.geometric, sums.photometric, sums.displacement);
+      const NormalEquations photometric = without_brightness(sums.photometric, believed.brightness);
+      const Vector6d step = solve(sums.geometric, photometric, sums.displacement);
       if (!step.allFinite()) return result;
+      believed = believed_after(believed, sums, step);
       result.reference_from_camera = exp_se3(step) * result.reference_from_camera;
       const bool converged = step.head<3>().norm() < scale * kConverged_m && step.tail<3>().norm() < scale * kConverged_rad;
       if (converged && (gates.search || level > 0 || !options_.dissimilarity_search)) break;
@@ -193,7 +240,9 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
   result.photometric_count = static_cast<std::int64_t>(sums.photometric_count);
   result.inlier_ratio = sums.surface_count > 0 ? sums.geometric_count / sums.surface_count : 0;
   result.residual_rms_m = sums.geometric_count > 0 ? std::sqrt(sums.geometric_error_m2 / sums.geometric_count) : 0;
-  result.observability = observability(sums.geometric.hessian + sums.photometric.hessian, sums.displacement);
+  result.observability =
+      observability(sums.geometric.hessian + without_brightness(sums.photometric, believed.brightness).hessian, sums.displacement);
+  result.brightness = believed.brightness;
   result.agreement = agreement(frame, reference, result.reference_from_camera);
   return result;
 }

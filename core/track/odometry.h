@@ -10,6 +10,7 @@
 #include "core/frame/preprocess.h"
 #include "core/math/rigid3.h"
 #include "core/track/judgement.h"
+#include "core/track/normal_equations.h"
 #include "core/track/track_options.h"
 #include "shaders/shared/track.h"
 
@@ -23,13 +24,14 @@ struct OdometryResult {
   std::int64_t photometric_count = 0;
   int iteration_count = 0;
   double observability = 0;  // see core/track/normal_equations.h
+  Brightness brightness;     // of the frame's picture beside the map's
   Agreement agreement;
 };
 
 class Odometry {
  public:
-  // `finest` is the size of the frames' and the references' finest level.
-  Odometry(gpu::Device& device, const shared::Intrinsics& finest, const TrackOptions& options);
+  // `finest` is the size of the frames' and the references' finest level; of `noise` the sensor's standard deviation counts.
+  Odometry(gpu::Device& device, const shared::Intrinsics& finest, const TrackOptions& options, const FrameOptions& noise = {});
 
   // The frame against the surface predicted from the reference pose, starting at the guess that fits best. Blocks until the GPU is done.
   OdometryResult track(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses);
@@ -54,15 +56,21 @@ class Odometry {
  private:
   struct Sums;
   struct Gates;
+  struct Believed;
   Gates gates_within(double reach) const;
-  Sums linearise(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, int level, const Gates& gates);
+  static Believed believed_at_first(double reach);
+  static Believed believed_after(const Believed& before, const Sums& sums, const Vector6d& step);
+  Sums linearise(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, int level, const Gates& gates,
+                 const Believed& believed);
   std::vector<Rigid3> by_misfit(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference, double reach);
   OdometryResult refine(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, double reach);
 
   const TrackOptions options_;
+  const FrameOptions noise_;
   const std::uint32_t pixels_per_thread_;
   gpu::Kernel odometry_, rotation_, agreement_;
   gpu::Commands commands_;
+  gpu::Buffer<shared::ResidualModel> residual_model_;
   gpu::Buffer<float> partial_sums_;
   gpu::Buffer<float> previous_intensity_;  // of level kRotationLevel
   shared::Intrinsics previous_camera_{};

@@ -9,6 +9,8 @@ struct TrackOptions {
   double geometric_weight = 100000.0;
   bool discount_normal_noise = true;
   double photometric_sigma = 200.0;
+  double photometric_gate = 3.0;
+  double mature_confidence = 20.0 / 256.0;
   double distance_gate_m = 0.10;
   double normal_gate_deg = 20.0;
   double photometric_depth_gate_m = 0.07;

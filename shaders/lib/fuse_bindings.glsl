@@ -47,5 +47,5 @@ Measurement measure(uint i) {
   uint c = uint_at(frame_color, i);
   return Measurement(pixel_ray(p.camera, vec2(pixel_of(i))) * fused_depth_m(point, i), normal,
                      support_radius(p.camera, p.radius_scale, point.depth_m, normal.z), unpackHalf2x16(point.curvatures),
-                     vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u), point.weight);
+                     clamp((vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u) - p.offset) / p.gain, 0.0, 255.0), point.weight);
 }

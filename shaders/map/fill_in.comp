@@ -24,5 +24,5 @@ void main() {
   if (points[i].depth_m > 0.0 || point.depth_m <= 0.0) return;
   point.weight = tracking_weight(unpackHalf2x16(point.curvatures), point.weight * p.confidence_scale, p.curvature_lambda_per_m, point.depth_m);
   points[i] = point;
-  intensity[i] = p.with_color != 0u ? float_at(frame_intensity, i) : -1.0;
+  intensity[i] = p.with_color != 0u ? clamp((float_at(frame_intensity, i) - p.offset) / p.gain, 0.0, 255.0) : -1.0;
 }

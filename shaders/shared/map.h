@@ -82,6 +82,7 @@ struct FillInParams {
   float confidence_scale;
   uint covered_below;  // fill only when the prediction covers fewer pixels
   uint with_color;     // 0: the frame's picture is not to be believed
+  float gain, offset;  // as in FuseParams
 };
 
 struct FuseParams {
@@ -97,6 +98,7 @@ struct FuseParams {
   uint weigh_by_radius;        // 1: means are weighed by confidence / radius^2, 0: by confidence
   float radius_scale;
   uint merge_color;            // 0: surfels keep their colour
+  float gain, offset;          // colour of the frame = gain * colour of the map + offset
 };
 
 struct CleanParams {

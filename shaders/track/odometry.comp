@@ -4,6 +4,9 @@
 // Normal equations of one Gauss-Newton step: weighted point-to-plane terms against the predicted surface (paper Eq. 6-9) plus
 // photometric terms against its colour (Eq. 10), linearised for reference_from_camera <- exp(x) reference_from_camera,
 // x = (translation, rotation). Both systems apart: the host judges the geometric one before it adds them (core/track/normal_equations.h).
+// Exposure is unknown: the photometric system has a gain and an offset of the frame beside the motion. Residuals of both kinds are taken to
+// follow Student's t distribution, whose scale the host estimates from step to step (Kerl, Sturm, Cremers 2013, Robust odometry estimation
+// for RGB-D cameras): what has moved, or reflects, weighs little.
 #include "shaders/shared/track.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -17,10 +20,16 @@ TEXELS(1, picture);  // GreyAndGradient
 TEXELS(2, reference_points);
 TEXELS(3, reference_intensity);
 layout(scalar, binding = 4) writeonly buffer Sums { float partial_sums[]; };
+TEXELS(5, residual_model);
 PARAMETERS(OdometryParams, p);
+ResidualModel model_from(vec4 first, vec4 second) {
+  return ResidualModel(first.x, first.y, first.z, first.w, second.x, second.y, second.z, second.w);
+}
+ResidualModel m = model_from(vec4_at(residual_model, 0u), vec4_at(residual_model, 1u));
 #include "shaders/lib/sums.glsl"
 
 const uint kNone = 0xffffffffu;
+const float kSaturated = 250.0;  // brighter greys are cut off
 
 // Blocks of normal equations H x = b: named registers, since indexed arrays would live in memory.
 struct System {
@@ -36,6 +45,20 @@ mat3 moment_2 = mat3(0.0);
 float disagreement = 0.0;                                       // squared sine between the normals, weighted
 vec2 geometric_error = vec2(0.0), photometric_error = vec2(0.0);  // squared error, count
 float surface_count = 0.0;
+// Of the photometric pairs, weighted: (1, grey) of the reference against the motion, against itself, and against the residual.
+vec3 gain_t = vec3(0.0), gain_r = vec3(0.0), offset_t = vec3(0.0), offset_r = vec3(0.0);
+vec3 brightness = vec3(0.0);  // grey^2, grey, 1
+vec2 brightness_residual = vec2(0.0);
+vec2 geometric_spread = vec2(0.0), photometric_spread = vec2(0.0);  // weight, weight * robust * residual^2
+
+// Weight of a residual in scales, 1 at zero.
+const float kDegreesOfFreedom = 5.0;
+float robust(float residual) { return kDegreesOfFreedom / (kDegreesOfFreedom + residual * residual); }
+
+float noise_m(float z) {
+  float beyond = max(z - 0.4, 0.0);
+  return m.noise_floor_m + m.noise_growth_per_m * beyond * beyond;
+}
 
 void add_row(inout System system, vec3 translation, vec3 rotation, float residual, float weight) {
   vec3 t = weight * translation, r = weight * rotation;
@@ -108,18 +131,20 @@ uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
   return found;
 }
 
-// `shown` is the prediction at the pixel `centre` that s, seen as `point`, falls into.
-void add_geometry(ivec2 centre, SurfacePoint shown, vec3 s, SurfacePoint point) {
+// `shown` is the prediction at the pixel `centre` that s, seen as `point`, falls into. Returns whether both are the same surface.
+bool add_geometry(ivec2 centre, SurfacePoint shown, vec3 s, SurfacePoint point) {
   vec3 normal = rotate(p.reference_from_camera, unpack_normal(point.normal));
   if (p.search_radius > 0u) {
     uint j = search(centre, s, normal, unpackHalf2x16(point.curvatures));
-    if (j == kNone) return;
+    if (j == kNone) return false;
     shown = point_at(reference_points, j);
     centre = ivec2(j % p.reference.width, j / p.reference.width);
   }
   vec3 d = reference_vertex(centre, shown), n = unpack_normal(shown.normal);
-  if (!agree(s, normal, d, n)) return;
-  float residual = dot(n, s - d), weight = p.geometric_weight * shown.weight;
+  if (!agree(s, normal, d, n)) return false;
+  float residual = dot(n, s - d), scaled = residual / noise_m(point.depth_m);
+  float base = p.geometric_weight * shown.weight, likely = robust(scaled / m.geometric_scale);
+  float weight = base * likely;
   add_row(geometric, n, cross(s, n), residual, weight);
   vec3 sine = cross(n, normal);
   moment_0 += weight;
@@ -127,12 +152,15 @@ void add_geometry(ivec2 centre, SurfacePoint shown, vec3 s, SurfacePoint point) 
   moment_2 += outerProduct(s, weight * s);
   disagreement += weight * dot(sine, sine);
   geometric_error += vec2(residual * residual, 1.0);
+  geometric_spread += vec2(base, weight * scaled * scaled);
+  return abs(scaled) < m.photometric_gate * m.geometric_scale;
 }
 
-void add_photometry(vec2 uv, float reference_z, vec3 s, uint i) {
+void add_photometry(vec2 uv, SurfacePoint shown, vec3 s, uint i) {
   uvec2 seen = uvec2_at(picture, i);
   vec2 g = unpackHalf2x16(seen.y);
-  if (dot(g, g) < p.gradient_min * p.gradient_min) return;
+  float grey = uintBitsToFloat(seen.x);
+  if (dot(g, g) < p.gradient_min * p.gradient_min || grey > kSaturated) return;
   ivec2 q = ivec2(floor(uv));
   if (q.x < 0 || q.y < 0 || q.x + 1 >= int(p.reference.width) || q.y + 1 >= int(p.reference.height)) return;
   uint j = uint(q.y) * p.reference.width + uint(q.x);
@@ -140,13 +168,23 @@ void add_photometry(vec2 uv, float reference_z, vec3 s, uint i) {
   float i01 = float_at(reference_intensity, j + p.reference.width), i11 = float_at(reference_intensity, j + p.reference.width + 1u);
   if (min(min(i00, i10), min(i01, i11)) < 0.0) return;
   vec2 f = uv - vec2(q);
-  if (reference_z <= 0.0 || abs(reference_z - s.z) > p.photometric_depth_gate_m) return;
-  float residual = uintBitsToFloat(seen.x) - mix(mix(i00, i10, f.x), mix(i01, i11, f.x), f.y);
+  if (abs(shown.depth_m - s.z) > p.photometric_depth_gate_m) return;
+  float known = mix(mix(i00, i10, f.x), mix(i01, i11, f.x), f.y);
+  float residual = grey - (m.gain * known + m.offset);
   vec2 scaled = g * vec2(p.camera.fx, p.camera.fy) / s.z;
-  vec3 a = -vec3(scaled, -dot(scaled, s.xy) / s.z);
-  float weight = 1.0 / (p.photometric_sigma + abs(residual));
-  add_row(photometric, a, cross(s, a), residual, weight * weight);
+  vec3 a = -vec3(scaled, -dot(scaled, s.xy) / s.z), r = cross(s, a);
+  // A surfel that has hardly been seen says as little about its colour as about its place.
+  float maturity = min(1.0, shown.weight * shown.depth_m * shown.depth_m / m.mature_confidence);
+  float base = maturity / (p.photometric_sigma * p.photometric_sigma), weight = base * robust(residual / m.photometric_scale);
+  add_row(photometric, a, r, residual, weight);
+  gain_t -= weight * known * a;
+  gain_r -= weight * known * r;
+  offset_t -= weight * a;
+  offset_r -= weight * r;
+  brightness += weight * vec3(known * known, known, 1.0);
+  brightness_residual += weight * residual * vec2(known, 1.0);
   photometric_error += vec2(residual * residual, 1.0);
+  photometric_spread += vec2(base, weight * residual * residual);
 }
 
 void main() {
@@ -163,8 +201,7 @@ void main() {
     if (!inside(p.reference, centre)) continue;
     uint j = uint(centre.y) * p.reference.width + uint(centre.x);
     SurfacePoint shown = point_at(reference_points, j);
-    add_geometry(centre, shown, s, point);
-    add_photometry(uv, shown.depth_m, s, i);
+    if (add_geometry(centre, shown, s, point)) add_photometry(uv, shown, s, i);
   }
   begin_terms();
   put_system(geometric);
@@ -178,5 +215,20 @@ void main() {
   put_term(photometric_error.x);
   put_term(photometric_error.y);
   put_term(surface_count);
+  for (int i = 0; i < 3; ++i) {
+    put_term(gain_t[i]);
+    put_term(offset_t[i]);
+  }
+  for (int i = 0; i < 3; ++i) {
+    put_term(gain_r[i]);
+    put_term(offset_r[i]);
+  }
+  put_vector(brightness);
+  put_term(brightness_residual.x);
+  put_term(brightness_residual.y);
+  put_term(geometric_spread.x);
+  put_term(geometric_spread.y);
+  put_term(photometric_spread.x);
+  put_term(photometric_spread.y);
   write_group_sums();
 }

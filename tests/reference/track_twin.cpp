@@ -2,9 +2,12 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <optional>
+
+#include "core/frame/frame_options.h"
 
 namespace hermite::test {
 
@@ -31,15 +34,28 @@ void add_row(NormalEquations& sums, const Vector6d& row, double residual, double
   sums.right_hand_side -= weight * residual * row;
 }
 
-void add_geometry(TrackStep& sums, const SurfaceImage& reference, const Vector3d& s, const Vector3d& normal, const TrackOptions& options) {
+// Student's t distribution with five degrees of freedom, 1 at zero.
+double likelihood(double residual_in_scales) { return 5 / (5 + residual_in_scales * residual_in_scales); }
+
+// As FrameOptions has it: the noise of a Kinect v1.
+double noise_m(double depth_m) {
+  const FrameOptions noise;
+  const double beyond_m = std::max(0.0, depth_m - 0.4);
+  return noise.noise_floor_m + noise.noise_growth_per_m * beyond_m * beyond_m;
+}
+
+// Returns whether both are so near that they have their picture in common.
+bool add_geometry(TrackStep& sums, const SurfaceImage& reference, const Vector3d& s, const Vector3d& normal, double depth_m,
+                  const TrackOptions& options, const BelievedResiduals& believed) {
   const Vector2d uv = project(reference.camera, s);
   const int x = static_cast<int>(std::floor(uv.x() + 0.5)), y = static_cast<int>(std::floor(uv.y() + 0.5));
   const std::size_t j = reference.index(x, y);
   const Vector3d d = reference.vertex(x, y), n = reference.normals[j];
-  if (reference.depth_m[j] <= 0 || (s - d).norm() >= options.distance_gate_m || n.dot(normal) <= 0) return;
-  if (n.cross(normal).norm() >= std::sin(options.normal_gate_deg * M_PI / 180)) return;
+  if (reference.depth_m[j] <= 0 || (s - d).norm() >= options.distance_gate_m || n.dot(normal) <= 0) return false;
+  if (n.cross(normal).norm() >= std::sin(options.normal_gate_deg * M_PI / 180)) return false;
   const auto distance = [&](const Vector3d& point) { return n.dot(point - d); };
-  const double weight = options.geometric_weight * reference.weight[j];
+  const double residual_in_scales = distance(s) / (noise_m(depth_m) * believed.geometric_scale);
+  const double weight = options.geometric_weight * reference.weight[j] * likelihood(residual_in_scales);
   add_row(sums.geometric, derivative(s, distance), distance(s), weight);
   for (int axis = 0; axis < 3; ++axis) {
     const Vector6d moved = derivative(s, [axis](const Vector3d& point) { return point[axis]; });
@@ -48,6 +64,7 @@ void add_geometry(TrackStep& sums, const SurfaceImage& reference, const Vector3d
   sums.disagreement += weight * n.cross(normal).squaredNorm();
   sums.geometric_error_m2 += distance(s) * distance(s);
   ++sums.geometric_count;
+  return std::abs(residual_in_scales) < options.photometric_gate;
 }
 
 // The reference's grey value between four pixels, where all of them have one and the nearest lies on the same surface.
@@ -68,21 +85,31 @@ std::optional<double> grey_at(const SurfaceImage& reference, const Vector2d& uv,
 }
 
 void add_photometry(TrackStep& sums, const SurfaceImage& reference, const Vector3d& s, double intensity, const Vector2d& gradient,
-                    const TrackOptions& options) {
-  const auto grey = grey_at(reference, project(reference.camera, s), s.z(), options.photometric_depth_gate_m);
-  if (!grey) return;
+                    const TrackOptions& options, const BelievedResiduals& believed) {
+  constexpr double kSaturated = 250;
+  const Vector2d uv = project(reference.camera, s);
+  const auto grey = grey_at(reference, uv, s.z(), options.photometric_depth_gate_m);
+  if (!grey || intensity > kSaturated) return;
   const double residual = intensity - *grey;
   // The reference changes along the motion as the frame does around its pixel.
   const Vector6d row = derivative(s, [&](const Vector3d& point) { return -gradient.dot(project(reference.camera, point)); });
-  const double weight = 1 / (options.photometric_sigma + std::abs(residual));
-  add_row(sums.photometric, row, residual, weight * weight);
+  const std::size_t nearest = reference.index(static_cast<int>(std::floor(uv.x() + 0.5)), static_cast<int>(std::floor(uv.y() + 0.5)));
+  const double z = reference.depth_m[nearest], confidence = reference.weight[nearest] * z * z;
+  const double weight = std::min(1.0, confidence / options.mature_confidence) / (options.photometric_sigma * options.photometric_sigma) *
+                        likelihood(residual / believed.photometric_scale);
+  add_row(sums.photometric.motion, row, residual, weight);
+  const Eigen::Vector2d brightness(-*grey, -1);  // derivative by gain and offset
+  sums.photometric.mixed += weight * row * brightness.transpose();
+  sums.photometric.hessian += weight * brightness * brightness.transpose();
+  sums.photometric.right_hand_side -= weight * residual * brightness;
   ++sums.photometric_count;
 }
 
 }  // namespace
 
 TrackStep track_step_twin(const SurfaceImage& frame, const std::vector<Vector2d>& gradients, const SurfaceImage& reference,
-                          const Rigid3& reference_from_camera, const TrackOptions& options, double gradient_min) {
+                          const Rigid3& reference_from_camera, const TrackOptions& options, const BelievedResiduals& believed,
+                          double gradient_min) {
   TrackStep sums;
   const int width = static_cast<int>(frame.camera.width), height = static_cast<int>(frame.camera.height);
   for (int y = 0; y < height; ++y)
@@ -94,14 +121,17 @@ TrackStep track_step_twin(const SurfaceImage& frame, const std::vector<Vector2d>
       if (s.z() < 0.05) continue;
       const Vector2d uv = project(reference.camera, s);
       if (uv.x() < -0.5 || uv.y() < -0.5 || uv.x() >= width - 0.5 || uv.y() >= height - 0.5) continue;
-      add_geometry(sums, reference, s, reference_from_camera.rotation * frame.normals[i], options);
-      if (gradients[i].norm() >= gradient_min) add_photometry(sums, reference, s, frame.intensity[i], gradients[i], options);
+      const Vector3d normal = reference_from_camera.rotation * frame.normals[i];
+      const bool same = add_geometry(sums, reference, s, normal, frame.depth_m[i], options, believed);
+      if (same && gradients[i].norm() >= gradient_min)
+        add_photometry(sums, reference, s, frame.intensity[i], gradients[i], options, believed);
     }
   const double weight = sums.displacement(0, 0);
   if (weight > 0) sums.disagreement /= weight;
   const NormalEquations geometric =
       options.discount_normal_noise ? discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement) : sums.geometric;
-  sums.step = (geometric.hessian + sums.photometric.hessian).ldlt().solve(geometric.right_hand_side + sums.photometric.right_hand_side);
+  const NormalEquations photometric = without_brightness(sums.photometric, {});
+  sums.step = (geometric.hessian + photometric.hessian).ldlt().solve(geometric.right_hand_side + photometric.right_hand_side);
   return sums;
 }
 

@@ -13,7 +13,8 @@
 namespace hermite::test {
 
 struct TrackStep {
-  NormalEquations geometric, photometric;
+  NormalEquations geometric;
+  PhotometricSystem photometric;
   Matrix6d displacement = Matrix6d::Zero();  // sum of weight A^T A over the geometric pairs, A = d(exp(x) s)/dx
   double disagreement = 0;                   // their weighted mean squared sine between the normals
   Vector6d step = Vector6d::Zero();          // translation, rotation: guess <- exp(step) guess
@@ -21,8 +22,14 @@ struct TrackStep {
   int geometric_count = 0, photometric_count = 0, surface_count = 0;
 };
 
+// What is believed of residuals: scales of Student's t distribution, in standard deviations of the sensor and in grey values.
+struct BelievedResiduals {
+  double geometric_scale = 0, photometric_scale = 0;
+};
+
 // `gradients` are the frame's, grey values per pixel; `gradient_min` the least that counts at this level; projective association.
 TrackStep track_step_twin(const SurfaceImage& frame, const std::vector<Eigen::Vector2d>& gradients, const SurfaceImage& reference,
-                          const Rigid3& reference_from_camera, const TrackOptions& options, double gradient_min);
+                          const Rigid3& reference_from_camera, const TrackOptions& options, const BelievedResiduals& believed,
+                          double gradient_min);
 
 }  // namespace hermite::test

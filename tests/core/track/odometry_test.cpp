@@ -175,7 +175,7 @@ TEST_F(OdometryTest, OneStepAgreesWithTheTwinAtEveryLevel) {
         const SurfaceImage current = test::download(frame.surface.levels[static_cast<std::size_t>(level)]);
         const SurfaceImage model = test::download(reference.levels[static_cast<std::size_t>(level)]);
         const test::TrackStep expected = test::track_step_twin(current, test::gradient_twin(current.intensity, current.camera), model,
-                                                               guess, options, kGradientMin[level]);
+                                                               guess, options, {10, 30}, kGradientMin[level]);
         EXPECT_NEAR(static_cast<double>(actual.inlier_count), expected.geometric_count, 6);
         EXPECT_NEAR(static_cast<double>(actual.photometric_count), expected.photometric_count, 6);
         EXPECT_NEAR(actual.residual_rms_m, std::sqrt(expected.geometric_error_m2 / expected.geometric_count), 1e-5);
