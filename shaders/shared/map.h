@@ -13,7 +13,7 @@ namespace hermite::shared {
 struct SurfelAttributes {
   uint normal;           // octahedral, 2 x snorm16, in the submap's frame, away from the camera
   uint radius_submap;    // half float [m] | submap << 16
-  uint color;            // r | g << 8 | b << 16
+  uint color;            // r | g << 11 | b << 22: red and green in eighths, blue in quarters of one in 255
   uint curvatures;       // 2 x half float, max then min [1/m]
 };
 
