@@ -41,7 +41,8 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
                                   options_.fuse_surface ? 1u : 0u,
                                   options_.weigh_by_radius ? 1u : 0u,
                                   static_cast<float>(radius_scale_),
-                                  fused.with_color ? 1u : 0u};
+                                  fused.with_color ? 1u : 0u,
+                                  fused.add_new ? 1u : 0u};
   const std::uint32_t tiles = tile_count(surface.camera), threads = 256 * tiles;
   commands.fill(claims_, kNoSurfel);
   commands.dispatch(associate_, {threads}, params,

@@ -97,6 +97,7 @@ struct FuseParams {
   uint weigh_by_radius;        // 1: means are weighed by confidence / radius^2, 0: by confidence
   float radius_scale;
   uint merge_color;            // 0: surfels keep their colour
+  uint add_new;                // 0: only surfels that exist take part
 };
 
 struct CleanParams {
