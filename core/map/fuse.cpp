@@ -43,7 +43,8 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
                                   static_cast<float>(radius_scale_),
                                   fused.with_color ? 1u : 0u,
                                   static_cast<float>(fused.brightness.gain),
-                                  static_cast<float>(fused.brightness.offset)};
+                                  static_cast<float>(fused.brightness.offset),
+                                  fused.add_new ? 1u : 0u};
   const std::uint32_t tiles = tile_count(surface.camera), threads = 256 * tiles;
   commands.fill(claims_, kNoSurfel);
   commands.dispatch(associate_, {threads}, params,

@@ -12,6 +12,7 @@ struct FusedFrame {
   std::uint32_t number = 0;  // of the frames fused, the first is 1
   bool with_color = true;    // surfels that exist take on its colours
   std::uint32_t submap = 0;  // new surfels belong to it
+  bool add_new = true;       // no: only surfels that exist are continued
   Brightness brightness{};   // of the frame; the map keeps its own
 };
 
@@ -21,7 +22,7 @@ class Fuser {
   Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options, const FrameOptions& frame_options);
 
   // Records: the frame's pixels are merged into the surfels of `all`, a described index map of every surfel, or appended. The store must be
-  // set to the frame's pose and have room for new_slots_bound() more.
+  // set to the frame's pose and, if new ones are added, have room for new_slots_bound() more.
   void fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, FusedFrame fused);
 
   // Records: contradicted and forgotten surfels among those in turn are removed and free slots listed, in the store's visible blocks.

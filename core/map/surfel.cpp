@@ -37,6 +37,14 @@ std::uint32_t pack_unit(const Eigen::Vector3f& n) {
   return snorm(p.x()) | (snorm(p.y()) << 16);
 }
 
+// As shaders/lib/surfel.glsl.
+std::uint32_t pack_color(float r, float g, float b) {
+  const auto steps = [](float value, float per_one) {
+    return static_cast<std::uint32_t>(std::lround(std::clamp(value, 0.0f, 255.0f) * per_one));
+  };
+  return steps(r, 8) | (steps(g, 8) << 11) | (steps(b, 4) << 22);
+}
+
 // As shaders/lib/blocks.glsl orders numbers.
 std::uint32_t ordered(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
@@ -46,8 +54,7 @@ std::uint32_t ordered(float value) {
 }  // namespace
 
 shared::SurfelAttributes pack_attributes(const Surfel& s) {
-  return {pack_unit(s.normal_in_submap), float_to_half(s.radius_m) | (s.submap << 16),
-          s.r | (std::uint32_t{s.g} << 8) | (std::uint32_t{s.b} << 16),
+  return {pack_unit(s.normal_in_submap), float_to_half(s.radius_m) | (s.submap << 16), pack_color(s.r, s.g, s.b),
           float_to_half(s.curvature_max_per_m) | (float_to_half(s.curvature_min_per_m) << 16)};
 }
 
@@ -59,9 +66,9 @@ Surfel unpack(const shared::vec4& p, const shared::SurfelAttributes& a, const sh
   s.confidence = p.w;
   s.curvature_max_per_m = half_to_float(a.curvatures & 0xffffu);
   s.curvature_min_per_m = half_to_float(a.curvatures >> 16);
-  s.r = static_cast<std::uint8_t>(a.color & 255u);
-  s.g = static_cast<std::uint8_t>((a.color >> 8) & 255u);
-  s.b = static_cast<std::uint8_t>((a.color >> 16) & 255u);
+  s.r = static_cast<float>(a.color & 2047u) / 8;
+  s.g = static_cast<float>((a.color >> 11) & 2047u) / 8;
+  s.b = static_cast<float>(a.color >> 22) / 4;
   s.submap = a.radius_submap >> 16;
   s.created_frame = t.x;
   s.observed_frame = t.y;

@@ -18,7 +18,7 @@ struct Surfel {
   float radius_m = 0;
   float confidence = 0;  // 0: the slot is free
   float curvature_max_per_m = 0, curvature_min_per_m = 0;
-  std::uint8_t r = 0, g = 0, b = 0;
+  float r = 0, g = 0, b = 0;  // 0 to 255, in steps of 1/8, 1/8 and 1/4
   std::uint32_t submap = 0;
   std::uint32_t created_frame = 0, observed_frame = 0;
 };

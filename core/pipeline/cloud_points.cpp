@@ -1,12 +1,21 @@
 #include "core/pipeline/cloud_points.h"
 
+#include <algorithm>
+
 namespace hermite {
+
+namespace {
+
+// A surfel of a damaged checkpoint may be brighter than white.
+std::uint8_t rounded(float value) { return static_cast<std::uint8_t>(std::min(value + 0.5f, 255.0f)); }
+
+}  // namespace
 
 CloudPoint to_cloud_point(const Surfel& surfel, const Rigid3& target_from_submap) {
   CloudPoint point;
   point.position_m = (target_from_submap * surfel.position_in_submap_m.cast<double>()).cast<float>();
   point.normal = (target_from_submap.rotation * -surfel.normal_in_submap.cast<double>()).cast<float>();
-  point.color = {surfel.r, surfel.g, surfel.b};
+  point.color = {rounded(surfel.r), rounded(surfel.g), rounded(surfel.b)};
   point.confidence = surfel.confidence;
   point.curvature_max_per_m = surfel.curvature_max_per_m;
   point.curvature_min_per_m = surfel.curvature_min_per_m;

@@ -6,6 +6,9 @@ namespace hermite {
 
 namespace {
 
+// A map that is full is asked again after so many frames: to find out takes time like copying it.
+constexpr std::uint32_t kFullFrames = 8;
+
 // A lost camera may also have turned away by a third of a usual field of view to all sides.
 std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
   for (const double pitch_deg : {-12.0, 0.0, 12.0})
@@ -118,21 +121,38 @@ std::optional<Look> FrontEnd::look(const Revisit& revisit, const MapLayout& layo
   return Look{revisit.world_from_camera * found.reference_from_camera, found.agreement.overlap};
 }
 
-void FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, const PictureUse& picture) {
-  const FrameMaps& maps = preprocessor_.maps();
+// The active submaps are on the device, with memory for what a frame may add to the current one.
+bool FrontEnd::make_room(const MapLayout& layout) {
   if (layout.current != submap_) store.begin_block();
-  submap_ = layout.current;
-  ++frame_number;
   if (store.is_sparse()) store.compact(frame_number);
-  if (!bring(layout.is_active, layout))
-    throw gpu::DeviceError("the map is full: the submaps around the camera do not fit into the device memory that may be used");
-  store.reserve(fuser_.new_slots_bound());
+  if (!bring(layout.is_active, layout) || !store.has_room_for(fuser_.new_slots_bound())) return false;
+  try {
+    store.reserve(fuser_.new_slots_bound());
+  } catch (const gpu::DeviceError&) {  // there is less than was thought; a device that is lost says so again
+    return false;
+  }
+  submap_ = layout.current;
+  return true;
+}
+
+bool FrontEnd::has_room(const MapLayout& layout) {
+  if (frame_number < full_until_frame_) return false;
+  const bool made = make_room(layout);
+  full_until_frame_ = made ? 0 : frame_number + kFullFrames;
+  return made;
+}
+
+bool FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, const PictureUse& picture) {
+  const FrameMaps& maps = preprocessor_.maps();
+  ++frame_number;
+  const bool add_new = has_room(layout);
   store.set_submaps(layout.world_from_submap);
   store.set_camera(world_from_camera, layout.is_active);
   visible_.list(commands, store, maps.camera(), frame_number);
   index_.build(commands, store, maps.camera(), 0);
   index_.describe(commands, store, maps.camera());
-  fuser_.fuse(commands, maps, store, index_, {frame_number, picture.is_good, submap_, picture.brightness});
+  fuser_.fuse(commands, maps, store, index_, {frame_number, picture.is_good, submap_, add_new, picture.brightness});
+  return add_new;
 }
 
 void FrontEnd::clean_and_predict(const PictureUse& picture) {
@@ -154,6 +174,7 @@ void FrontEnd::predict(const Rigid3& world_from_camera, const MapLayout& layout)
 void FrontEnd::save(ByteWriter& bytes) const {
   bytes.number(frame_number);
   bytes.number(submap_);
+  bytes.number(full_until_frame_);
   hermite::save(bytes, predictor_.surface());
   odometry_.save(bytes);
   store.save(bytes);
@@ -162,6 +183,7 @@ void FrontEnd::save(ByteWriter& bytes) const {
 void FrontEnd::restore(ByteReader& bytes) {
   bytes.number(frame_number);
   bytes.number(submap_);
+  bytes.number(full_until_frame_);
   hermite::restore(bytes, predictor_.surface());
   odometry_.restore(bytes);
   store.restore(bytes);

@@ -51,8 +51,8 @@ class FrontEnd {
   std::optional<Look> look(const Revisit& revisit, const MapLayout& layout);
 
   // Records: the frame preprocessed last, seen from `world_from_camera`, is fused into the active submaps, what is new into the current
-  // one.
-  void fuse(const Rigid3& world_from_camera, const MapLayout& layout, const PictureUse& picture);
+  // one. No: the map is full, and nothing new was added.
+  bool fuse(const Rigid3& world_from_camera, const MapLayout& layout, const PictureUse& picture);
 
   // Records: the surface as seen from where fuse() was last, and what goes on there between frames: cleaning.
   void clean_and_predict(const PictureUse& picture);
@@ -71,6 +71,8 @@ class FrontEnd {
  private:
   std::uint32_t max_slots() const;
   bool bring(const SubmapSet& needed, const MapLayout& layout);
+  bool has_room(const MapLayout& layout);
+  bool make_room(const MapLayout& layout);
   std::vector<Rigid3> guesses(const Rigid3& turned, const Rigid3& last_motion) const;
   void show(const Rigid3& world_from_camera, const SubmapSet& submaps);
 
@@ -87,7 +89,8 @@ class FrontEnd {
   std::uint32_t frame_number = 0;  // of the map: frames fused so far, the first is 1
 
  private:
-  std::uint32_t submap_ = 0;  // of the new surfels of the last frame
+  std::uint32_t submap_ = 0;            // of the new surfels that came last
+  std::uint32_t full_until_frame_ = 0;  // of the map: before that one nobody asks again whether there is room
 };
 
 }  // namespace hermite

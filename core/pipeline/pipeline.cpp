@@ -36,6 +36,14 @@ const Camera& checked(const Camera& camera) {
 
 std::size_t part_count(const MapLayout& layout) { return std::set(layout.part.begin(), layout.part.end()).size(); }
 
+// Of a frame that nothing new was taken from.
+Judgement of_full_map(Judgement tracked) {
+  tracked.status = TrackingStatus::kWeak;
+  tracked.reason += (tracked.reason.empty() ? "" : "; ") +
+                    std::string("the map is full: the device memory that may be used has no room for what is new around the camera");
+  return tracked;
+}
+
 double farthest_correction_m(const std::vector<Rigid3>& before, const MapLayout& layout) {
   double farthest_m = 0;
   for (std::size_t submap = 0; submap < before.size(); ++submap)
@@ -192,7 +200,9 @@ FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
   if (!lost) {
     last_motion = motion.odometry.reference_from_camera;
     const PictureUse picture{motion.judgement.picture_is_good, motion.odometry.brightness};
-    timed("fuse", [&] { front_end.fuse(world_from_camera, layout(), picture); });
+    bool is_full = false;
+    timed("fuse", [&] { is_full = !front_end.fuse(world_from_camera, layout(), picture); });
+    if (is_full) motion.judgement = of_full_map(std::move(motion.judgement));
     timed("predict", [&] { front_end.clean_and_predict(picture); });
     ++tracked_frame_count;
     weak_frame_count += motion.judgement.status == TrackingStatus::kWeak ? 1 : 0;

@@ -96,7 +96,8 @@ class Pipeline {
   // kInvalidArgument: of another size than the camera's.
   Result<PreparedFrame> prepare(RgbdFrame frame) const;
 
-  // Never fails because of what a frame contains: a frame that cannot be used is kLost, with a reason.
+  // Never fails because of what a frame contains: a frame that cannot be used is kLost, with a reason. When the map is full (as
+  // map.gpu_memory_mb has it, or the device), frames are tracked and continue the surfels that exist, and are kWeak.
   // `prepared` is of a pipeline with the same camera and options. Error only for a frame of another size (kInvalidArgument) and for the
   // device (kDevice: lost or out of memory), after which only trajectory() and statistics() may be called.
   Result<FrameResult> process(const PreparedFrame& prepared);

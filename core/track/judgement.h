@@ -9,8 +9,8 @@
 
 namespace hermite {
 
-// Weak: the pose is believed and the frame is fused, but little is missing to lose the camera: a warning. Lost: nothing of the frame is
-// used.
+// Weak: the pose is believed and the frame is fused, but little is missing to lose the camera, or the map is full: a warning. Lost: nothing
+// of the frame is used.
 enum class TrackingStatus { kTracked, kWeak, kLost };
 const char* name_of(TrackingStatus status);  // "tracked", "weak", "lost"
 

@@ -49,6 +49,6 @@ void main() {
       }
     }
   }
-  candidates[i] = best_cell;
+  candidates[i] = best_cell != kNew || p.add_new != 0u ? best_cell : kInvalid;
   if (best_cell != kNew) atomicMin(claims[best_cell], claim_key(best, i));
 }

@@ -17,6 +17,17 @@ TEXELS(13, read_position_confidence);
 TEXELS(14, read_attributes);
 #include "shaders/lib/new_in_tile.glsl"
 
+// Three numbers of [0, 1) that look drawn at random, the same on every run: of where the surfel is, whatever its slot, and of the frame.
+vec3 drawn(vec3 position) {
+  uvec3 bits = floatBitsToUint(position);
+  uint h = (bits.x * 73856093u) ^ (bits.y * 19349663u) ^ (bits.z * 83492791u) ^ (p.frame_number * 2654435769u);
+  // lowbias32 of Wellons.
+  h = (h ^ (h >> 16)) * 0x7feb352du;
+  h = (h ^ (h >> 15)) * 0x846ca68bu;
+  h ^= h >> 16;
+  return (vec3(h & 1023u, (h >> 10) & 1023u, (h >> 20) & 1023u) + 0.5) / 1024.0;
+}
+
 void merge(uint slot, Measurement m) {
   vec4 surfel = vec4_at(read_position_confidence, slot);
   SurfelAttributes a = attributes_at(read_attributes, slot);
@@ -34,7 +45,9 @@ void merge(uint slot, Measurement m) {
     surfel.xyz += gain * dot(normal, transform_back(t, m.position) - surfel.xyz) * normal;
     a.normal = pack_unit(normal);
     a.radius_submap = pack_radius_submap(mix(radius, m.radius_m, gain), surfel_submap(a));
-    a.color = pack_color(mix(surfel_color(a), m.color, p.merge_color != 0u ? gain : 0.0));
+    // The gain of one view is often less than half a step: rounded to the nearest, it would be nothing, for ever.
+    vec3 color = surfel_color(a);
+    a.color = pack_color(color + (p.merge_color != 0u ? gain : 0.0) * (m.color - color), drawn(surfel.xyz));
     a.curvatures = packHalf2x16(mix(unpackHalf2x16(a.curvatures), m.curvatures, gain));
     attributes[slot] = a;
   }

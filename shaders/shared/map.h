@@ -13,7 +13,7 @@ namespace hermite::shared {
 struct SurfelAttributes {
   uint normal;           // octahedral, 2 x snorm16, in the submap's frame, away from the camera
   uint radius_submap;    // half float [m] | submap << 16
-  uint color;            // r | g << 8 | b << 16
+  uint color;            // r | g << 11 | b << 22: red and green in eighths, blue in quarters of one in 255
   uint curvatures;       // 2 x half float, max then min [1/m]
 };
 
@@ -99,6 +99,7 @@ struct FuseParams {
   float radius_scale;
   uint merge_color;            // 0: surfels keep their colour
   float gain, offset;          // colour of the frame = gain * colour of the map + offset
+  uint add_new;                // 0: only surfels that exist take part
 };
 
 struct CleanParams {

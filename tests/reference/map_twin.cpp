@@ -185,16 +185,15 @@ class Fusion {
     decided_by(m.radius_m / s.radius_m - 1.5);
     if (m.radius_m < 1.5f * s.radius_m) {
       const auto mean = [&](float a, float b) { return old_share * a + new_share * b; };
-      const auto mean_byte = [&](std::uint8_t a, std::uint8_t b) { return static_cast<std::uint8_t>(mean(a, b) + 0.5f); };
       s.normal_in_submap = (old_share * s.normal_in_submap + new_share * m.normal_in_submap).normalized();
       const Eigen::Vector3f& n = s.normal_in_submap;
       s.position_in_submap_m += new_share * n.dot(m.position_in_submap_m - s.position_in_submap_m) * n;
       s.radius_m = mean(s.radius_m, m.radius_m);
       s.curvature_max_per_m = mean(s.curvature_max_per_m, m.curvature_max_per_m);
       s.curvature_min_per_m = mean(s.curvature_min_per_m, m.curvature_min_per_m);
-      s.r = mean_byte(s.r, m.r);
-      s.g = mean_byte(s.g, m.g);
-      s.b = mean_byte(s.b, m.b);
+      s.r = mean(s.r, m.r);
+      s.g = mean(s.g, m.g);
+      s.b = mean(s.b, m.b);
     }
     s.confidence = std::min(total, std::max(s.confidence, static_cast<float>(settings_.map.max_confidence)));
     s.observed_frame = settings_.frame_number;

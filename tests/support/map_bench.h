@@ -37,14 +37,14 @@ class MapBench {
         commands_(device),
         maps_(make_frame_maps(device, camera)) {}
 
-  void fuse(const FuseInput& frame, std::uint32_t frame_number, const Rigid3& world_from_camera = {}) {
+  void fuse(const FuseInput& frame, std::uint32_t frame_number, const Rigid3& world_from_camera = {}, bool with_color = true) {
     upload_frame(frame);
     store.reserve(fuser.new_slots_bound());
     set_camera(world_from_camera);
     visible_.list(commands_, store, maps_.camera(), frame_number);
     index.build(commands_, store, maps_.camera(), 0);
     index.describe(commands_, store, maps_.camera());
-    fuser.fuse(commands_, maps_, store, index, {frame_number, true, submap});
+    fuser.fuse(commands_, maps_, store, index, {frame_number, with_color, submap});
     commands_.submit_and_wait();
   }
 

@@ -77,7 +77,7 @@ void upload(const std::vector<Surfel>& surfels, SurfelStore& store) {
     if (s.confidence <= 0) free.push_back(static_cast<shared::uint>(positions.size()));
     positions.push_back({s.position_in_submap_m.x(), s.position_in_submap_m.y(), s.position_in_submap_m.z(), s.confidence});
     attributes.push_back({pack_unit(s.normal_in_submap.cast<double>()), float_to_half(static_cast<double>(s.radius_m)) | (s.submap << 16),
-                          static_cast<shared::uint>(s.r | (s.g << 8) | (s.b << 16)),
+                          pack_attributes(s).color,
                           pack_halves(static_cast<double>(s.curvature_max_per_m), static_cast<double>(s.curvature_min_per_m))});
     times.push_back({s.created_frame, s.observed_frame});
   }

@@ -27,9 +27,9 @@ std::vector<Surfel> random_surfels(std::size_t count, unsigned seed) {
     s.confidence = std::max(0.0f, 10 * unit(random));
     s.curvature_max_per_m = 300 * unit(random);
     s.curvature_min_per_m = 300 * unit(random);
-    s.r = static_cast<std::uint8_t>(random());
-    s.g = static_cast<std::uint8_t>(random());
-    s.b = static_cast<std::uint8_t>(random());
+    s.r = static_cast<float>(random() % 2041) / 8;
+    s.g = static_cast<float>(random() % 2041) / 8;
+    s.b = static_cast<float>(random() % 1021) / 4;
     s.submap = static_cast<std::uint32_t>(random() & 0xffffu);
     s.created_frame = static_cast<std::uint32_t>(random());
     s.observed_frame = static_cast<std::uint32_t>(random());

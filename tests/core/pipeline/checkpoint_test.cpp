@@ -13,6 +13,7 @@
 #include "core/pipeline/pipeline.h"
 #include "tests/support/doomed_surfels.h"
 #include "tests/support/recording.h"
+#include "tests/support/surfels_behind.h"
 
 namespace hermite {
 namespace {
@@ -216,6 +217,26 @@ TEST(Checkpoint, SubmapsOnTheHostComeBack) {
   undisturbed.end = told_at_the_end(*scan.pipeline);
   ASSERT_EQ(undisturbed.states.size(), 1u) << "nothing had to leave";
   expect_same_from(frames, make_pipeline(options), undisturbed, undisturbed.states.begin()->first);
+}
+
+TEST(Checkpoint, AFullMapIsFullAsLongAfterwards) {
+  const Options options = with_little_memory();
+  const std::vector<std::size_t> frames = range(0, 26);
+  Scan scan(frames, make_pipeline(options));
+  const std::size_t fits = 4 * std::size_t(walk().camera.width * walk().camera.height) - 512;
+  ASSERT_TRUE(scan.pipeline->insert(test::surfels_behind(fits)).ok());
+  Undisturbed undisturbed;
+  std::vector<std::size_t> full;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    undisturbed.told.push_back(scan.step(i));
+    if (undisturbed.told.back().find("the map is full") == std::string::npos) continue;
+    full.push_back(i);
+    undisturbed.states[i + 1] = *scan.pipeline->save();
+  }
+  undisturbed.end = told_at_the_end(*scan.pipeline);
+  ASSERT_TRUE(full.size() > 3 && full.size() + 3 < frames.size()) << "the scan is not the one that this test is about";
+  for (const std::size_t i : {full[0], full[full.size() / 2], full.back()})
+    expect_same_from(frames, make_pipeline(options), undisturbed, i + 1);
 }
 
 TEST(Checkpoint, PartsThatAreNotJoinedYetComeBack) {

@@ -6,6 +6,7 @@
 #include "core/evaluate/trajectory_error.h"
 #include "core/pipeline/pipeline.h"
 #include "tests/support/recording.h"
+#include "tests/support/surfels_behind.h"
 
 namespace hermite {
 namespace {
@@ -131,6 +132,38 @@ TEST(PipelineMapping, ABoundOfDeviceMemoryHoldsAndChangesLittle) {
   }
   EXPECT_LE(largest, 1'000'000 * std::int64_t{options.map.gpu_memory_mb});
   EXPECT_GT(pipeline.statistics().host_memory_bytes, 0) << "nothing had to leave";
+  EXPECT_LT(ate_rmse_m(pipeline), 0.02);
+}
+
+bool tells_of_a_full_map(const FrameResult& result) { return result.reason.find("the map is full") != std::string::npos; }
+
+// The first submap takes nearly all the room there is, until the camera has left it.
+TEST(PipelineMapping, AFullMapIsTrackedAgainstAndGrowsAgainWhenThereIsRoom) {
+  Options options = soon_stable();
+  options.adjust.active_path_m = 0.5;
+  options.map.gpu_memory_mb = least_memory_mb();
+  Pipeline pipeline = mapped(options);
+  const std::size_t filled = 5;
+  for (std::size_t i = 0; i < filled; ++i) EXPECT_FALSE(tells_of_a_full_map(process(pipeline, i))) << "frame " << i;
+  const std::int64_t fits = 4 * std::int64_t{walk().camera.width} * walk().camera.height - 512;
+  ASSERT_TRUE(pipeline.insert(test::surfels_behind(static_cast<std::size_t>(fits - pipeline.statistics().surfel_slot_count))).ok());
+  std::int64_t surfels = pipeline.statistics().surfel_count;
+  std::size_t full_count = 0, next = filled;
+  for (; next < walk().frames.size(); ++next) {
+    const FrameResult result = process(pipeline, next);
+    if (!tells_of_a_full_map(result)) break;
+    ++full_count;
+    EXPECT_EQ(result.status, TrackingStatus::kWeak) << "frame " << next;
+    EXPECT_LE(result.surfel_count, surfels) << "frame " << next;
+    surfels = result.surfel_count;
+  }
+  EXPECT_GE(full_count, 3u);
+  for (; next < walk().frames.size(); ++next) {
+    const FrameResult result = process(pipeline, next);
+    EXPECT_EQ(result.status, TrackingStatus::kTracked) << "frame " << next << ": " << result.reason;
+  }
+  EXPECT_EQ(pipeline.statistics().weak_frame_count, static_cast<std::int64_t>(full_count));
+  EXPECT_GT(pipeline.statistics().surfel_count, surfels + 10'000);
   EXPECT_LT(ate_rmse_m(pipeline), 0.02);
 }
 
