@@ -30,6 +30,13 @@ std::size_t depth_image_size(const Camera& camera) {
   return static_cast<std::size_t>(HERMITE_DEPTH_STRIDE(camera.width)) * static_cast<std::size_t>(camera.height + 2 * HERMITE_DEPTH_MARGIN);
 }
 
+Rgb8 brightened(const Rgb8& color, float darkening) {
+  const auto bright = [darkening](std::uint8_t value) {
+    return static_cast<std::uint8_t>(std::min(255.0f, static_cast<float>(value) / darkening + 0.5f));
+  };
+  return {bright(color.r), bright(color.g), bright(color.b)};
+}
+
 // The window ends where the Gaussian has fallen to about 0.4 (radius 6 for 4.5 px, as in the authors' program).
 std::uint32_t window_radius(double sigma_px) { return static_cast<std::uint32_t>(std::lround(sigma_px * 4.0 / 3.0)); }
 
@@ -46,12 +53,27 @@ Preprocessor::Preprocessor(gpu::Device& device, const Camera& camera, const Fram
       intensity_(device, "frame/intensity"),
       gradient_(device, "frame/gradient"),
       downsample_(device, "frame/downsample"),
+      mask_(device, "frame/mask"),
       staged_units_(depth_image_size(camera)),
       units_(device, staged_units_.size() / 8, "frame"),
       inverse_depth_per_m_(device, staged_units_.size() / 4, "frame"),
       staged_color_(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height)),
       color_(device, staged_color_.size(), "frame"),
-      maps_(make_frame_maps(device, camera, step_)) {}
+      maps_(make_frame_maps(device, camera, step_)) {
+  mask_pixels_ = {device, maps_.surface.levels.back().intensity.count(), "frame"};
+}
+
+void Preprocessor::mask(gpu::Commands& commands, const CoarseMask& mask) {
+  mask_pixels_.upload(mask);
+  const shared::Intrinsics& coarsest = maps_.surface.levels.back().camera;
+  for (std::size_t level = 0; level < maps_.surface.levels.size(); ++level) {
+    const SurfaceLevel& masked = maps_.surface.levels[level];
+    const auto shift = static_cast<shared::uint>(maps_.surface.levels.size() - 1 - level);
+    commands.dispatch(mask_, {masked.camera.width, masked.camera.height},
+                      shared::MaskParams{masked.camera.width, masked.camera.height, coarsest.width, coarsest.height, shift},
+                      {mask_pixels_, masked.points});
+  }
+}
 
 void Preprocessor::upload(const RgbdFrame& frame) {
   for (int y = 0; y < frame.depth.height; ++y)
@@ -60,7 +82,7 @@ void Preprocessor::upload(const RgbdFrame& frame) {
         &staged_units_[static_cast<std::size_t>((y + HERMITE_DEPTH_MARGIN) * HERMITE_DEPTH_STRIDE(camera_.width) + HERMITE_DEPTH_MARGIN)]);
   units_.upload({reinterpret_cast<const shared::uvec4*>(staged_units_.data()), units_.count()});
   for (std::size_t i = 0; i < staged_color_.size(); ++i) {
-    const Rgb8 c = frame.color.pixels[i];
+    const Rgb8 c = darkening_.empty() ? frame.color.pixels[i] : brightened(frame.color.pixels[i], darkening_[i]);
     staged_color_[i] = static_cast<shared::uint>(c.r | (c.g << 8) | (c.b << 16));
   }
   color_.upload(staged_color_);

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "core/frame/coarse_view.h"
 #include "core/frame/frame_options.h"
 #include "core/frame/rgbd_frame.h"
 #include "core/frame/surface_pyramid.h"
@@ -27,9 +28,16 @@ class Preprocessor {
  public:
   Preprocessor(gpu::Device& device, const Camera& camera, const FrameOptions& options);
 
+  // Colours of the frames to come are divided by this, by pixel of the whole image (none: by 1).
+  void set_shading(std::vector<float> darkening) { darkening_ = std::move(darkening); }
+
   // Uploads the frame (same size as the camera, checked by the caller) and records the passes; the maps are valid once `commands` has run.
   // `frame_index` decides which pixels are sampled.
   const FrameMaps& run(gpu::Commands& commands, const RgbdFrame& frame, std::int64_t frame_index);
+
+  // Records: neither odometry nor fusion looks at the masked pixels of the frame preprocessed last, at any level. Uploads the mask, which
+  // is of the coarsest level.
+  void mask(gpu::Commands& commands, const CoarseMask& mask);
 
   const FrameMaps& maps() const { return maps_; }
   const gpu::Kernel& downsample_kernel() const { return downsample_; }
@@ -40,7 +48,8 @@ class Preprocessor {
   const Camera camera_;
   const FrameOptions options_;
   const int step_;
-  gpu::Kernel inverse_depth_, bilateral_, normals_, surface_, intensity_, gradient_, downsample_;
+  gpu::Kernel inverse_depth_, bilateral_, normals_, surface_, intensity_, gradient_, downsample_, mask_;
+  std::vector<float> darkening_;
   // Of the whole image; with a margin, and eight and four pixels an element:
   std::vector<std::uint16_t> staged_units_;
   gpu::Buffer<shared::uvec4> units_;
@@ -48,6 +57,7 @@ class Preprocessor {
   // and without:
   std::vector<shared::uint> staged_color_;
   gpu::Buffer<shared::uint> color_;
+  gpu::Buffer<shared::uint> mask_pixels_;
   FrameMaps maps_;
 };
 

@@ -1,5 +1,7 @@
 #include "core/pipeline/front_end.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace hermite {
@@ -17,12 +19,20 @@ std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
   return guesses;
 }
 
+// Half a percent of the view can turn a camera that sees little else to hold on to.
+bool is_worth_another_look(const CoarseMask& expected, const CoarseMask& moving) {
+  std::size_t unexpected = 0;
+  for (std::size_t i = 0; i < moving.size(); ++i) unexpected += moving[i] != 0 && expected[i] == 0 ? 1 : 0;
+  return 200 * unexpected > moving.size();
+}
+
 }  // namespace
 
 FrontEnd::FrontEnd(const std::string& device_choice, const Camera& camera, const Options& options, Timeline* timeline)
     : device(device_choice, timeline),
       commands(device),
       options_(options),
+      camera_(camera),
       preprocessor_(device, camera, options.frame),
       odometry_(device, preprocessor_.maps().camera(), options.track, options.frame),
       visible_(device, options.map),
@@ -75,8 +85,39 @@ Judgement FrontEnd::judge_start(const FrameContent& content) {
   return hermite::judge_start(evidence, options_.track);
 }
 
-Motion FrontEnd::track(const FrameContent& content, const Rigid3& last_motion, int lost_count) {
+void FrontEnd::remember_view(const Rigid3& world_from_camera) {
+  const ShadingTable before = shading_.table();
+  shading_.learn(view_, world_from_camera, moving_mask_);
+  moving_.remember(view_, world_from_camera, moving_mask_);
+  if (shading_.table() != before) use_shading();
+}
+
+void FrontEnd::forget_views() {
+  moving_.forget();
+  shading_.forget_view();
+}
+
+void FrontEnd::use_shading() {
+  const shared::Intrinsics whole = intrinsics_of(camera_);
+  std::vector<float> darkening;
+  for (std::uint32_t y = 0; y < whole.height; ++y)
+    for (std::uint32_t x = 0; x < whole.width; ++x) darkening.push_back(shading_.table()[shading_index(whole, x, y)]);
+  preprocessor_.set_shading(std::move(darkening));
+}
+
+// Of the frame preprocessed last.
+void FrontEnd::hide(const CoarseMask& mask) {
+  if (std::find(mask.begin(), mask.end(), 1u) == mask.end()) return;
+  preprocessor_.mask(commands, mask);
+  commands.submit_and_wait();
+}
+
+Motion FrontEnd::track(const FrameContent& content, const Rigid3& world_from_reference, const Rigid3& last_motion, int lost_count) {
+  view_ = hermite::coarse_view(preprocessor_.maps().surface);
+  moving_mask_.assign(view_.size(), 0);
   if (frame_number == 0) return {{}, judge_start(content)};
+  const CoarseMask expected = moving_.expected(view_);
+  hide(expected);
   const FrameMaps& maps = preprocessor_.maps();
   const SurfacePyramid& reference = predictor_.surface();
   Rigid3 turned;
@@ -84,10 +125,21 @@ Motion FrontEnd::track(const FrameContent& content, const Rigid3& last_motion, i
   const std::vector<Rigid3> starts = guesses(turned, last_motion);
   OdometryResult found;
   if (lost_count == 0) found = odometry_.track(maps, reference, starts);
+  // What moves is told by the pose, and the pose by what rests: once more where much is found to move that was not expected to.
+  const auto see_motion = [&] {
+    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera);
+    if (!is_worth_another_look(expected, moving_mask_)) return;
+    hide(moving_mask_);
+    found = odometry_.track(maps, reference, std::array{found.reference_from_camera});
+    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera);
+  };
   const auto is_found = [&] { return is_believable(found.agreement, found.reference_from_camera, options_.track); };
   if (!is_found()) found = odometry_.search(maps, reference, with_turns(starts));
+  if (found.agreement.overlap > 0) see_motion();
+  hide(moving_mask_);
   TrackingEvidence evidence;
   evidence.content = content;
+  evidence.moving_share = share_of_surface(moving_mask_, view_);
   evidence.lost_count = lost_count;
   if (!is_found()) evidence.unmoved = odometry_.agreement(maps, reference, turned);
   evidence.agreement = found.agreement;
@@ -177,6 +229,8 @@ void FrontEnd::save(ByteWriter& bytes) const {
   bytes.number(full_until_frame_);
   hermite::save(bytes, predictor_.surface());
   odometry_.save(bytes);
+  moving_.save(bytes);
+  shading_.save(bytes);
   store.save(bytes);
 }
 
@@ -186,6 +240,9 @@ void FrontEnd::restore(ByteReader& bytes) {
   bytes.number(full_until_frame_);
   hermite::restore(bytes, predictor_.surface());
   odometry_.restore(bytes);
+  moving_.restore(bytes);
+  shading_.restore(bytes);
+  use_shading();
   store.restore(bytes);
   bytes.require(submap_ < store.world_from_submap().size(), "the submap of new surfels");
 }

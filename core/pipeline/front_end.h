@@ -18,6 +18,8 @@
 #include "core/map/surfel_store.h"
 #include "core/map/visible_blocks.h"
 #include "core/pipeline/options.h"
+#include "core/track/lens_shading.h"
+#include "core/track/moving_regions.h"
 #include "core/track/odometry.h"
 
 namespace hermite {
@@ -40,9 +42,18 @@ class FrontEnd {
   // Records.
   void preprocess(const RgbdFrame& frame, std::int64_t frame_index);
 
-  // The frame preprocessed last against the prediction; reference_from_camera is relative to where that is seen from. `lost_count`: frames
-  // lost just before this one.
-  Motion track(const FrameContent& content, const Rigid3& last_motion, int lost_count);
+  // The frame preprocessed last against the prediction; reference_from_camera is relative to where that is seen from, which is
+  // `world_from_reference`. `lost_count`: frames lost just before this one. What moves in the frame is masked from here on.
+  Motion track(const FrameContent& content, const Rigid3& world_from_reference, const Rigid3& last_motion, int lost_count);
+
+  // What moves in the frame tracked last, by coarse pixel, and how much of its surface that is.
+  const CoarseMask& moving() const { return moving_mask_; }
+  const CoarseView& coarse_view() const { return view_; }
+
+  // The frame tracked last is where it is: later ones are compared with it to tell what moves. Lost frames, and corrections of the map,
+  // leave nothing to compare with.
+  void remember_view(const Rigid3& world_from_camera);
+  void forget_views();
 
   // Whether the frame shows enough surface to begin a map, or a part of one.
   Judgement judge_start(const FrameContent& content);
@@ -74,11 +85,18 @@ class FrontEnd {
   bool has_room(const MapLayout& layout);
   bool make_room(const MapLayout& layout);
   std::vector<Rigid3> guesses(const Rigid3& turned, const Rigid3& last_motion) const;
+  void use_shading();
+  void hide(const CoarseMask& mask);
   void show(const Rigid3& world_from_camera, const SubmapSet& submaps);
 
   const Options options_;
+  const Camera camera_;
   Preprocessor preprocessor_;
   Odometry odometry_;
+  MovingRegions moving_;
+  LensShading shading_;
+  CoarseView view_;         // of the frame preprocessed last
+  CoarseMask moving_mask_;  // of the same
   VisibleBlocks visible_;
   IndexMap index_;
   Fuser fuser_;

@@ -44,6 +44,21 @@ Judgement of_full_map(Judgement tracked) {
   return tracked;
 }
 
+// A tenth of what tells that something has moved (core/track/moving_regions.cpp).
+constexpr double kCorrectionThatMovesViews_m = 0.003;
+
+// The frame as the back end gets it: no depth where something moves.
+RgbdFrame without_moving(const RgbdFrame& frame, const FrontEnd& front_end) {
+  RgbdFrame rest = frame;
+  const shared::Intrinsics& coarse = front_end.coarse_view().camera;
+  const int width = static_cast<int>(coarse.width), height = static_cast<int>(coarse.height);
+  for (int y = 0; y < frame.depth.height; ++y)
+    for (int x = 0; x < frame.depth.width; ++x)
+      if (front_end.moving()[front_end.coarse_view().index(x * width / frame.depth.width, y * height / frame.depth.height)] != 0)
+        rest.depth.at(x, y) = 0;
+  return rest;
+}
+
 double farthest_correction_m(const std::vector<Rigid3>& before, const MapLayout& layout) {
   double farthest_m = 0;
   for (std::size_t submap = 0; submap < before.size(); ++submap)
@@ -119,7 +134,7 @@ MapEvent Pipeline::Impl::observe(const RgbdFrame& frame, const Rigid3& tracked) 
   const Rigid3 submap_from_camera = inverse(layout().world_from_submap[submap]) * tracked;
   const std::size_t parts_before = part_count(layout());
   const std::uint64_t closures_before = layout().closure_count;
-  for (const Revisit& revisit : mapping->observe(frame, tracked)) {
+  for (const Revisit& revisit : mapping->observe(without_moving(frame, front_end), tracked)) {
     const std::optional<Look> look = front_end.look(revisit, layout());
     if (look && mapping->confirm(revisit, *look)) break;  // the others were guessed from how the map was before
   }
@@ -186,7 +201,7 @@ FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
   timed("preprocess", [&] { front_end.preprocess(frame, result.frame_index); });
   const std::vector<Rigid3> poses_before = layout().world_from_submap;
   Motion motion;
-  timed("track", [&] { motion = front_end.track(content, last_motion, lost_count); });
+  timed("track", [&] { motion = front_end.track(content, world_from_camera, last_motion, lost_count); });
   if (motion.judgement.status != TrackingStatus::kLost) world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
   if (mapping && motion.judgement.status != TrackingStatus::kLost)
     timed("adjust", [&] { result.event = observe(frame, world_from_camera); });
@@ -196,6 +211,8 @@ FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
   if (lost != (lost_count > 0) && tracked_frame_count > 0 && result.event == MapEvent::kNone)
     result.event = lost ? MapEvent::kLost : MapEvent::kFoundAgain;
   result.correction_m = farthest_correction_m(poses_before, layout());
+  if (lost || result.event != MapEvent::kNone || result.correction_m > kCorrectionThatMovesViews_m) front_end.forget_views();
+  if (!lost) front_end.remember_view(world_from_camera);
   lost_count = lost ? lost_count + 1 : 0;
   if (!lost) {
     last_motion = motion.odometry.reference_from_camera;

@@ -38,6 +38,9 @@ constexpr float kTolerance_m = 0.015f, kToleranceGrowth_per_m = 0.0057f;
 // Of Student's t distribution; as in shaders/track/odometry.comp (Kerl, Sturm, Cremers 2013 found 5 to fit).
 constexpr double kDegreesOfFreedom = 5;
 constexpr double kFirstGeometricScale = 10, kLeastGeometricScale = 0.25;  // standard deviations of the sensor
+// The spread of grey values on recordings and rendered rooms where nothing moves is 2 to 7: there options.photometric_sigma is meant. Where
+// picture and map agree less the picture says less.
+constexpr double kUsualPhotometricScale_grey = 4;
 constexpr double kFirstPhotometricScale_grey = 30, kLeastPhotometricScale_grey = 2;
 
 // A lost camera is searched for within thrice the usual gates, and so many ends are compared.
@@ -136,16 +139,17 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
   const auto l = static_cast<std::size_t>(level);
   const SurfaceLevel& from = frame.surface.levels[l];
   const SurfaceLevel& to = reference.levels[l];
-  const shared::OdometryParams params{to_shared(guess),
-                                      from.camera,
-                                      to.camera,
-                                      static_cast<float>(options_.geometric_weight),
-                                      static_cast<float>(gates.distance_m),
-                                      static_cast<float>(std::sin(gates.normal_rad)),
-                                      static_cast<float>(options_.photometric_sigma),
-                                      kGradientMin[l],
-                                      static_cast<float>(options_.photometric_depth_gate_m),
-                                      gates.search ? 2u : 0u};
+  const shared::OdometryParams params{
+      to_shared(guess),
+      from.camera,
+      to.camera,
+      static_cast<float>(options_.geometric_weight),
+      static_cast<float>(gates.distance_m),
+      static_cast<float>(std::sin(gates.normal_rad)),
+      static_cast<float>(options_.photometric_sigma * believed.photometric_scale / kUsualPhotometricScale_grey),
+      kGradientMin[l],
+      static_cast<float>(options_.photometric_depth_gate_m),
+      gates.search ? 2u : 0u};
   const shared::ResidualModel model{static_cast<float>(noise_.noise_floor_m),      static_cast<float>(noise_.noise_growth_per_m),
                                     static_cast<float>(believed.geometric_scale),  static_cast<float>(believed.photometric_scale),
                                     static_cast<float>(options_.photometric_gate), static_cast<float>(options_.mature_confidence),
@@ -243,6 +247,8 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
   result.observability =
       observability(sums.geometric.hessian + without_brightness(sums.photometric, believed.brightness).hessian, sums.displacement);
   result.brightness = believed.brightness;
+  result.geometric_scale = believed.geometric_scale;
+  result.photometric_scale = believed.photometric_scale;
   result.agreement = agreement(frame, reference, result.reference_from_camera);
   return result;
 }

@@ -25,6 +25,8 @@ struct OdometryResult {
   int iteration_count = 0;
   double observability = 0;  // see core/track/normal_equations.h
   Brightness brightness;     // of the frame's picture beside the map's
+  // Robust spread of the residuals: standard deviations of the sensor, grey values.
+  double geometric_scale = 0, photometric_scale = 0;
   Agreement agreement;
 };
 

@@ -51,6 +51,12 @@ struct GradientParams {
   uint width, height;
 };
 
+struct MaskParams {
+  uint width, height;            // of the level
+  uint mask_width, mask_height;  // of the coarsest one
+  uint shift;                    // levels between them
+};
+
 struct DownsampleParams {
   uint width, height;  // of the coarser level
   uint fine_width;

@@ -39,8 +39,9 @@ void main() {
   vec2 grey = vec2(0.0);                   // frame, reference
   vec3 grey_squares = vec3(0.0);           // frame^2, reference^2, frame * reference
   for (uint i = gl_GlobalInvocationID.x; i < p.camera.width * p.camera.height; i += gl_NumWorkGroups.x * kGroupSize) {
-    float z = point_at(points, i).depth_m;
-    if (z <= 0.0) continue;
+    SurfacePoint point_seen = point_at(points, i);
+    float z = point_seen.depth_m;
+    if (z <= 0.0 || point_seen.weight <= 0.0) continue;  // masked: see frame/mask
     surface += 1.0;
     uvec2 seen_at = uvec2(i % p.camera.width, i / p.camera.width);
     vec3 point = transform_point(p.reference_from_camera, pixel_ray(p.camera, vec2(seen_at)) * z);

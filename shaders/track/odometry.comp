@@ -30,6 +30,7 @@ ResidualModel m = model_from(vec4_at(residual_model, 0u), vec4_at(residual_model
 
 const uint kNone = 0xffffffffu;
 const float kSaturated = 250.0;  // brighter greys are cut off
+const float kBlur = 0.075;       // pixels that map and frame are unsharp and off by, 0.3, over the spread of grey values, 4
 
 // Blocks of normal equations H x = b: named registers, since indexed arrays would live in memory.
 struct System {
@@ -175,7 +176,10 @@ void add_photometry(vec2 uv, SurfacePoint shown, vec3 s, uint i) {
   vec3 a = -vec3(scaled, -dot(scaled, s.xy) / s.z), r = cross(s, a);
   // A surfel that has hardly been seen says as little about its colour as about its place.
   float maturity = min(1.0, shown.weight * shown.depth_m * shown.depth_m / m.mature_confidence);
-  float base = maturity / (p.photometric_sigma * p.photometric_sigma), weight = base * robust(residual / m.photometric_scale);
+  // Across an edge a fraction of a pixel makes more of a difference than the noise of grey values.
+  float expected2 = 1.0 + dot(g, g) * (kBlur * kBlur), spread2 = residual * residual / expected2;
+  float base = maturity / (p.photometric_sigma * p.photometric_sigma);
+  float weight = base / expected2 * robust(sqrt(spread2) / m.photometric_scale);
   add_row(photometric, a, r, residual, weight);
   gain_t -= weight * known * a;
   gain_r -= weight * known * r;
@@ -192,7 +196,7 @@ void main() {
     ivec2 pixel = ivec2(i % p.camera.width, i / p.camera.width);
     SurfacePoint point = point_at(points, i);
     float z = point.depth_m;
-    if (z <= 0.0) continue;
+    if (z <= 0.0 || point.weight <= 0.0) continue;  // masked: see frame/mask
     surface_count += 1.0;
     vec3 s = transform_point(p.reference_from_camera, pixel_ray(p.camera, vec2(pixel)) * z);
     if (s.z < 0.05) continue;

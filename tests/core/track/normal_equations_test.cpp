@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <random>
 #include <vector>
 
@@ -116,6 +117,53 @@ TEST(NormalEquations, AMotionNobodyKnowsAnythingAboutStaysOut) {
   const Vector6d step = solve(discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement), {}, sums.displacement);
   EXPECT_NEAR(step[2], 0.01, 1e-4);
   EXPECT_LT(std::hypot(step[0], step[1], step[5]), 1e-6) << "along the wall, about its normal";
+}
+
+// Pixels of a picture that has moved by `step` and become brighter: its greys fall on both unknowns at once.
+PhotometricSystem picture(const Vector6d& step, const Brightness& brightness, double contrast) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> number(0, 1);
+  PhotometricSystem system;
+  for (int i = 0; i < 500; ++i) {
+    Vector6d row;
+    for (int j = 0; j < 6; ++j) row[j] = 100 * number(random);
+    const double grey = 120 + contrast * number(random);
+    const Eigen::Vector2d by_brightness(-grey, -1);
+    // Linear in the unknowns: residual(step, brightness) is zero at the truth.
+    const double residual = -row.dot(step) - by_brightness.dot(Eigen::Vector2d(brightness.gain - 1, brightness.offset));
+    system.motion.hessian += row * row.transpose();
+    system.motion.right_hand_side -= residual * row;
+    system.mixed += row * by_brightness.transpose();
+    system.hessian += by_brightness * by_brightness.transpose();
+    system.right_hand_side -= residual * by_brightness;
+  }
+  return system;
+}
+
+TEST(Brightness, IsToldFromMotion) {
+  const Vector6d step = (Vector6d() << 0.01, -0.02, 0.005, 0.01, 0.003, -0.004).finished();
+  const PhotometricSystem system = picture(step, {1.25, -12}, 40);
+  const NormalEquations motion = without_brightness(system, {});
+  const Vector6d found = motion.hessian.ldlt().solve(motion.right_hand_side);
+  EXPECT_LT((found - step).norm(), 0.01 * step.norm());
+  const Brightness after = brightness_after(system, {}, found);
+  EXPECT_NEAR(after.gain, 1.25, 0.01);
+  EXPECT_NEAR(after.offset, -12, 1);
+}
+
+TEST(Brightness, OfAFlatPictureIsMostLikelyAnOffset) {
+  const PhotometricSystem system = picture(Vector6d::Zero(), {1, 10}, 0);
+  const Brightness after = brightness_after(system, {}, Vector6d::Zero());
+  EXPECT_NEAR(120 * (after.gain - 1) + after.offset, 10, 0.1) << "what the pixels say";
+  EXPECT_NEAR(after.gain, 1, 0.1);
+}
+
+TEST(Brightness, OfNoPictureIsKept) {
+  const Brightness known{1.2, 3};
+  const Brightness after = brightness_after({}, known, Vector6d::Zero());
+  EXPECT_EQ(after.gain, 1.2);
+  EXPECT_EQ(after.offset, 3);
+  EXPECT_EQ(without_brightness({}, known).hessian.norm(), 0);
 }
 
 }  // namespace

@@ -1,0 +1,205 @@
+#include "core/track/moving_regions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/math/rigid3_fields.h"
+
+namespace hermite {
+
+namespace {
+
+// Every fourth frame is kept, eight of them: a second of a camera of 30 Hz. Somebody who walks is his own width farther after half of it.
+constexpr std::uint32_t kKeepEvery = 4;
+constexpr std::size_t kKept = 8;
+
+// Six times the noise of a Kinect v1 (Nguyen, Izadi, Lovell 2012) and 3 cm for poses, as for what is "in front" in the agreement of a
+// frame with the map (shaders/track/agreement.comp).
+constexpr double kTolerance_m = 0.03, kToleranceGrowth_per_m = 0.0114;
+
+// Of the pixels: smaller regions are edges and reflections. And of the surface: beyond it is the pose that is wrong.
+constexpr double kLeastRegion = 0.005, kMostMoving = 0.6;
+
+// In the next frame a region is looked for so far around where it was, in coarse pixels, and so much nearer or farther.
+constexpr int kReach_px = 2;
+constexpr double kReach_m = 0.25;
+
+double tolerance_m(double depth_m) { return kTolerance_m + kToleranceGrowth_per_m * depth_m * depth_m; }
+
+// What a view says of a point of another one.
+enum class Witness { kNothing, kSame, kFree, kHidden };
+
+// In camera coordinates of `view`. Free: the view looked through the point, whichever of the pixels around it is asked. Hidden: the point
+// lies behind what the view shows.
+Witness ask(const CoarseView& view, const Eigen::Vector3d& point) {
+  if (point.z() < 0.05) return Witness::kNothing;
+  const Eigen::Vector2d uv = view.project(point);
+  const int x = static_cast<int>(std::lround(uv.x())), y = static_cast<int>(std::lround(uv.y()));
+  if (!view.contains(x - 1, y - 1) || !view.contains(x + 1, y + 1)) return Witness::kNothing;
+  const double tolerance = tolerance_m(point.z());
+  int known = 0, free = 0, hidden = 0;
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx) {
+      const std::size_t i = view.index(x + dx, y + dy);
+      if (view.depth_m[i] <= 0) continue;
+      ++known;
+      const Eigen::Vector3d normal = view.normals[i].cast<double>();
+      const double behind_m = normal.dot(point - view.point(x + dx, y + dy));
+      if (std::abs(behind_m) <= tolerance) return Witness::kSame;
+      const double deeper_m = point.z() - view.depth_m[i];
+      free += behind_m < 0 && deeper_m < -tolerance ? 1 : 0;
+      hidden += behind_m > 0 && deeper_m > tolerance ? 1 : 0;
+    }
+  if (known < 5) return Witness::kNothing;
+  if (free == known) return Witness::kFree;
+  return hidden == known ? Witness::kHidden : Witness::kNothing;
+}
+
+// By pixel: how many views contradict, and how many show the same surface.
+struct Votes {
+  std::vector<int> against, for_;
+};
+
+// Points of the frame in free space of the view.
+void appeared(const CoarseView& frame, const CoarseView& view, const Rigid3& view_from_frame, Votes& votes) {
+  for (int y = 0; y < static_cast<int>(frame.camera.height); ++y)
+    for (int x = 0; x < static_cast<int>(frame.camera.width); ++x) {
+      const std::size_t i = frame.index(x, y);
+      if (frame.depth_m[i] <= 0) continue;
+      const Witness witness = ask(view, view_from_frame * frame.point(x, y));
+      votes.against[i] += witness == Witness::kFree ? 1 : 0;
+      votes.for_[i] += witness == Witness::kSame ? 1 : 0;
+    }
+}
+
+// Points of the view that the frame looks through: what is seen there now has moved away, or was hidden.
+void vanished(const CoarseView& frame, const CoarseView& view, const Rigid3& frame_from_view, Votes& votes) {
+  for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
+    for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
+      if (view.depth_m[view.index(x, y)] <= 0) continue;
+      const Eigen::Vector3d point = frame_from_view * view.point(x, y);
+      if (ask(frame, point) != Witness::kFree) continue;
+      const Eigen::Vector2d uv = frame.project(point);
+      ++votes.against[frame.index(static_cast<int>(std::lround(uv.x())), static_cast<int>(std::lround(uv.y())))];
+    }
+}
+
+// Every pixel within `reach_px` of one of the mask.
+CoarseMask grown(const CoarseMask& mask, const CoarseView& view, int reach_px) {
+  CoarseMask result(mask.size(), 0);
+  for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
+    for (int x = 0; x < static_cast<int>(view.camera.width); ++x)
+      for (int dy = -reach_px; mask[view.index(x, y)] != 0 && dy <= reach_px; ++dy)
+        for (int dx = -reach_px; dx <= reach_px; ++dx)
+          if (view.contains(x + dx, y + dy)) result[view.index(x + dx, y + dy)] = 1;
+  return result;
+}
+
+// Regions of `seeds`, together with `candidates` on the same surface that touch them, each of at least `least_pixels`.
+CoarseMask regions(const CoarseMask& seeds, const CoarseMask& candidates, const CoarseView& view, std::size_t least_pixels) {
+  CoarseMask result(seeds.size(), 0), visited(seeds.size(), 0);
+  const int width = static_cast<int>(view.camera.width);
+  std::vector<int> region;
+  for (std::size_t start = 0; start < seeds.size(); ++start) {
+    if (seeds[start] == 0 || visited[start] != 0) continue;
+    region.assign(1, static_cast<int>(start));
+    visited[start] = 1;
+    for (std::size_t next = 0; next < region.size(); ++next) {
+      const int x = region[next] % width, y = region[next] / width;
+      const float depth_m = view.depth_m[static_cast<std::size_t>(region[next])];
+      for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+        if (!view.contains(x + dx, y + dy)) continue;
+        const std::size_t i = view.index(x + dx, y + dy);
+        const bool connected = std::abs(view.depth_m[i] - depth_m) < tolerance_m(depth_m);
+        if (visited[i] != 0 || !(seeds[i] != 0 || (candidates[i] != 0 && connected))) continue;
+        visited[i] = 1;
+        region.push_back(static_cast<int>(i));
+      }
+    }
+    if (region.size() < least_pixels) continue;
+    for (const int i : region) result[static_cast<std::size_t>(i)] = 1;
+  }
+  return result;
+}
+
+}  // namespace
+
+double share_of_surface(const CoarseMask& mask, const CoarseView& view) {
+  std::size_t surface = 0, masked = 0;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (view.depth_m[i] <= 0) continue;
+    ++surface;
+    masked += mask[i];
+  }
+  return surface > 0 ? static_cast<double>(masked) / static_cast<double>(surface) : 0;
+}
+
+CoarseMask MovingRegions::expected(const CoarseView& view) const {
+  CoarseMask mask(view.size(), 0);
+  if (last_moving_.size() != view.size()) return mask;
+  for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
+    for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
+      if (last_moving_[view.index(x, y)] == 0) continue;
+      for (int dy = -kReach_px; dy <= kReach_px; ++dy)
+        for (int dx = -kReach_px; dx <= kReach_px; ++dx) {
+          if (!view.contains(x + dx, y + dy)) continue;
+          const std::size_t i = view.index(x + dx, y + dy);
+          if (std::abs(view.depth_m[i] - last_view_.depth_m[view.index(x, y)]) < kReach_m) mask[i] = 1;
+        }
+    }
+  return mask;
+}
+
+CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& world_from_camera) const {
+  Votes votes{std::vector<int>(view.size(), 0), std::vector<int>(view.size(), 0)};
+  for (const Seen& seen : seen_) {
+    const Rigid3 seen_from_now = inverse(seen.world_from_camera) * world_from_camera;
+    appeared(view, seen.view, seen_from_now, votes);
+    vanished(view, seen.view, inverse(seen_from_now), votes);
+  }
+  CoarseMask seeds(view.size(), 0), candidates(view.size(), 0);
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    seeds[i] = view.depth_m[i] > 0 && votes.against[i] > 0 && 2 * votes.against[i] >= votes.for_[i] ? 1 : 0;
+    candidates[i] = view.depth_m[i] > 0 && votes.against[i] >= votes.for_[i] ? 1 : 0;
+  }
+  const auto least = static_cast<std::size_t>(std::ceil(kLeastRegion * static_cast<double>(view.size())));
+  const CoarseMask moving = regions(seeds, candidates, view, least);
+  if (share_of_surface(moving, view) > kMostMoving) return CoarseMask(view.size(), 0);
+  return grown(moving, view, 1);
+}
+
+void MovingRegions::remember(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& moving) {
+  last_view_ = view;
+  last_moving_ = moving;
+  if (frames_since_kept_ == 0) seen_.push_back({view, world_from_camera});
+  if (seen_.size() > kKept) seen_.pop_front();
+  frames_since_kept_ = (frames_since_kept_ + 1) % kKeepEvery;
+}
+
+void MovingRegions::forget() { *this = {}; }
+
+void MovingRegions::save(ByteWriter& bytes) const {
+  bytes.list(std::vector<Seen>(seen_.begin(), seen_.end()), [](ByteWriter& to, const Seen& seen) {
+    hermite::save(to, seen.view);
+    rigid3_fields(to, seen.world_from_camera);
+  });
+  hermite::save(bytes, last_view_);
+  bytes.numbers(last_moving_);
+  bytes.number(frames_since_kept_);
+}
+
+void MovingRegions::restore(ByteReader& bytes) {
+  std::vector<Seen> seen;
+  bytes.list(seen, [](ByteReader& from, Seen& view) {
+    hermite::restore(from, view.view);
+    rigid3_fields(from, view.world_from_camera);
+  });
+  seen_.assign(seen.begin(), seen.end());
+  hermite::restore(bytes, last_view_);
+  bytes.numbers(last_moving_);
+  bytes.number(frames_since_kept_);
+  bytes.require(seen_.size() <= kKept && frames_since_kept_ < kKeepEvery && last_moving_.size() == last_view_.size(),
+                "the views that motion is told by");
+}
+
+}  // namespace hermite

@@ -1,0 +1,49 @@
+// What moves is not the room. A frame is compared with views of the last second: where it shows a surface in what was free space then, or
+// sees through a surface that was there, something has moved. Connected regions of such pixels are kept out of tracking and out of the map
+// until they have rested for that second.
+//
+// Host only, no GPU. One thread at a time.
+#pragma once
+
+#include <deque>
+
+#include "core/base/byte_stream.h"
+#include "core/frame/coarse_view.h"
+#include "core/math/rigid3.h"
+
+namespace hermite {
+
+class MovingRegions {
+ public:
+  // Where the regions of the last frame should be in this one, before its pose is known: a mask of as many pixels as `view` has, all zero
+  // when nothing moved.
+  CoarseMask expected(const CoarseView& view) const;
+
+  // Where the frame contradicts the remembered views, seen from `world_from_camera`. Nothing (all zero) when most of it does: then it is
+  // rather the pose that is wrong.
+  CoarseMask contradicted(const CoarseView& view, const Rigid3& world_from_camera) const;
+
+  // The frame's pose and regions are final: it becomes the last frame, and some frames are kept to compare with.
+  void remember(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& moving);
+
+  // The remembered views are of no use any more: the camera was lost, or the map has been corrected.
+  void forget();
+
+  void save(ByteWriter& bytes) const;
+  void restore(ByteReader& bytes);
+
+ private:
+  struct Seen {
+    CoarseView view;
+    Rigid3 world_from_camera;
+  };
+  std::deque<Seen> seen_;  // oldest first
+  CoarseView last_view_;
+  CoarseMask last_moving_;
+  std::uint32_t frames_since_kept_ = 0;
+};
+
+// Share of the view's pixels with a surface that belong to the mask, 0 to 1.
+double share_of_surface(const CoarseMask& mask, const CoarseView& view);
+
+}  // namespace hermite
