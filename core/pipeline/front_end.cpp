@@ -159,7 +159,7 @@ void FrontEnd::clean_and_predict(bool with_color) {
   const FrameMaps& maps = preprocessor_.maps();
   visible_.list(commands, store, maps.camera(), frame_number);
   index_.build(commands, store, maps.camera(), options_.map.stable_confidence);
-  fuser_.clean(commands, store, index_, maps.camera(), {frame_number, with_color, submap_});
+  fuser_.clean(commands, maps, store, index_, {frame_number, with_color, submap_});
   predictor_.run(commands, store, index_, maps, with_color ? FillIn::kSurfaceAndColor : FillIn::kSurface);
   downsample(commands, preprocessor_.downsample_kernel(), predictor_.surface(), 0.5 * options_.frame.depth_gate_m);
   odometry_.remember(commands, maps);
