@@ -184,17 +184,29 @@ void SubmapMapping::adjust_locally() {
   std::vector<std::uint32_t> free;
   for (const auto& [way, submap] : near) free.push_back(submap);
   std::sort(free.begin(), free.end());
-  start({bundle_of(map_, graph_, free), map_.world_from_submap.size(), frame_ + kDelayFrames, false});
+  start({bundle_of(map_, graph_, free), map_.world_from_submap.size(), frame_ + kDelayFrames, false, {}});
 }
 
+// One that runs for loops before goes on, or a camera that closes one after the other would never see the end of any. The next one is of
+// all loops that have closed by then.
 void SubmapMapping::adjust_globally() {
-  if (running_) {  // what it would say is of a map that has moved
-    running_.reset();
-    adjuster_ = std::make_unique<Adjuster>();
+  if (running_ && running_->is_global) {
+    running_->loop_since = layout_.current;
+    return;
   }
-  BundleOfMap bundle = bundle_of(map_, graph_, submaps_of(graph_.part[layout_.current]));
+  if (running_) give_up();
+  start(global_adjustment(graph_.part[layout_.current]));
+}
+
+SubmapMapping::Running SubmapMapping::global_adjustment(std::uint32_t part) const {
+  BundleOfMap bundle = bundle_of(map_, graph_, submaps_of(part));
   const auto delay = static_cast<std::int64_t>(bundle.problem.observations.size() / kObservationsPerFrame);
-  start({std::move(bundle), map_.world_from_submap.size(), frame_ + kDelayFrames + delay, true});
+  return {std::move(bundle), map_.world_from_submap.size(), frame_ + kDelayFrames + delay, true, {}};
+}
+
+void SubmapMapping::give_up() {
+  running_.reset();
+  adjuster_ = std::make_unique<Adjuster>();
 }
 
 void SubmapMapping::start(Running running) {
@@ -206,7 +218,12 @@ void SubmapMapping::apply_due() {
   if (!running_ || (time_ == CorrectionTime::kByFrames && frame_ < running_->due_frame)) return;
   const std::optional<Result<BundleSolution>> ready =
       time_ == CorrectionTime::kByFrames ? std::optional(adjuster_->wait()) : adjuster_->poll();
-  if (ready) apply_result(*ready);
+  if (!ready) return;
+  // Of the map as it lies before the result, bent by loops alone: from there bundle_of() tells how well it was tracked.
+  std::optional<Running> next;
+  if (running_->loop_since) next = global_adjustment(graph_.part[*running_->loop_since]);
+  apply_result(*ready);
+  if (next) start(*std::move(next));
 }
 
 void SubmapMapping::apply_result(const Result<BundleSolution>& result) {
@@ -217,6 +234,12 @@ void SubmapMapping::apply_result(const Result<BundleSolution>& result) {
   }
   const std::vector<Rigid3> before = map_.world_from_submap;
   apply(*result, done.bundle.scope, map_);
+  // As loops since it began have bent the map, so they bend what it says.
+  for (std::size_t i = 0; done.loop_since && i < done.bundle.scope.submaps.size(); ++i) {
+    const std::uint32_t submap = done.bundle.scope.submaps[i];
+    const Rigid3 bent = before[submap] * inverse(done.bundle.problem.world_from_submap[i]);
+    map_.world_from_submap[submap] = bent * map_.world_from_submap[submap];
+  }
   // Submaps that came since follow the one they were opened from.
   for (std::size_t submap = done.submap_count; submap < before.size(); ++submap) {
     const std::uint32_t parent = graph_.parent[submap];
@@ -228,6 +251,7 @@ void SubmapMapping::apply_result(const Result<BundleSolution>& result) {
 
 void SubmapMapping::finish() {
   if (pending_) close(*std::exchange(pending_, std::nullopt));
+  if (running_ && running_->loop_since) give_up();  // all that it could say is said anew below
   if (running_) apply_result(adjuster_->wait());
   // Without a loop there is nothing that dense tracking does not know better than landmarks do (tests/accuracy/README.md).
   const auto closes = [](const SubmapLink& link) { return link.is_loop; };

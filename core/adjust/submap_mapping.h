@@ -36,6 +36,8 @@ class SubmapMapping final : public Mapping {
     std::uint64_t submap_count = 0;  // when it began
     std::int64_t due_frame = 0;
     bool is_global = false;
+    // Where the camera was when the last loop closed since it began. The map has been bent meanwhile, and is adjusted again afterwards.
+    std::optional<std::uint32_t> loop_since;
   };
 
   // A loop that is measured again as long as the camera sees more of the place.
@@ -60,6 +62,8 @@ class SubmapMapping final : public Mapping {
   std::vector<Revisit> take_keyframe(const RgbdFrame& frame);
   void adjust_locally();
   void adjust_globally();
+  Running global_adjustment(std::uint32_t part) const;
+  void give_up();
   void straighten(const std::vector<std::uint32_t>& submaps);
   void start(Running running);
   void apply_due();

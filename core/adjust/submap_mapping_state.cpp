@@ -170,6 +170,11 @@ void SubmapMapping::running_fields(Bytes& bytes, Saved& running) {
   bytes.number(running.submap_count);
   bytes.number(running.due_frame);
   bytes.flag(running.is_global);
+  bool is_bent = running.loop_since.has_value();
+  bytes.flag(is_bent);
+  std::uint32_t loop_since = running.loop_since.value_or(0);
+  if (is_bent) bytes.number(loop_since);
+  if constexpr (!std::is_const_v<Saved>) running.loop_since = is_bent ? std::optional(loop_since) : std::nullopt;
 }
 
 void SubmapMapping::save(ByteWriter& bytes) const {
@@ -231,6 +236,7 @@ void SubmapMapping::restore_running(ByteReader& bytes) {
                     std::all_of(scope.sightings.begin(), scope.sightings.end(),
                                 [landmarks](const BundleScope::Sighting& sighting) { return sighting.landmark < landmarks; }),
                 "what is adjusted");
+  bytes.require(!running.loop_since || *running.loop_since < submaps, "where a loop has closed");
   bytes.require(is_index(running.due_frame), "when an adjustment is due");
   if (!bytes.ok()) return;
   running.bundle.problem.camera = map_.camera;

@@ -61,7 +61,8 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
        candidates_, new_by_tile_, store.state, store.free_slots, store.bounds, store.changed_frames});
 }
 
-void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, const shared::Intrinsics& camera, FusedFrame fused) {
+void Fuser::clean(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& stable, FusedFrame fused) {
+  const shared::Intrinsics camera = frame.camera();
   const shared::FreeListParams listed{fused.number, fused.submap};
   const shared::uint pixels = camera.width * camera.height;
   commands.dispatch(index_times_, {pixels}, pixels, {stable.nearest(), store.times, seen_});
@@ -69,9 +70,9 @@ void Fuser::clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& s
       clean_, {store.visible_blocks, 3},
       shared::CleanParams{camera, fused.number, static_cast<float>(options_.stable_confidence),
                           static_cast<shared::uint>(options_.max_unstable_age_frames), static_cast<float>(options_.redundancy_depth_m),
-                          static_cast<float>(curvature_limit_per_m_)},
+                          static_cast<float>(curvature_limit_per_m_), static_cast<float>(options_.fuse_depth_gate_m)},
       {store.positions, store.attributes, store.times, store.camera_from_submap, seen_, store.state, store.visible_blocks, store.bounds,
-       store.positions});
+       store.positions, frame.raw_depth_m});
   commands.dispatch_indirect(count_free_, {store.visible_blocks}, listed,
                              {store.positions, store.group_counts, store.state, store.visible_blocks, store.bounds});
   commands.dispatch(scan_, {128}, shared::ScanParams{camera, 0}, {store.group_counts, store.state, store.visible_blocks});

@@ -26,9 +26,8 @@ class Fuser {
   void fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, FusedFrame fused);
 
   // Records: contradicted and forgotten surfels among those in turn are removed and free slots listed, in the store's visible blocks.
-  // `stable` is an index map of stable surfels after fusing `fused`. Brings the store's counters up to date. `camera` is that of the index
-  // map.
-  void clean(gpu::Commands& commands, SurfelStore& store, const IndexMap& stable, const shared::Intrinsics& camera, FusedFrame fused);
+  // `stable` is an index map of stable surfels after fusing `frame`, seen from where it was. Brings the store's counters up to date.
+  void clean(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& stable, FusedFrame fused);
 
   // Slots that one frame can add at most.
   std::uint32_t new_slots_bound() const { return static_cast<std::uint32_t>(candidates_.count()); }

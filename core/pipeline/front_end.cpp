@@ -211,7 +211,7 @@ void FrontEnd::clean_and_predict(const PictureUse& picture) {
   const FrameMaps& maps = preprocessor_.maps();
   visible_.list(commands, store, maps.camera(), frame_number);
   index_.build(commands, store, maps.camera(), options_.map.stable_confidence);
-  fuser_.clean(commands, store, index_, maps.camera(), {frame_number, picture.is_good, submap_});
+  fuser_.clean(commands, maps, store, index_, {frame_number, picture.is_good, submap_});
   predictor_.run(commands, store, index_, maps, picture.is_good ? FillIn::kSurfaceAndColor : FillIn::kSurface, picture.brightness);
   downsample(commands, preprocessor_.downsample_kernel(), predictor_.surface(), 0.5 * options_.frame.depth_gate_m);
   odometry_.remember(commands, maps);

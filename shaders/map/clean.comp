@@ -6,6 +6,7 @@
 //   redundant   most neighbours in 5x5 pixels of the index map of stable surfels are older and lie just behind it
 //   doubled     hidden just behind an older stable surfel of another submap that is no coarser: where submaps overlap
 //   free space  stable surfels seen in this very frame lie clearly behind it
+//   refuted     unstable, not seen for a while, and this very frame measures something clearly behind it
 //   unstable    never confirmed for max_unstable_age frames
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
@@ -23,8 +24,10 @@ layout(scalar, binding = 5) buffer State { MapState state; };
 TEXELS(6, visible_blocks);
 layout(scalar, binding = 7) writeonly buffer Bounds { BlockBounds bounds[]; };
 TEXELS(8, read_position_confidence);  // its own thread alone writes a surfel
+TEXELS(9, raw_depth_m);               // of this frame, by pixel
 PARAMETERS(CleanParams, p);
 const float kDead = 1e30;  // no coordinate
+const uint kPatience = 10u;  // frames that nobody has seen an unstable surfel for before what is measured behind it counts
 shared float position_submap[4u * kBlock];  // by coordinate, the submap last
 
 bool doubled(uint slot, ivec2 pixel, float z, SurfelAttributes a, uint created) {
@@ -32,6 +35,25 @@ bool doubled(uint slot, ivec2 pixel, float z, SurfelAttributes a, uint created) 
   if (shown.x == 0xffffffffu || shown.x == slot || z - uintBitsToFloat(shown.y) > p.redundancy_depth_m) return false;
   SurfelAttributes b = attributes_at(attributes, shown.x);
   return surfel_submap(b) != surfel_submap(a) && shown.z < created && surfel_radius(b) <= 1.5 * surfel_radius(a);
+}
+
+// Was seen a few times and is looked through now: it was noise, or has moved on. The frame itself is asked, since the surfel hides the stable
+// ones behind it from association, so that they are not seen; and around the pixel too, since at an edge both sides are measured.
+bool refuted(uint slot, ivec2 pixel, float z, float confidence, bool visible) {
+  bool doubtful = visible && confidence < p.stable_confidence && p.frame_number - uvec2_at(times, slot).y >= kPatience;
+  bool measured = false, behind = true;
+  int last = doubtful ? 1 : -2;
+  for (int dy = -1; dy <= last; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      ivec2 q = pixel + ivec2(dx, dy);
+      if (!inside(p.camera, q)) continue;
+      float depth_m = float_at(raw_depth_m, uint(q.y) * p.camera.width + uint(q.x));
+      if (depth_m <= 0.0) continue;
+      measured = measured || (dx == 0 && dy == 0);
+      behind = behind && depth_m - z > p.depth_gate_m;
+    }
+  }
+  return measured && behind;
 }
 
 bool contradicted(uint slot, vec4 surfel) {
@@ -62,6 +84,7 @@ bool contradicted(uint slot, vec4 surfel) {
     }
   }
   if (visible && doubled(slot, pixel, point.z, a, created)) return true;
+  if (refuted(slot, pixel, point.z, surfel.w, visible)) return true;
   // More than half, or more than a quarter, of those that are there; fewer than three may be the edge of something.
   return (redundant > 2 && 2 * redundant > neighbours) || (seen_through > 2 && 4 * seen_through > neighbours);
 }

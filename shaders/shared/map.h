@@ -109,6 +109,7 @@ struct CleanParams {
   uint max_unstable_age;       // frames
   float redundancy_depth_m;
   float curvature_limit_per_m;
+  float depth_gate_m;          // what lies closer may be the same surface
 };
 
 struct FreeListParams {

@@ -35,7 +35,12 @@ class MapBench {
         options_(options),
         visible_(device, options),
         commands_(device),
-        maps_(make_frame_maps(device, camera)) {}
+        maps_(make_frame_maps(device, camera)) {
+    see(frontal_frame(camera, 0, 0));
+  }
+
+  // Without fusing it.
+  void see(const FuseInput& frame) { upload_frame(frame); }
 
   void fuse(const FuseInput& frame, std::uint32_t frame_number, const Rigid3& world_from_camera = {}, bool with_color = true) {
     upload_frame(frame);
@@ -53,7 +58,7 @@ class MapBench {
     set_camera(world_from_camera);
     visible_.list(commands_, store, maps_.camera(), frame_number);
     index.build(commands_, store, maps_.camera(), options_.stable_confidence);
-    fuser.clean(commands_, store, index, maps_.camera(), {frame_number, true, submap});
+    fuser.clean(commands_, maps_, store, index, {frame_number, true, submap});
     commands_.submit_and_wait();
   }
 

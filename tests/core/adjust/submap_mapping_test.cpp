@@ -270,6 +270,92 @@ TEST(SubmapMapping, ALoopThatWaitsIsPartOfTheState) {
   for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_EQ(restored.layout().world_from_submap[i].matrix(), poses[i].matrix());
 }
 
+// Stands still after the lap, and closes a loop in every fourth frame, each two millimetres beside the last: an adjustment takes longer.
+class LoopsInARow : public testing::Test {
+ protected:
+  LoopsInARow() {
+    for (const Step& step : circuit()) front_end.track(step);
+    for (int i = 0; i < 60; ++i) front_end.track(circuit().back());  // and nothing runs any more
+  }
+
+  void close_loops(int frames) {
+    const Rigid3 first_from_camera = inverse(front_end.mapping.layout().world_from_submap[0]) * front_end.world_from_camera();
+    for (int i = 0; i < frames; ++i) {
+      front_end.track(circuit().back());
+      if (i % 4 != 0) continue;
+      Revisit revisit{front_end.world_from_camera(), std::vector<bool>(front_end.mapping.layout().is_active.size(), false), false};
+      revisit.submaps[0] = true;
+      Rigid3 seen_from = front_end.mapping.layout().world_from_submap[0] * first_from_camera;
+      seen_from.translation.x() += i % 8 == 0 ? 0.002 : -0.002;
+      const std::int64_t loops = front_end.loops();
+      ASSERT_TRUE(front_end.mapping.confirm(revisit, {seen_from, 1})) << "frame " << i;
+      ASSERT_EQ(front_end.loops(), loops + 1);
+      front_end.settle();
+    }
+  }
+
+  void wait_for(std::int64_t global_adjustments) {
+    for (int i = 0; i < 100 && front_end.count("global adjustments") < global_adjustments; ++i) front_end.track(circuit().back());
+    ASSERT_EQ(front_end.count("global adjustments"), global_adjustments);
+  }
+
+  PlayedFrontEnd front_end{AdjustOptions{}, 1};
+};
+
+TEST_F(LoopsInARow, DoNotKeepTheMapFromBeingAdjusted) {
+  const std::int64_t before = front_end.count("global adjustments");
+  const double error_before_m = front_end.worst_error_m();
+  close_loops(80);
+  EXPECT_GE(front_end.count("global adjustments"), before + 2);
+  EXPECT_EQ(front_end.count("failed adjustments"), 0);
+  // The one that runs, and one more with the loops that it did not know.
+  const std::int64_t at_the_end = front_end.count("global adjustments");
+  for (int i = 0; i < 100; ++i) front_end.track(circuit().back());
+  EXPECT_EQ(front_end.count("global adjustments"), at_the_end + 2);
+  EXPECT_LT(front_end.worst_error_m(), error_before_m + 0.01);
+  const std::uint64_t corrections = front_end.mapping.layout().correction_count;
+  for (int i = 0; i < 50; ++i) front_end.track(circuit().back());
+  EXPECT_EQ(front_end.mapping.layout().correction_count, corrections) << "there is an end to it";
+}
+
+TEST_F(LoopsInARow, AreBentAlongWithWhatTheRunningAdjustmentSays) {
+  const std::int64_t before = front_end.count("global adjustments");
+  close_loops(5);  // two loops: one that is adjusted, one more meanwhile
+  const std::vector<Rigid3> bent = front_end.mapping.layout().world_from_submap;
+  wait_for(before + 1);
+  const std::vector<Rigid3> adjusted = front_end.mapping.layout().world_from_submap;
+  wait_for(before + 2);
+  const std::vector<Rigid3>& again = front_end.mapping.layout().world_from_submap;
+  double bent_off_m = 0, adjusted_off_m = 0;  // from what knows both loops
+  for (std::size_t i = 0; i < bent.size(); ++i) {
+    bent_off_m += (bent[i].translation - again[i].translation).norm();
+    adjusted_off_m += (adjusted[i].translation - again[i].translation).norm();
+  }
+  EXPECT_LT(adjusted_off_m, 0.5 * bent_off_m);
+}
+
+TEST_F(LoopsInARow, ArePartOfTheState) {
+  close_loops(10);
+  ByteWriter saved;
+  front_end.mapping.save(saved);
+  const std::string state = saved.take();
+  SubmapMapping restored(kCamera, {}, CorrectionTime::kByFrames);
+  ByteReader bytes(state);
+  restored.restore(bytes);
+  ASSERT_TRUE(bytes.ok() && bytes.at_end());
+  const std::int64_t before = front_end.count("global adjustments");
+  for (SubmapMapping* mapping : {&front_end.mapping, &restored}) {
+    const std::uint32_t submap = mapping->layout().current;
+    const Rigid3 submap_from_camera = inverse(mapping->layout().world_from_submap[submap]) * front_end.world_from_camera();
+    for (int i = 0; i < 100; ++i)
+      mapping->observe(circuit().back().frame, mapping->layout().world_from_submap[submap] * submap_from_camera);
+  }
+  EXPECT_EQ(front_end.count("global adjustments"), before + 2);
+  EXPECT_EQ(restored.counts(), front_end.mapping.counts());
+  const std::vector<Rigid3>& poses = front_end.mapping.layout().world_from_submap;
+  for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_EQ(restored.layout().world_from_submap[i].matrix(), poses[i].matrix());
+}
+
 TEST(SubmapMapping, TheSameFramesGiveTheSameMap) {
   std::vector<Rigid3> first;
   AdjustOptions options;

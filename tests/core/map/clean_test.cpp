@@ -8,6 +8,7 @@
 #include "tests/reference/frame_twin.h"
 #include "tests/support/gpu_test.h"
 #include "tests/support/map_bench.h"
+#include "tests/support/packing.h"
 
 namespace hermite {
 namespace {
@@ -145,8 +146,64 @@ TEST_F(CleanTest, StableSurfelsAreNoExceptionInFreeSpace) {
 
 TEST_F(CleanTest, SlantedSurfelsAreNotRemovedFromFreeSpace) {
   Scene scene{.gap_m = 0.2, .background_observed = kNow};
+  scene.victim = surfel_seen_at(20, 20, 1, 50, 250);
   scene.victim.normal_in_submap = Eigen::Vector3f(0.6f, 0, 0.8f);
   EXPECT_TRUE(survives(scene));
+}
+
+TEST_F(CleanTest, UnstableSurfelsThatAreLookedThroughAreRemoved) {
+  const auto survives_before = [this](float measured_m, float confidence, std::uint32_t observed, float own_m = -1, float beside_m = -1) {
+    test::FuseInput frame = test::frontal_frame(kCamera, measured_m, 1);
+    if (own_m >= 0) frame.raw_depth_m[frame.surface.index(20, 20)] = own_m;
+    if (beside_m >= 0) frame.raw_depth_m[frame.surface.index(21, 19)] = beside_m;
+    bench.see(frame);
+    Scene scene{.count = 0};
+    scene.victim = surfel_seen_at(20, 20, 1, confidence, 250);
+    scene.victim.normal_in_submap = Eigen::Vector3f(0.8f, 0, 0.6f);
+    scene.victim.observed_frame = observed;
+    return survives(scene);
+  };
+  EXPECT_FALSE(survives_before(1.2f, 2.9f, kNow - 10));
+  EXPECT_TRUE(survives_before(1.2f, 2.9f, kNow - 9)) << "seen just now";
+  EXPECT_TRUE(survives_before(1.2f, 3, kNow - 10)) << "stable";
+  EXPECT_FALSE(survives_before(1.051f, 2.9f, kNow - 10));
+  EXPECT_TRUE(survives_before(1.049f, 2.9f, kNow - 10)) << "perhaps the same surface";
+  EXPECT_TRUE(survives_before(0.8f, 2.9f, kNow - 10)) << "hidden";
+  EXPECT_TRUE(survives_before(1.2f, 2.9f, kNow - 10, 0)) << "not measured";
+  EXPECT_FALSE(survives_before(1.2f, 2.9f, kNow - 10, 1.2f, 0));
+  EXPECT_TRUE(survives_before(1.2f, 2.9f, kNow - 10, 1.2f, 1)) << "the edge of something";
+}
+
+// Something slanted stands in the view for two frames and goes; a wall is behind it.
+TEST(CleanOptions, WhatStoodInTheViewForAMomentIsGoneWithinASecond) {
+  gpu::Device device("");
+  const MapOptions options;  // as a scan has them
+  MapBench bench(device, kCamera, options);
+  const auto is_left = [](const Surfel& s) { return s.confidence > 0 && s.position_in_submap_m.z() < 1.2f; };
+  const auto left_count = [&] {
+    const std::vector<Surfel> surfels = bench.store.download();
+    return std::count_if(surfels.begin(), surfels.end(), is_left);
+  };
+  const test::FuseInput wall = test::frontal_frame(kCamera, 1.5f, 0.9f);
+  test::FuseInput disturbed = wall;
+  for (int y = 20; y < 40; ++y)
+    for (int x = 20; x < 40; ++x) {
+      const std::size_t i = disturbed.surface.index(x, y);
+      disturbed.surface.depth_m[i] = disturbed.raw_depth_m[i] = 1;
+      disturbed.surface.normals[i] = test::unpack_normal(test::pack_normal(Vector3d(0.7, 0, 1).normalized()));
+    }
+  std::uint32_t number = 1;
+  const auto see = [&](const test::FuseInput& frame, std::uint32_t count) {
+    for (const std::uint32_t end = number + count; number < end; ++number) {
+      bench.fuse(frame, number);
+      bench.clean(number);
+    }
+  };
+  see(wall, 12);
+  see(disturbed, 2);
+  EXPECT_GE(left_count(), 400);
+  see(wall, 30);
+  EXPECT_EQ(left_count(), 0);
 }
 
 TEST_F(CleanTest, UnstableSurfelsAreForgottenAndStableOnesAreNot) {
