@@ -86,17 +86,19 @@ Judgement FrontEnd::judge_start(const FrameContent& content) {
 }
 
 void FrontEnd::remember_view(const Rigid3& world_from_camera) {
-  const ShadingTable before = shading_.table();
-  shading_.learn(view_, world_from_camera, moving_mask_);
   moving_.remember(view_, world_from_camera, moving_mask_);
-  if (shading_.table() != before) use_shading();
+  const CoarseView measured = shading_.as_measured(view_);
+  const auto comparison = earlier_.compare(measured, world_from_camera, moving_mask_);
+  if (comparison && shading_.learn(measured, *comparison)) use_shading();
+  earlier_.keep(measured, world_from_camera, moving_mask_, comparison ? comparison->places.size() : 0);
 }
 
 void FrontEnd::forget_views() {
   moving_.forget();
-  shading_.forget_view();
+  earlier_.forget();
 }
 
+// What was learned of the lens, for the frames to come.
 void FrontEnd::use_shading() {
   const shared::Intrinsics whole = intrinsics_of(camera_);
   std::vector<float> darkening;
@@ -230,6 +232,7 @@ void FrontEnd::save(ByteWriter& bytes) const {
   hermite::save(bytes, predictor_.surface());
   odometry_.save(bytes);
   moving_.save(bytes);
+  earlier_.save(bytes);
   shading_.save(bytes);
   store.save(bytes);
 }
@@ -241,6 +244,7 @@ void FrontEnd::restore(ByteReader& bytes) {
   hermite::restore(bytes, predictor_.surface());
   odometry_.restore(bytes);
   moving_.restore(bytes);
+  earlier_.restore(bytes);
   shading_.restore(bytes);
   use_shading();
   store.restore(bytes);

@@ -94,6 +94,7 @@ class FrontEnd {
   Preprocessor preprocessor_;
   Odometry odometry_;
   MovingRegions moving_;
+  EarlierView earlier_;  // that the lens is learned by: as measured
   LensShading shading_;
   CoarseView view_;         // of the frame preprocessed last
   CoarseMask moving_mask_;  // of the same

@@ -3,8 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-
-#include "core/math/rigid3_fields.h"
+#include <vector>
 
 namespace hermite {
 
@@ -12,9 +11,6 @@ namespace {
 
 // Grey values between which a sensor answers in proportion, and steps of grey to the next pixel beyond which a shift decides.
 constexpr float kDarkest = 20, kBrightest = 240, kSteepest = 12;
-
-// A place is the same within so much; a coarse pixel is two centimetres at 1.5 m.
-constexpr double kSame_m = 0.02, kSameGrowth_per_m = 0.01;
 
 // Logarithms of grey differ by this where nothing but noise does; neighbours share their errors, so fifty count as one.
 constexpr double kDeviation = 0.05, kPixelsThatCountAsOne = 50;
@@ -28,9 +24,6 @@ constexpr double kSignificant = 4;
 // Twenty seconds of full views; what is older counts half, so that a lens that is changed is learned again.
 constexpr double kMostWeight = 2e6;
 
-// Another view is taken to compare with when less than this is seen of it.
-constexpr double kLeastCompared = 0.4;
-
 constexpr double kDarkestCorner = 0.2;
 
 // Half a step of a bright grey value.
@@ -39,12 +32,6 @@ constexpr float kChangeThatShows = 0.002f;
 using Basis = Eigen::Vector3d;
 Basis basis(double squared_distance) {
   return {squared_distance, squared_distance * squared_distance, squared_distance * squared_distance * squared_distance};
-}
-
-double squared_distance(const shared::Intrinsics& camera, double x, double y) {
-  const double cx = camera.cx, cy = camera.cy;
-  const double farthest_x = std::max(cx, camera.width - 1 - cx), farthest_y = std::max(cy, camera.height - 1 - cy);
-  return std::min(1.0, ((x - cx) * (x - cx) + (y - cy) * (y - cy)) / (farthest_x * farthest_x + farthest_y * farthest_y));
 }
 
 bool is_even(const CoarseView& view, int x, int y) {
@@ -64,44 +51,27 @@ struct Pair {
 }  // namespace
 
 std::uint8_t shading_index(const shared::Intrinsics& camera, double x, double y) {
-  return static_cast<std::uint8_t>(std::lround(255 * squared_distance(camera, x, y)));
+  return static_cast<std::uint8_t>(std::lround(255 * squared_image_distance(camera, x, y)));
 }
 
 LensShading::LensShading() { table_.fill(1); }
 
-void LensShading::learn(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& moving) {
-  CoarseView raw = view;
-  for (int y = 0; y < static_cast<int>(raw.camera.height); ++y)
-    for (int x = 0; x < static_cast<int>(raw.camera.width); ++x) raw.grey[raw.index(x, y)] *= table_[shading_index(raw.camera, x, y)];
-  compared_share_ = 0;
-  if (!earlier_.empty()) compare(raw, inverse(world_from_earlier_) * world_from_camera, moving);
-  if (compared_share_ >= kLeastCompared) return;
-  earlier_ = std::move(raw);
-  for (std::size_t i = 0; i < moving.size(); ++i)
-    if (moving[i] != 0) earlier_.depth_m[i] = 0;
-  world_from_earlier_ = world_from_camera;
+CoarseView LensShading::as_measured(CoarseView view) const {
+  for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
+    for (int x = 0; x < static_cast<int>(view.camera.width); ++x) view.grey[view.index(x, y)] *= table_[shading_index(view.camera, x, y)];
+  return view;
 }
 
-void LensShading::compare(const CoarseView& view, const Rigid3& earlier_from_now, const CoarseMask& moving) {
+bool LensShading::learn(const CoarseView& now, const EarlierView::Comparison& comparison) {
+  const CoarseView& earlier = comparison.earlier;
   std::vector<Pair> pairs;
-  for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
-    for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
-      const std::size_t i = view.index(x, y);
-      if (view.depth_m[i] <= 0 || moving[i] != 0 || !is_in_proportion(view.grey[i]) || !is_even(view, x, y)) continue;
-      const Eigen::Vector3d point = earlier_from_now * view.point(x, y);
-      if (point.z() < 0.05) continue;
-      const Eigen::Vector2d uv = earlier_.project(point);
-      const int u = static_cast<int>(std::lround(uv.x())), v = static_cast<int>(std::lround(uv.y()));
-      if (!earlier_.contains(u, v)) continue;
-      const std::size_t j = earlier_.index(u, v);
-      if (earlier_.depth_m[j] <= 0 || !is_in_proportion(earlier_.grey[j]) || !is_even(earlier_, u, v)) continue;
-      const double apart_m = earlier_.normals[j].cast<double>().dot(point - earlier_.point(u, v));
-      if (std::abs(apart_m) > kSame_m + kSameGrowth_per_m * point.z() * point.z()) continue;
-      pairs.push_back({basis(squared_distance(view.camera, x, y)) - basis(squared_distance(earlier_.camera, u, v)),
-                       std::log(static_cast<double>(view.grey[i]) / static_cast<double>(earlier_.grey[j]))});
-    }
-  compared_share_ = static_cast<double>(pairs.size()) / static_cast<double>(view.size());
-  if (pairs.size() < 100) return;
+  for (const auto& [x, y, u, v] : comparison.places) {
+    const float grey = now.grey[now.index(x, y)], earlier_grey = earlier.grey[earlier.index(u, v)];
+    if (!is_in_proportion(grey) || !is_in_proportion(earlier_grey) || !is_even(now, x, y) || !is_even(earlier, u, v)) continue;
+    pairs.push_back({basis(squared_image_distance(now.camera, x, y)) - basis(squared_image_distance(earlier.camera, u, v)),
+                     std::log(static_cast<double>(grey) / static_cast<double>(earlier_grey))});
+  }
+  if (pairs.size() < 100) return false;
   // The exposure of both frames is unknown: only what differs from the mean counts. Then outliers do not.
   double exposure = 0;
   for (int round = 0; round < 3; ++round) {
@@ -137,10 +107,10 @@ void LensShading::compare(const CoarseView& view, const Rigid3& earlier_from_now
     information_ *= 0.5;
     right_hand_side_ *= 0.5;
   }
-  update_table();
+  return update_table();
 }
 
-void LensShading::update_table() {
+bool LensShading::update_table() {
   const double variance = kDeviation * kDeviation * kPixelsThatCountAsOne;
   const Eigen::Matrix3d information = information_ / variance + Eigen::Matrix3d::Identity() / (kPriorDeviation * kPriorDeviation);
   coefficients_ = information.ldlt().solve(right_hand_side_ / variance);
@@ -157,13 +127,12 @@ void LensShading::update_table() {
     table[i] = static_cast<float>(darkest);
     change = std::max(change, std::abs(table[i] - table_[i]));
   }
-  if (change > kChangeThatShows) table_ = table;
+  if (change <= kChangeThatShows) return false;
+  table_ = table;
+  return true;
 }
 
 void LensShading::save(ByteWriter& bytes) const {
-  hermite::save(bytes, earlier_);
-  rigid3_fields(bytes, world_from_earlier_);
-  bytes.number(compared_share_);
   bytes.numbers(information_.data(), 9);
   bytes.numbers(right_hand_side_.data(), 3);
   bytes.number(weight_);
@@ -172,9 +141,6 @@ void LensShading::save(ByteWriter& bytes) const {
 }
 
 void LensShading::restore(ByteReader& bytes) {
-  hermite::restore(bytes, earlier_);
-  rigid3_fields(bytes, world_from_earlier_);
-  bytes.number(compared_share_);
   bytes.numbers(information_.data(), 9);
   bytes.numbers(right_hand_side_.data(), 3);
   bytes.number(weight_);

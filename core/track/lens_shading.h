@@ -9,8 +9,7 @@
 #include <array>
 
 #include "core/base/byte_stream.h"
-#include "core/frame/coarse_view.h"
-#include "core/math/rigid3.h"
+#include "core/track/seen_twice.h"
 
 namespace hermite {
 
@@ -24,23 +23,19 @@ class LensShading {
   // What frames are to be divided by now.
   const ShadingTable& table() const { return table_; }
 
-  // Of a tracked frame whose grey values were divided by table(); pixels of `moving` do not count.
-  void learn(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& moving);
+  // The view with grey values as the sensor had them, before they were divided by table().
+  CoarseView as_measured(CoarseView view) const;
 
-  // The view that frames are compared with is of no use any more; what was learned stays.
-  void forget_view() { earlier_ = {}; }
+  // From the grey values of two views as measured. Returns whether table() has changed.
+  bool learn(const CoarseView& now, const EarlierView::Comparison& comparison);
 
   void save(ByteWriter& bytes) const;
   // table() is what it was when saved.
   void restore(ByteReader& bytes);
 
  private:
-  void compare(const CoarseView& view, const Rigid3& earlier_from_now, const CoarseMask& moving);
-  void update_table();
+  bool update_table();
 
-  CoarseView earlier_;  // grey values as the sensor had them
-  Rigid3 world_from_earlier_;
-  double compared_share_ = 0;  // of the last view's pixels, seen in the earlier one too
   // Normal equations of the logarithm of the darkening, a polynomial without constant in the squared distance.
   Eigen::Matrix3d information_ = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right_hand_side_ = Eigen::Vector3d::Zero();

@@ -31,15 +31,21 @@ CoarseView wall(const Rigid3& world_from_camera, double corner, double exposure 
 
 Rigid3 pose(int frame) { return exp_se3((Vector6d() << 0.01 * frame, 0.004 * frame, 0, 0, 0.01 * frame, 0).finished()); }
 
+// As the pipeline does: the frame comes divided by what is known.
+void learn(LensShading& shading, EarlierView& earlier, CoarseView view, const Rigid3& world_from_camera) {
+  const CoarseMask nothing(view.size(), 0);
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 80; ++x) view.grey[view.index(x, y)] /= shading.table()[shading_index(kCamera, x, y)];
+  const CoarseView measured = shading.as_measured(view);
+  const auto comparison = earlier.compare(measured, world_from_camera, nothing);
+  if (comparison) shading.learn(measured, *comparison);
+  earlier.keep(measured, world_from_camera, nothing, comparison ? comparison->places.size() : 0);
+}
+
 LensShading learned(double corner, const std::function<double(int)>& exposure, int frames = 40) {
   LensShading shading;
-  const CoarseMask nothing(4800, 0);
-  for (int frame = 0; frame < frames; ++frame) {
-    CoarseView view = wall(pose(frame), corner, exposure(frame));
-    for (int y = 0; y < 60; ++y)
-      for (int x = 0; x < 80; ++x) view.grey[view.index(x, y)] /= shading.table()[shading_index(kCamera, x, y)];
-    shading.learn(view, pose(frame), nothing);
-  }
+  EarlierView earlier;
+  for (int frame = 0; frame < frames; ++frame) learn(shading, earlier, wall(pose(frame), corner, exposure(frame)), pose(frame));
   return shading;
 }
 
@@ -59,7 +65,8 @@ TEST(LensShading, OfAGoodLensStaysNone) {
 
 TEST(LensShading, OfACameraThatStandsStillIsNotGuessed) {
   LensShading shading;
-  for (int frame = 0; frame < 40; ++frame) shading.learn(wall(Rigid3{}, 0.5), Rigid3{}, CoarseMask(4800, 0));
+  EarlierView earlier;
+  for (int frame = 0; frame < 40; ++frame) learn(shading, earlier, wall(Rigid3{}, 0.5), Rigid3{});
   EXPECT_EQ(shading.table()[255], 1);
 }
 
