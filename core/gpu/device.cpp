@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/gpu/descriptor_sets.h"
 #include "core/gpu/transfer.h"
 
 namespace hermite::gpu {
@@ -83,13 +84,15 @@ void Device::open(VkPhysicalDevice physical) {
   create.pNext = &features.core;
   create.queueCreateInfoCount = 1;
   create.pQueueCreateInfos = &queue;
-  create.enabledExtensionCount = 1;
+  create.enabledExtensionCount = info_.has_push_descriptors ? 1 : 0;
   create.ppEnabledExtensionNames = &extension;
   throw_if_failed(vkCreateDevice(physical, &create, nullptr, &handle_.device), ("open the GPU " + info_.name).c_str());
 
   vkGetDeviceQueue(vk(), queue_family_, 0, &queue_);
-  push_descriptors_ = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(vkGetDeviceProcAddr(vk(), "vkCmdPushDescriptorSetKHR"));
-  if (!push_descriptors_) throw DeviceError("cannot open the GPU " + info_.name + ": its driver lacks vkCmdPushDescriptorSetKHR");
+  if (info_.has_push_descriptors) {
+    push_descriptors_ = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(vkGetDeviceProcAddr(vk(), "vkCmdPushDescriptorSetKHR"));
+    if (!push_descriptors_) throw DeviceError("cannot open the GPU " + info_.name + ": its driver lacks vkCmdPushDescriptorSetKHR");
+  }
   read_properties(physical);
   VkPipelineCacheCreateInfo cache{};
   cache.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO;
@@ -101,10 +104,10 @@ void Device::read_properties(VkPhysicalDevice physical) {
   push.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PUSH_DESCRIPTOR_PROPERTIES_KHR;
   VkPhysicalDeviceProperties2 properties{};
   properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
-  properties.pNext = &push;
+  if (info_.has_push_descriptors) properties.pNext = &push;
   vkGetPhysicalDeviceProperties2(physical, &properties);
   limits_ = properties.properties.limits;
-  max_push_descriptors_ = push.maxPushDescriptors;
+  max_bindings_ = info_.has_push_descriptors ? std::min(push.maxPushDescriptors, kMaxBindings) : kMaxBindings;
   vkGetPhysicalDeviceMemoryProperties(physical, &memory_);
 
   std::uint32_t count = 0;

@@ -37,6 +37,7 @@ class Kernel {
   // --- For Commands ---
   VkPipeline pipeline() const { return pipeline_; }
   VkPipelineLayout layout() const { return layout_; }
+  VkDescriptorSetLayout set_layout() const { return set_layout_; }
   std::uint32_t pass_slot() const { return pass_slot_; }
 
  private:
