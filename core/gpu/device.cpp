@@ -15,24 +15,24 @@ struct Features {
   VkPhysicalDeviceVulkan12Features vulkan12{};
   VkPhysicalDeviceFeatures2 core{};
 
-  explicit Features(VkPhysicalDevice physical) {
+  Features(VkPhysicalDevice physical, const DeviceInfo& info) {
     vulkan11.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES;
     vulkan11.pNext = &vulkan12;
     vulkan12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
     core.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
     core.pNext = &vulkan11;
     vkGetPhysicalDeviceFeatures2(physical, &core);
-    keep_what_we_use();
+    keep_what_we_use(info);
   }
 
  private:
-  void keep_what_we_use() {
+  void keep_what_we_use(const DeviceInfo& info) {
     const VkPhysicalDeviceFeatures has = core.features;
     core.features = {};
     // A shader must not reach outside its buffers whatever a sensor sends: other scans run in the same process.
     core.features.robustBufferAccess = VK_TRUE;
     core.features.shaderInt16 = has.shaderInt16;
-    core.features.shaderInt64 = has.shaderInt64;
+    core.features.shaderInt64 = info.has_64_bit_atomics;
     core.features.shaderFloat64 = has.shaderFloat64;
 
     const VkPhysicalDeviceVulkan11Features has11 = vulkan11;
@@ -48,7 +48,7 @@ struct Features {
     vulkan12.storageBuffer8BitAccess = has12.storageBuffer8BitAccess;
     vulkan12.shaderInt8 = has12.shaderInt8;
     vulkan12.shaderFloat16 = has12.shaderFloat16;
-    vulkan12.shaderBufferInt64Atomics = has12.shaderBufferInt64Atomics;
+    vulkan12.shaderBufferInt64Atomics = info.has_64_bit_atomics;
   }
 };
 
@@ -71,7 +71,7 @@ Device::Device(const std::string& select, Timeline* timeline) : instance_(std::m
 
 void Device::open(VkPhysicalDevice physical) {
   queue_family_ = static_cast<std::uint32_t>(find_compute_family(physical));
-  const Features features(physical);
+  const Features features(physical, info_);
   const float priority = 1;
   VkDeviceQueueCreateInfo queue{};
   queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;

@@ -35,7 +35,7 @@ class Device {
   // The validation layer is on when built with HERMITE_VALIDATION=1 and installed; the environment's HERMITE_VALIDATION=0 or 1 overrides.
   // A `timeline`, which outlives this, gets every command that runs.
   // The environment's HERMITE_GPU_WITHOUT names what not to use though the device has it, so that what stands in for it can be tried:
-  // push-descriptors, with commas between several.
+  // push-descriptors, texel-buffers, 64-bit-atomics, with commas between several.
   explicit Device(const std::string& select = "", Timeline* timeline = nullptr);
   ~Device();
   Device(const Device&) = delete;

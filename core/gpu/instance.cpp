@@ -99,7 +99,7 @@ bool has_push_descriptors(VkPhysicalDevice device) {
 
 // HERMITE_GPU_WITHOUT: see Device.
 struct Without {
-  bool push_descriptors = false;
+  bool push_descriptors = false, texel_buffers = false, atomics_64_bit = false;
 
   static Without from_environment() {
     Without without;
@@ -108,8 +108,13 @@ struct Without {
     for (std::string word; std::getline(words, word, ',');) {
       if (word == "push-descriptors")
         without.push_descriptors = true;
+      else if (word == "texel-buffers")
+        without.texel_buffers = true;
+      else if (word == "64-bit-atomics")
+        without.atomics_64_bit = true;
       else
-        throw SetupError(Error{ErrorCode::kDevice, "HERMITE_GPU_WITHOUT: '" + word + "' is not push-descriptors"});
+        throw SetupError(
+            Error{ErrorCode::kDevice, "HERMITE_GPU_WITHOUT: '" + word + "' is none of push-descriptors, texel-buffers, 64-bit-atomics"});
     }
     return without;
   }
@@ -138,7 +143,6 @@ std::string why_unsuitable(VkPhysicalDevice device, const VkPhysicalDeviceProper
   if (limits.maxComputeSharedMemorySize < kMinSharedMemoryBytes) return "less than 32 KiB of shared memory";
   if (limits.maxComputeWorkGroupInvocations < kMinInvocations || limits.maxComputeWorkGroupSize[0] < kMinInvocations)
     return "work groups of fewer than 256 invocations";
-  if (limits.maxTexelBufferElements < kMinTexels) return "texel buffers of fewer than 4194304 texels";
   return {};
 }
 
@@ -169,7 +173,8 @@ DeviceInfo describe(VkPhysicalDevice device, int index, const Without& without) 
   info.max_buffer_bytes = std::min<std::uint64_t>(properties.properties.limits.maxStorageBufferRange, maintenance3.maxMemoryAllocationSize);
   info.max_shared_memory_bytes = properties.properties.limits.maxComputeSharedMemorySize;
   info.has_push_descriptors = has_push_descriptors(device) && !without.push_descriptors;
-  info.has_64_bit_atomics = abilities_of(device).atomics_64_bit;
+  info.has_texel_buffers = properties.properties.limits.maxTexelBufferElements >= kMinTexels && !without.texel_buffers;
+  info.has_64_bit_atomics = abilities_of(device).atomics_64_bit && !without.atomics_64_bit;
   info.unsuitable = why_unsuitable(device, properties.properties);
   return info;
 }

@@ -10,8 +10,8 @@ namespace hermite::gpu {
 
 namespace {
 
-std::span<const std::uint32_t> find_embedded(std::string_view name) {
-  for (const auto& [kernel, words] : embedded_kernels())
+std::span<const std::uint32_t> find_embedded(const Device& device, std::string_view name) {
+  for (const auto& [kernel, words] : embedded_kernels(device.info().has_texel_buffers ? ReadAs::kTexels : ReadAs::kStorage))
     if (kernel == name) return words;
   CHECK(false, "there is no shader '" + std::string(name) + "'");
   return {};
@@ -33,7 +33,7 @@ VkDescriptorType descriptor_type(Binding kind) {
 }
 
 Kernel::Kernel(Device& device, std::string_view name, std::vector<std::uint32_t> specialization)
-    : Kernel(device, name, find_embedded(name), specialization) {}
+    : Kernel(device, name, find_embedded(device, name), specialization) {}
 
 Kernel::Kernel(Device& device, std::string_view name, std::span<const std::uint32_t> words,
                const std::vector<std::uint32_t>& specialization)
@@ -56,6 +56,8 @@ void Kernel::read(std::span<const std::uint32_t> words, const std::vector<std::u
     const std::optional<std::uint32_t> constant = interface_.local_size_constant[axis];
     if (constant && *constant < specialization.size()) interface_.local_size[axis] = specialization[*constant];
   }
+  if (interface_.needs_64_bit_atomics && !device_->info().has_64_bit_atomics)
+    throw DeviceError("shader '" + name_ + "': the device has no 64-bit atomics");
   const VkPhysicalDeviceLimits& limits = device_->limits();
   std::uint64_t invocations = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
