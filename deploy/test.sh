@@ -25,6 +25,23 @@ step_release() {
 
 step_release_tests() { ctest --preset release -j "$jobs" --no-tests=error; }
 
+# Another Vulkan driver than Mesa's, one that lacks much of what that has: SwiftShader, which lies beside Debian's chromium.
+second_driver_filter='-*Death*'  # those start again and again, and tell nothing of a driver
+step_second_driver() {
+  local swiftshader=/usr/lib/chromium/vk_swiftshader_icd.json lavapipe
+  lavapipe=$(find /usr/share/vulkan/icd.d -name 'lvp_icd*.json' 2>/dev/null | head -n 1)
+  if [ ! -f "$swiftshader" ] || [ -z "$lavapipe" ]; then
+    echo "SKIPPED: no SwiftShader at $swiftshader, or no lavapipe in /usr/share/vulkan/icd.d"
+    return 0
+  fi
+  cmake --preset release >/dev/null
+  cmake --build --preset release --target hermite test_gpu
+  VK_ICD_FILENAMES=$swiftshader VK_DRIVER_FILES=$swiftshader build/release/tests/test_gpu --gtest_brief=1 --gtest_filter="$second_driver_filter"
+  VK_ICD_FILENAMES=$lavapipe VK_DRIVER_FILES=$lavapipe HERMITE_GPU_WITHOUT=push-descriptors,texel-buffers,64-bit-atomics \
+    build/release/tests/test_gpu --gtest_brief=1 --gtest_filter="$second_driver_filter"
+  tests/drivers/second_driver.py build/release/server/hermite "$lavapipe" "$swiftshader"
+}
+
 # What a machine with a GPU and little else builds.
 step_gpu_only() {
   cmake --preset gpu-only
@@ -91,5 +108,5 @@ install_packages
 provide_node
 install_viewer
 steps=("$@")
-[ $# -gt 0 ] || steps=(web release release_tests gpu_only browser demo fuzz threads sanitized sanitized_tests)
+[ $# -gt 0 ] || steps=(web release release_tests second_driver gpu_only browser demo fuzz threads sanitized sanitized_tests)
 run_steps "${steps[@]}"

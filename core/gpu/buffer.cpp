@@ -83,6 +83,7 @@ void RawBuffer::allocate(Memory memory) {
 
 void RawBuffer::make_texels(std::size_t element_bytes) {
   const std::size_t texel_bytes = element_bytes % 16 == 0 ? 16 : element_bytes % 8 == 0 ? 8 : 4;
+  if (!device_->info().has_texel_buffers) return;
   if (allocated_bytes_ < texel_bytes || allocated_bytes_ / texel_bytes > device_->limits().maxTexelBufferElements) return;
   VkBufferViewCreateInfo create{};
   create.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO;

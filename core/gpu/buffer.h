@@ -1,4 +1,5 @@
-// Arrays in GPU memory, zero when made. A shader binds one as a storage buffer, or, only to read it, as a texel buffer: a texel is as wide
+// Arrays in GPU memory, zero when made. A shader binds one as a storage buffer, or, only to read it, as a texel buffer where the device has
+// large ones (embedded.h has both): a texel is as wide
 // as the array's elements, or as the widest of 4, 8 and 16 bytes that divides them.
 //
 // Host access is immediate: it does not wait for commands that are recorded but not yet submitted, and these will see what it wrote.

@@ -11,7 +11,6 @@ namespace hermite::gpu {
 namespace {
 constexpr std::uint32_t kQueriesPerPool = 256;
 constexpr std::size_t kMaxPools = 64;  // commands of one submission beyond 16384 are not timed
-constexpr std::uint32_t kMaxBindings = 32;
 
 std::uint32_t group_count(std::uint32_t threads, std::uint32_t local_size) {
   return static_cast<std::uint32_t>((std::uint64_t{threads} + local_size - 1) / local_size);
@@ -25,7 +24,7 @@ std::uint64_t bytes_of(std::initializer_list<BufferRef> buffers) {
 }  // namespace
 
 Commands::Commands(Device& device)
-    : device_(device), commands_(device), fill_slot_(device.pass_slot("(fill)")), copy_slot_(device.pass_slot("(copy)")) {}
+    : device_(device), commands_(device), sets_(device), fill_slot_(device.pass_slot("(fill)")), copy_slot_(device.pass_slot("(copy)")) {}
 
 Commands::~Commands() {
   if (!device_.may_release()) return;
@@ -34,7 +33,8 @@ Commands::~Commands() {
 
 VkCommandBuffer Commands::next() {
   const bool first = !commands_.recording();
-  commands_.barrier();
+  commands_.barrier();  // begins: nothing of what was recorded before runs any more
+  if (first) sets_.take_back();
   if (first) write_timestamp(0);
   return commands_.vk();
 }
@@ -47,7 +47,7 @@ void Commands::bind(const Kernel& kernel, Constants constants, std::initializer_
             std::to_string(constants.size));
   VkCommandBuffer commands = next();
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.pipeline());
-  push_buffers(kernel, buffers);
+  bind_buffers(kernel, buffers);
   if (constants.size > 0)
     vkCmdPushConstants(commands, kernel.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, static_cast<std::uint32_t>(constants.size),
                        constants.bytes);
@@ -77,11 +77,13 @@ void Commands::record_indirect(const Kernel& kernel, GroupCounts groups, Constan
   stamp({kernel.pass_slot(), 0, bytes_of(buffers)});
 }
 
-void Commands::push_buffers(const Kernel& kernel, std::initializer_list<BufferRef> buffers) {
+void Commands::bind_buffers(const Kernel& kernel, std::initializer_list<BufferRef> buffers) {
   if (buffers.size() == 0) return;
   CHECK(buffers.size() <= kMaxBindings, kernel.name() + " binds more than 32 buffers");
   std::array<VkDescriptorBufferInfo, kMaxBindings> infos;
   std::array<VkWriteDescriptorSet, kMaxBindings> writes;
+  const bool push = device_.info().has_push_descriptors;
+  const VkDescriptorSet set = push ? VK_NULL_HANDLE : sets_.next(kernel.set_layout());
   std::uint32_t count = 0;
   for (const BufferRef& buffer : buffers) {
     CHECK(buffer.buffer != VK_NULL_HANDLE, kernel.name() + ": buffer " + std::to_string(count) + " is empty");
@@ -94,6 +96,7 @@ void Commands::push_buffers(const Kernel& kernel, std::initializer_list<BufferRe
     VkWriteDescriptorSet& write = writes[count];
     write = {};
     write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+    write.dstSet = set;
     write.dstBinding = count;
     write.descriptorCount = 1;
     write.descriptorType = descriptor_type(kind);
@@ -101,7 +104,12 @@ void Commands::push_buffers(const Kernel& kernel, std::initializer_list<BufferRe
     write.pTexelBufferView = &buffer.texels;
     ++count;
   }
-  device_.push_descriptors()(commands_.vk(), VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0, count, writes.data());
+  if (push) {
+    device_.push_descriptors()(commands_.vk(), VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0, count, writes.data());
+  } else {
+    vkUpdateDescriptorSets(device_.vk(), count, writes.data(), 0, nullptr);
+    vkCmdBindDescriptorSets(commands_.vk(), VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0, 1, &set, 0, nullptr);
+  }
 }
 
 void Commands::fill(BufferRef buffer, std::uint32_t value) {

@@ -16,6 +16,7 @@
 
 #include "core/gpu/buffer.h"
 #include "core/gpu/command_buffer.h"
+#include "core/gpu/descriptor_sets.h"
 #include "core/gpu/kernel.h"
 
 namespace hermite::gpu {
@@ -77,7 +78,7 @@ class Commands {
   void record(const Kernel& kernel, Threads threads, Constants constants, std::initializer_list<BufferRef> buffers);
   void bind(const Kernel& kernel, Constants constants, std::initializer_list<BufferRef> buffers);
   void record_indirect(const Kernel& kernel, GroupCounts groups, Constants constants, std::initializer_list<BufferRef> buffers);
-  void push_buffers(const Kernel& kernel, std::initializer_list<BufferRef> buffers);
+  void bind_buffers(const Kernel& kernel, std::initializer_list<BufferRef> buffers);
   VkCommandBuffer next();              // after a barrier; the first also writes the first time stamp
   void stamp(const Stamped& command);  // after each command
   void write_timestamp(std::uint32_t index);
@@ -86,6 +87,7 @@ class Commands {
 
   Device& device_;
   CommandBuffer commands_;
+  DescriptorSets sets_;                   // of what is recorded or has just run; none where descriptors are pushed
   std::vector<VkQueryPool> query_pools_;  // grows to the longest list seen, within a bound
   std::vector<Stamped> stamped_;          // before each stamp but the first
   std::vector<std::uint64_t> ticks_;      // read_ticks(): one more than stamped_, fewer where not all are timed

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/gpu/descriptor_sets.h"
 #include "core/gpu/transfer.h"
 
 namespace hermite::gpu {
@@ -14,24 +15,24 @@ struct Features {
   VkPhysicalDeviceVulkan12Features vulkan12{};
   VkPhysicalDeviceFeatures2 core{};
 
-  explicit Features(VkPhysicalDevice physical) {
+  Features(VkPhysicalDevice physical, const DeviceInfo& info) {
     vulkan11.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES;
     vulkan11.pNext = &vulkan12;
     vulkan12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
     core.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
     core.pNext = &vulkan11;
     vkGetPhysicalDeviceFeatures2(physical, &core);
-    keep_what_we_use();
+    keep_what_we_use(info);
   }
 
  private:
-  void keep_what_we_use() {
+  void keep_what_we_use(const DeviceInfo& info) {
     const VkPhysicalDeviceFeatures has = core.features;
     core.features = {};
     // A shader must not reach outside its buffers whatever a sensor sends: other scans run in the same process.
     core.features.robustBufferAccess = VK_TRUE;
     core.features.shaderInt16 = has.shaderInt16;
-    core.features.shaderInt64 = has.shaderInt64;
+    core.features.shaderInt64 = info.has_64_bit_atomics;
     core.features.shaderFloat64 = has.shaderFloat64;
 
     const VkPhysicalDeviceVulkan11Features has11 = vulkan11;
@@ -47,7 +48,7 @@ struct Features {
     vulkan12.storageBuffer8BitAccess = has12.storageBuffer8BitAccess;
     vulkan12.shaderInt8 = has12.shaderInt8;
     vulkan12.shaderFloat16 = has12.shaderFloat16;
-    vulkan12.shaderBufferInt64Atomics = has12.shaderBufferInt64Atomics;
+    vulkan12.shaderBufferInt64Atomics = info.has_64_bit_atomics;
   }
 };
 
@@ -70,7 +71,7 @@ Device::Device(const std::string& select, Timeline* timeline) : instance_(std::m
 
 void Device::open(VkPhysicalDevice physical) {
   queue_family_ = static_cast<std::uint32_t>(find_compute_family(physical));
-  const Features features(physical);
+  const Features features(physical, info_);
   const float priority = 1;
   VkDeviceQueueCreateInfo queue{};
   queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
@@ -83,13 +84,15 @@ void Device::open(VkPhysicalDevice physical) {
   create.pNext = &features.core;
   create.queueCreateInfoCount = 1;
   create.pQueueCreateInfos = &queue;
-  create.enabledExtensionCount = 1;
+  create.enabledExtensionCount = info_.has_push_descriptors ? 1 : 0;
   create.ppEnabledExtensionNames = &extension;
   throw_if_failed(vkCreateDevice(physical, &create, nullptr, &handle_.device), ("open the GPU " + info_.name).c_str());
 
   vkGetDeviceQueue(vk(), queue_family_, 0, &queue_);
-  push_descriptors_ = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(vkGetDeviceProcAddr(vk(), "vkCmdPushDescriptorSetKHR"));
-  if (!push_descriptors_) throw DeviceError("cannot open the GPU " + info_.name + ": its driver lacks vkCmdPushDescriptorSetKHR");
+  if (info_.has_push_descriptors) {
+    push_descriptors_ = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(vkGetDeviceProcAddr(vk(), "vkCmdPushDescriptorSetKHR"));
+    if (!push_descriptors_) throw DeviceError("cannot open the GPU " + info_.name + ": its driver lacks vkCmdPushDescriptorSetKHR");
+  }
   read_properties(physical);
   VkPipelineCacheCreateInfo cache{};
   cache.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO;
@@ -101,10 +104,10 @@ void Device::read_properties(VkPhysicalDevice physical) {
   push.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PUSH_DESCRIPTOR_PROPERTIES_KHR;
   VkPhysicalDeviceProperties2 properties{};
   properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
-  properties.pNext = &push;
+  if (info_.has_push_descriptors) properties.pNext = &push;
   vkGetPhysicalDeviceProperties2(physical, &properties);
   limits_ = properties.properties.limits;
-  max_push_descriptors_ = push.maxPushDescriptors;
+  max_bindings_ = info_.has_push_descriptors ? std::min(push.maxPushDescriptors, kMaxBindings) : kMaxBindings;
   vkGetPhysicalDeviceMemoryProperties(physical, &memory_);
 
   std::uint32_t count = 0;

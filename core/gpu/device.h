@@ -34,6 +34,8 @@ class Device {
   // `select` as in choose_device. Throws SetupError(kDevice) in words, listing what there is.
   // The validation layer is on when built with HERMITE_VALIDATION=1 and installed; the environment's HERMITE_VALIDATION=0 or 1 overrides.
   // A `timeline`, which outlives this, gets every command that runs.
+  // The environment's HERMITE_GPU_WITHOUT names what not to use though the device has it, so that what stands in for it can be tried:
+  // push-descriptors, texel-buffers, 64-bit-atomics, with commas between several.
   explicit Device(const std::string& select = "", Timeline* timeline = nullptr);
   ~Device();
   Device(const Device&) = delete;
@@ -61,10 +63,10 @@ class Device {
   VkQueue queue() const { return queue_; }
   std::uint32_t queue_family() const { return queue_family_; }
   VkPipelineCache pipeline_cache() const { return pipeline_cache_; }
-  PFN_vkCmdPushDescriptorSetKHR push_descriptors() const { return push_descriptors_; }
+  PFN_vkCmdPushDescriptorSetKHR push_descriptors() const { return push_descriptors_; }  // null where info() says that it has none
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
   const VkPhysicalDeviceMemoryProperties& memory() const { return memory_; }
-  std::uint32_t max_push_descriptors() const { return max_push_descriptors_; }
+  std::uint32_t max_bindings() const { return max_bindings_; }  // buffers of one kernel
   // 0 when the queue has no time stamps.
   double timestamp_period_ns() const { return timestamp_period_ns_; }
   std::uint64_t timestamp_mask() const { return timestamp_mask_; }
@@ -99,7 +101,7 @@ class Device {
   PFN_vkCmdPushDescriptorSetKHR push_descriptors_ = nullptr;
   VkPhysicalDeviceLimits limits_{};
   VkPhysicalDeviceMemoryProperties memory_{};
-  std::uint32_t max_push_descriptors_ = 0;
+  std::uint32_t max_bindings_ = 0;
   double timestamp_period_ns_ = 0;
   std::uint64_t timestamp_mask_ = 0;
   std::unique_ptr<Transfer> transfer_;

@@ -25,7 +25,7 @@ struct DeviceCheck {
     double compile_ms = 0;
     std::string error;  // empty when it compiled
   };
-  std::vector<Compiled> kernels;  // every embedded shader
+  std::vector<Compiled> kernels;  // every embedded shader, but those for 64-bit atomics that the device has not
 
   // GiB/s of wall clock for 32 MiB (less where buffers are smaller).
   double upload_gib_per_s = 0, download_gib_per_s = 0, device_copy_gib_per_s = 0;

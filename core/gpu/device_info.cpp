@@ -51,6 +51,17 @@ std::string in_words(const DeviceInfo& info) {
   return words;
 }
 
+std::string substituted_in_words(const DeviceInfo& info) {
+  std::string words;
+  const auto add = [&words](bool has, const char* what) {
+    if (!has) words += (words.empty() ? "" : ", ") + std::string(what);
+  };
+  add(info.has_push_descriptors, "push descriptors");
+  add(info.has_texel_buffers, "large texel buffers");
+  add(info.has_64_bit_atomics, "64-bit atomics");
+  return words;
+}
+
 std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& select) {
   std::optional<std::size_t> best;
   bool any_match = false;

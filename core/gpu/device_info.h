@@ -20,9 +20,15 @@ struct DeviceInfo {
   std::uint64_t all_memory_bytes = 0;  // all device-local heaps together; for kCpu a number that says nothing: the memory is the host's
   std::uint64_t max_buffer_bytes = 0;  // largest storage buffer that can be allocated and bound whole
   std::uint32_t max_shared_memory_bytes = 0;
-  bool has_64_bit_atomics = false;  // on buffers
-  std::string unsuitable;           // why it cannot be used, in words; empty when it can
+  // What has a substitute where it is missing.
+  bool has_push_descriptors = false;  // else sets of descriptors are made for each dispatch
+  bool has_texel_buffers = false;     // of 4194304 texels at least; else what shaders only read are storage buffers, too
+  bool has_64_bit_atomics = false;    // on buffers; else passes need two steps
+  std::string unsuitable;             // why it cannot be used, in words; empty when it can
 };
+
+// "push descriptors, 64-bit atomics": what is done without, by its substitute; empty when nothing is.
+std::string substituted_in_words(const DeviceInfo& info);
 
 // One line: "0: llvmpipe (cpu, Mesa 22.3.6)", and why not if so.
 std::string in_words(const DeviceInfo& info);

@@ -8,6 +8,10 @@
 
 namespace hermite::gpu {
 
-std::span<const std::pair<std::string_view, std::span<const std::uint32_t>>> embedded_kernels();
+// How a shader binds the buffers that it only reads.
+enum class ReadAs { kTexels, kStorage };
+
+// The same names in the same order for both.
+std::span<const std::pair<std::string_view, std::span<const std::uint32_t>>> embedded_kernels(ReadAs read_as = ReadAs::kTexels);
 
 }  // namespace hermite::gpu

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <sstream>
 #include <string>
 
 #include "core/gpu/error.h"
@@ -96,6 +97,29 @@ bool has_push_descriptors(VkPhysicalDevice device) {
   });
 }
 
+// HERMITE_GPU_WITHOUT: see Device.
+struct Without {
+  bool push_descriptors = false, texel_buffers = false, atomics_64_bit = false;
+
+  static Without from_environment() {
+    Without without;
+    const char* const list = std::getenv("HERMITE_GPU_WITHOUT");
+    std::istringstream words(list ? list : "");
+    for (std::string word; std::getline(words, word, ',');) {
+      if (word == "push-descriptors")
+        without.push_descriptors = true;
+      else if (word == "texel-buffers")
+        without.texel_buffers = true;
+      else if (word == "64-bit-atomics")
+        without.atomics_64_bit = true;
+      else
+        throw SetupError(
+            Error{ErrorCode::kDevice, "HERMITE_GPU_WITHOUT: '" + word + "' is none of push-descriptors, texel-buffers, 64-bit-atomics"});
+    }
+    return without;
+  }
+};
+
 struct Abilities {
   bool scalar_layout = false, atomics_64_bit = false;
 };
@@ -114,17 +138,15 @@ std::string why_unsuitable(VkPhysicalDevice device, const VkPhysicalDeviceProper
   const VkPhysicalDeviceLimits& limits = properties.limits;
   if (properties.apiVersion < VK_API_VERSION_1_2) return "Vulkan 1.2 is needed";
   if (find_compute_family(device) < 0) return "it has no compute queue";
-  if (!has_push_descriptors(device)) return "VK_KHR_push_descriptor is missing";
   if (!abilities_of(device).scalar_layout) return "scalarBlockLayout is missing";
   if (limits.maxPushConstantsSize < kMinPushConstantBytes) return "fewer than 128 bytes of push constants";
   if (limits.maxComputeSharedMemorySize < kMinSharedMemoryBytes) return "less than 32 KiB of shared memory";
   if (limits.maxComputeWorkGroupInvocations < kMinInvocations || limits.maxComputeWorkGroupSize[0] < kMinInvocations)
     return "work groups of fewer than 256 invocations";
-  if (limits.maxTexelBufferElements < kMinTexels) return "texel buffers of fewer than 4194304 texels";
   return {};
 }
 
-DeviceInfo describe(VkPhysicalDevice device, int index) {
+DeviceInfo describe(VkPhysicalDevice device, int index, const Without& without) {
   VkPhysicalDeviceDriverProperties driver{};
   driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
   VkPhysicalDeviceMaintenance3Properties maintenance3{};
@@ -150,7 +172,9 @@ DeviceInfo describe(VkPhysicalDevice device, int index) {
   }
   info.max_buffer_bytes = std::min<std::uint64_t>(properties.properties.limits.maxStorageBufferRange, maintenance3.maxMemoryAllocationSize);
   info.max_shared_memory_bytes = properties.properties.limits.maxComputeSharedMemorySize;
-  info.has_64_bit_atomics = abilities_of(device).atomics_64_bit;
+  info.has_push_descriptors = has_push_descriptors(device) && !without.push_descriptors;
+  info.has_texel_buffers = properties.properties.limits.maxTexelBufferElements >= kMinTexels && !without.texel_buffers;
+  info.has_64_bit_atomics = abilities_of(device).atomics_64_bit && !without.atomics_64_bit;
   info.unsuitable = why_unsuitable(device, properties.properties);
   return info;
 }
@@ -198,10 +222,11 @@ Instance::~Instance() {
 }
 
 std::vector<Instance::Candidate> Instance::candidates() const {
+  const Without without = Without::from_environment();
   std::vector<Candidate> found;
   for (VkPhysicalDevice handle : enumerate<VkPhysicalDevice>(
            [this](std::uint32_t*count, VkPhysicalDevice*items) { return vkEnumeratePhysicalDevices(instance_, count, items); }))
-    found.push_back({handle, describe(handle, static_cast<int>(found.size()))});
+    found.push_back({handle, describe(handle, static_cast<int>(found.size()), without)});
   return found;
 }
 

@@ -1,5 +1,6 @@
 #include "core/gpu/kernel.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/base/check.h"
@@ -9,8 +10,8 @@ namespace hermite::gpu {
 
 namespace {
 
-std::span<const std::uint32_t> find_embedded(std::string_view name) {
-  for (const auto& [kernel, words] : embedded_kernels())
+std::span<const std::uint32_t> find_embedded(const Device& device, std::string_view name) {
+  for (const auto& [kernel, words] : embedded_kernels(device.info().has_texel_buffers ? ReadAs::kTexels : ReadAs::kStorage))
     if (kernel == name) return words;
   CHECK(false, "there is no shader '" + std::string(name) + "'");
   return {};
@@ -32,7 +33,7 @@ VkDescriptorType descriptor_type(Binding kind) {
 }
 
 Kernel::Kernel(Device& device, std::string_view name, std::vector<std::uint32_t> specialization)
-    : Kernel(device, name, find_embedded(name), specialization) {}
+    : Kernel(device, name, find_embedded(device, name), specialization) {}
 
 Kernel::Kernel(Device& device, std::string_view name, std::span<const std::uint32_t> words,
                const std::vector<std::uint32_t>& specialization)
@@ -55,6 +56,8 @@ void Kernel::read(std::span<const std::uint32_t> words, const std::vector<std::u
     const std::optional<std::uint32_t> constant = interface_.local_size_constant[axis];
     if (constant && *constant < specialization.size()) interface_.local_size[axis] = specialization[*constant];
   }
+  if (interface_.needs_64_bit_atomics && !device_->info().has_64_bit_atomics)
+    throw DeviceError("shader '" + name_ + "': the device has no 64-bit atomics");
   const VkPhysicalDeviceLimits& limits = device_->limits();
   std::uint64_t invocations = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -65,9 +68,14 @@ void Kernel::read(std::span<const std::uint32_t> words, const std::vector<std::u
   }
   if (invocations > limits.maxComputeWorkGroupInvocations)
     throw DeviceError("shader '" + name_ + "': the device's work groups are smaller than the shader's");
-  if (bindings().size() > device_->max_push_descriptors())
-    throw DeviceError("shader '" + name_ + "': " + std::to_string(bindings().size()) + " buffers, the device binds " +
-                      std::to_string(device_->max_push_descriptors()));
+  const auto texel_count = static_cast<std::uint32_t>(std::count(bindings().begin(), bindings().end(), Binding::kTexels));
+  const auto buffer_count = static_cast<std::uint32_t>(bindings().size());
+  if (buffer_count > device_->max_bindings() || texel_count > limits.maxPerStageDescriptorSampledImages ||
+      buffer_count - texel_count > limits.maxPerStageDescriptorStorageBuffers)
+    throw DeviceError("shader '" + name_ + "': " + std::to_string(buffer_count) + " buffers, " + std::to_string(texel_count) +
+                      " of them as texels; the device binds " + std::to_string(device_->max_bindings()) + ", " +
+                      std::to_string(limits.maxPerStageDescriptorStorageBuffers) + " of them as storage and " +
+                      std::to_string(limits.maxPerStageDescriptorSampledImages) + " as texels");
   if (push_constant_bytes() > limits.maxPushConstantsSize)
     throw DeviceError("shader '" + name_ + "': " + std::to_string(push_constant_bytes()) + " bytes of push constants, the device takes " +
                       std::to_string(limits.maxPushConstantsSize));
@@ -80,7 +88,7 @@ void Kernel::create_layout() {
         {static_cast<std::uint32_t>(layout_bindings.size()), descriptor_type(kind), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
   VkDescriptorSetLayoutCreateInfo set{};
   set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
-  set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
+  if (device_->info().has_push_descriptors) set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
   set.bindingCount = static_cast<std::uint32_t>(layout_bindings.size());
   set.pBindings = layout_bindings.data();
   throw_if_failed(vkCreateDescriptorSetLayout(device_->vk(), &set, nullptr, &set_layout_), "make a descriptor set layout");

@@ -30,6 +30,7 @@ class Kernel {
   Kernel& operator=(Kernel&& other) noexcept;
 
   const std::string& name() const { return name_; }
+  // Where the device has no large texel buffers, embedded shaders bind storage buffers alone.
   const std::vector<Binding>& bindings() const { return interface_.bindings; }
   std::uint32_t push_constant_bytes() const { return interface_.push_constant_bytes; }
   const std::array<std::uint32_t, 3>& local_size() const { return interface_.local_size; }  // after specialisation
@@ -37,6 +38,7 @@ class Kernel {
   // --- For Commands ---
   VkPipeline pipeline() const { return pipeline_; }
   VkPipelineLayout layout() const { return layout_; }
+  VkDescriptorSetLayout set_layout() const { return set_layout_; }
   std::uint32_t pass_slot() const { return pass_slot_; }
 
  private:

@@ -20,6 +20,7 @@ constexpr std::uint64_t kMaxTypeBytes = 1u << 20;
 enum Op : std::uint32_t {
   kOpEntryPoint = 15,
   kOpExecutionMode = 16,
+  kOpCapability = 17,
   kOpTypeInt = 21,
   kOpTypeFloat = 22,
   kOpTypeVector = 23,
@@ -50,6 +51,7 @@ enum Decoration : std::uint32_t {
 };
 enum StorageClass : std::uint32_t { kUniformConstant = 0, kUniform = 2, kPushConstant = 9, kStorageBuffer = 12 };
 constexpr std::uint32_t kBufferImage = 5, kSampled = 1;  // an image's dimension; how it is used
+constexpr std::uint32_t kInt64Atomics = 12;              // a capability
 constexpr std::uint32_t kGlCompute = 5, kLocalSize = 17, kLocalSizeId = 38, kWorkgroupSize = 25;
 
 struct Type {
@@ -106,6 +108,7 @@ class Reader {
   std::unordered_map<std::uint64_t, std::unordered_map<std::uint32_t, std::uint32_t>>
       member_decorations_;  // (struct, member) -> decoration
   std::vector<std::uint32_t> entry_models_;
+  bool needs_64_bit_atomics_ = false;
   std::vector<std::uint32_t> local_size_literals_, local_size_ids_;
   int steps_left_ = 10000;  // structs of structs of structs: what is small in words can be endless to walk
 };
@@ -117,6 +120,7 @@ Result<ShaderInterface> Reader::read(std::span<const std::uint32_t> words) {
   if (Status status = scan(words); !status.ok()) return status.error();
   if (entry_models_.size() != 1 || entry_models_[0] != kGlCompute) return unsupported("exactly one compute entry point is expected");
   ShaderInterface shader;
+  shader.needs_64_bit_atomics = needs_64_bit_atomics_;
   if (Status status = read_local_size(shader); !status.ok()) return status.error();
   if (Status status = read_bindings(shader); !status.ok()) return status.error();
   if (Status status = read_push_constants(shader); !status.ok()) return status.error();
@@ -178,6 +182,10 @@ Status Reader::take(std::uint32_t op, std::span<const std::uint32_t> operands) {
     case kOpSpecConstantComposite:
       if (!needs(2)) return cut;
       composites_[operands[1]].assign(operands.begin() + 2, operands.end());
+      break;
+    case kOpCapability:
+      if (!needs(1)) return cut;
+      needs_64_bit_atomics_ |= operands[0] == kInt64Atomics;
       break;
     case kOpVariable:
       if (!needs(3)) return cut;

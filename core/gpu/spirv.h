@@ -14,7 +14,8 @@ namespace hermite::gpu {
 enum class Binding { kStorage, kTexels };
 
 struct ShaderInterface {
-  std::vector<Binding> bindings;          // buffers at set 0, by number
+  std::vector<Binding> bindings;  // buffers at set 0, by number
+  bool needs_64_bit_atomics = false;
   std::uint32_t push_constant_bytes = 0;  // up to the end of the block's last member; 0 without a block
   std::array<std::uint32_t, 3> local_size = {1, 1, 1};
   std::array<std::optional<std::uint32_t>, 3> local_size_constant;  // the constant_id that replaces it when specialised

@@ -18,6 +18,8 @@ std::string rounded(double value) {
 
 void describe(const gpu::DeviceCheck& check, DeviceReport& report) {
   report.facts.push_back("using " + gpu::in_words(check.info));
+  if (const std::string words = gpu::substituted_in_words(check.info); !words.empty())
+    report.facts.push_back("done without, at some cost: " + words);
   for (const gpu::DeviceCheck::Heap& heap : check.heaps)
     report.facts.push_back("memory heap: " + gpu::bytes_in_words(heap.bytes) + (heap.device_local ? ", on the device" : ", of the host"));
   report.facts.push_back("largest buffer: " + gpu::bytes_in_words(check.info.max_buffer_bytes) +

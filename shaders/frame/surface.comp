@@ -146,7 +146,7 @@ void main() {
   uint centre = uint(kernel_index(p.camera, pixel));
   vec3 ray = pixel_ray(p.camera, vec2(pixel));
   Rays rays = Rays(ray.x + vec4(0.0, 1.0, 2.0, 3.0) / p.camera.fx, ray.y,
-                   vec4(float_at(kernels, centre), float_at(kernels, centre + 1u), float_at(kernels, centre + 2u), float_at(kernels, centre + 3u)));
+                   vec4(vec4_at(kernels, centre).x, vec4_at(kernels, centre + 1u).x, vec4_at(kernels, centre + 2u).x, vec4_at(kernels, centre + 3u).x));
   vec4 z = rays.vertex_z;
   if (p.project_to_surface != 0u) {
     vec4 moved = step_to_surface(first, rays);

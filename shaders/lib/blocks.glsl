@@ -9,7 +9,7 @@ const uint kTileSide = 16u;  // fusion goes through the image in tiles of as man
 
 // Of the list of blocks: block | zone << 16, and
 const uint kOutOfView = 0x80000000u;  // it is not in view, only its turn has come
-uint listed_block(usamplerBuffer visible_blocks, uint i) { return texelFetch(visible_blocks, int(6u + i)).x; }  // behind two sizes of dispatches
+#define listed_block(visible_blocks, i) uint_at(visible_blocks, 6u + (i))  // behind two sizes of dispatches
 uint block_of(uint entry) { return entry & 0xffffu; }
 uint zone_of_block(uint entry) { return (entry >> 16) & 15u; }
 

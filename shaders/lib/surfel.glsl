@@ -1,8 +1,6 @@
 // Reading and writing surfel attributes.
-SurfelAttributes attributes_at(usamplerBuffer attributes, uint slot) {
-  uvec4 words = texelFetch(attributes, int(slot));
-  return SurfelAttributes(words.x, words.y, words.z, words.w);
-}
+SurfelAttributes attributes_of(uvec4 words) { return SurfelAttributes(words.x, words.y, words.z, words.w); }
+#define attributes_at(attributes, slot) attributes_of(uvec4_at(attributes, slot))
 float surfel_radius(SurfelAttributes a) { return unpackHalf2x16(a.radius_submap & 0xffffu).x; }
 uint surfel_submap(SurfelAttributes a) { return a.radius_submap >> 16; }
 const vec3 kColorSteps = vec3(8.0, 8.0, 4.0);  // of one in 255

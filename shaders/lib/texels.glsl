@@ -1,5 +1,21 @@
 // Buffers that a pass only reads are bound as texel buffers: a texel is one element of up to four words (core/gpu/buffer.h). Of a storage
 // buffer, software devices read word by word and lane by lane: four words cost them ten times as much as a texel does.
+//
+// Every shader is compiled a second time with HERMITE_TEXELS_IN_STORAGE, for devices whose texel buffers are too small: then they are bound
+// as storage buffers. Nothing there says how wide an element is, so a shader asks for as many words as the element has: what it calls tells.
+#ifdef HERMITE_TEXELS_IN_STORAGE
+#define TEXELS(number, name)                                                                    \
+  layout(scalar, binding = number) readonly buffer name##Ones { uint name##_ones[]; };          \
+  layout(scalar, binding = number) readonly buffer name##Twos { uvec2 name##_twos[]; };         \
+  layout(scalar, binding = number) readonly buffer name##Fours { uvec4 name##_fours[]; };       \
+  layout(scalar, binding = number) readonly buffer name##Transforms { Transform name##_transforms[]; }
+#define uint_at(name, i) (name##_ones[i])
+#define uvec2_at(name, i) (name##_twos[i])
+#define uvec4_at(name, i) (name##_fours[i])
+#define float_at(name, i) uintBitsToFloat(name##_ones[i])
+#define vec4_at(name, i) uintBitsToFloat(name##_fours[i])
+#define transform_at(name, i) (name##_transforms[i])
+#else
 #define TEXELS(number, name) layout(binding = number) uniform usamplerBuffer name
 
 uint uint_at(usamplerBuffer buffer_, uint i) { return texelFetch(buffer_, int(i)).x; }
@@ -10,3 +26,4 @@ vec4 vec4_at(usamplerBuffer buffer_, uint i) { return uintBitsToFloat(texelFetch
 Transform transform_at(usamplerBuffer buffer_, uint i) {
   return Transform(vec4_at(buffer_, 3u * i), vec4_at(buffer_, 3u * i + 1u), vec4_at(buffer_, 3u * i + 2u));
 }
+#endif

@@ -113,7 +113,7 @@ Field evaluate(int first, Rays rays, vec4 t) {
   return f;
 }
 
-float depth_at(int first, int dx, int dy) { return float_at(kernels, uint(first + dy * kernel_stride(p.camera) + dx)); }
+float depth_at(int first, int dx, int dy) { return vec4_at(kernels, uint(first + dy * kernel_stride(p.camera) + dx)).x; }
 
 // Depth to start from: of the pixel's own surfel, or the nearest in the window where it has none.
 float first_guess(int first, int pixel) {

@@ -21,10 +21,9 @@ bool has_neighbours(ivec2 pixel) {
   return pixel.x >= 1 && pixel.y >= 1 && pixel.x + 2 < int(p.previous.width) && pixel.y + 2 < int(p.previous.height);
 }
 uint at(ivec2 pixel) { return uint(pixel.y) * p.previous.width + uint(pixel.x); }
-vec2 slope(usamplerBuffer image, uint i) {
-  return 0.5 * vec2(float_at(image, i + 1u) - float_at(image, i - 1u),
-                    float_at(image, i + p.previous.width) - float_at(image, i - p.previous.width));
-}
+#define slope(image, i)                                        \
+  (0.5 * vec2(float_at(image, (i) + 1u) - float_at(image, (i)-1u), \
+              float_at(image, (i) + p.previous.width) - float_at(image, (i)-p.previous.width)))
 
 void main() {
   mat3 h = mat3(0.0);
@@ -44,7 +43,8 @@ void main() {
     float value = mix(mix(float_at(current, j), float_at(current, j + 1u), f.x),
                       mix(float_at(current, below), float_at(current, below + 1u), f.x), f.y);
     float residual = value - float_at(previous, i);
-    vec2 g = 0.5 * (slope(previous, i) + slope(current, at(ivec2(floor(uv + 0.5)))));
+    uint nearest = at(ivec2(floor(uv + 0.5)));
+    vec2 g = 0.5 * (slope(previous, i) + slope(current, nearest));
     vec2 scaled = g * vec2(p.current.fx, p.current.fy) / q.z;
     vec3 a = vec3(scaled, -dot(scaled, q.xy) / q.z);
     vec3 row = cross(q, a);

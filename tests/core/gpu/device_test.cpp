@@ -3,24 +3,27 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdlib>
 
 #include "core/gpu/buffer.h"
+#include "core/gpu/commands.h"
+#include "core/gpu/descriptor_sets.h"
 
 namespace hermite::gpu {
 namespace {
 
-// Sets HERMITE_VALIDATION for one test.
+// Sets a variable for one test.
 class Environment {
  public:
-  explicit Environment(const char* value) {
-    if (const char* was = std::getenv(kName)) before_ = was;
-    setenv(kName, value, 1);
+  explicit Environment(const char* value, const char* name = "HERMITE_VALIDATION") : name_(name) {
+    if (const char* was = std::getenv(name)) before_ = was;
+    setenv(name, value, 1);
   }
-  ~Environment() { before_.empty() ? unsetenv(kName) : setenv(kName, before_.c_str(), 1); }
+  ~Environment() { before_.empty() ? unsetenv(name_) : setenv(name_, before_.c_str(), 1); }
 
  private:
-  static constexpr const char* kName = "HERMITE_VALIDATION";
+  const char* name_;
   std::string before_;
 };
 
@@ -67,6 +70,47 @@ TEST(Device, SeveralLiveSideBySide) {
   EXPECT_EQ(a.download(), (std::vector<int>{1, 2, 3, 4}));
   EXPECT_EQ(b.download(), (std::vector<int>{5, 6, 7, 8}));
   EXPECT_FALSE(second.memory_by_purpose().contains("a"));
+}
+
+TEST(Device, GoesWithoutWhatTheEnvironmentSays) {
+  const Environment without("push-descriptors,texel-buffers,64-bit-atomics", "HERMITE_GPU_WITHOUT");
+  Device device;
+  EXPECT_EQ(substituted_in_words(device.info()), "push descriptors, large texel buffers, 64-bit atomics");
+  Buffer<std::uint32_t> counts(device, 64, "counts"), words(device, 3, "words"), target(device, 16, "target");
+  Buffer<std::array<std::uint32_t, 2>> pairs(device, 1, "pairs");
+  Buffer<std::array<std::uint32_t, 12>> transforms(device, 1, "transforms");
+  EXPECT_EQ(BufferRef(counts).texels, VK_NULL_HANDLE);
+  words.upload(std::vector<std::uint32_t>{1, 2, 3});
+  pairs.upload(std::vector<std::array<std::uint32_t, 2>>{{4, 5}});
+  transforms.upload(std::vector<std::array<std::uint32_t, 12>>{{6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17}});
+  const Kernel count(device, "test/count"), texels(device, "test/texels");
+  Commands commands(device);
+  for (int round = 0; round < 3; ++round) {
+    for (int i = 0; i < 200; ++i) commands.dispatch(count, {64}, {counts});  // more sets than a pool has
+    commands.dispatch(texels, {1}, {words, words, pairs, transforms, target});
+    commands.submit_and_wait();
+  }
+  EXPECT_EQ(counts.download(), std::vector<std::uint32_t>(64, 600));
+  EXPECT_EQ(target.download(), (std::vector<std::uint32_t>{1, 1, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17}));
+  EXPECT_THROW(Kernel(device, "map/index_nearest"), DeviceError) << "it needs 64-bit atomics";
+  EXPECT_EQ(device.validation_error_count(), 0);
+}
+
+TEST(Device, RefusesToGoWithoutWhatNobodyKnows) {
+  const Environment without("push-descriptors,gravity", "HERMITE_GPU_WITHOUT");
+  EXPECT_THROW(list_devices(), SetupError);
+}
+
+TEST(Device, PoolsGrowToTheLongestListOnly) {
+  const Environment without("push-descriptors", "HERMITE_GPU_WITHOUT");
+  Device device;
+  const Kernel kernel(device, "test/count");
+  DescriptorSets sets(device);
+  for (int round = 0; round < 5; ++round) {
+    for (int i = 0; i < 100; ++i) EXPECT_NE(sets.next(kernel.set_layout()), VK_NULL_HANDLE);
+    sets.take_back();
+    EXPECT_EQ(sets.pool_count(), 2u);
+  }
 }
 
 TEST(Device, ValidationFollowsTheEnvironment) {

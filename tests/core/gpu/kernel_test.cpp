@@ -50,7 +50,10 @@ TEST_F(KernelTest, MovesAndOutlivesItsSource) {
 
 TEST_F(KernelTest, EveryEmbeddedShaderCompiles) {
   ASSERT_FALSE(embedded_kernels().empty());
-  for (const auto& [name, words] : embedded_kernels()) EXPECT_NO_THROW(Kernel(device, name)) << name;
+  for (const auto& [name, words] : embedded_kernels()) {
+    if (!device.info().has_64_bit_atomics && read_interface(words)->needs_64_bit_atomics) continue;
+    EXPECT_NO_THROW(Kernel(device, name)) << name;
+  }
 }
 
 TEST_F(KernelTest, AWorkGroupTooLargeForTheDeviceIsAnError) {

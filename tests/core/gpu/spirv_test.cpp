@@ -78,6 +78,24 @@ TEST(ReadInterface, TellsTexelsFromStorage) {
               testing::ElementsAre(Binding::kTexels, Binding::kTexels, Binding::kTexels, Binding::kTexels, Binding::kStorage));
 }
 
+TEST(ReadInterface, TellsWhatNeeds64BitAtomics) {
+  EXPECT_TRUE(read_interface(embedded("map/index_nearest"))->needs_64_bit_atomics);
+  EXPECT_FALSE(read_interface(embedded("map/index_depth"))->needs_64_bit_atomics);
+}
+
+TEST(ReadInterface, NothingIsTexelsWhereTheyAreInStorage) {
+  ASSERT_EQ(embedded_kernels(ReadAs::kStorage).size(), embedded_kernels().size());
+  for (std::size_t i = 0; i < embedded_kernels().size(); ++i) {
+    const auto& [name, words] = embedded_kernels(ReadAs::kStorage)[i];
+    EXPECT_EQ(name, embedded_kernels()[i].first);
+    const Result<ShaderInterface> shader = read_interface(words), of_texels = read_interface(embedded_kernels()[i].second);
+    ASSERT_TRUE(shader.ok()) << name << ": " << shader.error().message;
+    EXPECT_THAT(shader->bindings, testing::Each(Binding::kStorage)) << name;
+    EXPECT_EQ(shader->bindings.size(), of_texels->bindings.size()) << name;
+    EXPECT_EQ(shader->push_constant_bytes, of_texels->push_constant_bytes) << name;
+  }
+}
+
 TEST(ReadInterface, NoPushConstants) {
   const Result<ShaderInterface> shader = read_interface(embedded("test/count"));
   ASSERT_TRUE(shader.ok());
