@@ -137,7 +137,8 @@ Motion FrontEnd::track(const FrameContent& content, const Rigid3& world_from_ref
   };
   const auto is_found = [&] { return is_believable(found.agreement, found.reference_from_camera, options_.track); };
   if (!is_found()) found = odometry_.search(maps, reference, with_turns(starts));
-  if (found.agreement.overlap > 0) see_motion();
+  // A frame that shows another place is not to be believed for what is left of it.
+  if (is_found()) see_motion();
   hide(moving_mask_);
   TrackingEvidence evidence;
   evidence.content = content;
