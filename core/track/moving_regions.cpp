@@ -15,7 +15,7 @@ constexpr std::size_t kKept = 8;
 
 // Six times the noise of a Kinect v1 (Nguyen, Izadi, Lovell 2012) and 3 cm for poses, as for what is "in front" in the agreement of a
 // frame with the map (shaders/track/agreement.comp).
-constexpr double kTolerance_m = 0.03, kToleranceGrowth_per_m = 0.0114;
+constexpr double kClearly_m = 0.03, kClearlyGrowth_per_m = 0.0114;
 
 // Of the pixels: smaller regions are edges and reflections. And of the surface: beyond it is the pose that is wrong.
 constexpr double kLeastRegion = 0.005, kMostMoving = 0.6;
@@ -24,7 +24,7 @@ constexpr double kLeastRegion = 0.005, kMostMoving = 0.6;
 constexpr int kReach_px = 2;
 constexpr double kReach_m = 0.25;
 
-double tolerance_m(double depth_m) { return kTolerance_m + kToleranceGrowth_per_m * depth_m * depth_m; }
+double clearly_m(double depth_m) { return kClearly_m + kClearlyGrowth_per_m * depth_m * depth_m; }
 
 // What a view says of a point of another one.
 enum class Witness { kNothing, kSame, kFree, kHidden };
@@ -36,7 +36,7 @@ Witness ask(const CoarseView& view, const Eigen::Vector3d& point) {
   const Eigen::Vector2d uv = view.project(point);
   const int x = static_cast<int>(std::lround(uv.x())), y = static_cast<int>(std::lround(uv.y()));
   if (!view.contains(x - 1, y - 1) || !view.contains(x + 1, y + 1)) return Witness::kNothing;
-  const double tolerance = tolerance_m(point.z());
+  const double tolerance_m = clearly_m(point.z());
   int known = 0, free = 0, hidden = 0;
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx) {
@@ -45,10 +45,10 @@ Witness ask(const CoarseView& view, const Eigen::Vector3d& point) {
       ++known;
       const Eigen::Vector3d normal = view.normals[i].cast<double>();
       const double behind_m = normal.dot(point - view.point(x + dx, y + dy));
-      if (std::abs(behind_m) <= tolerance) return Witness::kSame;
+      if (std::abs(behind_m) <= tolerance_m) return Witness::kSame;
       const double deeper_m = point.z() - view.depth_m[i];
-      free += behind_m < 0 && deeper_m < -tolerance ? 1 : 0;
-      hidden += behind_m > 0 && deeper_m > tolerance ? 1 : 0;
+      free += behind_m < 0 && deeper_m < -tolerance_m ? 1 : 0;
+      hidden += behind_m > 0 && deeper_m > tolerance_m ? 1 : 0;
     }
   if (known < 5) return Witness::kNothing;
   if (free == known) return Witness::kFree;
@@ -110,7 +110,7 @@ CoarseMask regions(const CoarseMask& seeds, const CoarseMask& candidates, const 
       for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
         if (!view.contains(x + dx, y + dy)) continue;
         const std::size_t i = view.index(x + dx, y + dy);
-        const bool connected = std::abs(view.depth_m[i] - depth_m) < tolerance_m(depth_m);
+        const bool connected = std::abs(view.depth_m[i] - depth_m) < clearly_m(depth_m);
         if (visited[i] != 0 || !(seeds[i] != 0 || (candidates[i] != 0 && connected))) continue;
         visited[i] = 1;
         region.push_back(static_cast<int>(i));

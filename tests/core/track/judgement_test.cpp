@@ -142,7 +142,7 @@ TEST(Judgement, AScanInTheDarkHasNoPictureToBeWorseThan) {
 // Half of the view may have changed, if the other half looks exactly as it did.
 TEST(Judgement, TheLessAgreesTheMoreItMustLookTheSame) {
   for (const auto& [agreeing, correlation, believed] :
-       {std::tuple{0.65, 0.9, true}, {0.65, 0.6, false}, {0.9, 0.4, true}, {0.9, 0.1, false}, {0.5, 1.0, false}, {0.75, 0.6, true}}) {
+       {std::tuple{0.65, 0.9, true}, {0.65, 0.6, false}, {0.9, 0.4, true}, {0.9, 0.1, false}, {0.5, 1.0, false}, {0.8, 0.65, true}, {0.77, 0.73, false}, {0.68, 0.84, false}}) {
     Agreement agreement = good().agreement;
     agreement.agreeing = agreeing;
     agreement.correlation = correlation;
@@ -159,11 +159,11 @@ TEST(Judgement, AJumpIsBelievedWhereNearlyAllFits) {
   };
   for (const auto& [step_m, turn_rad] : {std::pair(0.25, 0.01), std::pair(0.01, 0.3)}) {
     EXPECT_EQ(status(step_m, turn_rad, 0.91, 0.82), TrackingStatus::kWeak);
-    EXPECT_EQ(status(step_m, turn_rad, 0.76, 0.58), TrackingStatus::kLost);
+    EXPECT_EQ(status(step_m, turn_rad, 0.76, 0.84), TrackingStatus::kLost);
     EXPECT_EQ(status(step_m, turn_rad, 0.76, 0.93), TrackingStatus::kLost);
     EXPECT_EQ(status(step_m, turn_rad, 0.98, 0.55), TrackingStatus::kLost);
   }
-  EXPECT_EQ(status(0.01, 0.01, 0.76, 0.58), TrackingStatus::kWeak) << "a step is no jump";
+  EXPECT_EQ(status(0.01, 0.01, 0.76, 0.84), TrackingStatus::kWeak) << "a step is no jump";
 }
 
 TEST(Judgement, TheLongerACameraWasLostTheFartherItMayHaveGone) {
