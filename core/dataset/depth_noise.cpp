@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/dataset/changed_sequence.h"
+#include "core/dataset/counted_random.h"
+#include "core/dataset/depth_units.h"
 #include "core/dataset/key_values.h"
 
 namespace hermite {
@@ -15,31 +17,6 @@ constexpr double kKinectLateralSigma_px = 0.5;
 constexpr double kKinectDisparitySigma_px = 1.0 / 18.0;
 constexpr double kKinectDisparitySteps_per_px = 8;
 constexpr double kKinectMinDepth_m = 0.4, kKinectMaxDepth_m = 5.0;
-
-// splitmix64's finaliser: counters in, independent bits out. Needs no state, so frames can be read in any order by any thread.
-std::uint64_t mix(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
-
-// Two independent standard normal numbers by Box and Muller; the first uniform is in (0, 1] so that its logarithm is finite.
-struct NormalPair {
-  double a, b;
-};
-NormalPair normal_pair(std::uint64_t frame_key, std::uint64_t counter) {
-  const std::uint64_t bits = mix(frame_key ^ mix(counter));
-  const double uniform = (static_cast<double>(bits >> 32) + 1.0) * 0x1p-32;
-  const double angle = static_cast<double>(bits & 0xffffffffu) * (2.0 * M_PI * 0x1p-32);
-  const double radius = std::sqrt(-2.0 * std::log(uniform));
-  return {radius * std::cos(angle), radius * std::sin(angle)};
-}
-
-std::uint16_t to_units(double depth_m, double units_per_metre) {
-  const double units = std::round(depth_m * units_per_metre);
-  return units >= 1 && units <= 65535 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
-}
 
 // The depth the sensor's triangulation would report, 0 outside its range.
 double kinect_depth_m(double true_depth_m, double normal) {
@@ -94,20 +71,20 @@ Result<NoiseOptions> parse_noise(const std::string& text) {
 DepthImage add_noise(const DepthImage& depth, const Camera& camera, const NoiseOptions& options, std::int64_t frame_index) {
   if (options.model == NoiseModel::kNone) return depth;
   const double scale = camera.depth_units_per_metre;
-  const std::uint64_t frame_key = mix(mix(options.seed) + static_cast<std::uint64_t>(frame_index));
+  const std::uint64_t key = frame_key(options.seed, frame_index);
   DepthImage noisy(depth.width, depth.height);
   for (int y = 0; y < depth.height; ++y)
     for (int x = 0; x < depth.width; ++x) {
       const std::size_t pixel = depth.index(x, y);
-      const NormalPair first = normal_pair(frame_key, 2 * pixel);
+      const NormalPair first = normal_pair(key, 2 * pixel);
       if (options.model == NoiseModel::kGaussian) {
         if (depth.pixels[pixel] == 0) continue;
-        noisy.pixels[pixel] = to_units(depth.pixels[pixel] / scale + options.sigma_m * first.a, scale);
+        noisy.pixels[pixel] = to_depth_units(depth.pixels[pixel] / scale + options.sigma_m * first.a, scale);
         continue;
       }
-      const NormalPair second = normal_pair(frame_key, 2 * pixel + 1);
+      const NormalPair second = normal_pair(key, 2 * pixel + 1);
       const std::uint16_t seen = depth.at(shifted(x, first.a, depth.width), shifted(y, first.b, depth.height));
-      noisy.pixels[pixel] = to_units(kinect_depth_m(seen / scale, second.a), scale);
+      noisy.pixels[pixel] = to_depth_units(kinect_depth_m(seen / scale, second.a), scale);
     }
   return noisy;
 }

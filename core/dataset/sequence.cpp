@@ -1,5 +1,8 @@
 #include "core/dataset/sequence.h"
 
+#include <algorithm>
+
+#include "core/dataset/color_disturbance.h"
 #include "core/dataset/depth_noise.h"
 #include "core/dataset/disturbance.h"
 #include "core/dataset/recording.h"
@@ -43,24 +46,37 @@ Opened missing(std::unique_ptr<Sequence> sequence, const std::string& text) {
 }
 
 struct SuffixKind {
-  std::string_view name;
+  std::string_view name;  // "+name=TEXT"; an empty text may go without the "="
   Opened (*apply)(std::unique_ptr<Sequence> sequence, const std::string& text);
 };
-constexpr SuffixKind kSuffixKinds[] = {{"+noise=", noisy}, {"+covered=", covered}, {"+missing=", missing}};
+constexpr SuffixKind kSuffixKinds[] = {{"+noise", noisy},          {"+covered", covered},
+                                       {"+missing", missing},      {"+exposure", with_exposure},
+                                       {"+flicker", with_flicker}, {"+vignetting", with_vignetting}};
 // Each is a layer around the sequence that every read passes.
 constexpr std::size_t kMaxSuffixes = 16;
 
 struct Suffix {
   const SuffixKind* kind = nullptr;  // none: the source ends with no suffix
   std::size_t begin = 0;
-  std::string text;  // behind the name
+  std::string text;  // behind the "="
 };
+
+// Where the last suffix of that kind begins.
+std::size_t last_of_kind(const std::string& source, std::string_view name) {
+  std::size_t begin = source.rfind(name);
+  const auto is_whole = [&] {
+    const std::size_t end = begin + name.size();
+    return end == source.size() || source[end] == '=';
+  };
+  while (begin != std::string::npos && !is_whole()) begin = begin > 0 ? source.rfind(name, begin - 1) : std::string::npos;
+  return begin;
+}
 
 Suffix last_suffix(const std::string& source) {
   Suffix last;
   for (const SuffixKind& kind : kSuffixKinds)
-    if (const std::size_t begin = source.rfind(kind.name); begin != std::string::npos && (!last.kind || begin > last.begin))
-      last = {&kind, begin, source.substr(begin + kind.name.size())};
+    if (const std::size_t begin = last_of_kind(source, kind.name); begin != std::string::npos && (!last.kind || begin > last.begin))
+      last = {&kind, begin, source.substr(std::min(begin + kind.name.size() + 1, source.size()))};
   return last;
 }
 
@@ -97,7 +113,7 @@ Result<std::unique_ptr<Sequence>> open_sequence(const std::string& source, const
     base.resize(suffix.begin);
     suffixes.push_back(std::move(suffix));
     if (suffixes.size() > kMaxSuffixes)
-      return Error{ErrorCode::kInvalidArgument, "more than " + std::to_string(kMaxSuffixes) + " of +noise, +covered and +missing"};
+      return Error{ErrorCode::kInvalidArgument, "more than " + std::to_string(kMaxSuffixes) + " disturbances behind a source"};
   }
   Opened opened = open_base(base, camera);
   for (auto suffix = suffixes.rbegin(); suffix != suffixes.rend() && opened.ok(); ++suffix) {

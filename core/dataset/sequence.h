@@ -46,11 +46,14 @@ class Sequence {
 // (freiburg1, 2, 3; ICL-NUIM). None of these is an error that says so. The depth camera that 7-Scenes names gets the colour camera of its
 // Kinect, unless `camera` is given or camera.json has a color_camera.
 // Colour and depth are paired by time, at most 20 ms apart, each image used once.
-// Behind either may stand up to 16 of +noise=MODEL[,key=value,...] (depth_noise.h), +covered=FROM:COUNT and +missing=FROM:COUNT
-// (disturbance.h), applied from left to right.
+// Behind either may stand up to 16 disturbances, applied from left to right; their options are "key=value,...", and where all have a
+// default, the name alone will do:
+//   +noise=MODEL[,...]                     depth_noise.h
+//   +covered=FROM:COUNT +missing=FROM:COUNT   disturbance.h
+//   +exposure +flicker +vignetting         color_disturbance.h
 Result<std::unique_ptr<Sequence>> open_sequence(const std::string& source, const std::optional<Camera>& camera = std::nullopt);
 
-// What stands before the first of those suffixes.
+// What stands before the first disturbance.
 std::string source_without_suffixes(const std::string& source);
 
 // camera.json as described in the README, or one of the names fr1, fr2, fr3.

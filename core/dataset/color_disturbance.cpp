@@ -1,0 +1,129 @@
+#include "core/dataset/color_disturbance.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/dataset/changed_sequence.h"
+#include "core/dataset/counted_random.h"
+#include "core/dataset/key_values.h"
+#include "core/image/image_codec.h"
+
+namespace hermite {
+namespace {
+
+using Opened = Result<std::unique_ptr<Sequence>>;
+
+constexpr double kMaxAmplitude = 0.9;
+
+std::uint8_t scaled(std::uint8_t byte, double gain) { return static_cast<std::uint8_t>(std::lround(std::clamp(byte * gain, 0.0, 255.0))); }
+
+// A sequence whose colour is multiplied, pixel by pixel.
+class Gained : public ChangedSequence {
+ public:
+  using ChangedSequence::ChangedSequence;
+
+  Result<RecordedFrame> read(std::int64_t index) const override {
+    Result<RecordedFrame> frame = original_->read(index);
+    if (!frame.ok()) return frame;
+    auto color = decode_color(frame->color_bytes, {frame->depth.width, frame->depth.height});
+    if (!color.ok()) return in_context("colour image", color.error());
+    multiply(*color, index);
+    auto encoded = encode_jpeg(*color, kDisturbedJpegQuality);
+    if (!encoded.ok()) return encoded.error();
+    frame->color_bytes = std::move(*encoded);
+    return frame;
+  }
+
+ protected:
+  static void multiply_all(ColorImage& color, double gain) {
+    for (Rgb8& pixel : color.pixels) pixel = {scaled(pixel.r, gain), scaled(pixel.g, gain), scaled(pixel.b, gain)};
+  }
+
+ private:
+  virtual void multiply(ColorImage& color, std::int64_t index) const = 0;
+};
+
+struct ExposureOptions {
+  double amplitude = 0.25, period_s = 2;
+};
+
+class Exposed : public Gained {
+ public:
+  Exposed(std::unique_ptr<Sequence> original, const ExposureOptions& options) : Gained(std::move(original)), options_(options) {}
+
+ private:
+  void multiply(ColorImage& color, std::int64_t index) const override {
+    const double time_s = timestamp_s(index) - timestamp_s(0);
+    multiply_all(color, 1 + options_.amplitude * std::sin(2 * M_PI * time_s / options_.period_s));
+  }
+
+  const ExposureOptions options_;
+};
+
+struct FlickerOptions {
+  double amplitude = 0.1;
+  std::uint64_t seed = 1;
+};
+
+class Flickering : public Gained {
+ public:
+  Flickering(std::unique_ptr<Sequence> original, const FlickerOptions& options) : Gained(std::move(original)), options_(options) {}
+
+ private:
+  void multiply(ColorImage& color, std::int64_t index) const override {
+    multiply_all(color, 1 + options_.amplitude * (2 * unit_uniform(frame_key(options_.seed, index), 0) - 1));
+  }
+
+  const FlickerOptions options_;
+};
+
+class Vignetted : public Gained {
+ public:
+  Vignetted(std::unique_ptr<Sequence> original, double corner) : Gained(std::move(original)), corner_(corner) {}
+
+ private:
+  void multiply(ColorImage& color, std::int64_t /*index*/) const override {
+    for (int y = 0; y < color.height; ++y)
+      for (int x = 0; x < color.width; ++x) {
+        const double gain = 1 - (1 - corner_) * squared_radius(x, y, color.width, color.height);
+        Rgb8& pixel = color.at(x, y);
+        pixel = {scaled(pixel.r, gain), scaled(pixel.g, gain), scaled(pixel.b, gain)};
+      }
+  }
+
+  const double corner_;
+};
+
+}  // namespace
+
+double squared_radius(int x, int y, int width, int height) {
+  const double middle_x = 0.5 * (width - 1), middle_y = 0.5 * (height - 1);
+  const double dx = x - middle_x, dy = y - middle_y;
+  return (dx * dx + dy * dy) / (middle_x * middle_x + middle_y * middle_y);
+}
+
+Opened with_exposure(std::unique_ptr<Sequence> sequence, const std::string& options) {
+  ExposureOptions exposure;
+  const Status status = apply_key_values(
+      options, {number_rule("amplitude", 0, kMaxAmplitude, exposure.amplitude), number_rule("period_s", 0.01, 3600, exposure.period_s)});
+  if (!status.ok()) return in_context("exposure", status.error());
+  return std::unique_ptr<Sequence>(std::make_unique<Exposed>(std::move(sequence), exposure));
+}
+
+Opened with_flicker(std::unique_ptr<Sequence> sequence, const std::string& options) {
+  FlickerOptions flicker;
+  const Status status = apply_key_values(
+      options, {number_rule("amplitude", 0, kMaxAmplitude, flicker.amplitude),
+                whole_rule("seed", 0, INT64_MAX, [&](std::int64_t value) { flicker.seed = static_cast<std::uint64_t>(value); })});
+  if (!status.ok()) return in_context("flicker", status.error());
+  return std::unique_ptr<Sequence>(std::make_unique<Flickering>(std::move(sequence), flicker));
+}
+
+Opened with_vignetting(std::unique_ptr<Sequence> sequence, const std::string& options) {
+  double corner = 0.55;
+  const Status status = apply_key_values(options, {number_rule("corner", 0, 1, corner)});
+  if (!status.ok()) return in_context("vignetting", status.error());
+  return std::unique_ptr<Sequence>(std::make_unique<Vignetted>(std::move(sequence), corner));
+}
+
+}  // namespace hermite
