@@ -202,10 +202,11 @@ Command add_reconstruct_command(CLI::App& app) {
   auto arguments = std::make_shared<ReconstructArguments>();
   CLI::App& reconstruct = *app.add_subcommand("reconstruct", "Reconstruct a recorded sequence here, without a server");
   reconstruct
-      .add_option("SEQUENCE", arguments->sequence,
-                  "Recording (folder, file or archive; see hermite inspect) or synthetic[:key=value,...], behind it any of +noise=kinect, "
-                  "+covered=FROM:COUNT (a "
-                  "hand before the lens), +missing=FROM:COUNT")
+      .add_option(
+          "SEQUENCE", arguments->sequence,
+          "Recording (folder, file or archive; see hermite inspect) or synthetic[:key=value,...], behind it any of +noise=kinect, "
+          "+covered=FROM:COUNT (a hand before the lens), +missing=FROM:COUNT, +exposure, +flicker, +vignetting, +person, +bend, +focal, "
+          "+sparse, +skip")
       ->required();
   CLI::Option_group& result = *reconstruct.add_option_group("Result", "One of these");
   result.require_option(1);

@@ -67,8 +67,7 @@ Result<Stage> stage_of(const Sequence& sequence) {
 
 Result<Rigid3> pose_of(const Sequence& sequence, std::int64_t index) {
   const auto pose = pose_at(sequence.groundtruth(), sequence.timestamp_s(index), kMaxPoseGap_s);
-  if (!pose)
-    return Error{ErrorCode::kNotFound, "person: the ground truth has no pose at the time of frame " + std::to_string(index)};
+  if (!pose) return Error{ErrorCode::kNotFound, "person: the ground truth has no pose at the time of frame " + std::to_string(index)};
   return *pose;
 }
 

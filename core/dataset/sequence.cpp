@@ -3,8 +3,10 @@
 #include <algorithm>
 
 #include "core/dataset/color_disturbance.h"
+#include "core/dataset/depth_disturbance.h"
 #include "core/dataset/depth_noise.h"
 #include "core/dataset/disturbance.h"
+#include "core/dataset/moving_person.h"
 #include "core/dataset/recording.h"
 #include "core/dataset/synthetic_camera.h"
 #include "core/dataset/text_file.h"
@@ -51,7 +53,10 @@ struct SuffixKind {
 };
 constexpr SuffixKind kSuffixKinds[] = {{"+noise", noisy},          {"+covered", covered},
                                        {"+missing", missing},      {"+exposure", with_exposure},
-                                       {"+flicker", with_flicker}, {"+vignetting", with_vignetting}};
+                                       {"+flicker", with_flicker}, {"+vignetting", with_vignetting},
+                                       {"+person", with_person},   {"+bend", with_bend},
+                                       {"+sparse", with_sparse},   {"+focal", with_focal},
+                                       {"+skip", with_skip}};
 // Each is a layer around the sequence that every read passes.
 constexpr std::size_t kMaxSuffixes = 16;
 

@@ -48,9 +48,11 @@ class Sequence {
 // Colour and depth are paired by time, at most 20 ms apart, each image used once.
 // Behind either may stand up to 16 disturbances, applied from left to right; their options are "key=value,...", and where all have a
 // default, the name alone will do:
-//   +noise=MODEL[,...]                     depth_noise.h
+//   +noise=MODEL[,...]                        depth_noise.h
 //   +covered=FROM:COUNT +missing=FROM:COUNT   disturbance.h
-//   +exposure +flicker +vignetting         color_disturbance.h
+//   +exposure +flicker +vignetting            color_disturbance.h
+//   +person                                   moving_person.h
+//   +bend +sparse +focal +skip                depth_disturbance.h
 Result<std::unique_ptr<Sequence>> open_sequence(const std::string& source, const std::optional<Camera>& camera = std::nullopt);
 
 // What stands before the first disturbance.

@@ -115,7 +115,7 @@ TEST(ColorDisturbance, NonsenseIsAnErrorInWords) {
   EXPECT_THAT(error_of("+exposure=period_s=0"), HasSubstr("from 0.01 to 3600"));
   EXPECT_THAT(error_of("+flicker=sed=1"), HasSubstr("flicker: there is no option \"sed\""));
   EXPECT_THAT(error_of("+vignetting=corner"), HasSubstr("vignetting: \"corner\" is not key=value"));
-  EXPECT_THAT(error_of("+flickering"), HasSubstr("is neither a file"));
+  EXPECT_THAT(error_of("+flickering"), HasSubstr("bare+flickering"));
   EXPECT_THAT(error_of("+covered"), HasSubstr("is no FROM:COUNT"));
 }
 

@@ -1,0 +1,77 @@
+// What happens while somebody scans must not carry the camera away: bounds that hold from end to end, on small images.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/dataset/moving_person.h"
+#include "core/evaluate/trajectory_error.h"
+#include "core/pipeline/pipeline.h"
+#include "tests/support/recording.h"
+
+namespace hermite {
+namespace {
+
+struct Scanned {
+  double ate_rmse_m = 0;
+  std::int64_t tracked = 0;  // neither weak nor lost
+  Cloud cloud;
+};
+
+Scanned scan(const std::string& source) {
+  const test::Recording recording = test::record(source);
+  Pipeline pipeline("", recording.camera, Options{});
+  Scanned result;
+  for (const RgbdFrame& frame : recording.frames) {
+    const Result<FrameResult> seen = pipeline.process(frame);
+    EXPECT_TRUE(seen.ok()) << seen.error().message;
+    result.tracked += seen->status == TrackingStatus::kTracked ? 1 : 0;
+  }
+  const auto error = trajectory_error(pipeline.trajectory(), recording.groundtruth);
+  EXPECT_TRUE(error.ok());
+  result.ate_rmse_m = error->ate_m.rmse;
+  result.cloud = *pipeline.cloud();
+  return result;
+}
+
+// Bare walls have nothing but their picture to hold on to along them.
+const std::string kBareWalls = "synthetic:scene=bare,frames=60,width=160,height=120,rate=20";
+
+TEST(Disturbances, LightAndLensDoNotCarryTheCameraAway) {
+  const Scanned undisturbed = scan(kBareWalls);
+  EXPECT_LT(undisturbed.ate_rmse_m, 0.003);
+  for (const char* disturbance : {"+exposure=amplitude=0.3,period_s=1", "+flicker=amplitude=0.15", "+vignetting=corner=0.5"}) {
+    const Scanned disturbed = scan(kBareWalls + disturbance);
+    EXPECT_LT(disturbed.ate_rmse_m, 3 * undisturbed.ate_rmse_m) << disturbance;
+    EXPECT_GE(disturbed.tracked, undisturbed.tracked - 3) << disturbance;
+  }
+}
+
+TEST(Disturbances, SomebodyWhoCrossesIsNotTheRoom) {
+  const std::string room = "synthetic:frames=80,width=160,height=120,rate=20";
+  const Scanned undisturbed = scan(room);
+  const std::string source = room + "+person";
+  const Scanned disturbed = scan(source);
+  EXPECT_LT(disturbed.ate_rmse_m, 3 * undisturbed.ate_rmse_m);
+  EXPECT_GE(disturbed.tracked, undisturbed.tracked - 4);
+  // Where the person has been, also stands what belongs to the room.
+  const auto still = *open_sequence(room);
+  const auto stands_in_the_way = [&](const CloudPoint& point) {
+    const Eigen::Vector3d position = still->groundtruth().front().world_from_camera * point.position_m.cast<double>();
+    for (std::int64_t frame = 0; frame < still->frame_count(); frame += 2)
+      if (person_at(*still, PersonOptions{}, frame)->contains(position, 0.02)) return true;
+    return false;
+  };
+  const auto in_the_way = [&](const Cloud& cloud) { return std::count_if(cloud.begin(), cloud.end(), stands_in_the_way); };
+  EXPECT_LT(static_cast<double>(in_the_way(disturbed.cloud) - in_the_way(undisturbed.cloud)),
+            0.005 * static_cast<double>(disturbed.cloud.size()));
+}
+
+// A quarter of the pixels is looked at: the way that cameras of 640x480 go.
+TEST(Disturbances, AFullSizeCameraIsFollowedThroughThem) {
+  const Scanned disturbed = scan("synthetic:scene=bare,frames=16,rate=10+exposure=amplitude=0.25,period_s=1+vignetting=corner=0.7");
+  EXPECT_LT(disturbed.ate_rmse_m, 0.003);
+  EXPECT_EQ(disturbed.tracked, 16);
+}
+
+}  // namespace
+}  // namespace hermite
