@@ -11,8 +11,8 @@ namespace {
 // more; on frames of other places, at most 55 % or with a correlation below 0.55 (tests/accuracy/README.md).
 constexpr double kGoodAgreement = 0.85, kGoodCorrelation = 0.6, kGoodOverlap = 0.4;
 
-// What moves is left out of the comparison. Where three quarters or less agree all the same, the picture must be as good as certain: frames of
-// the same walls with other furniture were once fitted with 77 % and a correlation of 0.73, with 68 % and 0.84.
+// What moves is left out of the comparison. Where three quarters or less agree all the same, the picture must be as good as certain: frames
+// of the same walls with other furniture were once fitted with 77 % and a correlation of 0.73, with 68 % and 0.84.
 constexpr double kDoubtfulAgreement = 0.75, kSameCorrelation = 0.88;
 
 // What can be told from a quarter of a view, if it fits like this.
@@ -27,8 +27,12 @@ constexpr double kNoTexture = 0.5, kDark = 12;
 // Good frames of all recordings: 0.88 to 1.5.
 constexpr double kBlurred = 0.6;
 
-// What is known about a motion is mostly noise below this share.
-constexpr double kBlank = 2e-4;
+// What is known about a motion is mostly noise below this share. Small images of bare walls with a picture have 6.6e-5 and more and end 2.5
+// mm off, blank ones 1.5e-5 in the median and 88 mm.
+constexpr double kBlank = 4e-5;
+
+// And of a place that the map is to be bent to.
+constexpr double kBlankPlace = 2e-4;
 
 // Rooms give 0.2 and more.
 constexpr double kFewInliers = 0.1;
@@ -111,7 +115,7 @@ bool is_believable(const Agreement& a, const Rigid3& reference_from_camera, cons
 // Where old and new ground meet only a part of the view is old: the less, the better it must fit. Of 45 revisits in a walk round two rooms
 // that were refused for their overlap alone (0.25 to 0.39) all but one agreed in 96 % and more with a correlation of 0.97 and more.
 bool is_same_place(const Agreement& a, double observability) {
-  if (a.overlap < kLeastOldGround || observability < kBlank) return false;
+  if (a.overlap < kLeastOldGround || observability < kBlankPlace) return false;
   const double missing = std::max(0.0, kGoodOverlap - a.overlap) / (kGoodOverlap - kLeastOldGround);
   const auto needed = [missing](double usual, double strict) { return usual + (strict - usual) * missing; };
   const bool looks_alike = has_picture(a) ? a.correlation >= needed(kGoodCorrelation, kSureCorrelation) : missing == 0;
