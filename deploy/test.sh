@@ -12,6 +12,16 @@ export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1}
 export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
 export CTEST_OUTPUT_ON_FAILURE=1
 jobs=$(nproc)
+failed_tests=build/failed_tests.txt
+
+# All tests of a preset. The names of those that fail are kept for the summary, since their output is thousands of lines above it.
+tests_of() {
+  rm -f "$failed_tests"
+  ctest --preset "$1" -j "$jobs" --no-tests=error || {
+    sed -n 's/^[0-9]*://p' "build/$1/Testing/Temporary/LastTestsFailed.log" | tr '\n' ' ' >"$failed_tests"
+    return 1
+  }
+}
 
 step_web() {
   npm --prefix web run --silent build
@@ -23,7 +33,7 @@ step_release() {
   cmake --build --preset release
 }
 
-step_release_tests() { ctest --preset release -j "$jobs" --no-tests=error; }
+step_release_tests() { tests_of release; }
 
 # Another Vulkan driver than Mesa's, one that lacks much of what that has: SwiftShader, which lies beside Debian's chromium.
 second_driver_filter='-*Death*'  # those start again and again, and tell nothing of a driver
@@ -53,7 +63,7 @@ step_sanitized() {
   cmake --build --preset dev
 }
 
-step_sanitized_tests() { ctest --preset dev -j "$jobs" --no-tests=error; }
+step_sanitized_tests() { tests_of dev; }
 
 # What hands work to a helper thread, under the thread sanitizer.
 step_threads() {
@@ -93,7 +103,8 @@ run_steps() {
       summary+=$(printf '\n  ok      %-16s %4d s' "$step" $((SECONDS - started)))
     else
       failed=$((failed + 1))
-      summary+=$(printf '\n  FAILED  %-16s %4d s' "$step" $((SECONDS - started)))
+      summary+=$(printf '\n  FAILED  %-16s %4d s  %s' "$step" $((SECONDS - started)) "$(cat "$failed_tests" 2>/dev/null || true)")
+      rm -f "$failed_tests"
     fi
   done
   printf '\n=== summary%s\n\n%d passed, %d failed\n' "$summary" "$passed" "$failed"
