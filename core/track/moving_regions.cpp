@@ -126,8 +126,7 @@ CoarseMask regions(const CoarseMask& seeds, const CoarseMask& candidates, const 
   return result;
 }
 
-}  // namespace
-
+// Share of the view's pixels with a surface that belong to the mask, 0 to 1.
 double share_of_surface(const CoarseMask& mask, const CoarseView& view) {
   std::size_t surface = 0, masked = 0;
   for (std::size_t i = 0; i < mask.size(); ++i) {
@@ -137,6 +136,8 @@ double share_of_surface(const CoarseMask& mask, const CoarseView& view) {
   }
   return surface > 0 ? static_cast<double>(masked) / static_cast<double>(surface) : 0;
 }
+
+}  // namespace
 
 CoarseMask MovingRegions::expected(const CoarseView& view) const {
   CoarseMask mask(view.size(), 0);
@@ -168,15 +169,16 @@ CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& wor
   }
   const auto least = static_cast<std::size_t>(std::ceil(kLeastRegion * static_cast<double>(view.size())));
   CoarseMask moving = regions(seeds, candidates, view, least);
+  if (share_of_surface(moving, view) > kMostMoving) moving.assign(view.size(), 0);
   const CoarseMask on_their_own = moving_on_their_own(view, world_from_camera);
   for (std::size_t i = 0; i < moving.size(); ++i) moving[i] |= on_their_own[i];
-  if (share_of_surface(moving, view) > kMostMoving) return CoarseMask(view.size(), 0);
   return grown(moving, view, 1);
 }
 
 // Asked of a view some frames ago, which tells fast motions, and of the oldest one, which tells slow ones and what has come to rest.
 CoarseMask MovingRegions::moving_on_their_own(const CoarseView& view, const Rigid3& world_from_camera) {
   CoarseMask mask(view.size(), 0);
+  is_divided_ = false;
   if (seen_.empty()) return mask;
   const ViewSurfaces surfaces = surfaces_of(view);
   const CoarseMask carried = expected(view);
@@ -190,6 +192,7 @@ CoarseMask MovingRegions::moving_on_their_own(const CoarseView& view, const Rigi
                               log_se3(inverse(last_world_from_camera_) * world_from_camera)};
     OwnMotions motions = own_motions(view, surfaces, seen.view, motion, moves, disagreement.usual);
     disagreement.last = motions.disagreement;
+    is_divided_ = is_divided_ || motions.is_divided;
     return std::move(motions.of_surface);
   };
   const bool newest_is_young = frames_since_kept_ != 0 && frames_since_kept_ + 1 < kKeepEvery;

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace hermite {
@@ -10,7 +11,10 @@ namespace hermite {
 namespace {
 
 constexpr double kLeastSurface = 0.01;  // of the pixels; smaller ones are edges, reflections, and too few pairs to tell
-constexpr double kMostMoving = 0.4;     // of the surface: beyond it nobody knows which part is the room
+
+// Of what is seen, in square metres: beyond it nobody knows which part is the room. Somebody before the camera may hide most of the view,
+// but a room has more surface than a person.
+constexpr double kMostMoving = 0.4;
 
 // Two pixels are of one surface when they lie so near to the plane of one of them, in deviations and parts of their distance, and the
 // surface does not bend towards the camera by more than this between them: 30 degrees, four times the noise of a coarse pixel's normal.
@@ -275,12 +279,14 @@ ViewSurfaces surfaces_of(const CoarseView& view) {
 OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, const CoarseView& earlier, const CameraMotion& motion,
                        const std::vector<bool>& moved_before, double usual_disagreement) {
   const Comparison comparison{frame, surfaces, earlier, motion};
-  const auto surface_pixels = static_cast<double>(std::count_if(frame.depth_m.begin(), frame.depth_m.end(), [](float z) { return z > 0; }));
+  // The surface that a pixel shows grows with the square of its distance.
+  std::vector<double> area(surfaces.pixel_count.size(), 0);
+  for (std::size_t i = 0; i < frame.size(); ++i) area[surfaces.of_pixel[i]] += double{frame.depth_m[i]} * double{frame.depth_m[i]};
+  const double all_area = std::accumulate(area.begin(), area.end(), 0.0);
   const auto is_most = [&](const std::vector<bool>& moves) {
     double moving = 0;
-    for (std::size_t surface = 1; surface < moves.size(); ++surface)
-      moving += moves[surface] ? static_cast<double>(surfaces.pixel_count[surface]) : 0;
-    return moving > kMostMoving * surface_pixels;
+    for (std::size_t surface = 1; surface < moves.size(); ++surface) moving += moves[surface] ? area[surface] : 0;
+    return moving > kMostMoving * all_area;
   };
   struct State {
     std::vector<bool> moves;
@@ -302,8 +308,9 @@ OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, co
     return apart;
   };
   // One surface after the other, as long as one is found.
+  bool is_divided = false;
   for (bool found = true; found;) {
-    found = false;
+    found = is_divided = false;
     const std::vector<double> chi2 = suspicions(state.systems, state.moves);
     std::vector<std::size_t> suspects;
     for (std::size_t surface = 1; surface < chi2.size(); ++surface)
@@ -314,16 +321,17 @@ OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, co
     double most = 0;
     for (const std::size_t suspect : suspects) {
       State trial = without(suspect);
-      if (is_most(trial.moves)) continue;
       const Apart alone = apart(trial, suspect);
-      if (!alone.is_beyond(kMoves, kShareOfCamera) || alone.chi2 <= most) continue;
+      if (!alone.is_beyond(kMoves, kShareOfCamera)) continue;
+      is_divided = is_divided || is_most(trial.moves);
+      if (is_most(trial.moves) || alone.chi2 <= most) continue;
       most = alone.chi2;
       best = std::move(trial);
       found = true;
     }
     if (found) state = std::move(best);
   }
-  OwnMotions result{std::vector<OwnMotion>(state.moves.size(), OwnMotion::kUnknown), disagreement(state.systems, state.moves)};
+  OwnMotions result{std::vector<OwnMotion>(state.moves.size(), OwnMotion::kUnknown), disagreement(state.systems, state.moves), is_divided};
   for (std::size_t surface = 1; surface < state.moves.size(); ++surface) {
     const Apart alone = state.moves[surface] ? apart(state, surface) : Apart{state.systems[surface].pairs >= kLeastPairs};
     if (!alone.is_known) continue;

@@ -30,11 +30,12 @@ enum class OwnMotion { kUnknown, kRests, kMoves };
 struct OwnMotions {
   std::vector<OwnMotion> of_surface;  // by number; number 0 is unknown
   double disagreement = 1;            // of what rests: its chi-squares over those of independent noise, at least 1
+  bool is_divided = false;            // something moves against the rest that is too large to know which of both is the room
 };
 
 // What each surface has done between `earlier` and `frame`; kUnknown: too little of it is seen in both. `moved_before` (by number) do not
-// take the camera along to begin with; surfaces of this scan usually disagree by `usual_disagreement`, at least 1. What moves is the
-// smaller part: never more than two fifths of the frame's surface.
+// take the camera along to begin with; surfaces of this scan usually disagree by `usual_disagreement`, at least 1. What is
+// found to move is the smaller part: with what moved before at most two fifths of what is seen, in square metres.
 OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, const CoarseView& earlier, const CameraMotion& motion,
                        const std::vector<bool>& moved_before, double usual_disagreement);
 
