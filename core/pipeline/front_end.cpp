@@ -142,7 +142,7 @@ Motion FrontEnd::track(const FrameContent& content, const Rigid3& world_from_ref
   hide(moving_mask_);
   TrackingEvidence evidence;
   evidence.content = content;
-  evidence.moving_share = share_of_surface(moving_mask_, view_);
+  evidence.is_divided = is_found() && moving_.is_divided();
   evidence.lost_count = lost_count;
   if (!is_found()) evidence.unmoved = odometry_.agreement(maps, reference, turned);
   evidence.agreement = found.agreement;

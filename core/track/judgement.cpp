@@ -76,6 +76,7 @@ std::string why_lost(const TrackingEvidence& e, const TrackOptions& options) {
 std::string why_weak(const TrackingEvidence& e, const TrackOptions& options) {
   const Agreement& a = e.agreement;
   if (e.inlier_share < kFewInliers) return "too few points: only " + percent(e.inlier_share) + " of the image can be used";
+  if (e.is_divided) return "moving: large parts of the view go different ways, and which is the room cannot be told";
   if (a.overlap < kGoodOverlap) return "too little in common: only " + percent(a.overlap) + " of the view has been scanned";
   if (a.agreeing < kGoodAgreement && a.in_front > 0.5 * (1 - a.agreeing)) return "occluded: something is in front of what was scanned";
   if (a.agreeing < kGoodAgreement) return "too little in common: " + percent(1 - a.agreeing) + " of what was scanned is not where it was";

@@ -33,7 +33,7 @@ struct TrackingEvidence {
   Agreement unmoved;  // the same where the camera was before, turned as the pictures say; only needed of a pose that is not believable
   double inlier_share = 0;       // geometric correspondences, of all pixels
   double observability = 0;      // see core/track/normal_equations.h
-  double moving_share = 0;       // of the frame's surface: moves, and is not looked at
+  bool is_divided = false;       // large parts of the view move against each other, see core/track/own_motion.h
   Rigid3 reference_from_camera;  // the motion found
   double turn_seen_rad = 0;      // of the pictures alone, before tracking
   int lost_count = 0;            // frames lost just before this one

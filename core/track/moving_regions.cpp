@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/math/rigid3_fields.h"
+#include "core/track/own_motion.h"
 
 namespace hermite {
 
@@ -12,6 +13,9 @@ namespace {
 // Every fourth frame is kept, eight of them: a second of a camera of 30 Hz. Somebody who walks is his own width farther after half of it.
 constexpr std::uint32_t kKeepEvery = 4;
 constexpr std::size_t kKept = 8;
+
+// What surfaces usually disagree by is a mean over about this many frames.
+constexpr double kUsualOver = 30;
 
 // Six times the noise of a Kinect v1 (Nguyen, Izadi, Lovell 2012) and 3 cm for poses, as for what is "in front" in the agreement of a
 // frame with the map (shaders/track/agreement.comp).
@@ -122,8 +126,7 @@ CoarseMask regions(const CoarseMask& seeds, const CoarseMask& candidates, const 
   return result;
 }
 
-}  // namespace
-
+// Share of the view's pixels with a surface that belong to the mask, 0 to 1.
 double share_of_surface(const CoarseMask& mask, const CoarseView& view) {
   std::size_t surface = 0, masked = 0;
   for (std::size_t i = 0; i < mask.size(); ++i) {
@@ -133,6 +136,8 @@ double share_of_surface(const CoarseMask& mask, const CoarseView& view) {
   }
   return surface > 0 ? static_cast<double>(masked) / static_cast<double>(surface) : 0;
 }
+
+}  // namespace
 
 CoarseMask MovingRegions::expected(const CoarseView& view) const {
   CoarseMask mask(view.size(), 0);
@@ -150,7 +155,7 @@ CoarseMask MovingRegions::expected(const CoarseView& view) const {
   return mask;
 }
 
-CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& world_from_camera) const {
+CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& world_from_camera) {
   Votes votes{std::vector<int>(view.size(), 0), std::vector<int>(view.size(), 0)};
   for (const Seen& seen : seen_) {
     const Rigid3 seen_from_now = inverse(seen.world_from_camera) * world_from_camera;
@@ -163,27 +168,73 @@ CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& wor
     candidates[i] = view.depth_m[i] > 0 && votes.against[i] >= votes.for_[i] ? 1 : 0;
   }
   const auto least = static_cast<std::size_t>(std::ceil(kLeastRegion * static_cast<double>(view.size())));
-  const CoarseMask moving = regions(seeds, candidates, view, least);
-  if (share_of_surface(moving, view) > kMostMoving) return CoarseMask(view.size(), 0);
+  CoarseMask moving = regions(seeds, candidates, view, least);
+  if (share_of_surface(moving, view) > kMostMoving) moving.assign(view.size(), 0);
+  const CoarseMask on_their_own = moving_on_their_own(view, world_from_camera);
+  for (std::size_t i = 0; i < moving.size(); ++i) moving[i] |= on_their_own[i];
   return grown(moving, view, 1);
 }
 
+// Asked of a view some frames ago, which tells fast motions, and of the oldest one, which tells slow ones and what has come to rest.
+CoarseMask MovingRegions::moving_on_their_own(const CoarseView& view, const Rigid3& world_from_camera) {
+  CoarseMask mask(view.size(), 0);
+  is_divided_ = false;
+  if (seen_.empty()) return mask;
+  const ViewSurfaces surfaces = surfaces_of(view);
+  const CoarseMask carried = expected(view);
+  std::vector<std::size_t> carried_pixels(surfaces.pixel_count.size());
+  for (std::size_t i = 0; i < view.size(); ++i) carried_pixels[surfaces.of_pixel[i]] += carried[i];
+  std::vector<bool> moves(surfaces.pixel_count.size(), false);
+  for (std::size_t surface = 1; surface < moves.size(); ++surface)
+    moves[surface] = 2 * carried_pixels[surface] > surfaces.pixel_count[surface];
+  const auto since = [&](const Seen& seen, Disagreement& disagreement) {
+    const CameraMotion motion{inverse(seen.world_from_camera) * world_from_camera, seen.step_before,
+                              log_se3(inverse(last_world_from_camera_) * world_from_camera)};
+    OwnMotions motions = own_motions(view, surfaces, seen.view, motion, moves, disagreement.usual);
+    disagreement.last = motions.disagreement;
+    is_divided_ = is_divided_ || motions.is_divided;
+    return std::move(motions.of_surface);
+  };
+  const bool newest_is_young = frames_since_kept_ != 0 && frames_since_kept_ + 1 < kKeepEvery;
+  const std::vector<OwnMotion> lately = since(newest_is_young && seen_.size() > 1 ? seen_[seen_.size() - 2] : seen_.back(), lately_);
+  for (std::size_t surface = 1; surface < moves.size(); ++surface) moves[surface] = moves[surface] || lately[surface] == OwnMotion::kMoves;
+  const std::vector<OwnMotion> all_along = since(seen_.front(), all_along_);
+  for (std::size_t surface = 1; surface < moves.size(); ++surface)
+    moves[surface] = lately[surface] == OwnMotion::kMoves || all_along[surface] == OwnMotion::kMoves ||
+                     (moves[surface] && lately[surface] == OwnMotion::kUnknown && all_along[surface] == OwnMotion::kUnknown);
+  for (std::size_t i = 0; i < view.size(); ++i) mask[i] = moves[surfaces.of_pixel[i]] ? 1 : 0;
+  return mask;
+}
+
 void MovingRegions::remember(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& moving) {
+  const Vector6d step = last_view_.empty() ? Vector6d::Zero() : log_se3(inverse(last_world_from_camera_) * world_from_camera);
   last_view_ = view;
+  last_world_from_camera_ = world_from_camera;
   last_moving_ = moving;
-  if (frames_since_kept_ == 0) seen_.push_back({view, world_from_camera});
+  if (frames_since_kept_ == 0) seen_.push_back({view, world_from_camera, step});
   if (seen_.size() > kKept) seen_.pop_front();
+  for (Disagreement* disagreement : {&lately_, &all_along_})
+    disagreement->usual = std::max(1.0, disagreement->usual + (disagreement->last - disagreement->usual) / kUsualOver);
   frames_since_kept_ = (frames_since_kept_ + 1) % kKeepEvery;
 }
 
-void MovingRegions::forget() { *this = {}; }
+void MovingRegions::forget() {
+  seen_.clear();
+  last_view_ = {};
+  last_moving_.clear();
+  frames_since_kept_ = 0;
+}
 
 void MovingRegions::save(ByteWriter& bytes) const {
   bytes.list(std::vector<Seen>(seen_.begin(), seen_.end()), [](ByteWriter& to, const Seen& seen) {
     hermite::save(to, seen.view);
     rigid3_fields(to, seen.world_from_camera);
+    for (const double part : seen.step_before) to.number(part);
   });
   hermite::save(bytes, last_view_);
+  rigid3_fields(bytes, last_world_from_camera_);
+  bytes.number(lately_);
+  bytes.number(all_along_);
   bytes.numbers(last_moving_);
   bytes.number(frames_since_kept_);
 }
@@ -193,9 +244,13 @@ void MovingRegions::restore(ByteReader& bytes) {
   bytes.list(seen, [](ByteReader& from, Seen& view) {
     hermite::restore(from, view.view);
     rigid3_fields(from, view.world_from_camera);
+    for (double& part : view.step_before) from.number(part);
   });
   seen_.assign(seen.begin(), seen.end());
   hermite::restore(bytes, last_view_);
+  rigid3_fields(bytes, last_world_from_camera_);
+  bytes.number(lately_);
+  bytes.number(all_along_);
   bytes.numbers(last_moving_);
   bytes.number(frames_since_kept_);
   bytes.require(seen_.size() <= kKept && frames_since_kept_ < kKeepEvery && last_moving_.size() == last_view_.size(),

@@ -19,9 +19,12 @@ class MovingRegions {
   // when nothing moved.
   CoarseMask expected(const CoarseView& view) const;
 
-  // Where the frame contradicts the remembered views, seen from `world_from_camera`. Nothing (all zero) when most of it does: then it is
-  // rather the pose that is wrong.
-  CoarseMask contradicted(const CoarseView& view, const Rigid3& world_from_camera) const;
+  // Where the frame contradicts the remembered views, seen from `world_from_camera`, unless most of it does: then it is rather the pose
+  // that is wrong. And what has moved on its own (own_motion.h).
+  CoarseMask contradicted(const CoarseView& view, const Rigid3& world_from_camera);
+
+  // Of the frame asked about last: parts of it that are too large to know which is the room move against each other.
+  bool is_divided() const { return is_divided_; }
 
   // The frame's pose and regions are final: it becomes the last frame, and some frames are kept to compare with.
   void remember(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& moving);
@@ -36,14 +39,21 @@ class MovingRegions {
   struct Seen {
     CoarseView view;
     Rigid3 world_from_camera;
+    Vector6d step_before = Vector6d::Zero();  // twist from the frame before it
   };
+  // Of surfaces that rest, see OwnMotions.
+  struct Disagreement {
+    double last = 1, usual = 1;
+  };
+  CoarseMask moving_on_their_own(const CoarseView& view, const Rigid3& world_from_camera);
+
   std::deque<Seen> seen_;  // oldest first
   CoarseView last_view_;
+  Rigid3 last_world_from_camera_;
   CoarseMask last_moving_;
+  Disagreement lately_, all_along_;  // with a view some frames ago, with the oldest
   std::uint32_t frames_since_kept_ = 0;
+  bool is_divided_ = false;
 };
-
-// Share of the view's pixels with a surface that belong to the mask, 0 to 1.
-double share_of_surface(const CoarseMask& mask, const CoarseView& view);
 
 }  // namespace hermite

@@ -66,6 +66,14 @@ TEST(Disturbances, SomebodyWhoCrossesIsNotTheRoom) {
             0.005 * static_cast<double>(disturbed.cloud.size()));
 }
 
+// From the first frame on, and always at the same place of the view.
+TEST(Disturbances, SomebodyWhoWalksAheadIsNotFollowed) {
+  const std::string room = "synthetic:frames=50,width=160,height=120,rate=20";
+  const Scanned undisturbed = scan(room), disturbed = scan(room + "+person=path=ahead");
+  EXPECT_LT(disturbed.ate_rmse_m, 3 * undisturbed.ate_rmse_m);
+  EXPECT_GE(disturbed.tracked, undisturbed.tracked - 4);
+}
+
 // A quarter of the pixels is looked at: the way that cameras of 640x480 go.
 TEST(Disturbances, AFullSizeCameraIsFollowedThroughThem) {
   const Scanned disturbed = scan("synthetic:scene=bare,frames=16,rate=10+exposure=amplitude=0.25,period_s=1+vignetting=corner=0.7");

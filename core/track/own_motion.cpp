@@ -1,0 +1,343 @@
+#include "core/track/own_motion.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace hermite {
+
+namespace {
+
+constexpr double kLeastSurface = 0.01;  // of the pixels; smaller ones are edges, reflections, and too few pairs to tell
+
+// Of what is seen, in square metres: beyond it nobody knows which part is the room. Somebody before the camera may hide most of the view,
+// but a room has more surface than a person.
+constexpr double kMostMoving = 0.4;
+
+// Two pixels are of one surface when they lie so near to the plane of one of them, in deviations and parts of their distance, and the
+// surface does not bend towards the camera by more than this between them: 30 degrees, four times the noise of a coarse pixel's normal.
+constexpr double kStep = 3, kSlope = 0.15, kConcaveCosine = 0.87;
+
+// Pairs: so near, and facing alike. A decimetre and a half is what a camera turns far surfaces by when it follows the wrong thing.
+constexpr double kNear_m = 0.15, kAlikeCosine = 0.8;
+constexpr int kLeastPairs = 20;
+
+// As in the odometry (shaders/track/odometry.comp): Student's t of both residuals, and what pixels and edges are off by.
+constexpr double kDegreesOfFreedom = 5, kSaturated = 250, kBlur2 = 0.15 * 0.15;
+constexpr double kGeometricStart = 3, kPhotometricStart = 10;  // deviations and grey values: robust to what moves, and above any noise
+constexpr double kLeastGeometric = 0.1, kLeastPhotometric = 1;
+
+// Between two views a thing moves by a decimetre or a tenth of a radian: what the pairs do not hold stays.
+constexpr double kPriorInformation = 1 / (0.1 * 0.1);
+
+// Gauss-Newton steps from where tracking has put the frame, and when the room is suspected to be elsewhere.
+constexpr int kSteps = 2, kStepsWhenMoving = 6;
+
+// A surface is suspected when its chi-square of 6 degrees of freedom (median 5.35) is beyond any noise. It moves when what it does alone
+// has a chi-square so many times as large as the other surfaces have in the median: noise goes together over pixels and lenses bend depth,
+// which all suffer alike. And it must do so by a share of what the camera has moved its points by, since rolling shutters and pictures that
+// come late shift what is seen by a part of that. Where nothing moves (250 frames of redkitchen, fr1, the rendered room with depth bent
+// by 1.5 %; views 4 and 30 frames apart) one surface of a thousand has 375 and 0.39, of fr1 637 and 0.25; a person who walks ahead has 490
+// to 3500 and 0.45 to 0.9 after the first step. What moved rests again when neither is left.
+constexpr double kMedianChi2 = 5.35, kSuspicious = 60;
+constexpr double kMoves = 400, kStillMoves = 60;
+constexpr double kShareOfCamera = 0.4, kStillShareOfCamera = 0.1;
+
+// The suspects that say most are each left out in turn.
+constexpr std::size_t kTried = 3;
+
+double noise_m(double depth_m) {
+  const double beyond_m = std::max(0.0, depth_m - 0.4);
+  return 0.0012 + 0.0019 * beyond_m * beyond_m;  // Kinect v1: Nguyen, Izadi, Lovell 2012
+}
+
+bool is_continued(const CoarseView& view, std::size_t from, const Eigen::Vector3d& point, std::size_t to, const Eigen::Vector3d& next) {
+  const Eigen::Vector3d normal = view.normals[from].cast<double>(), next_normal = view.normals[to].cast<double>(), way = next - point;
+  const double off_m = std::min(std::abs(normal.dot(way)), std::abs(next_normal.dot(way)));
+  if (off_m > kStep * noise_m(point.z()) + kSlope * way.norm()) return false;
+  return normal.dot(next_normal) > kConcaveCosine || way.dot(next_normal - normal) < 0;
+}
+
+// Half the quadratic form of a twist that moves a surface's points.
+struct System {
+  Matrix6d hessian = Matrix6d::Zero();
+  Vector6d right_hand_side = Vector6d::Zero();
+  int pairs = 0;
+
+  void add(const Vector6d& row, double residual, double weight) {
+    hessian.noalias() += weight * row * row.transpose();
+    right_hand_side -= weight * residual * row;
+  }
+};
+
+// Deviations of the residuals, and the frame's brightness beside the earlier view's: from step to step, of what rests.
+struct Believed {
+  double geometric = kGeometricStart, photometric = kPhotometricStart;
+  double gain = 1, offset = 0;
+};
+
+struct Sums {
+  double count = 0, weighted = 0;
+  double deviation() const { return std::sqrt(weighted / count); }
+};
+
+// Of grey = gain * known + offset.
+struct Line {
+  double one = 0, known = 0, known2 = 0, grey = 0, known_grey = 0;
+};
+
+// Bilinear; negative: outside, or a pixel without a surface.
+double grey_at(const CoarseView& view, const Eigen::Vector2d& uv) {
+  const int x = static_cast<int>(std::floor(uv.x())), y = static_cast<int>(std::floor(uv.y()));
+  if (!view.contains(x, y) || !view.contains(x + 1, y + 1)) return -1;
+  const double a = uv.x() - x, b = uv.y() - y;
+  const std::size_t i = view.index(x, y), below = view.index(x, y + 1);
+  if (std::min({view.grey[i], view.grey[i + 1], view.grey[below], view.grey[below + 1]}) < 0) return -1;
+  return (1 - b) * ((1 - a) * view.grey[i] + a * view.grey[i + 1]) + b * ((1 - a) * view.grey[below] + a * view.grey[below + 1]);
+}
+
+// What one surface does where the others do not take it.
+struct Apart {
+  bool is_known = false;
+  double chi2 = 0, share_of_camera = 0;
+  bool is_beyond(double least_chi2, double least_share) const { return is_known && chi2 > least_chi2 && share_of_camera > least_share; }
+};
+
+struct Comparison {
+  const CoarseView& frame;
+  const ViewSurfaces& surfaces;
+  const CoarseView& earlier;
+  const CameraMotion& motion;
+
+  std::vector<System> linearise(const Rigid3& earlier_from_frame, const std::vector<bool>& moves, Believed& believed) const;
+  Rigid3 align(Rigid3 earlier_from_frame, const std::vector<bool>& moves, int steps, Believed& believed,
+               std::vector<System>& systems) const;
+  Apart apart(std::size_t surface, const Rigid3& rest_pose, const System& rest, Believed believed) const;
+};
+
+// By surface.
+std::vector<System> Comparison::linearise(const Rigid3& earlier_from_frame, const std::vector<bool>& moves, Believed& believed) const {
+  std::vector<System> systems(surfaces.pixel_count.size());
+  Sums geometric, photometric;
+  Line line;
+  const Eigen::Matrix3d rotation = earlier_from_frame.rotation.toRotationMatrix();
+  const int width = static_cast<int>(frame.camera.width), height = static_cast<int>(frame.camera.height);
+  for (int y = 1; y + 1 < height; ++y)
+    for (int x = 1; x + 1 < width; ++x) {
+      const std::size_t i = frame.index(x, y);
+      if (frame.depth_m[i] <= 0) continue;
+      const Eigen::Vector3d point = rotation * frame.point(x, y) + earlier_from_frame.translation;
+      if (point.z() < 0.05) continue;
+      const Eigen::Vector2d uv = earlier.project(point);
+      const int u = static_cast<int>(std::lround(uv.x())), v = static_cast<int>(std::lround(uv.y()));
+      if (!earlier.contains(u, v)) continue;
+      const std::size_t j = earlier.index(u, v);
+      if (earlier.depth_m[j] <= 0) continue;
+      const Eigen::Vector3d normal = earlier.normals[j].cast<double>(), away = point - earlier.point(u, v);
+      if (away.squaredNorm() > kNear_m * kNear_m || normal.dot(rotation * frame.normals[i].cast<double>()) < kAlikeCosine) continue;
+      System& system = systems[surfaces.of_pixel[i]];
+      const bool rests = !moves[surfaces.of_pixel[i]];
+      Vector6d row;
+      row << normal, point.cross(normal);
+      row /= noise_m(point.z());
+      const double residual = normal.dot(away) / noise_m(point.z()), scaled = residual / believed.geometric;
+      const double likely = kDegreesOfFreedom / (kDegreesOfFreedom + scaled * scaled);
+      system.add(row, residual, likely / (believed.geometric * believed.geometric));
+      ++system.pairs;
+      if (rests) geometric.count += 1, geometric.weighted += likely * residual * residual;
+      const double known = grey_at(earlier, uv), grey = frame.grey[i];
+      const double left = frame.grey[i - 1], right = frame.grey[i + 1];
+      const double above = frame.grey[frame.index(x, y - 1)], below = frame.grey[frame.index(x, y + 1)];
+      if (std::abs(scaled) > 3 || std::min({known, left, right, above, below, grey}) < 0 || grey > kSaturated) continue;
+      const Eigen::Vector2d gradient(0.5 * (right - left), 0.5 * (below - above));
+      const double flow = gradient.dot(uv - Eigen::Vector2d(x, y));
+      const double expected2 = 1 + kBlur2 * gradient.squaredNorm() + 0.09 * flow * flow,
+                   misfit = grey - (believed.gain * known + believed.offset);
+      const double grey_scaled2 = misfit * misfit / (expected2 * believed.photometric * believed.photometric);
+      const double grey_likely = kDegreesOfFreedom / (kDegreesOfFreedom + grey_scaled2);
+      const double weight = grey_likely / (expected2 * believed.photometric * believed.photometric);
+      const Eigen::Vector2d per_m(gradient.x() * double{frame.camera.fx} / point.z(), gradient.y() * double{frame.camera.fy} / point.z());
+      const Eigen::Vector3d slope = -Eigen::Vector3d(per_m.x(), per_m.y(), -per_m.dot(point.head<2>()) / point.z());
+      row << slope, point.cross(slope);
+      system.add(row, misfit, weight);
+      if (!rests) continue;
+      photometric.count += 1, photometric.weighted += grey_likely * misfit * misfit / expected2;
+      line.one += weight, line.known += weight * known, line.known2 += weight * known * known;
+      line.grey += weight * grey, line.known_grey += weight * known * grey;
+    }
+  // Scales only fall: what they are at first is wider than any noise.
+  if (geometric.count > 0) believed.geometric = std::clamp(geometric.deviation(), kLeastGeometric, believed.geometric);
+  if (photometric.count > 0) believed.photometric = std::clamp(photometric.deviation(), kLeastPhotometric, believed.photometric);
+  const double spread = line.one * line.known2 - line.known * line.known;
+  if (spread > 1e-3 * line.one * line.one) {
+    believed.gain = std::clamp((line.one * line.known_grey - line.known * line.grey) / spread, 0.5, 2.0);
+    believed.offset = (line.grey - believed.gain * line.known) / line.one;
+  }
+  return systems;
+}
+
+System sum_of_resting(const std::vector<System>& systems, const std::vector<bool>& moves) {
+  System sum;
+  sum.hessian = kPriorInformation * Matrix6d::Identity();
+  for (std::size_t surface = 0; surface < systems.size(); ++surface) {
+    if (moves[surface]) continue;
+    sum.hessian += systems[surface].hessian;
+    sum.right_hand_side += systems[surface].right_hand_side;
+  }
+  return sum;
+}
+
+// What does not move is brought together; `systems` are of the end.
+Rigid3 Comparison::align(Rigid3 earlier_from_frame, const std::vector<bool>& moves, int steps, Believed& believed,
+                         std::vector<System>& systems) const {
+  for (int step = 0; step < steps; ++step) {
+    const System rest = sum_of_resting(linearise(earlier_from_frame, moves, believed), moves);
+    earlier_from_frame = exp_se3(rest.hessian.ldlt().solve(rest.right_hand_side)) * earlier_from_frame;
+  }
+  systems = linearise(earlier_from_frame, moves, believed);
+  return earlier_from_frame;
+}
+
+// By surface, the chi-square of where it would go alone against where the others would, to first order; 0: too few pairs.
+std::vector<double> suspicions(const std::vector<System>& systems, const std::vector<bool>& moves) {
+  std::vector<double> chi2(systems.size(), 0);
+  const System all = sum_of_resting(systems, moves);
+  for (std::size_t surface = 1; surface < systems.size(); ++surface) {
+    const System& own = systems[surface];
+    if (own.pairs < kLeastPairs || moves[surface]) continue;
+    const auto own_factor = (own.hessian + kPriorInformation * Matrix6d::Identity()).eval().ldlt();
+    const auto rest_factor = (all.hessian - own.hessian).eval().ldlt();
+    const Vector6d apart = own_factor.solve(own.right_hand_side) - rest_factor.solve(all.right_hand_side - own.right_hand_side);
+    const Matrix6d covariance = own_factor.solve(Matrix6d::Identity()) + rest_factor.solve(Matrix6d::Identity());
+    chi2[surface] = apart.dot(covariance.ldlt().solve(apart));
+  }
+  return chi2;
+}
+
+// By how much the chi-squares of what rests are larger than those of independent noise.
+double disagreement(const std::vector<System>& systems, const std::vector<bool>& moves) {
+  std::vector<double> chi2 = suspicions(systems, moves);
+  std::erase(chi2, 0);
+  if (chi2.empty()) return 1;
+  const auto middle = chi2.begin() + static_cast<std::ptrdiff_t>(chi2.size() / 2);
+  std::nth_element(chi2.begin(), middle, chi2.end());
+  return std::max(1.0, *middle / kMedianChi2);
+}
+
+Apart Comparison::apart(std::size_t surface, const Rigid3& rest_pose, const System& rest, Believed believed) const {
+  std::vector<bool> others(surfaces.pixel_count.size(), true);
+  others[surface] = false;
+  std::vector<System> systems;
+  const Rigid3 own_pose = align(rest_pose, others, kStepsWhenMoving, believed, systems);
+  const System& own = systems[surface];
+  if (own.pairs < kLeastPairs) return {};
+  const Matrix6d prior = kPriorInformation * Matrix6d::Identity();
+  const Vector6d twist = log_se3(own_pose * inverse(rest_pose));
+  const Matrix6d covariance = (own.hessian + prior).inverse() + rest.hessian.inverse();
+  // How far a twist moves the points, as far as they show it.
+  const auto length = [&own](const Vector6d& x) { return std::sqrt(x.dot(own.hessian * x)); };
+  const double by_camera = length(log_se3(rest_pose)) + length(motion.step_before_earlier) + length(motion.step_before_frame);
+  return {true, twist.dot(covariance.ldlt().solve(twist)), length(twist) / std::max(by_camera, 1e-9)};
+}
+
+}  // namespace
+
+ViewSurfaces surfaces_of(const CoarseView& view) {
+  constexpr std::uint32_t kUnvisited = ~0u;
+  const auto least_pixels = static_cast<std::size_t>(std::ceil(kLeastSurface * static_cast<double>(view.size())));
+  ViewSurfaces surfaces{std::vector<std::uint32_t>(view.size(), kUnvisited), {0}};
+  const auto width = static_cast<std::size_t>(view.camera.width);
+  std::vector<std::size_t> region;
+  for (std::size_t start = 0; start < view.size(); ++start) {
+    if (surfaces.of_pixel[start] != kUnvisited) continue;
+    const auto number = static_cast<std::uint32_t>(surfaces.pixel_count.size());
+    region.assign(1, start);
+    surfaces.of_pixel[start] = view.depth_m[start] > 0 ? number : 0;
+    for (std::size_t next = 0; next < region.size() && view.depth_m[start] > 0; ++next) {
+      const int x = static_cast<int>(region[next] % width), y = static_cast<int>(region[next] / width);
+      for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+        if (!view.contains(x + dx, y + dy)) continue;
+        const std::size_t i = view.index(x + dx, y + dy);
+        if (surfaces.of_pixel[i] != kUnvisited || view.depth_m[i] <= 0) continue;
+        if (!is_continued(view, region[next], view.point(x, y), i, view.point(x + dx, y + dy))) continue;
+        surfaces.of_pixel[i] = number;
+        region.push_back(i);
+      }
+    }
+    if (view.depth_m[start] > 0 && region.size() >= least_pixels) {
+      surfaces.pixel_count.push_back(region.size());
+      continue;
+    }
+    for (const std::size_t i : region) surfaces.of_pixel[i] = 0;
+    surfaces.pixel_count[0] += region.size();
+  }
+  return surfaces;
+}
+
+OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, const CoarseView& earlier, const CameraMotion& motion,
+                       const std::vector<bool>& moved_before, double usual_disagreement) {
+  const Comparison comparison{frame, surfaces, earlier, motion};
+  // The surface that a pixel shows grows with the square of its distance.
+  std::vector<double> area(surfaces.pixel_count.size(), 0);
+  for (std::size_t i = 0; i < frame.size(); ++i) area[surfaces.of_pixel[i]] += double{frame.depth_m[i]} * double{frame.depth_m[i]};
+  const double all_area = std::accumulate(area.begin(), area.end(), 0.0);
+  const auto is_most = [&](const std::vector<bool>& moves) {
+    double moving = 0;
+    for (std::size_t surface = 1; surface < moves.size(); ++surface) moving += moves[surface] ? area[surface] : 0;
+    return moving > kMostMoving * all_area;
+  };
+  struct State {
+    std::vector<bool> moves;
+    Rigid3 pose;
+    Believed believed;
+    std::vector<System> systems;
+  } state{moved_before, motion.earlier_from_frame, {}, {}};
+  if (is_most(state.moves)) state.moves.assign(state.moves.size(), false);
+  state.pose = comparison.align(state.pose, state.moves, kSteps, state.believed, state.systems);
+  const auto without = [&](std::size_t surface) {
+    State result{state.moves, state.pose, {}, {}};
+    result.moves[surface] = true;
+    result.pose = comparison.align(state.pose, result.moves, kStepsWhenMoving, result.believed, result.systems);
+    return result;
+  };
+  const auto apart = [&](const State& of, std::size_t surface) {
+    Apart apart = comparison.apart(surface, of.pose, sum_of_resting(of.systems, of.moves), of.believed);
+    apart.chi2 /= std::max(usual_disagreement, disagreement(of.systems, of.moves));
+    return apart;
+  };
+  // One surface after the other, as long as one is found.
+  bool is_divided = false;
+  for (bool found = true; found;) {
+    found = is_divided = false;
+    const std::vector<double> chi2 = suspicions(state.systems, state.moves);
+    std::vector<std::size_t> suspects;
+    for (std::size_t surface = 1; surface < chi2.size(); ++surface)
+      if (chi2[surface] > kSuspicious) suspects.push_back(surface);
+    std::sort(suspects.begin(), suspects.end(), [&chi2](std::size_t a, std::size_t b) { return chi2[a] > chi2[b]; });
+    if (suspects.size() > kTried) suspects.resize(kTried);
+    State best;
+    double most = 0;
+    for (const std::size_t suspect : suspects) {
+      State trial = without(suspect);
+      const Apart alone = apart(trial, suspect);
+      if (!alone.is_beyond(kMoves, kShareOfCamera)) continue;
+      is_divided = is_divided || is_most(trial.moves);
+      if (is_most(trial.moves) || alone.chi2 <= most) continue;
+      most = alone.chi2;
+      best = std::move(trial);
+      found = true;
+    }
+    if (found) state = std::move(best);
+  }
+  OwnMotions result{std::vector<OwnMotion>(state.moves.size(), OwnMotion::kUnknown), disagreement(state.systems, state.moves), is_divided};
+  for (std::size_t surface = 1; surface < state.moves.size(); ++surface) {
+    const Apart alone = state.moves[surface] ? apart(state, surface) : Apart{state.systems[surface].pairs >= kLeastPairs};
+    if (!alone.is_known) continue;
+    result.of_surface[surface] = alone.is_beyond(kStillMoves, kStillShareOfCamera) ? OwnMotion::kMoves : OwnMotion::kRests;
+  }
+  return result;
+}
+
+}  // namespace hermite
