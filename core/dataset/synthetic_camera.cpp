@@ -79,7 +79,7 @@ Result<SyntheticOptions> parse_synthetic_options(const std::string& text) {
   };
   const auto take_noise = [&noise](std::string_view value) {
     noise = value;
-    return value == "none" || value == "gaussian" || value == "kinect";
+    return value == "none" || value == "gaussian" || value == "kinect" || value == "kinect-white";
   };
   Camera& camera = options.camera;
   const Status status = apply_key_values(
@@ -89,7 +89,7 @@ Result<SyntheticOptions> parse_synthetic_options(const std::string& text) {
              number_rule("rate", 1, 240, options.frame_rate_hz),
              number_rule("speed", 0.05, 5, options.speed),
              {"scene", "room, bare, loop, twins, office or blank", take_scene},
-             {"noise", "none, gaussian or kinect", take_noise},
+             {"noise", "none, gaussian, kinect or kinect-white", take_noise},
              {"sigma_mm", "a number", keep_for_noise("sigma_mm")},
              {"seed", "a whole number", keep_for_noise("seed")}});
   if (!status.ok()) return status.error();

@@ -6,7 +6,7 @@
 //   width, height  64 to 2048 (640x480)   pixels; the field of view stays 62.7 degrees across
 //   rate      1 to 240 (30)               frames per second
 //   speed     0.05 to 5 (1)               of the hand: 1 is about 0.45 m/s and 37 degrees/s; more frames mean more laps, not a faster hand
-//   noise     none, gaussian, kinect (none)   see depth_noise.h
+//   noise     none, gaussian, kinect, kinect-white (none)   see depth_noise.h
 //   sigma_mm  0 to 200 (3)                of noise=gaussian only
 //   seed      0 to 2^63 - 1 (1)           of the noise
 //   scene     room, bare, loop, twins, office, blank (room)   bare: the same room without furniture; the others in synthetic_room.h

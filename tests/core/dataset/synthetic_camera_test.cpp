@@ -138,7 +138,7 @@ TEST(SyntheticCamera, BadOptionsNameKeyAndRange) {
   EXPECT_THAT(error_of("height=4096"), HasSubstr("option height"));
   EXPECT_THAT(error_of("rate=0"), HasSubstr("option rate"));
   EXPECT_THAT(error_of("speed=nan"), HasSubstr("option speed is \"nan\", allowed is a number from 0.05 to 5"));
-  EXPECT_THAT(error_of("noise=pink"), HasSubstr("option noise is \"pink\", allowed is none, gaussian or kinect"));
+  EXPECT_THAT(error_of("noise=pink"), HasSubstr("option noise is \"pink\", allowed is none, gaussian, kinect or kinect-white"));
   EXPECT_THAT(error_of("noise=gaussian,sigma_mm=-1"), HasSubstr("sigma_mm"));
   EXPECT_THAT(error_of("sigma_mm=3"), HasSubstr("there is no option \"sigma_mm\""));
   EXPECT_THAT(error_of("scene=castle"), HasSubstr("option scene is \"castle\", allowed is room, bare, loop, twins, office or blank"));
