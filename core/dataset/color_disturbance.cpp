@@ -27,9 +27,9 @@ class Gained : public RedrawnSequence {
   }
 
  private:
-  Result<bool> redraw(DepthImage& /*depth*/, ColorImage& color, std::int64_t index) const override {
+  Status redraw(DepthImage& /*depth*/, ColorImage& color, std::int64_t index) const override {
     multiply(color, index);
-    return true;
+    return Done{};
   }
   virtual void multiply(ColorImage& color, std::int64_t index) const = 0;
 };

@@ -62,17 +62,16 @@ class Crowded : public RedrawnSequence {
       : RedrawnSequence(std::move(original)), options_(options), stage_(stage) {}
 
  private:
-  Result<bool> redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const override {
+  Status redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const override {
     const Result<Rigid3> pose = true_pose(*original_, timestamp_s(index), kPersonName);
     if (!pose.ok()) return pose.error();
-    return render(placed(stage_, options_, *pose, timestamp_s(index)), *pose, depth, color);
+    render(placed(stage_, options_, *pose, timestamp_s(index)), *pose, depth, color);
+    return Done{};
   }
 
-  // False: nothing of the person is in view.
-  bool render(const Person& person, const Rigid3& world_from_camera, DepthImage& depth, ColorImage& color) const {
+  void render(const Person& person, const Rigid3& world_from_camera, DepthImage& depth, ColorImage& color) const {
     const Eigen::Matrix3d rotation = world_from_camera.rotation.toRotationMatrix();
     const double scale = camera().depth_units_per_metre;
-    bool is_seen = false;
     for (int y = 0; y < depth.height; ++y)
       for (int x = 0; x < depth.width; ++x) {
         const Vector3d direction = rotation * ray_of(camera(), x, y);
@@ -81,9 +80,7 @@ class Crowded : public RedrawnSequence {
         if (!depth_m || *depth_m < kMinDepth_m || (seen > 0 && *depth_m * scale >= seen)) continue;
         seen = to_depth_units(*depth_m, scale);
         color.at(x, y) = cloth_at(world_from_camera.translation + *depth_m * direction - person.head_world, stage_, options_.clothes);
-        is_seen = true;
       }
-    return is_seen;
   }
 
   const PersonOptions options_;

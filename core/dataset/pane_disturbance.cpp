@@ -50,7 +50,7 @@ class PanedSequence : public RedrawnSequence {
   const Pane pane_;
 
  private:
-  Result<bool> redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const override {
+  Status redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const override {
     const Result<Rigid3> pose = true_pose(*original_, timestamp_s(index), name_);
     if (!pose.ok()) return pose.error();
     const Matrix3d rotation = pose->rotation.toRotationMatrix();
@@ -65,7 +65,7 @@ class PanedSequence : public RedrawnSequence {
         is_met = true;
       }
     if (is_met) show(met, *pose, depth, color, index);
-    return is_met;
+    return Done{};
   }
 
   Met meet(const Vector3d& origin, const Vector3d& direction) const {

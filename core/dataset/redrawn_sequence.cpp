@@ -9,9 +9,9 @@ Result<RecordedFrame> RedrawnSequence::read(std::int64_t index) const {
   if (!frame.ok()) return frame;
   auto color = decode_color(frame->color_bytes, {frame->depth.width, frame->depth.height});
   if (!color.ok()) return in_context("colour image", color.error());
-  const Result<bool> is_changed = redraw(frame->depth, *color, index);
-  if (!is_changed.ok()) return is_changed.error();
-  if (!*is_changed) return frame;
+  const ColorImage as_it_was = *color;
+  if (const Status status = redraw(frame->depth, *color, index); !status.ok()) return status.error();
+  if (*color == as_it_was) return frame;
   auto encoded = encode_jpeg(*color, kDisturbedJpegQuality);
   if (!encoded.ok()) return encoded.error();
   frame->color_bytes = std::move(*encoded);

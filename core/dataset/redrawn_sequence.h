@@ -11,12 +11,12 @@ inline constexpr int kDisturbedJpegQuality = 95;
 class RedrawnSequence : public ChangedSequence {
  public:
   using ChangedSequence::ChangedSequence;
-  // The colour becomes a JPEG where redraw has changed something.
+  // The colour becomes a JPEG where redraw has changed it.
   Result<RecordedFrame> read(std::int64_t index) const override;
 
  private:
-  // Both images are those of the original's frame, of equal size. False: there is nothing to change in this frame.
-  virtual Result<bool> redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const = 0;
+  // Both images are those of the original's frame, of equal size.
+  virtual Status redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const = 0;
 };
 
 }  // namespace hermite

@@ -46,7 +46,7 @@ class Rolling : public Shuttered {
   using Shuttered::Shuttered;
 
  private:
-  Result<bool> redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const override {
+  Status redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const override {
     const DepthImage whole_depth = depth;
     const ColorImage whole_color = color;
     const MovedView view = view_of(whole_depth);
@@ -60,7 +60,7 @@ class Rolling : public Shuttered {
         color.at(x, y) = rounded(color_at(whole_color, seen.at_px));
       }
     }
-    return true;
+    return Done{};
   }
 };
 
@@ -69,21 +69,21 @@ class Late : public Shuttered {
   using Shuttered::Shuttered;
 
  private:
-  Result<bool> redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const override {
+  Status redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const override {
     const double color_s = timestamp_s(index) + duration_s_;
     const std::int64_t nearest = nearest_frame(index, color_s);
     const Result<Rigid3> frame_from_color = motion(timestamp_s(nearest), color_s);
     if (!frame_from_color.ok()) return frame_from_color.error();
     if (nearest == index) {
       color = seen_from(*frame_from_color, depth, color);
-      return true;
+      return Done{};
     }
     Result<RecordedFrame> other = original_->read(nearest);
     if (!other.ok()) return other.error();
     const Result<RgbdFrame> decoded = decode_frame(std::move(*other));
     if (!decoded.ok()) return decoded.error();
     color = seen_from(*frame_from_color, decoded->depth, decoded->color);
-    return true;
+    return Done{};
   }
 
   std::int64_t nearest_frame(std::int64_t index, double time_s) const {
@@ -108,7 +108,7 @@ class Blurred : public Shuttered {
 
  private:
   // What a pixel shows moves straight from the exposure's beginning to its middle, and on to its end.
-  Result<bool> redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const override {
+  Status redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const override {
     const double middle_s = timestamp_s(index);
     const Result<Rigid3> frame_from_first = motion(middle_s, middle_s - duration_s_ / 2),
                          frame_from_last = motion(middle_s, middle_s + duration_s_ / 2);
@@ -128,7 +128,7 @@ class Blurred : public Shuttered {
         }
         color.at(x, y) = rounded(sum / kBlurViews);
       }
-    return true;
+    return Done{};
   }
 };
 
