@@ -21,11 +21,11 @@ constexpr double kUnsettled = 0.003;
 constexpr double kOneSurface = 1.03;
 
 // The pixel above and left of a place, and how far the place lies beyond it.
-struct Cell {
+struct PixelCell {
   int x = 0, y = 0;
   double right = 0, down = 0;
 };
-Cell cell_at(const Vector2d& at_px, int width, int height) {
+PixelCell cell_at(const Vector2d& at_px, int width, int height) {
   const int x = std::clamp(static_cast<int>(at_px.x()), 0, width - 2), y = std::clamp(static_cast<int>(at_px.y()), 0, height - 2);
   return {x, y, at_px.x() - x, at_px.y() - y};
 }
@@ -34,7 +34,7 @@ Cell cell_at(const Vector2d& at_px, int width, int height) {
 
 // Inverse depth is linear over the image of a plane.
 double MovedView::depth_at_m(const Vector2d& at_px) const {
-  const Cell cell = cell_at(at_px, depth_.width, depth_.height);
+  const PixelCell cell = cell_at(at_px, depth_.width, depth_.height);
   const std::array<double, 4> units = {static_cast<double>(depth_.at(cell.x, cell.y)), static_cast<double>(depth_.at(cell.x + 1, cell.y)),
                                        static_cast<double>(depth_.at(cell.x, cell.y + 1)),
                                        static_cast<double>(depth_.at(cell.x + 1, cell.y + 1))};
@@ -69,7 +69,7 @@ SeenPlace MovedView::find(int x, int y, const Rigid3& frame_from_moved) const {
 }
 
 Vector3d color_at(const ColorImage& color, const Vector2d& at_px) {
-  const Cell cell = cell_at(at_px, color.width, color.height);
+  const PixelCell cell = cell_at(at_px, color.width, color.height);
   const auto pixel = [&](int dx, int dy) {
     const Rgb8& rgb = color.at(cell.x + dx, cell.y + dy);
     return Vector3d(rgb.r, rgb.g, rgb.b);

@@ -19,7 +19,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr const char *kMirror = "mirror", *kGlass = "glass";
-constexpr double kMinDepth_m = 0.3;
+constexpr double kNearestPane_m = 0.3;
 // The room in front of a mirror begins so far from it: what is nearer may be what it hangs on.
 constexpr double kInFront_m = 0.02;
 constexpr Rgb8 kUnseen{28, 30, 32};
@@ -60,7 +60,7 @@ class PanedSequence : public RedrawnSequence {
       for (int x = 0; x < depth.width; ++x) {
         const Met at = meet(pose->translation, rotation * rays_.at(x, y));
         const double scene_m = depth.at(x, y) / camera().depth_units_per_metre;
-        if (at.depth_m < kMinDepth_m || (scene_m > 0 && scene_m <= at.depth_m)) continue;
+        if (at.depth_m < kNearestPane_m || (scene_m > 0 && scene_m <= at.depth_m)) continue;
         met.at(x, y) = at;
         is_met = true;
       }

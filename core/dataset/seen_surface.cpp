@@ -19,7 +19,7 @@ constexpr double kSameSurface = 1.05;
 constexpr double kNearestDrawn_m = 0.1;
 constexpr std::uint32_t kNoPoint = std::numeric_limits<std::uint32_t>::max();
 
-void append_frame(const RgbdFrame& frame, const Camera& camera, const Rigid3& world_from_camera, SeenSurface& surface) {
+void append_seen(const RgbdFrame& frame, const Camera& camera, const Rigid3& world_from_camera, SeenSurface& surface) {
   const int step = std::max(1, camera.width / kPointsAcross);
   const auto first = static_cast<std::uint32_t>(surface.points.size());
   Image<std::uint32_t> point_of((camera.width - 1) / step + 1, (camera.height - 1) / step + 1);
@@ -78,7 +78,7 @@ SeenSurface seen_surface(const Sequence& sequence) {
     Result<RecordedFrame> recorded = sequence.read(i);
     if (!recorded.ok()) continue;
     const Result<RgbdFrame> frame = decode_frame(std::move(*recorded));
-    if (frame.ok()) append_frame(*frame, sequence.camera(), *pose, surface);
+    if (frame.ok()) append_seen(*frame, sequence.camera(), *pose, surface);
   }
   return surface;
 }

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 using testing::HasSubstr;
 
-const std::string kRoom = "synthetic:frames=61,rate=12,width=160,height=120";
+const std::string kPaneRoom = "synthetic:frames=61,rate=12,width=160,height=120";
 constexpr std::int64_t kMiddle = 30;
 
 // Both frames, and the pane, in the world.
@@ -39,8 +39,8 @@ struct Compared {
 };
 
 Compared compare(const std::string& suffix, const PaneOptions& options, std::int64_t index = kMiddle) {
-  const auto room = *open_sequence(kRoom);
-  const RgbdFrame before = *decode_frame(*room->read(index)), after = *decode_frame(*(*open_sequence(kRoom + suffix))->read(index));
+  const auto room = *open_sequence(kPaneRoom);
+  const RgbdFrame before = *decode_frame(*room->read(index)), after = *decode_frame(*(*open_sequence(kPaneRoom + suffix))->read(index));
   return {before.depth,
           after.depth,
           before.color,
@@ -56,7 +56,7 @@ void for_each_pixel(const std::function<void(int, int)>& work) {
 }
 
 TEST(PaneDisturbance, StandsUprightWhereItIsAskedFor) {
-  const auto room = *open_sequence(kRoom);
+  const auto room = *open_sequence(kPaneRoom);
   const Pane pane = *pane_in(*room, *parse_mirror("distance_m=1.2,turn_deg=30"));
   const Rigid3 camera_from_world = inverse(room->groundtruth()[kMiddle].world_from_camera);
   EXPECT_LT((camera_from_world * pane.middle_world - Vector3d(0, 0, 1.2)).norm(), 1e-9);
@@ -143,7 +143,7 @@ TEST(PaneDisturbance, DirtStaysOnTheGlassAndHolesDoNot) {
 
 TEST(PaneDisturbance, NonsenseIsAnErrorInWords) {
   const auto error_of = [](const std::string& suffix) {
-    const auto opened = open_sequence(kRoom + suffix);
+    const auto opened = open_sequence(kPaneRoom + suffix);
     return opened.ok() ? "opened" : opened.error().message;
   };
   EXPECT_THAT(error_of("+mirror=width_m=0"), HasSubstr("mirror: option width_m is \"0\", allowed is a number from 0.1 to 10"));
