@@ -1,6 +1,7 @@
 #include "core/dataset/pane_disturbance.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 

@@ -21,7 +21,6 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "core/dataset/sequence.h"
