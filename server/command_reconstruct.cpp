@@ -206,7 +206,7 @@ Command add_reconstruct_command(CLI::App& app) {
           "SEQUENCE", arguments->sequence,
           "Recording (folder, file or archive; see hermite inspect) or synthetic[:key=value,...], behind it any of +noise=kinect, "
           "+covered=FROM:COUNT (a hand before the lens), +missing=FROM:COUNT, +exposure, +flicker, +vignetting, +person, +bend, +focal, "
-          "+sparse, +skip")
+          "+sparse, +skip, +rolling, +clock, +blur, +mirror, +glass")
       ->required();
   CLI::Option_group& result = *reconstruct.add_option_group("Result", "One of these");
   result.require_option(1);
@@ -224,7 +224,8 @@ Command add_reconstruct_command(CLI::App& app) {
       ->excludes(raw);
   reconstruct.add_option("--device", arguments->device, "GPU: an index or a part of its name (default: the best one)")->excludes(raw);
   reconstruct.add_option("--camera", arguments->camera, "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood");
-  reconstruct.add_option("--noise", arguments->noise, "Add noise to the depth: kinect[,seed=N] or gaussian,sigma_mm=S[,seed=N]");
+  reconstruct.add_option("--noise", arguments->noise,
+                         "Add noise to the depth: kinect[,seed=N], kinect-white[,seed=N] or gaussian,sigma_mm=S[,seed=N]");
   reconstruct.footer(settings_table());
   return {&reconstruct, [arguments] { return run_reconstruct(*arguments); }};
 }

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/dataset/changed_sequence.h"
 #include "core/dataset/counted_random.h"
 #include "core/dataset/key_values.h"
-#include "core/image/image_codec.h"
+#include "core/dataset/redrawn_sequence.h"
 
 namespace hermite {
 namespace {
@@ -18,21 +17,9 @@ constexpr double kMaxAmplitude = 0.9;
 std::uint8_t scaled(std::uint8_t byte, double gain) { return static_cast<std::uint8_t>(std::lround(std::clamp(byte * gain, 0.0, 255.0))); }
 
 // A sequence whose colour is multiplied, pixel by pixel.
-class Gained : public ChangedSequence {
+class Gained : public RedrawnSequence {
  public:
-  using ChangedSequence::ChangedSequence;
-
-  Result<RecordedFrame> read(std::int64_t index) const override {
-    Result<RecordedFrame> frame = original_->read(index);
-    if (!frame.ok()) return frame;
-    auto color = decode_color(frame->color_bytes, {frame->depth.width, frame->depth.height});
-    if (!color.ok()) return in_context("colour image", color.error());
-    multiply(*color, index);
-    auto encoded = encode_jpeg(*color, kDisturbedJpegQuality);
-    if (!encoded.ok()) return encoded.error();
-    frame->color_bytes = std::move(*encoded);
-    return frame;
-  }
+  using RedrawnSequence::RedrawnSequence;
 
  protected:
   static void multiply_all(ColorImage& color, double gain) {
@@ -40,6 +27,10 @@ class Gained : public ChangedSequence {
   }
 
  private:
+  Status redraw(DepthImage& /*depth*/, ColorImage& color, std::int64_t index) const override {
+    multiply(color, index);
+    return Done{};
+  }
   virtual void multiply(ColorImage& color, std::int64_t index) const = 0;
 };
 

@@ -20,9 +20,6 @@
 
 namespace hermite {
 
-// Quality of the colour that disturbances write.
-inline constexpr int kDisturbedJpegQuality = 95;
-
 // `options` is "key=value,...", may be empty. kInvalidArgument, naming key and range.
 Result<std::unique_ptr<Sequence>> with_exposure(std::unique_ptr<Sequence> sequence, const std::string& options);
 Result<std::unique_ptr<Sequence>> with_flicker(std::unique_ptr<Sequence> sequence, const std::string& options);

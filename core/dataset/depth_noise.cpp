@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/image.h"
 #include "core/dataset/changed_sequence.h"
 #include "core/dataset/counted_random.h"
 #include "core/dataset/depth_units.h"
@@ -16,6 +17,8 @@ constexpr double kKinectFocalTimesBaseline_px_m = 525.0 * 0.075;
 constexpr double kKinectLateralSigma_px = 0.5;
 constexpr double kKinectDisparitySigma_px = 1.0 / 18.0;
 constexpr double kKinectDisparitySteps_per_px = 8;
+// Side of the block that one draw is spread over. Means over it are correlated by 1 - lag / side each way.
+constexpr int kKinectBlock_px = 5;
 constexpr double kKinectMinDepth_m = 0.4, kKinectMaxDepth_m = 5.0;
 
 // The depth the sensor's triangulation would report, 0 outside its range.
@@ -30,6 +33,63 @@ double kinect_depth_m(double true_depth_m, double normal) {
 
 int shifted(int position, double normal, int side) {
   return std::clamp(position + static_cast<int>(std::lround(kKinectLateralSigma_px * normal)), 0, side - 1);
+}
+
+// What is drawn for a pixel of a Kinect's image, each of unit variance.
+struct KinectDraws {
+  double right = 0, down = 0, disparity = 0;
+
+  KinectDraws& operator+=(const KinectDraws& other) {
+    right += other.right;
+    down += other.down;
+    disparity += other.disparity;
+    return *this;
+  }
+};
+
+// Every draw independent of all others.
+Image<KinectDraws> white_draws(int width, int height, std::uint64_t key) {
+  Image<KinectDraws> draws(width, height);
+  for (std::size_t i = 0; i < draws.pixels.size(); ++i) {
+    const NormalPair shift = normal_pair(key, 2 * i);
+    draws.pixels[i] = {shift.a, shift.b, normal_pair(key, 2 * i + 1).a};
+  }
+  return draws;
+}
+
+// Sums over a block of independent draws, divided by the root of their number.
+Image<KinectDraws> block_draws(int width, int height, std::uint64_t key) {
+  const Image<KinectDraws> white = white_draws(width + kKinectBlock_px - 1, height + kKinectBlock_px - 1, key);
+  Image<KinectDraws> rows(width, white.height), blocks(width, height);
+  for (int y = 0; y < rows.height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int i = 0; i < kKinectBlock_px; ++i) rows.at(x, y) += white.at(x + i, y);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      KinectDraws& sum = blocks.at(x, y);
+      for (int i = 0; i < kKinectBlock_px; ++i) sum += rows.at(x, y + i);
+      sum = {sum.right / kKinectBlock_px, sum.down / kKinectBlock_px, sum.disparity / kKinectBlock_px};
+    }
+  return blocks;
+}
+
+DepthImage add_kinect_noise(const DepthImage& depth, double units_per_metre, const Image<KinectDraws>& draws) {
+  DepthImage noisy(depth.width, depth.height);
+  for (int y = 0; y < depth.height; ++y)
+    for (int x = 0; x < depth.width; ++x) {
+      const KinectDraws& drawn = draws.at(x, y);
+      const std::uint16_t seen = depth.at(shifted(x, drawn.right, depth.width), shifted(y, drawn.down, depth.height));
+      noisy.at(x, y) = to_depth_units(kinect_depth_m(seen / units_per_metre, drawn.disparity), units_per_metre);
+    }
+  return noisy;
+}
+
+DepthImage add_gaussian_noise(const DepthImage& depth, double units_per_metre, double sigma_m, std::uint64_t key) {
+  DepthImage noisy(depth.width, depth.height);
+  for (std::size_t i = 0; i < depth.pixels.size(); ++i)
+    if (depth.pixels[i] > 0)
+      noisy.pixels[i] = to_depth_units(depth.pixels[i] / units_per_metre + sigma_m * normal_pair(key, 2 * i).a, units_per_metre);
+  return noisy;
 }
 
 class NoisySequence : public ChangedSequence {
@@ -56,8 +116,10 @@ Result<NoiseOptions> parse_noise(const std::string& text) {
     options.model = NoiseModel::kGaussian;
   else if (model == "kinect")
     options.model = NoiseModel::kKinect;
+  else if (model == "kinect-white")
+    options.model = NoiseModel::kKinectWhite;
   else if (model != "none")
-    return Error{ErrorCode::kInvalidArgument, "noise is \"" + model + "\", allowed is none, gaussian or kinect"};
+    return Error{ErrorCode::kInvalidArgument, "noise is \"" + model + "\", allowed is none, gaussian, kinect or kinect-white"};
   double sigma_mm = options.sigma_m * 1000;
   std::vector<KeyValueRule> rules = {
       whole_rule("seed", 0, INT64_MAX, [&](std::int64_t value) { options.seed = static_cast<std::uint64_t>(value); })};
@@ -69,24 +131,15 @@ Result<NoiseOptions> parse_noise(const std::string& text) {
 }
 
 DepthImage add_noise(const DepthImage& depth, const Camera& camera, const NoiseOptions& options, std::int64_t frame_index) {
-  if (options.model == NoiseModel::kNone) return depth;
   const double scale = camera.depth_units_per_metre;
   const std::uint64_t key = frame_key(options.seed, frame_index);
-  DepthImage noisy(depth.width, depth.height);
-  for (int y = 0; y < depth.height; ++y)
-    for (int x = 0; x < depth.width; ++x) {
-      const std::size_t pixel = depth.index(x, y);
-      const NormalPair first = normal_pair(key, 2 * pixel);
-      if (options.model == NoiseModel::kGaussian) {
-        if (depth.pixels[pixel] == 0) continue;
-        noisy.pixels[pixel] = to_depth_units(depth.pixels[pixel] / scale + options.sigma_m * first.a, scale);
-        continue;
-      }
-      const NormalPair second = normal_pair(key, 2 * pixel + 1);
-      const std::uint16_t seen = depth.at(shifted(x, first.a, depth.width), shifted(y, first.b, depth.height));
-      noisy.pixels[pixel] = to_depth_units(kinect_depth_m(seen / scale, second.a), scale);
-    }
-  return noisy;
+  switch (options.model) {
+    case NoiseModel::kNone: break;
+    case NoiseModel::kGaussian: return add_gaussian_noise(depth, scale, options.sigma_m, key);
+    case NoiseModel::kKinect: return add_kinect_noise(depth, scale, block_draws(depth.width, depth.height, key));
+    case NoiseModel::kKinectWhite: return add_kinect_noise(depth, scale, white_draws(depth.width, depth.height, key));
+  }
+  return depth;
 }
 
 std::unique_ptr<Sequence> with_noise(std::unique_ptr<Sequence> sequence, const NoiseOptions& options) {

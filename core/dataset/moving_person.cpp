@@ -1,14 +1,12 @@
 #include "core/dataset/moving_person.h"
 
 #include <cmath>
-#include <limits>
 #include <optional>
 
-#include "core/dataset/changed_sequence.h"
-#include "core/dataset/color_disturbance.h"
 #include "core/dataset/depth_units.h"
 #include "core/dataset/key_values.h"
-#include "core/image/image_codec.h"
+#include "core/dataset/redrawn_sequence.h"
+#include "core/dataset/true_view.h"
 
 namespace hermite {
 namespace {
@@ -18,63 +16,16 @@ using Eigen::Vector3d;
 constexpr double kRadius_m = 0.25, kHeight_m = 1.75, kHeadAboveCamera_m = 0.15;
 constexpr double kSpeed_m_s = 0.8;
 constexpr double kAheadDistance_m = 1.7;
-constexpr double kMaxPoseGap_s = 0.1;
 constexpr double kMinDepth_m = 0.3;
 constexpr double kCheckAngle_rad = 0.4, kCheckHeight_m = 0.1;
 constexpr Rgb8 kLightCheck{180, 190, 200}, kDarkCheck{60, 45, 40}, kPlainCloth{120, 110, 90};
-// Below it a view is taken to go straight up or down.
-constexpr double kLeastHorizontal = 0.05;
-constexpr int kUndistortSteps = 20;
-
-// What the way of the person hangs on.
-struct Stage {
-  Vector3d up, forward, side;  // of the middle frame, in the world
-  Vector3d camera_m;           // of the middle frame
-  double middle_s = 0;
-};
-
-Vector3d upright(const Vector3d& mean_up) {
-  Eigen::Index axis = 0;
-  mean_up.cwiseAbs().maxCoeff(&axis);
-  Vector3d up = Vector3d::Zero();
-  up[axis] = mean_up[axis] < 0 ? -1 : 1;
-  return up;
-}
-
-// Where the camera looks, brought to the horizontal. One that looks straight down has its upper edge in front.
-Vector3d forward_of(const Rigid3& world_from_camera, const Vector3d& up) {
-  const auto horizontal = [&](const Vector3d& direction) -> Vector3d { return direction - direction.dot(up) * up; };
-  const Vector3d view = horizontal(world_from_camera.rotation * Vector3d::UnitZ());
-  if (view.norm() > kLeastHorizontal) return view.normalized();
-  return horizontal(world_from_camera.rotation * -Vector3d::UnitY()).normalized();
-}
-
-Result<Stage> stage_of(const Sequence& sequence) {
-  const Trajectory& truth = sequence.groundtruth();
-  if (truth.empty() || sequence.frame_count() == 0)
-    return Error{ErrorCode::kInvalidArgument, "person: the sequence has no ground truth, which says where the camera sees the person"};
-  Vector3d mean_up = Vector3d::Zero();
-  for (const TimedPose& pose : truth) mean_up -= pose.world_from_camera.rotation * Vector3d::UnitY();
-  Stage stage;
-  stage.up = upright(mean_up);
-  stage.middle_s = sequence.timestamp_s(sequence.frame_count() / 2);
-  const Rigid3 middle = *pose_at(truth, stage.middle_s, std::numeric_limits<double>::infinity());
-  stage.forward = forward_of(middle, stage.up);
-  stage.side = stage.up.cross(stage.forward);
-  stage.camera_m = middle.translation;
-  return stage;
-}
-
-Result<Rigid3> pose_of(const Sequence& sequence, std::int64_t index) {
-  const auto pose = pose_at(sequence.groundtruth(), sequence.timestamp_s(index), kMaxPoseGap_s);
-  if (!pose) return Error{ErrorCode::kNotFound, "person: the ground truth has no pose at the time of frame " + std::to_string(index)};
-  return *pose;
-}
+constexpr const char* kPersonName = "person";
 
 Person placed(const Stage& stage, const PersonOptions& options, const Rigid3& world_from_camera, double time_s) {
   Person person{Vector3d::Zero(), kRadius_m, kHeight_m, stage.up};
   if (options.path == PersonPath::kCross)
-    person.head_world = stage.camera_m + options.distance_m * stage.forward + kSpeed_m_s * (time_s - stage.middle_s) * stage.side;
+    person.head_world =
+        stage.world_from_camera.translation + options.distance_m * stage.forward + kSpeed_m_s * (time_s - stage.middle_s) * stage.side;
   else
     person.head_world = world_from_camera.translation + options.distance_m * forward_of(world_from_camera, stage.up);
   person.head_world += kHeadAboveCamera_m * stage.up;
@@ -105,40 +56,22 @@ Rgb8 cloth_at(const Vector3d& from_head, const Stage& stage, PersonClothes cloth
   return check % 2 == 0 ? kLightCheck : kDarkCheck;
 }
 
-// What an image has at pixel (x, y) comes from there, at a depth of 1.
-Vector3d ray_of(const Camera& camera, int x, int y) {
-  const Eigen::Vector2d seen((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy);
-  Eigen::Vector2d straight = seen;
-  if (camera.distortion != Distortion{})
-    for (int step = 0; step < kUndistortSteps; ++step) straight += seen - camera.distortion.apply(straight.x(), straight.y());
-  return {straight.x(), straight.y(), 1};
-}
-
-class Crowded : public ChangedSequence {
+class Crowded : public RedrawnSequence {
  public:
   Crowded(std::unique_ptr<Sequence> original, const PersonOptions& options, const Stage& stage)
-      : ChangedSequence(std::move(original)), options_(options), stage_(stage) {}
-
-  Result<RecordedFrame> read(std::int64_t index) const override {
-    Result<RecordedFrame> frame = original_->read(index);
-    if (!frame.ok()) return frame;
-    const Result<Rigid3> pose = pose_of(*original_, index);
-    if (!pose.ok()) return pose.error();
-    auto color = decode_color(frame->color_bytes, {frame->depth.width, frame->depth.height});
-    if (!color.ok()) return in_context("colour image", color.error());
-    if (!render(placed(stage_, options_, *pose, timestamp_s(index)), *pose, frame->depth, *color)) return frame;
-    auto encoded = encode_jpeg(*color, kDisturbedJpegQuality);
-    if (!encoded.ok()) return encoded.error();
-    frame->color_bytes = std::move(*encoded);
-    return frame;
-  }
+      : RedrawnSequence(std::move(original)), options_(options), stage_(stage) {}
 
  private:
-  // False: nothing of the person is in view.
-  bool render(const Person& person, const Rigid3& world_from_camera, DepthImage& depth, ColorImage& color) const {
+  Status redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const override {
+    const Result<Rigid3> pose = true_pose(*original_, timestamp_s(index), kPersonName);
+    if (!pose.ok()) return pose.error();
+    render(placed(stage_, options_, *pose, timestamp_s(index)), *pose, depth, color);
+    return Done{};
+  }
+
+  void render(const Person& person, const Rigid3& world_from_camera, DepthImage& depth, ColorImage& color) const {
     const Eigen::Matrix3d rotation = world_from_camera.rotation.toRotationMatrix();
     const double scale = camera().depth_units_per_metre;
-    bool is_seen = false;
     for (int y = 0; y < depth.height; ++y)
       for (int x = 0; x < depth.width; ++x) {
         const Vector3d direction = rotation * ray_of(camera(), x, y);
@@ -147,9 +80,7 @@ class Crowded : public ChangedSequence {
         if (!depth_m || *depth_m < kMinDepth_m || (seen > 0 && *depth_m * scale >= seen)) continue;
         seen = to_depth_units(*depth_m, scale);
         color.at(x, y) = cloth_at(world_from_camera.translation + *depth_m * direction - person.head_world, stage_, options_.clothes);
-        is_seen = true;
       }
-    return is_seen;
   }
 
   const PersonOptions options_;
@@ -172,7 +103,7 @@ Result<PersonOptions> parse_person(const std::string& text) {
   const Status status = apply_key_values(text, {{"path", "cross or ahead", take_path},
                                                 {"clothes", "checked or plain", take_clothes},
                                                 number_rule("distance_m", 0.6, 10, distance_m)});
-  if (!status.ok()) return in_context("person", status.error());
+  if (!status.ok()) return in_context(kPersonName, status.error());
   if (distance_m > 0)
     options.distance_m = distance_m;
   else if (options.path == PersonPath::kAhead)
@@ -181,9 +112,9 @@ Result<PersonOptions> parse_person(const std::string& text) {
 }
 
 Result<Person> person_at(const Sequence& sequence, const PersonOptions& options, std::int64_t frame_index) {
-  const Result<Stage> stage = stage_of(sequence);
+  const Result<Stage> stage = stage_of(sequence, kPersonName);
   if (!stage.ok()) return stage.error();
-  const Result<Rigid3> pose = pose_of(sequence, frame_index);
+  const Result<Rigid3> pose = true_pose(sequence, sequence.timestamp_s(frame_index), kPersonName);
   if (!pose.ok()) return pose.error();
   return placed(*stage, options, *pose, sequence.timestamp_s(frame_index));
 }
@@ -191,9 +122,8 @@ Result<Person> person_at(const Sequence& sequence, const PersonOptions& options,
 Result<std::unique_ptr<Sequence>> with_person(std::unique_ptr<Sequence> sequence, const std::string& options) {
   const Result<PersonOptions> person = parse_person(options);
   if (!person.ok()) return person.error();
-  if (sequence->camera().color)
-    return Error{ErrorCode::kUnsupported, "person: depth must be registered to colour, but a camera of its own takes the colour"};
-  const Result<Stage> stage = stage_of(*sequence);
+  if (const Status status = check_registered(*sequence, kPersonName); !status.ok()) return status.error();
+  const Result<Stage> stage = stage_of(*sequence, kPersonName);
   if (!stage.ok()) return stage.error();
   return std::unique_ptr<Sequence>(std::make_unique<Crowded>(std::move(sequence), *person, *stage));
 }

@@ -51,6 +51,7 @@ Furniture furnish(RoomScene scene) {
     case RoomScene::kTwins: furnish_twins(f); break;
     case RoomScene::kOffice: furnish_office(f); break;
     case RoomScene::kBlank: furnish_blank(f); break;
+    case RoomScene::kTurntable: furnish_turntable(f); break;
   }
   return std::move(f.out);
 }

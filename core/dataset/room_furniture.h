@@ -1,6 +1,7 @@
 // What stands where in a synthetic scene: every body with its place, size and material, and its light.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/dataset/room_shapes.h"
@@ -25,6 +26,7 @@ struct Furniture {
   std::vector<Shape> shapes;  // the first, of kind kRoom, encloses everything and is solid all around
   std::vector<Material> materials;
   std::vector<LightZone> lights;  // at least one
+  std::size_t turning_count = 0;  // the last so many shapes turn about the world's z axis
 };
 
 // Always the same for the same scene.

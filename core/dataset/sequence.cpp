@@ -7,7 +7,9 @@
 #include "core/dataset/depth_noise.h"
 #include "core/dataset/disturbance.h"
 #include "core/dataset/moving_person.h"
+#include "core/dataset/pane_disturbance.h"
 #include "core/dataset/recording.h"
+#include "core/dataset/shutter_disturbance.h"
 #include "core/dataset/synthetic_camera.h"
 #include "core/dataset/text_file.h"
 #include "core/image/image_codec.h"
@@ -56,7 +58,9 @@ constexpr SuffixKind kSuffixKinds[] = {{"+noise", noisy},          {"+covered", 
                                        {"+flicker", with_flicker}, {"+vignetting", with_vignetting},
                                        {"+person", with_person},   {"+bend", with_bend},
                                        {"+sparse", with_sparse},   {"+focal", with_focal},
-                                       {"+skip", with_skip}};
+                                       {"+skip", with_skip},       {"+rolling", with_rolling},
+                                       {"+clock", with_clock},     {"+blur", with_blur},
+                                       {"+mirror", with_mirror},   {"+glass", with_glass}};
 // Each is a layer around the sequence that every read passes.
 constexpr std::size_t kMaxSuffixes = 16;
 

@@ -53,6 +53,8 @@ class Sequence {
 //   +exposure +flicker +vignetting            color_disturbance.h
 //   +person                                   moving_person.h
 //   +bend +sparse +focal +skip                depth_disturbance.h
+//   +rolling +clock +blur                     shutter_disturbance.h
+//   +mirror +glass                            pane_disturbance.h
 Result<std::unique_ptr<Sequence>> open_sequence(const std::string& source, const std::optional<Camera>& camera = std::nullopt);
 
 // What stands before the first disturbance.

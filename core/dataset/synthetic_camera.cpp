@@ -14,6 +14,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kLap_s = 10.0;
+constexpr double kTurn_s = 20.0;  // of the turntable
 constexpr std::int64_t kMaxFrameCount = 1'000'000;
 constexpr double kFocalOverWidth = 525.0 / 640.0;
 constexpr int kJpegQuality = 90;
@@ -23,10 +24,17 @@ struct NamedScene {
   const char* name;
   RoomScene scene;
 };
-constexpr NamedScene kScenes[] = {{"room", RoomScene::kRoom},   {"bare", RoomScene::kBare},     {"loop", RoomScene::kLoop},
-                                  {"twins", RoomScene::kTwins}, {"office", RoomScene::kOffice}, {"blank", RoomScene::kBlank}};
+constexpr NamedScene kScenes[] = {{"room", RoomScene::kRoom},          {"bare", RoomScene::kBare},     {"loop", RoomScene::kLoop},
+                                  {"twins", RoomScene::kTwins},        {"office", RoomScene::kOffice}, {"blank", RoomScene::kBlank},
+                                  {"turntable", RoomScene::kTurntable}};
 
-bool has_own_path(RoomScene scene) { return scene != RoomScene::kRoom && scene != RoomScene::kBare; }
+bool is_furnished_room(RoomScene scene) { return scene == RoomScene::kRoom || scene == RoomScene::kBare; }
+
+double turned_rad(double time_s, double speed, RoomScene scene) {
+  return scene == RoomScene::kTurntable ? 2 * M_PI * speed * time_s / kTurn_s : 0;
+}
+
+Rigid3 about_z(double angle_rad) { return {Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ())), Vector3d::Zero()}; }
 
 class SyntheticSequence : public Sequence {
  public:
@@ -38,7 +46,7 @@ class SyntheticSequence : public Sequence {
 
   std::string format() const override { return "synthetic"; }
   std::string name() const override {
-    return std::string("synthetic ") + (has_own_path(options_.scene) ? name_of(options_.scene) : "room");
+    return std::string("synthetic ") + (is_furnished_room(options_.scene) ? "room" : name_of(options_.scene));
   }
   const Camera& camera() const override { return options_.camera; }
   double frame_rate_hz() const override { return options_.frame_rate_hz; }
@@ -48,7 +56,10 @@ class SyntheticSequence : public Sequence {
 
   Result<RecordedFrame> read(std::int64_t index) const override {
     CHECK(index >= 0 && index < frame_count(), "frame index outside the sequence");
-    RoomView view = room_.render(options_.camera, groundtruth_[static_cast<std::size_t>(index)].world_from_camera);
+    const Rigid3& world_from_camera = groundtruth_[static_cast<std::size_t>(index)].world_from_camera;
+    const double turned = turned_rad(timestamp_s(index), options_.speed, options_.scene);
+    // Elsewhere the room is the world, to the last bit.
+    RoomView view = room_.render(options_.camera, turned == 0 ? world_from_camera : about_z(turned) * world_from_camera, turned);
     auto color = encode_jpeg(view.color, kJpegQuality);
     if (!color.ok()) return color.error();
     return RecordedFrame{timestamp_s(index), std::move(view.depth), std::move(*color)};
@@ -79,7 +90,7 @@ Result<SyntheticOptions> parse_synthetic_options(const std::string& text) {
   };
   const auto take_noise = [&noise](std::string_view value) {
     noise = value;
-    return value == "none" || value == "gaussian" || value == "kinect";
+    return value == "none" || value == "gaussian" || value == "kinect" || value == "kinect-white";
   };
   Camera& camera = options.camera;
   const Status status = apply_key_values(
@@ -88,8 +99,8 @@ Result<SyntheticOptions> parse_synthetic_options(const std::string& text) {
              whole_rule("height", kMinImageSide_px, kMaxImageSide_px, [&](std::int64_t value) { camera.height = static_cast<int>(value); }),
              number_rule("rate", 1, 240, options.frame_rate_hz),
              number_rule("speed", 0.05, 5, options.speed),
-             {"scene", "room, bare, loop, twins, office or blank", take_scene},
-             {"noise", "none, gaussian or kinect", take_noise},
+             {"scene", "room, bare, loop, twins, office, blank or turntable", take_scene},
+             {"noise", "none, gaussian, kinect or kinect-white", take_noise},
              {"sigma_mm", "a number", keep_for_noise("sigma_mm")},
              {"seed", "a whole number", keep_for_noise("seed")}});
   if (!status.ok()) return status.error();
@@ -108,10 +119,15 @@ const char* name_of(RoomScene scene) {
   return named->name;
 }
 
-double synthetic_lap_s(RoomScene scene) { return has_own_path(scene) ? world_lap_s(scene) : kLap_s; }
+double synthetic_lap_s(RoomScene scene) {
+  if (scene == RoomScene::kTurntable) return kTurn_s;
+  return is_furnished_room(scene) ? kLap_s : world_lap_s(scene);
+}
 
 Rigid3 synthetic_pose(double time_s, double speed, RoomScene scene) {
-  if (has_own_path(scene)) return world_pose(scene, speed * time_s / world_lap_s(scene));
+  if (scene == RoomScene::kTurntable)
+    return about_z(-turned_rad(time_s, speed, scene)) * camera_at({0.03, -0.85, 1.30}, kDegree * 92, kDegree * -27, 0);
+  if (!is_furnished_room(scene)) return world_pose(scene, speed * time_s / world_lap_s(scene));
   // Whole multiples of the lap's phase close after one lap. Half of it changes sign between laps: the first looks from higher up and
   // down at the furniture, the second from lower and up.
   const double lap = 2 * M_PI * speed * time_s / kLap_s;

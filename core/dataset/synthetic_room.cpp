@@ -1,5 +1,6 @@
 #include "core/dataset/synthetic_room.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -56,16 +57,33 @@ struct Ray {
   Vector3d direction_in_camera;
 };
 
+std::vector<Shape> turned(const Furniture& furniture, double angle_rad) {
+  std::vector<Shape> shapes = furniture.shapes;
+  const Matrix3d rotation = Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ()).toRotationMatrix();
+  for (std::size_t i = shapes.size() - furniture.turning_count; i < shapes.size(); ++i) {
+    shapes[i].center = rotation * shapes[i].center;
+    shapes[i].world_from_shape = rotation * shapes[i].world_from_shape;
+  }
+  return shapes;
+}
+
+// Where things turn, no shade of theirs stays.
+RoomLight light_of_what_stands(Furniture furniture) {
+  furniture.shapes.erase(furniture.shapes.end() - static_cast<std::ptrdiff_t>(furniture.turning_count), furniture.shapes.end());
+  return RoomLight(furniture);
+}
+
 class Renderer {
  public:
-  Renderer(const Furniture& furniture, const RoomLight& light, const Camera& camera, const Rigid3& world_from_camera)
+  Renderer(const Furniture& furniture, const RoomLight& light, const Camera& camera, const Rigid3& world_from_camera, double turned_rad)
       : furniture_(furniture),
+        shapes_(turned(furniture, turned_rad)),
         light_(light),
         camera_(camera),
         world_rotation_(world_from_camera.rotation.toRotationMatrix()),
         camera_in_world_(world_from_camera.translation) {
     const Matrix3d rotation = world_rotation_;
-    for (const Shape& shape : furniture.shapes) {
+    for (const Shape& shape : shapes_) {
       const Matrix3d shape_from_world = shape.world_from_shape.transpose();
       const Matrix3d shape_from_camera = shape_from_world * rotation;
       const Vector3d center_in_camera = rotation.transpose() * (shape.center - world_from_camera.translation);
@@ -207,6 +225,7 @@ class Renderer {
   }
 
   const Furniture& furniture_;
+  const std::vector<Shape> shapes_;  // as they stand now
   const RoomLight& light_;
   const Camera camera_;
   const Matrix3d world_rotation_;  // world_from_camera
@@ -225,14 +244,14 @@ struct SyntheticRoom::Contents {
 
 SyntheticRoom::SyntheticRoom(RoomScene scene) {
   Furniture furniture = furnish(scene);
-  RoomLight light(furniture);
+  RoomLight light = light_of_what_stands(furniture);
   contents_ = std::make_unique<const Contents>(Contents{std::move(furniture), std::move(light)});
 }
 SyntheticRoom::~SyntheticRoom() = default;
 SyntheticRoom::SyntheticRoom(SyntheticRoom&&) noexcept = default;
 
-RoomView SyntheticRoom::render(const Camera& camera, const Rigid3& world_from_camera) const {
-  return Renderer(contents_->furniture, contents_->light, camera, world_from_camera).render();
+RoomView SyntheticRoom::render(const Camera& camera, const Rigid3& world_from_camera, double turned_rad) const {
+  return Renderer(contents_->furniture, contents_->light, camera, world_from_camera, turned_rad).render();
 }
 
 double SyntheticRoom::surface_distance(const Eigen::Vector3d& point_in_world) const {

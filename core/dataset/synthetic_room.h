@@ -13,12 +13,13 @@
 namespace hermite {
 
 enum class RoomScene {
-  kRoom,    // furnished, 4.8 x 3.8 m
-  kBare,    // its floor, ceiling and walls only
-  kLoop,    // two different rooms side by side, a door between them, a corridor along both: a circuit
-  kTwins,   // the same room at both ends of a corridor, the second turned by 180 degrees: no circuit
-  kOffice,  // a long room with a row of equal workplaces between rows of equal racks: a circuit around the row
-  kBlank,   // a corridor around a block, with plain walls and little on them
+  kRoom,       // furnished, 4.8 x 3.8 m
+  kBare,       // its floor, ceiling and walls only
+  kLoop,       // two different rooms side by side, a door between them, a corridor along both: a circuit
+  kTwins,      // the same room at both ends of a corridor, the second turned by 180 degrees: no circuit
+  kOffice,     // a long room with a row of equal workplaces between rows of equal racks: a circuit around the row
+  kBlank,      // a corridor around a block, with plain walls and little on them
+  kTurntable,  // a plate with things on it, which turns about z, on a table before a wall
 };
 
 struct RoomView {
@@ -33,11 +34,12 @@ class SyntheticRoom {
   ~SyntheticRoom();
   SyntheticRoom(SyntheticRoom&&) noexcept;
 
-  // Rays through the pixel centres; depth is exact to rounding. The camera must be inside the room and outside the furniture.
-  RoomView render(const Camera& camera, const Rigid3& world_from_camera) const;
+  // Rays through the pixel centres; depth is exact to rounding. The camera must be inside the room and outside the furniture. What turns
+  // (kTurntable) has done so by this angle, counter-clockwise seen from above; its light falls on it as it stands then.
+  RoomView render(const Camera& camera, const Rigid3& world_from_camera, double turned_rad = 0) const;
 
   // Unsigned distance [m] to the nearest surface. Exact for points in free space and for points that have sunk into one body; bodies stand
-  // sunk into each other, so hidden faces (a shelf's back in the wall) do not count as surface.
+  // sunk into each other, so hidden faces (a shelf's back in the wall) do not count as surface. What turns has not yet.
   double surface_distance(const Eigen::Vector3d& point_in_world) const;
 
  private:

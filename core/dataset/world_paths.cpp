@@ -129,9 +129,10 @@ const Path& path_of(RoomScene scene) {
     case RoomScene::kOffice: return kOffice;
     case RoomScene::kBlank: return kBlank;
     case RoomScene::kRoom:
-    case RoomScene::kBare: break;
+    case RoomScene::kBare:
+    case RoomScene::kTurntable: break;
   }
-  CHECK(false, "the furnished room's way is no path of way points");
+  CHECK(false, "this scene's way is no path of way points");
   return kLoop;
 }
 

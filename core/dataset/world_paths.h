@@ -13,8 +13,8 @@ Rigid3 camera_at(const Eigen::Vector3d& position_m, double heading_rad, double p
 // Duration of one lap at speed 1 [s]: as long as the way takes at 0.4 m/s, longer where the camera turns.
 double world_lap_s(RoomScene scene);
 
-// world_from_camera after `laps` laps, any number from 0 on. Height and pitch alternate between laps, so it repeats after two. Of kRoom and
-// kBare there is none: a CHECK fails. Thread-safe.
+// world_from_camera after `laps` laps, any number from 0 on. Height and pitch alternate between laps, so it repeats after two. Of kRoom,
+// kBare and kTurntable there is none: a CHECK fails. Thread-safe.
 Rigid3 world_pose(RoomScene scene, double laps);
 
 }  // namespace hermite

@@ -209,4 +209,32 @@ void furnish_blank(Furnisher& f) {
   light_area(f, {{x, kHalfLength}, plan.y}, Side::kEast);
 }
 
+void furnish_turntable(Furnisher& f) {
+  const Area room{{-2.0, 2.0}, {-1.6, 1.0}};
+  add_shell(f, {room}, kHomeShell);
+  const int white = f.material(Pattern::kWood, 0xf2ede2, 0xd9d0bf), oak = f.material(Pattern::kPlanks, 0xc99a62, 0x8a5a30);
+  const int cream = f.material(Pattern::kPlaster, 0xe9e0cf, 0xc4b496), paper = f.material(Pattern::kWallpaper, 0xe7dcc6, 0x8f9f86);
+  add_area(f, room, {{paper, cream, cream, cream}, oak, white}, {});
+  light_area(f, room, Side::kWest);
+  const int frame = f.material(Pattern::kWood, 0x6a4526, 0x3c2412);
+  add_picture(f, room, Side::kNorth, {-0.45, 1.15, 0.5, 0.4, frame, f.material(Pattern::kMosaic, 0x2f5f86, 0xd0683a)});
+  const int wood = f.material(Pattern::kWood, 0xb98754, 0x7d5026);
+  f.box({-0.6, 0.6}, {-0.4, 0.45}, {0.72, 0.75}, wood);
+  for (const double x : {-0.55, 0.55})
+    for (const double y : {-0.35, 0.40}) f.column(x, y, {-kSunk_m, 0.73}, 0.02, wood);
+
+  const std::size_t first = f.count();
+  const int glaze = f.material(Pattern::kCeramic, 0x2f6f83, 0xe8e0cf), tiles = f.material(Pattern::kTiles, 0xe4d8c0, 0x9c5a44);
+  f.column(0, 0, {0.74, 0.77}, 0.25, f.material(Pattern::kRug, 0x4a6a5a, 0xd0b070));
+  turn(f.box({-0.13, 0.05}, {-0.12, 0.02}, {0.75, 0.90}, tiles), 20, Eigen::Vector3d::UnitZ());
+  f.column(0.12, 0.06, {0.75, 1.02}, 0.055, glaze);
+  f.torus({0.12, 0.06, 1.02}, 0.047, 0.014, glaze);
+  f.sphere({-0.06, -0.06, 0.96}, 0.075, f.material(Pattern::kMosaic, 0x8a3f55, 0x3f7f86));
+  Shape& ring = f.torus({-0.10, 0.12, 0.865}, 0.08, 0.025, f.material(Pattern::kRings, 0xe0a030, 0x8f2f45));
+  turn(ring, 90, Eigen::Vector3d::UnitX());
+  turn(ring, 35, Eigen::Vector3d::UnitZ());
+  turn(f.box({0.06, 0.20}, {-0.17, -0.07}, {0.75, 0.80}, f.material(Pattern::kBook, 0x2f6a7a, 0xf0dfae)), -15, Eigen::Vector3d::UnitZ());
+  f.out.turning_count = f.count() - first;
+}
+
 }  // namespace hermite

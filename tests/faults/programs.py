@@ -11,7 +11,7 @@ import threading
 import urllib.request
 
 FRAMES = 40
-SEQUENCE = f"synthetic:frames={FRAMES},width=160,height=120,noise=kinect,seed=1"
+SEQUENCE = f"synthetic:frames={FRAMES},width=160,height=120,noise=kinect-white,seed=1"
 RATE_HZ = 20
 PATIENCE_S = 300
 

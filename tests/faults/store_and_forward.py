@@ -27,7 +27,7 @@ FRAME_BYTES = 12_000  # a frame is recorded in somewhat more
 
 
 def camera(frames):
-    return f"recording:synthetic:frames={PREFLIGHT + frames},width=160,height=120,noise=kinect,seed=1"
+    return f"recording:synthetic:frames={PREFLIGHT + frames},width=160,height=120,noise=kinect-white,seed=1"
 
 
 def scan_command(client, source, folder, url=None):

@@ -21,7 +21,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 from independent_client import PING, PONG, VIEWER_ACK, Client, field, fields, hello_viewer  # noqa: E402
 from wsproto.events import BytesMessage, CloseConnection, Ping  # noqa: E402
 
-SEQUENCE = "synthetic:frames=240,width=320,height=240,noise=kinect,seed=1"
+SEQUENCE = "synthetic:frames=240,width=320,height=240,noise=kinect-white,seed=1"
 ASK_EVERY_S = 0.1
 SLOW_BYTES_PER_S = 100_000 / 8
 

@@ -12,7 +12,7 @@ import tempfile
 import unittest
 
 HERMITE = sys.argv[1]
-SEQUENCE = "synthetic:frames=12,width=160,height=120,noise=kinect,seed=1"
+SEQUENCE = "synthetic:frames=12,width=160,height=120,noise=kinect-white,seed=1"
 
 
 def start(folder, **environment):

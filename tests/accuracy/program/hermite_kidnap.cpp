@@ -40,7 +40,8 @@ struct Outcome {
 
 std::string source_of(const Walk& walk, int run, const std::string& suffix) {
   return "synthetic:scene=" + walk.scene + ",frames=" + std::to_string(walk.frames) +
-         ",width=320,height=240,noise=kinect,rate=" + std::to_string(walk.rate_hz) + ",seed=" + std::to_string(walk.seed + run) + suffix;
+         ",width=320,height=240,noise=kinect-white,rate=" + std::to_string(walk.rate_hz) + ",seed=" + std::to_string(walk.seed + run) +
+         suffix;
 }
 
 bool sees_known_ground(const Trajectory& truth, std::int64_t frame, std::int64_t known_frames) {

@@ -36,7 +36,7 @@ const World& world_of(const std::string& name) {
 PlaceCounts audit(const World& world, const Walk& walk, PlaceQuestion question) {
   const auto lap_frames = static_cast<std::int64_t>(std::ceil(world_lap_s(world.scene) * walk.rate_hz));
   const auto sequence = or_throw(open_sequence("synthetic:scene=" + std::string(world.name) + ",frames=" + std::to_string(2 * lap_frames) +
-                                               ",width=320,height=240,noise=kinect,rate=" + std::to_string(walk.rate_hz) +
+                                               ",width=320,height=240,noise=kinect-white,rate=" + std::to_string(walk.rate_hz) +
                                                ",seed=" + std::to_string(walk.seed)));
   const Options options;
   auto mapping = std::make_unique<PlaceAudit>(make_mapping(sequence->camera(), options.adjust, CorrectionTime::kByFrames),

@@ -128,6 +128,37 @@ TEST(SyntheticCamera, EverySceneHasItsOwnPath) {
   EXPECT_EQ(synthetic_pose(3, 1).translation, synthetic_pose(3, 1, RoomScene::kBare).translation);
 }
 
+// Nothing but what is on the plate moves in the image, and that lies still in the frame of the ground truth.
+TEST(SyntheticCamera, OnATurntableTheTruthIsInTheFrameOfWhatTurns) {
+  const auto opened = open_sequence("synthetic:scene=turntable,frames=150,width=160,height=120");
+  ASSERT_TRUE(opened.ok()) << opened.error().message;
+  const Sequence& sequence = **opened;
+  const auto first = sequence.read(0), last = sequence.read(149);
+  const Rigid3 &world_from_first = sequence.groundtruth()[0].world_from_camera,
+               &world_from_last = sequence.groundtruth()[149].world_from_camera;
+  EXPECT_NEAR(angle_rad(world_from_first.rotation.conjugate() * world_from_last.rotation) * kDegrees, 360 / 20.0 * 149 / 30, 1e-6);
+  EXPECT_EQ(sequence.name(), "synthetic turntable");
+  EXPECT_EQ(synthetic_lap_s(RoomScene::kTurntable), 20);
+  const SyntheticRoom room(RoomScene::kTurntable);
+  const auto is_on_plate = [](const Eigen::Vector3d& point) { return point.head<2>().norm() < 0.26 && point.z() > 0.752; };
+  int on_plate = 0, changed = 0;
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x) {
+      const Eigen::Vector3d before = world_from_first * sequence.camera().unproject(x, y, first->depth.at(x, y) / 5000.0),
+                            after = world_from_last * sequence.camera().unproject(x, y, last->depth.at(x, y) / 5000.0);
+      if (!is_on_plate(before) && !is_on_plate(after)) {
+        EXPECT_EQ(first->depth.at(x, y), last->depth.at(x, y)) << x << " " << y;
+        continue;
+      }
+      changed += first->depth.at(x, y) != last->depth.at(x, y) ? 1 : 0;
+      if (!is_on_plate(after)) continue;
+      ++on_plate;
+      EXPECT_LT(room.surface_distance(after), 0.0003) << x << " " << y;
+    }
+  EXPECT_GT(on_plate, 0.08 * 160 * 120);
+  EXPECT_GT(changed, 0.3 * on_plate);
+}
+
 TEST(SyntheticCamera, BadOptionsNameKeyAndRange) {
   const auto error_of = [](const std::string& options) {
     const auto opened = open_sequence("synthetic:" + options);
@@ -138,10 +169,11 @@ TEST(SyntheticCamera, BadOptionsNameKeyAndRange) {
   EXPECT_THAT(error_of("height=4096"), HasSubstr("option height"));
   EXPECT_THAT(error_of("rate=0"), HasSubstr("option rate"));
   EXPECT_THAT(error_of("speed=nan"), HasSubstr("option speed is \"nan\", allowed is a number from 0.05 to 5"));
-  EXPECT_THAT(error_of("noise=pink"), HasSubstr("option noise is \"pink\", allowed is none, gaussian or kinect"));
+  EXPECT_THAT(error_of("noise=pink"), HasSubstr("option noise is \"pink\", allowed is none, gaussian, kinect or kinect-white"));
   EXPECT_THAT(error_of("noise=gaussian,sigma_mm=-1"), HasSubstr("sigma_mm"));
   EXPECT_THAT(error_of("sigma_mm=3"), HasSubstr("there is no option \"sigma_mm\""));
-  EXPECT_THAT(error_of("scene=castle"), HasSubstr("option scene is \"castle\", allowed is room, bare, loop, twins, office or blank"));
+  EXPECT_THAT(error_of("scene=castle"),
+              HasSubstr("option scene is \"castle\", allowed is room, bare, loop, twins, office, blank or turntable"));
   EXPECT_THAT(error_of("colour=red"), HasSubstr("there is no option \"colour\" (there are: frames"));
   EXPECT_THAT(error_of("frames"), HasSubstr("is not key=value"));
   EXPECT_EQ(error_of(""), "opened");

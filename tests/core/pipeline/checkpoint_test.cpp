@@ -22,7 +22,7 @@ using testing::HasSubstr;
 
 // Three metres of a circuit, 7 cm from one frame to the next.
 const test::Recording& walk() {
-  static const test::Recording made = test::record("synthetic:scene=loop,frames=48,width=160,height=120,rate=6,noise=kinect,seed=1");
+  static const test::Recording made = test::record("synthetic:scene=loop,frames=48,width=160,height=120,rate=6,noise=kinect-white,seed=1");
   return made;
 }
 
