@@ -1,228 +1,267 @@
 #include "core/calibrate/joint_adjustment.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <numbers>
 #include <optional>
+#include <span>
 #include <thread>
 
 #include "core/adjust/bundle_noise.h"
-#include "core/adjust/projection_match.h"
+#include "core/base/check.h"
+#include "core/calibrate/corner_matches.h"
 
 namespace hermite {
 namespace {
 
-constexpr int kPairNumbers = 12 + kCameraNumbers;  // the twists of both views, then the camera
-using PairVector = Eigen::Matrix<double, kPairNumbers, 1>;
-using PairMatrix = Eigen::Matrix<double, kPairNumbers, kPairNumbers>;
-using PointByCamera = Eigen::Matrix<double, 3, kCameraNumbers>;
-
+// A bend of 1.5 % leads a camera 7 to 9 cm and some 10 pixels astray within a few seconds; what is left after a stage is well below the next
+// one's gate. The last gates are those of depth_links.h and of features with the error of a bad registration.
 struct Stage {
   double gate_m, gate_px;
-  int steps;
+  int step_count;
 };
-constexpr Stage kStages[] = {{0.10, 30, 3}, {0.07, 20, 3}, {0.05, 12, 3}, {0.035, 8, 4}, {0.025, 6, 6}};
+constexpr Stage kStages[] = {{0.10, 30, 3}, {0.07, 20, 3}, {0.05, 12, 3}, {0.035, 8, 3}, {0.025, 6, 6}};
+constexpr std::size_t kFirstStageOfStarted = 2;
+// A stage is over before its count when no pose moves by more [m, rad] and no number of the camera by more of its deviation.
+constexpr double kSettled = 1e-4, kSettledShare = 0.05;
 
-constexpr float kAlikeCosine = 0.8f;
+// Of a view's nodes each way: 12 pixels of 640, so that neighbouring windows hardly overlap.
+constexpr int kEveryNode = 3;
 
+// The scale of Cauchy's loss is a third of the gate: what lies at the gate has a tenth of its weight.
+constexpr double kGateOverScale = 3;
+// A residual that noise explains is inside the gate, however narrow that is.
+constexpr double kGateSigmas = 3;
+constexpr double kLeastScale_px = 2;
+
+constexpr float kAlikeCosine = 0.8f;  // of the normals of both sides, as in depth_links.cpp
+constexpr float kBehind_m = 0.2f;
+
+// Poses are held a little where they were: along bare walls nothing else does. Beside the rest it is nothing: 1 m, 1 rad, and a ten
+// thousandth of what is known.
+constexpr double kHeld = 1, kHeldShare = 1e-4;
+
+constexpr Eigen::Index kPairNumberCount = 12 + kCameraNumberCount;  // the twists of both views, then the camera
+using PairVector = Eigen::Matrix<double, kPairNumberCount, 1>;
+using PairMatrix = Eigen::Matrix<double, kPairNumberCount, kPairNumberCount>;
+using PointByCamera = Eigen::Matrix<double, 3, kCameraNumberCount>;
+
+// Half of the information's quadratic form plus the gradient.
 struct Quadratic {
   PairMatrix information = PairMatrix::Zero();
   PairVector gradient = PairVector::Zero();
-  std::int64_t points = 0, corners = 0;
 };
 
+// work(i) for every i; thread t takes t, t + thread_count, ...
+template <class Work>
+void for_all(std::size_t count, unsigned thread_count, const Work& work) {
+  std::vector<std::jthread> threads;
+  for (unsigned t = 0; t < thread_count; ++t)
+    threads.emplace_back([=, &work] {
+      for (std::size_t i = t; i < count; i += thread_count) work(i);
+    });
+}
+
+// A point on a plane: the mean of a window's pixels, with what tracking adds; as in depth_links.cpp.
 double deviation_m(double depth_m) { return kTracked_m + depth_deviation_m(depth_m) / 2; }
 
-// Of a point that is measured at a pixel with a depth.
-PointByCamera derivative_by_camera(const Eigen::Vector3d& point, double rho2, const Camera& camera) {
+// Of a point that is measured at a pixel.
+PointByCamera derivative_by_camera(const Eigen::Vector3d& point_m, const Eigen::Vector2d& pixel_px, const Camera& camera) {
+  const double rho2 = camera.rho2(pixel_px.x(), pixel_px.y()), offset_per_m = camera.depth_correction.inverse_offset_per_m;
+  const double scale = 1 + offset_per_m * kUndistortedDepth_m;
   PointByCamera derivative;
-  derivative.col(kFocal) << -point.x(), -point.y(), 0;
-  derivative.col(kCenterX) << -point.z() / camera.fx, 0, 0;
-  derivative.col(kCenterY) << 0, -point.z() / camera.fy, 0;
-  derivative.col(kBend) = point * (rho2 / (1 + camera.depth_distortion.bend * rho2));
-  derivative.col(kInverseOffset) = -point * point.z();
+  derivative.col(kFocal) << -point_m.x(), -point_m.y(), 0;
+  derivative.col(kCenterX) << -point_m.z() / camera.fx, 0, 0;
+  derivative.col(kCenterY) << 0, -point_m.z() / camera.fy, 0;
+  derivative.col(kBend) = point_m * (rho2 / (1 + camera.depth_correction.bend * rho2) * (1 - offset_per_m * point_m.z() / scale));
+  derivative.col(kInverseOffset) = point_m * ((kUndistortedDepth_m - point_m.z()) / scale);
   return derivative;
 }
 
-struct Placed {
-  std::vector<Facet> facets;
+// Where a pair's numbers of the source and of the target begin.
+struct Places {
+  Eigen::Index source = 0, target = 6;
 };
 
+// A point of the source that lies on a surface of the target.
+struct Meeting {
+  Eigen::Vector3d in_source_m, in_target_m;
+  Eigen::Vector2d source_px, target_px;
+  Eigen::Vector3d normal_in_target;  // the source's
+  double distance_m;                 // from the target's plane
+  double sigma_m, gate_m;
+};
+
+// What all views show with one camera.
 class Measurement {
  public:
   Measurement(const std::vector<CalibrationView>& views, const Camera& camera, unsigned thread_count)
       : views_(views), camera_(camera), facets_(views.size()) {
-    parallel(views.size(), thread_count, [&](std::size_t i) { facets_[i] = facets_of(views[i].patches, camera); });
+    for_all(views.size(), thread_count, [this](std::size_t i) { facets_[i] = facets_of(views_[i].patches, camera_); });
   }
 
-  template <class Work>
-  static void parallel(std::size_t count, unsigned thread_count, Work work) {
-    std::vector<std::thread> threads;
-    for (unsigned t = 0; t < thread_count; ++t)
-      threads.emplace_back([=] {
-        for (std::size_t i = t; i < count; i += thread_count) work(i);
-      });
-    for (std::thread& thread : threads) thread.join();
-  }
-
-  // visit(facet of the source, its pixel, the point in the target's camera, the plane there, the pixel there, distance)
+  // Some nodes of the source against all of the target.
   template <class Visit>
-  void each_meeting(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source, double gate_m, Visit visit) const {
-    const PatchGrid& from = views_[source].patches;
-    const PatchGrid& to = views_[target].patches;
+  void visit_meetings(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source, double gate_m,
+                      const Visit& visit) const {
+    const PatchGrid &from = views_[source].patches, &to = views_[target].patches;
     const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
     const Eigen::Vector3f translation = target_from_source.translation.cast<float>();
-    const float fx = static_cast<float>(camera_.fx), fy = static_cast<float>(camera_.fy);
-    const float cx = static_cast<float>(camera_.cx), cy = static_cast<float>(camera_.cy);
-    const float per_step = 1.0f / static_cast<float>(to.step_px), first_px = static_cast<float>(to.step_px / 2);
-    for (int row = 1; row < from.nodes.height; row += 2)
-      for (int column = 1; column < from.nodes.width; column += 2) {
+    const Eigen::Array2f focal = Eigen::Array2d(camera_.fx, camera_.fy).cast<float>();
+    const Eigen::Array2f center = Eigen::Array2d(camera_.cx, camera_.cy).cast<float>();
+    for (int row = 1; row < from.nodes.height; row += kEveryNode)
+      for (int column = 1; column < from.nodes.width; column += kEveryNode) {
         const Facet& facet = facets_[source][from.nodes.index(column, row)];
         if (facet.point_m.z() <= 0) continue;
         const Eigen::Vector3f point = rotation * facet.point_m + translation;
-        if (point.z() < static_cast<float>(kNearestPatch_m) / 2) continue;
-        const float u = point.x() / point.z() * fx + cx, v = point.y() / point.z() * fy + cy;
-        const float x = (u - first_px) * per_step + 0.5f, y = (v - first_px) * per_step + 0.5f;
-        if (!(x >= 0 && y >= 0 && x < static_cast<float>(to.nodes.width) && y < static_cast<float>(to.nodes.height))) continue;
-        const Facet& there = facets_[target][to.nodes.index(static_cast<int>(x), static_cast<int>(y))];
+        if (point.z() < kBehind_m) continue;
+        const Eigen::Array2f at = point.head<2>().array() / point.z() * focal + center;
+        const Eigen::Array2f node = (at - static_cast<float>(to.step_px / 2)) / static_cast<float>(to.step_px) + 0.5f;
+        if (!(node.x() >= 0 && node.y() >= 0 && node.x() < static_cast<float>(to.nodes.width) &&
+              node.y() < static_cast<float>(to.nodes.height)))
+          continue;
+        const Facet& there = facets_[target][to.nodes.index(static_cast<int>(node.x()), static_cast<int>(node.y()))];
         if (there.point_m.z() <= 0) continue;
-        const float length = there.plane_per_m.norm(), over_plane = there.plane_per_m.dot(point);
-        const float distance_m = (over_plane - 1) / length;
-        const float far = std::max(point.z(), facet.point_m.z());
-        const double sigma_m = deviation_m(static_cast<double>(far));
-        const double near_m = std::max(gate_m, 3 * sigma_m);
-        if (!(std::abs(distance_m) <= static_cast<float>(near_m)) || !(over_plane > 0.5f)) continue;
-        if (std::abs(point.z() * (1 - 1 / over_plane)) > 2 * static_cast<float>(near_m)) continue;
+        const float length_per_m = there.plane_per_m.norm(), over_plane = there.plane_per_m.dot(point);
+        if (!(over_plane > 0)) continue;
+        const double distance_m = static_cast<double>((over_plane - 1) / length_per_m);
+        const double behind_m = static_cast<double>(point.z() * (1 - 1 / over_plane));
+        const double sigma_m = deviation_m(static_cast<double>(std::max(point.z(), facet.point_m.z())));
+        const double near_m = std::max(gate_m, kGateSigmas * sigma_m);
+        if (std::abs(distance_m) > near_m || std::abs(behind_m) > 2 * near_m) continue;
         const Eigen::Vector3f normal = rotation * facet.plane_per_m.normalized();
-        if (normal.dot(there.plane_per_m) < kAlikeCosine * length) continue;
-        visit(facet.point_m, Eigen::Vector2d(from.pixel_of(column), from.pixel_of(row)), point, normal, Eigen::Vector2d(u, v),
-              static_cast<double>(distance_m), sigma_m, near_m);
+        if (normal.dot(there.plane_per_m) < kAlikeCosine * length_per_m) continue;
+        visit(Meeting{facet.point_m.cast<double>(), point.cast<double>(), Eigen::Vector2d(from.pixel_of(column), from.pixel_of(row)),
+                      at.matrix().cast<double>(), normal.cast<double>(), distance_m, sigma_m, near_m});
       }
   }
 
-  // The order of a pair's numbers, the twist of the source first; or second when `swapped`.
-  void add_surface(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source, double gate_m, bool swapped,
-                   Quadratic& sum) const {
-    const Eigen::Matrix3d rotation = target_from_source.rotation.toRotationMatrix();
-    const int from = swapped ? 6 : 0, to = swapped ? 0 : 6;
-    each_meeting(source, target, target_from_source, gate_m,
-                 [&](const Eigen::Vector3f& source_point, const Eigen::Vector2d& source_px, const Eigen::Vector3f& moved,
-                     const Eigen::Vector3f& normal_f, const Eigen::Vector2d& target_px, double distance_m, double sigma_m, double near_m) {
-                   const Eigen::Vector3d own = source_point.cast<double>(), point = moved.cast<double>(), normal = normal_f.cast<double>();
-                   const Eigen::Vector3d back = rotation.transpose() * normal;
-                   PairVector derivative;
-                   derivative.segment<3>(from) = back;
-                   derivative.segment<3>(from + 3) = own.cross(back);
-                   derivative.segment<3>(to) = -normal;
-                   derivative.segment<3>(to + 3) = -point.cross(normal);
-                   derivative.tail<kCameraNumbers>() =
-                       derivative_by_camera(own, camera_.rho2(source_px.x(), source_px.y()), camera_).transpose() * back -
-                       derivative_by_camera(point, camera_.rho2(target_px.x(), target_px.y()), camera_).transpose() * normal;
-                   const double scale_m = near_m / 3;
-                   const double weight = 1 / (sigma_m * sigma_m * (1 + distance_m * distance_m / (scale_m * scale_m)));
-                   sum.information.selfadjointView<Eigen::Lower>().rankUpdate(derivative, weight);
-                   sum.gradient += weight * distance_m * derivative;
-                   ++sum.points;
-                 });
-  }
-
-  // The corrected point of a feature.
-  std::optional<Eigen::Vector3d> point_of(const Feature& feature) const {
-    if (feature.depth_m <= 0) return std::nullopt;
-    const double u = static_cast<double>(feature.pixel_px.x()), v = static_cast<double>(feature.pixel_px.y());
-    const double depth_m = camera_.depth_distortion.true_depth_m(static_cast<double>(feature.depth_m), camera_.rho2(u, v));
-    if (!(depth_m > 0)) return std::nullopt;
-    return camera_.unproject(u, v, depth_m);
+  void add_surfaces(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source, double gate_m, Places at,
+                    Quadratic& sum) const {
+    const Eigen::Matrix3d source_from_target = target_from_source.rotation.conjugate().toRotationMatrix();
+    visit_meetings(source, target, target_from_source, gate_m, [&](const Meeting& m) {
+      const Eigen::Vector3d normal_in_source = source_from_target * m.normal_in_target;
+      PairVector derivative;
+      derivative.segment<3>(at.source) = normal_in_source;
+      derivative.segment<3>(at.source + 3) = m.in_source_m.cross(normal_in_source);
+      derivative.segment<3>(at.target) = -m.normal_in_target;
+      derivative.segment<3>(at.target + 3) = -m.in_target_m.cross(m.normal_in_target);
+      // The camera moves the point, and the surface that is seen at its pixel.
+      derivative.tail<kCameraNumberCount>() = derivative_by_camera(m.in_source_m, m.source_px, camera_).transpose() * normal_in_source -
+                                              derivative_by_camera(m.in_target_m, m.target_px, camera_).transpose() * m.normal_in_target;
+      const double off = m.distance_m * kGateOverScale / m.gate_m;
+      const double weight = 1 / (m.sigma_m * m.sigma_m * (1 + off * off));
+      sum.information.selfadjointView<Eigen::Lower>().rankUpdate(derivative, weight);
+      sum.gradient += weight * m.distance_m * derivative;
+    });
   }
 
   std::vector<LandmarkMatch> match(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source, const Stage& stage) const {
-    constexpr double kBin_px = 32;
-    const std::vector<Feature>&of_source = views_[source].features, &of_target = views_[target].features;
-    const int columns = static_cast<int>(camera_.width / kBin_px) + 1, rows = static_cast<int>(camera_.height / kBin_px) + 1;
-    std::vector<std::vector<std::uint32_t>> bins(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-    const auto bin = [&](int column, int row) { return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column); };
-    for (std::uint32_t i = 0; i < of_target.size(); ++i)
-      bins[bin(static_cast<int>(of_target[i].pixel_px.x() / kBin_px), static_cast<int>(of_target[i].pixel_px.y() / kBin_px))].push_back(i);
-    std::vector<LandmarkMatch> matches;
-    for (std::uint32_t i = 0; i < of_source.size(); ++i) {
-      const std::optional<Eigen::Vector3d> own = point_of(of_source[i]);
-      if (!own) continue;
-      const Eigen::Vector3d point = target_from_source * *own;
-      if (point.z() < kNearestPatch_m / 2) continue;
-      const Eigen::Vector2d at = camera_.project(point);
-      if (!(at.x() >= 0 && at.y() >= 0 && at.x() < camera_.width && at.y() < camera_.height)) continue;
-      int best = 65, second = 257;
-      std::uint32_t best_index = 0;
-      const int left = std::max(0, static_cast<int>((at.x() - stage.gate_px) / kBin_px));
-      const int right = std::min(columns - 1, static_cast<int>((at.x() + stage.gate_px) / kBin_px));
-      const int top = std::max(0, static_cast<int>((at.y() - stage.gate_px) / kBin_px));
-      const int bottom = std::min(rows - 1, static_cast<int>((at.y() + stage.gate_px) / kBin_px));
-      for (int row = top; row <= bottom; ++row)
-        for (int column = left; column <= right; ++column)
-          for (const std::uint32_t j : bins[bin(column, row)]) {
-            const Feature& candidate = of_target[j];
-            if (std::abs(int{candidate.octave} - int{of_source[i].octave}) > 2) continue;
-            if ((candidate.pixel_px.cast<double>() - at).norm() > stage.gate_px) continue;
-            if (candidate.depth_m > 0) {
-              const std::optional<Eigen::Vector3d> there = point_of(candidate);
-              if (!there || std::abs(there->z() - point.z()) > 2 * stage.gate_m + 3 * depth_deviation_m(point.z())) continue;
-            }
-            const int distance = hamming(candidate.descriptor, of_source[i].descriptor);
-            if (distance < best) {
-              second = best;
-              best = distance;
-              best_index = j;
-            } else if (distance < second) {
-              second = distance;
-            }
-          }
-      if (best <= 64 && best <= 0.8 * second) matches.push_back({best_index, i, best});
-    }
-    return one_to_one(std::move(matches));
+    return match_corners(views_[source].features, views_[target].features, target_from_source, camera_, stage.gate_px, stage.gate_m);
   }
 
-  void add_corner(const Feature& seen, const Feature& there, const Rigid3& target_from_source, double gate_px, bool swapped,
+  // Where the target sees a corner of the source, beside where it should.
+  void add_corner(const Feature& seen, const Feature& there, const Rigid3& target_from_source, double gate_px, Places at,
                   Quadratic& sum) const {
-    const std::optional<Eigen::Vector3d> own = point_of(seen);
+    const std::optional<Eigen::Vector3d> own = point_of(seen, camera_);
     if (!own) return;
     const Eigen::Vector3d point = target_from_source * *own;
-    if (point.z() < kNearestPatch_m / 2) return;
-    const Eigen::Vector2d off = camera_.project(point) - there.pixel_px.cast<double>();
+    if (point.z() < static_cast<double>(kBehind_m)) return;
+    const Eigen::Vector2d off_px = camera_.project(point) - there.pixel_px.cast<double>();
     const double sigma_px = std::max(octave_scale(seen.octave), octave_scale(there.octave));
-    if (off.norm() > gate_px * sigma_px) return;
-    const Eigen::Matrix3d rotation = target_from_source.rotation.toRotationMatrix();
-    const int from = swapped ? 6 : 0, to = swapped ? 0 : 6;
+    if (off_px.norm() > gate_px * sigma_px) return;
     Eigen::Matrix<double, 2, 3> by_point;
-    by_point << camera_.fx / point.z(), 0, -camera_.fx * point.x() / (point.z() * point.z()), 0, camera_.fy / point.z(),
-        -camera_.fy * point.y() / (point.z() * point.z());
-    const double rho2 = camera_.rho2(static_cast<double>(seen.pixel_px.x()), static_cast<double>(seen.pixel_px.y()));
-    Eigen::Matrix<double, 2, kPairNumbers> derivative;
-    const Eigen::Matrix<double, 2, 3> by_own = by_point * rotation;
-    derivative.middleCols<3>(from) = by_own;
-    derivative.middleCols<3>(from + 3) = -by_own * skew(*own);
-    derivative.middleCols<3>(to) = -by_point;
-    derivative.middleCols<3>(to + 3) = by_point * skew(point);
-    derivative.rightCols<kCameraNumbers>() = by_own * derivative_by_camera(*own, rho2, camera_);
+    by_point << camera_.fx / point.z(), 0, -camera_.fx * point.x() / (point.z() * point.z()),  //
+        0, camera_.fy / point.z(), -camera_.fy * point.y() / (point.z() * point.z());
+    const Eigen::Matrix<double, 2, 3> by_own = by_point * target_from_source.rotation.toRotationMatrix();
+    Eigen::Matrix<double, 2, kPairNumberCount> derivative;
+    derivative.middleCols<3>(at.source) = by_own;
+    derivative.middleCols<3>(at.source + 3) = -by_own * skew(*own);
+    derivative.middleCols<3>(at.target) = -by_point;
+    derivative.middleCols<3>(at.target + 3) = by_point * skew(point);
+    derivative.rightCols<kCameraNumberCount>() = by_own * derivative_by_camera(*own, seen.pixel_px.cast<double>(), camera_);
     derivative(0, 12 + kFocal) += camera_.fx * point.x() / point.z();
     derivative(1, 12 + kFocal) += camera_.fy * point.y() / point.z();
     derivative(0, 12 + kCenterX) += 1;
     derivative(1, 12 + kCenterY) += 1;
-    const double scale_px = std::max(2.0, gate_px / 3) * sigma_px;
-    const double weight = 1 / (sigma_px * sigma_px * (1 + off.squaredNorm() / (scale_px * scale_px)));
+    const double scale_px = std::max(kLeastScale_px, gate_px / kGateOverScale) * sigma_px;
+    const double weight = 1 / (sigma_px * sigma_px * (1 + off_px.squaredNorm() / (scale_px * scale_px)));
     sum.information.selfadjointView<Eigen::Lower>().rankUpdate(derivative.transpose(), weight);
-    sum.gradient += weight * derivative.transpose() * off;
-    ++sum.corners;
+    sum.gradient += weight * derivative.transpose() * off_px;
   }
 
  private:
   const std::vector<CalibrationView>& views_;
   const Camera camera_;
-  std::vector<std::vector<Facet>> facets_;
+  std::vector<std::vector<Facet>> facets_;  // by view
 };
+
+// All pairs in one system: six numbers a view, then the camera's.
+struct System {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd gradient;
+};
+
+System system_of(const std::vector<Quadratic>& measured, const std::vector<ViewPair>& pairs, std::size_t view_count,
+                 const JointSolution& now, const JointOptions& options) {
+  constexpr Eigen::Index kStarts[] = {0, 6, 12}, kSizes[] = {6, 6, kCameraNumberCount};
+  const auto camera_at = static_cast<Eigen::Index>(6 * view_count), count = camera_at + static_cast<Eigen::Index>(kCameraNumberCount);
+  System system{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count)};
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const PairMatrix information = measured[i].information.selfadjointView<Eigen::Lower>();
+    const Eigen::Index at[] = {6 * Eigen::Index{pairs[i].first}, 6 * Eigen::Index{pairs[i].second}, camera_at};
+    for (int r = 0; r < 3; ++r) {
+      system.gradient.segment(at[r], kSizes[r]) += measured[i].gradient.segment(kStarts[r], kSizes[r]);
+      for (int c = 0; c < 3; ++c)
+        system.information.block(at[r], at[c], kSizes[r], kSizes[c]) += information.block(kStarts[r], kStarts[c], kSizes[r], kSizes[c]);
+    }
+  }
+  const auto fix = [&system](Eigen::Index at) {
+    system.information.row(at).setZero();
+    system.information.col(at).setZero();
+    system.information(at, at) = 1;
+    system.gradient[at] = 0;
+  };
+  for (Eigen::Index at = 0; at < 6; ++at) fix(at);
+  for (Eigen::Index at = 6; at < camera_at; ++at) system.information(at, at) += kHeldShare * system.information(at, at) + kHeld;
+  for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
+    const auto number = static_cast<Eigen::Index>(k), at = camera_at + number;
+    if (!options.is_free[k]) {
+      fix(at);
+      continue;
+    }
+    const double prior = 1 / (options.prior_deviation[number] * options.prior_deviation[number]);
+    system.information(at, at) += prior;
+    system.gradient[at] += prior * now.change[number];
+  }
+  return system;
+}
+
+// See JointSolution::deviation. Sums of products over pairs with a view in common: by view, less the pairs themselves, which both of their
+// views have counted. Not below the scatter of pairs alone.
+CameraVector deviation_of(const std::vector<Quadratic>& measured, const std::vector<ViewPair>& pairs, std::size_t view_count,
+                          const Eigen::LDLT<Eigen::MatrixXd>& factor, const JointOptions& options) {
+  const auto camera_at = static_cast<Eigen::Index>(6 * view_count);
+  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(factor.rows(), kCameraNumberCount);
+  unit.bottomRows<kCameraNumberCount>().setIdentity();
+  const Eigen::MatrixXd covariance = factor.solve(unit);
+  std::vector<CameraVector> by_view(view_count, CameraVector::Zero());
+  CameraVector together = CameraVector::Zero(), by_pair = CameraVector::Zero();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const PairVector& gradient = measured[i].gradient;
+    const CameraVector influence = covariance.middleRows<6>(6 * Eigen::Index{pairs[i].first}).transpose() * gradient.segment<6>(0) +
+                                   covariance.middleRows<6>(6 * Eigen::Index{pairs[i].second}).transpose() * gradient.segment<6>(6) +
+                                   covariance.middleRows<kCameraNumberCount>(camera_at).transpose() * gradient.tail<kCameraNumberCount>();
+    by_view[pairs[i].first] += influence;
+    by_view[pairs[i].second] += influence;
+    by_pair += influence.cwiseAbs2();
+  }
+  for (const CameraVector& influence : by_view) together += influence.cwiseAbs2();
+  CameraVector deviation = (together - by_pair).cwiseMax(by_pair).cwiseSqrt();
+  for (std::size_t k = 0; k < kCameraNumberCount; ++k)
+    if (!options.is_free[k]) deviation[static_cast<Eigen::Index>(k)] = 0;
+  return deviation;
+}
 
 }  // namespace
 
@@ -232,101 +271,49 @@ Camera changed(const Camera& camera, const CameraVector& change) {
   result.fy *= std::exp(change[kFocal]);
   result.cx += change[kCenterX];
   result.cy += change[kCenterY];
-  result.depth_distortion.bend += change[kBend];
-  result.depth_distortion.inverse_offset_per_m += change[kInverseOffset];
+  result.depth_correction.bend += change[kBend];
+  result.depth_correction.inverse_offset_per_m += change[kInverseOffset];
   return result;
 }
 
 JointSolution adjust_jointly(const std::vector<CalibrationView>& views, const std::vector<ViewPair>& pairs, const Camera& camera,
-                             const JointOptions& options) {
+                             const JointOptions& options, const JointSolution* start) {
+  for (const auto& [first, second] : pairs) CHECK(first < views.size() && second < views.size(), "a pair of views that are not there");
   JointSolution solution;
   for (const CalibrationView& view : views) solution.world_from_camera.push_back(view.world_from_camera);
-  const auto numbers = static_cast<Eigen::Index>(6 * views.size() + kCameraNumbers), first_camera = static_cast<Eigen::Index>(6 * views.size());
-  const bool trace = std::getenv("CAL_TRACE") != nullptr;
-  for (const Stage& stage : kStages) {
+  if (start != nullptr) {
+    solution.world_from_camera = start->world_from_camera;
+    for (std::size_t k = 0; k < kCameraNumberCount; ++k)
+      if (options.is_free[k]) solution.change[static_cast<Eigen::Index>(k)] = start->change[static_cast<Eigen::Index>(k)];
+  }
+  for (const Stage& stage : std::span(kStages).subspan(start != nullptr ? kFirstStageOfStarted : 0)) {
     std::vector<std::vector<LandmarkMatch>> matches(pairs.size());
-    for (int step = 0; step < stage.steps; ++step) {
-      const Camera now = changed(camera, solution.change);
-      const Measurement measurement(views, now, options.thread_count);
+    for (int step = 0; step < stage.step_count; ++step) {
+      const Measurement measurement(views, changed(camera, solution.change), options.thread_count);
       std::vector<Quadratic> measured(pairs.size());
-      Measurement::parallel(pairs.size(), options.thread_count, [&](std::size_t i) {
-        const auto [a, b] = pairs[i];
-        const Rigid3 b_from_a = inverse(solution.world_from_camera[b]) * solution.world_from_camera[a], a_from_b = inverse(b_from_a);
-        if (step == 0) matches[i] = measurement.match(a, b, b_from_a, stage);
-        measurement.add_surface(a, b, b_from_a, stage.gate_m, false, measured[i]);
-        measurement.add_surface(b, a, a_from_b, stage.gate_m, true, measured[i]);
+      for_all(pairs.size(), options.thread_count, [&](std::size_t i) {
+        const auto [first, second] = pairs[i];
+        const Rigid3 second_from_first = inverse(solution.world_from_camera[second]) * solution.world_from_camera[first];
+        const Rigid3 first_from_second = inverse(second_from_first);
+        if (step == 0) matches[i] = measurement.match(first, second, second_from_first, stage);
+        measurement.add_surfaces(first, second, second_from_first, stage.gate_m, {0, 6}, measured[i]);
+        measurement.add_surfaces(second, first, first_from_second, stage.gate_m, {6, 0}, measured[i]);
         for (const LandmarkMatch& match : matches[i]) {
-          const Feature &in_a = views[a].features[match.landmark], &in_b = views[b].features[match.feature];
-          measurement.add_corner(in_a, in_b, b_from_a, stage.gate_px, false, measured[i]);
-          measurement.add_corner(in_b, in_a, a_from_b, stage.gate_px, true, measured[i]);
+          const Feature &in_first = views[first].features[match.landmark], &in_second = views[second].features[match.feature];
+          measurement.add_corner(in_first, in_second, second_from_first, stage.gate_px, {0, 6}, measured[i]);
+          measurement.add_corner(in_second, in_first, first_from_second, stage.gate_px, {6, 0}, measured[i]);
         }
       });
-      Eigen::MatrixXd information = Eigen::MatrixXd::Zero(numbers, numbers);
-      Eigen::VectorXd gradient = Eigen::VectorXd::Zero(numbers);
-      std::int64_t points = 0, corners = 0;
-      std::vector<std::array<Eigen::Index, 3>> starts;
-      constexpr int kLocal[] = {0, 6, 12}, kSizes[] = {6, 6, kCameraNumbers};
-      for (std::size_t i = 0; i < pairs.size(); ++i) {
-        Quadratic& m = measured[i];
-        m.information.triangularView<Eigen::StrictlyUpper>() = m.information.transpose();
-        points += m.points;
-        corners += m.corners;
-        const std::array<Eigen::Index, 3> at{6 * static_cast<Eigen::Index>(pairs[i].first), 6 * static_cast<Eigen::Index>(pairs[i].second), first_camera};
-        for (std::size_t r = 0; r < 3; ++r) {
-          gradient.segment(at[r], kSizes[r]) += m.gradient.segment(kLocal[r], kSizes[r]);
-          for (std::size_t c = 0; c < 3; ++c)
-            information.block(at[r], at[c], kSizes[r], kSizes[c]) += m.information.block(kLocal[r], kLocal[c], kSizes[r], kSizes[c]);
-        }
-      }
-      // The first view stays; every other one is held a little where it was.
-      for (Eigen::Index i = 0; i < first_camera; ++i) information(i, i) += i < 6 ? 1e12 : 1e-4 * information(i, i) + 1;
-      for (std::size_t k = 0; k < kCameraNumbers; ++k) {
-        const Eigen::Index at = first_camera + static_cast<Eigen::Index>(k);
-        const auto n = static_cast<Eigen::Index>(k);
-        if (options.is_free[k]) {
-          const double prior = 1 / (options.prior_deviation[n] * options.prior_deviation[n]);
-          information(at, at) += prior;
-          gradient[at] += prior * solution.change[n];
-        } else {
-          information.row(at).setZero();
-          information.col(at).setZero();
-          information(at, at) = 1;
-          gradient[at] = 0;
-        }
-      }
-      const Eigen::LDLT<Eigen::MatrixXd> factor(information);
-      const Eigen::VectorXd delta = -factor.solve(gradient);
-      // covariance
-      Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(numbers, kCameraNumbers);
-      unit.bottomRows<kCameraNumbers>().setIdentity();
-      const Eigen::MatrixXd columns = factor.solve(unit);
-      std::vector<CameraVector> by_view(views.size(), CameraVector::Zero());
-      CameraMatrix spread = CameraMatrix::Zero(), by_pair = CameraMatrix::Zero();
-      for (std::size_t i = 0; i < pairs.size(); ++i) {
-        CameraVector y = columns.middleRows<6>(6 * pairs[i].first).transpose() * measured[i].gradient.segment<6>(0) +
-                         columns.middleRows<6>(6 * pairs[i].second).transpose() * measured[i].gradient.segment<6>(6) +
-                         columns.bottomRows<kCameraNumbers>().transpose() * measured[i].gradient.tail<kCameraNumbers>();
-        by_view[pairs[i].first] += y;
-        by_view[pairs[i].second] += y;
-        by_pair += y * y.transpose();
-      }
-      for (const CameraVector& y : by_view) spread += y * y.transpose();
-      const CameraMatrix model = columns.bottomRows<kCameraNumbers>();
-      for (std::size_t i = 0; i < views.size(); ++i) solution.world_from_camera[i] = solution.world_from_camera[i] * exp_se3(delta.segment<6>(static_cast<Eigen::Index>(6 * i)));
-      solution.change += delta.tail<kCameraNumbers>();
-      solution.covariance = spread - by_pair;
-      if (trace) {
-        std::fprintf(stderr, "gate %.3f points %lld corners %lld  f %+.3f%% cx %+.2f cy %+.2f bend %+.3f%% off %+.4f | model", stage.gate_m,
-                     static_cast<long long>(points), static_cast<long long>(corners), 100 * solution.change[0], solution.change[1],
-                     solution.change[2], 100 * solution.change[3], solution.change[4]);
-        const double unit_of[] = {100, 1, 1, 100, 1};
-        for (int k = 0; k < 5; ++k) std::fprintf(stderr, " %.4f", unit_of[k] * std::sqrt(model(k, k)));
-        std::fprintf(stderr, " | dyadic");
-        for (int k = 0; k < 5; ++k) std::fprintf(stderr, " %.4f", unit_of[k] * std::sqrt(std::max(0.0, solution.covariance(k, k))));
-        std::fprintf(stderr, " | pair");
-        for (int k = 0; k < 5; ++k) std::fprintf(stderr, " %.4f", unit_of[k] * std::sqrt(by_pair(k, k)));
-        std::fprintf(stderr, "\n");
-      }
+      const System system = system_of(measured, pairs, views.size(), solution, options);
+      const Eigen::LDLT<Eigen::MatrixXd> factor(system.information);
+      const Eigen::VectorXd twists = -factor.solve(system.gradient);
+      for (std::size_t i = 0; i < views.size(); ++i)
+        solution.world_from_camera[i] = solution.world_from_camera[i] * exp_se3(twists.segment<6>(static_cast<Eigen::Index>(6 * i)));
+      const CameraVector step_of_camera = twists.tail<kCameraNumberCount>();
+      solution.change += step_of_camera;
+      solution.deviation = deviation_of(measured, pairs, views.size(), factor, options);
+      const double moved = twists.head(twists.size() - Eigen::Index{kCameraNumberCount}).cwiseAbs().maxCoeff();
+      if (moved < kSettled && (step_of_camera.cwiseAbs().array() <= kSettledShare * solution.deviation.array()).all()) break;
     }
   }
   return solution;
@@ -334,25 +321,25 @@ JointSolution adjust_jointly(const std::vector<CalibrationView>& views, const st
 
 PairAgreement agreement_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera,
                            const std::vector<ViewPair>& pairs, const Camera& camera) {
-  const Measurement measurement(views, camera, 2);
-  std::vector<double> distances;
-  double squares = 0;
-  constexpr double kCut_m = 0.05;
-  for (const auto& [a, b] : pairs) {
-    const Rigid3 b_from_a = inverse(world_from_camera[b]) * world_from_camera[a];
-    const auto visit = [&](const Eigen::Vector3f&, const Eigen::Vector2d&, const Eigen::Vector3f&, const Eigen::Vector3f&, const Eigen::Vector2d&,
-                           double distance_m, double, double) {
-      const double cut = std::min(std::abs(distance_m), kCut_m);
-      distances.push_back(cut);
-      squares += cut * cut;
-    };
-    measurement.each_meeting(a, b, b_from_a, 0.10, visit);
-    measurement.each_meeting(b, a, inverse(b_from_a), 0.10, visit);
+  const Measurement measurement(views, camera, 1);
+  std::vector<double> distances_m;
+  double squares = 0, depths_m = 0;
+  const auto visit = [&](const Meeting& meeting) {
+    const double distance_m = std::min(std::abs(meeting.distance_m), kMostCounted_m);
+    distances_m.push_back(distance_m);
+    squares += distance_m * distance_m;
+    depths_m += meeting.in_target_m.z();
+  };
+  for (const auto& [first, second] : pairs) {
+    const Rigid3 second_from_first = inverse(world_from_camera[second]) * world_from_camera[first];
+    measurement.visit_meetings(first, second, second_from_first, kMostApart_m, visit);
+    measurement.visit_meetings(second, first, inverse(second_from_first), kMostApart_m, visit);
   }
-  if (distances.empty()) return {};
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return {*middle, std::sqrt(squares / static_cast<double>(distances.size())), static_cast<std::int64_t>(distances.size())};
+  if (distances_m.empty()) return {};
+  const auto middle = distances_m.begin() + static_cast<std::ptrdiff_t>(distances_m.size() / 2);
+  std::nth_element(distances_m.begin(), middle, distances_m.end());
+  const auto count = static_cast<double>(distances_m.size());
+  return {*middle, std::sqrt(squares / count), depths_m / count, static_cast<std::int64_t>(distances_m.size())};
 }
 
 }  // namespace hermite

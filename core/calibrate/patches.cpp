@@ -69,13 +69,14 @@ std::vector<Facet> facets_of(const PatchGrid& grid, const Camera& camera) {
       const Patch& patch = grid.nodes.at(column, row);
       if (patch.inverse_per_m == 0) continue;
       const double u = grid.pixel_of(column), v = grid.pixel_of(row), w = static_cast<double>(patch.inverse_per_m);
-      const DepthDistortion& distortion = camera.depth_distortion;
-      // The plane of the corrected inverse depth w / factor + offset.
-      const double factor = 1 + distortion.bend * camera.rho2(u, v), inverse_per_m = w / factor + distortion.inverse_offset_per_m;
+      const DepthCorrection& correction = camera.depth_correction;
+      // The plane of the corrected inverse depth, (w / factor + offset) / scale.
+      const double factor = 1 + correction.bend * camera.rho2(u, v), scale = 1 + correction.inverse_offset_per_m * kUndistortedDepth_m;
+      const double inverse_per_m = (w / factor + correction.inverse_offset_per_m) / scale;
       if (!(inverse_per_m > 0)) continue;
-      const double bent = 2 * distortion.bend * w / (factor * factor * corner2);
-      const double per_u = static_cast<double>(patch.per_u) / factor - bent * (u - middle_x);
-      const double per_v = static_cast<double>(patch.per_v) / factor - bent * (v - middle_y);
+      const double bent = 2 * correction.bend * w / (factor * factor * corner2);
+      const double per_u = (static_cast<double>(patch.per_u) / factor - bent * (u - middle_x)) / scale;
+      const double per_v = (static_cast<double>(patch.per_v) / factor - bent * (v - middle_y)) / scale;
       const Eigen::Vector3d plane(per_u * camera.fx, per_v * camera.fy, inverse_per_m - per_u * (u - camera.cx) - per_v * (v - camera.cy));
       const Eigen::Vector3d point = camera.unproject(u, v, 1 / inverse_per_m);
       if (1 < static_cast<double>(kSteepestCosine) * plane.norm() * point.norm()) continue;

@@ -29,7 +29,7 @@ struct PatchGrid {
   int pixel_of(int column_or_row) const { return column_or_row * step_px + step_px / 2; }
 };
 
-// `depth` is as measured (no Camera::depth_distortion applied), straight and of the camera's size.
+// `depth` is as measured (no Camera::depth_correction applied), straight and of the camera's size.
 PatchGrid patches_of(const DepthImage& depth, const Camera& camera);
 
 // A patch in space, in the camera's frame. The points of the plane are those with plane . point = 1 [1/m]; zero: none.

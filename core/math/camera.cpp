@@ -81,7 +81,7 @@ Camera rectified(const Camera& camera) {
   Camera pinhole = camera;
   pinhole.distortion = {};
   pinhole.color.reset();
-  pinhole.depth_distortion = {};
+  pinhole.depth_correction = {};
   return pinhole;
 }
 
@@ -97,8 +97,8 @@ Status validate(const Camera& camera) {
   if (!lens.ok()) return lens.error();
   const Bound depth[] = {
       {"depth_units_per_metre", camera.depth_units_per_metre, 1, 1e6},
-      {"depth_distortion.bend", camera.depth_distortion.bend, -kMaxBend, kMaxBend},
-      {"depth_distortion.inverse_offset_per_m", camera.depth_distortion.inverse_offset_per_m, -kMaxInverseOffset_per_m,
+      {"depth_correction.bend", camera.depth_correction.bend, -kMaxBend, kMaxBend},
+      {"depth_correction.inverse_offset_per_m", camera.depth_correction.inverse_offset_per_m, -kMaxInverseOffset_per_m,
        kMaxInverseOffset_per_m},
   };
   for (const Bound& bound : depth)

@@ -29,19 +29,23 @@ struct Distortion {
   }
 };
 
-// What the sensor adds to depth, smooth over the image: 1 / z = 1 / (measured (1 + bend rho^2)) + inverse_offset_per_m, where rho is the
-// distance from the middle of the straight image, 1 in its corners. The bend is the first term of a lens that is calibrated badly; the
-// offset is one of the disparity, which structured light and stereo measure (as the D(x, y) of BAD SLAM, Schoeps et al. 2019, section 3.2,
-// of one number for all pixels and without its decay). Zero: none. A factor for all depths is not here: it is the scale of the world.
-struct DepthDistortion {
+// A factor for all depths is the scale of the world, which no scan tells: what is distorted is so about this depth, which stays as it is.
+// Rooms are scanned from about there.
+inline constexpr double kUndistortedDepth_m = 2;
+
+// What is wrong with a sensor's depth, smooth over the image: with b = measured (1 + bend rho^2), where rho is the distance from the middle of
+// the straight image, 1 in its corners, the true depth is b (1 + o kUndistortedDepth_m) / (1 + o b), where o is inverse_offset_per_m. The bend
+// is the first term of a lens that is calibrated badly. The offset is one of the disparity, which structured light and stereo measure: the
+// D(x, y) of BAD SLAM (Schoeps et al. 2019, section 3.2), one for all pixels and without its decay. Zero: none.
+struct DepthCorrection {
   double bend = 0;
   double inverse_offset_per_m = 0;
-  bool operator==(const DepthDistortion&) const = default;
+  bool operator==(const DepthCorrection&) const = default;
 
   // 0 where there is none: measured is 0, or the offset leaves no point before the camera.
   double true_depth_m(double measured_m, double rho2) const {
-    const double inverse_per_m = 1 / (measured_m * (1 + bend * rho2)) + inverse_offset_per_m;
-    return measured_m > 0 && inverse_per_m > 0 ? 1 / inverse_per_m : 0;
+    const double bent_m = measured_m * (1 + bend * rho2), divisor = 1 + inverse_offset_per_m * bent_m;
+    return divisor > 0 ? bent_m * (1 + inverse_offset_per_m * kUndistortedDepth_m) / divisor : 0;
   }
 };
 
@@ -63,7 +67,7 @@ struct Camera {
   double depth_units_per_metre = 1000;    // sensor depth value of one metre
   Distortion distortion{};                // of both images as they arrive; project and unproject are for undistorted pixels
   std::optional<ColorCamera> color{};     // none: depth is registered to colour. Else all the above is of the depth image alone
-  DepthDistortion depth_distortion{};     // of depth as it arrives, by pixel of the straight image
+  DepthCorrection depth_correction{};     // of depth as it arrives, by pixel of the straight image
   bool operator==(const Camera&) const = default;
 
   Eigen::Vector2d project(const Eigen::Vector3d& point_in_camera) const {
