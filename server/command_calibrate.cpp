@@ -24,10 +24,9 @@ struct CalibrateArguments {
 int run_calibrate(const CalibrateArguments& arguments) {
   const std::unique_ptr<Sequence> sequence = open_source(arguments.run);
   const FrameRange range = or_throw(parse_frame_range(arguments.run.frames, sequence->frame_count()));
-  const Trajectory trajectory =
-      arguments.trajectory.empty()
-          ? tracked_poses(reconstruct_frames(*sequence, range, options_of(arguments.run), arguments.run.device))
-          : or_throw(read_tum_trajectory(arguments.trajectory));
+  const Trajectory trajectory = arguments.trajectory.empty()
+                                    ? tracked_poses(reconstruct_frames(*sequence, range, options_of(arguments.run), arguments.run.device))
+                                    : or_throw(read_tum_trajectory(arguments.trajectory));
   const Calibration calibration = calibrate(*sequence, range, trajectory);
   const std::string camera_json = format_camera_json({calibration.camera, sequence->frame_rate_hz()});
   if (!arguments.out_file.empty()) or_throw(write_file_atomically(arguments.out_file, camera_json));
@@ -49,7 +48,8 @@ Command add_calibrate_command(CLI::App& app) {
   calibrate.add_option("--trajectory", arguments->trajectory,
                        "Poses of its tracked frames, TUM format, of an earlier reconstruction with the same camera (default: reconstruct)");
   calibrate.add_option("--frames", arguments->run.frames, "A:B takes frames A to B-1");
-  calibrate.add_option("--set", arguments->run.settings, "Setting of the reconstruction, key=value; may be repeated")->allow_extra_args(false);
+  calibrate.add_option("--set", arguments->run.settings, "Setting of the reconstruction, key=value; may be repeated")
+      ->allow_extra_args(false);
   calibrate.add_option("--device", arguments->run.device, "GPU: an index or a part of its name (default: the best one)");
   calibrate.add_option("--camera", arguments->run.camera, kCameraHelp);
   calibrate.add_option("--noise", arguments->run.noise, kNoiseHelp);

@@ -66,9 +66,8 @@ int run_reconstruct(const ReconstructArguments& arguments) {
   std::filesystem::create_directories(arguments.out_folder, error);
   if (error) throw SetupError({ErrorCode::kIo, "creating " + arguments.out_folder + ": " + error.message()});
   nlohmann::ordered_json calibrations;
-  const OfflineRun run = arguments.calibrate
-                             ? reconstruct_calibrated(sequence, range, options, arguments.run.device, calibrations)
-                             : reconstruct_frames(*sequence, range, options, arguments.run.device);
+  const OfflineRun run = arguments.calibrate ? reconstruct_calibrated(sequence, range, options, arguments.run.device, calibrations)
+                                             : reconstruct_frames(*sequence, range, options, arguments.run.device);
   if (!arguments.per_frame_file.empty()) or_throw(write_file_atomically(arguments.per_frame_file, format_frame_table(run.rows)));
   RunResults results = or_throw(results_of(*run.pipeline, options, sequence->groundtruth()));
   if (arguments.calibrate) {
@@ -106,9 +105,10 @@ Command add_reconstruct_command(CLI::App& app) {
   reconstruct.add_option("--camera", arguments->run.camera, kCameraHelp);
   reconstruct.add_option("--noise", arguments->run.noise, kNoiseHelp);
   reconstruct
-      .add_flag("--calibrate", arguments->calibrate,
-                "See in the recording what is wrong with its camera, as hermite calibrate does, and reconstruct anew with a better one where "
-                "there is one; the report says what was found (calibrations) and the camera at the end")
+      .add_flag(
+          "--calibrate", arguments->calibrate,
+          "See in the recording what is wrong with its camera, as hermite calibrate does, and reconstruct anew with a better one where "
+          "there is one; the report says what was found (calibrations) and the camera at the end")
       ->excludes(raw);
   reconstruct.footer(settings_table());
   return {&reconstruct, [arguments] { return run_reconstruct(*arguments); }};

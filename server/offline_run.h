@@ -1,5 +1,5 @@
-// What `hermite reconstruct` and `hermite calibrate` have in common: a recording goes through a pipeline here, without a server. Failures are
-// SetupErrors.
+// What `hermite reconstruct` and `hermite calibrate` have in common: a recording goes through a pipeline here, without a server. Failures
+// are SetupErrors.
 #pragma once
 
 #include <chrono>

@@ -14,8 +14,8 @@
 namespace hermite {
 namespace {
 
-// A bend of 1.5 % leads a camera 7 to 9 cm and some 10 pixels astray within a few seconds; what is left after a stage is well below the next
-// one's gate. The last gates are those of depth_links.h and of features with the error of a bad registration.
+// A bend of 1.5 % leads a camera 7 to 9 cm and some 10 pixels astray within a few seconds; what is left after a stage is well below the
+// next one's gate. The last gates are those of depth_links.h and of features with the error of a bad registration.
 struct Stage {
   double gate_m, gate_px;
   int step_count;

@@ -59,14 +59,14 @@ struct JointSolution {
   CameraVector deviation = CameraVector::Zero();
 };
 
-// `camera` is that of straight frames, with the correction of depth from which the change begins. `start` is a solution of the same with other
-// numbers free, from where the widest gates are not needed any more. Some 0.1 s of processor a step for 40 views and 300 pairs; 5 to 15
-// steps. CHECK: an index of a pair beyond the views.
+// `camera` is that of straight frames, with the correction of depth from which the change begins. `start` is a solution of the same with
+// other numbers free, from where the widest gates are not needed any more. Some 0.1 s of processor a step for 40 views and 300 pairs; 5 to
+// 15 steps. CHECK: an index of a pair beyond the views.
 JointSolution adjust_jointly(const std::vector<CalibrationView>& views, const std::vector<ViewPair>& pairs, const Camera& camera,
                              const JointOptions& options, const JointSolution* start = nullptr);
 
-// How far the surfaces of pairs are apart: the distances of points to the planes of the other view, both ways. Up to kMostApart_m they are of
-// one surface, and are cut to kMostCounted_m, as in depth_consistency.h.
+// How far the surfaces of pairs are apart: the distances of points to the planes of the other view, both ways. Up to kMostApart_m they are
+// of one surface, and are cut to kMostCounted_m, as in depth_consistency.h.
 inline constexpr double kMostApart_m = 0.10, kMostCounted_m = 0.05;
 struct PairAgreement {
   double median_m = 0, rms_m = 0;

@@ -8,8 +8,8 @@
 namespace hermite {
 namespace {
 
-// Of an image's width: a node every 4 pixels and a window of 9 at 640, some 3 cm at 2 m. The noise of a Kinect tilts such a window by 3 to 5
-// degrees, half as much as the cells of depth_planes.h.
+// Of an image's width: a node every 4 pixels and a window of 9 at 640, some 3 cm at 2 m. The noise of a Kinect tilts such a window by 3 to
+// 5 degrees, half as much as the cells of depth_planes.h.
 constexpr int kStepShare = 160, kRadiusShare = 160;
 
 // The root mean square of a window's pixels about their plane, in standard deviations of a pixel: flat as in depth_planes.cpp.

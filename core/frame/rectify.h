@@ -1,5 +1,5 @@
-// The door of a frame: straightens the images of distorted lenses, corrects depth that the sensor distorts and brings colour into the depth camera, so that everything behind can
-// take the camera for one pinhole with registered images, rectified(camera).
+// The door of a frame: straightens the images of distorted lenses, corrects depth and brings colour into the depth camera, so that
+// everything behind can take the camera for one pinhole with registered images, rectified(camera).
 #pragma once
 
 #include <cstdint>

@@ -33,10 +33,10 @@ struct Distortion {
 // Rooms are scanned from about there.
 inline constexpr double kUndistortedDepth_m = 2;
 
-// What is wrong with a sensor's depth, smooth over the image: with b = measured (1 + bend rho^2), where rho is the distance from the middle of
-// the straight image, 1 in its corners, the true depth is b (1 + o kUndistortedDepth_m) / (1 + o b), where o is inverse_offset_per_m. The bend
-// is the first term of a lens that is calibrated badly. The offset is one of the disparity, which structured light and stereo measure: the
-// D(x, y) of BAD SLAM (Schoeps et al. 2019, section 3.2), one for all pixels and without its decay. Zero: none.
+// What makes a sensor's depth right, smooth over the image: with b = measured (1 + bend rho^2), where rho is the distance from the middle
+// of the straight image, 1 in its corners, the true depth is b (1 + o kUndistortedDepth_m) / (1 + o b), o being inverse_offset_per_m. The
+// bend is the first term of a lens that is calibrated badly. The offset is one of the disparity, which structured light and stereo measure:
+// the D(x, y) of BAD SLAM (Schoeps et al. 2019), one for all pixels and without its decay. Zero: none.
 struct DepthCorrection {
   double bend = 0;
   double inverse_offset_per_m = 0;
@@ -94,8 +94,9 @@ Camera rectified(const Camera& camera);
 
 // kInvalidArgument, naming the field and its limits: sizes outside [kMinImageSide_px, kMaxImageSide_px], focal lengths that are
 // not positive and finite or give a field of view outside 10 to 150 degrees, a principal point outside the image, a depth scale outside [1,
-// 1e6], a bend beyond +-kMaxBend, an inverse offset beyond +-kMaxInverseOffset_per_m, a distortion that moves a corner of the image by more than a quarter of its width; the same of the colour camera (fields
-// camera.color.*), and color_from_depth with a quaternion that is not of unit length within 1e-3 or farther than kMaxColorBaseline_m.
+// 1e6], a bend beyond +-kMaxBend, an inverse offset beyond +-kMaxInverseOffset_per_m, a distortion that moves a corner of the image by more
+// than a quarter of its width; the same of the colour camera (fields camera.color.*), and color_from_depth with a quaternion that is not of
+// unit length within 1e-3 or farther than kMaxColorBaseline_m.
 Status validate(const Camera& camera);
 
 }  // namespace hermite

@@ -51,8 +51,9 @@ const std::vector<Layer>& layers() {
       {"tests/bench/codecs", {"core/dataset", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"proto/wire", {"core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"server",
-       {"core/pipeline", "core/report", "core/adjust/mapping.h", "core/calibrate", "core/output", "core/dataset", "core/archive", "core/digest",
-        "core/evaluate", "core/frame/rgbd_frame.h", "core/log", "core/raw", "core/image", "core/math", "core/base", "proto/wire"}},
+       {"core/pipeline", "core/report", "core/adjust/mapping.h", "core/calibrate", "core/output", "core/dataset", "core/archive",
+        "core/digest", "core/evaluate", "core/frame/rgbd_frame.h", "core/log", "core/raw", "core/image", "core/math", "core/base",
+        "proto/wire"}},
       {"shaders", {}},
   };
   return table;

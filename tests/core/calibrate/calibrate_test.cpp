@@ -26,7 +26,8 @@ std::unique_ptr<Sequence> open(const std::string& source) {
 Trajectory drifting(Trajectory poses) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const double share = static_cast<double>(i) / static_cast<double>(poses.size());
-    poses[i].world_from_camera = poses[i].world_from_camera * exp_se3((Vector6d() << 0.03, -0.02, 0.035, 0.01, 0.03, -0.01).finished() * share);
+    poses[i].world_from_camera =
+        poses[i].world_from_camera * exp_se3((Vector6d() << 0.03, -0.02, 0.035, 0.01, 0.03, -0.01).finished() * share);
   }
   return poses;
 }
@@ -70,7 +71,8 @@ TEST(Calibrate, FindsAFocalLength) {
 // The depth that a sensor measures whose correction has that offset.
 class OffsetSequence : public ChangedSequence {
  public:
-  OffsetSequence(std::unique_ptr<Sequence> original, double offset_per_m) : ChangedSequence(std::move(original)), offset_per_m_(offset_per_m) {}
+  OffsetSequence(std::unique_ptr<Sequence> original, double offset_per_m)
+      : ChangedSequence(std::move(original)), offset_per_m_(offset_per_m) {}
   Result<RecordedFrame> read(std::int64_t index) const override {
     Result<RecordedFrame> frame = original_->read(index);
     if (!frame.ok()) return frame;
