@@ -8,6 +8,7 @@
 // rest. Of the numbers that were free, one after the other is taken back and the rest adjusted anew, until each that is left
 //   is believable: a camera can be off by so much. Else it stands for something that no camera is: a rolling shutter, frames out of step,
 //   is significant, and large enough to matter,
+//   is what either half of the recording says too, as far as it says anything,
 //   makes the pairs that were held back agree better than they do without it,
 // and together they agree better than with the camera as it was, with poses adjusted to that. Otherwise the camera is left as it was.
 //
