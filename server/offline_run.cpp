@@ -80,7 +80,7 @@ Options options_of(const OfflineArguments& arguments) {
 
 std::string settings_table() {
   std::string table = "Settings for --set, with their defaults:\n";
-  for (const Setting& setting : list_settings({})) {
+  for (const Setting& setting : list_settings(Options{})) {
     std::string key = "  " + setting.key + "=" + setting.value;
     key.resize(std::max<std::size_t>(key.size() + 2, 44), ' ');
     table += key + setting.description + "\n";

@@ -13,7 +13,7 @@ namespace {
 constexpr int kMostOctavesApart = 2;
 
 // Behind it a point is not seen, and near it everything is everywhere.
-constexpr double kBehind_m = 0.2;
+constexpr double kNearestCorner_m = 0.2;
 
 struct Nearest {
   std::uint32_t feature = 0;
@@ -45,7 +45,7 @@ std::vector<LandmarkMatch> match_corners(const std::vector<Feature>& source, con
     const std::optional<Eigen::Vector3d> own = point_of(source[i], camera);
     if (!own) continue;
     const Eigen::Vector3d point = target_from_source * *own;
-    if (point.z() < kBehind_m) continue;
+    if (point.z() < kNearestCorner_m) continue;
     const Eigen::Vector2f at = camera.project(point).cast<float>();
     const double allowed_m = 2 * gate_m + 3 * depth_deviation_m(point.z());
     Nearest nearest;

@@ -16,15 +16,15 @@ constexpr double kLeastOverlap = 0.25;
 // What a point may be beside a surface and still be of it: more than poses bent by a wrong camera are off.
 constexpr double kNear_m = 0.15;
 constexpr int kLeastPoints = 50;
-constexpr int kEveryNode = 8;  // each way, of a patch's grid: 300 points
+constexpr int kOverlapNode = 8;  // each way, of a patch's grid: 300 points
 constexpr std::uint32_t kHeldBackShare = 5;
 
 // Of the points of one view the share that is on a surface of the other.
 double overlap_of(const PatchGrid& grid, const std::vector<Facet>& of_first, const std::vector<Facet>& of_second,
                   const Rigid3& second_from_first, const Camera& camera) {
   int all = 0, met = 0;
-  for (int row = kEveryNode / 2; row < grid.nodes.height; row += kEveryNode)
-    for (int column = kEveryNode / 2; column < grid.nodes.width; column += kEveryNode) {
+  for (int row = kOverlapNode / 2; row < grid.nodes.height; row += kOverlapNode)
+    for (int column = kOverlapNode / 2; column < grid.nodes.width; column += kOverlapNode) {
       const Facet& facet = of_first[grid.nodes.index(column, row)];
       if (facet.point_m.z() <= 0) continue;
       ++all;
