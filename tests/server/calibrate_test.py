@@ -11,7 +11,7 @@ import tempfile
 import unittest
 
 HERMITE = sys.argv[1]
-BENT = "synthetic:frames=75,width=320,height=240,rate=20+bend=percent=3+noise=kinect,seed=1"  # 3.75 s, some 140 degrees
+BENT = "synthetic:frames=75,width=320,height=240,rate=20+bend=percent=3+noise=kinect-white,seed=1"  # 3.75 s, some 140 degrees
 
 
 def hermite(*arguments):

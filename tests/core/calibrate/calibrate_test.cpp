@@ -52,7 +52,7 @@ void expect_alone(const Calibration& found, CameraNumber number, double value, d
 }
 
 TEST(Calibrate, FindsABend) {
-  const auto sequence = open(std::string(kRoom) + "+bend=percent=2+noise=kinect,seed=1");
+  const auto sequence = open(std::string(kRoom) + "+bend=percent=2+noise=kinect-white,seed=1");
   const Calibration found = calibrated(*sequence);
   expect_alone(found, kBend, 1 / 1.02 - 1, 0.002);  // a tenth
   EXPECT_EQ(found.camera.depth_correction.bend, found.numbers[kBend].value);
@@ -60,7 +60,7 @@ TEST(Calibrate, FindsABend) {
 }
 
 TEST(Calibrate, FindsAFocalLength) {
-  const auto sequence = open(std::string(kRoom) + "+focal=percent=-2+noise=kinect,seed=2");
+  const auto sequence = open(std::string(kRoom) + "+focal=percent=-2+noise=kinect-white,seed=2");
   const Calibration found = calibrated(*sequence);
   expect_alone(found, kFocal, 1 / 0.98 - 1, 0.002);
   EXPECT_NEAR(found.camera.fx, 262.5, 0.6);
@@ -93,7 +93,7 @@ TEST(Calibrate, FindsAnOffsetOfTheInverseDepth) {
 }
 
 TEST(Calibrate, LeavesARightCameraAsItIs) {
-  const auto sequence = open(std::string(kRoom) + "+noise=kinect,seed=3");
+  const auto sequence = open(std::string(kRoom) + "+noise=kinect-white,seed=3");
   const Calibration found = calibrated(*sequence);
   EXPECT_FALSE(found.is_applied);
   EXPECT_EQ(found.camera, sequence->camera());
@@ -103,17 +103,17 @@ TEST(Calibrate, LeavesARightCameraAsItIs) {
 }
 
 TEST(Calibrate, GoesOnFromWhatIsCorrectedAlready) {
-  const auto bent = open(std::string(kRoom) + "+bend=percent=2+noise=kinect,seed=1");
+  const auto bent = open(std::string(kRoom) + "+bend=percent=2+noise=kinect-white,seed=1");
   Camera camera = bent->camera();
   camera.depth_correction.bend = 1 / 1.02 - 1;
-  const RecalibratedSequence right(open(std::string(kRoom) + "+bend=percent=2+noise=kinect,seed=1"), camera);
+  const RecalibratedSequence right(open(std::string(kRoom) + "+bend=percent=2+noise=kinect-white,seed=1"), camera);
   const Calibration found = calibrated(right);
   EXPECT_FALSE(found.is_applied);
   EXPECT_EQ(found.camera, camera);
 }
 
 TEST(Calibrate, IsTheSameWhateverTheNumberOfThreads) {
-  const auto sequence = open(std::string(kRoom) + "+bend+focal+noise=kinect,seed=1");
+  const auto sequence = open(std::string(kRoom) + "+bend+focal+noise=kinect-white,seed=1");
   EXPECT_EQ(format_calibration_json(calibrated(*sequence, 1)), format_calibration_json(calibrated(*sequence, 3)));
 }
 
