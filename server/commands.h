@@ -24,6 +24,7 @@ struct Command {
 
 Command add_serve_command(CLI::App& app);
 Command add_reconstruct_command(CLI::App& app);
+Command add_calibrate_command(CLI::App& app);
 Command add_evaluate_command(CLI::App& app);
 Command add_inspect_command(CLI::App& app);
 Command add_convert_command(CLI::App& app);

@@ -84,6 +84,19 @@ Result<Distortion> distortion_of(const nlohmann::json& object, const std::string
   return distortion;
 }
 
+Result<DepthCorrection> depth_correction_of(const nlohmann::json& object) {
+  constexpr const char* kKey = "depth_correction";
+  DepthCorrection distortion;
+  if (!object.contains(kKey)) return distortion;
+  const nlohmann::json& depth = object[kKey];
+  if (!depth.is_object()) return key_error(kKey, "is not an object with bend, inverse_offset_per_m");
+  for (const NamedNumber& one :
+       {NamedNumber{"bend", &distortion.bend}, NamedNumber{"inverse_offset_per_m", &distortion.inverse_offset_per_m}})
+    if (depth.contains(one.key))
+      if (const Status status = read_numbers(depth, {one}); !status.ok()) return in_context("\"depth_correction\"", status.error());
+  return distortion;
+}
+
 Result<Rigid3> transform_of(const nlohmann::json& object, const std::string& key) {
   const auto rows = object.find(key);
   const auto is_row = [](const nlohmann::json& row) {
@@ -153,6 +166,9 @@ Result<CameraFile> parse_camera_json(const std::string& text) {
                                                {"depth_units_per_metre", &file.camera.depth_units_per_metre}});
   if (!numbers.ok()) return numbers.error();
   if (const Status status = read_lenses(object, file); !status.ok()) return status.error();
+  const Result<DepthCorrection> depth = depth_correction_of(object);
+  if (!depth.ok()) return depth.error();
+  file.camera.depth_correction = *depth;
   if (const Status status = validate(file.camera); !status.ok()) return status.error();
   if (object.contains("frame_rate_hz")) {
     const Result<double> rate = number_of(object, "frame_rate_hz");
@@ -196,6 +212,8 @@ std::string format_camera_json(const CameraFile& file) {
                                 {"depth_units_per_metre", camera.depth_units_per_metre},
                                 {"frame_rate_hz", file.frame_rate_hz}};
   object["color_distortion"] = lens(camera.color ? camera.color->distortion : camera.distortion);
+  if (const DepthCorrection& depth = camera.depth_correction; depth != DepthCorrection{})
+    object["depth_correction"] = {{"bend", depth.bend}, {"inverse_offset_per_m", depth.inverse_offset_per_m}};
   object["color_camera"] = nullptr;
   if (camera.color) {
     const ColorCamera& color = *camera.color;

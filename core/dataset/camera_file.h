@@ -7,6 +7,8 @@
 //                     [R | t in metres]. The outer fx, fy, cx, cy are then of the depth image. null: depth is registered, whatever the
 //                     folder's format makes likely.
 //   depth_distortion  beside color_camera only: the lens of the depth image.
+//   depth_correction  an object with any of bend and inverse_offset_per_m (Camera::depth_correction): what is wrong with depth as it is
+//                     recorded. `hermite calibrate` writes it.
 // Other keys are ignored.
 #pragma once
 

@@ -26,4 +26,14 @@ class ChangedSequence : public Sequence {
   const std::unique_ptr<Sequence> original_;
 };
 
+// The same frames, said to be of another camera of the same size.
+class RecalibratedSequence : public ChangedSequence {
+ public:
+  RecalibratedSequence(std::unique_ptr<Sequence> original, const Camera& camera) : ChangedSequence(std::move(original)), camera_(camera) {}
+  const Camera& camera() const override { return camera_; }
+
+ private:
+  const Camera camera_;
+};
+
 }  // namespace hermite

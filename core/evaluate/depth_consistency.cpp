@@ -43,8 +43,11 @@ class View {
  public:
   View(const DepthImage& depth, const Camera& camera, const StraightPixels& sources)
       : camera_(camera), radius_(std::max(1, camera.width / kWindowRadiusShare)), inverse_depth_(camera.width, camera.height) {
+    const auto width = static_cast<std::size_t>(camera.width);
     for (std::size_t i = 0; i < sources.size(); ++i) {
-      const double depth_m = sources[i] < 0 ? 0 : depth.pixels[static_cast<std::size_t>(sources[i])] / camera.depth_units_per_metre;
+      const double measured_m = sources[i] < 0 ? 0 : depth.pixels[static_cast<std::size_t>(sources[i])] / camera.depth_units_per_metre;
+      const double rho2 = camera.rho2(static_cast<double>(i % width), static_cast<double>(i / width));
+      const double depth_m = camera.depth_correction.true_depth_m(measured_m, rho2);
       const bool usable = depth_m >= kNearestConsistent_m && depth_m <= kFarthestConsistent_m;
       inverse_depth_.pixels[i] = usable ? static_cast<float>(1 / depth_m) : 0.0f;
     }

@@ -7,7 +7,7 @@
 
 namespace hermite {
 
-Rectifier::Rectifier(const Camera& camera) {
+Rectifier::Rectifier(const Camera& camera) : camera_(camera) {
   if (camera.color) registration_.emplace(camera);
   if (camera.distortion == Distortion{}) return;
   sources_.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
@@ -38,14 +38,27 @@ ColorImage Rectifier::straight(const ColorImage& color) const {
   return straight;
 }
 
+void Rectifier::correct(DepthImage& depth) const {
+  if (camera_.depth_correction == DepthCorrection{}) return;
+  const double units = camera_.depth_units_per_metre;
+  for (int y = 0; y < depth.height; ++y)
+    for (int x = 0; x < depth.width; ++x) {
+      std::uint16_t& pixel = depth.at(x, y);
+      if (pixel == 0) continue;
+      const double corrected = std::round(camera_.depth_correction.true_depth_m(pixel / units, camera_.rho2(x, y)) * units);
+      pixel = corrected <= 65535 ? static_cast<std::uint16_t>(corrected) : std::uint16_t{0};
+    }
+}
+
 RgbdFrame Rectifier::apply(const RgbdFrame& frame) const {
   RgbdFrame rectified{frame.timestamp_s, straight(frame.depth), {}};
+  correct(rectified.depth);
   rectified.color = registration_ ? registration_->apply(frame.color, rectified.depth) : straight(frame.color);
   return rectified;
 }
 
 std::optional<Rectifier> rectifier_of(const Camera& camera) {
-  if (camera.distortion == Distortion{} && !camera.color) return std::nullopt;
+  if (camera.distortion == Distortion{} && camera.depth_correction == DepthCorrection{} && !camera.color) return std::nullopt;
   return Rectifier(camera);
 }
 

@@ -1,5 +1,5 @@
-// The door of a frame: straightens the images of distorted lenses and brings colour into the depth camera, so that everything behind can
-// take the camera for one pinhole with registered images, rectified(camera).
+// The door of a frame: straightens the images of distorted lenses, corrects depth and brings colour into the depth camera, so that
+// everything behind can take the camera for one pinhole with registered images, rectified(camera).
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,8 @@
 namespace hermite {
 
 // Where depth is registered to colour (no Camera::color), both images came through one lens and are straightened alike. Else depth is
-// straightened by the distortion of its camera, and colour, looked up for the straight depth, by that of its own.
+// straightened by the distortion of its camera, and colour, looked up for the straight depth, by that of its own. Depth is corrected
+// (Camera::depth_correction) once it is straight, rounded to the sensor's units.
 // Const functions are thread-safe.
 class Rectifier {
  public:
@@ -30,6 +31,9 @@ class Rectifier {
   };
   DepthImage straight(const DepthImage& depth) const;
   ColorImage straight(const ColorImage& color) const;
+  void correct(DepthImage& depth) const;
+
+  const Camera camera_;
 
   std::vector<Source> sources_;  // empty: they are straight as they arrive
   std::optional<ColorRegistration> registration_;

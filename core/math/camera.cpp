@@ -81,6 +81,7 @@ Camera rectified(const Camera& camera) {
   Camera pinhole = camera;
   pinhole.distortion = {};
   pinhole.color.reset();
+  pinhole.depth_correction = {};
   return pinhole;
 }
 
@@ -94,8 +95,14 @@ Status validate(const Camera& camera) {
   const Status lens =
       validate_lens("camera.", {camera.fx, camera.fy, camera.cx, camera.cy, camera.distortion}, camera.width, camera.height);
   if (!lens.ok()) return lens.error();
-  const Bound units{"depth_units_per_metre", camera.depth_units_per_metre, 1, 1e6};
-  if (!is_within(units)) return out_of_range("camera.", units);
+  const Bound depth[] = {
+      {"depth_units_per_metre", camera.depth_units_per_metre, 1, 1e6},
+      {"depth_correction.bend", camera.depth_correction.bend, -kMaxBend, kMaxBend},
+      {"depth_correction.inverse_offset_per_m", camera.depth_correction.inverse_offset_per_m, -kMaxInverseOffset_per_m,
+       kMaxInverseOffset_per_m},
+  };
+  for (const Bound& bound : depth)
+    if (!is_within(bound)) return out_of_range("camera.", bound);
   if (camera.color) return validate_color(*camera.color, camera.width, camera.height);
   return Done{};
 }

@@ -14,6 +14,10 @@ namespace hermite {
 inline constexpr int kMinImageSide_px = 64;
 inline constexpr int kMaxImageSide_px = 2048;
 
+// Of depth that is taken for a calibrated sensor's: a tenth in the corners, and a tenth at 2 m.
+inline constexpr double kMaxBend = 0.1;
+inline constexpr double kMaxInverseOffset_per_m = 0.05;
+
 // Of the lens, as OpenCV has it: x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2), y' alike, at z = 1. Zero: none.
 struct Distortion {
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
@@ -22,6 +26,26 @@ struct Distortion {
   Eigen::Vector2d apply(double x, double y) const {
     const double r2 = x * x + y * y, radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
     return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
+  }
+};
+
+// A factor for all depths is the scale of the world, which no scan tells: what is distorted is so about this depth, which stays as it is.
+// Rooms are scanned from about there.
+inline constexpr double kUndistortedDepth_m = 2;
+
+// What makes a sensor's depth right, smooth over the image: with b = measured (1 + bend rho^2), where rho is the distance from the middle
+// of the straight image, 1 in its corners, the true depth is b (1 + o kUndistortedDepth_m) / (1 + o b), o being inverse_offset_per_m. The
+// bend is the first term of a lens that is calibrated badly. The offset is one of the disparity, which structured light and stereo measure:
+// the D(x, y) of BAD SLAM (Schoeps et al. 2019), one for all pixels and without its decay. Zero: none.
+struct DepthCorrection {
+  double bend = 0;
+  double inverse_offset_per_m = 0;
+  bool operator==(const DepthCorrection&) const = default;
+
+  // 0 where there is none: measured is 0, or the offset leaves no point before the camera.
+  double true_depth_m(double measured_m, double rho2) const {
+    const double bent_m = measured_m * (1 + bend * rho2), divisor = 1 + inverse_offset_per_m * bent_m;
+    return divisor > 0 ? bent_m * (1 + inverse_offset_per_m * kUndistortedDepth_m) / divisor : 0;
   }
 };
 
@@ -43,6 +67,7 @@ struct Camera {
   double depth_units_per_metre = 1000;    // sensor depth value of one metre
   Distortion distortion{};                // of both images as they arrive; project and unproject are for undistorted pixels
   std::optional<ColorCamera> color{};     // none: depth is registered to colour. Else all the above is of the depth image alone
+  DepthCorrection depth_correction{};     // of depth as it arrives, by pixel of the straight image
   bool operator==(const Camera&) const = default;
 
   Eigen::Vector2d project(const Eigen::Vector3d& point_in_camera) const {
@@ -53,18 +78,25 @@ struct Camera {
     const Eigen::Vector2d at = distortion.apply((u - cx) / fx, (v - cy) / fy);
     return {at.x() * fx + cx, at.y() * fy + cy};
   }
+  // Of an undistorted pixel: the square of its distance from the middle of the image, 1 in the corners.
+  double rho2(double u, double v) const {
+    const double middle_x = 0.5 * (width - 1), middle_y = 0.5 * (height - 1);
+    const double dx = u - middle_x, dy = v - middle_y;
+    return (dx * dx + dy * dy) / (middle_x * middle_x + middle_y * middle_y);
+  }
   Eigen::Vector3d unproject(double u, double v, double depth_m) const {
     return {(u - cx) / fx * depth_m, (v - cy) / fy * depth_m, depth_m};
   }
 };
 
-// The camera of frames that were rectified (core/frame/rectify.h): no distortion, colour registered.
+// The camera of frames that were rectified (core/frame/rectify.h): no distortion of either kind, colour registered.
 Camera rectified(const Camera& camera);
 
 // kInvalidArgument, naming the field and its limits: sizes outside [kMinImageSide_px, kMaxImageSide_px], focal lengths that are
 // not positive and finite or give a field of view outside 10 to 150 degrees, a principal point outside the image, a depth scale outside [1,
-// 1e6], a distortion that moves a corner of the image by more than a quarter of its width; the same of the colour camera (fields
-// camera.color.*), and color_from_depth with a quaternion that is not of unit length within 1e-3 or farther than kMaxColorBaseline_m.
+// 1e6], a bend beyond +-kMaxBend, an inverse offset beyond +-kMaxInverseOffset_per_m, a distortion that moves a corner of the image by more
+// than a quarter of its width; the same of the colour camera (fields camera.color.*), and color_from_depth with a quaternion that is not of
+// unit length within 1e-3 or farther than kMaxColorBaseline_m.
 Status validate(const Camera& camera);
 
 }  // namespace hermite

@@ -38,7 +38,10 @@ std::string in_words(const ColorCamera& color) {
 std::string in_words(const Camera& camera) {
   return std::to_string(camera.width) + "x" + std::to_string(camera.height) + " " +
          in_words({camera.fx, camera.fy, camera.cx, camera.cy, camera.depth_units_per_metre}) + " " + in_words(camera.distortion) +
-         (camera.color ? " " + in_words(*camera.color) : "");
+         (camera.color ? " " + in_words(*camera.color) : "") +
+         (camera.depth_correction == DepthCorrection{}
+              ? ""
+              : " depth " + in_words({camera.depth_correction.bend, camera.depth_correction.inverse_offset_per_m}));
 }
 
 // The note of type NT_GNU_BUILD_ID among those of one segment; empty when it is not there.

@@ -17,11 +17,12 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the file is written as memory lies");
 
 constexpr std::array<char, 8> kMagic{'H', 'R', 'M', 'F', 'R', 'A', 'M', 'E'};
-constexpr std::uint32_t kVersion = 1, kVersionWithColorCamera = 2;
+// 1, and these for what stands behind the header.
+constexpr std::uint32_t kPlainVersion = 1, kWithColorCamera = 1, kWithDepthCorrection = 2, kLastVersion = 4;
 
 struct Header {
   std::array<char, 8> magic = kMagic;
-  std::uint32_t version = kVersion;
+  std::uint32_t version = kPlainVersion;
   std::uint32_t width = 0, height = 0;
   std::uint32_t frame_count = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;
@@ -30,7 +31,7 @@ struct Header {
 };
 static_assert(sizeof(Header) == 8 + 4 * 4 + 10 * 8, "no padding");
 
-// Behind the header of version 2.
+// Behind the header, where the version says so; then two f64 of the correction of depth.
 struct ColorHeader {
   double fx = 0, fy = 0, cx = 0, cy = 0;
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
@@ -41,7 +42,8 @@ static_assert(sizeof(ColorHeader) == 16 * 8, "no padding");
 
 Header header_of(const Camera& camera, std::int64_t frame_count) {
   Header header;
-  header.version = camera.color ? kVersionWithColorCamera : kVersion;
+  if (camera.color) header.version += kWithColorCamera;
+  if (camera.depth_correction != DepthCorrection{}) header.version += kWithDepthCorrection;
   header.width = static_cast<std::uint32_t>(camera.width);
   header.height = static_cast<std::uint32_t>(camera.height);
   header.frame_count = static_cast<std::uint32_t>(frame_count);
@@ -141,6 +143,10 @@ Result<RawFrameWriter> RawFrameWriter::create(const std::string& path, const Cam
     const ColorHeader color = header_of(*camera.color);
     write_from(writer.file_, &color);
   }
+  if (const DepthCorrection& depth = camera.depth_correction; depth != DepthCorrection{}) {
+    const std::array<double, 2> numbers{depth.bend, depth.inverse_offset_per_m};
+    write_from(writer.file_, numbers.data(), numbers.size());
+  }
   if (!writer.file_) return writer.cannot_write();
   return writer;
 }
@@ -186,15 +192,22 @@ Result<RawFrameReader> RawFrameReader::open(const std::string& path) {
   if (!read_into(reader.file_, &header))
     return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, the header alone has " + std::to_string(sizeof header));
   if (header.magic != kMagic) return reader.corrupt("no file of raw frames: it does not begin with HRMFRAME");
-  if (header.version != kVersion && header.version != kVersionWithColorCamera)
-    return reader.corrupt("version " + std::to_string(header.version) + ", this program reads versions 1 and 2");
+  if (header.version < kPlainVersion || header.version > kLastVersion)
+    return reader.corrupt("version " + std::to_string(header.version) + ", this program reads versions 1 to 4");
   reader.camera_ = camera_of(header);
   reader.header_bytes_ = sizeof header;
-  if (header.version == kVersionWithColorCamera) {
+  if (((header.version - kPlainVersion) & kWithColorCamera) != 0) {
     ColorHeader color;
     if (!read_into(reader.file_, &color)) return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, cut in the colour camera");
     reader.camera_.color = camera_of(color);
     reader.header_bytes_ += sizeof color;
+  }
+  if (((header.version - kPlainVersion) & kWithDepthCorrection) != 0) {
+    std::array<double, 2> numbers{};
+    if (!read_into(reader.file_, numbers.data(), numbers.size()))
+      return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, cut in the correction of depth");
+    reader.camera_.depth_correction = {numbers[0], numbers[1]};
+    reader.header_bytes_ += sizeof numbers;
   }
   if (const Status valid = validate(reader.camera_); !valid.ok()) return reader.corrupt(valid.error().message);
   reader.frame_count_ = header.frame_count;

@@ -78,6 +78,18 @@ struct Believed {
   double gain = 1, offset = 0;
 };
 
+// Before pairs are known: what is seen is bright alike.
+Believed believed_at_first(const CoarseView& frame, const CoarseView& earlier) {
+  const auto mean = [](const CoarseView& view) {
+    double sum = 0;
+    for (const float grey : view.grey) sum += std::clamp(double{grey}, 1.0, 255.0);
+    return sum / static_cast<double>(view.size());
+  };
+  Believed believed;
+  believed.gain = std::clamp(mean(frame) / mean(earlier), 0.5, 2.0);
+  return believed;
+}
+
 struct Sums {
   double count = 0, weighted = 0;
   double deviation() const { return std::sqrt(weighted / count); }
@@ -150,7 +162,7 @@ std::vector<System> Comparison::linearise(const Rigid3& earlier_from_frame, cons
       const double known = grey_at(earlier, uv), grey = frame.grey[i];
       const double left = frame.grey[i - 1], right = frame.grey[i + 1];
       const double above = frame.grey[frame.index(x, y - 1)], below = frame.grey[frame.index(x, y + 1)];
-      if (std::abs(scaled) > 3 || std::min({known, left, right, above, below, grey}) < 0 || grey > kSaturated) continue;
+      if (std::abs(scaled) > 3 || std::min({known, left, right, above, below, grey}) < 0 || std::max(grey, known) > kSaturated) continue;
       const Eigen::Vector2d gradient(0.5 * (right - left), 0.5 * (below - above));
       const double flow = gradient.dot(uv - Eigen::Vector2d(x, y));
       const double expected2 = 1 + kBlur2 * gradient.squaredNorm() + 0.09 * flow * flow,
@@ -293,11 +305,11 @@ OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, co
     Rigid3 pose;
     Believed believed;
     std::vector<System> systems;
-  } state{moved_before, motion.earlier_from_frame, {}, {}};
+  } state{moved_before, motion.earlier_from_frame, believed_at_first(frame, earlier), {}};
   if (is_most(state.moves)) state.moves.assign(state.moves.size(), false);
   state.pose = comparison.align(state.pose, state.moves, kSteps, state.believed, state.systems);
   const auto without = [&](std::size_t surface) {
-    State result{state.moves, state.pose, {}, {}};
+    State result{state.moves, state.pose, believed_at_first(frame, earlier), {}};
     result.moves[surface] = true;
     result.pose = comparison.align(state.pose, result.moves, kStepsWhenMoving, result.believed, result.systems);
     return result;

@@ -39,6 +39,7 @@ const std::vector<Layer>& layers() {
       {"core/dataset",
        {"core/archive", "core/log", "core/raw", "proto/wire", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"core/evaluate", {"core/dataset", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
+      {"core/calibrate", {"core/adjust", "core/dataset", "core/frame", "core/math", "core/base"}},
       {"core/output", {"core/math", "core/base"}},
       {"core/digest", {"core/base"}},
       // Of what needs more than Vulkan and Eigen only plain headers: hermite_bench links this and nothing else.
@@ -50,8 +51,9 @@ const std::vector<Layer>& layers() {
       {"tests/bench/codecs", {"core/dataset", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"proto/wire", {"core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"server",
-       {"core/pipeline", "core/report", "core/adjust/mapping.h", "core/output", "core/dataset", "core/archive", "core/digest",
-        "core/evaluate", "core/frame/rgbd_frame.h", "core/log", "core/raw", "core/image", "core/math", "core/base", "proto/wire"}},
+       {"core/pipeline", "core/report", "core/adjust/mapping.h", "core/calibrate", "core/output", "core/dataset", "core/archive",
+        "core/digest", "core/evaluate", "core/frame/rgbd_frame.h", "core/log", "core/raw", "core/image", "core/math", "core/base",
+        "proto/wire"}},
       {"shaders", {}},
   };
   return table;

@@ -34,7 +34,7 @@ SparseMap map_of(const PlaneRoom& room, const std::vector<Rigid3>& world_from_ca
   const Rigid3 submap_from_camera = moved(0.05, 0.02, -0.03, 0.1, 0, 0.05);
   for (std::size_t i = 0; i < world_from_camera.size(); ++i) {
     const DepthImage depth = depth_of(seen_from(room, world_from_camera[i]), kPlaneCamera);
-    const NoiseOptions noise{.model = seed > 0 ? NoiseModel::kKinect : NoiseModel::kNone, .seed = seed};
+    const NoiseOptions noise{.model = seed > 0 ? NoiseModel::kKinectWhite : NoiseModel::kNone, .seed = seed};
     Keyframe keyframe;
     keyframe.submap = static_cast<std::uint32_t>(i);
     keyframe.submap_from_camera = submap_from_camera;

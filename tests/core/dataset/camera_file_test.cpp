@@ -9,6 +9,7 @@
 namespace hermite {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 const char* const kGood =
@@ -115,6 +116,26 @@ TEST(CameraFile, NamesEverybodyKnows) {
   EXPECT_EQ(camera_mentioned_in("/data/rgbd_dataset_freiburg2_desk")->fx, 520.9);
   EXPECT_FALSE(camera_mentioned_in("/data/desk"));
   for (const char* name : {"fr1", "fr2", "fr3", "icl-nuim"}) EXPECT_TRUE(validate(*known_camera(name)).ok()) << name;
+}
+
+TEST(CameraFile, KeepsTheCorrectionOfDepth) {
+  const auto with = [](const std::string& correction) {
+    return parse_camera_json(R"({"width": 640, "height": 480, "fx": 525, "fy": 525, "cx": 320, "cy": 240, "depth_units_per_metre": 1000,
+                                 "depth_correction": )" +
+                             correction + "}");
+  };
+  const Result<CameraFile> file = with(R"({"bend": -0.015, "inverse_offset_per_m": 0.02})");
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->camera.depth_correction, (DepthCorrection{-0.015, 0.02}));
+  const Result<CameraFile> again = parse_camera_json(format_camera_json(*file));
+  ASSERT_TRUE(again.ok()) << again.error().message;
+  EXPECT_EQ(again->camera, file->camera);
+  EXPECT_EQ(with(R"({"bend": 0.01})")->camera.depth_correction, (DepthCorrection{0.01, 0}));
+  const auto words = [&with](const char* correction) { return with(correction).error().message; };
+  EXPECT_THAT(words("5"), HasSubstr("depth_correction"));
+  EXPECT_THAT(words(R"({"bend": "much"})"), AllOf(HasSubstr("depth_correction"), HasSubstr("bend")));
+  EXPECT_THAT(words(R"({"bend": 0.2})"), AllOf(HasSubstr("depth_correction.bend"), HasSubstr("allowed is")));
+  EXPECT_THAT(words(R"({"inverse_offset_per_m": -1})"), AllOf(HasSubstr("depth_correction.inverse_offset_per_m"), HasSubstr("allowed is")));
 }
 
 TEST(CameraFile, BesideAFileItsOwnComesBeforeThatOfTheFolder) {

@@ -53,6 +53,28 @@ TEST(Rectify, PixelsComeFromWhereTheLensPutThem) {
   EXPECT_LT(farthest_px, 30);
 }
 
+TEST(Rectify, DepthIsCorrected) {
+  Camera camera = kCamera;
+  camera.distortion = {};
+  camera.depth_correction = {-0.02, 0.01};
+  RgbdFrame frame = telling_frame();
+  frame.depth.at(5, 6) = 0;
+  frame.depth.at(7, 6) = 65535;
+  const RgbdFrame right = Rectifier(camera).apply(frame);
+  for (int y = 0; y < camera.height; y += 7)
+    for (int x = 0; x < camera.width; x += 7) {
+      const double true_m = camera.depth_correction.true_depth_m(frame.depth.at(x, y) / camera.depth_units_per_metre, camera.rho2(x, y));
+      ASSERT_NEAR(right.depth.at(x, y), true_m * camera.depth_units_per_metre, 0.5) << x << ", " << y;
+    }
+  EXPECT_EQ(right.depth.at(5, 6), 0);
+  camera.depth_correction = {0.02, 0};
+  EXPECT_EQ(Rectifier(camera).apply(frame).depth.at(7, 6), 0) << "beyond what the sensor's unit can say";
+  EXPECT_EQ(right.color, frame.color);
+  EXPECT_TRUE(rectifier_of(camera));
+  camera.depth_correction = {};
+  EXPECT_FALSE(rectifier_of(camera));
+}
+
 TEST(Rectify, BeyondTheImageIsNothing) {
   Camera barrel = kCamera;
   barrel.distortion = {0.3, 0, 0, 0, 0};  // looks for its corners outside

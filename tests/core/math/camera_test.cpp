@@ -106,6 +106,36 @@ TEST(ValidateCamera, NamesTheFieldOfTheColourCamera) {
   }
 }
 
+TEST(ValidateCamera, NamesTheFieldOfTheDepthCorrection) {
+  Camera camera = kKinect;
+  camera.depth_correction = {kMaxBend, -kMaxInverseOffset_per_m};
+  EXPECT_TRUE(validate(camera).ok());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  struct Case {
+    const char* field;
+    DepthCorrection correction;
+  };
+  const Case cases[] = {{"bend", {0.11, 0}}, {"bend", {nan, 0}}, {"inverse_offset_per_m", {0, 0.051}}, {"inverse_offset_per_m", {0, nan}}};
+  for (const Case& test : cases) {
+    camera.depth_correction = test.correction;
+    const Status status = validate(camera);
+    ASSERT_FALSE(status.ok()) << test.field;
+    EXPECT_THAT(status.error().message, testing::StartsWith(std::string("camera.depth_correction.") + test.field));
+    EXPECT_THAT(status.error().message, testing::HasSubstr("allowed is"));
+  }
+}
+
+TEST(Camera, CorrectsDepth) {
+  EXPECT_DOUBLE_EQ(DepthCorrection{}.true_depth_m(1.5, 0.7), 1.5);
+  EXPECT_DOUBLE_EQ((DepthCorrection{0.02, 0}).true_depth_m(2, 0.5), 2.02);
+  EXPECT_DOUBLE_EQ((DepthCorrection{0, 0.03}).true_depth_m(kUndistortedDepth_m, 1), kUndistortedDepth_m) << "the scale stays";
+  EXPECT_NEAR(1 / (DepthCorrection{0, 0.03}).true_depth_m(4, 1), (0.25 + 0.03) / 1.06, 1e-12);
+  EXPECT_EQ((DepthCorrection{0, -0.05}).true_depth_m(25, 0), 0) << "behind the camera";
+  EXPECT_EQ((DepthCorrection{0.02, 0.03}).true_depth_m(0, 0.5), 0);
+  EXPECT_DOUBLE_EQ(kKinect.rho2(0, 0), 1);
+  EXPECT_DOUBLE_EQ(kKinect.rho2(319.5, 239.5), 0);
+}
+
 TEST(Camera, ComparesItsColourCameraToo) {
   EXPECT_EQ(with_color(), with_color());
   EXPECT_NE(with_color(), kKinect);
@@ -115,11 +145,15 @@ TEST(Camera, ComparesItsColourCameraToo) {
   other = with_color();
   other.color->distortion.k1 = 0;
   EXPECT_NE(other, with_color());
+  other = with_color();
+  other.depth_correction.bend = 1e-9;
+  EXPECT_NE(other, with_color());
 }
 
 TEST(Camera, RectifiedItIsOnePinhole) {
   Camera camera = with_color();
   camera.distortion.k1 = 0.1;
+  camera.depth_correction = {0.01, 0.01};
   EXPECT_EQ(rectified(camera), kKinect);
 }
 

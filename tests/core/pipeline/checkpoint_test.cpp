@@ -313,10 +313,13 @@ TEST(Checkpoint, OtherConditionsAreRefusedByName) {
   weight.track.geometric_weight *= 2;
   Camera camera = walk().camera;
   camera.fx += 1;
+  Camera corrected = walk().camera;
+  corrected.depth_correction.bend = 0.01;
   const Options options = adjusted_often();
   const std::pair<Error, const char*> cases[] = {
       {refusal(make_pipeline(weight), some_state()), "track.geometric_weight"},
       {refusal(make_pipeline(options, CorrectionTime::kByFrames, camera), some_state()), "camera"},
+      {refusal(make_pipeline(options, CorrectionTime::kByFrames, corrected), some_state()), "camera"},
       {refusal(std::make_unique<Pipeline>("", walk().camera, options), some_state()), "mapping"},
   };
   for (const auto& [error, name] : cases) {

@@ -111,7 +111,7 @@ TEST_F(RawFramesTest, AWrongHeaderIsRefusedByFieldAndLimit) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(words_after(8, std::uint32_t{1}), "accepted") << "nothing changed";
   EXPECT_THAT(words_after(0, 'X'), HasSubstr("HRMFRAME"));
-  EXPECT_THAT(words_after(8, std::uint32_t{3}), HasSubstr("version 3, this program reads versions 1 and 2"));
+  EXPECT_THAT(words_after(8, std::uint32_t{5}), HasSubstr("version 5, this program reads versions 1 to 4"));
   EXPECT_THAT(words_after(8, std::uint32_t{2}), HasSubstr("camera.color.f")) << "frames are no colour camera";
   EXPECT_THAT(words_after(12, std::uint32_t{0}), HasSubstr("camera.width is 0"));
   EXPECT_THAT(words_after(12, std::uint32_t{4096}), HasSubstr("2048"));
@@ -149,6 +149,26 @@ TEST_F(RawFramesTest, TheColourCameraComesBackBehindALongerHeader) {
   std::memcpy(&bytes[kHeaderBytes + 13 * 8], &wide_m, sizeof wide_m);
   put(bytes);
   EXPECT_THAT(RawFrameReader::open(path).error().message, HasSubstr("camera.color.color_from_depth.translation"));
+}
+
+TEST_F(RawFramesTest, TheCorrectionOfDepthComesBackBehindALongerHeader) {
+  for (const bool has_color : {false, true}) {
+    Camera camera = kCamera;
+    if (has_color) camera.color = ColorCamera{80.5, 81, 48, 36, {}, {}};
+    camera.depth_correction = {-0.015, 0.02};
+    Result<RawFrameWriter> writer = RawFrameWriter::create(path, camera, 1);
+    ASSERT_TRUE(writer.ok()) << writer.error().message;
+    ASSERT_TRUE(writer->append(frame_number(0)).ok());
+    ASSERT_TRUE(writer->finish().ok());
+    Result<RawFrameReader> reader = RawFrameReader::open(path);
+    ASSERT_TRUE(reader.ok()) << reader.error().message;
+    EXPECT_EQ(reader->camera(), camera);
+    EXPECT_EQ(reader->read(0)->color, frame_number(0).color);
+    const std::vector<std::uint8_t> bytes = test::file_bytes(path);
+    EXPECT_EQ(bytes[8], has_color ? 4 : 3);
+    put({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(kHeaderBytes + (has_color ? 16 * 8 : 0) + 12)});
+    EXPECT_THAT(RawFrameReader::open(path).error().message, HasSubstr("cut in the correction of depth"));
+  }
 }
 
 TEST_F(RawFramesTest, ATimeStampThatIsNoNumberIsAnErrorOfItsFrame) {

@@ -93,7 +93,7 @@ TEST(OwnMotion, IsNobodysInAStillRoom) {
 
 TEST(OwnMotion, IsNotSaidOfMostOfTheView) {
   const Rigid3 now = moved(0.02, 0.01);
-  const CoarseView earlier = seen_from({}, {}, 1.5), frame = seen_from(now, now, 1.5);
+  const CoarseView earlier = seen_from({}, {}, 1.9), frame = seen_from(now, now, 1.9);
   const ViewSurfaces surfaces = surfaces_of(frame);
   const OwnMotions motions = own_motions(frame, surfaces, earlier, from_rest(now), none(surfaces), 1);
   EXPECT_NE(motions.of_surface[board_of(surfaces)], OwnMotion::kMoves);

@@ -93,6 +93,7 @@ ColorCamera color_camera() {
 TEST(ClientMessage, TheColourCameraComesBackAsItWas) {
   StartScan start = good_start();
   start.camera.color = color_camera();
+  start.camera.depth_correction = {-0.015, 0.02};
   const Result<ClientMessage> message = round_trip(hello_with(start));
   ASSERT_TRUE(message.ok()) << message.error().message;
   EXPECT_EQ(std::get<StartScan>(std::get<Hello>(*message).role).camera, start.camera);
@@ -179,6 +180,7 @@ TEST(ClientMessage, ACameraThatCannotBeIsNamed) {
   EXPECT_THAT(error_of([](StartScan& start) { start.camera.depth_units_per_metre = std::numeric_limits<double>::infinity(); }).message,
               HasSubstr("camera.depth_units_per_metre"));
   EXPECT_THAT(error_of([](StartScan& start) { start.camera.distortion.p1 = std::nan(""); }).message, HasSubstr("camera.distortion"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.depth_correction.bend = 0.2; }).message, HasSubstr("depth_correction.bend"));
   const auto color_error = [](auto spoil) {
     return error_of([&](StartScan& start) {
              start.camera.color = color_camera();

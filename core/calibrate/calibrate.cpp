@@ -1,0 +1,258 @@
+#include "core/calibrate/calibrate.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "core/adjust/features.h"
+#include "core/base/check.h"
+#include "core/calibrate/view_choice.h"
+#include "core/frame/rectify.h"
+
+namespace hermite {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using FreeNumbers = std::array<bool, kCameraNumberCount>;
+
+// Of an image of 640 pixels across, where a number is in pixels.
+struct NumberRule {
+  const char* name;
+  // By how much cameras are off the number that is taken for theirs. TUM's three Kinects have focal lengths from 517 to 535 where 525 is
+  // taken for all, and centres some pixels off the middle. A bend is of the order of TUM's factors for their depth, 0 to 3.5 %.
+  // Half a pixel of a Kinect's disparity (525 pixels, 75 mm) is 0.013 per metre.
+  double deviation;
+  // Less is left: what comes of noise alone stays below 0.1 % of focal length, half a pixel, 0.02 % of bend and 0.0004 per metre in the
+  // rendered scenes, and what moves a camera by a few millimetres is above it (accuracy tests: 2 to 3 mm per 0.1 % of focal length, 5 to 6
+  // per 0.1 % of bend).
+  double least;
+};
+constexpr std::array<NumberRule, kCameraNumberCount> kRules{{
+    {"focal_factor", 0.010, 0.002},
+    {"cx_px", 4, 1},
+    {"cy_px", 4, 1},
+    {"bend", 0.015, 0.001},
+    {"inverse_offset_per_m", 0.012, 0.002},
+}};
+constexpr double kRuleWidth_px = 640;
+
+constexpr double kMostPriorDeviations = 3, kLeastDeviations = 3;
+
+// By how much pairs that were held back have to agree better, with all that is applied and with each number of it. Their points are off
+// together: the RMS of the pairs fitted and of those held back differs by 1 to 2 % in the rendered scenes. One number more or less does not
+// change which pairs they are.
+constexpr double kLeastGain = 0.02, kLeastGainOfOne = 0.005;
+
+// A camera is the same from beginning to end. What one half of the recording says of a number may be off what all of it says by half of
+// that, or by what is not significant in the half. Redkitchen's first 400 frames say an offset of 0.028 per metre, its frames 500 to 900
+// say 0.008, each with a deviation of 0.001: it stands for something else.
+constexpr double kMostApartOfHalves = 0.5;
+
+// Fewer say nothing about the world beyond themselves.
+constexpr std::size_t kLeastViews = 8, kLeastFittedPairs = 16, kLeastHeldBackPairs = 4;
+
+double pixels_of(std::size_t number, const Camera& camera) {
+  return number == kCenterX || number == kCenterY ? camera.width / kRuleWidth_px : 1;
+}
+
+struct Trial {
+  JointSolution solution;
+  PairAgreement held_back;
+  double relative_rms() const { return held_back.rms_m / held_back.mean_depth_m; }
+};
+
+// A number that has no right to be free, and why.
+struct Objection {
+  std::size_t number = 0;
+  std::string reason;
+};
+
+class Search {
+ public:
+  Search(const std::vector<CalibrationView>& views, const Camera& camera, const CalibrateOptions& options)
+      : views_(views), camera_(camera), options_(options), pairs_(choose_pairs(views, camera)) {}
+
+  const ChosenPairs& pairs() const { return pairs_; }
+
+  Trial try_with(const FreeNumbers& is_free, const Trial* start = nullptr) const {
+    Trial trial{adjust_jointly(views_, pairs_.fitted, camera_, joint_options(is_free), start != nullptr ? &start->solution : nullptr), {}};
+    trial.held_back = agreement_of(views_, trial.solution.world_from_camera, pairs_.held_back, changed(camera_, trial.solution.change));
+    return trial;
+  }
+
+  // A number that the first or the second half of the views sees otherwise, the one that is most apart; none when both agree with `start`,
+  // or are too little.
+  std::optional<Objection> halves_objection(const FreeNumbers& is_free, const Trial& start) const {
+    std::optional<Objection> worst;
+    double most_apart = 1;
+    const std::size_t middle = views_.size() / 2;
+    for (const bool is_second : {false, true}) {
+      std::vector<ViewPair> half;
+      for (const ViewPair& pair : pairs_.fitted)
+        if ((pair.first >= middle) == is_second && (pair.second >= middle) == is_second) half.push_back(pair);
+      if (half.size() < kLeastFittedPairs) continue;
+      const JointSolution solution = adjust_jointly(views_, half, camera_, joint_options(is_free), &start.solution);
+      for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
+        const auto number = static_cast<Eigen::Index>(k);
+        const double all = start.solution.change[number], apart = std::abs(solution.change[number] - all);
+        const double allowed = std::max(kMostApartOfHalves * std::abs(all), kLeastDeviations * solution.deviation[number]);
+        if (!is_free[k] || !(apart > most_apart * allowed)) continue;
+        most_apart = apart / allowed;
+        worst = Objection{k, "the first and the second half of the recording disagree"};
+      }
+    }
+    return worst;
+  }
+
+ private:
+  JointOptions joint_options(const FreeNumbers& is_free) const {
+    JointOptions options;
+    options.is_free = is_free;
+    options.thread_count = options_.thread_count;
+    for (std::size_t k = 0; k < kCameraNumberCount; ++k)
+      options.prior_deviation[static_cast<Eigen::Index>(k)] = kRules[k].deviation * pixels_of(k, camera_);
+    return options;
+  }
+
+  const std::vector<CalibrationView>& views_;
+  const Camera camera_;
+  const CalibrateOptions options_;
+  const ChosenPairs pairs_;
+};
+
+// The number that has the least right to be free; none when all may stay.
+std::optional<Objection> objection_to(const JointSolution& solution, const FreeNumbers& is_free, const Camera& camera) {
+  std::optional<Objection> worst;
+  double most_beyond = 1;
+  const auto object = [&](std::size_t number, double beyond, const char* reason) {
+    if (!(beyond > most_beyond)) return;
+    most_beyond = beyond;
+    worst = Objection{number, reason};
+  };
+  const auto size_of = [&](std::size_t k) { return std::abs(solution.change[static_cast<Eigen::Index>(k)]) / pixels_of(k, camera); };
+  for (std::size_t k = 0; k < kCameraNumberCount; ++k)
+    if (is_free[k]) object(k, size_of(k) / (kMostPriorDeviations * kRules[k].deviation), "more than a camera can be off by");
+  if (worst) return worst;
+  for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
+    if (!is_free[k]) continue;
+    const double deviation = solution.deviation[static_cast<Eigen::Index>(k)] / pixels_of(k, camera);
+    object(k, kLeastDeviations * deviation / size_of(k), "not significant");
+    object(k, kRules[k].least / size_of(k), "too small to matter");
+  }
+  return worst;
+}
+
+Json agreement_json(const PairAgreement& agreement) {
+  return {{"median_m", agreement.median_m},
+          {"rms_m", agreement.rms_m},
+          {"mean_depth_m", agreement.mean_depth_m},
+          {"points", agreement.point_count}};
+}
+
+void record(const JointSolution& solution, std::size_t number, FoundNumber& found) {
+  const double change = solution.change[static_cast<Eigen::Index>(number)];
+  found.value = number == kFocal ? std::expm1(change) : change;
+  found.deviation = solution.deviation[static_cast<Eigen::Index>(number)];
+}
+
+}  // namespace
+
+Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& camera, const CalibrateOptions& options) {
+  Camera straight = rectified(camera);
+  straight.depth_correction = camera.depth_correction;  // of patches, which are as measured
+  const Search search(views, straight, options);
+  Calibration result;
+  result.camera = camera;
+  result.view_count = views.size();
+  result.fitted_pair_count = search.pairs().fitted.size();
+  result.held_back_pair_count = search.pairs().held_back.size();
+  if (views.size() < kLeastViews || result.fitted_pair_count < kLeastFittedPairs || result.held_back_pair_count < kLeastHeldBackPairs) {
+    result.reason = "too few views that overlap: the camera has to turn and move more, and to see some places from several sides";
+    return result;
+  }
+  result.numbers.resize(kCameraNumberCount);
+  for (std::size_t k = 0; k < kCameraNumberCount; ++k) result.numbers[k].name = kRules[k].name;
+  const Trial as_it_was = search.try_with({});
+  result.before = result.after = as_it_was.held_back;
+
+  FreeNumbers is_free;
+  is_free.fill(true);
+  Trial best = search.try_with(is_free);
+  const auto take_back = [&](const Objection& objection) {
+    is_free[objection.number] = false;
+    record(best.solution, objection.number, result.numbers[objection.number]);
+    result.numbers[objection.number].reason = objection.reason;
+  };
+  const auto settle = [&] {
+    for (;;) {
+      std::optional<Objection> objection = objection_to(best.solution, is_free, straight);
+      if (!objection) objection = search.halves_objection(is_free, best);
+      if (!objection) break;
+      take_back(*objection);
+      best = search.try_with(is_free, &best);
+    }
+  };
+  settle();
+  for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
+    if (!is_free[k]) continue;
+    FreeNumbers without = is_free;
+    without[k] = false;
+    Trial trial = search.try_with(without, &best);
+    if (trial.relative_rms() * (1 - kLeastGainOfOne) > best.relative_rms()) continue;
+    take_back({k, "pairs that were held back agree as well without it"});
+    best = std::move(trial);
+    settle();
+  }
+
+  const bool is_any_free = std::any_of(is_free.begin(), is_free.end(), [](bool is) { return is; });
+  const bool agrees_better =
+      best.relative_rms() < (1 - kLeastGain) * as_it_was.relative_rms() &&
+      best.held_back.median_m * as_it_was.held_back.mean_depth_m <= as_it_was.held_back.median_m * best.held_back.mean_depth_m;
+  const Camera corrected = changed(camera, best.solution.change);
+  result.is_applied = is_any_free && agrees_better && validate(corrected).ok();
+  if (!is_any_free) result.reason = "no number of the camera is off, or none in a way that is to be believed: each says why";
+  for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
+    if (!is_free[k]) continue;
+    record(best.solution, k, result.numbers[k]);
+    result.numbers[k].is_applied = result.is_applied;
+    if (!result.is_applied) result.numbers[k].reason = result.reason = "pairs that were held back do not agree better with what was found";
+  }
+  if (!result.is_applied) return result;
+  result.camera = corrected;
+  result.after = best.held_back;
+  return result;
+}
+
+Calibration calibrate(const Sequence& sequence, FrameRange range, const Trajectory& trajectory, const CalibrateOptions& options) {
+  CHECK(options.max_view_count >= 2 && options.thread_count >= 1, "no views or no thread");
+  // The door as the pipeline has it, but for depth, which patches want as measured.
+  Camera lenses = sequence.camera();
+  lenses.depth_correction = {};
+  const std::optional<Rectifier> rectifier = rectifier_of(lenses);
+  const Camera straight = rectified(lenses);
+  std::vector<CalibrationView> views;
+  for (const ChosenFrame& chosen : choose_frames(sequence, range, trajectory, options.max_view_count)) {
+    Result<RecordedFrame> recorded = sequence.read(chosen.index);
+    if (!recorded.ok()) continue;
+    Result<RgbdFrame> frame = decode_frame(*std::move(recorded));
+    if (!frame.ok() || frame->depth.width != straight.width || frame->depth.height != straight.height) continue;
+    if (rectifier) *frame = rectifier->apply(*frame);
+    views.push_back({chosen.world_from_camera, patches_of(frame->depth, straight), detect_features(*frame, straight)});
+  }
+  return calibrate(views, sequence.camera(), options);
+}
+
+std::string format_calibration_json(const Calibration& calibration) {
+  Json json{{"applied", calibration.is_applied}, {"reason", calibration.reason}, {"views", calibration.view_count}};
+  json["pairs_fitted"] = calibration.fitted_pair_count;
+  json["pairs_held_back"] = calibration.held_back_pair_count;
+  for (const FoundNumber& number : calibration.numbers)
+    json["numbers"][number.name] = {
+        {"value", number.value}, {"deviation", number.deviation}, {"applied", number.is_applied}, {"reason", number.reason}};
+  json["held_back"] = {{"before", agreement_json(calibration.before)}, {"after", agreement_json(calibration.after)}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace hermite

@@ -1,0 +1,88 @@
+#include "core/calibrate/patches.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/adjust/bundle_noise.h"
+
+namespace hermite {
+namespace {
+
+// Of an image's width: a node every 4 pixels and a window of 9 at 640, some 3 cm at 2 m. The noise of a Kinect tilts such a window by 3 to
+// 5 degrees, half as much as the cells of depth_planes.h.
+constexpr int kStepShare = 160, kRadiusShare = 160;
+
+// The root mean square of a window's pixels about their plane, in standard deviations of a pixel: flat as in depth_planes.cpp.
+constexpr double kFlat = 1.5;
+
+// Of the angle between the plane's normal and the ray to it: 72 degrees.
+constexpr float kSteepestCosine = 0.3f;
+
+Patch patch_at(const Image<float>& inverse, int u, int v, int radius) {
+  const float middle = inverse.at(u, v);
+  if (middle == 0) return {};
+  double sum = 0, squares = 0, by_x = 0, by_y = 0, xx = 0;
+  for (int y = -radius; y <= radius; ++y)
+    for (int x = -radius; x <= radius; ++x) {
+      const double value = static_cast<double>(inverse.at(u + x, v + y));
+      if (value == 0) return {};
+      const double off = value - static_cast<double>(middle);  // small numbers, so that the squares keep their digits
+      sum += off;
+      squares += off * off;
+      by_x += off * x;
+      by_y += off * y;
+      xx += x * x;
+    }
+  const double count = (2 * radius + 1) * (2 * radius + 1), mean = sum / count, per_u = by_x / xx, per_v = by_y / xx;
+  const double variance = squares / count - mean * mean - (per_u * per_u + per_v * per_v) * xx / count;
+  const double inverse_per_m = static_cast<double>(middle) + mean;
+  const double bound = kFlat * depth_deviation_m(1 / inverse_per_m) * inverse_per_m * inverse_per_m;
+  if (variance > bound * bound) return {};
+  return {static_cast<float>(inverse_per_m), static_cast<float>(per_u), static_cast<float>(per_v)};
+}
+
+}  // namespace
+
+PatchGrid patches_of(const DepthImage& depth, const Camera& camera) {
+  Image<float> inverse(depth.width, depth.height);
+  for (std::size_t i = 0; i < inverse.pixels.size(); ++i) {
+    const double depth_m = depth.pixels[i] / camera.depth_units_per_metre;
+    if (depth_m >= kNearestPatch_m && depth_m <= kFarthestPatch_m) inverse.pixels[i] = static_cast<float>(1 / depth_m);
+  }
+  const int step = std::max(1, camera.width / kStepShare), radius = std::max(1, camera.width / kRadiusShare);
+  PatchGrid grid{step, Image<Patch>(camera.width / step, camera.height / step)};
+  for (int row = 0; row < grid.nodes.height; ++row)
+    for (int column = 0; column < grid.nodes.width; ++column) {
+      const int u = grid.pixel_of(column), v = grid.pixel_of(row);
+      if (std::min(u, v) >= radius && u + radius < camera.width && v + radius < camera.height)
+        grid.nodes.at(column, row) = patch_at(inverse, u, v, radius);
+    }
+  return grid;
+}
+
+std::vector<Facet> facets_of(const PatchGrid& grid, const Camera& camera) {
+  const double middle_x = 0.5 * (camera.width - 1), middle_y = 0.5 * (camera.height - 1);
+  const double corner2 = middle_x * middle_x + middle_y * middle_y;
+  std::vector<Facet> facets(grid.nodes.pixels.size());
+  for (int row = 0; row < grid.nodes.height; ++row)
+    for (int column = 0; column < grid.nodes.width; ++column) {
+      const Patch& patch = grid.nodes.at(column, row);
+      if (patch.inverse_per_m == 0) continue;
+      const double u = grid.pixel_of(column), v = grid.pixel_of(row), w = static_cast<double>(patch.inverse_per_m);
+      const DepthCorrection& correction = camera.depth_correction;
+      // The plane of the corrected inverse depth, (w / factor + offset) / scale.
+      const double factor = 1 + correction.bend * camera.rho2(u, v), scale = 1 + correction.inverse_offset_per_m * kUndistortedDepth_m;
+      const double inverse_per_m = (w / factor + correction.inverse_offset_per_m) / scale;
+      if (!(inverse_per_m > 0)) continue;
+      const double bent = 2 * correction.bend * w / (factor * factor * corner2);
+      const double per_u = (static_cast<double>(patch.per_u) / factor - bent * (u - middle_x)) / scale;
+      const double per_v = (static_cast<double>(patch.per_v) / factor - bent * (v - middle_y)) / scale;
+      const Eigen::Vector3d plane(per_u * camera.fx, per_v * camera.fy, inverse_per_m - per_u * (u - camera.cx) - per_v * (v - camera.cy));
+      const Eigen::Vector3d point = camera.unproject(u, v, 1 / inverse_per_m);
+      if (1 < static_cast<double>(kSteepestCosine) * plane.norm() * point.norm()) continue;
+      facets[grid.nodes.index(column, row)] = {point.cast<float>(), plane.cast<float>()};
+    }
+  return facets;
+}
+
+}  // namespace hermite

@@ -1,0 +1,81 @@
+#include "core/calibrate/view_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace hermite {
+namespace {
+
+constexpr double kStep_rad = 8 * std::numbers::pi / 180, kStep_m = 0.15;
+
+// A trajectory's times are rounded to microseconds in its file.
+constexpr double kSameTime_s = 1e-4;
+
+constexpr double kLeastOverlap = 0.25;
+// What a point may be beside a surface and still be of it: more than poses bent by a wrong camera are off.
+constexpr double kNear_m = 0.15;
+constexpr int kLeastPoints = 50;
+constexpr int kOverlapNode = 8;  // each way, of a patch's grid: 300 points
+constexpr std::uint32_t kHeldBackShare = 5;
+
+// Of the points of one view the share that is on a surface of the other.
+double overlap_of(const PatchGrid& grid, const std::vector<Facet>& of_first, const std::vector<Facet>& of_second,
+                  const Rigid3& second_from_first, const Camera& camera) {
+  int all = 0, met = 0;
+  for (int row = kOverlapNode / 2; row < grid.nodes.height; row += kOverlapNode)
+    for (int column = kOverlapNode / 2; column < grid.nodes.width; column += kOverlapNode) {
+      const Facet& facet = of_first[grid.nodes.index(column, row)];
+      if (facet.point_m.z() <= 0) continue;
+      ++all;
+      const Eigen::Vector3d point = second_from_first * facet.point_m.cast<double>();
+      if (point.z() < kNearestPatch_m / 2) continue;
+      const Eigen::Array2d node = (camera.project(point).array() - grid.step_px / 2) / grid.step_px + 0.5;
+      if (!(node.x() >= 0 && node.y() >= 0 && node.x() < grid.nodes.width && node.y() < grid.nodes.height)) continue;
+      const Facet& there = of_second[grid.nodes.index(static_cast<int>(node.x()), static_cast<int>(node.y()))];
+      if (there.point_m.z() <= 0) continue;
+      const Eigen::Vector3d plane = there.plane_per_m.cast<double>();
+      if (std::abs(plane.dot(point) - 1) < kNear_m * plane.norm()) ++met;
+    }
+  return all < kLeastPoints ? 0 : static_cast<double>(met) / all;
+}
+
+}  // namespace
+
+std::vector<ChosenFrame> choose_frames(const Sequence& sequence, FrameRange range, const Trajectory& trajectory, std::size_t max_count) {
+  std::vector<ChosenFrame> chosen;
+  for (std::int64_t index = range.begin; index < range.end && chosen.size() < max_count; ++index) {
+    const std::optional<Rigid3> pose = pose_at(trajectory, sequence.timestamp_s(index), kSameTime_s);
+    if (!pose) continue;
+    if (!chosen.empty()) {
+      const Rigid3 step = inverse(chosen.back().world_from_camera) * *pose;
+      if (angle_rad(step.rotation) / kStep_rad + step.translation.norm() / kStep_m < 1) continue;
+    }
+    chosen.push_back({index, *pose});
+  }
+  return chosen;
+}
+
+ChosenPairs choose_pairs(const std::vector<CalibrationView>& views, const Camera& camera) {
+  std::vector<std::vector<Facet>> facets;
+  for (const CalibrationView& view : views) facets.push_back(facets_of(view.patches, camera));
+  ChosenPairs pairs;
+  for (std::uint32_t second = 1; second < views.size(); ++second) {
+    std::vector<std::uint32_t> overlapping;
+    for (std::uint32_t first = 0; first < second; ++first) {
+      const Rigid3 second_from_first = inverse(views[second].world_from_camera) * views[first].world_from_camera;
+      if (overlap_of(views[first].patches, facets[first], facets[second], second_from_first, camera) >= kLeastOverlap)
+        overlapping.push_back(first);
+    }
+    const std::size_t count = std::min(kMostEarlierViews, overlapping.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint32_t first = overlapping[count < 2 ? 0 : i * (overlapping.size() - 1) / (count - 1)];
+      // Of every spacing a fifth: 3 first + 2 spacing runs through all remainders.
+      const bool is_held_back = second - first > 1 && (first + 2 * second) % kHeldBackShare == 0;
+      (is_held_back ? pairs.held_back : pairs.fitted).push_back({first, second});
+    }
+  }
+  return pairs;
+}
+
+}  // namespace hermite

@@ -1,0 +1,128 @@
+#include "server/offline_run.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+
+#include "core/dataset/depth_noise.h"
+
+namespace hermite {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kMsPerProgress = 200;
+
+std::string duration_words(double seconds) {
+  const long total = static_cast<long>(seconds + 0.5);
+  char text[32];
+  if (total >= 3600) {
+    std::snprintf(text, sizeof text, "%ld:%02ld:%02ld", total / 3600, total / 60 % 60, total % 60);
+  } else {
+    std::snprintf(text, sizeof text, "%ld:%02ld", total / 60, total % 60);
+  }
+  return text;
+}
+
+// What is worth a line of its own, or nothing. `said`: the reason of the frame before.
+std::string remark_on(const FrameResult& result, const std::string& said) {
+  constexpr double kShownCorrection_m = 0.001;
+  std::string remark = name_of(result.event);
+  if (!remark.empty() && result.correction_m >= kShownCorrection_m) {
+    char words[64];
+    std::snprintf(words, sizeof words, ", the map moves by up to %.1f cm", 100 * result.correction_m);
+    remark += words;
+  }
+  if (result.reason.empty() || result.reason == said) return remark;
+  return (remark.empty() ? name_of(result.status) : remark) + ": " + result.reason;
+}
+
+std::vector<FrameRow> process_frames(const Sequence& sequence, FrameRange range, Pipeline& pipeline) {
+  std::vector<FrameRow> rows;
+  std::string said;
+  const auto prepare = [&pipeline](RgbdFrame frame) { return pipeline.prepare(std::move(frame)); };
+  for_each_frame(sequence, range, prepare, [&](std::int64_t index, Result<PreparedFrame> frame, Progress& progress) {
+    const PreparedFrame prepared = or_throw(std::move(frame));
+    const Clock::time_point start = Clock::now();
+    const FrameResult result = or_throw(pipeline.process(prepared));
+    rows.push_back({result, std::chrono::duration<double, std::milli>(Clock::now() - start).count()});
+    if (const std::string remark = remark_on(result, said); !remark.empty()) progress.line("frame " + std::to_string(index) + " " + remark);
+    said = result.reason;
+    return std::to_string(result.surfel_count) + " surfels" +
+           (result.status == TrackingStatus::kTracked ? "" : std::string("  ") + name_of(result.status));
+  });
+  return rows;
+}
+
+}  // namespace
+
+std::unique_ptr<Sequence> open_source(const OfflineArguments& arguments) {
+  std::optional<Camera> camera;
+  if (!arguments.camera.empty()) camera = or_throw(read_camera(arguments.camera));
+  std::unique_ptr<Sequence> sequence = or_throw(open_sequence(arguments.sequence, camera));
+  if (arguments.noise.empty()) return sequence;
+  return with_noise(std::move(sequence), or_throw(parse_noise(arguments.noise)));
+}
+
+Options options_of(const OfflineArguments& arguments) {
+  Options options;
+  for (const std::string& text : arguments.settings) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos) throw SetupError({ErrorCode::kInvalidArgument, "--set \"" + text + "\": expected key=value"});
+    or_throw(apply_setting(options, text.substr(0, equals), text.substr(equals + 1)));
+  }
+  if (arguments.gpu_memory_mb > 0) options.map.gpu_memory_mb = arguments.gpu_memory_mb;
+  return options;
+}
+
+std::string settings_table() {
+  std::string table = "Settings for --set, with their defaults:\n";
+  for (const Setting& setting : list_settings(Options{})) {
+    std::string key = "  " + setting.key + "=" + setting.value;
+    key.resize(std::max<std::size_t>(key.size() + 2, 44), ' ');
+    table += key + setting.description + "\n";
+  }
+  return table;
+}
+
+Progress::Progress(std::int64_t frame_count) : on_terminal_(isatty(STDERR_FILENO) != 0), frame_count_(frame_count) {}
+
+void Progress::show(std::int64_t done, const std::string& words) {
+  if (!on_terminal_) return;
+  const Clock::time_point now = Clock::now();
+  if (done < frame_count_ && std::chrono::duration<double, std::milli>(now - shown_at_).count() < kMsPerProgress) return;
+  shown_at_ = now;
+  constexpr int kWidth = 24;
+  const int filled = static_cast<int>(kWidth * done / frame_count_);
+  const double elapsed_s = std::chrono::duration<double>(now - start_).count();
+  const double rate_hz = static_cast<double>(done) / std::max(elapsed_s, 1e-3);
+  std::fprintf(stderr, "\r\033[K[%s%s] %lld/%lld  %.1f fps  %s left  %s", std::string(static_cast<std::size_t>(filled), '#').c_str(),
+               std::string(static_cast<std::size_t>(kWidth - filled), '.').c_str(), static_cast<long long>(done),
+               static_cast<long long>(frame_count_), rate_hz, duration_words(static_cast<double>(frame_count_ - done) / rate_hz).c_str(),
+               words.c_str());
+  if (done == frame_count_) std::fputc('\n', stderr);
+}
+
+void Progress::line(const std::string& words) { std::fprintf(stderr, "%s%s\n", on_terminal_ ? "\r\033[K" : "", words.c_str()); }
+
+OfflineRun reconstruct_frames(const Sequence& sequence, FrameRange range, const Options& options, const std::string& device) {
+  OfflineRun run;
+  run.pipeline = std::make_unique<Pipeline>(device, sequence.camera(), options,
+                                            make_mapping(sequence.camera(), options.adjust, CorrectionTime::kByFrames));
+  run.rows = process_frames(sequence, range, *run.pipeline);
+  run.pipeline->finish();
+  return run;
+}
+
+Trajectory tracked_poses(const OfflineRun& run) {
+  Trajectory tracked;
+  const Trajectory& all = run.pipeline->trajectory();
+  for (std::size_t i = 0; i < run.rows.size(); ++i)
+    if (run.rows[i].result.status != TrackingStatus::kLost) tracked.push_back(all[i]);
+  return tracked;
+}
+
+}  // namespace hermite

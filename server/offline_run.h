@@ -1,0 +1,86 @@
+// What `hermite reconstruct` and `hermite calibrate` have in common: a recording goes through a pipeline here, without a server. Failures
+// are SetupErrors.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/read_ahead.h"
+#include "core/dataset/frame_range.h"
+#include "core/dataset/sequence.h"
+#include "core/pipeline/pipeline.h"
+#include "core/report/frame_table.h"
+#include "server/service/read_frame.h"
+
+namespace hermite {
+
+struct OfflineArguments {
+  std::string sequence, camera, noise, frames, device;
+  std::vector<std::string> settings;
+  int gpu_memory_mb = 0;
+};
+
+inline constexpr const char* kSequenceHelp =
+    "Recording (folder, file or archive; see hermite inspect) or synthetic[:key=value,...], behind it any of +noise=kinect, "
+    "+covered=FROM:COUNT (a hand before the lens), +missing=FROM:COUNT, +exposure, +flicker, +vignetting, +person, +bend, +focal, "
+    "+sparse, +skip, +rolling, +clock, +blur, +mirror, +glass";
+inline constexpr const char* kCameraHelp = "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood";
+inline constexpr const char* kNoiseHelp = "Add noise to the depth: kinect[,seed=N], kinect-white[,seed=N] or gaussian,sigma_mm=S[,seed=N]";
+
+std::unique_ptr<Sequence> open_source(const OfflineArguments& arguments);
+Options options_of(const OfflineArguments& arguments);
+// For the help: every setting with its default.
+std::string settings_table();
+
+// One line that is rewritten, on a terminal only: a log file has no use for it.
+class Progress {
+ public:
+  explicit Progress(std::int64_t frame_count);
+  void show(std::int64_t done, const std::string& words);
+  void line(const std::string& words);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const bool on_terminal_;
+  const std::int64_t frame_count_;
+  const Clock::time_point start_ = Clock::now();
+  Clock::time_point shown_at_;
+};
+
+inline constexpr std::size_t kFramesAhead = 4;
+
+// Every frame of the range goes through `prepare` on a second thread, a few ahead, and then to `work`, which returns words for the line of
+// progress: reconstruction waits neither for a PNG nor for a straight image.
+template <class Prepare, class Work>
+void for_each_frame(const Sequence& sequence, FrameRange range, Prepare prepare, Work work) {
+  struct Ready {
+    std::int64_t index;
+    std::string problem;
+    decltype(prepare(RgbdFrame())) frame;
+  };
+  ReadAhead<Ready> reader(range.begin, range.end, kFramesAhead, [&](std::int64_t index) {
+    ReadFrame read = read_frame(sequence, index);
+    return Ready{index, std::move(read.problem), prepare(std::move(read.frame))};
+  });
+  Progress progress(range.count());
+  std::int64_t done = 0;
+  while (std::optional<Ready> ready = reader.next()) {
+    if (!ready->problem.empty())
+      progress.line("frame " + std::to_string(ready->index) + " cannot be read and counts as empty: " + ready->problem);
+    progress.show(++done, work(ready->index, std::move(ready->frame), progress));
+  }
+}
+
+struct OfflineRun {
+  std::unique_ptr<Pipeline> pipeline;  // finished
+  std::vector<FrameRow> rows;          // by frame of the range
+};
+OfflineRun reconstruct_frames(const Sequence& sequence, FrameRange range, const Options& options, const std::string& device);
+
+// Of the frames that were not lost, as the map lies at the end.
+Trajectory tracked_poses(const OfflineRun& run);
+
+}  // namespace hermite

@@ -1,0 +1,67 @@
+#!/usr/bin/python3
+"""A camera that is calibrated badly is found out in its recording, and the reconstruction with the better one is as it should be.
+
+    calibrate_test.py path/to/hermite
+"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+HERMITE = sys.argv[1]
+BENT = "synthetic:frames=75,width=320,height=240,rate=20+bend=percent=3+noise=kinect-white,seed=1"  # 3.75 s, some 140 degrees
+
+
+def hermite(*arguments):
+    done = subprocess.run([HERMITE, *arguments], capture_output=True, timeout=500, check=False)
+    return done.returncode, done.stdout.decode(), done.stderr.decode()
+
+
+class Calibrate(unittest.TestCase):
+    def test_a_bend_is_found_applied_and_written(self):
+        with tempfile.TemporaryDirectory() as folder:
+            code, out, error = hermite("reconstruct", BENT, "--out", os.path.join(folder, "bent"))
+            self.assertEqual(code, 0, error)
+            before = json.loads(out)
+            self.assertNotIn("calibrations", before)
+
+            camera_file = os.path.join(folder, "camera.json")
+            code, out, error = hermite("calibrate", BENT, "--trajectory", os.path.join(folder, "bent", "trajectory.txt"), "--out", camera_file)
+            self.assertEqual(code, 0, error)
+            found = json.loads(out)
+            bend = found["numbers"]["bend"]
+            self.assertTrue(found["applied"] and bend["applied"], out)
+            self.assertAlmostEqual(bend["value"], 1 / 1.03 - 1, delta=0.006)  # a fifth
+            self.assertLess(found["held_back"]["after"]["rms_m"], found["held_back"]["before"]["rms_m"])
+
+            code, out, error = hermite("reconstruct", BENT, "--camera", camera_file, "--out", os.path.join(folder, "camera"))
+            self.assertEqual(code, 0, error)
+            by_hand = json.loads(out)
+            self.assertLess(by_hand["ate_rmse_m"], before["ate_rmse_m"] / 3)
+
+            code, out, error = hermite("reconstruct", BENT, "--calibrate", "--out", os.path.join(folder, "at_once"))
+            self.assertEqual(code, 0, error)
+            at_once = json.loads(out)
+            self.assertTrue(at_once["calibrations"][0]["applied"])
+            self.assertAlmostEqual(at_once["camera"]["depth_correction"]["bend"], 1 / 1.03 - 1, delta=0.006)
+            self.assertLess(at_once["ate_rmse_m"], before["ate_rmse_m"] / 3)
+            with open(os.path.join(folder, "at_once", "report.json"), encoding="utf-8") as report:
+                self.assertEqual(json.load(report), at_once)
+
+    def test_a_camera_that_stands_still_tells_nothing(self):
+        with tempfile.TemporaryDirectory() as folder:
+            camera_file = os.path.join(folder, "camera.json")
+            code, out, error = hermite("calibrate", "synthetic:frames=3,width=160,height=120", "--out", camera_file)
+            self.assertEqual(code, 0, error)
+            found = json.loads(out)
+            self.assertFalse(found["applied"])
+            self.assertIn("too few views", found["reason"])
+            with open(camera_file, encoding="utf-8") as camera:
+                self.assertEqual(json.load(camera), found["camera"])
+            self.assertNotIn("depth_correction", found["camera"])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
