@@ -93,6 +93,12 @@ Judgement FrontEnd::judge_start(const FrameContent& content) {
 
 void FrontEnd::remember_view(const Rigid3& world_from_camera, const PictureFeatures& features) {
   last_features_ = features;
+  const auto moves = [this](const Corner& corner) {
+    const double scale = static_cast<double>(view_.camera.width) * last_features_.image_px / camera_.width;
+    const int x = static_cast<int>(scale * double{corner.x}), y = static_cast<int>(scale * double{corner.y});
+    return view_.contains(x, y) && moving_mask_[view_.index(x, y)] != 0;
+  };
+  std::erase_if(last_features_.corners, moves);
   moving_.remember(view_, world_from_camera, moving_mask_);
   const CoarseView measured = shading_.as_measured(view_);
   const auto comparison = earlier_.compare(measured, world_from_camera, moving_mask_);

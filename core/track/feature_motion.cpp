@@ -22,6 +22,8 @@ constexpr double kDegreesOfFreedom = 5, kFirstDeviation_px = 8, kLeastDeviation_
 // Of a corner that dense terms are joined by: what following is off by between frames, beyond its noise.
 constexpr double kTermDeviation_px = 0.5;
 constexpr double kNearest_m = 0.05;
+// Of the corners, so many must have been followed for a turn alone to be believed: between pictures of other places a few are, by chance.
+constexpr double kFollowedShare = 0.25;
 constexpr int kLeastCorners = 12, kSteps = 12;
 
 // Between two frames a camera moves by decimetres and turns by tenths of a radian: what corners do not hold stays.
@@ -182,7 +184,8 @@ std::optional<FeatureMotion> motion_by_features(const PictureFeatures& earlier, 
     if (corner.depth_m > 0) with_depth.push_back({double{corner.depth_m} * all.back().point_in_earlier, all.back().pixel});
   }
   auto motion = solve(with_depth, camera, false);
-  if (!motion) motion = solve(all, camera, true);
+  if (!motion && static_cast<double>(all.size()) > kFollowedShare * static_cast<double>(earlier.corners.size()))
+    motion = solve(all, camera, true);
   if (motion) motion->corners = std::move(with_depth);
   return motion;
 }

@@ -22,29 +22,26 @@ void main() {
   uint first = 2u * pixel.y * fine_width + 2u * pixel.x;
   uint fine[4] = uint[4](first, first + 1u, first + fine_width, first + fine_width + 1u);
   float depth_sum = 0.0, low = 1e9, high = 0.0, grey_sum = 0.0;
+  float grey_low = 1e9;
   vec3 normal_sum = vec3(0.0);
-  float weight_sum = 0.0, count = 0.0, grey_count = 0.0;
+  float weight_sum = 0.0;
   vec2 curvature_sum = vec2(0.0);
   for (int i = 0; i < 4; ++i) {
     SurfacePoint point = point_at(fine_points, fine[i]);
-    float g = float_at(fine_intensity, fine[i]);
-    if (g >= 0.0) {
-      grey_sum += g;
-      grey_count += 1.0;
-    }
     float z = point.depth_m;
-    if (z <= 0.0) continue;
-    count += 1.0;
+    float g = float_at(fine_intensity, fine[i]);
     low = min(low, z);
     high = max(high, z);
     depth_sum += z;
     normal_sum += unpack_normal(point.normal);
     weight_sum += point.weight;
     curvature_sum += unpackHalf2x16(point.curvatures);
+    grey_sum += g;
+    grey_low = min(grey_low, g);
   }
   uint index = pixel.y * p.width + pixel.x;
-  bool valid = count > 0.0 && high - low < p.depth_gate_m;
-  points[index] = valid ? SurfacePoint(depth_sum / count, pack_normal(normalize(normal_sum)), packHalf2x16(curvature_sum / count), weight_sum / count)
+  bool valid = low > 0.0 && high - low < p.depth_gate_m;
+  points[index] = valid ? SurfacePoint(0.25 * depth_sum, pack_normal(normalize(normal_sum)), packHalf2x16(0.25 * curvature_sum), 0.25 * weight_sum)
                         : kNoPoint;
-  intensity[index] = grey_count > 0.0 ? grey_sum / grey_count : -1.0;  // negative: no colour here (a hole of the prediction)
+  intensity[index] = grey_low >= 0.0 ? 0.25 * grey_sum : -1.0;  // negative: no colour here (a hole of the prediction)
 }
