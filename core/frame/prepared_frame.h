@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/frame/frame_content.h"
+#include "core/frame/picture_features.h"
 #include "core/frame/rgbd_frame.h"
 
 namespace hermite {
@@ -9,6 +10,7 @@ namespace hermite {
 struct PreparedFrame {
   RgbdFrame frame;       // of rectified(camera): straight, colour registered to depth
   FrameContent content;  // of the frame as it came
+  PictureFeatures features;
 };
 
 }  // namespace hermite

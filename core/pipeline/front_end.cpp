@@ -68,12 +68,18 @@ bool FrontEnd::bring(const SubmapSet& needed, const MapLayout& layout) {
 
 void FrontEnd::preprocess(const RgbdFrame& frame, std::int64_t frame_index) { preprocessor_.run(commands, frame, frame_index); }
 
-// Where the camera may be, seen from where it was: turned as the pictures say, or moving on as before.
-std::vector<Rigid3> FrontEnd::guesses(const Rigid3& turned, const Rigid3& last_motion) const {
-  std::vector<Rigid3> result{turned};
+// From the corners that were followed; where there are few, from the pictures as they are.
+Eigen::Quaterniond FrontEnd::turn_since_last(const std::optional<FeatureMotion>& followed) {
+  if (followed) return followed->earlier_from_frame.rotation;
+  return options_.track.rotation_prealignment ? odometry_.align_rotation(preprocessor_.maps()).conjugate() : Eigen::Quaterniond::Identity();
+}
+
+// Where the camera may be, seen from where it was: where corners say, or turned as the pictures say; or moving on as before.
+std::vector<Rigid3> FrontEnd::guesses(const Rigid3& turned, const Rigid3& last_motion, const FeatureMotion* corners) const {
+  std::vector<Rigid3> result{corners ? corners->earlier_from_frame : turned};
   if (options_.track.constant_velocity) {
     result.push_back(last_motion);
-    if (options_.track.rotation_prealignment) result.push_back({turned.rotation, last_motion.translation});
+    if (!corners && options_.track.rotation_prealignment) result.push_back({turned.rotation, last_motion.translation});
   }
   return result;
 }
@@ -85,7 +91,14 @@ Judgement FrontEnd::judge_start(const FrameContent& content) {
   return hermite::judge_start(evidence, options_.track);
 }
 
-void FrontEnd::remember_view(const Rigid3& world_from_camera) {
+void FrontEnd::remember_view(const Rigid3& world_from_camera, const PictureFeatures& features) {
+  last_features_ = features;
+  const auto moves = [this](const Corner& corner) {
+    const double scale = static_cast<double>(view_.camera.width) * last_features_.image_px / camera_.width;
+    const int x = static_cast<int>(scale * double{corner.x}), y = static_cast<int>(scale * double{corner.y});
+    return view_.contains(x, y) && moving_mask_[view_.index(x, y)] != 0;
+  };
+  std::erase_if(last_features_.corners, moves);
   moving_.remember(view_, world_from_camera, moving_mask_);
   const CoarseView measured = shading_.as_measured(view_);
   const auto comparison = earlier_.compare(measured, world_from_camera, moving_mask_);
@@ -114,7 +127,8 @@ void FrontEnd::hide(const CoarseMask& mask) {
   commands.submit_and_wait();
 }
 
-Motion FrontEnd::track(const FrameContent& content, const Rigid3& world_from_reference, const Rigid3& last_motion, int lost_count) {
+Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& features, const Rigid3& world_from_reference,
+                       const Rigid3& last_motion, int lost_count) {
   view_ = hermite::coarse_view(preprocessor_.maps().surface);
   moving_mask_.assign(view_.size(), 0);
   if (frame_number == 0) return {{}, judge_start(content)};
@@ -122,17 +136,18 @@ Motion FrontEnd::track(const FrameContent& content, const Rigid3& world_from_ref
   hide(expected);
   const FrameMaps& maps = preprocessor_.maps();
   const SurfacePyramid& reference = predictor_.surface();
-  Rigid3 turned;
-  if (options_.track.rotation_prealignment) turned.rotation = odometry_.align_rotation(maps).conjugate();
-  const std::vector<Rigid3> starts = guesses(turned, last_motion);
+  const std::optional<FeatureMotion> followed = motion_by_features(last_features_, features, rectified(camera_));
+  const FeatureMotion* corners = followed && !followed->is_turn_only ? &*followed : nullptr;
+  const Rigid3 turned{turn_since_last(followed), Eigen::Vector3d::Zero()};
+  const std::vector<Rigid3> starts = guesses(turned, last_motion, corners);
   OdometryResult found;
-  if (lost_count == 0) found = odometry_.track(maps, reference, starts);
+  if (lost_count == 0) found = odometry_.track(maps, reference, starts, corners);
   // What moves is told by the pose, and the pose by what rests: once more where much is found to move that was not expected to.
   const auto see_motion = [&] {
     moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera);
     if (!is_worth_another_look(expected, moving_mask_)) return;
     hide(moving_mask_);
-    found = odometry_.track(maps, reference, std::array{found.reference_from_camera});
+    found = odometry_.track(maps, reference, std::array{found.reference_from_camera}, corners);
     moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera);
   };
   const auto is_found = [&] { return is_believable(found.agreement, found.reference_from_camera, options_.track); };
@@ -142,6 +157,7 @@ Motion FrontEnd::track(const FrameContent& content, const Rigid3& world_from_ref
   hide(moving_mask_);
   TrackingEvidence evidence;
   evidence.content = content;
+  if (corners) evidence.corners = corners_at(*corners, found.reference_from_camera);
   evidence.is_divided = is_found() && moving_.is_divided();
   evidence.lost_count = lost_count;
   if (!is_found()) evidence.unmoved = odometry_.agreement(maps, reference, turned);
@@ -230,6 +246,7 @@ void FrontEnd::save(ByteWriter& bytes) const {
   bytes.number(frame_number);
   bytes.number(submap_);
   bytes.number(full_until_frame_);
+  hermite::save(bytes, last_features_);
   hermite::save(bytes, predictor_.surface());
   odometry_.save(bytes);
   moving_.save(bytes);
@@ -242,6 +259,7 @@ void FrontEnd::restore(ByteReader& bytes) {
   bytes.number(frame_number);
   bytes.number(submap_);
   bytes.number(full_until_frame_);
+  hermite::restore(bytes, last_features_);
   hermite::restore(bytes, predictor_.surface());
   odometry_.restore(bytes);
   moving_.restore(bytes);

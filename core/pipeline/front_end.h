@@ -18,6 +18,7 @@
 #include "core/map/surfel_store.h"
 #include "core/map/visible_blocks.h"
 #include "core/pipeline/options.h"
+#include "core/track/feature_motion.h"
 #include "core/track/lens_shading.h"
 #include "core/track/moving_regions.h"
 #include "core/track/odometry.h"
@@ -42,9 +43,11 @@ class FrontEnd {
   // Records.
   void preprocess(const RgbdFrame& frame, std::int64_t frame_index);
 
-  // The frame preprocessed last against the prediction; reference_from_camera is relative to where that is seen from, which is
-  // `world_from_reference`. `lost_count`: frames lost just before this one. What moves in the frame is masked from here on.
-  Motion track(const FrameContent& content, const Rigid3& world_from_reference, const Rigid3& last_motion, int lost_count);
+  // The frame preprocessed last, whose picture has these features, against the prediction; reference_from_camera is relative to where that
+  // is seen from, which is `world_from_reference`. `lost_count`: frames lost just before this one. What moves in the frame is masked from
+  // here on.
+  Motion track(const FrameContent& content, const PictureFeatures& features, const Rigid3& world_from_reference, const Rigid3& last_motion,
+               int lost_count);
 
   // What moves in the frame tracked last, by coarse pixel, and how much of its surface that is.
   const CoarseMask& moving() const { return moving_mask_; }
@@ -52,7 +55,7 @@ class FrontEnd {
 
   // The frame tracked last is where it is: later ones are compared with it to tell what moves. Lost frames, and corrections of the map,
   // leave nothing to compare with.
-  void remember_view(const Rigid3& world_from_camera);
+  void remember_view(const Rigid3& world_from_camera, const PictureFeatures& features);
   void forget_views();
 
   // Whether the frame shows enough surface to begin a map, or a part of one.
@@ -84,7 +87,8 @@ class FrontEnd {
   bool bring(const SubmapSet& needed, const MapLayout& layout);
   bool has_room(const MapLayout& layout);
   bool make_room(const MapLayout& layout);
-  std::vector<Rigid3> guesses(const Rigid3& turned, const Rigid3& last_motion) const;
+  Eigen::Quaterniond turn_since_last(const std::optional<FeatureMotion>& followed);
+  std::vector<Rigid3> guesses(const Rigid3& turned, const Rigid3& last_motion, const FeatureMotion* corners) const;
   void use_shading();
   void hide(const CoarseMask& mask);
   void show(const Rigid3& world_from_camera, const SubmapSet& submaps);
@@ -93,6 +97,7 @@ class FrontEnd {
   const Camera camera_;
   Preprocessor preprocessor_;
   Odometry odometry_;
+  PictureFeatures last_features_;  // of the last frame that was tracked
   MovingRegions moving_;
   EarlierView earlier_;  // that the lens is learned by: as measured
   LensShading shading_;

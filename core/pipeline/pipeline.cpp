@@ -188,12 +188,15 @@ void Pipeline::Impl::describe_pose(FrameResult& result) const {
 
 PreparedFrame Pipeline::Impl::prepare(RgbdFrame frame) const {
   const FrameContent content = content_of(frame, camera.depth_units_per_metre, options.frame);
-  return {rectifier ? rectifier->apply(frame) : std::move(frame), content};
+  RgbdFrame straight = rectifier ? rectifier->apply(frame) : std::move(frame);
+  PictureFeatures features = features_of(straight, camera.depth_units_per_metre, options.frame);
+  return {std::move(straight), content, std::move(features)};
 }
 
 FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
   const auto start = std::chrono::steady_clock::now();
-  const auto& [frame, content] = prepared;
+  const RgbdFrame& frame = prepared.frame;
+  const FrameContent& content = prepared.content;
   FrameResult result;
   result.frame_index = static_cast<std::int64_t>(trajectory.size());
   result.timestamp_s = frame.timestamp_s;
@@ -201,7 +204,7 @@ FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
   timed("preprocess", [&] { front_end.preprocess(frame, result.frame_index); });
   const std::vector<Rigid3> poses_before = layout().world_from_submap;
   Motion motion;
-  timed("track", [&] { motion = front_end.track(content, world_from_camera, last_motion, lost_count); });
+  timed("track", [&] { motion = front_end.track(content, prepared.features, world_from_camera, last_motion, lost_count); });
   if (motion.judgement.status != TrackingStatus::kLost) world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
   if (mapping && motion.judgement.status != TrackingStatus::kLost)
     timed("adjust", [&] { result.event = observe(frame, world_from_camera); });
@@ -212,7 +215,7 @@ FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
     result.event = lost ? MapEvent::kLost : MapEvent::kFoundAgain;
   result.correction_m = farthest_correction_m(poses_before, layout());
   if (lost || result.event != MapEvent::kNone || result.correction_m > kCorrectionThatMovesViews_m) front_end.forget_views();
-  if (!lost) front_end.remember_view(world_from_camera);
+  if (!lost) front_end.remember_view(world_from_camera, prepared.features);
   lost_count = lost ? lost_count + 1 : 0;
   if (!lost) {
     last_motion = motion.odometry.reference_from_camera;

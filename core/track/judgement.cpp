@@ -37,6 +37,10 @@ constexpr double kBlankPlace = 2e-4;
 // Rooms give 0.2 and more.
 constexpr double kFewInliers = 0.1;
 
+// Few points do as well where the corners of the picture, another witness, have gone the same way: so many, and so large a share.
+constexpr int kHoldingCorners = 20;
+constexpr double kHoldingShare = 0.7;
+
 // Kinect v1 measures from half a metre.
 constexpr double kTooNear_m = 0.6;
 
@@ -73,9 +77,12 @@ std::string why_lost(const TrackingEvidence& e, const TrackOptions& options) {
   return "too little in common with the scan so far";
 }
 
+bool is_held_by_corners(const CornerAgreement& corners) { return corners.count >= kHoldingCorners && corners.share >= kHoldingShare; }
+
 std::string why_weak(const TrackingEvidence& e, const TrackOptions& options) {
   const Agreement& a = e.agreement;
-  if (e.inlier_share < kFewInliers) return "too few points: only " + percent(e.inlier_share) + " of the image can be used";
+  if (e.inlier_share < kFewInliers && !is_held_by_corners(e.corners))
+    return "too few points: only " + percent(e.inlier_share) + " of the image can be used";
   if (e.is_divided) return "moving: large parts of the view go different ways, and which is the room cannot be told";
   if (a.overlap < kGoodOverlap) return "too little in common: only " + percent(a.overlap) + " of the view has been scanned";
   if (a.agreeing < kGoodAgreement && a.in_front > 0.5 * (1 - a.agreeing)) return "occluded: something is in front of what was scanned";

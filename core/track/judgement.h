@@ -5,6 +5,7 @@
 
 #include "core/frame/frame_content.h"
 #include "core/math/rigid3.h"
+#include "core/track/feature_motion.h"
 #include "core/track/track_options.h"
 
 namespace hermite {
@@ -33,6 +34,7 @@ struct TrackingEvidence {
   Agreement unmoved;  // the same where the camera was before, turned as the pictures say; only needed of a pose that is not believable
   double inlier_share = 0;       // geometric correspondences, of all pixels
   double observability = 0;      // see core/track/normal_equations.h
+  CornerAgreement corners;       // that were followed from the frame before, at this motion
   bool is_divided = false;       // large parts of the view move against each other, see core/track/own_motion.h
   Rigid3 reference_from_camera;  // the motion found
   double turn_seen_rad = 0;      // of the pictures alone, before tracking

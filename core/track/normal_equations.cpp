@@ -8,9 +8,10 @@ namespace hermite {
 
 namespace {
 
-// A thousandth of the picture says that nothing has changed, in gain by half as in offset by 20 grey values. It decides only where there is
-// no contrast to tell gain from offset.
-constexpr double kPriorShare = 1e-3, kOffsetOverGain = 20 / 0.5;
+// Shares of the picture that say nothing has changed: in gain by half for a thousandth, which decides only where there is no contrast. The
+// offset is hardly free, by 20 grey values for a thousandth of what it is free to: exposure scales what is seen, and a free offset takes
+// the map's blur for a gain above 1, fuses with it, and so fades the map from frame to frame (to 1.4 within four frames of sparse depth).
+constexpr double kGainShare = 1e-3, kOffsetShare = 1, kOffsetOverGain = 20 / 0.5;
 
 struct BrightnessSystem {
   Eigen::Matrix2d hessian;
@@ -18,8 +19,7 @@ struct BrightnessSystem {
 };
 
 BrightnessSystem with_prior(const PhotometricSystem& system, const Brightness& at) {
-  const double weight = kPriorShare * system.hessian(1, 1);
-  const Eigen::Vector2d prior(weight * kOffsetOverGain * kOffsetOverGain, weight);
+  const Eigen::Vector2d prior = system.hessian(1, 1) * Eigen::Vector2d(kGainShare * kOffsetOverGain * kOffsetOverGain, kOffsetShare);
   return {system.hessian + Eigen::Matrix2d(prior.asDiagonal()),
           system.right_hand_side + prior.cwiseProduct(Eigen::Vector2d(1 - at.gain, -at.offset))};
 }

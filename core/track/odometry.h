@@ -9,6 +9,7 @@
 #include "core/base/byte_stream.h"
 #include "core/frame/preprocess.h"
 #include "core/math/rigid3.h"
+#include "core/track/feature_motion.h"
 #include "core/track/judgement.h"
 #include "core/track/normal_equations.h"
 #include "core/track/track_options.h"
@@ -35,8 +36,10 @@ class Odometry {
   // `finest` is the size of the frames' and the references' finest level; of `noise` the sensor's standard deviation counts.
   Odometry(gpu::Device& device, const shared::Intrinsics& finest, const TrackOptions& options, const FrameOptions& noise = {});
 
-  // The frame against the surface predicted from the reference pose, starting at the guess that fits best. Blocks until the GPU is done.
-  OdometryResult track(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses);
+  // The frame against the surface predicted from the reference pose, starting at the guess that fits best. Corners that were followed from
+  // there, with their depth, hold a frame that has little depth. Blocks until the GPU is done.
+  OdometryResult track(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses,
+                       const FeatureMotion* features = nullptr);
 
   // The same for a camera that may be far from all guesses: wider gates at first, and several ends of which the one that agrees best wins.
   OdometryResult search(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses);
@@ -60,12 +63,14 @@ class Odometry {
   struct Gates;
   struct Believed;
   Gates gates_within(double reach) const;
+  static void add_features(const FeatureMotion& features, const Rigid3& reference_from_camera, const Sums& sums, NormalEquations& picture);
   static Believed believed_at_first(double reach);
   static Believed believed_after(const Believed& before, const Sums& sums, const Vector6d& step);
   Sums linearise(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, int level, const Gates& gates,
                  const Believed& believed);
   std::vector<Rigid3> by_misfit(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference, double reach);
-  OdometryResult refine(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, double reach);
+  OdometryResult refine(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, double reach,
+                        const FeatureMotion* features = nullptr);
 
   const TrackOptions options_;
   const FrameOptions noise_;

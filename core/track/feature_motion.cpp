@@ -1,0 +1,225 @@
+#include "core/track/feature_motion.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace hermite {
+
+namespace {
+
+// Nine pixels each way are compared, at each level until a step is below what matters.
+constexpr int kRadius_px = 4, kMaxSteps = 8;
+constexpr double kConverged_px = 0.03;
+// Followed back, a corner is where it was; grey values differ by less than this in the mean.
+constexpr double kReturns_px = 0.5, kAlike_grey = 12;
+
+// Corners of Student's t distribution as in the odometry; so many must agree within thrice the deviation, which is at most two pixels of
+// the image: half of what is followed wrongly is farther off.
+constexpr double kDegreesOfFreedom = 5, kFirstDeviation_px = 8, kLeastDeviation_px = 0.3, kMostDeviation_px = 2;
+// Of a corner that dense terms are joined by: what following is off by between frames, beyond its noise.
+constexpr double kTermDeviation_px = 0.5;
+constexpr double kNearest_m = 0.05;
+// Of the corners, so many must have been followed for a turn alone to be believed: between pictures of other places a few are, by chance.
+constexpr double kFollowedShare = 0.25;
+constexpr int kLeastCorners = 12, kSteps = 12;
+
+// Between two frames a camera moves by decimetres and turns by tenths of a radian: what corners do not hold stays.
+constexpr double kPriorTranslation_m = 0.3, kPriorRotation_rad = 0.5;
+
+double grey_at(const GreyImage& image, double x, double y) {
+  const int left = static_cast<int>(x), top = static_cast<int>(y);
+  const double a = x - left, b = y - top;
+  return (1 - b) * ((1 - a) * image.at(left, top) + a * image.at(left + 1, top)) +
+         b * ((1 - a) * image.at(left, top + 1) + a * image.at(left + 1, top + 1));
+}
+
+bool has_window(const GreyImage& image, const Eigen::Vector2d& at, int margin) {
+  return at.x() >= kRadius_px + margin && at.y() >= kRadius_px + margin && at.x() < image.width - 1 - kRadius_px - margin &&
+         at.y() < image.height - 1 - kRadius_px - margin;
+}
+
+constexpr int kSide = 2 * kRadius_px + 1;
+using Window = std::array<double, kSide * kSide>;
+
+// Grey values around a place, less their mean.
+Window window_of(const GreyImage& image, const Eigen::Vector2d& at) {
+  Window window;
+  double sum = 0;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const double grey = grey_at(image, at.x() + x - kRadius_px, at.y() + y - kRadius_px);
+      window[static_cast<std::size_t>(y * kSide + x)] = grey;
+      sum += grey;
+    }
+  for (double& grey : window) grey -= sum / (kSide * kSide);
+  return window;
+}
+
+// `place` goes to where `to` looks like `from` does at `source`. False: it leaves the image, or nothing holds it.
+bool refine(const GreyImage& from, const GreyImage& to, const Eigen::Vector2d& source, Eigen::Vector2d& place, double& misfit_grey) {
+  if (!has_window(from, source, 1)) return false;
+  const Window wanted = window_of(from, source);
+  std::array<Eigen::Vector2d, kSide * kSide> gradient;
+  Eigen::Matrix2d tensor = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const double u = source.x() + x - kRadius_px, v = source.y() + y - kRadius_px;
+      Eigen::Vector2d& g = gradient[static_cast<std::size_t>(y * kSide + x)];
+      g = 0.5 * Eigen::Vector2d(grey_at(from, u + 1, v) - grey_at(from, u - 1, v), grey_at(from, u, v + 1) - grey_at(from, u, v - 1));
+      mean += g / (kSide * kSide);
+    }
+  for (Eigen::Vector2d& g : gradient) {
+    g -= mean;
+    tensor += g * g.transpose();
+  }
+  const double determinant = tensor.determinant();
+  if (!(determinant > 1e-3 * tensor.trace() * tensor.trace()) || tensor.trace() < kSide * kSide) return false;
+  const Eigen::Matrix2d inverse = tensor.inverse();
+  for (int step = 0; step < kMaxSteps; ++step) {
+    if (!has_window(to, place, 0)) return false;
+    const Window seen = window_of(to, place);
+    Eigen::Vector2d pull = Eigen::Vector2d::Zero();
+    misfit_grey = 0;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const double difference = seen[i] - wanted[i];
+      pull += difference * gradient[i];
+      misfit_grey += std::abs(difference) / static_cast<double>(seen.size());
+    }
+    const Eigen::Vector2d move = inverse * pull;
+    place -= move;
+    if (move.norm() < kConverged_px) break;
+  }
+  return has_window(to, place, 0);
+}
+
+// Without the way back.
+std::optional<Eigen::Vector2d> lead(const PictureFeatures& from, const PictureFeatures& to, const Eigen::Vector2d& source) {
+  Eigen::Vector2d flow = Eigen::Vector2d::Zero();
+  double misfit_grey = 0;
+  for (std::size_t level = from.levels.size(); level-- > 0;) {
+    // A pixel of a coarse level is the middle of the finer ones.
+    const double scale = std::ldexp(1.0, static_cast<int>(level));
+    const Eigen::Vector2d start = ((source.array() + 0.5) / scale - 0.5).matrix();
+    Eigen::Vector2d place = start + flow;
+    const bool found = refine(from.levels[level], to.levels[level], start, place, misfit_grey);
+    if (!found && level == 0) return std::nullopt;
+    if (found) flow = place - start;
+    if (level > 0) flow *= 2;
+  }
+  if (misfit_grey > kAlike_grey) return std::nullopt;
+  return source + flow;
+}
+
+Eigen::Vector2d image_px(const Eigen::Vector2d& level_px, int step) { return ((level_px.array() + 0.5) * step - 0.5).matrix(); }
+
+// Where the image shows a point, by the point [px/m].
+Eigen::Matrix<double, 2, 3> projection_at(const Camera& camera, const Eigen::Vector3d& p) {
+  Eigen::Matrix<double, 2, 3> derivative;
+  derivative << camera.fx / p.z(), 0, -camera.fx * p.x() / (p.z() * p.z()), 0, camera.fy / p.z(), -camera.fy * p.y() / (p.z() * p.z());
+  return derivative;
+}
+
+// Of frame_from_earlier, at first the identity. Turn only: corners are taken to be far away.
+std::optional<FeatureMotion> solve(const std::vector<FollowedCorner>& corners, const Camera& camera, bool turn_only) {
+  Rigid3 frame_from_earlier;
+  double deviation_px = kFirstDeviation_px;
+  int agreeing = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    Matrix6d hessian = Matrix6d::Zero();
+    for (int i = 0; i < 3; ++i) {
+      hessian(i, i) = turn_only ? 1e12 : 1 / (kPriorTranslation_m * kPriorTranslation_m);
+      hessian(i + 3, i + 3) = 1 / (kPriorRotation_rad * kPriorRotation_rad);
+    }
+    Vector6d right_hand_side = Vector6d::Zero();
+    double weighted_px2 = 0;
+    agreeing = 0;
+    for (const FollowedCorner& corner : corners) {
+      const Eigen::Vector3d p = frame_from_earlier * corner.point_in_earlier;
+      if (p.z() < kNearest_m) continue;
+      const Eigen::Vector2d error = camera.project(p) - corner.pixel;
+      const double scaled2 = error.squaredNorm() / (deviation_px * deviation_px),
+                   likely = kDegreesOfFreedom / (kDegreesOfFreedom + scaled2);
+      const Eigen::Matrix<double, 2, 3> projection = projection_at(camera, p);
+      Eigen::Matrix<double, 2, 6> derivative;
+      derivative << projection, -projection * skew(p);
+      const double weight = likely / (deviation_px * deviation_px);
+      hessian += weight * derivative.transpose() * derivative;
+      right_hand_side -= weight * derivative.transpose() * error;
+      weighted_px2 += likely * error.squaredNorm();
+      agreeing += scaled2 < 9 ? 1 : 0;
+    }
+    frame_from_earlier = exp_se3(hessian.ldlt().solve(right_hand_side)) * frame_from_earlier;
+    deviation_px = std::clamp(std::sqrt(weighted_px2 / (2 * static_cast<double>(corners.size()))), kLeastDeviation_px, deviation_px);
+  }
+  if (agreeing < kLeastCorners || 2 * agreeing < static_cast<int>(corners.size()) ||
+      deviation_px > (turn_only ? kFirstDeviation_px : kMostDeviation_px))
+    return std::nullopt;
+  FeatureMotion motion{inverse(frame_from_earlier), turn_only, agreeing, deviation_px, camera, {}};
+  if (turn_only) motion.earlier_from_frame.translation.setZero();
+  return motion;
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector2d> follow(const PictureFeatures& earlier, const PictureFeatures& frame, const Eigen::Vector2d& corner_px) {
+  const auto there = lead(earlier, frame, corner_px);
+  if (!there) return std::nullopt;
+  const auto back = lead(frame, earlier, *there);
+  return back && (*back - corner_px).norm() < kReturns_px ? there : std::nullopt;
+}
+
+std::optional<FeatureMotion> motion_by_features(const PictureFeatures& earlier, const PictureFeatures& frame, const Camera& camera) {
+  if (earlier.levels.empty() || frame.levels.empty()) return std::nullopt;
+  std::vector<FollowedCorner> all, with_depth;
+  for (const Corner& corner : earlier.corners) {
+    const Eigen::Vector2d at(corner.x, corner.y);
+    const auto place = follow(earlier, frame, at);
+    if (!place) continue;
+    const Eigen::Vector2d from = image_px(at, earlier.image_px);
+    all.push_back({camera.unproject(from.x(), from.y(), 1), image_px(*place, frame.image_px)});
+    if (corner.depth_m > 0) with_depth.push_back({double{corner.depth_m} * all.back().point_in_earlier, all.back().pixel});
+  }
+  auto motion = solve(with_depth, camera, false);
+  if (!motion && static_cast<double>(all.size()) > kFollowedShare * static_cast<double>(earlier.corners.size()))
+    motion = solve(all, camera, true);
+  if (motion) motion->corners = std::move(with_depth);
+  return motion;
+}
+
+CornerAgreement corners_at(const FeatureMotion& features, const Rigid3& earlier_from_frame) {
+  const Rigid3 frame_from_earlier = inverse(earlier_from_frame);
+  const auto agrees = [&](const FollowedCorner& corner) {
+    const Eigen::Vector3d p = frame_from_earlier * corner.point_in_earlier;
+    return p.z() > kNearest_m && (features.camera.project(p) - corner.pixel).norm() < kMostDeviation_px;
+  };
+  const auto count = std::count_if(features.corners.begin(), features.corners.end(), agrees);
+  return {static_cast<int>(count),
+          features.corners.empty() ? 0 : static_cast<double>(count) / static_cast<double>(features.corners.size())};
+}
+
+NormalEquations feature_terms(const FeatureMotion& features, const Rigid3& earlier_from_frame) {
+  NormalEquations terms;
+  const Camera& camera = features.camera;
+  const Rigid3 frame_from_earlier = inverse(earlier_from_frame);
+  const Eigen::Matrix3d rotation = frame_from_earlier.rotation.toRotationMatrix();
+  const double deviation_px = std::max(features.deviation_px, kTermDeviation_px);
+  for (const FollowedCorner& corner : features.corners) {
+    const Eigen::Vector3d p = frame_from_earlier * corner.point_in_earlier;
+    if (p.z() < kNearest_m) continue;
+    const Eigen::Vector2d error = camera.project(p) - corner.pixel;
+    const double scaled2 = error.squaredNorm() / (deviation_px * deviation_px), likely = kDegreesOfFreedom / (kDegreesOfFreedom + scaled2);
+    const Eigen::Matrix<double, 2, 3> projection = projection_at(camera, p);
+    Eigen::Matrix<double, 2, 6> derivative;
+    derivative << -projection * rotation, projection * rotation * skew(corner.point_in_earlier);
+    const double weight = likely / (deviation_px * deviation_px);
+    terms.hessian += weight * derivative.transpose() * derivative;
+    terms.right_hand_side -= weight * derivative.transpose() * error;
+  }
+  return terms;
+}
+
+}  // namespace hermite

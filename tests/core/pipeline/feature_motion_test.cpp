@@ -1,0 +1,116 @@
+#include "core/track/feature_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+
+#include <cmath>
+
+#include "tests/support/recording.h"
+
+namespace hermite {
+namespace {
+
+constexpr double kUnitsPerMetre = 1000;
+const std::string kRoom = "synthetic:frames=12,width=320,height=240,rate=10";
+
+struct Pair {
+  test::Recording recording = test::record(kRoom);
+  PictureFeatures of(std::size_t frame) const { return features_of(recording.frames[frame], recording.camera.depth_units_per_metre, {}); }
+  Rigid3 truth(std::size_t earlier, std::size_t frame) const {
+    return inverse(recording.groundtruth[earlier].world_from_camera) * recording.groundtruth[frame].world_from_camera;
+  }
+};
+
+Vector6d error_of(const Rigid3& found, const Rigid3& truth) { return log_se3(inverse(truth) * found); }
+
+TEST(PictureFeatures, AreHalvesOfEachOtherAndCornersWithTheirDepth) {
+  const Pair pair;
+  const PictureFeatures features = pair.of(0);
+  EXPECT_EQ(features.image_px, 1);
+  ASSERT_GE(features.levels.size(), 3u);
+  for (std::size_t level = 1; level < features.levels.size(); ++level) {
+    EXPECT_EQ(features.levels[level].width, features.levels[level - 1].width / 2);
+    EXPECT_EQ(features.levels[level].pixels.size(),
+              static_cast<std::size_t>(features.levels[level].width) * static_cast<std::size_t>(features.levels[level].height));
+  }
+  ASSERT_GT(features.corners.size(), 50u);
+  for (const Corner& corner : features.corners) {
+    if (corner.depth_m == 0) continue;
+    const auto units = pair.recording.frames[0].depth.at(static_cast<int>(corner.x), static_cast<int>(corner.y));
+    EXPECT_LT(std::abs(static_cast<double>(corner.depth_m) - units / pair.recording.camera.depth_units_per_metre), 0.3);
+  }
+}
+
+TEST(PictureFeatures, OfAFlatPictureHaveNoCorners) {
+  const RgbdFrame flat{0, DepthImage(160, 120), ColorImage(160, 120)};
+  EXPECT_TRUE(features_of(flat, kUnitsPerMetre, {}).corners.empty());
+  EXPECT_FALSE(motion_by_features(features_of(flat, kUnitsPerMetre, {}), features_of(flat, kUnitsPerMetre, {}), Pair().recording.camera));
+}
+
+TEST(PictureFeatures, ComeBackFromBytes) {
+  const PictureFeatures features = Pair().of(0);
+  for (const PictureFeatures& saved : {features, PictureFeatures{}}) {
+    ByteWriter writer;
+    save(writer, saved);
+    const std::string bytes = writer.take();
+    ByteReader reader(bytes);
+    PictureFeatures restored;
+    restore(reader, restored);
+    ASSERT_TRUE(reader.ok());
+    ASSERT_EQ(restored.levels.size(), saved.levels.size());
+    for (std::size_t level = 0; level < saved.levels.size(); ++level) EXPECT_EQ(restored.levels[level].pixels, saved.levels[level].pixels);
+    EXPECT_EQ(restored.corners.size(), saved.corners.size());
+  }
+}
+
+TEST(FeatureMotion, IsThatOfTheCamera) {
+  const Pair pair;
+  for (const std::size_t apart : {1u, 3u}) {
+    const auto motion = motion_by_features(pair.of(2), pair.of(2 + apart), pair.recording.camera);
+    ASSERT_TRUE(motion) << apart;
+    EXPECT_FALSE(motion->is_turn_only);
+    const Vector6d error = error_of(motion->earlier_from_frame, pair.truth(2, 2 + apart));
+    EXPECT_LT(error.head<3>().norm(), 0.01) << apart;
+    EXPECT_LT(error.tail<3>().norm(), 0.004) << apart;
+    const CornerAgreement agreement = corners_at(*motion, pair.truth(2, 2 + apart));
+    EXPECT_GT(agreement.share, 0.8);
+    EXPECT_GE(agreement.count, 20);
+    EXPECT_LT(corners_at(*motion, pair.truth(2, 2 + apart) * exp_se3((Vector6d() << 0, 0, 0, 0.1, 0, 0).finished())).share, 0.2);
+  }
+}
+
+// The terms lead from a start that is off back to where the corners agree.
+TEST(FeatureMotion, TermsPullTowardsIt) {
+  const Pair pair;
+  const auto motion = motion_by_features(pair.of(4), pair.of(5), pair.recording.camera);
+  ASSERT_TRUE(motion);
+  Rigid3 pose = exp_se3((Vector6d() << 0.02, -0.01, 0.015, 0.01, -0.01, 0.01).finished()) * motion->earlier_from_frame;
+  for (int step = 0; step < 10; ++step) {
+    const NormalEquations terms = feature_terms(*motion, pose);
+    pose = exp_se3(terms.hessian.ldlt().solve(terms.right_hand_side)) * pose;
+  }
+  const Vector6d error = error_of(pose, motion->earlier_from_frame);
+  EXPECT_LT(error.head<3>().norm(), 0.002);
+  EXPECT_LT(error.tail<3>().norm(), 0.001);
+}
+
+TEST(FeatureMotion, WithoutDepthIsATurn) {
+  Pair pair;
+  for (RgbdFrame& frame : pair.recording.frames) frame.depth = DepthImage(frame.depth.width, frame.depth.height);
+  const auto motion = motion_by_features(pair.of(2), pair.of(3), pair.recording.camera);
+  ASSERT_TRUE(motion);
+  EXPECT_TRUE(motion->is_turn_only);
+  EXPECT_EQ(motion->earlier_from_frame.translation.norm(), 0);
+  EXPECT_NEAR(angle_rad(motion->earlier_from_frame.rotation), angle_rad(pair.truth(2, 3).rotation), 0.02);
+}
+
+TEST(FeatureMotion, OfOtherPlacesIsNone) {
+  const Pair pair;
+  const test::Recording other = test::record("synthetic:scene=office,frames=2,width=320,height=240");
+  EXPECT_FALSE(motion_by_features(pair.of(0), features_of(other.frames[1], other.camera.depth_units_per_metre, {}), pair.recording.camera));
+  EXPECT_FALSE(motion_by_features({}, pair.of(0), pair.recording.camera));
+}
+
+}  // namespace
+}  // namespace hermite
