@@ -33,6 +33,9 @@ struct PictureFeatures {
 // Depths are within the options' range. Some 3 ms for 640x480. Any thread.
 PictureFeatures features_of(const RgbdFrame& frame, double depth_units_per_metre, const FrameOptions& options);
 
+// The median of what is measured in 3x3 pixels around one [m]; 0 where that is less than half, or out of the options' range.
+float depth_around(const DepthImage& depth, int x, int y, double units_per_metre, const FrameOptions& options);
+
 void save(ByteWriter& bytes, const PictureFeatures& features);
 // kCorrupt by the reader when the numbers of pixels do not fit each other.
 void restore(ByteReader& bytes, PictureFeatures& features);

@@ -35,6 +35,7 @@ FrontEnd::FrontEnd(const std::string& device_choice, const Camera& camera, const
       camera_(camera),
       preprocessor_(device, camera, options.frame),
       odometry_(device, preprocessor_.maps().camera(), options.track, options.frame),
+      landmarks_(rectified(camera), options.frame),
       visible_(device, options.map),
       index_(device, preprocessor_.maps().camera()),
       fuser_(device, preprocessor_.maps().camera(), options.map, options.frame),
@@ -91,14 +92,13 @@ Judgement FrontEnd::judge_start(const FrameContent& content) {
   return hermite::judge_start(evidence, options_.track);
 }
 
-void FrontEnd::remember_view(const Rigid3& world_from_camera, const PictureFeatures& features) {
-  last_features_ = features;
-  const auto moves = [this](const Corner& corner) {
-    const double scale = static_cast<double>(view_.camera.width) * last_features_.image_px / camera_.width;
-    const int x = static_cast<int>(scale * double{corner.x}), y = static_cast<int>(scale * double{corner.y});
+void FrontEnd::remember_view(const Rigid3& world_from_camera, const Rigid3& reference_from_camera, const PreparedFrame& frame) {
+  const double scale = static_cast<double>(view_.camera.width) * frame.features.image_px / camera_.width;
+  const auto moves = [this, scale](const Eigen::Vector2d& pixel) {
+    const int x = static_cast<int>(scale * pixel.x()), y = static_cast<int>(scale * pixel.y());
     return view_.contains(x, y) && moving_mask_[view_.index(x, y)] != 0;
   };
-  std::erase_if(last_features_.corners, moves);
+  landmarks_.remember(frame.features, frame.frame.depth, reference_from_camera, moves);
   moving_.remember(view_, world_from_camera, moving_mask_);
   const CoarseView measured = shading_.as_measured(view_);
   const auto comparison = earlier_.compare(measured, world_from_camera, moving_mask_);
@@ -136,7 +136,7 @@ Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& featu
   hide(expected);
   const FrameMaps& maps = preprocessor_.maps();
   const SurfacePyramid& reference = predictor_.surface();
-  const std::optional<FeatureMotion> followed = motion_by_features(last_features_, features, rectified(camera_));
+  const std::optional<FeatureMotion> followed = landmarks_.follow(features);
   const FeatureMotion* corners = followed && !followed->is_turn_only ? &*followed : nullptr;
   const Rigid3 turned{turn_since_last(followed), Eigen::Vector3d::Zero()};
   const std::vector<Rigid3> starts = guesses(turned, last_motion, corners);
@@ -246,7 +246,7 @@ void FrontEnd::save(ByteWriter& bytes) const {
   bytes.number(frame_number);
   bytes.number(submap_);
   bytes.number(full_until_frame_);
-  hermite::save(bytes, last_features_);
+  landmarks_.save(bytes);
   hermite::save(bytes, predictor_.surface());
   odometry_.save(bytes);
   moving_.save(bytes);
@@ -259,7 +259,7 @@ void FrontEnd::restore(ByteReader& bytes) {
   bytes.number(frame_number);
   bytes.number(submap_);
   bytes.number(full_until_frame_);
-  hermite::restore(bytes, last_features_);
+  landmarks_.restore(bytes);
   hermite::restore(bytes, predictor_.surface());
   odometry_.restore(bytes);
   moving_.restore(bytes);

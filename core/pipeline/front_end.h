@@ -10,6 +10,7 @@
 #include "core/base/byte_stream.h"
 #include "core/base/timeline.h"
 #include "core/frame/frame_content.h"
+#include "core/frame/prepared_frame.h"
 #include "core/frame/preprocess.h"
 #include "core/gpu/device.h"
 #include "core/map/fuse.h"
@@ -19,6 +20,7 @@
 #include "core/map/visible_blocks.h"
 #include "core/pipeline/options.h"
 #include "core/track/feature_motion.h"
+#include "core/track/landmarks.h"
 #include "core/track/lens_shading.h"
 #include "core/track/moving_regions.h"
 #include "core/track/odometry.h"
@@ -53,10 +55,11 @@ class FrontEnd {
   const CoarseMask& moving() const { return moving_mask_; }
   const CoarseView& coarse_view() const { return view_; }
 
-  // The frame tracked last is where it is: later ones are compared with it to tell what moves. Lost frames, and corrections of the map,
-  // leave nothing to compare with.
-  void remember_view(const Rigid3& world_from_camera, const PictureFeatures& features);
+  // The frame tracked last is where it is: later ones are compared with it to tell what moves, and its corners are followed. Lost frames,
+  // and corrections of the map, leave nothing to compare with; a camera that is found elsewhere, no corners either.
+  void remember_view(const Rigid3& world_from_camera, const Rigid3& reference_from_camera, const PreparedFrame& frame);
   void forget_views();
+  void forget_corners() { landmarks_.forget(); }
 
   // Whether the frame shows enough surface to begin a map, or a part of one.
   Judgement judge_start(const FrameContent& content);
@@ -97,7 +100,7 @@ class FrontEnd {
   const Camera camera_;
   Preprocessor preprocessor_;
   Odometry odometry_;
-  PictureFeatures last_features_;  // of the last frame that was tracked
+  Landmarks landmarks_;  // of the last frame that was tracked
   MovingRegions moving_;
   EarlierView earlier_;  // that the lens is learned by: as measured
   LensShading shading_;

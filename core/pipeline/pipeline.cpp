@@ -151,11 +151,13 @@ MapEvent Pipeline::Impl::find(const RgbdFrame& frame, const FrameContent& conten
     if (!look) continue;
     mapping->found(revisit, look->world_from_camera);
     world_from_camera = look->world_from_camera;
+    front_end.forget_corners();
     motion = {{}, {TrackingStatus::kWeak, "found again"}};
     return MapEvent::kFoundAgain;
   }
   if (lost_count + 1 >= options.adjust.new_part_after_frames && front_end.judge_start(content).status != TrackingStatus::kLost) {
     mapping->begin_part(world_from_camera);
+    front_end.forget_corners();
     motion = {{}, {TrackingStatus::kWeak, "not found: a new part of the map begins, to be joined when the camera sees both"}};
     return MapEvent::kNewPart;
   }
@@ -215,7 +217,7 @@ FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
     result.event = lost ? MapEvent::kLost : MapEvent::kFoundAgain;
   result.correction_m = farthest_correction_m(poses_before, layout());
   if (lost || result.event != MapEvent::kNone || result.correction_m > kCorrectionThatMovesViews_m) front_end.forget_views();
-  if (!lost) front_end.remember_view(world_from_camera, prepared.features);
+  if (!lost) front_end.remember_view(world_from_camera, motion.odometry.reference_from_camera, prepared);
   lost_count = lost ? lost_count + 1 : 0;
   if (!lost) {
     last_motion = motion.odometry.reference_from_camera;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <vector>
 
 namespace hermite {
@@ -15,6 +16,8 @@ constexpr int kRadius_px = 4, kMaxSteps = 8;
 constexpr double kConverged_px = 0.03;
 // Followed back, a corner is where it was; grey values differ by less than this in the mean.
 constexpr double kReturns_px = 0.5, kAlike_grey = 12;
+// What a corner slides by from frame to frame adds up to less than this before its first look is found again.
+constexpr double kPatchIsNear_px = 1;
 
 // Corners of Student's t distribution as in the odometry; so many must agree within thrice the deviation, which is at most two pixels of
 // the image: half of what is followed wrongly is farther off.
@@ -42,6 +45,7 @@ bool has_window(const GreyImage& image, const Eigen::Vector2d& at, int margin) {
 }
 
 constexpr int kSide = 2 * kRadius_px + 1;
+constexpr int kReach = kRadius_px + 2;  // of a patch: the window, its gradients, and what is between two pixels
 using Window = std::array<double, kSide * kSide>;
 
 // Grey values around a place, less their mean.
@@ -114,8 +118,6 @@ std::optional<Eigen::Vector2d> lead(const PictureFeatures& from, const PictureFe
   return source + flow;
 }
 
-Eigen::Vector2d image_px(const Eigen::Vector2d& level_px, int step) { return ((level_px.array() + 0.5) * step - 0.5).matrix(); }
-
 // Where the image shows a point, by the point [px/m].
 Eigen::Matrix<double, 2, 3> projection_at(const Camera& camera, const Eigen::Vector3d& p) {
   Eigen::Matrix<double, 2, 3> derivative;
@@ -172,20 +174,32 @@ std::optional<Eigen::Vector2d> follow(const PictureFeatures& earlier, const Pict
   return back && (*back - corner_px).norm() < kReturns_px ? there : std::nullopt;
 }
 
-std::optional<FeatureMotion> motion_by_features(const PictureFeatures& earlier, const PictureFeatures& frame, const Camera& camera) {
-  if (earlier.levels.empty() || frame.levels.empty()) return std::nullopt;
-  std::vector<FollowedCorner> all, with_depth;
-  for (const Corner& corner : earlier.corners) {
-    const Eigen::Vector2d at(corner.x, corner.y);
-    const auto place = follow(earlier, frame, at);
-    if (!place) continue;
-    const Eigen::Vector2d from = image_px(at, earlier.image_px);
-    all.push_back({camera.unproject(from.x(), from.y(), 1), image_px(*place, frame.image_px)});
-    if (corner.depth_m > 0) with_depth.push_back({double{corner.depth_m} * all.back().point_in_earlier, all.back().pixel});
-  }
+int patch_side_px() { return 2 * kReach + 1; }
+
+GreyImage patch_around(const GreyImage& image, const Corner& corner) {
+  const int x = static_cast<int>(corner.x), y = static_cast<int>(corner.y);
+  if (x < kReach || y < kReach || x >= image.width - kReach || y >= image.height - kReach) return {};
+  GreyImage patch{patch_side_px(), patch_side_px(), {}};
+  for (int dy = -kReach; dy <= kReach; ++dy)
+    for (int dx = -kReach; dx <= kReach; ++dx) patch.pixels.push_back(image.at(x + dx, y + dy));
+  return patch;
+}
+
+std::optional<Eigen::Vector2d> find_patch(const GreyImage& patch, const GreyImage& image, const Eigen::Vector2d& near_px) {
+  if (patch.pixels.empty()) return std::nullopt;
+  Eigen::Vector2d place = near_px;
+  double misfit_grey = 0;
+  if (!refine(patch, image, Eigen::Vector2d::Constant(patch.width / 2), place, misfit_grey) || misfit_grey > kAlike_grey)
+    return std::nullopt;
+  return (place - near_px).norm() < kPatchIsNear_px ? std::optional(place) : std::nullopt;
+}
+
+std::optional<FeatureMotion> motion_of(const std::vector<FollowedCorner>& corners, std::size_t sought, const Camera& camera) {
+  std::vector<FollowedCorner> with_depth;
+  std::copy_if(corners.begin(), corners.end(), std::back_inserter(with_depth),
+               [](const FollowedCorner& corner) { return corner.has_depth; });
   auto motion = solve(with_depth, camera, false);
-  if (!motion && static_cast<double>(all.size()) > kFollowedShare * static_cast<double>(earlier.corners.size()))
-    motion = solve(all, camera, true);
+  if (!motion && static_cast<double>(corners.size()) > kFollowedShare * static_cast<double>(sought)) motion = solve(corners, camera, true);
   if (motion) motion->corners = std::move(with_depth);
   return motion;
 }

@@ -18,10 +18,18 @@ namespace hermite {
 // looks otherwise, or does not lead back to where it came from.
 std::optional<Eigen::Vector2d> follow(const PictureFeatures& earlier, const PictureFeatures& frame, const Eigen::Vector2d& corner_px);
 
+// What a corner looks like: the pixels around it, which is the one in the middle. Empty where the image ends too near to it.
+GreyImage patch_around(const GreyImage& image, const Corner& corner);
+int patch_side_px();
+
+// Where `image` looks like the patch, within a pixel of `near_px`. Nothing: nowhere.
+std::optional<Eigen::Vector2d> find_patch(const GreyImage& patch, const GreyImage& image, const Eigen::Vector2d& near_px);
+
 // A corner that was followed: a point in the earlier camera's frame, and where the frame shows it.
 struct FollowedCorner {
   Eigen::Vector3d point_in_earlier;  // metres; at depth 1 where the depth is unknown
-  Eigen::Vector2d pixel;
+  Eigen::Vector2d pixel;             // of the whole image
+  bool has_depth = false;
 };
 
 struct FeatureMotion {
@@ -43,7 +51,7 @@ CornerAgreement corners_at(const FeatureMotion& features, const Rigid3& earlier_
 // The system of a step of earlier_from_frame <- exp(x) earlier_from_frame, in information: one over metres and radians squared.
 NormalEquations feature_terms(const FeatureMotion& features, const Rigid3& earlier_from_frame);
 
-// `camera` is that of straight frames. Nothing: too few corners agree with any motion.
-std::optional<FeatureMotion> motion_by_features(const PictureFeatures& earlier, const PictureFeatures& frame, const Camera& camera);
+// `camera` is that of straight frames; `sought`: corners that there were to follow. Nothing: too few agree with any motion.
+std::optional<FeatureMotion> motion_of(const std::vector<FollowedCorner>& corners, std::size_t sought, const Camera& camera);
 
 }  // namespace hermite

@@ -22,6 +22,16 @@ struct Pair {
   }
 };
 
+std::optional<FeatureMotion> motion_by_features(const PictureFeatures& earlier, const PictureFeatures& frame, const Camera& camera) {
+  std::vector<FollowedCorner> corners;
+  for (const Corner& corner : earlier.corners) {
+    const auto place = earlier.levels.size() == frame.levels.size() ? follow(earlier, frame, {corner.x, corner.y}) : std::nullopt;
+    const double depth_m = corner.depth_m > 0 ? double{corner.depth_m} : 1;
+    if (place) corners.push_back({depth_m * camera.unproject(double{corner.x}, double{corner.y}, 1), *place, corner.depth_m > 0});
+  }
+  return motion_of(corners, earlier.corners.size(), camera);
+}
+
 Vector6d error_of(const Rigid3& found, const Rigid3& truth) { return log_se3(inverse(truth) * found); }
 
 TEST(PictureFeatures, AreHalvesOfEachOtherAndCornersWithTheirDepth) {
@@ -103,6 +113,25 @@ TEST(FeatureMotion, WithoutDepthIsATurn) {
   EXPECT_TRUE(motion->is_turn_only);
   EXPECT_EQ(motion->earlier_from_frame.translation.norm(), 0);
   EXPECT_NEAR(angle_rad(motion->earlier_from_frame.rotation), angle_rad(pair.truth(2, 3).rotation), 0.02);
+}
+
+TEST(FeatureMotion, FindsAPatchWhereItWasCutOutAndNowhereElse) {
+  const PictureFeatures features = Pair().of(0);
+  ASSERT_GT(features.corners.size(), 50u);
+  int far = 0;
+  for (const Corner& corner : features.corners) {
+    const GreyImage patch = patch_around(features.levels[0], corner);
+    ASSERT_EQ(patch.width, patch.pixels.empty() ? 0 : patch_side_px());
+    if (patch.pixels.empty()) continue;
+    const Eigen::Vector2d at(corner.x, corner.y);
+    const auto found = find_patch(patch, features.levels[0], at + Eigen::Vector2d(0.4, -0.3));
+    ASSERT_TRUE(found);
+    EXPECT_LT((*found - at).norm(), 0.1);
+    far += find_patch(patch, features.levels[0], at + Eigen::Vector2d(25, 0)) ? 1 : 0;
+  }
+  EXPECT_LT(far, static_cast<int>(features.corners.size()) / 10);
+  EXPECT_FALSE(find_patch({}, features.levels[0], {20, 20}));
+  EXPECT_TRUE(patch_around(features.levels[0], {2, 2, 0}).pixels.empty());
 }
 
 TEST(FeatureMotion, OfOtherPlacesIsNone) {

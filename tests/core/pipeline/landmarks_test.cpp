@@ -1,0 +1,138 @@
+#include "core/track/landmarks.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/recording.h"
+
+namespace hermite {
+namespace {
+
+const auto kNothingMoves = [](const Eigen::Vector2d&) { return false; };
+
+struct Walk {
+  explicit Walk(const std::string& source = "synthetic:frames=16,width=320,height=240,rate=15") : recording(test::record(source)) {}
+  PictureFeatures features(std::size_t frame) const {
+    return features_of(recording.frames[frame], recording.camera.depth_units_per_metre, {});
+  }
+  Rigid3 pose(std::size_t frame) const { return recording.groundtruth[frame].world_from_camera; }
+  Landmarks landmarks() const { return {recording.camera, {}}; }
+  // Follows frame `frame` at its true pose.
+  void show(Landmarks& landmarks, std::size_t frame) const {
+    const PictureFeatures seen = features(frame);
+    landmarks.follow(seen);
+    const Rigid3 step = frame == 0 ? Rigid3{} : inverse(pose(frame - 1)) * pose(frame);
+    landmarks.remember(seen, recording.frames[frame].depth, step, kNothingMoves);
+  }
+  void without_depth(std::size_t from) {
+    for (std::size_t frame = from; frame < recording.frames.size(); ++frame) recording.frames[frame].depth = DepthImage(320, 240);
+  }
+  test::Recording recording;
+};
+
+std::size_t known_count(const Landmarks& landmarks) {
+  std::size_t count = 0;
+  for (const Landmark& landmark : landmarks.all()) count += landmark.depth_deviation_m > 0 ? 1 : 0;
+  return count;
+}
+
+std::string saved(const Landmarks& landmarks) {
+  ByteWriter writer;
+  landmarks.save(writer);
+  return writer.take();
+}
+
+// By their steps alone, each from the frame before: what holds them is the room.
+TEST(Landmarks, LeadThroughFramesWithoutDepth) {
+  Walk walk;
+  walk.without_depth(1);
+  Landmarks landmarks = walk.landmarks();
+  Rigid3 pose = walk.pose(0);
+  for (std::size_t frame = 0; frame < 10; ++frame) {
+    const PictureFeatures seen = walk.features(frame);
+    const auto motion = landmarks.follow(seen);
+    ASSERT_EQ(motion.has_value(), frame > 0) << frame;
+    const Rigid3 step = motion ? motion->earlier_from_frame : Rigid3{};
+    EXPECT_FALSE(motion && motion->is_turn_only) << frame;
+    pose = pose * step;
+    landmarks.remember(seen, walk.recording.frames[frame].depth, step, kNothingMoves);
+  }
+  const Vector6d error = log_se3(inverse(walk.pose(9)) * pose);
+  EXPECT_LT(error.head<3>().norm(), 0.03);
+  EXPECT_LT(error.tail<3>().norm(), 0.01);
+}
+
+TEST(Landmarks, GetTheirDepthFromTwoDirections) {
+  Walk walk;
+  const std::vector<RgbdFrame> truth = walk.recording.frames;
+  walk.without_depth(0);
+  Landmarks landmarks = walk.landmarks();
+  for (std::size_t frame = 0; frame < 12; ++frame) walk.show(landmarks, frame);
+  ASSERT_GT(known_count(landmarks), 20u);
+  int off = 0;
+  for (const Landmark& landmark : landmarks.all()) {
+    if (landmark.depth_deviation_m == 0) continue;
+    const int x = static_cast<int>(std::lround(landmark.pixel.x())), y = static_cast<int>(std::lround(landmark.pixel.y()));
+    const double true_m = truth[11].depth.at(x, y) / walk.recording.camera.depth_units_per_metre;
+    off += std::abs(landmark.point_m.z() - true_m) > 3 * landmark.depth_deviation_m + 0.01 ? 1 : 0;
+  }
+  EXPECT_LT(off, 0.15 * static_cast<double>(known_count(landmarks)));
+}
+
+TEST(Landmarks, AreNotWhatMovesAndOneForEachCell) {
+  const Walk walk;
+  Landmarks landmarks = walk.landmarks();
+  const auto left_moves = [](const Eigen::Vector2d& pixel) { return pixel.x() < 160; };
+  landmarks.remember(walk.features(0), walk.recording.frames[0].depth, {}, left_moves);
+  ASSERT_GT(landmarks.all().size(), 20u);
+  for (const Landmark& landmark : landmarks.all()) EXPECT_GE(landmark.pixel.x(), 160);
+  for (std::size_t frame = 1; frame < 6; ++frame) walk.show(landmarks, frame);
+  EXPECT_LE(landmarks.all().size(), 20u * 15u);
+}
+
+TEST(Landmarks, AreForgotten) {
+  const Walk walk;
+  Landmarks landmarks = walk.landmarks();
+  walk.show(landmarks, 0);
+  EXPECT_TRUE(landmarks.follow(walk.features(1)));
+  landmarks.forget();
+  EXPECT_FALSE(landmarks.follow(walk.features(1)));
+}
+
+TEST(Landmarks, ComeBackFromBytesAndGoOnAlike) {
+  const Walk walk;
+  Landmarks landmarks = walk.landmarks(), restored = walk.landmarks();
+  for (std::size_t frame = 0; frame < 4; ++frame) walk.show(landmarks, frame);
+  const std::string bytes = saved(landmarks);
+  ByteReader reader(bytes);
+  restored.restore(reader);
+  ASSERT_TRUE(reader.ok() && reader.at_end());
+  walk.show(landmarks, 4);
+  walk.show(restored, 4);
+  EXPECT_EQ(saved(landmarks), saved(restored));
+}
+
+TEST(Landmarks, DamagedOnesAreRefused) {
+  const Walk walk;
+  Landmarks landmarks = walk.landmarks();
+  walk.show(landmarks, 0);
+  const std::string bytes = saved(landmarks);
+  for (const std::size_t length : {bytes.size() / 2, bytes.size() - 1}) {
+    ByteReader reader(std::string_view(bytes).substr(0, length));
+    Landmarks restored = walk.landmarks();
+    restored.restore(reader);
+    EXPECT_FALSE(reader.ok());
+  }
+  // A patch of another size would be read beyond its end.
+  std::string damaged = bytes;
+  const std::size_t last_patch = damaged.size() - static_cast<std::size_t>(patch_side_px() * patch_side_px()) - 8 - 8;
+  damaged[last_patch] = 127;
+  ByteReader reader(damaged);
+  Landmarks restored = walk.landmarks();
+  restored.restore(reader);
+  EXPECT_FALSE(reader.ok());
+}
+
+}  // namespace
+}  // namespace hermite
