@@ -4,12 +4,14 @@
 #include "core/frame/frame_content.h"
 #include "core/frame/picture_features.h"
 #include "core/frame/rgbd_frame.h"
+#include "core/frame/sensor_noise.h"
 
 namespace hermite {
 
 struct PreparedFrame {
   RgbdFrame frame;       // of rectified(camera): straight, colour registered to depth
   FrameContent content;  // of the frame as it came
+  NoiseSample noise;     // of its depth as it came
   PictureFeatures features;
 };
 

@@ -38,7 +38,10 @@ Rgb8 brightened(const Rgb8& color, float darkening) {
 }
 
 // The window ends where the Gaussian has fallen to about 0.4 (radius 6 for 4.5 px, as in the authors' program).
-std::uint32_t window_radius(double sigma_px) { return static_cast<std::uint32_t>(std::lround(sigma_px * 4.0 / 3.0)); }
+std::uint32_t window_radius(const FrameOptions& options) {
+  const double correlated_px = options.measure_noise ? options.bilateral_correlated_space_px : 0;
+  return static_cast<std::uint32_t>(std::lround(std::max(options.bilateral_sigma_space_px, correlated_px) * 4.0 / 3.0));
+}
 
 }  // namespace
 
@@ -46,8 +49,9 @@ Preprocessor::Preprocessor(gpu::Device& device, const Camera& camera, const Fram
     : camera_(camera),
       options_(options),
       step_(sampling_step(camera, options.sampling)),
+      filter_(filter_widths(options, SensorNoise{})),
       inverse_depth_(device, "frame/inverse_depth"),
-      bilateral_(device, "frame/bilateral", {window_radius(options.bilateral_sigma_space_px), static_cast<std::uint32_t>(step_)}),
+      bilateral_(device, "frame/bilateral", {window_radius(options), static_cast<std::uint32_t>(step_)}),
       normals_(device, "frame/normals"),
       surface_(device, "frame/surface"),
       intensity_(device, "frame/intensity"),
@@ -105,10 +109,9 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
                                                static_cast<float>(options_.depth_min_m), static_cast<float>(options_.depth_max_m)},
                     {units_, inverse_depth_per_m_});
   commands.dispatch(bilateral_, fours,
-                    shared::BilateralParams{
-                        whole, sampling, static_cast<float>(0.5 / (options_.bilateral_sigma_space_px * options_.bilateral_sigma_space_px)),
-                        static_cast<float>(options_.noise_floor_m), static_cast<float>(options_.noise_growth_per_m),
-                        static_cast<float>(options_.bilateral_noise_sigmas)},
+                    shared::BilateralParams{whole, sampling, static_cast<float>(0.5 / (filter_.space_px * filter_.space_px)),
+                                            static_cast<float>(options_.noise_floor_m), static_cast<float>(options_.noise_growth_per_m),
+                                            static_cast<float>(filter_.depth_deviations)},
                     {inverse_depth_per_m_, maps_.raw_depth_m, maps_.filtered_depth_m});
   const auto radius_scale = static_cast<float>(options_.support_radius_scale);
   commands.dispatch(normals_, image, shared::NormalParams{camera, 0.5f * depth_gate_m, radius_scale},

@@ -7,6 +7,7 @@
 #include "core/frame/coarse_view.h"
 #include "core/frame/frame_options.h"
 #include "core/frame/rgbd_frame.h"
+#include "core/frame/sensor_noise.h"
 #include "core/frame/surface_pyramid.h"
 
 namespace hermite {
@@ -31,6 +32,9 @@ class Preprocessor {
   // Colours of the frames to come are divided by this, by pixel of the whole image (none: by 1).
   void set_shading(std::vector<float> darkening) { darkening_ = std::move(darkening); }
 
+  // Of the frames to come.
+  void set_filter(const FilterWidths& widths) { filter_ = widths; }
+
   // Uploads the frame (same size as the camera, checked by the caller) and records the passes; the maps are valid once `commands` has run.
   // `frame_index` decides which pixels are sampled.
   const FrameMaps& run(gpu::Commands& commands, const RgbdFrame& frame, std::int64_t frame_index);
@@ -48,6 +52,7 @@ class Preprocessor {
   const Camera camera_;
   const FrameOptions options_;
   const int step_;
+  FilterWidths filter_;
   gpu::Kernel inverse_depth_, bilateral_, normals_, surface_, intensity_, gradient_, downsample_, mask_;
   std::vector<float> darkening_;
   // Of the whole image; with a margin, and eight and four pixels an element:

@@ -67,7 +67,11 @@ bool FrontEnd::bring(const SubmapSet& needed, const MapLayout& layout) {
   return store.keep(kept);
 }
 
-void FrontEnd::preprocess(const RgbdFrame& frame, std::int64_t frame_index) { preprocessor_.run(commands, frame, frame_index); }
+void FrontEnd::preprocess(const PreparedFrame& frame, std::int64_t frame_index) {
+  noise_.add(frame.noise);
+  preprocessor_.set_filter(filter_widths(options_.frame, noise_));
+  preprocessor_.run(commands, frame.frame, frame_index);
+}
 
 // From the corners that were followed; where there are few, from the pictures as they are.
 Eigen::Quaterniond FrontEnd::turn_since_last(const std::optional<FeatureMotion>& followed) {
@@ -246,6 +250,7 @@ void FrontEnd::save(ByteWriter& bytes) const {
   bytes.number(frame_number);
   bytes.number(submap_);
   bytes.number(full_until_frame_);
+  noise_.save(bytes);
   landmarks_.save(bytes);
   hermite::save(bytes, predictor_.surface());
   odometry_.save(bytes);
@@ -259,6 +264,7 @@ void FrontEnd::restore(ByteReader& bytes) {
   bytes.number(frame_number);
   bytes.number(submap_);
   bytes.number(full_until_frame_);
+  noise_.restore(bytes);
   landmarks_.restore(bytes);
   hermite::restore(bytes, predictor_.surface());
   odometry_.restore(bytes);

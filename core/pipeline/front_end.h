@@ -43,7 +43,7 @@ class FrontEnd {
   FrontEnd(const std::string& device, const Camera& camera, const Options& options, Timeline* timeline);
 
   // Records.
-  void preprocess(const RgbdFrame& frame, std::int64_t frame_index);
+  void preprocess(const PreparedFrame& frame, std::int64_t frame_index);
 
   // The frame preprocessed last, whose picture has these features, against the prediction; reference_from_camera is relative to where that
   // is seen from, which is `world_from_reference`. `lost_count`: frames lost just before this one. What moves in the frame is masked from
@@ -98,6 +98,7 @@ class FrontEnd {
 
   const Options options_;
   const Camera camera_;
+  SensorNoise noise_;  // of the frames so far
   Preprocessor preprocessor_;
   Odometry odometry_;
   Landmarks landmarks_;  // of the last frame that was tracked

@@ -155,7 +155,8 @@ MapEvent Pipeline::Impl::find(const RgbdFrame& frame, const FrameContent& conten
     motion = {{}, {TrackingStatus::kWeak, "found again"}};
     return MapEvent::kFoundAgain;
   }
-  if (lost_count + 1 >= options.adjust.new_part_after_frames && front_end.judge_start(content).status != TrackingStatus::kLost) {
+  if (lost_count + 1 >= options.adjust.new_part_after_frames &&
+      front_end.judge_start(content).status != TrackingStatus::kLost) {
     mapping->begin_part(world_from_camera);
     front_end.forget_corners();
     motion = {{}, {TrackingStatus::kWeak, "not found: a new part of the map begins, to be joined when the camera sees both"}};
@@ -190,9 +191,10 @@ void Pipeline::Impl::describe_pose(FrameResult& result) const {
 
 PreparedFrame Pipeline::Impl::prepare(RgbdFrame frame) const {
   const FrameContent content = content_of(frame, camera.depth_units_per_metre, options.frame);
+  const NoiseSample noise = measure_noise(frame.depth, camera.depth_units_per_metre, options.frame);
   RgbdFrame straight = rectifier ? rectifier->apply(frame) : std::move(frame);
   PictureFeatures features = features_of(straight, camera.depth_units_per_metre, options.frame);
-  return {std::move(straight), content, std::move(features)};
+  return {std::move(straight), content, noise, std::move(features)};
 }
 
 FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
@@ -203,7 +205,7 @@ FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
   result.frame_index = static_cast<std::int64_t>(trajectory.size());
   result.timestamp_s = frame.timestamp_s;
 
-  timed("preprocess", [&] { front_end.preprocess(frame, result.frame_index); });
+  timed("preprocess", [&] { front_end.preprocess(prepared, result.frame_index); });
   const std::vector<Rigid3> poses_before = layout().world_from_submap;
   Motion motion;
   timed("track", [&] { motion = front_end.track(content, prepared.features, world_from_camera, last_motion, lost_count); });

@@ -41,6 +41,9 @@ constexpr double kFewInliers = 0.1;
 constexpr int kHoldingCorners = 20;
 constexpr double kHoldingShare = 0.7;
 
+// Of the pixels: where a frame with less is lost, that is why.
+constexpr double kLittleSurface = 0.03;
+
 // Kinect v1 measures from half a metre.
 constexpr double kTooNear_m = 0.6;
 
@@ -68,6 +71,7 @@ std::string too_few_points(const FrameContent& content) {
 }
 
 std::string why_lost(const TrackingEvidence& e, const TrackOptions& options) {
+  if (e.agreement.surface < kLittleSurface) return too_few_points(e.content);
   const bool first = e.lost_count == 0;
   if (e.unmoved.overlap >= options.min_overlap && e.unmoved.in_front > 0.4) return "occluded: something is in front of what was scanned";
   if (shows_nothing(e.content)) return "dark or blurred: the picture shows nothing";

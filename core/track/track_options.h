@@ -19,7 +19,7 @@ struct TrackOptions {
   int max_iterations_middle = 5;
   int max_iterations_fine = 10;
   double max_step_m = 0.3;
-  double min_surface_ratio = 0.03;
+  double min_surface_ratio = 0.01;
   double min_agreement = 0.6;
   double min_overlap = 0.2;
   double min_correlation = 0.3;

@@ -176,9 +176,9 @@ TEST(Judgement, TheLongerACameraWasLostTheFartherItMayHaveGone) {
 
 TEST(Judgement, OfTheFirstFrameAsksForSurfaceOnly) {
   TrackingEvidence evidence = good();
-  evidence.agreement = {.surface = 0.05};
+  evidence.agreement = {.surface = 0.02};
   EXPECT_EQ(judge_start(evidence, TrackOptions{}).status, TrackingStatus::kTracked);
-  evidence.agreement.surface = 0.02;
+  evidence.agreement.surface = 0.005;
   EXPECT_THAT(judge_start(evidence, TrackOptions{}).reason, HasSubstr("almost nothing"));
 }
 
