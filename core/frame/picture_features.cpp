@@ -46,21 +46,6 @@ GreyImage halved(const GreyImage& fine) {
   return image;
 }
 
-// The median of what is measured around the pixel; 0 where that is less than half.
-float depth_around(const DepthImage& depth, int x, int y, double units_per_metre, const FrameOptions& options) {
-  std::vector<float> measured;
-  for (int dy = -1; dy <= 1; ++dy)
-    for (int dx = -1; dx <= 1; ++dx) {
-      if (x + dx < 0 || y + dy < 0 || x + dx >= depth.width || y + dy >= depth.height) continue;
-      const double depth_m = depth.at(x + dx, y + dy) / units_per_metre;
-      if (depth_m >= options.depth_min_m && depth_m <= options.depth_max_m) measured.push_back(static_cast<float>(depth_m));
-    }
-  if (measured.size() < 5) return 0;
-  const auto middle = measured.begin() + static_cast<std::ptrdiff_t>(measured.size() / 2);
-  std::nth_element(measured.begin(), middle, measured.end());
-  return *middle;
-}
-
 // Products of the gradients, summed over the window.
 struct Tensor {
   float xx = 0, xy = 0, yy = 0;
@@ -105,6 +90,20 @@ void add_levels(std::vector<GreyImage>& levels) {
 }
 
 }  // namespace
+
+float depth_around(const DepthImage& depth, int x, int y, double units_per_metre, const FrameOptions& options) {
+  std::vector<float> measured;
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx) {
+      if (x + dx < 0 || y + dy < 0 || x + dx >= depth.width || y + dy >= depth.height) continue;
+      const double depth_m = depth.at(x + dx, y + dy) / units_per_metre;
+      if (depth_m >= options.depth_min_m && depth_m <= options.depth_max_m) measured.push_back(static_cast<float>(depth_m));
+    }
+  if (measured.size() < 5) return 0;
+  const auto middle = measured.begin() + static_cast<std::ptrdiff_t>(measured.size() / 2);
+  std::nth_element(measured.begin(), middle, measured.end());
+  return *middle;
+}
 
 PictureFeatures features_of(const RgbdFrame& frame, double depth_units_per_metre, const FrameOptions& options) {
   PictureFeatures features;

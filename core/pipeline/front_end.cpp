@@ -4,6 +4,11 @@
 #include <array>
 #include <cmath>
 
+#include "core/track/corner_regions.h"
+
+#ifdef MVDEBUG
+extern std::vector<unsigned> g_mask; extern int g_w, g_h; extern std::string g_note;
+#endif
 namespace hermite {
 
 namespace {
@@ -35,6 +40,7 @@ FrontEnd::FrontEnd(const std::string& device_choice, const Camera& camera, const
       camera_(camera),
       preprocessor_(device, camera, options.frame),
       odometry_(device, preprocessor_.maps().camera(), options.track, options.frame),
+      corner_tracks_(rectified(camera)),
       visible_(device, options.map),
       index_(device, preprocessor_.maps().camera()),
       fuser_(device, preprocessor_.maps().camera(), options.map, options.frame),
@@ -91,14 +97,14 @@ Judgement FrontEnd::judge_start(const FrameContent& content) {
   return hermite::judge_start(evidence, options_.track);
 }
 
-void FrontEnd::remember_view(const Rigid3& world_from_camera, const PictureFeatures& features) {
-  last_features_ = features;
-  const auto moves = [this](const Corner& corner) {
-    const double scale = static_cast<double>(view_.camera.width) * last_features_.image_px / camera_.width;
-    const int x = static_cast<int>(scale * double{corner.x}), y = static_cast<int>(scale * double{corner.y});
-    return view_.contains(x, y) && moving_mask_[view_.index(x, y)] != 0;
+void FrontEnd::remember_view(const Rigid3& world_from_camera, const PictureFeatures& features, const DepthImage& depth) {
+  const auto moves = [this](int x, int y) {
+    const int width = static_cast<int>(view_.camera.width), height = static_cast<int>(view_.camera.height);
+    return moving_mask_[view_.index(std::min(x * width / camera_.width, width - 1), std::min(y * height / camera_.height, height - 1))] != 0;
   };
-  std::erase_if(last_features_.corners, moves);
+  const auto depth_m = [&](int x, int y) { return depth_around(depth, x, y, camera_.depth_units_per_metre, options_.frame); };
+  corner_tracks_.remember(features, depth_m, moves);
+  last_features_ = features;
   moving_.remember(view_, world_from_camera, moving_mask_);
   const CoarseView measured = shading_.as_measured(view_);
   const auto comparison = earlier_.compare(measured, world_from_camera, moving_mask_);
@@ -132,11 +138,14 @@ Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& featu
   view_ = hermite::coarse_view(preprocessor_.maps().surface);
   moving_mask_.assign(view_.size(), 0);
   if (frame_number == 0) return {{}, judge_start(content)};
-  const CoarseMask expected = moving_.expected(view_);
+  const CornerVerdict seen = corner_tracks_.follow(last_features_, features);
+  const CoarseMask by_corners = regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
+  CoarseMask expected = moving_.expected(view_);
+  for (std::size_t i = 0; i < expected.size(); ++i) expected[i] |= by_corners[i];
   hide(expected);
   const FrameMaps& maps = preprocessor_.maps();
   const SurfacePyramid& reference = predictor_.surface();
-  const std::optional<FeatureMotion> followed = motion_by_features(last_features_, features, rectified(camera_));
+  const std::optional<FeatureMotion> followed = motion_by_corners(seen.resting_all, seen.resting, seen.count, rectified(camera_));
   const FeatureMotion* corners = followed && !followed->is_turn_only ? &*followed : nullptr;
   const Rigid3 turned{turn_since_last(followed), Eigen::Vector3d::Zero()};
   const std::vector<Rigid3> starts = guesses(turned, last_motion, corners);
@@ -144,17 +153,22 @@ Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& featu
   if (lost_count == 0) found = odometry_.track(maps, reference, starts, corners);
   // What moves is told by the pose, and the pose by what rests: once more where much is found to move that was not expected to.
   const auto see_motion = [&] {
-    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera);
+    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, by_corners);
     if (!is_worth_another_look(expected, moving_mask_)) return;
     hide(moving_mask_);
     found = odometry_.track(maps, reference, std::array{found.reference_from_camera}, corners);
-    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera);
+    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, by_corners);
   };
   const auto is_found = [&] { return is_believable(found.agreement, found.reference_from_camera, options_.track); };
   if (!is_found()) found = odometry_.search(maps, reference, with_turns(starts));
   // A frame that shows another place is not to be believed for what is left of it.
   if (is_found()) see_motion();
   hide(moving_mask_);
+#ifdef MVDEBUG
+  g_mask.assign(moving_mask_.begin(), moving_mask_.end()); g_w = static_cast<int>(view_.camera.width); g_h = static_cast<int>(view_.camera.height);
+  auto shr = [](const CoarseMask& m) { double n = 0; for (auto v : m) n += v; return 100 * n / static_cast<double>(m.size()); };
+  { char b[300]; std::snprintf(b, 300, "bycorner %.0f expected %.0f all %.0f | corners %zu rest %zu move %zu share %.2f div %d agree %.2f obs %.1e", shr(by_corners), shr(expected), shr(moving_mask_), seen.corners.size(), seen.resting.size(), seen.moving.size(), seen.moving_share, moving_.is_divided(), found.agreement.agreeing, found.observability); g_note = b; }
+#endif
   TrackingEvidence evidence;
   evidence.content = content;
   if (corners) evidence.corners = corners_at(*corners, found.reference_from_camera);
@@ -247,6 +261,7 @@ void FrontEnd::save(ByteWriter& bytes) const {
   bytes.number(submap_);
   bytes.number(full_until_frame_);
   hermite::save(bytes, last_features_);
+  corner_tracks_.save(bytes);
   hermite::save(bytes, predictor_.surface());
   odometry_.save(bytes);
   moving_.save(bytes);
@@ -260,6 +275,7 @@ void FrontEnd::restore(ByteReader& bytes) {
   bytes.number(submap_);
   bytes.number(full_until_frame_);
   hermite::restore(bytes, last_features_);
+  corner_tracks_.restore(bytes);
   hermite::restore(bytes, predictor_.surface());
   odometry_.restore(bytes);
   moving_.restore(bytes);

@@ -18,6 +18,7 @@
 #include "core/map/surfel_store.h"
 #include "core/map/visible_blocks.h"
 #include "core/pipeline/options.h"
+#include "core/track/corner_tracks.h"
 #include "core/track/feature_motion.h"
 #include "core/track/lens_shading.h"
 #include "core/track/moving_regions.h"
@@ -55,7 +56,7 @@ class FrontEnd {
 
   // The frame tracked last is where it is: later ones are compared with it to tell what moves. Lost frames, and corrections of the map,
   // leave nothing to compare with.
-  void remember_view(const Rigid3& world_from_camera, const PictureFeatures& features);
+  void remember_view(const Rigid3& world_from_camera, const PictureFeatures& features, const DepthImage& depth);
   void forget_views();
 
   // Whether the frame shows enough surface to begin a map, or a part of one.
@@ -98,6 +99,7 @@ class FrontEnd {
   Preprocessor preprocessor_;
   Odometry odometry_;
   PictureFeatures last_features_;  // of the last frame that was tracked
+  CornerTracks corner_tracks_;     // up to that
   MovingRegions moving_;
   EarlierView earlier_;  // that the lens is learned by: as measured
   LensShading shading_;

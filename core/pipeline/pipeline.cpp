@@ -215,7 +215,7 @@ FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
     result.event = lost ? MapEvent::kLost : MapEvent::kFoundAgain;
   result.correction_m = farthest_correction_m(poses_before, layout());
   if (lost || result.event != MapEvent::kNone || result.correction_m > kCorrectionThatMovesViews_m) front_end.forget_views();
-  if (!lost) front_end.remember_view(world_from_camera, prepared.features);
+  if (!lost) front_end.remember_view(world_from_camera, prepared.features, frame.depth);
   lost_count = lost ? lost_count + 1 : 0;
   if (!lost) {
     last_motion = motion.odometry.reference_from_camera;

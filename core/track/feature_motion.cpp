@@ -172,6 +172,14 @@ std::optional<Eigen::Vector2d> follow(const PictureFeatures& earlier, const Pict
   return back && (*back - corner_px).norm() < kReturns_px ? there : std::nullopt;
 }
 
+std::optional<FeatureMotion> motion_by_corners(const std::vector<FollowedCorner>& all, const std::vector<FollowedCorner>& with_depth,
+                                               std::size_t corner_count, const Camera& camera) {
+  auto motion = solve(with_depth, camera, false);
+  if (!motion && static_cast<double>(all.size()) > kFollowedShare * static_cast<double>(corner_count)) motion = solve(all, camera, true);
+  if (motion) motion->corners = with_depth;
+  return motion;
+}
+
 std::optional<FeatureMotion> motion_by_features(const PictureFeatures& earlier, const PictureFeatures& frame, const Camera& camera) {
   if (earlier.levels.empty() || frame.levels.empty()) return std::nullopt;
   std::vector<FollowedCorner> all, with_depth;
@@ -183,11 +191,7 @@ std::optional<FeatureMotion> motion_by_features(const PictureFeatures& earlier, 
     all.push_back({camera.unproject(from.x(), from.y(), 1), image_px(*place, frame.image_px)});
     if (corner.depth_m > 0) with_depth.push_back({double{corner.depth_m} * all.back().point_in_earlier, all.back().pixel});
   }
-  auto motion = solve(with_depth, camera, false);
-  if (!motion && static_cast<double>(all.size()) > kFollowedShare * static_cast<double>(earlier.corners.size()))
-    motion = solve(all, camera, true);
-  if (motion) motion->corners = std::move(with_depth);
-  return motion;
+  return motion_by_corners(all, with_depth, earlier.corners.size(), camera);
 }
 
 CornerAgreement corners_at(const FeatureMotion& features, const Rigid3& earlier_from_frame) {

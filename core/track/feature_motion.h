@@ -43,7 +43,12 @@ CornerAgreement corners_at(const FeatureMotion& features, const Rigid3& earlier_
 // The system of a step of earlier_from_frame <- exp(x) earlier_from_frame, in information: one over metres and radians squared.
 NormalEquations feature_terms(const FeatureMotion& features, const Rigid3& earlier_from_frame);
 
-// `camera` is that of straight frames. Nothing: too few corners agree with any motion.
+// Of corners that were followed, those whose depth is known twice, out of `corner_count`. `camera` is that of straight frames. Nothing: too
+// few agree with any motion.
+std::optional<FeatureMotion> motion_by_corners(const std::vector<FollowedCorner>& all, const std::vector<FollowedCorner>& with_depth,
+                                               std::size_t corner_count, const Camera& camera);
+
+// The same of the corners of `earlier`.
 std::optional<FeatureMotion> motion_by_features(const PictureFeatures& earlier, const PictureFeatures& frame, const Camera& camera);
 
 }  // namespace hermite

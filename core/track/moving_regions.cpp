@@ -155,7 +155,7 @@ CoarseMask MovingRegions::expected(const CoarseView& view) const {
   return mask;
 }
 
-CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& world_from_camera) {
+CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners) {
   Votes votes{std::vector<int>(view.size(), 0), std::vector<int>(view.size(), 0)};
   for (const Seen& seen : seen_) {
     const Rigid3 seen_from_now = inverse(seen.world_from_camera) * world_from_camera;
@@ -170,18 +170,19 @@ CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& wor
   const auto least = static_cast<std::size_t>(std::ceil(kLeastRegion * static_cast<double>(view.size())));
   CoarseMask moving = regions(seeds, candidates, view, least);
   if (share_of_surface(moving, view) > kMostMoving) moving.assign(view.size(), 0);
-  const CoarseMask on_their_own = moving_on_their_own(view, world_from_camera);
-  for (std::size_t i = 0; i < moving.size(); ++i) moving[i] |= on_their_own[i];
+  const CoarseMask on_their_own = moving_on_their_own(view, world_from_camera, by_corners);
+  for (std::size_t i = 0; i < moving.size(); ++i) moving[i] |= on_their_own[i] | (by_corners.empty() ? 0 : by_corners[i]);
   return grown(moving, view, 1);
 }
 
 // Asked of a view some frames ago, which tells fast motions, and of the oldest one, which tells slow ones and what has come to rest.
-CoarseMask MovingRegions::moving_on_their_own(const CoarseView& view, const Rigid3& world_from_camera) {
+CoarseMask MovingRegions::moving_on_their_own(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners) {
   CoarseMask mask(view.size(), 0);
   is_divided_ = false;
   if (seen_.empty()) return mask;
   const ViewSurfaces surfaces = surfaces_of(view);
-  const CoarseMask carried = expected(view);
+  CoarseMask carried = expected(view);
+  for (std::size_t i = 0; i < by_corners.size(); ++i) carried[i] |= by_corners[i];
   std::vector<std::size_t> carried_pixels(surfaces.pixel_count.size());
   for (std::size_t i = 0; i < view.size(); ++i) carried_pixels[surfaces.of_pixel[i]] += carried[i];
   std::vector<bool> moves(surfaces.pixel_count.size(), false);
