@@ -76,11 +76,11 @@ void appeared(const CoarseView& frame, const CoarseView& view, const Rigid3& vie
     }
 }
 
-// Points of the view that the frame looks through: what is seen there now has moved away, or was hidden.
-void vanished(const CoarseView& frame, const CoarseView& view, const Rigid3& frame_from_view, Votes& votes) {
+// Points of the view that the frame looks through: what is seen there now has moved away, or was hidden. But not by what moved then.
+void vanished(const CoarseView& frame, const CoarseView& view, const CoarseMask& moved, const Rigid3& frame_from_view, Votes& votes) {
   for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
     for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
-      if (view.depth_m[view.index(x, y)] <= 0) continue;
+      if (view.depth_m[view.index(x, y)] <= 0 || moved[view.index(x, y)] != 0) continue;
       const Eigen::Vector3d point = frame_from_view * view.point(x, y);
       if (ask(frame, point) != Witness::kFree) continue;
       const Eigen::Vector2d uv = frame.project(point);
@@ -160,7 +160,7 @@ CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& wor
   for (const Seen& seen : seen_) {
     const Rigid3 seen_from_now = inverse(seen.world_from_camera) * world_from_camera;
     appeared(view, seen.view, seen_from_now, votes);
-    vanished(view, seen.view, inverse(seen_from_now), votes);
+    vanished(view, seen.view, seen.moving, inverse(seen_from_now), votes);
   }
   CoarseMask seeds(view.size(), 0), candidates(view.size(), 0);
   for (std::size_t i = 0; i < view.size(); ++i) {
@@ -212,7 +212,7 @@ void MovingRegions::remember(const CoarseView& view, const Rigid3& world_from_ca
   last_view_ = view;
   last_world_from_camera_ = world_from_camera;
   last_moving_ = moving;
-  if (frames_since_kept_ == 0) seen_.push_back({view, world_from_camera, step});
+  if (frames_since_kept_ == 0) seen_.push_back({view, world_from_camera, step, moving});
   if (seen_.size() > kKept) seen_.pop_front();
   for (Disagreement* disagreement : {&lately_, &all_along_})
     disagreement->usual = std::max(1.0, disagreement->usual + (disagreement->last - disagreement->usual) / kUsualOver);
@@ -231,6 +231,7 @@ void MovingRegions::save(ByteWriter& bytes) const {
     hermite::save(to, seen.view);
     rigid3_fields(to, seen.world_from_camera);
     for (const double part : seen.step_before) to.number(part);
+    to.numbers(seen.moving);
   });
   hermite::save(bytes, last_view_);
   rigid3_fields(bytes, last_world_from_camera_);
@@ -246,6 +247,8 @@ void MovingRegions::restore(ByteReader& bytes) {
     hermite::restore(from, view.view);
     rigid3_fields(from, view.world_from_camera);
     for (double& part : view.step_before) from.number(part);
+    from.numbers(view.moving);
+    from.require(view.moving.size() == view.view.size(), "what moved in a coarse view");
   });
   seen_.assign(seen.begin(), seen.end());
   hermite::restore(bytes, last_view_);

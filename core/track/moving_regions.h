@@ -40,6 +40,7 @@ class MovingRegions {
     CoarseView view;
     Rigid3 world_from_camera;
     Vector6d step_before = Vector6d::Zero();  // twist from the frame before it
+    CoarseMask moving;
   };
   // Of surfaces that rest, see OwnMotions.
   struct Disagreement {
