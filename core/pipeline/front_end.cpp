@@ -24,6 +24,9 @@ std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
   return guesses;
 }
 
+// The map of an object begins when so many corners are seen to move together: enough for a motion.
+constexpr std::size_t kLeastObjectCorners = 20;
+
 // Half a percent of the view can turn a camera that sees little else to hold on to.
 bool is_worth_another_look(const CoarseMask& expected, const CoarseMask& moving) {
   std::size_t unexpected = 0;
@@ -40,7 +43,7 @@ FrontEnd::FrontEnd(const std::string& device_choice, const Camera& camera, const
       camera_(camera),
       preprocessor_(device, camera, options.frame),
       odometry_(device, preprocessor_.maps().camera(), options.track, options.frame),
-      corner_tracks_(rectified(camera)),
+      corner_tracks_(rectified(camera), options.track.object),
       visible_(device, options.map),
       index_(device, preprocessor_.maps().camera()),
       fuser_(device, preprocessor_.maps().camera(), options.map, options.frame),
@@ -98,18 +101,23 @@ Judgement FrontEnd::judge_start(const FrameContent& content) {
 }
 
 void FrontEnd::remember_view(const Rigid3& world_from_camera, const PictureFeatures& features, const DepthImage& depth) {
-  const auto moves = [this](int x, int y) {
-    const int width = static_cast<int>(view_.camera.width), height = static_cast<int>(view_.camera.height);
-    return moving_mask_[view_.index(std::min(x * width / camera_.width, width - 1), std::min(y * height / camera_.height, height - 1))] != 0;
-  };
-  const auto depth_m = [&](int x, int y) { return depth_around(depth, x, y, camera_.depth_units_per_metre, options_.frame); };
-  corner_tracks_.remember(features, depth_m, moves);
-  last_features_ = features;
+  remember_corners(features, depth);
   moving_.remember(view_, world_from_camera, moving_mask_);
   const CoarseView measured = shading_.as_measured(view_);
   const auto comparison = earlier_.compare(measured, world_from_camera, moving_mask_);
   if (comparison && shading_.learn(measured, *comparison)) use_shading();
   earlier_.keep(measured, world_from_camera, moving_mask_, comparison ? comparison->places.size() : 0);
+}
+
+void FrontEnd::remember_corners(const PictureFeatures& features, const DepthImage& depth) {
+  const auto moves = [this](int x, int y) {
+    const int width = static_cast<int>(view_.camera.width), height = static_cast<int>(view_.camera.height);
+    return moving_mask_[view_.index(std::min(x * width / camera_.width, width - 1), std::min(y * height / camera_.height, height - 1))] !=
+           (options_.track.object ? 1u : 0u);
+  };
+  const auto depth_m = [&](int x, int y) { return depth_around(depth, x, y, camera_.depth_units_per_metre, options_.frame); };
+  corner_tracks_.remember(features, depth_m, moves);
+  last_features_ = features;
 }
 
 void FrontEnd::forget_views() {
@@ -133,19 +141,40 @@ void FrontEnd::hide(const CoarseMask& mask) {
   commands.submit_and_wait();
 }
 
-Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& features, const Rigid3& world_from_reference,
-                       const Rigid3& last_motion, int lost_count) {
+// All but the object: what does not move, and what says nothing.
+CoarseMask FrontEnd::beside_object(const CornerVerdict& seen) const {
+  CoarseMask mask = regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
+  for (shared::uint& pixel : mask) pixel = 1 - pixel;
+  return mask;
+}
+
+bool FrontEnd::waits_for_object(const CornerVerdict& seen) const {
+  return options_.track.object && frame_number == 0 && seen.moving.size() < kLeastObjectCorners;
+}
+
+Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& features, const DepthImage& depth,
+                       const Rigid3& world_from_reference, const Rigid3& last_motion, int lost_count) {
   view_ = hermite::coarse_view(preprocessor_.maps().surface);
-  moving_mask_.assign(view_.size(), 0);
-  if (frame_number == 0) return {{}, judge_start(content)};
+  moving_mask_.assign(view_.size(), options_.track.object ? 1 : 0);
+  if (frame_number == 0 && !options_.track.object) return {{}, judge_start(content)};
   const CornerVerdict seen = corner_tracks_.follow(last_features_, features);
-  const CoarseMask by_corners = regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
-  CoarseMask expected = moving_.expected(view_);
-  for (std::size_t i = 0; i < expected.size(); ++i) expected[i] |= by_corners[i];
+  if (waits_for_object(seen)) {
+    remember_corners(features, depth);
+    return {{}, {TrackingStatus::kLost, "waiting: nothing turns or is moved before the camera yet"}};
+  }
+  const CoarseMask hidden = options_.track.object ? beside_object(seen) : regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
+  if (frame_number == 0) {
+    hide(moving_mask_ = hidden);
+    return {{}, judge_start(content)};
+  }
+  CoarseMask expected = options_.track.object ? hidden : moving_.expected(view_);
+  for (std::size_t i = 0; i < expected.size(); ++i) expected[i] |= hidden[i];
   hide(expected);
   const FrameMaps& maps = preprocessor_.maps();
   const SurfacePyramid& reference = predictor_.surface();
-  const std::optional<FeatureMotion> followed = motion_by_corners(seen.resting_all, seen.resting, seen.count, rectified(camera_));
+  const std::vector<FollowedCorner>& corners_of_world = options_.track.object ? seen.moving : seen.resting;
+  const std::optional<FeatureMotion> followed =
+      motion_by_corners(options_.track.object ? seen.moving : seen.resting_all, corners_of_world, seen.count, rectified(camera_));
   const FeatureMotion* corners = followed && !followed->is_turn_only ? &*followed : nullptr;
   const Rigid3 turned{turn_since_last(followed), Eigen::Vector3d::Zero()};
   const std::vector<Rigid3> starts = guesses(turned, last_motion, corners);
@@ -153,21 +182,23 @@ Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& featu
   if (lost_count == 0) found = odometry_.track(maps, reference, starts, corners);
   // What moves is told by the pose, and the pose by what rests: once more where much is found to move that was not expected to.
   const auto see_motion = [&] {
-    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, by_corners);
+    if (options_.track.object) return;
+    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, hidden);
     if (!is_worth_another_look(expected, moving_mask_)) return;
     hide(moving_mask_);
     found = odometry_.track(maps, reference, std::array{found.reference_from_camera}, corners);
-    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, by_corners);
+    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, hidden);
   };
   const auto is_found = [&] { return is_believable(found.agreement, found.reference_from_camera, options_.track); };
   if (!is_found()) found = odometry_.search(maps, reference, with_turns(starts));
   // A frame that shows another place is not to be believed for what is left of it.
+  if (options_.track.object) moving_mask_ = hidden;
   if (is_found()) see_motion();
   hide(moving_mask_);
 #ifdef MVDEBUG
   g_mask.assign(moving_mask_.begin(), moving_mask_.end()); g_w = static_cast<int>(view_.camera.width); g_h = static_cast<int>(view_.camera.height);
   auto shr = [](const CoarseMask& m) { double n = 0; for (auto v : m) n += v; return 100 * n / static_cast<double>(m.size()); };
-  { char b[300]; std::snprintf(b, 300, "bycorner %.0f expected %.0f all %.0f | corners %zu rest %zu move %zu share %.2f div %d agree %.2f obs %.1e", shr(by_corners), shr(expected), shr(moving_mask_), seen.corners.size(), seen.resting.size(), seen.moving.size(), seen.moving_share, moving_.is_divided(), found.agreement.agreeing, found.observability); g_note = b; }
+  { char b[300]; std::snprintf(b, 300, "bycorner %.0f expected %.0f all %.0f | corners %zu rest %zu move %zu share %.2f div %d agree %.2f obs %.1e", shr(hidden), shr(expected), shr(moving_mask_), seen.corners.size(), seen.resting.size(), seen.moving.size(), seen.moving_share, moving_.is_divided(), found.agreement.agreeing, found.observability); g_note = b; }
 #endif
   TrackingEvidence evidence;
   evidence.content = content;
@@ -176,7 +207,7 @@ Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& featu
   evidence.lost_count = lost_count;
   if (!is_found()) evidence.unmoved = odometry_.agreement(maps, reference, turned);
   evidence.agreement = found.agreement;
-  evidence.inlier_share = found.agreement.surface * found.inlier_ratio;
+  evidence.inlier_share = options_.track.object ? found.inlier_ratio : found.agreement.surface * found.inlier_ratio;
   evidence.observability = found.observability;
   evidence.reference_from_camera = found.reference_from_camera;
   evidence.turn_seen_rad = angle_rad(turned.rotation);

@@ -47,8 +47,8 @@ class FrontEnd {
   // The frame preprocessed last, whose picture has these features, against the prediction; reference_from_camera is relative to where that
   // is seen from, which is `world_from_reference`. `lost_count`: frames lost just before this one. What moves in the frame is masked from
   // here on.
-  Motion track(const FrameContent& content, const PictureFeatures& features, const Rigid3& world_from_reference, const Rigid3& last_motion,
-               int lost_count);
+  Motion track(const FrameContent& content, const PictureFeatures& features, const DepthImage& depth, const Rigid3& world_from_reference,
+               const Rigid3& last_motion, int lost_count);
 
   // What moves in the frame tracked last, by coarse pixel, and how much of its surface that is.
   const CoarseMask& moving() const { return moving_mask_; }
@@ -90,6 +90,9 @@ class FrontEnd {
   bool make_room(const MapLayout& layout);
   Eigen::Quaterniond turn_since_last(const std::optional<FeatureMotion>& followed);
   std::vector<Rigid3> guesses(const Rigid3& turned, const Rigid3& last_motion, const FeatureMotion* corners) const;
+  CoarseMask beside_object(const CornerVerdict& seen) const;
+  bool waits_for_object(const CornerVerdict& seen) const;
+  void remember_corners(const PictureFeatures& features, const DepthImage& depth);
   void use_shading();
   void hide(const CoarseMask& mask);
   void show(const Rigid3& world_from_camera, const SubmapSet& submaps);

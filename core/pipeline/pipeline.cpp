@@ -204,7 +204,7 @@ FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
   timed("preprocess", [&] { front_end.preprocess(frame, result.frame_index); });
   const std::vector<Rigid3> poses_before = layout().world_from_submap;
   Motion motion;
-  timed("track", [&] { motion = front_end.track(content, prepared.features, world_from_camera, last_motion, lost_count); });
+  timed("track", [&] { motion = front_end.track(content, prepared.features, frame.depth, world_from_camera, last_motion, lost_count); });
   if (motion.judgement.status != TrackingStatus::kLost) world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
   if (mapping && motion.judgement.status != TrackingStatus::kLost)
     timed("adjust", [&] { result.event = observe(frame, world_from_camera); });

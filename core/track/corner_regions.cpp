@@ -13,9 +13,9 @@ constexpr int kHeard_px = 12;
 constexpr double kLeastVotes = 1.5;
 // Where a surface is too small to have a number, what lies as near is the same thing.
 constexpr double kSameDepth_m = 0.15;
-// Nearly all corners of a surface speak for all of it.
+// Nearly all corners of a surface speak for all of it, if they are all over it: a plate may turn on a table that has no corners of its own.
 constexpr int kSpeakForAll = 4;
-constexpr double kNearlyAll = 0.75;
+constexpr double kNearlyAll = 0.75, kAllOver = 0.8, kHeard = 0.1;
 
 struct Placed {
   int x, y;
@@ -57,9 +57,12 @@ CoarseMask regions_of_corners(const CoarseView& view, const ViewSurfaces& surfac
         (corner.moves ? moving : resting)[i] += std::exp(-way2 / (2 * kSpeaksFor_px * kSpeaksFor_px));
       }
   }
+  std::vector<std::size_t> heard_of(surfaces.pixel_count.size(), 0);
+  for (std::size_t i = 0; i < view.size(); ++i) heard_of[surfaces.of_pixel[i]] += moving[i] > kHeard ? 1 : 0;
   for (std::size_t i = 0; i < view.size(); ++i) {
     const std::uint32_t surface = surfaces.of_pixel[i];
-    const bool all = surface != 0 && moving_of[surface] >= kSpeakForAll && moving_of[surface] >= kNearlyAll * all_of[surface];
+    const bool all = surface != 0 && moving_of[surface] >= kSpeakForAll && moving_of[surface] >= kNearlyAll * all_of[surface] &&
+                     static_cast<double>(heard_of[surface]) >= kAllOver * static_cast<double>(surfaces.pixel_count[surface]);
     mask[i] = all || (moving[i] > kLeastVotes && moving[i] > resting[i]) ? 1 : 0;
   }
   return mask;

@@ -14,6 +14,8 @@ constexpr double kPrecision_px = 0.15;
 constexpr double kDriftPerFrame = 0.1;
 // Compared over so many frames, the longest first that enough corners have lived for.
 constexpr std::size_t kBaselines[] = {8, 4, 2, 1};
+// Something moves that has so many corners.
+constexpr std::ptrdiff_t kLeastMoving = 8;
 constexpr std::size_t kTelling = 4;
 constexpr std::size_t kPast = 9, kLeastOfBaseline = 24;
 // What moved rests again after so many frames in which it has gone with the room over the longest time.
@@ -63,6 +65,7 @@ CornerVerdict CornerTracks::follow(const PictureFeatures& last, const PictureFea
     const double precision_px = kPrecision_px * image_px_ * (1 + kDriftPerFrame * static_cast<double>(frames - 1));
     const auto split = split_corners(baseline.corners, baseline.moved_before, camera_, precision_px);
     if (!split) continue;
+    if (keeps_moving_ && std::count(split->moves.begin(), split->moves.end(), std::uint8_t{1}) < kLeastMoving) continue;
     for (std::size_t k = 0; k < baseline.tracks.size(); ++k) {
       const std::size_t i = baseline.tracks[k];
       // The longest time that tells is believed; in a shorter one only what moves fast is seen.

@@ -32,8 +32,9 @@ struct CornerVerdict {
 
 class CornerTracks {
  public:
-  // `camera` is that of straight frames.
-  explicit CornerTracks(const Camera& camera) : camera_(camera) {}
+  // `camera` is that of straight frames. What has moved rests again once it has rested for a while, or, with `keeps_moving`, only once it
+  // rests while other things move: what is scanned on a turntable is the same thing when the table stops.
+  explicit CornerTracks(const Camera& camera, bool keeps_moving = false) : camera_(camera), keeps_moving_(keeps_moving) {}
 
   // Where the corners of the last frame are in this one. Changes nothing that remember() does not take up.
   CornerVerdict follow(const PictureFeatures& last, const PictureFeatures& frame);
@@ -59,6 +60,7 @@ class CornerTracks {
   Baseline since(std::size_t frames, const std::vector<std::uint8_t>& moves) const;
 
   Camera camera_;
+  bool keeps_moving_;
   std::vector<Track> tracks_;
   // Of follow(), by track.
   std::vector<std::optional<Eigen::Vector2d>> places_;
