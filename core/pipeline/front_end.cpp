@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/math/rigid3_fields.h"
 #include "core/track/corner_regions.h"
 
 #ifdef MVDEBUG
@@ -27,12 +28,19 @@ std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
 // The map of an object begins when so many corners are seen to move together: enough for a motion.
 constexpr std::size_t kLeastObjectCorners = 20;
 
+// So many corners tell, if less than half of them agree with a pose.
+constexpr std::size_t kTellingCorners = 30;
+constexpr double kLeastAgreeing = 0.5;
+
 // Half a percent of the view can turn a camera that sees little else to hold on to.
 bool is_worth_another_look(const CoarseMask& expected, const CoarseMask& moving) {
   std::size_t unexpected = 0;
   for (std::size_t i = 0; i < moving.size(); ++i) unexpected += moving[i] != 0 && expected[i] == 0 ? 1 : 0;
   return 200 * unexpected > moving.size();
 }
+
+// What is followed through the pictures has gone another way than the camera is said to.
+bool is_contradicted(const CornerAgreement& corners, std::size_t followed) { return followed >= kTellingCorners && corners.share < kLeastAgreeing; }
 
 }  // namespace
 
@@ -102,7 +110,7 @@ Judgement FrontEnd::judge_start(const FrameContent& content) {
 
 void FrontEnd::remember_view(const Rigid3& world_from_camera, const PictureFeatures& features, const DepthImage& depth) {
   remember_corners(features, depth);
-  moving_.remember(view_, world_from_camera, moving_mask_);
+  if (!options_.track.object) moving_.remember(view_, world_from_camera, moving_mask_);
   const CoarseView measured = shading_.as_measured(view_);
   const auto comparison = earlier_.compare(measured, world_from_camera, moving_mask_);
   if (comparison && shading_.learn(measured, *comparison)) use_shading();
@@ -121,7 +129,7 @@ void FrontEnd::remember_corners(const PictureFeatures& features, const DepthImag
 }
 
 void FrontEnd::forget_views() {
-  moving_.forget();
+  if (!options_.track.object) moving_.forget();
   earlier_.forget();
 }
 
@@ -141,11 +149,15 @@ void FrontEnd::hide(const CoarseMask& mask) {
   commands.submit_and_wait();
 }
 
-// All but the object: what does not move, and what says nothing.
-CoarseMask FrontEnd::beside_object(const CornerVerdict& seen) const {
-  CoarseMask mask = regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
-  for (shared::uint& pixel : mask) pixel = 1 - pixel;
-  return mask;
+// All but the object. What moves is told in the frame of the room, which corners that rest are followed in.
+CoarseMask FrontEnd::beside_object(const CornerVerdict& seen) {
+  CoarseMask object = regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
+  if (seen.last_from_frame) room_from_camera_ = room_from_camera_ * *seen.last_from_frame;
+  if (seen.last_from_frame && seen.moves_now) object = moving_.contradicted(view_, room_from_camera_, object);
+  if (!seen.last_from_frame) moving_.forget();
+  moving_.remember(view_, room_from_camera_, object);
+  for (shared::uint& pixel : object) pixel = 1 - pixel;
+  return object;
 }
 
 bool FrontEnd::waits_for_object(const CornerVerdict& seen) const {
@@ -157,7 +169,14 @@ Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& featu
   view_ = hermite::coarse_view(preprocessor_.maps().surface);
   moving_mask_.assign(view_.size(), options_.track.object ? 1 : 0);
   if (frame_number == 0 && !options_.track.object) return {{}, judge_start(content)};
+#ifdef MVDEBUG
+  auto cpu = [] { timespec t; clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t); return 1e3 * t.tv_sec + 1e-6 * t.tv_nsec; };
+  const double cpu0 = cpu();
+#endif
   const CornerVerdict seen = corner_tracks_.follow(last_features_, features);
+#ifdef MVDEBUG
+  const double cpu_follow = cpu() - cpu0;
+#endif
   if (waits_for_object(seen)) {
     remember_corners(features, depth);
     return {{}, {TrackingStatus::kLost, "waiting: nothing turns or is moved before the camera yet"}};
@@ -198,12 +217,12 @@ Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& featu
 #ifdef MVDEBUG
   g_mask.assign(moving_mask_.begin(), moving_mask_.end()); g_w = static_cast<int>(view_.camera.width); g_h = static_cast<int>(view_.camera.height);
   auto shr = [](const CoarseMask& m) { double n = 0; for (auto v : m) n += v; return 100 * n / static_cast<double>(m.size()); };
-  { char b[300]; std::snprintf(b, 300, "bycorner %.0f expected %.0f all %.0f | corners %zu rest %zu move %zu share %.2f div %d agree %.2f obs %.1e", shr(hidden), shr(expected), shr(moving_mask_), seen.corners.size(), seen.resting.size(), seen.moving.size(), seen.moving_share, moving_.is_divided(), found.agreement.agreeing, found.observability); g_note = b; }
+  { char b[300]; std::snprintf(b, 300, "cpu %.1f bycorner %.0f expected %.0f all %.0f | corners %zu rest %zu move %zu share %.2f div %d/%d cs %.2f agree %.2f obs %.1e", cpu_follow, shr(hidden), shr(expected), shr(moving_mask_), seen.corners.size(), seen.resting.size(), seen.moving.size(), seen.moving_share, moving_.is_divided(), seen.is_divided, corners ? corners_at(*corners, found.reference_from_camera).share : -1, found.agreement.agreeing, found.observability); g_note = b; }
 #endif
   TrackingEvidence evidence;
   evidence.content = content;
   if (corners) evidence.corners = corners_at(*corners, found.reference_from_camera);
-  evidence.is_divided = is_found() && moving_.is_divided();
+  evidence.is_divided = is_found() && !options_.track.object && (moving_.is_divided() || seen.is_divided || is_contradicted(evidence.corners, seen.resting.size()));
   evidence.lost_count = lost_count;
   if (!is_found()) evidence.unmoved = odometry_.agreement(maps, reference, turned);
   evidence.agreement = found.agreement;
@@ -293,6 +312,7 @@ void FrontEnd::save(ByteWriter& bytes) const {
   bytes.number(full_until_frame_);
   hermite::save(bytes, last_features_);
   corner_tracks_.save(bytes);
+  rigid3_fields(bytes, room_from_camera_);
   hermite::save(bytes, predictor_.surface());
   odometry_.save(bytes);
   moving_.save(bytes);
@@ -307,6 +327,7 @@ void FrontEnd::restore(ByteReader& bytes) {
   bytes.number(full_until_frame_);
   hermite::restore(bytes, last_features_);
   corner_tracks_.restore(bytes);
+  rigid3_fields(bytes, room_from_camera_);
   hermite::restore(bytes, predictor_.surface());
   odometry_.restore(bytes);
   moving_.restore(bytes);

@@ -90,7 +90,7 @@ class FrontEnd {
   bool make_room(const MapLayout& layout);
   Eigen::Quaterniond turn_since_last(const std::optional<FeatureMotion>& followed);
   std::vector<Rigid3> guesses(const Rigid3& turned, const Rigid3& last_motion, const FeatureMotion* corners) const;
-  CoarseMask beside_object(const CornerVerdict& seen) const;
+  CoarseMask beside_object(const CornerVerdict& seen);
   bool waits_for_object(const CornerVerdict& seen) const;
   void remember_corners(const PictureFeatures& features, const DepthImage& depth);
   void use_shading();
@@ -106,7 +106,8 @@ class FrontEnd {
   MovingRegions moving_;
   EarlierView earlier_;  // that the lens is learned by: as measured
   LensShading shading_;
-  CoarseView view_;         // of the frame preprocessed last
+  Rigid3 room_from_camera_;  // when an object is scanned: since it was last seen anew
+  CoarseView view_;          // of the frame preprocessed last
   CoarseMask moving_mask_;  // of the same
   VisibleBlocks visible_;
   IndexMap index_;

@@ -9,8 +9,8 @@ namespace {
 // A corner speaks for what is around it on its surface, in coarse pixels: corners are two of these apart.
 constexpr double kSpeaksFor_px = 4;
 constexpr int kHeard_px = 12;
-// Two corners close by, since some are followed wrongly.
-constexpr double kLeastVotes = 1.5;
+// Three corners close by, since some are followed wrongly.
+constexpr double kLeastVotes = 2;
 // Where a surface is too small to have a number, what lies as near is the same thing.
 constexpr double kSameDepth_m = 0.15;
 // Nearly all corners of a surface speak for all of it, if they are all over it: a plate may turn on a table that has no corners of its own.

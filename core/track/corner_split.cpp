@@ -12,6 +12,8 @@ namespace {
 constexpr int kLeastCornersOfMotion = 12;
 // Beyond so many deviations a corner has not gone along; farther away it counts no more, what has been followed wrongly the least.
 constexpr double kBeyond = 4;
+// And it moves on its own by a share of what the camera has moved it by: along edges corners slide, and shutters and lenses bend that way.
+constexpr double kShareOfCamera = 0.25;
 constexpr int kFitSteps = 6, kRounds = 4;
 // The surface that a corner stands for grows with the square of its distance; what is very far is hardly measured.
 constexpr double kNearestWeight_m = 0.5, kFarthestWeight_m = 4;
@@ -33,6 +35,12 @@ struct Problem {
     const Eigen::Vector3d p = frame_from_earlier * corners[i].point_in_earlier;
     if (p.z() < kInFront_m) return 1e3;
     return (camera.project(p) - corners[i].pixel).norm();
+  }
+
+  // How far the image moves the corner if it rests.
+  double way_px(std::size_t i, const Rigid3& frame_from_earlier) const {
+    const Eigen::Vector3d p = frame_from_earlier * corners[i].point_in_earlier;
+    return p.z() < kInFront_m ? 0 : (camera.project(p) - camera.project(corners[i].point_in_earlier)).norm();
   }
 
   // Gauss and Newton on the chosen corners, robust: beyond `scale_px` a corner counts less and less.
@@ -142,13 +150,14 @@ std::optional<CornerSplit> split_corners(const std::vector<FollowedCorner>& corn
   int resting = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const double error = problem.error_px(i, *best);
-    const bool moves = error >= kBeyond * precision_px;
+    const bool rests = error < kBeyond * precision_px;
+    const bool moves = !rests && error > kShareOfCamera * problem.way_px(i, *best);
     split.error_px.push_back(error);
     split.moves.push_back(moves ? 1 : 0);
     all += problem.weight[i];
     moving += moves ? problem.weight[i] : 0;
-    squares += moves ? 0 : error * error;
-    resting += moves ? 0 : 1;
+    squares += rests ? error * error : 0;
+    resting += rests ? 1 : 0;
   }
   split.moving_share = moving / all;
   if (resting < kLeastCornersOfMotion || split.moving_share > 0.5) return std::nullopt;

@@ -16,6 +16,8 @@ constexpr double kDriftPerFrame = 0.1;
 constexpr std::size_t kBaselines[] = {8, 4, 2, 1};
 // Something moves that has so many corners.
 constexpr std::ptrdiff_t kLeastMoving = 8;
+// Of the surface: when more of it moves nobody knows which part is the room.
+constexpr double kDividedShare = 0.4;
 constexpr std::size_t kTelling = 4;
 constexpr std::size_t kPast = 9, kLeastOfBaseline = 24;
 // What moved rests again after so many frames in which it has gone with the room over the longest time.
@@ -64,8 +66,11 @@ CornerVerdict CornerTracks::follow(const PictureFeatures& last, const PictureFea
     if (baseline.corners.size() < kLeastOfBaseline) continue;
     const double precision_px = kPrecision_px * image_px_ * (1 + kDriftPerFrame * static_cast<double>(frames - 1));
     const auto split = split_corners(baseline.corners, baseline.moved_before, camera_, precision_px);
+    if (!split || split->moving_share > kDividedShare) verdict.is_divided = true;
     if (!split) continue;
-    if (keeps_moving_ && std::count(split->moves.begin(), split->moves.end(), std::uint8_t{1}) < kLeastMoving) continue;
+    const bool moves_now = std::count(split->moves.begin(), split->moves.end(), std::uint8_t{1}) >= kLeastMoving;
+    verdict.moves_now = verdict.moves_now || moves_now;
+    if (keeps_moving_ && !moves_now) continue;
     for (std::size_t k = 0; k < baseline.tracks.size(); ++k) {
       const std::size_t i = baseline.tracks[k];
       // The longest time that tells is believed; in a shorter one only what moves fast is seen.

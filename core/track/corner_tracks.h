@@ -28,6 +28,8 @@ struct CornerVerdict {
   std::vector<FollowedCorner> resting, resting_all, moving;
   std::size_t count = 0;  // of the corners of the last frame
   double moving_share = 0;                         // of the surface that corners stand for, 0 to 1
+  bool is_divided = false;                         // no motion explains most of that surface
+  bool moves_now = false;                          // something is seen to move, and does not only bear the name
 };
 
 class CornerTracks {
