@@ -28,9 +28,9 @@ std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
 // The map of an object begins when so many corners are seen to move together: enough for a motion.
 constexpr std::size_t kLeastObjectCorners = 20;
 
-// So many corners tell, if less than half of them agree with a pose.
+// So many corners tell, if most of them are off by this, in pixels of the image.
 constexpr std::size_t kTellingCorners = 30;
-constexpr double kLeastAgreeing = 0.5;
+constexpr double kClearly_px = 3;
 
 // Half a percent of the view can turn a camera that sees little else to hold on to.
 bool is_worth_another_look(const CoarseMask& expected, const CoarseMask& moving) {
@@ -39,8 +39,20 @@ bool is_worth_another_look(const CoarseMask& expected, const CoarseMask& moving)
   return 200 * unexpected > moving.size();
 }
 
-// What is followed through the pictures has gone another way than the camera is said to.
-bool is_contradicted(const CornerAgreement& corners, std::size_t followed) { return followed >= kTellingCorners && corners.share < kLeastAgreeing; }
+// What is followed through the pictures has gone another way than the camera is said to: by nearly all that they moved. Shutters,
+// and pictures that come late, make up to half of it.
+bool is_contradicted(const std::vector<FollowedCorner>& corners, const Camera& camera, const Rigid3& last_from_frame) {
+  if (corners.size() < kTellingCorners) return false;
+  const Rigid3 frame_from_last = inverse(last_from_frame);
+  std::size_t against = 0;
+  for (const FollowedCorner& corner : corners) {
+    const Eigen::Vector3d point = frame_from_last * corner.point_in_earlier;
+    const Eigen::Vector2d before = camera.project(corner.point_in_earlier);
+    const double off_px = point.z() > 0 ? (camera.project(point) - corner.pixel).norm() : kClearly_px;
+    against += off_px >= std::max(kClearly_px, 0.75 * (corner.pixel - before).norm()) ? 1 : 0;
+  }
+  return 2 * against > corners.size();
+}
 
 }  // namespace
 
@@ -222,7 +234,7 @@ Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& featu
   TrackingEvidence evidence;
   evidence.content = content;
   if (corners) evidence.corners = corners_at(*corners, found.reference_from_camera);
-  evidence.is_divided = is_found() && !options_.track.object && (moving_.is_divided() || seen.is_divided || is_contradicted(evidence.corners, seen.resting.size()));
+  evidence.is_divided = is_found() && !options_.track.object && (moving_.is_divided() || seen.is_divided || is_contradicted(seen.resting, rectified(camera_), found.reference_from_camera));
   evidence.lost_count = lost_count;
   if (!is_found()) evidence.unmoved = odometry_.agreement(maps, reference, turned);
   evidence.agreement = found.agreement;

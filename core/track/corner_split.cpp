@@ -13,7 +13,7 @@ constexpr int kLeastCornersOfMotion = 12;
 // Beyond so many deviations a corner has not gone along; farther away it counts no more, what has been followed wrongly the least.
 constexpr double kBeyond = 4;
 // And it moves on its own by a share of what the camera has moved it by: along edges corners slide, and shutters and lenses bend that way.
-constexpr double kShareOfCamera = 0.25;
+constexpr double kShareOfCamera = 0.4;
 constexpr int kFitSteps = 6, kRounds = 4;
 // The surface that a corner stands for grows with the square of its distance; what is very far is hardly measured.
 constexpr double kNearestWeight_m = 0.5, kFarthestWeight_m = 4;

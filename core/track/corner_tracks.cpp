@@ -61,17 +61,17 @@ CornerVerdict CornerTracks::follow(const PictureFeatures& last, const PictureFea
     moves_[i] = tracks_[i].moves ? 1 : 0;
   }
   std::vector<std::uint8_t> told(tracks_.size(), 0);
+  bool is_split = false;
   for (const std::size_t frames : kBaselines) {
     const Baseline baseline = since(frames, moves_);
     if (baseline.corners.size() < kLeastOfBaseline) continue;
     const double precision_px = kPrecision_px * image_px_ * (1 + kDriftPerFrame * static_cast<double>(frames - 1));
     const auto split = split_corners(baseline.corners, baseline.moved_before, camera_, precision_px);
-    if (!split || split->moving_share > kDividedShare) verdict.is_divided = true;
+    if (!is_split) verdict.is_divided = !split || split->moving_share > kDividedShare;
     if (!split) continue;
     const bool moves_now = std::count(split->moves.begin(), split->moves.end(), std::uint8_t{1}) >= kLeastMoving;
     verdict.moves_now = verdict.moves_now || moves_now;
-    if (keeps_moving_ && !moves_now) continue;
-    for (std::size_t k = 0; k < baseline.tracks.size(); ++k) {
+    for (std::size_t k = 0; k < baseline.tracks.size() && (moves_now || !keeps_moving_); ++k) {
       const std::size_t i = baseline.tracks[k];
       // The longest time that tells is believed; in a shorter one only what moves fast is seen.
       const bool is_suspect = tracks_[i].moves && tracks_[i].rested_frames < kRestFrames;
@@ -81,7 +81,8 @@ CornerVerdict CornerTracks::follow(const PictureFeatures& last, const PictureFea
         told[i] = 1;
       }
     }
-    if (verdict.moving_share == 0) verdict.moving_share = split->moving_share;
+    if (!is_split) verdict.moving_share = split->moving_share;
+    is_split = true;
   }
   const Baseline baseline = since(1, moves_);
   for (std::size_t k = 0; k < baseline.tracks.size(); ++k) {
