@@ -185,7 +185,12 @@ Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& featu
   auto cpu = [] { timespec t; clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t); return 1e3 * t.tv_sec + 1e-6 * t.tv_nsec; };
   const double cpu0 = cpu();
 #endif
+#ifdef MVDEBUG
+  CornerVerdict seen = corner_tracks_.follow(last_features_, features);
+  if (getenv("MV_OFF")) { seen.corners.clear(); seen.resting.insert(seen.resting.end(), seen.moving.begin(), seen.moving.end()); seen.is_divided = false; }
+#else
   const CornerVerdict seen = corner_tracks_.follow(last_features_, features);
+#endif
 #ifdef MVDEBUG
   const double cpu_follow = cpu() - cpu0;
 #endif

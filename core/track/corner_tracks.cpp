@@ -21,7 +21,9 @@ constexpr double kDividedShare = 0.4;
 constexpr std::size_t kTelling = 4;
 constexpr std::size_t kPast = 9, kLeastOfBaseline = 24;
 // What moved rests again after so many frames in which it has gone with the room over the longest time.
-constexpr std::uint32_t kRestFrames = 10;
+constexpr std::uint32_t kRestFrames = 30;
+// Of a new corner where something moves so many frames say whether it is a part of that.
+constexpr std::uint32_t kBirthFrames = 5;
 // One corner for each cell of so many pixels, as they are found (core/frame/picture_features.cpp).
 constexpr int kCell_px = 16;
 
@@ -124,7 +126,7 @@ void CornerTracks::remember(const PictureFeatures& frame, const std::function<fl
   }
   for (const Corner& corner : frame.corners) {
     const double x = double{corner.x}, y = double{corner.y};
-    if (take(x, y)) tracks.push_back({{{corner.x, corner.y, corner.depth_m}}, kRestFrames, is_moving(nearest(x), nearest(y))});
+    if (take(x, y)) tracks.push_back({{{corner.x, corner.y, corner.depth_m}}, kRestFrames - kBirthFrames, is_moving(nearest(x), nearest(y))});
   }
   tracks_ = std::move(tracks);
   places_.assign(tracks_.size(), std::nullopt);

@@ -99,6 +99,22 @@ CoarseMask grown(const CoarseMask& mask, const CoarseView& view, int reach_px) {
   return result;
 }
 
+// Where the neighbouring frame `other` shows what `mask` says of `view`.
+CoarseMask beside(const CoarseMask& mask, const CoarseView& view, const CoarseView& other) {
+  CoarseMask result(other.size(), 0);
+  for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
+    for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
+      if (mask[view.index(x, y)] == 0) continue;
+      for (int dy = -kReach_px; dy <= kReach_px; ++dy)
+        for (int dx = -kReach_px; dx <= kReach_px; ++dx) {
+          if (!other.contains(x + dx, y + dy)) continue;
+          const std::size_t i = other.index(x + dx, y + dy);
+          if (std::abs(other.depth_m[i] - view.depth_m[view.index(x, y)]) < kReach_m) result[i] = 1;
+        }
+    }
+  return result;
+}
+
 // Regions of `seeds`, together with `candidates` on the same surface that touch them, each of at least `least_pixels`.
 CoarseMask regions(const CoarseMask& seeds, const CoarseMask& candidates, const CoarseView& view, std::size_t least_pixels) {
   CoarseMask result(seeds.size(), 0), visited(seeds.size(), 0);
@@ -140,19 +156,8 @@ double share_of_surface(const CoarseMask& mask, const CoarseView& view) {
 }  // namespace
 
 CoarseMask MovingRegions::expected(const CoarseView& view) const {
-  CoarseMask mask(view.size(), 0);
-  if (last_moving_.size() != view.size()) return mask;
-  for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
-    for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
-      if (last_moving_[view.index(x, y)] == 0) continue;
-      for (int dy = -kReach_px; dy <= kReach_px; ++dy)
-        for (int dx = -kReach_px; dx <= kReach_px; ++dx) {
-          if (!view.contains(x + dx, y + dy)) continue;
-          const std::size_t i = view.index(x + dx, y + dy);
-          if (std::abs(view.depth_m[i] - last_view_.depth_m[view.index(x, y)]) < kReach_m) mask[i] = 1;
-        }
-    }
-  return mask;
+  if (last_moving_.size() != view.size()) return CoarseMask(view.size(), 0);
+  return beside(last_moving_, last_view_, view);
 }
 
 CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners) {
@@ -212,6 +217,11 @@ void MovingRegions::remember(const CoarseView& view, const Rigid3& world_from_ca
   last_view_ = view;
   last_world_from_camera_ = world_from_camera;
   last_moving_ = moving;
+  // What is first seen to move now, moved in the frame before too, in which nothing could yet tell.
+  if (frames_since_kept_ == 1 && seen_.back().view.size() == view.size()) {
+    const CoarseMask moved = beside(moving, view, seen_.back().view);
+    for (std::size_t i = 0; i < moved.size(); ++i) seen_.back().moving[i] |= moved[i];
+  }
   if (frames_since_kept_ == 0) seen_.push_back({view, world_from_camera, step, moving});
   if (seen_.size() > kKept) seen_.pop_front();
   for (Disagreement* disagreement : {&lately_, &all_along_})
