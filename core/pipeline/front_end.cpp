@@ -7,9 +7,6 @@
 #include "core/math/rigid3_fields.h"
 #include "core/track/corner_regions.h"
 
-#ifdef MVDEBUG
-extern std::vector<unsigned> g_mask; extern int g_w, g_h; extern std::string g_note;
-#endif
 namespace hermite {
 
 namespace {
@@ -28,9 +25,9 @@ std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
 // The map of an object begins when so many corners are seen to move together: enough for a motion.
 constexpr std::size_t kLeastObjectCorners = 20;
 
-// So many corners tell, if most of them are off by this, in pixels of the image.
+// So many corners tell, if most of them are off by this, in pixels of the image, and by this share of their way.
 constexpr std::size_t kTellingCorners = 30;
-constexpr double kClearly_px = 3;
+constexpr double kClearly_px = 3, kMostOfTheWay = 0.75;
 
 // Half a percent of the view can turn a camera that sees little else to hold on to.
 bool is_worth_another_look(const CoarseMask& expected, const CoarseMask& moving) {
@@ -49,7 +46,7 @@ bool is_contradicted(const std::vector<FollowedCorner>& corners, const Camera& c
     const Eigen::Vector3d point = frame_from_last * corner.point_in_earlier;
     const Eigen::Vector2d before = camera.project(corner.point_in_earlier);
     const double off_px = point.z() > 0 ? (camera.project(point) - corner.pixel).norm() : kClearly_px;
-    against += off_px >= std::max(kClearly_px, 0.75 * (corner.pixel - before).norm()) ? 1 : 0;
+    against += off_px >= std::max(kClearly_px, kMostOfTheWay * (corner.pixel - before).norm()) ? 1 : 0;
   }
   return 2 * against > corners.size();
 }
@@ -176,76 +173,75 @@ bool FrontEnd::waits_for_object(const CornerVerdict& seen) const {
   return options_.track.object && frame_number == 0 && seen.moving.size() < kLeastObjectCorners;
 }
 
-Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& features, const DepthImage& depth,
-                       const Rigid3& world_from_reference, const Rigid3& last_motion, int lost_count) {
-  view_ = hermite::coarse_view(preprocessor_.maps().surface);
-  moving_mask_.assign(view_.size(), options_.track.object ? 1 : 0);
-  if (frame_number == 0 && !options_.track.object) return {{}, judge_start(content)};
-#ifdef MVDEBUG
-  auto cpu = [] { timespec t; clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t); return 1e3 * t.tv_sec + 1e-6 * t.tv_nsec; };
-  const double cpu0 = cpu();
-#endif
-#ifdef MVDEBUG
-  CornerVerdict seen = corner_tracks_.follow(last_features_, features);
-  if (getenv("MV_OFF")) { seen.corners.clear(); seen.resting.insert(seen.resting.end(), seen.moving.begin(), seen.moving.end()); seen.is_divided = false; }
-#else
-  const CornerVerdict seen = corner_tracks_.follow(last_features_, features);
-#endif
-#ifdef MVDEBUG
-  const double cpu_follow = cpu() - cpu0;
-#endif
-  if (waits_for_object(seen)) {
-    remember_corners(features, depth);
-    return {{}, {TrackingStatus::kLost, "waiting: nothing turns or is moved before the camera yet"}};
-  }
-  const CoarseMask hidden = options_.track.object ? beside_object(seen) : regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
-  if (frame_number == 0) {
-    hide(moving_mask_ = hidden);
-    return {{}, judge_start(content)};
-  }
+// Of the frame preprocessed last, before its pose is known.
+CoarseMask FrontEnd::hidden_by_corners(const CornerVerdict& seen) {
+  return options_.track.object ? beside_object(seen) : regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
+}
+
+// The frame against the prediction, and what moves in it, which is masked in the end.
+OdometryResult FrontEnd::align(const std::vector<Rigid3>& starts, const FeatureMotion* corners, const CoarseMask& hidden,
+                               const Rigid3& world_from_reference, int lost_count) {
   CoarseMask expected = options_.track.object ? hidden : moving_.expected(view_);
   for (std::size_t i = 0; i < expected.size(); ++i) expected[i] |= hidden[i];
   hide(expected);
   const FrameMaps& maps = preprocessor_.maps();
   const SurfacePyramid& reference = predictor_.surface();
-  const std::vector<FollowedCorner>& corners_of_world = options_.track.object ? seen.moving : seen.resting;
-  const std::optional<FeatureMotion> followed =
-      motion_by_corners(options_.track.object ? seen.moving : seen.resting_all, corners_of_world, seen.count, rectified(camera_));
-  const FeatureMotion* corners = followed && !followed->is_turn_only ? &*followed : nullptr;
-  const Rigid3 turned{turn_since_last(followed), Eigen::Vector3d::Zero()};
-  const std::vector<Rigid3> starts = guesses(turned, last_motion, corners);
   OdometryResult found;
   if (lost_count == 0) found = odometry_.track(maps, reference, starts, corners);
-  // What moves is told by the pose, and the pose by what rests: once more where much is found to move that was not expected to.
-  const auto see_motion = [&] {
-    if (options_.track.object) return;
-    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, hidden);
-    if (!is_worth_another_look(expected, moving_mask_)) return;
-    hide(moving_mask_);
-    found = odometry_.track(maps, reference, std::array{found.reference_from_camera}, corners);
-    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, hidden);
-  };
   const auto is_found = [&] { return is_believable(found.agreement, found.reference_from_camera, options_.track); };
   if (!is_found()) found = odometry_.search(maps, reference, with_turns(starts));
-  // A frame that shows another place is not to be believed for what is left of it.
-  if (options_.track.object) moving_mask_ = hidden;
-  if (is_found()) see_motion();
+  if (options_.track.object) {
+    moving_mask_ = hidden;
+  } else if (is_found()) {  // a frame that shows another place is not to be believed for what is left of it
+    // What moves is told by the pose, and the pose by what rests: once more where much is found to move that was not expected to.
+    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, hidden);
+    if (is_worth_another_look(expected, moving_mask_)) {
+      hide(moving_mask_);
+      found = odometry_.track(maps, reference, std::array{found.reference_from_camera}, corners);
+      moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, hidden);
+    }
+  }
   hide(moving_mask_);
-#ifdef MVDEBUG
-  g_mask.assign(moving_mask_.begin(), moving_mask_.end()); g_w = static_cast<int>(view_.camera.width); g_h = static_cast<int>(view_.camera.height);
-  auto shr = [](const CoarseMask& m) { double n = 0; for (auto v : m) n += v; return 100 * n / static_cast<double>(m.size()); };
-  { char b[300]; std::snprintf(b, 300, "cpu %.1f bycorner %.0f expected %.0f all %.0f | corners %zu rest %zu move %zu share %.2f div %d/%d cs %.2f agree %.2f obs %.1e", cpu_follow, shr(hidden), shr(expected), shr(moving_mask_), seen.corners.size(), seen.resting.size(), seen.moving.size(), seen.moving_share, moving_.is_divided(), seen.is_divided, corners ? corners_at(*corners, found.reference_from_camera).share : -1, found.agreement.agreeing, found.observability); g_note = b; }
-#endif
+  return found;
+}
+
+Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& features, const DepthImage& depth,
+                       const Rigid3& world_from_reference, const Rigid3& last_motion, int lost_count) {
+  const bool of_object = options_.track.object;
+  view_ = hermite::coarse_view(preprocessor_.maps().surface);
+  moving_mask_.assign(view_.size(), of_object ? 1 : 0);
+  if (frame_number == 0 && !of_object) return {{}, judge_start(content)};
+  const CornerVerdict seen = corner_tracks_.follow(last_features_, features);
+  if (waits_for_object(seen)) {
+    hide(moving_mask_);
+    remember_corners(features, depth);
+    return {{}, {TrackingStatus::kLost, "waiting: nothing turns or is moved before the camera yet"}};
+  }
+  const CoarseMask hidden = hidden_by_corners(seen);
+  if (frame_number == 0) {
+    moving_mask_ = hidden;
+    hide(hidden);
+    return {{}, judge_start(content)};
+  }
+  const Camera straight = rectified(camera_);
+  const std::optional<FeatureMotion> followed = of_object ? motion_by_corners(seen.moving, seen.moving, seen.count, straight)
+                                                          : motion_by_corners(seen.resting_all, seen.resting, seen.count, straight);
+  const FeatureMotion* corners = followed && !followed->is_turn_only ? &*followed : nullptr;
+  const Rigid3 turned{turn_since_last(followed), Eigen::Vector3d::Zero()};
+  const OdometryResult found = align(guesses(turned, last_motion, corners), corners, hidden, world_from_reference, lost_count);
+  const Rigid3& motion = found.reference_from_camera;
+  const bool is_found = is_believable(found.agreement, motion, options_.track);
   TrackingEvidence evidence;
   evidence.content = content;
-  if (corners) evidence.corners = corners_at(*corners, found.reference_from_camera);
-  evidence.is_divided = is_found() && !options_.track.object && (moving_.is_divided() || seen.is_divided || is_contradicted(seen.resting, rectified(camera_), found.reference_from_camera));
+  if (corners) evidence.corners = corners_at(*corners, motion);
+  evidence.is_divided =
+      is_found && !of_object && (moving_.is_divided() || seen.is_divided || is_contradicted(seen.resting, straight, motion));
   evidence.lost_count = lost_count;
-  if (!is_found()) evidence.unmoved = odometry_.agreement(maps, reference, turned);
+  if (!is_found) evidence.unmoved = odometry_.agreement(preprocessor_.maps(), predictor_.surface(), turned);
   evidence.agreement = found.agreement;
-  evidence.inlier_share = options_.track.object ? found.inlier_ratio : found.agreement.surface * found.inlier_ratio;
+  evidence.inlier_share = (of_object ? 1 : found.agreement.surface) * found.inlier_ratio;
   evidence.observability = found.observability;
-  evidence.reference_from_camera = found.reference_from_camera;
+  evidence.reference_from_camera = motion;
   evidence.turn_seen_rad = angle_rad(turned.rotation);
   return {found, judge(evidence, options_.track)};
 }

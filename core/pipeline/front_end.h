@@ -92,6 +92,9 @@ class FrontEnd {
   std::vector<Rigid3> guesses(const Rigid3& turned, const Rigid3& last_motion, const FeatureMotion* corners) const;
   CoarseMask beside_object(const CornerVerdict& seen);
   bool waits_for_object(const CornerVerdict& seen) const;
+  CoarseMask hidden_by_corners(const CornerVerdict& seen);
+  OdometryResult align(const std::vector<Rigid3>& starts, const FeatureMotion* corners, const CoarseMask& hidden,
+                       const Rigid3& world_from_reference, int lost_count);
   void remember_corners(const PictureFeatures& features, const DepthImage& depth);
   void use_shading();
   void hide(const CoarseMask& mask);
@@ -108,7 +111,7 @@ class FrontEnd {
   LensShading shading_;
   Rigid3 room_from_camera_;  // when an object is scanned: since it was last seen anew
   CoarseView view_;          // of the frame preprocessed last
-  CoarseMask moving_mask_;  // of the same
+  CoarseMask moving_mask_;   // of the same
   VisibleBlocks visible_;
   IndexMap index_;
   Fuser fuser_;

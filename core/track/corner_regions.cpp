@@ -51,7 +51,8 @@ CoarseMask regions_of_corners(const CoarseView& view, const ViewSurfaces& surfac
         const std::size_t i = view.index(x, y);
         if (view.depth_m[i] <= 0) continue;
         const bool numbered = corner.surface != 0 && surfaces.of_pixel[i] != 0;
-        const bool same = numbered ? corner.surface == surfaces.of_pixel[i] : std::abs(double{view.depth_m[i] - corner.depth_m}) < kSameDepth_m;
+        const bool same =
+            numbered ? corner.surface == surfaces.of_pixel[i] : std::abs(double{view.depth_m[i] - corner.depth_m}) < kSameDepth_m;
         if (!same) continue;
         const double way2 = std::pow(x - corner.x, 2) + std::pow(y - corner.y, 2);
         (corner.moves ? moving : resting)[i] += std::exp(-way2 / (2 * kSpeaksFor_px * kSpeaksFor_px));

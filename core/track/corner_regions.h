@@ -13,6 +13,7 @@ namespace hermite {
 
 // Pixels of `view`, cut into `surfaces`, that belong to corners that move rather than to those that rest. `image_width` is that of the
 // image whose pixels the corners are given in.
-CoarseMask regions_of_corners(const CoarseView& view, const ViewSurfaces& surfaces, const std::vector<SeenCorner>& corners, int image_width);
+CoarseMask regions_of_corners(const CoarseView& view, const ViewSurfaces& surfaces, const std::vector<SeenCorner>& corners,
+                              int image_width);
 
 }  // namespace hermite

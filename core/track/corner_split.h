@@ -15,11 +15,11 @@
 namespace hermite {
 
 struct CornerSplit {
-  Rigid3 earlier_from_frame;         // of what rests
-  double deviation_px = 0;           // of the image, of what rests
-  std::vector<double> error_px;      // by corner, of the image: where the frame shows it beside where it would be if it rested
-  std::vector<std::uint8_t> moves;   // by corner
-  double moving_share = 0;           // of the corners, by surface
+  Rigid3 earlier_from_frame;        // of what rests
+  double deviation_px = 0;          // of the image, of what rests
+  std::vector<double> error_px;     // by corner, of the image: where the frame shows it beside where it would be if it rested
+  std::vector<std::uint8_t> moves;  // by corner
+  double moving_share = 0;          // of the corners, by surface
 };
 
 // Corners with their depth. `moved_before`, by corner, may be empty; `precision_px` is how well corners are followed, a standard deviation

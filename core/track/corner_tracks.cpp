@@ -37,7 +37,7 @@ struct CornerTracks::Baseline {
   std::vector<std::uint8_t> moved_before;
 };
 
-CornerTracks::Baseline CornerTracks::since(std::size_t frames, const std::vector<std::uint8_t>& moves) const {
+CornerTracks::Baseline CornerTracks::since(std::size_t frames) const {
   Baseline baseline;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     if (!places_[i] || tracks_[i].past.size() < frames) continue;
@@ -47,13 +47,14 @@ CornerTracks::Baseline CornerTracks::since(std::size_t frames, const std::vector
     baseline.corners.push_back(
         {double{then.depth_m} * camera_.unproject(from.x(), from.y(), 1), image_px(places_[i]->x(), places_[i]->y(), image_px_)});
     baseline.tracks.push_back(i);
-    baseline.moved_before.push_back(moves[i]);
+    baseline.moved_before.push_back(moves_[i]);
   }
   return baseline;
 }
 
 CornerVerdict CornerTracks::follow(const PictureFeatures& last, const PictureFeatures& frame) {
   CornerVerdict verdict;
+  verdict.count = tracks_.size();
   places_.assign(tracks_.size(), std::nullopt);
   moves_.assign(tracks_.size(), 0);
   rests_.assign(tracks_.size(), 0);
@@ -62,46 +63,53 @@ CornerVerdict CornerTracks::follow(const PictureFeatures& last, const PictureFea
     places_[i] = hermite::follow(last, frame, {double{tracks_[i].past[0].x}, double{tracks_[i].past[0].y}});
     moves_[i] = tracks_[i].moves ? 1 : 0;
   }
+  label(verdict);
+  collect(verdict);
+  return verdict;
+}
+
+// The longest time that tells is believed; in a shorter one only what moves fast is seen.
+void CornerTracks::label(CornerVerdict& verdict) {
   std::vector<std::uint8_t> told(tracks_.size(), 0);
-  bool is_split = false;
+  bool is_first = true;
   for (const std::size_t frames : kBaselines) {
-    const Baseline baseline = since(frames, moves_);
+    const Baseline baseline = since(frames);
     if (baseline.corners.size() < kLeastOfBaseline) continue;
     const double precision_px = kPrecision_px * image_px_ * (1 + kDriftPerFrame * static_cast<double>(frames - 1));
     const auto split = split_corners(baseline.corners, baseline.moved_before, camera_, precision_px);
-    if (!is_split) verdict.is_divided = !split || split->moving_share > kDividedShare;
+    if (is_first) verdict.is_divided = !split || split->moving_share > kDividedShare;
     if (!split) continue;
+    if (is_first) verdict.moving_share = split->moving_share;
+    is_first = false;
     const bool moves_now = std::count(split->moves.begin(), split->moves.end(), std::uint8_t{1}) >= kLeastMoving;
     verdict.moves_now = verdict.moves_now || moves_now;
-    for (std::size_t k = 0; k < baseline.tracks.size() && (moves_now || !keeps_moving_); ++k) {
+    if (keeps_moving_ && !moves_now) continue;
+    for (std::size_t k = 0; k < baseline.tracks.size(); ++k) {
       const std::size_t i = baseline.tracks[k];
-      // The longest time that tells is believed; in a shorter one only what moves fast is seen.
-      const bool is_suspect = tracks_[i].moves && tracks_[i].rested_frames < kRestFrames;
-      if (told[i] == 0 && (split->moves[k] != 0 || frames >= kTelling || !is_suspect)) {
-        moves_[i] = split->moves[k] != 0 || is_suspect ? 1 : 0;
-        rests_[i] = split->moves[k] == 0 ? 1 : 0;
-        told[i] = 1;
-      }
+      const bool moves = split->moves[k] != 0, is_suspect = tracks_[i].moves && tracks_[i].rested_frames < kRestFrames;
+      if (told[i] != 0 || !(moves || frames >= kTelling || !is_suspect)) continue;
+      moves_[i] = moves || is_suspect ? 1 : 0;
+      rests_[i] = moves ? 0 : 1;
+      told[i] = 1;
     }
-    if (!is_split) verdict.moving_share = split->moving_share;
-    is_split = true;
   }
-  const Baseline baseline = since(1, moves_);
+}
+
+void CornerTracks::collect(CornerVerdict& verdict) const {
+  const Baseline baseline = since(1);
   for (std::size_t k = 0; k < baseline.tracks.size(); ++k) {
     const bool moves = moves_[baseline.tracks[k]] != 0;
     (moves ? verdict.moving : verdict.resting).push_back(baseline.corners[k]);
     verdict.corners.push_back({baseline.corners[k].pixel, moves});
   }
-  verdict.count = tracks_.size();
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     if (!places_[i] || moves_[i] != 0) continue;
-    const Place& then = tracks_[i].past[0];
-    const Eigen::Vector2d from = image_px(double{then.x}, double{then.y}, image_px_);
-    verdict.resting_all.push_back(
-        {camera_.unproject(from.x(), from.y(), 1), image_px(places_[i]->x(), places_[i]->y(), image_px_)});
+    const Eigen::Vector2d from = image_px(double{tracks_[i].past[0].x}, double{tracks_[i].past[0].y}, image_px_);
+    verdict.resting_all.push_back({camera_.unproject(from.x(), from.y(), 1), image_px(places_[i]->x(), places_[i]->y(), image_px_)});
   }
-  if (const auto split = split_corners(verdict.resting, {}, camera_, kPrecision_px * image_px_)) verdict.last_from_frame = split->earlier_from_frame;
-  return verdict;
+  if (!keeps_moving_) return;
+  if (const auto split = split_corners(verdict.resting, {}, camera_, kPrecision_px * image_px_))
+    verdict.last_from_frame = split->earlier_from_frame;
 }
 
 void CornerTracks::remember(const PictureFeatures& frame, const std::function<float(int, int)>& depth_m,
@@ -126,7 +134,8 @@ void CornerTracks::remember(const PictureFeatures& frame, const std::function<fl
   }
   for (const Corner& corner : frame.corners) {
     const double x = double{corner.x}, y = double{corner.y};
-    if (take(x, y)) tracks.push_back({{{corner.x, corner.y, corner.depth_m}}, kRestFrames - kBirthFrames, is_moving(nearest(x), nearest(y))});
+    if (take(x, y))
+      tracks.push_back({{{corner.x, corner.y, corner.depth_m}}, kRestFrames - kBirthFrames, is_moving(nearest(x), nearest(y))});
   }
   tracks_ = std::move(tracks);
   places_.assign(tracks_.size(), std::nullopt);

@@ -22,14 +22,14 @@ struct SeenCorner {
 };
 
 struct CornerVerdict {
-  std::vector<SeenCorner> corners;                 // of those whose motion is known
-  std::optional<Rigid3> last_from_frame;           // of what rests, since the last frame; nothing: too few corners tell
+  std::vector<SeenCorner> corners;  // whose depth is known
   // Since the last frame: of what rests, all whose depth is known, and all, at depth 1; of what moves, with depth.
   std::vector<FollowedCorner> resting, resting_all, moving;
-  std::size_t count = 0;  // of the corners of the last frame
-  double moving_share = 0;                         // of the surface that corners stand for, 0 to 1
-  bool is_divided = false;                         // no motion explains most of that surface
-  bool moves_now = false;                          // something is seen to move, and does not only bear the name
+  std::size_t count = 0;                  // of the corners of the last frame, followed or not
+  std::optional<Rigid3> last_from_frame;  // of what rests, only with keeps_moving; nothing: too few corners tell
+  double moving_share = 0;                // of the surface that corners stand for, 0 to 1, over the longest time that tells
+  bool is_divided = false;                // over that time no motion explains most of the surface
+  bool moves_now = false;                 // something is seen to move, and does not only bear the name
 };
 
 class CornerTracks {
@@ -43,7 +43,8 @@ class CornerTracks {
 
   // The frame that was followed into becomes the last one. `depth_m` is what the frame measures at a pixel of the image, 0: nothing;
   // `is_moving` says where new corners are taken to move.
-  void remember(const PictureFeatures& frame, const std::function<float(int, int)>& depth_m, const std::function<bool(int, int)>& is_moving);
+  void remember(const PictureFeatures& frame, const std::function<float(int, int)>& depth_m,
+                const std::function<bool(int, int)>& is_moving);
 
   void save(ByteWriter& bytes) const;
   void restore(ByteReader& bytes);
@@ -59,7 +60,9 @@ class CornerTracks {
     bool moves = false;
   };
   struct Baseline;
-  Baseline since(std::size_t frames, const std::vector<std::uint8_t>& moves) const;
+  Baseline since(std::size_t frames) const;
+  void label(CornerVerdict& verdict);
+  void collect(CornerVerdict& verdict) const;
 
   Camera camera_;
   bool keeps_moving_;
