@@ -27,7 +27,7 @@ constexpr std::size_t kLeastObjectCorners = 20;
 
 // So many corners tell, if most of them are off by this, in pixels of the image, and by this share of their way.
 constexpr std::size_t kTellingCorners = 30;
-constexpr double kClearly_px = 3, kMostOfTheWay = 0.75;
+constexpr double kClearly_px = 10, kMostOfTheWay = 0.75;
 
 // Half a percent of the view can turn a camera that sees little else to hold on to.
 bool is_worth_another_look(const CoarseMask& expected, const CoarseMask& moving) {
