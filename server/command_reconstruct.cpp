@@ -28,6 +28,7 @@ struct ReconstructArguments {
   std::string raw_file;  // instead of out_folder
   std::string per_frame_file;
   bool calibrate = false;
+  bool object = false;
 };
 
 int dump_raw(const std::string& path, const Sequence& sequence, FrameRange range) {
@@ -61,7 +62,8 @@ int run_reconstruct(const ReconstructArguments& arguments) {
   std::unique_ptr<Sequence> sequence = open_source(arguments.run);
   const FrameRange range = or_throw(parse_frame_range(arguments.run.frames, sequence->frame_count()));
   if (!arguments.raw_file.empty()) return dump_raw(arguments.raw_file, *sequence, range);
-  const Options options = options_of(arguments.run);
+  Options options = options_of(arguments.run);
+  options.track.object = options.track.object || arguments.object;
   std::error_code error;
   std::filesystem::create_directories(arguments.out_folder, error);
   if (error) throw SetupError({ErrorCode::kIo, "creating " + arguments.out_folder + ": " + error.message()});
@@ -104,6 +106,11 @@ Command add_reconstruct_command(CLI::App& app) {
   reconstruct.add_option("--device", arguments->run.device, "GPU: an index or a part of its name (default: the best one)")->excludes(raw);
   reconstruct.add_option("--camera", arguments->run.camera, kCameraHelp);
   reconstruct.add_option("--noise", arguments->run.noise, kNoiseHelp);
+  reconstruct
+      .add_flag("--object", arguments->object,
+                "Scan what turns or is moved before the camera, on a turntable or by hand, and leave out all else; same as --set "
+                "track.object=true")
+      ->excludes(raw);
   reconstruct
       .add_flag(
           "--calibrate", arguments->calibrate,

@@ -1,5 +1,6 @@
 #include "core/dataset/moving_person.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -30,6 +31,13 @@ Person placed(const Stage& stage, const PersonOptions& options, const Rigid3& wo
     person.head_world = world_from_camera.translation + options.distance_m * forward_of(world_from_camera, stage.up);
   person.head_world += kHeadAboveCamera_m * stage.up;
   return person;
+}
+
+Result<Person> person_of(const Sequence& sequence, const Stage& stage, const PersonOptions& options, std::int64_t index) {
+  const double time_s = std::max(sequence.timestamp_s(index), sequence.timestamp_s(0) + options.still_s);
+  const Result<Rigid3> pose = true_pose(sequence, time_s, kPersonName);
+  if (!pose.ok()) return pose.error();
+  return placed(stage, options, *pose, time_s);
 }
 
 // Multiple of `direction` at which a ray from outside enters the person.
@@ -65,7 +73,9 @@ class Crowded : public RedrawnSequence {
   Status redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const override {
     const Result<Rigid3> pose = true_pose(*original_, timestamp_s(index), kPersonName);
     if (!pose.ok()) return pose.error();
-    render(placed(stage_, options_, *pose, timestamp_s(index)), *pose, depth, color);
+    const Result<Person> person = person_of(*original_, stage_, options_, index);
+    if (!person.ok()) return person.error();
+    render(*person, *pose, depth, color);
     return Done{};
   }
 
@@ -102,7 +112,8 @@ Result<PersonOptions> parse_person(const std::string& text) {
   };
   const Status status = apply_key_values(text, {{"path", "cross or ahead", take_path},
                                                 {"clothes", "checked or plain", take_clothes},
-                                                number_rule("distance_m", 0.6, 10, distance_m)});
+                                                number_rule("distance_m", 0.6, 10, distance_m),
+                                                number_rule("still_s", 0, 60, options.still_s)});
   if (!status.ok()) return in_context(kPersonName, status.error());
   if (distance_m > 0)
     options.distance_m = distance_m;
@@ -114,9 +125,7 @@ Result<PersonOptions> parse_person(const std::string& text) {
 Result<Person> person_at(const Sequence& sequence, const PersonOptions& options, std::int64_t frame_index) {
   const Result<Stage> stage = stage_of(sequence, kPersonName);
   if (!stage.ok()) return stage.error();
-  const Result<Rigid3> pose = true_pose(sequence, sequence.timestamp_s(frame_index), kPersonName);
-  if (!pose.ok()) return pose.error();
-  return placed(*stage, options, *pose, sequence.timestamp_s(frame_index));
+  return person_of(sequence, *stage, options, frame_index);
 }
 
 Result<std::unique_ptr<Sequence>> with_person(std::unique_ptr<Sequence> sequence, const std::string& options) {

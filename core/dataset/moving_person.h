@@ -7,6 +7,7 @@
 //                                        at the middle frame; ahead: walks in front of the camera wherever that goes
 //     clothes     checked, plain (checked)
 //     distance_m  0.6 to 10 (1.9; ahead 1.7)   from the camera, of cross at the middle frame
+//     still_s     0 to 60 (0)          stands for so long, from the first frame on, where the walk then begins
 // The head is 0.15 m above the camera, of cross at the middle frame. Up is the axis of the world, with its sign, that is nearest to the
 // mean of the camera's up. The depth has no noise: write +noise behind it. Ground truth stays that of the camera.
 #pragma once
@@ -27,6 +28,7 @@ struct PersonOptions {
   PersonPath path = PersonPath::kCross;
   PersonClothes clothes = PersonClothes::kChecked;
   double distance_m = 1.9;
+  double still_s = 0;
   bool operator==(const PersonOptions&) const = default;
 };
 

@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "core/math/rigid3_fields.h"
+#include "core/track/corner_regions.h"
+
 namespace hermite {
 
 namespace {
@@ -19,11 +22,41 @@ std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
   return guesses;
 }
 
+// The map of an object begins when so many corners are seen to move together: enough for a motion.
+constexpr std::size_t kLeastObjectCorners = 20;
+
+// So many corners tell, if most of them are off by this, in pixels of the image, and by this share of their way.
+constexpr std::size_t kTellingCorners = 30;
+constexpr double kClearly_px = 10, kMostOfTheWay = 0.75;
+
 // Half a percent of the view can turn a camera that sees little else to hold on to.
 bool is_worth_another_look(const CoarseMask& expected, const CoarseMask& moving) {
   std::size_t unexpected = 0;
   for (std::size_t i = 0; i < moving.size(); ++i) unexpected += moving[i] != 0 && expected[i] == 0 ? 1 : 0;
   return 200 * unexpected > moving.size();
+}
+
+// What is followed through the pictures has gone another way than the camera is said to: by nearly all that they moved. Shutters,
+// and pictures that come late, make up to half of it.
+bool is_contradicted(const std::vector<FollowedCorner>& corners, const Camera& camera, const Rigid3& last_from_frame) {
+  if (corners.size() < kTellingCorners) return false;
+  const Rigid3 frame_from_last = inverse(last_from_frame);
+  std::size_t against = 0;
+  for (const FollowedCorner& corner : corners) {
+    const Eigen::Vector3d point = frame_from_last * corner.point_in_earlier;
+    const Eigen::Vector2d before = camera.project(corner.point_in_earlier);
+    const double off_px = point.z() > 0 ? (camera.project(point) - corner.pixel).norm() : kClearly_px;
+    against += off_px >= std::max(kClearly_px, kMostOfTheWay * (corner.pixel - before).norm()) ? 1 : 0;
+  }
+  return 2 * against > corners.size();
+}
+
+// A corner that moves is one of its surroundings.
+bool is_near_what_moves(const std::vector<SeenCorner>& corners, const Eigen::Vector2d& pixel) {
+  constexpr double kSurroundings_px = 16;
+  return std::any_of(corners.begin(), corners.end(), [&pixel](const SeenCorner& corner) {
+    return corner.moves && (corner.pixel - pixel).cwiseAbs().maxCoeff() < kSurroundings_px;
+  });
 }
 
 }  // namespace
@@ -35,6 +68,7 @@ FrontEnd::FrontEnd(const std::string& device_choice, const Camera& camera, const
       camera_(camera),
       preprocessor_(device, camera, options.frame),
       odometry_(device, preprocessor_.maps().camera(), options.track, options.frame),
+      corner_tracks_(rectified(camera), options.track.object),
       landmarks_(rectified(camera), options.frame),
       visible_(device, options.map),
       index_(device, preprocessor_.maps().camera()),
@@ -97,21 +131,32 @@ Judgement FrontEnd::judge_start(const FrameContent& content) {
 }
 
 void FrontEnd::remember_view(const Rigid3& world_from_camera, const Rigid3& reference_from_camera, const PreparedFrame& frame) {
-  const double scale = static_cast<double>(view_.camera.width) * frame.features.image_px / camera_.width;
-  const auto moves = [this, scale](const Eigen::Vector2d& pixel) {
-    const int x = static_cast<int>(scale * pixel.x()), y = static_cast<int>(scale * pixel.y());
-    return view_.contains(x, y) && moving_mask_[view_.index(x, y)] != 0;
-  };
-  landmarks_.remember(frame.features, frame.frame.depth, reference_from_camera, moves);
-  moving_.remember(view_, world_from_camera, moving_mask_);
+  remember_corners(frame.features, frame.frame.depth);
+  const double step = frame.features.image_px;
+  landmarks_.remember(frame.features, frame.frame.depth, reference_from_camera,
+                      [&](const Eigen::Vector2d& pixel) { return is_in(moving_mask_, step * pixel); });
+  if (!options_.track.object) moving_.remember(view_, world_from_camera, moving_mask_);
   const CoarseView measured = shading_.as_measured(view_);
   const auto comparison = earlier_.compare(measured, world_from_camera, moving_mask_);
   if (comparison && shading_.learn(measured, *comparison)) use_shading();
   earlier_.keep(measured, world_from_camera, moving_mask_, comparison ? comparison->places.size() : 0);
 }
 
+bool FrontEnd::is_in(const CoarseMask& mask, const Eigen::Vector2d& pixel) const {
+  const int width = static_cast<int>(view_.camera.width), height = static_cast<int>(view_.camera.height);
+  const int x = static_cast<int>(pixel.x()) * width / camera_.width, y = static_cast<int>(pixel.y()) * height / camera_.height;
+  return mask[view_.index(std::clamp(x, 0, width - 1), std::clamp(y, 0, height - 1))] != 0;
+}
+
+void FrontEnd::remember_corners(const PictureFeatures& features, const DepthImage& depth) {
+  const auto moves = [this](int x, int y) { return is_in(moving_mask_, {x, y}) != options_.track.object; };
+  const auto depth_m = [&](int x, int y) { return depth_around(depth, x, y, camera_.depth_units_per_metre, options_.frame); };
+  corner_tracks_.remember(features, depth_m, moves);
+  last_features_ = features;
+}
+
 void FrontEnd::forget_views() {
-  moving_.forget();
+  if (!options_.track.object) moving_.forget();
   earlier_.forget();
 }
 
@@ -131,44 +176,92 @@ void FrontEnd::hide(const CoarseMask& mask) {
   commands.submit_and_wait();
 }
 
-Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& features, const Rigid3& world_from_reference,
-                       const Rigid3& last_motion, int lost_count) {
-  view_ = hermite::coarse_view(preprocessor_.maps().surface);
-  moving_mask_.assign(view_.size(), 0);
-  if (frame_number == 0) return {{}, judge_start(content)};
-  const CoarseMask expected = moving_.expected(view_);
+// All but the object. What moves is told in the frame of the room, which corners that rest are followed in.
+CoarseMask FrontEnd::beside_object(const CornerVerdict& seen) {
+  CoarseMask object = regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
+  if (seen.last_from_frame) room_from_camera_ = room_from_camera_ * *seen.last_from_frame;
+  if (seen.last_from_frame && seen.moves_now) object = moving_.contradicted(view_, room_from_camera_, object);
+  if (!seen.last_from_frame) moving_.forget();
+  moving_.remember(view_, room_from_camera_, object);
+  for (shared::uint& pixel : object) pixel = 1 - pixel;
+  return object;
+}
+
+bool FrontEnd::waits_for_object(const CornerVerdict& seen) const {
+  return options_.track.object && frame_number == 0 && seen.moving.size() < kLeastObjectCorners;
+}
+
+// Of the frame preprocessed last, before its pose is known.
+CoarseMask FrontEnd::hidden_by_corners(const CornerVerdict& seen) {
+  return options_.track.object ? beside_object(seen) : regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
+}
+
+// The frame against the prediction, and what moves in it, which is masked in the end.
+OdometryResult FrontEnd::align(const std::vector<Rigid3>& starts, const FeatureMotion* corners, const CoarseMask& hidden,
+                               const Rigid3& world_from_reference, int lost_count) {
+  CoarseMask expected = options_.track.object ? hidden : moving_.expected(view_);
+  for (std::size_t i = 0; i < expected.size(); ++i) expected[i] |= hidden[i];
   hide(expected);
   const FrameMaps& maps = preprocessor_.maps();
   const SurfacePyramid& reference = predictor_.surface();
-  const std::optional<FeatureMotion> followed = landmarks_.follow(features);
-  const FeatureMotion* corners = followed && !followed->is_turn_only ? &*followed : nullptr;
-  const Rigid3 turned{turn_since_last(followed), Eigen::Vector3d::Zero()};
-  const std::vector<Rigid3> starts = guesses(turned, last_motion, corners);
   OdometryResult found;
   if (lost_count == 0) found = odometry_.track(maps, reference, starts, corners);
-  // What moves is told by the pose, and the pose by what rests: once more where much is found to move that was not expected to.
-  const auto see_motion = [&] {
-    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera);
-    if (!is_worth_another_look(expected, moving_mask_)) return;
-    hide(moving_mask_);
-    found = odometry_.track(maps, reference, std::array{found.reference_from_camera}, corners);
-    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera);
-  };
   const auto is_found = [&] { return is_believable(found.agreement, found.reference_from_camera, options_.track); };
   if (!is_found()) found = odometry_.search(maps, reference, with_turns(starts));
-  // A frame that shows another place is not to be believed for what is left of it.
-  if (is_found()) see_motion();
+  if (options_.track.object) {
+    moving_mask_ = hidden;
+  } else if (is_found()) {  // a frame that shows another place is not to be believed for what is left of it
+    // What moves is told by the pose, and the pose by what rests: once more where much is found to move that was not expected to.
+    moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, hidden);
+    if (is_worth_another_look(expected, moving_mask_)) {
+      hide(moving_mask_);
+      found = odometry_.track(maps, reference, std::array{found.reference_from_camera}, corners);
+      moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, hidden);
+    }
+  }
   hide(moving_mask_);
+  return found;
+}
+
+Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& features, const DepthImage& depth,
+                       const Rigid3& world_from_reference, const Rigid3& last_motion, int lost_count) {
+  const bool of_object = options_.track.object;
+  view_ = hermite::coarse_view(preprocessor_.maps().surface);
+  moving_mask_.assign(view_.size(), of_object ? 1 : 0);
+  if (frame_number == 0 && !of_object) return {{}, judge_start(content)};
+  const CornerVerdict seen = corner_tracks_.follow(last_features_, features);
+  if (waits_for_object(seen)) {
+    hide(moving_mask_);
+    remember_corners(features, depth);
+    return {{}, {TrackingStatus::kLost, "waiting: nothing turns or is moved before the camera yet"}};
+  }
+  const CoarseMask hidden = hidden_by_corners(seen);
+  if (frame_number == 0) {
+    moving_mask_ = hidden;
+    hide(hidden);
+    return {{}, judge_start(content)};
+  }
+  const Camera straight = rectified(camera_);
+  const double step = features.image_px;
+  const std::optional<FeatureMotion> followed = landmarks_.follow(last_features_, features, [&](const Eigen::Vector2d& pixel) {
+    return is_in(hidden, step * pixel) || (!of_object && is_near_what_moves(seen.corners, step * pixel));
+  });
+  const FeatureMotion* corners = followed && !followed->is_turn_only ? &*followed : nullptr;
+  const Rigid3 turned{turn_since_last(followed), Eigen::Vector3d::Zero()};
+  const OdometryResult found = align(guesses(turned, last_motion, corners), corners, hidden, world_from_reference, lost_count);
+  const Rigid3& motion = found.reference_from_camera;
+  const bool is_found = is_believable(found.agreement, motion, options_.track);
   TrackingEvidence evidence;
   evidence.content = content;
-  if (corners) evidence.corners = corners_at(*corners, found.reference_from_camera);
-  evidence.is_divided = is_found() && moving_.is_divided();
+  if (corners) evidence.corners = corners_at(*corners, motion);
+  evidence.is_divided =
+      is_found && !of_object && (moving_.is_divided() || seen.is_divided || is_contradicted(seen.resting, straight, motion));
   evidence.lost_count = lost_count;
-  if (!is_found()) evidence.unmoved = odometry_.agreement(maps, reference, turned);
+  if (!is_found) evidence.unmoved = odometry_.agreement(preprocessor_.maps(), predictor_.surface(), turned);
   evidence.agreement = found.agreement;
-  evidence.inlier_share = found.agreement.surface * found.inlier_ratio;
+  evidence.inlier_share = (of_object ? 1 : found.agreement.surface) * found.inlier_ratio;
   evidence.observability = found.observability;
-  evidence.reference_from_camera = found.reference_from_camera;
+  evidence.reference_from_camera = motion;
   evidence.turn_seen_rad = angle_rad(turned.rotation);
   return {found, judge(evidence, options_.track)};
 }
@@ -251,7 +344,10 @@ void FrontEnd::save(ByteWriter& bytes) const {
   bytes.number(submap_);
   bytes.number(full_until_frame_);
   noise_.save(bytes);
+  hermite::save(bytes, last_features_);
+  corner_tracks_.save(bytes);
   landmarks_.save(bytes);
+  rigid3_fields(bytes, room_from_camera_);
   hermite::save(bytes, predictor_.surface());
   odometry_.save(bytes);
   moving_.save(bytes);
@@ -265,7 +361,10 @@ void FrontEnd::restore(ByteReader& bytes) {
   bytes.number(submap_);
   bytes.number(full_until_frame_);
   noise_.restore(bytes);
-  landmarks_.restore(bytes);
+  hermite::restore(bytes, last_features_);
+  corner_tracks_.restore(bytes);
+  landmarks_.restore(bytes, last_features_);
+  rigid3_fields(bytes, room_from_camera_);
   hermite::restore(bytes, predictor_.surface());
   odometry_.restore(bytes);
   moving_.restore(bytes);

@@ -19,6 +19,7 @@
 #include "core/map/surfel_store.h"
 #include "core/map/visible_blocks.h"
 #include "core/pipeline/options.h"
+#include "core/track/corner_tracks.h"
 #include "core/track/feature_motion.h"
 #include "core/track/landmarks.h"
 #include "core/track/lens_shading.h"
@@ -48,8 +49,8 @@ class FrontEnd {
   // The frame preprocessed last, whose picture has these features, against the prediction; reference_from_camera is relative to where that
   // is seen from, which is `world_from_reference`. `lost_count`: frames lost just before this one. What moves in the frame is masked from
   // here on.
-  Motion track(const FrameContent& content, const PictureFeatures& features, const Rigid3& world_from_reference, const Rigid3& last_motion,
-               int lost_count);
+  Motion track(const FrameContent& content, const PictureFeatures& features, const DepthImage& depth, const Rigid3& world_from_reference,
+               const Rigid3& last_motion, int lost_count);
 
   // What moves in the frame tracked last, by coarse pixel, and how much of its surface that is.
   const CoarseMask& moving() const { return moving_mask_; }
@@ -92,6 +93,13 @@ class FrontEnd {
   bool make_room(const MapLayout& layout);
   Eigen::Quaterniond turn_since_last(const std::optional<FeatureMotion>& followed);
   std::vector<Rigid3> guesses(const Rigid3& turned, const Rigid3& last_motion, const FeatureMotion* corners) const;
+  CoarseMask beside_object(const CornerVerdict& seen);
+  bool is_in(const CoarseMask& mask, const Eigen::Vector2d& pixel) const;
+  bool waits_for_object(const CornerVerdict& seen) const;
+  CoarseMask hidden_by_corners(const CornerVerdict& seen);
+  OdometryResult align(const std::vector<Rigid3>& starts, const FeatureMotion* corners, const CoarseMask& hidden,
+                       const Rigid3& world_from_reference, int lost_count);
+  void remember_corners(const PictureFeatures& features, const DepthImage& depth);
   void use_shading();
   void hide(const CoarseMask& mask);
   void show(const Rigid3& world_from_camera, const SubmapSet& submaps);
@@ -101,12 +109,15 @@ class FrontEnd {
   SensorNoise noise_;  // of the frames so far
   Preprocessor preprocessor_;
   Odometry odometry_;
-  Landmarks landmarks_;  // of the last frame that was tracked
+  PictureFeatures last_features_;  // of the last frame that was tracked
+  CornerTracks corner_tracks_;     // up to that
+  Landmarks landmarks_;            // of the same frame
   MovingRegions moving_;
   EarlierView earlier_;  // that the lens is learned by: as measured
   LensShading shading_;
-  CoarseView view_;         // of the frame preprocessed last
-  CoarseMask moving_mask_;  // of the same
+  Rigid3 room_from_camera_;  // when an object is scanned: since it was last seen anew
+  CoarseView view_;          // of the frame preprocessed last
+  CoarseMask moving_mask_;   // of the same
   VisibleBlocks visible_;
   IndexMap index_;
   Fuser fuser_;

@@ -75,6 +75,8 @@ const std::vector<Row>& rows() {
        "with a smaller share of the known surface where it should be the camera is lost"},
       {"track.min_overlap", t(&T::min_overlap), 0, 1, "with a smaller share of the view known the camera is lost"},
       {"track.min_correlation", t(&T::min_correlation), -1, 1, "with a picture less like the model's the camera is lost"},
+      {"track.object", t(&T::object), 0, 1,
+       "what turns or is moved before the camera is scanned and all else left out, or what moves is left out"},
       {"map.stable_confidence", m(&M::stable_confidence), 0, 100, "surfels of at least this confidence are stable"},
       {"map.max_confidence", m(&M::max_confidence), 1, 1e6, "cap that lets old surfels move"},
       {"map.hrbf_prediction", m(&M::hrbf_prediction), 0, 1, "predict by HRBF ray intersection, or by surfel splatting"},

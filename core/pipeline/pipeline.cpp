@@ -155,8 +155,7 @@ MapEvent Pipeline::Impl::find(const RgbdFrame& frame, const FrameContent& conten
     motion = {{}, {TrackingStatus::kWeak, "found again"}};
     return MapEvent::kFoundAgain;
   }
-  if (lost_count + 1 >= options.adjust.new_part_after_frames &&
-      front_end.judge_start(content).status != TrackingStatus::kLost) {
+  if (lost_count + 1 >= options.adjust.new_part_after_frames && front_end.judge_start(content).status != TrackingStatus::kLost) {
     mapping->begin_part(world_from_camera);
     front_end.forget_corners();
     motion = {{}, {TrackingStatus::kWeak, "not found: a new part of the map begins, to be joined when the camera sees both"}};
@@ -208,7 +207,7 @@ FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
   timed("preprocess", [&] { front_end.preprocess(prepared, result.frame_index); });
   const std::vector<Rigid3> poses_before = layout().world_from_submap;
   Motion motion;
-  timed("track", [&] { motion = front_end.track(content, prepared.features, world_from_camera, last_motion, lost_count); });
+  timed("track", [&] { motion = front_end.track(content, prepared.features, frame.depth, world_from_camera, last_motion, lost_count); });
   if (motion.judgement.status != TrackingStatus::kLost) world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
   if (mapping && motion.judgement.status != TrackingStatus::kLost)
     timed("adjust", [&] { result.event = observe(frame, world_from_camera); });

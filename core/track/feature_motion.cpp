@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <vector>
 
 namespace hermite {
@@ -194,13 +193,11 @@ std::optional<Eigen::Vector2d> find_patch(const GreyImage& patch, const GreyImag
   return (place - near_px).norm() < kPatchIsNear_px ? std::optional(place) : std::nullopt;
 }
 
-std::optional<FeatureMotion> motion_of(const std::vector<FollowedCorner>& corners, std::size_t sought, const Camera& camera) {
-  std::vector<FollowedCorner> with_depth;
-  std::copy_if(corners.begin(), corners.end(), std::back_inserter(with_depth),
-               [](const FollowedCorner& corner) { return corner.has_depth; });
+std::optional<FeatureMotion> motion_by_corners(const std::vector<FollowedCorner>& all, const std::vector<FollowedCorner>& with_depth,
+                                               std::size_t corner_count, const Camera& camera) {
   auto motion = solve(with_depth, camera, false);
-  if (!motion && static_cast<double>(corners.size()) > kFollowedShare * static_cast<double>(sought)) motion = solve(corners, camera, true);
-  if (motion) motion->corners = std::move(with_depth);
+  if (!motion && static_cast<double>(all.size()) > kFollowedShare * static_cast<double>(corner_count)) motion = solve(all, camera, true);
+  if (motion) motion->corners = with_depth;
   return motion;
 }
 

@@ -28,8 +28,7 @@ std::optional<Eigen::Vector2d> find_patch(const GreyImage& patch, const GreyImag
 // A corner that was followed: a point in the earlier camera's frame, and where the frame shows it.
 struct FollowedCorner {
   Eigen::Vector3d point_in_earlier;  // metres; at depth 1 where the depth is unknown
-  Eigen::Vector2d pixel;             // of the whole image
-  bool has_depth = false;
+  Eigen::Vector2d pixel;
 };
 
 struct FeatureMotion {
@@ -51,7 +50,9 @@ CornerAgreement corners_at(const FeatureMotion& features, const Rigid3& earlier_
 // The system of a step of earlier_from_frame <- exp(x) earlier_from_frame, in information: one over metres and radians squared.
 NormalEquations feature_terms(const FeatureMotion& features, const Rigid3& earlier_from_frame);
 
-// `camera` is that of straight frames; `sought`: corners that there were to follow. Nothing: too few agree with any motion.
-std::optional<FeatureMotion> motion_of(const std::vector<FollowedCorner>& corners, std::size_t sought, const Camera& camera);
+// Of corners that were followed, those whose depth is known twice, out of `corner_count`. `camera` is that of straight frames. Nothing: too
+// few agree with any motion.
+std::optional<FeatureMotion> motion_by_corners(const std::vector<FollowedCorner>& all, const std::vector<FollowedCorner>& with_depth,
+                                               std::size_t corner_count, const Camera& camera);
 
 }  // namespace hermite

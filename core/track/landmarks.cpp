@@ -38,22 +38,22 @@ std::pair<int, int> cell_of(const Eigen::Vector2d& pixel) {
 
 }  // namespace
 
-Eigen::Vector2d Landmarks::image_px(const Eigen::Vector2d& level_px) const {
-  return ((level_px.array() + 0.5) * last_.image_px - 0.5).matrix();
-}
+Eigen::Vector2d Landmarks::image_px(const Eigen::Vector2d& level_px) const { return ((level_px.array() + 0.5) * image_px_ - 0.5).matrix(); }
 
-std::optional<FeatureMotion> Landmarks::follow(const PictureFeatures& frame) {
+std::optional<FeatureMotion> Landmarks::follow(const PictureFeatures& last, const PictureFeatures& frame,
+                                               const std::function<bool(const Eigen::Vector2d&)>& is_left_out) {
   found_.assign(landmarks_.size(), std::nullopt);
-  if (last_.levels.size() != frame.levels.size() || last_.levels.empty()) return std::nullopt;
-  std::vector<FollowedCorner> followed;
+  if (last.levels.size() != frame.levels.size() || last.levels.empty()) return std::nullopt;
+  std::vector<FollowedCorner> all, with_depth;
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
     const Landmark& landmark = landmarks_[i];
-    found_[i] = hermite::follow(last_, frame, landmark.pixel);
-    if (!found_[i]) continue;
+    found_[i] = hermite::follow(last, frame, landmark.pixel);
+    if (!found_[i] || is_left_out(*found_[i])) continue;
     if (const auto as_at_first = find_patch(landmark.patch, frame.levels[0], *found_[i])) found_[i] = as_at_first;
-    followed.push_back({landmark.point_m, image_px(*found_[i]), landmark.depth_deviation_m > 0});
+    all.push_back({landmark.point_m, image_px(*found_[i])});
+    if (landmark.depth_deviation_m > 0) with_depth.push_back(all.back());
   }
-  return motion_of(followed, landmarks_.size(), camera_);
+  return motion_by_corners(all, with_depth, landmarks_.size(), camera_);
 }
 
 void Landmarks::measure(Landmark& landmark, double depth_m) const {
@@ -110,12 +110,12 @@ bool Landmarks::carry(Landmark& landmark, const Eigen::Vector2d& pixel, const De
   return true;
 }
 
-Landmark Landmarks::seen_first(const Corner& corner) const {
+Landmark Landmarks::seen_first(const Corner& corner, const GreyImage& image) const {
   Landmark landmark;
   landmark.pixel = {corner.x, corner.y};
   const Eigen::Vector2d in_image = image_px(landmark.pixel);
   landmark.first_direction = landmark.point_m = camera_.unproject(in_image.x(), in_image.y(), 1);
-  landmark.patch = patch_around(last_.levels[0], corner);
+  landmark.patch = patch_around(image, corner);
   if (corner.depth_m > 0) measure(landmark, double{corner.depth_m});
   return landmark;
 }
@@ -125,8 +125,7 @@ void Landmarks::remember(const PictureFeatures& frame, const DepthImage& depth, 
   const Rigid3 camera_from_last = inverse(last_from_camera);
   std::vector<Landmark> kept;
   std::set<std::pair<int, int>> taken;
-  last_ = frame;
-  last_.corners.clear();
+  image_px_ = frame.image_px;
   for (std::size_t i = 0; i < found_.size(); ++i) {
     if (!found_[i] || moves(*found_[i]) || !carry(landmarks_[i], *found_[i], depth, camera_from_last)) continue;
     if (!taken.insert(cell_of(*found_[i])).second) continue;  // two in a cell are one too many
@@ -134,13 +133,12 @@ void Landmarks::remember(const PictureFeatures& frame, const DepthImage& depth, 
   }
   for (const Corner& corner : frame.corners)
     if (const Eigen::Vector2d pixel(corner.x, corner.y); !moves(pixel) && taken.insert(cell_of(pixel)).second)
-      kept.push_back(seen_first(corner));
+      kept.push_back(seen_first(corner, frame.levels[0]));
   landmarks_ = std::move(kept);
   found_.clear();
 }
 
 void Landmarks::forget() {
-  last_ = {};
   landmarks_.clear();
   found_.clear();
 }
@@ -181,15 +179,16 @@ bool is_possible(const Landmark& landmark, const GreyImage& image) {
 }  // namespace
 
 void Landmarks::save(ByteWriter& bytes) const {
-  hermite::save(bytes, last_);
+  bytes.number(image_px_);
   bytes.list(landmarks_, [](ByteWriter& to, const Landmark& landmark) { fields(to, landmark); });
 }
 
-void Landmarks::restore(ByteReader& bytes) {
-  hermite::restore(bytes, last_);
+void Landmarks::restore(ByteReader& bytes, const PictureFeatures& last) {
+  bytes.number(image_px_);
   bytes.list(landmarks_, [](ByteReader& from, Landmark& landmark) { fields(from, landmark); });
-  const auto fits = [this](const Landmark& landmark) { return !last_.levels.empty() && is_possible(landmark, last_.levels[0]); };
-  bytes.require(std::all_of(landmarks_.begin(), landmarks_.end(), fits), "the landmarks of the last picture");
+  const auto fits = [&last](const Landmark& landmark) { return !last.levels.empty() && is_possible(landmark, last.levels[0]); };
+  bytes.require(std::all_of(landmarks_.begin(), landmarks_.end(), fits) && (image_px_ == 1 || image_px_ == 2),
+                "the landmarks of the last picture");
   found_.clear();
 }
 

@@ -36,8 +36,10 @@ class Landmarks {
   // `camera` is that of straight frames.
   Landmarks(const Camera& camera, const FrameOptions& options) : camera_(camera), options_(options) {}
 
-  // The camera's motion since the frame remembered last. Nothing: too few corners agree with any.
-  std::optional<FeatureMotion> follow(const PictureFeatures& frame);
+  // The camera's motion since `last`, which is the frame remembered last. `is_left_out` tells by pixel of levels[0] of this frame what is
+  // not to be followed. Nothing: too few corners agree with any motion.
+  std::optional<FeatureMotion> follow(const PictureFeatures& last, const PictureFeatures& frame,
+                                      const std::function<bool(const Eigen::Vector2d&)>& is_left_out);
 
   // The frame that was followed last is tracked: where it is beside the one remembered before, and its depth. `moves` tells by pixel of
   // levels[0] what is not to be followed.
@@ -50,18 +52,19 @@ class Landmarks {
   const std::vector<Landmark>& all() const { return landmarks_; }
 
   void save(ByteWriter& bytes) const;
-  void restore(ByteReader& bytes);
+  // Of a frame that has these features.
+  void restore(ByteReader& bytes, const PictureFeatures& last);
 
  private:
   bool carry(Landmark& landmark, const Eigen::Vector2d& pixel, const DepthImage& depth, const Rigid3& camera_from_last) const;
   void measure(Landmark& landmark, double depth_m) const;
   void triangulate(Landmark& landmark) const;
-  Landmark seen_first(const Corner& corner) const;
+  Landmark seen_first(const Corner& corner, const GreyImage& image) const;
   Eigen::Vector2d image_px(const Eigen::Vector2d& level_px) const;
 
   const Camera camera_;
   const FrameOptions options_;
-  PictureFeatures last_;  // its corners are not used
+  int image_px_ = 1;  // PictureFeatures::image_px
   std::vector<Landmark> landmarks_;
   std::vector<std::optional<Eigen::Vector2d>> found_;  // by landmark, in the frame that was followed last
 };

@@ -76,11 +76,11 @@ void appeared(const CoarseView& frame, const CoarseView& view, const Rigid3& vie
     }
 }
 
-// Points of the view that the frame looks through: what is seen there now has moved away, or was hidden.
-void vanished(const CoarseView& frame, const CoarseView& view, const Rigid3& frame_from_view, Votes& votes) {
+// Points of the view that the frame looks through: what is seen there now has moved away, or was hidden. But not by what moved then.
+void vanished(const CoarseView& frame, const CoarseView& view, const CoarseMask& moved, const Rigid3& frame_from_view, Votes& votes) {
   for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
     for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
-      if (view.depth_m[view.index(x, y)] <= 0) continue;
+      if (view.depth_m[view.index(x, y)] <= 0 || moved[view.index(x, y)] != 0) continue;
       const Eigen::Vector3d point = frame_from_view * view.point(x, y);
       if (ask(frame, point) != Witness::kFree) continue;
       const Eigen::Vector2d uv = frame.project(point);
@@ -96,6 +96,22 @@ CoarseMask grown(const CoarseMask& mask, const CoarseView& view, int reach_px) {
       for (int dy = -reach_px; mask[view.index(x, y)] != 0 && dy <= reach_px; ++dy)
         for (int dx = -reach_px; dx <= reach_px; ++dx)
           if (view.contains(x + dx, y + dy)) result[view.index(x + dx, y + dy)] = 1;
+  return result;
+}
+
+// Where the neighbouring frame `other` shows what `mask` says of `view`.
+CoarseMask beside(const CoarseMask& mask, const CoarseView& view, const CoarseView& other) {
+  CoarseMask result(other.size(), 0);
+  for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
+    for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
+      if (mask[view.index(x, y)] == 0) continue;
+      for (int dy = -kReach_px; dy <= kReach_px; ++dy)
+        for (int dx = -kReach_px; dx <= kReach_px; ++dx) {
+          if (!other.contains(x + dx, y + dy)) continue;
+          const std::size_t i = other.index(x + dx, y + dy);
+          if (std::abs(other.depth_m[i] - view.depth_m[view.index(x, y)]) < kReach_m) result[i] = 1;
+        }
+    }
   return result;
 }
 
@@ -140,27 +156,16 @@ double share_of_surface(const CoarseMask& mask, const CoarseView& view) {
 }  // namespace
 
 CoarseMask MovingRegions::expected(const CoarseView& view) const {
-  CoarseMask mask(view.size(), 0);
-  if (last_moving_.size() != view.size()) return mask;
-  for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
-    for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
-      if (last_moving_[view.index(x, y)] == 0) continue;
-      for (int dy = -kReach_px; dy <= kReach_px; ++dy)
-        for (int dx = -kReach_px; dx <= kReach_px; ++dx) {
-          if (!view.contains(x + dx, y + dy)) continue;
-          const std::size_t i = view.index(x + dx, y + dy);
-          if (std::abs(view.depth_m[i] - last_view_.depth_m[view.index(x, y)]) < kReach_m) mask[i] = 1;
-        }
-    }
-  return mask;
+  if (last_moving_.size() != view.size()) return CoarseMask(view.size(), 0);
+  return beside(last_moving_, last_view_, view);
 }
 
-CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& world_from_camera) {
+CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners) {
   Votes votes{std::vector<int>(view.size(), 0), std::vector<int>(view.size(), 0)};
   for (const Seen& seen : seen_) {
     const Rigid3 seen_from_now = inverse(seen.world_from_camera) * world_from_camera;
     appeared(view, seen.view, seen_from_now, votes);
-    vanished(view, seen.view, inverse(seen_from_now), votes);
+    vanished(view, seen.view, seen.moving, inverse(seen_from_now), votes);
   }
   CoarseMask seeds(view.size(), 0), candidates(view.size(), 0);
   for (std::size_t i = 0; i < view.size(); ++i) {
@@ -170,18 +175,19 @@ CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& wor
   const auto least = static_cast<std::size_t>(std::ceil(kLeastRegion * static_cast<double>(view.size())));
   CoarseMask moving = regions(seeds, candidates, view, least);
   if (share_of_surface(moving, view) > kMostMoving) moving.assign(view.size(), 0);
-  const CoarseMask on_their_own = moving_on_their_own(view, world_from_camera);
-  for (std::size_t i = 0; i < moving.size(); ++i) moving[i] |= on_their_own[i];
+  const CoarseMask on_their_own = moving_on_their_own(view, world_from_camera, by_corners);
+  for (std::size_t i = 0; i < moving.size(); ++i) moving[i] |= on_their_own[i] | (by_corners.empty() ? 0 : by_corners[i]);
   return grown(moving, view, 1);
 }
 
 // Asked of a view some frames ago, which tells fast motions, and of the oldest one, which tells slow ones and what has come to rest.
-CoarseMask MovingRegions::moving_on_their_own(const CoarseView& view, const Rigid3& world_from_camera) {
+CoarseMask MovingRegions::moving_on_their_own(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners) {
   CoarseMask mask(view.size(), 0);
   is_divided_ = false;
   if (seen_.empty()) return mask;
   const ViewSurfaces surfaces = surfaces_of(view);
-  const CoarseMask carried = expected(view);
+  CoarseMask carried = expected(view);
+  for (std::size_t i = 0; i < by_corners.size(); ++i) carried[i] |= by_corners[i];
   std::vector<std::size_t> carried_pixels(surfaces.pixel_count.size());
   for (std::size_t i = 0; i < view.size(); ++i) carried_pixels[surfaces.of_pixel[i]] += carried[i];
   std::vector<bool> moves(surfaces.pixel_count.size(), false);
@@ -211,7 +217,12 @@ void MovingRegions::remember(const CoarseView& view, const Rigid3& world_from_ca
   last_view_ = view;
   last_world_from_camera_ = world_from_camera;
   last_moving_ = moving;
-  if (frames_since_kept_ == 0) seen_.push_back({view, world_from_camera, step});
+  // What is first seen to move now, moved in the frame before too, in which nothing could yet tell.
+  if (frames_since_kept_ == 1 && seen_.back().view.size() == view.size()) {
+    const CoarseMask moved = beside(moving, view, seen_.back().view);
+    for (std::size_t i = 0; i < moved.size(); ++i) seen_.back().moving[i] |= moved[i];
+  }
+  if (frames_since_kept_ == 0) seen_.push_back({view, world_from_camera, step, moving});
   if (seen_.size() > kKept) seen_.pop_front();
   for (Disagreement* disagreement : {&lately_, &all_along_})
     disagreement->usual = std::max(1.0, disagreement->usual + (disagreement->last - disagreement->usual) / kUsualOver);
@@ -230,6 +241,7 @@ void MovingRegions::save(ByteWriter& bytes) const {
     hermite::save(to, seen.view);
     rigid3_fields(to, seen.world_from_camera);
     for (const double part : seen.step_before) to.number(part);
+    to.numbers(seen.moving);
   });
   hermite::save(bytes, last_view_);
   rigid3_fields(bytes, last_world_from_camera_);
@@ -245,6 +257,8 @@ void MovingRegions::restore(ByteReader& bytes) {
     hermite::restore(from, view.view);
     rigid3_fields(from, view.world_from_camera);
     for (double& part : view.step_before) from.number(part);
+    from.numbers(view.moving);
+    from.require(view.moving.size() == view.view.size(), "what moved in a coarse view");
   });
   seen_.assign(seen.begin(), seen.end());
   hermite::restore(bytes, last_view_);

@@ -20,8 +20,8 @@ class MovingRegions {
   CoarseMask expected(const CoarseView& view) const;
 
   // Where the frame contradicts the remembered views, seen from `world_from_camera`, unless most of it does: then it is rather the pose
-  // that is wrong. And what has moved on its own (own_motion.h).
-  CoarseMask contradicted(const CoarseView& view, const Rigid3& world_from_camera);
+  // that is wrong. And what has moved on its own (own_motion.h), or is `by_corners`, of the same size or empty.
+  CoarseMask contradicted(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners = {});
 
   // Of the frame asked about last: parts of it that are too large to know which is the room move against each other.
   bool is_divided() const { return is_divided_; }
@@ -40,12 +40,13 @@ class MovingRegions {
     CoarseView view;
     Rigid3 world_from_camera;
     Vector6d step_before = Vector6d::Zero();  // twist from the frame before it
+    CoarseMask moving;
   };
   // Of surfaces that rest, see OwnMotions.
   struct Disagreement {
     double last = 1, usual = 1;
   };
-  CoarseMask moving_on_their_own(const CoarseView& view, const Rigid3& world_from_camera);
+  CoarseMask moving_on_their_own(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners);
 
   std::deque<Seen> seen_;  // oldest first
   CoarseView last_view_;

@@ -23,6 +23,7 @@ struct TrackOptions {
   double min_agreement = 0.6;
   double min_overlap = 0.2;
   double min_correlation = 0.3;
+  bool object = false;
 };
 
 }  // namespace hermite

@@ -44,6 +44,16 @@ TEST(MovingPerson, WalksAheadWhereverTheCameraGoes) {
   for (const std::int64_t index : {0, 30, 60}) EXPECT_GT(share_of_view("+person=path=ahead", index, options), 0.1) << index;
 }
 
+TEST(MovingPerson, StandsAtFirstWhereTheWalkBegins) {
+  const auto room = *open_sequence(kRoom);
+  for (const std::string path : {"cross", "ahead"}) {
+    const PersonOptions options = *parse_person("still_s=1,path=" + path), walks = *parse_person("path=" + path);
+    EXPECT_EQ(person_at(*room, options, 0)->head_world, person_at(*room, options, 30)->head_world) << path;
+    EXPECT_NE(person_at(*room, options, 31)->head_world, person_at(*room, options, 30)->head_world) << path;
+    EXPECT_EQ(person_at(*room, options, 45)->head_world, person_at(*room, walks, 45)->head_world) << path;
+  }
+}
+
 TEST(MovingPerson, WearsWhatIsAskedFor) {
   const auto color = [](const std::string& suffix) { return decode_frame(*(*open_sequence(kRoom + suffix))->read(30))->color; };
   EXPECT_NE(color("+person"), color(""));

@@ -17,9 +17,9 @@ struct Scanned {
   Cloud cloud;
 };
 
-Scanned scan(const std::string& source) {
+Scanned scan(const std::string& source, const Options& options = {}) {
   const test::Recording recording = test::record(source);
-  Pipeline pipeline("", recording.camera, Options{});
+  Pipeline pipeline("", recording.camera, options);
   Scanned result;
   for (const RgbdFrame& frame : recording.frames) {
     const Result<FrameResult> seen = pipeline.process(frame);
@@ -72,6 +72,27 @@ TEST(Disturbances, SomebodyWhoWalksAheadIsNotFollowed) {
   const Scanned undisturbed = scan(room), disturbed = scan(room + "+person=path=ahead");
   EXPECT_LT(disturbed.ate_rmse_m, 3 * undisturbed.ate_rmse_m);
   EXPECT_GE(disturbed.tracked, undisturbed.tracked - 4);
+}
+
+// He stands as still as the room at first, and is mapped.
+TEST(Disturbances, SomebodyWhoBeginsToWalkIsNotFollowed) {
+  const Scanned disturbed = scan("synthetic:frames=50,width=160,height=120,rate=20+person=path=ahead,still_s=1");
+  EXPECT_LT(disturbed.ate_rmse_m, 0.004);
+  EXPECT_GE(disturbed.tracked, 44);
+}
+
+// Once as the room sees it, in which a plate turns, and once as the plate does.
+TEST(Disturbances, WhatTurnsIsLeftOutOrAllThatIsScanned) {
+  const std::string turntable = "synthetic:scene=turntable,frames=16,width=320,height=240,rate=10";
+  Options options;
+  options.track.object = true;
+  const Scanned object = scan(turntable, options);
+  EXPECT_LT(object.ate_rmse_m, 0.02);  // with the frames before the first turn was seen
+  EXPECT_GE(object.tracked, 12);
+  const auto is_wall = [](const CloudPoint& point) { return point.position_m.norm() > 1.5f; };
+  const auto of_wall = std::count_if(object.cloud.begin(), object.cloud.end(), is_wall);
+  EXPECT_LT(static_cast<double>(of_wall), 0.02 * static_cast<double>(object.cloud.size()));
+  EXPECT_GT(object.cloud.size(), 200u);
 }
 
 // Depth in blobs on what has texture, as of stereo: corners lead the way, and say that a frame with few points is held.

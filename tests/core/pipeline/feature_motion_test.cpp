@@ -23,13 +23,14 @@ struct Pair {
 };
 
 std::optional<FeatureMotion> motion_by_features(const PictureFeatures& earlier, const PictureFeatures& frame, const Camera& camera) {
-  std::vector<FollowedCorner> corners;
+  std::vector<FollowedCorner> all, with_depth;
   for (const Corner& corner : earlier.corners) {
     const auto place = earlier.levels.size() == frame.levels.size() ? follow(earlier, frame, {corner.x, corner.y}) : std::nullopt;
-    const double depth_m = corner.depth_m > 0 ? double{corner.depth_m} : 1;
-    if (place) corners.push_back({depth_m * camera.unproject(double{corner.x}, double{corner.y}, 1), *place, corner.depth_m > 0});
+    if (!place) continue;
+    all.push_back({camera.unproject(double{corner.x}, double{corner.y}, 1), *place});
+    if (corner.depth_m > 0) with_depth.push_back({double{corner.depth_m} * all.back().point_in_earlier, *place});
   }
-  return motion_of(corners, earlier.corners.size(), camera);
+  return motion_by_corners(all, with_depth, earlier.corners.size(), camera);
 }
 
 Vector6d error_of(const Rigid3& found, const Rigid3& truth) { return log_se3(inverse(truth) * found); }

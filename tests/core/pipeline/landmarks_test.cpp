@@ -21,7 +21,7 @@ struct Walk {
   // Follows frame `frame` at its true pose.
   void show(Landmarks& landmarks, std::size_t frame) const {
     const PictureFeatures seen = features(frame);
-    landmarks.follow(seen);
+    if (frame > 0) landmarks.follow(features(frame - 1), seen, kNothingMoves);
     const Rigid3 step = frame == 0 ? Rigid3{} : inverse(pose(frame - 1)) * pose(frame);
     landmarks.remember(seen, recording.frames[frame].depth, step, kNothingMoves);
   }
@@ -51,7 +51,7 @@ TEST(Landmarks, LeadThroughFramesWithoutDepth) {
   Rigid3 pose = walk.pose(0);
   for (std::size_t frame = 0; frame < 10; ++frame) {
     const PictureFeatures seen = walk.features(frame);
-    const auto motion = landmarks.follow(seen);
+    const auto motion = landmarks.follow(frame > 0 ? walk.features(frame - 1) : PictureFeatures{}, seen, kNothingMoves);
     ASSERT_EQ(motion.has_value(), frame > 0) << frame;
     const Rigid3 step = motion ? motion->earlier_from_frame : Rigid3{};
     EXPECT_FALSE(motion && motion->is_turn_only) << frame;
@@ -95,9 +95,9 @@ TEST(Landmarks, AreForgotten) {
   const Walk walk;
   Landmarks landmarks = walk.landmarks();
   walk.show(landmarks, 0);
-  EXPECT_TRUE(landmarks.follow(walk.features(1)));
+  EXPECT_TRUE(landmarks.follow(walk.features(0), walk.features(1), kNothingMoves));
   landmarks.forget();
-  EXPECT_FALSE(landmarks.follow(walk.features(1)));
+  EXPECT_FALSE(landmarks.follow(walk.features(0), walk.features(1), kNothingMoves));
 }
 
 TEST(Landmarks, ComeBackFromBytesAndGoOnAlike) {
@@ -106,7 +106,7 @@ TEST(Landmarks, ComeBackFromBytesAndGoOnAlike) {
   for (std::size_t frame = 0; frame < 4; ++frame) walk.show(landmarks, frame);
   const std::string bytes = saved(landmarks);
   ByteReader reader(bytes);
-  restored.restore(reader);
+  restored.restore(reader, walk.features(3));
   ASSERT_TRUE(reader.ok() && reader.at_end());
   walk.show(landmarks, 4);
   walk.show(restored, 4);
@@ -121,7 +121,7 @@ TEST(Landmarks, DamagedOnesAreRefused) {
   for (const std::size_t length : {bytes.size() / 2, bytes.size() - 1}) {
     ByteReader reader(std::string_view(bytes).substr(0, length));
     Landmarks restored = walk.landmarks();
-    restored.restore(reader);
+    restored.restore(reader, walk.features(0));
     EXPECT_FALSE(reader.ok());
   }
   // A patch of another size would be read beyond its end.
@@ -130,7 +130,7 @@ TEST(Landmarks, DamagedOnesAreRefused) {
   damaged[last_patch] = 127;
   ByteReader reader(damaged);
   Landmarks restored = walk.landmarks();
-  restored.restore(reader);
+  restored.restore(reader, walk.features(0));
   EXPECT_FALSE(reader.ok());
 }
 

@@ -1,0 +1,168 @@
+#include "core/track/corner_split.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace hermite {
+
+namespace {
+
+constexpr int kLeastCornersOfMotion = 12;
+// Beyond so many deviations a corner has not gone along; farther away it counts no more, what has been followed wrongly the least.
+constexpr double kBeyond = 4;
+// And it moves on its own by a share of what the camera has moved it by: along edges corners slide, and shutters and lenses bend that way.
+constexpr double kShareOfCamera = 0.4;
+constexpr int kFitSteps = 6, kRounds = 4;
+// The surface that a corner stands for grows with the square of its distance; what is very far is hardly measured.
+constexpr double kNearestWeight_m = 0.5, kFarthestWeight_m = 4;
+// Who has moved a moment ago is not the room now: of his corners so much counts.
+constexpr double kMovedBeforeWeight = 0.25;
+// Between two frames a camera moves by decimetres and turns by tenths of a radian: what corners do not hold stays.
+constexpr double kPriorMove_m = 0.3, kPriorTurn_rad = 0.5;
+constexpr double kInFront_m = 0.05;
+
+using Chosen = std::vector<std::uint8_t>;
+
+struct Problem {
+  const std::vector<FollowedCorner>& corners;
+  const Camera& camera;
+  double precision_px;
+  std::vector<double> weight;
+
+  double error_px(std::size_t i, const Rigid3& frame_from_earlier) const {
+    const Eigen::Vector3d p = frame_from_earlier * corners[i].point_in_earlier;
+    if (p.z() < kInFront_m) return 1e3;
+    return (camera.project(p) - corners[i].pixel).norm();
+  }
+
+  // How far the image moves the corner if it rests.
+  double way_px(std::size_t i, const Rigid3& frame_from_earlier) const {
+    const Eigen::Vector3d p = frame_from_earlier * corners[i].point_in_earlier;
+    return p.z() < kInFront_m ? 0 : (camera.project(p) - camera.project(corners[i].point_in_earlier)).norm();
+  }
+
+  // Gauss and Newton on the chosen corners, robust: beyond `scale_px` a corner counts less and less.
+  Rigid3 fit(const Chosen& chosen, Rigid3 frame_from_earlier, double scale_px) const {
+    for (int step = 0; step < kFitSteps; ++step) {
+      Matrix6d hessian = Matrix6d::Zero();
+      for (int i = 0; i < 3; ++i) {
+        hessian(i, i) = 1 / (kPriorMove_m * kPriorMove_m);
+        hessian(i + 3, i + 3) = 1 / (kPriorTurn_rad * kPriorTurn_rad);
+      }
+      Vector6d right_hand_side = Vector6d::Zero();
+      for (std::size_t i = 0; i < corners.size(); ++i) {
+        if (chosen[i] == 0) continue;
+        const Eigen::Vector3d p = frame_from_earlier * corners[i].point_in_earlier;
+        if (p.z() < kInFront_m) continue;
+        const Eigen::Vector2d error = camera.project(p) - corners[i].pixel;
+        Eigen::Matrix<double, 2, 3> projection;
+        projection << camera.fx / p.z(), 0, -camera.fx * p.x() / (p.z() * p.z()), 0, camera.fy / p.z(),
+            -camera.fy * p.y() / (p.z() * p.z());
+        Eigen::Matrix<double, 2, 6> derivative;
+        derivative << projection, -projection * skew(p);
+        const double w = 1 / (scale_px * scale_px + error.squaredNorm() / 5);
+        hessian += w * derivative.transpose() * derivative;
+        right_hand_side -= w * derivative.transpose() * error;
+      }
+      const Vector6d move = hessian.ldlt().solve(right_hand_side);
+      frame_from_earlier = exp_se3(move) * frame_from_earlier;
+      if (move.norm() < 1e-6) break;
+    }
+    return frame_from_earlier;
+  }
+
+  Chosen near(const Rigid3& frame_from_earlier) const {
+    Chosen result(corners.size());
+    for (std::size_t i = 0; i < corners.size(); ++i) result[i] = error_px(i, frame_from_earlier) < kBeyond * precision_px ? 1 : 0;
+    return result;
+  }
+
+  // Least where the motion explains most surface best.
+  double cost(const Rigid3& frame_from_earlier) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      sum += weight[i] * std::min(std::pow(error_px(i, frame_from_earlier) / precision_px, 2), kBeyond * kBeyond);
+    return sum;
+  }
+};
+
+std::size_t count(const Chosen& chosen) { return static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), std::uint8_t{1})); }
+
+// Parts of the corners that may be free of what moves: what is farther than something, and what is beside something.
+std::vector<Chosen> parts_of(const std::vector<FollowedCorner>& corners, const std::vector<std::uint8_t>& moved_before) {
+  const std::size_t n = corners.size();
+  std::vector<Chosen> parts{Chosen(n, 1)};
+  if (moved_before.size() == n) {
+    parts.emplace_back(n);
+    for (std::size_t i = 0; i < n; ++i) parts.back()[i] = moved_before[i] != 0 ? 0 : 1;
+  }
+  const auto by_rank = [&](auto key, double from, double to, bool inside) {
+    std::vector<std::size_t> order(n);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(corners[a]) < key(corners[b]); });
+    Chosen part(n, inside ? 0 : 1);
+    for (auto rank = static_cast<std::size_t>(from * static_cast<double>(n)); rank < static_cast<std::size_t>(to * static_cast<double>(n));
+         ++rank)
+      part[order[rank]] = inside ? 1 : 0;
+    parts.push_back(std::move(part));
+  };
+  const auto depth = [](const FollowedCorner& c) { return c.point_in_earlier.z(); };
+  const auto column = [](const FollowedCorner& c) { return c.pixel.x(); };
+  const auto row = [](const FollowedCorner& c) { return c.pixel.y(); };
+  for (const double nearer : {0.15, 0.3, 0.45, 0.6}) by_rank(depth, 0, nearer, false);
+  for (const double start : {0.0, 0.2, 0.4, 0.6}) by_rank(column, start, start + 0.4, false);
+  for (const double start : {0.0, 0.3, 0.6}) by_rank(row, start, start + 0.4, false);
+  return parts;
+}
+
+}  // namespace
+
+std::optional<CornerSplit> split_corners(const std::vector<FollowedCorner>& corners, const std::vector<std::uint8_t>& moved_before,
+                                         const Camera& camera, double precision_px) {
+  if (corners.size() < kLeastCornersOfMotion) return std::nullopt;
+  Problem problem{corners, camera, precision_px, {}};
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const double depth_m = std::clamp(corners[i].point_in_earlier.z(), kNearestWeight_m, kFarthestWeight_m);
+    const bool moved = moved_before.size() == corners.size() && moved_before[i] != 0;
+    problem.weight.push_back(depth_m * depth_m * (moved ? kMovedBeforeWeight : 1));
+  }
+  std::optional<Rigid3> best;
+  double least = 0;
+  for (const Chosen& part : parts_of(corners, moved_before)) {
+    if (count(part) < kLeastCornersOfMotion) continue;
+    // From tens of pixels to the precision of following.
+    Rigid3 motion = problem.fit(part, problem.fit(part, {}, 20 * precision_px), 3 * precision_px);
+    for (int round = 0; round < kRounds; ++round) {
+      const Chosen near = problem.near(motion);
+      if (count(near) < kLeastCornersOfMotion) break;
+      motion = problem.fit(near, motion, precision_px);
+    }
+    const double cost = problem.cost(motion);
+    if (best && cost >= least) continue;
+    best = motion;
+    least = cost;
+  }
+  if (!best) return std::nullopt;
+  CornerSplit split{inverse(*best), 0, {}, {}, 0};
+  double all = 0, moving = 0, squares = 0;
+  int resting = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const double error = problem.error_px(i, *best);
+    const bool rests = error < kBeyond * precision_px;
+    const bool moves = !rests && error > kShareOfCamera * problem.way_px(i, *best);
+    split.error_px.push_back(error);
+    split.moves.push_back(moves ? 1 : 0);
+    all += problem.weight[i];
+    moving += moves ? problem.weight[i] : 0;
+    squares += rests ? error * error : 0;
+    resting += rests ? 1 : 0;
+  }
+  split.moving_share = moving / all;
+  if (resting < kLeastCornersOfMotion || split.moving_share > 0.5) return std::nullopt;
+  split.deviation_px = std::sqrt(squares / (2 * resting));
+  return split;
+}
+
+}  // namespace hermite
