@@ -8,8 +8,8 @@ namespace hermite {
 
 namespace {
 
-// Pixels so far apart: near ones share most of a Kinect's noise, far ones none of it, and few surfaces bend over twice that.
-constexpr int kNear_px = 2, kFar_px = 8;
+// Pixels so far apart: near ones share most of a Kinect's noise, far ones none of it.
+constexpr int kNear_px = 2, kFar_px = 6, kFarthest_px = 8;
 
 // Every so-many-th pixel is asked, each way.
 constexpr int kEvery_px = 4;
@@ -37,8 +37,8 @@ class Differences {
 
   double deviation(int lag) {
     sizes_.clear();
-    for (int y = kFar_px; y < depth_.height - kFar_px; y += kEvery_px)
-      for (int x = kFar_px; x < depth_.width - kFar_px; x += kEvery_px) {
+    for (int y = kFarthest_px; y < depth_.height - kFarthest_px; y += kEvery_px)
+      for (int x = kFarthest_px; x < depth_.width - kFarthest_px; x += kEvery_px) {
         add(x, y, lag, 0);
         add(x, y, 0, lag);
       }
@@ -76,8 +76,12 @@ class Differences {
 
 NoiseSample measure_noise(const DepthImage& depth, double units_per_metre, const FrameOptions& options) {
   Differences differences(depth, units_per_metre, options);
-  const double near = differences.deviation(kNear_px), far = differences.deviation(kFar_px);
-  return near < 0 || far < 0 ? NoiseSample{} : NoiseSample{true, near, far};
+  const double near = differences.deviation(kNear_px), far = differences.deviation(kFar_px), farthest = differences.deviation(kFarthest_px);
+  if (std::min({near, far, farthest}) < 0) return {};
+  // What surfaces bend by grows with the square of the distance, noise does not any more.
+  constexpr double kGrowth = (kFarthest_px * kFarthest_px) / double{kFar_px * kFar_px};
+  const double bent2 = (farthest * farthest - far * far) / (kGrowth * kGrowth - 1);
+  return {true, near, std::sqrt(std::max(far * far - bent2, near * near))};
 }
 
 void SensorNoise::add(const NoiseSample& sample) {
