@@ -23,6 +23,7 @@ constexpr std::size_t kLiveQueueFrames = 4;  // older ones are not worth waiting
 // Those who wait hear of it so often: they give up when they hear nothing for longer.
 constexpr std::chrono::seconds kWaitingPeriod(5);
 
+constexpr std::chrono::hours kOldLogsPeriod(1);
 // At 5 MB a second of each of many scans far less than the room to begin (scans_disk.cpp) is gone meanwhile.
 constexpr std::chrono::seconds kDiskPeriod(1);
 
@@ -58,6 +59,7 @@ Scans::Scans(ScansOptions options, const Storage& storage, Metrics& metrics, con
       logs_(threads, [this](std::size_t reading_count) {
         return running_.size() + reading_count < static_cast<std::size_t>(options_.places.max_running);
       }) {
+  old_logs_removed_at_ = LiveScan::Clock::now() - kOldLogsPeriod;  // with the first tick
   const Result<std::vector<ScanRow>> left = store_.running();
   if (!left.ok()) throw SetupError(left.error());
   for (const ScanRow& row : *left)
@@ -330,7 +332,7 @@ void Scans::tick(LiveScan::Clock::time_point now, std::int64_t retention_now_ms)
     disk_watched_at_ = now;
     watch_disk();
   }
-  if (now - old_logs_removed_at_ >= std::chrono::hours(1)) remove_old_logs(retention_now_ms);
+  if (now - old_logs_removed_at_ >= kOldLogsPeriod) remove_old_logs(retention_now_ms);
 }
 
 void Scans::describe(Load& load) const {
