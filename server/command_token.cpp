@@ -13,6 +13,7 @@
 #include "server/client/api_request.h"
 #include "server/commands.h"
 #include "server/service/administration.h"
+#include "server/service/audit.h"
 #include "server/service/gate.h"
 #include "server/service/service.h"
 #include "server/store/data_directory.h"
@@ -54,25 +55,33 @@ class Office {
   }
 
   Result<std::string> create_token(const std::string& request) {
-    return server_ ? ask("POST", "/api/v1/tokens", request) : hermite::create_token(*store_, request, unix_now_ms());
+    return server_ ? ask("POST", "/api/v1/tokens", request)
+                   : noted("POST tokens", "", hermite::create_token(*store_, request, unix_now_ms()));
   }
   Result<std::string> list_tokens() { return server_ ? ask("GET", "/api/v1/tokens", "") : hermite::list_tokens(*store_, unix_now_ms()); }
   Result<std::string> create_share(const std::string& scan_id, const std::string& request) {
     return server_ ? ask("POST", "/api/v1/scans/" + scan_id + "/shares", request)
-                   : hermite::create_share(*store_, scan_id, request, unix_now_ms());
+                   : noted("POST shares", scan_id, hermite::create_share(*store_, scan_id, request, unix_now_ms()));
   }
   Result<std::string> list_shares() {
     return server_ ? ask("GET", "/api/v1/shares", "") : hermite::list_shares(*store_, "", unix_now_ms());
   }
   Result<std::string> revoke(const std::string& kind, const std::string& id) {
     if (server_) return ask("DELETE", "/api/v1/" + kind + "s/" + id, "");
-    return revoke_row(*store_, id, kind == "share", unix_now_ms());
+    return noted("DELETE " + kind, id, revoke_row(*store_, id, kind == "share", unix_now_ms()));
   }
   std::string address() const {
     return server_ ? (server_->tls ? "https://" : "http://") + server_->host_and_port() : "http://127.0.0.1:8080";
   }
 
  private:
+  // In the audit log, as a server does it.
+  Result<std::string> noted(const std::string& did, const std::string& to, Result<std::string> done) const {
+    Audit(data_->audit_folder(), unix_now_ms())
+        .note({unix_now_ms(), "", "the owner of the data folder", did, to, done.ok() ? "done" : name_of(done.error().code)});
+    return done;
+  }
+
   static ServerUrl running_server(const std::string& data_folder) {
     const Result<PublishedServer> published = published_server(data_folder);
     if (!published.ok()) throw SetupError(published.error());

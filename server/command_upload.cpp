@@ -320,7 +320,8 @@ Command add_upload_command(CLI::App& app) {
   upload.add_option("--title", arguments->title, "Title of the scans (default: the recording's name)");
   upload.add_option("--camera", arguments->camera, "camera.json, or one of fr1, fr2, fr3, icl-nuim, redwood");
   upload.add_option("--set", arguments->settings, "Setting of the reconstruction, key=value; may be repeated")->allow_extra_args(false);
-  upload.add_option("--priority", arguments->priority, "-100 to 100; higher ones come first")->check(CLI::Range(-100, 100));
+  upload.add_option("--priority", arguments->priority, "-100 to 100; higher ones come first, above 0 with a token of scope admin")
+      ->check(CLI::Range(-100, 100));
   upload.add_option("--patience", arguments->patience_s, "So long a server that is away or full is asked again, in seconds (default 600)")
       ->check(CLI::Range(0, 86'400));
   upload.add_flag("--no-check", arguments->no_check, "Do not open the recordings before they are sent");

@@ -212,10 +212,12 @@ std::optional<std::string> probe_sens(const std::string& path) {
   if (!file.ok()) return std::nullopt;
   FieldReader fields(*file);
   if (!read_name(fields).ok()) return std::nullopt;
-  // Four more bytes would do for a klg of four frames: the calibration tells.
+  // Four more bytes would do for a klg of four frames, and black depth for zeros: the last row of each matrix tells.
   const auto calibration = fields.read<std::array<Matrix, 4>>("calibration");
   if (!calibration.ok()) return std::nullopt;
-  const auto is_whole_matrix = [](const Matrix& matrix) { return matrix[12] == 0 && matrix[13] == 0 && matrix[14] == 0; };
+  const auto is_whole_matrix = [](const Matrix& matrix) {
+    return matrix[12] == 0 && matrix[13] == 0 && matrix[14] == 0 && matrix[15] == 1;
+  };
   if (!std::all_of(calibration->begin(), calibration->end(), is_whole_matrix)) return std::nullopt;
   return "version 4, a sensor's name and four 4x4 matrices (ScanNet's .sens)";
 }

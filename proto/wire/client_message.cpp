@@ -52,6 +52,7 @@ Result<StartScan> start_scan_from(const v1::StartScan& message) {
   if (Status status = check_settings(message.settings()); !status.ok()) return status.error();
   start.settings.insert(message.settings().begin(), message.settings().end());
   start.expected_frames = message.expected_frames();
+  start.frame_patience_s = message.frame_patience_s();
   return start;
 }
 
@@ -96,6 +97,7 @@ void write_start_scan(const StartScan& start, v1::StartScan& message) {
   message.set_mode(static_cast<v1::Mode>(start.mode));
   message.mutable_settings()->insert(start.settings.begin(), start.settings.end());
   message.set_expected_frames(start.expected_frames);
+  message.set_frame_patience_s(start.frame_patience_s);
 }
 
 // One overload a body: a new one does not compile until it is written here.

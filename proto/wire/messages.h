@@ -54,7 +54,8 @@ struct StartScan {
   std::vector<ColorCodec> color_codecs;  // known ones only, never empty
   Mode mode = Mode::kBatch;
   std::map<std::string, std::string> settings;
-  std::uint64_t expected_frames = 0;  // 0: unknown
+  std::uint64_t expected_frames = 0;   // 0: unknown
+  std::uint32_t frame_patience_s = 0;  // 0: what the server grants
 };
 struct ViewScan {
   std::string scan_id;
@@ -103,6 +104,7 @@ struct Welcome {
   std::string title;
   std::string resume_token;  // empty: the scan ends with the connection
   std::uint32_t resume_window_s = 0;
+  std::uint32_t frame_patience_s = 0;
 };
 enum class TrackingStatus { kTracked, kWeak, kLost };                               // unknown ones of a newer server count as lost
 enum class MapEvent { kNone, kLost, kFoundAgain, kNewPart, kJoined, kLoopClosed };  // unknown ones count as none

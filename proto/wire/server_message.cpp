@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "proto/wire/fields.h"
+#include "proto/wire/told_words.h"
 
 namespace hermite::wire {
 
@@ -28,6 +29,7 @@ Result<ServerMessage> welcome_from(const v1::Welcome& message) {
   if (Status status = check_text("welcome.resume_token", message.resume_token(), kMaxTokenBytes); !status.ok()) return status.error();
   welcome.resume_token = message.resume_token();
   welcome.resume_window_s = message.resume_window_s();
+  welcome.frame_patience_s = message.frame_patience_s();
   return ServerMessage(std::move(welcome));
 }
 
@@ -144,6 +146,7 @@ struct Writer {
     out.set_title(std::move(welcome.title));
     out.set_resume_token(std::move(welcome.resume_token));
     out.set_resume_window_s(welcome.resume_window_s);
+    out.set_frame_patience_s(welcome.frame_patience_s);
   }
   void operator()(FrameResult& result) const {
     v1::FrameResult& out = *message.mutable_frame_result();
@@ -177,7 +180,7 @@ struct Writer {
     out.set_frames_granted(resumed.frames_granted);
     out.set_durable_frames(resumed.durable_frames);
   }
-  void operator()(NotResumed& refused) const { message.mutable_not_resumed()->set_reason(std::move(refused.reason)); }
+  void operator()(NotResumed& refused) const { message.mutable_not_resumed()->set_reason(told_words(refused.reason)); }
   void operator()(GoAway& away) const { message.mutable_go_away()->set_resume_after_ms(away.resume_after_ms); }
   void operator()(Waiting& waiting) const {
     message.mutable_waiting()->set_before(waiting.before);
@@ -206,7 +209,7 @@ struct Writer {
   void operator()(ScanState& state) const {
     v1::ScanState& out = *message.mutable_scan_state();
     out.set_phase(static_cast<v1::ScanPhase>(state.phase));
-    out.set_words(std::move(state.words));
+    out.set_words(told_words(state.words));
     out.set_frames_received(state.frames_received);
     out.set_frames_processed(state.frames_processed);
     out.set_frames_dropped(state.frames_dropped);
@@ -221,7 +224,7 @@ struct Writer {
   void operator()(ErrorMessage& error) const {
     v1::Error& out = *message.mutable_error();
     out.set_code(std::move(error.code));
-    out.set_message(std::move(error.message));
+    out.set_message(told_words(error.message));
     out.set_sequence(error.sequence);
     out.set_about_frame(error.about_frame);
   }

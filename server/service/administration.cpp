@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kIdBytes = 6;  // 12 hex digits: short enough to type, and at most kMaxTokens share them
+constexpr int kIdBytes = 6;  // 12 hex digits: short enough to type, and a few thousand share them
 
 Error invalid(const std::string& words) { return {ErrorCode::kInvalidArgument, words}; }
 
@@ -121,7 +121,7 @@ Result<std::string> list_rows(Store& store, const char* name, std::int64_t now_m
 
 }  // namespace
 
-Result<std::string> create_token(Store& store, const std::string& request, std::int64_t now_ms) {
+Result<std::string> create_token(Store& store, const std::string& request, std::int64_t now_ms, const std::string& made_by) {
   const Result<Json> json = parse_request(request, {"name", "scopes", "days"});
   if (!json.ok()) return json.error();
   const Result<std::string> name = name_in(*json);
@@ -132,11 +132,13 @@ Result<std::string> create_token(Store& store, const std::string& request, std::
   if (!days.ok()) return days.error();
   auto [row, secret] = new_row(kTokenPrefix, *name, *days, now_ms);
   row.scopes = *scopes;
+  row.made_by = made_by;
   if (Status status = store.add_token(row); !status.ok()) return status.error();
   return json_text({{"token", row_json(row, now_ms)}, {"secret", secret}});
 }
 
-Result<std::string> create_share(Store& store, const std::string& scan_id, const std::string& request, std::int64_t now_ms) {
+Result<std::string> create_share(Store& store, const std::string& scan_id, const std::string& request, std::int64_t now_ms,
+                                 const std::string& made_by) {
   const Result<Json> json = parse_request(request, {"name", "days"});
   if (!json.ok()) return json.error();
   const Result<std::string> name = name_in(*json);
@@ -146,6 +148,7 @@ Result<std::string> create_share(Store& store, const std::string& scan_id, const
   auto [row, secret] = new_row(kSharePrefix, *name, *days, now_ms);
   row.scopes = {true, false, false};
   row.scan_id = scan_id;
+  row.made_by = made_by;
   // An empty one would make a token of it, which opens every scan.
   if (!is_scan_id(scan_id)) return Error{ErrorCode::kNotFound, "there is no such scan: an id has 26 characters of a-z and 0-9"};
   if (Status status = store.add_token(row); !status.ok()) return status.error();

@@ -21,11 +21,13 @@ inline constexpr int kMaxShareDays = 365, kDefaultShareDays = 7;
 
 // {"token": {"id", "name", "scopes", "created_at", "expires_at", "used_at", "revoked_at", "state"}, "secret"}. Times are null for never,
 // state is active, expired or revoked. kInvalidArgument, naming the field and the limit; kBusy: too many; kIo.
-Result<std::string> create_token(Store& store, const std::string& request, std::int64_t now_ms);
+Result<std::string> create_token(Store& store, const std::string& request, std::int64_t now_ms, const std::string& made_by = "");
 
+// `made_by`: id of the token that asks, for which a share link counts; empty: the owner of the data folder.
 // {"share": {as a token, "scan"}, "secret", "path"}; the path is what stands behind the server's address in the link: the secret is in the
 // fragment, which browsers do not send. kNotFound: no such scan.
-Result<std::string> create_share(Store& store, const std::string& scan_id, const std::string& request, std::int64_t now_ms);
+Result<std::string> create_share(Store& store, const std::string& scan_id, const std::string& request, std::int64_t now_ms,
+                                 const std::string& made_by = "");
 
 // {"tokens": [...]} and {"shares": [...]}, newest first. `scan_id`: only that scan's; empty: all.
 Result<std::string> list_tokens(Store& store, std::int64_t now_ms);

@@ -1,5 +1,6 @@
 #include "server/service/audience.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "proto/wire/server_message.h"
@@ -81,14 +82,19 @@ void Audience::close() {
   wake_all();
 }
 
-Result<std::unique_ptr<Viewer>> Audience::join(const std::shared_ptr<Audience>& audience, std::function<void()> wake) {
-  if (audience->viewers_.size() >= static_cast<std::size_t>(kMaxViewersPerScan))
-    return Error{ErrorCode::kBusy, "the scan has " + std::to_string(kMaxViewersPerScan) + " viewers, which is the limit"};
-  return std::make_unique<Viewer>(audience, std::move(wake));
+Result<std::unique_ptr<Viewer>> Audience::join(const std::shared_ptr<Audience>& audience, const ViewerToken& token,
+                                               std::function<void()> wake) {
+  const std::set<Viewer*>& viewers = audience->viewers_;
+  const auto own =
+      std::count_if(viewers.begin(), viewers.end(), [&token](const Viewer* viewer) { return viewer->token_id_ == token.token_id; });
+  const Taken taken{static_cast<std::int64_t>(viewers.size()), own};
+  if (Status status = check_share(kViewerShare, taken, token.is_admin, "viewers of a scan"); !status.ok()) return status.error();
+  return std::make_unique<Viewer>(audience, token.token_id, std::move(wake));
 }
 
-Viewer::Viewer(std::shared_ptr<Audience> audience, std::function<void()> wake)
+Viewer::Viewer(std::shared_ptr<Audience> audience, std::string token_id, std::function<void()> wake)
     : audience_(std::move(audience)),
+      token_id_(std::move(token_id)),
       wake_(std::move(wake)),
       state_(audience_->state_),
       poses_(audience_->poses_),

@@ -19,16 +19,24 @@
 #include "core/output/chunks.h"
 #include "proto/wire/messages.h"
 #include "server/service/scan_worker.h"
+#include "server/store/shares.h"
 
 namespace hermite {
 
-inline constexpr int kMaxViewersPerScan = 32;
+// Of one scan. A share link is one token, however many open it: half of all places are for one link.
+inline constexpr Share kViewerShare{32, 16, 4};
 inline constexpr std::uint64_t kMaxUnackedBytes = 4 * 1024 * 1024;
 
 struct SceneInfo {
   std::string scan_id;
   std::string title;
   Camera camera;
+};
+
+// With what a viewer came in.
+struct ViewerToken {
+  std::string token_id;
+  bool is_admin = false;
 };
 
 class Viewer;
@@ -55,8 +63,9 @@ class Audience {
 
   std::size_t viewer_count() const { return viewers_.size(); }
 
-  // `wake` is called when the viewer may have something to send. kBusy: kMaxViewersPerScan are there.
-  static Result<std::unique_ptr<Viewer>> join(const std::shared_ptr<Audience>& audience, std::function<void()> wake);
+  // `wake` is called when the viewer may have something to send. kBusy: the share of the token is used up.
+  static Result<std::unique_ptr<Viewer>> join(const std::shared_ptr<Audience>& audience, const ViewerToken& token,
+                                              std::function<void()> wake);
 
  private:
   friend class Viewer;
@@ -83,7 +92,7 @@ class Audience {
 // One viewer's share of an audience: what to send next. The audience outlives it.
 class Viewer {
  public:
-  Viewer(std::shared_ptr<Audience> audience, std::function<void()> wake);
+  Viewer(std::shared_ptr<Audience> audience, std::string token_id, std::function<void()> wake);
   ~Viewer();
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
@@ -106,6 +115,7 @@ class Viewer {
   SharedBytes counted(SharedBytes message);
 
   const std::shared_ptr<Audience> audience_;
+  const std::string token_id_;
   const std::function<void()> wake_;
   SharedBytes state_, poses_, result_, trajectory_;  // newest not yet sent
   SharedBytes event_;                                // the newest result with an event, sent although there is a newer one without

@@ -64,11 +64,11 @@ void Batch::job_ended(const JobRow& row) {
     uploads_.keep(row.source_id, unix_now_ms());
 }
 
-void Batch::tick(std::chrono::steady_clock::time_point now) {
+void Batch::tick(std::chrono::steady_clock::time_point now, std::int64_t retention_now_ms) {
   executor_.tick();
   if (now < sweep_at_) return;
   sweep_at_ = now + kSweepPeriod;
-  uploads_.sweep(unix_now_ms());
+  uploads_.sweep(retention_now_ms);
 }
 
 }  // namespace hermite

@@ -24,7 +24,7 @@ class Batch {
   Uploads& uploads() { return uploads_; }
   Executor& executor() { return executor_; }
 
-  void tick(std::chrono::steady_clock::time_point now);  // now and then
+  void tick(std::chrono::steady_clock::time_point now, std::int64_t retention_now_ms);  // now and then
   void refuse_new() { executor_.refuse_new(); }
   void stop() { executor_.stop(); }  // before Scans::stop()
   std::size_t running_count() const { return executor_.running_count(); }

@@ -72,6 +72,7 @@ Result<Grant> Gate::admit(std::string_view secret, const Caller& caller) {
         spdlog::warn("last use of token {}: {}", row->id, noted.error().message);
     return Grant{row->id, row->scopes, row->scan_id, row->expires_at_ms};
   }
+  on_wrong_secret_(caller);
   if (const std::int64_t wait_ms = failures_.take(caller.address, caller.now_ms); wait_ms > 0)
     return Error{ErrorCode::kBusy,
                  "too many wrong tokens from this address; try again in " + std::to_string((wait_ms + 999) / 1000) + " s"};

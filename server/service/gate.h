@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -39,6 +40,7 @@ Error lacks(const Grant& grant, Scope needed);
 struct Caller {
   std::string address;  // wrong secrets are counted by it
   std::int64_t now_ms = 0;
+  std::string peer = {};  // the whole address, for the audit log; `address` may be that of a network
 };
 
 inline constexpr std::int64_t kLastUsePrecision_ms = 60'000;  // a row written to disk for every request would be dear
@@ -56,6 +58,9 @@ class Gate {
   // many. kIo: the store. Never logs the secret.
   Result<Grant> admit(std::string_view secret, const Caller& caller);
 
+  // Told of every wrong secret, also of those that are told to wait. Set before the first caller.
+  void on_wrong_secret(std::function<void(const Caller&)> told) { on_wrong_secret_ = std::move(told); }
+
   // After how long one more wrong secret of an address is told that it is wrong.
   std::int64_t failure_wait_ms() const { return failure_wait_ms_; }
 
@@ -69,6 +74,7 @@ class Gate {
   Store& store_;
   const std::int64_t failure_wait_ms_;
   RateLimit failures_;
+  std::function<void(const Caller&)> on_wrong_secret_ = [](const Caller&) {};
   std::set<std::string> revoked_ids_;  // since the start; what was granted before must end
 };
 

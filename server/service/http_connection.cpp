@@ -229,6 +229,7 @@ asio::awaitable<HttpAnswer> answer_patiently(Transport& stream, const Site& site
     pause.expires_after(kWriterCheck);
     co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
     request.caller.now_ms = unix_now_ms();
+    request.asked_again = true;
     answer = site.answer(request);
   }
   co_return answer;
@@ -307,7 +308,7 @@ asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, std::string
     }
     const Request& request = parser.get();
     Peer peer = peer_of_request(request, address, stream.encrypted(), site);
-    Caller caller{address_group(peer.address), unix_now_ms()};
+    Caller caller{address_group(peer.address), unix_now_ms(), peer.address};
     HttpRequest asked = plain(request, std::move(caller), parser.content_length().value_or(0));
     std::optional<HttpAnswer> wrong = check(parser, asked, peer, address, site);
     if (!wrong && site.websockets && beast::websocket::is_upgrade(request)) {

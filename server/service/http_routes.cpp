@@ -10,6 +10,7 @@
 #include <utility>
 #include <variant>
 
+#include "proto/wire/told_words.h"
 #include "server/service/administration.h"
 #include "server/service/job_routes.h"
 #include "server/service/json_text.h"
@@ -39,7 +40,8 @@ Json row_json(const ScanRow& row) {
   json["id"] = row.id;
   json["title"] = row.title;
   json["state"] = name_of(row.phase);
-  json["words"] = row.words;
+  json["words"] = wire::told_words(row.words);
+  json["to_be_rebuilt"] = row.to_be_rebuilt;
   json["frames"] = row.frames_processed;
   json["frames_received"] = row.frames_received;
   json["frames_processed"] = row.frames_processed;
@@ -110,11 +112,11 @@ HttpAnswer list_scans_shares(const HttpWorld& world, const Call& call) {
   return row.ok() ? made(list_shares(world.store, call.id, call.request.caller.now_ms)) : refused(row.error());
 }
 HttpAnswer share_scan(const HttpWorld& world, const Call& call) {
-  return made(create_share(world.store, call.id, call.request.body, call.request.caller.now_ms), 201);
+  return made(create_share(world.store, call.id, call.request.body, call.request.caller.now_ms, call.grant.token_id), 201);
 }
 HttpAnswer list_all_tokens(const HttpWorld& world, const Call& call) { return made(list_tokens(world.store, call.request.caller.now_ms)); }
 HttpAnswer make_token(const HttpWorld& world, const Call& call) {
-  return made(create_token(world.store, call.request.body, call.request.caller.now_ms), 201);
+  return made(create_token(world.store, call.request.body, call.request.caller.now_ms, call.grant.token_id), 201);
 }
 
 HttpAnswer revoke(const HttpWorld& world, const Call& call, bool share) {
@@ -124,6 +126,21 @@ HttpAnswer revoke(const HttpWorld& world, const Call& call, bool share) {
 }
 HttpAnswer revoke_share(const HttpWorld& world, const Call& call) { return revoke(world, call, true); }
 HttpAnswer revoke_token(const HttpWorld& world, const Call& call) { return revoke(world, call, false); }
+
+// Of what a request has made: its answer names it.
+std::string made_id(const HttpAnswer& answer) {
+  const Json json = Json::parse(answer.body, nullptr, false);
+  if (!json.is_object()) return {};
+  for (const char* kind : {"token", "share"})
+    if (json.contains(kind) && json[kind].is_object()) return json[kind].value("id", "");
+  return json.value("id", "");
+}
+
+// An entry of the audit log: changes, whatever came of them, and results that were taken. Lists and states are asked for all the time.
+void note(const HttpWorld& world, const HttpRequest& request, const Grant& grant, std::string_view route, const std::string& id,
+          const std::string& outcome) {
+  world.audit.note({request.caller.now_ms, grant.token_id, request.caller.peer, request.method + " " + std::string(route), id, outcome});
+}
 
 enum class Needs { kView, kScan, kViewAndScan, kAdmin };
 
@@ -215,6 +232,9 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
   std::variant<Grant, HttpAnswer> admitted = admit(world, request);
   if (auto* refusal = std::get_if<HttpAnswer>(&admitted)) return std::move(*refusal);
   const Grant& grant = std::get<Grant>(admitted);
+  if (!may(grant, Scope::kAdmin) && !request.asked_again)
+    if (const std::int64_t wait_ms = world.of_a_token.take(grant.token_id, request.caller.now_ms); wait_ms > 0)
+      return wait_answer(429, "too many requests with this token", wait_ms);
   std::string allow;
   for (const ApiRoute& route : kApi) {
     const std::optional<std::string> id = match(route, request.path);
@@ -222,6 +242,7 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
     if (fits(route, method, request.path)) {
       if (const std::optional<Scope> scope = lacking(grant, route.needs)) {
         spdlog::info("{} {} refused to token {}", method, request.path, grant.token_id);
+        note(world, request, grant, route.name, *id, "403");
         return on_route(route.name, error_answer(403, lacks(grant, *scope)));
       }
       // A share link knows of no other scan, not even that it exists.
@@ -230,6 +251,10 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
       HttpAnswer answer = on_route(route.name, route.handle(world, {request, grant, *id}));
       // Who changed what; paths of the routes hold ids and no secrets.
       const bool looks = method == "GET" || method == "HEAD" || answer.body_sink || answer.ask_again;
+      const bool takes_results = method == "GET" && answer.stored.has_value();
+      if ((!looks && !answer.ask_again) || answer.body_sink || takes_results)
+        note(world, request, grant, route.name, id->empty() ? made_id(answer) : *id,
+             answer.body_sink ? "begun" : std::to_string(answer.status));
       if (!looks) spdlog::info("{} {} by token {}: {}", method, request.path, grant.token_id, answer.status);
       return answer;
     }
@@ -257,7 +282,7 @@ HttpAnswer answer_file(const HttpWorld& world, const HttpRequest& request) {
 }  // namespace
 
 HttpAnswer error_answer(int status, const Error& error) {
-  HttpAnswer answer = json_answer({{"error", {{"code", name_of(error.code)}, {"message", error.message}}}});
+  HttpAnswer answer = json_answer({{"error", {{"code", name_of(error.code)}, {"message", wire::told_words(error.message)}}}});
   answer.status = status;
   return answer;
 }

@@ -36,10 +36,12 @@
 #include <utility>
 #include <vector>
 
+#include "server/service/audit.h"
 #include "server/service/body_sink.h"
 #include "server/service/executor.h"
 #include "server/service/gate.h"
 #include "server/service/metrics.h"
+#include "server/service/rate_limit.h"
 #include "server/service/scans.h"
 #include "server/service/static_files.h"
 #include "server/service/tus.h"
@@ -56,6 +58,7 @@ struct HttpRequest {
   Caller caller;                 // who asks
   HttpHeaders headers = {};      // all of them
   std::uint64_t body_bytes = 0;  // announced
+  bool asked_again = false;      // by the server itself (HttpAnswer::ask_again): it counts for no rate
 };
 
 // A long body that lies somewhere, and is read while it is sent.
@@ -89,6 +92,9 @@ struct HttpWorld {
   Metrics& metrics;
   Uploads& uploads;
   Executor& executor;
+  ShareCount& sessions;   // WebSockets
+  RateLimit& of_a_token;  // requests
+  Audit& audit;
 };
 
 // What a route's function gets besides the world.

@@ -5,6 +5,7 @@
 
 #include "core/dataset/camera_file.h"
 #include "proto/wire/messages.h"
+#include "proto/wire/told_words.h"
 #include "server/service/json_text.h"
 #include "server/service/json_time.h"
 #include "server/service/scan_record.h"
@@ -62,7 +63,7 @@ Result<int> parse_priority(const std::string& text) {
 
 Json row_json(const JobStatus& job) {
   const JobRow& row = job.row;
-  Json json = {{"id", row.id}, {"title", row.title}, {"state", name_of(row.state)}, {"words", row.words}};
+  Json json = {{"id", row.id}, {"title", row.title}, {"state", name_of(row.state)}, {"words", wire::told_words(row.words)}};
   json["stage"] = job.stage.name;
   json["done"] = job.stage.done;
   json["total"] = job.stage.total;
@@ -174,6 +175,12 @@ Result<JobRow> job_of_request(const std::string& body) {
   return job;
 }
 
+Status check_priority(const JobRow& job, bool is_admin) {
+  if (is_admin || job.priority <= kHighestPriorityForAll) return Done{};
+  return Error{ErrorCode::kUnauthorized, "priority " + std::to_string(job.priority) + " needs a token with admin; others may ask for " +
+                                             std::to_string(kLowestPriority) + " to " + std::to_string(kHighestPriorityForAll)};
+}
+
 std::map<std::string, std::string> settings_of(const JobRow& job) {
   const Result<std::map<std::string, std::string>> settings = parse_settings(Json::parse(job.settings, nullptr, false));
   return settings.ok() ? *settings : std::map<std::string, std::string>();
@@ -188,7 +195,7 @@ std::string jobs_json(const std::vector<JobStatus>& jobs) {
 std::string job_json(const JobStatus& job, const std::vector<JobLine>& log) {
   Json json = row_json(job);
   json["log"] = Json::array();
-  for (const JobLine& line : log) json["log"].push_back({{"at", time_json(line.at_ms)}, {"words", line.words}});
+  for (const JobLine& line : log) json["log"].push_back({{"at", time_json(line.at_ms)}, {"words", wire::told_words(line.words)}});
   return json_text(json);
 }
 

@@ -17,13 +17,16 @@ namespace hermite {
 //   "title"     of the scan, else that of "filename" without its ending
 //   "camera"    as in camera.json, or one of the names that camera_file.h knows
 //   "settings"  a JSON object of texts: of the reconstruction, as a camera sends them
-//   "priority"  -100 to 100
+//   "priority"  -100 to 100; above 0 only of a token that may administer (check_priority)
 // kInvalidArgument, naming the key.
 Result<JobRow> job_of_upload(const UploadRow& upload);
 
 // From the body of a request, a JSON object: "scan" is the id of the one to be made anew, "title", "settings" and "priority" as above.
 // An id of its own is not in it yet.
 Result<JobRow> job_of_request(const std::string& body);
+
+// Only administrators put themselves before others. kUnauthorized.
+Status check_priority(const JobRow& job, bool is_admin);
 
 // Of a row that came out of the above. A corrupt one has none.
 std::map<std::string, std::string> settings_of(const JobRow& job);

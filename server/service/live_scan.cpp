@@ -35,6 +35,7 @@ std::uint64_t LiveScan::attach_camera(CameraLink camera) {
   const std::optional<CameraLink> superseded = std::exchange(camera_, std::move(camera));
   ++camera_number_;
   waiting_since_.reset();
+  silent_since_.reset();
   if (superseded) superseded->superseded();
   return camera_number_;
 }
@@ -61,7 +62,7 @@ wire::ScanState LiveScan::state(const std::string& words) const {
 }
 
 void LiveScan::show_state() {
-  std::string words;
+  std::string words = warning_;
   if (paused_) words = "paused by its camera";
   if (waiting_since_) words = "waiting for the camera to come back: " + why_waiting_.message;
   const wire::ScanState now = state(words);
@@ -98,6 +99,7 @@ Status LiveScan::receive(wire::Frame frame, std::string_view message) {
   if (counts_.received >= kMaxFramesPerScan)
     return Error{ErrorCode::kTooLarge, "a scan has at most " + std::to_string(kMaxFramesPerScan) + " frames"};
   ++counts_.received;
+  silent_since_.reset();
   if (paused_) pause(false);
 
   const double time_s = frame.timestamp_s;
@@ -130,6 +132,7 @@ void LiveScan::finish() {
 void LiveScan::pause(bool paused) {
   if (no_more_frames() || paused_ == paused) return;
   paused_ = paused;
+  silent_since_.reset();
   show_state();
 }
 
@@ -161,7 +164,20 @@ void LiveScan::wait_for_camera(const Error& why) {
   show_state();
 }
 
+// Who holds a place and uses it for nothing lets it go. Who has no credit waits for us.
+void LiveScan::end_silence(Clock::time_point now) {
+  const bool could_send = camera_ && !finishing_ && !no_more_frames() && counts_.received < granted();
+  if (!could_send) return silent_since_.reset();
+  if (!silent_since_) silent_since_ = now;
+  const std::chrono::milliseconds patience = paused_ ? kMaxPause : terms_.frame_patience;
+  if (now - *silent_since_ < patience) return;
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(patience).count();
+  end_early(
+      {ErrorCode::kBusy, "the camera sent no frame for " + std::to_string(seconds) + " s" + (paused_ ? ", in which it was paused" : "")});
+}
+
 void LiveScan::tick(Clock::time_point now) {
+  end_silence(now);
   if (!waiting_since_ || now - *waiting_since_ < terms_.resume_window) return;
   waiting_since_.reset();
   end_early(why_waiting_);
@@ -183,6 +199,18 @@ void LiveScan::frames_durable(std::uint64_t count) {
   if (!no_more_frames()) grant();
 }
 
+void LiveScan::warn(const std::string& words) {
+  if (warning_ == words || over()) return;
+  warning_ = words;
+  show_state();
+}
+
+std::uint64_t LiveScan::results_bytes() const {
+  // A point has 47 bytes in the cloud and, measured, 13 in the chunks; a frame 99 in the trajectory.
+  constexpr std::uint64_t kBytesPerSurfel = 64, kBytesPerFrame = 128, kBytesAtLeast = 1'000'000;
+  return kBytesAtLeast + kBytesPerSurfel * surfel_count_ + kBytesPerFrame * counts_.received;
+}
+
 void LiveScan::log_failed(const Error& error) { end_early(in_context("the scan's frames cannot be stored", error)); }
 
 void LiveScan::restored(RestoredScan restored) {
@@ -196,6 +224,7 @@ void LiveScan::restored(RestoredScan restored) {
 
 void LiveScan::frame_done(const FrameOutcome& outcome) {
   ++counts_.processed;
+  surfel_count_ = outcome.result.surfel_count;
   if (outcome.bad_images) refuse(outcome.result.sequence, *outcome.bad_images);
   send(outcome.result);
   grant();

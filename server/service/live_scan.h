@@ -20,7 +20,9 @@
 namespace hermite {
 
 inline constexpr std::uint64_t kMaxFramesPerScan = 400'000;  // 3.7 hours at 30 Hz; bounds trajectory and report
-inline constexpr double kMaxTimestamp_s = 1e11;              // keeps six decimals exact to a few microseconds
+// A coffee break. A camera that is paused for longer than that keeps others from their scans.
+inline constexpr std::chrono::minutes kMaxPause(30);
+inline constexpr double kMaxTimestamp_s = 1e11;  // keeps six decimals exact to a few microseconds
 
 // To the camera of a scan.
 struct CameraLink {
@@ -41,7 +43,8 @@ struct ScanTerms {
   std::uint32_t credit_window = 16;  // frames
   std::string resume_token_sha256;   // empty: the scan ends with its camera's connection
   std::chrono::milliseconds resume_window{120'000};
-  std::uint64_t expected_frames = 0;  // 0: nobody knows
+  std::chrono::milliseconds frame_patience{120'000};  // for a camera that could send a frame and does not
+  std::uint64_t expected_frames = 0;                  // 0: nobody knows
 };
 
 // What an earlier server has taken of a scan, as its frame log has it.
@@ -81,8 +84,16 @@ class LiveScan {
 
   void wait_for_camera(const Error& why);  // of a scan with a past that is not finished
 
-  void tick(Clock::time_point now);  // now and then: ends a wait that has taken too long
+  void tick(Clock::time_point now);  // now and then: ends a wait that has taken too long, for a camera to come back or to send a frame
   void stop();                       // the server is stopping
+
+  // Of a scan that is rebuilt from its frames: no camera is waited for.
+  void end_with(const Error& why) { end_early(why); }
+  void disk_is_full(const Error& why) { end_early(why); }  // nearly: its results still fit
+  void warn(const std::string& words);                     // told to camera and viewers until it is something else; empty: nothing
+
+  // What its results come to, about and rather less than that: what has to stay free on the disk for them.
+  std::uint64_t results_bytes() const;
 
   // Told by the log, through the network thread.
   void frames_durable(std::uint64_t count);
@@ -119,6 +130,7 @@ class LiveScan {
   bool resumable() const { return !terms_.resume_token_sha256.empty(); }
   Status log_record(RecordType type, std::string_view message);
   void end_early(const Error& why);
+  void end_silence(Clock::time_point now);
   void show_state();
   wire::ScanState state(const std::string& words) const;
 
@@ -130,12 +142,15 @@ class LiveScan {
   std::optional<CameraLink> camera_;
   std::uint64_t camera_number_ = 0;                 // of the links so far
   std::optional<Clock::time_point> waiting_since_;  // for a camera to come back
+  std::optional<Clock::time_point> silent_since_;   // the camera, that could send a frame
   Error why_waiting_;
   wire::ScanPhase phase_ = wire::ScanPhase::kRunning;
   FrameCounts counts_;
   std::uint64_t durable_ = 0;                                       // frames
   std::uint64_t keyframes_ = 0, loops_ = 0, gpu_memory_bytes_ = 0;  // as of the last update of the model
   std::optional<double> last_timestamp_s_;
+  std::uint64_t surfel_count_ = 0;  // as of the last frame
+  std::string warning_;
   bool finishing_ = false;  // every frame was received
   bool ending_ = false;     // before every frame was: nothing more is received
   bool discarded_ = false;

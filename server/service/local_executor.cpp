@@ -139,10 +139,25 @@ void LocalExecutor::tick() {
     spdlog::error("jobs: {}", waiting.error().message);
     return;
   }
-  for (JobRow& row : *waiting) {
-    if (running_.size() >= static_cast<std::size_t>(worker_count_)) return;
-    start(std::move(row));
+  while (!waiting->empty() && running_.size() < static_cast<std::size_t>(worker_count_)) {
+    const auto next = waiting->begin() + static_cast<std::ptrdiff_t>(next_of(*waiting));
+    last_start_[next->token_id] = ++start_count_;
+    start(std::move(*next));
+    waiting->erase(next);
   }
+}
+
+// Of the highest priority: of the token that had its last turn longest ago the oldest, so that who submits a hundred keeps nobody waiting
+// for a hundred. `waiting` is in the order of the store.
+std::size_t LocalExecutor::next_of(const std::vector<JobRow>& waiting) const {
+  const auto last_start = [this](const JobRow& row) {
+    const auto found = last_start_.find(row.token_id);
+    return found == last_start_.end() ? 0 : found->second;
+  };
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < waiting.size() && waiting[i].priority == waiting.front().priority; ++i)
+    if (last_start(waiting[i]) < last_start(waiting[best])) best = i;
+  return best;
 }
 
 void LocalExecutor::refuse_new() { stopping_ = true; }

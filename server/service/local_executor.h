@@ -71,6 +71,7 @@ class LocalExecutor : public Executor {
     JobStage stage;
     std::unique_ptr<JobWork> work;
   };
+  std::size_t next_of(const std::vector<JobRow>& waiting) const;
   void start(JobRow row);
   void ended(const std::string& id, const JobEnd& end);
   void note(const std::string& id, const std::string& words);
@@ -80,7 +81,9 @@ class LocalExecutor : public Executor {
   Store& store_;
   const Hooks hooks_;
   const std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
-  std::map<std::string, Running> running_;  // by id
+  std::map<std::string, Running> running_;           // by id
+  std::map<std::string, std::uint64_t> last_start_;  // by token: the number of the start of its newest job
+  std::uint64_t start_count_ = 0;
   bool stopping_ = false;
 };
 

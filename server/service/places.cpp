@@ -22,6 +22,16 @@ void add_to_mean(double& mean, double value, double weight) { mean = mean == 0 ?
 
 }  // namespace
 
+Share running_share(const PlaceRules& rules) { return {rules.max_running, rules.max_running_per_token, rules.max_running / 4}; }
+
+// How many of the line, or of the scans that run, are of the same token.
+template <class Held>
+Taken Places::taken_of(const Held& held, const PlaceRequest& request) {
+  const auto own =
+      std::count_if(held.begin(), held.end(), [&request](const auto& entry) { return entry.second.request.token_id == request.token_id; });
+  return {static_cast<std::int64_t>(held.size()), own};
+}
+
 Status Places::check_server(const PlaceRequest& request) const {
   if (running_.size() >= static_cast<std::size_t>(rules_.max_running))
     return busy("this server runs at most " + std::to_string(rules_.max_running) + " scans at once");
@@ -47,11 +57,9 @@ Status Places::check_memory() const {
 }
 
 Status Places::check_token(const PlaceRequest& request) const {
-  if (request.is_admin || request.token_id.empty()) return Done{};
-  const auto own =
-      std::count_if(running_.begin(), running_.end(), [&](const auto& entry) { return entry.second.request.token_id == request.token_id; });
-  if (own < rules_.max_running_per_token) return Done{};
-  return busy("this token may run at most " + std::to_string(rules_.max_running_per_token) + " scans at once");
+  Share share = running_share(rules_);
+  if (request.token_id.empty()) share.per_token = share.in_all;  // nobody's
+  return check_share(share, taken_of(running_, request), request.is_admin, "scans that run at once");
 }
 
 Status Places::check(const PlaceRequest& request) const {
@@ -99,7 +107,9 @@ std::uint64_t Places::scan_gpu_memory_bytes() const {
 
 Result<Places::Ticket> Places::wait(const PlaceRequest& request, std::function<void(const wire::Waiting&)> tell,
                                     std::function<void()> begin) {
-  if (line_.size() >= kMaxWaitingCameras) return busy(std::to_string(line_.size()) + " cameras wait for a place already");
+  if (Status status = check_share(kWaitingCameraShare, taken_of(line_, request), request.is_admin, "cameras that wait for a place");
+      !status.ok())
+    return status.error();
   tell({static_cast<std::uint32_t>(line_.size()), 0});
   line_[next_ticket_] = {request, std::move(tell), std::move(begin)};
   return next_ticket_++;
@@ -116,7 +126,8 @@ void Places::dismiss() {
 void Places::serve() {
   for (auto entry = line_.begin(); entry != line_.end();) {
     const Ticket ticket = entry->first;
-    // Who waits for his own scans to end keeps nobody waiting; who waits for the server's is not passed.
+    // Who waits for his own scans to end, or may not have what is kept for administrators, keeps nobody waiting who may; who waits for the
+    // server's is not passed.
     if (check_token(entry->second.request).ok()) {
       if (!check_server(entry->second.request).ok()) return;
       const Waiter waiter = std::move(entry->second);

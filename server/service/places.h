@@ -1,4 +1,5 @@
-// Who may run a scan now, and who waits for that: first come, first served. Belongs to the network thread.
+// Who may run a scan now, and who waits for that: first come, first served, within the share of each token (shares.h). Belongs to the
+// network thread.
 //
 // Places are counted, and measured: what a frame costs on this device decides how many scans a live one can have beside it, and what a
 // scan takes of the device's memory how many there can be at all.
@@ -13,10 +14,12 @@
 
 #include "core/base/result.h"
 #include "proto/wire/messages.h"
+#include "server/store/shares.h"
 
 namespace hermite {
 
-inline constexpr std::size_t kMaxWaitingCameras = 32;
+// Who may run so many scans may have as many more in line, and a few others find room beside seven who do.
+inline constexpr Share kWaitingCameraShare{32, 4, 4};
 
 struct PlaceRules {
   int max_running = 4;
@@ -24,6 +27,9 @@ struct PlaceRules {
   int live_rate_hz = 5;                // frames a second that a live scan gets at least, or no other runs beside it; 0: whatever is left
   std::uint64_t gpu_memory_bytes = 0;  // for all scans together; 0: what the device has
 };
+
+// Every fourth place is kept for administrators: with fewer than four there would be too few left for others.
+Share running_share(const PlaceRules& rules);
 
 struct PlaceRequest {
   std::string token_id;  // empty: nobody's, as of a scan that an earlier server began
@@ -51,7 +57,8 @@ class Places {
   // So much the scan takes of the device's memory, and so much there is for all; 0: nobody knows.
   void memory_measured(const std::string& scan_id, std::uint64_t taken_bytes, std::uint64_t device_bytes);
 
-  // kBusy: the line is full. `tell` is called at once and by tell(); `begin` when the turn has come: the camera has left the line then.
+  // kBusy: the line is full, or the token's share of it. `tell` is called at once and by tell(); `begin` when the turn has come: the camera
+  // has left the line then.
   Result<Ticket> wait(const PlaceRequest& request, std::function<void(const wire::Waiting&)> tell, std::function<void()> begin);
   void leave(Ticket ticket) { line_.erase(ticket); }
 
@@ -78,6 +85,8 @@ class Places {
   Status check_server(const PlaceRequest& request) const;
   Status check_memory() const;
   Status check_token(const PlaceRequest& request) const;
+  template <class Held>
+  static Taken taken_of(const Held& held, const PlaceRequest& request);
 
   const PlaceRules rules_;
   std::map<std::string, Running> running_;  // by scan

@@ -60,4 +60,20 @@ void CountLimit::leave(const std::string& address) {
   if (--found->second == 0) counts_.erase(found);
 }
 
+Result<std::unique_ptr<ShareCount::Place>> ShareCount::enter(const std::string& token_id, bool is_admin, const std::string& things) {
+  const auto own = counts_.find(token_id);
+  const Taken taken{count_, own == counts_.end() ? 0 : own->second};
+  if (Status status = check_share(share_, taken, is_admin, things); !status.ok()) return status.error();
+  ++count_;
+  ++counts_[token_id];
+  return std::make_unique<Place>(*this, token_id);
+}
+
+void ShareCount::leave(const std::string& token_id) {
+  const auto own = counts_.find(token_id);
+  CHECK(own != counts_.end(), "left without having entered");
+  --count_;
+  if (--own->second == 0) counts_.erase(own);
+}
+
 }  // namespace hermite

@@ -4,7 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
+
+#include "core/base/result.h"
+#include "server/store/shares.h"
 
 namespace hermite {
 
@@ -48,6 +52,35 @@ class CountLimit {
   const int in_all_, per_address_;
   int count_ = 0;
   std::map<std::string, int> counts_;  // at most in_all_ entries
+};
+
+// How many of something each token has open, within its share (shares.h).
+class ShareCount {
+ public:
+  explicit ShareCount(const Share& share) : share_(share) {}
+
+  // Gives itself back when it goes; the count outlives it.
+  class Place {
+   public:
+    Place(ShareCount& count, std::string token_id) : count_(count), token_id_(std::move(token_id)) {}
+    ~Place() { count_.leave(token_id_); }
+    Place(const Place&) = delete;
+    Place& operator=(const Place&) = delete;
+
+   private:
+    ShareCount& count_;
+    const std::string token_id_;
+  };
+
+  // kBusy, in words with `things`.
+  Result<std::unique_ptr<Place>> enter(const std::string& token_id, bool is_admin, const std::string& things);
+
+ private:
+  void leave(const std::string& token_id);
+
+  const Share share_;
+  std::int64_t count_ = 0;
+  std::map<std::string, std::int64_t> counts_;  // of tokens that have some
 };
 
 }  // namespace hermite

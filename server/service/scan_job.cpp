@@ -177,7 +177,8 @@ void ScanJob::begin_scan() {
     return;
   }
   const std::string upload_id = row_.source == JobSource::kUpload ? row_.source_id : "";
-  const Result<std::optional<JobScan>> found = world_.scans.run_for_job(row_.scan_id, upload_id, *waiting_);
+  const Result<std::optional<JobScan>> found =
+      world_.scans.run_for_job(row_.scan_id, upload_id, world_.scans.owner_of(row_.token_id), *waiting_);
   if (found.ok() && !*found) {
     events_.progress({"reading the frame log"});
     return;

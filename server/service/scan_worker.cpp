@@ -23,6 +23,7 @@
 #include "server/service/pipeline_words.h"
 #include "server/service/replay.h"
 #include "server/service/results.h"
+#include "server/service/scan_end.h"
 #include "server/store/chunk_file.h"
 
 namespace hermite {
@@ -35,8 +36,6 @@ constexpr std::chrono::milliseconds kUpdatePeriod(kMsPerUpdate);
 constexpr std::chrono::milliseconds kEncodingPatience(20);
 
 double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
-
-ScanEnd failure(const Error& error) { return {wire::ScanPhase::kFailed, error, {}, error.message}; }
 
 // The worker's thread: one scan from the first frame to its files.
 class ScanRun {
@@ -328,21 +327,22 @@ struct ScanWorker::Impl {
   ScanEnd run() try {
     ScanRun scan(setup, events, queue, durable);
     scan.go_on();
-    if (Status status = scan.take_frames(); !status.ok()) return failure(status.error());
+    if (Status status = scan.take_frames(); !status.ok()) return failed_scan(status.error());
     if (const std::optional<Abandon> how = how_abandoned()) {
       if (*how == Abandon::kToGoOn) scan.leave();
       return {wire::ScanPhase::kRunning, {}, {}, {}};
     }
     Result<wire::Finished> results = scan.write();
     const std::optional<Error> reason = why_interrupted();
-    if (!results.ok()) return failure(reason ? in_context(reason->message, results.error()) : results.error());
+    if (!results.ok() && results.error().code == ErrorCode::kIo) return not_stored(*setup.blobs, setup.scan_id, reason, results.error());
+    if (!results.ok()) return failed_scan(reason ? in_context(reason->message, results.error()) : results.error());
     if (reason) return {wire::ScanPhase::kInterrupted, *reason, *std::move(results), reason->message};
     return {wire::ScanPhase::kFinished, {}, *std::move(results), scan.last_words()};
   } catch (const SetupError& error) {
-    return failure(error.error());
+    return failed_scan(error.error());
   } catch (const std::exception& error) {
     // Out of memory and what libraries throw: this scan is over, the others are not.
-    return failure({ErrorCode::kDevice, std::string("the scan failed: ") + error.what()});
+    return failed_scan({ErrorCode::kDevice, std::string("the scan failed: ") + error.what()});
   }
 };
 

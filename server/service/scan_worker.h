@@ -84,6 +84,7 @@ struct ScanEnd {
   wire::Finished results;                              // when not failed
   std::string words;                                   // for a person: the error's, or what is left to say about the map
   bool discarded = false;                              // nothing of it is to be kept
+  bool results_missing = false;                        // interrupted: the disk did not take them, and its frames are there
 };
 
 // The last event is `ended`, always and once.

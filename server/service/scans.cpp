@@ -1,5 +1,6 @@
 #include "server/service/scans.h"
 
+#include <malloc.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -21,6 +22,10 @@ namespace {
 constexpr std::size_t kLiveQueueFrames = 4;  // older ones are not worth waiting for
 // Those who wait hear of it so often: they give up when they hear nothing for longer.
 constexpr std::chrono::seconds kWaitingPeriod(5);
+
+constexpr std::chrono::hours kOldLogsPeriod(1);
+// At 5 MB a second of each of many scans far less than the room to begin (scans_disk.cpp) is gone meanwhile.
+constexpr std::chrono::seconds kDiskPeriod(1);
 
 ScanPhase stored_phase(wire::ScanPhase phase) {
   switch (phase) {
@@ -54,14 +59,14 @@ Scans::Scans(ScansOptions options, const Storage& storage, Metrics& metrics, con
       logs_(threads, [this](std::size_t reading_count) {
         return running_.size() + reading_count < static_cast<std::size_t>(options_.places.max_running);
       }) {
+  old_logs_removed_at_ = LiveScan::Clock::now() - kOldLogsPeriod;  // with the first tick
   const Result<std::vector<ScanRow>> left = store_.running();
   if (!left.ok()) throw SetupError(left.error());
   for (const ScanRow& row : *left)
-    read_log(row, [this](LeftScan scan) {
+    read_log(row, place_of_left(row), [this](LeftScan scan) {
       const ScanRow left_row = scan.launch.row;
       if (const Status status = run_left(std::move(scan)); !status.ok()) interrupt_left(left_row, status.error());
     });
-  remove_old_logs();
 }
 
 PlaceRequest place_request_of(const Grant& grant, wire::Mode mode) {
@@ -117,7 +122,7 @@ FrameLogEvents Scans::log_events(const Launch& launch) const {
 }
 
 Result<Scans::Launch> Scans::launch_of(const std::string& scan_id, const wire::StartScan& request, const std::string& resume_token,
-                                       const PlaceRequest& place) const {
+                                       const ScanOwner& owner, const PlaceRequest& place) const {
   const std::size_t max_message_bytes = wire::max_frame_message_bytes(request.camera);
   Launch launch;
   launch.place = place;
@@ -129,6 +134,7 @@ Result<Scans::Launch> Scans::launch_of(const std::string& scan_id, const wire::S
   launch.options = *options;
   launch.row.id = scan_id;
   launch.row.title = request.title;
+  launch.row.token_id = owner.token_id;
   launch.row.camera = request.camera;
   launch.row.created_at_ms = unix_now_ms();
   return launch;
@@ -156,9 +162,11 @@ Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& gr
   if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
   const PlaceRequest place = place_request_of(grant, request.mode);
   if (Status status = places_.check(place); !status.ok()) return status.error();
-  if (Status status = check_storage(); !status.ok()) return status.error();
+  if (Status status = check_disk(); !status.ok()) return status.error();
+  const ScanOwner owner{grant.token_id, place.is_admin};
+  if (Status status = check_storage(owner); !status.ok()) return status.error();
   const std::string resume_token = resumable ? random_hex(kResumeTokenBytes) : "";
-  const Result<Launch> launch = launch_of(new_scan_id(), request, resume_token, place);
+  const Result<Launch> launch = launch_of(new_scan_id(), request, resume_token, owner, place);
   if (!launch.ok()) return launch.error();
   Result<std::shared_ptr<LiveScan>> scan = begin(*launch);
   if (!scan.ok()) return scan.error();
@@ -171,8 +179,15 @@ Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& gr
   welcome.camera = request.camera;
   welcome.title = request.title;
   welcome.resume_token = resume_token;
+  welcome.frame_patience_s = static_cast<std::uint32_t>(frame_patience_of(request).count() / 1000);
   if (resumable) welcome.resume_window_s = static_cast<std::uint32_t>(options_.resume_window.count() / 1000);
   return StartedScan{*std::move(scan), std::move(welcome)};
+}
+
+// A camera may ask for less than there is for everybody, not for more.
+std::chrono::milliseconds Scans::frame_patience_of(const wire::StartScan& request) const {
+  const std::chrono::milliseconds asked = std::chrono::seconds(request.frame_patience_s);
+  return asked.count() == 0 ? options_.frame_patience : std::min(asked, options_.frame_patience);
 }
 
 std::shared_ptr<LiveScan> Scans::run(const Launch& launch, FrameLog::Opened opened) {
@@ -184,9 +199,9 @@ std::shared_ptr<LiveScan> Scans::run(const Launch& launch, FrameLog::Opened open
   const bool live = request.mode == wire::Mode::kLive;
   const std::uint32_t window = launch.record.credit_window;
   auto audience = std::make_shared<Audience>(SceneInfo{row.id, row.title, row.camera});
-  auto scan = std::make_shared<LiveScan>(
-      ScanTerms{request.mode, window, launch.record.resume_token_sha256, options_.resume_window, request.expected_frames}, past, audience,
-      [this, row](const ScanEnd& end) { ended(row, end); });
+  auto scan = std::make_shared<LiveScan>(ScanTerms{request.mode, window, launch.record.resume_token_sha256, options_.resume_window,
+                                                   frame_patience_of(request), request.expected_frames},
+                                         past, audience, [this, row](const ScanEnd& end) { ended(row, end); });
   *launch.self = scan;
   running_[row.id] = scan;
   unstored_ends_.erase(row.id);
@@ -225,8 +240,14 @@ Result<std::optional<ResumedScan>> Scans::resume(const wire::ResumeScan& request
 void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   ScanRow row = as_it_is(started);
   const auto running = running_.find(row.id);
-  // Not at once: this is called by the scan itself.
-  post_([scan = running->second] {});
+  // Not at once: this is called by the scan itself. What it held in arenas of threads that are gone is nobody's until it is given back.
+  post_([this, scan = running->second] {
+    background_([] {
+#ifdef __GLIBC__
+      malloc_trim(0);
+#endif
+    });
+  });
   places_.ended(row.id);
   post_([this] {
     logs_.go_on();
@@ -240,7 +261,9 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   row.phase = stored_phase(end.phase);
   row.words = end.words;
   row.finished_at_ms = unix_now_ms();
+  row.to_be_rebuilt = end.results_missing;
   store_end(row);
+  rebuild_ended(row);
   log_with({row.id, {}, static_cast<double>(row.finished_at_ms - row.created_at_ms) / 1000}, spdlog::level::info,
            fmt::format("scan {} {}: {} frames received, {} processed, {} dropped{}{}", row.id, name_of(row.phase), row.frames_received,
                        row.frames_processed, row.frames_dropped, row.words.empty() ? "" : "; ", row.words));
@@ -295,7 +318,7 @@ std::vector<double> Scans::remaining_s() const {
   return remaining;
 }
 
-void Scans::tick(LiveScan::Clock::time_point now) {
+void Scans::tick(LiveScan::Clock::time_point now, std::int64_t retention_now_ms) {
   for (const auto& [id, scan] : running_) scan->tick(now);
   logs_.tick(now);
   storage_.quota.tick(now);
@@ -303,8 +326,13 @@ void Scans::tick(LiveScan::Clock::time_point now) {
     told_to_wait_at_ = now;
     if (places_.waiting_count() > 0) places_.tell(remaining_s());
     store_ends_again();
+    rebuild_next(now);
   }
-  if (now - old_logs_removed_at_ >= std::chrono::hours(1)) remove_old_logs();
+  if (now - disk_watched_at_ >= kDiskPeriod) {
+    disk_watched_at_ = now;
+    watch_disk();
+  }
+  if (now - old_logs_removed_at_ >= kOldLogsPeriod) remove_old_logs(retention_now_ms);
 }
 
 void Scans::describe(Load& load) const {

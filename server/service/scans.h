@@ -30,11 +30,13 @@ inline constexpr std::size_t kMaxQueuedBytes = 128 * 1024 * 1024;
 struct ScansOptions {
   std::string device;  // as for Pipeline
   PlaceRules places;
-  std::uint32_t credit_window = 16;                  // frames, at most
-  int gpu_memory_mb = 0;                             // of all scans together, in equal shares; 0: as much as there is
-  std::chrono::milliseconds resume_window{120'000};  // so long a scan waits for its lost camera
-  int keep_log_days = 7;                             // after the end of a scan; 0: for ever
-  std::chrono::milliseconds checkpoint_period{0};    // of scans that run; 0: none are written
+  std::uint32_t credit_window = 16;                   // frames, at most
+  int gpu_memory_mb = 0;                              // of all scans together, in equal shares; 0: as much as there is
+  std::chrono::milliseconds resume_window{120'000};   // so long a scan waits for its lost camera
+  std::chrono::milliseconds frame_patience{120'000};  // so long a camera may send nothing although there is room for a frame
+  std::uint64_t min_free_disk_bytes = 0;              // that scans leave, beside room for their results
+  int keep_log_days = 7;                              // after the end of a scan; 0: for ever
+  std::chrono::milliseconds checkpoint_period{0};     // of scans that run; 0: none are written
 };
 
 // What a camera is told of the scan it has started.
@@ -61,6 +63,12 @@ struct ResumedScan {
 // What is asked of Places for such a scan.
 PlaceRequest place_request_of(const Grant& grant, wire::Mode mode);
 
+// Whose scan it is, for its row and its share of the storage.
+struct ScanOwner {
+  std::string token_id;
+  bool is_admin = false;
+};
+
 class Scans {
  public:
   // Runs a function on the network thread, soon. Callable from every thread.
@@ -78,12 +86,14 @@ class Scans {
   // The camera can come back to a resumable one.
   Result<StartedScan> start(const wire::StartScan& request, const Grant& grant, bool resumable);
 
-  // The scan of a job, with the id that the job has chosen for it: goes on with the one that an earlier server left, else begins. It counts
-  // for no token, and stays running when the server stops. The upload that it is made of, if any, does not count for the storage: it goes
-  // when the scan is finished. Only while has_room_for(). None: the frame log of the one that was left is being read; ask again. Errors as
-  // of start().
-  Result<std::optional<JobScan>> run_for_job(const std::string& scan_id, const std::string& upload_id, const wire::StartScan& request);
-  bool has_room_for(const std::string& scan_id) const;  // of a job: cameras that wait go first
+  // The scan of a job, with the id that the job has chosen for it: goes on with the one that an earlier server left, else begins. It takes
+  // no place of its token's, and stays running when the server stops. The upload that it is made of, if any, does not count for the
+  // storage: it goes when the scan is finished. Only while has_room_for(). None: the frame log of the one that was left is being read; ask
+  // again. Errors as of start().
+  Result<std::optional<JobScan>> run_for_job(const std::string& scan_id, const std::string& upload_id, const ScanOwner& owner,
+                                             const wire::StartScan& request);
+  ScanOwner owner_of(const std::string& token_id) const;  // as the store knows the token; one that it does not know may not administer
+  bool has_room_for(const std::string& scan_id) const;    // of a job: cameras that wait go first
 
   // What there is of the scan of a job that came to nothing.
   void remove_unwanted(const std::string& scan_id);
@@ -114,11 +124,15 @@ class Scans {
   Result<std::uint64_t> size_of_result(const std::string& scan_id, const std::string& name);
   Blobs& blobs() const { return blobs_; }
 
-  void tick(LiveScan::Clock::time_point now);  // now and then: ends scans that have waited too long for their camera
-  void refuse_new();                           // the server is about to stop
+  // Now and then: ends scans that have waited too long for their camera, and removes what is old by that time (retention_clock.h).
+  void tick(LiveScan::Clock::time_point now, std::int64_t retention_now_ms);
+  void refuse_new();  // the server is about to stop
   bool is_stopping() const { return stopping_; }
   void stop();  // no new scans; those that run end as interrupted, with results, or go on when there is a server again
   std::size_t running_count() const { return running_.size() + logs_.reading_count(); }
+
+  // kBusy, in words: the disk has no room for another scan beside the results of those that run. kIo: that is not known.
+  Status check_disk() const;
 
   void describe(Load& load) const;  // what is known here
   const FrameTraces& traces() const { return traces_; }
@@ -133,9 +147,10 @@ class Scans {
     PlaceRequest place;
     std::shared_ptr<std::weak_ptr<LiveScan>> self = std::make_shared<std::weak_ptr<LiveScan>>();
   };
-  Status check_storage(const std::string& except_upload_id = "") const;
+  Status check_storage(const ScanOwner& owner, const std::string& except_upload_id = "") const;
+  std::chrono::milliseconds frame_patience_of(const wire::StartScan& request) const;
   Result<Launch> launch_of(const std::string& scan_id, const wire::StartScan& request, const std::string& resume_token,
-                           const PlaceRequest& place) const;
+                           const ScanOwner& owner, const PlaceRequest& place) const;
   Result<std::shared_ptr<LiveScan>> begin(const Launch& launch);
   template <class Tell>
   void deliver(const Launch& launch, Tell tell) const;
@@ -150,17 +165,23 @@ class Scans {
     Launch launch;
     LogReaders::Opened opened;
   };
-  void read_log(const ScanRow& row, std::function<void(LeftScan)> then);
+  PlaceRequest place_of_left(const ScanRow& row) const;
+  void read_log(const ScanRow& row, const PlaceRequest& place, std::function<void(LeftScan)> then);
   Status run_left(LeftScan left);
   void interrupt_left(ScanRow row, const Error& why);
   void drop_left(const std::string& scan_id);
+  // scans_disk.cpp
+  std::uint64_t kept_back_bytes() const;
+  void watch_disk();
+  void rebuild_next(LiveScan::Clock::time_point now);
+  void rebuild_ended(const ScanRow& row);
   // scans_ended.cpp
   LastWords last_words(const ScanRow& row, const wire::ResumeScan& request) const;
   void show(const std::string& scan_id, StoredScan stored);
   void store_end(const ScanRow& row);
   void store_ends_again();
-  void remove_old_logs();
-  void remove_old_logs_of(const std::vector<std::string>& scan_ids);
+  void remove_old_logs(std::int64_t now_ms);
+  void remove_old_logs_of(const std::vector<std::string>& scan_ids, std::int64_t now_ms);
 
   const ScansOptions options_;
   const Storage storage_;
@@ -181,7 +202,10 @@ class Scans {
   std::map<std::string, ScanRow> unstored_ends_;  // by id: scans that have ended, of which the store does not know it yet
   FrameCounts ended_counts_;                      // of all scans that have ended
   FrameTraces traces_;
-  LiveScan::Clock::time_point old_logs_removed_at_, told_to_wait_at_;
+  LiveScan::Clock::time_point old_logs_removed_at_, told_to_wait_at_, disk_watched_at_;
+  std::string rebuilding_;  // id of the scan whose results are made again; empty: none
+  LiveScan::Clock::time_point rebuild_at_;
+  std::chrono::seconds rebuild_pause_{0};
   bool device_failed_ = false;
   bool stopping_ = false;
 };

@@ -1,6 +1,7 @@
 // The part of Scans that is about scans which have ended: what is still told of them, and how they go.
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +15,9 @@
 namespace hermite {
 
 namespace {
+
+// In an hour: as many as a busy day leaves are gone in one.
+constexpr std::size_t kMinLogsRemoved = 10, kPartOfLogsRemoved = 10;
 
 wire::ScanPhase wire_phase(ScanPhase phase) {
   switch (phase) {
@@ -151,21 +155,25 @@ Result<std::uint64_t> Scans::size_of_result(const std::string& scan_id, const st
 }
 
 // Of every folder and not of every row: the store lists the newest scans only.
-void Scans::remove_old_logs() {
+void Scans::remove_old_logs(std::int64_t now_ms) {
   old_logs_removed_at_ = LiveScan::Clock::now();
   if (options_.keep_log_days == 0) return;
-  background_([this] {
+  background_([this, now_ms] {
     Result<std::vector<std::string>> ids = data_.logged_scan_ids();
     if (!ids.ok()) return spdlog::warn("{}", ids.error().message);
-    post_([this, ids = *std::move(ids)] { remove_old_logs_of(ids); });
+    post_([this, now_ms, ids = *std::move(ids)] { remove_old_logs_of(ids, now_ms); });
   });
 }
 
-void Scans::remove_old_logs_of(const std::vector<std::string>& scan_ids) {
-  const std::int64_t oldest_ms = unix_now_ms() - options_.keep_log_days * kDay_ms;
+// Never all at once: whatever was wrong with a clock or a setting, there is time to notice.
+void Scans::remove_old_logs_of(const std::vector<std::string>& scan_ids, std::int64_t now_ms) {
+  std::size_t room = std::max<std::size_t>(kMinLogsRemoved, scan_ids.size() / kPartOfLogsRemoved);
+  const std::int64_t oldest_ms = now_ms - options_.keep_log_days * kDay_ms;
   for (const std::string& id : scan_ids) {
     const Result<ScanRow> row = store_.find(id);
-    if (!row.ok() || row->phase == ScanPhase::kRunning || row->finished_at_ms >= oldest_ms) continue;
+    if (!row.ok() || row->phase == ScanPhase::kRunning || row->to_be_rebuilt || row->finished_at_ms >= oldest_ms) continue;
+    if (room-- == 0) return;
+    spdlog::info("scan {}: its frames are removed, they are older than {} days", id, options_.keep_log_days);
     background_([&data = data_, id] {
       if (Status status = data.remove_log_folder(id); !status.ok()) spdlog::warn("{}", status.error().message);
     });

@@ -10,11 +10,18 @@
 
 namespace hermite {
 
+// It counts for its token, as before the start.
+PlaceRequest Scans::place_of_left(const ScanRow& row) const {
+  const ScanOwner owner = owner_of(row.token_id);
+  return {owner.token_id, owner.is_admin, false};
+}
+
 // The scan has its place from here on: it was there before everybody who comes now.
-void Scans::read_log(const ScanRow& row, std::function<void(LeftScan)> then) {
+void Scans::read_log(const ScanRow& row, const PlaceRequest& place, std::function<void(LeftScan)> then) {
   Launch launch;
   launch.row = row;
-  places_.began(row.id, {});
+  launch.place = place;
+  places_.began(row.id, place);
   logs_.read(
       row.id,
       [folder = data_.log_folder(row.id), events = log_events(launch)]() -> LogReaders::Opened { return FrameLog::open(folder, events); },
@@ -38,7 +45,11 @@ Status Scans::run_left(LeftScan left) {
   const std::shared_ptr<LiveScan> scan = run(launch, *std::move(left.opened));
   spdlog::info("scan {} goes on: {} frames in its log{}{}", launch.row.id, contents.frame_count,
                contents.cut.empty() ? "" : "; cut: ", contents.cut);
-  if (!contents.finished) scan->wait_for_camera({ErrorCode::kIo, "the server ended during the scan"});
+  // Its camera was told that it is over.
+  if (!contents.finished && launch.row.to_be_rebuilt)
+    scan->end_with({ErrorCode::kIo, "the server's disk took no more frames"});
+  else if (!contents.finished)
+    scan->wait_for_camera({ErrorCode::kIo, "the server ended during the scan"});
   return Done{};
 }
 
@@ -46,8 +57,10 @@ void Scans::interrupt_left(ScanRow row, const Error& why) {
   row.phase = ScanPhase::kInterrupted;
   row.words = "the server ended during the scan, and it cannot be gone on with: " + why.message;
   row.finished_at_ms = unix_now_ms();
+  row.to_be_rebuilt = row.to_be_rebuilt && why.code == ErrorCode::kIo;  // else its frames are no good
   log_with({row.id}, spdlog::level::warn, fmt::format("scan {}: {}", row.id, row.words));
   store_end(row);
+  rebuild_ended(row);
   if (Status status = blobs_.remove(row.id, kCheckpointName); !status.ok()) spdlog::warn("{}", status.error().message);
   places_.ended(row.id);
   places_.serve();

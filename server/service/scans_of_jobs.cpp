@@ -8,29 +8,36 @@
 
 namespace hermite {
 
-Status Scans::check_storage(const std::string& except_upload_id) const {
+ScanOwner Scans::owner_of(const std::string& token_id) const {
+  const Result<TokenRow> row = store_.token(token_id);
+  return {token_id, row.ok() && row->scopes.admin};
+}
+
+Status Scans::check_storage(const ScanOwner& owner, const std::string& except_upload_id) const {
   if (!storage_.quota.has_limit()) return Done{};
   const Result<std::uint64_t> upload_bytes = data_.uploads_bytes(except_upload_id);
   if (!upload_bytes.ok()) return upload_bytes.error();
   // How long a scan will be nobody knows: it begins while there is any room.
-  return storage_.quota.check(*upload_bytes, 1);
+  Result<std::vector<std::string>> own_scans = store_.scans_of_token(owner.token_id);
+  if (!own_scans.ok()) return own_scans.error();
+  return storage_.quota.check(*upload_bytes, 1, {owner.is_admin, *std::move(own_scans), 0});
 }
 
 // Behind the cameras that wait, and not where it would take frames from a live one. What was left has its place already.
 bool Scans::has_room_for(const std::string& scan_id) const {
   if (stopping_) return false;
-  return logs_.is_waited_for(scan_id) || left_for_jobs_.contains(scan_id) || places_.check_for_newcomer({}).ok();
+  return logs_.is_waited_for(scan_id) || left_for_jobs_.contains(scan_id) || (places_.check_for_newcomer({}).ok() && check_disk().ok());
 }
 
-Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, const std::string& upload_id,
+Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, const std::string& upload_id, const ScanOwner& owner,
                                                   const wire::StartScan& request) {
   CHECK(has_room_for(scan_id), "a job waits for room");
   if (logs_.is_waited_for(scan_id)) return std::optional<JobScan>();
-  if (Status status = check_storage(upload_id); !status.ok()) return status.error();
+  if (Status status = check_storage(owner, upload_id); !status.ok()) return status.error();
   auto read = left_for_jobs_.extract(scan_id);
   const Result<ScanRow> row = store_.find(scan_id);
   if (read.empty() && row.ok() && row->phase == ScanPhase::kRunning) {
-    read_log(*row, [this](LeftScan left) { left_for_jobs_.insert_or_assign(left.launch.row.id, std::move(left)); });
+    read_log(*row, {}, [this](LeftScan left) { left_for_jobs_.insert_or_assign(left.launch.row.id, std::move(left)); });
     return std::optional<JobScan>();
   }
   if (read.empty() || !run_left(std::move(read.mapped())).ok()) {
@@ -40,7 +47,7 @@ Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, co
     if (row.ok())
       if (Status status = store_.remove(scan_id); !status.ok()) return status.error();
     // Nobody has this token, but what can be resumed is left running for the next server.
-    const Result<Launch> launch = launch_of(scan_id, request, random_hex(kResumeTokenBytes), {});
+    const Result<Launch> launch = launch_of(scan_id, request, random_hex(kResumeTokenBytes), owner, {});
     if (!launch.ok()) return launch.error();
     if (const Result<std::shared_ptr<LiveScan>> scan = begin(*launch); !scan.ok()) return scan.error();
   }

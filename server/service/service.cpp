@@ -21,12 +21,15 @@
 #include "server/net/tls.h"
 #include "server/service/access.h"
 #include "server/service/admin.h"
+#include "server/service/audit.h"
 #include "server/service/batch.h"
 #include "server/service/gate.h"
 #include "server/service/http_connection.h"
+#include "server/service/limits.h"
 #include "server/service/logging.h"
 #include "server/service/orphans.h"
 #include "server/service/rate_limit.h"
+#include "server/service/retention_clock.h"
 #include "server/service/scans.h"
 #include "server/service/service_setup.h"
 #include "server/service/static_files.h"
@@ -54,6 +57,7 @@ constexpr std::chrono::seconds kStopPatience(60);  // for the frame in work and 
 constexpr std::chrono::milliseconds kStopCheck(20);
 constexpr std::chrono::milliseconds kTick(250);             // how exactly waits are ended that are given in seconds
 constexpr std::chrono::milliseconds kGoodbyePatience(500);  // for last messages to leave
+constexpr std::chrono::seconds kAuditPeriod(1);             // what a power cut may take of the audit log
 constexpr std::size_t kDiskThreads = 2;                     // uploads and results wait for disks, not for processors
 // Results are read for viewers, old logs removed and files added up while logs are read.
 constexpr std::size_t kBackgroundThreads = kMaxLogsRead + 2;
@@ -81,8 +85,11 @@ struct Service::Impl {
   StoreWatch store_watch{store};
   Metrics metrics{kVersion};
   Gate gate;
+  std::unique_ptr<Audit> audit;
+  std::unique_ptr<RetentionClock> retention;
   CountLimit connections, admin_connections{kMaxAdminConnections, kMaxAdminConnections};
-  RateLimit requests;
+  RateLimit requests, requests_of_a_token;
+  ShareCount sessions;
   std::unique_ptr<Waste> waste;
   std::unique_ptr<StorageQuota> quota;
   std::unique_ptr<Scans> scans;
@@ -116,11 +123,17 @@ struct Service::Impl {
         blobs(data.scans_folder()),
         gate(store, options.failures_per_minute),
         connections(options.max_connections, options.connections_per_address),
-        requests(options.requests_per_second, 2.0 * options.requests_per_second) {
-    token_works = gate.install_first_token(data.token(), unix_now_ms());
+        requests(options.requests_per_second, 2.0 * options.requests_per_second),
+        requests_of_a_token(options.requests_per_second, 2.0 * options.requests_per_second),
+        sessions(connection_share(options)) {
+    audit = std::make_unique<Audit>(data.audit_folder(), unix_now_ms());
+    audit->note({unix_now_ms(), "", "", "server start", "", kVersion});
+    gate.on_wrong_secret([this](const Caller& caller) { audit->wrong_token(caller.peer.empty() ? caller.address : caller.peer); });
+    retention = std::make_unique<RetentionClock>(data.retention_path(), unix_now_ms(), std::chrono::steady_clock::now());
+    token_works = gate.install_first_token(data.token(), retention->now_ms());
     const auto post = [this](std::function<void()> action) { asio::post(context, std::move(action)); };
     const LogReaders::Threads threads{post, [this](std::function<void()> action) { asio::post(background, std::move(action)); }};
-    clear_orphans(data, store, unix_now_ms());
+    clear_orphans(data, store, retention->now_ms());
     waste = std::make_unique<Waste>(data, threads.background);
     quota = std::make_unique<StorageQuota>(
         static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000, [this] { return data.scan_sizes(); }, threads);
@@ -128,7 +141,8 @@ struct Service::Impl {
     if (const Status recovered = recover_batch(storage); !recovered.ok()) throw SetupError(recovered.error());
     scans = std::make_unique<Scans>(scans_options(options), storage, metrics, threads);
     batch = std::make_unique<Batch>(options.job_workers, upload_limits(options), storage, *scans, post);
-    world = std::make_unique<HttpWorld>(HttpWorld{*scans, store, gate, files, metrics, batch->uploads(), batch->executor()});
+    world = std::make_unique<HttpWorld>(
+        HttpWorld{*scans, store, gate, files, metrics, batch->uploads(), batch->executor(), sessions, requests_of_a_token, *audit});
     site = std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer(*world, request); },
                                        allowed_hosts(options, address), metrics, world.get(), proxies_of(options),
                                        !is_loopback(address) && !tls && !options.insecure_listen, &requests, &disk});
@@ -212,13 +226,19 @@ struct Service::Impl {
 
   asio::awaitable<void> tick() {
     asio::steady_timer pause(context);
+    std::chrono::steady_clock::time_point audited_at;
     while (!ending) {
       error_code error;
       pause.expires_after(kTick);
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
       const auto now = std::chrono::steady_clock::now();
-      scans->tick(now);
-      batch->tick(now);
+      retention->tick(unix_now_ms(), now);
+      scans->tick(now, retention->now_ms());
+      batch->tick(now, retention->now_ms());
+      if (now - audited_at >= kAuditPeriod) {
+        audited_at = now;
+        audit->tick(unix_now_ms());
+      }
       store_watch.tick(now);
     }
   }

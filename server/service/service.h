@@ -25,13 +25,15 @@ struct ServiceOptions {
   int credit_window = 16;                    // frames
   int gpu_memory_mb = 0;                     // for all scans, 0: as much as there is
   int resume_window_s = 120;                 // so long a scan waits for its lost camera
+  int frame_patience_s = 120;                // so long a camera that could send a frame may send none
   int checkpoint_period_ms = 30'000;         // of running scans, 0: none
   int keep_log_days = 7;                     // frames of an ended scan; 0: for ever
   int drain_s = 20;                          // that running scans get to finish after SIGTERM
-  int min_free_disk_mb = 1024;               // with less the server is not ready
+  int min_free_disk_mb = 1024;               // with less the server is not ready, and no scan goes on
   int max_connections = 256;                 // open at once
   int connections_per_address = 64;          // the same of one address
-  int requests_per_second = 60;              // HTTP requests of an address, upgrades too; twice as many at once
+  int connections_per_token = 64;            // WebSockets of one token that may not administer
+  int requests_per_second = 60;              // HTTP requests of an address, and of a token; twice as many at once
   int failures_per_minute = 5;               // wrong tokens of an address
   int scans_per_token = 2;                   // running at once; tokens that may administer have only the server's limit
   int storage_gb = 0;                        // for the files of all scans and uploads, 0: as much as there is

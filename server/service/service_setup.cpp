@@ -60,6 +60,8 @@ ScansOptions scans_options(const ServiceOptions& options) {
           static_cast<std::uint32_t>(options.credit_window),
           options.gpu_memory_mb,
           std::chrono::seconds(options.resume_window_s),
+          std::chrono::seconds(options.frame_patience_s),
+          static_cast<std::uint64_t>(options.min_free_disk_mb) * 1'000'000,
           options.keep_log_days,
           std::chrono::milliseconds(options.checkpoint_period_ms)};
 }

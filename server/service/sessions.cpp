@@ -20,21 +20,6 @@ constexpr std::size_t kMaxWaitingBytes = 8 * 1024 * 1024;
 // A server that is started again is back sooner than this.
 constexpr std::uint32_t kResumeAfter_ms = 1000;
 
-CloseCode close_code_of(const Error& error) {
-  switch (error.code) {
-    case ErrorCode::kCorruptData: return CloseCode::kCorrupt;
-    case ErrorCode::kTooLarge: return CloseCode::kTooBig;
-    case ErrorCode::kUnauthorized: return CloseCode::kUnauthorized;
-    case ErrorCode::kNotFound: return CloseCode::kNoSuchScan;
-    case ErrorCode::kBusy: return CloseCode::kBusy;
-    case ErrorCode::kInvalidArgument:
-    case ErrorCode::kUnsupported: return CloseCode::kProtocolError;
-    case ErrorCode::kIo:
-    case ErrorCode::kDevice: return CloseCode::kInternal;
-  }
-  return CloseCode::kInternal;
-}
-
 // Messages in order, and the end: what both kinds of session have in common.
 class BasicSession : public Session {
  public:
@@ -129,6 +114,8 @@ class CameraSession final : public BasicSession {
 
   std::size_t max_message_bytes() const override { return max_message_bytes_; }
   SharedBytes next() override { return next_waiting(); }
+  std::string what() const override { return "scan"; }
+  std::string scan_id() const override { return scan_->audience().info().scan_id; }
 
   void disconnected() override {
     // A scan that has ended may be gone from the server already; this keeps it until here.
@@ -161,13 +148,15 @@ class FarewellSession final : public BasicSession {
   }
   std::size_t max_message_bytes() const override { return wire::kMaxBytesBeforeWelcome; }
   SharedBytes next() override { return next_waiting(); }
+  std::string what() const override { return "come back in vain"; }
+  std::string scan_id() const override { return {}; }
   void disconnected() override {}
 };
 
 class ViewerSession final : public BasicSession {
  public:
   ViewerSession(std::unique_ptr<Viewer> viewer, wire::Welcome welcome, std::function<void()> wake)
-      : BasicSession(std::move(wake)), viewer_(std::move(viewer)) {
+      : BasicSession(std::move(wake)), viewer_(std::move(viewer)), scan_id_(welcome.scan_id) {
     queue(wire::format_server_message(std::move(welcome)));
   }
 
@@ -187,6 +176,8 @@ class ViewerSession final : public BasicSession {
     return std::nullopt;
   }
 
+  std::string what() const override { return "watch"; }
+  std::string scan_id() const override { return scan_id_; }
   void disconnected() override {}
 
  private:
@@ -196,6 +187,7 @@ class ViewerSession final : public BasicSession {
   }
 
   const std::unique_ptr<Viewer> viewer_;
+  const std::string scan_id_;
 };
 
 Refusal refusal_of(const Error& error) { return {error, close_code_of(error)}; }
@@ -248,6 +240,8 @@ class WaitingSession final : public Session {
   std::size_t max_message_bytes() const override { return session_->max_message_bytes(); }
   SharedBytes next() override { return session_->next(); }
   std::optional<Closing> closing() const override { return session_->closing(); }
+  std::string what() const override { return session_->what(); }
+  std::string scan_id() const override { return session_->scan_id(); }
   void fail(const Error& error, CloseCode code) override {
     stop_waiting();
     session_->fail(error, code);
@@ -264,6 +258,8 @@ class WaitingSession final : public Session {
     void tell(const wire::Waiting& waiting) { queue(wire::format_server_message(waiting)); }
     std::size_t max_message_bytes() const override { return wire::kMaxBytesBeforeWelcome; }
     SharedBytes next() override { return next_waiting(); }
+    std::string what() const override { return "wait"; }
+    std::string scan_id() const override { return {}; }
     void disconnected() override {}
 
    private:
@@ -349,15 +345,16 @@ Greeting greet_returning_camera(Scans& scans, const wire::ResumeScan& request, s
   return waiting;
 }
 
-Greeting greet_viewer(Scans& scans, const wire::ViewScan& request, std::function<void()> wake) {
+Greeting greet_viewer(Scans& scans, const Grant& grant, const wire::ViewScan& request, std::function<void()> wake) {
   Result<std::shared_ptr<Audience>> audience = scans.watch(request.scan_id);
   if (!audience.ok()) return refusal_of(audience.error());
   if (!*audience) {
-    auto waiting = std::make_unique<WaitingSession>([&scans, request, wake] { return greet_viewer(scans, request, wake); }, wake);
+    auto waiting =
+        std::make_unique<WaitingSession>([&scans, grant, request, wake] { return greet_viewer(scans, grant, request, wake); }, wake);
     waiting->wait_for_results(scans, request.scan_id);
     return waiting;
   }
-  Result<std::unique_ptr<Viewer>> viewer = Audience::join(*audience, wake);
+  Result<std::unique_ptr<Viewer>> viewer = Audience::join(*audience, {grant.token_id, may(grant, Scope::kAdmin)}, wake);
   if (!viewer.ok()) return refusal_of(viewer.error());
   const SceneInfo& info = (*audience)->info();
   wire::Welcome welcome;
@@ -376,7 +373,7 @@ Greeting greet_role(Scans& scans, const Grant& grant, const wire::Hello& hello, 
   if (!view && !resume) return greet_camera(scans, grant, hello, std::move(wake));
   const std::string& scan_id = view ? view->scan_id : resume->scan_id;
   if (!concerns(grant, scan_id)) return refusal_of({ErrorCode::kNotFound, "there is no scan " + scan_id});
-  return view ? greet_viewer(scans, *view, std::move(wake)) : greet_returning_camera(scans, *resume, std::move(wake));
+  return view ? greet_viewer(scans, grant, *view, std::move(wake)) : greet_returning_camera(scans, *resume, std::move(wake));
 }
 
 }  // namespace

@@ -35,6 +35,9 @@ enum class CloseCode : std::uint16_t {
   kBusy = 4013,
 };
 
+// With which a connection ends for that error.
+CloseCode close_code_of(const Error& error);
+
 struct Closing {
   CloseCode code = CloseCode::kNormal;
   std::string words;
@@ -60,6 +63,10 @@ class Session {
 
   // Tells the client in words, then closes.
   virtual void fail(const Error& error, CloseCode code) = 0;
+
+  // What it does with which scan at the moment, for the audit log: "scan", "watch", "wait", ...; empty id: with none.
+  virtual std::string what() const = 0;
+  virtual std::string scan_id() const = 0;
 
   // The connection is gone. Nothing is received any more.
   virtual void disconnected() = 0;

@@ -21,14 +21,30 @@ StorageQuota::StorageQuota(std::uint64_t limit_bytes, std::function<Result<Sizes
   measured(measure_(), Clock::now() - start);
 }
 
-Status StorageQuota::check(std::uint64_t upload_bytes, std::uint64_t more_bytes) const {
+Share storage_share(std::uint64_t limit_bytes) {
+  const auto limit = static_cast<std::int64_t>(limit_bytes);
+  return {limit, limit / 2, limit / 20};
+}
+
+Status StorageQuota::check(std::uint64_t upload_bytes, std::uint64_t more_bytes, const StorageAsker& asker) const {
   if (!has_limit()) return Done{};
   if (!sizes_.ok()) return sizes_.error();
-  std::uint64_t held_bytes = upload_bytes;
+  std::uint64_t held_bytes = upload_bytes, own_bytes = asker.upload_bytes;
   for (const auto& [id, bytes] : *sizes_) held_bytes += bytes;
-  if (held_bytes + more_bytes <= limit_bytes_) return Done{};
-  return Error{ErrorCode::kBusy, "the scans and uploads on this server take " + megabytes(held_bytes) + " of the " +
-                                     megabytes(limit_bytes_) + " that they may take: delete some, or wait until jobs have ended"};
+  for (const std::string& id : asker.scan_ids)
+    if (const auto own = sizes_->find(id); own != sizes_->end()) own_bytes += own->second;
+  const Share share = storage_share(limit_bytes_);
+  const auto busy = [](const std::string& whose, std::uint64_t held, std::int64_t allowed) {
+    return Error{ErrorCode::kBusy, "the scans and uploads " + whose + " take " + megabytes(held) + " of the " +
+                                       megabytes(static_cast<std::uint64_t>(allowed)) +
+                                       " that they may take: delete some, or wait until jobs have ended"};
+  };
+  const auto fits = [more_bytes](std::uint64_t held, std::int64_t allowed) {
+    return held + more_bytes <= static_cast<std::uint64_t>(allowed);
+  };
+  if (!asker.is_admin && !fits(own_bytes, share.per_token)) return busy("of this token", own_bytes, share.per_token);
+  const std::int64_t allowed = asker.is_admin ? share.in_all : share.in_all - share.for_admins;
+  return fits(held_bytes, allowed) ? Status(Done{}) : busy("on this server", held_bytes, allowed);
 }
 
 void StorageQuota::removed(const std::string& scan_id) {

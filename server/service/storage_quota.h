@@ -9,11 +9,23 @@
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "core/base/result.h"
 #include "server/service/log_readers.h"
+#include "server/store/shares.h"
 
 namespace hermite {
+
+// In bytes: one token may fill half of what there is, and a twentieth stays for administrators.
+Share storage_share(std::uint64_t limit_bytes);
+
+// Who wants more, and what is the token's already.
+struct StorageAsker {
+  bool is_admin = true;  // held to the limit for all alone
+  std::vector<std::string> scan_ids = {};
+  std::uint64_t upload_bytes = 0;
+};
 
 class StorageQuota {
  public:
@@ -25,7 +37,7 @@ class StorageQuota {
 
   // Whether so much more may come to the scans, `upload_bytes` of uploads being here or promised. kBusy, in words; kIo: it is not known
   // what there is.
-  Status check(std::uint64_t upload_bytes, std::uint64_t more_bytes) const;
+  Status check(std::uint64_t upload_bytes, std::uint64_t more_bytes, const StorageAsker& asker = {}) const;
   bool has_limit() const { return limit_bytes_ > 0; }
 
   void removed(const std::string& scan_id);

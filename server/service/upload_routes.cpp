@@ -156,7 +156,10 @@ HttpAnswer create_upload(const HttpWorld& world, const Call& call) {
   // What is wrong with the job is said before gigabytes are sent.
   UploadRow row;
   row.metadata = headers->metadata;
-  if (const Result<JobRow> job = job_of_upload(row); !job.ok()) return refuse(in_context("Upload-Metadata", job.error()));
+  const Result<JobRow> job = job_of_upload(row);
+  if (!job.ok()) return refuse(in_context("Upload-Metadata", job.error()));
+  if (const Status status = check_priority(*job, may(call.grant, Scope::kAdmin)); !status.ok())
+    return with_version(error_answer(403, in_context("Upload-Metadata", status.error())));
   Result<UploadState> state =
       world.uploads.create(headers->length_bytes.value_or(-1), headers->metadata, call.grant, call.request.caller.now_ms);
   if (!state.ok()) return refuse(state.error());
@@ -220,7 +223,7 @@ HttpAnswer remove_upload(const HttpWorld& world, const Call& call) {
   if (const Result<TusHeaders> headers = read_headers(call.request, wrong); !headers.ok()) return with_version(std::move(wrong));
   if (const Result<UploadState> state = world.uploads.find(call.id, call.grant, call.request.caller.now_ms); !state.ok())
     return with_version(refused_upload(state.error()));
-  if (!world.uploads.is_free(call.id)) return with_version(busy_upload());
+  if (!world.uploads.is_free(call.id, true)) return with_version(busy_upload());
   if (Status status = world.uploads.remove(call.id, call.grant, call.request.caller.now_ms); !status.ok())
     return with_version(refused(status.error()));
   return with_version(plain(204));
@@ -233,8 +236,9 @@ HttpAnswer put_upload(const HttpWorld& world, const Call& call) {
   Result<UploadState> state =
       world.uploads.create(static_cast<std::int64_t>(call.request.body_bytes), metadata, call.grant, call.request.caller.now_ms);
   if (!state.ok()) return refused_upload(state.error());
-  const UploadPiece piece{0, static_cast<std::int64_t>(call.request.body_bytes), std::nullopt};
+  const UploadPiece piece{0, static_cast<std::int64_t>(call.request.body_bytes), std::nullopt, true};
   return receive(world, call, *state, piece, [&world](const UploadState& now, const Status& received) {
+    if (now.complete() && !now.job_id.empty()) return made(json_text({{"job", now.job_id}}), 200);
     if (now.complete()) return made(json_text({{"job", now.row.id}}), 201);
     // Nobody knows its name, so nobody could go on with it.
     world.uploads.forget(now.row.id);

@@ -12,6 +12,9 @@ namespace hermite {
 
 namespace {
 
+// A client on a live link sends something every second; one that comes back after its link has died should not wait for long.
+constexpr std::chrono::seconds kIdleAfter(1);
+constexpr std::size_t kMaxWholeOnes = 1000;            // that are remembered
 constexpr std::int64_t kSyncBytes = 16 * 1024 * 1024;  // dirty pages of one upload that may wait for the disk
 
 std::string megabytes(std::int64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
@@ -29,19 +32,27 @@ UploadWriter::UploadWriter(UploadFile file, UploadPiece piece, std::function<Res
       piece_(std::move(piece)),
       free_bytes_(std::move(free_bytes)),
       min_free_bytes_(min_free_bytes),
-      digest_(nullptr, EVP_MD_CTX_free) {
-  if (!piece_.checksum) return;
-  digest_.reset(EVP_MD_CTX_new());
-  const EVP_MD* const kind = piece_.checksum->algorithm == ChecksumAlgorithm::kSha1 ? EVP_sha1() : EVP_sha256();
-  CHECK(digest_ && EVP_DigestInit_ex(digest_.get(), kind, nullptr) == 1, "SHA-1 and SHA-256 are always there");
+      digest_(nullptr, EVP_MD_CTX_free),
+      content_digest_(nullptr, EVP_MD_CTX_free) {
+  if (piece_.checksum) begin_digest(digest_, piece_.checksum->algorithm == ChecksumAlgorithm::kSha1 ? EVP_sha1() : EVP_sha256());
+  if (piece_.is_whole) begin_digest(content_digest_, EVP_sha256());
 }
+
+void UploadWriter::begin_digest(std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)>& digest, const EVP_MD* kind) const {
+  digest.reset(EVP_MD_CTX_new());
+  CHECK(digest && EVP_DigestInit_ex(digest.get(), kind, nullptr) == 1, "SHA-1 and SHA-256 are always there");
+}
+
+bool UploadWriter::is_idle() const { return std::chrono::steady_clock::now() - written_at_.load() >= kIdleAfter; }
 
 UploadWriter::~UploadWriter() = default;
 
 Status UploadWriter::write(std::string_view bytes) {
   if (file_.size_bytes() + static_cast<std::int64_t>(bytes.size()) > piece_.offset_bytes + piece_.length_bytes)
     return Error{ErrorCode::kTooLarge, "more has come than the " + std::to_string(piece_.length_bytes) + " bytes that were announced"};
-  if (digest_) CHECK(EVP_DigestUpdate(digest_.get(), bytes.data(), bytes.size()) == 1, "a digest takes any bytes");
+  for (EVP_MD_CTX* const digest : {digest_.get(), content_digest_.get()})
+    if (digest) CHECK(EVP_DigestUpdate(digest, bytes.data(), bytes.size()) == 1, "a digest takes any bytes");
+  written_at_ = std::chrono::steady_clock::now();
   if (Status status = file_.append(bytes); !status.ok()) return status;
   unsynced_bytes_ += static_cast<std::int64_t>(bytes.size());
   if (unsynced_bytes_ < kSyncBytes) return Done{};
@@ -71,6 +82,12 @@ Status UploadWriter::close(bool complete) {
     // What a failed fdatasync has lost is not known, but what was there before is.
     if (Status cut = file_.cut(piece_.offset_bytes); !cut.ok()) return cut;
     return synced;
+  }
+  if (complete && content_digest_) {
+    unsigned char digest[EVP_MAX_MD_SIZE];
+    unsigned int size = 0;
+    CHECK(EVP_DigestFinal_ex(content_digest_.get(), digest, &size) == 1, "a digest has an end");
+    content_sha256_.assign(reinterpret_cast<const char*>(digest), size);
   }
   return verdict;
 }
@@ -119,7 +136,7 @@ Status Uploads::check_room(std::int64_t more_bytes, const std::string& except_id
     return Error{ErrorCode::kBusy, "the server's disk has not enough room: " + megabytes(static_cast<std::int64_t>(*free)) + " are free"};
   const Result<std::vector<UploadRow>> rows = store_.list_uploads();
   if (!rows.ok()) return rows.error();
-  if (Status status = check_storage(more_bytes, except_id, *rows); !status.ok()) return status;
+  if (Status status = check_storage(more_bytes, except_id, *rows, grant); !status.ok()) return status;
   if (limits_.token_bytes == 0 || may(grant, Scope::kAdmin)) return Done{};
   std::int64_t held_bytes = 0;
   for (const UploadRow& row : *rows)
@@ -130,12 +147,20 @@ Status Uploads::check_room(std::int64_t more_bytes, const std::string& except_id
 }
 
 // What is there, and what others were promised and have not sent yet.
-Status Uploads::check_storage(std::int64_t more_bytes, const std::string& except_id, const std::vector<UploadRow>& rows) const {
+Status Uploads::check_storage(std::int64_t more_bytes, const std::string& except_id, const std::vector<UploadRow>& rows,
+                              const Grant& grant) const {
   if (!storage_.quota.has_limit()) return Done{};
-  std::int64_t held_bytes = 0;
-  for (const UploadRow& row : rows)
-    if (row.id != except_id) held_bytes += claimed_bytes(row, size_of(row.id));
-  return storage_.quota.check(static_cast<std::uint64_t>(held_bytes), static_cast<std::uint64_t>(more_bytes));
+  Result<std::vector<std::string>> own_scans = store_.scans_of_token(grant.token_id);
+  if (!own_scans.ok()) return own_scans.error();
+  StorageAsker asker{may(grant, Scope::kAdmin), *std::move(own_scans), 0};
+  std::uint64_t held_bytes = 0;
+  for (const UploadRow& row : rows) {
+    if (row.id == except_id) continue;
+    const auto claimed = static_cast<std::uint64_t>(claimed_bytes(row, size_of(row.id)));
+    held_bytes += claimed;
+    if (row.token_id == grant.token_id) asker.upload_bytes += claimed;
+  }
+  return storage_.quota.check(held_bytes, static_cast<std::uint64_t>(more_bytes), asker);
 }
 
 Result<UploadState> Uploads::create(std::int64_t length_bytes, const std::string& metadata, const Grant& grant, std::int64_t now_ms) {
@@ -169,11 +194,11 @@ Result<UploadState> Uploads::find(const std::string& id, const Grant& grant, std
   return UploadState{*std::move(row), *offset_bytes};
 }
 
-bool Uploads::is_free(const std::string& id) {
+bool Uploads::is_free(const std::string& id, bool at_once) {
   const auto found = writers_.find(id);
   if (found == writers_.end()) return true;
   if (const std::shared_ptr<UploadWriter> writer = found->second.lock()) {
-    writer->give_up();
+    if (at_once || writer->is_idle()) writer->give_up();
     return false;
   }
   writers_.erase(found);
@@ -224,9 +249,25 @@ Result<UploadState> Uploads::written(const UploadState& state, const UploadWrite
   now.row.expires_at_ms = now_ms + limits_.keep_ms;
   writers_.erase(now.row.id);
   if (Status status = store_.update_upload(now.row); !status.ok()) return status.error();
+  if (now.complete()) now.job_id = twin_of(now.row, writer.content_sha256());
+  if (!now.job_id.empty()) {
+    forget(now.row.id);
+    return now;
+  }
   if (now.complete())
     if (Status status = complete_(now.row); !status.ok()) return status.error();
   return now;
+}
+
+// Who sends the same file several times at once wants it once. Remembers the upload that comes first.
+std::string Uploads::twin_of(const UploadRow& row, const std::string& content_sha256) {
+  if (content_sha256.empty()) return {};
+  if (whole_ones_.size() >= kMaxWholeOnes) whole_ones_.clear();
+  std::string& first = whole_ones_[row.token_id + '\n' + row.metadata + '\n' + content_sha256];
+  const Result<JobRow> job = first.empty() ? Error{ErrorCode::kNotFound, ""} : store_.job(first);
+  const bool is_one = job.ok() && job->state != JobState::kFailed && job->state != JobState::kCancelled;
+  if (!is_one) first = row.id;
+  return is_one ? first : std::string();
 }
 
 bool Uploads::is_written(const std::string& id) const {

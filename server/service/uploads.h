@@ -6,6 +6,8 @@
 
 #include <openssl/evp.h>
 
+#include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -35,6 +37,7 @@ struct UploadState {
   UploadRow row;
   std::int64_t offset_bytes = 0;  // so much is on disk; -1: somebody writes, and what has come is not told
   bool complete() const { return offset_bytes == row.length_bytes; }
+  std::string job_id = {};  // of the upload that has the same bytes and came first; empty: its own
 };
 
 // A piece of an upload that somebody sends.
@@ -42,6 +45,7 @@ struct UploadPiece {
   std::int64_t offset_bytes = 0;
   std::int64_t length_bytes = 0;
   std::optional<Checksum> checksum;
+  bool is_whole = false;  // and nobody goes on with it: then its content is known by a hash when it is there
 };
 
 // Who writes an upload: there is one at a time. Destroyed on the network thread.
@@ -57,22 +61,27 @@ class UploadWriter {
   // Syncs, and takes back what its checksum does not fit or has not come as a whole. What is left is durable if this is well.
   Status close(bool complete);
 
-  std::int64_t offset_bytes() const { return file_.size_bytes(); }  // after close()
+  std::int64_t offset_bytes() const { return file_.size_bytes(); }       // after close()
+  const std::string& content_sha256() const { return content_sha256_; }  // of a whole one, after close(true); else empty
 
-  // On the network thread.
+  // On the network thread. Idle: nothing has come for so long that its connection may be dead.
+  bool is_idle() const;
   bool wanted() const { return wanted_; }
   void on_unwanted(std::function<void()> run) { on_unwanted_ = std::move(run); }
   void give_up();
 
  private:
   Status check_sum();
+  void begin_digest(std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)>& digest, const EVP_MD* kind) const;
 
   UploadFile file_;
   const UploadPiece piece_;
   const std::function<Result<std::uint64_t>()> free_bytes_;
   const std::uint64_t min_free_bytes_;
-  std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> digest_;
+  std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> digest_, content_digest_;
+  std::string content_sha256_;
   std::int64_t unsynced_bytes_ = 0;
+  std::atomic<std::chrono::steady_clock::time_point> written_at_ = std::chrono::steady_clock::now();
   bool wanted_ = true;
   std::function<void()> on_unwanted_;
 };
@@ -89,13 +98,15 @@ class Uploads {
   // kNotFound: none, an expired one, or somebody else's.
   Result<UploadState> find(const std::string& id, const Grant& grant, std::int64_t now_ms);
 
-  // False: somebody writes it and was asked to stop; ask again soon. Before anything is told of it or done with it.
-  bool is_free(const std::string& id);
+  // False: somebody writes it; ask again soon. Before anything is told of it or done with it. Who writes is asked to stop when nothing has
+  // come for a second, or `at_once`: of many who want to go on with it at the same time one gets through.
+  bool is_free(const std::string& id, bool at_once = false);
 
   // Of an upload that is free. kInvalidArgument: another offset than there is; kTooLarge: beyond its length; kBusy as in create().
   Result<std::shared_ptr<UploadWriter>> write(const UploadState& state, const UploadPiece& piece, const Grant& grant);
 
-  // When its writer has closed the file, before it goes. Tells of an upload that is whole.
+  // When its writer has closed the file, before it goes. Tells of an upload that is whole; a whole one whose bytes and metadata are those
+  // of one of the same token, whose job has not ended or went well, is removed again and named after that.
   Result<UploadState> written(const UploadState& state, const UploadWriter& writer, std::int64_t now_ms);
 
   Status set_length(UploadState& state, std::int64_t length_bytes, const Grant& grant);  // of one that had none. Errors as in create()
@@ -111,7 +122,7 @@ class Uploads {
 
  private:
   Status check_room(std::int64_t more_bytes, const std::string& except_id, const Grant& grant);
-  Status check_storage(std::int64_t more_bytes, const std::string& except_id, const std::vector<UploadRow>& rows) const;
+  Status check_storage(std::int64_t more_bytes, const std::string& except_id, const std::vector<UploadRow>& rows, const Grant& grant) const;
   Result<std::int64_t> recover(UploadRow row);
   bool is_written(const std::string& id) const;
   bool has_waiting_job(const std::string& id);
@@ -122,7 +133,10 @@ class Uploads {
   const DataDirectory& data_;
   Store& store_;
   const std::function<Status(const UploadRow&)> complete_;
+  std::string twin_of(const UploadRow& row, const std::string& content_sha256);
+
   std::map<std::string, std::weak_ptr<UploadWriter>> writers_;  // by id
+  std::map<std::string, std::string> whole_ones_;               // ids, by token, metadata and content
 };
 
 }  // namespace hermite

@@ -41,7 +41,9 @@ struct Connection {
   asio::steady_timer hello_deadline;
   asio::steady_timer grant_check;
   std::unique_ptr<Session> session;
-  Grant grant;  // of the session
+  Grant grant;                                      // of the session
+  std::unique_ptr<ShareCount::Place> tokens_place;  // its token's, for as long as the connection is there
+  std::string noted;                                // what the audit log has of the session last
   bool reading = true;
 
   explicit Connection(Transport transport)
@@ -99,13 +101,22 @@ asio::awaitable<void> read_messages(Connection& connection) {
   }
 }
 
+// In the audit log, when it is something new: who waits does not know yet which scan it will be.
+void note_session(Connection& connection, const HttpWorld& world, const std::string& address) {
+  const std::string what = connection.session->what(), scan_id = connection.session->scan_id();
+  if (connection.noted == what + scan_id) return;
+  connection.noted = what + scan_id;
+  world.audit.note({unix_now_ms(), connection.grant.token_id, address, what, scan_id, "let in"});
+}
+
 // Ends the session soon after what was granted has ended. Asks now and then: nobody has to remember who came in with what.
-void watch_grant(const std::shared_ptr<Connection>& connection, const Gate& gate) {
+void watch_grant(const std::shared_ptr<Connection>& connection, const HttpWorld& world, const std::string& address) {
   connection->grant_check.expires_after(kGrantCheck);
-  connection->grant_check.async_wait([weak = std::weak_ptr(connection), &gate](const error_code& cancelled) {
+  connection->grant_check.async_wait([weak = std::weak_ptr(connection), &world, address](const error_code& cancelled) {
     const std::shared_ptr<Connection> watched = weak.lock();
     if (cancelled || !watched) return;
-    if (gate.holds(watched->grant, unix_now_ms())) return watch_grant(watched, gate);
+    note_session(*watched, world, address);
+    if (world.gate.holds(watched->grant, unix_now_ms())) return watch_grant(watched, world, address);
     watched->session->fail({ErrorCode::kUnauthorized, "the token or share link has expired or was revoked"}, CloseCode::kUnauthorized);
   });
 }
@@ -125,15 +136,20 @@ asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, const
     auto wake = [weak = std::weak_ptr(connection)] {
       if (const std::shared_ptr<Connection> awake = weak.lock()) awake->something_to_send.cancel();
     };
-    const auto admit = [&world, &peer](const std::string& secret) {
-      Result<Grant> grant = world.gate.admit(secret, {address_group(peer.address), unix_now_ms()});
+    const auto admit = [&world, &peer, &connection](const std::string& secret) {
+      Result<Grant> grant = world.gate.admit(secret, {address_group(peer.address), unix_now_ms(), peer.address});
       if (!grant.ok() && grant.error().code != ErrorCode::kIo) world.metrics.authentication_failed();
+      if (!grant.ok()) return grant;
+      auto place = world.sessions.enter(grant->token_id, may(*grant, Scope::kAdmin), "connections");
+      if (!place.ok()) return Result<Grant>(place.error());
+      connection->tokens_place = *std::move(place);
       return grant;
     };
     auto greeting = greet(world.scans, admit, connection->stream.bytes(), std::move(wake));
     if (auto* greeted = std::get_if<Greeted>(&greeting)) {
       connection->session = std::move(greeted->session);
       connection->grant = std::move(greeted->grant);
+      note_session(*connection, world, peer.address);
       log_with({{}, peer.address}, spdlog::level::info, "a connection let in with token " + connection->grant.token_id);
       co_return;
     }
@@ -170,7 +186,7 @@ asio::awaitable<void> serve_websocket(Transport stream, beast::http::request<bea
   co_await begin(connection, world, peer);
   connection->hello_deadline.cancel();
   if (!connection->session) co_return;
-  watch_grant(connection, world.gate);
+  watch_grant(connection, world, peer.address);
   asio::co_spawn(connection->stream.socket.get_executor(), write_messages(connection), asio::detached);
   co_await read_messages(*connection);
   const std::optional<Closing> closing = connection->session->closing();
@@ -178,6 +194,7 @@ asio::awaitable<void> serve_websocket(Transport stream, beast::http::request<bea
   world.metrics.websocket_closed(code);
   const double duration_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   log_with({{}, peer.address, duration_s}, spdlog::level::debug, "connection closed with code " + std::to_string(code));
+  note_session(*connection, world, peer.address);
   connection->session->disconnected();
   connection->reading = false;
   connection->grant_check.cancel();

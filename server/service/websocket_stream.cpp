@@ -6,6 +6,8 @@
 #include <boost/beast/http/field.hpp>
 #include <boost/beast/websocket.hpp>
 
+#include "proto/wire/told_words.h"
+
 namespace hermite {
 
 namespace {
@@ -61,7 +63,8 @@ asio::awaitable<void> write_ping(WebSocketStream& stream, error_code& error) {
   co_await stream.socket.async_ping(nothing, asio::redirect_error(asio::use_awaitable, error));
 }
 
-asio::awaitable<void> close(WebSocketStream& stream, std::uint16_t code, const std::string& words) {
+asio::awaitable<void> close(WebSocketStream& stream, std::uint16_t code, const std::string& all_words) {
+  const std::string words = wire::told_words(all_words);
   websocket::close_reason reason;
   reason.code = code;
   // A control frame has room for 123 bytes of words; cut between characters.

@@ -95,18 +95,31 @@ fs::file_time_type file_time(std::int64_t unix_ms) {
   return std::chrono::file_clock::from_sys(time);
 }
 
-int take_lock(const std::string& path) {
-  const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (descriptor < 0) throw io_failure("creating " + path);
-  if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) {
-    if (ftruncate(descriptor, 0) == 0) return descriptor;  // the address of an earlier server
-    close(descriptor);
-    throw io_failure("emptying " + path);
-  }
+// Of a file or folder that is open; closes it where it cannot be had.
+int locked(int descriptor, const std::string& path) {
+  if (descriptor < 0) throw io_failure("opening " + path);
+  if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
   const bool taken = errno == EWOULDBLOCK;
+  const SetupError failure = io_failure("locking " + path);
   close(descriptor);
   if (taken) throw SetupError({ErrorCode::kBusy, "another server holds " + path + "; give each server its own --data folder"});
-  throw io_failure("locking " + path);
+  throw failure;
+}
+
+int take_lock(const std::string& path) {
+  const int descriptor = locked(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600), path);
+  if (ftruncate(descriptor, 0) == 0) return descriptor;  // the address of an earlier server
+  close(descriptor);
+  throw io_failure("emptying " + path);
+}
+
+// Groups may have been let in on purpose, all users of a machine never.
+void close_to_others(const std::string& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) throw io_failure("looking at " + path);
+  if ((status.st_mode & 0007) == 0 || chmod(path.c_str(), 0700) == 0) return;
+  throw SetupError({ErrorCode::kIo, path + " is open to other users, and is not ours to close (" + std::strerror(errno) +
+                                        "): chown it to the user of the server, or chmod o= it"});
 }
 
 }  // namespace
@@ -116,22 +129,29 @@ DataDirectory::DataDirectory(const std::string& path) : path_(path) {
   const bool created = std::filesystem::create_directories(path_, error);
   if (error) throw SetupError({ErrorCode::kIo, "creating the data folder " + path_ + ": " + error.message()});
   if (created) chmod(path_.c_str(), 0700);
+  close_to_others(path_);
   std::filesystem::create_directories(path_ + "/scans", error);
   if (error) throw SetupError({ErrorCode::kIo, "creating " + path_ + "/scans: " + error.message()});
   lock_file_ = take_lock(path_ + "/lock");
   try {
+    locked_folder_ = locked(open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC), path_);
     for (const char* folder : {"/waste", "/lost", "/lost/scans", "/lost/uploads", "/uploads"})
       if (mkdir((path_ + folder).c_str(), 0700) != 0 && errno != EEXIST) throw io_failure("creating " + path_ + folder);
     or_throw(discard(path_ + "/jobs"));
     if (mkdir((path_ + "/jobs").c_str(), 0700) != 0) throw io_failure("creating " + path_ + "/jobs");
     token_ = read_or_create_token(path_ + "/token");
   } catch (...) {
-    close(lock_file_);  // no destructor runs for a constructor that throws
+    // No destructor runs for a constructor that throws.
+    close(lock_file_);
+    if (locked_folder_ >= 0) close(locked_folder_);
     throw;
   }
 }
 
-DataDirectory::~DataDirectory() { close(lock_file_); }
+DataDirectory::~DataDirectory() {
+  close(lock_file_);
+  close(locked_folder_);
+}
 
 std::string DataDirectory::scan_folder(const std::string& scan_id) const {
   CHECK(is_scan_id(scan_id), "a path from something that is no scan id");

@@ -25,8 +25,9 @@ namespace hermite {
 // Owns the lock. One owner; const functions are thread-safe.
 class DataDirectory {
  public:
-  // Creates the folder (mode 0700), takes the lock and reads or makes the token. Throws SetupError in words: not writable, in use by
-  // another server (kBusy), a token file that holds no token.
+  // Creates the folder (mode 0700; one that is there is closed to other users), takes the lock and reads or makes the token. The folder
+  // itself is locked, too: that lock stays when somebody deletes the file. Throws SetupError in words: not writable, in use by another
+  // server (kBusy), open to other users and not ours to close, a token file that holds no token.
   explicit DataDirectory(const std::string& path);
   ~DataDirectory();
   DataDirectory(const DataDirectory&) = delete;
@@ -34,6 +35,8 @@ class DataDirectory {
 
   const std::string& token() const { return token_; }
   std::string database_path() const { return path_ + "/hermite.db"; }
+  std::string audit_folder() const { return path_ + "/audit"; }
+  std::string retention_path() const { return path_ + "/retention"; }
 
   // Writes where this server listens into the lock file, for programs beside it.
   Status publish_address(const std::string& url) const;
@@ -41,7 +44,7 @@ class DataDirectory {
   // Bytes of all files of each scan, by its id. Looks at every file: not for a thread that others wait for. kIo.
   Result<std::map<std::string, std::uint64_t>> scan_sizes() const;
 
-  // Bytes of all uploads but that one. Quick: they are few (kMaxUploads). kIo.
+  // Bytes of all uploads but that one. Quick: they are few (kUploadShare). kIo.
   Result<std::uint64_t> uploads_bytes(const std::string& except_upload_id = "") const;
 
   // `scan_id` must be one (is_scan_id); a path is made of nothing else.
@@ -89,6 +92,7 @@ class DataDirectory {
   std::string path_;
   std::string token_;
   int lock_file_ = -1;
+  int locked_folder_ = -1;
 };
 
 // How a program beside a server talks to it.

@@ -16,6 +16,7 @@ enum class JobSource { kUpload, kScan };
 const char* name_of(JobSource source);  // "upload", "scan"
 
 inline constexpr int kLowestPriority = -100, kHighestPriority = 100;  // higher ones first
+inline constexpr int kHighestPriorityForAll = 0;                      // more is for administrators
 
 struct JobRow {
   std::string id;  // of an upload's job: the upload's

@@ -17,7 +17,7 @@ namespace {
 constexpr int kApplicationId = 0x48524246;  // "HRBF"
 
 // Migration N brings user_version from N to N + 1. Never edit one that was released: add one.
-constexpr std::array<std::string_view, 3> kMigrations = {
+constexpr std::array<std::string_view, 4> kMigrations = {
     R"sql(
 CREATE TABLE scans(
   id TEXT PRIMARY KEY NOT NULL,
@@ -89,6 +89,15 @@ CREATE TABLE job_lines(
   words TEXT NOT NULL,
   PRIMARY KEY (job_id, number)
 ) STRICT;
+)sql",
+    // Whose things are, so that each token has its share; and scans whose results a full disk did not take.
+    R"sql(
+ALTER TABLE scans ADD COLUMN token_id TEXT NOT NULL DEFAULT '';
+ALTER TABLE scans ADD COLUMN to_be_rebuilt INTEGER NOT NULL DEFAULT 0 CHECK (to_be_rebuilt IN (0, 1));
+ALTER TABLE tokens ADD COLUMN made_by TEXT NOT NULL DEFAULT '';
+CREATE INDEX scans_to_rebuild ON scans(created_at_ms, id) WHERE to_be_rebuilt = 1;
+CREATE INDEX scans_by_token ON scans(token_id);
+CREATE INDEX tokens_by_maker ON tokens(made_by);
 )sql"};
 
 int pragma(SQLite::Database& database, const std::string& name) { return database.execAndGet("PRAGMA " + name).getInt(); }

@@ -1,5 +1,7 @@
 #include "server/store/sqlite_store.h"
 
+#include <sys/stat.h>
+
 #include <filesystem>
 #include <system_error>
 
@@ -13,7 +15,7 @@ namespace {
 
 constexpr const char* kScanColumns =
     "id, title, phase, words, width, height, fx, fy, cx, cy, depth_units_per_metre, frames_received, frames_processed, frames_dropped, "
-    "created_at_ms, finished_at_ms";
+    "created_at_ms, finished_at_ms, token_id, to_be_rebuilt";
 
 ScanPhase phase_of(const std::string& name) {
   for (const ScanPhase phase : {ScanPhase::kRunning, ScanPhase::kFinished, ScanPhase::kFailed})
@@ -39,6 +41,8 @@ ScanRow scan_row_of(const SQLite::Statement& query) {
   row.frames_dropped = query.getColumn(13).getInt64();
   row.created_at_ms = query.getColumn(14).getInt64();
   row.finished_at_ms = query.getColumn(15).getInt64();
+  row.token_id = query.getColumn(16).getString();
+  row.to_be_rebuilt = query.getColumn(17).getInt() != 0;
   return row;
 }
 
@@ -53,6 +57,14 @@ bool ended_uncleanly(const std::string& path) {
   std::error_code error;
   const std::uintmax_t log_bytes = std::filesystem::file_size(path + "-wal", error);
   return !error && log_bytes > 0;
+}
+
+// SQLite gives its other files the mode of the first. Of another owner's there is nothing to do here, and the folder is closed
+// (data_directory.h).
+void make_files_private(const std::string& path) {
+  for (const char* ending : {"", "-wal", "-shm"})
+    if (struct stat status{}; stat((path + ending).c_str(), &status) == 0 && (status.st_mode & 0077) != 0)
+      chmod((path + ending).c_str(), 0600);
 }
 
 void check_whole(SQLite::Database& database, const std::string& path) {
@@ -76,6 +88,7 @@ SqliteStore::SqliteStore(const std::string& path) : path_(path) {
   try {
     const bool unclean = ended_uncleanly(path);
     impl_ = std::make_unique<Impl>(path);
+    make_files_private(path);
     if (unclean) check_whole(impl_->database, path);
     migrate(impl_->database, path);
     // Only now: a database that was refused above stays as it was found.
@@ -89,7 +102,8 @@ SqliteStore::SqliteStore(const std::string& path) : path_(path) {
 SqliteStore::~SqliteStore() = default;
 
 Status SqliteStore::add(const ScanRow& row) try {
-  SQLite::Statement insert(impl_->database, std::string("INSERT INTO scans(") + kScanColumns + ") VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+  SQLite::Statement insert(impl_->database,
+                           std::string("INSERT INTO scans(") + kScanColumns + ") VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
   int column = 0;
   for (const std::string& text : {row.id, row.title, std::string(name_of(row.phase)), row.words}) insert.bind(++column, text);
   for (const int side : {row.camera.width, row.camera.height}) insert.bind(++column, side);
@@ -97,6 +111,8 @@ Status SqliteStore::add(const ScanRow& row) try {
     insert.bind(++column, value);
   for (const std::int64_t value : {row.frames_received, row.frames_processed, row.frames_dropped, row.created_at_ms, row.finished_at_ms})
     insert.bind(++column, value);
+  insert.bind(++column, row.token_id);
+  insert.bind(++column, row.to_be_rebuilt ? 1 : 0);
   insert.exec();
   return Done{};
 } catch (const SQLite::Exception& failure) {
@@ -108,14 +124,15 @@ Status SqliteStore::add(const ScanRow& row) try {
 Status SqliteStore::update(const ScanRow& row) try {
   SQLite::Statement change(impl_->database,
                            "UPDATE scans SET phase = ?, words = ?, frames_received = ?, frames_processed = ?, frames_dropped = ?, "
-                           "finished_at_ms = ? WHERE id = ?");
+                           "finished_at_ms = ?, to_be_rebuilt = ? WHERE id = ?");
   change.bind(1, std::string(name_of(row.phase)));
   change.bind(2, row.words);
   change.bind(3, row.frames_received);
   change.bind(4, row.frames_processed);
   change.bind(5, row.frames_dropped);
   change.bind(6, row.finished_at_ms);
-  change.bind(7, row.id);
+  change.bind(7, row.to_be_rebuilt ? 1 : 0);
+  change.bind(8, row.id);
   if (change.exec() == 0) return Error{ErrorCode::kNotFound, "there is no scan " + row.id};
   return Done{};
 } catch (const SQLite::Exception& failure) {
@@ -170,6 +187,25 @@ Result<std::vector<ScanRow>> SqliteStore::running() try {
   std::vector<ScanRow> rows;
   while (query.executeStep()) rows.push_back(scan_row_of(query));
   return rows;
+} catch (const SQLite::Exception& failure) {
+  return database_error(failure);
+}
+
+Result<std::optional<ScanRow>> SqliteStore::next_to_rebuild() try {
+  SQLite::Statement query(impl_->database,
+                          std::string("SELECT ") + kScanColumns +
+                              " FROM scans WHERE to_be_rebuilt = 1 AND phase <> 'running' ORDER BY created_at_ms, id LIMIT 1");
+  return query.executeStep() ? std::optional(scan_row_of(query)) : std::nullopt;
+} catch (const SQLite::Exception& failure) {
+  return database_error(failure);
+}
+
+Result<std::vector<std::string>> SqliteStore::scans_of_token(const std::string& token_id) try {
+  SQLite::Statement query(impl_->database, "SELECT id FROM scans WHERE token_id = ?");
+  query.bind(1, token_id);
+  std::vector<std::string> ids;
+  while (query.executeStep()) ids.push_back(query.getColumn(0).getString());
+  return ids;
 } catch (const SQLite::Exception& failure) {
   return database_error(failure);
 }

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,8 @@ class SqliteStore : public Store {
   Result<std::vector<ScanRow>> list() override;
   Result<std::vector<ScanRow>> list_older_than(const std::string& id) override;
   Result<std::vector<ScanRow>> running() override;
+  Result<std::optional<ScanRow>> next_to_rebuild() override;
+  Result<std::vector<std::string>> scans_of_token(const std::string& token_id) override;
   Status writable() override;
   Status check_integrity() const override;  // over a connection of its own that only reads
 

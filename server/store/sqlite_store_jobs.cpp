@@ -39,12 +39,30 @@ JobRow job_row_of(const SQLite::Statement& query) {
 
 Error no_job(const std::string& id) { return {ErrorCode::kNotFound, "there is no job " + id}; }
 
+// Whether a token may have one more that waits or runs.
+Status check_job_share(SQLite::Database& database, const std::string& token_id) {
+  SQLite::Statement count(database, "SELECT count(*), coalesce(sum(token_id = ?1), 0) FROM jobs WHERE state IN ('queued', 'running')");
+  const Taken taken = taken_of(count, token_id);
+  return check_share(kJobShare, taken, may_administer(database, token_id), "jobs that wait or run");
+}
+
+// Of each token only so many that have ended stay.
+void forget_more_than_enough(SQLite::Database& database, const std::string& token_id) {
+  SQLite::Statement change(database,
+                           "DELETE FROM jobs WHERE id IN (SELECT id FROM jobs WHERE token_id = ?1 AND state NOT IN ('queued', 'running') "
+                           "ORDER BY finished_at_ms DESC, id LIMIT -1 OFFSET ?2)");
+  change.bind(1, token_id);
+  change.bind(2, kMaxEndedJobsPerToken);
+  change.exec();
+}
+
 }  // namespace
 
 Status SqliteStore::add_job(const JobRow& row) try {
   SQLite::Database& database = impl_->database;
-  if (database.execAndGet("SELECT count(*) FROM jobs WHERE state IN ('queued', 'running')").getInt() >= kMaxWaitingJobs)
-    return Error{ErrorCode::kBusy, std::to_string(kMaxWaitingJobs) + " jobs wait, which is the limit; try again when some have ended"};
+  SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+  if (!has_ended(row.state))
+    if (Status status = check_job_share(database, row.token_id); !status.ok()) return status;
   SQLite::Statement insert(database, std::string("INSERT INTO jobs(") + kJobColumns + ") VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
   int column = 0;
   for (const std::string& text :
@@ -57,6 +75,8 @@ Status SqliteStore::add_job(const JobRow& row) try {
   insert.bind(++column, row.scan_id);
   for (const std::int64_t time_ms : {row.created_at_ms, row.started_at_ms, row.finished_at_ms}) insert.bind(++column, time_ms);
   insert.exec();
+  forget_more_than_enough(database, row.token_id);
+  transaction.commit();
   return Done{};
 } catch (const SQLite::Exception& failure) {
   if (failure.getErrorCode() == SQLITE_CONSTRAINT) return Error{ErrorCode::kInvalidArgument, "job " + row.id + ": " + failure.what()};
@@ -64,6 +84,11 @@ Status SqliteStore::add_job(const JobRow& row) try {
 }
 
 Status SqliteStore::update_job(const JobRow& row) try {
+  SQLite::Transaction transaction(impl_->database, SQLite::TransactionBehavior::IMMEDIATE);
+  const Result<JobRow> before = job(row.id);
+  if (!before.ok()) return before.error();
+  if (has_ended(before->state) && !has_ended(row.state))
+    if (Status status = check_job_share(impl_->database, before->token_id); !status.ok()) return status;
   SQLite::Statement change(impl_->database,
                            "UPDATE jobs SET state = ?, words = ?, attempt_count = ?, scan_id = ?, started_at_ms = ?, finished_at_ms = ? "
                            "WHERE id = ?");
@@ -74,7 +99,8 @@ Status SqliteStore::update_job(const JobRow& row) try {
   change.bind(5, row.started_at_ms);
   change.bind(6, row.finished_at_ms);
   change.bind(7, row.id);
-  if (change.exec() == 0) return no_job(row.id);
+  change.exec();
+  transaction.commit();
   return Done{};
 } catch (const SQLite::Exception& failure) {
   return database_error(failure);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* kTokenColumns =
     "id, secret_sha256, name, may_view, may_scan, may_admin, coalesce(scan_id, ''), created_at_ms, expires_at_ms, used_at_ms, "
-    "revoked_at_ms";
+    "revoked_at_ms, made_by";
 
 TokenRow token_row_of(const SQLite::Statement& query) {
   TokenRow row;
@@ -24,6 +24,7 @@ TokenRow token_row_of(const SQLite::Statement& query) {
   row.expires_at_ms = query.getColumn(8).getInt64();
   row.used_at_ms = query.getColumn(9).getInt64();
   row.revoked_at_ms = query.getColumn(10).getInt64();
+  row.made_by = query.getColumn(11).getString();
   return row;
 }
 
@@ -41,17 +42,55 @@ Status change_token(SQLite::Database& database, const char* sql, std::initialize
   return database_error(failure);
 }
 
+// Whether the row's maker may have one more. Tokens and share links are counted apart.
+Status check_token_share(SQLite::Database& database, const TokenRow& row) {
+  const bool is_link = !row.scan_id.empty();
+  SQLite::Statement count(database, std::string("SELECT count(*), coalesce(sum(made_by = ?1), 0) FROM tokens WHERE revoked_at_ms = 0 AND "
+                                                "(expires_at_ms = 0 OR expires_at_ms > ?2) AND scan_id IS ") +
+                                        (is_link ? "NOT NULL" : "NULL"));
+  count.bind(2, row.created_at_ms);
+  const Taken taken = taken_of(count, row.made_by);
+  return check_share(is_link ? kShareLinkShare : kTokenShare, taken, may_administer(database, row.made_by),
+                     is_link ? "share links that have not ended" : "tokens that have not ended");
+}
+
+// Of each maker only so many that have ended stay. The first token does always: else its file's secret would come to life again.
+void forget_more_than_enough(SQLite::Database& database, const std::string& made_by, std::int64_t now_ms) {
+  SQLite::Statement change(database,
+                           "DELETE FROM tokens WHERE id IN (SELECT id FROM tokens WHERE made_by = ?1 AND id <> ?2 AND "
+                           "(revoked_at_ms > 0 OR (expires_at_ms > 0 AND expires_at_ms <= ?3)) "
+                           "ORDER BY created_at_ms DESC, id LIMIT -1 OFFSET ?4)");
+  change.bind(1, made_by);
+  change.bind(2, std::string(kFirstTokenId));
+  change.bind(3, now_ms);
+  change.bind(4, kMaxEndedLinksPerToken);
+  change.exec();
+}
+
 }  // namespace
+
+bool may_administer(SQLite::Database& database, const std::string& token_id) {
+  if (token_id.empty()) return true;
+  SQLite::Statement query(database, "SELECT may_admin FROM tokens WHERE id = ?");
+  query.bind(1, token_id);
+  return query.executeStep() && query.getColumn(0).getInt() != 0;
+}
+
+Taken taken_of(SQLite::Statement& count, const std::string& token_id) {
+  count.bind(1, token_id);
+  count.executeStep();
+  return {count.getColumn(0).getInt64(), count.getColumn(1).getInt64()};
+}
 
 Status SqliteStore::add_token(const TokenRow& row) try {
   SQLite::Database& database = impl_->database;
   if (!row.scan_id.empty())
     if (const Result<ScanRow> scan = find(row.scan_id); !scan.ok()) return scan.error();
-  if (database.execAndGet("SELECT count(*) FROM tokens").getInt() >= kMaxTokens)
-    return Error{ErrorCode::kBusy, "there are " + std::to_string(kMaxTokens) + " tokens and share links, which is the limit"};
+  SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+  if (Status status = check_token_share(database, row); !status.ok()) return status;
   SQLite::Statement insert(database,
                            "INSERT INTO tokens(id, secret_sha256, name, may_view, may_scan, may_admin, scan_id, created_at_ms, "
-                           "expires_at_ms, used_at_ms, revoked_at_ms) VALUES(?,?,?,?,?,?,nullif(?,''),?,?,?,?)");
+                           "expires_at_ms, used_at_ms, revoked_at_ms, made_by) VALUES(?,?,?,?,?,?,nullif(?,''),?,?,?,?,?)");
   int column = 0;
   insert.bind(++column, row.id);
   insert.bind(++column, row.secret_sha256.data(), static_cast<int>(row.secret_sha256.size()));
@@ -60,7 +99,10 @@ Status SqliteStore::add_token(const TokenRow& row) try {
   insert.bind(++column, row.scan_id);
   for (const std::int64_t time_ms : {row.created_at_ms, row.expires_at_ms, row.used_at_ms, row.revoked_at_ms})
     insert.bind(++column, time_ms);
+  insert.bind(++column, row.made_by);
   insert.exec();
+  forget_more_than_enough(database, row.made_by, row.created_at_ms);
+  transaction.commit();
   return Done{};
 } catch (const SQLite::Exception& failure) {
   if (failure.getErrorCode() == SQLITE_CONSTRAINT) return Error{ErrorCode::kInvalidArgument, "token " + row.id + ": " + failure.what()};

@@ -27,8 +27,9 @@ Error no_upload(const std::string& id) { return {ErrorCode::kNotFound, "there is
 
 Status SqliteStore::add_upload(const UploadRow& row) try {
   SQLite::Database& database = impl_->database;
-  if (database.execAndGet("SELECT count(*) FROM uploads").getInt() >= kMaxUploads)
-    return Error{ErrorCode::kBusy, "there are " + std::to_string(kMaxUploads) + " uploads, which is the limit"};
+  SQLite::Statement count(database, "SELECT count(*), coalesce(sum(token_id = ?1), 0) FROM uploads");
+  const Taken taken = taken_of(count, row.token_id);
+  if (Status status = check_share(kUploadShare, taken, may_administer(database, row.token_id), "uploads"); !status.ok()) return status;
   SQLite::Statement insert(database, std::string("INSERT INTO uploads(") + kUploadColumns + ") VALUES(?,?,?,?,?,?,?)");
   insert.bind(1, row.id);
   insert.bind(2, row.token_id);

@@ -2,7 +2,8 @@
 // (sqlite_store.h) or, some day, in PostgreSQL; what every implementation keeps is in tests/server/store/store_contract.h.
 //
 // What an implementation owes:
-//   atomic    Each call is one transaction. What returns an error has changed nothing; a limit or a key that is checked is checked and
+//   atomic    Each call is one transaction. What returns an error has changed nothing (after kIo: for this process; whether the change is
+//             there after a restart is open where the disk has failed to sync it); a limit or a key that is checked is checked and
 //             used at once. Nothing spans two calls: who needs two rows to agree writes them in an order that a death in between does no
 //             harm to (an upload's job has the upload's id, so that it is added once however often that is tried).
 //   durable   A change that returned well survives the death of the process, and that of the machine if its disk keeps its word.
@@ -16,21 +17,20 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/result.h"
 #include "server/store/job_row.h"
 #include "server/store/scan_row.h"
+#include "server/store/shares.h"
 #include "server/store/token_row.h"
 #include "server/store/upload_row.h"
 
 namespace hermite {
 
 inline constexpr int kMaxListedScans = 1000;
-inline constexpr int kMaxTokens = 10'000;  // and share links, with those that have ended
-inline constexpr int kMaxUploads = 1000;
-inline constexpr int kMaxWaitingJobs = 1000;  // and running ones
 inline constexpr int kMaxListedJobs = 1000;
 inline constexpr int kMaxJobLines = 200;  // of one job; more are left out
 
@@ -41,7 +41,7 @@ class Store {
   // kInvalidArgument: the id is there already.
   virtual Status add(const ScanRow& row) = 0;
 
-  // Everything but id, title, camera and created_at_ms. kNotFound: no such scan.
+  // Everything but id, title, camera, token_id and created_at_ms. kNotFound: no such scan.
   virtual Status update(const ScanRow& row) = 0;
 
   // kNotFound: no such scan.
@@ -56,14 +56,23 @@ class Store {
   // job goes on with its scan.
   virtual Result<std::vector<ScanRow>> running() = 0;
 
+  // The oldest of those that have ended and are to be rebuilt, if there is one.
+  virtual Result<std::optional<ScanRow>> next_to_rebuild() = 0;
+
+  // The ids of all scans of a token, whatever their state.
+  virtual Result<std::vector<std::string>> scans_of_token(const std::string& token_id) = 0;
+
   // Whether the database would take a change now; makes none.
   virtual Status writable() = 0;
 
   // Reads all of it. kCorruptData: what is there is damaged, in words; kIo: that cannot be told now. May take long.
   virtual Status check_integrity() const = 0;
 
-  // Tokens and share links. Those that have ended stay in the list until they are forgotten.
-  // kInvalidArgument: the id or the secret is there already. kNotFound: no such scan. kBusy: kMaxTokens.
+  // Tokens and share links. Those that have ended count for no limit and stay in the list until they are forgotten, or until so many of
+  // the same maker have ended after them. What is kept of a limit for administrators (shares.h) is for a maker whose row may administer, or
+  // who is empty: that is the owner of the data folder.
+  // kInvalidArgument: the id or the secret is there already. kNotFound: no such scan. kBusy: the share of the maker is used up. The row's
+  // created_at_ms says what the time is.
   virtual Status add_token(const TokenRow& row) = 0;
   virtual Result<TokenRow> find_token(const std::string& secret_sha256) = 0;    // kNotFound; also the revoked and the expired
   virtual Result<TokenRow> token(const std::string& id) = 0;                    // kNotFound
@@ -74,14 +83,15 @@ class Store {
   // Removes those revoked or expired before that time, but not the first token. How many.
   virtual Result<int> forget_tokens(std::int64_t ended_before_ms) = 0;
 
-  // Uploads. kBusy: kMaxUploads. kInvalidArgument: the id is there already. kNotFound.
+  // Uploads. kBusy: the share of its token is used up. kInvalidArgument: the id is there already. kNotFound.
   virtual Status add_upload(const UploadRow& row) = 0;
   virtual Status update_upload(const UploadRow& row) = 0;  // length, unchecked_from and expires_at_ms
   virtual Result<UploadRow> upload(const std::string& id) = 0;
   virtual Result<std::vector<UploadRow>> list_uploads() = 0;  // oldest first
   virtual Status remove_upload(const std::string& id) = 0;
 
-  // Jobs. kBusy: kMaxWaitingJobs. kInvalidArgument: the id is there already. kNotFound.
+  // Jobs. kBusy: the share of its token is used up, also for one that had ended and is to wait again. kInvalidArgument: the id is there
+  // already. kNotFound. Of those that have ended the newest of each token stay.
   virtual Status add_job(const JobRow& row) = 0;
   virtual Status update_job(const JobRow& row) = 0;  // state, words, attempt_count, scan_id, started_at_ms and finished_at_ms
   virtual Result<JobRow> job(const std::string& id) = 0;

@@ -27,6 +27,7 @@ struct TokenRow {
   std::string name;           // for people
   Scopes scopes;
   std::string scan_id;             // a share link: the only scan that it opens, to look at. Empty for a token
+  std::string made_by;             // id of the token that asked for it; empty: the owner of the data folder
   std::int64_t created_at_ms = 0;  // Unix time, here and below
   std::int64_t expires_at_ms = 0;  // 0: never
   std::int64_t used_at_ms = 0;     // to about a minute; 0: not yet

@@ -1,50 +1,180 @@
 #!/usr/bin/python3
-"""Lets the disk become full while a camera streams.
+"""Lets a disk become full while a camera streams: a real one, a tmpfs of its own in a mount namespace of its own.
 
     full_disk.py path/to/hermite path/to/hermite-client
 
-No file of the server can become longer than 300 kB: what the log of the scan needs is three times that. Passes when the client is told in
-words and ends, nothing that it was told to be durable is missing, the server lives, the state of the scan says why, and after a restart with
-room another scan goes well.
+no room to begin    a camera is refused in words before its first frame, /readyz says why
+nearly full         the scan that runs ends as interrupted while there is room for its results, and has them
+full to the last    another program takes every byte: the camera is told in words and ends, the server lives, the scan ends as interrupted, its
+byte                frames stay and nothing that was told to be durable is missing. When there is room again its results are made by
+                    themselves, of every frame in its log
+and killed          the same, and the server is killed while nothing can be written: the next one makes the results
+
+Skipped (77) where no mount namespace or tmpfs may be had.
 """
-import glob
 import os
+import shutil
 import signal
+import subprocess
 import sys
 import tempfile
+import urllib.error
+import urllib.request
 
 from frame_log import frames_in_log
-from programs import FRAMES, Camera, Server, check, durable_said, failures
+from programs import FRAMES, PATIENCE_S, Camera, Server, check, durable_said, failures, free_port, log_of, readiness, stream_until, wait_until
 
-LARGEST_FILE = 300_000
+SKIPPED = 77
+IN_NAMESPACE = "HERMITE_TEST_IN_NAMESPACE"
+DISK_MB = 300
+FRAMES_BEFORE = 10
 
 
-def main():
-    with tempfile.TemporaryDirectory() as folder:
-        data = os.path.join(folder, "data")
-        server = Server(sys.argv[1], data, largest_file=LARGEST_FILE)
-        camera = Camera(sys.argv[2], server.url)
-        check(camera.result() is None, "the client says that the scan did not go well")
-        said = "".join(camera.lines)
-        check("cannot be stored" in said, "the client is told why: " + said)
-        check(server.process.poll() is None, "the server lives")
-        (scan,) = server.scans()
-        check(scan["state"] in ("interrupted", "failed") and scan["words"], f"the state says why: {scan}")
-        (log,) = glob.glob(os.path.join(data, "scans", "*", "log"))
-        frames = frames_in_log(log)
-        check(0 < frames < FRAMES, f"{frames} of {FRAMES} frames are in the log")
-        check(all(count <= frames for count in durable_said(camera.lines)), "what was durable is there")
-        check(server.end(signal.SIGTERM) == 0, "the server ends well")
+def skip(why):
+    print("skipped:", why)
+    sys.exit(SKIPPED)
 
-        server.largest_file = None
+
+class Filler:
+    """Another program that takes what there is, but for so many bytes."""
+
+    def __init__(self, folder):
+        self.path = os.path.join(folder, "of another program")
+
+    def leave(self, left_bytes):
+        self.go()
+        with open(self.path, "wb") as file:
+            size, piece = 0, 1 << 20
+            while piece >= 4096:
+                status = os.statvfs(self.path)
+                room = status.f_bavail * status.f_frsize - left_bytes
+                try:
+                    if room < piece:
+                        raise OSError
+                    os.posix_fallocate(file.fileno(), size, piece)
+                    size += piece
+                except OSError:
+                    piece //= 2
+
+    def go(self):
+        if os.path.exists(self.path):
+            os.unlink(self.path)
+
+
+def row_of(server, scan):
+    return next(row for row in server.scans() if row["id"] == scan)
+
+
+def result_of(server, scan, name):
+    """Bytes of a result, or the status of the refusal."""
+    request = urllib.request.Request(f"{server.url.split('/#')[0]}/api/v1/scans/{scan}/{name}",
+                                     headers={"Authorization": "Bearer " + server.token()})
+    try:
+        with urllib.request.urlopen(request, timeout=PATIENCE_S) as answer:
+            return answer.read()
+    except urllib.error.HTTPError as refusal:
+        return refusal.code
+
+
+def begin_on_it(server, client, filler, admin_port):
+    filler.leave(20_000_000)
+    camera = Camera(client, server.url)
+    check(camera.result() is None and "not enough room" in "".join(camera.lines), f"a scan is refused: {camera.lines}")
+    check(not server.scans(), "no scan has begun")
+    status, words = readiness(admin_port)
+    check(status == 503 and "MB are free" in words, f"/readyz: {status} {words}")
+    filler.go()
+
+
+def come_near(server, client, filler):
+    camera, scan = stream_until(server, client, FRAMES_BEFORE)
+    filler.leave(40_000_000)  # of the 50 MB that are to stay free
+    check(camera.result() is None and "nearly full" in "".join(camera.lines), f"the client is told why: {camera.lines}")
+    row = row_of(server, scan)
+    check(row["state"] == "interrupted" and "nearly full" in row["words"] and not row["to_be_rebuilt"], f"nearly full: {row}")
+    check(isinstance(result_of(server, scan, "cloud.ply"), bytes), "it has its results")
+    filler.go()
+    return row
+
+
+def fill(server, client, filler, data):
+    camera, scan = stream_until(server, client, FRAMES_BEFORE)
+    filler.leave(0)
+    check(camera.result() is None, "the client says that the scan did not go well")
+    said = "".join(camera.lines)
+    check("cannot be stored" in said or "nearly full" in said, "the client is told why: " + said)
+    check(data not in said and os.path.realpath(data) not in said, "no path of the server is told: " + said)
+    check(server.process.poll() is None, "the server lives")
+    wait_until(lambda: row_of(server, scan)["state"] != "running", "the end of the scan")
+    row = row_of(server, scan)
+    check(row["state"] == "interrupted" and row["to_be_rebuilt"] and "when there is room" in row["words"], f"full: {row}")
+    check(result_of(server, scan, "cloud.ply") == 404, "it has no results")
+    frames = frames_in_log(log_of(data, scan))
+    check(0 < frames <= FRAMES, f"{frames} of {FRAMES} frames are in the log")
+    durable = durable_said(camera.lines)
+    check(all(count <= frames for count in durable), f"what was durable is there: {durable}, {frames}")
+    return scan, frames, row
+
+
+def is_rebuilt(server, scan, frames):
+    wait_until(lambda: not row_of(server, scan)["to_be_rebuilt"] and row_of(server, scan)["state"] != "running", "the scan is rebuilt")
+    row = row_of(server, scan)
+    check(row["state"] == "interrupted" and row["frames_processed"] == frames, f"rebuilt: {row}")
+    trajectory = result_of(server, scan, "trajectory.txt")
+    lines = [line for line in trajectory.decode().splitlines() if not line.startswith("#")] if isinstance(trajectory, bytes) else trajectory
+    check(isinstance(lines, list) and len(lines) == frames, f"{frames} frames have a pose: {lines}")
+    check(isinstance(result_of(server, scan, "cloud.ply"), bytes), "and there is a cloud")
+
+
+def look_at(disk, data, program, client):
+    filler = Filler(disk)
+    admin_port = free_port()
+    server = Server(program, data, settings=("--admin-listen", f"127.0.0.1:{admin_port}", "--min-free-disk", "50", "--resume-window", "2"))
+    try:
+        begin_on_it(server, client, filler, admin_port)
+        come_near(server, client, filler)
+        scan, frames, row = fill(server, client, filler, data)
+        filler.go()
+        is_rebuilt(server, scan, frames)
+
+        killed_scan, killed_frames, _ = fill(server, client, filler, data)
+        server.end(signal.SIGKILL)
+        filler.go()
         server.start()
-        check(server.scans()[0]["state"] == scan["state"], "the state is the same after a restart")
-        result = Camera(sys.argv[2], server.url).result()
+        is_rebuilt(server, killed_scan, killed_frames)
+
+        result = Camera(client, server.url).result()
         check(result is not None and result[0] == FRAMES, f"a scan on a disk with room: {result}")
         if failures:
             print(server.tail())
         check(server.end(signal.SIGTERM) == 0, "the server ends well")
-        print(f"disk full after {frames} frames; scan {scan['state']}: {scan['words']}: {'FAILED' if failures else 'as it should be'}")
+        print(f"disk full with {frames} frames in the log; scan {row['state']}: {row['words']}; rebuilt: "
+              f"{'FAILED' if failures else 'as it should be'}")
+    finally:
+        if server.process.poll() is None:
+            server.process.kill()
+
+
+def main():
+    if IN_NAMESPACE not in os.environ:
+        how = ["unshare", "--mount", "--propagation", "private"] + ([] if os.geteuid() == 0 else ["--map-root-user"])
+        if not shutil.which("unshare") or subprocess.run([*how, "true"], stderr=subprocess.DEVNULL, check=False).returncode != 0:
+            skip("no mount namespace may be made here, so no disk was filled")
+        os.environ[IN_NAMESPACE] = "1"
+        os.execvp("unshare", [*how, sys.executable, *sys.argv])
+    with tempfile.TemporaryDirectory() as folder:
+        disk = os.path.join(folder, "disk")
+        os.mkdir(disk)
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={DISK_MB}m", "none", disk], stderr=subprocess.DEVNULL, check=False).returncode != 0:
+            skip("no tmpfs may be mounted here, so no disk was filled")
+        # By a link, so that what the server says on stderr lies elsewhere.
+        data = os.path.join(folder, "data")
+        os.mkdir(os.path.join(disk, "data"))
+        os.symlink(os.path.join(disk, "data"), data)
+        try:
+            look_at(disk, data, *sys.argv[1:3])
+        finally:
+            subprocess.run(["umount", "--lazy", disk], stderr=subprocess.DEVNULL, check=False)
     return 1 if failures else 0
 
 

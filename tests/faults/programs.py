@@ -1,13 +1,15 @@
 """The real programs, for the tests that break things around them."""
 import argparse
+import glob
 import json
 import os
 import re
-import resource
 import socket
 import subprocess
 import sys
 import threading
+import time
+import urllib.error
 import urllib.request
 
 FRAMES = 40
@@ -17,9 +19,8 @@ PATIENCE_S = 300
 
 
 class Server:
-    def __init__(self, program, data, largest_file=None, settings=()):
-        """`largest_file`: in bytes; a write beyond it fails, as on a full disk. `settings`: more arguments."""
-        self.largest_file = largest_file
+    def __init__(self, program, data, settings=()):
+        """`settings`: more arguments."""
         with socket.create_server(("127.0.0.1", 0)) as free:
             self.port = free.getsockname()[1]
         self.command = [program, "serve", "--listen", f"127.0.0.1:{self.port}", "--data", data, *settings]
@@ -29,10 +30,7 @@ class Server:
         self.start()
 
     def start(self):
-        # Python ignores the signal that comes with such a write, and leaves that to its child.
-        limit = self.largest_file and (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (self.largest_file, self.largest_file)))
-        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=self.log, text=True, preexec_fn=limit,
-                                        restore_signals=not self.largest_file)
+        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=self.log, text=True)
         self.url = self.process.stdout.readline().strip()
         if not self.url.startswith("http"):
             sys.exit("the server did not start: " + self.tail())
@@ -91,6 +89,44 @@ class Camera:
             return None
         report = json.loads(self.out)
         return report["frames"], report["trajectory_sha256"], report["cloud_sha256"]
+
+
+def free_port():
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        return free.getsockname()[1]
+
+
+def wait_until(condition, words):
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        if time.monotonic() > deadline:
+            sys.exit("never: " + words)
+        time.sleep(0.02)
+
+
+def stream_until(server, client, count):
+    """A camera, and its scan, of which so many frames have come."""
+    known = {scan["id"] for scan in server.scans()}
+    camera = Camera(client, server.url)
+
+    def news():
+        return [scan for scan in server.scans() if scan["id"] not in known]
+
+    wait_until(lambda: any(scan["frames_received"] >= count for scan in news()), f"{count} frames")
+    return camera, news()[0]["id"]
+
+
+def readiness(port):
+    try:
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/readyz", timeout=PATIENCE_S) as answer:
+            return answer.status, answer.read().decode()
+    except urllib.error.HTTPError as refusal:
+        return refusal.code, refusal.read().decode()
+
+
+def log_of(data, scan):
+    (log,) = glob.glob(os.path.join(data, "scans", scan, "log"))
+    return log
 
 
 class Proxy:

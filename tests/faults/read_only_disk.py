@@ -14,20 +14,15 @@ and the server dies      with a good disk again the scan goes on and has the res
 
 Skipped (77) where namespaces, loop devices or ext4 may not be had.
 """
-import glob
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
-import time
-import urllib.error
-import urllib.request
 
 from frame_log import frames_in_log
-from programs import FRAMES, PATIENCE_S, Camera, Server, check, durable_said, failures
+from programs import FRAMES, PATIENCE_S, Camera, Server, check, durable_said, failures, free_port, log_of, readiness, stream_until, wait_until
 
 SKIPPED = 77
 IN_NAMESPACE = "HERMITE_TEST_IN_NAMESPACE"
@@ -80,44 +75,6 @@ class Disk:
         self.mount()
 
 
-def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        return free.getsockname()[1]
-
-
-def wait_until(condition, words):
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition():
-        if time.monotonic() > deadline:
-            sys.exit("never: " + words)
-        time.sleep(0.02)
-
-
-def stream_until(server, client, count):
-    """A camera, and its scan, of which so many frames have come."""
-    known = {scan["id"] for scan in server.scans()}
-    camera = Camera(client, server.url)
-
-    def news():
-        return [scan for scan in server.scans() if scan["id"] not in known]
-
-    wait_until(lambda: any(scan["frames_received"] >= count for scan in news()), f"{count} frames")
-    return camera, news()[0]["id"]
-
-
-def readiness(port):
-    try:
-        with urllib.request.urlopen(f"http://127.0.0.1:{port}/readyz", timeout=PATIENCE_S) as answer:
-            return answer.status, answer.read().decode()
-    except urllib.error.HTTPError as refusal:
-        return refusal.code, refusal.read().decode()
-
-
-def log_of(data, scan):
-    (log,) = glob.glob(os.path.join(data, "scans", scan, "log"))
-    return log
-
-
 def stream_into_it(server, client, disk, data, admin_port):
     camera, scan = stream_until(server, client, FRAMES_BEFORE)
     disk.become_read_only()
@@ -146,7 +103,7 @@ def start_on_it(program, disk, data):
 
 def look_at(disk, data, program, client):
     admin_port = free_port()
-    server = Server(program, data, settings=("--admin-listen", f"127.0.0.1:{admin_port}", "--resume-window", "5"))
+    server = Server(program, data, settings=("--admin-listen", f"127.0.0.1:{admin_port}", "--resume-window", "5", "--min-free-disk", "0"))
     try:
         break_disk(disk, data, admin_port, server, program, client)
     finally:

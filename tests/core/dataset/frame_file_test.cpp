@@ -48,6 +48,23 @@ TEST(Klg, EveryMixOfCodingsReadsBack) {
   }
 }
 
+// Its first frame has a small time stamp, which could be the length of a name, and nothing in view.
+TEST(Klg, FourBlackFramesAreNoSens) {
+  const TempFolder folder;
+  test::Bytes bytes{4, 0, 0, 0};
+  for (std::uint8_t frame = 0; frame < 4; ++frame) {
+    constexpr std::uint32_t kDepthBytes = 640 * 480 * 2;
+    bytes.insert(bytes.end(), {frame, 0, 0, 0, 0, 0, 0, 0});
+    for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<std::uint8_t>(kDepthBytes >> shift));
+    bytes.insert(bytes.end(), 4 + kDepthBytes, 0);
+  }
+  folder.write("a.klg", bytes);
+  EXPECT_FALSE(probe_sens(folder.path("a.klg")));
+  const auto recording = open_recording(folder.path("a.klg"));
+  ASSERT_TRUE(recording.ok()) << recording.error().message;
+  EXPECT_EQ(recording->sequence->format(), "klg");
+}
+
 TEST(Klg, MissingColourIsBlackAndSaid) {
   const test::RenderedOnce source(kKlgSource);
   const TempFolder folder;

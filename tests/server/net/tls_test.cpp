@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <openssl/objects.h>
+#include <openssl/ssl.h>
 
 #include <filesystem>
 #include <fstream>
@@ -76,6 +78,21 @@ TEST_F(TlsTest, PlainHttpGetsNothingThere) {
   test::RawClient client(server->port());
   client.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_EQ(client.read_to_end().find("HTTP/1.1 200"), std::string::npos);
+}
+
+TEST_F(TlsTest, OnlySuitesWithForwardSecrecyAndAuthenticatedEncryptionAreOffered) {
+  const test::CertificateFiles files = test::make_certificate(folder_.path(), "a", "IP:127.0.0.1");
+  for (const Result<TlsContext>& context : {server_tls(files.certificate, files.key), client_tls("")}) {
+    ASSERT_TRUE(context.ok());
+    STACK_OF(SSL_CIPHER)* const suites = SSL_CTX_get_ciphers((*context)->native_handle());
+    ASSERT_GT(sk_SSL_CIPHER_num(suites), 0);
+    for (int i = 0; i < sk_SSL_CIPHER_num(suites); ++i) {
+      const SSL_CIPHER* const suite = sk_SSL_CIPHER_value(suites, i);
+      EXPECT_TRUE(SSL_CIPHER_is_aead(suite)) << SSL_CIPHER_get_name(suite);
+      const int exchange = SSL_CIPHER_get_kx_nid(suite);
+      EXPECT_TRUE(exchange == NID_kx_ecdhe || exchange == NID_kx_any) << SSL_CIPHER_get_name(suite);
+    }
+  }
 }
 
 TEST_F(TlsTest, FilesThatDoNotFitAreNamed) {

@@ -26,8 +26,8 @@ std::shared_ptr<Audience> empty_audience() { return std::make_shared<Audience>(S
 struct Joined {
   int woken = 0;
   std::unique_ptr<Viewer> viewer;
-  explicit Joined(const std::shared_ptr<Audience>& audience) {
-    auto result = Audience::join(audience, [this] { ++woken; });
+  explicit Joined(const std::shared_ptr<Audience>& audience, const ViewerToken& token = {"admin", true}) {
+    auto result = Audience::join(audience, token, [this] { ++woken; });
     if (result.ok()) viewer = *std::move(result);
   }
 };
@@ -230,12 +230,12 @@ TEST(Audience, ChunksThatChangeAllTheTimeDoNotKeepOthersBack) {
 TEST(Audience, HasAtMostItsViewersAndAPlaceIsFreeAfterOneLeaves) {
   const auto audience = empty_audience();
   std::vector<std::unique_ptr<Joined>> all;
-  for (int i = 0; i < kMaxViewersPerScan; ++i) all.push_back(std::make_unique<Joined>(audience));
-  auto refused = Audience::join(audience, [] {});
+  for (int i = 0; i < kViewerShare.in_all; ++i) all.push_back(std::make_unique<Joined>(audience));
+  auto refused = Audience::join(audience, {"admin", true}, [] {});
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kBusy);
   all.pop_back();
-  EXPECT_TRUE(Audience::join(audience, [] {}).ok());
+  EXPECT_TRUE(Audience::join(audience, {"admin", true}, [] {}).ok());
 }
 
 TEST(Audience, AViewerIsCompleteWhenTheScanHasEndedAndAllIsSent) {

@@ -194,5 +194,30 @@ TEST_F(HttpRoutesTest, WrongTokensMustWaitButRightOnesNeedNot) {
   EXPECT_EQ(status("GET", "/api/v1/scans", server_->token()), 200);
 }
 
+TEST_F(HttpRoutesTest, WhoDidWhatIsInTheAuditLog) {
+  const std::string view = make_token(R"(["view"])");
+  const Json made = ask("POST", "/api/v1/tokens", server_->token(), R"({"scopes": ["scan"]})").json();
+  EXPECT_EQ(status("DELETE", "/api/v1/scans/" + id_, view), 403);
+  EXPECT_EQ(status("GET", "/api/v1/scans/" + id_ + "/cloud.ply", view), 200);
+  EXPECT_EQ(status("GET", "/api/v1/scans", view), 200);
+  EXPECT_EQ(status("DELETE", "/api/v1/scans/" + id_, server_->token()), 200);
+  for (int i = 0; i < 20; ++i) status("GET", "/api/v1/scans", "wrong");
+  server_.reset();
+  std::vector<std::string> found;
+  std::int64_t wrong = 0;
+  const Result<AuditCheck> check = check_audit(folder_ / "data/audit", [&](const std::string& line) {
+    const Json entry = Json::parse(line);
+    if (entry["did"] == "wrong token") wrong += entry["count"].get<std::int64_t>();
+    EXPECT_EQ(entry["address"], entry["did"] == "server start" ? "" : "127.0.0.1");
+    found.push_back(entry["did"].get<std::string>() + " " + entry["to"].get<std::string>() + " " + entry["outcome"].get<std::string>());
+  });
+  ASSERT_TRUE(check.ok());
+  EXPECT_EQ(check->broken, "");
+  EXPECT_EQ(wrong, 20) << "also of those that were told to wait";
+  EXPECT_THAT(found, testing::IsSupersetOf({"POST tokens " + made["token"]["id"].get<std::string>() + " 201", "DELETE scan " + id_ + " 403",
+                                            "GET cloud.ply " + id_ + " 200", "DELETE scan " + id_ + " 200"}));
+  EXPECT_THAT(found, Not(testing::Contains(HasSubstr("GET scans"))));
+}
+
 }  // namespace
 }  // namespace hermite

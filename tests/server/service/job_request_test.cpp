@@ -65,6 +65,9 @@ TEST(JobRequest, AStoredScanIsAskedForById) {
   EXPECT_EQ(job->source_id, scan);
   EXPECT_EQ(job->title, "again");
   EXPECT_EQ(job->priority, 3);
+  EXPECT_TRUE(check_priority(*job, true).ok());
+  EXPECT_EQ(check_priority(*job, false).error().code, ErrorCode::kUnauthorized);
+  EXPECT_TRUE(check_priority(JobRow(), false).ok());
   for (const std::string& body : {std::string(), std::string("[]"), std::string("{}"), std::string(R"({"scan": "../x"})"),
                                   R"({"scan": ")" + scan + R"(", "setings": {}})", R"({"scan": ")" + scan + R"(", "priority": 1.5})"})
     EXPECT_EQ(job_of_request(body).error().code, ErrorCode::kInvalidArgument) << body;

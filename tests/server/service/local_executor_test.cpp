@@ -20,8 +20,9 @@ class LocalWorld {
   LocalExecutor& local() { return *executor_; }
   Store& store() { return *store_; }
 
-  JobRow job(Work work, int priority = 0) {
+  JobRow job(Work work, int priority = 0, const std::string& token_id = "t") {
     JobRow row;
+    row.token_id = token_id;
     row.id = row.source_id = new_scan_id();
     row.priority = priority;
     row.created_at_ms = ++now_ms_;
@@ -115,6 +116,19 @@ class LocalExecutorTest : public testing::Test {
   }
   LocalWorld world_;
 };
+
+TEST(LocalExecutor, TokensTakeTurnsHoweverManyOneHasSubmitted) {
+  LocalWorld world;
+  const auto submit = [&world](const std::string& token, int priority = 0) {
+    const JobRow row = world.job(Work::kFinishes, priority, token);
+    EXPECT_TRUE(world.executor().submit(row).ok());
+    return row.id;
+  };
+  const std::string many1 = submit("many"), many2 = submit("many"), many3 = submit("many"), urgent = submit("many", 1),
+                    one1 = submit("one"), one2 = submit("one");
+  world.settle();
+  EXPECT_THAT(world.started(), testing::ElementsAre(urgent, one1, many1, one2, many2, many3));
+}
 
 TEST_F(LocalExecutorTest, SoManyRunAtOnceTheHighestPriorityFirst) {
   const std::string low = submit(Work::kGoesOn, -1), middle = submit(Work::kGoesOn), high = submit(Work::kGoesOn, 10);

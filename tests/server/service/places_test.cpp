@@ -106,8 +106,23 @@ TEST(Places, EverybodysTurnComesWhenThereWillBeNoMore) {
 TEST(Places, TheLineHasAnEnd) {
   Line line({1, 1, 0});
   line.places.began("running", kAdmin);
-  for (std::size_t i = 0; i < kMaxWaitingCameras; ++i) ASSERT_TRUE(line.wait(std::to_string(i), kAdmin).ok());
+  for (std::size_t i = 0; static_cast<std::int64_t>(i) < kWaitingCameraShare.in_all; ++i)
+    ASSERT_TRUE(line.wait(std::to_string(i), kAdmin).ok());
   EXPECT_EQ(line.wait("one too many", kAdmin).error().code, ErrorCode::kBusy);
+}
+
+TEST(Places, WhatIsKeptForAdministratorsKeepsNobodyElseInLine) {
+  Line line({4, 4, 0});
+  for (const char* scan : {"1", "2", "3"}) line.places.began(scan, kBob);
+  EXPECT_THAT(line.places.check(kBob).error().message, HasSubstr("kept for administrators"));
+  ASSERT_TRUE(line.wait("bob's next", kBob).ok());
+  ASSERT_TRUE(line.wait("admin's", kAdmin).ok());
+  line.places.serve();
+  EXPECT_THAT(line.begun, ElementsAre("admin's"));
+  line.end("1");
+  EXPECT_THAT(line.begun, ElementsAre("admin's")) << "three places are taken, the fourth is no place of bob's";
+  line.end("admin's");
+  EXPECT_THAT(line.begun, ElementsAre("admin's", "bob's next"));
 }
 
 TEST(Places, ALiveScanHasNoneBesideItThatWouldStarveIt) {

@@ -611,6 +611,7 @@ TEST_F(SlowLogsTest, LetTheCameraComeBackLater) {
 
 TEST_F(SlowLogsTest, AreSaidToBeBadWhenTheyTurnOutToBe) {
   auto camera = resume(0);
+  ASSERT_TRUE(is_read_within(segment_, std::chrono::seconds(10))) << "else it would find the whole log";
   let_go();
   const auto answer = camera->read<wire::NotResumed>();
   ASSERT_TRUE(answer);
@@ -619,6 +620,7 @@ TEST_F(SlowLogsTest, AreSaidToBeBadWhenTheyTurnOutToBe) {
 
 TEST_F(SlowLogsTest, OfScansThatHaveEndedKeepOnlyTheirCamerasWaiting) {
   auto camera = resume(0);
+  ASSERT_TRUE(is_read_within(segment_, std::chrono::seconds(10))) << "else it would find the whole log";
   let_go();
   ASSERT_TRUE(camera->read<wire::NotResumed>());
   block();

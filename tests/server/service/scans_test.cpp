@@ -76,6 +76,16 @@ class ScansTest : public testing::Test {
     if (welcome) camera.welcome = *welcome;
     return camera;
   }
+  // A camera that asks for a scan and says for how long it may send nothing.
+  Camera start_with_patience(std::uint32_t frame_patience_s) {
+    Camera camera{std::make_unique<RawClient>(server_->port()), {}};
+    EXPECT_TRUE(camera.client->upgrade());
+    wire::StartScan request{"", room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {},
+                            0,  frame_patience_s};
+    camera.client->send_message(wire::Hello{wire::kProtocolMinor, "test", server_->token(), request});
+    if (const auto welcome = camera.client->read<wire::Welcome>()) camera.welcome = *welcome;
+    return camera;
+  }
   // A camera that asks for a scan; the answer is the test's business.
   std::unique_ptr<RawClient> ask(const std::string& title = "", std::uint32_t protocol_minor = wire::kProtocolMinor) {
     auto client = std::make_unique<RawClient>(server_->port());
@@ -141,6 +151,17 @@ void expect_local_result(const wire::Finished& finished) {
   EXPECT_EQ(report["frames"], kFrameCount);
   EXPECT_EQ(report["trajectory_sha256"], local_report()["trajectory_sha256"]);
   EXPECT_EQ(report["cloud_sha256"], local_report()["cloud_sha256"]);
+}
+
+TEST_F(ScansTest, ACameraThatSendsNothingLosesItsPlace) {
+  Camera silent = start_with_patience(1), patient = start_with_patience(100'000);
+  EXPECT_EQ(silent.welcome.frame_patience_s, 1u);
+  EXPECT_EQ(patient.welcome.frame_patience_s, 120u) << "no more than the server grants";
+  const auto error = silent.client->read<wire::ErrorMessage>();
+  ASSERT_TRUE(error);
+  EXPECT_THAT(error->message, HasSubstr("sent no frame for 1 s"));
+  EXPECT_EQ(final_state(silent.welcome.scan_id), "interrupted");
+  EXPECT_EQ(row(patient.welcome.scan_id)["state"], "running");
 }
 
 TEST_F(ScansTest, AnyCreditWindowGivesWhatALocalRunGives) {

@@ -178,7 +178,7 @@ TEST_F(SessionsTest, ATokenRunsSoManyScansAtOnce) {
   const Outcome first = hello("scan", camera());
   ASSERT_NE(first.scan_id, "");
   const Outcome second = hello("scan", camera());
-  EXPECT_THAT(second.words, HasSubstr("this token may run at most 1 scans at once"));
+  EXPECT_THAT(second.words, HasSubstr("this token may have at most 1 scans that run at once"));
   EXPECT_EQ(second.close_code, 4013);
   EXPECT_NE(hello(server_->token(), camera()).scan_id, "") << "an administrator's may run as many as the server";
 }
@@ -192,6 +192,15 @@ TEST_F(SessionsTest, NoScanBeginsWhenTheStorageIsUsedUp) {
   const Outcome refused = hello(server_->token(), camera());
   EXPECT_THAT(refused.words, HasSubstr("take 1000 MB of the 1000 MB"));
   EXPECT_THAT(refused.words, HasSubstr("delete some"));
+  EXPECT_EQ(refused.close_code, 4013);
+}
+
+TEST_F(SessionsTest, NoScanBeginsOnADiskWithoutRoomForItsResults) {
+  ServiceOptions options = test::test_options(folder_ / "data");
+  options.min_free_disk_mb = 1'000'000'000;
+  server_ = std::make_unique<test::RunningServer>(options);
+  const Outcome refused = hello(server_->token(), camera());
+  EXPECT_THAT(refused.words, HasSubstr("the server's disk has not enough room"));
   EXPECT_EQ(refused.close_code, 4013);
 }
 

@@ -159,6 +159,9 @@ TEST_F(UploadRoutesTest, WhatIsNoTusIsRefusedInWords) {
   EXPECT_EQ(tus("POST", "/api/v1/uploads", "Upload-Length: -1\r\n").status, 400);
   EXPECT_THAT(tus("POST", "/api/v1/uploads", "Upload-Length: 5\r\nUpload-Metadata: priority OTk5\r\n").body,
               HasSubstr("priority is no whole"));
+  const std::string first = "Upload-Length: 5\r\nUpload-Metadata: priority MQ==\r\n";
+  EXPECT_EQ(tus("POST", "/api/v1/uploads", first, "", make_token(R"(["view", "scan"])")).status, 403) << "that is for administrators";
+  EXPECT_EQ(tus("POST", "/api/v1/uploads", first).status, 201);
   const std::string location = create("Upload-Length: 5\r\n");
   EXPECT_EQ(ask("PATCH", location, "Tus-Resumable: 1.0.0\r\nUpload-Offset: 0\r\n", "hello").status, 415);
   EXPECT_EQ(tus("PATCH", location, "", "hello").status, 400) << "no offset";
@@ -243,6 +246,21 @@ TEST_F(UploadRoutesTest, ALongBodyTakesNoMemory) {
   EXPECT_LT(growth_bytes, std::size_t{16} << 20);
   client.send(megabyte.substr(1));
   EXPECT_EQ(answer_of(client.read_to_end()).field("Upload-Offset"), "67108863");
+}
+
+TEST_F(UploadRoutesTest, OfManyPiecesAtTheSameTimeOneGetsThrough) {
+  const std::string location = create("Upload-Length: 5\r\n");
+  std::vector<std::unique_ptr<test::RawClient>> clients;
+  const std::string headers = "Tus-Resumable: 1.0.0\r\nContent-Type: application/offset+octet-stream\r\nUpload-Offset: 0\r\n";
+  for (int i = 0; i < 6; ++i) {
+    clients.push_back(std::make_unique<test::RawClient>(server_->port()));
+    clients.back()->send(head_of("PATCH", location, headers, 5) + "he");
+  }
+  for (const auto& client : clients) client->send("llo");
+  std::map<int, int> answers;
+  for (const auto& client : clients) ++answers[answer_of(client->read_to_end()).status];
+  EXPECT_EQ(answers[204], 1);
+  EXPECT_EQ(answers[204] + answers[409] + answers[423] + answers[404], 6) << "the others are told";
 }
 
 }  // namespace

@@ -171,22 +171,23 @@ TEST_F(UploadsTest, ADiskThatMustStayFreeDoes) {
 }
 
 TEST_F(UploadsTest, ScansAndUploadsShareTheStorage) {
-  storage_bytes_ = 200;
+  storage_bytes_ = 220;  // 11 are kept for administrators, 110 are for one token
   limits_.token_bytes = 0;
   ASSERT_TRUE(blobs_.put(new_scan_id(), "cloud.ply", std::string(100, 'x')).ok());
   open();
   const UploadState half = *send(create(60), std::string(30, 'x'));
   // 100 of the scan, 60 that were promised, of which 30 are there.
-  const Result<UploadState> beyond = uploads_->create(41, "", admin_, kNow_ms);
+  const Result<UploadState> beyond = uploads_->create(61, "", admin_, kNow_ms);
   ASSERT_FALSE(beyond.ok()) << "also for who may administer";
   EXPECT_EQ(beyond.error().code, ErrorCode::kBusy);
   EXPECT_THAT(beyond.error().message, HasSubstr("the scans and uploads on this server take"));
   EXPECT_TRUE(send(half, std::string(30, 'x'))->complete()) << "what was promised is kept";
   UploadState unknown = create(-1);
-  EXPECT_EQ(uploads_->set_length(unknown, 41, grant_).error().code, ErrorCode::kBusy);
-  EXPECT_EQ(send(unknown, std::string(41, 'x')).error().code, ErrorCode::kBusy);
-  EXPECT_TRUE(send(unknown, std::string(40, 'x')).ok());
+  EXPECT_EQ(uploads_->set_length(unknown, 50, grant_).error().code, ErrorCode::kBusy);
+  EXPECT_EQ(send(unknown, std::string(50, 'x')).error().code, ErrorCode::kBusy);
+  EXPECT_TRUE(send(unknown, std::string(49, 'x')).ok());
   uploads_->forget(half.row.id);
+  EXPECT_THAT(uploads_->create(62, "", grant_, kNow_ms).error().message, HasSubstr("of this token"));
   EXPECT_TRUE(uploads_->create(60, "", grant_, kNow_ms).ok());
 }
 
@@ -207,11 +208,35 @@ TEST_F(UploadsTest, WhoeverWritesIsAskedToStop) {
   bool told = false;
   (*writer)->on_unwanted([&told] { told = true; });
   EXPECT_FALSE(uploads_->is_free(state.row.id));
+  EXPECT_FALSE(told) << "it has only just begun: of many who come at once one gets through";
+  EXPECT_FALSE(uploads_->is_free(state.row.id, true));
   EXPECT_TRUE(told);
   EXPECT_FALSE((*writer)->wanted());
   EXPECT_EQ(uploads_->list(grant_)->front().offset_bytes, -1) << "what is not on disk yet is not told";
   writer = Error{ErrorCode::kIo, "its connection is gone"};
   EXPECT_TRUE(uploads_->is_free(state.row.id));
+}
+
+TEST_F(UploadsTest, TheSameFileAgainIsTheFirstOne) {
+  const auto put = [this](const std::string& metadata, const Grant& grant) {
+    const UploadState state = *uploads_->create(5, metadata, grant, kNow_ms);
+    const std::shared_ptr<UploadWriter> writer = *uploads_->write(state, {0, 5, {}, true}, grant);
+    EXPECT_TRUE(writer->write("hello").ok());
+    EXPECT_TRUE(writer->close(true).ok());
+    const UploadState now = *uploads_->written(state, *writer, kNow_ms);
+    return now.job_id.empty() ? now.row.id : now.job_id;
+  };
+  const std::string first = put("filename YQ==", grant_);
+  JobRow job;
+  job.id = job.source_id = first;
+  ASSERT_TRUE(store_.add_job(job).ok());
+  EXPECT_EQ(put("filename YQ==", grant_), first);
+  EXPECT_EQ(uploads_->list(grant_)->size(), 1u) << "and its bytes are here once";
+  EXPECT_NE(put("filename Yg==", grant_), first);
+  EXPECT_NE(put("filename YQ==", other_), first);
+  job.state = JobState::kFailed;
+  ASSERT_TRUE(store_.update_job(job).ok());
+  EXPECT_NE(put("filename YQ==", grant_), first) << "it is tried again";
 }
 
 TEST_F(UploadsTest, OthersDoNotFindIt) {

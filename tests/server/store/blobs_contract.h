@@ -139,7 +139,7 @@ TYPED_TEST_P(BlobsContract, IsWholeForWhoeverReadsWhileItIsReplaced) {
 }
 
 REGISTER_TYPED_TEST_SUITE_P(BlobsContract, ABlobComesBackAsItWasPut, IsReadInPieces, WhatIsNotThereIsNotFound, MoreThanIsAllowedIsNotRead,
-                            PutAgainItIsReplaced, AScanListsItsOwnByName, RemovesOneAndNothingElse, RemovesAllOfOneScanAndNothingElse, WhatWasPutSurvivesADeath,
-                            IsWholeForWhoeverReadsWhileItIsReplaced);
+                            PutAgainItIsReplaced, AScanListsItsOwnByName, RemovesOneAndNothingElse, RemovesAllOfOneScanAndNothingElse,
+                            WhatWasPutSurvivesADeath, IsWholeForWhoeverReadsWhileItIsReplaced);
 
 }  // namespace hermite::test

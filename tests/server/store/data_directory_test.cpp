@@ -60,6 +60,23 @@ TEST(DataDirectory, IsOneServersAlone) {
   EXPECT_EQ(words_of_open(folder / "data"), "opened");
 }
 
+TEST(DataDirectory, StaysOneServersAloneWhenSomebodyDeletesTheLockFile) {
+  const test::TemporaryFolder folder;
+  const DataDirectory first(folder / "data");
+  ASSERT_TRUE(std::filesystem::remove(folder / "data/lock"));
+  EXPECT_THAT(words_of_open(folder / "data"), HasSubstr("another server"));
+}
+
+TEST(DataDirectory, IsClosedToOtherUsersWhoeverMadeIt) {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "data");
+  for (const auto& [found, left] : {std::pair{0755, 0700}, std::pair{0777, 0700}, std::pair{0750, 0750}, std::pair{0700, 0700}}) {
+    chmod((folder / "data").c_str(), static_cast<mode_t>(found));
+    const DataDirectory directory(folder / "data");
+    EXPECT_EQ(mode_of(folder / "data"), left);
+  }
+}
+
 TEST(DataDirectory, RefusesATokenFileWithoutAToken) {
   const test::TemporaryFolder folder;
   for (const std::string& text : {std::string(), std::string("short\n"), std::string(64, 'G'), std::string(65, 'a')}) {

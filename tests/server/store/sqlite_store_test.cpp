@@ -3,6 +3,7 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -39,7 +40,7 @@ class SqliteWorld {
   std::unique_ptr<Store> store_ = std::make_unique<SqliteStore>(path_);
 };
 
-std::string words_of_open(const std::string& path) {
+std::string words_of_store(const std::string& path) {
   try {
     SqliteStore store(path);
   } catch (const SetupError& error) {
@@ -55,7 +56,7 @@ TEST(SqliteStore, RefusesANewerSchemaAndLeavesItAlone) {
     SQLite::Database database(folder / "db", SQLite::OPEN_READWRITE);
     database.exec("PRAGMA user_version = 99");
   }
-  EXPECT_THAT(words_of_open(folder / "db"), HasSubstr("schema 99"));
+  EXPECT_THAT(words_of_store(folder / "db"), HasSubstr("schema 99"));
   SQLite::Database database(folder / "db", SQLite::OPEN_READONLY);
   EXPECT_EQ(database.execAndGet("PRAGMA user_version").getInt(), 99);
 }
@@ -66,14 +67,14 @@ TEST(SqliteStore, RefusesTheDatabaseOfAnotherProgram) {
     SQLite::Database database(folder / "db", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
     database.exec("CREATE TABLE other(a)");
   }
-  EXPECT_THAT(words_of_open(folder / "db"), HasSubstr("another program"));
+  EXPECT_THAT(words_of_store(folder / "db"), HasSubstr("another program"));
 }
 
 TEST(SqliteStore, RefusesWhatIsNoDatabase) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "db") << std::string(5000, 'x');
-  EXPECT_THAT(words_of_open(folder / "db"), HasSubstr("database"));
-  EXPECT_THAT(words_of_open(folder / "no/such/folder"), HasSubstr("no/such/folder"));
+  EXPECT_THAT(words_of_store(folder / "db"), HasSubstr("database"));
+  EXPECT_THAT(words_of_store(folder / "no/such/folder"), HasSubstr("no/such/folder"));
 }
 
 // A page of the file is overwritten behind the store's back, as a disk does it that forgets.
@@ -108,6 +109,21 @@ TEST(SqliteStore, IsCheckedBesideChanges) {
   });
   for (int i = 0; i < 200; ++i) EXPECT_TRUE(store.add(scan_row("scan " + std::to_string(i))).ok());
   checking.join();
+}
+
+TEST(SqliteStore, ItsFilesAreNobodyElses) {
+  const test::TemporaryFolder folder;
+  const auto mode_of = [&folder](const std::string& name) {
+    struct stat status {};
+    return stat((folder / name).c_str(), &status) == 0 ? static_cast<int>(status.st_mode & 0777) : -1;
+  };
+  { SqliteStore store(folder / "db"); }
+  chmod((folder / "db").c_str(), 0644);
+  SqliteStore store(folder / "db");
+  ScanRow row;
+  row.id = "a";
+  ASSERT_TRUE(store.add(row).ok());
+  for (const char* name : {"db", "db-wal", "db-shm"}) EXPECT_EQ(mode_of(name), 0600) << name;
 }
 
 }  // namespace

@@ -41,6 +41,12 @@ inline TokenRow token_row(const std::string& id, std::int64_t created_at_ms = 1)
   return row;
 }
 
+inline TokenRow admin_row(const std::string& id) {
+  TokenRow row = token_row(id);
+  row.scopes.admin = true;
+  return row;
+}
+
 inline TokenRow share_row(const std::string& id, const std::string& scan_id) {
   TokenRow row = token_row(id);
   row.scopes = {true, false, false};
@@ -374,11 +380,100 @@ TYPED_TEST_P(StoreContract, AnUploadComesBackAsItWasOverARestart) {
   EXPECT_TRUE(this->store().list_uploads()->empty());
 }
 
-TYPED_TEST_P(StoreContract, ThereAreOnlySoManyUploadsAndWaitingJobs) {
-  for (int i = 0; i < kMaxUploads; ++i) ASSERT_TRUE(this->store().add_upload({new_scan_id(), "t", 1, "", -1, 0, 0}).ok());
+// Calls `add` with the ids of twenty tokens, each until it is refused; how often it went well.
+template <class Add>
+std::int64_t fill(Add add) {
+  std::int64_t added = 0;
+  for (int token = 0; token < 20; ++token)
+    while (added < 10'000 && add("token" + std::to_string(token))) ++added;
+  return added;
+}
+
+TYPED_TEST_P(StoreContract, ThereAreOnlySoManyUploads) {
+  ASSERT_TRUE(this->store().add_token(admin_row("admin")).ok());
+  const auto add = [this](const std::string& token) { return this->store().add_upload({new_scan_id(), token, 1, "", -1, 0, 0}).ok(); };
+  EXPECT_EQ(fill(add), kUploadShare.in_all - kUploadShare.for_admins);
   EXPECT_EQ(this->store().add_upload({new_scan_id(), "t", 1, "", -1, 0, 0}).error().code, ErrorCode::kBusy);
-  for (int i = 0; i < kMaxWaitingJobs; ++i) this->added_job();
-  EXPECT_EQ(this->store().add_job(job_row()).error().code, ErrorCode::kBusy);
+  for (int i = 0; i < kUploadShare.for_admins; ++i) ASSERT_TRUE(add("admin"));
+  EXPECT_FALSE(add("admin"));
+}
+
+TYPED_TEST_P(StoreContract, ThereAreOnlySoManyJobsThatHaveNotEnded) {
+  ASSERT_TRUE(this->store().add_token(admin_row("admin")).ok());
+  std::vector<JobRow> added;
+  const auto add = [this, &added](const std::string& token) {
+    JobRow row = job_row();
+    row.token_id = token;
+    added.push_back(row);
+    return this->store().add_job(row).ok();
+  };
+  EXPECT_EQ(fill(add), kJobShare.in_all - kJobShare.for_admins);
+  EXPECT_TRUE(add("admin"));
+  JobRow ended = added.front();
+  ended.state = JobState::kFailed;
+  ASSERT_TRUE(this->store().update_job(ended).ok());
+  EXPECT_FALSE(add("another")) << "an administrator has its place";
+  added[1].state = JobState::kFailed;
+  ASSERT_TRUE(this->store().update_job(added[1]).ok());
+  EXPECT_TRUE(add("another"));
+  ended.state = JobState::kQueued;
+  EXPECT_EQ(this->store().update_job(ended).error().code, ErrorCode::kBusy) << "who tries again needs a place, too";
+}
+
+TYPED_TEST_P(StoreContract, ShareLinksThatHaveEndedCountForNothing) {
+  ASSERT_TRUE(this->store().add_token(admin_row("admin")).ok());
+  ASSERT_TRUE(this->store().add(scan_row("scan")).ok());
+  int number = 0;
+  const auto add = [this, &number](const std::string& token, std::int64_t now_ms, std::int64_t expires_at_ms) {
+    TokenRow row = share_row("s" + std::to_string(number++), "scan");
+    row.made_by = token;
+    row.created_at_ms = now_ms;
+    row.expires_at_ms = expires_at_ms;
+    return this->store().add_token(row);
+  };
+  for (int i = 0; i < kShareLinkShare.per_token; ++i) ASSERT_TRUE(add("t", 0, 1000).ok());
+  EXPECT_EQ(add("t", 999, 2000).error().code, ErrorCode::kBusy);
+  EXPECT_TRUE(add("another", 999, 2000).ok());
+  EXPECT_TRUE(add("t", 1000, 2000).ok()) << "those before have expired";
+  for (int i = 1; i < kShareLinkShare.per_token; ++i) ASSERT_TRUE(add("t", 1000, 0).ok());
+  EXPECT_FALSE(add("t", 1000, 0).ok());
+  ASSERT_TRUE(this->store().revoke_token("s" + std::to_string(number - 3), 1000).ok());
+  EXPECT_TRUE(add("t", 1000, 0).ok());
+  EXPECT_TRUE(add("admin", 0, 0).ok());
+}
+
+TYPED_TEST_P(StoreContract, OfWhatHasEndedTheNewestStay) {
+  ASSERT_TRUE(this->store().add(scan_row("scan")).ok());
+  TokenRow last;
+  for (int i = 0; i < kMaxEndedLinksPerToken + 20; ++i) {
+    last = share_row("s" + std::to_string(i), "scan");
+    last.made_by = "t";
+    last.created_at_ms = i + 1;
+    ASSERT_TRUE(this->store().add_token(last).ok());
+    ASSERT_TRUE(this->store().revoke_token(last.id, i + 1).ok());
+  }
+  EXPECT_LE(this->store().list_tokens()->size(), static_cast<std::size_t>(kMaxEndedLinksPerToken + 1));
+  EXPECT_FALSE(this->store().token("s0").ok());
+  EXPECT_TRUE(this->store().token(last.id).ok());
+}
+
+TYPED_TEST_P(StoreContract, AScanKnowsItsTokenAndWhetherItIsToBeRebuilt) {
+  ScanRow row = scan_row("a");
+  row.token_id = "t";
+  ASSERT_TRUE(this->store().add(row).ok());
+  ASSERT_TRUE(this->store().add(scan_row("b")).ok());
+  row.to_be_rebuilt = true;
+  ASSERT_TRUE(this->store().update(row).ok());
+  this->world_.restart();
+  EXPECT_EQ(this->store().find("a")->token_id, "t");
+  EXPECT_TRUE(this->store().find("a")->to_be_rebuilt);
+  EXPECT_FALSE(this->store().find("b")->to_be_rebuilt);
+  EXPECT_FALSE(*this->store().next_to_rebuild()) << "it runs";
+  row.phase = ScanPhase::kInterrupted;
+  ASSERT_TRUE(this->store().update(row).ok());
+  ASSERT_TRUE(*this->store().next_to_rebuild());
+  EXPECT_EQ((*this->store().next_to_rebuild())->id, "a");
+  EXPECT_THAT(*this->store().scans_of_token("t"), testing::ElementsAre("a"));
 }
 
 REGISTER_TYPED_TEST_SUITE_P(StoreContract, AScanComesBackAsItWasOverARestart, WhatReturnedWellSurvivesADeath,
@@ -390,6 +485,7 @@ REGISTER_TYPED_TEST_SUITE_P(StoreContract, AScanComesBackAsItWasOverARestart, Wh
                             AShareLinkIsOfAScanThatIsThereAndGoesWithIt, AShareLinkMayOnlyLook, TokensThatEndedLongAgoAreForgotten,
                             AJobComesBackAsItWasOverARestart, TheNextJobIsTheHighestAndThenTheOldest, JobsAreCountedByState,
                             TheLogOfAJobIsBounded, OldJobsAreForgottenWithTheirLogs, AnUploadComesBackAsItWasOverARestart,
-                            ThereAreOnlySoManyUploadsAndWaitingJobs);
+                            ThereAreOnlySoManyUploads, ThereAreOnlySoManyJobsThatHaveNotEnded, ShareLinksThatHaveEndedCountForNothing,
+                            OfWhatHasEndedTheNewestStay, AScanKnowsItsTokenAndWhetherItIsToBeRebuilt);
 
 }  // namespace hermite::test

@@ -1,0 +1,123 @@
+#include "server/service/limits.h"
+
+#include "core/archive/unpack.h"
+#include "core/base/check.h"
+#include "proto/wire/messages.h"
+#include "server/service/audience.h"
+#include "server/service/http_connection.h"
+#include "server/service/live_scan.h"
+#include "server/service/places.h"
+#include "server/service/rate_limit.h"
+#include "server/service/service_setup.h"
+#include "server/service/storage_quota.h"
+#include "server/store/job_row.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr std::int64_t kGigabyte = 1'000'000'000;
+
+SharedLimit shared_limit(Shared which, const ServiceOptions& options) {
+  switch (which) {
+    case Shared::kTokens: return {which, "tokens that have not ended; only administrators make them", kTokenShare, "", "HTTP 409"};
+    case Shared::kShareLinks:
+      return {which, "share links that have not ended, by the token that made them", kShareLinkShare, "", "HTTP 409"};
+    case Shared::kUploads: return {which, "uploads", kUploadShare, "", "HTTP 503"};
+    case Shared::kUploadBytes: return {which, "bytes of uploads", {0, options.uploads_per_token_gb, 0}, "GB", "HTTP 503"};
+    case Shared::kJobs: return {which, "jobs that wait or run", kJobShare, "", "HTTP 409, 503"};
+    case Shared::kRunningScans:
+      return {which, "scans that run", running_share(scans_options(options).places), "", "`Waiting`, or close code 4013"};
+    case Shared::kWaitingCameras: return {which, "cameras that wait for a place", kWaitingCameraShare, "", "close code 4013"};
+    case Shared::kStorage: {
+      const Share share = storage_share(static_cast<std::uint64_t>(options.storage_gb * kGigabyte));
+      return {which,
+              "storage for scans and uploads (`storage-gb`): one token has half, a twentieth is kept",
+              {share.in_all / kGigabyte, share.per_token / kGigabyte, share.for_admins / kGigabyte},
+              "GB",
+              "close code 4013, HTTP 503"};
+    }
+    case Shared::kViewers: return {which, "viewers of one scan", kViewerShare, "", "close code 4013"};
+    case Shared::kConnections: return {which, "WebSockets", connection_share(options), "", "close code 4013"};
+    case Shared::kRequests:
+      return {which, "HTTP requests a second; twice as many at once", {0, options.requests_per_second, 0}, "", "HTTP 429"};
+  }
+  CHECK(false, "every share has its row");
+  return {};
+}
+
+std::string number(std::int64_t value, const std::string& unit) {
+  return value == 0 ? "-" : std::to_string(value) + (unit.empty() ? "" : " " + unit);
+}
+
+std::string kib(std::size_t bytes) { return std::to_string(bytes / 1024) + " KiB"; }
+
+std::vector<Bound> bounds_of_connections(const ServiceOptions& options) {
+  return {
+      {"connections, in all and of one address",
+       std::to_string(options.max_connections) + ", " + std::to_string(options.connections_per_address), "HTTP 503"},
+      {"HTTP requests and upgrades of one address",
+       std::to_string(options.requests_per_second) + " a second, " + std::to_string(2 * options.requests_per_second) + " at once",
+       "HTTP 429"},
+      {"wrong secrets of one address", std::to_string(options.failures_per_minute) + " a minute",
+       "HTTP 429, close code 4013. A right one is still let in: many people may share an address"},
+      {"addresses that are counted one by one", std::to_string(kMaxLimitedAddresses), "the others share one allowance"},
+      {"header, body", kib(kMaxHeaderBytes) + ", " + kib(kMaxBodyBytes) + " but for pieces of uploads", "HTTP 431, 413"},
+      {"first message; frames; viewers' messages",
+       kib(wire::kMaxBytesBeforeWelcome) + "; 64 KiB + 8 bytes a pixel; " + kib(wire::kMaxBytesBeforeWelcome), "close code 1009"},
+      {"header, first message", "10 s each", "closed"},
+      {"a piece of 128 KiB of a long body", "60 s", "connection closed, what came is kept"},
+  };
+}
+
+std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
+  const UnpackLimits unpack;
+  return {
+      {"a camera that could send a frame and sends none", std::to_string(options.frame_patience_s) + " s, less where it asks for less",
+       "the scan ends as interrupted"},
+      {"a pause", std::to_string(std::chrono::minutes(kMaxPause).count()) + " min", "the scan ends as interrupted"},
+      {"frames of a scan", std::to_string(kMaxFramesPerScan), "close code 1009"},
+      {"priority of a job without `admin`", std::to_string(kLowestPriority) + " to " + std::to_string(kHighestPriorityForAll), "HTTP 403"},
+      {"one upload", std::to_string(options.max_upload_gb) + " GB", "HTTP 413"},
+      {"free disk that scans, uploads and unpacking leave", std::to_string(options.min_free_disk_mb) + " MB",
+       "close code 4013, HTTP 503, 507; the job fails"},
+      {"an upload that nothing happens with", std::to_string(options.keep_upload_hours) + " h", "deleted"},
+      {"unpacking",
+       std::to_string(unpack.entry_count) + " files, " + std::to_string(unpack.output_bytes >> 30) + " GiB, " +
+           std::to_string(unpack.ratio) + " times the archive",
+       "the job fails"},
+      {"ended tokens and links that a list keeps, of one maker", std::to_string(kMaxEndedLinksPerToken) + ", for 90 days",
+       "the oldest are forgotten"},
+      {"ended jobs that a list keeps, of one token", std::to_string(kMaxEndedJobsPerToken) + ", for 90 days", "the oldest are forgotten"},
+  };
+}
+
+}  // namespace
+
+Share connection_share(const ServiceOptions& options) {
+  return {options.max_connections, options.connections_per_token, options.max_connections / 16};
+}
+
+std::vector<SharedLimit> shared_limits(const ServiceOptions& options) {
+  std::vector<SharedLimit> limits;
+  for (const Shared which : kAllShared) limits.push_back(shared_limit(which, options));
+  return limits;
+}
+
+std::vector<Bound> bounds(const ServiceOptions& options) {
+  std::vector<Bound> all = bounds_of_connections(options);
+  for (Bound& bound : bounds_of_work(options)) all.push_back(std::move(bound));
+  return all;
+}
+
+std::string limits_text(const ServiceOptions& options) {
+  std::string text = "| shared by all tokens | in all | of one token | of that for `admin` only | answer |\n|---|---|---|---|---|\n";
+  for (const SharedLimit& limit : shared_limits(options))
+    text += "| " + limit.what + " | " + number(limit.share.in_all, limit.unit) + " | " + number(limit.share.per_token, limit.unit) + " | " +
+            number(limit.share.for_admins, limit.unit) + " | " + limit.answer + " |\n";
+  text += "\n| bound | default | answer |\n|---|---|---|\n";
+  for (const Bound& bound : bounds(options)) text += "| " + bound.what + " | " + bound.value + " | " + bound.answer + " |\n";
+  return text;
+}
+
+}  // namespace hermite

@@ -1,0 +1,169 @@
+#!/usr/bin/python3
+"""Many small scans, uploads and viewers, one after the other and beside each other, and what the server holds meanwhile.
+
+    soak.py path/to/hermite path/to/hermite-client [--scans 2000] [--uploads 20] [--viewers 50] [--minutes M] [--plot FILE.svg]
+            [--environment NAME=VALUE]
+
+Passes when every scan and upload ends well, and when at the end resident memory, open files and threads are no more than after the first tenth, but
+for GROWTH_MB. `--minutes` ends it before all scans are done: `--minutes 5` is the short form. Prints a line for each twentieth; `--plot`
+draws all of them. Exit status 77 (skipped) without python3-wsproto.
+"""
+import json
+import os
+import random
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import urllib.request
+
+from programs import PATIENCE_S, Server, argument_parser, check, failures, open_files, resident_mb
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "server"))
+from independent_client import Client, hello_viewer  # noqa: E402
+
+SEQUENCE = "synthetic:frames=8,width=96,height=72,noise=kinect-white"
+CAMERAS = 2  # at once
+GROWTH_MB = 30  # lists and indexes of the database grow with every scan; a leak of a scan's buffers would be ten times that
+
+
+def threads_of(process):
+    return len(os.listdir(f"/proc/{process.pid}/task"))
+
+
+class Soak:
+    def __init__(self, arguments, folder):
+        self.arguments = arguments
+        for setting in arguments.environment:
+            name, value = setting.split("=", 1)
+            os.environ[name] = value
+        self.server = Server(arguments.hermite, os.path.join(folder, "data"), settings=[
+            "--max-scans", "4", "--requests-per-second", "10000", "--connections-per-address", "1000", "--log-level", "warn"])
+        self.recording = os.path.join(folder, "recording.raw")
+        subprocess.run([arguments.hermite, "convert", SEQUENCE, self.recording, "--to", "raw"], check=True, stdout=subprocess.DEVNULL)
+        self.lock = threading.Lock()
+        self.begun = self.done = 0
+        self.scan_ids = []
+        self.uploads_begun = 0
+        self.deadline = time.monotonic() + 60 * arguments.minutes if arguments.minutes else float("inf")
+        self.samples = []
+
+    def ended(self):
+        return self.begun >= self.arguments.scans or time.monotonic() > self.deadline
+
+    def cameras(self):
+        while True:
+            with self.lock:
+                if self.ended():
+                    return
+                self.begun += 1
+                number = self.begun
+            command = [self.arguments.client, "stream", f"{SEQUENCE},seed={number}", "--server", self.server.url]
+            done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, timeout=PATIENCE_S, check=False)
+            check(done.returncode == 0, f"scan {number}: {done.stderr[-500:]}")
+            with self.lock:
+                self.done += 1
+            self.sample()
+
+    def sample(self):
+        with self.lock:
+            step = max(1, self.arguments.scans // 20)
+            if self.done % step == 0:
+                self.take_sample()
+
+    def take_sample(self):
+        process = self.server.process
+        self.samples.append((self.done, resident_mb(process), open_files(process), threads_of(process)))
+        print("%6d scans  %7.1f MB  %4d files  %4d threads" % self.samples[-1], flush=True)
+
+    def upload(self):
+        address = self.server.url.split("/#")[0]
+        with open(self.recording, "rb") as file:
+            bytes_ = file.read()
+        self.uploads_begun += 1
+        request = urllib.request.Request(f"{address}/api/v1/uploads/{self.uploads_begun}.raw", data=bytes_, method="PUT",
+                                         headers={"Authorization": "Bearer " + self.server.token()})
+        with urllib.request.urlopen(request, timeout=PATIENCE_S) as answer:
+            job = json.load(answer)["job"]
+        while (state := self.server.ask("jobs/" + job)["state"]) in ("queued", "running"):
+            time.sleep(0.2)
+        check(state == "finished", f"upload {self.uploads_begun}: {state}")
+
+    def uploads(self):
+        for number in range(self.arguments.uploads):
+            # Spread over the scans.
+            while self.done * self.arguments.uploads < number * self.arguments.scans and not self.ended():
+                time.sleep(0.1)
+            self.upload()
+
+    def viewers(self):
+        """They come to scans that run and to those that have ended, take some messages and go, with and without a word."""
+        chance = random.Random(1)
+        open_ = []
+        while not self.ended():
+            scans = self.server.scans()[:20]
+            if scans:
+                client = Client(self.server.port)
+                client.send_message(hello_viewer(self.server.token(), chance.choice(scans)["id"]))
+                open_.append(client)
+            while len(open_) > self.arguments.viewers or (open_ and chance.random() < 0.4):
+                leaving = open_.pop(chance.randrange(len(open_)))
+                if chance.random() < 0.5:
+                    leaving.socket.shutdown(socket.SHUT_RDWR)
+                leaving.socket.close()
+            time.sleep(0.1)
+        for client in open_:
+            client.socket.close()
+
+    def run(self):
+        threads = [threading.Thread(target=self.cameras) for _ in range(CAMERAS)]
+        threads += [threading.Thread(target=self.uploads), threading.Thread(target=self.viewers)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        time.sleep(2)
+        self.take_sample()
+        warm = next((sample for sample in self.samples if sample[0] >= 0.1 * self.done), self.samples[0])
+        last = self.samples[-1]
+        check(last[1] - warm[1] < GROWTH_MB, f"memory: {warm[1]:.1f} MB after {warm[0]} scans, {last[1]:.1f} MB after {last[0]}")
+        # Viewers and cameras that are there at the moment of the first are not there at the end.
+        check(last[2] <= warm[2], f"open files: {warm[2]}, {last[2]}")
+        check(last[3] <= warm[3], f"threads: {warm[3]}, {last[3]}")
+        check(self.server.process.poll() is None, "the server lives")
+        if failures:
+            print(self.server.tail())
+        check(self.server.end(signal.SIGTERM) == 0, "the server ends well")
+        if self.arguments.plot:
+            self.draw(self.arguments.plot)
+
+    def draw(self, path):
+        width, height, most = 640, 240, 1.1 * max(sample[1] for sample in self.samples)
+        points = " ".join(f"{40 + (width - 60) * count / max(1, self.done):.0f},{height - 30 - (height - 50) * mb / most:.0f}"
+                          for count, mb, _, _ in self.samples)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="12">'
+                       f'<polyline fill="none" stroke="black" points="{points}"/>'
+                       f'<text x="40" y="15">resident memory, {most / 1.1:.0f} MB at most</text>'
+                       f'<text x="{width - 120}" y="{height - 8}">{self.done} scans</text></svg>\n')
+
+
+def main():
+    parser = argument_parser()
+    parser.add_argument("--scans", type=int, default=2000)
+    parser.add_argument("--uploads", type=int, default=20)
+    parser.add_argument("--viewers", type=int, default=50, help="that are there at once, at most")
+    parser.add_argument("--minutes", type=float, default=0)
+    parser.add_argument("--plot")
+    parser.add_argument("--environment", action="append", default=[], help="of the server: MALLOC_ARENA_MAX=1")
+    with tempfile.TemporaryDirectory() as folder:
+        Soak(parser.parse_args(), folder).run()
+    print("FAILED" if failures else "passed")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
