@@ -20,6 +20,7 @@
 #include "core/pipeline/options.h"
 #include "core/track/feature_motion.h"
 #include "core/track/lens_shading.h"
+#include "core/track/map_certainty.h"
 #include "core/track/moving_regions.h"
 #include "core/track/odometry.h"
 
@@ -57,6 +58,13 @@ class FrontEnd {
   // leave nothing to compare with.
   void remember_view(const Rigid3& world_from_camera, const PictureFeatures& features);
   void forget_views();
+
+  // How well it is known where the frame tracked last is, on the map as it lies in `layout`. Once for each frame that is not lost.
+  PoseUncertainty uncertainty_at(const Rigid3& world_from_camera, const OdometryResult& step, const MapLayout& layout);
+  CalibrationDoubt calibration_doubt() const { return certainty_.calibration(); }
+
+  // What follows belongs to a part of its own.
+  void begin_part() { certainty_.begin_part(); }
 
   // Whether the frame shows enough surface to begin a map, or a part of one.
   Judgement judge_start(const FrameContent& content);
@@ -101,6 +109,7 @@ class FrontEnd {
   MovingRegions moving_;
   EarlierView earlier_;  // that the lens is learned by: as measured
   LensShading shading_;
+  MapCertainty certainty_;
   CoarseView view_;         // of the frame preprocessed last
   CoarseMask moving_mask_;  // of the same
   VisibleBlocks visible_;
