@@ -54,9 +54,7 @@ constexpr double kAllWays = 0.15;
 // Beside any knowledge; all where there is none.
 constexpr double kNothing = 1e-6;
 
-// A loop is closed on views of at least so many frames ago, and is measured as well as that (links of core/adjust/submap_graph.cpp). Where
-// a lost camera was found again, or a part was joined, it is known like that.
-constexpr std::uint64_t kOldFrames = 60;
+// A loop is measured as well as that (links of core/adjust/submap_graph.cpp), and so is where a lost camera was found again.
 constexpr double kLoop_m = 0.003, kLoop_rad = 0.002;
 
 // A bend that is said aloud is at least so great, and so many deviations.
@@ -178,31 +176,31 @@ void MapCertainty::update(const Eigen::MatrixXd& of_state, const Eigen::VectorXd
   covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
 }
 
-// Views much older than the last one show what it shows: the map was bent so that they agree.
-void MapCertainty::close_loop(const Hold& hold, const Matrix6d& step_covariance) {
+// The map was bent so that ground which was not tracked against before agrees with the rest. False: none of it holds the frame.
+bool MapCertainty::close_loop(const Hold& hold, const Matrix6d& step_covariance) {
   Matrix6d old = Matrix6d::Zero();
-  std::vector<bool> is_old(views_.size(), false);
-  for (std::size_t k = 0; k < views_.size(); ++k) {
-    is_old[k] = views_[k].frame + kOldFrames <= frame_;
-    if (is_old[k]) old += hold.information[k];
-  }
-  if (!(old.trace() > 0)) return;
-  old.diagonal().array() += 1e-9 * old.trace();
+  const auto is_old = [this](std::size_t k) { return views_[k].submap < was_active_.size() && !was_active_[views_[k].submap]; };
+  for (std::size_t k = 0; k < views_.size(); ++k)
+    if (is_old(k)) old += hold.information[k];
+  if (!(old.trace() > 0)) return false;
+  old.diagonal().array() += kNothing * old.trace();
   const Eigen::LDLT<Matrix6d> solver(old);
   Eigen::MatrixXd difference = Eigen::MatrixXd::Zero(6, mean_.size());
   for (std::size_t k = 0; k < views_.size(); ++k)
-    if (is_old[k]) difference.middleCols<6>(state_of(k)) = -solver.solve(hold.information[k]);
+    if (is_old(k)) difference.middleCols<6>(state_of(k)) = -solver.solve(hold.information[k]);
   difference.rightCols<6>() += Matrix6d::Identity();
   update(difference, Eigen::VectorXd::Zero(6), step_covariance + isotropic(kLoop_m, kLoop_rad, kept_world_from_camera_.translation));
+  return true;
 }
 
 PoseUncertainty MapCertainty::observe(const CoarseView& view, const CoarseMask& moving, const Rigid3& world_from_camera,
                                       const Matrix6d& step_covariance, const Ground& ground) {
-  ++frame_;
   CoarseView seen = thinned(view, moving);
   const Hold hold = hold_of(seen, world_from_camera, ground);
-  if (closure_count_ != ground.closure_count && !views_.empty()) close_loop(hold, step_covariance);
-  closure_count_ = ground.closure_count;
+  if (closure_count_ == ground.closure_count || views_.empty() || close_loop(hold, step_covariance)) {
+    closure_count_ = ground.closure_count;
+    was_active_ = ground.is_active;
+  }
   const Eigen::MatrixXd share = share_of(hold);
   const bool is_first = views_.empty();
   PoseUncertainty result;
@@ -274,7 +272,7 @@ void MapCertainty::keep(CoarseView seen, const Rigid3& world_from_camera, const 
   covariance << covariance_, cross.transpose(), cross, cross * share.transpose() + noise;
   mean_ = std::move(mean);
   covariance_ = std::move(covariance);
-  views_.push_back({std::move(seen), ground.current, inverse(ground.world_from_submap[ground.current]) * world_from_camera, frame_});
+  views_.push_back({std::move(seen), ground.current, inverse(ground.world_from_submap[ground.current]) * world_from_camera});
   if (views_.size() > 1) way_m_ += (world_from_camera.translation - kept_world_from_camera_.translation).norm();
   kept_world_from_camera_ = world_from_camera;
   if (views_.size() > kMostViews) drop_some();
@@ -306,13 +304,12 @@ void MapCertainty::save(ByteWriter& bytes) const {
     hermite::save(to, view.seen);
     to.number(view.submap);
     rigid3_fields(to, view.submap_from_camera);
-    to.number(view.frame);
   });
   bytes.numbers(mean_.data(), static_cast<std::size_t>(mean_.size()));
   bytes.numbers(covariance_.data(), static_cast<std::size_t>(covariance_.size()));
   rigid3_fields(bytes, kept_world_from_camera_);
   bytes.number(way_m_);
-  bytes.number(frame_);
+  bytes.flags(was_active_);
   bytes.number(closure_count_);
   bytes.list(learned_, terms_fields<ByteWriter, const CameraTerms>);
 }
@@ -322,7 +319,6 @@ void MapCertainty::restore(ByteReader& bytes) {
     hermite::restore(from, view.seen);
     from.number(view.submap);
     rigid3_fields(from, view.submap_from_camera);
-    from.number(view.frame);
   });
   bytes.require(views_.size() <= kMostViews, "the views that certainty is told by");
   if (!bytes.ok()) return;
@@ -333,7 +329,7 @@ void MapCertainty::restore(ByteReader& bytes) {
   bytes.numbers(covariance_.data(), static_cast<std::size_t>(covariance_.size()));
   rigid3_fields(bytes, kept_world_from_camera_);
   bytes.number(way_m_);
-  bytes.number(frame_);
+  bytes.flags(was_active_);
   bytes.number(closure_count_);
   bytes.list(learned_, terms_fields<ByteReader, CameraTerms>);
   bytes.require(mean_.allFinite() && covariance_.allFinite(), "numbers of the certainty");

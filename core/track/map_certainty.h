@@ -78,7 +78,6 @@ class MapCertainty {
     CoarseView seen;  // thinned, without what moves
     std::uint32_t submap = 0;
     Rigid3 submap_from_camera;
-    std::uint64_t frame = 0;
   };
   struct Hold;
   static bool is_tracked_against(const View& view, const Ground& ground) {
@@ -89,7 +88,7 @@ class MapCertainty {
   }
   Hold hold_of(const CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground) const;
   Eigen::MatrixXd share_of(const Hold& hold) const;
-  void close_loop(const Hold& hold, const Matrix6d& step_covariance);
+  bool close_loop(const Hold& hold, const Matrix6d& step_covariance);
   void learn_camera(const CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground);
   void keep(CoarseView seen, const Rigid3& world_from_camera, const Ground& ground, const Eigen::MatrixXd& share, const Matrix6d& noise);
   void drop_some();
@@ -102,7 +101,8 @@ class MapCertainty {
   Eigen::MatrixXd covariance_;
   Rigid3 kept_world_from_camera_;  // of the view kept last
   double way_m_ = 0;               // from view to view
-  std::uint64_t frame_ = 0, closure_count_ = 0;
+  std::vector<bool> was_active_;   // by submap, in the frame before; of the last frame before a loop that is not yet seen here
+  std::uint64_t closure_count_ = 0;
 };
 
 // The covariance of a step that is not one: a lost camera was found again at `world_from_camera`, as a twist about the world's origin.
