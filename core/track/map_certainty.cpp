@@ -46,7 +46,7 @@ constexpr double kBias_m = 0.0006, kBiasGrowth = 0.004, kBiasTurn_m = 0.004;
 constexpr double kBias_rad = 0.0004, kBiasGrowth_rad_per_m = 0.002, kBiasTurn = 0.003;
 
 // It grows as fewer pixels hold the camera: their errors are those of few surfaces, which do not cancel.
-constexpr double kFullView = 0.5, kMostSparse = 5;
+constexpr double kFullView = 0.5, kMostSparse = 3;
 
 // The directions of an uncertainty are not known exactly either: of its size, so much is said of all of them.
 constexpr double kAllWays = 0.15;

@@ -192,9 +192,12 @@ TEST(Judgement, WeighsWhatIsKnownOfThePose) {
   const Judgement tracked{TrackingStatus::kTracked, "", true};
   const auto with_sigma = [](double sigma_m) { return Doubts{PoseUncertainty{sigma_m * sigma_m * Matrix6d::Identity(), 0}, {}, {}}; };
   EXPECT_EQ(weighed(tracked, with_sigma(0.01)).status, TrackingStatus::kTracked);
-  const Judgement uncertain = weighed(tracked, with_sigma(0.06));
+  const Judgement uncertain = weighed(tracked, with_sigma(0.08));
   EXPECT_EQ(uncertain.status, TrackingStatus::kWeak);
-  EXPECT_EQ(uncertain.reason, "uncertain: the camera may be 12 cm from where it seems to be");
+  EXPECT_EQ(uncertain.reason, "uncertain: the camera may be 16 cm from where it seems to be");
+  Doubts far = with_sigma(0.08);
+  far.uncertainty.way_m = 5;
+  EXPECT_EQ(weighed(tracked, far).status, TrackingStatus::kTracked) << "after a walk of 5 m";
 
   Doubts bent = with_sigma(0.01);
   bent.calibration = {0.015, 0.001};
