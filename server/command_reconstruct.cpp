@@ -11,6 +11,7 @@
 #include "core/dataset/changed_sequence.h"
 #include "core/output/ply.h"
 #include "core/raw/raw_frames.h"
+#include "core/report/stated_uncertainty.h"
 #include "server/commands.h"
 #include "server/offline_run.h"
 #include "server/service/results.h"
@@ -58,6 +59,16 @@ OfflineRun reconstruct_calibrated(std::unique_ptr<Sequence>& sequence, FrameRang
   return run;
 }
 
+// How far poses are where they were said to be.
+nlohmann::ordered_json stated_json(const std::vector<FrameRow>& rows, const Trajectory& groundtruth) {
+  const StatedShare share = share_inside(rows, stated_errors(rows, groundtruth));
+  return {{"frames", share.frame_count},
+          {"inside_99", share.inside_count},
+          {"tracked", share.tracked_count},
+          {"tracked_inside_99", share.tracked_inside_count},
+          {"tracked_wrong", share.tracked_wrong_count}};
+}
+
 int run_reconstruct(const ReconstructArguments& arguments) {
   std::unique_ptr<Sequence> sequence = open_source(arguments.run);
   const FrameRange range = or_throw(parse_frame_range(arguments.run.frames, sequence->frame_count()));
@@ -70,14 +81,16 @@ int run_reconstruct(const ReconstructArguments& arguments) {
   nlohmann::ordered_json calibrations;
   const OfflineRun run = arguments.calibrate ? reconstruct_calibrated(sequence, range, options, arguments.run.device, calibrations)
                                              : reconstruct_frames(*sequence, range, options, arguments.run.device);
-  if (!arguments.per_frame_file.empty()) or_throw(write_file_atomically(arguments.per_frame_file, format_frame_table(run.rows)));
+  if (!arguments.per_frame_file.empty())
+    or_throw(write_file_atomically(arguments.per_frame_file, format_frame_table(run.rows, sequence->groundtruth())));
   RunResults results = or_throw(results_of(*run.pipeline, options, sequence->groundtruth()));
+  nlohmann::ordered_json report = nlohmann::ordered_json::parse(results.report_json);
+  if (!sequence->groundtruth().empty()) report["stated"] = stated_json(run.rows, sequence->groundtruth());
   if (arguments.calibrate) {
-    nlohmann::ordered_json report = nlohmann::ordered_json::parse(results.report_json);
     report["calibrations"] = calibrations;
     report["camera"] = nlohmann::ordered_json::parse(format_camera_json({sequence->camera(), sequence->frame_rate_hz()}));
-    results.report_json = report.dump(2) + "\n";
   }
+  results.report_json = report.dump(2) + "\n";
   for (const auto& [name, bytes] : files_of(results)) or_throw(write_file_atomically(arguments.out_folder + "/" + name, bytes));
   std::cout << results.report_json;
   return 0;

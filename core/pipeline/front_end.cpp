@@ -160,6 +160,16 @@ void FrontEnd::forget_views() {
   earlier_.forget();
 }
 
+PoseUncertainty FrontEnd::uncertainty_at(const Rigid3& world_from_camera, const OdometryResult& step, const MapLayout& layout) {
+  Matrix6d covariance = found_again(world_from_camera);
+  if (step.witnesses.depth.unit > 0) {
+    const Matrix6d change = adjoint(world_from_camera * inverse(step.reference_from_camera));
+    covariance = change * step_covariance(step.witnesses) * change.transpose();
+  }
+  return certainty_.observe(view_, moving_mask_, world_from_camera, covariance,
+                            {layout.world_from_submap, layout.is_active, layout.current, layout.closure_count});
+}
+
 // What was learned of the lens, for the frames to come.
 void FrontEnd::use_shading() {
   const shared::Intrinsics whole = intrinsics_of(camera_);
@@ -353,6 +363,7 @@ void FrontEnd::save(ByteWriter& bytes) const {
   moving_.save(bytes);
   earlier_.save(bytes);
   shading_.save(bytes);
+  certainty_.save(bytes);
   store.save(bytes);
 }
 
@@ -370,6 +381,7 @@ void FrontEnd::restore(ByteReader& bytes) {
   moving_.restore(bytes);
   earlier_.restore(bytes);
   shading_.restore(bytes);
+  certainty_.restore(bytes);
   use_shading();
   store.restore(bytes);
   bytes.require(submap_ < store.world_from_submap().size(), "the submap of new surfels");

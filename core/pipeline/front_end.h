@@ -23,6 +23,7 @@
 #include "core/track/feature_motion.h"
 #include "core/track/landmarks.h"
 #include "core/track/lens_shading.h"
+#include "core/track/map_certainty.h"
 #include "core/track/moving_regions.h"
 #include "core/track/odometry.h"
 
@@ -61,6 +62,13 @@ class FrontEnd {
   void remember_view(const Rigid3& world_from_camera, const Rigid3& reference_from_camera, const PreparedFrame& frame);
   void forget_views();
   void forget_corners() { landmarks_.forget(); }
+
+  // How well it is known where the frame tracked last is, on the map as it lies in `layout`. Once for each frame that is not lost.
+  PoseUncertainty uncertainty_at(const Rigid3& world_from_camera, const OdometryResult& step, const MapLayout& layout);
+  CalibrationDoubt calibration_doubt() const { return certainty_.calibration(); }
+
+  // What follows belongs to a part of its own.
+  void begin_part() { certainty_.begin_part(); }
 
   // Whether the frame shows enough surface to begin a map, or a part of one.
   Judgement judge_start(const FrameContent& content);
@@ -116,8 +124,9 @@ class FrontEnd {
   EarlierView earlier_;  // that the lens is learned by: as measured
   LensShading shading_;
   Rigid3 room_from_camera_;  // when an object is scanned: since it was last seen anew
-  CoarseView view_;          // of the frame preprocessed last
-  CoarseMask moving_mask_;   // of the same
+  MapCertainty certainty_;
+  CoarseView view_;         // of the frame preprocessed last
+  CoarseMask moving_mask_;  // of the same
   VisibleBlocks visible_;
   IndexMap index_;
   Fuser fuser_;

@@ -88,6 +88,7 @@ struct Pipeline::Impl {
   MapEvent observe(const RgbdFrame& frame, const Rigid3& tracked);
   MapEvent find(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
   void describe_pose(FrameResult& result) const;
+  void weigh(Motion& motion, FrameResult& result);
   void remember(double timestamp_s);
   void follow_corrections();
   const MapLayout& layout() const { return mapping ? mapping->layout() : one_submap; }
@@ -114,9 +115,10 @@ struct Pipeline::Impl {
   const MapLayout one_submap;
   FrontEnd front_end;
 
-  Rigid3 world_from_camera;  // of the last tracked frame; the prediction is seen from here
-  Rigid3 last_motion;        // reference_from_camera of the last tracked frame
-  int lost_count = 0;        // frames lost since
+  Rigid3 world_from_camera;     // of the last tracked frame; the prediction is seen from here
+  Rigid3 last_motion;           // reference_from_camera of the last tracked frame
+  int lost_count = 0;           // frames lost since
+  PoseUncertainty uncertainty;  // of the last tracked frame
   std::vector<AnchoredPose> poses;
   Trajectory trajectory;  // `poses` in the world, as of correction_count
   std::uint64_t correction_count = 0;
@@ -163,6 +165,15 @@ MapEvent Pipeline::Impl::find(const RgbdFrame& frame, const FrameContent& conten
   }
   if (!revisits.empty()) front_end.predict(world_from_camera, layout());  // which the looks have overwritten
   return MapEvent::kNone;
+}
+
+// What is known of the frame's pose, and whether that is enough to call it tracked.
+void Pipeline::Impl::weigh(Motion& motion, FrameResult& result) {
+  if (result.event == MapEvent::kNewPart) front_end.begin_part();
+  uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, layout());
+  result.uncertainty = uncertainty;
+  motion.judgement =
+      weighed(std::move(motion.judgement), {uncertainty, front_end.calibration_doubt(), contradiction(motion.odometry.witnesses)});
 }
 
 void Pipeline::Impl::remember(double timestamp_s) {
@@ -218,6 +229,7 @@ FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
     result.event = lost ? MapEvent::kLost : MapEvent::kFoundAgain;
   result.correction_m = farthest_correction_m(poses_before, layout());
   if (lost || result.event != MapEvent::kNone || result.correction_m > kCorrectionThatMovesViews_m) front_end.forget_views();
+  if (!lost) weigh(motion, result);
   if (!lost) front_end.remember_view(world_from_camera, motion.odometry.reference_from_camera, prepared);
   lost_count = lost ? lost_count + 1 : 0;
   if (!lost) {
@@ -249,6 +261,8 @@ void Pipeline::Impl::fields(Bytes& bytes, Saved& saved) {
   rigid3_fields(bytes, saved.world_from_camera);
   rigid3_fields(bytes, saved.last_motion);
   bytes.number(saved.lost_count);
+  bytes.numbers(saved.uncertainty.second_moment.data(), 36);
+  bytes.number(saved.uncertainty.way_m);
   bytes.list(saved.poses, [](auto& to, auto& pose) {
     to.number(pose.timestamp_s);
     to.number(pose.submap);
@@ -411,6 +425,9 @@ PipelineStatistics Pipeline::statistics() const {
   statistics.frame_count = static_cast<std::int64_t>(impl.trajectory.size());
   statistics.tracked_frame_count = impl.tracked_frame_count;
   statistics.weak_frame_count = impl.weak_frame_count;
+  statistics.position_sigma_m = impl.uncertainty.position_sigma_m();
+  statistics.rotation_sigma_rad = impl.uncertainty.rotation_sigma_rad();
+  statistics.calibration_doubt = impl.front_end.calibration_doubt().reason();
   statistics.surfel_count = impl.front_end.store.surfel_count();
   statistics.surfel_slot_count = impl.front_end.store.slot_count();
   statistics.surfel_capacity = impl.front_end.store.capacity();

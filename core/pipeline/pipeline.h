@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "core/output/cloud.h"
 #include "core/pipeline/options.h"
 #include "core/track/judgement.h"
+#include "core/track/map_certainty.h"
 
 namespace hermite {
 
@@ -49,6 +51,8 @@ struct FrameResult {
   double correction_m = 0;               // the farthest that the origin of an active submap was moved in this frame
   std::int64_t last_tracked_frame = -1;  // index: this frame, or while lost the one that the pose is of; -1: none was tracked yet
   double last_tracked_timestamp_s = 0;   // of that frame
+  // Of world_from_camera as it is in this result: corrections to come do not count. None while lost.
+  std::optional<PoseUncertainty> uncertainty;
 };
 
 struct SubmapPose {
@@ -68,6 +72,8 @@ struct PipelineStatistics {
   std::int64_t frame_count = 0;
   std::int64_t tracked_frame_count = 0;  // weakly tracked ones included
   std::int64_t weak_frame_count = 0;
+  double position_sigma_m = 0, rotation_sigma_rad = 0;  // of the last tracked frame
+  std::string calibration_doubt;                        // in words; empty: the camera fits what it has seen
   std::int64_t surfel_count = 0;
   std::int64_t surfel_slot_count = 0;                    // in use or free again
   std::int64_t surfel_capacity = 0;                      // slots there is memory for

@@ -1,19 +1,41 @@
 #include "core/report/frame_table.h"
 
-#include <cstdio>
+#include <cmath>
+
+#include "core/base/printf_text.h"
+#include "core/report/stated_uncertainty.h"
 
 namespace hermite {
 
-std::string format_frame_table(const std::vector<FrameRow>& rows) {
-  std::string table = "frame,timestamp_s,status,event,correction_m,inlier_ratio,residual_rms_m,surfels,ms,reason\n";
-  for (const FrameRow& row : rows) {
-    const FrameResult& result = row.result;
-    char numbers[2][160];
-    std::snprintf(numbers[0], sizeof numbers[0], "%lld,%.6f", static_cast<long long>(result.frame_index), result.timestamp_s);
-    std::snprintf(numbers[1], sizeof numbers[1], "%.4f,%.4f,%.6f,%lld,%.1f", result.correction_m, result.inlier_ratio,
-                  result.residual_rms_m, static_cast<long long>(result.surfel_count), row.ms);
-    table += std::string(numbers[0]) + "," + name_of(result.status) + "," + name_of(result.event) + "," + numbers[1] + ",\"" +
-             result.reason + "\"\n";
+namespace {
+
+std::string stated_fields(const std::optional<PoseUncertainty>& uncertainty) {
+  if (!uncertainty) return ",,";
+  std::string covariance;
+  for (Eigen::Index i = 0; i < 6; ++i)
+    for (Eigen::Index j = i; j < 6; ++j) covariance += printf_text(covariance.empty() ? "%.4e" : " %.4e", uncertainty->second_moment(i, j));
+  return printf_text("%.6f,%.5f,", uncertainty->position_sigma_m(), uncertainty->rotation_sigma_rad() * 180 / M_PI) + covariance;
+}
+
+std::string error_fields(const std::optional<StatedError>& error) {
+  if (!error) return ",,";
+  return printf_text("%.6f,%.5f,%.3f", error->position_m, error->rotation_rad * 180 / M_PI, error->pose_sigmas);
+}
+
+}  // namespace
+
+std::string format_frame_table(const std::vector<FrameRow>& rows, const Trajectory& groundtruth) {
+  std::string table =
+      "frame,timestamp_s,status,event,correction_m,inlier_ratio,residual_rms_m,surfels,ms,reason,position_sigma_m,rotation_sigma_deg,"
+      "covariance,position_error_m,rotation_error_deg,error_sigmas\n";
+  const std::vector<std::optional<StatedError>> errors = stated_errors(rows, groundtruth);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const FrameResult& result = rows[i].result;
+    table += printf_text("%lld,%.6f,", static_cast<long long>(result.frame_index), result.timestamp_s) + name_of(result.status) + "," +
+             name_of(result.event) + "," +
+             printf_text("%.4f,%.4f,%.6f,%lld,%.1f", result.correction_m, result.inlier_ratio, result.residual_rms_m,
+                         static_cast<long long>(result.surfel_count), rows[i].ms) +
+             ",\"" + result.reason + "\"," + stated_fields(result.uncertainty) + "," + error_fields(errors[i]) + "\n";
   }
   return table;
 }

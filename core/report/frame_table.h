@@ -4,17 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "core/pipeline/pipeline.h"
+#include "core/report/frame_row.h"
 
 namespace hermite {
 
-struct FrameRow {
-  FrameResult result;
-  double ms = 0;  // wall clock inside Pipeline::process()
-};
-
-// CSV, a heading and one line a frame: frame, timestamp_s, status, event, correction_m, inlier_ratio, residual_rms_m, surfels, ms, reason.
-// The reason is quoted; the pose is in the trajectory.
-std::string format_frame_table(const std::vector<FrameRow>& rows);
+// CSV, a heading and one line a frame: frame, timestamp_s, status, event, correction_m, inlier_ratio, residual_rms_m, surfels, ms, reason,
+// position_sigma_m, rotation_sigma_deg (along the axes of the greatest errors), covariance (the upper triangle of
+// PoseUncertainty::second_moment by rows, with spaces between), and with a ground truth position_error_m, rotation_error_deg and
+// error_sigmas (the Mahalanobis distance of both) as they were when the frame came. The reason is quoted; the pose is in the trajectory.
+std::string format_frame_table(const std::vector<FrameRow>& rows, const Trajectory& groundtruth = {});
 
 }  // namespace hermite

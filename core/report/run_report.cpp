@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 
+#include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
@@ -36,6 +37,9 @@ std::string format_report_json(const RunReport& run, const Trajectory& estimate,
   report["frames"] = statistics.frame_count;
   report["tracked_frames"] = statistics.tracked_frame_count;
   report["weak_frames"] = statistics.weak_frame_count;
+  report["position_sigma_m"] = statistics.position_sigma_m;
+  report["rotation_sigma_deg"] = statistics.rotation_sigma_rad * 180 / M_PI;
+  report["calibration_doubt"] = statistics.calibration_doubt;
   report["surfels"] = statistics.surfel_count;
   for (const auto& [what, count] : statistics.mapping) report["mapping"][what] = count;
   report["mean_frame_ms"] = statistics.mean_frame_ms;

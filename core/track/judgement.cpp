@@ -50,6 +50,15 @@ constexpr double kTooNear_m = 0.6;
 // A fifth of the field of view of most cameras.
 constexpr double kFastTurn_rad = 10 * M_PI / 180;
 
+// Beyond this standard deviation, and this share of the way, the person should know. Undisturbed scans stay below it, also between bare
+// walls and on long walks; of frames more than 5 cm off, because depth is bent or sparse or the focal length wrong, four fifths are beyond.
+// (With 4 cm and half a percent all are, and a third of the frames between bare walls: tests/accuracy/README.md, "What is stated".)
+constexpr double kMostUncertain_m = 0.06, kMostDrift = 0.01;
+
+// What depth, picture and corners alone say of a step is up to 15 mm, 0.8 degrees and 25 deviations apart on recordings of a Kinect, up to
+// 30 mm where depth is bent.
+constexpr double kContradictingSigmas = 8, kContradicting_m = 0.025, kContradicting_rad = 1.5 * M_PI / 180;
+
 std::string percent(double share) { return std::to_string(std::lround(100 * share)) + " %"; }
 std::string centimetres(double distance_m) { return std::to_string(std::lround(100 * distance_m)) + " cm"; }
 std::string degrees(double angle_rad) { return std::to_string(std::lround(angle_rad * 180 / M_PI)) + " degrees"; }
@@ -144,6 +153,20 @@ Judgement judge(const TrackingEvidence& e, const TrackOptions& options) {
   Judgement judgement{TrackingStatus::kTracked, why_weak(e, options), is_like_the_model(e.agreement) && !shows_nothing(e.content)};
   if (judgement.reason.empty() && !is_like_the_model(e.agreement))
     judgement.reason = "dark or blurred: the picture is not like those before";
+  if (!judgement.reason.empty()) judgement.status = TrackingStatus::kWeak;
+  return judgement;
+}
+
+Judgement weighed(Judgement judgement, const Doubts& doubts) {
+  if (judgement.status != TrackingStatus::kTracked) return judgement;
+  const Contradiction& apart = doubts.contradiction;
+  const double sigma_m = doubts.uncertainty.position_sigma_m();
+  if (apart.sigmas > kContradictingSigmas && (apart.distance_m > kContradicting_m || apart.turn_rad > kContradicting_rad))
+    judgement.reason = std::string(apart.first) + " and " + apart.second + " disagree: by " + centimetres(apart.distance_m) + " and " +
+                       degrees(apart.turn_rad);
+  if (!doubts.calibration.reason().empty()) judgement.reason = doubts.calibration.reason();
+  if (judgement.reason.empty() && sigma_m > kMostUncertain_m + kMostDrift * doubts.uncertainty.way_m)
+    judgement.reason = "uncertain: the camera may be " + centimetres(2 * sigma_m) + " from where it seems to be";
   if (!judgement.reason.empty()) judgement.status = TrackingStatus::kWeak;
   return judgement;
 }

@@ -6,6 +6,8 @@
 #include "core/frame/frame_content.h"
 #include "core/math/rigid3.h"
 #include "core/track/feature_motion.h"
+#include "core/track/map_certainty.h"
+#include "core/track/step_certainty.h"
 #include "core/track/track_options.h"
 
 namespace hermite {
@@ -55,6 +57,16 @@ bool is_same_place(const Agreement& agreement, double observability);
 
 // Of a frame that was tracked against the map.
 Judgement judge(const TrackingEvidence& evidence, const TrackOptions& options);
+
+// What is known of the pose beside what the frame shows.
+struct Doubts {
+  PoseUncertainty uncertainty;
+  CalibrationDoubt calibration;
+  Contradiction contradiction;  // of the witnesses of the step
+};
+
+// The judgement of a frame that is believed, in view of that: what is called tracked is known to 6 cm and a percent of the way.
+Judgement weighed(Judgement judgement, const Doubts& doubts);
 
 // Of a frame that could begin a map: whether it shows enough surface.
 Judgement judge_start(const TrackingEvidence& evidence, const TrackOptions& options);

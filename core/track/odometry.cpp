@@ -109,6 +109,13 @@ struct Odometry::Sums {
   double geometric_error_m2 = 0, geometric_count = 0, photometric_count = 0, surface_count = 0, pixel_count = 0;
   // Mean squares of the residuals as Student's t distribution has them, in scales squared; nothing where there are no pairs.
   double geometric_spread2 = 0, photometric_spread2 = 0;
+  double photometric_squares = 0;  // sum of the weighted squared residuals
+
+  // The mean weight of a pair whose residual is one deviation, times that residual squared.
+  double geometric_unit() const {
+    return geometric_count > 0 ? geometric_base / geometric_count * geometric_error_m2 / geometric_count : 0;
+  }
+  double photometric_unit() const { return photometric_count > 0 ? photometric_squares / photometric_count : 0; }
 };
 
 // What is believed of residuals before a step.
@@ -189,20 +196,15 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
   sums.geometric_base = next[0];
   if (next[0] > 0) sums.geometric_spread2 = kOfStudentsT * next[1] / next[0];
   if (next[2] > 0) sums.photometric_spread2 = kOfStudentsT * next[3] / next[2];
+  sums.photometric_squares = next[3];
   sums.pixel_count = static_cast<double>(from.camera.width) * from.camera.height;
   return sums;
 }
 
-// Joins what corners say of the motion to what the picture says, in the units of the geometric pairs.
-void Odometry::add_features(const FeatureMotion& features, const Rigid3& reference_from_camera, const Sums& sums,
-                            NormalEquations& picture) {
+// What corners count beside the dense terms, in whose units: as far as depth is sparse.
+double Odometry::weight_of_corners(const Sums& sums) {
   const double fade = std::clamp((kDense - sums.surface_count / sums.pixel_count) / (kDense - kSparse), 0.0, 1.0);
-  if (fade <= 0) return;
-  // The mean weight of a pair whose residual is one deviation.
-  const double pairs = sums.geometric_count, unit = pairs > 0 ? sums.geometric_base / pairs * sums.geometric_error_m2 / pairs : 1;
-  const NormalEquations terms = feature_terms(features, reference_from_camera);
-  picture.hessian += kCornerWeight * fade * unit * terms.hessian;
-  picture.right_hand_side += kCornerWeight * fade * unit * terms.right_hand_side;
+  return kCornerWeight * fade * (sums.geometric_count > 0 ? sums.geometric_unit() : 1);
 }
 
 // Before the first step the camera may be off by centimetres, and its exposure by a fifth.
@@ -250,7 +252,13 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
       ++result.iteration_count;
       if (options_.discount_normal_noise) sums.geometric = discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement);
       NormalEquations photometric = without_brightness(sums.photometric, believed.brightness);
-      if (features) add_features(*features, result.reference_from_camera, sums, photometric);
+      result.witnesses = {{sums.geometric, sums.geometric_unit()}, {photometric, sums.photometric_unit()}, {}, 0};
+      if (features) {
+        result.witnesses.corners = {feature_terms(*features, result.reference_from_camera), 1};
+        result.witnesses.corner_weight = weight_of_corners(sums);
+        photometric.hessian += result.witnesses.corner_weight * result.witnesses.corners.system.hessian;
+        photometric.right_hand_side += result.witnesses.corner_weight * result.witnesses.corners.system.right_hand_side;
+      }
       const Vector6d step = solve(sums.geometric, photometric, sums.displacement);
       if (!step.allFinite()) return result;
       believed = believed_after(believed, sums, step);

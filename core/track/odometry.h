@@ -12,6 +12,7 @@
 #include "core/track/feature_motion.h"
 #include "core/track/judgement.h"
 #include "core/track/normal_equations.h"
+#include "core/track/step_certainty.h"
 #include "core/track/track_options.h"
 #include "shaders/shared/track.h"
 
@@ -29,6 +30,7 @@ struct OdometryResult {
   // Robust spread of the residuals: standard deviations of the sensor, grey values.
   double geometric_scale = 0, photometric_scale = 0;
   Agreement agreement;
+  StepWitnesses witnesses;
 };
 
 class Odometry {
@@ -63,7 +65,7 @@ class Odometry {
   struct Gates;
   struct Believed;
   Gates gates_within(double reach) const;
-  static void add_features(const FeatureMotion& features, const Rigid3& reference_from_camera, const Sums& sums, NormalEquations& picture);
+  static double weight_of_corners(const Sums& sums);
   static Believed believed_at_first(double reach);
   static Believed believed_after(const Believed& before, const Sums& sums, const Vector6d& step);
   Sums linearise(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, int level, const Gates& gates,

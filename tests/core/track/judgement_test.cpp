@@ -141,8 +141,14 @@ TEST(Judgement, AScanInTheDarkHasNoPictureToBeWorseThan) {
 
 // Half of the view may have changed, if the other half looks exactly as it did.
 TEST(Judgement, TheLessAgreesTheMoreItMustLookTheSame) {
-  for (const auto& [agreeing, correlation, believed] :
-       {std::tuple{0.65, 0.9, true}, {0.65, 0.6, false}, {0.9, 0.4, true}, {0.9, 0.1, false}, {0.5, 1.0, false}, {0.8, 0.65, true}, {0.77, 0.73, false}, {0.68, 0.84, false}}) {
+  for (const auto& [agreeing, correlation, believed] : {std::tuple{0.65, 0.9, true},
+                                                        {0.65, 0.6, false},
+                                                        {0.9, 0.4, true},
+                                                        {0.9, 0.1, false},
+                                                        {0.5, 1.0, false},
+                                                        {0.8, 0.65, true},
+                                                        {0.77, 0.73, false},
+                                                        {0.68, 0.84, false}}) {
     Agreement agreement = good().agreement;
     agreement.agreeing = agreeing;
     agreement.correlation = correlation;
@@ -180,6 +186,32 @@ TEST(Judgement, OfTheFirstFrameAsksForSurfaceOnly) {
   EXPECT_EQ(judge_start(evidence, TrackOptions{}).status, TrackingStatus::kTracked);
   evidence.agreement.surface = 0.005;
   EXPECT_THAT(judge_start(evidence, TrackOptions{}).reason, HasSubstr("almost nothing"));
+}
+
+TEST(Judgement, WeighsWhatIsKnownOfThePose) {
+  const Judgement tracked{TrackingStatus::kTracked, "", true};
+  const auto with_sigma = [](double sigma_m) { return Doubts{PoseUncertainty{sigma_m * sigma_m * Matrix6d::Identity(), 0}, {}, {}}; };
+  EXPECT_EQ(weighed(tracked, with_sigma(0.01)).status, TrackingStatus::kTracked);
+  const Judgement uncertain = weighed(tracked, with_sigma(0.08));
+  EXPECT_EQ(uncertain.status, TrackingStatus::kWeak);
+  EXPECT_EQ(uncertain.reason, "uncertain: the camera may be 16 cm from where it seems to be");
+  Doubts far = with_sigma(0.08);
+  far.uncertainty.way_m = 5;
+  EXPECT_EQ(weighed(tracked, far).status, TrackingStatus::kTracked) << "after a walk of 5 m";
+
+  Doubts bent = with_sigma(0.01);
+  bent.calibration = {0.015, 0.001};
+  EXPECT_EQ(weighed(tracked, bent).reason,
+            "the camera's calibration does not fit: depth in the corners of the image is too great by about 1.5 %");
+  bent.calibration.deviation = 0.004;
+  EXPECT_EQ(weighed(tracked, bent).status, TrackingStatus::kTracked) << "not significant";
+
+  Doubts apart = with_sigma(0.01);
+  apart.contradiction = {9, 0.04, 0.01, "depth", "picture"};
+  EXPECT_EQ(weighed(tracked, apart).reason, "depth and picture disagree: by 4 cm and 1 degrees");
+  apart.contradiction.sigmas = 3;
+  EXPECT_EQ(weighed(tracked, apart).status, TrackingStatus::kTracked) << "noise";
+  EXPECT_EQ(weighed({TrackingStatus::kWeak, "too fast", true}, apart).reason, "too fast");
 }
 
 TEST(Judgement, StatusesHaveNames) {

@@ -1,0 +1,13 @@
+// What became of one frame of a run. A plain value.
+#pragma once
+
+#include "core/pipeline/pipeline.h"
+
+namespace hermite {
+
+struct FrameRow {
+  FrameResult result;
+  double ms = 0;  // wall clock inside Pipeline::process()
+};
+
+}  // namespace hermite

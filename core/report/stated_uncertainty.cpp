@@ -1,0 +1,66 @@
+#include "core/report/stated_uncertainty.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace hermite {
+
+namespace {
+
+constexpr double kMaxGap_s = 0.020;  // as the TUM benchmark's tools have it
+
+// Where nothing is said to be off, a tenth of a micrometre and microradian: a distance of nothing over nothing is none.
+constexpr double kLeast2 = 1e-14;
+
+double mahalanobis(const Eigen::MatrixXd& moment, const Eigen::VectorXd& error) {
+  const Eigen::MatrixXd regular = moment + kLeast2 * Eigen::MatrixXd::Identity(moment.rows(), moment.cols());
+  return std::sqrt(std::max(0.0, error.dot(regular.ldlt().solve(error))));
+}
+
+StatedError error_of(const FrameResult& result, const Rigid3& true_pose) {
+  const Rigid3& stated = result.world_from_camera;
+  Vector6d error;
+  error << stated.translation - true_pose.translation,
+      log_se3({stated.rotation * true_pose.rotation.conjugate(), Eigen::Vector3d::Zero()}).tail<3>();
+  const Matrix6d& moment = result.uncertainty->second_moment;
+  return {error.head<3>().norm(), error.tail<3>().norm(), mahalanobis(moment, error),
+          mahalanobis(moment.topLeftCorner<3, 3>(), error.head<3>())};
+}
+
+}  // namespace
+
+std::vector<std::optional<StatedError>> stated_errors(const std::vector<FrameRow>& rows, const Trajectory& groundtruth) {
+  std::vector<std::optional<StatedError>> errors(rows.size());
+  std::optional<Rigid3> world_from_true_world;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const FrameResult& result = rows[i].result;
+    if (result.event == MapEvent::kNewPart) world_from_true_world.reset();
+    if (result.event == MapEvent::kJoined) break;  // into a world whose first frame was another
+    const std::optional<Rigid3> true_pose = pose_at(groundtruth, result.timestamp_s, kMaxGap_s);
+    if (!result.uncertainty || !true_pose) continue;
+    if (world_from_true_world)
+      errors[i] = error_of(result, *world_from_true_world * *true_pose);
+    else
+      world_from_true_world = result.world_from_camera * inverse(*true_pose);
+  }
+  return errors;
+}
+
+StatedShare share_inside(const std::vector<FrameRow>& rows, const std::vector<std::optional<StatedError>>& errors) {
+  StatedShare share;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    if (!errors[i]) continue;
+    const bool is_inside = errors[i]->pose_sigmas * errors[i]->pose_sigmas < kRegion99;
+    const bool is_tracked = rows[i].result.status == TrackingStatus::kTracked;
+    const bool is_wrong = errors[i]->position_m > kWrong_m || errors[i]->position_sigmas > kWrongSigmas;
+    ++share.frame_count;
+    share.inside_count += is_inside ? 1 : 0;
+    share.tracked_count += is_tracked ? 1 : 0;
+    share.tracked_inside_count += is_tracked && is_inside ? 1 : 0;
+    share.tracked_wrong_count += is_tracked && is_wrong ? 1 : 0;
+  }
+  return share;
+}
+
+}  // namespace hermite
