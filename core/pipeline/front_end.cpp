@@ -69,7 +69,7 @@ FrontEnd::FrontEnd(const std::string& device_choice, const Camera& camera, const
       preprocessor_(device, camera, options.frame),
       odometry_(device, preprocessor_.maps().camera(), options.track, options.frame),
       corner_tracks_(rectified(camera), options.track.object),
-      landmarks_(rectified(camera), options.frame),
+      corner_points_(rectified(camera), options.frame),
       visible_(device, options.map),
       index_(device, preprocessor_.maps().camera()),
       fuser_(device, preprocessor_.maps().camera(), options.map, options.frame),
@@ -133,8 +133,8 @@ Judgement FrontEnd::judge_start(const FrameContent& content) {
 void FrontEnd::remember_view(const Rigid3& world_from_camera, const Rigid3& reference_from_camera, const PreparedFrame& frame) {
   remember_corners(frame.features, frame.frame.depth);
   const double step = frame.features.image_px;
-  landmarks_.remember(frame.features, frame.frame.depth, reference_from_camera,
-                      [&](const Eigen::Vector2d& pixel) { return is_in(moving_mask_, step * pixel); });
+  corner_points_.remember(frame.features, frame.frame.depth, reference_from_camera,
+                          [&](const Eigen::Vector2d& pixel) { return is_in(moving_mask_, step * pixel); });
   if (!options_.track.object) moving_.remember(view_, world_from_camera, moving_mask_);
   const CoarseView measured = shading_.as_measured(view_);
   const auto comparison = earlier_.compare(measured, world_from_camera, moving_mask_);
@@ -253,7 +253,7 @@ Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& featu
   }
   const Camera straight = rectified(camera_);
   const double step = features.image_px;
-  const std::optional<FeatureMotion> followed = landmarks_.follow(last_features_, features, [&](const Eigen::Vector2d& pixel) {
+  const std::optional<FeatureMotion> followed = corner_points_.follow(last_features_, features, [&](const Eigen::Vector2d& pixel) {
     return is_in(hidden, step * pixel) || (!of_object && is_near_what_moves(seen.corners, step * pixel));
   });
   const FeatureMotion* corners = followed && !followed->is_turn_only ? &*followed : nullptr;
@@ -356,7 +356,7 @@ void FrontEnd::save(ByteWriter& bytes) const {
   noise_.save(bytes);
   hermite::save(bytes, last_features_);
   corner_tracks_.save(bytes);
-  landmarks_.save(bytes);
+  corner_points_.save(bytes);
   rigid3_fields(bytes, room_from_camera_);
   hermite::save(bytes, predictor_.surface());
   odometry_.save(bytes);
@@ -374,7 +374,7 @@ void FrontEnd::restore(ByteReader& bytes) {
   noise_.restore(bytes);
   hermite::restore(bytes, last_features_);
   corner_tracks_.restore(bytes);
-  landmarks_.restore(bytes, last_features_);
+  corner_points_.restore(bytes, last_features_);
   rigid3_fields(bytes, room_from_camera_);
   hermite::restore(bytes, predictor_.surface());
   odometry_.restore(bytes);

@@ -19,9 +19,9 @@
 #include "core/map/surfel_store.h"
 #include "core/map/visible_blocks.h"
 #include "core/pipeline/options.h"
+#include "core/track/corner_points.h"
 #include "core/track/corner_tracks.h"
 #include "core/track/feature_motion.h"
-#include "core/track/landmarks.h"
 #include "core/track/lens_shading.h"
 #include "core/track/map_certainty.h"
 #include "core/track/moving_regions.h"
@@ -61,7 +61,7 @@ class FrontEnd {
   // and corrections of the map, leave nothing to compare with; a camera that is found elsewhere, no corners either.
   void remember_view(const Rigid3& world_from_camera, const Rigid3& reference_from_camera, const PreparedFrame& frame);
   void forget_views();
-  void forget_corners() { landmarks_.forget(); }
+  void forget_corners() { corner_points_.forget(); }
 
   // How well it is known where the frame tracked last is, on the map as it lies in `layout`. Once for each frame that is not lost.
   PoseUncertainty uncertainty_at(const Rigid3& world_from_camera, const OdometryResult& step, const MapLayout& layout);
@@ -119,7 +119,7 @@ class FrontEnd {
   Odometry odometry_;
   PictureFeatures last_features_;  // of the last frame that was tracked
   CornerTracks corner_tracks_;     // up to that
-  Landmarks landmarks_;            // of the same frame
+  CornerPoints corner_points_;     // of the same frame
   MovingRegions moving_;
   EarlierView earlier_;  // that the lens is learned by: as measured
   LensShading shading_;

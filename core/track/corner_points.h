@@ -20,7 +20,7 @@
 namespace hermite {
 
 // All in the camera's frame of the frame remembered last, and in pixels of its levels[0].
-struct Landmark {
+struct CornerPoint {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  // at depth 1 where the depth is unknown
   double depth_deviation_m = 0;                       // 0: the depth is unknown
@@ -28,13 +28,13 @@ struct Landmark {
   // of that they may be wrong; 0: they have not yet.
   Eigen::Vector3d first_place_m = Eigen::Vector3d::Zero(), first_direction = Eigen::Vector3d::UnitZ();
   double crossed_at = 0, crossed_share = 0;
-  GreyImage patch;  // and what it looked like then, or since it has begun to look otherwise
+  GreyImage patch;  // and what it looked like then
 };
 
-class Landmarks {
+class CornerPoints {
  public:
   // `camera` is that of straight frames.
-  Landmarks(const Camera& camera, const FrameOptions& options) : camera_(camera), options_(options) {}
+  CornerPoints(const Camera& camera, const FrameOptions& options) : camera_(camera), options_(options) {}
 
   // The camera's motion since `last`, which is the frame remembered last. `is_left_out` tells by pixel of levels[0] of this frame what is
   // not to be followed. Nothing: too few corners agree with any motion.
@@ -49,24 +49,24 @@ class Landmarks {
   // The next frame is elsewhere.
   void forget();
 
-  const std::vector<Landmark>& all() const { return landmarks_; }
+  const std::vector<CornerPoint>& all() const { return points_; }
 
   void save(ByteWriter& bytes) const;
   // Of a frame that has these features.
   void restore(ByteReader& bytes, const PictureFeatures& last);
 
  private:
-  bool carry(Landmark& landmark, const Eigen::Vector2d& pixel, const DepthImage& depth, const Rigid3& camera_from_last) const;
-  void measure(Landmark& landmark, double depth_m) const;
-  void triangulate(Landmark& landmark) const;
-  Landmark seen_first(const Corner& corner, const GreyImage& image) const;
+  bool carry(CornerPoint& point, const Eigen::Vector2d& pixel, const DepthImage& depth, const Rigid3& camera_from_last) const;
+  void measure(CornerPoint& point, double depth_m) const;
+  void triangulate(CornerPoint& point) const;
+  CornerPoint seen_first(const Corner& corner, const GreyImage& image) const;
   Eigen::Vector2d image_px(const Eigen::Vector2d& level_px) const;
 
   const Camera camera_;
   const FrameOptions options_;
   int image_px_ = 1;  // PictureFeatures::image_px
-  std::vector<Landmark> landmarks_;
-  std::vector<std::optional<Eigen::Vector2d>> found_;  // by landmark, in the frame that was followed last
+  std::vector<CornerPoint> points_;
+  std::vector<std::optional<Eigen::Vector2d>> found_;  // by point, in the frame that was followed last
 };
 
 }  // namespace hermite

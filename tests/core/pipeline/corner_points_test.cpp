@@ -1,4 +1,4 @@
-#include "core/track/landmarks.h"
+#include "core/track/corner_points.h"
 
 #include <gtest/gtest.h>
 
@@ -17,13 +17,13 @@ struct Walk {
     return features_of(recording.frames[frame], recording.camera.depth_units_per_metre, {});
   }
   Rigid3 pose(std::size_t frame) const { return recording.groundtruth[frame].world_from_camera; }
-  Landmarks landmarks() const { return {recording.camera, {}}; }
+  CornerPoints points() const { return {recording.camera, {}}; }
   // Follows frame `frame` at its true pose.
-  void show(Landmarks& landmarks, std::size_t frame) const {
+  void show(CornerPoints& points, std::size_t frame) const {
     const PictureFeatures seen = features(frame);
-    if (frame > 0) landmarks.follow(features(frame - 1), seen, kNothingMoves);
+    if (frame > 0) points.follow(features(frame - 1), seen, kNothingMoves);
     const Rigid3 step = frame == 0 ? Rigid3{} : inverse(pose(frame - 1)) * pose(frame);
-    landmarks.remember(seen, recording.frames[frame].depth, step, kNothingMoves);
+    points.remember(seen, recording.frames[frame].depth, step, kNothingMoves);
   }
   void without_depth(std::size_t from) {
     for (std::size_t frame = from; frame < recording.frames.size(); ++frame) recording.frames[frame].depth = DepthImage(320, 240);
@@ -31,96 +31,96 @@ struct Walk {
   test::Recording recording;
 };
 
-std::size_t known_count(const Landmarks& landmarks) {
+std::size_t known_count(const CornerPoints& points) {
   std::size_t count = 0;
-  for (const Landmark& landmark : landmarks.all()) count += landmark.depth_deviation_m > 0 ? 1 : 0;
+  for (const CornerPoint& point : points.all()) count += point.depth_deviation_m > 0 ? 1 : 0;
   return count;
 }
 
-std::string saved(const Landmarks& landmarks) {
+std::string saved(const CornerPoints& points) {
   ByteWriter writer;
-  landmarks.save(writer);
+  points.save(writer);
   return writer.take();
 }
 
 // By their steps alone, each from the frame before: what holds them is the room.
-TEST(Landmarks, LeadThroughFramesWithoutDepth) {
+TEST(CornerPoints, LeadThroughFramesWithoutDepth) {
   Walk walk;
   walk.without_depth(1);
-  Landmarks landmarks = walk.landmarks();
+  CornerPoints points = walk.points();
   Rigid3 pose = walk.pose(0);
   for (std::size_t frame = 0; frame < 10; ++frame) {
     const PictureFeatures seen = walk.features(frame);
-    const auto motion = landmarks.follow(frame > 0 ? walk.features(frame - 1) : PictureFeatures{}, seen, kNothingMoves);
+    const auto motion = points.follow(frame > 0 ? walk.features(frame - 1) : PictureFeatures{}, seen, kNothingMoves);
     ASSERT_EQ(motion.has_value(), frame > 0) << frame;
     const Rigid3 step = motion ? motion->earlier_from_frame : Rigid3{};
     EXPECT_FALSE(motion && motion->is_turn_only) << frame;
     pose = pose * step;
-    landmarks.remember(seen, walk.recording.frames[frame].depth, step, kNothingMoves);
+    points.remember(seen, walk.recording.frames[frame].depth, step, kNothingMoves);
   }
   const Vector6d error = log_se3(inverse(walk.pose(9)) * pose);
   EXPECT_LT(error.head<3>().norm(), 0.03);
   EXPECT_LT(error.tail<3>().norm(), 0.01);
 }
 
-TEST(Landmarks, GetTheirDepthFromTwoDirections) {
+TEST(CornerPoints, GetTheirDepthFromTwoDirections) {
   Walk walk;
   const std::vector<RgbdFrame> truth = walk.recording.frames;
   walk.without_depth(0);
-  Landmarks landmarks = walk.landmarks();
-  for (std::size_t frame = 0; frame < 12; ++frame) walk.show(landmarks, frame);
-  ASSERT_GT(known_count(landmarks), 20u);
+  CornerPoints points = walk.points();
+  for (std::size_t frame = 0; frame < 12; ++frame) walk.show(points, frame);
+  ASSERT_GT(known_count(points), 20u);
   int off = 0;
-  for (const Landmark& landmark : landmarks.all()) {
-    if (landmark.depth_deviation_m == 0) continue;
-    const int x = static_cast<int>(std::lround(landmark.pixel.x())), y = static_cast<int>(std::lround(landmark.pixel.y()));
+  for (const CornerPoint& point : points.all()) {
+    if (point.depth_deviation_m == 0) continue;
+    const int x = static_cast<int>(std::lround(point.pixel.x())), y = static_cast<int>(std::lround(point.pixel.y()));
     const double true_m = truth[11].depth.at(x, y) / walk.recording.camera.depth_units_per_metre;
-    off += std::abs(landmark.point_m.z() - true_m) > 3 * landmark.depth_deviation_m + 0.01 ? 1 : 0;
+    off += std::abs(point.point_m.z() - true_m) > 3 * point.depth_deviation_m + 0.01 ? 1 : 0;
   }
-  EXPECT_LT(off, 0.15 * static_cast<double>(known_count(landmarks)));
+  EXPECT_LT(off, 0.15 * static_cast<double>(known_count(points)));
 }
 
-TEST(Landmarks, AreNotWhatMovesAndOneForEachCell) {
+TEST(CornerPoints, AreNotWhatMovesAndOneForEachCell) {
   const Walk walk;
-  Landmarks landmarks = walk.landmarks();
+  CornerPoints points = walk.points();
   const auto left_moves = [](const Eigen::Vector2d& pixel) { return pixel.x() < 160; };
-  landmarks.remember(walk.features(0), walk.recording.frames[0].depth, {}, left_moves);
-  ASSERT_GT(landmarks.all().size(), 20u);
-  for (const Landmark& landmark : landmarks.all()) EXPECT_GE(landmark.pixel.x(), 160);
-  for (std::size_t frame = 1; frame < 6; ++frame) walk.show(landmarks, frame);
-  EXPECT_LE(landmarks.all().size(), 20u * 15u);
+  points.remember(walk.features(0), walk.recording.frames[0].depth, {}, left_moves);
+  ASSERT_GT(points.all().size(), 20u);
+  for (const CornerPoint& point : points.all()) EXPECT_GE(point.pixel.x(), 160);
+  for (std::size_t frame = 1; frame < 6; ++frame) walk.show(points, frame);
+  EXPECT_LE(points.all().size(), 20u * 15u);
 }
 
-TEST(Landmarks, AreForgotten) {
+TEST(CornerPoints, AreForgotten) {
   const Walk walk;
-  Landmarks landmarks = walk.landmarks();
-  walk.show(landmarks, 0);
-  EXPECT_TRUE(landmarks.follow(walk.features(0), walk.features(1), kNothingMoves));
-  landmarks.forget();
-  EXPECT_FALSE(landmarks.follow(walk.features(0), walk.features(1), kNothingMoves));
+  CornerPoints points = walk.points();
+  walk.show(points, 0);
+  EXPECT_TRUE(points.follow(walk.features(0), walk.features(1), kNothingMoves));
+  points.forget();
+  EXPECT_FALSE(points.follow(walk.features(0), walk.features(1), kNothingMoves));
 }
 
-TEST(Landmarks, ComeBackFromBytesAndGoOnAlike) {
+TEST(CornerPoints, ComeBackFromBytesAndGoOnAlike) {
   const Walk walk;
-  Landmarks landmarks = walk.landmarks(), restored = walk.landmarks();
-  for (std::size_t frame = 0; frame < 4; ++frame) walk.show(landmarks, frame);
-  const std::string bytes = saved(landmarks);
+  CornerPoints points = walk.points(), restored = walk.points();
+  for (std::size_t frame = 0; frame < 4; ++frame) walk.show(points, frame);
+  const std::string bytes = saved(points);
   ByteReader reader(bytes);
   restored.restore(reader, walk.features(3));
   ASSERT_TRUE(reader.ok() && reader.at_end());
-  walk.show(landmarks, 4);
+  walk.show(points, 4);
   walk.show(restored, 4);
-  EXPECT_EQ(saved(landmarks), saved(restored));
+  EXPECT_EQ(saved(points), saved(restored));
 }
 
-TEST(Landmarks, DamagedOnesAreRefused) {
+TEST(CornerPoints, DamagedOnesAreRefused) {
   const Walk walk;
-  Landmarks landmarks = walk.landmarks();
-  walk.show(landmarks, 0);
-  const std::string bytes = saved(landmarks);
+  CornerPoints points = walk.points();
+  walk.show(points, 0);
+  const std::string bytes = saved(points);
   for (const std::size_t length : {bytes.size() / 2, bytes.size() - 1}) {
     ByteReader reader(std::string_view(bytes).substr(0, length));
-    Landmarks restored = walk.landmarks();
+    CornerPoints restored = walk.points();
     restored.restore(reader, walk.features(0));
     EXPECT_FALSE(reader.ok());
   }
@@ -129,7 +129,7 @@ TEST(Landmarks, DamagedOnesAreRefused) {
   const std::size_t last_patch = damaged.size() - static_cast<std::size_t>(patch_side_px() * patch_side_px()) - 8 - 8;
   damaged[last_patch] = 127;
   ByteReader reader(damaged);
-  Landmarks restored = walk.landmarks();
+  CornerPoints restored = walk.points();
   restored.restore(reader, walk.features(0));
   EXPECT_FALSE(reader.ok());
 }
