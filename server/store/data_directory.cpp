@@ -31,13 +31,14 @@ bool is_token(const std::string& text) {
   return text.size() == kTokenDigits && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
+// A disk that fills up half way leaves no part of a token behind that the next start would stumble over.
 std::string create_token(const std::string& path) {
-  const OwnedDescriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (file.descriptor < 0) throw io_failure("creating " + path);
-  const std::string token = random_hex(kTokenBytes);
-  const std::string line = token + "\n";
+  const std::string unfinished = path + ".new", token = random_hex(kTokenBytes), line = token + "\n";
+  const OwnedDescriptor file(open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (file.descriptor < 0) throw io_failure("creating " + unfinished);
   if (write(file.descriptor, line.data(), line.size()) != static_cast<ssize_t>(line.size()) || fsync(file.descriptor) != 0)
-    throw io_failure("writing " + path);
+    throw io_failure("writing " + unfinished);
+  if (rename(unfinished.c_str(), path.c_str()) != 0) throw io_failure("creating " + path);
   return token;
 }
 
