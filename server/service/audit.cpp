@@ -85,7 +85,6 @@ Audit::Audit(std::string folder, std::int64_t now_ms)
     : folder_(std::move(folder)), head_(kNoEntryBefore), wrong_tokens_written_at_ms_(now_ms) {
   if (mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST) throw SetupError(audit_error("creating " + folder_));
   open_last_file();
-  spdlog::info("the audit log goes on behind entry {}, {}", count_, start_of(head_));
 }
 
 Audit::~Audit() {

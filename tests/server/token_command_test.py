@@ -53,7 +53,10 @@ def add_scan(data):
     """A finished scan, as a server leaves it. Nobody else uses the database now."""
     database = sqlite3.connect(data + "/hermite.db")
     with database:
-        database.execute("INSERT INTO scans VALUES(?, 't', 'finished', '', 640, 480, 525, 525, 319.5, 239.5, 5000, 0, 0, 0, 1, 2)", (SCAN,))
+        database.execute(
+            "INSERT INTO scans(id, title, phase, words, width, height, fx, fy, cx, cy, depth_units_per_metre, frames_received, frames_processed, "
+            "frames_dropped, created_at_ms, finished_at_ms) VALUES(?, 't', 'finished', '', 640, 480, 525, 525, 319.5, 239.5, 5000, 0, 0, 0, 1, 2)",
+            (SCAN,))
     database.close()
 
 
