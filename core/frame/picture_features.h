@@ -30,9 +30,6 @@ struct PictureFeatures {
   std::vector<Corner> corners;    // at most one for 16x16 pixels of levels[0]
 };
 
-// The median of what is measured in the 3x3 pixels around one of the image [m]; 0 where that is less than half.
-float depth_around(const DepthImage& depth, int x, int y, double units_per_metre, const FrameOptions& options);
-
 // Depths are within the options' range. Some 3 ms for 640x480. Any thread.
 PictureFeatures features_of(const RgbdFrame& frame, double depth_units_per_metre, const FrameOptions& options);
 

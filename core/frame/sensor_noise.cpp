@@ -60,9 +60,7 @@ class Differences {
   void add(int x, int y, int dx, int dy) {
     const double centre_m = depth_m(x, y), before_m = depth_m(x - dx, y - dy), after_m = depth_m(x + dx, y + dy);
     if (std::min({centre_m, before_m, after_m}) <= 0) return;
-    const double beyond_m = std::max(0.0, centre_m - 0.4);
-    const double noise_m = options_.noise_floor_m + options_.noise_growth_per_m * beyond_m * beyond_m;
-    const double noise_per_m = noise_m / (centre_m * centre_m);
+    const double noise_per_m = model_deviation_m(options_, centre_m) / (centre_m * centre_m);
     sizes_.push_back(static_cast<float>(std::abs(1 / before_m + 1 / after_m - 2 / centre_m) / noise_per_m));
   }
 
@@ -73,6 +71,11 @@ class Differences {
 };
 
 }  // namespace
+
+double model_deviation_m(const FrameOptions& options, double depth_m) {
+  const double beyond_m = std::max(0.0, depth_m - 0.4);
+  return options.noise_floor_m + options.noise_growth_per_m * beyond_m * beyond_m;
+}
 
 NoiseSample measure_noise(const DepthImage& depth, double units_per_metre, const FrameOptions& options) {
   Differences differences(depth, units_per_metre, options);

@@ -11,6 +11,9 @@
 
 namespace hermite {
 
+// The standard deviation of a measurement as the options' model has it, which is that of a Kinect v1 (Nguyen, Izadi, Lovell 2012).
+double model_deviation_m(const FrameOptions& options, double depth_m);
+
 // Of one frame: standard deviations of the noise in those of the options' model, as they show between pixels that are two and eight apart,
 // where surfaces are flat.
 struct NoiseSample {

@@ -5,6 +5,8 @@
 #include <set>
 #include <utility>
 
+#include "core/frame/sensor_noise.h"
+
 namespace hermite {
 
 namespace {
@@ -27,10 +29,7 @@ constexpr double kEdgeShare = 0.005;
 constexpr double kDirection_px = 0.5, kCrossed = 0.1, kFartherApart = 0.7;
 constexpr double kNearest_m = 0.1, kFarthest_m = 20;
 
-double noise_m(const FrameOptions& options, double depth_m) {
-  const double beyond_m = std::max(0.0, depth_m - 0.4);
-  return options.noise_floor_m + options.noise_growth_per_m * beyond_m * beyond_m + kEdgeShare * depth_m;
-}
+double noise_m(const FrameOptions& options, double depth_m) { return model_deviation_m(options, depth_m) + kEdgeShare * depth_m; }
 
 std::pair<int, int> cell_of(const Eigen::Vector2d& pixel) {
   return {static_cast<int>(pixel.x()) / kCell_px, static_cast<int>(pixel.y()) / kCell_px};

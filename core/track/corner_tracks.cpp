@@ -102,11 +102,6 @@ void CornerTracks::collect(CornerVerdict& verdict) const {
     (moves ? verdict.moving : verdict.resting).push_back(baseline.corners[k]);
     verdict.corners.push_back({baseline.corners[k].pixel, moves});
   }
-  for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    if (!places_[i] || moves_[i] != 0) continue;
-    const Eigen::Vector2d from = image_px(double{tracks_[i].past[0].x}, double{tracks_[i].past[0].y}, image_px_);
-    verdict.resting_all.push_back({camera_.unproject(from.x(), from.y(), 1), image_px(places_[i]->x(), places_[i]->y(), image_px_)});
-  }
   if (!keeps_moving_) return;
   if (const auto split = split_corners(verdict.resting, {}, camera_, kPrecision_px * image_px_))
     verdict.last_from_frame = split->earlier_from_frame;

@@ -22,14 +22,13 @@ struct SeenCorner {
 };
 
 struct CornerVerdict {
-  std::vector<SeenCorner> corners;  // whose depth is known
-  // Since the last frame: of what rests, all whose depth is known, and all, at depth 1; of what moves, with depth.
-  std::vector<FollowedCorner> resting, resting_all, moving;
-  std::size_t count = 0;                  // of the corners of the last frame, followed or not
-  std::optional<Rigid3> last_from_frame;  // of what rests, only with keeps_moving; nothing: too few corners tell
-  double moving_share = 0;                // of the surface that corners stand for, 0 to 1, over the longest time that tells
-  bool is_divided = false;                // over that time no motion explains most of the surface
-  bool moves_now = false;                 // something is seen to move, and does not only bear the name
+  std::vector<SeenCorner> corners;              // whose depth is known
+  std::vector<FollowedCorner> resting, moving;  // since the last frame, of those
+  std::size_t count = 0;                        // of the corners of the last frame, followed or not
+  std::optional<Rigid3> last_from_frame;        // of what rests, only with keeps_moving; nothing: too few corners tell
+  double moving_share = 0;                      // of the surface that corners stand for, 0 to 1, over the longest time that tells
+  bool is_divided = false;                      // over that time no motion explains most of the surface
+  bool moves_now = false;                       // something is seen to move, and does not only bear the name
 };
 
 class CornerTracks {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/frame/sensor_noise.h"
 #include "core/track/seen_twice.h"
 
 namespace hermite {
@@ -31,7 +32,7 @@ constexpr double kDegreesOfFreedom = 5;  // of Student's t distribution, as in t
 constexpr double kRobustSigmas = 2;      // its scale, wide enough for what a bent camera does
 
 double variance_m2(double z) {
-  const double beyond = std::max(z - 0.4, 0.0), deviation_m = 0.0012 + 0.0019 * beyond * beyond;
+  const double deviation_m = model_deviation_m({}, z);
   return deviation_m * deviation_m;
 }
 
