@@ -4,7 +4,9 @@
     crowd.py path/to/hermite path/to/hermite-client [--cameras 8] [--connects 1000]
 
 Passes when every camera finishes with the same result and those without a place were told to wait, and when after many connections of every
-bad kind the server has as many open files as before and hardly more memory. Exit status 77 (skipped) without python3-wsproto.
+bad kind the server has as many open files as before and hardly more memory. An allocator may still fill its caches while the first of them come
+and go (AddressSanitizer keeps up to 256 MB of freed memory); what leaks grows each time. So there are up to ROUNDS rounds, and one is flat.
+Exit status 77 (skipped) without python3-wsproto.
 """
 import os
 import signal
@@ -20,6 +22,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 from independent_client import Client, hello_viewer  # noqa: E402
 
 PLACES = 2
+ROUNDS = 4
+ROUND_GROWTH_MB = 8
 
 
 def crowd_of_cameras(server, program, count):
@@ -93,12 +97,17 @@ def main():
         crowd_of_cameras(server, arguments.client, arguments.cameras)
         scan_id = server.scans()[0]["id"]
         come_and_go(server, 60, scan_id)  # what is made once and kept
-        before = state_of(server.process)
-        come_and_go(server, arguments.connects, scan_id)
-        after = state_of(server.process)
-        print(f"{arguments.connects} connections: open files {before[0]} -> {after[0]}, memory {before[1]:.1f} -> {after[1]:.1f} MB", flush=True)
-        check(after[0] <= before[0], "no open file is left")
-        check(after[1] - before[1] < 8, "memory is flat")
+        flat = False
+        for _ in range(ROUNDS):
+            before = state_of(server.process)
+            come_and_go(server, arguments.connects, scan_id)
+            after = state_of(server.process)
+            print(f"{arguments.connects} connections: open files {before[0]} -> {after[0]}, memory {before[1]:.1f} -> {after[1]:.1f} MB", flush=True)
+            check(after[0] <= before[0], "no open file is left")
+            flat = after[1] - before[1] < ROUND_GROWTH_MB
+            if flat:
+                break
+        check(flat, f"memory is flat in one of {ROUNDS} rounds")
         check(server.process.poll() is None, "the server lives")
         if failures:
             print(server.tail())
