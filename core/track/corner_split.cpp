@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
+
+#include "core/track/reprojection.h"
 
 namespace hermite {
 
 namespace {
 
-constexpr int kLeastCornersOfMotion = 12;
+constexpr std::size_t kLeastCornersOfMotion = 12;
 // Beyond so many deviations a corner has not gone along; farther away it counts no more, what has been followed wrongly the least.
 constexpr double kBeyond = 4;
 // And it moves on its own by a share of what the camera has moved it by: along edges corners slide, and shutters and lenses bend that way.
@@ -46,27 +49,16 @@ struct Problem {
   // Gauss and Newton on the chosen corners, robust: beyond `scale_px` a corner counts less and less.
   Rigid3 fit(const Chosen& chosen, Rigid3 frame_from_earlier, double scale_px) const {
     for (int step = 0; step < kFitSteps; ++step) {
-      Matrix6d hessian = Matrix6d::Zero();
-      for (int i = 0; i < 3; ++i) {
-        hessian(i, i) = 1 / (kPriorMove_m * kPriorMove_m);
-        hessian(i + 3, i + 3) = 1 / (kPriorTurn_rad * kPriorTurn_rad);
-      }
-      Vector6d right_hand_side = Vector6d::Zero();
+      NormalEquations system = motion_prior(kPriorMove_m, kPriorTurn_rad);
+      const Eigen::Matrix3d rotation = frame_from_earlier.rotation.toRotationMatrix();
       for (std::size_t i = 0; i < corners.size(); ++i) {
         if (chosen[i] == 0) continue;
-        const Eigen::Vector3d p = frame_from_earlier * corners[i].point_in_earlier;
+        const Eigen::Vector3d p = rotation * corners[i].point_in_earlier + frame_from_earlier.translation;
         if (p.z() < kInFront_m) continue;
         const Eigen::Vector2d error = camera.project(p) - corners[i].pixel;
-        Eigen::Matrix<double, 2, 3> projection;
-        projection << camera.fx / p.z(), 0, -camera.fx * p.x() / (p.z() * p.z()), 0, camera.fy / p.z(),
-            -camera.fy * p.y() / (p.z() * p.z());
-        Eigen::Matrix<double, 2, 6> derivative;
-        derivative << projection, -projection * skew(p);
-        const double w = 1 / (scale_px * scale_px + error.squaredNorm() / 5);
-        hessian += w * derivative.transpose() * derivative;
-        right_hand_side -= w * derivative.transpose() * error;
+        add_reprojection(system, camera, p, error, 1 / (scale_px * scale_px + error.squaredNorm() / 5));
       }
-      const Vector6d move = hessian.ldlt().solve(right_hand_side);
+      const Vector6d move = system.hessian.ldlt().solve(system.right_hand_side);
       frame_from_earlier = exp_se3(move) * frame_from_earlier;
       if (move.norm() < 1e-6) break;
     }
@@ -134,10 +126,12 @@ std::optional<CornerSplit> split_corners(const std::vector<FollowedCorner>& corn
     if (count(part) < kLeastCornersOfMotion) continue;
     // From tens of pixels to the precision of following.
     Rigid3 motion = problem.fit(part, problem.fit(part, {}, 20 * precision_px), 3 * precision_px);
+    Chosen chosen;
     for (int round = 0; round < kRounds; ++round) {
-      const Chosen near = problem.near(motion);
-      if (count(near) < kLeastCornersOfMotion) break;
+      Chosen near = problem.near(motion);
+      if (near == chosen || count(near) < kLeastCornersOfMotion) break;
       motion = problem.fit(near, motion, precision_px);
+      chosen = std::move(near);
     }
     const double cost = problem.cost(motion);
     if (best && cost >= least) continue;
@@ -147,7 +141,7 @@ std::optional<CornerSplit> split_corners(const std::vector<FollowedCorner>& corn
   if (!best) return std::nullopt;
   CornerSplit split{inverse(*best), 0, {}, {}, 0};
   double all = 0, moving = 0, squares = 0;
-  int resting = 0;
+  std::size_t resting = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const double error = problem.error_px(i, *best);
     const bool rests = error < kBeyond * precision_px;
@@ -161,7 +155,7 @@ std::optional<CornerSplit> split_corners(const std::vector<FollowedCorner>& corn
   }
   split.moving_share = moving / all;
   if (resting < kLeastCornersOfMotion || split.moving_share > 0.5) return std::nullopt;
-  split.deviation_px = std::sqrt(squares / (2 * resting));
+  split.deviation_px = std::sqrt(squares / static_cast<double>(2 * resting));
   return split;
 }
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/track/reprojection.h"
+
 namespace hermite {
 
 namespace {
@@ -29,14 +31,7 @@ constexpr double kFollowedShare = 0.25;
 constexpr int kLeastCorners = 12, kSteps = 12;
 
 // Between two frames a camera moves by decimetres and turns by tenths of a radian: what corners do not hold stays.
-constexpr double kPriorTranslation_m = 0.3, kPriorRotation_rad = 0.5;
-
-double grey_at(const GreyImage& image, double x, double y) {
-  const int left = static_cast<int>(x), top = static_cast<int>(y);
-  const double a = x - left, b = y - top;
-  return (1 - b) * ((1 - a) * image.at(left, top) + a * image.at(left + 1, top)) +
-         b * ((1 - a) * image.at(left, top + 1) + a * image.at(left + 1, top + 1));
-}
+constexpr double kPriorTranslation_m = 0.3, kNoTranslation_m = 1e-6, kPriorRotation_rad = 0.5;
 
 bool has_window(const GreyImage& image, const Eigen::Vector2d& at, int margin) {
   return at.x() >= kRadius_px + margin && at.y() >= kRadius_px + margin && at.x() < image.width - 1 - kRadius_px - margin &&
@@ -47,16 +42,31 @@ constexpr int kSide = 2 * kRadius_px + 1;
 constexpr int kReach = kRadius_px + 2;  // of a patch: the window, its gradients, and what is between two pixels
 using Window = std::array<double, kSide * kSide>;
 
+// Grey values of Side x Side places around one that are a pixel apart, so all lie alike between their four pixels.
+template <int Side>
+std::array<double, Side * Side> sample(const GreyImage& image, const Eigen::Vector2d& at) {
+  const double first_x = at.x() - Side / 2, first_y = at.y() - Side / 2;
+  const int left = static_cast<int>(first_x), top = static_cast<int>(first_y);
+  const double a = first_x - left, b = first_y - top;
+  std::array<double, Side * Side> result;
+  std::array<double, Side> above, row;
+  for (int y = 0; y <= Side; ++y) {
+    const std::uint8_t* pixels = &image.pixels[static_cast<std::size_t>(top + y) * static_cast<std::size_t>(image.width) +
+                                               static_cast<std::size_t>(left)];
+    for (int x = 0; x < Side; ++x) row[static_cast<std::size_t>(x)] = (1 - a) * pixels[x] + a * pixels[x + 1];
+    for (int x = 0; y > 0 && x < Side; ++x)
+      result[static_cast<std::size_t>((y - 1) * Side + x)] =
+          (1 - b) * above[static_cast<std::size_t>(x)] + b * row[static_cast<std::size_t>(x)];
+    above = row;
+  }
+  return result;
+}
+
 // Grey values around a place, less their mean.
 Window window_of(const GreyImage& image, const Eigen::Vector2d& at) {
-  Window window;
+  Window window = sample<kSide>(image, at);
   double sum = 0;
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x) {
-      const double grey = grey_at(image, at.x() + x - kRadius_px, at.y() + y - kRadius_px);
-      window[static_cast<std::size_t>(y * kSide + x)] = grey;
-      sum += grey;
-    }
+  for (const double grey : window) sum += grey;
   for (double& grey : window) grey -= sum / (kSide * kSide);
   return window;
 }
@@ -64,17 +74,23 @@ Window window_of(const GreyImage& image, const Eigen::Vector2d& at) {
 // `place` goes to where `to` looks like `from` does at `source`. False: it leaves the image, or nothing holds it.
 bool refine(const GreyImage& from, const GreyImage& to, const Eigen::Vector2d& source, Eigen::Vector2d& place, double& misfit_grey) {
   if (!has_window(from, source, 1)) return false;
-  const Window wanted = window_of(from, source);
+  constexpr int kWide = kSide + 2;  // with the neighbours that gradients are taken from
+  const std::array<double, kWide * kWide> around = sample<kWide>(from, source);
+  Window wanted;
   std::array<Eigen::Vector2d, kSide * kSide> gradient;
+  double sum = 0;
   Eigen::Matrix2d tensor = Eigen::Matrix2d::Zero();
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x) {
-      const double u = source.x() + x - kRadius_px, v = source.y() + y - kRadius_px;
-      Eigen::Vector2d& g = gradient[static_cast<std::size_t>(y * kSide + x)];
-      g = 0.5 * Eigen::Vector2d(grey_at(from, u + 1, v) - grey_at(from, u - 1, v), grey_at(from, u, v + 1) - grey_at(from, u, v - 1));
+  for (std::size_t y = 0; y < kSide; ++y)
+    for (std::size_t x = 0; x < kSide; ++x) {
+      const double* here = &around[(y + 1) * kWide + x + 1];
+      wanted[y * kSide + x] = *here;
+      sum += *here;
+      Eigen::Vector2d& g = gradient[y * kSide + x];
+      g = 0.5 * Eigen::Vector2d(here[1] - here[-1], here[kWide] - here[-kWide]);
       mean += g / (kSide * kSide);
     }
+  for (double& grey : wanted) grey -= sum / (kSide * kSide);
   for (Eigen::Vector2d& g : gradient) {
     g -= mean;
     tensor += g * g.transpose();
@@ -117,25 +133,13 @@ std::optional<Eigen::Vector2d> lead(const PictureFeatures& from, const PictureFe
   return source + flow;
 }
 
-// Where the image shows a point, by the point [px/m].
-Eigen::Matrix<double, 2, 3> projection_at(const Camera& camera, const Eigen::Vector3d& p) {
-  Eigen::Matrix<double, 2, 3> derivative;
-  derivative << camera.fx / p.z(), 0, -camera.fx * p.x() / (p.z() * p.z()), 0, camera.fy / p.z(), -camera.fy * p.y() / (p.z() * p.z());
-  return derivative;
-}
-
 // Of frame_from_earlier, at first the identity. Turn only: corners are taken to be far away.
 std::optional<FeatureMotion> solve(const std::vector<FollowedCorner>& corners, const Camera& camera, bool turn_only) {
   Rigid3 frame_from_earlier;
   double deviation_px = kFirstDeviation_px;
   int agreeing = 0;
   for (int step = 0; step < kSteps; ++step) {
-    Matrix6d hessian = Matrix6d::Zero();
-    for (int i = 0; i < 3; ++i) {
-      hessian(i, i) = turn_only ? 1e12 : 1 / (kPriorTranslation_m * kPriorTranslation_m);
-      hessian(i + 3, i + 3) = 1 / (kPriorRotation_rad * kPriorRotation_rad);
-    }
-    Vector6d right_hand_side = Vector6d::Zero();
+    NormalEquations system = motion_prior(turn_only ? kNoTranslation_m : kPriorTranslation_m, kPriorRotation_rad);
     double weighted_px2 = 0;
     agreeing = 0;
     for (const FollowedCorner& corner : corners) {
@@ -144,16 +148,11 @@ std::optional<FeatureMotion> solve(const std::vector<FollowedCorner>& corners, c
       const Eigen::Vector2d error = camera.project(p) - corner.pixel;
       const double scaled2 = error.squaredNorm() / (deviation_px * deviation_px),
                    likely = kDegreesOfFreedom / (kDegreesOfFreedom + scaled2);
-      const Eigen::Matrix<double, 2, 3> projection = projection_at(camera, p);
-      Eigen::Matrix<double, 2, 6> derivative;
-      derivative << projection, -projection * skew(p);
-      const double weight = likely / (deviation_px * deviation_px);
-      hessian += weight * derivative.transpose() * derivative;
-      right_hand_side -= weight * derivative.transpose() * error;
+      add_reprojection(system, camera, p, error, likely / (deviation_px * deviation_px));
       weighted_px2 += likely * error.squaredNorm();
       agreeing += scaled2 < 9 ? 1 : 0;
     }
-    frame_from_earlier = exp_se3(hessian.ldlt().solve(right_hand_side)) * frame_from_earlier;
+    frame_from_earlier = exp_se3(system.hessian.ldlt().solve(system.right_hand_side)) * frame_from_earlier;
     deviation_px = std::clamp(std::sqrt(weighted_px2 / (2 * static_cast<double>(corners.size()))), kLeastDeviation_px, deviation_px);
   }
   if (agreeing < kLeastCorners || 2 * agreeing < static_cast<int>(corners.size()) ||
@@ -216,21 +215,17 @@ NormalEquations feature_terms(const FeatureMotion& features, const Rigid3& earli
   NormalEquations terms;
   const Camera& camera = features.camera;
   const Rigid3 frame_from_earlier = inverse(earlier_from_frame);
-  const Eigen::Matrix3d rotation = frame_from_earlier.rotation.toRotationMatrix();
   const double deviation_px = std::max(features.deviation_px, kTermDeviation_px);
   for (const FollowedCorner& corner : features.corners) {
     const Eigen::Vector3d p = frame_from_earlier * corner.point_in_earlier;
     if (p.z() < kNearest_m) continue;
     const Eigen::Vector2d error = camera.project(p) - corner.pixel;
     const double scaled2 = error.squaredNorm() / (deviation_px * deviation_px), likely = kDegreesOfFreedom / (kDegreesOfFreedom + scaled2);
-    const Eigen::Matrix<double, 2, 3> projection = projection_at(camera, p);
-    Eigen::Matrix<double, 2, 6> derivative;
-    derivative << -projection * rotation, projection * rotation * skew(corner.point_in_earlier);
-    const double weight = likely / (deviation_px * deviation_px);
-    terms.hessian += weight * derivative.transpose() * derivative;
-    terms.right_hand_side -= weight * derivative.transpose() * error;
+    add_reprojection(terms, camera, p, error, likely / (deviation_px * deviation_px));
   }
-  return terms;
+  // A step exp(x) of earlier_from_frame is one of exp(-Ad x) of its inverse.
+  const Matrix6d change = -adjoint(frame_from_earlier);
+  return {change.transpose() * terms.hessian * change, change.transpose() * terms.right_hand_side};
 }
 
 }  // namespace hermite

@@ -35,7 +35,8 @@ constexpr double kPriorInformation = 1 / (0.1 * 0.1);
 // Gauss-Newton steps from where tracking has put the frame, and when the room is suspected to be elsewhere.
 constexpr int kSteps = 2, kStepsWhenMoving = 6;
 
-// A surface is suspected when its chi-square of 6 degrees of freedom (median 5.35) is beyond any noise. It moves when what it does alone
+// A surface is suspected when its chi-square of 6 degrees of freedom (median 5.35) is beyond any noise, and so many times what surfaces of
+// this scan usually have. To first order a chi-square is too small, by up to a sixth of what it is in the end. It moves when what it does alone
 // has a chi-square so many times as large as the other surfaces have in the median: noise goes together over pixels and lenses bend depth,
 // which all suffer alike. And it must do so by a share of what the camera has moved its points by, since rolling shutters and pictures that
 // come late shift what is seen by a part of that. Where nothing moves (250 frames of redkitchen, fr1, the rendered room with depth bent
@@ -67,8 +68,9 @@ struct System {
   int pairs = 0;
 
   void add(const Vector6d& row, double residual, double weight) {
-    hessian.noalias() += weight * row * row.transpose();
-    right_hand_side -= weight * residual * row;
+    const Vector6d weighted = weight * row;
+    hessian.noalias() += weighted * row.transpose();
+    right_hand_side.noalias() -= residual * weighted;
   }
 };
 
@@ -100,15 +102,74 @@ struct Line {
   double one = 0, known = 0, known2 = 0, grey = 0, known_grey = 0;
 };
 
-// Bilinear; negative: outside, or a pixel without a surface.
-double grey_at(const CoarseView& view, const Eigen::Vector2d& uv) {
-  const int x = static_cast<int>(std::floor(uv.x())), y = static_cast<int>(std::floor(uv.y()));
-  if (!view.contains(x, y) || !view.contains(x + 1, y + 1)) return -1;
-  const double a = uv.x() - x, b = uv.y() - y;
-  const std::size_t i = view.index(x, y), below = view.index(x, y + 1);
-  if (std::min({view.grey[i], view.grey[i + 1], view.grey[below], view.grey[below + 1]}) < 0) return -1;
-  return (1 - b) * ((1 - a) * view.grey[i] + a * view.grey[i + 1]) + b * ((1 - a) * view.grey[below] + a * view.grey[below + 1]);
+// A pixel of the frame that can be paired, in what every linearisation asks of it.
+struct FramePixel {
+  Eigen::Vector3d point, normal;
+  Eigen::Vector2d uv, gradient;  // of grey values a pixel
+  double grey = -1;              // negative: without a gradient, or saturated
+};
+
+// Pixels of the frame by their surface: those of surface `s` are from first_of_surface[s] to first_of_surface[s + 1].
+struct FramePixels {
+  std::vector<FramePixel> pixels;
+  std::vector<std::size_t> first_of_surface;
+};
+
+FramePixel frame_pixel(const CoarseView& frame, int x, int y) {
+  const std::size_t i = frame.index(x, y);
+  FramePixel pixel;
+  pixel.point = frame.point(x, y);
+  pixel.normal = frame.normals[i].cast<double>();
+  pixel.uv = {x, y};
+  const float left = frame.grey[i - 1], right = frame.grey[i + 1];
+  const float above = frame.grey[frame.index(x, y - 1)], below = frame.grey[frame.index(x, y + 1)];
+  pixel.gradient = {0.5 * (double{right} - double{left}), 0.5 * (double{below} - double{above})};
+  const bool is_seen = std::min({left, right, above, below}) >= 0 && double{frame.grey[i]} <= kSaturated;
+  pixel.grey = is_seen ? double{frame.grey[i]} : -1;
+  return pixel;
 }
+
+FramePixels by_surface(const CoarseView& frame, const ViewSurfaces& surfaces) {
+  const int width = static_cast<int>(frame.camera.width), height = static_cast<int>(frame.camera.height);
+  const auto for_each = [&](auto&& use) {
+    for (int y = 1; y + 1 < height; ++y)
+      for (int x = 1; x + 1 < width; ++x)
+        if (frame.depth_m[frame.index(x, y)] > 0) use(x, y, surfaces.of_pixel[frame.index(x, y)]);
+  };
+  FramePixels result{{}, std::vector<std::size_t>(surfaces.pixel_count.size() + 1, 0)};
+  for_each([&](int, int, std::uint32_t surface) { ++result.first_of_surface[surface + 1]; });
+  std::partial_sum(result.first_of_surface.begin(), result.first_of_surface.end(), result.first_of_surface.begin());
+  result.pixels.resize(result.first_of_surface.back());
+  std::vector<std::size_t> next = result.first_of_surface;
+  for_each([&](int x, int y, std::uint32_t surface) { result.pixels[next[surface]++] = frame_pixel(frame, x, y); });
+  return result;
+}
+
+// The earlier view, with its points and normals as every linearisation needs them.
+struct EarlierPixels {
+  const CoarseView& view;
+  std::vector<Eigen::Vector3d> points, normals;  // row major; of pixels that have a depth
+
+  explicit EarlierPixels(const CoarseView& earlier) : view(earlier), points(earlier.size()), normals(earlier.size()) {
+    for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
+      for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
+        const std::size_t i = view.index(x, y);
+        points[i] = view.point(x, y);
+        normals[i] = view.normals[i].cast<double>();
+      }
+  }
+
+  // Bilinear; negative: outside, or a pixel without a surface.
+  double grey_at(double u, double v) const {
+    const int x = static_cast<int>(std::floor(u)), y = static_cast<int>(std::floor(v));
+    if (!view.contains(x, y) || !view.contains(x + 1, y + 1)) return -1;
+    const double a = u - x, b = v - y;
+    const float* above = &view.grey[view.index(x, y)];
+    const float* below = above + view.camera.width;
+    if (std::min({above[0], above[1], below[0], below[1]}) < 0) return -1;
+    return (1 - b) * ((1 - a) * double{above[0]} + a * double{above[1]}) + b * ((1 - a) * double{below[0]} + a * double{below[1]});
+  }
+};
 
 // What one surface does where the others do not take it.
 struct Apart {
@@ -117,74 +178,87 @@ struct Apart {
   bool is_beyond(double least_chi2, double least_share) const { return is_known && chi2 > least_chi2 && share_of_camera > least_share; }
 };
 
-struct Comparison {
-  const CoarseView& frame;
-  const ViewSurfaces& surfaces;
-  const CoarseView& earlier;
-  const CameraMotion& motion;
+// Robust sums over what rests, for the scales and the brightness of the next step.
+struct Spread {
+  Sums geometric, photometric;
+  Line line;
+};
 
+struct Comparison {
+  FramePixels frame;
+  EarlierPixels earlier;
+  CameraMotion motion;
+
+  std::size_t surface_count() const { return frame.first_of_surface.size() - 1; }
+  void add(const FramePixel& pixel, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation, const Believed& believed,
+           System& system, Spread& spread) const;
   std::vector<System> linearise(const Rigid3& earlier_from_frame, const std::vector<bool>& moves, Believed& believed) const;
   Rigid3 align(Rigid3 earlier_from_frame, const std::vector<bool>& moves, int steps, Believed& believed,
                std::vector<System>& systems) const;
   Apart apart(std::size_t surface, const Rigid3& rest_pose, const System& rest, Believed believed) const;
 };
 
-// By surface.
+// The pair of the pixel, if it has one.
+void Comparison::add(const FramePixel& pixel, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation,
+                     const Believed& believed, System& system, Spread& spread) const {
+  const shared::Intrinsics& camera = earlier.view.camera;
+  const double fx = double{camera.fx}, fy = double{camera.fy};
+  const Eigen::Vector3d point = rotation * pixel.point + translation;
+  if (point.z() < 0.05) return;
+  const double per_z = 1 / point.z(), u = fx * point.x() * per_z + double{camera.cx}, v = fy * point.y() * per_z + double{camera.cy};
+  const int x = static_cast<int>(std::floor(u + 0.5)), y = static_cast<int>(std::floor(v + 0.5));
+  if (!earlier.view.contains(x, y)) return;
+  const std::size_t j = earlier.view.index(x, y);
+  if (earlier.view.depth_m[j] <= 0) return;
+  const Eigen::Vector3d &normal = earlier.normals[j], away = point - earlier.points[j];
+  if (away.squaredNorm() > kNear_m * kNear_m || normal.dot(rotation * pixel.normal) < kAlikeCosine) return;
+  const double per_noise = 1 / noise_m(point.z());
+  Vector6d row;
+  row.head<3>() = per_noise * normal;
+  row.tail<3>() = per_noise * point.cross(normal);
+  const double residual = per_noise * normal.dot(away), scaled = residual / believed.geometric;
+  const double likely = kDegreesOfFreedom / (kDegreesOfFreedom + scaled * scaled);
+  system.add(row, residual, likely / (believed.geometric * believed.geometric));
+  ++system.pairs;
+  spread.geometric.count += 1;
+  spread.geometric.weighted += likely * residual * residual;
+  if (pixel.grey < 0 || std::abs(scaled) > 3) return;
+  const double known = earlier.grey_at(u, v);
+  if (known < 0 || known > kSaturated) return;
+  const double flow = pixel.gradient.x() * (u - pixel.uv.x()) + pixel.gradient.y() * (v - pixel.uv.y());
+  const double expected2 = 1 + kBlur2 * pixel.gradient.squaredNorm() + 0.09 * flow * flow,
+               misfit = pixel.grey - (believed.gain * known + believed.offset);
+  const double per_expected2 = 1 / (expected2 * believed.photometric * believed.photometric);
+  const double grey_likely = kDegreesOfFreedom / (kDegreesOfFreedom + misfit * misfit * per_expected2), weight = grey_likely * per_expected2;
+  const double per_x = pixel.gradient.x() * fx * per_z, per_y = pixel.gradient.y() * fy * per_z;
+  const Eigen::Vector3d slope(-per_x, -per_y, (per_x * point.x() + per_y * point.y()) * per_z);
+  row.head<3>() = slope;
+  row.tail<3>() = point.cross(slope);
+  system.add(row, misfit, weight);
+  spread.photometric.count += 1;
+  spread.photometric.weighted += grey_likely * misfit * misfit / expected2;
+  Line& line = spread.line;
+  line.one += weight, line.known += weight * known, line.known2 += weight * known * known;
+  line.grey += weight * pixel.grey, line.known_grey += weight * known * pixel.grey;
+}
+
+// By surface, of those that rest.
 std::vector<System> Comparison::linearise(const Rigid3& earlier_from_frame, const std::vector<bool>& moves, Believed& believed) const {
-  std::vector<System> systems(surfaces.pixel_count.size());
-  Sums geometric, photometric;
-  Line line;
+  std::vector<System> systems(surface_count());
+  Spread spread;
   const Eigen::Matrix3d rotation = earlier_from_frame.rotation.toRotationMatrix();
-  const int width = static_cast<int>(frame.camera.width), height = static_cast<int>(frame.camera.height);
-  for (int y = 1; y + 1 < height; ++y)
-    for (int x = 1; x + 1 < width; ++x) {
-      const std::size_t i = frame.index(x, y);
-      if (frame.depth_m[i] <= 0) continue;
-      const Eigen::Vector3d point = rotation * frame.point(x, y) + earlier_from_frame.translation;
-      if (point.z() < 0.05) continue;
-      const Eigen::Vector2d uv = earlier.project(point);
-      const int u = static_cast<int>(std::lround(uv.x())), v = static_cast<int>(std::lround(uv.y()));
-      if (!earlier.contains(u, v)) continue;
-      const std::size_t j = earlier.index(u, v);
-      if (earlier.depth_m[j] <= 0) continue;
-      const Eigen::Vector3d normal = earlier.normals[j].cast<double>(), away = point - earlier.point(u, v);
-      if (away.squaredNorm() > kNear_m * kNear_m || normal.dot(rotation * frame.normals[i].cast<double>()) < kAlikeCosine) continue;
-      System& system = systems[surfaces.of_pixel[i]];
-      const bool rests = !moves[surfaces.of_pixel[i]];
-      Vector6d row;
-      row << normal, point.cross(normal);
-      row /= noise_m(point.z());
-      const double residual = normal.dot(away) / noise_m(point.z()), scaled = residual / believed.geometric;
-      const double likely = kDegreesOfFreedom / (kDegreesOfFreedom + scaled * scaled);
-      system.add(row, residual, likely / (believed.geometric * believed.geometric));
-      ++system.pairs;
-      if (rests) geometric.count += 1, geometric.weighted += likely * residual * residual;
-      const double known = grey_at(earlier, uv), grey = frame.grey[i];
-      const double left = frame.grey[i - 1], right = frame.grey[i + 1];
-      const double above = frame.grey[frame.index(x, y - 1)], below = frame.grey[frame.index(x, y + 1)];
-      if (std::abs(scaled) > 3 || std::min({known, left, right, above, below, grey}) < 0 || std::max(grey, known) > kSaturated) continue;
-      const Eigen::Vector2d gradient(0.5 * (right - left), 0.5 * (below - above));
-      const double flow = gradient.dot(uv - Eigen::Vector2d(x, y));
-      const double expected2 = 1 + kBlur2 * gradient.squaredNorm() + 0.09 * flow * flow,
-                   misfit = grey - (believed.gain * known + believed.offset);
-      const double grey_scaled2 = misfit * misfit / (expected2 * believed.photometric * believed.photometric);
-      const double grey_likely = kDegreesOfFreedom / (kDegreesOfFreedom + grey_scaled2);
-      const double weight = grey_likely / (expected2 * believed.photometric * believed.photometric);
-      const Eigen::Vector2d per_m(gradient.x() * double{frame.camera.fx} / point.z(), gradient.y() * double{frame.camera.fy} / point.z());
-      const Eigen::Vector3d slope = -Eigen::Vector3d(per_m.x(), per_m.y(), -per_m.dot(point.head<2>()) / point.z());
-      row << slope, point.cross(slope);
-      system.add(row, misfit, weight);
-      if (!rests) continue;
-      photometric.count += 1, photometric.weighted += grey_likely * misfit * misfit / expected2;
-      line.one += weight, line.known += weight * known, line.known2 += weight * known * known;
-      line.grey += weight * grey, line.known_grey += weight * known * grey;
-    }
+  for (std::size_t surface = 0; surface < systems.size(); ++surface) {
+    if (moves[surface]) continue;
+    for (std::size_t i = frame.first_of_surface[surface]; i < frame.first_of_surface[surface + 1]; ++i)
+      add(frame.pixels[i], rotation, earlier_from_frame.translation, believed, systems[surface], spread);
+  }
+  const auto& [geometric, photometric, line] = spread;
   // Scales only fall: what they are at first is wider than any noise.
   if (geometric.count > 0) believed.geometric = std::clamp(geometric.deviation(), kLeastGeometric, believed.geometric);
   if (photometric.count > 0) believed.photometric = std::clamp(photometric.deviation(), kLeastPhotometric, believed.photometric);
-  const double spread = line.one * line.known2 - line.known * line.known;
-  if (spread > 1e-3 * line.one * line.one) {
-    believed.gain = std::clamp((line.one * line.known_grey - line.known * line.grey) / spread, 0.5, 2.0);
+  const double spread2 = line.one * line.known2 - line.known * line.known;
+  if (spread2 > 1e-3 * line.one * line.one) {
+    believed.gain = std::clamp((line.one * line.known_grey - line.known * line.grey) / spread2, 0.5, 2.0);
     believed.offset = (line.grey - believed.gain * line.known) / line.one;
   }
   return systems;
@@ -239,7 +313,7 @@ double disagreement(const std::vector<System>& systems, const std::vector<bool>&
 }
 
 Apart Comparison::apart(std::size_t surface, const Rigid3& rest_pose, const System& rest, Believed believed) const {
-  std::vector<bool> others(surfaces.pixel_count.size(), true);
+  std::vector<bool> others(surface_count(), true);
   others[surface] = false;
   std::vector<System> systems;
   const Rigid3 own_pose = align(rest_pose, others, kStepsWhenMoving, believed, systems);
@@ -290,7 +364,7 @@ ViewSurfaces surfaces_of(const CoarseView& view) {
 
 OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, const CoarseView& earlier, const CameraMotion& motion,
                        const std::vector<bool>& moved_before, double usual_disagreement) {
-  const Comparison comparison{frame, surfaces, earlier, motion};
+  const Comparison comparison{by_surface(frame, surfaces), EarlierPixels(earlier), motion};
   // The surface that a pixel shows grows with the square of its distance.
   std::vector<double> area(surfaces.pixel_count.size(), 0);
   for (std::size_t i = 0; i < frame.size(); ++i) area[surfaces.of_pixel[i]] += double{frame.depth_m[i]} * double{frame.depth_m[i]};
@@ -326,7 +400,7 @@ OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, co
     const std::vector<double> chi2 = suspicions(state.systems, state.moves);
     std::vector<std::size_t> suspects;
     for (std::size_t surface = 1; surface < chi2.size(); ++surface)
-      if (chi2[surface] > kSuspicious) suspects.push_back(surface);
+      if (chi2[surface] > kSuspicious * usual_disagreement) suspects.push_back(surface);
     std::sort(suspects.begin(), suspects.end(), [&chi2](std::size_t a, std::size_t b) { return chi2[a] > chi2[b]; });
     if (suspects.size() > kTried) suspects.resize(kTried);
     State best;
