@@ -11,8 +11,8 @@ namespace {
 // Pixels so far apart: near ones share most of a Kinect's noise, far ones none of it.
 constexpr int kNear_px = 2, kFar_px = 6, kFarthest_px = 8;
 
-// Every so-many-th pixel is asked, each way.
-constexpr int kEvery_px = 4;
+// Every fourth pixel is asked, each way, or so many in a row: thousands tell a deviation to one or two per cent.
+constexpr int kLeastEvery_px = 4, kInARow = 80;
 constexpr std::size_t kLeastCount = 500;
 
 // Of the smallest three fifths of normal deviates the mean size; a second difference of independent ones has six times their variance.
@@ -37,8 +37,9 @@ class Differences {
 
   double deviation(int lag) {
     sizes_.clear();
-    for (int y = kFarthest_px; y < depth_.height - kFarthest_px; y += kEvery_px)
-      for (int x = kFarthest_px; x < depth_.width - kFarthest_px; x += kEvery_px) {
+    const int every_px = std::max(kLeastEvery_px, depth_.width / kInARow);
+    for (int y = kFarthest_px; y < depth_.height - kFarthest_px; y += every_px)
+      for (int x = kFarthest_px; x < depth_.width - kFarthest_px; x += every_px) {
         add(x, y, lag, 0);
         add(x, y, 0, lag);
       }
