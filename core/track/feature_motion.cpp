@@ -51,8 +51,8 @@ std::array<double, Side * Side> sample(const GreyImage& image, const Eigen::Vect
   std::array<double, Side * Side> result;
   std::array<double, Side> above, row;
   for (int y = 0; y <= Side; ++y) {
-    const std::uint8_t* pixels = &image.pixels[static_cast<std::size_t>(top + y) * static_cast<std::size_t>(image.width) +
-                                               static_cast<std::size_t>(left)];
+    const std::uint8_t* pixels =
+        &image.pixels[static_cast<std::size_t>(top + y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(left)];
     for (int x = 0; x < Side; ++x) row[static_cast<std::size_t>(x)] = (1 - a) * pixels[x] + a * pixels[x + 1];
     for (int x = 0; y > 0 && x < Side; ++x)
       result[static_cast<std::size_t>((y - 1) * Side + x)] =
@@ -75,7 +75,7 @@ Window window_of(const GreyImage& image, const Eigen::Vector2d& at) {
 bool refine(const GreyImage& from, const GreyImage& to, const Eigen::Vector2d& source, Eigen::Vector2d& place, double& misfit_grey) {
   if (!has_window(from, source, 1)) return false;
   constexpr int kWide = kSide + 2;  // with the neighbours that gradients are taken from
-  const std::array<double, kWide * kWide> around = sample<kWide>(from, source);
+  const std::array<double, kWide* kWide> around = sample<kWide>(from, source);
   Window wanted;
   std::array<Eigen::Vector2d, kSide * kSide> gradient;
   double sum = 0;

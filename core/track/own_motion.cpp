@@ -36,12 +36,12 @@ constexpr double kPriorInformation = 1 / (0.1 * 0.1);
 constexpr int kSteps = 2, kStepsWhenMoving = 6;
 
 // A surface is suspected when its chi-square of 6 degrees of freedom (median 5.35) is beyond any noise, and so many times what surfaces of
-// this scan usually have. To first order a chi-square is too small, by up to a sixth of what it is in the end. It moves when what it does alone
-// has a chi-square so many times as large as the other surfaces have in the median: noise goes together over pixels and lenses bend depth,
-// which all suffer alike. And it must do so by a share of what the camera has moved its points by, since rolling shutters and pictures that
-// come late shift what is seen by a part of that. Where nothing moves (250 frames of redkitchen, fr1, the rendered room with depth bent
-// by 1.5 %; views 4 and 30 frames apart) one surface of a thousand has 375 and 0.39, of fr1 637 and 0.25; a person who walks ahead has 490
-// to 3500 and 0.45 to 0.9 after the first step. What moved rests again when neither is left.
+// this scan usually have. To first order a chi-square is too small, by up to a sixth of what it is in the end. It moves when what it does
+// alone has a chi-square so many times as large as the other surfaces have in the median: noise goes together over pixels and lenses bend
+// depth, which all suffer alike. And it must do so by a share of what the camera has moved its points by, since rolling shutters and
+// pictures that come late shift what is seen by a part of that. Where nothing moves (250 frames of redkitchen, fr1, the rendered room with
+// depth bent by 1.5 %; views 4 and 30 frames apart) one surface of a thousand has 375 and 0.39, of fr1 637 and 0.25; a person who walks
+// ahead has 490 to 3500 and 0.45 to 0.9 after the first step. What moved rests again when neither is left.
 constexpr double kMedianChi2 = 5.35, kSuspicious = 60;
 constexpr double kMoves = 400, kStillMoves = 60;
 constexpr double kShareOfCamera = 0.4, kStillShareOfCamera = 0.1;
@@ -199,8 +199,8 @@ struct Comparison {
 };
 
 // The pair of the pixel, if it has one.
-void Comparison::add(const FramePixel& pixel, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation,
-                     const Believed& believed, System& system, Spread& spread) const {
+void Comparison::add(const FramePixel& pixel, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation, const Believed& believed,
+                     System& system, Spread& spread) const {
   const shared::Intrinsics& camera = earlier.view.camera;
   const double fx = double{camera.fx}, fy = double{camera.fy};
   const Eigen::Vector3d point = rotation * pixel.point + translation;
@@ -229,7 +229,8 @@ void Comparison::add(const FramePixel& pixel, const Eigen::Matrix3d& rotation, c
   const double expected2 = 1 + kBlur2 * pixel.gradient.squaredNorm() + 0.09 * flow * flow,
                misfit = pixel.grey - (believed.gain * known + believed.offset);
   const double per_expected2 = 1 / (expected2 * believed.photometric * believed.photometric);
-  const double grey_likely = kDegreesOfFreedom / (kDegreesOfFreedom + misfit * misfit * per_expected2), weight = grey_likely * per_expected2;
+  const double grey_likely = kDegreesOfFreedom / (kDegreesOfFreedom + misfit * misfit * per_expected2),
+               weight = grey_likely * per_expected2;
   const double per_x = pixel.gradient.x() * fx * per_z, per_y = pixel.gradient.y() * fy * per_z;
   const Eigen::Vector3d slope(-per_x, -per_y, (per_x * point.x() + per_y * point.y()) * per_z);
   row.head<3>() = slope;

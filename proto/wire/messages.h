@@ -21,7 +21,7 @@ namespace hermite::wire {
 
 inline constexpr const char* kSubprotocol = "hermite.v1";
 inline constexpr const char* kEndpoint = "/api/v1/ws";
-inline constexpr std::uint32_t kProtocolMinor = 3;
+inline constexpr std::uint32_t kProtocolMinor = 4;
 inline constexpr std::uint32_t kMinorWithResume = 2;   // both ends must have it for a scan to outlive its connection
 inline constexpr std::uint32_t kMinorWithWaiting = 3;  // a camera of it can wait for a place
 
@@ -116,6 +116,10 @@ struct PoseInSubmap {
   std::uint32_t submap = 0;
   Rigid3 submap_from_camera;
 };
+// Standard deviations along the axes of the greatest error, finite and not negative.
+struct PoseUncertainty {
+  double position_sigma_m = 0, rotation_sigma_rad = 0;
+};
 struct FrameResult {
   std::uint64_t sequence = 0;
   double timestamp_s = 0;
@@ -129,8 +133,9 @@ struct FrameResult {
   double frame_ms = 0;
   std::optional<PoseInSubmap> in_submap;  // the same pose as it stays when submaps are corrected; a server of minor 0 does not say
   MapEvent event = MapEvent::kNone;
-  double correction_m = 0;                   // finite; the farthest that a submap around the camera was moved in this frame
-  std::optional<TrackedFrame> last_tracked;  // this frame, or while lost the one that the pose is of
+  double correction_m = 0;                     // finite; the farthest that a submap around the camera was moved in this frame
+  std::optional<TrackedFrame> last_tracked;    // this frame, or while lost the one that the pose is of
+  std::optional<PoseUncertainty> uncertainty;  // none while lost, and from a server before minor 4
 };
 struct Credit {
   std::uint64_t frames_granted = 0;  // in all, since the start

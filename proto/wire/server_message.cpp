@@ -65,6 +65,18 @@ Status read_map_fields(const v1::FrameResult& message, FrameResult& result) {
   return Done{};
 }
 
+Status read_uncertainty(const v1::FrameResult& message, FrameResult& result) {
+  if (!message.has_uncertainty()) return Done{};
+  const PoseUncertainty stated{message.uncertainty().position_sigma_m(), message.uncertainty().rotation_sigma_rad()};
+  for (const auto& [name, sigma] :
+       {std::pair{"position_sigma_m", stated.position_sigma_m}, {"rotation_sigma_rad", stated.rotation_sigma_rad}})
+    if (!std::isfinite(sigma) || sigma < 0)
+      return Error{ErrorCode::kInvalidArgument,
+                   std::string("frame_result.uncertainty.") + name + " is " + std::to_string(sigma) + ", not a standard deviation"};
+  result.uncertainty = stated;
+  return Done{};
+}
+
 Result<ServerMessage> frame_result_from(v1::FrameResult& message) {
   FrameResult result;
   result.sequence = message.sequence();
@@ -80,6 +92,7 @@ Result<ServerMessage> frame_result_from(v1::FrameResult& message) {
   result.surfel_count = message.surfel_count();
   result.frame_ms = message.frame_ms();
   if (Status status = read_map_fields(message, result); !status.ok()) return status.error();
+  if (Status status = read_uncertainty(message, result); !status.ok()) return status.error();
   return ServerMessage(std::move(result));
 }
 
@@ -166,6 +179,10 @@ struct Writer {
     }
     out.set_event(static_cast<v1::MapEvent>(result.event));
     out.set_correction_m(result.correction_m);
+    if (result.uncertainty) {
+      out.mutable_uncertainty()->set_position_sigma_m(result.uncertainty->position_sigma_m);
+      out.mutable_uncertainty()->set_rotation_sigma_rad(result.uncertainty->rotation_sigma_rad);
+    }
     if (!result.last_tracked) return;
     out.mutable_last_tracked()->set_sequence(result.last_tracked->sequence);
     out.mutable_last_tracked()->set_timestamp_s(result.last_tracked->timestamp_s);

@@ -21,7 +21,7 @@ std::string clock_words(double time_s, const CaptureState& capture) {
 }
 
 std::string tracking_words(const wire::FrameResult& result, const CaptureState& capture) {
-  if (result.status == wire::TrackingStatus::kTracked) return "  tracked";
+  if (result.status == wire::TrackingStatus::kTracked) return "  tracked" + within_words(result);
   if (result.status == wire::TrackingStatus::kWeak) return "  weak: " + result.reason;
   const std::string lost = "  LOST: " + result.reason;
   return result.last_tracked ? lost + " - go back to what was seen at " + clock_words(result.last_tracked->timestamp_s, capture) : lost;

@@ -56,8 +56,14 @@ std::string way_back_words(const wire::FrameResult& result) {
   return " - go back to what was seen " + format_duration(result.timestamp_s - result.last_tracked->timestamp_s) + " ago";
 }
 
+std::string within_words(const wire::FrameResult& result) {
+  if (!result.uncertainty) return {};
+  const double within_mm = std::min(2000 * result.uncertainty->position_sigma_m, 1e6);
+  return within_mm < 10 ? printf_text(" +-%.0f mm", std::max(1.0, within_mm)) : printf_text(" +-%.0f cm", within_mm / 10);
+}
+
 std::string tracking_words(const wire::FrameResult& result) {
-  if (result.status == wire::TrackingStatus::kTracked) return "  tracked";
+  if (result.status == wire::TrackingStatus::kTracked) return "  tracked" + within_words(result);
   if (result.status == wire::TrackingStatus::kWeak) return "  weak: " + result.reason;
   return "  LOST: " + result.reason + way_back_words(result);
 }

@@ -13,6 +13,9 @@ namespace hermite {
 // Instead of "tracked": "LOST: too fast - go back to what was seen 4 s ago".
 std::string format_progress(const StreamProgress& progress);
 
+// How well the camera's position is known, twice the standard deviation: " +-8 mm" or " +-2 cm". Empty when the server does not say.
+std::string within_words(const wire::FrameResult& result);
+
 // What happened to the map in this frame: "frame 420: loop closed: the map was corrected by up to 3 cm". Empty when nothing did.
 std::string format_event(const wire::FrameResult& result);
 

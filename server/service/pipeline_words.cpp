@@ -49,6 +49,8 @@ wire::FrameResult wire_result(const FrameResult& result, std::uint64_t sequence,
   sent.in_submap = wire::PoseInSubmap{result.submap, result.submap_from_camera};
   sent.event = wire_event(result.event);
   sent.correction_m = result.correction_m;
+  if (result.uncertainty)
+    sent.uncertainty = wire::PoseUncertainty{result.uncertainty->position_sigma_m(), result.uncertainty->rotation_sigma_rad()};
   return sent;
 }
 

@@ -1,6 +1,7 @@
 #include "proto/wire/server_message.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -87,6 +88,21 @@ TEST(ServerMessage, AWelcomeChoosesADepthCodecThatThisVersionKnows) {
   EXPECT_EQ(message.error().message, "welcome.depth_codec is 4, known are 1 to 3");
 }
 
+TEST(ServerMessage, AnUncertaintyIsADeviationOrRefused) {
+  EXPECT_FALSE(round_trip(FrameResult{}).uncertainty);
+  for (const double wrong : {-0.1, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    FrameResult result;
+    result.uncertainty = PoseUncertainty{wrong, 0.1};
+    const auto position = parse_server_message(format_server_message(result));
+    ASSERT_FALSE(position.ok());
+    EXPECT_THAT(position.error().message, testing::StartsWith("frame_result.uncertainty.position_sigma_m is "));
+    result.uncertainty = PoseUncertainty{0.1, wrong};
+    const auto rotation = parse_server_message(format_server_message(result));
+    ASSERT_FALSE(rotation.ok());
+    EXPECT_THAT(rotation.error().message, testing::StartsWith("frame_result.uncertainty.rotation_sigma_rad is "));
+  }
+}
+
 TEST(ServerMessage, AFrameResultKeepsItsPoseBitForBit) {
   FrameResult result;
   result.sequence = 41;
@@ -98,7 +114,11 @@ TEST(ServerMessage, AFrameResultKeepsItsPoseBitForBit) {
   result.residual_rms_m = 0.004;
   result.surfel_count = 99;
   result.frame_ms = 31.5;
+  result.uncertainty = PoseUncertainty{0.0125, 0.003};
   const FrameResult back = round_trip(result);
+  ASSERT_TRUE(back.uncertainty);
+  EXPECT_EQ(back.uncertainty->position_sigma_m, 0.0125);
+  EXPECT_EQ(back.uncertainty->rotation_sigma_rad, 0.003);
   EXPECT_EQ(back.sequence, 41u);
   EXPECT_EQ(back.timestamp_s, 1.25);
   EXPECT_EQ(back.world_from_camera.rotation.coeffs(), result.world_from_camera.rotation.coeffs());

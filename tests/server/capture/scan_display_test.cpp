@@ -23,6 +23,9 @@ ScanProgress under_way() {
 }
 
 TEST(ScanDisplay, SaysWhatMattersWhileWalking) {
+  ScanProgress told = under_way();
+  told.stream.last_result->uncertainty = wire::PoseUncertainty{0.02, 0};
+  EXPECT_THAT(format_scan_progress(told), testing::HasSubstr("  tracked +-4 cm  "));
   EXPECT_EQ(format_scan_progress(under_way()), "0:42  29.9 fps  81 % depth  tracked  0.3 s behind  18.3 Mbit/s  round trip 12 ms");
 }
 

@@ -25,6 +25,13 @@ StreamProgress half_way() {
 }
 
 TEST(Progress, SaysHowFarHowFastWhereAndHowLong) {
+  StreamProgress told = half_way();
+  told.last_result->uncertainty = wire::PoseUncertainty{0.004, 0};
+  EXPECT_THAT(format_progress(told), HasSubstr("  tracked +-8 mm  "));
+  told.last_result->uncertainty = wire::PoseUncertainty{0.0111, 0};
+  EXPECT_THAT(format_progress(told), HasSubstr("  tracked +-2 cm  "));
+  told.last_result->uncertainty = wire::PoseUncertainty{1e300, 0};
+  EXPECT_THAT(format_progress(told), HasSubstr("  tracked +-100000 cm  "));
   EXPECT_EQ(format_progress(half_way()), "frame 50/100 (sent 54)  2.5 fps  10.0 Mbit/s  position 0.13 0.00 2.00 m  tracked  20 s left");
 }
 

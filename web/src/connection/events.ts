@@ -55,6 +55,8 @@ export interface FrameEvent {
   readonly correction_m: number; // the farthest that a submap around the camera was moved in this frame
   // This frame, or while lost the one that the pose is of; null before the first.
   readonly lastTracked: { readonly sequence: number; readonly timestamp_s: number } | null;
+  // Of the camera's position along the axis of the greatest error; null while lost, and from an older server.
+  readonly positionSigma_m: number | null;
 }
 
 export interface PoseInSubmap {

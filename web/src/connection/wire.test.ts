@@ -45,12 +45,14 @@ describe('decode', () => {
       event: MapEvent.LOOP_CLOSED,
       correctionM: 0.03,
       lastTracked: { sequence: 4n, timestampS: 0.5 },
+      uncertainty: { positionSigmaM: 0.012, rotationSigmaRad: 0.002 },
     };
     expect(decode(serverBytes({ case: 'frameResult', value }))).toMatchObject({
       inSubmap: { submap: 3, submapFromCamera: { translation: [0, 2, 3], rotation: [0, 0, 0, 1] } },
       event: 'loopClosed',
       correction_m: 0.03,
       lastTracked: { sequence: 4, timestamp_s: 0.5 },
+      positionSigma_m: 0.012,
     });
   });
 
@@ -124,6 +126,10 @@ describe('decode', () => {
     ['a pose that is not finite', { case: 'frameResult', value: { worldFromCamera: { ...identity, ty: Infinity } } }],
     ['a pose in a submap that is none', { case: 'frameResult', value: { worldFromCamera: identity, submapFromCamera: {} } }],
     ['a correction that is no length', { case: 'frameResult', value: { worldFromCamera: identity, correctionM: NaN } }],
+    [
+      'an uncertainty that is no length',
+      { case: 'frameResult', value: { worldFromCamera: identity, uncertainty: { positionSigmaM: -1 } } },
+    ],
     ['a negative correction', { case: 'frameResult', value: { worldFromCamera: identity, correctionM: -1 } }],
     ['a submap too many', { case: 'trajectoryPart', value: { positions: [1, 2, 3], positionsInSubmaps: [1, 2, 3], submaps: [0, 1] } }],
     ['a position without its submap', { case: 'trajectoryPart', value: { positions: [1, 2, 3], positionsInSubmaps: [1, 2], submaps: [0] } }],

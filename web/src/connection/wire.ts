@@ -27,7 +27,7 @@ import type {
 
 export class WireError extends Error {}
 
-export const protocolMinor = 2;
+export const protocolMinor = 4;
 export const maxPointsPerChunk = 262144;
 
 export interface WireChunk {
@@ -138,6 +138,7 @@ function frameOf(frame: FrameResult): FrameEvent {
     lastTracked: frame.lastTracked
       ? { sequence: Number(frame.lastTracked.sequence), timestamp_s: frame.lastTracked.timestampS }
       : null,
+    positionSigma_m: frame.uncertainty ? lengthOf(frame.uncertainty.positionSigmaM, 'uncertainty.position_sigma_m') : null,
   };
 }
 

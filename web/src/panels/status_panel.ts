@@ -1,7 +1,7 @@
 // What is known about the scan in numbers and words.
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
-import { connectionWords, count, eventWords, partsWords, trackingWords } from '../state/words';
+import { connectionWords, count, eventWords, partsWords, positionWords, trackingWords } from '../state/words';
 import { element, setText, type Panel } from './dom';
 import { statusMark } from './mark';
 
@@ -19,6 +19,7 @@ const rows: readonly Row[] = [
   { label: 'Parts', value: (scan) => (scan.parts > 1 ? count(scan.parts) : null) },
   { label: 'Keyframes', value: (scan) => (scan.keyframes > 0 ? count(scan.keyframes) : null) },
   { label: 'Loops', value: (scan) => (scan.keyframes > 0 ? count(scan.loops) : null) },
+  { label: 'Position', value: (scan) => positionWords(scan) },
   { label: 'Dropped', value: (scan) => count(scan.framesDropped) },
   { label: 'Per frame', value: (scan) => (scan.frame_ms > 0 ? `${Math.round(scan.frame_ms)} ms` : null) },
   { label: 'Picture', value: (_, fps) => (fps > 0 ? `${fps} fps` : 'at rest') },

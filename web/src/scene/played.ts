@@ -28,6 +28,7 @@ export function frame(submap: number, x: number, changes: Partial<FrameEvent> = 
     event: 'none',
     correction_m: 0,
     lastTracked: { sequence: 0, timestamp_s: 0 },
+    positionSigma_m: null,
     ...changes,
   };
 }

@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import type { FrameEvent, MapEventName, TrackingName } from '../connection/events';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from './live_scan';
-import { connectionWords, emptyWords, eventWords, partsWords, trackingWords, wayBackLabel } from './words';
+import { connectionWords, emptyWords, eventWords, partsWords, positionWords, trackingWords, wayBackLabel } from './words';
 
 const after = (...events: LiveScanEvent[]): LiveScan => events.reduce(reduceLiveScan, initialLiveScan('scan1'));
 
@@ -20,6 +20,7 @@ const frame = (tracking: TrackingName, x: number): FrameEvent => ({
   event: 'none',
   correction_m: 0,
   lastTracked: null,
+  positionSigma_m: 0.004,
 });
 
 const happened = (event: MapEventName, correction_m: number, timestamp_s: number): FrameEvent => ({ ...frame('tracked', 0), event, correction_m, timestamp_s });
@@ -33,6 +34,15 @@ describe('reduceLiveScan', () => {
     const seen = after(welcome, past, frame('tracked', 1));
     expect(seen.poses).toBe(4);
     expect(reduceLiveScan(seen, welcome).poses).toBe(0);
+  });
+
+  it('says how well the position is known while the scan runs, and nothing of an older server or a lost camera', () => {
+    const at = (positionSigma_m: number | null): LiveScan => after(welcome, running, { ...frame('tracked', 1), positionSigma_m });
+    expect(positionWords(at(0.004))).toBe('± 8 mm');
+    expect(positionWords(at(0.0001))).toBe('± 1 mm');
+    expect(positionWords(at(0.0111))).toBe('± 2 cm');
+    expect(positionWords(at(null))).toBeNull();
+    expect(positionWords({ ...at(0.004), phase: 'finished' })).toBeNull();
   });
 
   it('keeps the last tracked camera position while tracking is lost, and says why', () => {

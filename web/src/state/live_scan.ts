@@ -18,6 +18,7 @@ export interface LiveScan {
   readonly tracking: 'none' | TrackingName;
   readonly trackingReason: string;
   readonly lostFor_s: number | null; // since the last tracked frame, by the camera's clock; null before the first
+  readonly positionSigma_m: number | null; // of the newest frame; null while lost, or when the server does not say
   readonly timestamp_s: number; // of the newest frame
   readonly event: { readonly name: MapEventName; readonly correction_m: number; readonly timestamp_s: number } | null; // the newest one
   readonly submaps: number;
@@ -56,6 +57,7 @@ export function initialLiveScan(scanId: string): LiveScan {
     tracking: 'none',
     trackingReason: '',
     lostFor_s: null,
+    positionSigma_m: null,
     timestamp_s: 0,
     event: null,
     submaps: 0,
@@ -90,6 +92,7 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
         tracking: event.tracking,
         trackingReason: event.reason,
         lostFor_s: event.lastTracked ? event.timestamp_s - event.lastTracked.timestamp_s : null,
+        positionSigma_m: event.positionSigma_m,
         timestamp_s: event.timestamp_s,
         event: newestEvent(state, event),
         frame_ms: event.frame_ms,

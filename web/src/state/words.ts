@@ -69,6 +69,13 @@ export function trackingWords(scan: LiveScan): Words {
   return { text: `${why} – go back to what was seen ${seconds(1000 * scan.lostFor_s)} ago`, tone: 'bad' };
 }
 
+// How well it is known where the camera is: twice the standard deviation. Null when there is nothing to say, or it would be old news.
+export function positionWords(scan: LiveScan): string | null {
+  if (scan.positionSigma_m === null || scan.phase !== 'running' || scan.connection !== 'open') return null;
+  const within_mm = 2000 * scan.positionSigma_m;
+  return within_mm < 10 ? `± ${Math.max(1, Math.round(within_mm))} mm` : `± ${Math.round(within_mm / 10)} cm`;
+}
+
 // Beside the last good view while the camera is lost, else empty.
 export function wayBackLabel(frame: FrameEvent): string {
   if (frame.tracking !== 'lost' || !frame.lastTracked) return '';
