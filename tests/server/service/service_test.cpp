@@ -5,11 +5,13 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "server/client/api_request.h"
 #include "server/store/data_directory.h"
@@ -60,6 +62,37 @@ TEST(Service, BehindAProxyOnAPublicAddressOnlyWhatItEncryptsIsAnswered) {
   EXPECT_EQ(status("X-Forwarded-Proto: https\r\nX-Forwarded-For: 198.51.100.4\r\n"), "HTTP/1.1 200");
   test::RawClient camera(server.port());
   EXPECT_THAT(camera.upgrade("Host: localhost\r\nSec-WebSocket-Protocol: hermite.v1\r\n"), HasSubstr(" 403 "));
+}
+
+// The log folder of a finished scan, without a server.
+std::string add_logged_scan(const std::string& data_path, std::int64_t finished_at_ms) {
+  const DataDirectory data(data_path);
+  SqliteStore store(data.database_path());
+  ScanRow row;
+  row.id = new_scan_id();
+  row.phase = ScanPhase::kFinished;
+  row.finished_at_ms = finished_at_ms;
+  row.camera = {160, 120, 131, 131, 79.5, 59.5, 5000};
+  EXPECT_TRUE(store.add(row).ok());
+  std::filesystem::create_directories(data.log_folder(row.id));
+  std::ofstream(data.log_folder(row.id) + "/segment-0000.rlog") << "frames";
+  return data.log_folder(row.id);
+}
+
+// Whatever was wrong with a clock or a setting, there is time to notice.
+TEST(Service, RemovesOldFramesOfTenScansAnHour) {
+  constexpr std::int64_t kMonth_ms = 30LL * 24 * 3600 * 1000;
+  const test::TemporaryFolder folder;
+  std::vector<std::string> old;
+  for (int i = 0; i < 13; ++i) old.push_back(add_logged_scan(folder / "data", unix_now_ms() - kMonth_ms));
+  const std::string young = add_logged_scan(folder / "data", unix_now_ms());
+  const test::RunningServer server(test::test_options(folder / "data"));
+  const auto left = [&old] { return std::count_if(old.begin(), old.end(), [](const auto& log) { return std::filesystem::exists(log); }); };
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (left() > 3 && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  EXPECT_EQ(left(), 3) << "they go an hour later";
+  EXPECT_TRUE(std::filesystem::exists(young));
 }
 
 TEST(Service, SaysWhatIsWrongWithItsOptions) {
