@@ -35,13 +35,13 @@ constexpr double kPriorInformation = 1 / (0.1 * 0.1);
 // Gauss-Newton steps from where tracking has put the frame, and when the room is suspected to be elsewhere.
 constexpr int kSteps = 2, kStepsWhenMoving = 6;
 
-// A surface is suspected when its chi-square of 6 degrees of freedom (median 5.35) is beyond any noise, and so many times what surfaces of
-// this scan usually have. To first order a chi-square is too small, by up to a sixth of what it is in the end. It moves when what it does
-// alone has a chi-square so many times as large as the other surfaces have in the median: noise goes together over pixels and lenses bend
-// depth, which all suffer alike. And it must do so by a share of what the camera has moved its points by, since rolling shutters and
-// pictures that come late shift what is seen by a part of that. Where nothing moves (250 frames of redkitchen, fr1, the rendered room with
-// depth bent by 1.5 %; views 4 and 30 frames apart) one surface of a thousand has 375 and 0.39, of fr1 637 and 0.25; a person who walks
-// ahead has 490 to 3500 and 0.45 to 0.9 after the first step. What moved rests again when neither is left.
+// A surface is suspected when its chi-square of 6 degrees of freedom (median 5.35) is beyond any noise, and beyond so many times what
+// surfaces of this scan usually have. To first order it is less than in the end, so less is asked for than for a motion. It moves when what
+// it does alone has a chi-square so many times as large as the other surfaces have in the median: noise goes together over pixels and
+// lenses bend depth, which all suffer alike. And it must do so by a share of what the camera has moved its points by, since rolling
+// shutters and pictures that come late shift what is seen by a part of that. Where nothing moves (250 frames of redkitchen, fr1, the
+// rendered room with depth bent by 1.5 %; views 4 and 30 frames apart) one surface of a thousand has 375 and 0.39, of fr1 637 and 0.25; a
+// person who walks ahead has 490 to 3500 and 0.45 to 0.9 after the first step. What moved rests again when neither is left.
 constexpr double kMedianChi2 = 5.35, kSuspicious = 60;
 constexpr double kMoves = 400, kStillMoves = 60;
 constexpr double kShareOfCamera = 0.4, kStillShareOfCamera = 0.1;
