@@ -9,7 +9,7 @@
 
 namespace hermite {
 
-// "frame 42/1000 (sent 46)  2.1 fps  18.3 Mbit/s  position 0.12 -0.03 1.40 m  tracked  3 dropped  7:36 left". No line feed.
+// "frame 42/1000 (sent 46)  2.1 fps  18.3 Mbit/s  position 0.12 -0.03 1.40 m  tracked +-8 mm  3 dropped  7:36 left". No line feed.
 // Instead of "tracked": "LOST: too fast - go back to what was seen 4 s ago".
 std::string format_progress(const StreamProgress& progress);
 
