@@ -41,16 +41,47 @@ constexpr float kBehind_m = 0.2f;
 // thousandth of what is known.
 constexpr double kHeld = 1, kHeldShare = 1e-4;
 
+// What a pair measures: a twist of the view that the point is of, in its own camera, and the camera's numbers.
+constexpr Eigen::Index kSideNumberCount = 6 + kCameraNumberCount;
+using SideVector = Eigen::Matrix<double, kSideNumberCount, 1>;
+
+// Half of the information's quadratic form plus the gradient, of the points of one view on another.
+struct Quadratic {
+  Eigen::Matrix<double, kSideNumberCount, kSideNumberCount> information =
+      Eigen::Matrix<double, kSideNumberCount, kSideNumberCount>::Zero();  // its lower half
+  SideVector gradient = SideVector::Zero();
+};
+
 constexpr Eigen::Index kPairNumberCount = 12 + kCameraNumberCount;  // the twists of both views, then the camera
 using PairVector = Eigen::Matrix<double, kPairNumberCount, 1>;
 using PairMatrix = Eigen::Matrix<double, kPairNumberCount, kPairNumberCount>;
 using PointByCamera = Eigen::Matrix<double, 3, kCameraNumberCount>;
 
-// Half of the information's quadratic form plus the gradient.
-struct Quadratic {
+// Of a pair, both ways.
+struct PairQuadratic {
   PairMatrix information = PairMatrix::Zero();
   PairVector gradient = PairVector::Zero();
 };
+
+// Where a pair's numbers of the source and of the target begin.
+struct Places {
+  Eigen::Index source = 0, target = 6;
+};
+
+// Only how the views lie to each other is measured: what a twist of the source does, one of the target, seen from there, undoes.
+void add_side(const Quadratic& side, const Rigid3& target_from_source, Places at, PairQuadratic& sum) {
+  const Eigen::Matrix3d source_from_target = target_from_source.rotation.conjugate().toRotationMatrix();
+  Eigen::Matrix<double, 6, 6> by_target = Eigen::Matrix<double, 6, 6>::Zero();  // of the source's twist: the adjoint of source_from_target
+  by_target.topLeftCorner<3, 3>() = by_target.bottomRightCorner<3, 3>() = -source_from_target;
+  by_target.topRightCorner<3, 3>() = source_from_target * skew(target_from_source.translation);
+  Eigen::Matrix<double, kSideNumberCount, kPairNumberCount> spread = Eigen::Matrix<double, kSideNumberCount, kPairNumberCount>::Zero();
+  spread.block<6, 6>(0, at.source).setIdentity();
+  spread.block<6, 6>(0, at.target) = by_target;
+  spread.bottomRightCorner<kCameraNumberCount, kCameraNumberCount>().setIdentity();
+  const Eigen::Matrix<double, kSideNumberCount, kSideNumberCount> information = side.information.selfadjointView<Eigen::Lower>();
+  sum.information += spread.transpose() * information * spread;
+  sum.gradient += spread.transpose() * side.gradient;
+}
 
 // work(i) for every i; thread t takes t, t + thread_count, ...
 template <class Work>
@@ -77,11 +108,6 @@ PointByCamera derivative_by_camera(const Eigen::Vector3d& point_m, const Eigen::
   derivative.col(kInverseOffset) = point_m * ((kUndistortedDepth_m - point_m.z()) / scale);
   return derivative;
 }
-
-// Where a pair's numbers of the source and of the target begin.
-struct Places {
-  Eigen::Index source = 0, target = 6;
-};
 
 // A point of the source that lies on a surface of the target.
 struct Meeting {
@@ -136,16 +162,13 @@ class Measurement {
       }
   }
 
-  void add_surfaces(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source, double gate_m, Places at,
-                    Quadratic& sum) const {
+  void add_surfaces(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source, double gate_m, Quadratic& sum) const {
     const Eigen::Matrix3d source_from_target = target_from_source.rotation.conjugate().toRotationMatrix();
     visit_meetings(source, target, target_from_source, gate_m, [&](const Meeting& m) {
       const Eigen::Vector3d normal_in_source = source_from_target * m.normal_in_target;
-      PairVector derivative;
-      derivative.segment<3>(at.source) = normal_in_source;
-      derivative.segment<3>(at.source + 3) = m.in_source_m.cross(normal_in_source);
-      derivative.segment<3>(at.target) = -m.normal_in_target;
-      derivative.segment<3>(at.target + 3) = -m.in_target_m.cross(m.normal_in_target);
+      SideVector derivative;
+      derivative.segment<3>(0) = normal_in_source;
+      derivative.segment<3>(3) = m.in_source_m.cross(normal_in_source);
       // The camera moves the point, and the surface that is seen at its pixel.
       derivative.tail<kCameraNumberCount>() = derivative_by_camera(m.in_source_m, m.source_px, camera_).transpose() * normal_in_source -
                                               derivative_by_camera(m.in_target_m, m.target_px, camera_).transpose() * m.normal_in_target;
@@ -161,8 +184,7 @@ class Measurement {
   }
 
   // Where the target sees a corner of the source, beside where it should.
-  void add_corner(const Feature& seen, const Feature& there, const Rigid3& target_from_source, double gate_px, Places at,
-                  Quadratic& sum) const {
+  void add_corner(const Feature& seen, const Feature& there, const Rigid3& target_from_source, double gate_px, Quadratic& sum) const {
     const std::optional<Eigen::Vector3d> own = point_of(seen, camera_);
     if (!own) return;
     const Eigen::Vector3d point = target_from_source * *own;
@@ -174,16 +196,14 @@ class Measurement {
     by_point << camera_.fx / point.z(), 0, -camera_.fx * point.x() / (point.z() * point.z()),  //
         0, camera_.fy / point.z(), -camera_.fy * point.y() / (point.z() * point.z());
     const Eigen::Matrix<double, 2, 3> by_own = by_point * target_from_source.rotation.toRotationMatrix();
-    Eigen::Matrix<double, 2, kPairNumberCount> derivative;
-    derivative.middleCols<3>(at.source) = by_own;
-    derivative.middleCols<3>(at.source + 3) = -by_own * skew(*own);
-    derivative.middleCols<3>(at.target) = -by_point;
-    derivative.middleCols<3>(at.target + 3) = by_point * skew(point);
+    Eigen::Matrix<double, 2, kSideNumberCount> derivative;
+    derivative.leftCols<3>() = by_own;
+    derivative.middleCols<3>(3) = -by_own * skew(*own);
     derivative.rightCols<kCameraNumberCount>() = by_own * derivative_by_camera(*own, seen.pixel_px.cast<double>(), camera_);
-    derivative(0, 12 + kFocal) += camera_.fx * point.x() / point.z();
-    derivative(1, 12 + kFocal) += camera_.fy * point.y() / point.z();
-    derivative(0, 12 + kCenterX) += 1;
-    derivative(1, 12 + kCenterY) += 1;
+    derivative(0, 6 + kFocal) += camera_.fx * point.x() / point.z();
+    derivative(1, 6 + kFocal) += camera_.fy * point.y() / point.z();
+    derivative(0, 6 + kCenterX) += 1;
+    derivative(1, 6 + kCenterY) += 1;
     const double scale_px = std::max(kLeastScale_px, gate_px / kGateOverScale) * sigma_px;
     const double weight = 1 / (sigma_px * sigma_px * (1 + off_px.squaredNorm() / (scale_px * scale_px)));
     sum.information.selfadjointView<Eigen::Lower>().rankUpdate(derivative.transpose(), weight);
@@ -202,13 +222,13 @@ struct System {
   Eigen::VectorXd gradient;
 };
 
-System system_of(const std::vector<Quadratic>& measured, const std::vector<ViewPair>& pairs, std::size_t view_count,
+System system_of(const std::vector<PairQuadratic>& measured, const std::vector<ViewPair>& pairs, std::size_t view_count,
                  const JointSolution& now, const JointOptions& options) {
   constexpr Eigen::Index kStarts[] = {0, 6, 12}, kSizes[] = {6, 6, kCameraNumberCount};
   const auto camera_at = static_cast<Eigen::Index>(6 * view_count), count = camera_at + static_cast<Eigen::Index>(kCameraNumberCount);
   System system{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count)};
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const PairMatrix information = measured[i].information.selfadjointView<Eigen::Lower>();
+    const PairMatrix& information = measured[i].information;
     const Eigen::Index at[] = {6 * Eigen::Index{pairs[i].first}, 6 * Eigen::Index{pairs[i].second}, camera_at};
     for (int r = 0; r < 3; ++r) {
       system.gradient.segment(at[r], kSizes[r]) += measured[i].gradient.segment(kStarts[r], kSizes[r]);
@@ -239,7 +259,7 @@ System system_of(const std::vector<Quadratic>& measured, const std::vector<ViewP
 
 // See JointSolution::deviation. Sums of products over pairs with a view in common: by view, less the pairs themselves, which both of their
 // views have counted. Not below the scatter of pairs alone.
-CameraVector deviation_of(const std::vector<Quadratic>& measured, const std::vector<ViewPair>& pairs, std::size_t view_count,
+CameraVector deviation_of(const std::vector<PairQuadratic>& measured, const std::vector<ViewPair>& pairs, std::size_t view_count,
                           const Eigen::LDLT<Eigen::MatrixXd>& factor, const JointOptions& options) {
   const auto camera_at = static_cast<Eigen::Index>(6 * view_count);
   Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(factor.rows(), kCameraNumberCount);
@@ -286,23 +306,30 @@ JointSolution adjust_jointly(const std::vector<CalibrationView>& views, const st
     for (std::size_t k = 0; k < kCameraNumberCount; ++k)
       if (options.is_free[k]) solution.change[static_cast<Eigen::Index>(k)] = start->change[static_cast<Eigen::Index>(k)];
   }
+  std::optional<Measurement> measurement;
+  CameraVector measured_change;
   for (const Stage& stage : std::span(kStages).subspan(start != nullptr ? kFirstStageOfStarted : 0)) {
     std::vector<std::vector<LandmarkMatch>> matches(pairs.size());
     for (int step = 0; step < stage.step_count; ++step) {
-      const Measurement measurement(views, changed(camera, solution.change), options.thread_count);
-      std::vector<Quadratic> measured(pairs.size());
+      if (!measurement || measured_change != solution.change)
+        measurement.emplace(views, changed(camera, solution.change), options.thread_count);
+      measured_change = solution.change;
+      std::vector<PairQuadratic> measured(pairs.size());
       for_all(pairs.size(), options.thread_count, [&](std::size_t i) {
         const auto [first, second] = pairs[i];
         const Rigid3 second_from_first = inverse(solution.world_from_camera[second]) * solution.world_from_camera[first];
         const Rigid3 first_from_second = inverse(second_from_first);
-        if (step == 0) matches[i] = measurement.match(first, second, second_from_first, stage);
-        measurement.add_surfaces(first, second, second_from_first, stage.gate_m, {0, 6}, measured[i]);
-        measurement.add_surfaces(second, first, first_from_second, stage.gate_m, {6, 0}, measured[i]);
+        if (step == 0) matches[i] = measurement->match(first, second, second_from_first, stage);
+        Quadratic of_first, of_second;
+        measurement->add_surfaces(first, second, second_from_first, stage.gate_m, of_first);
+        measurement->add_surfaces(second, first, first_from_second, stage.gate_m, of_second);
         for (const LandmarkMatch& match : matches[i]) {
           const Feature &in_first = views[first].features[match.landmark], &in_second = views[second].features[match.feature];
-          measurement.add_corner(in_first, in_second, second_from_first, stage.gate_px, {0, 6}, measured[i]);
-          measurement.add_corner(in_second, in_first, first_from_second, stage.gate_px, {6, 0}, measured[i]);
+          measurement->add_corner(in_first, in_second, second_from_first, stage.gate_px, of_first);
+          measurement->add_corner(in_second, in_first, first_from_second, stage.gate_px, of_second);
         }
+        add_side(of_first, second_from_first, {0, 6}, measured[i]);
+        add_side(of_second, first_from_second, {6, 0}, measured[i]);
       });
       const System system = system_of(measured, pairs, views.size(), solution, options);
       const Eigen::LDLT<Eigen::MatrixXd> factor(system.information);
