@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/adjust/feature_fields.h"
 #include "core/adjust/submap_mapping.h"
 #include "core/math/rigid3_fields.h"
 
@@ -17,19 +18,6 @@ constexpr std::size_t kMaxSubmaps = 1u << 16;  // as the surfels have bits for
 bool is_index(std::int64_t index) { return index >= -kMaxIndex && index <= kMaxIndex; }
 
 bool is_near(const Eigen::Vector3d& point_m) { return point_m.allFinite() && point_m.cwiseAbs().maxCoeff() <= kMaxStoredDistance_m; }
-
-template <class Bytes, class Saved>
-void feature_fields(Bytes& bytes, Saved& feature) {
-  bytes.numbers(feature.pixel_px.data(), 2);
-  bytes.number(feature.depth_m);
-  bytes.number(feature.octave);
-  bytes.number(feature.angle_rad);
-  bytes.number(feature.descriptor);
-  bytes.require(feature.pixel_px.allFinite() && feature.pixel_px.cwiseAbs().maxCoeff() <= 2 * kMaxImageSide_px && feature.depth_m >= 0 &&
-                    feature.depth_m <= static_cast<float>(kMaxFeatureDepth_m) && feature.octave < kOctaveCount &&
-                    std::isfinite(feature.angle_rad),
-                "a feature that is none");
-}
 
 template <class Bytes, class Saved>
 void keyframe_fields(Bytes& bytes, Saved& keyframe) {

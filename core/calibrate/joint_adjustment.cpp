@@ -118,6 +118,21 @@ struct Meeting {
   double sigma_m, gate_m;
 };
 
+// Between the surfaces of pairs.
+struct Distances {
+  std::vector<double> distances_m;  // absolute, cut
+  double squares = 0, depths_m = 0;
+};
+
+PairAgreement agreement_of(Distances distances) {
+  if (distances.distances_m.empty()) return {};
+  const auto middle = distances.distances_m.begin() + static_cast<std::ptrdiff_t>(distances.distances_m.size() / 2);
+  std::nth_element(distances.distances_m.begin(), middle, distances.distances_m.end());
+  const auto count = static_cast<double>(distances.distances_m.size());
+  return {*middle, std::sqrt(distances.squares / count), distances.depths_m / count,
+          static_cast<std::int64_t>(distances.distances_m.size())};
+}
+
 // What all views show with one camera.
 class Measurement {
  public:
@@ -177,6 +192,18 @@ class Measurement {
       sum.information.selfadjointView<Eigen::Lower>().rankUpdate(derivative, weight);
       sum.gradient += weight * m.distance_m * derivative;
     });
+  }
+
+  void add_distances(const ViewPair& pair, const std::vector<Rigid3>& world_from_camera, Distances& sum) const {
+    const auto visit = [&sum](const Meeting& meeting) {
+      const double distance_m = std::min(std::abs(meeting.distance_m), kMostCounted_m);
+      sum.distances_m.push_back(distance_m);
+      sum.squares += distance_m * distance_m;
+      sum.depths_m += meeting.in_target_m.z();
+    };
+    const Rigid3 second_from_first = inverse(world_from_camera[pair.second]) * world_from_camera[pair.first];
+    visit_meetings(pair.first, pair.second, second_from_first, kMostApart_m, visit);
+    visit_meetings(pair.second, pair.first, inverse(second_from_first), kMostApart_m, visit);
   }
 
   std::vector<LandmarkMatch> match(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source, const Stage& stage) const {
@@ -349,24 +376,21 @@ JointSolution adjust_jointly(const std::vector<CalibrationView>& views, const st
 PairAgreement agreement_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera,
                            const std::vector<ViewPair>& pairs, const Camera& camera) {
   const Measurement measurement(views, camera, 1);
-  std::vector<double> distances_m;
-  double squares = 0, depths_m = 0;
-  const auto visit = [&](const Meeting& meeting) {
-    const double distance_m = std::min(std::abs(meeting.distance_m), kMostCounted_m);
-    distances_m.push_back(distance_m);
-    squares += distance_m * distance_m;
-    depths_m += meeting.in_target_m.z();
-  };
-  for (const auto& [first, second] : pairs) {
-    const Rigid3 second_from_first = inverse(world_from_camera[second]) * world_from_camera[first];
-    measurement.visit_meetings(first, second, second_from_first, kMostApart_m, visit);
-    measurement.visit_meetings(second, first, inverse(second_from_first), kMostApart_m, visit);
+  Distances distances;
+  for (const ViewPair& pair : pairs) measurement.add_distances(pair, world_from_camera, distances);
+  return agreement_of(std::move(distances));
+}
+
+std::vector<PairAgreement> agreements_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera,
+                                         const std::vector<ViewPair>& pairs, const Camera& camera) {
+  const Measurement measurement(views, camera, 1);
+  std::vector<PairAgreement> agreements;
+  for (const ViewPair& pair : pairs) {
+    Distances distances;
+    measurement.add_distances(pair, world_from_camera, distances);
+    agreements.push_back(agreement_of(std::move(distances)));
   }
-  if (distances_m.empty()) return {};
-  const auto middle = distances_m.begin() + static_cast<std::ptrdiff_t>(distances_m.size() / 2);
-  std::nth_element(distances_m.begin(), middle, distances_m.end());
-  const auto count = static_cast<double>(distances_m.size());
-  return {*middle, std::sqrt(squares / count), depths_m / count, static_cast<std::int64_t>(distances_m.size())};
+  return agreements;
 }
 
 }  // namespace hermite

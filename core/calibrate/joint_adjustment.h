@@ -76,4 +76,8 @@ struct PairAgreement {
 PairAgreement agreement_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera,
                            const std::vector<ViewPair>& pairs, const Camera& camera);
 
+// The same of each pair alone.
+std::vector<PairAgreement> agreements_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera,
+                                         const std::vector<ViewPair>& pairs, const Camera& camera);
+
 }  // namespace hermite

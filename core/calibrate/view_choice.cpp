@@ -42,15 +42,17 @@ double overlap_of(const PatchGrid& grid, const std::vector<Facet>& of_first, con
 
 }  // namespace
 
+bool is_another_view(const Rigid3& world_from_earlier, const Rigid3& world_from_camera) {
+  const Rigid3 step = inverse(world_from_earlier) * world_from_camera;
+  return angle_rad(step.rotation) / kStep_rad + step.translation.norm() / kStep_m >= 1;
+}
+
 std::vector<ChosenFrame> choose_frames(const Sequence& sequence, FrameRange range, const Trajectory& trajectory, std::size_t max_count) {
   std::vector<ChosenFrame> chosen;
   for (std::int64_t index = range.begin; index < range.end && chosen.size() < max_count; ++index) {
     const std::optional<Rigid3> pose = pose_at(trajectory, sequence.timestamp_s(index), kSameTime_s);
     if (!pose) continue;
-    if (!chosen.empty()) {
-      const Rigid3 step = inverse(chosen.back().world_from_camera) * *pose;
-      if (angle_rad(step.rotation) / kStep_rad + step.translation.norm() / kStep_m < 1) continue;
-    }
+    if (!chosen.empty() && !is_another_view(chosen.back().world_from_camera, *pose)) continue;
     chosen.push_back({index, *pose});
   }
   return chosen;

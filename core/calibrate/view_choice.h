@@ -15,9 +15,11 @@ struct ChosenFrame {
   Rigid3 world_from_camera;
 };
 
-// A frame wherever the camera has turned by 8 degrees or moved by 15 cm, or both by half, since the one before: neighbours share most of
-// what they see. Where that would be more than `max_count`, the first so many: farther apart they would not hang together. Frames without a
-// pose at their time are passed over. Ascending.
+// Whether the camera has turned by 8 degrees or moved by 15 cm, or both by half: neighbours share most of what they see.
+bool is_another_view(const Rigid3& world_from_earlier, const Rigid3& world_from_camera);
+
+// A frame wherever there is another view since the one before. Where that would be more than `max_count`, the first so many: farther apart
+// they would not hang together. Frames without a pose at their time are passed over. Ascending.
 std::vector<ChosenFrame> choose_frames(const Sequence& sequence, FrameRange range, const Trajectory& trajectory, std::size_t max_count);
 
 // first < second in each.

@@ -1,0 +1,69 @@
+#include "core/calibrate/camera_check.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "core/calibrate/view_choice.h"
+
+namespace hermite {
+namespace {
+
+constexpr const char* kHall = "synthetic:scene=bare,frames=120,width=320,height=240";
+
+// Views by poses that were led astray, as a tracker's are by a wrong camera: 5 cm and 2 degrees by the last.
+std::vector<CalibrationView> views_of(const std::string& disturbance, std::size_t count) {
+  const auto sequence = *open_sequence(kHall + disturbance + "+noise=kinect-white,seed=1");
+  std::vector<CalibrationView> views;
+  for (const ChosenFrame& chosen : choose_frames(*sequence, {0, sequence->frame_count()}, sequence->groundtruth(), count)) {
+    const RgbdFrame frame = *decode_frame(*sequence->read(chosen.index));
+    const double share = static_cast<double>(views.size()) / static_cast<double>(count);
+    const Rigid3 astray = exp_se3((Vector6d() << 0.03, -0.02, 0.035, 0.01, 0.03, -0.01).finished() * share);
+    views.push_back(
+        {chosen.world_from_camera * astray, patches_of(frame.depth, sequence->camera()), detect_features(frame, sequence->camera())});
+  }
+  return views;
+}
+
+Camera camera_of(const std::string& disturbance) { return (*open_sequence(kHall + disturbance))->camera(); }
+
+TEST(CameraCheck, SaysThatARightCameraFits) { EXPECT_EQ(check_camera(views_of("", 14), camera_of("")).verdict, CameraVerdict::kFits); }
+
+TEST(CameraCheck, FindsAFocalLengthThatIsOff) {
+  const CameraCheck found = check_camera(views_of("+focal=percent=2", 14), camera_of("+focal=percent=2"));
+  EXPECT_EQ(found.verdict, CameraVerdict::kIsOff);
+  EXPECT_NEAR(found.focal, -0.0198, 0.002);
+  EXPECT_EQ(found.bend, 0);
+}
+
+TEST(CameraCheck, FindsABendOfDepth) {
+  const CameraCheck found = check_camera(views_of("+bend=percent=2", 14), camera_of("+bend=percent=2"));
+  EXPECT_EQ(found.verdict, CameraVerdict::kIsOff);
+  EXPECT_EQ(found.focal, 0);
+  EXPECT_NEAR(found.bend, 1 / 1.02 - 1, 0.002);
+}
+
+// It stands for something that no camera is.
+TEST(CameraCheck, SaysNothingOfViewsThatContradictEachOther) {
+  std::vector<CalibrationView> views = views_of("+bend=percent=2", 14);
+  const std::vector<CalibrationView> others = views_of("", 14);
+  std::copy(others.begin() + 7, others.end(), views.begin() + 7);
+  EXPECT_EQ(check_camera(views, camera_of("")).verdict, CameraVerdict::kUnknown);
+}
+
+TEST(CameraCheck, SaysNothingOfFewViews) {
+  EXPECT_EQ(check_camera(views_of("+focal=percent=2", 5), camera_of("+focal=percent=2")).verdict, CameraVerdict::kUnknown);
+  EXPECT_EQ(check_camera({}, camera_of("")).verdict, CameraVerdict::kUnknown);
+}
+
+TEST(CameraCheck, CorrectsACamera) {
+  Camera camera = camera_of("");
+  const Camera better = corrected(camera, {CameraVerdict::kIsOff, std::log(0.98), -0.01});
+  EXPECT_DOUBLE_EQ(better.fx, 0.98 * camera.fx);
+  EXPECT_DOUBLE_EQ(better.fy, 0.98 * camera.fy);
+  EXPECT_DOUBLE_EQ(better.depth_correction.bend, -0.01);
+  EXPECT_EQ(better.cx, camera.cx);
+}
+
+}  // namespace
+}  // namespace hermite
