@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/dataset/depth_noise.h"
+#include "server/service/back_end.h"
 
 namespace hermite {
 
@@ -110,8 +111,13 @@ void Progress::line(const std::string& words) { std::fprintf(stderr, "%s%s\n", o
 
 OfflineRun reconstruct_frames(const Sequence& sequence, FrameRange range, const Options& options, const std::string& device) {
   OfflineRun run;
-  run.pipeline = std::make_unique<Pipeline>(device, sequence.camera(), options,
-                                            make_mapping(sequence.camera(), options.adjust, CorrectionTime::kByFrames));
+  BackEnd back_end = make_back_end(options, CorrectionTime::kByFrames);
+  back_end.past_frames = [&sequence, range] {
+    return [&sequence, range](std::int64_t frame_index, double) -> Result<RgbdFrame> {
+      return read_frame(sequence, range.begin + frame_index).frame;
+    };
+  };
+  run.pipeline = std::make_unique<Pipeline>(device, sequence.camera(), options, std::move(back_end));
   run.rows = process_frames(sequence, range, *run.pipeline);
   run.pipeline->finish();
   return run;

@@ -20,6 +20,7 @@ struct FrameOptions {
   double confidence_epsilon = 1000;
   bool hrbf_confidence = true;
   bool project_to_surface = true;
+  bool correct_camera = true;
 };
 
 }  // namespace hermite

@@ -1,6 +1,9 @@
 // A frame that waits for its turn on the device: all that can be done with it before is done. Plain value.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
 #include "core/frame/frame_content.h"
 #include "core/frame/picture_features.h"
 #include "core/frame/rgbd_frame.h"
@@ -9,10 +12,12 @@
 namespace hermite {
 
 struct PreparedFrame {
-  RgbdFrame frame;       // of rectified(camera): straight, colour registered to depth
-  FrameContent content;  // of the frame as it came
-  NoiseSample noise;     // of its depth as it came
+  RgbdFrame frame;                      // of rectified(camera): straight, colour registered to depth
+  std::optional<RgbdFrame> as_it_came;  // where that is another one
+  FrameContent content;                 // of the frame as it came
+  NoiseSample noise;                    // of its depth as it came
   PictureFeatures features;
+  std::uint32_t door_number = 0;  // of the camera that it was prepared for, see core/pipeline/door.h
 };
 
 }  // namespace hermite

@@ -67,6 +67,10 @@ class FrontEnd {
   PoseUncertainty uncertainty_at(const Rigid3& world_from_camera, const OdometryResult& step, const MapLayout& layout);
   CalibrationDoubt calibration_doubt() const { return certainty_.calibration(); }
 
+  // The camera fits what it has seen, up to these deviations of its bend and its focal length; or it does not, by so much.
+  void camera_fits(double bend_deviation, double focal_deviation) { certainty_.camera_fits(bend_deviation, focal_deviation); }
+  void camera_is_off(double bend, double focal) { certainty_.camera_is_off(bend, focal); }
+
   // What follows belongs to a part of its own.
   void begin_part() { certainty_.begin_part(); }
 

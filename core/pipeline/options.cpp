@@ -52,6 +52,8 @@ const std::vector<Row>& rows() {
        "confidence from the HRBF gradient times lens distortion, or distortion only"},
       {"frame.confidence_epsilon", f(&F::confidence_epsilon), 1, 1e5, "HRBF confidence exp(-epsilon / sqrt(gradient))"},
       {"frame.project_to_surface", f(&F::project_to_surface), 0, 1, "move vertices onto the frame's own HRBF surface"},
+      {"frame.correct_camera", f(&F::correct_camera), 0, 1,
+       "a camera whose focal length or bend of depth turns out to be off is corrected, and the scan worked through again"},
       {"track.rotation_prealignment", t(&T::rotation_prealignment), 0, 1, "start from the rotation that aligns the grey images"},
       {"track.constant_velocity", t(&T::constant_velocity), 0, 1, "try to start from the last motion too; the guess that fits best wins"},
       {"track.geometric_weight", t(&T::geometric_weight), 0, 1e9, "weight of the geometric beside the photometric term"},

@@ -1,32 +1,20 @@
 #include "core/pipeline/pipeline.h"
 
 #include <algorithm>
-#include <chrono>
+#include <cstdio>
+#include <mutex>
 #include <optional>
-#include <set>
 #include <utility>
 
-#include "core/frame/rectify.h"
-#include "core/math/rigid3_fields.h"
+#include "core/base/read_ahead.h"
 #include "core/pipeline/checkpoint.h"
 #include "core/pipeline/cloud_points.h"
-#include "core/pipeline/front_end.h"
+#include "core/pipeline/door.h"
+#include "core/pipeline/reconstruction.h"
 
 namespace hermite {
 
 namespace {
-
-bool has_size_of(const Camera& camera, const RgbdFrame& frame) {
-  const auto fits = [&camera](int width, int height) { return width == camera.width && height == camera.height; };
-  return fits(frame.depth.width, frame.depth.height) && fits(frame.color.width, frame.color.height);
-}
-
-Error wrong_size(const RgbdFrame& frame, const Camera& camera) {
-  const auto size = [](int width, int height) { return std::to_string(width) + "x" + std::to_string(height); };
-  return {ErrorCode::kInvalidArgument, "the frame is " + size(frame.depth.width, frame.depth.height) + " depth and " +
-                                           size(frame.color.width, frame.color.height) + " colour, the camera " +
-                                           size(camera.width, camera.height)};
-}
 
 const Camera& checked(const Camera& camera) {
   const Status valid = validate(camera);
@@ -34,264 +22,169 @@ const Camera& checked(const Camera& camera) {
   return camera;
 }
 
-std::size_t part_count(const MapLayout& layout) { return std::set(layout.part.begin(), layout.part.end()).size(); }
+// The one given, and what it is corrected to. Found once with 12 or 16 views, what is left is seen in as many of the corrected ones.
+constexpr std::uint32_t kMostCameras = 3;
 
-// Of a frame that nothing new was taken from.
-Judgement of_full_map(Judgement tracked) {
-  tracked.status = TrackingStatus::kWeak;
-  tracked.reason += (tracked.reason.empty() ? "" : "; ") +
-                    std::string("the map is full: the device memory that may be used has no room for what is new around the camera");
-  return tracked;
+constexpr std::size_t kFramesAhead = 4;  // while all are worked through again
+
+std::string correction_words(const Camera& given, const Camera& corrected) {
+  char words[128];
+  std::snprintf(words, sizeof words,
+                "the camera's calibration was off and is corrected: focal length by %+.2f %%, depth in the corners by %+.2f %%",
+                100 * (corrected.fx / given.fx - 1), 100 * (corrected.depth_correction.bend - given.depth_correction.bend));
+  return words;
 }
 
-// A tenth of what tells that something has moved (core/track/moving_regions.cpp).
-constexpr double kCorrectionThatMovesViews_m = 0.003;
-
-// The frame as the back end gets it: no depth where something moves.
-RgbdFrame without_moving(const RgbdFrame& frame, const FrontEnd& front_end) {
-  RgbdFrame rest = frame;
-  const shared::Intrinsics& coarse = front_end.coarse_view().camera;
-  const int width = static_cast<int>(coarse.width), height = static_cast<int>(coarse.height);
-  for (int y = 0; y < frame.depth.height; ++y)
-    for (int x = 0; x < frame.depth.width; ++x)
-      if (front_end.moving()[front_end.coarse_view().index(x * width / frame.depth.width, y * height / frame.depth.height)] != 0)
-        rest.depth.at(x, y) = 0;
-  return rest;
-}
-
-double farthest_correction_m(const std::vector<Rigid3>& before, const MapLayout& layout) {
-  double farthest_m = 0;
-  for (std::size_t submap = 0; submap < before.size(); ++submap)
-    if (layout.is_active[submap])
-      farthest_m = std::max(farthest_m, (layout.world_from_submap[submap].translation - before[submap].translation).norm());
-  return farthest_m;
+BackEnd with_one(std::unique_ptr<Mapping> mapping) {
+  BackEnd back_end;
+  const auto only = std::make_shared<std::unique_ptr<Mapping>>(std::move(mapping));
+  back_end.mapping = [only](const Camera&) { return std::move(*only); };
+  return back_end;
 }
 
 }  // namespace
 
 struct Pipeline::Impl {
-  Impl(const std::string& device, const Camera& camera_of_scan, const Options& options_of_scan, std::unique_ptr<Mapping> mapping_of_scan,
-       Timeline* timeline_of_scan)
-      : camera(checked(camera_of_scan)),
+  Impl(std::string device_choice, const Camera& camera, const Options& options_of_scan, BackEnd parts, Timeline* timeline_of_scan)
+      : device(std::move(device_choice)),
         options(options_of_scan),
-        rectifier(rectifier_of(camera)),
+        back_end(std::move(parts)),
         timeline(timeline_of_scan),
-        mapping(std::move(mapping_of_scan)),
-        front_end(device, camera, options, timeline) {}
+        given_camera(checked(camera)) {
+    take_camera(given_camera);
+  }
 
-  PreparedFrame prepare(RgbdFrame frame) const;
+  std::shared_ptr<const Door> current_door() const {
+    const std::lock_guard lock(door_mutex);
+    return door;
+  }
+  Conditions conditions() const { return conditions_of(now->front_end.device.info(), given_camera, options, now->mapping != nullptr); }
+  void take_camera(const Camera& camera);
   FrameResult process(const PreparedFrame& prepared);
-  Conditions conditions() const { return conditions_of(front_end.device.info(), camera, options, mapping != nullptr); }
+  PastFrames correct_camera(const CameraCheck& check);
+  std::optional<FrameResult> heed(const CameraCheck& check);
+  FrameResult work_through_again(const Trajectory& given, PastFrames past_frames);
   template <class Bytes, class Saved>
-  static void fields(Bytes& bytes, Saved& saved);
+  static void camera_fields(Bytes& bytes, Saved& camera);
+  template <class Bytes, class Saved>
+  static void change_fields(Bytes& bytes, Saved& saved);
   Status restore(ByteReader& bytes);
-  MapEvent observe(const RgbdFrame& frame, const Rigid3& tracked);
-  MapEvent find(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
-  void describe_pose(FrameResult& result) const;
-  void weigh(Motion& motion, FrameResult& result);
-  void remember(double timestamp_s);
-  void follow_corrections();
-  const MapLayout& layout() const { return mapping ? mapping->layout() : one_submap; }
-  bool is_output(const Surfel& surfel) const {
-    return surfel.confidence >= (options.output_unstable ? 1e-6 : options.map.stable_confidence);
-  }
 
-  // Runs `work`, waits for the GPU, and books the wall clock time under `stage`.
-  template <class Work>
-  void timed(const char* stage, Work work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    front_end.commands.submit_and_wait();
-    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    stage_total_ms[stage] += ms;
-    if (timeline) timeline->stages.push_back({stage, start, ms});
-  }
-
-  const Camera camera;
+  const std::string device;
   const Options options;
-  const std::optional<Rectifier> rectifier;  // when frames do not arrive straight and registered
-  Timeline* const timeline;                  // of whoever wants one
-  const std::unique_ptr<Mapping> mapping;    // none: one submap, which never moves
-  const MapLayout one_submap;
-  FrontEnd front_end;
-
-  Rigid3 world_from_camera;     // of the last tracked frame; the prediction is seen from here
-  Rigid3 last_motion;           // reference_from_camera of the last tracked frame
-  int lost_count = 0;           // frames lost since
-  PoseUncertainty uncertainty;  // of the last tracked frame
-  std::vector<AnchoredPose> poses;
-  Trajectory trajectory;  // `poses` in the world, as of correction_count
-  std::uint64_t correction_count = 0;
-  std::int64_t tracked_frame_count = 0, weak_frame_count = 0;
-  std::int64_t timed_frame_count = 0;  // that the next two are of, and the device's clocks: since restore()
-  double total_ms = 0;
-  std::map<std::string, double> stage_total_ms;
+  const BackEnd back_end;
+  Timeline* const timeline;
+  const Camera given_camera;
+  bool takes_camera_as_it_is = false;
+  std::uint32_t camera_count = 0;
+  mutable std::mutex door_mutex;
+  std::shared_ptr<const Door> door;  // guarded by door_mutex
+  std::unique_ptr<Reconstruction> now;
   std::uint32_t changes_since = 0;
   std::vector<bool> published;  // by slot: take_changes() has reported it alive
 };
 
-// What the back end makes of a tracked frame: submaps are opened and moved, loops closed.
-MapEvent Pipeline::Impl::observe(const RgbdFrame& frame, const Rigid3& tracked) {
-  const std::uint32_t submap = layout().current;
-  const Rigid3 submap_from_camera = inverse(layout().world_from_submap[submap]) * tracked;
-  const std::size_t parts_before = part_count(layout());
-  const std::uint64_t closures_before = layout().closure_count;
-  for (const Revisit& revisit : mapping->observe(without_moving(frame, front_end), tracked)) {
-    const std::optional<Look> look = front_end.look(revisit, layout());
-    if (look && mapping->confirm(revisit, *look)) break;  // the others were guessed from how the map was before
-  }
-  world_from_camera = layout().world_from_submap[submap] * submap_from_camera;
-  if (part_count(layout()) < parts_before) return MapEvent::kJoined;
-  return layout().closure_count > closures_before ? MapEvent::kLoopClosed : MapEvent::kNone;
-}
-
-// A lost camera is found, or the map goes on in a new part.
-MapEvent Pipeline::Impl::find(const RgbdFrame& frame, const FrameContent& content, Motion& motion) {
-  const std::vector<Revisit> revisits = mapping->find(frame);
-  for (const Revisit& revisit : revisits) {
-    const std::optional<Look> look = front_end.look(revisit, layout());
-    if (!look) continue;
-    mapping->found(revisit, look->world_from_camera);
-    world_from_camera = look->world_from_camera;
-    front_end.forget_corners();
-    motion = {{}, {TrackingStatus::kWeak, "found again"}};
-    return MapEvent::kFoundAgain;
-  }
-  if (lost_count + 1 >= options.adjust.new_part_after_frames && front_end.judge_start(content).status != TrackingStatus::kLost) {
-    mapping->begin_part(world_from_camera);
-    front_end.forget_corners();
-    motion = {{}, {TrackingStatus::kWeak, "not found: a new part of the map begins, to be joined when the camera sees both"}};
-    return MapEvent::kNewPart;
-  }
-  if (!revisits.empty()) front_end.predict(world_from_camera, layout());  // which the looks have overwritten
-  return MapEvent::kNone;
-}
-
-// What is known of the frame's pose, and whether that is enough to call it tracked.
-void Pipeline::Impl::weigh(Motion& motion, FrameResult& result) {
-  if (result.event == MapEvent::kNewPart) front_end.begin_part();
-  uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, layout());
-  result.uncertainty = uncertainty;
-  motion.judgement =
-      weighed(std::move(motion.judgement), {uncertainty, front_end.calibration_doubt(), contradiction(motion.odometry.witnesses)});
-}
-
-void Pipeline::Impl::remember(double timestamp_s) {
-  poses.push_back({timestamp_s, layout().current, inverse(layout().world_from_submap[layout().current]) * world_from_camera});
-  trajectory.push_back({timestamp_s, world_from_camera});
-  follow_corrections();
-}
-
-void Pipeline::Impl::follow_corrections() {
-  if (correction_count == layout().correction_count) return;
-  correction_count = layout().correction_count;
-  for (std::size_t i = 0; i < poses.size(); ++i)
-    trajectory[i].world_from_camera = layout().world_from_submap[poses[i].submap] * poses[i].submap_from_camera;
-}
-
-// Of the frame that was remembered last.
-void Pipeline::Impl::describe_pose(FrameResult& result) const {
-  result.world_from_camera = trajectory.back().world_from_camera;
-  result.submap = poses.back().submap;
-  result.submap_from_camera = poses.back().submap_from_camera;
-  result.last_tracked_frame = result.frame_index - lost_count;
-  if (result.last_tracked_frame >= 0)
-    result.last_tracked_timestamp_s = poses[static_cast<std::size_t>(result.last_tracked_frame)].timestamp_s;
-}
-
-PreparedFrame Pipeline::Impl::prepare(RgbdFrame frame) const {
-  const FrameContent content = content_of(frame, camera.depth_units_per_metre, options.frame);
-  const NoiseSample noise = measure_noise(frame.depth, camera.depth_units_per_metre, options.frame);
-  RgbdFrame straight = rectifier ? rectifier->apply(frame) : std::move(frame);
-  PictureFeatures features = features_of(straight, camera.depth_units_per_metre, options.frame);
-  return {std::move(straight), content, noise, std::move(features)};
+// All that follows is of this camera, and of a map without anything in it.
+void Pipeline::Impl::take_camera(const Camera& camera) {
+  now.reset();  // its memory first
+  const bool is_watched = back_end.camera_watch && options.frame.correct_camera && !takes_camera_as_it_is;
+  now = std::make_unique<Reconstruction>(device, camera, options, back_end.mapping ? back_end.mapping(camera) : nullptr,
+                                         is_watched ? back_end.camera_watch(camera) : nullptr, timeline);
+  auto next = std::make_shared<const Door>(camera, options, camera_count++);
+  if (camera_count > 1) now->front_end.camera_fits(kFittingBend, kFittingFocal);
+  changes_since = 0;
+  const std::lock_guard lock(door_mutex);
+  door = std::move(next);
 }
 
 FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
-  const auto start = std::chrono::steady_clock::now();
-  const RgbdFrame& frame = prepared.frame;
-  const FrameContent& content = prepared.content;
+  const std::shared_ptr<const Door> current = current_door();
+  const bool is_of_another = prepared.door_number != current->number();
+  FrameResult result = now->process(is_of_another ? current->prepare_again(prepared) : prepared);
+  if (!now->watch) return result;
+  const std::optional<CameraCheck> check = now->watch->answer();
+  if (!check) return result;
+  return heed(*check).value_or(std::move(result));
+}
+
+// The camera is corrected and nothing is left of the map: the frames to make it anew from. None: the camera stays as it is, and is doubted.
+PastFrames Pipeline::Impl::correct_camera(const CameraCheck& check) {
+  const Camera better = corrected(current_door()->camera(), check);
+  PastFrames past_frames;
+  if (back_end.past_frames && !takes_camera_as_it_is && camera_count < kMostCameras && validate(better).ok())
+    past_frames = back_end.past_frames();
+  if (past_frames)
+    take_camera(better);
+  else
+    now->front_end.camera_is_off(-check.bend, -check.focal);
+  return past_frames;
+}
+
+// What is to be done after such an answer. The result of the last frame, if it is another one now.
+std::optional<FrameResult> Pipeline::Impl::heed(const CameraCheck& check) {
+  if (check.verdict == CameraVerdict::kFits) now->front_end.camera_fits(kFittingBend, kFittingFocal);
+  if (check.verdict != CameraVerdict::kIsOff) return std::nullopt;
+  const Trajectory given = now->trajectory;
+  PastFrames past_frames = correct_camera(check);
+  if (!past_frames) return std::nullopt;
+  FrameResult result = work_through_again(given, std::move(past_frames));
+  result.event = MapEvent::kRecalibrated;
+  result.correction_m = (result.world_from_camera.translation - given.back().world_from_camera.translation).norm();
+  return result;
+}
+
+// The frames of these times, with the camera as it is now, or as it turns out to be meanwhile. The result of the last.
+FrameResult Pipeline::Impl::work_through_again(const Trajectory& given, PastFrames past_frames) {
   FrameResult result;
-  result.frame_index = static_cast<std::int64_t>(trajectory.size());
-  result.timestamp_s = frame.timestamp_s;
-
-  timed("preprocess", [&] { front_end.preprocess(prepared, result.frame_index); });
-  const std::vector<Rigid3> poses_before = layout().world_from_submap;
-  Motion motion;
-  timed("track", [&] { motion = front_end.track(content, prepared.features, frame.depth, world_from_camera, last_motion, lost_count); });
-  if (motion.judgement.status != TrackingStatus::kLost) world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
-  if (mapping && motion.judgement.status != TrackingStatus::kLost)
-    timed("adjust", [&] { result.event = observe(frame, world_from_camera); });
-  if (mapping && motion.judgement.status == TrackingStatus::kLost) timed("find", [&] { result.event = find(frame, content, motion); });
-
-  const bool lost = motion.judgement.status == TrackingStatus::kLost;
-  if (lost != (lost_count > 0) && tracked_frame_count > 0 && result.event == MapEvent::kNone)
-    result.event = lost ? MapEvent::kLost : MapEvent::kFoundAgain;
-  result.correction_m = farthest_correction_m(poses_before, layout());
-  if (lost || result.event != MapEvent::kNone || result.correction_m > kCorrectionThatMovesViews_m) front_end.forget_views();
-  if (!lost) weigh(motion, result);
-  if (!lost) front_end.remember_view(world_from_camera, motion.odometry.reference_from_camera, prepared);
-  lost_count = lost ? lost_count + 1 : 0;
-  if (!lost) {
-    last_motion = motion.odometry.reference_from_camera;
-    const PictureUse picture{motion.judgement.picture_is_good, motion.odometry.brightness};
-    bool is_full = false;
-    timed("fuse", [&] { is_full = !front_end.fuse(world_from_camera, layout(), picture); });
-    if (is_full) motion.judgement = of_full_map(std::move(motion.judgement));
-    timed("predict", [&] { front_end.clean_and_predict(picture); });
-    ++tracked_frame_count;
-    weak_frame_count += motion.judgement.status == TrackingStatus::kWeak ? 1 : 0;
+  while (past_frames) {
+    const std::shared_ptr<const Door> current = current_door();
+    const PastFrames frames = std::exchange(past_frames, nullptr);
+    const auto prepare = [&](std::int64_t index) {
+      const double timestamp_s = given[static_cast<std::size_t>(index)].timestamp_s;
+      Result<RgbdFrame> frame = frames(index, timestamp_s);
+      const bool is_usable = frame.ok() && frame->timestamp_s == timestamp_s && current->check(*frame).ok();
+      return is_usable ? current->prepare(*std::move(frame)) : current->empty(timestamp_s);
+    };
+    ReadAhead<PreparedFrame> reader(0, static_cast<std::int64_t>(given.size()), kFramesAhead, prepare);
+    while (const std::optional<PreparedFrame> prepared = past_frames ? std::nullopt : reader.next()) {
+      result = now->process(*prepared);
+      const std::optional<CameraCheck> check = now->watch ? now->watch->answer() : std::nullopt;
+      if (check && check->verdict == CameraVerdict::kIsOff) past_frames = correct_camera(*check);
+    }
   }
-
-  result.status = motion.judgement.status;
-  result.reason = motion.judgement.reason;
-  result.inlier_count = motion.odometry.inlier_count;
-  result.inlier_ratio = motion.odometry.inlier_ratio;
-  result.residual_rms_m = motion.odometry.residual_rms_m;
-  result.surfel_count = front_end.store.surfel_count();
-  remember(frame.timestamp_s);
-  describe_pose(result);
-  ++timed_frame_count;
-  total_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return result;
 }
 
 template <class Bytes, class Saved>
-void Pipeline::Impl::fields(Bytes& bytes, Saved& saved) {
-  rigid3_fields(bytes, saved.world_from_camera);
-  rigid3_fields(bytes, saved.last_motion);
-  bytes.number(saved.lost_count);
-  bytes.numbers(saved.uncertainty.second_moment.data(), 36);
-  bytes.number(saved.uncertainty.way_m);
-  bytes.list(saved.poses, [](auto& to, auto& pose) {
-    to.number(pose.timestamp_s);
-    to.number(pose.submap);
-    rigid3_fields(to, pose.submap_from_camera);
-  });
-  bytes.list(saved.trajectory, [](auto& to, auto& pose) {
-    to.number(pose.timestamp_s);
-    rigid3_fields(to, pose.world_from_camera);
-  });
-  bytes.number(saved.correction_count);
-  bytes.number(saved.tracked_frame_count);
-  bytes.number(saved.weak_frame_count);
+void Pipeline::Impl::camera_fields(Bytes& bytes, Saved& camera) {
+  bytes.number(camera.fx);
+  bytes.number(camera.fy);
+  bytes.number(camera.depth_correction.bend);
+}
+
+template <class Bytes, class Saved>
+void Pipeline::Impl::change_fields(Bytes& bytes, Saved& saved) {
   bytes.number(saved.changes_since);
   bytes.flags(saved.published);
+  bytes.flag(saved.takes_camera_as_it_is);
 }
 
 Status Pipeline::Impl::restore(ByteReader& bytes) {
   if (Status same = read_head(bytes, conditions()); !same.ok()) return same;
-  fields(bytes, *this);
-  if (mapping) mapping->restore(bytes);
-  front_end.restore(bytes);
-  const auto frames = static_cast<std::int64_t>(poses.size());
-  const std::size_t submaps = layout().world_from_submap.size();
-  bytes.require(poses.size() == trajectory.size() && tracked_frame_count >= 0 && tracked_frame_count <= frames && weak_frame_count >= 0 &&
-                    weak_frame_count <= frames && lost_count >= 0 && lost_count <= frames,
-                "the number of frames");
-  bytes.require(std::all_of(poses.begin(), poses.end(), [submaps](const AnchoredPose& pose) { return pose.submap < submaps; }) &&
-                    front_end.store.world_from_submap().size() <= submaps,
-                "the number of submaps");
+  std::uint32_t saved_camera_count = 0;
+  Camera camera = given_camera;
+  bytes.number(saved_camera_count);
+  camera_fields(bytes, camera);
+  change_fields(bytes, *this);
+  bytes.require(saved_camera_count >= 1 && saved_camera_count <= kMostCameras && validate(camera).ok(), "the camera");
+  if (!bytes.ok()) return bytes.status();
+  if (saved_camera_count > 1 || takes_camera_as_it_is) {
+    const std::uint32_t since = changes_since;
+    camera_count = saved_camera_count - 1;
+    take_camera(camera);
+    changes_since = since;
+  }
+  now->restore(bytes);
   bytes.require(bytes.at_end(), "more than a checkpoint");
   return bytes.status();
 }
@@ -304,22 +197,26 @@ const char* name_of(MapEvent event) {
     case MapEvent::kNewPart: return "new part";
     case MapEvent::kJoined: return "joined";
     case MapEvent::kLoopClosed: return "loop closed";
+    case MapEvent::kRecalibrated: return "recalibrated";
   }
   return "";
 }
 
+Pipeline::Pipeline(const std::string& device, const Camera& camera, const Options& options, BackEnd back_end, Timeline* timeline)
+    : impl_(std::make_unique<Impl>(device, camera, options, std::move(back_end), timeline)) {}
 Pipeline::Pipeline(const std::string& device, const Camera& camera, const Options& options, std::unique_ptr<Mapping> mapping,
                    Timeline* timeline)
-    : impl_(std::make_unique<Impl>(device, camera, options, std::move(mapping), timeline)) {}
+    : Pipeline(device, camera, options, with_one(std::move(mapping)), timeline) {}
 Pipeline::~Pipeline() = default;
 
 Result<PreparedFrame> Pipeline::prepare(RgbdFrame frame) const {
-  if (!has_size_of(impl_->camera, frame)) return wrong_size(frame, impl_->camera);
-  return impl_->prepare(std::move(frame));
+  const std::shared_ptr<const Door> door = impl_->current_door();
+  if (const Status fits = door->check(frame); !fits.ok()) return fits.error();
+  return door->prepare(std::move(frame));
 }
 
 Result<FrameResult> Pipeline::process(const PreparedFrame& prepared) {
-  if (!has_size_of(impl_->camera, prepared.frame)) return wrong_size(prepared.frame, impl_->camera);
+  if (const Status fits = impl_->current_door()->check(prepared.frame); !fits.ok()) return fits.error();
   try {
     return impl_->process(prepared);
   } catch (const SetupError& error) {
@@ -333,19 +230,19 @@ Result<FrameResult> Pipeline::process(RgbdFrame frame) {
 }
 
 void Pipeline::finish() {
-  if (!impl_->mapping) return;
-  impl_->mapping->finish();
-  impl_->front_end.store.set_submaps(impl_->layout().world_from_submap);
-  impl_->follow_corrections();
+  if (impl_->now->watch)
+    if (const std::optional<CameraCheck> check = impl_->now->watch->last_answer()) impl_->heed(*check);
+  impl_->now->finish();
 }
 
 Result<std::string> Pipeline::save() const {
   try {
     ByteWriter bytes;
     write_head(bytes, impl_->conditions());
-    Impl::fields(bytes, std::as_const(*impl_));
-    if (impl_->mapping) impl_->mapping->save(bytes);
-    impl_->front_end.save(bytes);
+    bytes.number(impl_->camera_count);
+    Impl::camera_fields(bytes, impl_->current_door()->camera());
+    Impl::change_fields(bytes, std::as_const(*impl_));
+    impl_->now->save(bytes);
     return bytes.take();
   } catch (const SetupError& error) {
     return error.error();
@@ -353,7 +250,7 @@ Result<std::string> Pipeline::save() const {
 }
 
 Status Pipeline::restore(std::string_view bytes) {
-  CHECK(impl_->trajectory.empty(), "a pipeline that has seen frames cannot go on from others");
+  CHECK(impl_->now->trajectory.empty(), "a pipeline that has seen frames cannot go on from others");
   try {
     ByteReader reader(bytes);
     const Status restored = impl_->restore(reader);
@@ -367,22 +264,23 @@ Status Pipeline::insert(const Cloud& cloud) {
   try {
     std::vector<Surfel> surfels;
     for (const CloudPoint& point : cloud)
-      if (point.confidence > 0) surfels.push_back(to_surfel(point, impl_->front_end.frame_number + 1));
-    impl_->front_end.store.append(surfels);
+      if (point.confidence > 0) surfels.push_back(to_surfel(point, impl_->now->front_end.frame_number + 1));
+    impl_->now->front_end.store.append(surfels);
+    impl_->takes_camera_as_it_is = true;
     return Done{};
   } catch (const SetupError& error) {
     return error.error();
   }
 }
 
-const Trajectory& Pipeline::trajectory() const { return impl_->trajectory; }
-std::vector<AnchoredPose> Pipeline::anchored_poses() const { return impl_->poses; }
+const Trajectory& Pipeline::trajectory() const { return impl_->now->trajectory; }
+std::vector<AnchoredPose> Pipeline::anchored_poses() const { return impl_->now->poses; }
 
 Result<Cloud> Pipeline::cloud() {
   try {
     Cloud cloud;
-    for (const auto& [number, surfel, changed_frame] : impl_->front_end.store.changed_blocks(0))
-      if (impl_->is_output(surfel)) cloud.push_back(to_cloud_point(surfel, impl_->layout().world_from_submap[surfel.submap]));
+    for (const auto& [number, surfel, changed_frame] : impl_->now->front_end.store.changed_blocks(0))
+      if (impl_->now->is_output(surfel)) cloud.push_back(to_cloud_point(surfel, impl_->now->layout().world_from_submap[surfel.submap]));
     return cloud;
   } catch (const SetupError& error) {
     return error.error();
@@ -393,14 +291,19 @@ Result<std::vector<SlotChange>> Pipeline::take_changes() {
   Impl& impl = *impl_;
   try {
     std::vector<SlotChange> changes;
-    for (const auto& [number, surfel, changed_frame] : impl.front_end.store.changed_blocks(impl.changes_since)) {
+    Reconstruction& now = *impl.now;
+    for (const auto& [number, surfel, changed_frame] : now.front_end.store.changed_blocks(impl.changes_since)) {
       if (changed_frame <= impl.changes_since) continue;
       if (impl.published.size() <= number) impl.published.resize(number + kSlotsPerBlock, false);
-      const bool alive = impl.is_output(surfel);
+      const bool alive = now.is_output(surfel);
       if (alive || impl.published[number]) changes.push_back({number, alive, alive ? to_cloud_point(surfel, Rigid3{}) : CloudPoint{}});
       impl.published[number] = alive;
     }
-    impl.changes_since = impl.front_end.frame_number;
+    for (std::uint32_t number = now.front_end.store.slot_count(); number < impl.published.size(); ++number) {
+      if (impl.published[number]) changes.push_back({number, false, {}});
+      impl.published[number] = false;
+    }
+    impl.changes_since = now.front_end.frame_number;
     return changes;
   } catch (const SetupError& error) {
     return error.error();
@@ -414,34 +317,38 @@ void Pipeline::forget_taken_changes() {
 
 std::vector<SubmapPose> Pipeline::submap_poses() const {
   std::vector<SubmapPose> poses;
-  for (const Rigid3& pose : impl_->front_end.store.world_from_submap())
-    poses.push_back({static_cast<std::uint32_t>(poses.size()), pose, impl_->layout().part[poses.size()]});
+  for (const Rigid3& pose : impl_->now->front_end.store.world_from_submap())
+    poses.push_back({static_cast<std::uint32_t>(poses.size()), pose, impl_->now->layout().part[poses.size()]});
   return poses;
 }
 
 PipelineStatistics Pipeline::statistics() const {
-  const Impl& impl = *impl_;
+  const Reconstruction& now = *impl_->now;
   PipelineStatistics statistics;
-  statistics.frame_count = static_cast<std::int64_t>(impl.trajectory.size());
-  statistics.tracked_frame_count = impl.tracked_frame_count;
-  statistics.weak_frame_count = impl.weak_frame_count;
-  statistics.position_sigma_m = impl.uncertainty.position_sigma_m();
-  statistics.rotation_sigma_rad = impl.uncertainty.rotation_sigma_rad();
-  statistics.calibration_doubt = impl.front_end.calibration_doubt().reason();
-  statistics.surfel_count = impl.front_end.store.surfel_count();
-  statistics.surfel_slot_count = impl.front_end.store.slot_count();
-  statistics.surfel_capacity = impl.front_end.store.capacity();
-  const double frames = static_cast<double>(std::max<std::int64_t>(impl.timed_frame_count, 1));
-  statistics.mean_frame_ms = impl.total_ms / frames;
-  for (const auto& [stage, ms] : impl.stage_total_ms) statistics.stages_ms[stage] = ms / frames;
-  for (const auto& pass : impl.front_end.device.pass_times()) statistics.gpu_passes_ms[pass.kernel] = pass.total_ms / frames;
-  statistics.gpu_memory_bytes = impl.front_end.device.memory_by_purpose();
-  const gpu::DeviceInfo& device = impl.front_end.device.info();
+  statistics.frame_count = static_cast<std::int64_t>(now.trajectory.size());
+  statistics.tracked_frame_count = now.tracked_frame_count;
+  statistics.weak_frame_count = now.weak_frame_count;
+  statistics.position_sigma_m = now.uncertainty.position_sigma_m();
+  statistics.rotation_sigma_rad = now.uncertainty.rotation_sigma_rad();
+  statistics.calibration_doubt = now.front_end.calibration_doubt().reason();
+  if (impl_->camera_count > 1) {
+    statistics.corrected_camera = impl_->current_door()->camera();
+    statistics.camera_correction = correction_words(impl_->given_camera, *statistics.corrected_camera);
+  }
+  statistics.surfel_count = now.front_end.store.surfel_count();
+  statistics.surfel_slot_count = now.front_end.store.slot_count();
+  statistics.surfel_capacity = now.front_end.store.capacity();
+  const double frames = static_cast<double>(std::max<std::int64_t>(now.timed_frame_count, 1));
+  statistics.mean_frame_ms = now.total_ms / frames;
+  for (const auto& [stage, ms] : now.stage_total_ms) statistics.stages_ms[stage] = ms / frames;
+  for (const auto& pass : now.front_end.device.pass_times()) statistics.gpu_passes_ms[pass.kernel] = pass.total_ms / frames;
+  statistics.gpu_memory_bytes = now.front_end.device.memory_by_purpose();
+  const gpu::DeviceInfo& device = now.front_end.device.info();
   if (device.kind != gpu::DeviceKind::kCpu) statistics.device_memory_bytes = static_cast<std::int64_t>(device.all_memory_bytes);
-  statistics.host_memory_bytes = impl.front_end.store.host_bytes();
-  if (impl.mapping) {
-    statistics.mapping = impl.mapping->counts();
-    statistics.mapping["parts"] = static_cast<std::int64_t>(part_count(impl.layout()));
+  statistics.host_memory_bytes = now.front_end.store.host_bytes();
+  if (now.mapping) {
+    statistics.mapping = now.mapping->counts();
+    statistics.mapping["parts"] = static_cast<std::int64_t>(part_count(now.layout()));
   }
   statistics.device = device.name;
   return statistics;

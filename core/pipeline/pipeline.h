@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -14,58 +15,20 @@
 
 #include "core/adjust/mapping.h"
 #include "core/base/timeline.h"
+#include "core/calibrate/camera_watch.h"
 #include "core/dataset/trajectory.h"
 #include "core/frame/prepared_frame.h"
 #include "core/math/camera.h"
 #include "core/output/cloud.h"
+#include "core/pipeline/frame_result.h"
 #include "core/pipeline/options.h"
-#include "core/track/judgement.h"
-#include "core/track/map_certainty.h"
 
 namespace hermite {
-
-// What a frame did to the map besides adding to it: at most one thing, a loop or a joining before the rest.
-enum class MapEvent {
-  kNone,
-  kLost,        // the first frame that is
-  kFoundAgain,  // where it was last, or at another place of the map
-  kNewPart,     // not found: the map goes on in a part of its own
-  kJoined,      // two parts are one from now on
-  kLoopClosed,
-};
-const char* name_of(MapEvent event);  // "", "lost", "found again", "new part", "joined", "loop closed"
-
-struct FrameResult {
-  std::int64_t frame_index = 0;  // 0 for the first frame given to the pipeline
-  double timestamp_s = 0;
-  Rigid3 world_from_camera;   // the last good pose while lost
-  std::uint32_t submap = 0;   // that the frame belongs to
-  Rigid3 submap_from_camera;  // the same pose; a correction of the submaps leaves it as it is
-  TrackingStatus status = TrackingStatus::kLost;
-  std::string reason;             // in words, empty when tracked
-  std::int64_t inlier_count = 0;  // geometric correspondences at full resolution
-  double inlier_ratio = 0;        // of the frame's valid pixels
-  double residual_rms_m = 0;      // point to plane
-  std::int64_t surfel_count = 0;  // alive in the model
-  MapEvent event = MapEvent::kNone;
-  double correction_m = 0;               // the farthest that the origin of an active submap was moved in this frame
-  std::int64_t last_tracked_frame = -1;  // index: this frame, or while lost the one that the pose is of; -1: none was tracked yet
-  double last_tracked_timestamp_s = 0;   // of that frame
-  // Of world_from_camera as it is in this result: corrections to come do not count. None while lost.
-  std::optional<PoseUncertainty> uncertainty;
-};
 
 struct SubmapPose {
   std::uint32_t submap = 0;
   Rigid3 world_from_submap;
   std::uint32_t part = 0;  // see MapLayout; the pose relative to submaps of other parts says nothing
-};
-
-// A camera's pose as it stays when submaps move.
-struct AnchoredPose {
-  double timestamp_s = 0;
-  std::uint32_t submap = 0;
-  Rigid3 submap_from_camera;
 };
 
 struct PipelineStatistics {
@@ -74,6 +37,8 @@ struct PipelineStatistics {
   std::int64_t weak_frame_count = 0;
   double position_sigma_m = 0, rotation_sigma_rad = 0;  // of the last tracked frame
   std::string calibration_doubt;                        // in words; empty: the camera fits what it has seen
+  std::string camera_correction;                        // in words; empty: the camera is taken as it was given
+  std::optional<Camera> corrected_camera;               // when it is not
   std::int64_t surfel_count = 0;
   std::int64_t surfel_slot_count = 0;                    // in use or free again
   std::int64_t surfel_capacity = 0;                      // slots there is memory for
@@ -87,11 +52,28 @@ struct PipelineStatistics {
   std::string device;
 };
 
+// A frame that was given, as it was; asked for from the first one on, once each, in their order, on any one thread. An error: it counts as
+// one that shows nothing.
+using PastFrames = std::function<Result<RgbdFrame>(std::int64_t frame_index, double timestamp_s)>;
+
+// What a pipeline takes from others, on the thread that calls process() or finish().
+struct BackEnd {
+  // For a camera: the one given first, then each that it is corrected to. None: there is one submap, no loop is closed and a lost camera is
+  // only searched for where it was last.
+  std::function<std::unique_ptr<Mapping>(const Camera& camera)> mapping;
+  // None: the camera is taken as it is.
+  std::function<std::unique_ptr<CameraWatch>(const Camera& camera)> camera_watch;
+  // All frames so far. None: a camera that is off is not corrected, and frames are weak.
+  std::function<PastFrames()> past_frames;
+};
+
 class Pipeline {
  public:
   // `device` selects the GPU: empty for the best one, an index, or part of a name. Throws SetupError: no such device, too little memory,
-  // bad camera. Without `mapping` there is one submap, no loop is closed and a lost camera is only searched for where it was last. A
-  // `timeline`, which outlives this, gets every stage and every GPU pass.
+  // bad camera. A `timeline`, which outlives this, gets every stage and every GPU pass.
+  Pipeline(const std::string& device, const Camera& camera, const Options& options, BackEnd back_end, Timeline* timeline = nullptr);
+
+  // With one mapping, and so with the camera as it is.
   Pipeline(const std::string& device, const Camera& camera, const Options& options, std::unique_ptr<Mapping> mapping = nullptr,
            Timeline* timeline = nullptr);
   ~Pipeline();
@@ -103,7 +85,8 @@ class Pipeline {
   Result<PreparedFrame> prepare(RgbdFrame frame) const;
 
   // Never fails because of what a frame contains: a frame that cannot be used is kLost, with a reason. When the map is full (as
-  // map.gpu_memory_mb has it, or the device), frames are tracked and continue the surfels that exist, and are kWeak.
+  // map.gpu_memory_mb has it, or the device), frames are tracked and continue the surfels that exist, and are kWeak. Where the camera turns
+  // out to be off, all frames so far are worked through again with a better one before this returns (MapEvent::kRecalibrated).
   // `prepared` is of a pipeline with the same camera and options. Error only for a frame of another size (kInvalidArgument) and for the
   // device (kDevice: lost or out of memory), after which only trajectory() and statistics() may be called.
   Result<FrameResult> process(const PreparedFrame& prepared);
@@ -111,11 +94,11 @@ class Pipeline {
   // Both.
   Result<FrameResult> process(RgbdFrame frame);
 
-  // No frame follows: the map is adjusted for the last time.
+  // No frame follows: the map is adjusted for the last time. Throws SetupError: the device.
   void finish();
 
   // Adds an earlier model, in this scan's world frame: as if all of it were seen in the next frame. Normals towards the camera, as in
-  // cloud(); points without confidence are left out. kDevice: no room.
+  // cloud(); points without confidence are left out. The camera is taken as it is from then on. kDevice: no room.
   Status insert(const Cloud& cloud);
 
   // All that has come of the frames so far, as bytes; takes time like copying the map, and waits for nothing. kDevice.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
+#include "core/dataset/camera_file.h"
 #include "core/digest/sha256.h"
 #include "core/evaluate/accuracy_report.h"
 
@@ -40,6 +41,11 @@ std::string format_report_json(const RunReport& run, const Trajectory& estimate,
   report["position_sigma_m"] = statistics.position_sigma_m;
   report["rotation_sigma_deg"] = statistics.rotation_sigma_rad * 180 / M_PI;
   report["calibration_doubt"] = statistics.calibration_doubt;
+  report["camera_correction"] = statistics.camera_correction;
+  if (statistics.corrected_camera) {
+    report["corrected_camera"] = Json::parse(format_camera_json({*statistics.corrected_camera}));
+    report["corrected_camera"].erase("frame_rate_hz");  // which nobody knows here
+  }
   report["surfels"] = statistics.surfel_count;
   for (const auto& [what, count] : statistics.mapping) report["mapping"][what] = count;
   report["mean_frame_ms"] = statistics.mean_frame_ms;

@@ -39,6 +39,9 @@ constexpr double kAlikePixels = 6;
 // 0.6.
 constexpr double kBendBias = 0.005;
 
+// Of what others have found the camera to be off by.
+constexpr double kToldDeviation = 0.001;
+
 // What the ground of a new view is off by beside the noise of the step: tracking is biased by what edges and corners of surfaces do to the
 // map, the same way in each run, and so the more the farther the camera goes. Between the truth of rendered scenes and what calibration
 // does not explain (tests/accuracy/README.md, "What is stated").
@@ -99,11 +102,15 @@ Eigen::Vector3d PoseUncertainty::worst_direction() const {
 }
 
 std::string CalibrationDoubt::reason() const {
-  if (std::abs(bend) < std::max(kLeastBend, kDoubtSigmas * deviation)) return "";
-  char share[32];
-  std::snprintf(share, sizeof share, "%.1f %%", 100 * std::abs(bend));
-  return std::string("the camera's calibration does not fit: depth in the corners of the image is too ") + (bend > 0 ? "great" : "small") +
-         " by about " + share;
+  const auto by_about = [](double off) {
+    char words[48];
+    std::snprintf(words, sizeof words, " too %s by about %.1f %%", off > 0 ? "great" : "small", 100 * std::abs(off));
+    return std::string(words);
+  };
+  const std::string no_fit = "the camera's calibration does not fit: ";
+  if (std::abs(bend) >= std::max(kLeastBend, kDoubtSigmas * deviation))
+    return no_fit + "depth in the corners of the image is" + by_about(bend);
+  return focal == 0 ? "" : no_fit + "its focal length is" + by_about(focal);
 }
 
 // What holds a frame.
@@ -259,7 +266,26 @@ CalibrationDoubt MapCertainty::calibration() const {
   }
   const double alike = learned_.empty() ? 0 : squares / static_cast<double>(learned_.size());
   const double scatter = std::sqrt(std::max(1.0, alike / kAlikePixels));
-  return {mean_[kBendDoubt], scatter * std::sqrt(std::max(0.0, covariance_(kBendDoubt, kBendDoubt)))};
+  return {mean_[kBendDoubt], scatter * std::sqrt(std::max(0.0, covariance_(kBendDoubt, kBendDoubt))), focal_off_};
+}
+
+void MapCertainty::camera_fits(double bend_deviation, double focal_deviation) {
+  Eigen::MatrixXd of_state = Eigen::MatrixXd::Zero(kCameraDoubtCount, mean_.size());
+  of_state.leftCols<kCameraDoubtCount>().setIdentity();
+  Eigen::Vector2d variances;
+  variances[kBendDoubt] = bend_deviation * bend_deviation;
+  variances[kFocalDoubt] = focal_deviation * focal_deviation;
+  update(of_state, Eigen::Vector2d::Zero(), variances.asDiagonal().toDenseMatrix());
+}
+
+void MapCertainty::camera_is_off(double bend, double focal) {
+  Eigen::MatrixXd of_state = Eigen::MatrixXd::Zero(kCameraDoubtCount, mean_.size());
+  of_state.leftCols<kCameraDoubtCount>().setIdentity();
+  Eigen::Vector2d observed;
+  observed[kBendDoubt] = bend;
+  observed[kFocalDoubt] = focal;
+  update(of_state, observed, kToldDeviation * kToldDeviation * Eigen::Matrix2d::Identity());
+  focal_off_ = focal;
 }
 
 void MapCertainty::keep(CoarseView seen, const Rigid3& world_from_camera, const Ground& ground, const Eigen::MatrixXd& share,
@@ -311,6 +337,7 @@ void MapCertainty::save(ByteWriter& bytes) const {
   bytes.number(way_m_);
   bytes.flags(was_active_);
   bytes.number(closure_count_);
+  bytes.number(focal_off_);
   bytes.list(learned_, terms_fields<ByteWriter, const CameraTerms>);
 }
 
@@ -331,8 +358,9 @@ void MapCertainty::restore(ByteReader& bytes) {
   bytes.number(way_m_);
   bytes.flags(was_active_);
   bytes.number(closure_count_);
+  bytes.number(focal_off_);
   bytes.list(learned_, terms_fields<ByteReader, CameraTerms>);
-  bytes.require(mean_.allFinite() && covariance_.allFinite(), "numbers of the certainty");
+  bytes.require(mean_.allFinite() && covariance_.allFinite() && std::isfinite(focal_off_), "numbers of the certainty");
 }
 
 }  // namespace hermite

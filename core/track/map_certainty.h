@@ -10,7 +10,7 @@
 // noise of the step. Old ground bounds the uncertainty, new ground inherits it, a loop is an observation of the difference of two of them.
 //
 // The bend is observed too: two views of the same ground disagree, whatever their poses, as the same bend would have it. Its mean is
-// carried along, and with it what the poses are off by already. The focal length is not.
+// carried along, and with it what the poses are off by already. The focal length is not; what is found of either elsewhere is told.
 //
 // Host only, no GPU. One thread at a time.
 #pragma once
@@ -43,6 +43,7 @@ struct PoseUncertainty {
 // Whether depth in the corners of the image is too great, as a share of it.
 struct CalibrationDoubt {
   double bend = 0, deviation = 0;
+  double focal = 0;  // by how much the focal length is said to be too great, when that is beyond doubt
   // In words, when what is seen contradicts the calibration of depth beyond doubt; else empty.
   std::string reason() const;
 };
@@ -65,6 +66,11 @@ class MapCertainty {
                           const Matrix6d& step_covariance, const Ground& ground);
 
   CalibrationDoubt calibration() const;
+
+  // Somebody else has looked (core/calibrate/camera_watch.h): the camera is right up to these standard deviations, as shares, or off by so
+  // much.
+  void camera_fits(double bend_deviation, double focal_deviation);
+  void camera_is_off(double bend, double focal);
 
   // The map goes on in a part of its own: what follows is relative to its first frame, also when the part is joined to others. What is
   // known of the camera stays.
@@ -103,6 +109,7 @@ class MapCertainty {
   double way_m_ = 0;               // from view to view
   std::vector<bool> was_active_;   // by submap, in the frame before; of the last frame before a loop that is not yet seen here
   std::uint64_t closure_count_ = 0;
+  double focal_off_ = 0;  // as told
 };
 
 // The covariance of a step that is not one: a lost camera was found again at `world_from_camera`, as a twist about the world's origin.

@@ -21,7 +21,7 @@ namespace hermite::wire {
 
 inline constexpr const char* kSubprotocol = "hermite.v1";
 inline constexpr const char* kEndpoint = "/api/v1/ws";
-inline constexpr std::uint32_t kProtocolMinor = 4;
+inline constexpr std::uint32_t kProtocolMinor = 5;
 inline constexpr std::uint32_t kMinorWithResume = 2;   // both ends must have it for a scan to outlive its connection
 inline constexpr std::uint32_t kMinorWithWaiting = 3;  // a camera of it can wait for a place
 
@@ -107,7 +107,7 @@ struct Welcome {
   std::uint32_t frame_patience_s = 0;
 };
 enum class TrackingStatus { kTracked, kWeak, kLost };                               // unknown ones of a newer server count as lost
-enum class MapEvent { kNone, kLost, kFoundAgain, kNewPart, kJoined, kLoopClosed };  // unknown ones count as none
+enum class MapEvent { kNone, kLost, kFoundAgain, kNewPart, kJoined, kLoopClosed, kRecalibrated };  // unknown ones count as none
 struct TrackedFrame {
   std::uint64_t sequence = 0;
   double timestamp_s = 0;

@@ -45,7 +45,7 @@ v1::TrackingStatus status_of(TrackingStatus status) {
 
 // As in messages.h; scan.proto gives them the same numbers.
 MapEvent event_from(v1::MapEvent event) {
-  const bool known = event >= v1::MAP_EVENT_NONE && event <= v1::MAP_EVENT_LOOP_CLOSED;
+  const bool known = event >= v1::MAP_EVENT_NONE && event <= v1::MAP_EVENT_RECALIBRATED;
   return known ? static_cast<MapEvent>(event) : MapEvent::kNone;
 }
 

@@ -85,6 +85,8 @@ std::string format_event(const wire::FrameResult& result) {
     case wire::MapEvent::kNewPart: return frame + "a new part of the map begins: it will be joined when the camera sees both";
     case wire::MapEvent::kJoined: return frame + "two parts of the map are joined";
     case wire::MapEvent::kLoopClosed: return frame + "loop closed: " + correction_words(result.correction_m);
+    case wire::MapEvent::kRecalibrated:
+      return frame + "the camera's calibration was off and is corrected: " + correction_words(result.correction_m);
   }
   return {};
 }

@@ -33,9 +33,15 @@ void Audience::add_position(const wire::PoseInSubmap& where) {
 
 void Audience::show_past(const std::vector<wire::PoseInSubmap>& poses) {
   for (const wire::PoseInSubmap& pose : poses) add_position(pose);
-  // Who is there already has been told of no past.
+  // Who is there already has been told of no past, or of another one.
   for (Viewer* viewer : viewers_) viewer->trajectory_ = shared(trajectory());
   wake_all();
+}
+
+void Audience::show_other_past(const std::vector<wire::PoseInSubmap>& poses) {
+  positions_in_submaps_m_.clear();
+  submaps_.clear();
+  show_past(poses);
 }
 
 void Audience::show_result(const wire::FrameResult& result) {

@@ -52,6 +52,7 @@ class Audience {
   void show_state(const wire::ScanState& state);
   void show_result(const wire::FrameResult& result);             // and adds its position to the trajectory
   void show_past(const std::vector<wire::PoseInSubmap>& poses);  // of frames whose results nobody told: they come before all others
+  void show_other_past(const std::vector<wire::PoseInSubmap>& poses);  // instead of all positions so far: the map was made anew
   void show_poses(wire::SubmapPoses poses);
   void show_model(ModelUpdate update);
 

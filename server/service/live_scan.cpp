@@ -229,6 +229,7 @@ void LiveScan::frame_done(const FrameOutcome& outcome) {
   send(outcome.result);
   grant();
   if (outcome.poses) audience_->show_poses(*outcome.poses);
+  if (outcome.past) audience_->show_other_past(*outcome.past);
   audience_->show_result(outcome.result);
 }
 

@@ -21,6 +21,7 @@ wire::MapEvent wire_event(MapEvent event) {
     case MapEvent::kNewPart: return wire::MapEvent::kNewPart;
     case MapEvent::kJoined: return wire::MapEvent::kJoined;
     case MapEvent::kLoopClosed: return wire::MapEvent::kLoopClosed;
+    case MapEvent::kRecalibrated: return wire::MapEvent::kRecalibrated;
   }
   return wire::MapEvent::kNone;
 }
@@ -82,9 +83,11 @@ void measure(const PipelineStatistics& statistics, ModelUpdate& update) {
 }
 
 std::string words_about_map(const PipelineStatistics& statistics) {
+  std::string words = statistics.camera_correction;
   const std::uint64_t parts = sum_of(statistics.mapping, {"parts"});
-  if (parts < 2) return {};
-  return "the map is in " + std::to_string(parts) + " parts that could not be joined: the camera never saw enough of two at once";
+  if (parts < 2) return words;
+  if (!words.empty()) words += "; ";
+  return words + "the map is in " + std::to_string(parts) + " parts that could not be joined: the camera never saw enough of two at once";
 }
 
 }  // namespace hermite

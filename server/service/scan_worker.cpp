@@ -18,6 +18,7 @@
 #include "core/pipeline/pipeline.h"
 #include "proto/wire/frame_payload.h"
 #include "proto/wire/server_message.h"
+#include "server/service/back_end.h"
 #include "server/service/checkpoint_writer.h"
 #include "server/service/frame_queue.h"
 #include "server/service/pipeline_words.h"
@@ -35,13 +36,20 @@ constexpr std::chrono::milliseconds kUpdatePeriod(kMsPerUpdate);
 // Without frames to wait for, viewers are told within so long after an update is encoded.
 constexpr std::chrono::milliseconds kEncodingPatience(20);
 
+// The log is synced ten times a second: a disk that takes so much longer has other troubles.
+constexpr std::chrono::seconds kLogPatience(10);
+
 double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
 
 // The worker's thread: one scan from the first frame to its files.
 class ScanRun {
  public:
   ScanRun(const ScanSetup& setup, const ScanEvents& events, FrameQueue& queue, DurableFrames& durable)
-      : setup_(setup), events_(events), queue_(queue), checkpoints_(*setup.blobs, setup.scan_id, setup.checkpoint_period, durable) {
+      : setup_(setup),
+        events_(events),
+        queue_(queue),
+        durable_(durable),
+        checkpoints_(*setup.blobs, setup.scan_id, setup.checkpoint_period, durable) {
     begin();
   }
 
@@ -120,8 +128,27 @@ class ScanRun {
   void begin() {
     replay_.emplace(setup_.log_folder, setup_.replayed_record_count);
     pipeline_.reset();  // its memory first
-    pipeline_ = std::make_unique<Pipeline>(setup_.device, setup_.camera, setup_.options,
-                                           make_mapping(setup_.camera, setup_.options.adjust, setup_.correction_time), &timeline_);
+    BackEnd back_end = make_back_end(setup_.options, setup_.correction_time);
+    if (!setup_.log_folder.empty()) back_end.past_frames = [this] { return past_frames(); };
+    pipeline_ = std::make_unique<Pipeline>(setup_.device, setup_.camera, setup_.options, std::move(back_end), &timeline_);
+  }
+
+  // All up to the one in work, from the log. Nothing when they are not there in time: then the camera stays as it is.
+  PastFrames past_frames() {
+    if (!durable_.wait_for(taken_count_, kLogPatience)) {
+      spdlog::warn("scan {}: its camera cannot be corrected, since its frames are not on disk yet", setup_.scan_id);
+      return nullptr;
+    }
+    const auto log = std::make_shared<Replay>(setup_.log_folder, taken_count_ + kRecordsBeforeFrames);
+    return [this, log](std::int64_t, double timestamp_s) -> Result<RgbdFrame> {
+      for (;;) {
+        const Result<std::optional<wire::Frame>> frame = log->next();
+        if (!frame.ok()) return frame.error();
+        if (!*frame) return Error{ErrorCode::kNotFound, "the frame log does not have the frame"};
+        // Times grow, and frames that were dropped lie between.
+        if ((*frame)->timestamp_s >= timestamp_s) return wire::decode_frame_payload(**frame, setup_.depth_codec, setup_.camera);
+      }
+    };
   }
 
   // kNotFound: there is no checkpoint. After any error the scan is at its beginning.
@@ -150,6 +177,7 @@ class ScanRun {
     restored.poses = told_poses_ = wire_poses(*pipeline_);
     last_tracked_ = checkpoint.last_tracked;
     record_count_ = saved_record_count_ = checkpoint.record_count;
+    taken_count_ = checkpoint.record_count - kRecordsBeforeFrames;
     // Viewers are new to this server.
     pipeline_->forget_taken_changes();
     frames_since_update_ = kFramesPerUpdate;
@@ -204,6 +232,7 @@ class ScanRun {
     const Clock::time_point start = Clock::now();
     FrameOutcome outcome;
     const wire::Frame& frame = decoding.frame;
+    taken_count_ = frame.sequence + 1;
     Result<PreparedFrame> prepared = decoding.images.get();
     if (!prepared.ok()) outcome.bad_images = prepared.error();
     // A frame that cannot be read counts as one that shows nothing, as in `hermite reconstruct`: every frame has its pose.
@@ -218,6 +247,10 @@ class ScanRun {
     std::move(timeline_.stages.begin(), timeline_.stages.end(), std::back_inserter(outcome.stages));
     timeline_ = {};
     if (!same_poses(poses, told_poses_)) outcome.poses = told_poses_ = std::move(poses);
+    if (result->event == MapEvent::kRecalibrated) {
+      outcome.past = wire_past(*pipeline_);
+      outcome.past->pop_back();  // this one
+    }
     events_.frame_done(std::move(outcome));
     ++frames_since_update_;
     record_count_ = frame.sequence + 1 + kRecordsBeforeFrames;
@@ -277,6 +310,8 @@ class ScanRun {
   const ScanSetup& setup_;
   const ScanEvents& events_;
   FrameQueue& queue_;
+  DurableFrames& durable_;
+  std::uint64_t taken_count_ = 0;  // frames of the log up to the one in work
   std::optional<Replay> replay_;
   Timeline timeline_;  // of the frame in work
   std::unique_ptr<Pipeline> pipeline_;

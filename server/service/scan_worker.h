@@ -39,8 +39,9 @@ struct ScanSetup {
   std::string scan_id;
   Blobs* blobs = nullptr;  // for the results; outlives the worker
   CorrectionTime correction_time = CorrectionTime::kByFrames;
-  // Of a scan that a server before this one began: the first so many records of its frame log come before all that is pushed.
+  // Where all that is pushed is logged too, and is read again when the camera turns out to be off. Empty: nowhere.
   std::string log_folder;
+  // Of a scan that a server before this one began: the first so many records of its frame log come before all that is pushed.
   std::uint64_t replayed_record_count = 0;
   std::uint64_t replayed_frame_count = 0;          // among these, with the refused ones
   std::chrono::milliseconds checkpoint_period{0};  // so often what the scan has come to is stored (checkpoint_file.h); 0: never
@@ -58,8 +59,9 @@ struct RestoredScan {
 struct FrameOutcome {
   wire::FrameResult result;
   std::optional<wire::SubmapPoses> poses;  // when submaps came or moved: told before the result, so that all of it moves at once
-  std::vector<Timeline::Stage> stages;     // "queue" first, then "decode" and those of the pipeline
-  std::optional<Error> bad_images;         // why the pipeline got an empty frame instead of this one's images
+  std::optional<std::vector<wire::PoseInSubmap>> past;  // when the map was made anew: where the camera was in the frames before
+  std::vector<Timeline::Stage> stages;                  // "queue" first, then "decode" and those of the pipeline
+  std::optional<Error> bad_images;                      // why the pipeline got an empty frame instead of this one's images
 };
 
 // A chunk message ready to be sent, made once for all viewers.

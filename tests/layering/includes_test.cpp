@@ -44,9 +44,9 @@ const std::vector<Layer>& layers() {
       {"core/digest", {"core/base"}},
       // Of what needs more than Vulkan and Eigen only plain headers: hermite_bench links this and nothing else.
       {"core/pipeline",
-       {"core/adjust/mapping.h", "core/adjust/adjust_options.h", "core/dataset/trajectory.h", "core/output/cloud.h", "core/mesh",
+       {"core/adjust/mapping.h", "core/adjust/adjust_options.h", "core/calibrate/camera_watch.h", "core/dataset/trajectory.h", "core/output/cloud.h", "core/mesh",
         "core/track", "core/map", "core/frame", "core/gpu", "core/math", "core/base"}},
-      {"core/report", {"core/pipeline", "core/evaluate", "core/digest", "core/base"}},
+      {"core/report", {"core/pipeline", "core/dataset/camera_file.h", "core/evaluate", "core/digest", "core/base"}},
       {"tests/bench/program", {"core/pipeline", "core/raw", "core/gpu", "core/base"}},
       {"tests/bench/codecs", {"core/dataset", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"proto/wire", {"core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},

@@ -48,7 +48,9 @@ TEST(Prepare, AFrameOfAnotherSizeIsRefusedBeforeItsTurnAndAtIt) {
   ASSERT_FALSE(prepared.ok());
   EXPECT_EQ(prepared.error().code, ErrorCode::kInvalidArgument);
   EXPECT_NE(prepared.error().message.find("80x120"), std::string::npos) << prepared.error().message;
-  const Result<FrameResult> processed = pipeline.process(PreparedFrame{narrow, {}, {}, {}});
+  PreparedFrame made_elsewhere;
+  made_elsewhere.frame = narrow;
+  const Result<FrameResult> processed = pipeline.process(made_elsewhere);
   ASSERT_FALSE(processed.ok());
   EXPECT_EQ(processed.error().code, ErrorCode::kInvalidArgument);
 }

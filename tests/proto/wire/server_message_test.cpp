@@ -152,7 +152,7 @@ TEST(ServerMessage, AFrameResultSaysWhereInTheMapAndWhatHappened) {
   EXPECT_EQ(back.last_tracked->sequence, 12u);
   EXPECT_EQ(back.last_tracked->timestamp_s, 0.5);
   for (const MapEvent event :
-       {MapEvent::kNone, MapEvent::kLost, MapEvent::kFoundAgain, MapEvent::kNewPart, MapEvent::kJoined, MapEvent::kLoopClosed}) {
+       {MapEvent::kNone, MapEvent::kLost, MapEvent::kFoundAgain, MapEvent::kNewPart, MapEvent::kJoined, MapEvent::kLoopClosed, MapEvent::kRecalibrated}) {
     result.event = event;
     EXPECT_EQ(round_trip(result).event, event);
   }

@@ -12,10 +12,12 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/dataset/camera_file.h"
 #include "core/output/ply.h"
 #include "core/pipeline/pipeline.h"
 #include "core/report/run_report.h"
 #include "proto/wire/frame_payload.h"
+#include "server/service/back_end.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
@@ -87,13 +89,14 @@ struct Expected {
 Expected local_run(const Sequence& sequence) {
   Options options;
   options.output_unstable = true;
-  Pipeline pipeline("", sequence.camera(), options, make_mapping(sequence.camera(), options.adjust, CorrectionTime::kByFrames));
-  for (std::int64_t index = 0; index < sequence.frame_count(); ++index) {
+  const auto frame_of = [&sequence](std::int64_t index) {
     auto recorded = sequence.read(index);
-    const RgbdFrame frame =
-        recorded.ok() ? *decode_frame(*std::move(recorded)) : wire::empty_frame(sequence.timestamp_s(index), sequence.camera());
-    EXPECT_TRUE(pipeline.process(frame).ok());
-  }
+    return recorded.ok() ? *decode_frame(*std::move(recorded)) : wire::empty_frame(sequence.timestamp_s(index), sequence.camera());
+  };
+  BackEnd back_end = make_back_end(options, CorrectionTime::kByFrames);
+  back_end.past_frames = [&frame_of]() -> PastFrames { return [&frame_of](std::int64_t index, double) { return frame_of(index); }; };
+  Pipeline pipeline("", sequence.camera(), options, std::move(back_end));
+  for (std::int64_t index = 0; index < sequence.frame_count(); ++index) EXPECT_TRUE(pipeline.process(frame_of(index)).ok());
   pipeline.finish();
   const Cloud cloud = *pipeline.cloud();
   EXPECT_FALSE(cloud.empty());
@@ -124,6 +127,25 @@ TEST(Stream, GivesWhatALocalRunGivesForAnyCreditWindow) {
     EXPECT_EQ(report["frames"], kFrameCount);
     EXPECT_EQ(report["tracked_frames"].get<std::uint64_t>(), outcome->progress.tracked_frames);
   }
+}
+
+TEST(Stream, ACameraThatIsOffIsCorrectedFromTheFrameLogAsInALocalRun) {
+  const auto sequence = *open_sequence("synthetic:scene=bare,frames=60,width=160,height=120,rate=10+focal=percent=2");
+  const TestServer server;
+  std::vector<wire::MapEvent> events;
+  StreamObserver observer;
+  observer.on_event = [&events](const wire::FrameResult& result) { events.push_back(result.event); };
+  const auto outcome = stream_sequence(*sequence, all_of(*sequence), request_for(server), observer);
+  ASSERT_TRUE(outcome.ok()) << outcome.error().message;
+  EXPECT_THAT(events, testing::ElementsAre(wire::MapEvent::kRecalibrated));
+  const Expected expected = local_run(*sequence);
+  EXPECT_EQ(cloud_sha256(*outcome), expected.cloud_sha256);
+  EXPECT_EQ(outcome->trajectory_tum, expected.trajectory_tum);
+  const Json report = Json::parse(outcome->report_json);
+  EXPECT_THAT(report["camera_correction"].get<std::string>(), HasSubstr("focal length by -"));
+  const Result<CameraFile> corrected = parse_camera_json(report["corrected_camera"].dump());
+  ASSERT_TRUE(corrected.ok()) << corrected.error().message;
+  EXPECT_NEAR(corrected->camera.fx / sequence->camera().fx, 1 / 1.02, 0.003);
 }
 
 TEST(Stream, TwoScansAtOnceAreTheSameAsOne) {

@@ -97,6 +97,26 @@ TEST(Audience, ThePathMovesWithItsSubmapsForThoseWhoComeLater) {
   EXPECT_EQ(part.submaps, (std::vector<std::uint32_t>{0, 1}));
 }
 
+TEST(Audience, ThePathOfAMapThatIsMadeAnewIsAnotherOneForAll) {
+  const auto audience = empty_audience();
+  wire::FrameResult result;
+  result.world_from_camera.translation = {1, 2, 3};
+  audience->show_result(result);
+  Joined before(audience);
+  take_all(*before.viewer);
+  wire::PoseInSubmap elsewhere;
+  elsewhere.submap_from_camera.translation = {4, 5, 6};
+  audience->show_other_past({elsewhere});
+  result.world_from_camera.translation = {7, 8, 9};
+  audience->show_result(result);
+  const auto messages = take_all(*before.viewer);
+  ASSERT_EQ(only<wire::TrajectoryPart>(messages).size(), 1u);
+  EXPECT_EQ(only<wire::TrajectoryPart>(messages)[0].positions_m, (std::vector<float>{4, 5, 6})) << "in place of all before";
+  EXPECT_TRUE(std::holds_alternative<wire::TrajectoryPart>(messages.front())) << "then the result that comes after it";
+  Joined after(audience);
+  EXPECT_EQ(only<wire::TrajectoryPart>(take_all(*after.viewer))[0].positions_m, (std::vector<float>{4, 5, 6, 7, 8, 9}));
+}
+
 TEST(Audience, ThePathOfAScanThatIsOverIsInTheWorld) {
   const auto audience = empty_audience();
   audience->set_positions({1, 2, 3});

@@ -37,7 +37,7 @@ export type ScanPhaseName = 'unknown' | 'running' | 'finished' | 'failed' | 'int
 
 export type TrackingName = 'tracked' | 'weak' | 'lost';
 
-export type MapEventName = 'none' | 'lost' | 'foundAgain' | 'newPart' | 'joined' | 'loopClosed';
+export type MapEventName = 'none' | 'lost' | 'foundAgain' | 'newPart' | 'joined' | 'loopClosed' | 'recalibrated';
 
 export interface FrameEvent {
   readonly kind: 'frame';

@@ -27,7 +27,7 @@ import type {
 
 export class WireError extends Error {}
 
-export const protocolMinor = 4;
+export const protocolMinor = 5;
 export const maxPointsPerChunk = 262144;
 
 export interface WireChunk {
@@ -116,6 +116,7 @@ const eventNames: Partial<Record<MapEvent, MapEventName>> = {
   [MapEvent.NEW_PART]: 'newPart',
   [MapEvent.JOINED]: 'joined',
   [MapEvent.LOOP_CLOSED]: 'loopClosed',
+  [MapEvent.RECALIBRATED]: 'recalibrated',
 };
 
 function frameOf(frame: FrameResult): FrameEvent {

@@ -24,7 +24,7 @@ export class TrajectoryLayer implements Layer {
 
   onEvent(event: ScanEvent): void {
     if (event.kind === 'welcome') this.length = 0; // the server sends the past again
-    else if (event.kind === 'trajectory') this.append(event.positions_m, event.submaps);
+    else if (event.kind === 'trajectory') this.replace(event.positions_m, event.submaps);
     else if (event.kind !== 'frame' || event.tracking === 'lost') return;
     else if (!event.inSubmap) this.append(event.worldFromCamera.translation, null);
     else this.append(event.inSubmap.submapFromCamera.translation, [event.inSubmap.submap]);
@@ -42,6 +42,12 @@ export class TrajectoryLayer implements Layer {
   dispose(): void {
     this.object.geometry.dispose();
     this.object.material.dispose();
+  }
+
+  // All so far: of a viewer that has just come, or when the map was made anew.
+  private replace(positions_m: ArrayLike<number>, submaps: ArrayLike<number> | null): void {
+    this.length = 0;
+    this.append(positions_m, submaps);
   }
 
   private append(positions_m: ArrayLike<number>, submaps: ArrayLike<number> | null): void {

@@ -67,6 +67,7 @@ describe('reduceLiveScan', () => {
     expect(eventWords(after(welcome, running, happened('loopClosed', 0.001, 5)))).toBe('Loop closed: the map was right.');
     expect(eventWords(after(welcome, running, happened('foundAgain', 0, 5)))).toBe('Found again.');
     expect(eventWords(after(welcome, running, happened('joined', 1, 5)))).toBe('Two parts of the map are joined.');
+    expect(eventWords(after(welcome, running, happened('recalibrated', 0.05, 5)))).toBe('The camera’s calibration was off and is corrected: the map was corrected by up to 5 cm.');
     expect(eventWords(after(welcome, running, happened('lost', 0, 5)))).toBe('');
     expect(eventWords(reduceLiveScan(closed, welcome))).toBe('');
   });

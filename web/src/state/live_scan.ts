@@ -101,7 +101,7 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
         poses: state.poses + 1,
       };
     case 'trajectory':
-      return { ...state, poses: state.poses + event.positions_m.length / 3 };
+      return { ...state, poses: event.positions_m.length / 3 }; // all so far
     case 'scanState':
       return {
         ...state,

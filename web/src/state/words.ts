@@ -97,6 +97,8 @@ export function eventWords(scan: LiveScan): string {
       return 'Two parts of the map are joined.';
     case 'loopClosed':
       return `Loop closed: the map was ${correctionWords(scan.event.correction_m)}.`;
+    case 'recalibrated':
+      return `The camera’s calibration was off and is corrected: the map was ${correctionWords(scan.event.correction_m)}.`;
     default:
       return '';
   }

@@ -1,0 +1,223 @@
+#include "core/pipeline/reconstruction.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "core/math/rigid3_fields.h"
+
+namespace hermite {
+
+namespace {
+
+// Of a frame that nothing new was taken from.
+Judgement of_full_map(Judgement tracked) {
+  tracked.status = TrackingStatus::kWeak;
+  tracked.reason += (tracked.reason.empty() ? "" : "; ") +
+                    std::string("the map is full: the device memory that may be used has no room for what is new around the camera");
+  return tracked;
+}
+
+// A tenth of what tells that something has moved (core/track/moving_regions.cpp).
+constexpr double kCorrectionThatMovesViews_m = 0.003;
+
+// The frame as the back end gets it: no depth where something moves.
+RgbdFrame without_moving(const RgbdFrame& frame, const FrontEnd& front_end) {
+  RgbdFrame rest = frame;
+  const shared::Intrinsics& coarse = front_end.coarse_view().camera;
+  const int width = static_cast<int>(coarse.width), height = static_cast<int>(coarse.height);
+  for (int y = 0; y < frame.depth.height; ++y)
+    for (int x = 0; x < frame.depth.width; ++x)
+      if (front_end.moving()[front_end.coarse_view().index(x * width / frame.depth.width, y * height / frame.depth.height)] != 0)
+        rest.depth.at(x, y) = 0;
+  return rest;
+}
+
+double farthest_correction_m(const std::vector<Rigid3>& before, const MapLayout& layout) {
+  double farthest_m = 0;
+  for (std::size_t submap = 0; submap < before.size(); ++submap)
+    if (layout.is_active[submap])
+      farthest_m = std::max(farthest_m, (layout.world_from_submap[submap].translation - before[submap].translation).norm());
+  return farthest_m;
+}
+
+}  // namespace
+
+std::size_t part_count(const MapLayout& layout) { return std::set(layout.part.begin(), layout.part.end()).size(); }
+
+// What the back end makes of a tracked frame: submaps are opened and moved, loops closed.
+MapEvent Reconstruction::observe(const RgbdFrame& frame, const Rigid3& tracked) {
+  const std::uint32_t submap = layout().current;
+  const Rigid3 submap_from_camera = inverse(layout().world_from_submap[submap]) * tracked;
+  const std::size_t parts_before = part_count(layout());
+  const std::uint64_t closures_before = layout().closure_count;
+  for (const Revisit& revisit : mapping->observe(without_moving(frame, front_end), tracked)) {
+    const std::optional<Look> look = front_end.look(revisit, layout());
+    if (look && mapping->confirm(revisit, *look)) break;  // the others were guessed from how the map was before
+  }
+  world_from_camera = layout().world_from_submap[submap] * submap_from_camera;
+  if (part_count(layout()) < parts_before) return MapEvent::kJoined;
+  return layout().closure_count > closures_before ? MapEvent::kLoopClosed : MapEvent::kNone;
+}
+
+// A lost camera is found, or the map goes on in a new part.
+MapEvent Reconstruction::find(const RgbdFrame& frame, const FrameContent& content, Motion& motion) {
+  const std::vector<Revisit> revisits = mapping->find(frame);
+  for (const Revisit& revisit : revisits) {
+    const std::optional<Look> look = front_end.look(revisit, layout());
+    if (!look) continue;
+    mapping->found(revisit, look->world_from_camera);
+    world_from_camera = look->world_from_camera;
+    front_end.forget_corners();
+    motion = {{}, {TrackingStatus::kWeak, "found again"}};
+    return MapEvent::kFoundAgain;
+  }
+  if (lost_count + 1 >= options.adjust.new_part_after_frames && front_end.judge_start(content).status != TrackingStatus::kLost) {
+    mapping->begin_part(world_from_camera);
+    front_end.forget_corners();
+    motion = {{}, {TrackingStatus::kWeak, "not found: a new part of the map begins, to be joined when the camera sees both"}};
+    return MapEvent::kNewPart;
+  }
+  if (!revisits.empty()) front_end.predict(world_from_camera, layout());  // which the looks have overwritten
+  return MapEvent::kNone;
+}
+
+// What is known of the frame's pose, and whether that is enough to call it tracked.
+void Reconstruction::weigh(Motion& motion, FrameResult& result) {
+  if (result.event == MapEvent::kNewPart) front_end.begin_part();
+  uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, layout());
+  result.uncertainty = uncertainty;
+  motion.judgement =
+      weighed(std::move(motion.judgement), {uncertainty, front_end.calibration_doubt(), contradiction(motion.odometry.witnesses)});
+}
+
+// Of a frame that is not lost.
+void Reconstruction::show_to_watch(const RgbdFrame& frame, MapEvent event) {
+  if (event == MapEvent::kNewPart) watch->begin_part();
+  if (watch->wants(world_from_camera)) watch->view(without_moving(frame, front_end), world_from_camera);
+}
+
+void Reconstruction::remember(double timestamp_s) {
+  poses.push_back({timestamp_s, layout().current, inverse(layout().world_from_submap[layout().current]) * world_from_camera});
+  trajectory.push_back({timestamp_s, world_from_camera});
+  follow_corrections();
+}
+
+void Reconstruction::follow_corrections() {
+  if (correction_count == layout().correction_count) return;
+  correction_count = layout().correction_count;
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    trajectory[i].world_from_camera = layout().world_from_submap[poses[i].submap] * poses[i].submap_from_camera;
+}
+
+// Of the frame that was remembered last.
+void Reconstruction::describe_pose(FrameResult& result) const {
+  result.world_from_camera = trajectory.back().world_from_camera;
+  result.submap = poses.back().submap;
+  result.submap_from_camera = poses.back().submap_from_camera;
+  result.last_tracked_frame = result.frame_index - lost_count;
+  if (result.last_tracked_frame >= 0)
+    result.last_tracked_timestamp_s = poses[static_cast<std::size_t>(result.last_tracked_frame)].timestamp_s;
+}
+
+FrameResult Reconstruction::process(const PreparedFrame& prepared) {
+  const auto start = std::chrono::steady_clock::now();
+  const RgbdFrame& frame = prepared.frame;
+  const FrameContent& content = prepared.content;
+  FrameResult result;
+  result.frame_index = static_cast<std::int64_t>(trajectory.size());
+  result.timestamp_s = frame.timestamp_s;
+
+  timed("preprocess", [&] { front_end.preprocess(prepared, result.frame_index); });
+  const std::vector<Rigid3> poses_before = layout().world_from_submap;
+  Motion motion;
+  timed("track", [&] { motion = front_end.track(content, prepared.features, frame.depth, world_from_camera, last_motion, lost_count); });
+  if (motion.judgement.status != TrackingStatus::kLost) world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
+  if (mapping && motion.judgement.status != TrackingStatus::kLost)
+    timed("adjust", [&] { result.event = observe(frame, world_from_camera); });
+  if (mapping && motion.judgement.status == TrackingStatus::kLost) timed("find", [&] { result.event = find(frame, content, motion); });
+
+  const bool lost = motion.judgement.status == TrackingStatus::kLost;
+  if (lost != (lost_count > 0) && tracked_frame_count > 0 && result.event == MapEvent::kNone)
+    result.event = lost ? MapEvent::kLost : MapEvent::kFoundAgain;
+  result.correction_m = farthest_correction_m(poses_before, layout());
+  if (lost || result.event != MapEvent::kNone || result.correction_m > kCorrectionThatMovesViews_m) front_end.forget_views();
+  if (!lost) weigh(motion, result);
+  if (!lost) front_end.remember_view(world_from_camera, motion.odometry.reference_from_camera, prepared);
+  lost_count = lost ? lost_count + 1 : 0;
+  if (!lost) {
+    last_motion = motion.odometry.reference_from_camera;
+    const PictureUse picture{motion.judgement.picture_is_good, motion.odometry.brightness};
+    bool is_full = false;
+    timed("fuse", [&] { is_full = !front_end.fuse(world_from_camera, layout(), picture); });
+    if (is_full) motion.judgement = of_full_map(std::move(motion.judgement));
+    timed("predict", [&] { front_end.clean_and_predict(picture); });
+    ++tracked_frame_count;
+    weak_frame_count += motion.judgement.status == TrackingStatus::kWeak ? 1 : 0;
+  }
+
+  result.status = motion.judgement.status;
+  result.reason = motion.judgement.reason;
+  result.inlier_count = motion.odometry.inlier_count;
+  result.inlier_ratio = motion.odometry.inlier_ratio;
+  result.residual_rms_m = motion.odometry.residual_rms_m;
+  result.surfel_count = front_end.store.surfel_count();
+  if (watch && !lost) show_to_watch(frame, result.event);
+  remember(frame.timestamp_s);
+  describe_pose(result);
+  ++timed_frame_count;
+  total_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+template <class Bytes, class Saved>
+void Reconstruction::fields(Bytes& bytes, Saved& saved) {
+  rigid3_fields(bytes, saved.world_from_camera);
+  rigid3_fields(bytes, saved.last_motion);
+  bytes.number(saved.lost_count);
+  bytes.numbers(saved.uncertainty.second_moment.data(), 36);
+  bytes.number(saved.uncertainty.way_m);
+  bytes.list(saved.poses, [](auto& to, auto& pose) {
+    to.number(pose.timestamp_s);
+    to.number(pose.submap);
+    rigid3_fields(to, pose.submap_from_camera);
+  });
+  bytes.list(saved.trajectory, [](auto& to, auto& pose) {
+    to.number(pose.timestamp_s);
+    rigid3_fields(to, pose.world_from_camera);
+  });
+  bytes.number(saved.correction_count);
+  bytes.number(saved.tracked_frame_count);
+  bytes.number(saved.weak_frame_count);
+}
+
+void Reconstruction::save(ByteWriter& bytes) const {
+  fields(bytes, *this);
+  if (mapping) mapping->save(bytes);
+  if (watch) watch->save(bytes);
+  front_end.save(bytes);
+}
+
+void Reconstruction::restore(ByteReader& bytes) {
+  fields(bytes, *this);
+  if (mapping) mapping->restore(bytes);
+  if (watch) watch->restore(bytes);
+  front_end.restore(bytes);
+  const auto frames = static_cast<std::int64_t>(poses.size());
+  const std::size_t submaps = layout().world_from_submap.size();
+  bytes.require(poses.size() == trajectory.size() && tracked_frame_count >= 0 && tracked_frame_count <= frames && weak_frame_count >= 0 &&
+                    weak_frame_count <= frames && lost_count >= 0 && lost_count <= frames,
+                "the number of frames");
+  bytes.require(std::all_of(poses.begin(), poses.end(), [submaps](const AnchoredPose& pose) { return pose.submap < submaps; }) &&
+                    front_end.store.world_from_submap().size() <= submaps,
+                "the number of submaps");
+}
+
+void Reconstruction::finish() {
+  if (!mapping) return;
+  mapping->finish();
+  front_end.store.set_submaps(layout().world_from_submap);
+  follow_corrections();
+}
+
+}  // namespace hermite

@@ -1,0 +1,93 @@
+// Frames of one camera become poses and a map. See `process` for the method in one sentence.
+//
+// One thread at a time: the device's.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/adjust/mapping.h"
+#include "core/base/byte_stream.h"
+#include "core/base/timeline.h"
+#include "core/calibrate/camera_watch.h"
+#include "core/dataset/trajectory.h"
+#include "core/frame/prepared_frame.h"
+#include "core/pipeline/frame_result.h"
+#include "core/pipeline/front_end.h"
+#include "core/pipeline/options.h"
+
+namespace hermite {
+
+std::size_t part_count(const MapLayout& layout);
+
+// For Pipeline: what it makes, asks and, when the camera turns out to be off, throws away.
+struct Reconstruction {
+  Reconstruction(const std::string& device, const Camera& camera, const Options& options_of_scan, std::unique_ptr<Mapping> mapping_of_scan,
+                 std::unique_ptr<CameraWatch> watch_of_camera, Timeline* timeline_of_scan)
+      : options(options_of_scan),
+        timeline(timeline_of_scan),
+        mapping(std::move(mapping_of_scan)),
+        watch(std::move(watch_of_camera)),
+        front_end(device, camera, options, timeline) {}
+
+  FrameResult process(const PreparedFrame& prepared);
+
+  // No frame follows: the map is adjusted for the last time.
+  void finish();
+
+  // Between frames. restore() is of one that has seen no frame; after a failure of the reader it is of no use any more.
+  void save(ByteWriter& bytes) const;
+  void restore(ByteReader& bytes);
+
+  const MapLayout& layout() const { return mapping ? mapping->layout() : one_submap; }
+  bool is_output(const Surfel& surfel) const {
+    return surfel.confidence >= (options.output_unstable ? 1e-6 : options.map.stable_confidence);
+  }
+
+  // Steps of the above.
+  template <class Bytes, class Saved>
+  static void fields(Bytes& bytes, Saved& saved);
+  MapEvent observe(const RgbdFrame& frame, const Rigid3& tracked);
+  MapEvent find(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
+  void describe_pose(FrameResult& result) const;
+  void weigh(Motion& motion, FrameResult& result);
+  void show_to_watch(const RgbdFrame& frame, MapEvent event);
+  void remember(double timestamp_s);
+  void follow_corrections();
+
+  // Runs `work`, waits for the GPU, and books the wall clock time under `stage`.
+  template <class Work>
+  void timed(const char* stage, Work work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    front_end.commands.submit_and_wait();
+    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    stage_total_ms[stage] += ms;
+    if (timeline) timeline->stages.push_back({stage, start, ms});
+  }
+
+  const Options options;
+  Timeline* const timeline;                  // of whoever wants one
+  const std::unique_ptr<Mapping> mapping;    // none: one submap, which never moves
+  const std::unique_ptr<CameraWatch> watch;  // none: the camera is taken as it is
+  const MapLayout one_submap;
+  FrontEnd front_end;
+
+  Rigid3 world_from_camera;     // of the last tracked frame; the prediction is seen from here
+  Rigid3 last_motion;           // reference_from_camera of the last tracked frame
+  int lost_count = 0;           // frames lost since
+  PoseUncertainty uncertainty;  // of the last tracked frame
+  std::vector<AnchoredPose> poses;
+  Trajectory trajectory;  // `poses` in the world, as of correction_count
+  std::uint64_t correction_count = 0;
+  std::int64_t tracked_frame_count = 0, weak_frame_count = 0;
+  std::int64_t timed_frame_count = 0;  // that the next two are of, and the device's clocks: since restore()
+  double total_ms = 0;
+  std::map<std::string, double> stage_total_ms;
+};
+
+}  // namespace hermite

@@ -1,0 +1,168 @@
+// A camera that turns out to be off while the scan goes on.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "core/evaluate/trajectory_error.h"
+#include "core/output/ply.h"
+#include "core/pipeline/pipeline.h"
+#include "tests/support/recording.h"
+
+namespace hermite {
+namespace {
+
+using testing::HasSubstr;
+
+// Six seconds of a hand. The camera says a focal length that is 2 % too great.
+const test::Recording& recording() {
+  static const test::Recording made = test::record("synthetic:scene=bare,frames=60,width=160,height=120,rate=10+focal=percent=2");
+  return made;
+}
+constexpr std::size_t kUnread = 7;
+
+Options exporting_all() {
+  Options options;
+  options.output_unstable = true;
+  return options;
+}
+
+// What the pipeline gets when it asks for its frames again.
+enum class Past { kNone, kAll, kAllButOne };
+
+BackEnd back_end(Past past) {
+  BackEnd parts;
+  parts.camera_watch = make_camera_watch;
+  const auto frame = [past](std::int64_t index, double) -> Result<RgbdFrame> {
+    if (past == Past::kAllButOne && index == kUnread) return Error{ErrorCode::kIo, "the disk says no"};
+    return recording().frames[static_cast<std::size_t>(index)];
+  };
+  if (past != Past::kNone) parts.past_frames = [frame] { return frame; };
+  return parts;
+}
+
+std::unique_ptr<Pipeline> make_pipeline(Past past = Past::kAll) {
+  return std::make_unique<Pipeline>("", recording().camera, exporting_all(), back_end(past));
+}
+
+std::string poses_of(const Pipeline& pipeline) {
+  std::string bytes;
+  for (const TimedPose& pose : pipeline.trajectory()) {
+    bytes.append(reinterpret_cast<const char*>(pose.world_from_camera.rotation.coeffs().data()), 4 * sizeof(double));
+    bytes.append(reinterpret_cast<const char*>(pose.world_from_camera.translation.data()), 3 * sizeof(double));
+  }
+  return bytes;
+}
+
+struct Ended {
+  std::string poses, cloud;
+};
+
+Ended ended(Pipeline& pipeline) {
+  pipeline.finish();
+  return {poses_of(pipeline), format_ply(*pipeline.cloud())};
+}
+
+// All frames of the recording, with what was told of them.
+struct Scanned {
+  std::unique_ptr<Pipeline> pipeline;
+  std::vector<FrameResult> results;
+  std::map<std::uint32_t, CloudPoint> mirror;  // of the slots that are alive, as viewers have it
+};
+
+Scanned scan(std::unique_ptr<Pipeline> pipeline) {
+  Scanned scanned{std::move(pipeline), {}, {}};
+  const auto mirror = [&scanned] {
+    const std::vector<SlotChange> changes = *scanned.pipeline->take_changes();
+    for (const SlotChange& change : changes) {
+      scanned.mirror.erase(change.slot);
+      if (change.alive) scanned.mirror[change.slot] = change.point;
+    }
+  };
+  for (const RgbdFrame& frame : recording().frames) {
+    scanned.results.push_back(*scanned.pipeline->process(frame));
+    if (scanned.results.size() % 10 == 5) mirror();
+  }
+  scanned.pipeline->finish();
+  mirror();
+  return scanned;
+}
+
+std::size_t event_count(const std::vector<FrameResult>& results, MapEvent event) {
+  return static_cast<std::size_t>(
+      std::count_if(results.begin(), results.end(), [event](const FrameResult& r) { return r.event == event; }));
+}
+
+// Made once: each test needs it to compare with.
+const Scanned& corrected_scan() {
+  static const Scanned scanned = scan(make_pipeline());
+  return scanned;
+}
+
+TEST(Recalibration, MakesTheScanAnewAsWithTheRightCamera) {
+  const Scanned& scanned = corrected_scan();
+  ASSERT_EQ(event_count(scanned.results, MapEvent::kRecalibrated), 1u);
+  const PipelineStatistics statistics = scanned.pipeline->statistics();
+  ASSERT_TRUE(statistics.corrected_camera);
+  EXPECT_EQ(statistics.calibration_doubt, "");
+  EXPECT_NEAR(statistics.corrected_camera->fx / recording().camera.fx, 1 / 1.02, 0.003);
+  EXPECT_EQ(statistics.frame_count, static_cast<std::int64_t>(recording().frames.size()));
+  EXPECT_EQ(scanned.mirror.size(), scanned.pipeline->cloud()->size());
+  const auto error = trajectory_error(scanned.pipeline->trajectory(), recording().groundtruth);
+  EXPECT_LT(error->ate_m.rmse, 0.006);
+
+  Pipeline right("", *statistics.corrected_camera, exporting_all());
+  for (const RgbdFrame& frame : recording().frames) ASSERT_TRUE(right.process(frame).ok());
+  const Ended expected = ended(right);
+  EXPECT_TRUE(poses_of(*scanned.pipeline) == expected.poses);
+  EXPECT_TRUE(format_ply(*scanned.pipeline->cloud()) == expected.cloud);
+}
+
+TEST(Recalibration, GoesOnFromACheckpointWhileTheAnswerIsAwaitedAndAfterIt) {
+  const Scanned& scanned = corrected_scan();
+  for (const std::size_t broken_off : {std::size_t{30}, std::size_t{50}}) {
+    std::string state;
+    {
+      const std::unique_ptr<Pipeline> first = make_pipeline();
+      for (std::size_t i = 0; i < broken_off; ++i) ASSERT_TRUE(first->process(recording().frames[i]).ok());
+      state = *first->save();
+    }
+    const std::unique_ptr<Pipeline> second = make_pipeline();
+    const Status restored = second->restore(state);
+    ASSERT_TRUE(restored.ok()) << restored.error().message;
+    for (std::size_t i = broken_off; i < recording().frames.size(); ++i) ASSERT_TRUE(second->process(recording().frames[i]).ok());
+    const Ended ended_second = ended(*second);
+    EXPECT_TRUE(ended_second.poses == poses_of(*scanned.pipeline)) << broken_off;
+    EXPECT_TRUE(ended_second.cloud == format_ply(*scanned.pipeline->cloud())) << broken_off;
+  }
+}
+
+TEST(Recalibration, OfAScanWithoutItsFramesIsADoubtThatMakesFramesWeak) {
+  const Scanned scanned = scan(make_pipeline(Past::kNone));
+  EXPECT_EQ(event_count(scanned.results, MapEvent::kRecalibrated), 0u);
+  EXPECT_FALSE(scanned.pipeline->statistics().corrected_camera);
+  EXPECT_EQ(scanned.results.back().status, TrackingStatus::kWeak);
+  EXPECT_THAT(scanned.results.back().reason, HasSubstr("the camera's calibration does not fit: its focal length is too great by about"));
+}
+
+TEST(Recalibration, TakesAFrameThatCannotBeReadAgainForAnEmptyOne) {
+  const Scanned scanned = scan(make_pipeline(Past::kAllButOne));
+  EXPECT_EQ(event_count(scanned.results, MapEvent::kRecalibrated), 1u);
+  ASSERT_EQ(scanned.pipeline->trajectory().size(), recording().frames.size());
+  EXPECT_EQ(scanned.pipeline->trajectory()[kUnread].world_from_camera.translation,
+            scanned.pipeline->trajectory()[kUnread - 1].world_from_camera.translation);
+  EXPECT_EQ(scanned.pipeline->statistics().tracked_frame_count, static_cast<std::int64_t>(recording().frames.size()) - 1);
+}
+
+TEST(Recalibration, TakesACameraAsItIsWhenItIsTold) {
+  Options options = exporting_all();
+  options.frame.correct_camera = false;
+  const Scanned scanned = scan(std::make_unique<Pipeline>("", recording().camera, options, back_end(Past::kAll)));
+  EXPECT_EQ(event_count(scanned.results, MapEvent::kRecalibrated), 0u);
+  EXPECT_FALSE(scanned.pipeline->statistics().corrected_camera);
+}
+
+}  // namespace
+}  // namespace hermite
