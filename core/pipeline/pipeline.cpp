@@ -175,15 +175,13 @@ Status Pipeline::Impl::restore(ByteReader& bytes) {
   Camera camera = given_camera;
   bytes.number(saved_camera_count);
   camera_fields(bytes, camera);
-  change_fields(bytes, *this);
   bytes.require(saved_camera_count >= 1 && saved_camera_count <= kMostCameras && validate(camera).ok(), "the camera");
   if (!bytes.ok()) return bytes.status();
-  if (saved_camera_count > 1 || takes_camera_as_it_is) {
-    const std::uint32_t since = changes_since;
+  if (saved_camera_count > 1) {
     camera_count = saved_camera_count - 1;
     take_camera(camera);
-    changes_since = since;
   }
+  change_fields(bytes, *this);
   now->restore(bytes);
   bytes.require(bytes.at_end(), "more than a checkpoint");
   return bytes.status();

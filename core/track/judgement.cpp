@@ -50,10 +50,10 @@ constexpr double kTooNear_m = 0.6;
 // A fifth of the field of view of most cameras.
 constexpr double kFastTurn_rad = 10 * M_PI / 180;
 
-// Beyond this standard deviation, and this share of the way, the person should know. Undisturbed scans stay below it, also between bare
-// walls and on long walks; of frames more than 5 cm off, because depth is bent or sparse or the focal length wrong, four fifths are beyond.
-// (With 4 cm and half a percent all are, and a third of the frames between bare walls: tests/accuracy/README.md, "What is stated".)
-constexpr double kMostUncertain_m = 0.06, kMostDrift = 0.01;
+// Beyond this standard deviation, and this share of the way, the person should know. Undisturbed scans stay below it but for half a second
+// between bare walls, before the camera was seen to fit; where depth is bent, nearly all frames are beyond before they are 5 cm off
+// (tests/accuracy/README.md, "What is stated").
+constexpr double kMostUncertain_m = 0.04, kMostDrift = 0.01;
 
 // What depth, picture and corners alone say of a step is up to 15 mm, 0.8 degrees and 25 deviations apart on recordings of a Kinect, up to
 // 30 mm where depth is bent.

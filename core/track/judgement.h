@@ -65,7 +65,7 @@ struct Doubts {
   Contradiction contradiction;  // of the witnesses of the step
 };
 
-// The judgement of a frame that is believed, in view of that: what is called tracked is known to 6 cm and a percent of the way.
+// The judgement of a frame that is believed, in view of that: what is called tracked is known to 4 cm and a percent of the way.
 Judgement weighed(Judgement judgement, const Doubts& doubts);
 
 // Of a frame that could begin a map: whether it shows enough surface.

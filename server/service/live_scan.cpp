@@ -62,7 +62,7 @@ wire::ScanState LiveScan::state(const std::string& words) const {
 }
 
 void LiveScan::show_state() {
-  std::string words = warning_;
+  std::string words = words_of_worker_.empty() ? warning_ : words_of_worker_;
   if (paused_) words = "paused by its camera";
   if (waiting_since_) words = "waiting for the camera to come back: " + why_waiting_.message;
   const wire::ScanState now = state(words);
@@ -237,7 +237,14 @@ void LiveScan::model_changed(ModelUpdate update) {
   keyframes_ = update.keyframes;
   loops_ = update.loops;
   gpu_memory_bytes_ = update.gpu_memory_bytes;
+  const std::optional<std::vector<wire::PoseInSubmap>> past = std::move(update.past);
   audience_->show_model(std::move(update));
+  if (past) audience_->show_other_past(*past);
+  show_state();
+}
+
+void LiveScan::worker_says(const std::string& words) {
+  words_of_worker_ = words;
   show_state();
 }
 

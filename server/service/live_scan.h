@@ -103,6 +103,7 @@ class LiveScan {
   void restored(RestoredScan restored);
   void frame_done(const FrameOutcome& outcome);
   void model_changed(ModelUpdate update);
+  void worker_says(const std::string& words);  // told to camera and viewers until it is something else; empty: nothing
   void ended(ScanEnd end);
 
   const FrameCounts& counts() const { return counts_; }
@@ -151,6 +152,7 @@ class LiveScan {
   std::optional<double> last_timestamp_s_;
   std::uint64_t surfel_count_ = 0;  // as of the last frame
   std::string warning_;
+  std::string words_of_worker_;
   bool finishing_ = false;  // every frame was received
   bool ending_ = false;     // before every frame was: nothing more is received
   bool discarded_ = false;

@@ -83,7 +83,7 @@ void measure(const PipelineStatistics& statistics, ModelUpdate& update) {
 }
 
 std::string words_about_map(const PipelineStatistics& statistics) {
-  std::string words = statistics.camera_correction;
+  std::string words = statistics.calibration_doubt.empty() ? statistics.camera_correction : statistics.calibration_doubt;
   const std::uint64_t parts = sum_of(statistics.mapping, {"parts"});
   if (parts < 2) return words;
   if (!words.empty()) words += "; ";

@@ -36,6 +36,9 @@ constexpr std::chrono::milliseconds kUpdatePeriod(kMsPerUpdate);
 // Without frames to wait for, viewers are told within so long after an update is encoded.
 constexpr std::chrono::milliseconds kEncodingPatience(20);
 
+// A person who scans holds still for so long, and the frames of that time are not seen.
+constexpr double kLongestPause_ms = 10'000;
+
 // The log is synced ten times a second: a disk that takes so much longer has other troubles.
 constexpr std::chrono::seconds kLogPatience(10);
 
@@ -89,8 +92,11 @@ class ScanRun {
   }
 
   Result<wire::Finished> write() {
+    if (Status status = tell_viewers(); !status.ok()) return status.error();
+    const std::string correction_before = pipeline_->statistics().camera_correction;
     pipeline_->finish();
     if (Status status = start_update(); !status.ok()) return status.error();
+    is_past_new_ = pipeline_->statistics().camera_correction != correction_before;
     if (Status status = tell_viewers(); !status.ok()) return status.error();
     Result<RunResults> results = results_of(*pipeline_, setup_.options, {});
     if (!results.ok()) return results.error();
@@ -133,12 +139,20 @@ class ScanRun {
     pipeline_ = std::make_unique<Pipeline>(setup_.device, setup_.camera, setup_.options, std::move(back_end), &timeline_);
   }
 
-  // All up to the one in work, from the log. Nothing when they are not there in time: then the camera stays as it is.
+  // All up to the one in work, from the log. None, and the camera stays as it is: they are too many for a live scan, or not there in time.
   PastFrames past_frames() {
+    const PipelineStatistics so_far = pipeline_->statistics();
+    if (setup_.correction_time == CorrectionTime::kWhenReady &&
+        so_far.mean_frame_ms * static_cast<double>(so_far.frame_count) > kLongestPause_ms) {
+      spdlog::info("scan {}: its camera is off, and {} frames are too many to be worked through again live", setup_.scan_id,
+                   so_far.frame_count);
+      return nullptr;
+    }
     if (!durable_.wait_for(taken_count_, kLogPatience)) {
       spdlog::warn("scan {}: its camera cannot be corrected, since its frames are not on disk yet", setup_.scan_id);
       return nullptr;
     }
+    events_.says("the camera's calibration is off: the scan is worked through again with a better one, hold the camera still");
     const auto log = std::make_shared<Replay>(setup_.log_folder, taken_count_ + kRecordsBeforeFrames);
     return [this, log](std::int64_t, double timestamp_s) -> Result<RgbdFrame> {
       for (;;) {
@@ -250,6 +264,7 @@ class ScanRun {
     if (result->event == MapEvent::kRecalibrated) {
       outcome.past = wire_past(*pipeline_);
       outcome.past->pop_back();  // this one
+      events_.says("");
     }
     events_.frame_done(std::move(outcome));
     ++frames_since_update_;
@@ -292,6 +307,7 @@ class ScanRun {
     if (!update.ok()) return update.error();
     // As they are now: viewers may have been told of newer ones than there were when the encoding began.
     update->poses = told_poses_ = wire_poses(*pipeline_);
+    if (std::exchange(is_past_new_, false)) update->past = wire_past(*pipeline_);
     measure(pipeline_->statistics(), *update);
     events_.model_changed(*std::move(update));
     return Done{};
@@ -318,6 +334,7 @@ class ScanRun {
   ChunkedModel model_;
   std::set<ChunkKey> filled_;  // chunks that have points
   std::uint64_t version_ = 0;  // of the chunks, one count for all
+  bool is_past_new_ = false;
   int frames_since_update_ = 0;
   Clock::time_point updated_at_ = Clock::now();
   std::optional<wire::TrackedFrame> last_tracked_;

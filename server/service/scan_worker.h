@@ -74,6 +74,7 @@ struct ChunkUpdate {
 struct ModelUpdate {
   std::vector<ChunkUpdate> chunks;
   wire::SubmapPoses poses;
+  std::optional<std::vector<wire::PoseInSubmap>> past;  // as in FrameOutcome, but of all frames
   std::uint64_t keyframes = 0, loops = 0;  // so far
   std::uint64_t gpu_memory_bytes = 0;      // of the scan
   std::uint64_t device_memory_bytes = 0;   // that there is for all of them; 0: nobody knows
@@ -94,6 +95,7 @@ struct ScanEvents {
   std::function<void(RestoredScan)> restored;    // of a scan that an earlier server began: once, before all others
   std::function<void(FrameOutcome)> frame_done;  // once for every frame taken from the queue, in order
   std::function<void(ModelUpdate)> model_changed;
+  std::function<void(std::string)> says;  // why nothing comes for seconds; empty: it goes on
   std::function<void(ScanEnd)> ended;
 };
 

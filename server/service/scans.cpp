@@ -97,7 +97,7 @@ ScanEvents Scans::worker_events(const Launch& launch, const ScanPast& past) {
     metrics_.frame_done(outcome.stages, latency_s, outcome.bad_images.has_value(), outcome.result.event == wire::MapEvent::kLost);
     deliver(launch, [this, id = launch.row.id, outcome = std::move(outcome)](LiveScan& target) {
       traces_.add(id, outcome.result.sequence, outcome.stages);
-      places_.frame_done(work_s_of(outcome));
+      if (outcome.result.event != wire::MapEvent::kRecalibrated) places_.frame_done(work_s_of(outcome));  // else of all before, too
       target.frame_done(outcome);
     });
   };
@@ -109,6 +109,9 @@ ScanEvents Scans::worker_events(const Launch& launch, const ScanPast& past) {
       places_.memory_measured(id, update.gpu_memory_bytes, update.device_memory_bytes);
       target.model_changed(std::move(update));
     });
+  };
+  events.says = [this, launch](std::string words) {
+    deliver(launch, [words = std::move(words)](LiveScan& target) { target.worker_says(words); });
   };
   events.ended = [this, launch](ScanEnd end) {
     deliver(launch, [end = std::move(end)](LiveScan& target) mutable { target.ended(std::move(end)); });

@@ -22,10 +22,18 @@ def hermite(*arguments):
 class Calibrate(unittest.TestCase):
     def test_a_bend_is_found_applied_and_written(self):
         with tempfile.TemporaryDirectory() as folder:
-            code, out, error = hermite("reconstruct", BENT, "--out", os.path.join(folder, "bent"))
+            code, out, error = hermite("reconstruct", BENT, "--set", "frame.correct_camera=false", "--out", os.path.join(folder, "bent"))
             self.assertEqual(code, 0, error)
             before = json.loads(out)
             self.assertNotIn("calibrations", before)
+            self.assertNotIn("corrected_camera", before)
+
+            code, out, error = hermite("reconstruct", BENT, "--out", os.path.join(folder, "corrected"))
+            self.assertEqual(code, 0, error)
+            corrected = json.loads(out)
+            self.assertAlmostEqual(corrected["corrected_camera"]["depth_correction"]["bend"], 1 / 1.03 - 1, delta=0.003)
+            self.assertIn("recalibrated", error)
+            self.assertLess(corrected["ate_rmse_m"], before["ate_rmse_m"] / 3)
 
             camera_file = os.path.join(folder, "camera.json")
             code, out, error = hermite("calibrate", BENT, "--trajectory", os.path.join(folder, "bent", "trajectory.txt"), "--out", camera_file)
