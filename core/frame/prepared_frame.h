@@ -17,7 +17,7 @@ struct PreparedFrame {
   FrameContent content;                 // of the frame as it came
   NoiseSample noise;                    // of its depth as it came
   PictureFeatures features;
-  std::uint32_t door_number = 0;  // of the camera that it was prepared for, see core/pipeline/door.h
+  std::uint32_t camera_number = 0;  // of those that the pipeline has had so far (core/pipeline/frame_preparer.h)
 };
 
 }  // namespace hermite

@@ -9,7 +9,7 @@
 #include "core/base/read_ahead.h"
 #include "core/pipeline/checkpoint.h"
 #include "core/pipeline/cloud_points.h"
-#include "core/pipeline/door.h"
+#include "core/pipeline/frame_preparer.h"
 #include "core/pipeline/reconstruction.h"
 
 namespace hermite {
@@ -51,19 +51,21 @@ struct Pipeline::Impl {
         back_end(std::move(parts)),
         timeline(timeline_of_scan),
         given_camera(checked(camera)) {
-    take_camera(given_camera);
+    begin_with(given_camera);
   }
 
-  std::shared_ptr<const Door> current_door() const {
-    const std::lock_guard lock(door_mutex);
-    return door;
+  std::shared_ptr<const FramePreparer> current_preparer() const {
+    const std::lock_guard lock(preparer_mutex);
+    return preparer;
   }
-  Conditions conditions() const { return conditions_of(now->front_end.device.info(), given_camera, options, now->mapping != nullptr); }
-  void take_camera(const Camera& camera);
+  Conditions conditions() const {
+    return conditions_of(reconstruction->front_end.device.info(), given_camera, options, reconstruction->mapping != nullptr);
+  }
+  void begin_with(const Camera& camera);
   FrameResult process(const PreparedFrame& prepared);
   PastFrames correct_camera(const CameraCheck& check);
-  std::optional<FrameResult> heed(const CameraCheck& check);
-  FrameResult work_through_again(const Trajectory& given, PastFrames past_frames);
+  std::optional<FrameResult> follow(const CameraCheck& check);
+  FrameResult reprocess(const Trajectory& given, PastFrames past_frames);
   template <class Bytes, class Saved>
   static void camera_fields(Bytes& bytes, Saved& camera);
   template <class Bytes, class Saved>
@@ -77,67 +79,67 @@ struct Pipeline::Impl {
   const Camera given_camera;
   bool takes_camera_as_it_is = false;
   std::uint32_t camera_count = 0;
-  mutable std::mutex door_mutex;
-  std::shared_ptr<const Door> door;  // guarded by door_mutex
-  std::unique_ptr<Reconstruction> now;
+  mutable std::mutex preparer_mutex;
+  std::shared_ptr<const FramePreparer> preparer;  // guarded by preparer_mutex
+  std::unique_ptr<Reconstruction> reconstruction;
   std::uint32_t changes_since = 0;
   std::vector<bool> published;  // by slot: take_changes() has reported it alive
 };
 
 // All that follows is of this camera, and of a map without anything in it.
-void Pipeline::Impl::take_camera(const Camera& camera) {
-  now.reset();  // its memory first
+void Pipeline::Impl::begin_with(const Camera& camera) {
+  reconstruction.reset();  // its memory first
   const bool is_watched = back_end.camera_watch && options.frame.correct_camera && !takes_camera_as_it_is;
-  now = std::make_unique<Reconstruction>(device, camera, options, back_end.mapping ? back_end.mapping(camera) : nullptr,
-                                         is_watched ? back_end.camera_watch(camera) : nullptr, timeline);
-  auto next = std::make_shared<const Door>(camera, options, camera_count++);
-  if (camera_count > 1) now->front_end.camera_fits(kFittingBend, kFittingFocal);
+  reconstruction = std::make_unique<Reconstruction>(device, camera, options, back_end.mapping ? back_end.mapping(camera) : nullptr,
+                                                    is_watched ? back_end.camera_watch(camera) : nullptr, timeline);
+  auto next = std::make_shared<const FramePreparer>(camera, options, camera_count++);
+  if (camera_count > 1) reconstruction->front_end.camera_fits(kFittingBend, kFittingFocal);
   changes_since = 0;
-  const std::lock_guard lock(door_mutex);
-  door = std::move(next);
+  const std::lock_guard lock(preparer_mutex);
+  preparer = std::move(next);
 }
 
 FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
-  const std::shared_ptr<const Door> current = current_door();
-  const bool is_of_another = prepared.door_number != current->number();
-  FrameResult result = now->process(is_of_another ? current->prepare_again(prepared) : prepared);
-  if (!now->watch) return result;
-  const std::optional<CameraCheck> check = now->watch->answer();
+  const std::shared_ptr<const FramePreparer> current = current_preparer();
+  const bool is_of_another = prepared.camera_number != current->number();
+  FrameResult result = reconstruction->process(is_of_another ? current->prepare_again(prepared) : prepared);
+  if (!reconstruction->watch) return result;
+  const std::optional<CameraCheck> check = reconstruction->watch->answer();
   if (!check) return result;
-  return heed(*check).value_or(std::move(result));
+  return follow(*check).value_or(std::move(result));
 }
 
 // The camera is corrected and nothing is left of the map: the frames to make it anew from. None: the camera stays as it is, and is doubted.
 PastFrames Pipeline::Impl::correct_camera(const CameraCheck& check) {
-  const Camera better = corrected(current_door()->camera(), check);
+  const Camera better = corrected(current_preparer()->camera(), check);
   PastFrames past_frames;
   if (back_end.past_frames && !takes_camera_as_it_is && camera_count < kMostCameras && validate(better).ok())
     past_frames = back_end.past_frames();
   if (past_frames)
-    take_camera(better);
+    begin_with(better);
   else
-    now->front_end.camera_is_off(-check.bend, -check.focal);
+    reconstruction->front_end.camera_is_off(-check.bend, -check.focal);
   return past_frames;
 }
 
 // What is to be done after such an answer. The result of the last frame, if it is another one now.
-std::optional<FrameResult> Pipeline::Impl::heed(const CameraCheck& check) {
-  if (check.verdict == CameraVerdict::kFits) now->front_end.camera_fits(kFittingBend, kFittingFocal);
+std::optional<FrameResult> Pipeline::Impl::follow(const CameraCheck& check) {
+  if (check.verdict == CameraVerdict::kFits) reconstruction->front_end.camera_fits(kFittingBend, kFittingFocal);
   if (check.verdict != CameraVerdict::kIsOff) return std::nullopt;
-  const Trajectory given = now->trajectory;
+  const Trajectory given = reconstruction->trajectory;
   PastFrames past_frames = correct_camera(check);
   if (!past_frames) return std::nullopt;
-  FrameResult result = work_through_again(given, std::move(past_frames));
+  FrameResult result = reprocess(given, std::move(past_frames));
   result.event = MapEvent::kRecalibrated;
   result.correction_m = (result.world_from_camera.translation - given.back().world_from_camera.translation).norm();
   return result;
 }
 
 // The frames of these times, with the camera as it is now, or as it turns out to be meanwhile. The result of the last.
-FrameResult Pipeline::Impl::work_through_again(const Trajectory& given, PastFrames past_frames) {
+FrameResult Pipeline::Impl::reprocess(const Trajectory& given, PastFrames past_frames) {
   FrameResult result;
   while (past_frames) {
-    const std::shared_ptr<const Door> current = current_door();
+    const std::shared_ptr<const FramePreparer> current = current_preparer();
     const PastFrames frames = std::exchange(past_frames, nullptr);
     const auto prepare = [&](std::int64_t index) {
       const double timestamp_s = given[static_cast<std::size_t>(index)].timestamp_s;
@@ -147,8 +149,8 @@ FrameResult Pipeline::Impl::work_through_again(const Trajectory& given, PastFram
     };
     ReadAhead<PreparedFrame> reader(0, static_cast<std::int64_t>(given.size()), kFramesAhead, prepare);
     while (const std::optional<PreparedFrame> prepared = past_frames ? std::nullopt : reader.next()) {
-      result = now->process(*prepared);
-      const std::optional<CameraCheck> check = now->watch ? now->watch->answer() : std::nullopt;
+      result = reconstruction->process(*prepared);
+      const std::optional<CameraCheck> check = reconstruction->watch ? reconstruction->watch->answer() : std::nullopt;
       if (check && check->verdict == CameraVerdict::kIsOff) past_frames = correct_camera(*check);
     }
   }
@@ -179,10 +181,10 @@ Status Pipeline::Impl::restore(ByteReader& bytes) {
   if (!bytes.ok()) return bytes.status();
   if (saved_camera_count > 1) {
     camera_count = saved_camera_count - 1;
-    take_camera(camera);
+    begin_with(camera);
   }
   change_fields(bytes, *this);
-  now->restore(bytes);
+  reconstruction->restore(bytes);
   bytes.require(bytes.at_end(), "more than a checkpoint");
   return bytes.status();
 }
@@ -208,13 +210,13 @@ Pipeline::Pipeline(const std::string& device, const Camera& camera, const Option
 Pipeline::~Pipeline() = default;
 
 Result<PreparedFrame> Pipeline::prepare(RgbdFrame frame) const {
-  const std::shared_ptr<const Door> door = impl_->current_door();
-  if (const Status fits = door->check(frame); !fits.ok()) return fits.error();
-  return door->prepare(std::move(frame));
+  const std::shared_ptr<const FramePreparer> preparer = impl_->current_preparer();
+  if (const Status fits = preparer->check(frame); !fits.ok()) return fits.error();
+  return preparer->prepare(std::move(frame));
 }
 
 Result<FrameResult> Pipeline::process(const PreparedFrame& prepared) {
-  if (const Status fits = impl_->current_door()->check(prepared.frame); !fits.ok()) return fits.error();
+  if (const Status fits = impl_->current_preparer()->check(prepared.frame); !fits.ok()) return fits.error();
   try {
     return impl_->process(prepared);
   } catch (const SetupError& error) {
@@ -228,9 +230,9 @@ Result<FrameResult> Pipeline::process(RgbdFrame frame) {
 }
 
 void Pipeline::finish() {
-  if (impl_->now->watch)
-    if (const std::optional<CameraCheck> check = impl_->now->watch->last_answer()) impl_->heed(*check);
-  impl_->now->finish();
+  if (impl_->reconstruction->watch)
+    if (const std::optional<CameraCheck> check = impl_->reconstruction->watch->last_answer()) impl_->follow(*check);
+  impl_->reconstruction->finish();
 }
 
 Result<std::string> Pipeline::save() const {
@@ -238,9 +240,9 @@ Result<std::string> Pipeline::save() const {
     ByteWriter bytes;
     write_head(bytes, impl_->conditions());
     bytes.number(impl_->camera_count);
-    Impl::camera_fields(bytes, impl_->current_door()->camera());
+    Impl::camera_fields(bytes, impl_->current_preparer()->camera());
     Impl::change_fields(bytes, std::as_const(*impl_));
-    impl_->now->save(bytes);
+    impl_->reconstruction->save(bytes);
     return bytes.take();
   } catch (const SetupError& error) {
     return error.error();
@@ -248,7 +250,7 @@ Result<std::string> Pipeline::save() const {
 }
 
 Status Pipeline::restore(std::string_view bytes) {
-  CHECK(impl_->now->trajectory.empty(), "a pipeline that has seen frames cannot go on from others");
+  CHECK(impl_->reconstruction->trajectory.empty(), "a pipeline that has seen frames cannot go on from others");
   try {
     ByteReader reader(bytes);
     const Status restored = impl_->restore(reader);
@@ -262,8 +264,8 @@ Status Pipeline::insert(const Cloud& cloud) {
   try {
     std::vector<Surfel> surfels;
     for (const CloudPoint& point : cloud)
-      if (point.confidence > 0) surfels.push_back(to_surfel(point, impl_->now->front_end.frame_number + 1));
-    impl_->now->front_end.store.append(surfels);
+      if (point.confidence > 0) surfels.push_back(to_surfel(point, impl_->reconstruction->front_end.frame_number + 1));
+    impl_->reconstruction->front_end.store.append(surfels);
     impl_->takes_camera_as_it_is = true;
     return Done{};
   } catch (const SetupError& error) {
@@ -271,14 +273,15 @@ Status Pipeline::insert(const Cloud& cloud) {
   }
 }
 
-const Trajectory& Pipeline::trajectory() const { return impl_->now->trajectory; }
-std::vector<AnchoredPose> Pipeline::anchored_poses() const { return impl_->now->poses; }
+const Trajectory& Pipeline::trajectory() const { return impl_->reconstruction->trajectory; }
+std::vector<AnchoredPose> Pipeline::anchored_poses() const { return impl_->reconstruction->poses; }
 
 Result<Cloud> Pipeline::cloud() {
   try {
     Cloud cloud;
-    for (const auto& [number, surfel, changed_frame] : impl_->now->front_end.store.changed_blocks(0))
-      if (impl_->now->is_output(surfel)) cloud.push_back(to_cloud_point(surfel, impl_->now->layout().world_from_submap[surfel.submap]));
+    for (const auto& [number, surfel, changed_frame] : impl_->reconstruction->front_end.store.changed_blocks(0))
+      if (impl_->reconstruction->is_output(surfel))
+        cloud.push_back(to_cloud_point(surfel, impl_->reconstruction->layout().world_from_submap[surfel.submap]));
     return cloud;
   } catch (const SetupError& error) {
     return error.error();
@@ -289,7 +292,7 @@ Result<std::vector<SlotChange>> Pipeline::take_changes() {
   Impl& impl = *impl_;
   try {
     std::vector<SlotChange> changes;
-    Reconstruction& now = *impl.now;
+    Reconstruction& now = *impl.reconstruction;
     for (const auto& [number, surfel, changed_frame] : now.front_end.store.changed_blocks(impl.changes_since)) {
       if (changed_frame <= impl.changes_since) continue;
       if (impl.published.size() <= number) impl.published.resize(number + kSlotsPerBlock, false);
@@ -315,13 +318,13 @@ void Pipeline::forget_taken_changes() {
 
 std::vector<SubmapPose> Pipeline::submap_poses() const {
   std::vector<SubmapPose> poses;
-  for (const Rigid3& pose : impl_->now->front_end.store.world_from_submap())
-    poses.push_back({static_cast<std::uint32_t>(poses.size()), pose, impl_->now->layout().part[poses.size()]});
+  for (const Rigid3& pose : impl_->reconstruction->front_end.store.world_from_submap())
+    poses.push_back({static_cast<std::uint32_t>(poses.size()), pose, impl_->reconstruction->layout().part[poses.size()]});
   return poses;
 }
 
 PipelineStatistics Pipeline::statistics() const {
-  const Reconstruction& now = *impl_->now;
+  const Reconstruction& now = *impl_->reconstruction;
   PipelineStatistics statistics;
   statistics.frame_count = static_cast<std::int64_t>(now.trajectory.size());
   statistics.tracked_frame_count = now.tracked_frame_count;
@@ -330,7 +333,7 @@ PipelineStatistics Pipeline::statistics() const {
   statistics.rotation_sigma_rad = now.uncertainty.rotation_sigma_rad();
   statistics.calibration_doubt = now.front_end.calibration_doubt().reason();
   if (impl_->camera_count > 1) {
-    statistics.corrected_camera = impl_->current_door()->camera();
+    statistics.corrected_camera = impl_->current_preparer()->camera();
     statistics.camera_correction = correction_words(impl_->given_camera, *statistics.corrected_camera);
   }
   statistics.surfel_count = now.front_end.store.surfel_count();

@@ -1,14 +1,14 @@
-#include "core/pipeline/door.h"
+#include "core/pipeline/frame_preparer.h"
 
 #include <string>
 #include <utility>
 
 namespace hermite {
 
-Door::Door(const Camera& camera, const Options& options, std::uint32_t number)
+FramePreparer::FramePreparer(const Camera& camera, const Options& options, std::uint32_t number)
     : camera_(camera), options_(options), number_(number), rectifier_(rectifier_of(camera)) {}
 
-Status Door::check(const RgbdFrame& frame) const {
+Status FramePreparer::check(const RgbdFrame& frame) const {
   const auto fits = [this](int width, int height) { return width == camera_.width && height == camera_.height; };
   if (fits(frame.depth.width, frame.depth.height) && fits(frame.color.width, frame.color.height)) return Done{};
   const auto size = [](int width, int height) { return std::to_string(width) + "x" + std::to_string(height); };
@@ -17,9 +17,9 @@ Status Door::check(const RgbdFrame& frame) const {
                                                 size(camera_.width, camera_.height)};
 }
 
-PreparedFrame Door::prepare(RgbdFrame frame) const {
+PreparedFrame FramePreparer::prepare(RgbdFrame frame) const {
   PreparedFrame prepared;
-  prepared.door_number = number_;
+  prepared.camera_number = number_;
   prepared.content = content_of(frame, camera_.depth_units_per_metre, options_.frame);
   prepared.noise = measure_noise(frame.depth, camera_.depth_units_per_metre, options_.frame);
   if (rectifier_) {
@@ -32,11 +32,11 @@ PreparedFrame Door::prepare(RgbdFrame frame) const {
   return prepared;
 }
 
-PreparedFrame Door::prepare_again(const PreparedFrame& prepared) const {
+PreparedFrame FramePreparer::prepare_again(const PreparedFrame& prepared) const {
   return prepare(prepared.as_it_came ? *prepared.as_it_came : prepared.frame);
 }
 
-PreparedFrame Door::empty(double timestamp_s) const {
+PreparedFrame FramePreparer::empty(double timestamp_s) const {
   return prepare({timestamp_s, DepthImage(camera_.width, camera_.height), ColorImage(camera_.width, camera_.height)});
 }
 

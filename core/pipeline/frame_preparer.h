@@ -1,4 +1,4 @@
-// Where frames come in: what is done with each before its turn on the device, for one camera. Const functions are thread-safe.
+// What is done with a frame before its turn on the device, for one camera. Const functions are thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -12,10 +12,10 @@
 
 namespace hermite {
 
-class Door {
+class FramePreparer {
  public:
-  // `number` tells doors of one pipeline apart, each for another camera.
-  Door(const Camera& camera, const Options& options, std::uint32_t number);
+  // `number` tells the cameras of one pipeline apart.
+  FramePreparer(const Camera& camera, const Options& options, std::uint32_t number);
 
   const Camera& camera() const { return camera_; }
   std::uint32_t number() const { return number_; }
@@ -26,7 +26,7 @@ class Door {
   // Straightened and registered, with what can be seen in it. The frame has the camera's size.
   PreparedFrame prepare(RgbdFrame frame) const;
 
-  // One that another door has prepared.
+  // One that was prepared for another camera.
   PreparedFrame prepare_again(const PreparedFrame& prepared) const;
 
   // That shows nothing.
