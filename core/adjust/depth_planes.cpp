@@ -16,7 +16,7 @@ constexpr int kColumns = 80;
 
 // In standard deviations of a pixel's inverse depth: how far the pixels of a cell may be off its plane (root mean square), and how high a
 // ridge or deep a valley may be, as a template of unit length finds it. Loops and redkitchen come out alike from 1 to 1.5 and from 2 to 3
-// (tests/accuracy/README.md).
+// (tests/accuracy/LAB.md).
 constexpr double kFlat = 1.5, kCreased = 2.5;
 
 constexpr double kSteepestCosine = 0.3;  // of the angle between the plane's normal and the ray to it

@@ -14,7 +14,7 @@ namespace {
 constexpr double kMetresPerRadian = 0.5;
 
 // From one submap to the next the dense tracking is off by half a per cent of the way besides; a loop by what two views of one place with
-// the noise of a Kinect differ by (tests/accuracy/README.md).
+// the noise of a Kinect differ by (tests/accuracy/LAB.md).
 constexpr double kGrowth = 0.005;
 constexpr double kLoop_m = 0.003, kLoop_rad = 0.002;
 

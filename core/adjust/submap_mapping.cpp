@@ -253,7 +253,7 @@ void SubmapMapping::finish() {
   if (pending_) close(*std::exchange(pending_, std::nullopt));
   if (running_ && running_->loop_since) give_up();  // all that it could say is said anew below
   if (running_) apply_result(adjuster_->wait());
-  // Without a loop there is nothing that dense tracking does not know better than landmarks do (tests/accuracy/README.md).
+  // Without a loop there is nothing that dense tracking does not know better than landmarks do (tests/accuracy/LAB.md).
   const auto closes = [](const SubmapLink& link) { return link.is_loop; };
   if (std::none_of(graph_.links.begin(), graph_.links.end(), closes)) return;
   const std::vector<std::uint32_t> submaps = submaps_of(graph_.part[layout_.current]);

@@ -18,7 +18,7 @@ constexpr double kInView_m = 3.0, kInView_rad = M_PI / 2;
 
 // A look that shares so much of its view with the place is believed as it is; before that the camera looks again at every keyframe, until
 // so many keyframes or frames have not seen more. Coming back to a place by a corridor, a first look at 31 % was off by 5.8 mm, at 41 % by
-// 2.8, at 54 % by 1.4, and from 60 % on by 0.4 to 1 (tests/accuracy/README.md).
+// 2.8, at 54 % by 1.4, and from 60 % on by 0.4 to 1 (tests/accuracy/LAB.md).
 constexpr double kSeenWell = 0.6;
 constexpr std::int64_t kPatientKeyframes = 3, kPatientFrames = 45;
 constexpr std::uint32_t kMostLooks = 15;

@@ -8,7 +8,7 @@ namespace hermite {
 namespace {
 
 // On frames tracked well, of every recording and kind of noise tried, at least 91 % of the overlap agreed with a correlation of 0.82 and
-// more; on frames of other places, at most 55 % or with a correlation below 0.55 (tests/accuracy/README.md).
+// more; on frames of other places, at most 55 % or with a correlation below 0.55 (tests/accuracy/LAB.md).
 constexpr double kGoodAgreement = 0.85, kGoodCorrelation = 0.6, kGoodOverlap = 0.4;
 
 // What moves is left out of the comparison. Where three quarters or less agree all the same, the picture must be as good as certain: frames

@@ -44,7 +44,7 @@ constexpr double kToldDeviation = 0.001;
 
 // What the ground of a new view is off by beside the noise of the step: tracking is biased by what edges and corners of surfaces do to the
 // map, the same way in each run, and so the more the farther the camera goes. Between the truth of rendered scenes and what calibration
-// does not explain (tests/accuracy/README.md, "What is stated").
+// does not explain (tests/accuracy/LAB.md, "What is stated").
 constexpr double kBias_m = 0.0006, kBiasGrowth = 0.004, kBiasTurn_m = 0.004;
 constexpr double kBias_rad = 0.0004, kBiasGrowth_rad_per_m = 0.002, kBiasTurn = 0.003;
 
