@@ -1,4 +1,4 @@
-// Fusion of a frame into the map, and cleaning (paper section 5, reference notes 4).
+// Fusion of a frame into the map, and cleaning (paper section 5; core/METHOD.md).
 #pragma once
 
 #include "core/frame/brightness.h"

@@ -27,7 +27,7 @@ constexpr std::size_t kRotationLevel = 1;
 // Smaller steps than this are far below the noise of any depth camera: 0.01 mm and 0.0006 degrees at full resolution.
 constexpr double kConverged_m = 1e-5, kConverged_rad = 1e-5;
 
-// The smallest image gradient that says where a pixel is, in grey values per pixel and level (reference notes 3.5).
+// The smallest image gradient that says where a pixel is, in grey values per pixel and level.
 constexpr float kGradientMin[kPyramidLevels] = {5, 3, 1};
 
 // Coarse enough to average noise, fine enough for a picture. What a model may be off by, and thrice the noise of a Kinect v1 (Nguyen,

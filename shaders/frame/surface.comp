@@ -16,7 +16,7 @@ layout(scalar, binding = 1) writeonly buffer Points { SurfacePoint points[]; };
 PARAMETERS(SurfaceParams, p);
 
 const int kRadius = 3;
-const uint kMinKernels = 16;  // reference notes 1.6
+const uint kMinKernels = 16;  // of 49, as the authors' program has it
 
 struct Kernel {
   vec3 position, normal;
@@ -52,7 +52,7 @@ vec4 admits(int dx, Kernel k, Rays rays) {
   return step(0.0, column) * step(column, vec4(2.0 * kRadius)) * near * (k.inverse_radius < kNoKernel ? 1.0 : 0.0);
 }
 
-// One weighted-plane step along the rays (reference notes 8.2.1): t = sum(w n.p) / sum(w n.d), w = s^3 / r^2.
+// One weighted-plane step along the rays (core/METHOD.md, "Step along the ray"): t = sum(w n.p) / sum(w n.d), w = s^3 / r^2.
 vec4 step_to_surface(int first, Rays rays) {
   vec4 t = rays.vertex_z, x = t * rays.x, y = t * rays.y;
   vec4 plane = vec4(0.0), slope = vec4(0.0);
@@ -93,7 +93,7 @@ Field evaluate(int first, Rays rays, vec4 t) {
       f.gradient_x += toward_normal * n.x - along * vx;
       f.gradient_y += toward_normal * n.y - along * vy;
       f.gradient_z += toward_normal * n.z - along * vz;
-      // The second derivative jumps at the kernel's own centre: there its terms are left out (reference notes 1.5).
+      // The second derivative jumps at the kernel's own centre: there its terms are left out (core/METHOD.md).
       vec4 other = vec4(notEqual(ivec4(dx), kRadius + ivec4(0, 1, 2, 3))) + (dy != kRadius ? 1.0 : 0.0);
       vec4 h = a * (-3.0 * weight) * min(other, 1.0);
       vec4 c = (inverse_rho * inverse_rho - 1.0) * inverse_rho * weight * u;

@@ -37,7 +37,7 @@ vec3 unpack_normal(uint packed) {
   return vec3(xy, sqrt(max(0.0, 1.0 - dot(xy, xy))));
 }
 
-// Support radius of a measurement (reference notes 1.4): `scale` pixel diagonals at its depth, up to twice that on slanted surfaces.
+// Support radius of a measurement: `scale` pixel diagonals at its depth, up to twice that on slanted surfaces.
 float support_radius(Intrinsics c, float scale, float depth_m, float normal_z) {
   return scale * 2.8284271 * depth_m / ((c.fx + c.fy) * max(0.5, normal_z));
 }

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// For every pixel: which surfel does this measurement continue? (Paper section 5, reference notes 4.1.)
+// For every pixel: which surfel does this measurement continue? (Paper section 5.)
 // A 3x3 window of the index map; gates on depth along the ray and on the normal; the surfel nearest to the ray wins.
 // Several pixels may want one surfel: the claim of its cell goes to the closest, then to the lowest pixel, whatever the order of threads.
 #include "shaders/shared/map.h"

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Removes surfels that should not be there (paper section 5, reference notes 4.4) from the blocks in turn, and brings their bounds up to
+// Removes surfels that should not be there (paper section 5) from the blocks in turn, and brings their bounds up to
 // date:
 //   redundant   most neighbours in 5x5 pixels of the index map of stable surfels are older and lie just behind it
 //   doubled     hidden just behind an older stable surfel of another submap that is no coarser: where submaps overlap

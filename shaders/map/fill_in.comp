@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Where the map predicts too little of the view, as in the first frames, the frame's own surface stands in for it (reference notes 2.5).
+// Where the map predicts too little of the view, as in the first frames, the frame's own surface stands in for it.
 // Frame and prediction are seen from the same pose.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"

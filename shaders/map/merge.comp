@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Winners of the association update their surfel in place by means weighed by confidence (paper Eq. 11, reference notes 4.2) and fineness;
+// Winners of the association update their surfel in place by means weighed by confidence (paper Eq. 11) and fineness;
 // new measurements are counted by workgroup.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
@@ -51,7 +51,7 @@ void merge(uint slot, Measurement m) {
     a.curvatures = packHalf2x16(mix(unpackHalf2x16(a.curvatures), m.curvatures, gain));
     attributes[slot] = a;
   }
-  // The cap keeps old surfels able to move (reference notes, defect M9).
+  // The cap keeps old surfels able to move.
   surfel.w = min(total, max(surfel.w, p.max_confidence));
   position_confidence[slot] = surfel;
   times[slot].y = p.frame_number;

@@ -2,7 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 // The surface seen from a pose (paper section 3.1): each pixel's ray is met with the zero set of the Hermite RBF implicit of the surfels
-// in a window of the index map. Weighted-plane iteration along the ray (reference notes 8.2.1) instead of a bisection.
+// in a window of the index map. Weighted-plane iteration along the ray (core/METHOD.md, "Step along the ray") instead of a bisection.
 // Attributes come from the kernel nearest to the solution. With hrbf == 0: the nearest surfel disc that the ray meets.
 // Each invocation answers four neighbouring pixels (the components of a vec4), so that a kernel is loaded and unpacked once for all of them.
 #include "shaders/shared/map.h"

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Photometric terms of a pure rotation between two grey images (SO(3) pre-alignment, reference notes 3.2):
+// Photometric terms of a pure rotation between two grey images (SO(3) pre-alignment):
 // residual I_current(pi(R ray)) - I_previous(x), linearised for R <- exp(omega) R.
 #include "shaders/shared/track.h"
 #include "shaders/lib/geometry.glsl"

@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kWindow = 3;                     // half side of the window of the frame's HRBF
-constexpr int kMinKernels = 16;                // reference notes 1.6
+constexpr int kMinKernels = 16;                // of 49, as the authors' program has it
 constexpr double kKinectFocalLength_px = 525;  // that the paper's epsilon is made for
 constexpr double kTwoSigma2 = 0.72;            // 2 * 0.6^2 of the distortion term (Keller et al. 2013)
 

@@ -1,5 +1,5 @@
-// The passes of shaders/frame once more, on the CPU in double precision and from the formulas (paper section 3.2 to 3.4, reference notes
-// 1), with loops instead of tiles. Each takes the downloaded input of its pass, so a difference is that pass's own. Pure functions.
+// The passes of shaders/frame once more, on the CPU in double precision and from the formulas (paper section 3.2 to 3.4), with loops
+// instead of tiles. Each takes the downloaded input of its pass, so a difference is that pass's own. Pure functions.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,7 +27,7 @@ SurfaceImage downsample_twin(const SurfaceImage& fine, const shared::Intrinsics&
 // Sobel, grey values per pixel, zero on the border.
 std::vector<Eigen::Vector2d> gradient_twin(const std::vector<float>& intensity, const shared::Intrinsics& camera);
 
-// scale pixel diagonals, up to twice that on slanted surfaces (reference notes 1.4).
+// scale pixel diagonals, up to twice that on slanted surfaces.
 double support_radius_m(const shared::Intrinsics& camera, double scale, double depth_m, double normal_z);
 
 }  // namespace hermite::test

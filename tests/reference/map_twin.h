@@ -1,5 +1,5 @@
-// The passes of shaders/map once more, on the CPU in double precision and one surfel or pixel after the other (paper section 3.1 and 5,
-// reference notes 2 and 4). Inputs are downloaded surfels, so packing has already happened to both sides. Pure functions.
+// The passes of shaders/map once more, on the CPU in double precision and one surfel or pixel after the other (paper section 3.1 and 5).
+// Inputs are downloaded surfels, so packing has already happened to both sides. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,7 @@ std::vector<HrbfKernel> prediction_window(const std::vector<Surfel>& surfels, co
 SurfaceImage predict_twin(const std::vector<Surfel>& surfels, const MapView& view, const std::vector<std::uint32_t>& ids,
                           const MapOptions& options);
 
-// (confidence scale * c + exp(-lambda^2 / (2 kappa^2))) / z^2 (reference notes 2.4).
+// (confidence scale * c + exp(-lambda^2 / (2 kappa^2))) / z^2.
 double tracking_weight_twin(const Eigen::Vector2d& curvatures, double confidence, double depth_m, const MapOptions& options);
 
 // What the Fuser sees of a frame.

@@ -1,5 +1,5 @@
 // One Gauss-Newton step of the odometry on the CPU in double precision, with derivatives by differences instead of formulas (paper section
-// 4, reference notes 3.3 to 3.6). Pure functions.
+// 4). Pure functions.
 #pragma once
 
 #include <Eigen/Core>

@@ -283,7 +283,7 @@ TEST_F(PreprocessTest, CurvatureOfASphereIsPositiveAndOfABowlNegative) {
     }
 }
 
-// Confidence of planes under a full window (reference notes 1.7, as in hrbf_test.cpp), at the principal point, where distortion is none.
+// Confidence of planes under a full window, as in hrbf_test.cpp, at the principal point, where distortion is none.
 TEST_F(PreprocessTest, ConfidenceOfPlanesIsAsMeasured) {
   struct Row {
     double depth_m, tilt_deg, confidence;

@@ -22,7 +22,7 @@ using test::SurfaceImage;
 using testing::HasSubstr;
 
 constexpr Camera kCamera{160, 120, 130, 130, 79.5, 59.5, 5000};
-constexpr double kGradientMin[kPyramidLevels] = {5, 3, 1};  // grey values per pixel (reference notes 3.5)
+constexpr double kGradientMin[kPyramidLevels] = {5, 3, 1};  // grey values per pixel
 
 // About a centimetre and a degree: what a hand does between two frames.
 Rigid3 small_motion() { return exp_se3((Vector6d() << 0.012, -0.008, 0.010, 0.010, 0.015, -0.012).finished()); }
