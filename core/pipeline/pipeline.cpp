@@ -28,11 +28,14 @@ constexpr std::uint32_t kMostCameras = 3;
 constexpr std::size_t kFramesAhead = 4;  // while all are worked through again
 
 std::string correction_words(const Camera& given, const Camera& corrected) {
-  char words[128];
-  std::snprintf(words, sizeof words,
-                "the camera's calibration was off and is corrected: focal length by %+.2f %%, depth in the corners by %+.2f %%",
-                100 * (corrected.fx / given.fx - 1), 100 * (corrected.depth_correction.bend - given.depth_correction.bend));
-  return words;
+  const auto by = [](const char* what, double share) {
+    char words[64];
+    std::snprintf(words, sizeof words, "%s by %+.2f %%", what, 100 * share);
+    return share == 0 ? std::string() : std::string(words);
+  };
+  const std::string focal = by("focal length", corrected.fx / given.fx - 1);
+  const std::string bend = by("depth in the corners of the image", corrected.depth_correction.bend - given.depth_correction.bend);
+  return "the camera's calibration was off and is corrected: " + focal + (focal.empty() || bend.empty() ? "" : ", ") + bend;
 }
 
 BackEnd with_one(std::unique_ptr<Mapping> mapping) {

@@ -15,6 +15,7 @@ namespace hermite {
 namespace {
 
 using testing::HasSubstr;
+using testing::MatchesRegex;
 
 // Six seconds of a hand. The camera says a focal length that is 2 % too great.
 const test::Recording& recording() {
@@ -107,6 +108,8 @@ TEST(Recalibration, MakesTheScanAnewAsWithTheRightCamera) {
   const PipelineStatistics statistics = scanned.pipeline->statistics();
   ASSERT_TRUE(statistics.corrected_camera);
   EXPECT_EQ(statistics.calibration_doubt, "");
+  EXPECT_THAT(statistics.camera_correction,
+              MatchesRegex("the camera's calibration was off and is corrected: focal length by -[12]\\.[0-9]+ %"));
   EXPECT_NEAR(statistics.corrected_camera->fx / recording().camera.fx, 1 / 1.02, 0.003);
   EXPECT_EQ(statistics.frame_count, static_cast<std::int64_t>(recording().frames.size()));
   EXPECT_EQ(scanned.mirror.size(), scanned.pipeline->cloud()->size());
