@@ -68,9 +68,10 @@ step_sanitized_tests() { tests_of dev; }
 # What hands work to a helper thread, under the thread sanitizer.
 step_threads() {
   cmake --preset threads
-  cmake --build --preset threads --target test_adjust
+  cmake --build --preset threads --target test_adjust test_calibrate
   build/threads/tests/test_adjust --gtest_brief=1 \
     --gtest_filter='Adjuster*:SubmapMapping.TheSame*:SubmapMapping.ALost*:SubmapMapping.ANewPart*'
+  build/threads/tests/test_calibrate --gtest_brief=1 --gtest_filter='CameraWatch.Answers*:CameraWatch.Refuses*'
 }
 
 # The same for the service: frame log, queues, encoder, uploads, viewers, sockets, sessions and scans. Without what reconstructs most: a software

@@ -27,9 +27,9 @@ constexpr double kMostApart = 0.5, kMostApartDeviations = 3;
 
 // Pairs that were held back: the mean of what their squared distances lose, as a share, and how many standard errors that is.
 // 1 % of focal length: 2.4 to 9 % at 16 views and more, at 4 to 12 errors; undisturbed: -0.4 to 0.3 %.
-constexpr double kLeastGain = 0.01, kLeastGainErrors = 3;
+constexpr double kLeastMeanGain = 0.01, kLeastMeanGainErrors = 3;
 
-constexpr std::size_t kLeastPairs = 24, kLeastPairsOfHalf = 12, kLeastHeldBackPairs = 6;
+constexpr std::size_t kLeastPairs = 24, kLeastPairsOfHalf = 12, kLeastPairsHeldBack = 6;
 
 using FreeNumbers = std::array<bool, kCameraNumberCount>;
 
@@ -98,16 +98,16 @@ bool pairs_gain(const Question& question, const JointSolution& as_it_was, const 
     squares += gain * gain;
     ++count;
   }
-  if (count < static_cast<double>(kLeastHeldBackPairs)) return false;
+  if (count < static_cast<double>(kLeastPairsHeldBack)) return false;
   const double mean = sum / count, variance = std::max(0.0, squares / count - mean * mean);
-  return mean >= kLeastGain && mean * mean * (count - 1) >= kLeastGainErrors * kLeastGainErrors * variance;
+  return mean >= kLeastMeanGain && mean * mean * (count - 1) >= kLeastMeanGainErrors * kLeastMeanGainErrors * variance;
 }
 
 }  // namespace
 
 CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera& camera) {
   const Question question{views, camera, choose_pairs(views, camera)};
-  if (question.pairs.fitted.size() < kLeastPairs || question.pairs.held_back.size() < kLeastHeldBackPairs) return {};
+  if (question.pairs.fitted.size() < kLeastPairs || question.pairs.held_back.size() < kLeastPairsHeldBack) return {};
   FreeNumbers is_free{};
   for (const Asked& asked : kAsked) is_free[asked.number] = true;
   JointSolution found = question.solve(question.pairs.fitted, is_free, nullptr);
