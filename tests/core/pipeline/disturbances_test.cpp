@@ -99,7 +99,7 @@ TEST(Disturbances, WhatTurnsIsLeftOutOrAllThatIsScanned) {
 TEST(Disturbances, LittleDepthIsEnough) {
   const Scanned disturbed = scan("synthetic:frames=30,width=320,height=240,rate=20+sparse=keep=0.1");
   EXPECT_LT(disturbed.ate_rmse_m, 0.005);
-  EXPECT_GE(disturbed.tracked, 26) << "the last ones are uncertain: nothing was learned of how depth is bent";
+  EXPECT_GE(disturbed.tracked, 14) << "the others are uncertain: the camera was not seen to fit, and little holds it";
 }
 
 // A quarter of the pixels is looked at: the way that cameras of 640x480 go.
