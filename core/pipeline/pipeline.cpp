@@ -74,6 +74,7 @@ struct Pipeline::Impl {
   template <class Bytes, class Saved>
   static void change_fields(Bytes& bytes, Saved& saved);
   Status restore(ByteReader& bytes);
+  void report_slots_left(std::vector<SlotChange>& changes);
 
   const std::string device;
   const Options options;
@@ -87,6 +88,7 @@ struct Pipeline::Impl {
   std::unique_ptr<Reconstruction> reconstruction;
   std::uint32_t changes_since = 0;
   std::vector<bool> published;  // by slot: take_changes() has reported it alive
+  bool is_map_new = false;      // since the last take_changes(): of some of these slots nothing is said any more
 };
 
 // All that follows is of this camera, and of a map without anything in it.
@@ -98,6 +100,7 @@ void Pipeline::Impl::begin_with(const Camera& camera) {
   auto next = std::make_shared<const FramePreparer>(camera, options, camera_count++);
   if (camera_count > 1) reconstruction->front_end.camera_fits(kFittingBend, kFittingFocal);
   changes_since = 0;
+  is_map_new = camera_count > 1;
   const std::lock_guard lock(preparer_mutex);
   preparer = std::move(next);
 }
@@ -172,6 +175,19 @@ void Pipeline::Impl::change_fields(Bytes& bytes, Saved& saved) {
   bytes.number(saved.changes_since);
   bytes.flags(saved.published);
   bytes.flag(saved.takes_camera_as_it_is);
+  bytes.flag(saved.is_map_new);
+}
+
+// Slots of the map before that the new one does not have: those that are not among its changes, which are all of it.
+void Pipeline::Impl::report_slots_left(std::vector<SlotChange>& changes) {
+  std::vector<bool> is_told(published.size(), false);
+  for (const SlotChange& change : changes) is_told[change.slot] = true;
+  for (std::uint32_t number = 0; number < published.size(); ++number) {
+    if (!published[number] || is_told[number]) continue;
+    published[number] = false;
+    changes.push_back({number, false, {}});
+  }
+  std::ranges::sort(changes, {}, &SlotChange::slot);
 }
 
 Status Pipeline::Impl::restore(ByteReader& bytes) {
@@ -303,10 +319,7 @@ Result<std::vector<SlotChange>> Pipeline::take_changes() {
       if (alive || impl.published[number]) changes.push_back({number, alive, alive ? to_cloud_point(surfel, Rigid3{}) : CloudPoint{}});
       impl.published[number] = alive;
     }
-    for (std::uint32_t number = now.front_end.store.slot_count(); number < impl.published.size(); ++number) {
-      if (impl.published[number]) changes.push_back({number, false, {}});
-      impl.published[number] = false;
-    }
+    if (std::exchange(impl.is_map_new, false)) impl.report_slots_left(changes);
     impl.changes_since = now.front_end.frame_number;
     return changes;
   } catch (const SetupError& error) {
