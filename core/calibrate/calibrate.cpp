@@ -87,11 +87,8 @@ class Search {
   std::optional<Objection> halves_objection(const FreeNumbers& is_free, const Trial& start) const {
     std::optional<Objection> worst;
     double most_apart = 1;
-    const std::size_t middle = views_.size() / 2;
     for (const bool is_second : {false, true}) {
-      std::vector<ViewPair> half;
-      for (const ViewPair& pair : pairs_.fitted)
-        if ((pair.first >= middle) == is_second && (pair.second >= middle) == is_second) half.push_back(pair);
+      const std::vector<ViewPair> half = pairs_of_half(pairs_.fitted, views_.size(), is_second);
       if (half.size() < kLeastFittedPairs) continue;
       const JointSolution solution = adjust_jointly(views_, half, camera_, joint_options(is_free), &start.solution);
       for (std::size_t k = 0; k < kCameraNumberCount; ++k) {

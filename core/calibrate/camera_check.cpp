@@ -63,11 +63,8 @@ FreeNumbers numbers_off(const JointSolution& solution) {
 }
 
 bool halves_agree(const Question& question, const FreeNumbers& is_free, const JointSolution& all) {
-  const std::size_t middle = question.views.size() / 2;
   for (const bool is_second : {false, true}) {
-    std::vector<ViewPair> half;
-    for (const ViewPair& pair : question.pairs.fitted)
-      if ((pair.first >= middle) == is_second && (pair.second >= middle) == is_second) half.push_back(pair);
+    const std::vector<ViewPair> half = pairs_of_half(question.pairs.fitted, question.views.size(), is_second);
     if (half.size() < kLeastPairsOfHalf) return false;
     const JointSolution solution = question.solve(half, is_free, &all);
     for (const Asked& asked : kAsked) {

@@ -80,4 +80,12 @@ ChosenPairs choose_pairs(const std::vector<CalibrationView>& views, const Camera
   return pairs;
 }
 
+std::vector<ViewPair> pairs_of_half(const std::vector<ViewPair>& pairs, std::size_t view_count, bool is_second) {
+  const std::size_t middle = view_count / 2;
+  std::vector<ViewPair> half;
+  for (const ViewPair& pair : pairs)
+    if ((pair.first >= middle) == is_second && (pair.second >= middle) == is_second) half.push_back(pair);
+  return half;
+}
+
 }  // namespace hermite

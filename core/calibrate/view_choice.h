@@ -32,4 +32,7 @@ struct ChosenPairs {
 inline constexpr std::size_t kMostEarlierViews = 12;
 ChosenPairs choose_pairs(const std::vector<CalibrationView>& views, const Camera& camera);
 
+// Those whose views both are of the first half of so many, or of the second.
+std::vector<ViewPair> pairs_of_half(const std::vector<ViewPair>& pairs, std::size_t view_count, bool is_second);
+
 }  // namespace hermite

@@ -270,22 +270,19 @@ CalibrationDoubt MapCertainty::calibration() const {
 }
 
 void MapCertainty::camera_fits(double bend_deviation, double focal_deviation) {
-  Eigen::MatrixXd of_state = Eigen::MatrixXd::Zero(kCameraDoubtCount, mean_.size());
-  of_state.leftCols<kCameraDoubtCount>().setIdentity();
-  Eigen::Vector2d variances;
-  variances[kBendDoubt] = bend_deviation * bend_deviation;
-  variances[kFocalDoubt] = focal_deviation * focal_deviation;
-  update(of_state, Eigen::Vector2d::Zero(), variances.asDiagonal().toDenseMatrix());
+  observe_camera(Eigen::Vector2d::Zero(), {bend_deviation, focal_deviation});
 }
 
 void MapCertainty::camera_is_off(double bend, double focal) {
+  observe_camera({bend, focal}, Eigen::Vector2d::Constant(kToldDeviation));
+  focal_off_ = focal;
+}
+
+// Both in the order of CameraDoubt.
+void MapCertainty::observe_camera(const Eigen::Vector2d& doubts, const Eigen::Vector2d& deviations) {
   Eigen::MatrixXd of_state = Eigen::MatrixXd::Zero(kCameraDoubtCount, mean_.size());
   of_state.leftCols<kCameraDoubtCount>().setIdentity();
-  Eigen::Vector2d observed;
-  observed[kBendDoubt] = bend;
-  observed[kFocalDoubt] = focal;
-  update(of_state, observed, kToldDeviation * kToldDeviation * Eigen::Matrix2d::Identity());
-  focal_off_ = focal;
+  update(of_state, doubts, deviations.cwiseAbs2().asDiagonal().toDenseMatrix());
 }
 
 void MapCertainty::keep(CoarseView seen, const Rigid3& world_from_camera, const Ground& ground, const Eigen::MatrixXd& share,

@@ -98,6 +98,7 @@ class MapCertainty {
   void learn_camera(const CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground);
   void keep(CoarseView seen, const Rigid3& world_from_camera, const Ground& ground, const Eigen::MatrixXd& share, const Matrix6d& noise);
   void drop_some();
+  void observe_camera(const Eigen::Vector2d& doubts, const Eigen::Vector2d& deviations);
   void update(const Eigen::MatrixXd& of_state, const Eigen::VectorXd& observed, const Eigen::MatrixXd& noise);
 
   std::vector<View> views_;

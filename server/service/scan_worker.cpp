@@ -92,7 +92,6 @@ class ScanRun {
   }
 
   Result<wire::Finished> write() {
-    if (Status status = tell_viewers(); !status.ok()) return status.error();
     const std::string correction_before = pipeline_->statistics().camera_correction;
     pipeline_->finish();
     if (Status status = start_update(); !status.ok()) return status.error();
