@@ -29,7 +29,7 @@ const std::vector<Layer>& layers() {
       {"core/frame", {"core/gpu", "core/math", "core/base", "shaders/shared"}},
       {"core/map", {"core/frame", "core/gpu", "core/math", "core/base", "shaders/shared"}},
       {"core/track", {"core/map", "core/frame", "core/gpu", "core/math", "core/base", "shaders/shared"}},
-      {"core/mesh", {"core/map", "core/frame", "core/gpu", "core/math", "core/base", "shaders/shared"}},
+      {"core/mesh", {"core/output", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"core/image", {"core/base"}},
       {"core/archive", {"core/base"}},
       {"core/log", {"core/base"}},
@@ -44,7 +44,7 @@ const std::vector<Layer>& layers() {
       {"core/digest", {"core/base"}},
       // Of what needs more than Vulkan and Eigen only plain headers: hermite_bench links this and nothing else.
       {"core/pipeline",
-       {"core/adjust/mapping.h", "core/adjust/adjust_options.h", "core/calibrate/camera_watch.h", "core/dataset/trajectory.h", "core/output/cloud.h", "core/mesh",
+       {"core/adjust/mapping.h", "core/adjust/adjust_options.h", "core/calibrate/camera_watch.h", "core/dataset/trajectory.h", "core/output/cloud.h",
         "core/track", "core/map", "core/frame", "core/gpu", "core/math", "core/base"}},
       {"core/report", {"core/pipeline", "core/dataset/camera_file.h", "core/evaluate", "core/digest", "core/base"}},
       {"tests/bench/program", {"core/pipeline", "core/raw", "core/gpu", "core/base"}},
