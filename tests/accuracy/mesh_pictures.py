@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Draws meshes, to be looked at: shaded by a lamp at the camera, and in the colours of their vertices. Needs python3-open3d.
+"""Draws meshes, to be looked at: shaded by a lamp at the camera, and in the colours of their vertices. Needs python3-numpy.
 
     tests/accuracy/mesh_pictures.py MESH.ply [MESH.ply...] --out FOLDER [--trajectory trajectory.txt] [--views 6] [--crop X:Y:SIZE]
 
@@ -15,94 +15,104 @@ import sys
 
 import numpy as np
 
+from mesh_file import read_ply, read_trajectory, write_png
+
 FIELD_OF_VIEW = 62.7  # degrees across, a Kinect's
-BACKGROUND = np.array([40, 44, 52], dtype=np.float32)
-BACK_OF_FACE = np.array([200, 60, 50], dtype=np.float32)
-MOST_LAYERS = 6  # faces turned away that a ray is let through
-PAST_M = 1e-4
+BACKGROUND = np.array([40, 44, 52])
+BACK_OF_FACE = np.array([200, 60, 50])
+NEAREST_M = 0.05
+MOST_PIXELS = 4_000_000  # of triangles, that are drawn at once
 
 
 class Drawing:
     """One mesh, ready to be looked at from anywhere."""
 
     def __init__(self, path):
-        import open3d as o3d  # pylint: disable=import-outside-toplevel
-        mesh = o3d.io.read_triangle_mesh(path)
-        self.vertices = np.asarray(mesh.vertices, dtype=np.float32)
-        self.triangles = np.asarray(mesh.triangles, dtype=np.uint32)
+        mesh = read_ply(path)
+        self.vertices, self.triangles = mesh.vertices, mesh.triangles
         if not len(self.triangles) or not np.isfinite(self.vertices).all():
             raise ValueError(f"{path} has no triangles, or vertices that are not finite")
-        self.colors = np.asarray(mesh.vertex_colors, dtype=np.float32) * 255
-        self.tensor = o3d.core.Tensor
-        self.scene = o3d.t.geometry.RaycastingScene()
-        self.scene.add_triangles(self.tensor(self.vertices), self.tensor(self.triangles))
+        colors = mesh.colors if mesh.colors is not None else np.full((len(self.vertices), 3), 128.0)
+        self.colors = colors[self.triangles].mean(1)  # of a face: they are as small as pixels
 
-    def cast(self, rays):
-        """Distance, triangle, place in it, and normal of the face that each of the rays (N x 6) meets."""
-        hit = self.scene.cast_rays(self.tensor(np.ascontiguousarray(rays, dtype=np.float32)))
-        return [hit[key].numpy() for key in ("t_hit", "primitive_ids", "primitive_uvs", "primitive_normals")]
-
-    def images(self, rays, through_backs):
-        """Shaded and coloured, N x 3 each. `through_backs`: faces that are turned away are left out."""
-        rays = rays.astype(np.float32).copy()
-        shaded, colored = (np.tile(BACKGROUND, (len(rays), 1)) for _ in range(2))
-        left = np.arange(len(rays))
-        for _ in range(MOST_LAYERS if through_backs else 1):
-            distance, triangle, place, normal = self.cast(rays[left])
-            hit = np.isfinite(distance)
-            left, distance, triangle, place, normal = left[hit], distance[hit], triangle[hit], place[hit], normal[hit]
-            direction = rays[left, 3:]
-            normal = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
-            cosine = -(normal * direction).sum(1) / np.linalg.norm(direction, axis=1)
-            front = cosine > 0
-            draw = front if through_backs else np.ones_like(front)
-            light = (0.15 + 0.85 * np.abs(cosine))[:, None]
-            base = np.where(front[:, None], np.float32(235), BACK_OF_FACE)
-            shaded[left[draw]] = (base * light)[draw]
-            colored[left[draw]] = self.color_at(triangle, place)[draw]
-            if not through_backs or front.all():
-                break
-            rays[left[~front], :3] += (distance[~front] + PAST_M)[:, None] * rays[left[~front], 3:]
-            left = left[~front]
-        return shaded, colored
-
-    def color_at(self, triangle, place):
-        if len(self.colors) != len(self.vertices):
-            return np.full((len(triangle), 3), 128, dtype=np.float32)
-        corners = self.colors[self.triangles[triangle]]
-        weights = np.stack([1 - place.sum(1), place[:, 0], place[:, 1]], 1)
-        return (weights[:, :, None] * corners).sum(1)
+    def images(self, window, world_from_camera, without_backs):
+        """Shaded and coloured, height x width x 3 each."""
+        in_camera = (self.vertices - world_from_camera[:3, 3]) @ world_from_camera[:3, :3]
+        chosen = self.triangles[(in_camera[self.triangles, 2] > NEAREST_M).all(1)]
+        colors = self.colors[(in_camera[self.triangles, 2] > NEAREST_M).all(1)]
+        corners = in_camera[chosen]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        middle = corners.mean(1)
+        cosine = -(normal * middle).sum(1) / np.maximum(np.linalg.norm(normal, axis=1) * np.linalg.norm(middle, axis=1), 1e-20)
+        nearest = first_triangles(corners, window, cosine > 0 if without_backs else np.ones(len(corners), bool))
+        is_hit = nearest >= 0
+        light = (0.15 + 0.85 * np.abs(cosine))[:, None]
+        lit = np.where((cosine > 0)[:, None], 235.0, BACK_OF_FACE) * light
+        pictures = []
+        for of_face in (lit, colors):
+            picture = np.tile(BACKGROUND, (*nearest.shape, 1))
+            picture[is_hit] = of_face[nearest[is_hit]]
+            pictures.append(picture)
+        return pictures
 
 
-def rays_of(width, height, world_from_camera):
-    """N x 6, row by row; the camera is x right, y down, z forward."""
-    focal = width / 2 / math.tan(math.radians(FIELD_OF_VIEW / 2))
-    x, y = np.meshgrid((np.arange(width) - (width - 1) / 2) / focal, (np.arange(height) - (height - 1) / 2) / focal)
-    directions = np.stack([x.ravel(), y.ravel(), np.ones(width * height)], 1) @ world_from_camera[:3, :3].T
-    return np.concatenate([np.broadcast_to(world_from_camera[:3, 3], directions.shape), directions], 1)
+class Window:
+    """Where in the image of a camera of focal length 1 the pixels of a picture lie."""
+
+    def __init__(self, width, height, crop=None):
+        focal = width / 2 / math.tan(math.radians(FIELD_OF_VIEW / 2))
+        left, top, scale = 0, 0, 1.0
+        if crop:
+            left, top, scale = crop[0], crop[1], height / crop[2]
+            middle = (width - 1) / 2, (height - 1) / 2
+            width = height
+        else:
+            middle = (width - 1) / 2, (height - 1) / 2
+        self.width, self.height, self.focal = width, height, focal * scale
+        self.middle = ((middle[0] - left) * scale, (middle[1] - top) * scale)
 
 
-def read_trajectory(path):
-    """world_from_camera, 4 x 4 each."""
-    poses = []
-    with open(path, encoding="utf-8") as text:
-        for line in text:
-            words = line.split()
-            if line.startswith("#") or len(words) < 8:
-                continue
-            numbers = [float(word) for word in words[1:8]]
-            pose = np.eye(4)
-            pose[:3, :3], pose[:3, 3] = rotation_of(*numbers[3:]), numbers[:3]
-            poses.append(pose)
-    return poses
+def first_triangles(corners, window, is_drawn):
+    """Height x width: which of the triangles (in the camera) is the nearest in each pixel, -1 where there is none."""
+    inverse = 1 / corners[:, :, 2]
+    at = corners[:, :, :2] * inverse[:, :, None] * window.focal + np.array(window.middle)
+    low = np.ceil(at.min(1)).astype(np.int64).clip(0, None)
+    high = np.minimum(np.floor(at.max(1)).astype(np.int64), [window.width - 1, window.height - 1])
+    size = high - low + 1
+    which = np.nonzero(is_drawn & (size > 0).all(1))[0]
+    best = np.zeros(window.width * window.height)  # inverse depth
+    owner = np.full(len(best), -1, np.int64)
+    pixels = size[which].prod(1)
+    which = which[np.argsort(pixels, kind="stable")]
+    ends = np.cumsum(np.sort(pixels, kind="stable"))
+    start = 0
+    while start < len(which):
+        stop = max(start + 1, int(np.searchsorted(ends, (ends[start - 1] if start else 0) + MOST_PIXELS)))
+        draw_batch(which[start:stop], (at, inverse, low, size), window, best, owner)
+        start = stop
+    return owner.reshape(window.height, window.width)
 
 
-def rotation_of(x, y, z, w):
-    norm = math.sqrt(x * x + y * y + z * z + w * w)
-    x, y, z, w = x / norm, y / norm, z / norm, w / norm
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+def draw_batch(which, projected, window, best, owner):
+    at, inverse, low, size = (array[which] for array in projected)
+    counts = size.prod(1)
+    row = np.repeat(np.arange(len(which)), counts)
+    inside = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
+    x, y = low[row, 0] + inside % size[row, 0], low[row, 1] + inside // size[row, 0]
+    a, b, c = at[row, 0], at[row, 1], at[row, 2]
+
+    def cross(p, q):
+        return (p[:, 0] - x) * (q[:, 1] - y) - (p[:, 1] - y) * (q[:, 0] - x)
+
+    shares = np.stack([cross(b, c), cross(c, a), cross(a, b)], 1)
+    area = shares.sum(1)
+    is_in = ((shares >= 0).all(1) | (shares <= 0).all(1)) & (area != 0)
+    row, pixel = row[is_in], (y * window.width + x)[is_in]
+    nearness = (shares[is_in] * inverse[row]).sum(1) / area[is_in]  # inverse depth is linear over the image
+    order = np.argsort(nearness, kind="stable")  # the nearest is written last
+    order = order[nearness[order] > best[pixel[order]]]
+    best[pixel[order]] = nearness[order]
+    owner[pixel[order]] = which[row[order]]
 
 
 def looking(eye, at, up):
@@ -131,28 +141,13 @@ def views_of(vertices, poses, count):
         yield f"aside{i}", looking(middle + reach * (0.75 * turned + 0.4 * up), middle, up), True
 
 
-def write_image(path, rows):
-    import open3d as o3d  # pylint: disable=import-outside-toplevel
-    if not o3d.io.write_image(path, o3d.geometry.Image(np.ascontiguousarray(rows.clip(0, 255).astype(np.uint8)))):
-        sys.exit(f"{path} cannot be written")
-
-
-def draw_all(paths, out, poses=(), count=6, size=(640, 480), crop=None):
-    """`crop`: x, y and side of a square of the image that alone is drawn, as large as the image is high."""
+def draw_all(paths, out, poses=(), count=6, window=Window(640, 480)):
     drawings = [Drawing(path) for path in paths]
     os.makedirs(out, exist_ok=True)
-    for name, pose, through_backs in views_of(drawings[0].vertices, list(poses), count):
-        rays = rays_of(*size, pose)
-        shape = (size[1], size[0])
-        if crop:
-            x, y, side = crop
-            scale = size[1] // side
-            large = rays_of(size[0] * scale, size[1] * scale, pose).reshape(size[1] * scale, size[0] * scale, 6)
-            part = large[y * scale:(y + side) * scale, x * scale:(x + side) * scale]
-            rays, shape = part.reshape(-1, 6), part.shape[:2]
-        pictures = [drawing.images(rays, through_backs) for drawing in drawings]
+    for name, pose, without_backs in views_of(drawings[0].vertices, list(poses), count):
+        pictures = [drawing.images(window, pose, without_backs) for drawing in drawings]
         for kind, which in (("shaded", 0), ("color", 1)):
-            write_image(os.path.join(out, f"{name}_{kind}.png"), np.concatenate([p[which].reshape(*shape, 3) for p in pictures], 1))
+            write_png(os.path.join(out, f"{name}_{kind}.png"), np.concatenate([picture[which] for picture in pictures], 1))
 
 
 def main():
@@ -164,15 +159,11 @@ def main():
     parser.add_argument("--size", default="640x480", help="of one picture in pixels (640x480)")
     parser.add_argument("--crop", metavar="X:Y:SIZE", help="only this square of every picture, in its pixels, enlarged")
     arguments = parser.parse_args()
-    try:
-        import open3d  # pylint: disable=import-outside-toplevel,unused-import
-    except ImportError:
-        parser.error("open3d is missing: install python3-open3d, and run with Debian's own /usr/bin/python3")
     size = tuple(int(word) for word in arguments.size.split("x"))
     crop = tuple(int(word) for word in arguments.crop.split(":")) if arguments.crop else None
-    poses = read_trajectory(arguments.trajectory) if arguments.trajectory else []
+    poses = read_trajectory(arguments.trajectory)[1] if arguments.trajectory else []
     try:
-        draw_all(arguments.meshes, arguments.out, poses, arguments.views, size, crop)
+        draw_all(arguments.meshes, arguments.out, poses, arguments.views, Window(*size, crop))
     except ValueError as error:
         sys.exit(str(error))
 
