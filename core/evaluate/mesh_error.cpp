@@ -15,6 +15,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kPoints = 400'000;
+// A sample of the truth that is farther from the mesh is missing.
+constexpr double kMissing_m = 0.010;
 
 double area_m2(const Triangle& t) {
   const double area = 0.5 * static_cast<double>((t[1] - t[0]).cross(t[2] - t[0]).norm());
@@ -23,9 +25,16 @@ double area_m2(const Triangle& t) {
 
 bool is_dot(const Triangle& t) { return t[0] == t[1] && t[1] == t[2]; }
 
-double share_of(const std::vector<Vector3d>& points, const std::function<bool(const Vector3d&)>& is_so) {
-  if (points.empty()) return 0;
-  return static_cast<double>(std::count_if(points.begin(), points.end(), is_so)) / static_cast<double>(points.size());
+std::vector<double> distances_of(const std::vector<Vector3d>& points, const std::function<double(const Vector3d&)>& distance_m) {
+  std::vector<double> distances_m(points.size());
+  std::transform(points.begin(), points.end(), distances_m.begin(), distance_m);
+  return distances_m;
+}
+
+double share_within(const std::vector<double>& distances_m, double within_m) {
+  if (distances_m.empty()) return 0;
+  const auto is_within = [&](double distance_m) { return distance_m <= within_m; };
+  return static_cast<double>(std::count_if(distances_m.begin(), distances_m.end(), is_within)) / static_cast<double>(distances_m.size());
 }
 
 // Of absolute differences of depth.
@@ -103,26 +112,29 @@ Result<MeshError> mesh_error(const std::vector<Triangle>& triangles, const SeenT
   else
     points = points_on(triangles, kPoints);
   if (points.empty()) return Error{ErrorCode::kInvalidArgument, "a mesh without area has no error"};
-  MeshError error;
-  Result<SurfaceError> all = surface_error(points, Rigid3(), truth.distance_m);
-  if (!all.ok()) return all.error();
-  error.surface = *all;
-
+  if (!std::all_of(points.begin(), points.end(), [](const Vector3d& point) { return point.allFinite(); }))
+    return Error{ErrorCode::kInvalidArgument, "a point of what is judged is not finite"};
   const TriangleSurface creases = dots_of(truth.creases, kCreaseWidth_m * 1.01);
   const auto is_at_crease = [&](const Vector3d& point) { return creases.distance_m(point) <= kCreaseWidth_m; };
-  std::vector<Vector3d> at_creases;
-  std::copy_if(points.begin(), points.end(), std::back_inserter(at_creases), is_at_crease);
-  if (!at_creases.empty()) error.creases = *surface_error(at_creases, Rigid3(), truth.distance_m);
+  const std::vector<double> to_truth_m = distances_of(points, truth.distance_m);
+  std::vector<double> to_truth_at_creases_m;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (is_at_crease(points[i])) to_truth_at_creases_m.push_back(to_truth_m[i]);
 
-  const TriangleSurface mesh(triangles, kSurfaceReach_m);
-  for (const auto& [score, within_m] : {std::pair(&error.at_5mm, 0.005), std::pair(&error.at_10mm, 0.010)}) {
-    const auto is_near_mesh = [&, within = within_m](const Vector3d& point) { return mesh.distance_m(point) <= within; };
-    *score = {within_m, share_of(points, [&, within = within_m](const Vector3d& point) { return truth.distance_m(point) <= within; }),
-              share_of(truth.samples, is_near_mesh)};
-  }
-  std::vector<Vector3d> true_edges;
-  std::copy_if(truth.samples.begin(), truth.samples.end(), std::back_inserter(true_edges), is_at_crease);
-  error.missing_at_creases = share_of(true_edges, [&](const Vector3d& point) { return mesh.distance_m(point) > error.at_10mm.within_m; });
+  const TriangleSurface mesh(triangles, kMissing_m * 1.01);
+  const std::vector<double> to_mesh_m = distances_of(truth.samples, [&](const Vector3d& point) { return mesh.distance_m(point); });
+  std::vector<double> to_mesh_at_creases_m;
+  for (std::size_t i = 0; i < truth.samples.size(); ++i)
+    if (is_at_crease(truth.samples[i])) to_mesh_at_creases_m.push_back(to_mesh_m[i]);
+
+  MeshError error;
+  error.at_5mm = {0.005, share_within(to_truth_m, 0.005), share_within(to_mesh_m, 0.005)};
+  error.at_10mm = {kMissing_m, share_within(to_truth_m, kMissing_m), share_within(to_mesh_m, kMissing_m)};
+  if (!to_mesh_at_creases_m.empty()) error.missing_at_creases = 1 - share_within(to_mesh_at_creases_m, kMissing_m);
+  const Result<SurfaceError> all = surface_error(to_truth_m);
+  if (!all.ok()) return all.error();
+  error.surface = *all;
+  if (!to_truth_at_creases_m.empty()) error.creases = *surface_error(std::move(to_truth_at_creases_m));
   if (!is_cloud) judge_depth(triangles, truth, error);
   return error;
 }
