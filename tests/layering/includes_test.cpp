@@ -38,7 +38,8 @@ const std::vector<Layer>& layers() {
       // The messages as plain values: a frame log holds them as they came.
       {"core/dataset",
        {"core/archive", "core/log", "core/raw", "proto/wire", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
-      {"core/evaluate", {"core/dataset", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
+      {"core/evaluate",
+       {"core/dataset", "core/output/triangle_mesh.h", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"core/calibrate", {"core/adjust", "core/dataset", "core/frame", "core/math", "core/base"}},
       {"core/output", {"core/math", "core/base"}},
       {"core/digest", {"core/base"}},
