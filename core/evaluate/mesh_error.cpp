@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/base/parallel.h"
 #include "core/evaluate/drawn_depth.h"
 #include "core/evaluate/true_surface.h"
 
@@ -15,6 +16,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kPoints = 400'000;
+constexpr std::size_t kAtOnce = 4096;
 // A sample of the truth that is farther from the mesh is missing.
 constexpr double kMissing_m = 0.010;
 
@@ -27,7 +29,9 @@ bool is_dot(const Triangle& t) { return t[0] == t[1] && t[1] == t[2]; }
 
 std::vector<double> distances_of(const std::vector<Vector3d>& points, const std::function<double(const Vector3d&)>& distance_m) {
   std::vector<double> distances_m(points.size());
-  std::transform(points.begin(), points.end(), distances_m.begin(), distance_m);
+  in_parallel(points.size() / kAtOnce + 1, [&](std::size_t piece) {
+    for (std::size_t i = piece * kAtOnce; i < std::min((piece + 1) * kAtOnce, points.size()); ++i) distances_m[i] = distance_m(points[i]);
+  });
   return distances_m;
 }
 
@@ -43,7 +47,8 @@ struct DepthDifferences {
   std::int64_t missing = 0;
 };
 
-void compare_view(const std::vector<Triangle>& triangles, const Camera& camera, const BesideView& view, DepthDifferences& differences) {
+DepthDifferences differences_of(const std::vector<Triangle>& triangles, const Camera& camera, const BesideView& view) {
+  DepthDifferences differences;
   const Image<float> drawn_m = drawn_depth_m(triangles, camera, view.world_from_camera);
   for (std::size_t i = 0; i < drawn_m.pixels.size(); ++i) {
     if (view.depth_m.pixels[i] == 0) continue;
@@ -52,11 +57,17 @@ void compare_view(const std::vector<Triangle>& triangles, const Camera& camera, 
     else
       differences.both_m.push_back(std::abs(drawn_m.pixels[i] - view.depth_m.pixels[i]));
   }
+  return differences;
 }
 
 void judge_depth(const std::vector<Triangle>& triangles, const SeenTruth& truth, MeshError& error) {
+  std::vector<DepthDifferences> by_view(truth.views.size());
+  in_parallel(by_view.size(), [&](std::size_t i) { by_view[i] = differences_of(triangles, truth.view_camera, truth.views[i]); });
   DepthDifferences differences;
-  for (const BesideView& view : truth.views) compare_view(triangles, truth.view_camera, view, differences);
+  for (const DepthDifferences& of_view : by_view) {
+    differences.missing += of_view.missing;
+    differences.both_m.insert(differences.both_m.end(), of_view.both_m.begin(), of_view.both_m.end());
+  }
   error.views = static_cast<std::int64_t>(truth.views.size());
   std::vector<float>& both_m = differences.both_m;
   const auto count = static_cast<double>(both_m.size());

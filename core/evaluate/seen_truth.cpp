@@ -21,10 +21,8 @@ using Eigen::Vector3d;
 using Eigen::Vector3i;
 
 constexpr double kSeenCell_m = 0.02;
-constexpr double kCreaseReach_m = 0.012;
-constexpr double kGradientStep_m = 1e-4;
-// Before the surface, where the distance has a gradient.
-constexpr double kInFront_m = 0.001;
+// Normals are compared between neighbours of this spacing, at most so far apart.
+constexpr double kNormalSpacing_m = 0.01, kCreaseReach_m = 0.015;
 // Normals of depth are made over so many pixels to each side.
 constexpr int kNormalReach_px = 2;
 constexpr double kSameSurfaceShare = 0.03;
@@ -41,28 +39,20 @@ std::uint64_t voxel_of(const Vector3d& point, double side_m) {
   return bits(cell.x()) | bits(cell.y()) << 21 | bits(cell.z()) << 42;
 }
 
-struct SeenPoint {
+struct PointWithNormal {
   Vector3d position_m;
-  Vector3d normal;  // unit; zero: not known
+  Vector3d normal;  // unit
 };
 
 // The truth as it comes together.
 struct Gathering {
   std::shared_ptr<const SyntheticRoom> room;  // none: the depth is the truth
   std::vector<Triangle> triangles;            // of the depth
-  std::vector<SeenPoint> points;
-  std::unordered_map<std::uint64_t, std::uint32_t> points_by_voxel;
+  std::vector<Vector3d> samples;
+  std::unordered_set<std::uint64_t> sampled;
+  std::vector<PointWithNormal> normals;
+  std::unordered_map<std::uint64_t, std::uint32_t> normals_by_voxel;
 };
-
-Vector3d exact_normal(const SyntheticRoom& room, const Vector3d& point, const Vector3d& to_camera) {
-  const Vector3d here = point + kInFront_m * to_camera;
-  Vector3d gradient;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Vector3d step = kGradientStep_m * Vector3d::Unit(axis);
-    gradient[axis] = room.surface_distance(here + step) - room.surface_distance(here - step);
-  }
-  return gradient.norm() > kGradientStep_m ? gradient.normalized() : Vector3d::Zero();
-}
 
 Vector3d normal_of_depth(const DepthImage& depth, const Camera& camera, int x, int y) {
   if (x < kNormalReach_px || y < kNormalReach_px || x + kNormalReach_px >= depth.width || y + kNormalReach_px >= depth.height)
@@ -81,40 +71,36 @@ void add_frame(const DepthImage& depth, const Camera& camera, const Rigid3& worl
     for (int x = 0; x < depth.width; ++x) {
       if (depth.at(x, y) == 0) continue;
       const Vector3d point = world_from_camera * camera.unproject(x, y, depth.at(x, y) / camera.depth_units_per_metre);
-      const auto [place, is_new] =
-          gathering.points_by_voxel.try_emplace(voxel_of(point, kSampleSpacing_m), static_cast<std::uint32_t>(gathering.points.size()));
-      if (!is_new && !gathering.points[place->second].normal.isZero()) continue;
-      const Vector3d to_camera = (world_from_camera.translation - point).normalized();
-      const Vector3d normal = gathering.room ? exact_normal(*gathering.room, point, to_camera)
-                                             : Vector3d(world_from_camera.rotation * normal_of_depth(depth, camera, x, y));
-      if (is_new)
-        gathering.points.push_back({point, normal});
-      else
-        gathering.points[place->second].normal = normal;
+      if (gathering.sampled.insert(voxel_of(point, kSampleSpacing_m)).second) gathering.samples.push_back(point);
+      const std::uint64_t voxel = voxel_of(point, kNormalSpacing_m);
+      if (gathering.normals_by_voxel.contains(voxel)) continue;
+      const Vector3d normal = normal_of_depth(depth, camera, x, y);
+      if (normal.isZero()) continue;
+      gathering.normals_by_voxel.emplace(voxel, static_cast<std::uint32_t>(gathering.normals.size()));
+      gathering.normals.push_back({point, world_from_camera.rotation * normal});
     }
   if (!gathering.room) append_depth_triangles(depth, camera, world_from_camera, camera.width > kWideView_px ? 2 : 1, gathering.triangles);
 }
 
 std::vector<Vector3d> creases_of(const Gathering& gathering) {
-  static const double most = std::cos(30 * std::numbers::pi / 180), least = std::cos(150 * std::numbers::pi / 180);
-  const int rings = static_cast<int>(std::ceil(kCreaseReach_m / kSampleSpacing_m));
-  std::vector<Vector3d> creases;
-  const auto bends_towards = [&](const SeenPoint& point, const Vector3d& near) {
-    const auto found = gathering.points_by_voxel.find(voxel_of(near, kSampleSpacing_m));
-    if (found == gathering.points_by_voxel.end()) return false;
-    const SeenPoint& other = gathering.points[found->second];
+  const double most = std::cos(30 * std::numbers::pi / 180), least = std::cos(150 * std::numbers::pi / 180);
+  const auto bends_towards = [&](const PointWithNormal& point, const Vector3d& near) {
+    const auto found = gathering.normals_by_voxel.find(voxel_of(near, kNormalSpacing_m));
+    if (found == gathering.normals_by_voxel.end()) return false;
+    const PointWithNormal& other = gathering.normals[found->second];
     const double cosine = other.normal.dot(point.normal);
-    return !other.normal.isZero() && cosine < most && cosine > least && (other.position_m - point.position_m).norm() <= kCreaseReach_m;
+    return cosine < most && cosine > least && (other.position_m - point.position_m).norm() <= kCreaseReach_m;
   };
-  const auto is_crease = [&](const SeenPoint& point) {
-    for (int z = -rings; z <= rings; ++z)
-      for (int y = -rings; y <= rings; ++y)
-        for (int x = -rings; x <= rings; ++x)
-          if (bends_towards(point, point.position_m + kSampleSpacing_m * Vector3d(x, y, z))) return true;
+  const auto is_crease = [&](const PointWithNormal& point) {
+    for (int z = -1; z <= 1; ++z)
+      for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x)
+          if (bends_towards(point, point.position_m + kNormalSpacing_m * Vector3d(x, y, z))) return true;
     return false;
   };
-  for (const SeenPoint& point : gathering.points)
-    if (!point.normal.isZero() && is_crease(point)) creases.push_back(point.position_m);
+  std::vector<Vector3d> creases;
+  for (const PointWithNormal& point : gathering.normals)
+    if (is_crease(point)) creases.push_back(point.position_m);
   return creases;
 }
 
@@ -155,7 +141,7 @@ Image<float> true_depth_m(const Gathering& gathering, const Camera& camera, cons
 
 void add_views(const Sequence& sequence, const Gathering& gathering, int count, SeenTruth& truth) {
   std::unordered_set<std::uint64_t> seen;
-  for (const SeenPoint& point : gathering.points) seen.insert(voxel_of(point.position_m, kSeenCell_m));
+  for (const Vector3d& sample : gathering.samples) seen.insert(voxel_of(sample, kSeenCell_m));
   truth.view_camera = half_of(sequence.camera());
   for (int view = 0; view < count && sequence.frame_count() > 0; ++view) {
     const std::int64_t frame = view * sequence.frame_count() / count;
@@ -203,7 +189,7 @@ Result<SeenTruth> seen_truth(const Sequence& sequence, const std::string& source
     const auto grid = std::make_shared<const TriangleSurface>(gathering.triangles, kSurfaceReach_m);
     truth.distance_m = [grid](const Vector3d& point) { return grid->distance_m(point); };
   }
-  for (const SeenPoint& point : gathering.points) truth.samples.push_back(point.position_m);
+  truth.samples = gathering.samples;
   truth.creases = creases_of(gathering);
   add_views(sequence, gathering, options.view_count, truth);
   return truth;

@@ -24,8 +24,8 @@ struct BesideView {
 struct SeenTruth {
   std::function<double(const Eigen::Vector3d&)> distance_m;  // of a point of the true world, at most kSurfaceReach_m (true_surface.h)
   std::vector<Eigen::Vector3d> samples;
-  // Samples that have one with a normal 30 to 150 degrees away beside them, within 1.2 cm: where the surface bends sharply, not where it
-  // ends or turns its back.
+  // Points, a centimetre apart, that have one with a normal 30 to 150 degrees away within 1.5 cm: where the surface bends sharply, not
+  // where it ends or turns its back.
   std::vector<Eigen::Vector3d> creases;
   Camera view_camera;  // half the sequence's size where that is more than 320 wide
   std::vector<BesideView> views;
@@ -36,8 +36,8 @@ struct SeenTruthOptions {
   int view_count = 200;
 };
 
-// From every so-many-th frame, at the poses of the ground truth. Of the synthetic rooms distances, normals and views are exact; else they
-// are those of the depth. Frames that cannot be read or have no pose are left out. kNotFound: no ground truth.
+// From every so-many-th frame, at the poses of the ground truth. Of the synthetic rooms distances and views are exact; else they are
+// those of the depth. Frames that cannot be read or have no pose are left out. kNotFound: no ground truth.
 Result<SeenTruth> seen_truth(const Sequence& sequence, const std::string& source, const SeenTruthOptions& options = {});
 
 }  // namespace hermite
