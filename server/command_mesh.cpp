@@ -29,8 +29,11 @@ struct MeshArguments {
 // Some 90 million of our points.
 constexpr std::size_t kMaxCloud_bytes = std::size_t{4} << 30;
 
-// A result folder's cloud, or a file.
-std::string cloud_path(const std::string& source) { return std::filesystem::is_directory(source) ? source + "/cloud.ply" : source; }
+// Of a result folder what meshes are made of, or at least its cloud; or a file.
+std::string cloud_path(const std::string& source) {
+  if (!std::filesystem::is_directory(source)) return source;
+  return source + (std::filesystem::exists(source + "/surfels.ply") ? "/surfels.ply" : "/cloud.ply");
+}
 
 std::string mesh_path(const MeshArguments& arguments) {
   if (!arguments.out.empty()) return arguments.out;
@@ -63,6 +66,7 @@ int run_mesh(const MeshArguments& arguments) {
                     {"triangles", mesh.triangles.size()},
                     {"parts_left_out", statistics.removed_parts},
                     {"split_vertices", statistics.split_vertices},
+                    {"folded_triangles_left_out", statistics.folded},
                     {"seconds", seconds}}
                    .dump(2)
             << '\n';

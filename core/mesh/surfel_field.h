@@ -45,6 +45,7 @@ struct FieldSample {
   float coverage = 0;                                // 1: within a surface, 1/2: on its border, 0: nothing is near
   float lean = 0;                                    // how far aside the kernels lie, in supports: 0 within a surface, 0.2 on its border
   Eigen::Vector3f color = Eigen::Vector3f::Zero();   // 0 to 255
+  float nearest_m = 0;                               // distance to the nearest kernel
   int kernel_count = 0;                              // 0: all else says nothing
 };
 
