@@ -153,24 +153,74 @@ std::ptrdiff_t place_of(const Element& element, const char* name) {
   return found == element.properties.end() ? -1 : found - element.properties.begin();
 }
 
+// Some properties of an element that belong together, of which none counts without the others.
+template <std::size_t N>
+class Columns {
+ public:
+  Columns(const Element& element, const std::array<const char*, N>& names) {
+    for (std::size_t i = 0; i < N; ++i) places_[i] = place_of(element, names[i]);
+    all_there_ = std::all_of(places_.begin(), places_.end(), [](std::ptrdiff_t place) { return place >= 0; });
+  }
+  bool all_there() const { return all_there_; }
+  std::size_t place(std::size_t which) const { return static_cast<std::size_t>(places_[which]); }
+  Eigen::Matrix<float, static_cast<int>(N), 1> vector(const std::vector<double>& row) const {
+    Eigen::Matrix<float, static_cast<int>(N), 1> values;
+    for (std::size_t i = 0; i < N; ++i) values[static_cast<int>(i)] = static_cast<float>(row[place(i)]);
+    return values;
+  }
+
+ private:
+  std::array<std::ptrdiff_t, N> places_{};
+  bool all_there_ = false;
+};
+
+// Of a whole number of 0 to `most`; 0 for any other.
+std::uint32_t whole(double value, double most) { return value >= 0 && value <= most ? static_cast<std::uint32_t>(value) : 0; }
+
+// Of one of a colour's channels.
+std::uint8_t byte_of(double value, Type type) {
+  const double scale = type == Type::kUint16 ? 1.0 / 257 : type == Type::kFloat || type == Type::kDouble ? 255.0 : 1.0;
+  return static_cast<std::uint8_t>(whole(value * scale + 0.5, 255.5));
+}
+
+struct VertexColumns {
+  explicit VertexColumns(const Element& e)
+      : position(e, {"x", "y", "z"}),
+        normal(e, {"nx", "ny", "nz"}),
+        color(e, {"red", "green", "blue"}),
+        radius(e, {"radius"}),
+        confidence(e, {"confidence"}),
+        curvature(e, {"curvature_max", "curvature_min"}),
+        submap(e, {"submap"}) {}
+
+  void append(const std::vector<double>& row, const Element& element, PlyShape& shape) const {
+    shape.positions.push_back(position.vector(row));
+    if (normal.all_there()) shape.normals.push_back(normal.vector(row));
+    const auto channel = [&](std::size_t which) { return byte_of(row[color.place(which)], element.properties[color.place(which)].type); };
+    if (color.all_there()) shape.colors.push_back({channel(0), channel(1), channel(2)});
+    if (radius.all_there()) shape.radii.push_back(radius.vector(row)[0]);
+    if (confidence.all_there()) shape.confidences.push_back(confidence.vector(row)[0]);
+    if (curvature.all_there()) shape.curvatures.push_back(curvature.vector(row));
+    if (submap.all_there()) shape.submaps.push_back(whole(row[submap.place(0)], 4294967295.0));
+  }
+
+  Columns<3> position, normal, color;
+  Columns<1> radius, confidence;
+  Columns<2> curvature;
+  Columns<1> submap;
+};
+
 Status read_vertices(Numbers& numbers, const Element& element, PlyShape& shape) {
-  const std::array<std::ptrdiff_t, 7> places{place_of(element, "x"),     place_of(element, "y"),  place_of(element, "z"),
-                                             place_of(element, "nx"),    place_of(element, "ny"), place_of(element, "nz"),
-                                             place_of(element, "radius")};
-  const bool has_position = std::all_of(places.begin(), places.begin() + 3, [](auto place) { return place >= 0; });
-  const bool has_normal = std::all_of(places.begin() + 3, places.begin() + 6, [](auto place) { return place >= 0; });
-  std::vector<float> values(element.properties.size());
+  const VertexColumns columns(element);
+  std::vector<double> row(element.properties.size());
   for (std::uint64_t i = 0; i < element.count; ++i) {
-    for (std::size_t k = 0; k < values.size(); ++k) {
+    for (std::size_t k = 0; k < row.size(); ++k) {
       if (element.properties[k].count_type) return Error{ErrorCode::kUnsupported, "PLY: a vertex with a list"};
-      values[k] = static_cast<float>(numbers.next(element.properties[k].type));
+      row[k] = numbers.next(element.properties[k].type);
     }
-    if (!has_position) return corrupt("vertices without x, y and z");
+    if (!columns.position.all_there()) return corrupt("vertices without x, y and z");
     if (numbers.failed()) return corrupt("cut at vertex " + std::to_string(i) + " of " + std::to_string(element.count));
-    const auto value = [&](std::size_t which) { return values[static_cast<std::size_t>(places[which])]; };
-    shape.positions.push_back({value(0), value(1), value(2)});
-    if (has_normal) shape.normals.push_back({value(3), value(4), value(5)});
-    if (places[6] >= 0) shape.radii.push_back(value(6));
+    columns.append(row, element, shape);
   }
   return Done{};
 }
