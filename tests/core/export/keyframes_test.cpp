@@ -14,12 +14,12 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// Frames along x, 2 cm apart.
+// Frames along x, 2.1 cm apart: five make a spacing.
 std::vector<SeenFrame> walk(std::size_t count) {
   std::vector<SeenFrame> frames(count);
   for (std::size_t i = 0; i < count; ++i) {
     frames[i].index = static_cast<std::int64_t>(i);
-    frames[i].world_from_camera.translation.x() = 0.02 * static_cast<double>(i);
+    frames[i].world_from_camera.translation.x() = 0.021 * static_cast<double>(i);
     frames[i].sharpness = 1;
   }
   return frames;
