@@ -30,7 +30,7 @@ constexpr int kSpareCells = 128;
 constexpr float kNormalSpread = 0.7f;
 constexpr int kSheetSteps = 3;
 
-bool usable(const CloudPoint& point) {
+bool is_usable(const CloudPoint& point) {
   return point.position_m.allFinite() && point.normal.allFinite() && point.normal.squaredNorm() > 0.25f;
 }
 
@@ -77,12 +77,15 @@ float median_of(std::vector<float> values) {
 // an old one must not outweigh all around it.
 constexpr float kMostConfidence = 10;
 
+// Of a cloud that says nothing of confidence every point counts alike.
 std::vector<FieldKernel> kernels_of(const Cloud& cloud) {
+  const bool is_known = std::any_of(cloud.begin(), cloud.end(), [](const CloudPoint& point) { return point.confidence > 0; });
   std::vector<FieldKernel> kernels;
   kernels.reserve(cloud.size());
-  for (const CloudPoint& point : cloud)
-    if (usable(point))
-      kernels.push_back({point.position_m, point.normal.normalized(), 0, std::min(point.confidence, kMostConfidence), 0, point.color});
+  for (const CloudPoint& point : cloud) {
+    const float confidence = is_known ? std::min(point.confidence, kMostConfidence) : 1;
+    if (is_usable(point) && confidence > 0) kernels.push_back({point.position_m, point.normal.normalized(), 0, confidence, 0, point.color});
+  }
   return kernels;
 }
 

@@ -51,7 +51,7 @@ struct FieldSample {
 
 class SurfelField {
  public:
-  // Leaves out points whose position or normal is no number or whose normal has no direction. kInvalidArgument: no point left, or a cell
+  // Leaves out points whose position or normal is no number, whose normal has no direction, or that have no confidence where others have. kInvalidArgument: no point left, or a cell
   // outside kLeastCell_m to kMostCell_m, or points so far apart that cells cannot be counted.
   static Result<SurfelField> create(const Cloud& cloud, const FieldOptions& options);
 
