@@ -34,9 +34,9 @@ std::string path_in_result(const ExportArguments& arguments, const char* name) {
 }
 
 PlyShape read_exported_ply(const std::string& path) {
-  const Result<PlyShape> shape = parse_ply(or_throw(read_text_file(path, kMaxExportedPly_bytes)));
+  Result<PlyShape> shape = parse_ply(or_throw(read_text_file(path, kMaxExportedPly_bytes)));
   if (!shape.ok()) throw SetupError(in_context(path, shape.error()));
-  return *shape;
+  return *std::move(shape);
 }
 
 TriangleMesh mesh_to_export(const ExportArguments& arguments) {

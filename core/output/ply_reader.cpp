@@ -155,9 +155,9 @@ std::ptrdiff_t place_of(const Element& element, const char* name) {
 
 // Some properties of an element that belong together, of which none counts without the others.
 template <std::size_t N>
-class Columns {
+class PlyColumns {
  public:
-  Columns(const Element& element, const std::array<const char*, N>& names) {
+  PlyColumns(const Element& element, const std::array<const char*, N>& names) {
     for (std::size_t i = 0; i < N; ++i) places_[i] = place_of(element, names[i]);
     all_there_ = std::all_of(places_.begin(), places_.end(), [](std::ptrdiff_t place) { return place >= 0; });
   }
@@ -204,10 +204,10 @@ struct VertexColumns {
     if (submap.all_there()) shape.submaps.push_back(whole(row[submap.place(0)], 4294967295.0));
   }
 
-  Columns<3> position, normal, color;
-  Columns<1> radius, confidence;
-  Columns<2> curvature;
-  Columns<1> submap;
+  PlyColumns<3> position, normal, color;
+  PlyColumns<1> radius, confidence;
+  PlyColumns<2> curvature;
+  PlyColumns<1> submap;
 };
 
 Status read_vertices(Numbers& numbers, const Element& element, PlyShape& shape) {

@@ -101,9 +101,9 @@ TEST(Splats, APointAloneIsNoWiderThanItsRadius) {
   EXPECT_NEAR(std::exp(splats_of(cloud)[5][10]), kSplatSigmas * 0.04f, 1e-5);
   cloud.resize(1);
   cloud[0].radius_m = 0;
-  for (const float value : splats_of(cloud)[0]) EXPECT_TRUE(std::isfinite(value));
-  EXPECT_EQ(splats_of(Cloud(40, cloud[0])).size(), 40u) << "all in one place";
-  for (const float value : splats_of(Cloud(40, cloud[0]))[3]) EXPECT_TRUE(std::isfinite(value));
+  for (const std::size_t count : {1u, 40u})  // all in one place
+    for (const auto& splat : splats_of(Cloud(count, cloud[0])))
+      for (const float value : splat) EXPECT_TRUE(std::isfinite(value));
 }
 
 TEST(Splats, PointsWithoutNormalsAreRefused) {
