@@ -14,8 +14,8 @@ constexpr int kMargin = 2;
 constexpr int kSide = kCubeCells + 2 * kMargin;  // corners along an axis: cells -2 to 32 and one more
 constexpr std::size_t kCorners = std::size_t{kSide} * kSide * kSide;
 
-// Below this the surface is not there but made up of what lies around: a quarter is a corner of a sheet, half its border. `lean` of a
-// sheet's border is 0.21 (2 / (3 pi)), which leaves the mesh as wide as the cloud.
+// Below this the surface is not there but made up of what lies around: a quarter is a corner of a sheet, half its border. Half a cell
+// beyond the outermost surfels of a sheet the kernels lean by a quarter of their support, which leaves the mesh as wide as the cloud.
 constexpr float kLeastCoverage = 0.2f, kMostLean = 0.25f;
 constexpr int kLeastKernels = 4;
 // What lies two cells from all surfels is made up, too; the rest is for folds that are laid flat afterwards.
@@ -27,6 +27,8 @@ constexpr int kSteps = 3;
 constexpr float kLeastSlope = 0.1f;
 // Where normals point apart by more than this a corner's own sheet is asked for: the cosine of a few degrees' mean.
 constexpr float kOneSheet = 0.97f;
+// Plain sums are off by 0.07 radius^2 x mean curvature (core/math/hrbf.h): a quarter of a cell for a ball of 10 cm in cells of 1 cm.
+constexpr float kBias_cells = 0.25f;
 
 // The field at the corners of the grid, as plain sums.
 struct CornerSums {
@@ -138,12 +140,14 @@ void CubeContour::add_kernel(const FieldKernel& kernel) {
 void CubeContour::decide_sides() {
   values_m_.assign(kCorners, 0);
   sides_.assign(kCorners, Side::kUnknown);
-  const float near_m = 2 * static_cast<float>(field_.cell_m());
+  const auto cell_m = static_cast<float>(field_.cell_m());
+  const float near_m = 2 * cell_m, close_m = kBias_cells * cell_m;
   for_each(0, kSide, [&](const Eigen::Vector3i& corner) {
     const CornerSums& sums = sums_[at(corner)];
     if (!(sums.weights > 0)) return;
     float value_m = sums.distances_m / sums.weights;
-    if (sums.normals.norm() < kOneSheet * sums.weights && std::abs(value_m) < near_m) value_m = window_.sample(position_m(corner)).value_m;
+    const bool is_doubtful = std::abs(value_m) < close_m || (std::abs(value_m) < near_m && sums.normals.norm() < kOneSheet * sums.weights);
+    if (is_doubtful) value_m = window_.sample(position_m(corner)).value_m;
     values_m_[at(corner)] = value_m;
     sides_[at(corner)] = value_m < 0 ? Side::kInside : Side::kOutside;
   });

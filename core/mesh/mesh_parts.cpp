@@ -58,7 +58,7 @@ bool is_folded(const TriangleMesh& mesh, const TriangleCorners& triangle) {
   return !(across.dot(mesh.normals[a] + mesh.normals[b] + mesh.normals[c]) > 0);
 }
 
-// Moves these vertices to the middle of those that they have edges to.
+// Moves these vertices half-way to the middle of those that they have edges to: all the way, neighbours would pass each other.
 void relax(TriangleMesh& mesh, const std::vector<bool>& is_moving) {
   std::unordered_map<std::uint32_t, std::pair<Eigen::Vector3f, float>> sums;
   for (const TriangleCorners& triangle : mesh.triangles)
@@ -68,7 +68,7 @@ void relax(TriangleMesh& mesh, const std::vector<bool>& is_moving) {
       sum += mesh.positions_m[triangle[(k + 1) % 3]] + mesh.positions_m[triangle[(k + 2) % 3]];
       count += 2;
     }
-  for (const auto& [vertex, sum] : sums) mesh.positions_m[vertex] = sum.first / sum.second;
+  for (const auto& [vertex, sum] : sums) mesh.positions_m[vertex] = 0.5f * (mesh.positions_m[vertex] + sum.first / sum.second);
 }
 
 }  // namespace
