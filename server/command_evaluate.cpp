@@ -256,12 +256,11 @@ Command add_evaluate_command(CLI::App& app) {
       "--surface", arguments->surface, "True surface: a PLY mesh or cloud, or a sequence with true poses: its depth, or synthetic:...");
   CLI::Option* cloud = evaluate.add_option("--cloud", arguments->cloud,
                                            "Cloud to judge, PLY: with --surface distances up to 10 cm, completeness at 5 and 10 mm");
-  evaluate
-      .add_option("--mesh", arguments->meshes,
-                  "Mesh to judge, PLY, several with commas: edges with more than two faces, flipped faces and the like. With --surface, a "
-                  "sequence, its distances up to 10 cm, the same within 2 cm of creases, precision, recall and F-score at 5 and 10 mm, and "
-                  "depth in 200 views beside the path; with --cloud the same of the cloud, and the vertices farther than two cells from it")
-      ->delimiter(',');
+  evaluate.add_option(
+      "--mesh", arguments->meshes,
+      "Meshes to judge, PLY: edges with more than two faces, flipped faces and the like. With --surface, a sequence, their distances up to "
+      "10 cm, the same within 2 cm of creases, precision, recall and F-score at 5 and 10 mm, and depth in 200 views beside the path; with "
+      "--cloud the same of the cloud, and the vertices farther than two cells from it");
   evaluate.add_option("--cell", arguments->cell_m, "Side of a cell of the mesh [m]")->capture_default_str()->check(CLI::Range(1e-4, 1.0));
   evaluate
       .add_flag("--layers", arguments->layers,
