@@ -52,9 +52,9 @@ class Workshop:
             self.costs[name] = json.load(file)
 
     def reconstruct(self):
-        if not os.path.exists(self.path("result", "report.json")):
+        if not os.path.exists(self.path("result", "surfels.ply")):
             self.runner.call("reconstruct", self.runner.path(self.source), "--out", self.path("result"), *self.runner.frames)
-        self.cloud, self.trajectory = self.path("result", "cloud.ply"), self.path("result", "trajectory.txt")
+        self.cloud, self.surfels, self.trajectory = (self.path("result", name) for name in ("cloud.ply", "surfels.ply", "trajectory.txt"))
 
     def make_ours(self):
         if subprocess.run([self.runner.hermite, "mesh", "--help"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode:
@@ -77,7 +77,7 @@ class Workshop:
         """Name and measures: of the cloud, then of the meshes."""
         names = list(self.costs)
         judged = self.runner.call("evaluate", "--mesh", *[self.path(name + ".ply") for name in names], "--cell", str(CELL_M), "--cloud", self.cloud,
-                                  "--estimate", self.trajectory, "--surface", self.runner.path(self.truth))
+                                  "--surfels", self.surfels, "--estimate", self.trajectory, "--surface", self.runner.path(self.truth))
         with open(self.path("judged.json"), "w", encoding="utf-8") as file:
             json.dump(judged, file, indent=2)
         yield "our cloud", judged["cloud"]
