@@ -23,7 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct EvaluateArguments {
-  std::string estimate, groundtruth, per_frame, consistency, cloud, surface, colored;
+  std::string estimate, groundtruth, per_frame, consistency, cloud, surface, colored, surfels;
   std::vector<std::string> meshes;
   double cell_m = 0.01;
   bool layers = false;
@@ -154,7 +154,8 @@ Json judge_mesh(const std::string& path, const PlyShape& surfels, const Evaluate
 
 // Of every mesh what is wrong with it and, where there is a truth, how far it is from that; of the cloud the same errors.
 Json evaluate_meshes(const EvaluateArguments& arguments) {
-  const PlyShape surfels = arguments.cloud.empty() ? PlyShape() : read_ply(arguments.cloud);
+  const PlyShape cloud = arguments.cloud.empty() ? PlyShape() : read_ply(arguments.cloud);
+  const PlyShape surfels = arguments.surfels.empty() ? cloud : read_ply(arguments.surfels);
   std::optional<SeenTruth> truth;
   Rigid3 world_from_mesh;
   if (!arguments.surface.empty()) {
@@ -166,8 +167,8 @@ Json evaluate_meshes(const EvaluateArguments& arguments) {
   }
   Json json = {{"meshes", Json::array()}};
   if (truth) json["truth"] = {{"samples", truth->samples.size()}, {"creases", truth->creases.size()}, {"views", truth->views.size()}};
-  if (truth && !surfels.positions.empty())
-    json["cloud"] = Json::parse(format_mesh_error_json(or_throw(mesh_error(moved(triangles_of(surfels), world_from_mesh), *truth))));
+  if (truth && !cloud.positions.empty())
+    json["cloud"] = Json::parse(format_mesh_error_json(or_throw(mesh_error(moved(triangles_of(cloud), world_from_mesh), *truth))));
   for (const std::string& path : arguments.meshes)
     json["meshes"].push_back(judge_mesh(path, surfels, arguments, world_from_mesh, truth ? &*truth : nullptr));
   return json;
@@ -256,12 +257,13 @@ Command add_evaluate_command(CLI::App& app) {
       "--surface", arguments->surface, "True surface: a PLY mesh or cloud, or a sequence with true poses: its depth, or synthetic:...");
   CLI::Option* cloud = evaluate.add_option("--cloud", arguments->cloud,
                                            "Cloud to judge, PLY: with --surface distances up to 10 cm, completeness at 5 and 10 mm");
-  evaluate
-      .add_option("--mesh", arguments->meshes,
-                  "Mesh to judge, PLY, several with commas: edges with more than two faces, flipped faces and the like. With --surface, a "
-                  "sequence, its distances up to 10 cm, the same within 2 cm of creases, precision, recall and F-score at 5 and 10 mm, and "
-                  "depth in 200 views beside the path; with --cloud the same of the cloud, and the vertices farther than two cells from it")
-      ->delimiter(',');
+  evaluate.add_option(
+      "--mesh", arguments->meshes,
+      "Meshes to judge, PLY: edges with more than two faces, flipped faces and the like. With --surface, a sequence, their distances up to "
+      "10 cm, the same within 2 cm of creases, precision, recall and F-score at 5 and 10 mm, and depth in 200 views beside the path; with "
+      "--cloud the same of the cloud, and the vertices farther than two cells from it");
+  evaluate.add_option("--surfels", arguments->surfels,
+                      "What the mesh was made of, PLY: vertices are to lie near to it (default: the cloud)");
   evaluate.add_option("--cell", arguments->cell_m, "Side of a cell of the mesh [m]")->capture_default_str()->check(CLI::Range(1e-4, 1.0));
   evaluate
       .add_flag("--layers", arguments->layers,

@@ -15,7 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kPoints = 400'000;
 constexpr std::size_t kAtOnce = 4096;
 // A sample of the truth that is farther from the mesh is missing.
 constexpr double kMissing_m = 0.010;
@@ -115,13 +114,13 @@ std::vector<Vector3d> points_on(const std::vector<Triangle>& triangles, std::siz
   return points;
 }
 
-Result<MeshError> mesh_error(const std::vector<Triangle>& triangles, const SeenTruth& truth) {
+Result<MeshError> mesh_error(const std::vector<Triangle>& triangles, const SeenTruth& truth, std::size_t point_count) {
   const bool is_cloud = std::all_of(triangles.begin(), triangles.end(), is_dot);
   std::vector<Vector3d> points;
   if (is_cloud)
     for (const Triangle& dot : triangles) points.push_back(dot[0].cast<double>());
   else
-    points = points_on(triangles, kPoints);
+    points = points_on(triangles, point_count);
   if (points.empty()) return Error{ErrorCode::kInvalidArgument, "a mesh without area has no error"};
   if (!std::all_of(points.begin(), points.end(), [](const Vector3d& point) { return point.allFinite(); }))
     return Error{ErrorCode::kInvalidArgument, "a point of what is judged is not finite"};

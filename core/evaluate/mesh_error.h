@@ -38,7 +38,7 @@ std::vector<Eigen::Vector3d> points_on(const std::vector<Triangle>& triangles, s
 
 // Of a mesh, or of the points of a cloud as triangles without extent, which are judged as they are and draw no depth.
 // kInvalidArgument: nothing to judge, or a point that is not finite.
-Result<MeshError> mesh_error(const std::vector<Triangle>& triangles_in_world, const SeenTruth& truth);
+Result<MeshError> mesh_error(const std::vector<Triangle>& triangles_in_world, const SeenTruth& truth, std::size_t point_count = 400'000);
 
 std::string format_mesh_error_json(const MeshError& error);
 

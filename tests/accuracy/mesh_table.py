@@ -19,7 +19,7 @@ FAULTS = ["overfull_edges", "disagreeing_edges", "flipped_faces", "pinched_verti
 
 
 def measured(command):
-    """Seconds and greatest memory [MB] of a command; ends the program with its words when it fails."""
+    """Seconds, those of all processors, and greatest memory [MB] of a command; ends the program with its words when it fails."""
     started_s = time.monotonic()
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as child:
         words = child.stderr.read().decode()
@@ -27,7 +27,7 @@ def measured(command):
         child.returncode = os.waitstatus_to_exitcode(status)
     if child.returncode != 0:
         sys.exit(f"{' '.join(command)} ended with {child.returncode}: {words[-2000:]}")
-    return {"seconds": time.monotonic() - started_s, "peak_mb": usage.ru_maxrss / 1024}
+    return {"seconds": time.monotonic() - started_s, "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_mb": usage.ru_maxrss / 1024}
 
 
 class Workshop:
@@ -52,9 +52,9 @@ class Workshop:
             self.costs[name] = json.load(file)
 
     def reconstruct(self):
-        if not os.path.exists(self.path("result", "report.json")):
+        if not os.path.exists(self.path("result", "surfels.ply")):
             self.runner.call("reconstruct", self.runner.path(self.source), "--out", self.path("result"), *self.runner.frames)
-        self.cloud, self.trajectory = self.path("result", "cloud.ply"), self.path("result", "trajectory.txt")
+        self.cloud, self.surfels, self.trajectory = (self.path("result", name) for name in ("cloud.ply", "surfels.ply", "trajectory.txt"))
 
     def make_ours(self):
         if subprocess.run([self.runner.hermite, "mesh", "--help"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode:
@@ -77,7 +77,7 @@ class Workshop:
         """Name and measures: of the cloud, then of the meshes."""
         names = list(self.costs)
         judged = self.runner.call("evaluate", "--mesh", *[self.path(name + ".ply") for name in names], "--cell", str(CELL_M), "--cloud", self.cloud,
-                                  "--estimate", self.trajectory, "--surface", self.runner.path(self.truth))
+                                  "--surfels", self.surfels, "--estimate", self.trajectory, "--surface", self.runner.path(self.truth))
         with open(self.path("judged.json"), "w", encoding="utf-8") as file:
             json.dump(judged, file, indent=2)
         yield "our cloud", judged["cloud"]
@@ -102,7 +102,7 @@ def accuracy_row(source, name, measures):
 
 
 def validity_row(source, name, measures, costs):
-    return ([source, name, str(measures["triangles"]), f"{costs['seconds']:.0f}", f"{costs['peak_mb']:.0f}"] +
+    return ([source, name, str(measures["triangles"]), f"{costs['seconds']:.0f}", f"{costs['cpu_seconds']:.0f}", f"{costs['peak_mb']:.0f}"] +
             [str(measures[key]) for key in FAULTS + ["border_edges", "components"]])
 
 
@@ -120,5 +120,5 @@ def mesh_tables(runner, work, table):
             judged += [(source, name, measures, workshop.costs.get(name)) for name, measures in workshop.judged()]
     table(["sequence", "", "mean [mm]", "median", "95 %", "mean at creases", "of creases missing [%]", "F at 5 mm [%]", "precision", "recall", "F at 10 mm [%]",
            "precision", "recall", "depth beside the path [mm]", "missing [%]"], (accuracy_row(*row[:3]) for row in judged))
-    table(["sequence", "", "triangles", "s", "MB", "edges with > 2 faces", "edges whose faces disagree", "flipped faces", "pinched vertices",
+    table(["sequence", "", "triangles", "s", "CPU s", "MB", "edges with > 2 faces", "edges whose faces disagree", "flipped faces", "pinched vertices",
            "degenerate faces", "repeated faces", "vertices > 2 cells from a surfel", "border edges", "parts"], (validity_row(*row) for row in judged if row[3]))
