@@ -12,6 +12,7 @@
 
 #include "proto/wire/told_words.h"
 #include "server/service/administration.h"
+#include "server/service/byte_range.h"
 #include "server/service/job_routes.h"
 #include "server/service/json_text.h"
 #include "server/service/json_time.h"
@@ -84,25 +85,26 @@ HttpAnswer remove_scan(const HttpWorld& world, const Call& call) {
   return status.ok() ? json_answer({{"removed", call.id}}) : refused(status.error());
 }
 
-HttpAnswer send_file(const HttpWorld& world, const std::string& id, const char* name, const char* content_type) {
-  Result<std::uint64_t> size_bytes = world.scans.size_of_result(id, name);
+HttpAnswer send_file(const HttpWorld& world, const Call& call, const std::string& name, const char* content_type) {
+  const std::string& id = call.id;
+  const Result<std::uint64_t> size_bytes = world.scans.size_of_result(id, name);
   if (!size_bytes.ok()) return refused(size_bytes.error());
+  const Result<std::string> version = world.scans.blobs().version(id, name);
+  if (!version.ok()) return refused(version.error());
   HttpAnswer answer;
   answer.content_type = content_type;
   answer.stored = StoredBody{*size_bytes, [&blobs = world.scans.blobs(), id, name](std::uint64_t offset, std::size_t max_bytes) {
                                return blobs.read(id, name, offset, max_bytes);
                              }};
   answer.download_name = id + "-" + name;
-  return answer;
+  return as_asked(std::move(answer), *version, call.request);
 }
 
-HttpAnswer send_cloud(const HttpWorld& world, const Call& call) {
-  return send_file(world, call.id, "cloud.ply", "application/octet-stream");
-}
+HttpAnswer send_cloud(const HttpWorld& world, const Call& call) { return send_file(world, call, "cloud.ply", "application/octet-stream"); }
 HttpAnswer send_trajectory(const HttpWorld& world, const Call& call) {
-  return send_file(world, call.id, "trajectory.txt", "text/plain; charset=utf-8");
+  return send_file(world, call, "trajectory.txt", "text/plain; charset=utf-8");
 }
-HttpAnswer send_report(const HttpWorld& world, const Call& call) { return send_file(world, call.id, "report.json", "application/json"); }
+HttpAnswer send_report(const HttpWorld& world, const Call& call) { return send_file(world, call, "report.json", "application/json"); }
 
 HttpAnswer list_all_shares(const HttpWorld& world, const Call& call) {
   return made(list_shares(world.store, "", call.request.caller.now_ms));

@@ -63,8 +63,9 @@ struct HttpRequest {
 
 // A long body that lies somewhere, and is read while it is sent.
 struct StoredBody {
-  std::uint64_t size_bytes = 0;
+  std::uint64_t size_bytes = 0;                                                          // to send
   std::function<Result<std::string>(std::uint64_t offset, std::size_t max_bytes)> read;  // on another thread; what it needs outlives it
+  std::uint64_t first_byte = 0;
 };
 
 struct HttpAnswer {
