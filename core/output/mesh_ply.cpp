@@ -1,0 +1,34 @@
+#include "core/output/mesh_ply.h"
+
+#include "core/base/check.h"
+#include "core/output/mesh_check.h"
+
+namespace hermite {
+
+std::string format_mesh_ply(const TriangleMesh& mesh) {
+  const std::size_t count = mesh.positions_m.size();
+  CHECK(mesh.normals.size() == count && mesh.colors.size() == count, "arrays by vertex of different lengths");
+  CHECK(count <= kMaxMeshVertices, "more vertices than an int can count");
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\ncomment Hermite: metres, normals out of the surface, counter-clockwise from outside\n"
+      "element vertex " +
+      std::to_string(count) +
+      "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face " +
+      std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+  constexpr std::size_t kVertex_bytes = 6 * sizeof(float) + sizeof(Rgb8), kFace_bytes = 1 + sizeof(TriangleCorners);
+  bytes.reserve(bytes.size() + count * kVertex_bytes + mesh.triangles.size() * kFace_bytes);
+  const auto append = [&bytes](const void* values, std::size_t size) { bytes.append(static_cast<const char*>(values), size); };
+  for (std::size_t i = 0; i < count; ++i) {
+    append(mesh.positions_m[i].data(), 3 * sizeof(float));
+    append(mesh.normals[i].data(), 3 * sizeof(float));
+    append(&mesh.colors[i], sizeof(Rgb8));
+  }
+  for (const TriangleCorners& corners : mesh.triangles) {
+    bytes.push_back(3);
+    append(corners.data(), sizeof(corners));
+  }
+  return bytes;
+}
+
+}  // namespace hermite
