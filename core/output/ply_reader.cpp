@@ -153,24 +153,54 @@ std::ptrdiff_t place_of(const Element& element, const char* name) {
   return found == element.properties.end() ? -1 : found - element.properties.begin();
 }
 
+// Which properties of a vertex are there, by what they are of.
+struct VertexPlaces {
+  std::array<std::ptrdiff_t, 3> position{}, normal{}, color{};
+  std::ptrdiff_t radius = -1, confidence = -1;
+};
+
+bool all_there(const std::array<std::ptrdiff_t, 3>& places) {
+  return std::all_of(places.begin(), places.end(), [](std::ptrdiff_t place) { return place >= 0; });
+}
+
+// A byte as it is; a real number from 0 to 1 as a share of 255.
+std::uint8_t color_byte(float value, Type type) {
+  const bool is_real = type == Type::kFloat || type == Type::kDouble;
+  const float scaled = is_real ? 255 * value : value;
+  return scaled > 0 ? static_cast<std::uint8_t>(std::min(scaled + 0.5f, 255.0f)) : std::uint8_t{0};
+}
+
+void add_vertex(const std::vector<float>& values, const VertexPlaces& places, const Element& element, PlyShape& shape) {
+  const auto value = [&values](std::ptrdiff_t place) { return values[static_cast<std::size_t>(place)]; };
+  const auto vector = [&](const std::array<std::ptrdiff_t, 3>& of) { return Eigen::Vector3f(value(of[0]), value(of[1]), value(of[2])); };
+  shape.positions.push_back(vector(places.position));
+  if (all_there(places.normal)) shape.normals.push_back(vector(places.normal));
+  if (places.radius >= 0) shape.radii.push_back(value(places.radius));
+  if (places.confidence >= 0) shape.confidences.push_back(value(places.confidence));
+  if (!all_there(places.color)) return;
+  const auto byte = [&](std::size_t i) {
+    const std::ptrdiff_t place = places.color[i];
+    return color_byte(value(place), element.properties[static_cast<std::size_t>(place)].type);
+  };
+  shape.colors.push_back({byte(0), byte(1), byte(2)});
+}
+
 Status read_vertices(Numbers& numbers, const Element& element, PlyShape& shape) {
-  const std::array<std::ptrdiff_t, 7> places{place_of(element, "x"),     place_of(element, "y"),  place_of(element, "z"),
-                                             place_of(element, "nx"),    place_of(element, "ny"), place_of(element, "nz"),
-                                             place_of(element, "radius")};
-  const bool has_position = std::all_of(places.begin(), places.begin() + 3, [](auto place) { return place >= 0; });
-  const bool has_normal = std::all_of(places.begin() + 3, places.begin() + 6, [](auto place) { return place >= 0; });
+  const auto place = [&element](const char* name) { return place_of(element, name); };
+  const VertexPlaces places{{place("x"), place("y"), place("z")},
+                            {place("nx"), place("ny"), place("nz")},
+                            {place("red"), place("green"), place("blue")},
+                            place("radius"),
+                            place("confidence")};
   std::vector<float> values(element.properties.size());
   for (std::uint64_t i = 0; i < element.count; ++i) {
     for (std::size_t k = 0; k < values.size(); ++k) {
       if (element.properties[k].count_type) return Error{ErrorCode::kUnsupported, "PLY: a vertex with a list"};
       values[k] = static_cast<float>(numbers.next(element.properties[k].type));
     }
-    if (!has_position) return corrupt("vertices without x, y and z");
+    if (!all_there(places.position)) return corrupt("vertices without x, y and z");
     if (numbers.failed()) return corrupt("cut at vertex " + std::to_string(i) + " of " + std::to_string(element.count));
-    const auto value = [&](std::size_t which) { return values[static_cast<std::size_t>(places[which])]; };
-    shape.positions.push_back({value(0), value(1), value(2)});
-    if (has_normal) shape.normals.push_back({value(3), value(4), value(5)});
-    if (places[6] >= 0) shape.radii.push_back(value(6));
+    add_vertex(values, places, element, shape);
   }
   return Done{};
 }
@@ -211,6 +241,21 @@ Result<PlyShape> parse_ply(std::string_view bytes) {
   }
   if (!has_vertices) return corrupt("no vertices");
   return shape;
+}
+
+Result<Cloud> cloud_of(const PlyShape& shape, const std::string& name) {
+  if (shape.positions.empty()) return Error{ErrorCode::kInvalidArgument, name + " has no points"};
+  if (shape.normals.empty())
+    return Error{ErrorCode::kInvalidArgument, name + " has points without normals (nx, ny, nz): the sides of its surface cannot be told"};
+  Cloud cloud(shape.positions.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    cloud[i].position_m = shape.positions[i];
+    cloud[i].normal = shape.normals[i];
+    cloud[i].color = shape.colors.empty() ? Rgb8{255, 255, 255} : shape.colors[i];
+    cloud[i].confidence = shape.confidences.empty() ? 1 : shape.confidences[i];
+    if (!shape.radii.empty()) cloud[i].radius_m = shape.radii[i];
+  }
+  return cloud;
 }
 
 }  // namespace hermite

@@ -1,0 +1,39 @@
+// Independent pieces of work on all processors.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace hermite {
+
+// Calls work(i) once for every i below `count`, in no order, on the caller's thread and helpers that end with the call: what `work` writes
+// must be the place of i alone. An exception ends the call when the pieces that have begun are done; of several, the first one caught.
+template <class Work>
+void in_parallel(std::size_t count, const Work& work) {
+  std::atomic<std::size_t> next = 0;
+  std::exception_ptr failure;
+  std::mutex mutex;
+  const auto run = [&] {
+    try {
+      for (std::size_t i = next++; i < count; i = next++) work(i);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (!failure) failure = std::current_exception();
+      next = count;
+    }
+  };
+  {
+    std::vector<std::jthread> helpers;
+    const std::size_t processors = std::max<std::size_t>(std::thread::hardware_concurrency(), 1);
+    while (helpers.size() + 1 < std::min(processors, count)) helpers.emplace_back(run);
+    run();
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace hermite

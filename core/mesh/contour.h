@@ -1,0 +1,36 @@
+// A mesh of a finished cloud: dual contouring of its implicit surface (paper, section 6; Ju et al. 2002).
+//
+//   SurfelField field = *SurfelField::create(cloud, options.field);
+//   TriangleMesh mesh = *contour(field, options);
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+#include "core/base/result.h"
+#include "core/mesh/surfel_field.h"
+#include "core/output/triangle_mesh.h"
+
+namespace hermite {
+
+struct ContourOptions {
+  FieldOptions field;
+  double least_part_m2 = 0.0025;  // connected pieces of less surface are left out: what floats is no bigger than a hand's breadth squared
+};
+
+// Called from time to time with the share that is done, on any of the threads that work, one at a time; false: stop.
+using MeshProgress = std::function<bool(double done)>;
+
+struct ContourStatistics {
+  double cell_m = 0;
+  std::size_t rejected_points = 0;
+  std::size_t removed_parts = 0;   // smaller than least_part_m2
+  std::size_t split_vertices = 0;  // at which two sheets touched
+};
+
+// On all processors, in the same order of vertices and triangles whatever their number. Every edge has one or two triangles, which are
+// oriented alike; what nothing supports is open. May be empty of triangles. kInvalidArgument as of SurfelField::create; kBusy: stopped.
+Result<TriangleMesh> contour(const Cloud& cloud, const ContourOptions& options, const MeshProgress& progress = {},
+                             ContourStatistics* statistics = nullptr);
+
+}  // namespace hermite

@@ -1,0 +1,308 @@
+#include "core/mesh/contour_cube.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/mesh/cell_topology.h"
+#include "core/mesh/edge_vertex.h"
+
+namespace hermite {
+namespace {
+
+// Two cells around the cube: quads need the pieces of the cells below, and these the crossings of the cells around them.
+constexpr int kMargin = 2;
+constexpr int kSide = kCubeCells + 2 * kMargin;  // corners along an axis: cells -2 to 32 and one more
+constexpr std::size_t kCorners = std::size_t{kSide} * kSide * kSide;
+
+// Below this the surface is not there but made up of what lies around: a quarter is a corner of a sheet, half its border. `lean` of a
+// sheet's border is 0.21 (2 / (3 pi)), which leaves the mesh as wide as the cloud.
+constexpr float kLeastCoverage = 0.2f, kMostLean = 0.25f;
+constexpr int kLeastKernels = 4;
+// Steps along an edge towards the surface; each is by planes and all but ends after two.
+constexpr int kSteps = 3;
+constexpr float kLeastSlope = 0.1f;
+// Where normals point apart by more than this a corner's own sheet is asked for: the cosine of a few degrees' mean.
+constexpr float kOneSheet = 0.97f;
+
+// The field at the corners of the grid, as plain sums.
+struct CornerSums {
+  float weights = 0, distances_m = 0;
+  Eigen::Vector3f normals = Eigen::Vector3f::Zero();
+};
+
+enum class Side : std::uint8_t { kUnknown, kOutside, kInside };
+
+struct Crossing {
+  SurfacePlane plane;
+  Rgb8 color;
+};
+
+class CubeContour {
+ public:
+  CubeContour(const SurfelField& field, const Eigen::Vector3i& cube)
+      : field_(field),
+        first_cell_(cube * kCubeCells - Eigen::Vector3i::Constant(kMargin)),
+        window_(field, first_cell_, first_cell_ + Eigen::Vector3i::Constant(kSide)) {}
+
+  CubeSurface contour() {
+    if (window_.empty()) return {};
+    add_kernels();
+    decide_sides();
+    find_crossings();
+    if (crossings_.empty()) return {};
+    find_pieces();
+    CubeSurface surface;
+    make_vertices(surface);
+    make_quads(surface);
+    return surface;
+  }
+
+ private:
+  static std::size_t at(int x, int y, int z) {
+    return (static_cast<std::size_t>(z) * kSide + static_cast<std::size_t>(y)) * kSide + static_cast<std::size_t>(x);
+  }
+  static std::size_t at(const Eigen::Vector3i& corner) { return at(corner.x(), corner.y(), corner.z()); }
+  Eigen::Vector3f position_m(const Eigen::Vector3i& corner) const {
+    return ((first_cell_ + corner).cast<double>() * field_.cell_m()).cast<float>();
+  }
+
+  void add_kernels();
+  void add_kernel(const FieldKernel& kernel);
+  void decide_sides();
+  void find_crossings();
+  void find_crossing(const Eigen::Vector3i& corner, int axis);
+  std::uint8_t inside_bits(const Eigen::Vector3i& cell) const;
+  std::uint16_t crossed_bits(const Eigen::Vector3i& cell) const;
+  int crossing_of(const Eigen::Vector3i& cell, int edge) const;
+  void find_pieces();
+  void join_faces(const Eigen::Vector3i& cell);
+  void make_vertices(CubeSurface& surface);
+  CubeVertex make_vertex(const Eigen::Vector3i& cell, int piece);
+  void make_quads(CubeSurface& surface) const;
+  void make_quad(const Eigen::Vector3i& corner, int axis, CubeSurface& surface) const;
+
+  template <class Use>
+  static void for_each(int first, int last, const Use& use) {
+    for (int z = first; z < last; ++z)
+      for (int y = first; y < last; ++y)
+        for (int x = first; x < last; ++x) use(Eigen::Vector3i(x, y, z));
+  }
+
+  const SurfelField& field_;
+  const Eigen::Vector3i first_cell_;
+  FieldWindow window_;
+  std::vector<CornerSums> sums_;
+  std::vector<float> values_m_;
+  std::vector<Side> sides_;
+  std::vector<Crossing> crossings_;
+  std::vector<std::array<std::int32_t, 3>> crossing_by_edge_;  // by corner and axis; -1: none
+  struct Cell {
+    std::uint16_t crossed = 0;  // 0: the rest says nothing
+    std::uint8_t inside = 0, joined = 0;
+    CellPieces pieces;
+  };
+  std::vector<Cell> cells_;  // by their lower corner
+};
+
+void CubeContour::add_kernels() {
+  sums_.assign(kCorners, {});
+  window_.for_each_kernel([this](const FieldKernel& kernel) { add_kernel(kernel); });
+}
+
+// To all corners within its support.
+void CubeContour::add_kernel(const FieldKernel& kernel) {
+  const auto cell_m = static_cast<float>(field_.cell_m());
+  const Eigen::Vector3f middle = (kernel.position_m.cast<double>() / field_.cell_m() - first_cell_.cast<double>()).cast<float>();
+  const Eigen::Vector3f reach = Eigen::Vector3f::Constant(kernel.radius_m / cell_m);
+  const Eigen::Vector3i first = (middle - reach).array().ceil().cast<int>().max(0);
+  const Eigen::Vector3i last = (middle + reach).array().floor().cast<int>().min(kSide - 1);
+  const float radius2 = kernel.radius_m * kernel.radius_m;
+  for (int z = first.z(); z <= last.z(); ++z)
+    for (int y = first.y(); y <= last.y(); ++y)
+      for (int x = first.x(); x <= last.x(); ++x) {
+        const Eigen::Vector3f from_kernel_m = position_m({x, y, z}) - kernel.position_m;
+        const float distance2 = from_kernel_m.squaredNorm();
+        if (!(distance2 < radius2)) continue;
+        const float s = 1 - std::sqrt(distance2) / kernel.radius_m, weight = kernel.weight * s * s * s;
+        CornerSums& sums = sums_[at(x, y, z)];
+        sums.weights += weight;
+        sums.distances_m += weight * kernel.normal.dot(from_kernel_m);
+        sums.normals += weight * kernel.normal;
+      }
+}
+
+void CubeContour::decide_sides() {
+  values_m_.assign(kCorners, 0);
+  sides_.assign(kCorners, Side::kUnknown);
+  const float near_m = 2 * static_cast<float>(field_.cell_m());
+  for_each(0, kSide, [&](const Eigen::Vector3i& corner) {
+    const CornerSums& sums = sums_[at(corner)];
+    if (!(sums.weights > 0)) return;
+    float value_m = sums.distances_m / sums.weights;
+    if (sums.normals.norm() < kOneSheet * sums.weights && std::abs(value_m) < near_m) value_m = window_.sample(position_m(corner)).value_m;
+    values_m_[at(corner)] = value_m;
+    sides_[at(corner)] = value_m < 0 ? Side::kInside : Side::kOutside;
+  });
+}
+
+void CubeContour::find_crossings() {
+  crossing_by_edge_.assign(kCorners, {-1, -1, -1});
+  for_each(0, kSide, [&](const Eigen::Vector3i& corner) {
+    if (sides_[at(corner)] == Side::kUnknown) return;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (corner[axis] + 1 >= kSide) continue;
+      const Side other = sides_[at(corner + Eigen::Vector3i::Unit(axis))];
+      if (other != Side::kUnknown && other != sides_[at(corner)]) find_crossing(corner, axis);
+    }
+  });
+}
+
+void CubeContour::find_crossing(const Eigen::Vector3i& corner, int axis) {
+  const Eigen::Vector3i other = corner + Eigen::Vector3i::Unit(axis);
+  const Eigen::Vector3f begin_m = position_m(corner), along_m = position_m(other) - begin_m;
+  const float value_m = values_m_[at(corner)];
+  float t = value_m / (value_m - values_m_[at(other)]);
+  const float length_m = along_m.norm();
+  FieldSample sample;
+  Eigen::Vector3f point_m;
+  for (int step = 0; step < kSteps; ++step) {
+    point_m = begin_m + t * along_m;
+    sample = window_.sample(point_m);
+    if (sample.kernel_count < kLeastKernels) return;
+    const float slope = sample.normal[axis];
+    if (std::abs(slope) < kLeastSlope) break;
+    t = std::clamp(t - sample.value_m / (slope * length_m), 0.0f, 1.0f);
+  }
+  // From inside to outside the surface is passed towards where it is seen from.
+  const bool is_outwards = sides_[at(corner)] == Side::kInside;
+  const bool agrees = is_outwards ? sample.normal[axis] > -0.3f : sample.normal[axis] < 0.3f;
+  if (sample.coverage < kLeastCoverage || sample.lean > kMostLean || !agrees || std::abs(sample.value_m) > length_m) return;
+  crossing_by_edge_[at(corner)][static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(crossings_.size());
+  const auto byte = [](float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f)); };
+  crossings_.push_back({{point_m - sample.value_m * sample.normal, sample.normal},
+                        {byte(sample.color.x()), byte(sample.color.y()), byte(sample.color.z())}});
+}
+
+std::uint8_t CubeContour::inside_bits(const Eigen::Vector3i& cell) const {
+  unsigned bits = 0;
+  for (int corner = 0; corner < kCellCorners; ++corner)
+    if (sides_[at(cell + Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2))] == Side::kInside) bits |= 1u << corner;
+  return static_cast<std::uint8_t>(bits);
+}
+
+int CubeContour::crossing_of(const Eigen::Vector3i& cell, int edge) const {
+  const int corner = lower_corner_of_edge(edge);
+  return crossing_by_edge_[at(cell + Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2))][static_cast<std::size_t>(edge / 4)];
+}
+
+std::uint16_t CubeContour::crossed_bits(const Eigen::Vector3i& cell) const {
+  unsigned bits = 0;
+  for (int edge = 0; edge < kCellEdges; ++edge)
+    if (crossing_of(cell, edge) >= 0) bits |= 1u << edge;
+  return static_cast<std::uint16_t>(bits);
+}
+
+void CubeContour::find_pieces() {
+  cells_.assign(kCorners, {});
+  for_each(0, kSide - 1, [this](const Eigen::Vector3i& corner) {
+    Cell& cell = cells_[at(corner)];
+    cell.crossed = crossed_bits(corner);
+    if (cell.crossed == 0) return;
+    cell.inside = inside_bits(corner);
+    cell.pieces = pieces_of_cell(cell.inside, cell.crossed, 0);
+  });
+  for_each(1, kSide - 2, [this](const Eigen::Vector3i& corner) {
+    if (cells_[at(corner)].crossed != 0) join_faces(corner);
+  });
+  for_each(1, kSide - 2, [this](const Eigen::Vector3i& corner) {
+    Cell& cell = cells_[at(corner)];
+    if (cell.joined != 0) cell.pieces = pieces_of_cell(cell.inside, cell.crossed, cell.joined);
+  });
+}
+
+void CubeContour::join_faces(const Eigen::Vector3i& cell) {
+  Cell& here = cells_[at(cell)];
+  for (int face = 0; face < kCellFaces; ++face) {
+    if (!is_ambiguous(here.inside, here.crossed, face) || !face_is_one_piece(here.pieces, face)) continue;
+    const Eigen::Vector3i step = Eigen::Vector3i::Unit(face / 2);
+    const Eigen::Vector3i neighbor = face % 2 == 1 ? Eigen::Vector3i(cell + step) : Eigen::Vector3i(cell - step);
+    if (face_is_one_piece(cells_[at(neighbor)].pieces, face ^ 1)) here.joined = static_cast<std::uint8_t>(here.joined | 1u << face);
+  }
+}
+
+void CubeContour::make_vertices(CubeSurface& surface) {
+  for_each(kMargin, kMargin + kCubeCells, [&](const Eigen::Vector3i& cell) {
+    const Cell& here = cells_[at(cell)];
+    if (here.crossed == 0) return;
+    for (int piece = 0; piece < here.pieces.count; ++piece) surface.vertices.push_back(make_vertex(cell, piece));
+  });
+}
+
+CubeVertex CubeContour::make_vertex(const Eigen::Vector3i& cell, int piece) {
+  std::vector<SurfacePlane> planes;
+  Eigen::Vector3f normals = Eigen::Vector3f::Zero(), colors = Eigen::Vector3f::Zero();
+  for (int edge = 0; edge < kCellEdges; ++edge) {
+    if (cells_[at(cell)].pieces.piece_of_edge[static_cast<std::size_t>(edge)] != piece) continue;
+    const Crossing& crossing = crossings_[static_cast<std::size_t>(crossing_of(cell, edge))];
+    planes.push_back(crossing.plane);
+    normals += crossing.plane.normal;
+    colors += Eigen::Vector3f(crossing.color.r, crossing.color.g, crossing.color.b);
+  }
+  const EdgeVertex met = meet(planes);
+  CubeVertex vertex;
+  vertex.key = vertex_key(first_cell_ + cell, piece);
+  vertex.is_smooth = met.rank == 1;
+  vertex.position_m = met.position_m;
+  vertex.normal = normals.norm() > 0 ? Eigen::Vector3f(normals.normalized()) : planes.front().normal;
+  colors /= static_cast<float>(planes.size());
+  if (vertex.is_smooth) {
+    const FieldSample sample = window_.sample(vertex.position_m);
+    if (sample.kernel_count >= kLeastKernels && std::abs(sample.value_m) < static_cast<float>(field_.cell_m())) {
+      vertex.position_m -= sample.value_m * sample.normal;
+      vertex.normal = sample.normal;
+      colors = sample.color;
+    }
+  }
+  vertex.position_m = vertex.position_m.cwiseMax(position_m(cell)).cwiseMin(position_m(cell + Eigen::Vector3i::Ones()));
+  const auto byte = [](float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f)); };
+  vertex.color = {byte(colors.x()), byte(colors.y()), byte(colors.z())};
+  return vertex;
+}
+
+void CubeContour::make_quads(CubeSurface& surface) const {
+  for_each(kMargin, kMargin + kCubeCells, [&](const Eigen::Vector3i& corner) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (crossing_by_edge_[at(corner)][static_cast<std::size_t>(axis)] >= 0) make_quad(corner, axis, surface);
+  });
+}
+
+void CubeContour::make_quad(const Eigen::Vector3i& corner, int axis, CubeSurface& surface) const {
+  const Eigen::Vector3i b = Eigen::Vector3i::Unit((axis + 1) % 3), c = Eigen::Vector3i::Unit((axis + 2) % 3);
+  // Around the edge, counter-clockwise seen from its upper end; offsets of the cells below along b and c, which are those of the edge in
+  // them.
+  constexpr std::array<std::array<int, 2>, 4> kAround = {{{1, 1}, {0, 1}, {0, 0}, {1, 0}}};
+  CubeQuad quad{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector3i cell = corner - kAround[i][0] * b - kAround[i][1] * c;
+    const int edge = 4 * axis + kAround[i][0] + 2 * kAround[i][1];
+    quad[i] = vertex_key(first_cell_ + cell, cells_[at(cell)].pieces.piece_of_edge[static_cast<std::size_t>(edge)]);
+  }
+  if (sides_[at(corner)] == Side::kOutside) std::reverse(quad.begin(), quad.end());
+  surface.quads.push_back(quad);
+}
+
+}  // namespace
+
+VertexKey vertex_key(const Eigen::Vector3i& cell, int piece) {
+  const auto part = [](int value) { return static_cast<VertexKey>(value + kMostCell); };
+  return part(cell.z()) << 44 | part(cell.y()) << 24 | part(cell.x()) << 4 | static_cast<VertexKey>(piece);
+}
+
+Eigen::Vector3i cell_of(VertexKey key) {
+  const auto part = [key](int shift) { return static_cast<int>(key >> shift & (2 * kMostCell - 1)) - kMostCell; };
+  return {part(4), part(24), part(44)};
+}
+
+CubeSurface contour_cube(const SurfelField& field, const Eigen::Vector3i& cube) { return CubeContour(field, cube).contour(); }
+
+}  // namespace hermite

@@ -1,0 +1,23 @@
+// Where the planes of a piece of surface meet: the vertex of dual contouring (Ju, Losasso, Schaefer, Warren 2002, section 2.3).
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+namespace hermite {
+
+struct SurfacePlane {
+  Eigen::Vector3f point_m = Eigen::Vector3f::Zero();
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit
+};
+
+struct EdgeVertex {
+  Eigen::Vector3f position_m = Eigen::Vector3f::Zero();
+  int rank = 0;  // 1: the planes are one surface, 2: they meet in an edge, 3: in a corner
+};
+
+// The point with the least sum of squared distances to the planes, of all such points the one nearest to the mean of theirs; directions
+// that the planes hardly tell are taken for untold. Not clamped. `planes` has at least one (CHECK).
+EdgeVertex meet(std::span<const SurfacePlane> planes);
+
+}  // namespace hermite

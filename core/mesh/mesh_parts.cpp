@@ -1,0 +1,131 @@
+#include "core/mesh/mesh_parts.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+namespace hermite {
+namespace {
+
+// Sets that grow together; the root is the lowest member.
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  std::uint32_t root(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t root_a = root(a), root_b = root(b);
+    parent_[std::max(root_a, root_b)] = std::min(root_a, root_b);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+// A corner of a triangle, numbered 3 * triangle + corner; its edge runs to the next corner.
+struct EdgeUse {
+  std::uint32_t low = 0, high = 0;  // vertices
+  std::uint32_t corner = 0;
+  bool operator<(const EdgeUse& other) const { return std::tie(low, high, corner) < std::tie(other.low, other.high, other.corner); }
+};
+
+std::uint32_t next_corner(std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+
+std::vector<EdgeUse> edge_uses(const TriangleMesh& mesh) {
+  std::vector<EdgeUse> uses;
+  uses.reserve(3 * mesh.triangles.size());
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = mesh.triangles[i][k], b = mesh.triangles[i][(k + 1) % 3];
+      uses.push_back({std::min(a, b), std::max(a, b), 3 * i + k});
+    }
+  std::sort(uses.begin(), uses.end());
+  return uses;
+}
+
+}  // namespace
+
+double area_m2(const TriangleMesh& mesh, const TriangleCorners& triangle) {
+  const Eigen::Vector3d a = mesh.positions_m[triangle[0]].cast<double>();
+  return 0.5 * (mesh.positions_m[triangle[1]].cast<double>() - a).cross(mesh.positions_m[triangle[2]].cast<double>() - a).norm();
+}
+
+std::size_t remove_small_parts(TriangleMesh& mesh, double least_part_m2) {
+  DisjointSets parts(mesh.positions_m.size());
+  for (const auto& [a, b, c] : mesh.triangles) {
+    parts.join(a, b);
+    parts.join(a, c);
+  }
+  std::vector<double> areas_m2(mesh.positions_m.size());
+  std::vector<bool> is_there(mesh.positions_m.size());
+  for (const TriangleCorners& triangle : mesh.triangles) {
+    areas_m2[parts.root(triangle[0])] += area_m2(mesh, triangle);
+    is_there[parts.root(triangle[0])] = true;
+  }
+  const auto is_small = [&](const TriangleCorners& triangle) { return areas_m2[parts.root(triangle[0])] < least_part_m2; };
+  mesh.triangles.erase(std::remove_if(mesh.triangles.begin(), mesh.triangles.end(), is_small), mesh.triangles.end());
+  remove_unused_vertices(mesh);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < areas_m2.size(); ++i) count += is_there[i] && areas_m2[i] < least_part_m2 ? 1 : 0;
+  return count;
+}
+
+void remove_unused_vertices(TriangleMesh& mesh) {
+  std::vector<bool> is_used(mesh.positions_m.size());
+  for (const TriangleCorners& triangle : mesh.triangles)
+    for (const std::uint32_t vertex : triangle) is_used[vertex] = true;
+  std::vector<std::uint32_t> place(is_used.size());
+  std::uint32_t count = 0;
+  for (std::uint32_t i = 0; i < is_used.size(); ++i) {
+    if (!is_used[i]) continue;
+    mesh.positions_m[count] = mesh.positions_m[i];
+    mesh.normals[count] = mesh.normals[i];
+    mesh.colors[count] = mesh.colors[i];
+    place[i] = count++;
+  }
+  mesh.positions_m.resize(count);
+  mesh.normals.resize(count);
+  mesh.colors.resize(count);
+  for (TriangleCorners& triangle : mesh.triangles)
+    for (std::uint32_t& vertex : triangle) vertex = place[vertex];
+}
+
+std::size_t split_touching_fans(TriangleMesh& mesh) {
+  DisjointSets fans(3 * mesh.triangles.size());  // of corners, each at one vertex
+  const std::vector<EdgeUse> uses = edge_uses(mesh);
+  for (std::size_t first = 0, last; first < uses.size(); first = last) {
+    for (last = first; last < uses.size() && uses[last].low == uses[first].low && uses[last].high == uses[first].high;) ++last;
+    if (last - first != 2) continue;
+    const std::uint32_t a = uses[first].corner, b = uses[first + 1].corner;
+    const auto vertex = [&mesh](std::uint32_t corner) { return mesh.triangles[corner / 3][corner % 3]; };
+    if (vertex(a) == vertex(b)) continue;  // both run the same way round: two surfaces, back to back
+    fans.join(a, next_corner(b));
+    fans.join(next_corner(a), b);
+  }
+  constexpr std::uint32_t kNone = ~0u;
+  std::vector<std::uint32_t> fan_of_vertex(mesh.positions_m.size(), kNone), vertex_of_fan(3 * mesh.triangles.size(), kNone);
+  std::size_t added = 0;
+  for (std::uint32_t corner = 0; corner < 3 * mesh.triangles.size(); ++corner) {
+    std::uint32_t& vertex = mesh.triangles[corner / 3][corner % 3];
+    const std::uint32_t fan = fans.root(corner);
+    if (vertex_of_fan[fan] == kNone) {
+      vertex_of_fan[fan] = vertex;
+      if (fan_of_vertex[vertex] == kNone) {
+        fan_of_vertex[vertex] = fan;
+      } else {
+        vertex_of_fan[fan] = static_cast<std::uint32_t>(mesh.positions_m.size());
+        mesh.positions_m.push_back(Eigen::Vector3f(mesh.positions_m[vertex]));
+        mesh.normals.push_back(Eigen::Vector3f(mesh.normals[vertex]));
+        mesh.colors.push_back(Rgb8(mesh.colors[vertex]));
+        ++added;
+      }
+    }
+    vertex = vertex_of_fan[fan];
+  }
+  return added;
+}
+
+}  // namespace hermite

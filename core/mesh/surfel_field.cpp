@@ -1,0 +1,232 @@
+#include "core/mesh/surfel_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nanoflann.hpp>
+#include <numbers>
+#include <numeric>
+#include <string>
+
+#include "core/base/parallel.h"
+
+namespace hermite {
+namespace {
+
+// The distance to the eighth neighbour tells the density: with as many in a disc the mean distance is that radius by the root of k / pi.
+constexpr std::size_t kNeighbors = 8;
+// A cell follows the surfels: finer ones show nothing more, coarser ones lose what is there.
+constexpr double kLeastOwnCell_m = 0.005, kMostOwnCell_m = 0.04;
+// Corners of a cell that the surface passes lie within a cell's edge of it: supports reach twice as far, so that some kernels have weight
+// there. A lone surfel must not reach over half the room.
+constexpr double kLeastSupport_cells = 2, kMostSupport_cells = 8;
+// The integral of (1 - d / r)^3 over a disc of radius r, in r^2.
+constexpr double kSupportOfPlane = std::numbers::pi / 10;
+// Around the farthest cells there are others that are asked for, and bins.
+constexpr int kSpareCells = 128;
+// How much normals and distances may differ within one sheet (Oztireli, Guennebaud, Gross 2009, Eq. 13 and 14, where 0.5 to 1.5 is advised
+// for normals and half the support for distances).
+constexpr float kNormalSpread = 0.7f, kDistanceSpread_supports = 0.5f;
+constexpr int kSheetSteps = 3;
+
+bool usable(const CloudPoint& point) {
+  return point.position_m.allFinite() && point.normal.allFinite() && point.normal.squaredNorm() > 0.25f;
+}
+
+std::uint64_t key_of(const Eigen::Vector3i& bin) {
+  const auto part = [](int value) { return static_cast<std::uint64_t>(value + kMostCell); };
+  return part(bin.z()) << 40 | part(bin.y()) << 20 | part(bin.x());
+}
+
+struct KernelPositions {
+  const std::vector<FieldKernel>& kernels;
+  std::size_t kdtree_get_point_count() const { return kernels.size(); }
+  float kdtree_get_pt(std::size_t index, std::size_t axis) const { return kernels[index].position_m[static_cast<Eigen::Index>(axis)]; }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+// By kernel, the mean distance of neighbours.
+std::vector<float> spacings_of(const std::vector<FieldKernel>& kernels) {
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, KernelPositions>, KernelPositions, 3, std::uint32_t>;
+  const KernelPositions positions{kernels};
+  Tree tree(3, positions, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  std::vector<float> spacings(kernels.size());
+  constexpr std::size_t kAtOnce = 4096;
+  in_parallel((kernels.size() + kAtOnce - 1) / kAtOnce, [&](std::size_t piece) {
+    std::array<std::uint32_t, kNeighbors + 1> found;
+    std::array<float, kNeighbors + 1> distance2;
+    for (std::size_t i = piece * kAtOnce; i < std::min((piece + 1) * kAtOnce, kernels.size()); ++i) {
+      const std::size_t count = tree.knnSearch(kernels[i].position_m.data(), kNeighbors + 1, found.data(), distance2.data());
+      spacings[i] = count < 2 ? 0 : std::sqrt(distance2[count - 1] * std::numbers::pi_v<float> / static_cast<float>(count - 1));
+    }
+  });
+  return spacings;
+}
+
+float median_of(std::vector<float> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<FieldKernel> kernels_of(const Cloud& cloud) {
+  std::vector<FieldKernel> kernels;
+  kernels.reserve(cloud.size());
+  for (const CloudPoint& point : cloud)
+    if (usable(point)) kernels.push_back({point.position_m, point.normal.normalized(), 0, 0, 0, point.color});
+  return kernels;
+}
+
+}  // namespace
+
+Result<SurfelField> SurfelField::create(const Cloud& cloud, const FieldOptions& options) {
+  SurfelField field;
+  field.options_ = options;
+  std::vector<FieldKernel> kernels = kernels_of(cloud);
+  field.rejected_count_ = cloud.size() - kernels.size();
+  if (kernels.empty())
+    return Error{ErrorCode::kInvalidArgument, "the cloud has no point with a position and a normal: there is no surface to mesh"};
+  const std::vector<float> spacings = spacings_of(kernels);
+  field.cell_m_ = options.cell_m;
+  if (options.cell_m == 0) field.cell_m_ = std::clamp<double>(median_of(spacings), kLeastOwnCell_m, kMostOwnCell_m);
+  if (!(field.cell_m_ >= kLeastCell_m && field.cell_m_ <= kMostCell_m))
+    return Error{ErrorCode::kInvalidArgument, "cell of " + std::to_string(options.cell_m) + " m: expected " + std::to_string(kLeastCell_m) +
+                                                  " to " + std::to_string(kMostCell_m) + ", or 0 for what fits the cloud"};
+  const float most_m = static_cast<float>(field.cell_m_ * (kMostCell - kSpareCells));
+  for (std::size_t i = 0; i < kernels.size(); ++i) {
+    FieldKernel& kernel = kernels[i];
+    if (!(kernel.position_m.cwiseAbs().maxCoeff() < most_m))
+      return Error{ErrorCode::kInvalidArgument,
+                   "a point lies more than " + std::to_string(most_m) + " m from the origin, too far for cells of this size"};
+    const double wanted_m = options.support_spacings * static_cast<double>(spacings[i]);
+    kernel.radius_m = static_cast<float>(std::clamp(wanted_m, kLeastSupport_cells * field.cell_m_, kMostSupport_cells * field.cell_m_));
+    kernel.weight = 1 / (kernel.radius_m * kernel.radius_m);
+    kernel.area = spacings[i] * spacings[i] * kernel.weight / static_cast<float>(kSupportOfPlane);
+    field.reach_m_ = std::max(field.reach_m_, kernel.radius_m);
+  }
+  field.sort_into_bins(std::move(kernels));
+  return field;
+}
+
+void SurfelField::sort_into_bins(std::vector<FieldKernel> kernels) {
+  std::vector<std::uint64_t> keys(kernels.size());
+  for (std::size_t i = 0; i < kernels.size(); ++i) keys[i] = key_of(bin_of(kernels[i].position_m));
+  std::vector<std::uint32_t> order(kernels.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&keys](std::uint32_t a, std::uint32_t b) { return keys[a] < keys[b]; });
+  kernels_.reserve(kernels.size());
+  for (const std::uint32_t i : order) {
+    const auto at = static_cast<std::uint32_t>(kernels_.size());
+    kernels_.push_back(kernels[i]);
+    const auto [range, is_new] = range_by_bin_.try_emplace(keys[i], Range{at, at});
+    if (is_new) bins_.push_back(bin_of(kernels[i].position_m));
+    range->second.last = at + 1;
+  }
+}
+
+Eigen::Vector3i SurfelField::bin_of(const Eigen::Vector3f& point_m) const {
+  return (point_m.cast<double>() / (cell_m_ * kBinCells)).array().floor().cast<int>();
+}
+
+std::span<const FieldKernel> SurfelField::bin(const Eigen::Vector3i& index) const {
+  const auto range = range_by_bin_.find(key_of(index));
+  if (range == range_by_bin_.end()) return {};
+  return std::span(kernels_).subspan(range->second.first, range->second.last - range->second.first);
+}
+
+FieldWindow::FieldWindow(const SurfelField& field, const Eigen::Vector3i& first_cell, const Eigen::Vector3i& last_cell) : field_(field) {
+  const Eigen::Vector3f reach_m = Eigen::Vector3f::Constant(field.reach_m());
+  const auto corner_m = [&field](const Eigen::Vector3i& cell) -> Eigen::Vector3f {
+    return (cell.cast<double>() * field.cell_m()).cast<float>();
+  };
+  first_bin_ = field.bin_of(corner_m(first_cell) - reach_m);
+  bin_counts_ = field.bin_of(corner_m(last_cell) + reach_m) - first_bin_ + Eigen::Vector3i::Ones();
+  bins_.reserve(static_cast<std::size_t>(bin_counts_.prod()));
+  for (int z = 0; z < bin_counts_.z(); ++z)
+    for (int y = 0; y < bin_counts_.y(); ++y)
+      for (int x = 0; x < bin_counts_.x(); ++x) {
+        bins_.push_back(field.bin(first_bin_ + Eigen::Vector3i(x, y, z)));
+        kernel_count_ += bins_.back().size();
+      }
+}
+
+void FieldWindow::find_near(const Eigen::Vector3f& point_m) {
+  near_.clear();
+  const Eigen::Vector3f reach_m = Eigen::Vector3f::Constant(field_.reach_m());
+  const Eigen::Vector3i first = (field_.bin_of(point_m - reach_m) - first_bin_).cwiseMax(0);
+  const Eigen::Vector3i last = (field_.bin_of(point_m + reach_m) - first_bin_).cwiseMin(bin_counts_ - Eigen::Vector3i::Ones());
+  for (int z = first.z(); z <= last.z(); ++z)
+    for (int y = first.y(); y <= last.y(); ++y)
+      for (int x = first.x(); x <= last.x(); ++x)
+        for (const FieldKernel& kernel : bins_[static_cast<std::size_t>((z * bin_counts_.y() + y) * bin_counts_.x() + x)]) {
+          const Eigen::Vector3f from_kernel_m = point_m - kernel.position_m;
+          const float distance2 = from_kernel_m.squaredNorm();
+          if (!(distance2 < kernel.radius_m * kernel.radius_m)) continue;
+          const float s = 1 - std::sqrt(distance2) / kernel.radius_m;
+          near_.push_back({&kernel, from_kernel_m, kernel.weight * s * s * s});
+        }
+}
+
+// The paper's field: its value by the sum of weights, and the direction of the mean normal.
+void FieldWindow::begin(FieldSample& sample) const {
+  float weights = 0, distances_m = 0, color_weights = 0;
+  Eigen::Vector3f normals = Eigen::Vector3f::Zero(), aside = Eigen::Vector3f::Zero();
+  for (const Near& near : near_) {
+    const FieldKernel& kernel = *near.kernel;
+    weights += near.weight;
+    distances_m += near.weight * kernel.normal.dot(near.from_kernel_m);
+    normals += near.weight * kernel.normal;
+    aside -= near.weight / kernel.radius_m * near.from_kernel_m;
+    sample.coverage += near.weight / kernel.weight * kernel.area;
+    const float color_weight = near.weight * near.weight;
+    color_weights += color_weight;
+    sample.color += color_weight * Eigen::Vector3f(kernel.color.r, kernel.color.g, kernel.color.b);
+  }
+  sample.value_m = distances_m / weights;
+  const float length = normals.norm();
+  sample.normal = length > 0 ? Eigen::Vector3f(normals / length) : Eigen::Vector3f::UnitZ();
+  aside /= weights;
+  sample.lean = (aside - aside.dot(sample.normal) * sample.normal).norm();
+  sample.color /= color_weights;
+}
+
+// Robust implicit moving least squares (Oztireli et al. 2009): kernels whose plane or normal contradicts the others count for less, so that
+// each side of an edge is a surface of its own. Planes are taken half-way between both normals, which takes the bias off curved surfaces
+// (core/math/hrbf.h, correct_bias).
+void FieldWindow::keep_to_one_sheet(FieldSample& sample) const {
+  const float by_normal = field_.options().keep_edges ? 1 / (kNormalSpread * kNormalSpread) : 0;
+  for (int step = 0; step < kSheetSteps; ++step) {
+    float weights = 0, distances_m = 0;
+    Eigen::Vector3f normals = Eigen::Vector3f::Zero();
+    for (const Near& near : near_) {
+      const FieldKernel& kernel = *near.kernel;
+      const Eigen::Vector3f between = kernel.normal + sample.normal;
+      const float along = between.dot(sample.normal);
+      if (!(along > 0.1f)) continue;  // it looks the other way
+      const float distance_m = between.dot(near.from_kernel_m) / along;
+      const float off = (distance_m - sample.value_m) / (kDistanceSpread_supports * kernel.radius_m);
+      const float weight = near.weight * std::exp(-by_normal * ((kernel.normal - sample.normal).squaredNorm() + 0 * off * off));
+      weights += weight;
+      distances_m += weight * distance_m;
+      normals += weight * kernel.normal;
+    }
+    const float length = normals.norm();
+    if (!(weights > 0) || !(length > 0)) return;
+    sample.value_m = distances_m / weights;
+    sample.normal = normals / length;
+  }
+}
+
+FieldSample FieldWindow::sample(const Eigen::Vector3f& point_m) {
+  find_near(point_m);
+  FieldSample sample;
+  if (near_.empty()) return sample;
+  sample.kernel_count = static_cast<int>(near_.size());
+  begin(sample);
+  keep_to_one_sheet(sample);
+  return sample;
+}
+
+}  // namespace hermite

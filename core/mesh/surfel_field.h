@@ -1,0 +1,123 @@
+// The implicit surface of a finished cloud: the closed-form Hermite RBF (core/math/hrbf.h; paper Eq. 2 and 3) of all its surfels, in the
+// world. Each surfel is a kernel whose support goes by the distance to its neighbours, so that the surface is closed between them and ends
+// where they end.
+//
+// Outside, as everywhere but in the map: normals point to where the surface was seen from; the value is positive there and negative behind
+// it. Built once; then const and thread-safe.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "core/base/image.h"
+#include "core/base/result.h"
+#include "core/output/cloud.h"
+
+namespace hermite {
+
+// Of the grid that a field is contoured with: supports and bins are multiples of it.
+inline constexpr double kLeastCell_m = 0.002, kMostCell_m = 0.1;
+// Cells are counted in 20 bits an axis.
+inline constexpr int kMostCell = 1 << 19;
+
+struct FieldOptions {
+  double cell_m = 0;            // 0: the median distance of neighbouring surfels, within 5 mm and 4 cm
+  double support_spacings = 3;  // radius of a kernel's support, in distances to its neighbours
+  bool keep_edges = true;       // surfels across an edge count for less (robust implicit moving least squares)
+};
+
+struct FieldKernel {
+  Eigen::Vector3f position_m = Eigen::Vector3f::Zero();
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  float radius_m = 0;  // of the support
+  float weight = 0;    // 1 / radius^2
+  float area = 0;      // that the surfel stands for, in supports of a plane: they sum to 1 in the middle of one
+  Rgb8 color;
+};
+
+// The field at a point. `value_m` and `normal` belong to the sheet of surface that is nearest to the point.
+struct FieldSample {
+  float value_m = 0;                                 // signed distance to the surface, by planes
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit
+  float coverage = 0;                                // 1: within a surface, 1/2: on its border, 0: nothing is near
+  float lean = 0;                                    // how far aside the kernels lie, in supports: 0 within a surface, 0.2 on its border
+  Eigen::Vector3f color = Eigen::Vector3f::Zero();   // 0 to 255
+  int kernel_count = 0;                              // 0: all else says nothing
+};
+
+class SurfelField {
+ public:
+  // Leaves out points whose position or normal is no number or whose normal has no direction. kInvalidArgument: no point left, or a cell
+  // outside kLeastCell_m to kMostCell_m, or points so far apart that cells cannot be counted.
+  static Result<SurfelField> create(const Cloud& cloud, const FieldOptions& options);
+
+  double cell_m() const { return cell_m_; }
+  float reach_m() const { return reach_m_; }  // of the widest support
+  std::span<const FieldKernel> kernels() const { return kernels_; }
+  std::size_t rejected_count() const { return rejected_count_; }
+
+  // Kernels of the bin (x, y, z), which spans kBinCells cells from x * kBinCells on; empty where there are none.
+  static constexpr int kBinCells = 4;
+  std::span<const FieldKernel> bin(const Eigen::Vector3i& index) const;
+  Eigen::Vector3i bin_of(const Eigen::Vector3f& point_m) const;
+
+  // Bins that hold kernels, by z, y, x.
+  std::span<const Eigen::Vector3i> bins() const { return bins_; }
+
+  const FieldOptions& options() const { return options_; }
+
+ private:
+  struct Range {
+    std::uint32_t first = 0, last = 0;
+  };
+  SurfelField() = default;
+  void sort_into_bins(std::vector<FieldKernel> kernels);
+
+  FieldOptions options_;
+  double cell_m_ = 0;
+  float reach_m_ = 0;
+  std::size_t rejected_count_ = 0;
+  std::vector<FieldKernel> kernels_;  // by bin, within one as in the cloud
+  std::vector<Eigen::Vector3i> bins_;
+  std::unordered_map<std::uint64_t, Range> range_by_bin_;
+};
+
+// A box of the field, prepared to be asked often. The answer at a point does not depend on the box.
+class FieldWindow {
+ public:
+  // Points within the cells from `first_cell` to before `last_cell` may be asked for.
+  FieldWindow(const SurfelField& field, const Eigen::Vector3i& first_cell, const Eigen::Vector3i& last_cell);
+
+  bool empty() const { return kernel_count_ == 0; }
+
+  // Calls use(kernel) for each kernel whose support could reach a point of the box, in the field's order.
+  template <class Use>
+  void for_each_kernel(const Use& use) const {
+    for (const std::span<const FieldKernel>& bin : bins_)
+      for (const FieldKernel& kernel : bin) use(kernel);
+  }
+
+  FieldSample sample(const Eigen::Vector3f& point_m);
+
+ private:
+  // What a kernel is to the point that is asked for.
+  struct Near {
+    const FieldKernel* kernel = nullptr;
+    Eigen::Vector3f from_kernel_m = Eigen::Vector3f::Zero();
+    float weight = 0;
+  };
+  void find_near(const Eigen::Vector3f& point_m);
+  void begin(FieldSample& sample) const;
+  void keep_to_one_sheet(FieldSample& sample) const;
+
+  const SurfelField& field_;
+  Eigen::Vector3i first_bin_, bin_counts_;
+  std::vector<std::span<const FieldKernel>> bins_;  // x runs fastest
+  std::size_t kernel_count_ = 0;
+  std::vector<Near> near_;  // of the last point
+};
+
+}  // namespace hermite

@@ -1,0 +1,91 @@
+// hermite mesh
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/dataset/text_file.h"
+#include "core/mesh/contour.h"
+#include "core/output/mesh_ply.h"
+#include "core/output/ply.h"
+#include "core/output/ply_reader.h"
+#include "server/commands.h"
+
+namespace hermite {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct MeshArguments {
+  std::string source, out;
+  double cell_mm = 0;
+  double least_part_cm2 = ContourOptions().least_part_m2 * 1e4;
+  ContourOptions options;
+};
+
+// Some 90 million of our points.
+constexpr std::size_t kMaxCloud_bytes = std::size_t{4} << 30;
+
+// A result folder's cloud, or a file.
+std::string cloud_path(const std::string& source) { return std::filesystem::is_directory(source) ? source + "/cloud.ply" : source; }
+
+std::string mesh_path(const MeshArguments& arguments) {
+  if (!arguments.out.empty()) return arguments.out;
+  if (!std::filesystem::is_directory(arguments.source))
+    throw SetupError({ErrorCode::kInvalidArgument, "--out is missing: " + arguments.source + " is no folder that mesh.ply would go to"});
+  return arguments.source + "/mesh.ply";
+}
+
+Cloud read_cloud(const std::string& path) {
+  return or_throw(cloud_of(or_throw(parse_ply(or_throw(read_text_file(path, kMaxCloud_bytes)))), path));
+}
+
+int run_mesh(const MeshArguments& arguments) {
+  using Clock = std::chrono::steady_clock;
+  const std::string out = mesh_path(arguments);
+  const Cloud cloud = read_cloud(cloud_path(arguments.source));
+  ContourOptions options = arguments.options;
+  options.field.cell_m = arguments.cell_mm / 1000;
+  options.least_part_m2 = arguments.least_part_cm2 / 1e4;
+  ContourStatistics statistics;
+  const Clock::time_point start = Clock::now();
+  const TriangleMesh mesh = or_throw(contour(cloud, options, {}, &statistics));
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  or_throw(write_file_atomically(out, format_mesh_ply(mesh)));
+  std::cout << Json{{"mesh", out},
+                    {"points", cloud.size()},
+                    {"points_left_out", statistics.rejected_points},
+                    {"cell_m", statistics.cell_m},
+                    {"vertices", mesh.positions_m.size()},
+                    {"triangles", mesh.triangles.size()},
+                    {"parts_left_out", statistics.removed_parts},
+                    {"split_vertices", statistics.split_vertices},
+                    {"seconds", seconds}}
+                   .dump(2)
+            << '\n';
+  return 0;
+}
+
+}  // namespace
+
+Command add_mesh_command(CLI::App& app) {
+  auto arguments = std::make_shared<MeshArguments>();
+  CLI::App& mesh = *app.add_subcommand("mesh", "Make a surface of triangles out of a cloud: dual contouring of its implicit surface");
+  mesh.add_option("RESULT", arguments->source, "Folder as hermite reconstruct writes it, or any PLY of points with normals")->required();
+  mesh.add_option("--out", arguments->out, "PLY file for the mesh (default: mesh.ply in that folder)");
+  mesh.add_option("--cell", arguments->cell_mm, "Edge of a cell [mm], 2 to 100; 0: the distance of the points, within 5 and 40")
+      ->capture_default_str();
+  mesh.add_option("--min-part", arguments->least_part_cm2, "Leave out pieces that hang together with nothing and have less surface [cm^2]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  mesh.add_option("--support", arguments->options.field.support_spacings, "Radius of a point's support in distances of points")
+      ->check(CLI::Range(1.5, 10.0))
+      ->capture_default_str();
+  mesh.add_flag("!--smooth-edges", arguments->options.field.keep_edges, "Do not tell surfaces that meet in an edge from each other");
+  return {&mesh, [arguments] { return run_mesh(*arguments); }};
+}
+
+}  // namespace hermite
