@@ -1,0 +1,55 @@
+#include "server/exports/build_export.h"
+
+#include <utility>
+
+#include "core/mesh/contour.h"
+#include "core/output/ply_reader.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr const char* kCloud = "cloud.ply";
+constexpr double kContouring = 0.9;  // of the time that a mesh and its file take
+
+}  // namespace
+
+Result<Cloud> ExportBuilder::read_cloud(const std::string& scan_id) {
+  const Result<std::string> bytes = read_blob(blobs_, scan_id, kCloud, kMaxExportCloud_bytes);
+  if (!bytes.ok()) return bytes.error();
+  const Result<PlyShape> shape = parse_ply(*bytes);
+  if (!shape.ok()) return in_context(kCloud, shape.error());
+  if (shape->positions.empty()) return Error{ErrorCode::kInvalidArgument, "the cloud of the scan has no points"};
+  return cloud_of(*shape, kCloud);
+}
+
+Status ExportBuilder::make_mesh(const std::string& scan_id, const ExportProgress& progress) {
+  const Result<std::string> version = blobs_.version(scan_id, kCloud);
+  if (!version.ok()) return version.error();
+  if (mesh_ && mesh_->scan_id == scan_id && mesh_->cloud_version == *version) return Done{};
+  mesh_.reset();  // before there are two
+  const Result<Cloud> cloud = read_cloud(scan_id);
+  if (!cloud.ok()) return cloud.error();
+  Result<TriangleMesh> mesh = contour(*cloud, {}, [&progress](double done) { return progress(kContouring * done); });
+  if (!mesh.ok()) return mesh.error();
+  if (mesh->triangles.empty())
+    return Error{ErrorCode::kInvalidArgument,
+                 "the " + std::to_string(cloud->size()) + " points of the cloud are too few or too far apart to make a surface"};
+  mesh_ = KnownMesh{scan_id, *version, *std::move(mesh)};
+  return Done{};
+}
+
+Result<std::string> ExportBuilder::build(const ExportFormat& format, const std::string& scan_id, const ExportProgress& progress) {
+  CHECK(!format.is_result(), "a result is there already");
+  const Error stopped{ErrorCode::kBusy, "stopped"};
+  if (!progress(0)) return stopped;
+  if (format.of_mesh) {
+    if (Status made = make_mesh(scan_id, progress); !made.ok()) return made.error();
+    return progress(kContouring) ? format.of_mesh(mesh_->mesh) : stopped;
+  }
+  const Result<Cloud> cloud = read_cloud(scan_id);
+  if (!cloud.ok()) return cloud.error();
+  return progress(kContouring) ? format.of_cloud(*cloud) : stopped;
+}
+
+}  // namespace hermite
