@@ -19,7 +19,7 @@ export interface Job {
 // Newest first. A token that only looks knows of none.
 export async function fetchJobs(token: string): Promise<Job[]> {
   try {
-    const response = await request('api/v1/jobs', token, limit_ms);
+    const response = await request('api/v1/jobs', token, { limit_ms });
     return parseJobs(await response.json());
   } catch (error) {
     if (error instanceof ApiError && error.unauthorized) return [];
@@ -28,11 +28,11 @@ export async function fetchJobs(token: string): Promise<Job[]> {
 }
 
 export async function cancelJob(id: string, token: string): Promise<void> {
-  await request(`api/v1/jobs/${encodeURIComponent(id)}`, token, limit_ms, 'DELETE');
+  await request(`api/v1/jobs/${encodeURIComponent(id)}`, token, { limit_ms, method: 'DELETE' });
 }
 
 export async function retryJob(id: string, token: string): Promise<void> {
-  await request(`api/v1/jobs/${encodeURIComponent(id)}/retry`, token, limit_ms, 'POST');
+  await request(`api/v1/jobs/${encodeURIComponent(id)}/retry`, token, { limit_ms, method: 'POST' });
 }
 
 // Rows that are not jobs are left out.
