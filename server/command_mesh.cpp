@@ -40,7 +40,12 @@ std::string mesh_path(const MeshArguments& arguments) {
 }
 
 Cloud read_cloud(const std::string& path) {
-  return or_throw(cloud_of(or_throw(parse_ply(or_throw(read_text_file(path, kMaxCloud_bytes)))), path));
+  const PlyShape shape = or_throw(parse_ply(or_throw(read_text_file(path, kMaxCloud_bytes))));
+  if (shape.positions.empty()) throw SetupError({ErrorCode::kInvalidArgument, path + " has no points"});
+  if (shape.normals.empty())
+    throw SetupError(
+        {ErrorCode::kInvalidArgument, path + " has points without normals (nx, ny, nz): the sides of its surface cannot be told"});
+  return cloud_of(shape);
 }
 
 int run_mesh(const MeshArguments& arguments) {

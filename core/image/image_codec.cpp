@@ -246,17 +246,18 @@ Result<DepthImage> decode_depth_png(std::span<const std::uint8_t> bytes, ImageSi
   return decode_png_pixels<std::uint16_t>(*png, expected, SPNG_FMT_PNG);
 }
 
-Result<std::vector<std::uint8_t>> encode_jpeg(const ColorImage& image, int quality) {
+Result<std::vector<std::uint8_t>> encode_jpeg(const ColorImage& image, int quality, JpegColor color) {
   const ImageSize size{image.width, image.height};
   if (const Status valid = check_image_size(size); !valid.ok()) return valid.error();
   CHECK(image.pixels.size() == pixel_count(size), "image has other pixels than its size");
   if (quality < 1 || quality > 100)
     return Error{ErrorCode::kInvalidArgument, "JPEG quality " + std::to_string(quality) + " is not 1 to 100"};
   const Turbo turbo = checked(tjInitCompress());
-  unsigned long size_bytes = tjBufSize(image.width, image.height, TJSAMP_420);
+  const int subsampling = color == JpegColor::kHalf ? TJSAMP_420 : TJSAMP_444;
+  unsigned long size_bytes = tjBufSize(image.width, image.height, subsampling);
   std::vector<std::uint8_t> bytes(size_bytes);
   unsigned char* out = bytes.data();
-  if (tjCompress2(turbo.get(), &image.pixels.data()->r, image.width, 0, image.height, TJPF_RGB, &out, &size_bytes, TJSAMP_420, quality,
+  if (tjCompress2(turbo.get(), &image.pixels.data()->r, image.width, 0, image.height, TJPF_RGB, &out, &size_bytes, subsampling, quality,
                   kJpegEncodeFlags) != 0) {
     return jpeg_error(turbo);
   }

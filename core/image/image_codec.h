@@ -41,8 +41,12 @@ Result<ColorImage> decode_color(std::span<const std::uint8_t> bytes, ImageSize e
 Result<DepthImage> decode_depth_png(std::span<const std::uint8_t> bytes, ImageSize expected);
 
 // Deterministic. kInvalidArgument when the size or quality is out of range.
-// 4:2:0 JPEG; quality 1 to 100.
-Result<std::vector<std::uint8_t>> encode_jpeg(const ColorImage& image, int quality);
+// JPEG; quality 1 to 100.
+enum class JpegColor {
+  kHalf,  // 4:2:0
+  kFull,  // 4:4:4
+};
+Result<std::vector<std::uint8_t>> encode_jpeg(const ColorImage& image, int quality, JpegColor color = JpegColor::kHalf);
 
 // PNG at the fastest compression level; lossless.
 Result<std::vector<std::uint8_t>> encode_png(const ColorImage& image);

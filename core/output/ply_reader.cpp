@@ -153,54 +153,74 @@ std::ptrdiff_t place_of(const Element& element, const char* name) {
   return found == element.properties.end() ? -1 : found - element.properties.begin();
 }
 
-// Which properties of a vertex are there, by what they are of.
-struct VertexPlaces {
-  std::array<std::ptrdiff_t, 3> position{}, normal{}, color{};
-  std::ptrdiff_t radius = -1, confidence = -1;
+// Some properties of an element that belong together, of which none counts without the others.
+template <std::size_t N>
+class Columns {
+ public:
+  Columns(const Element& element, const std::array<const char*, N>& names) {
+    for (std::size_t i = 0; i < N; ++i) places_[i] = place_of(element, names[i]);
+    all_there_ = std::all_of(places_.begin(), places_.end(), [](std::ptrdiff_t place) { return place >= 0; });
+  }
+  bool all_there() const { return all_there_; }
+  std::size_t place(std::size_t which) const { return static_cast<std::size_t>(places_[which]); }
+  Eigen::Matrix<float, static_cast<int>(N), 1> vector(const std::vector<double>& row) const {
+    Eigen::Matrix<float, static_cast<int>(N), 1> values;
+    for (std::size_t i = 0; i < N; ++i) values[static_cast<int>(i)] = static_cast<float>(row[place(i)]);
+    return values;
+  }
+
+ private:
+  std::array<std::ptrdiff_t, N> places_{};
+  bool all_there_ = false;
 };
 
-bool all_there(const std::array<std::ptrdiff_t, 3>& places) {
-  return std::all_of(places.begin(), places.end(), [](std::ptrdiff_t place) { return place >= 0; });
+// Of a whole number of 0 to `most`; 0 for any other.
+std::uint32_t whole(double value, double most) { return value >= 0 && value <= most ? static_cast<std::uint32_t>(value) : 0; }
+
+// Of one of a colour's channels.
+std::uint8_t byte_of(double value, Type type) {
+  const double scale = type == Type::kUint16 ? 1.0 / 257 : type == Type::kFloat || type == Type::kDouble ? 255.0 : 1.0;
+  return static_cast<std::uint8_t>(whole(value * scale + 0.5, 255.5));
 }
 
-// A byte as it is; a real number from 0 to 1 as a share of 255.
-std::uint8_t color_byte(float value, Type type) {
-  const bool is_real = type == Type::kFloat || type == Type::kDouble;
-  const float scaled = is_real ? 255 * value : value;
-  return scaled > 0 ? static_cast<std::uint8_t>(std::min(scaled + 0.5f, 255.0f)) : std::uint8_t{0};
-}
+struct VertexColumns {
+  explicit VertexColumns(const Element& e)
+      : position(e, {"x", "y", "z"}),
+        normal(e, {"nx", "ny", "nz"}),
+        color(e, {"red", "green", "blue"}),
+        radius(e, {"radius"}),
+        confidence(e, {"confidence"}),
+        curvature(e, {"curvature_max", "curvature_min"}),
+        submap(e, {"submap"}) {}
 
-void add_vertex(const std::vector<float>& values, const VertexPlaces& places, const Element& element, PlyShape& shape) {
-  const auto value = [&values](std::ptrdiff_t place) { return values[static_cast<std::size_t>(place)]; };
-  const auto vector = [&](const std::array<std::ptrdiff_t, 3>& of) { return Eigen::Vector3f(value(of[0]), value(of[1]), value(of[2])); };
-  shape.positions.push_back(vector(places.position));
-  if (all_there(places.normal)) shape.normals.push_back(vector(places.normal));
-  if (places.radius >= 0) shape.radii.push_back(value(places.radius));
-  if (places.confidence >= 0) shape.confidences.push_back(value(places.confidence));
-  if (!all_there(places.color)) return;
-  const auto byte = [&](std::size_t i) {
-    const std::ptrdiff_t place = places.color[i];
-    return color_byte(value(place), element.properties[static_cast<std::size_t>(place)].type);
-  };
-  shape.colors.push_back({byte(0), byte(1), byte(2)});
-}
+  void append(const std::vector<double>& row, const Element& element, PlyShape& shape) const {
+    shape.positions.push_back(position.vector(row));
+    if (normal.all_there()) shape.normals.push_back(normal.vector(row));
+    const auto channel = [&](std::size_t which) { return byte_of(row[color.place(which)], element.properties[color.place(which)].type); };
+    if (color.all_there()) shape.colors.push_back({channel(0), channel(1), channel(2)});
+    if (radius.all_there()) shape.radii.push_back(radius.vector(row)[0]);
+    if (confidence.all_there()) shape.confidences.push_back(confidence.vector(row)[0]);
+    if (curvature.all_there()) shape.curvatures.push_back(curvature.vector(row));
+    if (submap.all_there()) shape.submaps.push_back(whole(row[submap.place(0)], 4294967295.0));
+  }
+
+  Columns<3> position, normal, color;
+  Columns<1> radius, confidence;
+  Columns<2> curvature;
+  Columns<1> submap;
+};
 
 Status read_vertices(Numbers& numbers, const Element& element, PlyShape& shape) {
-  const auto place = [&element](const char* name) { return place_of(element, name); };
-  const VertexPlaces places{{place("x"), place("y"), place("z")},
-                            {place("nx"), place("ny"), place("nz")},
-                            {place("red"), place("green"), place("blue")},
-                            place("radius"),
-                            place("confidence")};
-  std::vector<float> values(element.properties.size());
+  const VertexColumns columns(element);
+  std::vector<double> row(element.properties.size());
   for (std::uint64_t i = 0; i < element.count; ++i) {
-    for (std::size_t k = 0; k < values.size(); ++k) {
+    for (std::size_t k = 0; k < row.size(); ++k) {
       if (element.properties[k].count_type) return Error{ErrorCode::kUnsupported, "PLY: a vertex with a list"};
-      values[k] = static_cast<float>(numbers.next(element.properties[k].type));
+      row[k] = numbers.next(element.properties[k].type);
     }
-    if (!all_there(places.position)) return corrupt("vertices without x, y and z");
+    if (!columns.position.all_there()) return corrupt("vertices without x, y and z");
     if (numbers.failed()) return corrupt("cut at vertex " + std::to_string(i) + " of " + std::to_string(element.count));
-    add_vertex(values, places, element, shape);
+    columns.append(row, element, shape);
   }
   return Done{};
 }
@@ -241,21 +261,6 @@ Result<PlyShape> parse_ply(std::string_view bytes) {
   }
   if (!has_vertices) return corrupt("no vertices");
   return shape;
-}
-
-Result<Cloud> cloud_of(const PlyShape& shape, const std::string& name) {
-  if (shape.positions.empty()) return Error{ErrorCode::kInvalidArgument, name + " has no points"};
-  if (shape.normals.empty())
-    return Error{ErrorCode::kInvalidArgument, name + " has points without normals (nx, ny, nz): the sides of its surface cannot be told"};
-  Cloud cloud(shape.positions.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    cloud[i].position_m = shape.positions[i];
-    cloud[i].normal = shape.normals[i];
-    cloud[i].color = shape.colors.empty() ? Rgb8{255, 255, 255} : shape.colors[i];
-    cloud[i].confidence = shape.confidences.empty() ? 1 : shape.confidences[i];
-    if (!shape.radii.empty()) cloud[i].radius_m = shape.radii[i];
-  }
-  return cloud;
 }
 
 }  // namespace hermite

@@ -20,7 +20,7 @@ Result<Cloud> ExportBuilder::read_cloud(const std::string& scan_id) {
   const Result<PlyShape> shape = parse_ply(*bytes);
   if (!shape.ok()) return in_context(kCloud, shape.error());
   if (shape->positions.empty()) return Error{ErrorCode::kInvalidArgument, "the cloud of the scan has no points"};
-  return cloud_of(*shape, kCloud);
+  return cloud_of(*shape);
 }
 
 Status ExportBuilder::make_mesh(const std::string& scan_id, const ExportProgress& progress) {

@@ -40,7 +40,7 @@ const std::vector<Layer>& layers() {
        {"core/archive", "core/log", "core/raw", "proto/wire", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"core/evaluate", {"core/dataset", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"core/calibrate", {"core/adjust", "core/dataset", "core/frame", "core/math", "core/base"}},
-      {"core/output", {"core/math", "core/base"}},
+      {"core/output", {"core/image", "core/math", "core/base"}},
       {"core/digest", {"core/base"}},
       // Of what needs more than Vulkan and Eigen only plain headers: hermite_bench links this and nothing else.
       {"core/pipeline",

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/output/mesh_ply.h"
 #include "core/output/ply.h"
+#include "tests/support/analytic_mesh.h"
 
 namespace hermite {
 namespace {
@@ -57,6 +59,47 @@ TEST(PlyReader, EveryCutIsAnErrorInWords) {
     ASSERT_FALSE(shape.ok()) << length;
     EXPECT_THAT(shape.error().message, HasSubstr("PLY"));
   }
+}
+
+TEST(PlyReader, ACloudComesBackByteForByte) {
+  Cloud cloud(3);
+  cloud[1] = {{1.5f, -2.25f, 3.125f}, {0, 0.6f, -0.8f}, {10, 20, 255}, 12.5f, 40, -3, 0.004f, 4294967295u};
+  const auto shape = parse_ply(format_ply(cloud));
+  ASSERT_TRUE(shape.ok()) << shape.error().message;
+  EXPECT_EQ(format_ply(cloud_of(*shape)), format_ply(cloud));
+}
+
+TEST(PlyReader, AMeshComesBackByteForByte) {
+  const std::string bytes = format_mesh_ply(test::sphere_mesh(4, 6));
+  auto shape = parse_ply(bytes);
+  ASSERT_TRUE(shape.ok()) << shape.error().message;
+  const auto mesh = mesh_of(*std::move(shape));
+  ASSERT_TRUE(mesh.ok()) << mesh.error().message;
+  EXPECT_EQ(format_mesh_ply(*mesh), bytes);
+}
+
+TEST(PlyReader, AMeshOfAnotherProgramGetsNormalsAndWhite) {
+  const auto mesh = mesh_of(*parse_ply(kSquare));
+  ASSERT_TRUE(mesh.ok()) << mesh.error().message;
+  EXPECT_EQ(mesh->colors[2], (Rgb8{255, 255, 255}));
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(mesh->normals[i].norm(), 1, 1e-6);
+    EXPECT_GT(mesh->normals[i].z(), 0.8f);
+  }
+  EXPECT_EQ(mesh_of(*parse_ply(format_ply(Cloud(2)))).error().code, ErrorCode::kNotFound);
+}
+
+std::string ascii_colors(const std::string& type, const std::string& values) {
+  return "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty " + type +
+         " red\nproperty " + type + " green\nproperty " + type + " blue\nend_header\n1 2 3 " + values + "\n";
+}
+
+TEST(PlyReader, ColoursAreBytesWhateverTheirType) {
+  EXPECT_THAT(parse_ply(ascii_colors("uchar", "0 128 255"))->colors, ElementsAre(Rgb8{0, 128, 255}));
+  EXPECT_THAT(parse_ply(ascii_colors("ushort", "0 32896 65535"))->colors, ElementsAre(Rgb8{0, 128, 255}));
+  EXPECT_THAT(parse_ply(ascii_colors("float", "0 0.5 1"))->colors, ElementsAre(Rgb8{0, 128, 255}));
+  EXPECT_THAT(parse_ply(ascii_colors("float", "nan -3 1e30"))->colors, ElementsAre(Rgb8{0, 0, 0})) << "no colours at all";
+  EXPECT_TRUE(parse_ply(kSquare)->colors.empty());
 }
 
 std::string with(std::string from, const std::string& to) {

@@ -1,0 +1,97 @@
+#include "core/output/glb_draco.h"
+
+#include <draco/compression/encode.h>
+#include <draco/mesh/mesh.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <exception>
+#include <memory>
+
+namespace hermite {
+namespace {
+
+constexpr int kNormalBits = 10;  // 0.1 degrees
+constexpr int kSlowest = 3;      // of 0 to 10: the next one below takes twice the time for 2 %
+constexpr int kMaxPosition_bits = 24, kMinPosition_bits = 8;
+
+// Adds an attribute whose values are of vertices, and returns its id in the mesh.
+template <class Row>
+int add_vertex_attribute(draco::Mesh& mesh, draco::GeometryAttribute::Type type, draco::DataType data_type, int components, bool normalized,
+                         const std::vector<Row>& rows) {
+  draco::GeometryAttribute attribute;
+  attribute.Init(type, nullptr, static_cast<std::int8_t>(components), data_type, normalized, components * draco::DataTypeLength(data_type),
+                 0);
+  const int id = mesh.AddAttribute(attribute, true, static_cast<draco::AttributeValueIndex::ValueType>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    mesh.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(static_cast<std::uint32_t>(i)), rows[i].data());
+  return id;
+}
+
+int unique_id(const draco::Mesh& mesh, int id) { return id < 0 ? 0 : static_cast<int>(mesh.attribute(id)->unique_id()); }
+
+Error draco_refused(const std::string& words) { return {ErrorCode::kUnsupported, "Draco refused the mesh: " + words}; }
+
+Result<DracoPart> encode_part(const GlbPart& part, const DracoGrid& grid, int texture_edge_px) {
+  using Attribute = draco::GeometryAttribute;
+  draco::Mesh mesh;
+  mesh.set_num_points(static_cast<std::uint32_t>(part.positions.size()));
+  mesh.SetNumFaces(part.triangles.size());
+  for (std::size_t i = 0; i < part.triangles.size(); ++i) {
+    draco::Mesh::Face face;
+    for (std::size_t k = 0; k < 3; ++k) face[static_cast<int>(k)] = draco::PointIndex(part.triangles[i][k]);
+    mesh.SetFace(draco::FaceIndex(static_cast<std::uint32_t>(i)), face);
+  }
+  const int position = add_vertex_attribute(mesh, Attribute::POSITION, draco::DT_FLOAT32, 3, false, part.positions);
+  const int normal = add_vertex_attribute(mesh, Attribute::NORMAL, draco::DT_FLOAT32, 3, false, part.normals);
+  int color = -1, texture = -1;
+  if (!part.colors.empty()) color = add_vertex_attribute(mesh, Attribute::COLOR, draco::DT_UINT16, 3, true, part.colors);
+  if (!part.texture_coordinates.empty())
+    texture = add_vertex_attribute(mesh, Attribute::TEX_COORD, draco::DT_FLOAT32, 2, false, part.texture_coordinates);
+  // So that the surface is one for Draco where only charts of the texture end.
+  mesh.DeduplicateAttributeValues();
+  mesh.DeduplicatePointIds();
+
+  draco::Encoder encoder;
+  encoder.SetSpeedOptions(kSlowest, kSlowest);
+  encoder.SetTrackEncodedProperties(true);
+  encoder.SetAttributeExplicitQuantization(Attribute::POSITION, grid.bits, 3, grid.corner.data(), grid.edge);
+  encoder.SetAttributeQuantization(Attribute::NORMAL, kNormalBits);
+  const int texture_bits = std::clamp(2 + static_cast<int>(std::bit_width(static_cast<unsigned>(texture_edge_px))), 8, 18);
+  encoder.SetAttributeQuantization(Attribute::TEX_COORD, texture_bits);
+  draco::EncoderBuffer buffer;
+  if (const draco::Status status = encoder.EncodeMeshToBuffer(mesh, &buffer); !status.ok()) return draco_refused(status.error_msg_string());
+  return DracoPart{std::string(buffer.data(), buffer.size()),
+                   encoder.num_encoded_points(),
+                   encoder.num_encoded_faces(),
+                   unique_id(mesh, position),
+                   unique_id(mesh, normal),
+                   unique_id(mesh, color),
+                   unique_id(mesh, texture)};
+}
+
+}  // namespace
+
+DracoGrid draco_grid_of(const std::vector<GlbPart>& parts) {
+  Eigen::Vector3f low = parts.front().positions.front(), high = low;
+  for (const GlbPart& part : parts)
+    for (const Eigen::Vector3f& position : part.positions) {
+      low = low.cwiseMin(position);
+      high = high.cwiseMax(position);
+    }
+  DracoGrid grid{{low.x(), low.y(), low.z()}, std::max((high - low).maxCoeff(), kDracoStep_m), 0};
+  const double steps = std::ceil(static_cast<double>(grid.edge) / static_cast<double>(kDracoStep_m));
+  grid.bits = std::clamp(static_cast<int>(std::ceil(std::log2(steps + 1))), kMinPosition_bits, kMaxPosition_bits);
+  return grid;
+}
+
+Result<DracoPart> encode_draco_part(const GlbPart& part, const DracoGrid& grid, int texture_edge_px) {
+  try {  // Draco allocates by what it finds in the data and throws from there
+    return encode_part(part, grid, texture_edge_px);
+  } catch (const std::exception& exception) {
+    return draco_refused(exception.what());
+  }
+}
+
+}  // namespace hermite

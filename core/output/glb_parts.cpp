@@ -1,0 +1,74 @@
+#include "core/output/glb_parts.h"
+
+#include <cmath>
+#include <limits>
+
+#include "core/output/axes.h"
+
+namespace hermite {
+namespace {
+
+constexpr std::uint32_t kNotYet = std::numeric_limits<std::uint32_t>::max();
+
+// IEC 61966-2-1, of all 256 values.
+std::array<std::uint16_t, 256> linear_table() {
+  std::array<std::uint16_t, 256> table{};
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const double srgb = static_cast<double>(i) / 255;
+    const double linear = srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
+    table[i] = static_cast<std::uint16_t>(std::lround(65535 * linear));
+  }
+  return table;
+}
+
+GlbPart part_of(const TriangleMesh& mesh, std::size_t first, std::size_t count, std::vector<std::uint32_t>& place_of_vertex) {
+  GlbPart part;
+  std::vector<std::uint32_t> used;
+  part.triangles.reserve(count);
+  for (std::size_t i = first; i < first + count; ++i) {
+    TriangleCorners corners{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::uint32_t& place = place_of_vertex[mesh.triangles[i][k]];
+      if (place == kNotYet) {
+        place = static_cast<std::uint32_t>(used.size());
+        used.push_back(mesh.triangles[i][k]);
+      }
+      corners[k] = place;
+    }
+    part.triangles.push_back(corners);
+  }
+  for (const std::uint32_t vertex : used) {
+    part.positions.push_back(y_up(mesh.positions_m[vertex]));
+    part.normals.push_back(unit_normal_y_up(mesh.normals[vertex]));
+    if (mesh.pages.empty()) part.colors.push_back(linear_color(mesh.colors[vertex]));
+    if (!mesh.pages.empty()) part.texture_coordinates.push_back(mesh.texture_coordinates[vertex]);
+    place_of_vertex[vertex] = kNotYet;
+  }
+  return part;
+}
+
+}  // namespace
+
+LinearRgba16 linear_color(Rgb8 color) {
+  static const std::array<std::uint16_t, 256> table = linear_table();
+  return {table[color.r], table[color.g], table[color.b], 65535};
+}
+
+Eigen::Vector3f unit_normal_y_up(const Eigen::Vector3f& normal) {
+  const float length = normal.stableNorm();
+  return length > 0 && std::isfinite(length) ? Eigen::Vector3f(y_up(normal) / length) : Eigen::Vector3f(0, 1, 0);
+}
+
+std::vector<GlbPart> glb_parts(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> place_of_vertex(mesh.positions_m.size(), kNotYet);
+  std::vector<GlbPart> parts;
+  if (mesh.pages.empty()) parts.push_back(part_of(mesh, 0, mesh.triangles.size(), place_of_vertex));
+  for (std::size_t i = 0; i < mesh.pages.size(); ++i) {
+    if (mesh.pages[i].triangle_count == 0) continue;
+    parts.push_back(part_of(mesh, mesh.pages[i].first_triangle, mesh.pages[i].triangle_count, place_of_vertex));
+    parts.back().page = i;
+  }
+  return parts;
+}
+
+}  // namespace hermite

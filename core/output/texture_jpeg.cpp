@@ -1,0 +1,18 @@
+#include "core/output/texture_jpeg.h"
+
+#include "core/image/image_codec.h"
+
+namespace hermite {
+namespace {
+
+constexpr int kTextureQuality = 92;  // blocks of 8 pixels do not show at it, and letters keep their edges
+
+}  // namespace
+
+Result<std::string> texture_jpeg(const ColorImage& image) {
+  const Result<std::vector<std::uint8_t>> bytes = encode_jpeg(image, kTextureQuality, JpegColor::kFull);
+  if (!bytes.ok()) return bytes.error();
+  return std::string(bytes->begin(), bytes->end());
+}
+
+}  // namespace hermite
