@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/output/glb.h"
 #include "core/output/mesh_ply.h"
 
 namespace hermite {
@@ -10,10 +11,15 @@ namespace hermite {
 namespace {
 
 constexpr std::array kFormats = {
-    ExportFormat{"mesh-ply", "mesh.ply", "application/octet-stream", "Mesh, PLY", ExportKind::kMesh,
+    ExportFormat{"glb", "mesh.glb", "model/gltf-binary", "GLB, opens nearly everywhere", ExportKind::kMesh,
+                 [](const TriangleMesh& mesh) { return format_mesh_glb(mesh, GlbCompression::kNone); }},
+    ExportFormat{kViewerMesh, "mesh.draco.glb", "model/gltf-binary", "GLB, small (Draco)", ExportKind::kMesh,
+                 [](const TriangleMesh& mesh) { return format_mesh_glb(mesh, GlbCompression::kDraco); }},
+    ExportFormat{"mesh-ply", "mesh.ply", "application/octet-stream", "PLY", ExportKind::kMesh,
                  [](const TriangleMesh& mesh) -> Result<std::string> { return format_mesh_ply(mesh); }},
-    ExportFormat{"cloud-ply", "cloud.ply", "application/octet-stream", "Points, PLY", ExportKind::kCloud},
-    ExportFormat{"trajectory", "trajectory.txt", "text/plain; charset=utf-8", "Path of the camera, TUM", ExportKind::kPath},
+    ExportFormat{"cloud-ply", "cloud.ply", "application/octet-stream", "PLY, with normals and radii", ExportKind::kCloud},
+    ExportFormat{"cloud-glb", "cloud.glb", "model/gltf-binary", "GLB", ExportKind::kCloud, nullptr, format_cloud_glb},
+    ExportFormat{"trajectory", "trajectory.txt", "text/plain; charset=utf-8", "Path, TUM", ExportKind::kPath},
 };
 
 }  // namespace

@@ -18,7 +18,7 @@ struct ExportFormat {
   std::string_view name;  // in requests: "glb"
   std::string_view file;  // what it is called: "mesh.glb"
   const char* content_type;
-  std::string_view words;  // for people: "Mesh, GLB"
+  std::string_view words;  // for people, beside others of its kind: "GLB"
   ExportKind kind;
   // One of these makes it; without one it is a result that the scan has left. Errors as of their writers; nothing outside is touched.
   Result<std::string> (*of_mesh)(const TriangleMesh&) = nullptr;

@@ -8,7 +8,7 @@
 
 namespace hermite {
 
-// {"exports": [{"format": "glb", "kind": "mesh", "label": "Mesh, GLB", "file": "mesh.glb", "state": "running", "bytes": 0, "done": 0.4,
+// {"exports": [{"format": "glb", "kind": "mesh", "label": "GLB", "file": "mesh.glb", "state": "running", "bytes": 0, "done": 0.4,
 // "words": ""}, ...]}; `state` is missing, queued, running, ready or failed.
 HttpAnswer list_exports(const HttpWorld& world, const Call& call);
 
