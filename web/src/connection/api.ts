@@ -92,10 +92,21 @@ export async function request(path: string, token: string, { limit_ms, method = 
   if (response.status === 401) throw new ApiError('The server does not accept this access token.', true);
   if (response.status === 403) throw new ApiError('This access token does not allow that.', true);
   if (response.status === 429) throw new ApiError('The server asks to wait a little.', false, true);
-  if (response.status === 503) throw new ApiError('The server has no room for more work just now.', false, true);
   if (response.status === 404) throw new ApiError('The server does not have this.', false);
-  if (!response.ok) throw new ApiError(`The server answered with HTTP ${response.status}.`, false);
+  if (!response.ok) throw new ApiError(refusalOf(await response.text().catch(() => ''), response.status), false, response.status === 409 || response.status >= 500);
   return response;
+}
+
+// The server's own words, which name what is wrong and the limit.
+export function refusalOf(body: string, status: number): string {
+  try {
+    const json: unknown = JSON.parse(body);
+    const error = isRecord(json) ? json['error'] : null;
+    if (isRecord(error) && textOf(error['message'])) return `The server says: ${textOf(error['message'])}.`;
+  } catch {
+    // No JSON: a proxy has answered.
+  }
+  return `The server answered with HTTP ${status}.`;
 }
 
 // Rows that are not scans are left out.

@@ -58,15 +58,3 @@ function jobOf(row: Record<string, unknown>): Job {
 function stateOf(value: unknown): JobState {
   return value === 'queued' || value === 'running' || value === 'finished' || value === 'failed' || value === 'cancelled' ? value : 'unknown';
 }
-
-// The server's own words, which name what is wrong and the limit.
-export function refusalOf(body: string, status: number): string {
-  try {
-    const json: unknown = JSON.parse(body);
-    const error = isRecord(json) ? json['error'] : null;
-    if (isRecord(error) && textOf(error['message'])) return `The server says: ${textOf(error['message'])}.`;
-  } catch {
-    // No JSON: a proxy has answered.
-  }
-  return `The server answered with HTTP ${status}.`;
-}
