@@ -10,6 +10,7 @@ namespace hermite {
 namespace {
 
 constexpr const char* kCloud = "cloud.ply";
+constexpr const char* kTrajectory = "trajectory.txt";
 constexpr double kContouring = 0.9;  // of the time that a mesh and its file take
 
 }  // namespace
@@ -21,6 +22,13 @@ Result<Cloud> ExportBuilder::read_cloud(const std::string& scan_id) {
   if (!shape.ok()) return in_context(kCloud, shape.error());
   if (shape->positions.empty()) return Error{ErrorCode::kInvalidArgument, "the cloud of the scan has no points"};
   return cloud_of(*shape);
+}
+
+Result<Trajectory> ExportBuilder::read_path(const std::string& scan_id) {
+  const Result<std::string> text = read_blob(blobs_, scan_id, kTrajectory, kMaxExportCloud_bytes);
+  if (!text.ok()) return text.error();
+  Result<Trajectory> path = parse_tum_trajectory(*text);
+  return path.ok() ? std::move(path) : in_context(kTrajectory, path.error());
 }
 
 Status ExportBuilder::make_mesh(const std::string& scan_id, const ExportProgress& progress) {
@@ -46,6 +54,10 @@ Result<std::string> ExportBuilder::build(const ExportFormat& format, const std::
   if (format.of_mesh) {
     if (Status made = make_mesh(scan_id, progress); !made.ok()) return made.error();
     return progress(kContouring) ? format.of_mesh(mesh_->mesh) : stopped;
+  }
+  if (format.of_path) {
+    const Result<Trajectory> path = read_path(scan_id);
+    return path.ok() ? format.of_path(*path) : path.error();
   }
   const Result<Cloud> cloud = read_cloud(scan_id);
   if (!cloud.ok()) return cloud.error();

@@ -23,7 +23,7 @@ class ExportBuilder {
  public:
   explicit ExportBuilder(Blobs& blobs) : blobs_(blobs) {}
 
-  // kNotFound: the scan has no cloud; kInvalidArgument: its cloud has no points, or no surface; kTooLarge: more than
+  // kNotFound: the scan has no cloud, or no trajectory; kInvalidArgument: its cloud has no points, or no surface; kTooLarge: more than
   // kMaxExportCloud_bytes; kBusy: stopped; kCorruptData, kIo.
   Result<std::string> build(const ExportFormat& format, const std::string& scan_id, const ExportProgress& progress);
 
@@ -35,6 +35,7 @@ class ExportBuilder {
     TriangleMesh mesh;
   };
   Result<Cloud> read_cloud(const std::string& scan_id);
+  Result<Trajectory> read_path(const std::string& scan_id);
   Status make_mesh(const std::string& scan_id, const ExportProgress& progress);
 
   Blobs& blobs_;

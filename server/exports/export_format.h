@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/base/result.h"
+#include "core/dataset/trajectory.h"
 #include "core/output/cloud.h"
 #include "core/output/triangle_mesh.h"
 
@@ -23,8 +24,9 @@ struct ExportFormat {
   // One of these makes it; without one it is a result that the scan has left. Errors as of their writers; nothing outside is touched.
   Result<std::string> (*of_mesh)(const TriangleMesh&) = nullptr;
   Result<std::string> (*of_cloud)(const Cloud&) = nullptr;
+  Result<std::string> (*of_path)(const Trajectory&) = nullptr;
 
-  bool is_result() const { return !of_mesh && !of_cloud; }
+  bool is_result() const { return !of_mesh && !of_cloud && !of_path; }
 };
 
 // The mesh that the viewer shows: small, and quick to be read.

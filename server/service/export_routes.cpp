@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "proto/wire/told_words.h"
+#include "server/exports/exports.h"
 #include "server/service/json_text.h"
 
 namespace hermite {

@@ -40,7 +40,6 @@
 #include <utility>
 #include <vector>
 
-#include "server/exports/exports.h"
 #include "server/service/audit.h"
 #include "server/service/body_sink.h"
 #include "server/service/executor.h"
@@ -53,6 +52,8 @@
 #include "server/service/uploads.h"
 
 namespace hermite {
+
+class Exports;
 
 struct HttpRequest {
   std::string method;            // "GET", "HEAD", "DELETE", ...

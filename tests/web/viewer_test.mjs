@@ -157,7 +157,7 @@ test('the cloud and the surface can be downloaded', { timeout: scan_ms }, async 
     return { name: file.suggestedFilename(), bytes: await readFile(await file.path()) };
   };
   await page.getByRole('button', { name: 'Download', exact: true }).click();
-  const cloud = await take(/^PLY, with normals/);
+  const cloud = await take(/^PLY, with all/);
   assert.equal(cloud.name, 'Synthetic_room-cloud.ply');
   const head = cloud.bytes.subarray(0, 2000).toString('latin1');
   assert.match(head, /^ply\n/);
