@@ -88,7 +88,7 @@ function segments<Name extends string>(
   });
   const choices = names.map((name, i) => element('label', {}, inputs[i]!, element('span', {}, labels[name])));
   return {
-    element: element('fieldset', { class: 'segments' }, element('legend', { class: 'unseen' }, legend), ...choices),
+    element: element('fieldset', { class: `segments ${group}` }, element('legend', { class: 'unseen' }, legend), ...choices),
     check(chosen) {
       names.forEach((name, i) => (inputs[i]!.checked = name === chosen));
     },

@@ -45,7 +45,7 @@ void main() {
   float facing = abs(dot(normal, eye));
   vec3 up = normalize((viewMatrix * vec4(0.0, -1.0, 0.0, 0.0)).xyz);  // y points down in the world
   float sky = 0.5 + 0.5 * dot(back ? -normal : normal, up);
-  float light = colorMode == 0 ? (0.45 + 0.55 * facing) * (0.8 + 0.2 * sky) + 0.06 : 1.0;
+  float light = colorMode == 0 ? (0.56 + 0.44 * facing) * (0.86 + 0.14 * sky) + 0.04 : 1.0;
   vec3 shown = base * light;
   if (colorMode == 2) {
     vec3 world = inverseTransformDirection(normal, viewMatrix);
@@ -55,8 +55,8 @@ void main() {
   float alpha = 1.0;
   if (back) {
     float grey = dot(shown, vec3(0.2126, 0.7152, 0.0722));
-    shown = mix(vec3(grey), shown, 0.35) * 0.35 + vec3(0.012, 0.014, 0.018);
-    if (veil) alpha = 0.16 + 0.34 * (1.0 - facing);  // its outline stays
+    shown = mix(vec3(grey), shown, 0.35) * 0.42 + vec3(0.014, 0.016, 0.020);
+    if (veil) alpha = 0.2 + 0.4 * (1.0 - facing);  // its outline stays
   }
   gl_FragColor = vec4(shown, alpha);
   #include <colorspace_fragment>

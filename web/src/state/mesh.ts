@@ -44,7 +44,7 @@ export function meshWords(mesh: MeshState, wanted: boolean): string {
   switch (mesh.state) {
     case 'making':
       if (mesh.words) return `The surface waits: ${mesh.words}.`;
-      return mesh.done > 0 ? `The surface is being made: ${percent(mesh.done)}. Until then you see its points.` : 'The surface is about to be made. Until then you see its points.';
+      return `The surface is being made: ${percent(mesh.done)}`;
     case 'loading':
       return wanted ? `Loading the surface: ${percent(mesh.done)}` : '';
     case 'failed':
