@@ -17,6 +17,7 @@ namespace hermite {
 namespace {
 
 constexpr const char* kCloudName = "cloud.ply";
+constexpr const char* kTrajectoryName = "trajectory.txt";
 constexpr std::chrono::seconds kFirstRoomPause(5), kLongestRoomPause(3600);  // as of scans that are made again (scans_disk.cpp)
 constexpr std::chrono::minutes kKeepMesh(2);                                 // in memory, for another format of it
 constexpr std::chrono::seconds kSweepPeriod(5);  // of what waits for scans that are gone: each is asked for when its turn comes, too
@@ -94,12 +95,13 @@ Result<ExportState> Exports::state(const std::string& scan_id, const std::string
   return state_of({scan_id, format->name}, *format, size_bytes.ok() ? std::optional<std::uint64_t>(*size_bytes) : std::nullopt);
 }
 
-Status Exports::check_cloud(const std::string& scan_id) const {
-  const Result<std::uint64_t> size_bytes = blobs_.size_bytes(scan_id, kCloudName);
+Status Exports::check_source(const std::string& scan_id, const ExportFormat& format) const {
+  const std::string source = format.of_path ? kTrajectoryName : kCloudName;
+  const Result<std::uint64_t> size_bytes = blobs_.size_bytes(scan_id, source);
   if (!size_bytes.ok())
-    return size_bytes.error().code == ErrorCode::kNotFound ? Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + kCloudName}
+    return size_bytes.error().code == ErrorCode::kNotFound ? Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + source}
                                                            : size_bytes.error();
-  if (*size_bytes == format_ply({}).size())
+  if (!format.of_path && *size_bytes == format_ply({}).size())
     return Error{ErrorCode::kInvalidArgument, "the cloud of scan " + scan_id + " has no points: there is nothing to export"};
   return Done{};
 }
@@ -112,7 +114,7 @@ Taken Exports::taken_by(const std::string& token_id) const {
 }
 
 Status Exports::add(const ScanRow& scan, const ExportFormat& format, const ExportRequest& asker, bool asked_for) {
-  if (Status status = check_cloud(scan.id); !status.ok()) return status;
+  if (Status status = check_source(scan.id, format); !status.ok()) return status;
   if (Status status = check_share(kExportShare, taken_by(asker.token_id), asker.is_admin, "exports that wait or are made"); !status.ok())
     return status;
   const Key key{scan.id, format.name};

@@ -74,7 +74,7 @@ class Exports {
   Result<ExportState> state(const std::string& scan_id, const std::string& format);
 
   // Makes it, unless it is there, waits or is being made; one that has failed is tried again. Errors as of state(), and kNotFound: the scan
-  // has no cloud; kInvalidArgument: its cloud has no points; kBusy: too many wait, or the server stops.
+  // has nothing to make it of; kInvalidArgument: its cloud has no points; kBusy: too many wait, or the server stops.
   Status request(const ExportRequest& request);
 
   // Of a scan that has just finished: its mesh for the viewer, if it has points and there is room to wait.
@@ -117,7 +117,7 @@ class Exports {
     std::uint64_t number = 0;
   };
   Result<ScanRow> find_ended(const std::string& scan_id) const;
-  Status check_cloud(const std::string& scan_id) const;
+  Status check_source(const std::string& scan_id, const ExportFormat& format) const;
   Status add(const ScanRow& scan, const ExportFormat& format, const ExportRequest& asker, bool asked_for);
   ExportState state_of(const Key& key, const ExportFormat& format, std::optional<std::uint64_t> size_bytes) const;
   bool is_still_wanted(const Key& key, const Work& work) const;

@@ -34,6 +34,8 @@ after(async () => {
 });
 
 const picture = (name) => viewer.page.screenshot({ path: path.join(artifacts, `${name}.png`) });
+// The choice between surface and points.
+const showAs = (page, name) => page.locator('.segments.show').getByText(name, { exact: true }).click();
 const stream = (options) => {
   const client = startStream(server, options);
   processes.push(client);
@@ -121,14 +123,14 @@ test('the surface of a finished scan appears, and its points are a click away', 
   assert.ok(surface.brightShare > 0.1, `${surface.brightShare} of the picture is bright`);
   assert.ok(surface.colors > 1000, `${surface.colors} colours`);
   await picture('surface');
-  await page.getByText('Points', { exact: true }).first().click();
+  await showAs(page, 'Points');
   await page.waitForTimeout(1000);
   const points = await lookAt(browser.context, page);
   assert.notEqual(points.hash, surface.hash, 'points look different');
   await page.reload();
   await untilScan(page, 'the surface is loaded again', 60_000, (state) => state.mesh.state === 'shown');
   assert.equal(await page.locator('input[name=show][value=points]').isChecked(), true, 'points stay chosen');
-  await page.getByText('Surface', { exact: true }).first().click();
+  await showAs(page, 'Surface');
   await page.waitForTimeout(1000);
 });
 
@@ -138,14 +140,14 @@ test('the surface lies where the points lie', async () => {
   await page.getByRole('button', { name: 'Show all' }).click();
   await page.waitForTimeout(3000);
   const surface = await brightnessOf(browser.context, page);
-  await page.getByText('Points', { exact: true }).first().click();
+  await showAs(page, 'Points');
   await page.getByText('Normals').filter({ visible: true }).click();
   await page.waitForTimeout(1000);
   const points = await brightnessOf(browser.context, page);
   const off = surface.reduce((sum, value, i) => sum + Math.abs(value - points[i]), 0) / surface.length;
   assert.ok(off < 25, `seen from the same place they differ by ${off} of 255`);
   await page.getByText('Colour', { exact: true }).filter({ visible: true }).click();
-  await page.getByText('Surface', { exact: true }).first().click();
+  await showAs(page, 'Surface');
 });
 
 test('the cloud and the surface can be downloaded', { timeout: scan_ms }, async () => {

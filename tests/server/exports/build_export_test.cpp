@@ -36,6 +36,7 @@ class BuildExport : public testing::Test {
 
 TEST_F(BuildExport, EveryFormatOfTheTableIsMadeOrIsAResult) {
   put(test::plane_cloud(30));
+  ASSERT_TRUE(blobs_.put(scan_, "trajectory.txt", "0.0 0 0 0 0 0 0 1\n0.1 0.5 0 0 0 0 0 1\n").ok());
   for (const ExportFormat& format : export_formats()) {
     EXPECT_TRUE(is_blob_name(format.file)) << format.name;
     EXPECT_EQ(find_export_format(format.name), &format) << "names are there once";
@@ -77,6 +78,16 @@ TEST_F(BuildExport, SaysWhatACloudLacks) {
   ASSERT_TRUE(blobs_.put(scan_, "cloud.ply", "ply points").ok());
   EXPECT_EQ(build("mesh-ply").error().code, ErrorCode::kCorruptData);
   EXPECT_THAT(build("mesh-ply").error().message, HasSubstr("cloud.ply"));
+}
+
+TEST_F(BuildExport, APathNeedsNoPoints) {
+  put({});
+  EXPECT_EQ(build("kitti").error().code, ErrorCode::kNotFound);
+  ASSERT_TRUE(blobs_.put(scan_, "trajectory.txt", "0.0 1 2 3 0 0 0 1\n0.1 4 5 6 0 0 0 1\n").ok());
+  EXPECT_THAT(*build("kitti"), HasSubstr("4.000000000"));
+  EXPECT_THAT(*build("log"), HasSubstr("1 1 2"));
+  ASSERT_TRUE(blobs_.put(scan_, "trajectory.txt", "not a path").ok());
+  EXPECT_THAT(build("kitti").error().message, HasSubstr("trajectory.txt"));
 }
 
 TEST_F(BuildExport, StopsWhereverItIsTold) {

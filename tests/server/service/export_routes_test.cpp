@@ -12,6 +12,7 @@
 
 #include "core/output/ply.h"
 #include "core/output/ply_reader.h"
+#include "server/exports/exports.h"
 #include "server/store/scan_id.h"
 #include "server/store/sqlite_store.h"
 #include "tests/support/plane_cloud.h"
@@ -68,7 +69,8 @@ class ExportRoutesTest : public testing::Test {
   // Of the list, when it is neither queued nor running any more.
   std::string state_at_the_end(const std::string& format) {
     for (int i = 0; i < 3000; ++i) {
-      for (const Json& one : ask("GET", exports(), server_->token()).json()["exports"])
+      const Json list = ask("GET", exports(), server_->token()).json();
+      for (const Json& one : list["exports"])
         if (one["format"] == format && one["state"] != "queued" && one["state"] != "running") return one["state"];
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
