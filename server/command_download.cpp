@@ -94,7 +94,7 @@ Command add_download_command(CLI::App& app) {
   auto arguments = std::make_shared<DownloadArguments>();
   CLI::App& command = *app.add_subcommand("download", "Take what a scan that has ended can be taken away as; the server makes it first");
   command.add_option("SCAN", arguments->scan, "Id of the scan, as the viewer's address has it")->required();
-  command.add_option("--format", arguments->format, "glb, mesh-ply, ... (default: list what there is)");
+  command.add_option("--format", arguments->format, "glb, obj, las, ... (default: list what there is)");
   command.add_option("--out", arguments->out, "The file (default: SCAN and the name of the file)");
   add_server_options(command, arguments->server)->required();
   return {&command, [arguments] { return run_download(*arguments); }};

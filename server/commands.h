@@ -29,6 +29,7 @@ Command add_evaluate_command(CLI::App& app);
 Command add_mesh_command(CLI::App& app);
 Command add_inspect_command(CLI::App& app);
 Command add_convert_command(CLI::App& app);
+Command add_export_command(CLI::App& app);
 Command add_doctor_command(CLI::App& app);
 Command add_backup_command(CLI::App& app);
 Command add_restore_command(CLI::App& app);

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "core/archive/zip.h"
+#include "core/base/check.h"
 #include "core/mesh/contour.h"
 #include "core/output/ply_reader.h"
 
@@ -31,7 +33,7 @@ Result<Trajectory> ExportBuilder::read_path(const std::string& scan_id) {
   return path.ok() ? std::move(path) : in_context(kTrajectory, path.error());
 }
 
-Status ExportBuilder::make_mesh(const std::string& scan_id, const ExportProgress& progress) {
+Status ExportBuilder::make_mesh(const std::string& scan_id, const BuildProgress& progress) {
   const Result<std::string> version = blobs_.version(scan_id, kCloud);
   if (!version.ok()) return version.error();
   if (mesh_ && mesh_->scan_id == scan_id && mesh_->cloud_version == *version) return Done{};
@@ -47,21 +49,34 @@ Status ExportBuilder::make_mesh(const std::string& scan_id, const ExportProgress
   return Done{};
 }
 
-Result<std::string> ExportBuilder::build(const ExportFormat& format, const std::string& scan_id, const ExportProgress& progress) {
-  CHECK(!format.is_result(), "a result is there already");
+Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const std::string& scan_id, const BuildProgress& progress) {
   const Error stopped{ErrorCode::kBusy, "stopped"};
   if (!progress(0)) return stopped;
   if (format.of_mesh) {
     if (Status made = make_mesh(scan_id, progress); !made.ok()) return made.error();
     return progress(kContouring) ? format.of_mesh(mesh_->mesh) : stopped;
   }
-  if (format.of_path) {
+  if (format.of_trajectory) {
     const Result<Trajectory> path = read_path(scan_id);
-    return path.ok() ? format.of_path(*path) : path.error();
+    return path.ok() ? format.of_trajectory(*path) : path.error();
   }
+  CHECK(format.of_cloud, "an offer is made of results");
   const Result<Cloud> cloud = read_cloud(scan_id);
   if (!cloud.ok()) return cloud.error();
   return progress(kContouring) ? format.of_cloud(*cloud) : stopped;
+}
+
+// Files that belong together go as one.
+Result<std::string> ExportBuilder::build(const ExportOffer& offer, const std::string& scan_id, const BuildProgress& progress) {
+  CHECK(!offer.is_result, "a result is there already");
+  const Result<ExportFormat> format = export_format_named(offer.name);
+  if (!format.ok()) return format.error();
+  Result<NamedFiles> files = files_of(*format, scan_id, progress);
+  if (!files.ok()) return files.error();
+  if (!format->is_folder) return std::move(files->front().bytes);
+  ZipEntries entries;
+  for (NamedFile& file : *files) entries.emplace_back(std::move(file.name), std::move(file.bytes));
+  return format_zip(entries);
 }
 
 }  // namespace hermite

@@ -7,7 +7,12 @@
 #include <string>
 
 #include "core/base/result.h"
-#include "server/exports/export_format.h"
+#include "core/dataset/trajectory.h"
+#include "core/export/formats.h"
+#include "core/output/cloud.h"
+#include "core/output/named_file.h"
+#include "core/output/triangle_mesh.h"
+#include "server/exports/export_offer.h"
 #include "server/store/blobs.h"
 
 namespace hermite {
@@ -16,7 +21,7 @@ namespace hermite {
 inline constexpr std::uint64_t kMaxExportCloud_bytes = std::uint64_t{1} << 30;
 
 // Called from time to time with the share that is done; false: stop.
-using ExportProgress = std::function<bool(double done)>;
+using BuildProgress = std::function<bool(double done)>;
 
 // Keeps the mesh that it has made last: who wants one format of a scan often wants another. One thread at a time.
 class ExportBuilder {
@@ -25,7 +30,7 @@ class ExportBuilder {
 
   // kNotFound: the scan has no cloud, or no trajectory; kInvalidArgument: its cloud has no points, or no surface; kTooLarge: more than
   // kMaxExportCloud_bytes; kBusy: stopped; kCorruptData, kIo.
-  Result<std::string> build(const ExportFormat& format, const std::string& scan_id, const ExportProgress& progress);
+  Result<std::string> build(const ExportOffer& offer, const std::string& scan_id, const BuildProgress& progress);
 
   void forget() { mesh_.reset(); }  // gives the memory back
 
@@ -36,7 +41,8 @@ class ExportBuilder {
   };
   Result<Cloud> read_cloud(const std::string& scan_id);
   Result<Trajectory> read_path(const std::string& scan_id);
-  Status make_mesh(const std::string& scan_id, const ExportProgress& progress);
+  Result<NamedFiles> files_of(const ExportFormat& format, const std::string& scan_id, const BuildProgress& progress);
+  Status make_mesh(const std::string& scan_id, const BuildProgress& progress);
 
   Blobs& blobs_;
   std::optional<KnownMesh> mesh_;

@@ -24,7 +24,7 @@ constexpr std::chrono::seconds kSweepPeriod(5);  // of what waits for scans that
 
 Error no_such_format(const std::string& name) {
   std::string known;
-  for (const ExportFormat& format : export_formats()) known += (known.empty() ? "" : ", ") + std::string(format.name);
+  for (const ExportOffer& format : export_offers()) known += (known.empty() ? "" : ", ") + std::string(format.name);
   return {ErrorCode::kNotFound, "there is no format '" + name + "'; known are " + known};
 }
 
@@ -54,7 +54,7 @@ Result<ScanRow> Exports::find_ended(const std::string& scan_id) const {
   return row;
 }
 
-ExportState Exports::state_of(const Key& key, const ExportFormat& format, std::optional<std::uint64_t> size_bytes) const {
+ExportState Exports::state_of(const Key& key, const ExportOffer& format, std::optional<std::uint64_t> size_bytes) const {
   ExportState state;
   state.format = &format;
   if (running_ && running_->key == key && !running_->unwanted) {
@@ -78,7 +78,7 @@ Result<std::vector<ExportState>> Exports::list(const std::string& scan_id) {
   const Result<std::vector<BlobInfo>> blobs = blobs_.list(scan_id);
   if (!blobs.ok()) return blobs.error();
   std::vector<ExportState> states;
-  for (const ExportFormat& format : export_formats()) {
+  for (const ExportOffer& format : export_offers()) {
     const auto blob = std::find_if(blobs->begin(), blobs->end(), [&format](const BlobInfo& info) { return info.name == format.file; });
     states.push_back(
         state_of({scan_id, format.name}, format, blob == blobs->end() ? std::nullopt : std::optional<std::uint64_t>(blob->size_bytes)));
@@ -88,20 +88,21 @@ Result<std::vector<ExportState>> Exports::list(const std::string& scan_id) {
 
 Result<ExportState> Exports::state(const std::string& scan_id, const std::string& name) {
   if (const Result<ScanRow> row = find_ended(scan_id); !row.ok()) return row.error();
-  const ExportFormat* const format = find_export_format(name);
+  const ExportOffer* const format = find_export_offer(name);
   if (!format) return no_such_format(name);
   const Result<std::uint64_t> size_bytes = blobs_.size_bytes(scan_id, std::string(format->file));
   if (!size_bytes.ok() && size_bytes.error().code != ErrorCode::kNotFound) return size_bytes.error();
   return state_of({scan_id, format->name}, *format, size_bytes.ok() ? std::optional<std::uint64_t>(*size_bytes) : std::nullopt);
 }
 
-Status Exports::check_source(const std::string& scan_id, const ExportFormat& format) const {
-  const std::string source = format.of_path ? kTrajectoryName : kCloudName;
+Status Exports::check_source(const std::string& scan_id, const ExportOffer& format) const {
+  const bool of_path = format.kind == ExportKind::kPath;
+  const std::string source = of_path ? kTrajectoryName : kCloudName;
   const Result<std::uint64_t> size_bytes = blobs_.size_bytes(scan_id, source);
   if (!size_bytes.ok())
     return size_bytes.error().code == ErrorCode::kNotFound ? Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + source}
                                                            : size_bytes.error();
-  if (!format.of_path && *size_bytes == format_ply({}).size())
+  if (!of_path && *size_bytes == format_ply({}).size())
     return Error{ErrorCode::kInvalidArgument, "the cloud of scan " + scan_id + " has no points: there is nothing to export"};
   return Done{};
 }
@@ -113,7 +114,7 @@ Taken Exports::taken_by(const std::string& token_id) const {
   return taken;
 }
 
-Status Exports::add(const ScanRow& scan, const ExportFormat& format, const ExportRequest& asker, bool asked_for) {
+Status Exports::add(const ScanRow& scan, const ExportOffer& format, const ExportRequest& asker, bool asked_for) {
   if (Status status = check_source(scan.id, format); !status.ok()) return status;
   if (Status status = check_share(kExportShare, taken_by(asker.token_id), asker.is_admin, "exports that wait or are made"); !status.ok())
     return status;
@@ -133,14 +134,14 @@ Status Exports::request(const ExportRequest& request) {
   if (const auto waiting = waiting_.find(key); waiting != waiting_.end()) waiting->second.asked_for = true;
   const bool there = now->phase == ExportPhase::kReady || now->phase == ExportPhase::kQueued || now->phase == ExportPhase::kRunning;
   if (there) return Done{};
-  if (now->format->is_result()) return Error{ErrorCode::kNotFound, "scan " + request.scan_id + " has no " + std::string(now->format->file)};
+  if (now->format->is_result) return Error{ErrorCode::kNotFound, "scan " + request.scan_id + " has no " + std::string(now->format->file)};
   if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
   if (running_ && running_->key == key) return Error{ErrorCode::kBusy, "it is just being stopped; try again in a moment"};
   return add(*row, *now->format, request, true);
 }
 
 void Exports::make_mesh(const ScanRow& scan) {
-  const ExportFormat* const format = find_export_format(kViewerMesh);
+  const ExportOffer* const format = find_export_offer(kViewerMesh);
   CHECK(format, "the viewer's mesh is a format");
   if (stopping_ || waiting_.contains({scan.id, format->name})) return;
   if (const Status added = add(scan, *format, {scan.id, std::string(kViewerMesh), scan.token_id, false}, false); !added.ok())
@@ -150,7 +151,7 @@ void Exports::make_mesh(const ScanRow& scan) {
 Status Exports::remove(const std::string& scan_id, const std::string& name) {
   const Result<ExportState> now = state(scan_id, name);
   if (!now.ok()) return now.error();
-  if (now->format->is_result()) return Error{ErrorCode::kInvalidArgument, name + " is a result of the scan and goes with it alone"};
+  if (now->format->is_result) return Error{ErrorCode::kInvalidArgument, name + " is a result of the scan and goes with it alone"};
   const Key key{scan_id, now->format->name};
   if (now->phase == ExportPhase::kMissing)
     return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + std::string(now->format->file) + " and none is being made"};

@@ -19,7 +19,7 @@
 
 #include "core/base/result.h"
 #include "server/exports/build_export.h"
-#include "server/exports/export_format.h"
+#include "server/exports/export_offer.h"
 #include "server/store/blobs.h"
 #include "server/store/scan_row.h"
 #include "server/store/shares.h"
@@ -34,7 +34,7 @@ enum class ExportPhase { kMissing, kQueued, kRunning, kReady, kFailed };
 const char* name_of(ExportPhase phase);  // "missing", "queued", ...
 
 struct ExportState {
-  const ExportFormat* format = nullptr;
+  const ExportOffer* format = nullptr;
   ExportPhase phase = ExportPhase::kMissing;
   std::uint64_t size_bytes = 0;  // of one that is ready
   double done = 0;               // share, of one that is made
@@ -97,7 +97,7 @@ class Exports {
     std::atomic<double> done = 0;
   };
   struct Work {
-    const ExportFormat* format = nullptr;
+    const ExportOffer* format = nullptr;
     std::string token_id;          // whose turn it is
     bool asked_for = false;        // by somebody
     std::int64_t ended_at_ms = 0;  // of the scan: another one when its results are others
@@ -117,9 +117,9 @@ class Exports {
     std::uint64_t number = 0;
   };
   Result<ScanRow> find_ended(const std::string& scan_id) const;
-  Status check_source(const std::string& scan_id, const ExportFormat& format) const;
-  Status add(const ScanRow& scan, const ExportFormat& format, const ExportRequest& asker, bool asked_for);
-  ExportState state_of(const Key& key, const ExportFormat& format, std::optional<std::uint64_t> size_bytes) const;
+  Status check_source(const std::string& scan_id, const ExportOffer& format) const;
+  Status add(const ScanRow& scan, const ExportOffer& format, const ExportRequest& asker, bool asked_for);
+  ExportState state_of(const Key& key, const ExportOffer& format, std::optional<std::uint64_t> size_bytes) const;
   bool is_still_wanted(const Key& key, const Work& work) const;
   Taken taken_by(const std::string& token_id) const;
   void begin_next();

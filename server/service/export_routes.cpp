@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::int64_t kRetry_ms = 10'000;  // a mesh of a room takes about as long
 
 Json export_json(const ExportState& state) {
-  const ExportFormat& format = *state.format;
+  const ExportOffer& format = *state.format;
   Json json;
   json["format"] = format.name;
   json["kind"] = name_of(format.kind);
@@ -56,7 +56,7 @@ HttpAnswer create_export(const HttpWorld& world, const Call& call) {
                                                             " alone; other exports can be taken when somebody else has asked for them"});
   const Result<ExportState> before = world.exports.state(call.id, *format);
   // What is wrong with a body is not that there is nothing at the path.
-  if (!before.ok() && !find_export_format(*format)) return error_answer(400, {ErrorCode::kInvalidArgument, before.error().message});
+  if (!before.ok() && !find_export_offer(*format)) return error_answer(400, {ErrorCode::kInvalidArgument, before.error().message});
   if (!before.ok()) return refused(before.error());
   const bool there = before->phase != ExportPhase::kMissing && before->phase != ExportPhase::kFailed;
   if (!there)

@@ -56,7 +56,7 @@ class DownloadTest : public testing::Test {
 };
 
 TEST_F(DownloadTest, WhatIsNotThereIsMadeAndComesInPieces) {
-  DownloadTarget pieces = target("mesh-ply");
+  DownloadTarget pieces = target("ply");
   pieces.piece_bytes = 10'000;
   int piece_count = 0;
   DownloadObserver observer;
@@ -67,14 +67,14 @@ TEST_F(DownloadTest, WhatIsNotThereIsMadeAndComesInPieces) {
   const std::string in_pieces = content();
   EXPECT_GT(parse_ply(in_pieces)->triangles.size(), 100u);
   EXPECT_FALSE(std::filesystem::exists(out_ + ".partial"));
-  ASSERT_TRUE(download(target("mesh-ply"), out_, {}).ok());
+  ASSERT_TRUE(download(target("ply"), out_, {}).ok());
   EXPECT_EQ(content(), in_pieces);
 }
 
 TEST_F(DownloadTest, ListsWhatThereIs) {
   const Result<std::vector<ExportReport>> reports = export_reports(target(""));
   ASSERT_TRUE(reports.ok());
-  const auto cloud = std::find_if(reports->begin(), reports->end(), [](const ExportReport& one) { return one.format == "cloud-ply"; });
+  const auto cloud = std::find_if(reports->begin(), reports->end(), [](const ExportReport& one) { return one.format == "cloud"; });
   ASSERT_NE(cloud, reports->end());
   EXPECT_EQ(cloud->state, "ready");
   EXPECT_EQ(cloud->size_bytes, format_ply(test::plane_cloud(30)).size());
@@ -83,12 +83,12 @@ TEST_F(DownloadTest, ListsWhatThereIs) {
 TEST_F(DownloadTest, WhatFailsIsSaidAndLeavesNothing) {
   EXPECT_THAT(download(target("fbx"), out_, {}).error().message, HasSubstr("there is no format 'fbx'"));
   std::ofstream(folder_ / "data/scans/" + id_ + "/cloud.ply") << "ply points";
-  EXPECT_THAT(download(target("mesh-ply"), out_, {}).error().message, HasSubstr("mesh-ply was not made: cloud.ply"));
-  DownloadTarget nobody = target("mesh-ply");
+  EXPECT_THAT(download(target("ply"), out_, {}).error().message, HasSubstr("ply was not made: cloud.ply"));
+  DownloadTarget nobody = target("ply");
   nobody.server.token = "wrong";
   EXPECT_EQ(download(nobody, out_, {}).error().code, ErrorCode::kUnauthorized);
-  EXPECT_EQ(download(target("cloud-ply"), folder_ / "none/out.ply", {}).error().code, ErrorCode::kIo);
-  DownloadTarget other = target("mesh-ply");
+  EXPECT_EQ(download(target("cloud"), folder_ / "none/out.ply", {}).error().code, ErrorCode::kIo);
+  DownloadTarget other = target("ply");
   other.scan_id = new_scan_id();
   EXPECT_EQ(download(other, out_, {}).error().code, ErrorCode::kNotFound);
   EXPECT_FALSE(std::filesystem::exists(out_));
@@ -98,7 +98,7 @@ TEST_F(DownloadTest, WhatFailsIsSaidAndLeavesNothing) {
 TEST_F(DownloadTest, WhoGivesUpHasNothing) {
   DownloadObserver observer;
   observer.interrupted = [] { return true; };
-  EXPECT_THAT(download(target("mesh-ply"), out_, observer).error().message, HasSubstr("interrupted"));
+  EXPECT_THAT(download(target("ply"), out_, observer).error().message, HasSubstr("interrupted"));
   EXPECT_FALSE(std::filesystem::exists(out_));
 }
 

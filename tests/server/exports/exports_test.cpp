@@ -97,30 +97,30 @@ class ExportsTest : public testing::Test {
 
 TEST_F(ExportsTest, WhatIsAskedForIsMadeAndStaysOverARestart) {
   const std::string scan = add_scan();
-  EXPECT_EQ(state(scan, "mesh-ply").phase, ExportPhase::kMissing);
-  ASSERT_TRUE(ask(scan, "mesh-ply").ok());
-  EXPECT_EQ(state(scan, "mesh-ply").phase, ExportPhase::kRunning);
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kMissing);
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kRunning);
   make_one();
-  EXPECT_GT(state(scan, "mesh-ply").done, 0.5);
+  EXPECT_GT(state(scan, "ply").done, 0.5);
   settle();
-  const ExportState ready = state(scan, "mesh-ply");
+  const ExportState ready = state(scan, "ply");
   EXPECT_EQ(ready.phase, ExportPhase::kReady);
   const std::string bytes = *read_blob(blobs_, scan, "mesh.ply", 1 << 24);
   EXPECT_EQ(ready.size_bytes, bytes.size());
   EXPECT_GT(parse_ply(bytes)->triangles.size(), 100u);
   EXPECT_EQ(stored_count_, 1);
   start();
-  EXPECT_EQ(state(scan, "mesh-ply").phase, ExportPhase::kReady);
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kReady);
 }
 
 TEST_F(ExportsTest, TheSameTwiceIsMadeOnce) {
   const std::string scan = add_scan();
-  ASSERT_TRUE(ask(scan, "mesh-ply").ok());
-  ASSERT_TRUE(ask(scan, "mesh-ply").ok());
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  ASSERT_TRUE(ask(scan, "ply").ok());
   EXPECT_EQ(exports_->waiting_count(), 0u);
   settle();
   const std::string version = *blobs_.version(scan, "mesh.ply");
-  ASSERT_TRUE(ask(scan, "mesh-ply").ok());
+  ASSERT_TRUE(ask(scan, "ply").ok());
   settle();
   EXPECT_EQ(*blobs_.version(scan, "mesh.ply"), version);
   EXPECT_EQ(stored_count_, 1);
@@ -129,75 +129,75 @@ TEST_F(ExportsTest, TheSameTwiceIsMadeOnce) {
 TEST_F(ExportsTest, ListsEveryFormatWithTheResultsOfTheScan) {
   const std::string scan = add_scan();
   const std::vector<ExportState> states = *exports_->list(scan);
-  ASSERT_EQ(states.size(), export_formats().size());
+  ASSERT_EQ(states.size(), export_offers().size());
   for (const ExportState& one : states)
     EXPECT_EQ(one.phase, one.format->file == "cloud.ply" ? ExportPhase::kReady : ExportPhase::kMissing) << one.format->name;
 }
 
 TEST_F(ExportsTest, WhatCannotBeIsSaidInWords) {
   const std::string scan = add_scan(), empty = add_scan({}), running = add_scan(test::plane_cloud(3), ScanPhase::kRunning);
-  EXPECT_EQ(ask(new_scan_id(), "mesh-ply").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(ask(new_scan_id(), "ply").error().code, ErrorCode::kNotFound);
   EXPECT_THAT(ask(scan, "fbx").error().message, HasSubstr("there is no format 'fbx'; known are "));
-  EXPECT_EQ(ask(running, "mesh-ply").error().code, ErrorCode::kBusy);
-  EXPECT_THAT(ask(running, "mesh-ply").error().message, HasSubstr("is running"));
+  EXPECT_EQ(ask(running, "ply").error().code, ErrorCode::kBusy);
+  EXPECT_THAT(ask(running, "ply").error().message, HasSubstr("is running"));
   EXPECT_EQ(exports_->list(running).error().code, ErrorCode::kBusy);
-  EXPECT_EQ(ask(empty, "mesh-ply").error().code, ErrorCode::kInvalidArgument);
-  EXPECT_THAT(ask(empty, "mesh-ply").error().message, HasSubstr("no points"));
+  EXPECT_EQ(ask(empty, "ply").error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(ask(empty, "ply").error().message, HasSubstr("no points"));
   ASSERT_TRUE(blobs_.remove(scan, "cloud.ply").ok());
-  EXPECT_EQ(ask(scan, "mesh-ply").error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(ask(scan, "cloud-ply").error().code, ErrorCode::kNotFound) << "it is not made of anything";
-  EXPECT_EQ(exports_->remove(scan, "mesh-ply").error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(exports_->remove(empty, "cloud-ply").error().code, ErrorCode::kInvalidArgument) << "a result is no export";
+  EXPECT_EQ(ask(scan, "ply").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(ask(scan, "cloud").error().code, ErrorCode::kNotFound) << "it is not made of anything";
+  EXPECT_EQ(exports_->remove(scan, "ply").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(exports_->remove(empty, "cloud").error().code, ErrorCode::kInvalidArgument) << "a result is no export";
   EXPECT_TRUE(making_.empty());
 }
 
 TEST_F(ExportsTest, OneThatHasFailedSaysWhyAndMayBeAskedForAgain) {
   const std::string scan = add_scan();
   ASSERT_TRUE(blobs_.put(scan, "cloud.ply", "ply points").ok());
-  ASSERT_TRUE(ask(scan, "mesh-ply").ok());
+  ASSERT_TRUE(ask(scan, "ply").ok());
   settle();
-  EXPECT_EQ(state(scan, "mesh-ply").phase, ExportPhase::kFailed);
-  EXPECT_THAT(state(scan, "mesh-ply").words, HasSubstr("cloud.ply"));
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kFailed);
+  EXPECT_THAT(state(scan, "ply").words, HasSubstr("cloud.ply"));
   EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
   ASSERT_TRUE(blobs_.put(scan, "cloud.ply", format_ply(test::plane_cloud(30))).ok());
-  ASSERT_TRUE(ask(scan, "mesh-ply").ok());
+  ASSERT_TRUE(ask(scan, "ply").ok());
   settle();
-  EXPECT_EQ(state(scan, "mesh-ply").phase, ExportPhase::kReady);
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kReady);
 }
 
 TEST_F(ExportsTest, OneThatIsStoppedOrRemovedLeavesNothing) {
   const std::string scan = add_scan();
-  ASSERT_TRUE(ask(scan, "mesh-ply").ok());
-  ASSERT_TRUE(exports_->remove(scan, "mesh-ply").ok());
-  EXPECT_EQ(state(scan, "mesh-ply").phase, ExportPhase::kMissing);
-  EXPECT_EQ(ask(scan, "mesh-ply").error().code, ErrorCode::kBusy) << "its thread has not heard of it yet";
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  ASSERT_TRUE(exports_->remove(scan, "ply").ok());
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kMissing);
+  EXPECT_EQ(ask(scan, "ply").error().code, ErrorCode::kBusy) << "its thread has not heard of it yet";
   settle();
   EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
 
-  ASSERT_TRUE(ask(scan, "mesh-ply").ok());
+  ASSERT_TRUE(ask(scan, "ply").ok());
   make_one();
   hear();  // its bytes are to be written
-  ASSERT_TRUE(exports_->remove(scan, "mesh-ply").ok());
+  ASSERT_TRUE(exports_->remove(scan, "ply").ok());
   settle();
   EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
 
-  ASSERT_TRUE(ask(scan, "mesh-ply").ok());
+  ASSERT_TRUE(ask(scan, "ply").ok());
   settle();
-  ASSERT_TRUE(exports_->remove(scan, "mesh-ply").ok());
+  ASSERT_TRUE(exports_->remove(scan, "ply").ok());
   EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
-  EXPECT_EQ(state(scan, "mesh-ply").phase, ExportPhase::kMissing);
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kMissing);
 }
 
 TEST_F(ExportsTest, AScanThatIsRemovedMeanwhileDoesNotComeBack) {
   const std::string scan = add_scan(), other = add_scan();
-  ASSERT_TRUE(ask(scan, "mesh-ply").ok());
+  ASSERT_TRUE(ask(scan, "ply").ok());
   ASSERT_TRUE(ask(scan, "glb").ok());
   remove_scan(scan);
   settle();
   EXPECT_TRUE(files(scan).empty());
   EXPECT_EQ(exports_->waiting_count(), 0u);
 
-  ASSERT_TRUE(ask(other, "mesh-ply").ok());
+  ASSERT_TRUE(ask(other, "ply").ok());
   make_one();
   hear();
   remove_scan(other);
@@ -209,7 +209,7 @@ TEST_F(ExportsTest, AScanThatIsRemovedMeanwhileDoesNotComeBack) {
 
 TEST_F(ExportsTest, OfAScanThatIsMadeAnewNothingOldIsKept) {
   const std::string scan = add_scan();
-  ASSERT_TRUE(ask(scan, "mesh-ply").ok());
+  ASSERT_TRUE(ask(scan, "ply").ok());
   make_one();
   rows_[scan].finished_at_ms += 1;
   settle();
@@ -219,48 +219,48 @@ TEST_F(ExportsTest, OfAScanThatIsMadeAnewNothingOldIsKept) {
 TEST_F(ExportsTest, ADiskWithoutRoomIsWaitedFor) {
   const std::string scan = add_scan();
   room_ = 10;
-  ASSERT_TRUE(ask(scan, "mesh-ply").ok());
+  ASSERT_TRUE(ask(scan, "ply").ok());
   settle();
-  EXPECT_EQ(state(scan, "mesh-ply").phase, ExportPhase::kQueued);
-  EXPECT_THAT(state(scan, "mesh-ply").words, HasSubstr("no room; it is tried again when there is room"));
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kQueued);
+  EXPECT_THAT(state(scan, "ply").words, HasSubstr("no room; it is tried again when there is room"));
   room_ = *blobs_.size_bytes(scan, "cloud.ply");  // for that, and not for the mesh
   now_ += std::chrono::seconds(6);
   settle();
-  EXPECT_EQ(state(scan, "mesh-ply").phase, ExportPhase::kQueued);
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kQueued);
   EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
   room_ = 1'000'000'000;
   settle();
-  EXPECT_EQ(state(scan, "mesh-ply").phase, ExportPhase::kQueued) << "not at once: twice as long";
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kQueued) << "not at once: twice as long";
   now_ += std::chrono::seconds(11);
   settle();
-  EXPECT_EQ(state(scan, "mesh-ply").phase, ExportPhase::kReady);
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kReady);
 }
 
 TEST_F(ExportsTest, ADiskThatTakesNothingIsWaitedForAndOthersGoOn) {
   const std::string scan = add_scan(), other = add_scan();
   std::filesystem::create_directory(folder_ / scan + "/mesh.ply");  // nothing can be put there
-  ASSERT_TRUE(ask(scan, "mesh-ply").ok());
-  ASSERT_TRUE(ask(other, "mesh-ply").ok());
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  ASSERT_TRUE(ask(other, "ply").ok());
   settle();
-  EXPECT_EQ(state(scan, "mesh-ply").phase, ExportPhase::kQueued);
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kQueued);
   EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply", "mesh.ply")) << "nothing unfinished";
-  EXPECT_EQ(state(other, "mesh-ply").phase, ExportPhase::kReady);
+  EXPECT_EQ(state(other, "ply").phase, ExportPhase::kReady);
   std::filesystem::remove(folder_ / scan + "/mesh.ply");
   now_ += std::chrono::seconds(6);
   settle();
-  EXPECT_EQ(state(scan, "mesh-ply").phase, ExportPhase::kReady);
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kReady);
 }
 
 TEST_F(ExportsTest, TokensTakeTurnsAndMeshesThatNobodyAskedForComeLast) {
   const std::string scan = add_scan(), finished = add_scan(), first = add_scan(), second = add_scan();
-  ASSERT_TRUE(ask(scan, "mesh-ply", "greedy").ok());  // begins at once
+  ASSERT_TRUE(ask(scan, "ply", "greedy").ok());  // begins at once
   exports_->make_mesh(rows_[finished]);
-  ASSERT_TRUE(ask(first, "mesh-ply", "greedy").ok());
-  ASSERT_TRUE(ask(second, "mesh-ply", "other").ok());
+  ASSERT_TRUE(ask(first, "ply", "greedy").ok());
+  ASSERT_TRUE(ask(second, "ply", "other").ok());
   std::vector<std::string> order;
   while (!making_.empty()) {
     for (const std::string& id : {scan, finished, first, second})
-      if (state(id, id == finished ? std::string(kViewerMesh) : "mesh-ply").phase == ExportPhase::kRunning &&
+      if (state(id, id == finished ? std::string(kViewerMesh) : "ply").phase == ExportPhase::kRunning &&
           (order.empty() || order.back() != id))
         order.push_back(id);
     make_one();
@@ -271,9 +271,7 @@ TEST_F(ExportsTest, TokensTakeTurnsAndMeshesThatNobodyAskedForComeLast) {
 }
 
 TEST_F(ExportsTest, SoManyMayWaitAndNoMore) {
-  const auto take = [this](const std::string& token, bool admin) {
-    return ask(add_scan(test::plane_cloud(2)), "mesh-ply", token, admin).ok();
-  };
+  const auto take = [this](const std::string& token, bool admin) { return ask(add_scan(test::plane_cloud(2)), "ply", token, admin).ok(); };
   int taken = 0;
   while (taken < 100 && take("greedy", false)) ++taken;
   EXPECT_EQ(taken, kExportShare.per_token);
@@ -295,15 +293,15 @@ TEST_F(ExportsTest, TheMeshOfAFinishedScanIsMadeByItself) {
 
 TEST_F(ExportsTest, AServerThatStopsBeginsNothingAndLeavesNothing) {
   const std::string scan = add_scan(), other = add_scan();
-  ASSERT_TRUE(ask(scan, "mesh-ply").ok());
-  ASSERT_TRUE(ask(other, "mesh-ply").ok());
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  ASSERT_TRUE(ask(other, "ply").ok());
   exports_->stop();
   EXPECT_EQ(ask(other, "glb").error().code, ErrorCode::kBusy);
   settle();
   EXPECT_EQ(exports_->running_count(), 0u);
   EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
   start();
-  EXPECT_EQ(state(scan, "mesh-ply").phase, ExportPhase::kMissing);
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kMissing);
 }
 
 }  // namespace

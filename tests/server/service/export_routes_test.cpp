@@ -86,15 +86,15 @@ class ExportRoutesTest : public testing::Test {
 };
 
 TEST_F(ExportRoutesTest, AMeshIsAskedForAndTakenAlsoInPartsAndAfterARestart) {
-  const std::string path = exports() + "/mesh-ply";
+  const std::string path = exports() + "/ply";
   const Answer none = ask("GET", path, server_->token());
   EXPECT_EQ(none.status, 404);
   EXPECT_THAT(none.body, HasSubstr("has no mesh.ply: it is missing"));
-  const Answer asked = post("mesh-ply", server_->token());
+  const Answer asked = post("ply", server_->token());
   EXPECT_EQ(asked.status, 202) << asked.body;
-  EXPECT_EQ(asked.json()["format"], "mesh-ply");
-  ASSERT_EQ(state_at_the_end("mesh-ply"), "ready");
-  EXPECT_EQ(post("mesh-ply", server_->token()).status, 200);
+  EXPECT_EQ(asked.json()["format"], "ply");
+  ASSERT_EQ(state_at_the_end("ply"), "ready");
+  EXPECT_EQ(post("ply", server_->token()).status, 200);
 
   const Answer file = ask("GET", path, server_->token());
   EXPECT_EQ(file.status, 200);
@@ -118,26 +118,26 @@ TEST_F(ExportRoutesTest, WhatIsWrongIsNamed) {
   EXPECT_EQ(ask("GET", exports() + "/a/b", token).status, 404);
   EXPECT_EQ(ask("GET", "/api/v1/scans/" + new_scan_id() + "/exports", token).status, 404);
   EXPECT_EQ(ask("POST", "/api/v1/scans/nobody/exports", token, R"({"format": "glb"})").status, 404);
-  EXPECT_EQ(ask("DELETE", exports() + "/cloud-ply", token).status, 400) << "a result goes with its scan";
+  EXPECT_EQ(ask("DELETE", exports() + "/cloud", token).status, 400) << "a result goes with its scan";
 }
 
 TEST_F(ExportRoutesTest, AShareLinkTakesWhatThereIsAndAsksForTheMeshAlone) {
   const std::string secret = ask("POST", "/api/v1/scans/" + id_ + "/shares", server_->token()).json()["secret"];
   EXPECT_EQ(ask("GET", exports(), secret).status, 200);
-  const Answer refused = post("mesh-ply", secret);
+  const Answer refused = post("ply", secret);
   EXPECT_EQ(refused.status, 403);
   EXPECT_THAT(refused.body, HasSubstr("a share link may ask for"));
   EXPECT_EQ(post(std::string(kViewerMesh), secret).status, 202);
   ASSERT_EQ(state_at_the_end(std::string(kViewerMesh)), "ready");
   EXPECT_EQ(ask("GET", exports() + "/" + std::string(kViewerMesh), secret).status, 200);
   EXPECT_EQ(ask("DELETE", exports() + "/" + std::string(kViewerMesh), secret).status, 403);
-  post("mesh-ply", make_token(R"(["view"])"));
-  ASSERT_EQ(state_at_the_end("mesh-ply"), "ready");
-  EXPECT_EQ(ask("GET", exports() + "/mesh-ply", secret).status, 200) << "somebody else has asked for it";
+  post("ply", make_token(R"(["view"])"));
+  ASSERT_EQ(state_at_the_end("ply"), "ready");
+  EXPECT_EQ(ask("GET", exports() + "/ply", secret).status, 200) << "somebody else has asked for it";
 }
 
 TEST_F(ExportRoutesTest, OneIsRemovedAndAllGoWithTheScan) {
-  for (const char* format : {"mesh-ply", "glb"}) {
+  for (const char* format : {"ply", "glb"}) {
     post(format, server_->token());
     ASSERT_EQ(state_at_the_end(format), "ready");
   }

@@ -1,4 +1,4 @@
-#include "server/exports/export_format.h"
+#include "server/exports/export_offer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace hermite {
 namespace {
 
-TEST(ExportFormat, TheReadmeHasEveryOneAndNoOther) {
+TEST(ExportOffer, TheReadmeHasEveryOneAndNoOther) {
   std::ifstream readme(test::source_root() / "server/README.md");
   std::vector<std::string> written, there;
   bool in_table = false;
@@ -18,7 +18,7 @@ TEST(ExportFormat, TheReadmeHasEveryOneAndNoOther) {
     in_table = line == "| format | file | what it is |" || (in_table && line.starts_with("|"));
     if (in_table && line.starts_with("| `")) written.push_back(line.substr(0, line.find(" | ", line.find(" | ") + 1)));
   }
-  for (const ExportFormat& format : export_formats()) there.push_back("| `" + std::string(format.name) + "` | " + std::string(format.file));
+  for (const ExportOffer& format : export_offers()) there.push_back("| `" + std::string(format.name) + "` | " + std::string(format.file));
   EXPECT_THAT(written, testing::ElementsAreArray(there));
 }
 

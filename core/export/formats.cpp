@@ -1,0 +1,90 @@
+#include "core/export/formats.h"
+
+#include "core/archive/whole_folder.h"
+#include "core/dataset/trajectory_formats.h"
+#include "core/export/colmap.h"
+#include "core/export/nerfstudio.h"
+#include "core/output/glb.h"
+#include "core/output/las.h"
+#include "core/output/mesh_check.h"
+#include "core/output/mesh_ply.h"
+#include "core/output/obj.h"
+#include "core/output/ply.h"
+#include "core/output/splats.h"
+#include "core/output/stl.h"
+
+namespace hermite {
+namespace {
+
+Result<NamedFiles> one_file(const char* name, Result<std::string> bytes) {
+  if (!bytes.ok()) return bytes.error();
+  return NamedFiles{{name, *std::move(bytes)}};
+}
+
+Result<NamedFiles> mesh_as_glb(const TriangleMesh& mesh) { return one_file("scan.glb", format_mesh_glb(mesh, GlbCompression::kNone)); }
+Result<NamedFiles> mesh_as_draco(const TriangleMesh& mesh) { return one_file("scan.glb", format_mesh_glb(mesh, GlbCompression::kDraco)); }
+Result<NamedFiles> mesh_as_ply(const TriangleMesh& mesh) {
+  if (const Status status = check_mesh(mesh); !status.ok()) return status.error();
+  return one_file("mesh.ply", format_mesh_ply(mesh));
+}
+Result<NamedFiles> mesh_as_stl(const TriangleMesh& mesh) { return one_file("scan.stl", format_stl(mesh)); }
+Result<NamedFiles> cloud_as_las(const Cloud& cloud) { return one_file("scan.las", format_las(cloud)); }
+Result<NamedFiles> cloud_as_glb(const Cloud& cloud) { return one_file("points.glb", format_cloud_glb(cloud)); }
+Result<NamedFiles> cloud_as_splats(const Cloud& cloud) { return one_file("splats.ply", format_splats(cloud)); }
+Result<NamedFiles> trajectory_as_tum(const Trajectory& trajectory) { return one_file("trajectory.txt", format_tum_trajectory(trajectory)); }
+Result<NamedFiles> trajectory_as_kitti(const Trajectory& trajectory) { return one_file("poses.txt", format_kitti_trajectory(trajectory)); }
+Result<NamedFiles> trajectory_as_log(const Trajectory& trajectory) {
+  const std::vector<bool> tracked = tracked_frames(trajectory);
+  Trajectory poses;
+  std::vector<std::int64_t> frames;
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    if (!tracked[i]) continue;
+    poses.push_back(trajectory[i]);
+    frames.push_back(static_cast<std::int64_t>(i));
+  }
+  return one_file("trajectory.log", format_log_trajectory(poses, frames));
+}
+
+}  // namespace
+
+const std::vector<ExportFormat>& export_formats() {
+  static const std::vector<ExportFormat> table{
+      {.name = "glb", .words = "mesh as binary glTF 2.0", .is_folder = false, .of_mesh = mesh_as_glb},
+      {.name = "glb-draco", .words = "the same, compressed by Draco", .is_folder = false, .of_mesh = mesh_as_draco},
+      {.name = "obj", .words = "mesh as a folder with OBJ, MTL and images", .is_folder = true, .of_mesh = format_obj},
+      {.name = "ply", .words = "mesh as PLY", .is_folder = false, .of_mesh = mesh_as_ply},
+      {.name = "stl", .words = "mesh as STL, in millimetres", .is_folder = false, .of_mesh = mesh_as_stl},
+      {.name = "las", .words = "cloud as LAS 1.4", .is_folder = false, .of_cloud = cloud_as_las},
+      {.name = "points-glb", .words = "cloud as binary glTF 2.0", .is_folder = false, .of_cloud = cloud_as_glb},
+      {.name = "splats", .words = "cloud as 3D Gaussians, PLY", .is_folder = false, .of_cloud = cloud_as_splats},
+      {.name = "tum", .words = "trajectory as TUM has it", .is_folder = false, .of_trajectory = trajectory_as_tum},
+      {.name = "kitti", .words = "trajectory as KITTI has it", .is_folder = false, .of_trajectory = trajectory_as_kitti},
+      {.name = "log", .words = "trajectory as Redwood and Open3D have it", .is_folder = false, .of_trajectory = trajectory_as_log},
+      {.name = "colmap", .words = "keyframes, poses and points as a COLMAP model", .is_folder = true, .of_pictures = write_colmap},
+      {.name = "nerfstudio", .words = "keyframes, poses and points for nerfstudio", .is_folder = true, .of_pictures = write_nerfstudio},
+  };
+  return table;
+}
+
+Result<ExportFormat> export_format_named(std::string_view name) {
+  std::string names;
+  for (const ExportFormat& format : export_formats()) {
+    if (name == format.name) return format;
+    names += (names.empty() ? "" : ", ") + std::string(format.name);
+  }
+  return Error{ErrorCode::kInvalidArgument, "there is no format '" + std::string(name.substr(0, 40)) + "', there are " + names};
+}
+
+Status write_export(const ExportFormat& format, const NamedFiles& files, const std::string& path) {
+  if (!format.is_folder) {
+    CHECK(files.size() == 1, "a format of one file");
+    return write_file_atomically(path, files.front().bytes);
+  }
+  Result<WholeFolder> folder = WholeFolder::make(path);
+  if (!folder.ok()) return folder.error();
+  for (const NamedFile& file : files)
+    if (const Status status = folder->write({file.name}, file.bytes); !status.ok()) return status;
+  return folder->finish();
+}
+
+}  // namespace hermite

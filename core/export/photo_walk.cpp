@@ -1,0 +1,32 @@
+#include "core/export/photo_walk.h"
+
+#include "core/output/cloud_check.h"
+#include "core/output/thin.h"
+
+namespace hermite {
+
+Result<PhotoSummary> PhotoWalk::write(const WritePicture& write_picture, const WriteRest& write_rest) const {
+  if (const Status status = check_cloud_with_points(source.cloud); !status.ok()) return status.error();
+  Result<WholeFolder> folder = WholeFolder::make(path);
+  if (!folder.ok()) return folder.error();
+  const Result<std::vector<SeenFrame>> seen = frames_with_poses(source.sequence, source.trajectory);
+  if (!seen.ok()) return seen.error();
+  // Looking at all frames is most of the work; the keyframes are read once more.
+  const Result<std::vector<SeenFrame>> keyframes = find_keyframes(source.sequence, *seen, options.keyframes, progress);
+  if (!keyframes.ok()) return keyframes.error();
+  const Cloud points = thinned(source.cloud, options.most_points);
+  const PictureReader reader(source.sequence);
+  PhotoSummary summary{static_cast<std::size_t>(source.sequence.frame_count()), seen->size(), 0, points.size()};
+  for (const SeenFrame& keyframe : *keyframes) {
+    if (!progress(static_cast<std::int64_t>(seen->size()), static_cast<std::int64_t>(seen->size()))) return ended_early();
+    const Result<Picture> picture = reader.read(keyframe.index);
+    if (!picture.ok()) return in_context("frame " + std::to_string(keyframe.index), picture.error());
+    if (const Status status = write_picture(*folder, points, keyframe, *picture); !status.ok()) return status.error();
+    ++summary.picture_count;
+  }
+  if (const Status status = write_rest(*folder, points); !status.ok()) return status.error();
+  if (const Status status = folder->finish(); !status.ok()) return status.error();
+  return summary;
+}
+
+}  // namespace hermite

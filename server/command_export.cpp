@@ -1,0 +1,147 @@
+// hermite export
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/dataset/camera_file.h"
+#include "core/dataset/changed_sequence.h"
+#include "core/dataset/text_file.h"
+#include "core/export/formats.h"
+#include "core/output/ply_reader.h"
+#include "server/commands.h"
+#include "server/offline_run.h"
+
+namespace hermite {
+
+namespace {
+
+// Some 90 million of our points.
+constexpr std::size_t kMaxExportedPly_bytes = std::size_t{4} << 30;
+
+struct ExportArguments {
+  std::string result, format, out, sequence, camera;
+};
+
+// Of a result's folder; a PLY file is all that there is itself.
+std::string path_in_result(const ExportArguments& arguments, const char* name) {
+  if (!is_folder(arguments.result)) {
+    if (!is_file(arguments.result))
+      throw SetupError({ErrorCode::kNotFound, arguments.result + ": there is no such file, and no folder of a result"});
+    return arguments.result;
+  }
+  return arguments.result + "/" + name;
+}
+
+PlyShape read_exported_ply(const std::string& path) {
+  const Result<PlyShape> shape = parse_ply(or_throw(read_text_file(path, kMaxExportedPly_bytes)));
+  if (!shape.ok()) throw SetupError(in_context(path, shape.error()));
+  return *shape;
+}
+
+TriangleMesh mesh_to_export(const ExportArguments& arguments) {
+  const std::string path = path_in_result(arguments, "mesh.ply");
+  if (!is_file(path))
+    throw SetupError({ErrorCode::kNotFound, arguments.result + " has no mesh.ply, of which " + arguments.format +
+                                                " is made: `hermite mesh " + arguments.result + "` makes one of its cloud"});
+  Result<TriangleMesh> mesh = mesh_of(read_exported_ply(path));
+  if (!mesh.ok()) throw SetupError(in_context(path, mesh.error()));
+  return *std::move(mesh);
+}
+
+Cloud cloud_to_export(const ExportArguments& arguments) { return cloud_of(read_exported_ply(path_in_result(arguments, "cloud.ply"))); }
+
+Trajectory trajectory_to_export(const ExportArguments& arguments) {
+  if (!is_folder(arguments.result))
+    throw SetupError({ErrorCode::kInvalidArgument,
+                      arguments.format + " is made of trajectory.txt: give the folder of a result, not " + arguments.result});
+  return or_throw(read_tum_trajectory(arguments.result + "/trajectory.txt"));
+}
+
+// The camera that the scan was made with at last, where its report says so.
+std::optional<Camera> camera_of_report(const std::string& folder) {
+  const std::string path = folder + "/report.json";
+  if (!is_file(path)) return std::nullopt;
+  const nlohmann::json report = nlohmann::json::parse(or_throw(read_text_file(path)), nullptr, false);
+  for (const char* key : {"corrected_camera", "camera"}) {
+    if (!report.is_object() || !report.contains(key)) continue;
+    const Result<CameraFile> camera = parse_camera_json(report[key].dump());
+    if (!camera.ok()) throw SetupError(in_context(path + ": " + key, camera.error()));
+    return camera->camera;
+  }
+  return std::nullopt;
+}
+
+std::unique_ptr<Sequence> sequence_to_export(const ExportArguments& arguments) {
+  if (arguments.sequence.empty())
+    throw SetupError({ErrorCode::kInvalidArgument, arguments.format + " has pictures: --sequence names the recording that they are in"});
+  OfflineArguments source;
+  source.sequence = arguments.sequence;
+  source.camera = arguments.camera;
+  std::unique_ptr<Sequence> sequence = open_source(source);
+  const std::optional<Camera> better = arguments.camera.empty() ? camera_of_report(arguments.result) : std::nullopt;
+  if (!better) return sequence;
+  if (better->width != sequence->camera().width || better->height != sequence->camera().height)
+    throw SetupError({ErrorCode::kInvalidArgument,
+                      "the camera of " + arguments.result + "/report.json has another size than that of " + arguments.sequence});
+  return std::make_unique<RecalibratedSequence>(std::move(sequence), *better);
+}
+
+void export_pictures(const ExportArguments& arguments, const ExportFormat& format) {
+  const Trajectory trajectory = trajectory_to_export(arguments);
+  const Cloud cloud = cloud_to_export(arguments);
+  const std::unique_ptr<Sequence> sequence = sequence_to_export(arguments);
+  std::unique_ptr<Progress> line;
+  const auto progress = [&line](std::int64_t done, std::int64_t total) {
+    if (!line) line = std::make_unique<Progress>(total);
+    if (done < total) line->show(done + 1, "frames looked at");
+    return true;
+  };
+  const PhotoSummary summary = or_throw(format.of_pictures({*sequence, trajectory, cloud}, {}, arguments.out, progress));
+  std::cout << summary.picture_count << " keyframes of " << summary.tracked_count << " frames with a pose, of " << summary.frame_count
+            << ", and " << summary.point_count << " points in " << arguments.out << '\n';
+}
+
+int run_export(const ExportArguments& arguments) {
+  const ExportFormat format = or_throw(export_format_named(arguments.format));
+  if (format.of_pictures) {
+    export_pictures(arguments, format);
+    return 0;
+  }
+  const NamedFiles files = or_throw(format.of_mesh    ? format.of_mesh(mesh_to_export(arguments))
+                                    : format.of_cloud ? format.of_cloud(cloud_to_export(arguments))
+                                                      : format.of_trajectory(trajectory_to_export(arguments)));
+  or_throw(write_export(format, files, arguments.out));
+  std::size_t bytes = 0;
+  for (const NamedFile& file : files) bytes += file.bytes.size();
+  std::cout << format.words << ": " << bytes << " bytes in " << arguments.out << '\n';
+  return 0;
+}
+
+std::string formats_help() {
+  std::string text = "Formats, of what they are made and what their columns mean: core/output/README.md\n";
+  for (const ExportFormat& format : export_formats()) {
+    std::string name = std::string("  ") + format.name;
+    name.resize(16, ' ');
+    text += name + format.words + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+Command add_export_command(CLI::App& app) {
+  auto arguments = std::make_shared<ExportArguments>();
+  CLI::App& exports = *app.add_subcommand("export", "Write a result as other programs read it");
+  exports.add_option("RESULT", arguments->result, "Folder that hermite reconstruct has written, or a PLY file")->required();
+  exports.add_option("--format", arguments->format, "One of those below")->required();
+  exports.add_option("--out", arguments->out, "File, which is replaced, or new folder (obj, colmap, nerfstudio)")->required();
+  exports.add_option("--sequence", arguments->sequence,
+                     "For colmap and nerfstudio, the recording that RESULT was made of: " + std::string(kSequenceHelp));
+  exports.add_option("--camera", arguments->camera,
+                     std::string(kCameraHelp) + " (default: the one that report.json says it was corrected to, else the recording's)");
+  exports.footer(formats_help());
+  return {&exports, [arguments] { return run_export(*arguments); }};
+}
+
+}  // namespace hermite
