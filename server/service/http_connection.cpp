@@ -55,9 +55,10 @@ void set_headers(Response& response, const HttpAnswer& answer, bool encrypted, b
   if (encrypted) response.set(http::field::strict_transport_security, "max-age=31536000");
   response.set(http::field::content_type, answer.content_type);
   response.set(http::field::cache_control, answer.cache_control);
-  // The viewer's Draco decoder is WebAssembly in a worker; nothing comes from anywhere else.
+  // The viewer's Draco decoder is WebAssembly in a worker; nothing comes from anywhere else. Pictures inside a mesh are blobs that the page
+  // has made, which three.js fetches.
   response.set("Content-Security-Policy",
-               "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self'; style-src 'self'; "
+               "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self' blob:; style-src 'self'; "
                "img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
   response.set("X-Content-Type-Options", "nosniff");
   response.set("Referrer-Policy", "no-referrer");
