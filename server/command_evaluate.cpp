@@ -8,6 +8,8 @@
 #include "core/dataset/text_file.h"
 #include "core/evaluate/depth_consistency.h"
 #include "core/evaluate/double_layers.h"
+#include "core/evaluate/mesh_error.h"
+#include "core/evaluate/mesh_validity.h"
 #include "core/evaluate/trajectory_error.h"
 #include "core/evaluate/true_surface.h"
 #include "core/output/ply.h"
@@ -22,6 +24,8 @@ using Json = nlohmann::ordered_json;
 
 struct EvaluateArguments {
   std::string estimate, groundtruth, per_frame, consistency, cloud, surface, colored;
+  std::vector<std::string> meshes;
+  double cell_m = 0.01;
   bool layers = false;
   std::vector<std::int64_t> spacings = ConsistencyOptions().spacings;
 };
@@ -109,6 +113,66 @@ Json evaluate_surface(const EvaluateArguments& arguments) {
   return json;
 }
 
+Json json_of(const MeshValidity& validity) {
+  return {{"vertices", validity.vertices},
+          {"triangles", validity.triangles},
+          {"not_finite_vertices", validity.not_finite_vertices},
+          {"wrong_indices", validity.wrong_indices},
+          {"degenerate_faces", validity.degenerate_faces},
+          {"repeated_faces", validity.repeated_faces},
+          {"overfull_edges", validity.overfull_edges},
+          {"border_edges", validity.border_edges},
+          {"disagreeing_edges", validity.disagreeing_edges},
+          {"flipped_faces", validity.flipped_faces},
+          {"pinched_vertices", validity.pinched_vertices},
+          {"loose_vertices", validity.loose_vertices},
+          {"components", validity.components},
+          {"largest_component", validity.largest_component},
+          {"area_m2", validity.area_m2}};
+}
+
+std::vector<Triangle> moved(std::vector<Triangle> triangles, const Rigid3& world_from_mesh) {
+  for (Triangle& triangle : triangles)
+    for (Eigen::Vector3f& corner : triangle) corner = (world_from_mesh * corner.cast<double>()).cast<float>();
+  return triangles;
+}
+
+Json judge_mesh(const std::string& path, const PlyShape& surfels, const EvaluateArguments& arguments, const Rigid3& world_from_mesh,
+                const SeenTruth* truth) {
+  const PlyShape shape = read_ply(path);
+  if (shape.triangles.empty()) throw SetupError({ErrorCode::kInvalidArgument, path + " has no faces: it is no mesh"});
+  TriangleMesh mesh;
+  mesh.positions_m = shape.positions;
+  mesh.normals = shape.normals;
+  mesh.triangles = shape.triangles;
+  Json json = {{"file", path}};
+  json.update(json_of(mesh_validity(mesh)));
+  if (!surfels.positions.empty()) json["vertices_away"] = vertices_away_from(surfels.positions, mesh, 2 * arguments.cell_m);
+  if (truth) json.update(Json::parse(format_mesh_error_json(or_throw(mesh_error(moved(triangles_of(shape), world_from_mesh), *truth)))));
+  return json;
+}
+
+// Of every mesh what is wrong with it and, where there is a truth, how far it is from that; of the cloud the same errors.
+Json evaluate_meshes(const EvaluateArguments& arguments) {
+  const PlyShape surfels = arguments.cloud.empty() ? PlyShape() : read_ply(arguments.cloud);
+  std::optional<SeenTruth> truth;
+  Rigid3 world_from_mesh;
+  if (!arguments.surface.empty()) {
+    const std::unique_ptr<Sequence> sequence = or_throw(open_sequence(arguments.surface));
+    truth = or_throw(seen_truth(*sequence, arguments.surface));
+    if (!arguments.estimate.empty())
+      world_from_mesh =
+          or_throw(trajectory_error(or_throw(read_tum_trajectory(arguments.estimate)), sequence->groundtruth())).groundtruth_from_estimate;
+  }
+  Json json = {{"meshes", Json::array()}};
+  if (truth) json["truth"] = {{"samples", truth->samples.size()}, {"creases", truth->creases.size()}, {"views", truth->views.size()}};
+  if (truth && !surfels.positions.empty())
+    json["cloud"] = Json::parse(format_mesh_error_json(or_throw(mesh_error(moved(triangles_of(surfels), world_from_mesh), *truth))));
+  for (const std::string& path : arguments.meshes)
+    json["meshes"].push_back(judge_mesh(path, surfels, arguments, world_from_mesh, truth ? &*truth : nullptr));
+  return json;
+}
+
 Json evaluate_trajectory(const EvaluateArguments& arguments) {
   const Trajectory estimate = or_throw(read_tum_trajectory(arguments.estimate));
   const Result<TrajectoryError> error = trajectory_error(estimate, read_groundtruth(arguments.groundtruth));
@@ -146,13 +210,14 @@ int run_evaluate(const EvaluateArguments& arguments) {
   Json json = Json::object();
   if (!arguments.estimate.empty() && !arguments.groundtruth.empty()) json.update(evaluate_trajectory(arguments));
   if (!arguments.consistency.empty()) json.update(evaluate_consistency(arguments));
-  if (!arguments.cloud.empty() && !arguments.surface.empty()) json.update(evaluate_surface(arguments));
+  if (!arguments.meshes.empty()) json.update(evaluate_meshes(arguments));
+  if (!arguments.cloud.empty() && !arguments.surface.empty() && arguments.meshes.empty()) json.update(evaluate_surface(arguments));
   if (arguments.layers) json.update(evaluate_layers(arguments));
   if (json.empty())
     throw SetupError(
         {ErrorCode::kInvalidArgument,
-         "nothing to compare: give --estimate and --groundtruth, --estimate and --consistency, --cloud and --surface, or --cloud and "
-         "--layers"});
+         "nothing to compare: give --estimate and --groundtruth, --estimate and --consistency, --cloud and --surface, --mesh, or "
+         "--cloud and --layers"});
   std::cout << json.dump(2) << "\n";
   return 0;
 }
@@ -191,7 +256,13 @@ Command add_evaluate_command(CLI::App& app) {
       "--surface", arguments->surface, "True surface: a PLY mesh or cloud, or a sequence with true poses: its depth, or synthetic:...");
   CLI::Option* cloud = evaluate.add_option("--cloud", arguments->cloud,
                                            "Cloud to judge, PLY: with --surface distances up to 10 cm, completeness at 5 and 10 mm");
-  surface->needs(cloud);
+  evaluate
+      .add_option("--mesh", arguments->meshes,
+                  "Mesh to judge, PLY, several with commas: edges with more than two faces, flipped faces and the like. With --surface, a "
+                  "sequence, its distances up to 10 cm, the same within 2 cm of creases, precision, recall and F-score at 5 and 10 mm, and "
+                  "depth in 200 views beside the path; with --cloud the same of the cloud, and the vertices farther than two cells from it")
+      ->delimiter(',');
+  evaluate.add_option("--cell", arguments->cell_m, "Side of a cell of the mesh [m]")->capture_default_str()->check(CLI::Range(1e-4, 1.0));
   evaluate
       .add_flag("--layers", arguments->layers,
                 "Share of that cloud's points, which need normals, that have another layer of the same surface 1 to 3 cm before or behind "

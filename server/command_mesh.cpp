@@ -29,8 +29,11 @@ struct MeshArguments {
 // Some 90 million of our points.
 constexpr std::size_t kMaxCloud_bytes = std::size_t{4} << 30;
 
-// A result folder's cloud, or a file.
-std::string cloud_path(const std::string& source) { return std::filesystem::is_directory(source) ? source + "/cloud.ply" : source; }
+// Of a result folder what meshes are made of, or at least its cloud; or a file.
+std::string cloud_path(const std::string& source) {
+  if (!std::filesystem::is_directory(source)) return source;
+  return source + (std::filesystem::exists(source + "/surfels.ply") ? "/surfels.ply" : "/cloud.ply");
+}
 
 std::string mesh_path(const MeshArguments& arguments) {
   if (!arguments.out.empty()) return arguments.out;
@@ -41,10 +44,9 @@ std::string mesh_path(const MeshArguments& arguments) {
 
 Cloud read_cloud(const std::string& path) {
   const PlyShape shape = or_throw(parse_ply(or_throw(read_text_file(path, kMaxCloud_bytes))));
-  if (shape.positions.empty()) throw SetupError({ErrorCode::kInvalidArgument, path + " has no points"});
   if (shape.normals.empty())
     throw SetupError(
-        {ErrorCode::kInvalidArgument, path + " has points without normals (nx, ny, nz): the sides of its surface cannot be told"});
+        {ErrorCode::kInvalidArgument, path + " has no points with normals (nx, ny, nz): the sides of its surface cannot be told"});
   return cloud_of(shape);
 }
 
@@ -68,6 +70,7 @@ int run_mesh(const MeshArguments& arguments) {
                     {"triangles", mesh.triangles.size()},
                     {"parts_left_out", statistics.removed_parts},
                     {"split_vertices", statistics.split_vertices},
+                    {"folded_triangles_left_out", statistics.folded},
                     {"seconds", seconds}}
                    .dump(2)
             << '\n';

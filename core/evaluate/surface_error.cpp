@@ -8,17 +8,20 @@ namespace hermite {
 
 Result<SurfaceError> surface_error(const std::vector<Eigen::Vector3d>& points_in_cloud, const Rigid3& world_from_cloud,
                                    const std::function<double(const Eigen::Vector3d&)>& distance_m) {
-  if (points_in_cloud.empty()) return Error{ErrorCode::kInvalidArgument, "the surface error of a cloud without points is undefined"};
   std::vector<double> distances_m;
   distances_m.reserve(points_in_cloud.size());
+  for (const Eigen::Vector3d& point : points_in_cloud) distances_m.push_back(distance_m(world_from_cloud * point));
+  return surface_error(std::move(distances_m));
+}
+
+Result<SurfaceError> surface_error(std::vector<double> distances_m) {
+  if (distances_m.empty()) return Error{ErrorCode::kInvalidArgument, "the surface error of a cloud without points is undefined"};
   double sum_m = 0, sum_of_squares_m2 = 0;
-  for (const Eigen::Vector3d& point : points_in_cloud) {
-    const double distance = distance_m(world_from_cloud * point);
-    if (!std::isfinite(distance))
-      return Error{ErrorCode::kInvalidArgument, "point " + std::to_string(distances_m.size()) + " has no finite distance to the surface"};
-    distances_m.push_back(distance);
-    sum_m += distance;
-    sum_of_squares_m2 += distance * distance;
+  for (std::size_t i = 0; i < distances_m.size(); ++i) {
+    if (!std::isfinite(distances_m[i]))
+      return Error{ErrorCode::kInvalidArgument, "point " + std::to_string(i) + " has no finite distance to the surface"};
+    sum_m += distances_m[i];
+    sum_of_squares_m2 += distances_m[i] * distances_m[i];
   }
   std::sort(distances_m.begin(), distances_m.end());
   const std::size_t count = distances_m.size(), middle = count / 2;

@@ -24,6 +24,9 @@ struct SurfaceError {
 Result<SurfaceError> surface_error(const std::vector<Eigen::Vector3d>& points_in_cloud, const Rigid3& world_from_cloud,
                                    const std::function<double(const Eigen::Vector3d&)>& distance_m);
 
+// The same of distances [m] that are known already, in any order.
+Result<SurfaceError> surface_error(std::vector<double> distances_m);
+
 // Keys: surface_points, surface_{mean,median,rmse,percentile95,max}_m.
 std::string format_surface_error_json(const SurfaceError& error);
 

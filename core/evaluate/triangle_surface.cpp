@@ -20,6 +20,11 @@ std::uint64_t key_of(const Vector3i& cell) {
   return bits(cell.x()) | bits(cell.y()) << 21 | bits(cell.z()) << 42;
 }
 
+double distance_to_cell_m(const Vector3f& point, const Vector3i& cell) {
+  const Vector3f low = cell.cast<float>() * kCell_m;
+  return static_cast<double>((point - point.cwiseMax(low).cwiseMin(low + Vector3f::Constant(kCell_m))).norm());
+}
+
 bool is_finite(const Triangle& t) { return t[0].allFinite() && t[1].allFinite() && t[2].allFinite(); }
 
 }  // namespace
@@ -115,7 +120,9 @@ double TriangleSurface::distance_m(const Eigen::Vector3d& point_m) const {
       for (int y = -ring; y <= ring; ++y) {
         const bool shell = std::abs(z) == ring || std::abs(y) == ring;
         for (int x = -ring; x <= ring; x += shell || ring == 0 ? 1 : 2 * ring) {
-          const auto cell = cells_.find(key_of(centre + Vector3i(x, y, z)));
+          const Vector3i at = centre + Vector3i(x, y, z);
+          if (distance_to_cell_m(point, at) >= best) continue;
+          const auto cell = cells_.find(key_of(at));
           if (cell == cells_.end()) continue;
           for (std::uint32_t i = cell->second.first; i < cell->second.last; ++i)
             best = std::min(best, distance_to_triangle_m(point, triangles_[by_cell_[i]]));

@@ -61,6 +61,7 @@ class Welder {
         mesh_.normals.push_back(vertex.normal);
         mesh_.colors.push_back(vertex.color);
         is_smooth_.push_back(vertex.is_smooth);
+        is_supported_.push_back(vertex.is_supported);
       }
     for (const CubeSurface& surface : surfaces_)
       for (const CubeQuad& quad : surface.quads) add(quad);
@@ -97,7 +98,10 @@ class Welder {
 
   void add(const CubeQuad& quad) {
     std::array<std::uint32_t, 4> v{};
-    for (std::size_t i = 0; i < 4; ++i) v[i] = index_of(quad[i]);
+    for (std::size_t i = 0; i < 4; ++i) {
+      v[i] = index_of(quad[i]);
+      if (!is_supported_[v[i]]) return;
+    }
     const std::array<TriangleCorners, 2> one = {{{v[0], v[1], v[2]}, {v[0], v[2], v[3]}}},
                                          other = {{{v[0], v[1], v[3]}, {v[1], v[2], v[3]}}};
     const float fit_of_one = std::min(fit(one[0]), fit(one[1])), fit_of_other = std::min(fit(other[0]), fit(other[1]));
@@ -110,7 +114,7 @@ class Welder {
 
   const std::vector<CubeSurface>& surfaces_;
   std::unordered_map<VertexKey, Place> places_;
-  std::vector<bool> is_smooth_;
+  std::vector<bool> is_smooth_, is_supported_;  // by vertex
   TriangleMesh mesh_;
 };
 
@@ -150,9 +154,10 @@ Result<TriangleMesh> contour(const Cloud& cloud, const ContourOptions& options, 
   });
   if (told.stopped()) return Error{ErrorCode::kBusy, "meshing was stopped"};
   TriangleMesh mesh = Welder(cubes, surfaces).weld();
+  const std::size_t folded = unfold(mesh);
   const std::size_t split = split_touching_fans(mesh);
   const std::size_t removed = remove_small_parts(mesh, options.least_part_m2);
-  if (statistics) *statistics = {field->cell_m(), field->rejected_count(), removed, split};
+  if (statistics) *statistics = {field->cell_m(), field->rejected_count(), removed, split, folded};
   return mesh;
 }
 

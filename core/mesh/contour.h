@@ -26,6 +26,7 @@ struct ContourStatistics {
   std::size_t rejected_points = 0;
   std::size_t removed_parts = 0;   // smaller than least_part_m2
   std::size_t split_vertices = 0;  // at which two sheets touched
+  std::size_t folded = 0;          // triangles that were left out because they could not be laid flat
 };
 
 // On all processors, in the same order of vertices and triangles whatever their number. Every edge has one or two triangles, which are

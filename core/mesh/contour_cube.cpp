@@ -18,6 +18,10 @@ constexpr std::size_t kCorners = std::size_t{kSide} * kSide * kSide;
 // sheet's border is 0.21 (2 / (3 pi)), which leaves the mesh as wide as the cloud.
 constexpr float kLeastCoverage = 0.2f, kMostLean = 0.25f;
 constexpr int kLeastKernels = 4;
+// What lies two cells from all surfels is made up, too; the rest is for folds that are laid flat afterwards.
+constexpr float kFarthest_cells = 1.9f;
+// Vertices stay off the border of their cell, or two of them could be one point.
+constexpr float kInset_cells = 0.01f;
 // Steps along an edge towards the surface; each is by planes and all but ends after two.
 constexpr int kSteps = 3;
 constexpr float kLeastSlope = 0.1f;
@@ -255,15 +259,17 @@ CubeVertex CubeContour::make_vertex(const Eigen::Vector3i& cell, int piece) {
   vertex.position_m = met.position_m;
   vertex.normal = normals.norm() > 0 ? Eigen::Vector3f(normals.normalized()) : planes.front().normal;
   colors /= static_cast<float>(planes.size());
-  if (vertex.is_smooth) {
-    const FieldSample sample = window_.sample(vertex.position_m);
-    if (sample.kernel_count >= kLeastKernels && std::abs(sample.value_m) < static_cast<float>(field_.cell_m())) {
-      vertex.position_m -= sample.value_m * sample.normal;
-      vertex.normal = sample.normal;
-      colors = sample.color;
-    }
+  const auto cell_m = static_cast<float>(field_.cell_m());
+  FieldSample sample = window_.sample(vertex.position_m);
+  if (vertex.is_smooth && sample.kernel_count >= kLeastKernels && std::abs(sample.value_m) < cell_m) {
+    vertex.position_m -= sample.value_m * sample.normal;
+    vertex.normal = sample.normal;
+    colors = sample.color;
   }
-  vertex.position_m = vertex.position_m.cwiseMax(position_m(cell)).cwiseMin(position_m(cell + Eigen::Vector3i::Ones()));
+  const Eigen::Vector3f inset_m = Eigen::Vector3f::Constant(kInset_cells * cell_m);
+  vertex.position_m = vertex.position_m.cwiseMax(position_m(cell) + inset_m).cwiseMin(position_m(cell + Eigen::Vector3i::Ones()) - inset_m);
+  sample = window_.sample(vertex.position_m);
+  vertex.is_supported = sample.kernel_count > 0 && sample.nearest_m < kFarthest_cells * cell_m;
   const auto byte = [](float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f)); };
   vertex.color = {byte(colors.x()), byte(colors.y()), byte(colors.z())};
   return vertex;

@@ -24,7 +24,8 @@ struct CubeVertex {
   Eigen::Vector3f position_m = Eigen::Vector3f::Zero();
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit
   Rgb8 color;
-  bool is_smooth = true;  // false: on an edge or corner, where the normal is a mean
+  bool is_supported = true;  // false: no surfel is near, and there should be no surface
+  bool is_smooth = true;     // false: on an edge or corner, where the normal is a mean
 };
 
 // Counter-clockwise seen from outside.

@@ -3,6 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <numeric>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace hermite {
@@ -44,6 +47,28 @@ std::vector<EdgeUse> edge_uses(const TriangleMesh& mesh) {
     }
   std::sort(uses.begin(), uses.end());
   return uses;
+}
+
+// A fold is a cell or two wide: what twenty steps do not take out of it will not go.
+constexpr int kMostUnfoldings = 20;
+
+bool is_folded(const TriangleMesh& mesh, const TriangleCorners& triangle) {
+  const auto& [a, b, c] = triangle;
+  const Eigen::Vector3f across = (mesh.positions_m[b] - mesh.positions_m[a]).cross(mesh.positions_m[c] - mesh.positions_m[a]);
+  return !(across.dot(mesh.normals[a] + mesh.normals[b] + mesh.normals[c]) > 0);
+}
+
+// Moves these vertices to the middle of those that they have edges to.
+void relax(TriangleMesh& mesh, const std::vector<bool>& is_moving) {
+  std::unordered_map<std::uint32_t, std::pair<Eigen::Vector3f, float>> sums;
+  for (const TriangleCorners& triangle : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!is_moving[triangle[k]]) continue;
+      auto& [sum, count] = sums.try_emplace(triangle[k], Eigen::Vector3f::Zero(), 0.0f).first->second;
+      sum += mesh.positions_m[triangle[(k + 1) % 3]] + mesh.positions_m[triangle[(k + 2) % 3]];
+      count += 2;
+    }
+  for (const auto& [vertex, sum] : sums) mesh.positions_m[vertex] = sum.first / sum.second;
 }
 
 }  // namespace
@@ -91,6 +116,23 @@ void remove_unused_vertices(TriangleMesh& mesh) {
   mesh.colors.resize(count);
   for (TriangleCorners& triangle : mesh.triangles)
     for (std::uint32_t& vertex : triangle) vertex = place[vertex];
+}
+
+std::size_t unfold(TriangleMesh& mesh) {
+  for (int step = 0; step < kMostUnfoldings; ++step) {
+    std::vector<bool> is_moving(mesh.positions_m.size());
+    bool is_any = false;
+    for (const TriangleCorners& triangle : mesh.triangles) {
+      if (!is_folded(mesh, triangle)) continue;
+      is_any = true;
+      for (const std::uint32_t vertex : triangle) is_moving[vertex] = true;
+    }
+    if (!is_any) return 0;
+    relax(mesh, is_moving);
+  }
+  const std::size_t count = mesh.triangles.size();
+  std::erase_if(mesh.triangles, [&mesh](const TriangleCorners& triangle) { return is_folded(mesh, triangle); });
+  return count - mesh.triangles.size();
 }
 
 std::size_t split_touching_fans(TriangleMesh& mesh) {

@@ -1,7 +1,9 @@
 #include "core/mesh/surfel_field.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <nanoflann.hpp>
 #include <numbers>
 #include <numeric>
@@ -23,12 +25,12 @@ constexpr double kLeastSupport_cells = 2, kMostSupport_cells = 8;
 constexpr double kSupportOfPlane = std::numbers::pi / 10;
 // Around the farthest cells there are others that are asked for, and bins.
 constexpr int kSpareCells = 128;
-// How much normals and distances may differ within one sheet (Oztireli, Guennebaud, Gross 2009, Eq. 13 and 14, where 0.5 to 1.5 is advised
-// for normals and half the support for distances).
-constexpr float kNormalSpread = 0.7f, kDistanceSpread_supports = 0.5f;
+// How much normals may differ within one sheet (Oztireli, Guennebaud, Gross 2009, Eq. 14, where 0.5 to 1.5 is advised). Their weight by
+// distance, too, changes nothing here that could be measured.
+constexpr float kNormalSpread = 0.7f;
 constexpr int kSheetSteps = 3;
 
-bool usable(const CloudPoint& point) {
+bool is_usable(const CloudPoint& point) {
   return point.position_m.allFinite() && point.normal.allFinite() && point.normal.squaredNorm() > 0.25f;
 }
 
@@ -55,11 +57,11 @@ std::vector<float> spacings_of(const std::vector<FieldKernel>& kernels) {
   std::vector<float> spacings(kernels.size());
   constexpr std::size_t kAtOnce = 4096;
   in_parallel((kernels.size() + kAtOnce - 1) / kAtOnce, [&](std::size_t piece) {
-    std::array<std::uint32_t, kNeighbors + 1> found;
-    std::array<float, kNeighbors + 1> distance2;
+    std::array<std::uint32_t, kNeighbors + 1> found{};
+    std::array<float, kNeighbors + 1> distance2{};
     for (std::size_t i = piece * kAtOnce; i < std::min((piece + 1) * kAtOnce, kernels.size()); ++i) {
       const std::size_t count = tree.knnSearch(kernels[i].position_m.data(), kNeighbors + 1, found.data(), distance2.data());
-      spacings[i] = count < 2 ? 0 : std::sqrt(distance2[count - 1] * std::numbers::pi_v<float> / static_cast<float>(count - 1));
+      if (count > 1) spacings[i] = std::sqrt(distance2[count - 1] * std::numbers::pi_v<float> / static_cast<float>(count - 1));
     }
   });
   return spacings;
@@ -71,11 +73,19 @@ float median_of(std::vector<float> values) {
   return *middle;
 }
 
+// A kernel counts by how well its surfel is known. Beyond three times what makes one stable (map.stable_confidence) nothing is gained, and
+// an old one must not outweigh all around it.
+constexpr float kMostConfidence = 10;
+
+// Of a cloud that says nothing of confidence every point counts alike.
 std::vector<FieldKernel> kernels_of(const Cloud& cloud) {
+  const bool is_known = std::any_of(cloud.begin(), cloud.end(), [](const CloudPoint& point) { return point.confidence > 0; });
   std::vector<FieldKernel> kernels;
   kernels.reserve(cloud.size());
-  for (const CloudPoint& point : cloud)
-    if (usable(point)) kernels.push_back({point.position_m, point.normal.normalized(), 0, 0, 0, point.color});
+  for (const CloudPoint& point : cloud) {
+    const float confidence = is_known ? std::min(point.confidence, kMostConfidence) : 1;
+    if (is_usable(point) && confidence > 0) kernels.push_back({point.position_m, point.normal.normalized(), 0, confidence, 0, point.color});
+  }
   return kernels;
 }
 
@@ -102,8 +112,8 @@ Result<SurfelField> SurfelField::create(const Cloud& cloud, const FieldOptions& 
                    "a point lies more than " + std::to_string(most_m) + " m from the origin, too far for cells of this size"};
     const double wanted_m = options.support_spacings * static_cast<double>(spacings[i]);
     kernel.radius_m = static_cast<float>(std::clamp(wanted_m, kLeastSupport_cells * field.cell_m_, kMostSupport_cells * field.cell_m_));
-    kernel.weight = 1 / (kernel.radius_m * kernel.radius_m);
-    kernel.area = spacings[i] * spacings[i] * kernel.weight / static_cast<float>(kSupportOfPlane);
+    kernel.weight /= kernel.radius_m * kernel.radius_m;
+    kernel.area = spacings[i] * spacings[i] / (kernel.radius_m * kernel.radius_m * static_cast<float>(kSupportOfPlane));
     field.reach_m_ = std::max(field.reach_m_, kernel.radius_m);
   }
   field.sort_into_bins(std::move(kernels));
@@ -171,23 +181,26 @@ void FieldWindow::find_near(const Eigen::Vector3f& point_m) {
 
 // The paper's field: its value by the sum of weights, and the direction of the mean normal.
 void FieldWindow::begin(FieldSample& sample) const {
-  float weights = 0, distances_m = 0, color_weights = 0;
+  float weights = 0, distances_m = 0, color_weights = 0, nearest2_m2 = std::numeric_limits<float>::max();
   Eigen::Vector3f normals = Eigen::Vector3f::Zero(), aside = Eigen::Vector3f::Zero();
   for (const Near& near : near_) {
     const FieldKernel& kernel = *near.kernel;
     weights += near.weight;
     distances_m += near.weight * kernel.normal.dot(near.from_kernel_m);
     normals += near.weight * kernel.normal;
-    aside -= near.weight / kernel.radius_m * near.from_kernel_m;
-    sample.coverage += near.weight / kernel.weight * kernel.area;
+    const float area = near.weight / kernel.weight * kernel.area;
+    aside -= area / kernel.radius_m * near.from_kernel_m;
+    sample.coverage += area;
+    nearest2_m2 = std::min(nearest2_m2, near.from_kernel_m.squaredNorm());
     const float color_weight = near.weight * near.weight;
     color_weights += color_weight;
     sample.color += color_weight * Eigen::Vector3f(kernel.color.r, kernel.color.g, kernel.color.b);
   }
+  sample.nearest_m = std::sqrt(nearest2_m2);
   sample.value_m = distances_m / weights;
   const float length = normals.norm();
   sample.normal = length > 0 ? Eigen::Vector3f(normals / length) : Eigen::Vector3f::UnitZ();
-  aside /= weights;
+  aside /= sample.coverage;
   sample.lean = (aside - aside.dot(sample.normal) * sample.normal).norm();
   sample.color /= color_weights;
 }
@@ -206,8 +219,7 @@ void FieldWindow::keep_to_one_sheet(FieldSample& sample) const {
       const float along = between.dot(sample.normal);
       if (!(along > 0.1f)) continue;  // it looks the other way
       const float distance_m = between.dot(near.from_kernel_m) / along;
-      const float off = (distance_m - sample.value_m) / (kDistanceSpread_supports * kernel.radius_m);
-      const float weight = near.weight * std::exp(-by_normal * ((kernel.normal - sample.normal).squaredNorm() + 0 * off * off));
+      const float weight = near.weight * std::exp(-by_normal * (kernel.normal - sample.normal).squaredNorm());
       weights += weight;
       distances_m += weight * distance_m;
       normals += weight * kernel.normal;

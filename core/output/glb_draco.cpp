@@ -12,8 +12,9 @@
 namespace hermite {
 namespace {
 
-constexpr int kNormalBits = 10;  // 0.1 degrees
-constexpr int kSlowest = 3;      // of 0 to 10: the next one below takes twice the time for 2 %
+constexpr int kGlbNormal_bits = 10;
+// 0 to 10. A room of 317,000 triangles takes 0.53 s and 0.96 MB at 0, 0.48 s and 1.09 MB at 3, 0.24 s and 1.09 MB at 7.
+constexpr int kGlbDracoSpeed = 0;
 constexpr int kMaxPosition_bits = 24, kMinPosition_bits = 8;
 
 // Adds an attribute whose values are of vertices, and returns its id in the mesh.
@@ -54,10 +55,10 @@ Result<DracoPart> encode_part(const GlbPart& part, const DracoGrid& grid, int te
   mesh.DeduplicatePointIds();
 
   draco::Encoder encoder;
-  encoder.SetSpeedOptions(kSlowest, kSlowest);
+  encoder.SetSpeedOptions(kGlbDracoSpeed, kGlbDracoSpeed);
   encoder.SetTrackEncodedProperties(true);
   encoder.SetAttributeExplicitQuantization(Attribute::POSITION, grid.bits, 3, grid.corner.data(), grid.edge);
-  encoder.SetAttributeQuantization(Attribute::NORMAL, kNormalBits);
+  encoder.SetAttributeQuantization(Attribute::NORMAL, kGlbNormal_bits);
   const int texture_bits = std::clamp(2 + static_cast<int>(std::bit_width(static_cast<unsigned>(texture_edge_px))), 8, 18);
   encoder.SetAttributeQuantization(Attribute::TEX_COORD, texture_bits);
   draco::EncoderBuffer buffer;

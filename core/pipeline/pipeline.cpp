@@ -75,6 +75,7 @@ struct Pipeline::Impl {
   static void change_fields(Bytes& bytes, Saved& saved);
   Status restore(ByteReader& bytes);
   void report_slots_left(std::vector<SlotChange>& changes);
+  Result<Cloud> cloud_of(const std::function<bool(const Surfel&)>& is_wanted);
 
   const std::string device;
   const Options options;
@@ -295,16 +296,24 @@ Status Pipeline::insert(const Cloud& cloud) {
 const Trajectory& Pipeline::trajectory() const { return impl_->reconstruction->trajectory; }
 std::vector<AnchoredPose> Pipeline::anchored_poses() const { return impl_->reconstruction->poses; }
 
-Result<Cloud> Pipeline::cloud() {
+Result<Cloud> Pipeline::Impl::cloud_of(const std::function<bool(const Surfel&)>& is_wanted) {
   try {
     Cloud cloud;
-    for (const auto& [number, surfel, changed_frame] : impl_->reconstruction->front_end.store.changed_blocks(0))
-      if (impl_->reconstruction->is_output(surfel))
-        cloud.push_back(to_cloud_point(surfel, impl_->reconstruction->layout().world_from_submap[surfel.submap]));
+    for (const auto& [number, surfel, changed_frame] : reconstruction->front_end.store.changed_blocks(0))
+      if (is_wanted(surfel)) cloud.push_back(to_cloud_point(surfel, reconstruction->layout().world_from_submap[surfel.submap]));
     return cloud;
   } catch (const SetupError& error) {
     return error.error();
   }
+}
+
+Result<Cloud> Pipeline::cloud() {
+  return impl_->cloud_of([this](const Surfel& surfel) { return impl_->reconstruction->is_output(surfel); });
+}
+
+Result<Cloud> Pipeline::surfels() {
+  return impl_->cloud_of(
+      [this](const Surfel& surfel) { return surfel.confidence >= kMeshedConfidence || impl_->reconstruction->is_output(surfel); });
 }
 
 Result<std::vector<SlotChange>> Pipeline::take_changes() {

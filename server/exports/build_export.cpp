@@ -12,17 +12,18 @@ namespace hermite {
 namespace {
 
 constexpr const char* kCloud = "cloud.ply";
+constexpr const char* kSurfels = "surfels.ply";  // what meshes are made of; scans of older servers have none
 constexpr const char* kTrajectory = "trajectory.txt";
 constexpr double kContouring = 0.9;  // of the time that a mesh and its file take
 
 }  // namespace
 
-Result<Cloud> ExportBuilder::read_cloud(const std::string& scan_id) {
-  const Result<std::string> bytes = read_blob(blobs_, scan_id, kCloud, kMaxExportCloud_bytes);
+Result<Cloud> ExportBuilder::read_points(const std::string& scan_id, const std::string& name) {
+  const Result<std::string> bytes = read_blob(blobs_, scan_id, name, kMaxExportCloud_bytes);
   if (!bytes.ok()) return bytes.error();
   const Result<PlyShape> shape = parse_ply(*bytes);
-  if (!shape.ok()) return in_context(kCloud, shape.error());
-  if (shape->positions.empty()) return Error{ErrorCode::kInvalidArgument, "the cloud of the scan has no points"};
+  if (!shape.ok()) return in_context(name, shape.error());
+  if (shape->positions.empty()) return Error{ErrorCode::kInvalidArgument, name + " has no points"};
   return cloud_of(*shape);
 }
 
@@ -34,17 +35,18 @@ Result<Trajectory> ExportBuilder::read_path(const std::string& scan_id) {
 }
 
 Status ExportBuilder::make_mesh(const std::string& scan_id, const BuildProgress& progress) {
-  const Result<std::string> version = blobs_.version(scan_id, kCloud);
+  const std::string source = blobs_.size_bytes(scan_id, kSurfels).ok() ? kSurfels : kCloud;
+  const Result<std::string> version = blobs_.version(scan_id, source);
   if (!version.ok()) return version.error();
-  if (mesh_ && mesh_->scan_id == scan_id && mesh_->cloud_version == *version) return Done{};
+  if (mesh_ && mesh_->scan_id == scan_id && mesh_->source_version == *version) return Done{};
   mesh_.reset();  // before there are two
-  const Result<Cloud> cloud = read_cloud(scan_id);
+  const Result<Cloud> cloud = read_points(scan_id, source);
   if (!cloud.ok()) return cloud.error();
   Result<TriangleMesh> mesh = contour(*cloud, {}, [&progress](double done) { return progress(kContouring * done); });
   if (!mesh.ok()) return mesh.error();
   if (mesh->triangles.empty())
     return Error{ErrorCode::kInvalidArgument,
-                 "the " + std::to_string(cloud->size()) + " points of the cloud are too few or too far apart to make a surface"};
+                 "the " + std::to_string(cloud->size()) + " points of the scan are too few or too far apart to make a surface"};
   mesh_ = KnownMesh{scan_id, *version, *std::move(mesh)};
   return Done{};
 }
@@ -61,7 +63,7 @@ Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const std
     return path.ok() ? format.of_trajectory(*path) : path.error();
   }
   CHECK(format.of_cloud, "an offer is made of results");
-  const Result<Cloud> cloud = read_cloud(scan_id);
+  const Result<Cloud> cloud = read_points(scan_id, kCloud);
   if (!cloud.ok()) return cloud.error();
   return progress(kContouring) ? format.of_cloud(*cloud) : stopped;
 }

@@ -36,10 +36,10 @@ class ExportBuilder {
 
  private:
   struct KnownMesh {
-    std::string scan_id, cloud_version;
+    std::string scan_id, source_version;
     TriangleMesh mesh;
   };
-  Result<Cloud> read_cloud(const std::string& scan_id);
+  Result<Cloud> read_points(const std::string& scan_id, const std::string& name);
   Result<Trajectory> read_path(const std::string& scan_id);
   Result<NamedFiles> files_of(const ExportFormat& format, const std::string& scan_id, const BuildProgress& progress);
   Status make_mesh(const std::string& scan_id, const BuildProgress& progress);

@@ -13,6 +13,7 @@ namespace hermite {
 
 struct RunResults {
   std::string cloud_ply;
+  std::string surfels_ply;      // Pipeline::surfels(): what a mesh is made of
   std::string trajectory_text;  // TUM
   std::string report_json;
 };
@@ -22,9 +23,9 @@ Result<RunResults> results_of(Pipeline& pipeline, const Options& options, const 
 
 // As they are stored, in this order: where there is a report there is all of it.
 struct ResultFile {
-  const char* name;  // cloud.ply, trajectory.txt, report.json
+  const char* name;  // cloud.ply, surfels.ply, trajectory.txt, report.json
   const std::string& bytes;
 };
-std::array<ResultFile, 3> files_of(const RunResults& results);
+std::array<ResultFile, 4> files_of(const RunResults& results);
 
 }  // namespace hermite

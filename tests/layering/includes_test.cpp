@@ -38,7 +38,7 @@ const std::vector<Layer>& layers() {
       // The messages as plain values: a frame log holds them as they came.
       {"core/dataset",
        {"core/archive", "core/log", "core/raw", "proto/wire", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
-      {"core/evaluate", {"core/dataset", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
+      {"core/evaluate", {"core/dataset", "core/output/triangle_mesh.h", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"core/calibrate", {"core/adjust", "core/dataset", "core/frame", "core/math", "core/base"}},
       {"core/output", {"core/image", "core/math", "core/base"}},
       {"core/export",
@@ -56,9 +56,9 @@ const std::vector<Layer>& layers() {
       {"server/exports",
        {"core/export/formats.h", "core/mesh", "core/output", "core/dataset/trajectory.h", "core/archive/zip.h", "core/base", "server/store"}},
       {"server",
-       {"core/pipeline", "core/report", "core/adjust/mapping.h", "core/calibrate", "core/mesh", "core/export", "core/output", "core/dataset",
-        "core/archive", "core/digest", "core/evaluate", "core/frame/rgbd_frame.h", "core/log", "core/raw", "core/image", "core/math",
-        "core/base", "proto/wire"}},
+       {"core/pipeline", "core/report", "core/adjust/mapping.h", "core/calibrate", "core/mesh", "core/export", "core/output",
+        "core/dataset", "core/archive", "core/digest", "core/evaluate", "core/frame/rgbd_frame.h", "core/log", "core/raw", "core/image",
+        "core/math", "core/base", "proto/wire"}},
       {"shaders", {}},
   };
   return table;

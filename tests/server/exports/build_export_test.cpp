@@ -64,6 +64,13 @@ TEST_F(BuildExport, TheMeshIsKeptForTheNextFormatUntilTheCloudIsAnother) {
   EXPECT_GT(calls_, 2);
 }
 
+TEST_F(BuildExport, AMeshIsOfTheSurfelsWhereThereAreSome) {
+  put(test::plane_cloud(30));
+  const std::size_t of_cloud = triangles_of(build("ply"));
+  ASSERT_TRUE(blobs_.put(scan_, "surfels.ply", format_ply(test::plane_cloud(60))).ok());
+  EXPECT_GT(triangles_of(build("ply")), 2 * of_cloud);
+}
+
 TEST_F(BuildExport, SaysWhatACloudLacks) {
   EXPECT_EQ(build("ply").error().code, ErrorCode::kNotFound);
   put({});
