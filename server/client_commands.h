@@ -68,5 +68,6 @@ Command add_stream_command(CLI::App& app);
 Command add_scan_command(CLI::App& app);
 Command add_upload_command(CLI::App& app);
 Command add_jobs_command(CLI::App& app);
+Command add_download_command(CLI::App& app);
 
 }  // namespace hermite

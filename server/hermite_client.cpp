@@ -1,4 +1,5 @@
-// hermite-client: streams recordings and cameras to a Hermite server, or uploads recordings. Exit status: client_commands.h.
+// hermite-client: streams recordings and cameras to a Hermite server, or uploads recordings, and takes what came of them. Exit status:
+// client_commands.h.
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <vector>
@@ -9,7 +10,8 @@ int main(int argc, char** argv) {
   using namespace hermite;
   CLI::App app("Streams RGB-D cameras and recordings to a Hermite server");
   app.require_subcommand(1);
-  const std::vector<Command> commands{add_scan_command(app), add_stream_command(app), add_upload_command(app), add_jobs_command(app)};
+  const std::vector<Command> commands{add_scan_command(app), add_stream_command(app), add_upload_command(app), add_jobs_command(app),
+                                      add_download_command(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,4 +1,4 @@
-// Recordings that come packed: .tar, .tar.gz, .tar.zst and .zip, by libarchive, of which only the reading side is used.
+// Recordings that come packed: .tar, .tar.gz, .tar.zst and .zip, by libarchive.
 //
 // What is in an archive is a stranger's. Regular files and folders are unpacked; links, devices, FIFOs, sparse and encrypted files,
 // archives inside the archive and names that entry_name.h refuses are errors that name the entry. Limits count what was really written, not

@@ -55,9 +55,10 @@ void set_headers(Response& response, const HttpAnswer& answer, bool encrypted, b
   if (encrypted) response.set(http::field::strict_transport_security, "max-age=31536000");
   response.set(http::field::content_type, answer.content_type);
   response.set(http::field::cache_control, answer.cache_control);
-  // The viewer's Draco decoder is WebAssembly in a worker; nothing comes from anywhere else.
+  // The viewer's Draco decoder is WebAssembly in a worker; nothing comes from anywhere else. Pictures inside a mesh are blobs that the page
+  // has made, which three.js fetches.
   response.set("Content-Security-Policy",
-               "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self'; style-src 'self'; "
+               "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self' blob:; style-src 'self'; "
                "img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
   response.set("X-Content-Type-Options", "nosniff");
   response.set("Referrer-Policy", "no-referrer");
@@ -77,7 +78,7 @@ asio::awaitable<bool> write_stored(Transport& stream, const StoredBody& body, as
   error_code error;
   for (std::uint64_t sent = 0; !error && sent < body.size_bytes;) {
     Result<std::string> piece = std::string();
-    auto read = [&] { piece = body.read(sent, kStoredPieceBytes); };
+    auto read = [&] { piece = body.read(body.first_byte + sent, kStoredPieceBytes); };
     co_await run_on(disk, read);
     if (!piece.ok() || piece->empty()) co_return false;  // deleted this moment: the connection ends
     piece->resize(static_cast<std::size_t>(std::min<std::uint64_t>(piece->size(), body.size_bytes - sent)));
@@ -89,7 +90,7 @@ asio::awaitable<bool> write_stored(Transport& stream, const StoredBody& body, as
 }
 
 asio::awaitable<bool> write_stored_answer(Transport& stream, const HttpAnswer& answer, const Answering& how, asio::thread_pool& disk) {
-  http::response<http::empty_body> response{http::status::ok, how.version};
+  http::response<http::empty_body> response{static_cast<http::status>(answer.status), how.version};
   set_headers(response, answer, how.encrypted, how.keep_alive);
   response.content_length(answer.stored->size_bytes);
   http::response_serializer<http::empty_body> serializer(response);

@@ -12,6 +12,8 @@
 
 #include "proto/wire/told_words.h"
 #include "server/service/administration.h"
+#include "server/service/byte_range.h"
+#include "server/service/export_routes.h"
 #include "server/service/job_routes.h"
 #include "server/service/json_text.h"
 #include "server/service/json_time.h"
@@ -84,25 +86,11 @@ HttpAnswer remove_scan(const HttpWorld& world, const Call& call) {
   return status.ok() ? json_answer({{"removed", call.id}}) : refused(status.error());
 }
 
-HttpAnswer send_file(const HttpWorld& world, const std::string& id, const char* name, const char* content_type) {
-  Result<std::uint64_t> size_bytes = world.scans.size_of_result(id, name);
-  if (!size_bytes.ok()) return refused(size_bytes.error());
-  HttpAnswer answer;
-  answer.content_type = content_type;
-  answer.stored = StoredBody{*size_bytes, [&blobs = world.scans.blobs(), id, name](std::uint64_t offset, std::size_t max_bytes) {
-                               return blobs.read(id, name, offset, max_bytes);
-                             }};
-  answer.download_name = id + "-" + name;
-  return answer;
-}
-
-HttpAnswer send_cloud(const HttpWorld& world, const Call& call) {
-  return send_file(world, call.id, "cloud.ply", "application/octet-stream");
-}
+HttpAnswer send_cloud(const HttpWorld& world, const Call& call) { return send_file(world, call, "cloud.ply", "application/octet-stream"); }
 HttpAnswer send_trajectory(const HttpWorld& world, const Call& call) {
-  return send_file(world, call.id, "trajectory.txt", "text/plain; charset=utf-8");
+  return send_file(world, call, "trajectory.txt", "text/plain; charset=utf-8");
 }
-HttpAnswer send_report(const HttpWorld& world, const Call& call) { return send_file(world, call.id, "report.json", "application/json"); }
+HttpAnswer send_report(const HttpWorld& world, const Call& call) { return send_file(world, call, "report.json", "application/json"); }
 
 HttpAnswer list_all_shares(const HttpWorld& world, const Call& call) {
   return made(list_shares(world.store, "", call.request.caller.now_ms));
@@ -152,16 +140,21 @@ struct ApiRoute {
   Needs needs;
   HttpAnswer (*handle)(const HttpWorld&, const Call&);
   bool long_body = false;
+  bool has_format = false;  // a format ends the path
 };
 constexpr std::string_view kScanPath = "/api/v1/scans/";
 constexpr std::string_view kUploadsPath = "/api/v1/uploads/", kJobsPath = "/api/v1/jobs/";
-constexpr std::array<ApiRoute, 25> kApi = {{
+constexpr std::array<ApiRoute, 29> kApi = {{
     {"GET", "scans", "/api/v1/scans", "", false, Needs::kView, list_scans},
     {"GET", "scan", kScanPath, "", true, Needs::kView, show_scan},
     {"DELETE", "scan", kScanPath, "", true, Needs::kAdmin, remove_scan},
     {"GET", "cloud.ply", kScanPath, "/cloud.ply", true, Needs::kView, send_cloud},
     {"GET", "trajectory.txt", kScanPath, "/trajectory.txt", true, Needs::kView, send_trajectory},
     {"GET", "report.json", kScanPath, "/report.json", true, Needs::kView, send_report},
+    {"GET", "exports", kScanPath, "/exports", true, Needs::kView, list_exports},
+    {"POST", "exports", kScanPath, "/exports", true, Needs::kView, create_export},
+    {"GET", "export", kScanPath, "/exports/", true, Needs::kView, send_export, false, true},
+    {"DELETE", "export", kScanPath, "/exports/", true, Needs::kViewAndScan, remove_export, false, true},
     {"GET", "shares", kScanPath, "/shares", true, Needs::kViewAndScan, list_scans_shares},
     {"POST", "shares", kScanPath, "/shares", true, Needs::kViewAndScan, share_scan},
     {"GET", "shares", "/api/v1/shares", "", false, Needs::kViewAndScan, list_all_shares},
@@ -191,14 +184,22 @@ std::optional<Scope> lacking(const Grant& grant, Needs needs) {
   return needs == Needs::kView || may(grant, Scope::kScan) ? std::nullopt : std::optional(Scope::kScan);
 }
 
-// The id inside `path` (empty for a route without one), nothing when the route is for other paths.
-std::optional<std::string> match(const ApiRoute& route, std::string_view path) {
-  if (!route.has_id) return path == route.before_id ? std::optional<std::string>("") : std::nullopt;
-  if (path.size() <= route.before_id.size() + route.after_id.size()) return std::nullopt;
-  if (path.substr(0, route.before_id.size()) != route.before_id) return std::nullopt;
-  if (path.substr(path.size() - route.after_id.size()) != route.after_id) return std::nullopt;
-  const std::string_view id = path.substr(route.before_id.size(), path.size() - route.before_id.size() - route.after_id.size());
-  return id.find('/') == std::string_view::npos ? std::optional<std::string>(id) : std::nullopt;
+// What a path has of a route's own.
+struct PathParts {
+  std::string id, format;  // empty for a route without
+};
+
+// Nothing when the route is for other paths.
+std::optional<PathParts> match(const ApiRoute& route, std::string_view path) {
+  if (!path.starts_with(route.before_id)) return std::nullopt;
+  path.remove_prefix(route.before_id.size());
+  if (!route.has_id) return path.empty() ? std::optional(PathParts()) : std::nullopt;
+  const std::size_t id_end = std::min(path.find('/'), path.size());
+  const std::string_view id = path.substr(0, id_end), rest = path.substr(id_end);
+  if (id.empty() || !rest.starts_with(route.after_id)) return std::nullopt;
+  const std::string_view format = rest.substr(route.after_id.size());
+  if (format.empty() == route.has_format || format.find('/') != std::string_view::npos) return std::nullopt;
+  return PathParts{std::string(id), std::string(format)};
 }
 
 // The grant of whoever asks, or the answer to somebody who has none.
@@ -237,23 +238,24 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
       return wait_answer(429, "too many requests with this token", wait_ms);
   std::string allow;
   for (const ApiRoute& route : kApi) {
-    const std::optional<std::string> id = match(route, request.path);
-    if (!id) continue;
+    const std::optional<PathParts> parts = match(route, request.path);
+    if (!parts) continue;
+    const std::string& id = parts->id;
     if (fits(route, method, request.path)) {
       if (const std::optional<Scope> scope = lacking(grant, route.needs)) {
         spdlog::info("{} {} refused to token {}", method, request.path, grant.token_id);
-        note(world, request, grant, route.name, *id, "403");
+        note(world, request, grant, route.name, id, "403");
         return on_route(route.name, error_answer(403, lacks(grant, *scope)));
       }
       // A share link knows of no other scan, not even that it exists.
-      if (route.before_id == kScanPath && !may_see(grant, *id))
-        return on_route(route.name, refused({ErrorCode::kNotFound, "there is no scan " + *id}));
-      HttpAnswer answer = on_route(route.name, route.handle(world, {request, grant, *id}));
+      if (route.before_id == kScanPath && !may_see(grant, id))
+        return on_route(route.name, refused({ErrorCode::kNotFound, "there is no scan " + id}));
+      HttpAnswer answer = on_route(route.name, route.handle(world, {request, grant, id, parts->format}));
       // Who changed what; paths of the routes hold ids and no secrets.
       const bool looks = method == "GET" || method == "HEAD" || answer.body_sink || answer.ask_again;
       const bool takes_results = method == "GET" && answer.stored.has_value();
       if ((!looks && !answer.ask_again) || answer.body_sink || takes_results)
-        note(world, request, grant, route.name, id->empty() ? made_id(answer) : *id,
+        note(world, request, grant, route.name, id.empty() ? made_id(answer) : id,
              answer.body_sink ? "begun" : std::to_string(answer.status));
       if (!looks) spdlog::info("{} {} by token {}: {}", method, request.path, grant.token_id, answer.status);
       return answer;
@@ -280,6 +282,21 @@ HttpAnswer answer_file(const HttpWorld& world, const HttpRequest& request) {
 }
 
 }  // namespace
+
+HttpAnswer send_file(const HttpWorld& world, const Call& call, const std::string& name, const char* content_type) {
+  const std::string& id = call.id;
+  const Result<std::uint64_t> size_bytes = world.scans.size_of_result(id, name);
+  if (!size_bytes.ok()) return refused(size_bytes.error());
+  const Result<std::string> version = world.scans.blobs().version(id, name);
+  if (!version.ok()) return refused(version.error());
+  HttpAnswer answer;
+  answer.content_type = content_type;
+  answer.stored = StoredBody{*size_bytes, [&blobs = world.scans.blobs(), id, name](std::uint64_t offset, std::size_t max_bytes) {
+                               return blobs.read(id, name, offset, max_bytes);
+                             }};
+  answer.download_name = id + "-" + name;
+  return as_asked(std::move(answer), *version, call.request);
+}
 
 HttpAnswer error_answer(int status, const Error& error) {
   HttpAnswer answer = json_answer({{"error", {{"code", name_of(error.code)}, {"message", wire::told_words(error.message)}}}});
@@ -316,7 +333,7 @@ std::vector<std::string> api_routes() {
   std::vector<std::string> routes;
   for (const ApiRoute& route : kApi)
     routes.push_back(std::string(route.method) + " " + std::string(route.before_id) + (route.has_id ? "{id}" : "") +
-                     std::string(route.after_id));
+                     std::string(route.after_id) + (route.has_format ? "{format}" : ""));
   return routes;
 }
 

@@ -6,6 +6,10 @@
 //   GET    /api/v1/scans/{id}                 view   one of them
 //   DELETE /api/v1/scans/{id}                 admin  a scan that has ended, with its files
 //   GET    /api/v1/scans/{id}/cloud.ply       view   and trajectory.txt, report.json: files of a scan that has ended
+//   GET    /api/v1/scans/{id}/exports         view   what a scan that has ended can be taken away as (export_routes.h has these)
+//   POST   /api/v1/scans/{id}/exports         view   {"format": ...} is made
+//   GET    /api/v1/scans/{id}/exports/{format}     view
+//   DELETE /api/v1/scans/{id}/exports/{format}     scan   stopped, or removed (scan and view)
 //   GET    /api/v1/scans/{id}/shares          scan   its share links (scan and view: who cannot see a scan cannot share it)
 //   POST   /api/v1/scans/{id}/shares          scan   a new one (administration.h has the bodies)
 //   GET    /api/v1/shares                     scan   all
@@ -49,6 +53,8 @@
 
 namespace hermite {
 
+class Exports;
+
 struct HttpRequest {
   std::string method;            // "GET", "HEAD", "DELETE", ...
   std::string path;              // without query
@@ -63,8 +69,9 @@ struct HttpRequest {
 
 // A long body that lies somewhere, and is read while it is sent.
 struct StoredBody {
-  std::uint64_t size_bytes = 0;
+  std::uint64_t size_bytes = 0;                                                          // to send
   std::function<Result<std::string>(std::uint64_t offset, std::size_t max_bytes)> read;  // on another thread; what it needs outlives it
+  std::uint64_t first_byte = 0;
 };
 
 struct HttpAnswer {
@@ -95,13 +102,15 @@ struct HttpWorld {
   ShareCount& sessions;   // WebSockets
   RateLimit& of_a_token;  // requests
   Audit& audit;
+  Exports& exports;
 };
 
 // What a route's function gets besides the world.
 struct Call {
   const HttpRequest& request;
   const Grant& grant;
-  std::string id;  // inside the path, for a route that has one
+  std::string id;      // inside the path, for a route that has one
+  std::string format;  // behind it, the same
 };
 
 // Whether the body of such a request may be long, so that only its answer says where it goes.
@@ -111,6 +120,9 @@ bool takes_long_body(const HttpRequest& request);
 std::vector<std::string> api_routes();
 
 HttpAnswer answer(const HttpWorld& world, const HttpRequest& request);
+
+// A file of a scan that has ended, or the part of it that is asked for.
+HttpAnswer send_file(const HttpWorld& world, const Call& call, const std::string& name, const char* content_type);
 
 // {"error": {"code": ..., "message": ...}}
 HttpAnswer error_answer(int status, const Error& error);

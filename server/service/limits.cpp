@@ -3,6 +3,7 @@
 #include "core/archive/unpack.h"
 #include "core/base/check.h"
 #include "proto/wire/messages.h"
+#include "server/exports/exports.h"
 #include "server/service/audience.h"
 #include "server/service/http_connection.h"
 #include "server/service/live_scan.h"
@@ -41,6 +42,7 @@ SharedLimit shared_limit(Shared which, const ServiceOptions& options) {
     case Shared::kConnections: return {which, "WebSockets", connection_share(options), "", "close code 4013"};
     case Shared::kRequests:
       return {which, "HTTP requests a second; twice as many at once", {0, options.requests_per_second, 0}, "", "HTTP 429"};
+    case Shared::kExports: return {which, "exports that wait or are made, one at a time", kExportShare, "", "HTTP 503"};
   }
   CHECK(false, "every share has its row");
   return {};
@@ -79,13 +81,14 @@ std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
       {"frames of a scan", std::to_string(kMaxFramesPerScan), "close code 1009"},
       {"priority of a job without `admin`", std::to_string(kLowestPriority) + " to " + std::to_string(kHighestPriorityForAll), "HTTP 403"},
       {"one upload", std::to_string(options.max_upload_gb) + " GB", "HTTP 413"},
-      {"free disk that scans, uploads and unpacking leave", std::to_string(options.min_free_disk_mb) + " MB",
-       "close code 4013, HTTP 503, 507; the job fails"},
+      {"free disk that scans, uploads, unpacking and exports leave", std::to_string(options.min_free_disk_mb) + " MB",
+       "close code 4013, HTTP 503, 507; the job fails; the export waits"},
       {"an upload that nothing happens with", std::to_string(options.keep_upload_hours) + " h", "deleted"},
       {"unpacking",
        std::to_string(unpack.entry_count) + " files, " + std::to_string(unpack.output_bytes >> 30) + " GiB, " +
            std::to_string(unpack.ratio) + " times the archive",
        "the job fails"},
+      {"the cloud of a scan that exports are made of", std::to_string(kMaxExportCloud_bytes >> 20) + " MiB", "the export fails"},
       {"ended tokens and links that a list keeps, of one maker", std::to_string(kMaxEndedLinksPerToken) + ", for 90 days",
        "the oldest are forgotten"},
       {"ended jobs that a list keeps, of one token", std::to_string(kMaxEndedJobsPerToken) + ", for 90 days", "the oldest are forgotten"},

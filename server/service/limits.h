@@ -25,10 +25,11 @@ enum class Shared {
   kViewers,
   kConnections,
   kRequests,
+  kExports,
 };
 inline constexpr Shared kAllShared[] = {Shared::kTokens,  Shared::kShareLinks,   Shared::kUploads,        Shared::kUploadBytes,
                                         Shared::kJobs,    Shared::kRunningScans, Shared::kWaitingCameras, Shared::kStorage,
-                                        Shared::kViewers, Shared::kConnections,  Shared::kRequests};
+                                        Shared::kViewers, Shared::kConnections,  Shared::kRequests,       Shared::kExports};
 
 // A number of 0 in `share` stands for what is not limited, or not kept, in that way.
 struct SharedLimit {

@@ -271,7 +271,7 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
            fmt::format("scan {} {}: {} frames received, {} processed, {} dropped{}{}", row.id, name_of(row.phase), row.frames_received,
                        row.frames_processed, row.frames_dropped, row.words.empty() ? "" : "; ", row.words));
   metrics_.scan_ended(name_of(row.phase));
-  storage_.quota.scan_ended();
+  storage_.quota.files_changed();
   device_failed_ = end.phase == wire::ScanPhase::kFailed && end.error.code == ErrorCode::kDevice;
   const FrameCounts& counts = running->second->counts();
   ended_counts_.received += counts.received;
@@ -279,6 +279,7 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   ended_counts_.dropped += counts.dropped;
   read_again_[row.id] = running->second->shared_audience();
   running_.erase(running);
+  if (!end.discarded && row.phase == ScanPhase::kFinished && finished_) finished_(row);
   if (!end.discarded) return;
   if (Status status = remove(row.id); !status.ok()) spdlog::error("scan {}: {}", row.id, status.error().message);
 }

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
@@ -133,6 +134,13 @@ class Scans {
 
   // kBusy, in words: the disk has no room for another scan beside the results of those that run. kIo: that is not known.
   Status check_disk() const;
+  Status check_disk_for(std::uint64_t bytes) const;  // the same for so many bytes of an export
+
+  // kBusy, in words: the storage that the owner of a scan has a share of is used up. kNotFound, kIo.
+  Status check_storage_of(const std::string& scan_id);
+
+  // Called with every scan that has finished well and is kept, when it is known to have ended.
+  void when_finished(std::function<void(const ScanRow&)> then) { finished_ = std::move(then); }
 
   void describe(Load& load) const;  // what is known here
   const FrameTraces& traces() const { return traces_; }
@@ -190,6 +198,7 @@ class Scans {
   Metrics& metrics_;
   Blobs& blobs_;
   const Post post_, background_;
+  std::function<void(const ScanRow&)> finished_;
   std::map<std::string, std::shared_ptr<LiveScan>> running_;  // by id
   Places places_;
   LogReaders logs_;

@@ -26,13 +26,15 @@ std::uint64_t Scans::kept_back_bytes() const {
   return bytes;
 }
 
-Status Scans::check_disk() const {
+Status Scans::check_disk() const { return check_disk_for(kRoomToBegin_bytes); }
+
+Status Scans::check_disk_for(std::uint64_t bytes) const {
   const Result<std::uint64_t> free = data_.free_disk_bytes();
   if (!free.ok()) return free.error();
   const std::uint64_t kept_back = kept_back_bytes();
-  if (*free >= kept_back + kRoomToBegin_bytes) return Done{};
+  if (*free >= kept_back + bytes) return Done{};
   return Error{ErrorCode::kBusy, "the server's disk has not enough room: " + in_megabytes(*free) + " are free; " + in_megabytes(kept_back) +
-                                     " are kept back, also for results, and " + in_megabytes(kRoomToBegin_bytes) + " are needed to begin"};
+                                     " are kept back, also for results, and " + in_megabytes(bytes) + " are needed to begin"};
 }
 
 // While there is still room for the results of all scans these end, and have their results; a disk that is full has room for none.

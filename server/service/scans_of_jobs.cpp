@@ -23,6 +23,11 @@ Status Scans::check_storage(const ScanOwner& owner, const std::string& except_up
   return storage_.quota.check(*upload_bytes, 1, {owner.is_admin, *std::move(own_scans), 0});
 }
 
+Status Scans::check_storage_of(const std::string& scan_id) {
+  const Result<ScanRow> row = find(scan_id);
+  return row.ok() ? check_storage(owner_of(row->token_id)) : Status(row.error());
+}
+
 // Behind the cameras that wait, and not where it would take frames from a live one. What was left has its place already.
 bool Scans::has_room_for(const std::string& scan_id) const {
   if (stopping_) return false;

@@ -17,6 +17,7 @@
 #include <chrono>
 #include <optional>
 
+#include "server/exports/exports.h"
 #include "server/net/service_manager.h"
 #include "server/net/tls.h"
 #include "server/service/access.h"
@@ -94,6 +95,7 @@ struct Service::Impl {
   std::unique_ptr<StorageQuota> quota;
   std::unique_ptr<Scans> scans;
   std::unique_ptr<Batch> batch;
+  std::unique_ptr<Exports> exports;
   std::unique_ptr<HttpWorld> world;
   std::unique_ptr<DeviceWatch> device;
   std::unique_ptr<AdminWorld> admin_world;
@@ -110,6 +112,7 @@ struct Service::Impl {
   asio::signal_set signals{context};
   asio::steady_timer watchdog{context}, drained{context};
   asio::thread_pool background{kBackgroundThreads};
+  asio::thread_pool making{1};           // exports, which keep nobody from anything
   asio::thread_pool disk{kDiskThreads};  // last: its work refers to connections
 
   explicit Impl(const ServiceOptions& service_options)
@@ -142,8 +145,10 @@ struct Service::Impl {
     if (const Status recovered = recover_batch(storage); !recovered.ok()) throw SetupError(recovered.error());
     scans = std::make_unique<Scans>(scans_options(options), storage, metrics, threads);
     batch = std::make_unique<Batch>(options.job_workers, upload_limits(options), storage, *scans, post);
-    world = std::make_unique<HttpWorld>(
-        HttpWorld{*scans, store, gate, files, metrics, batch->uploads(), batch->executor(), sessions, requests_of_a_token, *audit});
+    exports = std::make_unique<Exports>(blobs, export_hooks(threads.network));
+    if (!options.mesh_on_demand) scans->when_finished([this](const ScanRow& scan) { exports->make_mesh(scan); });
+    world = std::make_unique<HttpWorld>(HttpWorld{*scans, store, gate, files, metrics, batch->uploads(), batch->executor(), sessions,
+                                                  requests_of_a_token, *audit, *exports});
     site = std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer(*world, request); },
                                        allowed_hosts(options, address), metrics, world.get(), proxies_of(options),
                                        !is_loopback(address) && !tls && !options.insecure_listen, &requests, &disk});
@@ -153,6 +158,18 @@ struct Service::Impl {
     if (tls) url.replace(0, 4, "https");
     if (const Status published = data.publish_address(url); !published.ok()) throw SetupError(published.error());
     if (admin_address) open_admin();
+  }
+
+  Exports::Hooks export_hooks(const LogReaders::Post& network) {
+    return {network,
+            [this](std::function<void()> action) { asio::post(making, std::move(action)); },
+            [this](const std::string& scan_id) { return scans->find(scan_id); },
+            [this](std::uint64_t bytes) { return scans->check_disk_for(bytes); },
+            [this] { quota->files_changed(); },
+            [this](const std::string& scan_id) {
+              if (const Status removed = remove_files_of_scan({data, store, blobs, *waste, *quota}, scan_id); !removed.ok())
+                spdlog::warn("scan {}: {}", scan_id, removed.error().message);
+            }};
   }
 
   void open_admin() {
@@ -236,6 +253,7 @@ struct Service::Impl {
       retention->tick(unix_now_ms(), now);
       scans->tick(now, retention->now_ms());
       batch->tick(now, retention->now_ms());
+      exports->tick(now);
       if (now - audited_at >= kAuditPeriod) {
         audited_at = now;
         audit->tick(unix_now_ms());
@@ -266,9 +284,10 @@ struct Service::Impl {
     error_code error;
     batch->stop();
     scans->stop();
+    exports->stop();
     asio::steady_timer pause(context);
     const auto deadline = std::chrono::steady_clock::now() + kStopPatience;
-    const auto busy = [this] { return scans->running_count() + batch->running_count() > 0; };
+    const auto busy = [this] { return scans->running_count() + batch->running_count() + exports->running_count() > 0; };
     while (busy() && std::chrono::steady_clock::now() < deadline) {
       pause.expires_after(kStopCheck);
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));

@@ -41,6 +41,7 @@ struct ServiceOptions {
   int max_upload_gb = 20;                    // one upload
   int uploads_per_token_gb = 20;             // all uploads of one token that are kept, 0: as much as there is
   int keep_upload_hours = 24;                // after something has happened with it
+  bool mesh_on_demand = false;               // the mesh of a scan is made when it is asked for, not when the scan has finished
   std::string log_format = "auto";           // auto, json or text
   std::string log_level = "info";            // debug, info, warn or error
   bool insecure_listen = false;              // allow other addresses than the loopback's, without TLS

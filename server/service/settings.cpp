@@ -76,6 +76,7 @@ const std::vector<Row>& rows() {
        "all uploads of one token without the scope admin that wait for their job; 0: as much as there is", 0, 1'000'000, "GB"},
       {"keep-uploads", &O::keep_upload_hours, "how long an upload waits to be gone on with, or for its failed job to be tried again", 1,
        720, "hours"},
+      {"mesh-on-demand", &O::mesh_on_demand, "make the mesh of a scan when somebody looks at it, and not as soon as it has finished"},
       {"log-format", &O::log_format, "of the lines on stderr; auto: text on a terminal, else JSON", 0, 0, "", {"auto", "json", "text"}},
       {"log-level", &O::log_level, "lines below it are left out", 0, 0, "", {"debug", "info", "warn", "error"}},
   };

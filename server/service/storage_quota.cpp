@@ -52,7 +52,7 @@ void StorageQuota::removed(const std::string& scan_id) {
   if (sizes_.ok()) sizes_->erase(scan_id);
 }
 
-void StorageQuota::scan_ended() {
+void StorageQuota::files_changed() {
   outdated_ = true;
   measure(Clock::now());
 }

@@ -41,7 +41,7 @@ class StorageQuota {
   bool has_limit() const { return limit_bytes_ > 0; }
 
   void removed(const std::string& scan_id);
-  void scan_ended();                 // it has written its results: they count soon
+  void files_changed();              // a scan has written results or an export: they count soon
   void tick(Clock::time_point now);  // now and then
 
  private:

@@ -1,4 +1,4 @@
-// The bulk results of scans: clouds, trajectories, reports and whatever a scan leaves behind for good, each under the scan's id and a name.
+// The bulk results of scans: clouds, trajectories, reports, exports and whatever a scan leaves behind, each under the scan's id and a name.
 // Kept in a folder (file_blobs.h) or, some day, in S3; what every implementation keeps is in tests/server/store/blobs_contract.h.
 //
 // Not here: frame logs and uploads. They grow by appending and are synced many times a second, what is acknowledged rests on them, and
@@ -9,8 +9,9 @@
 //   durable  What was put and returned well survives the death of the process, and that of the machine if its disk keeps its word.
 //   threads  Every call may come from every thread, and may block on a disk or a network.
 //
-// Put again under its name a blob is replaced; who reads one in pieces meanwhile may get some of both, so the blobs of a scan are put
-// before anybody is told that it has ended, and not again after that.
+// Put again under its name a blob is replaced; who reads one in pieces meanwhile may get some of both, so the results of a scan are put
+// before anybody is told that it has ended, and not again after that. Exports (server/exports) come later, each before anybody is told
+// that it is there, and not again while it is.
 #pragma once
 
 #include <cstdint>
@@ -42,6 +43,9 @@ class Blobs {
   virtual Result<std::string> read(const std::string& scan_id, const std::string& name, std::uint64_t offset, std::size_t max_bytes) = 0;
 
   virtual Result<std::uint64_t> size_bytes(const std::string& scan_id, const std::string& name) = 0;  // kNotFound
+
+  // Another one whenever a blob has been put again: an entity tag without its quotes, of [a-z0-9-]. kNotFound.
+  virtual Result<std::string> version(const std::string& scan_id, const std::string& name) = 0;
 
   virtual Result<std::vector<BlobInfo>> list(const std::string& scan_id) = 0;  // by name; empty: it has none
 

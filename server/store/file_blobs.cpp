@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <system_error>
@@ -32,11 +34,17 @@ Error cannot_open(const std::string& path, int error) {
 }
 
 // Of a regular file.
-Result<std::uint64_t> size_of(const OwnedDescriptor& file, const std::string& path) {
+Result<struct stat> status_of(const OwnedDescriptor& file, const std::string& path) {
   struct stat status {};
   if (fstat(file.descriptor, &status) != 0) return io_error("reading " + path, errno);
   if (!S_ISREG(status.st_mode)) return Error{ErrorCode::kNotFound, path + " is no file"};
-  return static_cast<std::uint64_t>(status.st_size);
+  return status;
+}
+
+Result<std::uint64_t> size_of(const OwnedDescriptor& file, const std::string& path) {
+  const Result<struct stat> status = status_of(file, path);
+  if (!status.ok()) return status.error();
+  return static_cast<std::uint64_t>(status->st_size);
 }
 
 // The name of a new folder is in its parent: that has to reach the disk, too.
@@ -89,6 +97,20 @@ Result<std::uint64_t> FileBlobs::size_bytes(const std::string& scan_id, const st
   const OwnedDescriptor file(open_blob(path));
   if (file.descriptor < 0) return cannot_open(path, errno);
   return size_of(file, path);
+}
+
+// A file that is put is a new one, whatever the clock says.
+Result<std::string> FileBlobs::version(const std::string& scan_id, const std::string& name) {
+  const std::string path = path_of(scan_id, name);
+  const OwnedDescriptor file(open_blob(path));
+  if (file.descriptor < 0) return cannot_open(path, errno);
+  const Result<struct stat> status = status_of(file, path);
+  if (!status.ok()) return status.error();
+  std::array<char, 96> text{};
+  std::snprintf(text.data(), text.size(), "%llx-%llx-%llx-%lx", static_cast<unsigned long long>(status->st_size),
+                static_cast<unsigned long long>(status->st_ino), static_cast<unsigned long long>(status->st_mtim.tv_sec),
+                static_cast<unsigned long>(status->st_mtim.tv_nsec));
+  return std::string(text.data());
 }
 
 Result<std::vector<BlobInfo>> FileBlobs::list(const std::string& scan_id) {

@@ -16,6 +16,7 @@ class FileBlobs : public Blobs {
   Status put(const std::string& scan_id, const std::string& name, const std::string& bytes) override;
   Result<std::string> read(const std::string& scan_id, const std::string& name, std::uint64_t offset, std::size_t max_bytes) override;
   Result<std::uint64_t> size_bytes(const std::string& scan_id, const std::string& name) override;
+  Result<std::string> version(const std::string& scan_id, const std::string& name) override;
   Result<std::vector<BlobInfo>> list(const std::string& scan_id) override;
   Status remove(const std::string& scan_id) override;
   Status remove(const std::string& scan_id, const std::string& name) override;

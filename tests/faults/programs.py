@@ -23,7 +23,7 @@ class Server:
         """`settings`: more arguments."""
         with socket.create_server(("127.0.0.1", 0)) as free:
             self.port = free.getsockname()[1]
-        self.command = [program, "serve", "--listen", f"127.0.0.1:{self.port}", "--data", data, *settings]
+        self.command = [program, "serve", "--listen", f"127.0.0.1:{self.port}", "--data", data, "--mesh-on-demand", *settings]
         self.log = open(data + ".server.log", "a+", encoding="utf-8")
         self.process = None
         self.url = None

@@ -15,6 +15,7 @@ inline ServiceOptions test_options(const std::string& data_folder) {
   options.data_folder = data_folder;
   options.stop_on_signals = false;
   options.min_free_disk_mb = 0;
+  options.mesh_on_demand = true;  // tests that look at meshes ask for them
   // All tests come from one address and are quicker than people; tests of limits set their own.
   options.max_connections = options.connections_per_address = options.connections_per_token = options.requests_per_second = 10'000;
   return options;

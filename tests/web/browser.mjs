@@ -46,22 +46,46 @@ export async function untilScan(page, words, limit_ms, condition) {
   }
 }
 
-// The middle of the picture, where no panel is: share of pixels brighter than the ground, and number of different colours.
-export async function lookAt(context, page) {
-  const png = await page.screenshot({ clip: { x: 60, y: 90, width: 940, height: 620 } });
+// Of the middle of the picture, where no panel is: what `look` makes of its pixels.
+async function inPixels(context, page, look) {
+  const png = await page.screenshot({ clip: { x: 60, y: 90, width: 940, height: 560 } });
   const canvas = await context.newPage();
   try {
-    return await canvas.evaluate(async (base64) => {
-      const image = new Image();
-      image.src = `data:image/png;base64,${base64}`;
-      await image.decode();
-      const drawing = Object.assign(document.createElement('canvas'), { width: image.width, height: image.height }).getContext('2d');
-      drawing.drawImage(image, 0, 0);
-      const pixels = new Uint32Array(drawing.getImageData(0, 0, image.width, image.height).data.buffer);
-      const bright = pixels.filter((p) => Math.max(p & 255, (p >> 8) & 255, (p >> 16) & 255) > 70).length;
-      return { brightShare: bright / pixels.length, colors: new Set(pixels).size };
-    }, png.toString('base64'));
+    return await canvas.evaluate(
+      async ([base64, body]) => {
+        const image = new Image();
+        image.src = `data:image/png;base64,${base64}`;
+        await image.decode();
+        const drawing = Object.assign(document.createElement('canvas'), { width: image.width, height: image.height }).getContext('2d');
+        drawing.drawImage(image, 0, 0);
+        return new Function('data', `return (${body})(data)`)(drawing.getImageData(0, 0, image.width, image.height));
+      },
+      [png.toString('base64'), look.toString()],
+    );
   } finally {
     await canvas.close();
   }
 }
+
+// Share of pixels brighter than the ground, number of different colours, and one number for all of it.
+export const lookAt = (context, page) =>
+  inPixels(context, page, (data) => {
+    const pixels = new Uint32Array(data.data.buffer);
+    const bright = pixels.filter((p) => Math.max(p & 255, (p >> 8) & 255, (p >> 16) & 255) > 70).length;
+    return { brightShare: bright / pixels.length, colors: new Set(pixels).size, hash: pixels.reduce((sum, p) => (Math.imul(sum, 31) + p) | 0, 7) };
+  });
+
+// The same, coarsely: red, green and blue of squares of 20 pixels, one after the other.
+export const brightnessOf = (context, page) =>
+  inPixels(context, page, ({ data, width, height }) => {
+    const square = 20;
+    const means = [];
+    for (let y = 0; y + square <= height; y += square)
+      for (let x = 0; x + square <= width; x += square)
+        for (let channel = 0; channel < 3; ++channel) {
+          let sum = 0;
+          for (let v = 0; v < square; ++v) for (let u = 0; u < square; ++u) sum += data[4 * ((y + v) * width + x + u) + channel];
+          means.push(sum / (square * square));
+        }
+    return means;
+  });

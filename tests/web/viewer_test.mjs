@@ -8,7 +8,7 @@ import { mkdir, mkdtemp, readFile, rm } from 'node:fs/promises';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
-import { lookAt, openBrowser, openPage, scanOf, untilScan } from './browser.mjs';
+import { brightnessOf, lookAt, openBrowser, openPage, scanOf, untilScan } from './browser.mjs';
 import { root, startServer, startStream } from './programs.mjs';
 
 const artifacts = path.join(root, 'tests/web/artifacts');
@@ -34,6 +34,8 @@ after(async () => {
 });
 
 const picture = (name) => viewer.page.screenshot({ path: path.join(artifacts, `${name}.png`) });
+// The choice between surface and points.
+const showAs = (page, name) => page.locator('.segments.show').getByText(name, { exact: true }).click();
 const stream = (options) => {
   const client = startStream(server, options);
   processes.push(client);
@@ -103,22 +105,97 @@ test('the picture shows the room, in the colours asked for', async () => {
   assert.ok(colored.colors > 1000, `${colored.colors} colours`);
   await picture('finished');
 
-  await page.getByText('Normals').click();
+  await page.getByText('Normals').filter({ visible: true }).click();
   await page.waitForTimeout(2000);
   const normals = await lookAt(browser.context, page);
   assert.ok(normals.brightShare > 0.1, `${normals.brightShare} of the picture is bright`);
   await picture('normals');
-  await page.getByText('Colour', { exact: true }).click();
+  await page.getByText('Colour', { exact: true }).filter({ visible: true }).click();
 });
 
-test('the cloud can be downloaded', async () => {
-  const download = viewer.page.waitForEvent('download');
-  await viewer.page.getByRole('button', { name: 'Download PLY' }).click();
-  const file = await download;
-  assert.equal(file.suggestedFilename(), 'Synthetic_room.ply');
-  const head = (await readFile(await file.path())).subarray(0, 2000).toString('latin1');
+test('the surface of a finished scan appears, and its points are a click away', { timeout: scan_ms }, async () => {
+  const { page } = viewer;
+  const scan = await untilScan(page, 'the surface is shown', scan_ms, (state) => state.mesh.state === 'shown');
+  assert.ok(scan.mesh.triangles > 10_000, `${scan.mesh.triangles} triangles`);
+  await page.getByLabel('Surface', { exact: true }).waitFor({ state: 'attached' });
+  await page.waitForTimeout(2000); // the eye comes to rest
+  const surface = await lookAt(browser.context, page);
+  assert.ok(surface.brightShare > 0.1, `${surface.brightShare} of the picture is bright`);
+  assert.ok(surface.colors > 1000, `${surface.colors} colours`);
+  await picture('surface');
+  await showAs(page, 'Points');
+  await page.waitForTimeout(1000);
+  const points = await lookAt(browser.context, page);
+  assert.notEqual(points.hash, surface.hash, 'points look different');
+  await page.reload();
+  await untilScan(page, 'the surface is loaded again', 60_000, (state) => state.mesh.state === 'shown');
+  assert.equal(await page.locator('input[name=show][value=points]').isChecked(), true, 'points stay chosen');
+  await showAs(page, 'Surface');
+  await page.waitForTimeout(1000);
+});
+
+test('the surface lies where the points lie', async () => {
+  const { page } = viewer;
+  await page.getByText('Normals').filter({ visible: true }).click();
+  await page.getByRole('button', { name: 'Show all' }).click();
+  await page.waitForTimeout(3000);
+  const surface = await brightnessOf(browser.context, page);
+  await showAs(page, 'Points');
+  await page.getByText('Normals').filter({ visible: true }).click();
+  await page.waitForTimeout(1000);
+  const points = await brightnessOf(browser.context, page);
+  const off = surface.reduce((sum, value, i) => sum + Math.abs(value - points[i]), 0) / surface.length;
+  assert.ok(off < 25, `seen from the same place they differ by ${off} of 255`);
+  await page.getByText('Colour', { exact: true }).filter({ visible: true }).click();
+  await showAs(page, 'Surface');
+});
+
+test('the cloud and the surface can be downloaded', { timeout: scan_ms }, async () => {
+  const { page } = viewer;
+  const take = async (name) => {
+    const download = page.waitForEvent('download', { timeout: 120_000 });
+    await page.getByRole('button', { name }).click();
+    const file = await download;
+    return { name: file.suggestedFilename(), bytes: await readFile(await file.path()) };
+  };
+  await page.getByRole('button', { name: 'Download', exact: true }).click();
+  const cloud = await take(/^PLY, with all/);
+  assert.equal(cloud.name, 'Synthetic_room-cloud.ply');
+  const head = cloud.bytes.subarray(0, 2000).toString('latin1');
   assert.match(head, /^ply\n/);
   assert.ok(Number(/element vertex (\d+)/.exec(head)[1]) > 1000, head);
+  const mesh = await take(/^GLB, opens nearly everywhere/); // which the server makes first
+  assert.equal(mesh.name, 'Synthetic_room-mesh.glb');
+  assert.equal(mesh.bytes.subarray(0, 4).toString('latin1'), 'glTF');
+  assert.equal(mesh.bytes.readUInt32LE(8), mesh.bytes.length, 'it is whole');
+  const gltf = JSON.parse(mesh.bytes.subarray(20, 20 + mesh.bytes.readUInt32LE(12)).toString());
+  assert.equal(gltf.asset.version, '2.0');
+  assert.ok(gltf.accessors[gltf.meshes[0].primitives[0].indices].count > 30_000, 'corners of triangles');
+  await picture('downloads');
+  await page.keyboard.press('Escape');
+  assert.equal(await page.locator('#downloads').isVisible(), false);
+});
+
+test('on a phone everything is within reach of a thumb', { timeout: 120_000 }, async () => {
+  const context = await browser.browser.newContext({ viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true });
+  const phone = await openPage(context, `${server.origin}/#token=${server.token}`);
+  await phone.page.getByRole('link', { name: title }).click();
+  await untilScan(phone.page, 'the surface is shown', 60_000, (state) => state.mesh.state === 'shown');
+  await phone.page.waitForTimeout(3000);
+  await phone.page.screenshot({ path: path.join(artifacts, 'phone.png') });
+  const inReach = async (name) => {
+    const box = await phone.page.getByRole('button', { name, exact: true }).boundingBox();
+    assert.ok(box.x >= 0 && box.x + box.width <= 390, `${name} is on the screen: ${JSON.stringify(box)}`);
+    assert.ok(box.height >= 44, `${name} is ${box.height} px high`);
+  };
+  for (const name of ['Share', 'Download', 'See inside', 'Show all']) await inReach(name);
+  await phone.page.getByRole('button', { name: 'Download', exact: true }).tap();
+  await phone.page.getByRole('button', { name: /^GLB, opens/ }).waitFor();
+  for (const row of await phone.page.locator('.download-row').all()) assert.ok((await row.boundingBox()).height >= 44);
+  await phone.page.screenshot({ path: path.join(artifacts, 'phone-downloads.png') });
+  await phone.page.getByRole('button', { name: 'Close the downloads' }).tap();
+  assert.deepEqual(phone.complaints, []);
+  await context.close();
 });
 
 test('a share link shows this scan and no other', { timeout: 120_000 }, async () => {
@@ -131,7 +208,7 @@ test('a share link shows this scan and no other', { timeout: 120_000 }, async ()
   const context = await browser.browser.newContext();
   const guest = await context.newPage();
   await guest.goto(link);
-  await untilScan(guest, 'the shared scan', 60_000, (scan) => scan.snapshotComplete && scan.points > 0);
+  await untilScan(guest, 'the shared scan with its surface', 60_000, (scan) => scan.snapshotComplete && scan.points > 0 && scan.mesh.state === 'shown');
   assert.ok(!guest.url().includes('hms_'), 'the secret leaves the address');
   assert.equal(await guest.getByRole('button', { name: 'Share' }).count(), 0);
   await guest.goto(`${server.origin}/#/`);

@@ -130,6 +130,24 @@ TEST_F(HttpTest, SendsTheFilesOfAScan) {
   EXPECT_THAT(get("/api/v1/scans/" + id_ + "/cloud.ply"), StartsWith("HTTP/1.1 401"));
 }
 
+TEST_F(HttpTest, SendsAPartOfAFile) {
+  const std::string path = "/api/v1/scans/" + id_ + "/cloud.ply";
+  const std::string part = get(path, with_token() + "Range: bytes=4-8\r\n");
+  EXPECT_THAT(part, StartsWith("HTTP/1.1 206"));
+  EXPECT_THAT(part, HasSubstr("Content-Length: 5\r\n"));
+  EXPECT_THAT(part, HasSubstr("Content-Range: bytes 4-8/10\r\n"));
+  EXPECT_THAT(part, testing::EndsWith("\r\n\r\npoint"));
+  EXPECT_THAT(get(path, with_token() + "Range: bytes=10-\r\n"), StartsWith("HTTP/1.1 416"));
+
+  const std::string head = request("HEAD", path, with_token());
+  const std::size_t tag = head.find("ETag: ");
+  ASSERT_NE(tag, std::string::npos) << head;
+  const std::string version = head.substr(tag + 6, head.find('\r', tag) - tag - 6);
+  EXPECT_THAT(get(path, with_token() + "Range: bytes=-2\r\nIf-Range: " + version + "\r\n"), testing::EndsWith("\r\n\r\nts"));
+  std::ofstream(folder_ / "data/scans/" + id_ + "/cloud.ply") << "ply other points";
+  EXPECT_THAT(get(path, with_token() + "Range: bytes=-2\r\nIf-Range: " + version + "\r\n"), testing::EndsWith("\r\n\r\nply other points"));
+}
+
 TEST_F(HttpTest, RemovesAScan) {
   EXPECT_THAT(request("DELETE", "/api/v1/scans/" + id_), StartsWith("HTTP/1.1 401"));
   EXPECT_THAT(request("DELETE", "/api/v1/scans/" + id_, with_token()), StartsWith("HTTP/1.1 200"));

@@ -10,9 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "core/digest/sha256.h"
+#include "server/exports/exports.h"
 #include "server/service/audience.h"
 #include "server/service/places.h"
 #include "server/service/storage_quota.h"
+#include "server/store/file_blobs.h"
 #include "server/store/scan_id.h"
 #include "server/store/sqlite_store.h"
 #include "tests/source_root/source_root.h"
@@ -123,8 +125,27 @@ class SharesTest : public testing::TestWithParam<Shared> {
       case Shared::kViewers: return watch(who);
       case Shared::kConnections: return view(who);
       case Shared::kRequests: return ask(who, "GET", "/api/v1/scans") == 200;
+      case Shared::kExports: return add_export(who);
     }
     return false;
+  }
+  // With threads that do nothing: what is asked for stays where it is.
+  bool add_export(Who who) {
+    if (!exports_) {
+      const auto never = [](std::function<void()>) {};
+      exports_ =
+          std::make_unique<Exports>(blobs_, Exports::Hooks{never, never,
+                                                           [](const std::string& id) {
+                                                             ScanRow row;
+                                                             row.id = id;
+                                                             row.phase = ScanPhase::kFinished;
+                                                             return Result<ScanRow>(row);
+                                                           },
+                                                           [](std::uint64_t) { return Status(Done{}); }, [] {}, [](const std::string&) {}});
+    }
+    const std::string scan = new_scan_id();
+    EXPECT_TRUE(blobs_.put(scan, "cloud.ply", "points").ok());
+    return exports_->request({scan, std::string(kViewerMesh), token_id(who), who == Who::kAdmin}).ok();
   }
   // In a store of its own: on the server jobs end as soon as they begin.
   bool add_job(Who who) {
@@ -153,6 +174,8 @@ class SharesTest : public testing::TestWithParam<Shared> {
   std::vector<std::unique_ptr<Viewer>> viewers_;
   StorageQuota::Sizes stored_;
   std::unique_ptr<SqliteStore> jobs_;
+  FileBlobs blobs_{folder_.path()};
+  std::unique_ptr<Exports> exports_;
 };
 
 TEST_P(SharesTest, WhoTakesAllThatOneTokenMayHaveKeepsNobodyElseFromIt) {

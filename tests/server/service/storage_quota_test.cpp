@@ -47,7 +47,7 @@ TEST_F(StorageQuotaTest, ScansUploadsAndWhatIsToComeMayTakeSoMuch) {
 TEST_F(StorageQuotaTest, WithoutALimitNobodyLooks) {
   StorageQuota quota = make(0);
   EXPECT_TRUE(quota.check(std::uint64_t{1} << 60, std::uint64_t{1} << 60).ok());
-  quota.scan_ended();
+  quota.files_changed();
   quota.tick(in(std::chrono::hours(1)));
   EXPECT_TRUE(background_.empty());
   EXPECT_EQ(measured_count_, 0);
@@ -70,10 +70,10 @@ TEST_F(StorageQuotaTest, LooksNowAndThenAndNeverOnTheNetworkThread) {
 
 TEST_F(StorageQuotaTest, AScanThatHasEndedCountsSoonEvenIfItEndsDuringALook) {
   StorageQuota quota = make(100'000'000);
-  quota.scan_ended();
+  quota.files_changed();
   run(background_);  // it had not written its results yet
   sizes_->emplace("c", 10'000'000);
-  quota.scan_ended();
+  quota.files_changed();
   run(network_);
   EXPECT_TRUE(quota.check(0, 1).ok());
   run(background_);

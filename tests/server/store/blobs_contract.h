@@ -44,6 +44,16 @@ TYPED_TEST_P(BlobsContract, ABlobComesBackAsItWasPut) {
   EXPECT_EQ(*this->blobs().size_bytes(this->scan_, "empty"), 0u);
 }
 
+TYPED_TEST_P(BlobsContract, AVersionIsOfOnePutAndStaysWhileNothingIsPut) {
+  ASSERT_TRUE(this->blobs().put(this->scan_, "cloud.ply", "points").ok());
+  const std::string first = *this->blobs().version(this->scan_, "cloud.ply");
+  EXPECT_THAT(first, testing::MatchesRegex("[a-z0-9-]+"));
+  EXPECT_EQ(*this->blobs().version(this->scan_, "cloud.ply"), first);
+  ASSERT_TRUE(this->blobs().put(this->scan_, "cloud.ply", "others").ok());
+  EXPECT_NE(*this->blobs().version(this->scan_, "cloud.ply"), first) << "of the same size";
+  EXPECT_EQ(this->blobs().version(this->scan_, "none").error().code, ErrorCode::kNotFound);
+}
+
 TYPED_TEST_P(BlobsContract, IsReadInPieces) {
   ASSERT_TRUE(this->blobs().put(this->scan_, "a", "0123456789").ok());
   const auto piece = [this](std::uint64_t offset, std::size_t max_bytes) {
@@ -138,8 +148,9 @@ TYPED_TEST_P(BlobsContract, IsWholeForWhoeverReadsWhileItIsReplaced) {
   EXPECT_EQ(this->blobs().list(this->scan_)->size(), 1u) << "nothing of the way there is left";
 }
 
-REGISTER_TYPED_TEST_SUITE_P(BlobsContract, ABlobComesBackAsItWasPut, IsReadInPieces, WhatIsNotThereIsNotFound, MoreThanIsAllowedIsNotRead,
-                            PutAgainItIsReplaced, AScanListsItsOwnByName, RemovesOneAndNothingElse, RemovesAllOfOneScanAndNothingElse,
-                            WhatWasPutSurvivesADeath, IsWholeForWhoeverReadsWhileItIsReplaced);
+REGISTER_TYPED_TEST_SUITE_P(BlobsContract, ABlobComesBackAsItWasPut, AVersionIsOfOnePutAndStaysWhileNothingIsPut, IsReadInPieces,
+                            WhatIsNotThereIsNotFound, MoreThanIsAllowedIsNotRead, PutAgainItIsReplaced, AScanListsItsOwnByName,
+                            RemovesOneAndNothingElse, RemovesAllOfOneScanAndNothingElse, WhatWasPutSurvivesADeath,
+                            IsWholeForWhoeverReadsWhileItIsReplaced);
 
 }  // namespace hermite::test

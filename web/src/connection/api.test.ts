@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { ApiError, fileNameOf, parseScans, shareLinkOf, withOlder, type ScanSummary } from './api';
+import { ApiError, fileNameOf, parseScans, refusalOf, shareLinkOf, withOlder, type ScanSummary } from './api';
 
 describe('parseScans', () => {
   it('lists the newest scan first', () => {
@@ -57,5 +57,12 @@ describe('fileNameOf', () => {
     expect(fileNameOf('../../etc/passwd')).toBe('etc_passwd');
     expect(fileNameOf('日本')).toBe('');
     expect(fileNameOf('a'.repeat(300))).toHaveLength(80);
+  });
+});
+
+describe('refusalOf', () => {
+  it('has the words of the server, else the status', () => {
+    expect(refusalOf('{"error": {"message": "the disk is full"}}', 507)).toBe('The server says: the disk is full.');
+    for (const body of ['', '<html>', '{}', 'null', '{"error": {"message": 3}}']) expect(refusalOf(body, 502)).toBe('The server answered with HTTP 502.');
   });
 });

@@ -2,7 +2,6 @@
 import type { ScanPhaseName } from './events';
 
 const listLimit_ms = 10_000;
-const downloadLimit_ms = 10 * 60_000;
 
 export interface ScanSummary {
   readonly id: string;
@@ -17,6 +16,7 @@ export class ApiError extends Error {
   constructor(
     message: string,
     readonly unauthorized: boolean,
+    readonly passing = false, // trying again may help
   ) {
     super(message);
   }
@@ -30,7 +30,7 @@ export interface ScanList {
 // The newest, or those next to a scan of that id.
 export async function fetchScans(token: string, olderThan = ''): Promise<ScanList> {
   const query = olderThan === '' ? '' : `?older-than=${encodeURIComponent(olderThan)}`;
-  const response = await request(`api/v1/scans${query}`, token, listLimit_ms);
+  const response = await request(`api/v1/scans${query}`, token, { limit_ms: listLimit_ms });
   return parseScans(await response.json());
 }
 
@@ -41,20 +41,19 @@ export function withOlder(newer: readonly ScanSummary[], known: readonly ScanSum
   return [...newer, ...known.filter((scan) => !ids.has(scan.id) && (scan.started?.getTime() ?? 0) <= last_ms)];
 }
 
-// Saves the file under a readable name. A link cannot carry the token, hence the detour over a blob.
-export async function downloadCloud(scan: { id: string; title: string }, token: string): Promise<void> {
-  const response = await request(`api/v1/scans/${encodeURIComponent(scan.id)}/cloud.ply`, token, downloadLimit_ms);
-  const url = URL.createObjectURL(await response.blob());
+// A link cannot carry the token, hence what is saved was fetched before.
+export function saveAs(blob: Blob, name: string): void {
+  const url = URL.createObjectURL(blob);
   const link = document.createElement('a');
   link.href = url;
-  link.download = `${fileNameOf(scan.title) || scan.id}.ply`;
+  link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(url), 60_000);
 }
 
 // The address of a new share link: whoever has it may look at this scan, and at nothing else, until it expires.
 export async function createShareLink(scanId: string, token: string): Promise<string> {
-  const response = await request(`api/v1/scans/${encodeURIComponent(scanId)}/shares`, token, listLimit_ms, 'POST');
+  const response = await request(`api/v1/scans/${encodeURIComponent(scanId)}/shares`, token, { limit_ms: listLimit_ms, method: 'POST' });
   return shareLinkOf(await response.json(), location);
 }
 
@@ -69,19 +68,45 @@ export function fileNameOf(title: string): string {
   return title.normalize('NFKD').replace(/[^A-Za-z0-9._-]+/g, '_').replace(/^[._]+|[._]+$/g, '').slice(0, 80);
 }
 
-export async function request(path: string, token: string, limit_ms: number, method = 'GET'): Promise<Response> {
+export interface Asking {
+  readonly limit_ms: number;
+  readonly method?: string;
+  readonly headers?: Readonly<Record<string, string>>;
+  readonly body?: string;
+  readonly signal?: AbortSignal; // somebody may want no answer any more
+}
+
+export async function request(path: string, token: string, { limit_ms, method = 'GET', headers = {}, body, signal }: Asking): Promise<Response> {
+  const limit = AbortSignal.timeout(limit_ms);
   let response: Response;
   try {
-    response = await fetch(path, { method, headers: { Authorization: `Bearer ${token}` }, signal: AbortSignal.timeout(limit_ms) });
+    response = await fetch(path, {
+      method,
+      headers: { Authorization: `Bearer ${token}`, ...headers },
+      signal: signal ? AbortSignal.any([limit, signal]) : limit,
+      ...(body === undefined ? {} : { body }),
+    });
   } catch {
-    throw new ApiError('The server cannot be reached.', false);
+    throw new ApiError('The server cannot be reached.', false, true);
   }
   if (response.status === 401) throw new ApiError('The server does not accept this access token.', true);
   if (response.status === 403) throw new ApiError('This access token does not allow that.', true);
-  if (response.status === 429) throw new ApiError('The server asks to wait a little.', false);
+  if (response.status === 429) throw new ApiError('The server asks to wait a little.', false, true);
   if (response.status === 404) throw new ApiError('The server does not have this.', false);
-  if (!response.ok) throw new ApiError(`The server answered with HTTP ${response.status}.`, false);
+  if (!response.ok) throw new ApiError(refusalOf(await response.text().catch(() => ''), response.status), false, response.status === 409 || response.status >= 500);
   return response;
+}
+
+// The server's own words, which name what is wrong and the limit.
+export function refusalOf(body: string, status: number): string {
+  try {
+    const json: unknown = JSON.parse(body);
+    const error = isRecord(json) ? json['error'] : null;
+    if (isRecord(error) && textOf(error['message'])) return `The server says: ${textOf(error['message'])}.`;
+  } catch {
+    // No JSON: a proxy has answered.
+  }
+  return `The server answered with HTTP ${status}.`;
 }
 
 // Rows that are not scans are left out.

@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { ApiError } from './api';
 import { jobWords } from '../state/words';
-import { parseJobs, refusalOf } from './jobs';
+import { parseJobs } from './jobs';
 
 describe('parseJobs', () => {
   it('keeps the order of the server and what it says', () => {
@@ -23,13 +23,6 @@ describe('parseJobs', () => {
 
   it('says so when the answer is no list', () => {
     for (const answer of [null, [], {}, { jobs: 3 }]) expect(() => parseJobs(answer)).toThrow(ApiError);
-  });
-});
-
-describe('refusalOf', () => {
-  it('has the words of the server, else the status', () => {
-    expect(refusalOf('{"error": {"message": "the disk is full"}}', 507)).toBe('The server says: the disk is full.');
-    for (const body of ['', '<html>', '{}', 'null', '{"error": {"message": 3}}']) expect(refusalOf(body, 502)).toBe('The server answered with HTTP 502.');
   });
 });
 

@@ -19,7 +19,7 @@ export interface Job {
 // Newest first. A token that only looks knows of none.
 export async function fetchJobs(token: string): Promise<Job[]> {
   try {
-    const response = await request('api/v1/jobs', token, limit_ms);
+    const response = await request('api/v1/jobs', token, { limit_ms });
     return parseJobs(await response.json());
   } catch (error) {
     if (error instanceof ApiError && error.unauthorized) return [];
@@ -28,11 +28,11 @@ export async function fetchJobs(token: string): Promise<Job[]> {
 }
 
 export async function cancelJob(id: string, token: string): Promise<void> {
-  await request(`api/v1/jobs/${encodeURIComponent(id)}`, token, limit_ms, 'DELETE');
+  await request(`api/v1/jobs/${encodeURIComponent(id)}`, token, { limit_ms, method: 'DELETE' });
 }
 
 export async function retryJob(id: string, token: string): Promise<void> {
-  await request(`api/v1/jobs/${encodeURIComponent(id)}/retry`, token, limit_ms, 'POST');
+  await request(`api/v1/jobs/${encodeURIComponent(id)}/retry`, token, { limit_ms, method: 'POST' });
 }
 
 // Rows that are not jobs are left out.
@@ -57,16 +57,4 @@ function jobOf(row: Record<string, unknown>): Job {
 
 function stateOf(value: unknown): JobState {
   return value === 'queued' || value === 'running' || value === 'finished' || value === 'failed' || value === 'cancelled' ? value : 'unknown';
-}
-
-// The server's own words, which name what is wrong and the limit.
-export function refusalOf(body: string, status: number): string {
-  try {
-    const json: unknown = JSON.parse(body);
-    const error = isRecord(json) ? json['error'] : null;
-    if (isRecord(error) && textOf(error['message'])) return `The server says: ${textOf(error['message'])}.`;
-  } catch {
-    // No JSON: a proxy has answered.
-  }
-  return `The server answered with HTTP ${status}.`;
 }

@@ -1,8 +1,7 @@
 // Sends a recording by tus 1.0.0 (https://tus.io/protocols/resumable-upload), and goes on where it was after a broken link, a restart of
 // the server or a reload of the page: which upload belongs to which file is noted in localStorage, how much of it arrived the server knows.
-import { ApiError, isRecord, textOf } from './api';
+import { ApiError, isRecord, refusalOf, textOf } from './api';
 import { backoffDelay_ms } from './backoff';
-import { refusalOf } from './jobs';
 
 const keyPrefix = 'hermite.upload.';
 const uploadsPath = 'api/v1/uploads';

@@ -1,15 +1,17 @@
 // The page of one scan: the picture fills it, the panels float above. Wires the connection, the ledger, the state and the scene together.
-import { ApiError, downloadCloud } from '../connection/api';
 import type { ScanEvent } from '../connection/events';
 import { ScanLink } from '../connection/link';
 import { ScanScene } from '../scene/scene';
 import { ChunkLedger } from '../state/chunk_ledger';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
+import { meshWords } from '../state/mesh';
 import { createStore, type Store } from '../state/store';
-import { initialViewOptions, reduceViewOptions, type ViewOptions } from '../state/view_options';
+import { initialViewOptions, reduceViewOptions, storedShow, storeShow, type ViewOptions } from '../state/view_options';
 import { emptyWords, phaseWords } from '../state/words';
 import { element, setText, type Panel } from './dom';
+import { downloadMenu } from './download_menu';
 import { statusMark } from './mark';
+import { watchMesh } from './mesh_watch';
 import { shareButton } from './share_button';
 import { statusPanel } from './status_panel';
 import { viewPanel } from './view_panel';
@@ -22,24 +24,29 @@ export interface ScanPage extends Panel {
 
 export function scanPage(scanId: string, token: string): ScanPage {
   const scan = createStore(initialLiveScan(scanId), reduceLiveScan);
-  const options = createStore<ViewOptions, Partial<ViewOptions>>(initialViewOptions, reduceViewOptions);
-  const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': 'The scan as a cloud of points. Arrow keys move, plus and minus zoom.' });
+  const options = createStore<ViewOptions, Partial<ViewOptions>>({ ...initialViewOptions, show: storedShow(localStorage) }, reduceViewOptions);
+  const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': 'The scan in three dimensions. Arrow keys move, plus and minus zoom.' });
   const stage = element('div', { class: 'stage' }, canvas);
   const empty = element('p', { class: 'empty', role: 'status' });
   const scene = openScene(canvas, () => options.dispatch({ follow: false }));
+  const note = element('p', { class: 'mesh-note', role: 'status' });
   const bar = titleBar(scan, token);
   const panels: Panel[] = [bar];
-  const node = element('main', { class: 'scan-page' }, stage, empty, bar.element);
+  const node = element('main', { class: 'scan-page' }, stage, empty, note, bar.element);
   if (scene) {
     panels.push(statusPanel(scan, () => scene.framesPerSecond()));
-    panels.push(viewPanel(options, () => frameAll(scene, options)));
+    panels.push(viewPanel(options, scan, () => frameAll(scene, options)));
     for (const panel of panels.slice(1)) node.append(panel.element);
   }
   const unsubscribers = [
     scan.subscribe((state) => showEmpty(empty, scene ? emptyWords(state) : 'This browser cannot show 3D pictures: it has no WebGL 2.')),
     options.subscribe((state) => scene?.onOptions(state)),
+    options.subscribe((state) => storeShow(localStorage, state.show)),
+    scan.subscribe((state) => showEmpty(note, meshWords(state.mesh, options.get().show === 'surface') || null)),
+    options.subscribe((state) => showEmpty(note, meshWords(scan.get().mesh, state.show === 'surface') || null)),
   ];
   const link = scene && new ScanLink({ scanId, token, onEvent: receiver(scan, scene) });
+  const mesh = scene && watchMesh(scan, scene, token);
   const onKey = (event: KeyboardEvent): void => shortcut(event, scene, options);
   document.addEventListener('keydown', onKey);
   return {
@@ -47,6 +54,7 @@ export function scanPage(scanId: string, token: string): ScanPage {
     scan,
     dispose() {
       document.removeEventListener('keydown', onKey);
+      mesh?.dispose();
       link?.close();
       for (const unsubscribe of unsubscribers) unsubscribe();
       for (const panel of panels) panel.dispose();
@@ -89,39 +97,32 @@ function openScene(canvas: HTMLCanvasElement, onTouched: () => void): ScanScene 
 function titleBar(scan: Store<LiveScan, LiveScanEvent>, token: string): Panel {
   const title = element('h1');
   const phase = statusMark();
-  const download = element('button', { type: 'button', class: 'button', title: 'Downloads the finished cloud as a PLY file' }, 'Download PLY');
+  const downloads = downloadMenu(scan, token);
   const problem = element('span', { class: 'problem', role: 'alert' });
-  download.addEventListener('click', () => void save(scan.get(), { token, download, problem }));
   const node = element(
     'header',
     { class: 'title-bar' },
-    element('a', { class: 'back', href: '#/' }, element('span', { 'aria-hidden': 'true' }, '←'), ' Scans'),
-    title,
-    phase.element,
+    element('a', { class: 'back', href: '#/', 'aria-label': 'All scans' }, element('span', { 'aria-hidden': 'true' }, '←'), element('span', { class: 'back-words' }, ' Scans')),
+    element('div', { class: 'heading' }, title, phase.element),
     element('span', { class: 'space' }),
     problem,
     token.startsWith(sharePrefix) ? null : shareButton(scan.get().scanId, token, problem),
-    download,
+    downloads.element,
   );
-  const dispose = scan.subscribe((state) => {
+  const unsubscribe = scan.subscribe((state) => {
     setText(title, state.title || 'Scan');
+    title.title = state.title;
     document.title = state.title ? `${state.title} – Hermite` : 'Hermite';
     phase.show(phaseWords(state.phase));
     phase.element.hidden = state.phase === 'unknown';
-    download.hidden = state.phase !== 'finished';
   });
-  return { element: node, dispose };
-}
-
-async function save(scan: LiveScan, ui: { token: string; download: HTMLButtonElement; problem: HTMLElement }): Promise<void> {
-  ui.download.disabled = true;
-  setText(ui.problem, '');
-  try {
-    await downloadCloud({ id: scan.scanId, title: scan.title }, ui.token);
-  } catch (error) {
-    setText(ui.problem, error instanceof ApiError ? error.message : 'The cloud could not be downloaded.');
-  }
-  ui.download.disabled = false;
+  return {
+    element: node,
+    dispose() {
+      unsubscribe();
+      downloads.dispose();
+    },
+  };
 }
 
 function frameAll(scene: ScanScene, options: Store<ViewOptions, Partial<ViewOptions>>): void {

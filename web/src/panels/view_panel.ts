@@ -1,16 +1,32 @@
-// How the scan is shown: colour, point size, what is seen through, who leads the eye.
-import { colorModes, pointSizeRange_mm, type ColorMode, type ViewOptions } from '../state/view_options';
+// How the scan is shown: surface or points, colour, point size, what is seen through, who leads the eye.
+import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
+import {
+  colorModes,
+  meshColors,
+  pointSizeRange_mm,
+  shownMeshColor,
+  shows,
+  type ColorMode,
+  type MeshColor,
+  type Show,
+  type ViewOptions,
+} from '../state/view_options';
 import { element, setText, type Panel } from './dom';
 
+const showLabels: Record<Show, string> = { surface: 'Surface', points: 'Points' };
 const colorLabels: Record<ColorMode, string> = { rgb: 'Colour', normal: 'Normals', confidence: 'Confidence' };
+const meshColorLabels: Record<MeshColor, string> = { shaded: 'Shaded', rgb: 'Colour', normal: 'Normals' };
 
-export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, frameAll: () => void): Panel {
-  const colors = colorModes.map((mode) => colorChoice(mode, () => options.dispatch({ color: mode })));
+export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, scan: Store<LiveScan, never>, frameAll: () => void): Panel {
+  const show = segments('show', 'What is shown', shows, showLabels, (chosen) => options.dispatch({ show: chosen }));
+  const colors = segments('color', 'Colour of the points', colorModes, colorLabels, (color) => options.dispatch({ color }));
+  const surface = segments('mesh-color', 'Colour of the surface', meshColors, meshColorLabels, (meshColor) => options.dispatch({ meshColor }));
   const size = element('input', { type: 'range', id: 'point-size', ...pointSizeRange_mm });
   const sizeText = element('output', { for: 'point-size' });
+  const slider = element('label', { class: 'slider', for: 'point-size' }, 'Size', size, sizeText);
   size.addEventListener('input', () => options.dispatch({ pointSize_mm: size.valueAsNumber }));
-  const inside = toggle('See inside', 'Hides surfaces seen from behind, so that walls do not cover the room', () =>
+  const inside = toggle('See inside', 'Makes what is seen from behind transparent, so that walls do not cover the room', () =>
     options.dispatch({ hideBacks: !options.get().hideBacks }),
   );
   const follow = toggle('Follow camera', 'Rides behind the scanning camera', () => options.dispatch({ follow: !options.get().follow }));
@@ -20,24 +36,63 @@ export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, fra
   const node = element(
     'section',
     { class: 'card view', 'aria-label': 'View' },
-    element('fieldset', { class: 'segments' }, element('legend', { class: 'unseen' }, 'Colour of the points'), ...colors.map((c) => c.label)),
-    element('label', { class: 'slider', for: 'point-size' }, 'Size', size, sizeText),
+    show.element,
+    surface.element,
+    colors.element,
+    slider,
     element('div', { class: 'buttons' }, inside, follow, frame),
   );
-  const unsubscribe = options.subscribe((state) => {
-    colors.forEach((choice, i) => (choice.input.checked = colorModes[i] === state.color));
+  const refresh = (): void => {
+    const state = options.get();
+    const { mesh, phase } = scan.get();
+    const there = mesh.state === 'shown';
+    const onSurface = there && state.show === 'surface';
+    show.element.hidden = !there;
+    show.check(state.show);
+    surface.element.hidden = !onSurface;
+    surface.check(shownMeshColor(state, there && mesh.textured));
+    colors.element.hidden = slider.hidden = onSurface;
+    colors.check(state.color);
     size.value = String(state.pointSize_mm);
     setText(sizeText, `${state.pointSize_mm} mm`);
     inside.setAttribute('aria-pressed', String(state.hideBacks));
     follow.setAttribute('aria-pressed', String(state.follow));
-  });
-  return { element: node, dispose: unsubscribe };
+    follow.hidden = phase === 'finished' || phase === 'interrupted' || phase === 'failed'; // nobody leads any more
+  };
+  const unsubscribers = [options.subscribe(refresh), scan.subscribe(refresh)];
+  return {
+    element: node,
+    dispose() {
+      for (const unsubscribe of unsubscribers) unsubscribe();
+    },
+  };
 }
 
-function colorChoice(mode: ColorMode, choose: () => void): { label: HTMLElement; input: HTMLInputElement } {
-  const input = element('input', { type: 'radio', name: 'color', value: mode });
-  input.addEventListener('change', choose);
-  return { label: element('label', {}, input, element('span', {}, colorLabels[mode])), input };
+interface Segments<Name extends string> {
+  readonly element: HTMLElement;
+  check(name: Name): void;
+}
+
+// One of a few.
+function segments<Name extends string>(
+  group: string,
+  legend: string,
+  names: readonly Name[],
+  labels: Record<Name, string>,
+  choose: (name: Name) => void,
+): Segments<Name> {
+  const inputs = names.map((name) => {
+    const input = element('input', { type: 'radio', name: group, value: name });
+    input.addEventListener('change', () => choose(name));
+    return input;
+  });
+  const choices = names.map((name, i) => element('label', {}, inputs[i]!, element('span', {}, labels[name])));
+  return {
+    element: element('fieldset', { class: `segments ${group}` }, element('legend', { class: 'unseen' }, legend), ...choices),
+    check(chosen) {
+      names.forEach((name, i) => (inputs[i]!.checked = name === chosen));
+    },
+  };
 }
 
 function toggle(text: string, title: string, flip: () => void): HTMLButtonElement {

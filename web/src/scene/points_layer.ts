@@ -18,6 +18,7 @@ export class PointsLayer implements Layer {
   private readonly material = new PointsMaterial({ faded: false });
   private readonly apartMaterial = new PointsMaterial({ faded: true });
   private readonly clouds = new Map<string, Cloud>();
+  private visible = true;
 
   constructor(private readonly submaps: SubmapsLayer) {}
 
@@ -28,6 +29,12 @@ export class PointsLayer implements Layer {
 
   onOptions(options: ViewOptions): void {
     for (const material of [this.material, this.apartMaterial]) material.show(options);
+  }
+
+  // Hidden clouds still have their boxes.
+  setVisible(visible: boolean): void {
+    this.visible = visible;
+    for (const { points } of this.clouds.values()) points.visible = visible;
   }
 
   onResize(size: ViewSize): void {
@@ -58,6 +65,7 @@ export class PointsLayer implements Layer {
     if (!points) return;
     const cloud = new Points(geometryOf(points), this.materialOf(key.submap));
     cloud.matrixAutoUpdate = false;
+    cloud.visible = this.visible;
     this.clouds.set(name, { points: cloud, submap: key.submap });
     this.submaps.groupOf(key.submap).add(cloud);
   }

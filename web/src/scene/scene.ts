@@ -1,5 +1,5 @@
 // The picture of one scan. Draws only when something changed: an idle page costs nothing.
-import { Color, Scene, WebGLRenderer } from 'three';
+import { Color, Mesh, Scene, WebGLRenderer, type Object3D } from 'three';
 import type { ScanEvent } from '../connection/events';
 import type { ViewOptions } from '../state/view_options';
 import { CameraRig } from './camera_rig';
@@ -7,6 +7,7 @@ import { framingOf } from './framing';
 import { FrustumLayer } from './frustum_layer';
 import { GridLayer } from './grid_layer';
 import type { Layer, ViewSize } from './layer';
+import { MeshLayer } from './mesh_layer';
 import { PointsLayer } from './points_layer';
 import { SubmapsLayer } from './submaps_layer';
 import { TrajectoryLayer } from './trajectory_layer';
@@ -24,10 +25,11 @@ export class ScanScene {
   private readonly rig: CameraRig;
   private readonly submaps = new SubmapsLayer();
   private readonly points = new PointsLayer(this.submaps);
+  private readonly mesh = new MeshLayer();
   private readonly frustum = new FrustumLayer();
   private readonly grid = new GridLayer();
   // What hangs on the submaps comes behind them.
-  private readonly layers: readonly Layer[] = [this.grid, this.submaps, this.points, new TrajectoryLayer(this.submaps), this.frustum];
+  private readonly layers: readonly Layer[] = [this.grid, this.submaps, this.points, this.mesh, new TrajectoryLayer(this.submaps), this.frustum];
   private readonly resizeObserver: ResizeObserver;
   private frameRequest = 0;
   private pause: ReturnType<typeof setTimeout> | undefined;
@@ -37,6 +39,7 @@ export class ScanScene {
   private last_ms = 0;
   private reframed_ms = 0;
   private grew = false;
+  private options: ViewOptions | null = null;
   private disposed = false;
 
   // Throws when the browser has no WebGL 2. `onTouched`: the viewer took the view into their own hands.
@@ -62,9 +65,22 @@ export class ScanScene {
   }
 
   onOptions(options: ViewOptions): void {
+    this.options = options;
     for (const layer of this.layers) layer.onOptions?.(options);
+    this.points.setVisible(!this.mesh.object.visible);
     this.rig.follow(options.follow);
     this.requestDraw();
+  }
+
+  // The surface of the scan, in glTF's frame; it is disposed of with the scene.
+  showMesh(root: Object3D): { readonly triangles: number; readonly textured: boolean } {
+    this.mesh.replace(root);
+    if (this.options) this.onOptions(this.options);
+    let triangles = 0;
+    root.traverse((object) => {
+      if (object instanceof Mesh) triangles += (object.geometry.index?.count ?? 0) / 3;
+    });
+    return { triangles, textured: this.mesh.isTextured };
   }
 
   frameAll(): void {

@@ -1,5 +1,6 @@
 // Everything that the panels say about one scan, as one value; points and poses themselves live in the scene.
 import type { FrameEvent, MapEventName, ScanEvent, ScanPhaseName, TrackingName } from '../connection/events';
+import { noMesh, type MeshState } from './mesh';
 
 export type ConnectionName = 'connecting' | 'open' | 'waiting' | 'closed';
 
@@ -34,12 +35,14 @@ export interface LiveScan {
   readonly problem: { readonly code: string; readonly message: string } | null;
   readonly failedChunks: number;
   readonly full: boolean; // the browser's point limit is reached
+  readonly mesh: MeshState; // the surface, of a scan that has ended
 }
 
 // What the scene and the ledger tell the state, besides the events of the connection.
 export type LiveScanEvent =
   | ScanEvent
-  | { readonly kind: 'content'; readonly points: number; readonly chunks: number; readonly full: boolean };
+  | { readonly kind: 'content'; readonly points: number; readonly chunks: number; readonly full: boolean }
+  | { readonly kind: 'mesh'; readonly mesh: MeshState };
 
 export function initialLiveScan(scanId: string): LiveScan {
   return {
@@ -73,6 +76,7 @@ export function initialLiveScan(scanId: string): LiveScan {
     problem: null,
     failedChunks: 0,
     full: false,
+    mesh: noMesh,
   };
 }
 
@@ -121,6 +125,8 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
       return { ...state, snapshotComplete: true };
     case 'content':
       return { ...state, points: event.points, chunks: event.chunks, full: event.full };
+    case 'mesh':
+      return { ...state, mesh: event.mesh };
     case 'submapPoses':
       return { ...state, submaps: event.poses.length, parts: new Set(event.poses.map((pose) => pose.part)).size };
     case 'chunk':

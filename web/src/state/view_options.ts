@@ -1,19 +1,47 @@
 // How the viewer wants to look at a scan.
 
-export const colorModes = ['rgb', 'normal', 'confidence'] as const;
+export const shows = ['surface', 'points'] as const;
+export type Show = (typeof shows)[number];
+
+export const colorModes = ['rgb', 'normal', 'confidence'] as const; // of points
 export type ColorMode = (typeof colorModes)[number];
+
+export const meshColors = ['shaded', 'rgb', 'normal'] as const;
+export type MeshColor = (typeof meshColors)[number];
 
 export const pointSizeRange_mm = { min: 1, max: 30, step: 1 } as const;
 
 export interface ViewOptions {
+  readonly show: Show; // the surface as soon as there is one
   readonly color: ColorMode;
+  readonly meshColor: MeshColor | null; // null: nobody has chosen
   readonly pointSize_mm: number;
-  readonly hideBacks: boolean; // points seen from behind: walls and ceilings stop hiding the room
+  readonly hideBacks: boolean; // what is seen from behind: walls and ceilings stop hiding the room
   readonly follow: boolean; // the view rides behind the scanning camera
 }
 
-export const initialViewOptions: ViewOptions = { color: 'rgb', pointSize_mm: 12, hideBacks: true, follow: false };
+export const initialViewOptions: ViewOptions = { show: 'surface', color: 'rgb', meshColor: null, pointSize_mm: 12, hideBacks: true, follow: false };
+
+// Light helps to see the shape where there are only colours of points; a picture on the surface has its own.
+export function shownMeshColor(options: ViewOptions, textured: boolean): MeshColor {
+  return options.meshColor ?? (textured ? 'rgb' : 'shaded');
+}
 
 export function reduceViewOptions(options: ViewOptions, change: Partial<ViewOptions>): ViewOptions {
   return { ...options, ...change };
+}
+
+// What stays chosen, also for other scans and after a reload.
+const storedAs = 'hermite.show';
+
+export function storedShow(storage: Pick<Storage, 'getItem'>): Show {
+  return storage.getItem(storedAs) === 'points' ? 'points' : 'surface';
+}
+
+export function storeShow(storage: Pick<Storage, 'setItem'>, show: Show): void {
+  try {
+    storage.setItem(storedAs, show);
+  } catch {
+    // A browser that keeps nothing.
+  }
 }

@@ -1,5 +1,6 @@
 // States and quantities in the words that a person reads. One word per thing: scan, frame, submap, point.
 import type { FrameEvent } from '../connection/events';
+import type { ScanExport } from '../connection/exports';
 import type { Job } from '../connection/jobs';
 import type { Progress } from '../connection/upload';
 import type { LiveScan } from './live_scan';
@@ -154,4 +155,43 @@ export function ago(then: Date, now: Date): string {
   const hours = Math.floor(minutes / 60);
   if (hours < 24) return hours === 1 ? 'an hour ago' : `${hours} hours ago`;
   return then.toLocaleDateString('en-GB', { day: 'numeric', month: 'long', year: 'numeric' });
+}
+
+export function kindWords(kind: string): string {
+  switch (kind) {
+    case 'mesh':
+      return 'Surface';
+    case 'cloud':
+      return 'Points';
+    case 'path':
+      return 'Camera';
+    case 'project':
+      return 'For other programs';
+    default:
+      return 'Other';
+  }
+}
+
+export function sizeWords(size_bytes: number): string {
+  if (size_bytes < 1000) return `${size_bytes} bytes`;
+  if (size_bytes < 999_500) return `${Math.round(size_bytes / 1000)} kB`;
+  return `${(size_bytes / 1e6).toFixed(size_bytes < 9_950_000 ? 1 : 0)} MB`;
+}
+
+// Behind the name of an export. `loaded_bytes`: how much of it has come, null when it is not being taken.
+export function exportWords(one: ScanExport, loaded_bytes: number | null): string {
+  const share = (done: number): string => `${Math.floor(100 * Math.min(1, done))} %`;
+  if (loaded_bytes !== null) return `Loading, ${share(loaded_bytes / Math.max(1, one.size_bytes))}`;
+  switch (one.state) {
+    case 'ready':
+      return sizeWords(one.size_bytes);
+    case 'running':
+      return one.done > 0 ? `Being made, ${share(one.done)}` : 'Being made';
+    case 'queued':
+      return one.words ? 'Waits for room on the disk' : 'Waits for its turn';
+    case 'failed':
+      return one.words ? `Failed: ${one.words}` : 'Failed';
+    case 'missing':
+      return 'Make it';
+  }
 }

@@ -1,0 +1,17 @@
+// Several files as one .zip, in memory: without compression, because what is packed here is images or is taken apart at once. Pure.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace hermite {
+
+using ZipEntries = std::vector<std::pair<std::string, std::string>>;  // name ("images/0.jpg") and bytes
+
+// Without times and owners: the same files give the same bytes. kTooLarge: 4 GiB or more; kIo: libarchive's words.
+Result<std::string> format_zip(const ZipEntries& entries);
+
+}  // namespace hermite

@@ -1,0 +1,103 @@
+// hermite-client download
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+
+#include "server/client/download.h"
+#include "server/client_commands.h"
+#include "server/net/tls.h"
+
+namespace hermite {
+
+namespace {
+
+struct DownloadArguments {
+  ServerArguments server;
+  std::string scan, format, out;
+};
+
+Result<DownloadTarget> download_target(const DownloadArguments& arguments) {
+  DownloadTarget target;
+  Result<ServerUrl> server = server_of(arguments.server);
+  if (!server.ok()) return server.error();
+  target.server = *std::move(server);
+  target.scan_id = arguments.scan;
+  target.format = arguments.format;
+  if (target.scan_id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789") != std::string::npos)
+    return Error{ErrorCode::kInvalidArgument, "SCAN is no id of a scan: it has characters of a-z and 0-9 alone"};
+  if (target.format.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") != std::string::npos)
+    return Error{ErrorCode::kInvalidArgument, "--format has other characters than a-z, 0-9 and -"};
+  if (!target.server.tls) return target;
+  Result<TlsContext> tls = client_tls(arguments.server.ca);
+  if (!tls.ok()) return tls.error();
+  target.tls = *std::move(tls);
+  return target;
+}
+
+int status_of_download(const Error& error) {
+  switch (error.code) {
+    case ErrorCode::kUnauthorized:
+    case ErrorCode::kBusy:
+    case ErrorCode::kInvalidArgument: return kRefused;
+    default: return kFailed;
+  }
+}
+
+int list_formats(const DownloadTarget& target) {
+  const Result<std::vector<ExportReport>> reports = export_reports(target);
+  if (!reports.ok()) return fail(status_of_download(reports.error()), reports.error().message);
+  for (const ExportReport& report : *reports)
+    std::cout << report.format << "  " << report.label << "  " << report.state
+              << (report.size_bytes > 0 ? " " + std::to_string(report.size_bytes) + " bytes" : "")
+              << (report.words.empty() ? "" : ": " + report.words) << '\n';
+  return 0;
+}
+
+// "SCAN-mesh.glb"
+std::string default_name(const DownloadTarget& target) {
+  const Result<std::vector<ExportReport>> reports = export_reports(target);
+  if (reports.ok())
+    for (const ExportReport& report : *reports)
+      if (report.format == target.format && report.file.find('/') == std::string::npos) return target.scan_id + "-" + report.file;
+  return target.scan_id + "-" + target.format;
+}
+
+int run_download(const DownloadArguments& arguments) {
+  const Result<DownloadTarget> target = download_target(arguments);
+  if (!target.ok()) return fail(kUsage, target.error().message);
+  if (arguments.format.empty()) return list_formats(*target);
+  count_interrupts();
+  InterruptCounter interrupts;
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  const auto show = [terminal](const std::string& words) {
+    if (terminal) std::cerr << '\r' << words << "\x1b[K" << std::flush;
+  };
+  DownloadObserver observer;
+  observer.on_state = [&show](const ExportReport& report) {
+    show(report.state + " " + std::to_string(static_cast<int>(100 * report.done)) + " % " + report.words);
+  };
+  observer.on_progress = [&show](std::uint64_t come_bytes, std::uint64_t total_bytes) {
+    show(std::to_string(come_bytes / 1'000'000) + " of " + std::to_string(total_bytes / 1'000'000) + " MB");
+  };
+  observer.interrupted = [&interrupts] { return interrupts.count() > 0; };
+  const Status done = download(*target, arguments.out.empty() ? default_name(*target) : arguments.out, observer);
+  show("");
+  return done.ok() ? 0 : fail(status_of_download(done.error()), done.error().message);
+}
+
+}  // namespace
+
+Command add_download_command(CLI::App& app) {
+  auto arguments = std::make_shared<DownloadArguments>();
+  CLI::App& command = *app.add_subcommand("download", "Take what a scan that has ended can be taken away as; the server makes it first");
+  command.add_option("SCAN", arguments->scan, "Id of the scan, as the viewer's address has it")->required();
+  command.add_option("--format", arguments->format, "glb, obj, las, ... (default: list what there is)");
+  command.add_option("--out", arguments->out, "The file (default: SCAN and the name of the file)");
+  add_server_options(command, arguments->server)->required();
+  return {&command, [arguments] { return run_download(*arguments); }};
+}
+
+}  // namespace hermite

@@ -1,0 +1,51 @@
+// Makes the bytes of an export out of the results of a scan: the work of a thread that nobody waits for.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "core/base/result.h"
+#include "core/dataset/trajectory.h"
+#include "core/export/formats.h"
+#include "core/output/cloud.h"
+#include "core/output/named_file.h"
+#include "core/output/triangle_mesh.h"
+#include "server/exports/export_offer.h"
+#include "server/store/blobs.h"
+
+namespace hermite {
+
+// A cloud of twenty million points; contouring takes several times its size of memory.
+inline constexpr std::uint64_t kMaxExportCloud_bytes = std::uint64_t{1} << 30;
+
+// Called from time to time with the share that is done; false: stop.
+using BuildProgress = std::function<bool(double done)>;
+
+// Keeps the mesh that it has made last: who wants one format of a scan often wants another. One thread at a time.
+class ExportBuilder {
+ public:
+  explicit ExportBuilder(Blobs& blobs) : blobs_(blobs) {}
+
+  // kNotFound: the scan has no cloud, or no trajectory; kInvalidArgument: its cloud has no points, or no surface; kTooLarge: more than
+  // kMaxExportCloud_bytes; kBusy: stopped; kCorruptData, kIo.
+  Result<std::string> build(const ExportOffer& offer, const std::string& scan_id, const BuildProgress& progress);
+
+  void forget() { mesh_.reset(); }  // gives the memory back
+
+ private:
+  struct KnownMesh {
+    std::string scan_id, source_version;
+    TriangleMesh mesh;
+  };
+  Result<Cloud> read_points(const std::string& scan_id, const std::string& name);
+  Result<Trajectory> read_path(const std::string& scan_id);
+  Result<NamedFiles> files_of(const ExportFormat& format, const std::string& scan_id, const BuildProgress& progress);
+  Status make_mesh(const std::string& scan_id, const BuildProgress& progress);
+
+  Blobs& blobs_;
+  std::optional<KnownMesh> mesh_;
+};
+
+}  // namespace hermite

@@ -1,0 +1,47 @@
+#include "server/exports/export_offer.h"
+
+#include <algorithm>
+#include <array>
+
+namespace hermite {
+
+namespace {
+
+constexpr const char* kGlbType = "model/gltf-binary";
+constexpr const char* kBytesType = "application/octet-stream";
+constexpr const char* kTextType = "text/plain; charset=utf-8";
+
+constexpr std::array kOffers = {
+    ExportOffer{"glb", "mesh.glb", kGlbType, "GLB, opens nearly everywhere", ExportKind::kMesh},
+    ExportOffer{kViewerMesh, "mesh.draco.glb", kGlbType, "GLB, small (Draco)", ExportKind::kMesh},
+    ExportOffer{"obj", "mesh-obj.zip", "application/zip", "OBJ", ExportKind::kMesh},
+    ExportOffer{"ply", "mesh.ply", kBytesType, "PLY", ExportKind::kMesh},
+    ExportOffer{"stl", "mesh.stl", "model/stl", "STL, for printing", ExportKind::kMesh},
+    ExportOffer{"cloud", "cloud.ply", kBytesType, "PLY, with all that is known", ExportKind::kCloud, true},
+    ExportOffer{"las", "cloud.las", "application/vnd.las", "LAS 1.4", ExportKind::kCloud},
+    ExportOffer{"points-glb", "points.glb", kGlbType, "GLB", ExportKind::kCloud},
+    ExportOffer{"splats", "splats.ply", kBytesType, "Gaussian splats", ExportKind::kCloud},
+    ExportOffer{"tum", "trajectory.txt", kTextType, "TUM", ExportKind::kPath, true},
+    ExportOffer{"kitti", "poses.kitti.txt", kTextType, "KITTI", ExportKind::kPath},
+    ExportOffer{"log", "trajectory.log", kTextType, "LOG, as Open3D has it", ExportKind::kPath},
+};
+
+}  // namespace
+
+const char* name_of(ExportKind kind) {
+  switch (kind) {
+    case ExportKind::kMesh: return "mesh";
+    case ExportKind::kCloud: return "cloud";
+    case ExportKind::kPath: return "path";
+  }
+  return "mesh";
+}
+
+std::span<const ExportOffer> export_offers() { return kOffers; }
+
+const ExportOffer* find_export_offer(std::string_view name) {
+  const auto found = std::find_if(kOffers.begin(), kOffers.end(), [name](const ExportOffer& offer) { return offer.name == name; });
+  return found == kOffers.end() ? nullptr : &*found;
+}
+
+}  // namespace hermite

@@ -1,0 +1,301 @@
+#include "server/exports/exports.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <exception>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include "core/base/check.h"
+#include "core/base/step_back.h"
+#include "core/output/ply.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr const char* kCloudName = "cloud.ply";
+constexpr const char* kTrajectoryName = "trajectory.txt";
+constexpr std::chrono::seconds kFirstRoomPause(5), kLongestRoomPause(3600);  // as of scans that are made again (scans_disk.cpp)
+constexpr std::chrono::minutes kKeepMesh(2);                                 // in memory, for another format of it
+constexpr std::chrono::seconds kSweepPeriod(5);  // of what waits for scans that are gone: each is asked for when its turn comes, too
+
+Error no_such_format(const std::string& name) {
+  std::string known;
+  for (const ExportOffer& format : export_offers()) known += (known.empty() ? "" : ", ") + std::string(format.name);
+  return {ErrorCode::kNotFound, "there is no format '" + name + "'; known are " + known};
+}
+
+}  // namespace
+
+const char* name_of(ExportPhase phase) {
+  switch (phase) {
+    case ExportPhase::kMissing: return "missing";
+    case ExportPhase::kQueued: return "queued";
+    case ExportPhase::kRunning: return "running";
+    case ExportPhase::kReady: return "ready";
+    case ExportPhase::kFailed: return "failed";
+  }
+  return "missing";
+}
+
+Exports::Exports(Blobs& blobs, Hooks hooks) : blobs_(blobs), hooks_(std::move(hooks)), builder_(blobs) {
+  hooks_.making([] { step_back(); });  // and with that thread those that it starts
+}
+
+Exports::~Exports() = default;
+
+Result<ScanRow> Exports::find_ended(const std::string& scan_id) const {
+  Result<ScanRow> row = hooks_.find(scan_id);
+  if (row.ok() && row->phase == ScanPhase::kRunning)
+    return Error{ErrorCode::kBusy, "scan " + scan_id + " is running: exports are made of scans that have ended"};
+  return row;
+}
+
+ExportState Exports::state_of(const Key& key, const ExportOffer& format, std::optional<std::uint64_t> size_bytes) const {
+  ExportState state;
+  state.format = &format;
+  if (running_ && running_->key == key && !running_->unwanted) {
+    state.phase = ExportPhase::kRunning;
+    state.done = running_->progress->done;
+  } else if (size_bytes) {
+    state.phase = ExportPhase::kReady;
+    state.size_bytes = *size_bytes;
+  } else if (const auto waiting = waiting_.find(key); waiting != waiting_.end()) {
+    state.phase = ExportPhase::kQueued;
+    state.words = waiting->second.words;
+  } else if (const auto failed = failed_.find(key); failed != failed_.end()) {
+    state.phase = ExportPhase::kFailed;
+    state.words = failed->second.words;
+  }
+  return state;
+}
+
+Result<std::vector<ExportState>> Exports::list(const std::string& scan_id) {
+  if (const Result<ScanRow> row = find_ended(scan_id); !row.ok()) return row.error();
+  const Result<std::vector<BlobInfo>> blobs = blobs_.list(scan_id);
+  if (!blobs.ok()) return blobs.error();
+  std::vector<ExportState> states;
+  for (const ExportOffer& format : export_offers()) {
+    const auto blob = std::find_if(blobs->begin(), blobs->end(), [&format](const BlobInfo& info) { return info.name == format.file; });
+    states.push_back(
+        state_of({scan_id, format.name}, format, blob == blobs->end() ? std::nullopt : std::optional<std::uint64_t>(blob->size_bytes)));
+  }
+  return states;
+}
+
+Result<ExportState> Exports::state(const std::string& scan_id, const std::string& name) {
+  if (const Result<ScanRow> row = find_ended(scan_id); !row.ok()) return row.error();
+  const ExportOffer* const format = find_export_offer(name);
+  if (!format) return no_such_format(name);
+  const Result<std::uint64_t> size_bytes = blobs_.size_bytes(scan_id, std::string(format->file));
+  if (!size_bytes.ok() && size_bytes.error().code != ErrorCode::kNotFound) return size_bytes.error();
+  return state_of({scan_id, format->name}, *format, size_bytes.ok() ? std::optional<std::uint64_t>(*size_bytes) : std::nullopt);
+}
+
+Status Exports::check_source(const std::string& scan_id, const ExportOffer& format) const {
+  const bool of_path = format.kind == ExportKind::kPath;
+  const std::string source = of_path ? kTrajectoryName : kCloudName;
+  const Result<std::uint64_t> size_bytes = blobs_.size_bytes(scan_id, source);
+  if (!size_bytes.ok())
+    return size_bytes.error().code == ErrorCode::kNotFound ? Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + source}
+                                                           : size_bytes.error();
+  if (!of_path && *size_bytes == format_ply({}).size())
+    return Error{ErrorCode::kInvalidArgument, "the cloud of scan " + scan_id + " has no points: there is nothing to export"};
+  return Done{};
+}
+
+Taken Exports::taken_by(const std::string& token_id) const {
+  Taken taken{static_cast<std::int64_t>(waiting_.size() + running_count()), 0};
+  for (const auto& [key, work] : waiting_) taken.own += work.token_id == token_id ? 1 : 0;
+  if (running_ && running_->work.token_id == token_id) ++taken.own;
+  return taken;
+}
+
+Status Exports::add(const ScanRow& scan, const ExportOffer& format, const ExportRequest& asker, bool asked_for) {
+  if (Status status = check_source(scan.id, format); !status.ok()) return status;
+  if (Status status = check_share(kExportShare, taken_by(asker.token_id), asker.is_admin, "exports that wait or are made"); !status.ok())
+    return status;
+  const Key key{scan.id, format.name};
+  failed_.erase(key);
+  waiting_[key] = {&format, asker.token_id, asked_for, scan.finished_at_ms, ++count_, {}, {}};
+  begin_next();
+  return Done{};
+}
+
+Status Exports::request(const ExportRequest& request) {
+  const Result<ScanRow> row = find_ended(request.scan_id);
+  if (!row.ok()) return row.error();
+  const Result<ExportState> now = state(request.scan_id, request.format);
+  if (!now.ok()) return now.error();
+  const Key key{request.scan_id, now->format->name};
+  if (const auto waiting = waiting_.find(key); waiting != waiting_.end()) waiting->second.asked_for = true;
+  const bool there = now->phase == ExportPhase::kReady || now->phase == ExportPhase::kQueued || now->phase == ExportPhase::kRunning;
+  if (there) return Done{};
+  if (now->format->is_result) return Error{ErrorCode::kNotFound, "scan " + request.scan_id + " has no " + std::string(now->format->file)};
+  if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
+  if (running_ && running_->key == key) return Error{ErrorCode::kBusy, "it is just being stopped; try again in a moment"};
+  return add(*row, *now->format, request, true);
+}
+
+void Exports::make_mesh(const ScanRow& scan) {
+  const ExportOffer* const format = find_export_offer(kViewerMesh);
+  CHECK(format, "the viewer's mesh is a format");
+  if (stopping_ || waiting_.contains({scan.id, format->name})) return;
+  if (const Status added = add(scan, *format, {scan.id, std::string(kViewerMesh), scan.token_id, false}, false); !added.ok())
+    spdlog::info("scan {}: its mesh is not made by itself: {}", scan.id, added.error().message);
+}
+
+Status Exports::remove(const std::string& scan_id, const std::string& name) {
+  const Result<ExportState> now = state(scan_id, name);
+  if (!now.ok()) return now.error();
+  if (now->format->is_result) return Error{ErrorCode::kInvalidArgument, name + " is a result of the scan and goes with it alone"};
+  const Key key{scan_id, now->format->name};
+  if (now->phase == ExportPhase::kMissing)
+    return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + std::string(now->format->file) + " and none is being made"};
+  failed_.erase(key);
+  waiting_.erase(key);
+  if (running_ && running_->key == key) {
+    running_->unwanted = true;
+    running_->progress->stopped = true;
+  }
+  return now->phase == ExportPhase::kReady ? blobs_.remove(scan_id, std::string(now->format->file)) : Status(Done{});
+}
+
+// A scan that was removed, or runs again to make its results anew, has none of those that an export was asked of.
+bool Exports::is_still_wanted(const Key& key, const Work& work) const {
+  const Result<ScanRow> row = hooks_.find(key.first);
+  if (!row.ok()) return row.error().code != ErrorCode::kNotFound;
+  return row->phase != ScanPhase::kRunning && row->finished_at_ms == work.ended_at_ms;
+}
+
+// What people have asked for first, then of the token whose last turn is the longest ago the oldest.
+std::map<Exports::Key, Exports::Work>::iterator Exports::next_of() {
+  const auto rank = [this](const Work& work) {
+    const auto turn = last_turn_.find(work.token_id);
+    return std::tuple(!work.asked_for, turn == last_turn_.end() ? 0 : turn->second, work.number);
+  };
+  auto next = waiting_.end();
+  for (auto entry = waiting_.begin(); entry != waiting_.end(); ++entry)
+    if (entry->second.begin_at <= now_ && (next == waiting_.end() || rank(entry->second) < rank(next->second))) next = entry;
+  return next;
+}
+
+void Exports::begin_next() {
+  while (!running_ && !stopping_) {
+    const auto next = next_of();
+    if (next == waiting_.end()) return;
+    auto taken = waiting_.extract(next);
+    if (is_still_wanted(taken.key(), taken.mapped())) begin(taken.key(), std::move(taken.mapped()));
+  }
+}
+
+void Exports::begin(const Key& key, Work work) {
+  if (last_turn_.size() > kMaxFailedExports) last_turn_.clear();  // tokens that were
+  last_turn_[work.token_id] = ++count_;
+  running_.emplace(Running{key, std::move(work)});
+  // About as large as what it is made of: more is seen when its bytes are known.
+  const Result<std::uint64_t> cloud_bytes = blobs_.size_bytes(key.first, kCloudName);
+  if (!cloud_bytes.ok()) return fail(cloud_bytes.error());
+  if (const Status room = hooks_.check_disk(*cloud_bytes); !room.ok()) return wait_for_room(room.error());
+  builder_keeps_ = true;
+  hooks_.making([this, scan_id = key.first, format = running_->work.format, progress = running_->progress] {
+    auto bytes = std::make_shared<Result<std::string>>(Error{});
+    try {
+      *bytes = builder_.build(*format, scan_id, [&progress](double done) {
+        progress->done = done;
+        return !progress->stopped;
+      });
+    } catch (const std::exception& error) {
+      *bytes = Error{ErrorCode::kIo, std::string("making it failed: ") + error.what()};  // out of memory, most likely
+    }
+    hooks_.network([this, bytes] { built(std::move(*bytes)); });
+  });
+}
+
+void Exports::built(Result<std::string> bytes) {
+  if (running_->unwanted || stopping_ || !is_still_wanted(running_->key, running_->work)) return end_running();
+  if (!bytes.ok()) return fail(bytes.error());
+  if (const Status room = hooks_.check_disk(bytes->size()); !room.ok()) return wait_for_room(room.error());
+  put(std::make_shared<const std::string>(*std::move(bytes)));
+}
+
+void Exports::put(const std::shared_ptr<const std::string>& bytes) {
+  hooks_.making([this, bytes, scan_id = running_->key.first, file = std::string(running_->work.format->file)] {
+    const Status put = blobs_.put(scan_id, file, *bytes);
+    hooks_.network([this, put, size_bytes = bytes->size()] { stored(put, size_bytes); });
+  });
+}
+
+void Exports::stored(const Status& put, std::uint64_t size_bytes) {
+  const auto& [scan_id, name] = running_->key;
+  const Result<ScanRow> row = hooks_.find(scan_id);
+  if (!row.ok() && row.error().code == ErrorCode::kNotFound) {
+    hooks_.remove_files_of_scan(scan_id);  // the scan was removed while this was written: its folder has come back
+  } else if (running_->unwanted || !is_still_wanted(running_->key, running_->work)) {
+    if (const Status removed = blobs_.remove(scan_id, std::string(running_->work.format->file)); !removed.ok())
+      spdlog::warn("scan {}: {}", scan_id, removed.error().message);
+  } else if (!put.ok()) {
+    return wait_for_room(put.error());
+  } else {
+    spdlog::info("scan {}: {} is made, {} bytes", scan_id, name, size_bytes);
+    hooks_.stored();
+  }
+  end_running();
+}
+
+// A disk is full for a while.
+void Exports::wait_for_room(const Error& why) {
+  Work work = std::move(running_->work);
+  work.words = why.message + "; it is tried again when there is room";
+  work.pause = std::clamp(2 * work.pause, kFirstRoomPause, kLongestRoomPause);
+  work.begin_at = now_ + work.pause;
+  spdlog::warn("scan {}: {} waits: {}", running_->key.first, running_->key.second, why.message);
+  const Key key = running_->key;
+  const bool wanted = !running_->unwanted && !stopping_;
+  end_running();
+  if (wanted) waiting_[key] = std::move(work);
+}
+
+void Exports::fail(const Error& why) {
+  spdlog::warn("scan {}: {} cannot be made: {}", running_->key.first, running_->key.second, why.message);
+  // Of what nobody has asked for it is no failure that there is nothing to make it of.
+  const bool nothing_to_make = why.code == ErrorCode::kInvalidArgument && !running_->work.asked_for;
+  if (!nothing_to_make) failed_[running_->key] = {why.message, ++count_};
+  if (failed_.size() > kMaxFailedExports)
+    failed_.erase(
+        std::min_element(failed_.begin(), failed_.end(), [](const auto& a, const auto& b) { return a.second.number < b.second.number; }));
+  end_running();
+}
+
+// The next one begins with a tick.
+void Exports::end_running() {
+  idle_since_ = now_;
+  running_.reset();
+}
+
+void Exports::tick(Clock::time_point now) {
+  now_ = now;
+  if (now - swept_at_ >= kSweepPeriod) {
+    swept_at_ = now;
+    std::erase_if(waiting_, [this](const auto& entry) { return !is_still_wanted(entry.first, entry.second); });
+  }
+  if (running_ && !is_still_wanted(running_->key, running_->work)) {
+    running_->unwanted = true;
+    running_->progress->stopped = true;
+  }
+  begin_next();
+  if (running_ || !builder_keeps_ || now - idle_since_ < kKeepMesh) return;
+  builder_keeps_ = false;
+  hooks_.making([this] { builder_.forget(); });
+}
+
+void Exports::stop() {
+  stopping_ = true;
+  waiting_.clear();
+  if (running_) running_->progress->stopped = true;
+}
+
+}  // namespace hermite

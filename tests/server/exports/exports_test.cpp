@@ -1,0 +1,308 @@
+// Who gets what, and when; what is left when something goes wrong. Real clouds and files; the threads are in the test's hands.
+#include "server/exports/exports.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <filesystem>
+#include <fstream>
+
+#include "core/output/ply.h"
+#include "core/output/ply_reader.h"
+#include "server/store/file_blobs.h"
+#include "server/store/scan_id.h"
+#include "tests/support/plane_cloud.h"
+#include "tests/support/temporary_folder.h"
+
+namespace hermite {
+namespace {
+
+using testing::HasSubstr;
+
+class ExportsTest : public testing::Test {
+ protected:
+  ExportsTest() { start(); }
+  // As a new server would.
+  void start() {
+    exports_.reset();
+    network_.clear();
+    making_.clear();
+    exports_ = std::make_unique<Exports>(
+        blobs_,
+        Exports::Hooks{[this](std::function<void()> action) { network_.push_back(std::move(action)); },
+                       [this](std::function<void()> action) { making_.push_back(std::move(action)); },
+                       [this](const std::string& id) -> Result<ScanRow> {
+                         const auto row = rows_.find(id);
+                         return row == rows_.end() ? Result<ScanRow>(Error{ErrorCode::kNotFound, "there is no scan " + id}) : row->second;
+                       },
+                       [this](std::uint64_t bytes) {
+                         return bytes > room_ ? Status(Error{ErrorCode::kBusy, "no room"}) : Done{};
+                       },
+                       [this] { ++stored_count_; }, [this](const std::string& id) { std::filesystem::remove_all(folder_ / id); }});
+    making_.pop_front();  // it would make this thread step back
+  }
+  std::string add_scan(const Cloud& cloud = test::plane_cloud(30), ScanPhase phase = ScanPhase::kFinished) {
+    ScanRow row;
+    row.id = new_scan_id();
+    row.phase = phase;
+    row.token_id = "owner";
+    row.finished_at_ms = 1000 + static_cast<std::int64_t>(rows_.size());
+    rows_[row.id] = row;
+    EXPECT_TRUE(blobs_.put(row.id, "cloud.ply", format_ply(cloud)).ok());
+    return row.id;
+  }
+  void remove_scan(const std::string& id) {
+    rows_.erase(id);
+    std::filesystem::remove_all(folder_ / id);
+  }
+  static void run_one(std::deque<std::function<void()>>& posted) {
+    const auto action = std::move(posted.front());
+    posted.pop_front();
+    action();
+  }
+  void make_one() { run_one(making_); }
+  void hear() {
+    while (!network_.empty()) run_one(network_);
+  }
+  void settle() {
+    for (;;) {
+      hear();
+      exports_->tick(now_);
+      if (making_.empty()) return;
+      make_one();
+    }
+  }
+  Status ask(const std::string& scan, const std::string& format, const std::string& token = "somebody", bool admin = false) {
+    return exports_->request({scan, format, token, admin});
+  }
+  ExportState state(const std::string& scan, const std::string& format) { return *exports_->state(scan, format); }
+  std::vector<std::string> files(const std::string& scan) {
+    std::vector<std::string> names;
+    if (std::filesystem::exists(folder_ / scan))
+      for (const auto& entry : std::filesystem::directory_iterator(folder_ / scan)) names.push_back(entry.path().filename());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  const test::TemporaryFolder folder_;
+  FileBlobs blobs_{folder_.path()};
+  std::map<std::string, ScanRow> rows_;
+  std::deque<std::function<void()>> network_, making_;
+  std::uint64_t room_ = 1'000'000'000;
+  int stored_count_ = 0;
+  Exports::Clock::time_point now_ = Exports::Clock::now();
+  std::unique_ptr<Exports> exports_;
+};
+
+TEST_F(ExportsTest, WhatIsAskedForIsMadeAndStaysOverARestart) {
+  const std::string scan = add_scan();
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kMissing);
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kRunning);
+  make_one();
+  EXPECT_GT(state(scan, "ply").done, 0.5);
+  settle();
+  const ExportState ready = state(scan, "ply");
+  EXPECT_EQ(ready.phase, ExportPhase::kReady);
+  const std::string bytes = *read_blob(blobs_, scan, "mesh.ply", 1 << 24);
+  EXPECT_EQ(ready.size_bytes, bytes.size());
+  EXPECT_GT(parse_ply(bytes)->triangles.size(), 100u);
+  EXPECT_EQ(stored_count_, 1);
+  start();
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kReady);
+}
+
+TEST_F(ExportsTest, TheSameTwiceIsMadeOnce) {
+  const std::string scan = add_scan();
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  EXPECT_EQ(exports_->waiting_count(), 0u);
+  settle();
+  const std::string version = *blobs_.version(scan, "mesh.ply");
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  settle();
+  EXPECT_EQ(*blobs_.version(scan, "mesh.ply"), version);
+  EXPECT_EQ(stored_count_, 1);
+}
+
+TEST_F(ExportsTest, ListsEveryFormatWithTheResultsOfTheScan) {
+  const std::string scan = add_scan();
+  const std::vector<ExportState> states = *exports_->list(scan);
+  ASSERT_EQ(states.size(), export_offers().size());
+  for (const ExportState& one : states)
+    EXPECT_EQ(one.phase, one.format->file == "cloud.ply" ? ExportPhase::kReady : ExportPhase::kMissing) << one.format->name;
+}
+
+TEST_F(ExportsTest, WhatCannotBeIsSaidInWords) {
+  const std::string scan = add_scan(), empty = add_scan({}), running = add_scan(test::plane_cloud(3), ScanPhase::kRunning);
+  EXPECT_EQ(ask(new_scan_id(), "ply").error().code, ErrorCode::kNotFound);
+  EXPECT_THAT(ask(scan, "fbx").error().message, HasSubstr("there is no format 'fbx'; known are "));
+  EXPECT_EQ(ask(running, "ply").error().code, ErrorCode::kBusy);
+  EXPECT_THAT(ask(running, "ply").error().message, HasSubstr("is running"));
+  EXPECT_EQ(exports_->list(running).error().code, ErrorCode::kBusy);
+  EXPECT_EQ(ask(empty, "ply").error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(ask(empty, "ply").error().message, HasSubstr("no points"));
+  ASSERT_TRUE(blobs_.remove(scan, "cloud.ply").ok());
+  EXPECT_EQ(ask(scan, "ply").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(ask(scan, "cloud").error().code, ErrorCode::kNotFound) << "it is not made of anything";
+  EXPECT_EQ(exports_->remove(scan, "ply").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(exports_->remove(empty, "cloud").error().code, ErrorCode::kInvalidArgument) << "a result is no export";
+  EXPECT_TRUE(making_.empty());
+}
+
+TEST_F(ExportsTest, OneThatHasFailedSaysWhyAndMayBeAskedForAgain) {
+  const std::string scan = add_scan();
+  ASSERT_TRUE(blobs_.put(scan, "cloud.ply", "ply points").ok());
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  settle();
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kFailed);
+  EXPECT_THAT(state(scan, "ply").words, HasSubstr("cloud.ply"));
+  EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
+  ASSERT_TRUE(blobs_.put(scan, "cloud.ply", format_ply(test::plane_cloud(30))).ok());
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  settle();
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kReady);
+}
+
+TEST_F(ExportsTest, OneThatIsStoppedOrRemovedLeavesNothing) {
+  const std::string scan = add_scan();
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  ASSERT_TRUE(exports_->remove(scan, "ply").ok());
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kMissing);
+  EXPECT_EQ(ask(scan, "ply").error().code, ErrorCode::kBusy) << "its thread has not heard of it yet";
+  settle();
+  EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
+
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  make_one();
+  hear();  // its bytes are to be written
+  ASSERT_TRUE(exports_->remove(scan, "ply").ok());
+  settle();
+  EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
+
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  settle();
+  ASSERT_TRUE(exports_->remove(scan, "ply").ok());
+  EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kMissing);
+}
+
+TEST_F(ExportsTest, AScanThatIsRemovedMeanwhileDoesNotComeBack) {
+  const std::string scan = add_scan(), other = add_scan();
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  ASSERT_TRUE(ask(scan, "glb").ok());
+  remove_scan(scan);
+  settle();
+  EXPECT_TRUE(files(scan).empty());
+  EXPECT_EQ(exports_->waiting_count(), 0u);
+
+  ASSERT_TRUE(ask(other, "ply").ok());
+  make_one();
+  hear();
+  remove_scan(other);
+  make_one();  // writes, and makes the folder again
+  EXPECT_FALSE(files(other).empty());
+  settle();
+  EXPECT_TRUE(files(other).empty());
+}
+
+TEST_F(ExportsTest, OfAScanThatIsMadeAnewNothingOldIsKept) {
+  const std::string scan = add_scan();
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  make_one();
+  rows_[scan].finished_at_ms += 1;
+  settle();
+  EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
+}
+
+TEST_F(ExportsTest, ADiskWithoutRoomIsWaitedFor) {
+  const std::string scan = add_scan();
+  room_ = 10;
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  settle();
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kQueued);
+  EXPECT_THAT(state(scan, "ply").words, HasSubstr("no room; it is tried again when there is room"));
+  room_ = *blobs_.size_bytes(scan, "cloud.ply");  // for that, and not for the mesh
+  now_ += std::chrono::seconds(6);
+  settle();
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kQueued);
+  EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
+  room_ = 1'000'000'000;
+  settle();
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kQueued) << "not at once: twice as long";
+  now_ += std::chrono::seconds(11);
+  settle();
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kReady);
+}
+
+TEST_F(ExportsTest, ADiskThatTakesNothingIsWaitedForAndOthersGoOn) {
+  const std::string scan = add_scan(), other = add_scan();
+  std::filesystem::create_directory(folder_ / scan + "/mesh.ply");  // nothing can be put there
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  ASSERT_TRUE(ask(other, "ply").ok());
+  settle();
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kQueued);
+  EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply", "mesh.ply")) << "nothing unfinished";
+  EXPECT_EQ(state(other, "ply").phase, ExportPhase::kReady);
+  std::filesystem::remove(folder_ / scan + "/mesh.ply");
+  now_ += std::chrono::seconds(6);
+  settle();
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kReady);
+}
+
+TEST_F(ExportsTest, TokensTakeTurnsAndMeshesThatNobodyAskedForComeLast) {
+  const std::string scan = add_scan(), finished = add_scan(), first = add_scan(), second = add_scan();
+  ASSERT_TRUE(ask(scan, "ply", "greedy").ok());  // begins at once
+  exports_->make_mesh(rows_[finished]);
+  ASSERT_TRUE(ask(first, "ply", "greedy").ok());
+  ASSERT_TRUE(ask(second, "ply", "other").ok());
+  std::vector<std::string> order;
+  while (!making_.empty()) {
+    for (const std::string& id : {scan, finished, first, second})
+      if (state(id, id == finished ? std::string(kViewerMesh) : "ply").phase == ExportPhase::kRunning &&
+          (order.empty() || order.back() != id))
+        order.push_back(id);
+    make_one();
+    hear();
+    exports_->tick(now_);
+  }
+  EXPECT_THAT(order, testing::ElementsAre(scan, second, first, finished));
+}
+
+TEST_F(ExportsTest, SoManyMayWaitAndNoMore) {
+  const auto take = [this](const std::string& token, bool admin) { return ask(add_scan(test::plane_cloud(2)), "ply", token, admin).ok(); };
+  int taken = 0;
+  while (taken < 100 && take("greedy", false)) ++taken;
+  EXPECT_EQ(taken, kExportShare.per_token);
+  while (taken < 100 && take("token" + std::to_string(taken), false)) ++taken;
+  EXPECT_EQ(taken, kExportShare.in_all - kExportShare.for_admins);
+  exports_->make_mesh(rows_[add_scan()]);
+  while (taken < 100 && take("admin", true)) ++taken;
+  EXPECT_EQ(taken, kExportShare.in_all);
+}
+
+TEST_F(ExportsTest, TheMeshOfAFinishedScanIsMadeByItself) {
+  const std::string scan = add_scan(), empty = add_scan({}), few = add_scan(test::plane_cloud(1));
+  for (const std::string& id : {scan, empty, few}) exports_->make_mesh(rows_[id]);
+  settle();
+  EXPECT_EQ(state(scan, std::string(kViewerMesh)).phase, ExportPhase::kReady);
+  EXPECT_EQ(state(empty, std::string(kViewerMesh)).phase, ExportPhase::kMissing);
+  EXPECT_EQ(state(few, std::string(kViewerMesh)).phase, ExportPhase::kMissing) << "nobody has asked: it is no failure";
+}
+
+TEST_F(ExportsTest, AServerThatStopsBeginsNothingAndLeavesNothing) {
+  const std::string scan = add_scan(), other = add_scan();
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  ASSERT_TRUE(ask(other, "ply").ok());
+  exports_->stop();
+  EXPECT_EQ(ask(other, "glb").error().code, ErrorCode::kBusy);
+  settle();
+  EXPECT_EQ(exports_->running_count(), 0u);
+  EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply"));
+  start();
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kMissing);
+}
+
+}  // namespace
+}  // namespace hermite

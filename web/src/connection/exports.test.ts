@@ -1,0 +1,70 @@
+import { afterEach, describe, expect, it, vi } from 'vitest';
+import { ApiError } from './api';
+import { fetchExport, parseExports, requestExport } from './exports';
+
+afterEach(() => vi.unstubAllGlobals());
+
+describe('parseExports', () => {
+  it('reads every entry, and what it does not know as missing', () => {
+    const [glb, odd] = parseExports({
+      exports: [
+        { format: 'glb', kind: 'mesh', label: 'Mesh, GLB', file: 'mesh.glb', state: 'running', bytes: 0, done: 0.25, words: '' },
+        { format: 'odd', state: 'sleeping', bytes: 'many', done: 7 },
+        { state: 'ready' },
+        3,
+      ],
+    });
+    expect(glb).toEqual({ format: 'glb', kind: 'mesh', label: 'Mesh, GLB', file: 'mesh.glb', state: 'running', size_bytes: 0, done: 0.25, words: '' });
+    expect(odd).toEqual({ format: 'odd', kind: '', label: 'odd', file: 'odd', state: 'missing', size_bytes: 0, done: 1, words: '' });
+  });
+  it('does not take anything else for a list', () => {
+    for (const json of [null, [], {}, { exports: 3 }]) expect(() => parseExports(json)).toThrow(ApiError);
+  });
+});
+
+describe('requestExport', () => {
+  it('sends the format and gives back its state', async () => {
+    const sent: [string, RequestInit][] = [];
+    vi.stubGlobal('fetch', async (path: string, init: RequestInit) => {
+      sent.push([path, init]);
+      return new Response('{"format": "glb", "state": "queued"}', { status: 202 });
+    });
+    expect((await requestExport('a/b', 'glb', 't')).state).toBe('queued');
+    expect(sent[0]![0]).toBe('api/v1/scans/a%2Fb/exports');
+    expect(sent[0]![1].body).toBe('{"format":"glb"}');
+    expect(sent[0]![1].method).toBe('POST');
+  });
+  it('tells a server that is busy from one that says no', async () => {
+    vi.stubGlobal('fetch', async () => new Response('', { status: 503 }));
+    await expect(requestExport('a', 'glb', 't')).rejects.toMatchObject({ passing: true });
+    vi.stubGlobal('fetch', async () => new Response('', { status: 403 }));
+    await expect(requestExport('a', 'glb', 't')).rejects.toMatchObject({ passing: false, unauthorized: true });
+  });
+});
+
+describe('fetchExport', () => {
+  it('tells how much has come and gives all of it', async () => {
+    const body = new ReadableStream<Uint8Array>({
+      start(controller) {
+        controller.enqueue(new Uint8Array([1, 2, 3]));
+        controller.enqueue(new Uint8Array([4]));
+        controller.close();
+      },
+    });
+    vi.stubGlobal('fetch', async () => new Response(body, { headers: { 'Content-Type': 'model/gltf-binary' } }));
+    const told: number[] = [];
+    const blob = await fetchExport('a', 'glb', 't', (loaded_bytes) => told.push(loaded_bytes));
+    expect(told).toEqual([3, 4]);
+    expect(blob.type).toBe('model/gltf-binary');
+    expect([...new Uint8Array(await blob.arrayBuffer())]).toEqual([1, 2, 3, 4]);
+  });
+  it('says when it was cut off', async () => {
+    const body = new ReadableStream<Uint8Array>({
+      pull(controller) {
+        controller.error(new Error('reset'));
+      },
+    });
+    vi.stubGlobal('fetch', async () => new Response(body));
+    await expect(fetchExport('a', 'glb', 't', () => {})).rejects.toThrow('The download was cut off.');
+  });
+});

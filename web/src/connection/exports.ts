@@ -1,0 +1,76 @@
+// What a scan that has ended can be taken away as: the list, asking for one, and taking it.
+import { ApiError, isRecord, numberOf, request, textOf } from './api';
+
+const limit_ms = 10_000;
+const downloadLimit_ms = 30 * 60_000;
+const jsonType = { 'Content-Type': 'application/json' };
+
+export const viewerMesh = 'glb-draco'; // the server's kViewerMesh
+
+export const exportStates = ['missing', 'queued', 'running', 'ready', 'failed'] as const;
+export type ExportStateName = (typeof exportStates)[number];
+
+export interface ScanExport {
+  readonly format: string;
+  readonly kind: string; // mesh, cloud, path
+  readonly label: string;
+  readonly file: string; // with its ending
+  readonly state: ExportStateName;
+  readonly size_bytes: number; // of one that is ready
+  readonly done: number; // share, of one that is made
+  readonly words: string; // why it has failed, or still waits
+}
+
+const pathOf = (scanId: string): string => `api/v1/scans/${encodeURIComponent(scanId)}/exports`;
+
+export async function fetchExports(scanId: string, token: string): Promise<ScanExport[]> {
+  const response = await request(pathOf(scanId), token, { limit_ms });
+  return parseExports(await response.json());
+}
+
+// As it is now: queued, running, or ready already.
+export async function requestExport(scanId: string, format: string, token: string): Promise<ScanExport> {
+  const response = await request(pathOf(scanId), token, { limit_ms, method: 'POST', headers: jsonType, body: JSON.stringify({ format }) });
+  const json: unknown = await response.json();
+  if (!isRecord(json)) throw new ApiError('The server’s answer cannot be read.', false);
+  return exportOf(json);
+}
+
+// `progress` is told the bytes that have come.
+export async function fetchExport(scanId: string, format: string, token: string, progress: (loaded_bytes: number) => void, signal?: AbortSignal): Promise<Blob> {
+  const response = await request(`${pathOf(scanId)}/${encodeURIComponent(format)}`, token, { limit_ms: downloadLimit_ms, ...(signal ? { signal } : {}) });
+  const reader = response.body?.getReader();
+  if (!reader) return response.blob();
+  const pieces: Uint8Array<ArrayBuffer>[] = [];
+  let loaded_bytes = 0;
+  for (;;) {
+    const { done, value } = await reader.read().catch(() => {
+      throw new ApiError('The download was cut off.', false, true);
+    });
+    if (done) break;
+    pieces.push(value as Uint8Array<ArrayBuffer>);
+    progress((loaded_bytes += value.length));
+  }
+  return new Blob(pieces, { type: response.headers.get('Content-Type') ?? '' });
+}
+
+// Entries that cannot be read are left out.
+export function parseExports(json: unknown): ScanExport[] {
+  const rows = isRecord(json) && Array.isArray(json['exports']) ? json['exports'] : null;
+  if (!rows) throw new ApiError('The server’s list of exports cannot be read.', false);
+  return rows.filter(isRecord).filter((row) => textOf(row['format']) !== '').map(exportOf);
+}
+
+function exportOf(row: Record<string, unknown>): ScanExport {
+  const state = exportStates.find((name) => name === row['state']) ?? 'missing';
+  return {
+    format: textOf(row['format']),
+    kind: textOf(row['kind']),
+    label: textOf(row['label']) || textOf(row['format']),
+    file: textOf(row['file']) || textOf(row['format']),
+    state,
+    size_bytes: numberOf(row['bytes']) ?? 0,
+    done: Math.min(1, Math.max(0, numberOf(row['done']) ?? 0)),
+    words: textOf(row['words']),
+  };
+}

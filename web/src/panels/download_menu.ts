@@ -1,0 +1,164 @@
+// Everything that a finished scan can be taken away as. What is not there yet is made by the server first; who has asked for it gets it when it is ready.
+import { ApiError, fileNameOf, saveAs } from '../connection/api';
+import { fetchExport, fetchExports, requestExport, type ScanExport } from '../connection/exports';
+import type { LiveScan } from '../state/live_scan';
+import type { Store } from '../state/store';
+import { exportWords, kindWords, sizeWords } from '../state/words';
+import { element, setText, type Panel } from './dom';
+
+const pollEvery_ms = 1_500;
+
+interface Row {
+  readonly element: HTMLButtonElement;
+  show(one: ScanExport): void;
+}
+
+export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel {
+  const button = element('button', { type: 'button', class: 'button', 'aria-expanded': 'false', 'aria-controls': 'downloads' }, 'Download');
+  const words = element('p', { class: 'notice', role: 'status' });
+  const list = element('div', { class: 'download-list' });
+  const close = element('button', { type: 'button', class: 'button close', 'aria-label': 'Close the downloads' }, 'Close');
+  const menu = element('section', { id: 'downloads', class: 'card downloads', 'aria-label': 'Downloads' }, element('h2', {}, 'Download'), close, words, list);
+  const node = element('div', { class: 'download' }, button, menu);
+  const { scanId } = scan.get();
+  const rows = new Map<string, Row>();
+  const wanted = new Set<string>(); // formats that are taken as soon as they are ready
+  const loaded_bytes = new Map<string, number>(); // of those that are just taken
+  let exports: readonly ScanExport[] = [];
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let disposed = false;
+  menu.hidden = true;
+
+  const say = (text: string): void => {
+    words.hidden = text === '';
+    setText(words, text);
+  };
+  const show = (): void => {
+    if (exports.some((one) => !rows.has(one.format))) build();
+    for (const one of exports) rows.get(one.format)?.show(one);
+  };
+  const build = (): void => {
+    rows.clear();
+    const kinds = [...new Set(exports.map((one) => one.kind))];
+    list.replaceChildren(
+      ...kinds.map((kind) =>
+        element('div', { class: 'download-kind' }, element('h3', {}, kindWords(kind)), ...exports.filter((one) => one.kind === kind).map((one) => addRow(one).element)),
+      ),
+    );
+  };
+  const addRow = (one: ScanExport): Row => {
+    const row = rowOf(one.label, () => void take(one.format), (now) => exportWords(now, loaded_bytes.get(now.format) ?? null));
+    rows.set(one.format, row);
+    return row;
+  };
+  const attempt = async (work: () => Promise<void>): Promise<void> => {
+    try {
+      await work();
+    } catch (error) {
+      say(error instanceof ApiError ? error.message : 'That did not work.');
+    }
+    if (!disposed) show();
+  };
+  const put = (one: ScanExport): void => {
+    exports = exports.map((old) => (old.format === one.format ? one : old));
+  };
+  const take = (format: string): Promise<void> =>
+    attempt(async () => {
+      say('');
+      const one = exports.find((other) => other.format === format);
+      if (!one || loaded_bytes.has(format)) return;
+      if (one.state === 'ready') return save(one);
+      wanted.add(format);
+      if (one.state === 'missing' || one.state === 'failed') put(await requestExport(scanId, format, token));
+      poll();
+    });
+  const save = async (one: ScanExport): Promise<void> => {
+    wanted.delete(one.format);
+    loaded_bytes.set(one.format, 0);
+    show();
+    try {
+      const blob = await fetchExport(scanId, one.format, token, (bytes) => {
+        loaded_bytes.set(one.format, bytes);
+        show();
+      });
+      if (!disposed) saveAs(blob, downloadName(scan.get(), one.file));
+    } finally {
+      loaded_bytes.delete(one.format);
+    }
+  };
+  const refresh = async (): Promise<void> => {
+    exports = await fetchExports(scanId, token);
+    if (disposed) return;
+    show();
+    for (const one of exports.filter(({ format }) => wanted.has(format))) {
+      if (one.state === 'ready') void attempt(() => save(one));
+      if (one.state === 'failed' || one.state === 'missing') wanted.delete(one.format);
+    }
+  };
+  // While somebody looks or waits and something is going on.
+  const poll = (): void => {
+    clearTimeout(timer);
+    timer = setTimeout(() => void attempt(refresh).then(pollOn), pollEvery_ms);
+  };
+  const pollOn = (): void => {
+    const busy = exports.some((one) => one.state === 'queued' || one.state === 'running');
+    if (!disposed && (wanted.size > 0 || (busy && !menu.hidden))) poll();
+  };
+  const open = (on: boolean): void => {
+    menu.hidden = !on;
+    button.setAttribute('aria-expanded', String(on));
+    if (!on) return;
+    if (exports.length === 0) say('Loading.');
+    void attempt(async () => {
+      await refresh();
+      say('');
+    }).then(pollOn);
+  };
+  button.addEventListener('click', () => open(menu.hidden));
+  close.addEventListener('click', () => {
+    open(false);
+    button.focus();
+  });
+  const onOutside = (event: Event): void => {
+    if (!menu.hidden && event.target instanceof Node && !node.contains(event.target)) open(false);
+  };
+  const onKey = (event: KeyboardEvent): void => {
+    if (event.key !== 'Escape' || menu.hidden) return;
+    open(false);
+    button.focus();
+  };
+  document.addEventListener('pointerdown', onOutside);
+  document.addEventListener('keydown', onKey);
+  const unsubscribe = scan.subscribe((state) => {
+    node.hidden = state.phase !== 'finished' && state.phase !== 'interrupted';
+  });
+  return {
+    element: node,
+    dispose() {
+      disposed = true;
+      clearTimeout(timer);
+      unsubscribe();
+      document.removeEventListener('pointerdown', onOutside);
+      document.removeEventListener('keydown', onKey);
+    },
+  };
+}
+
+function rowOf(label: string, choose: () => void, wordsOf: (one: ScanExport) => string): Row {
+  const state = element('span', { class: 'download-state' });
+  const node = element('button', { type: 'button', class: 'download-row' }, element('span', {}, label), state);
+  node.addEventListener('click', choose);
+  return {
+    element: node,
+    show(one) {
+      node.dataset['state'] = one.state;
+      setText(state, wordsOf(one));
+      node.title = one.state === 'ready' ? `${one.file}, ${sizeWords(one.size_bytes)}` : one.words;
+    },
+  };
+}
+
+// "Kitchen-mesh.glb".
+function downloadName(scan: LiveScan, file: string): string {
+  return `${fileNameOf(scan.title) || scan.scanId}-${file}`;
+}

@@ -1,0 +1,70 @@
+// Gets the surface of a scan that has ended: asks the server to make it if nobody has, waits, loads it and puts it into the scene.
+import { ApiError } from '../connection/api';
+import { fetchExport, fetchExports, requestExport, viewerMesh } from '../connection/exports';
+import { loadMesh } from '../scene/mesh_loader';
+import type { ScanScene } from '../scene/scene';
+import type { LiveScan, LiveScanEvent } from '../state/live_scan';
+import { mayHaveMesh, nextStep, type MeshState } from '../state/mesh';
+import type { Store } from '../state/store';
+
+const pollEvery_ms = 1_500;
+const retryEvery_ms = 6_000; // while the server cannot be reached
+
+export interface MeshWatch {
+  dispose(): void;
+}
+
+export function watchMesh(scan: Store<LiveScan, LiveScanEvent>, scene: ScanScene, token: string): MeshWatch {
+  const ended = new AbortController();
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let begun = false;
+  let asked = false;
+  const { scanId } = scan.get();
+  const tell = (mesh: MeshState): void => {
+    if (!ended.signal.aborted) scan.dispatch({ kind: 'mesh', mesh });
+  };
+  const again = (delay_ms: number): void => {
+    timer = setTimeout(() => void step(), delay_ms);
+  };
+  const load = async (size_bytes: number): Promise<void> => {
+    tell({ state: 'loading', done: 0 });
+    const blob = await fetchExport(scanId, viewerMesh, token, (loaded_bytes) => tell({ state: 'loading', done: loaded_bytes / Math.max(1, size_bytes) }), ended.signal);
+    const root = await loadMesh(await blob.arrayBuffer());
+    if (!ended.signal.aborted) tell({ state: 'shown', ...scene.showMesh(root) });
+  };
+  const step = async (): Promise<void> => {
+    if (ended.signal.aborted) return;
+    try {
+      const mesh = (await fetchExports(scanId, token)).find((one) => one.format === viewerMesh);
+      const next = nextStep(mesh, asked);
+      if (next.step === 'giveUp') tell({ state: 'failed', words: next.words });
+      if (next.step === 'load') await load(next.size_bytes);
+      if (next.step === 'wait') tell({ state: 'making', done: next.done, words: next.words });
+      if (next.step === 'ask') {
+        asked = true;
+        await requestExport(scanId, viewerMesh, token);
+      }
+      if (next.step === 'ask' || next.step === 'wait') again(pollEvery_ms);
+    } catch (error) {
+      if (error instanceof ApiError && error.passing) again(retryEvery_ms);
+      else tell({ state: 'failed', words: words(error) });
+    }
+  };
+  const unsubscribe = scan.subscribe((state) => {
+    if (begun || !mayHaveMesh(state)) return;
+    begun = true;
+    void step();
+  });
+  return {
+    dispose() {
+      ended.abort();
+      clearTimeout(timer);
+      unsubscribe();
+    },
+  };
+}
+
+function words(error: unknown): string {
+  const text = error instanceof Error ? error.message : 'it could not be loaded';
+  return text.replace(/\.$/, '');
+}

@@ -1,0 +1,87 @@
+// The surface of a finished scan: one mesh, and behind it the same once more for those who see it from behind.
+import { Group, Matrix4, Mesh, type BufferGeometry, type Material, type Object3D, type Texture } from 'three';
+import { meshColors, shownMeshColor, type ViewOptions } from '../state/view_options';
+import type { Layer } from './layer';
+import { MeshMaterial } from './mesh_material';
+
+// glTF has y up, the world y down: half a turn about x.
+const worldFromGltf = new Matrix4().makeRotationX(Math.PI);
+
+export class MeshLayer implements Layer {
+  readonly object = new Group();
+  private materials: MeshMaterial[] = [];
+  private options: ViewOptions | null = null;
+  private textured = false;
+
+  constructor() {
+    this.object.matrixAutoUpdate = false;
+    this.object.matrix.copy(worldFromGltf);
+    this.object.visible = false;
+  }
+
+  get isThere(): boolean {
+    return this.materials.length > 0;
+  }
+
+  get isTextured(): boolean {
+    return this.textured;
+  }
+
+  // Instead of the one before; null: none. What it holds is disposed of here.
+  replace(root: Object3D | null): void {
+    this.clear();
+    root?.updateMatrixWorld(true);
+    root?.traverse((object) => {
+      if (object instanceof Mesh) this.add(object as Mesh<BufferGeometry>);
+    });
+    this.show();
+  }
+
+  onOptions(options: ViewOptions): void {
+    this.options = options;
+    this.show();
+  }
+
+  dispose(): void {
+    this.clear();
+  }
+
+  private add(mesh: Mesh<BufferGeometry>): void {
+    const { geometry } = mesh;
+    const map = mapOf(mesh.material);
+    if (!geometry.hasAttribute('normal')) geometry.computeVertexNormals();
+    this.textured ||= map !== null;
+    for (const back of [false, true]) {
+      const material = new MeshMaterial({ back, map, hasColor: geometry.hasAttribute('color') });
+      const side = new Mesh(geometry, material);
+      side.matrixAutoUpdate = false;
+      side.matrix.copy(mesh.matrixWorld);
+      side.renderOrder = back ? 1 : 0;
+      this.materials.push(material);
+      this.object.add(side);
+    }
+  }
+
+  private show(): void {
+    if (!this.options) return;
+    this.object.visible = this.isThere && this.options.show === 'surface';
+    const look = { colorMode: meshColors.indexOf(shownMeshColor(this.options, this.textured)), veil: this.options.hideBacks };
+    for (const material of this.materials) material.show(look);
+  }
+
+  private clear(): void {
+    for (const child of this.object.children) (child as Mesh<BufferGeometry>).geometry.dispose();
+    for (const material of this.materials) {
+      (material.uniforms['map']!.value as Texture | null)?.dispose();
+      material.dispose();
+    }
+    this.object.clear();
+    this.materials = [];
+    this.textured = false;
+  }
+}
+
+function mapOf(material: Material | Material[]): Texture | null {
+  const one = Array.isArray(material) ? material[0] : material;
+  return one && 'map' in one ? (one.map as Texture | null) : null;
+}

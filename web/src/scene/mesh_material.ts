@@ -1,0 +1,87 @@
+// A surface in its own colours, lit softly from above and from the eye so that its shape is seen: what faces the eye keeps its colour as it is.
+// Seen from behind it is dim, and with `veil` as good as through, so that a room can be looked into from outside.
+import { BackSide, FrontSide, ShaderMaterial, type Texture } from 'three';
+
+const vertexShader = /* glsl */ `
+#ifdef HAS_COLOR
+attribute vec4 color;  // linear; what has three components gets a fourth one
+#endif
+#ifdef HAS_MAP
+varying vec2 vUv;
+#endif
+varying vec3 vColor, vNormal, vInView;
+
+void main() {
+#ifdef HAS_MAP
+  vUv = uv;
+#endif
+#ifdef HAS_COLOR
+  vColor = color.rgb;
+#else
+  vColor = vec3(0.6);
+#endif
+  vNormal = normalMatrix * normal;
+  vec4 inView = modelViewMatrix * vec4(position, 1.0);
+  vInView = inView.xyz;
+  gl_Position = projectionMatrix * inView;
+}`;
+
+const fragmentShader = /* glsl */ `
+uniform sampler2D map;
+uniform int colorMode;  // 0 shaded, 1 as it is, 2 normals
+uniform bool back, veil;
+#ifdef HAS_MAP
+varying vec2 vUv;
+#endif
+varying vec3 vColor, vNormal, vInView;
+
+void main() {
+  vec3 base = vColor;
+#ifdef HAS_MAP
+  base = texture2D(map, vUv).rgb;
+#endif
+  vec3 normal = normalize(vNormal);
+  vec3 eye = normalize(-vInView);
+  float facing = abs(dot(normal, eye));
+  vec3 up = normalize((viewMatrix * vec4(0.0, -1.0, 0.0, 0.0)).xyz);  // y points down in the world
+  float sky = 0.5 + 0.5 * dot(back ? -normal : normal, up);
+  float light = colorMode == 0 ? (0.56 + 0.44 * facing) * (0.86 + 0.14 * sky) + 0.04 : 1.0;
+  vec3 shown = base * light;
+  if (colorMode == 2) {
+    vec3 world = inverseTransformDirection(normal, viewMatrix);
+    vec3 color = world * vec3(0.5, -0.5, -0.5) + 0.5;  // as points have it
+    shown = color * color;
+  }
+  float alpha = 1.0;
+  if (back) {
+    float grey = dot(shown, vec3(0.2126, 0.7152, 0.0722));
+    shown = mix(vec3(grey), shown, 0.35) * 0.42 + vec3(0.014, 0.016, 0.020);
+    if (veil) alpha = 0.2 + 0.4 * (1.0 - facing);  // its outline stays
+  }
+  gl_FragColor = vec4(shown, alpha);
+  #include <colorspace_fragment>
+}`;
+
+export interface MeshLook {
+  readonly colorMode: number;
+  readonly veil: boolean;
+}
+
+export class MeshMaterial extends ShaderMaterial {
+  constructor({ back, map, hasColor }: { readonly back: boolean; readonly map: Texture | null; readonly hasColor: boolean }) {
+    super({
+      vertexShader,
+      fragmentShader: `#include <common>\n${fragmentShader}`,
+      side: back ? BackSide : FrontSide,
+      transparent: back,
+      defines: { ...(hasColor ? { HAS_COLOR: '' } : {}), ...(map ? { HAS_MAP: '' } : {}) },
+      uniforms: { map: { value: map }, colorMode: { value: 0 }, back: { value: back }, veil: { value: true } },
+    });
+  }
+
+  show(look: MeshLook): void {
+    this.uniforms['colorMode']!.value = look.colorMode;
+    this.uniforms['veil']!.value = look.veil;
+    if (this.side === BackSide) this.depthWrite = !look.veil;
+  }
+}

@@ -1,0 +1,59 @@
+// What there is of the surface of a scan, and what to do next to have it. Pure functions.
+import type { ScanExport } from '../connection/exports';
+import type { LiveScan } from './live_scan';
+
+export type MeshState =
+  | { readonly state: 'none' } // not yet, or nobody has asked
+  | { readonly state: 'making'; readonly done: number; readonly words: string } // by the server
+  | { readonly state: 'loading'; readonly done: number }
+  | { readonly state: 'shown'; readonly triangles: number; readonly textured: boolean }
+  | { readonly state: 'failed'; readonly words: string };
+
+export const noMesh: MeshState = { state: 'none' };
+
+// Exports are of scans that have ended, and of a scan without a point there is no surface.
+export function mayHaveMesh(scan: LiveScan): boolean {
+  const ended = scan.phase === 'finished' || scan.phase === 'interrupted';
+  return ended && scan.snapshotComplete && scan.points > 0;
+}
+
+export type MeshStep =
+  | { readonly step: 'ask' } // the server to make it
+  | { readonly step: 'wait'; readonly done: number; readonly words: string }
+  | { readonly step: 'load'; readonly size_bytes: number }
+  | { readonly step: 'giveUp'; readonly words: string };
+
+// One that has failed is asked for again when somebody opens the scan once more, not by the same page for ever.
+export function nextStep(mesh: ScanExport | undefined, asked: boolean): MeshStep {
+  if (!mesh) return { step: 'giveUp', words: 'this server makes no surfaces' };
+  switch (mesh.state) {
+    case 'ready':
+      return { step: 'load', size_bytes: mesh.size_bytes };
+    case 'queued':
+    case 'running':
+      return { step: 'wait', done: mesh.done, words: mesh.words };
+    case 'missing':
+      return asked ? { step: 'giveUp', words: 'the server does not make it' } : { step: 'ask' };
+    case 'failed':
+      return asked ? { step: 'giveUp', words: mesh.words } : { step: 'ask' };
+  }
+}
+
+// A small note on the picture; empty when there is nothing to say.
+export function meshWords(mesh: MeshState, wanted: boolean): string {
+  switch (mesh.state) {
+    case 'making':
+      if (mesh.words) return `The surface waits: ${mesh.words}.`;
+      return `The surface is being made: ${percent(mesh.done)}`;
+    case 'loading':
+      return wanted ? `Loading the surface: ${percent(mesh.done)}` : '';
+    case 'failed':
+      return wanted ? `There is no surface of this scan: ${mesh.words}.` : '';
+    default:
+      return '';
+  }
+}
+
+function percent(share: number): string {
+  return `${Math.floor(100 * Math.min(1, share))} %`;
+}
