@@ -81,11 +81,13 @@ Json evaluate_texture(const TextureJudging& judging) {
                         {"covered", frame.covered_share},
                         {"texture_db", frame.texture_db},
                         {"vertices_db", frame.vertices_db},
-                        {"texture_gain_db", frame.texture_gain_db}});
+                        {"texture_gain_db", frame.texture_gain_db},
+                        {"texture_aligned_db", frame.texture_aligned_db}});
   return {{"texture_held_out_frames", quality.frames.size()},
           {"texture_psnr_db", quality.texture_db},
           {"vertices_psnr_db", quality.vertices_db},
           {"texture_gain_fitted_psnr_db", quality.texture_gain_db},
+          {"texture_pose_and_gain_fitted_psnr_db", quality.texture_aligned_db},
           {"vertices_gain_fitted_psnr_db", quality.vertices_gain_db},
           {"texture_views", statistics.views},
           {"texture_views_moved", statistics.moved_views},

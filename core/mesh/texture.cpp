@@ -23,7 +23,7 @@ constexpr std::size_t kViewsAtOnce = 16, kChartsAtOnce = 64;
 // Shares of the time where the steps end, roughly.
 constexpr double kSelected = 0.15, kLoaded = 0.25, kAligned = 0.5, kCharted = 0.6;
 
-const Error kStopped{ErrorCode::kBusy, "texturing was stopped"};
+const Error kTexturingStopped{ErrorCode::kBusy, "texturing was stopped"};
 
 bool goes_on(const TextureProgress& progress, double share) { return !progress || progress(share); }
 
@@ -41,7 +41,7 @@ Result<std::vector<TextureView>> loaded_views(const TriangleMesh& mesh, const Te
   for (std::size_t first = 0; first < view_frames.size(); first += kViewsAtOnce) {
     const std::size_t count = std::min(kViewsAtOnce, view_frames.size() - first);
     if (!goes_on(progress, kSelected + (kLoaded - kSelected) * static_cast<double>(first) / static_cast<double>(view_frames.size())))
-      return kStopped;
+      return kTexturingStopped;
     std::vector<std::optional<TextureView>> some(count);
     in_parallel(count, options.thread_count, [&](std::size_t i) {
       if (Result<TextureView> view = load_view(mesh, frames, view_frames[first + i]); view.ok()) some[i] = *std::move(view);
@@ -70,7 +70,7 @@ Status paint_pages(const Atlas& atlas, const TexelBlender& blender, const Textur
   double all = 0, done = 0;
   for (const std::size_t i : order) all += static_cast<double>(size(i));
   for (std::size_t first = 0; first < order.size(); first += kChartsAtOnce) {
-    if (!goes_on(progress, kCharted + (1 - kCharted) * done / all)) return kStopped;
+    if (!goes_on(progress, kCharted + (1 - kCharted) * done / all)) return kTexturingStopped;
     const std::size_t count = std::min(kChartsAtOnce, order.size() - first);
     in_parallel(count, options.thread_count, [&](std::size_t k) {
       const std::size_t i = order[first + k];
@@ -92,34 +92,48 @@ double filled_share(const Atlas& atlas) {
 
 }  // namespace
 
-Result<TriangleMesh> textured_from(const TriangleMesh& mesh, const TextureFrames& frames, const std::vector<std::size_t>& view_frames,
-                                   const TextureOptions& options, const TextureProgress& progress, TextureStatistics* statistics) {
-  if (Status checked = check(mesh, frames, options); !checked.ok()) return checked.error();
+Result<std::vector<TextureView>> agreed_views(const TriangleMesh& mesh, const TextureFrames& frames,
+                                              const std::vector<std::size_t>& view_frames, const TextureOptions& options,
+                                              const TextureProgress& progress, TextureStatistics& statistics) {
   Result<std::vector<TextureView>> views = loaded_views(mesh, frames, view_frames, options, progress);
-  if (!views.ok()) return views.error();
+  if (!views.ok()) return views;
   if (options.solves_exposure) solve_exposure(mesh, frames.camera, options.thread_count, *views);
-  if (!goes_on(progress, kLoaded)) return kStopped;
+  if (!goes_on(progress, kLoaded)) return kTexturingStopped;
   Alignment alignment;
   if (options.refines_poses) alignment = align_views(mesh, frames, options.thread_count, *views);
-  if (!goes_on(progress, kAligned)) return kStopped;
+  if (!goes_on(progress, kAligned)) return kTexturingStopped;
+  statistics.views = views->size();
+  statistics.moved_views = alignment.moved_count;
+  statistics.disagreement_before = alignment.before_rms;
+  statistics.disagreement_after = alignment.after_rms;
+  return views;
+}
+
+Result<TriangleMesh> painted(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
+                             const TextureOptions& options, const TextureProgress& progress, TextureStatistics& statistics) {
   const Result<Atlas> atlas = atlas_of(mesh, options);
   if (!atlas.ok()) return atlas.error();
   TriangleMesh result = laid_out(mesh, *atlas);
-  const TexelBlender blender(mesh, frames.camera, *views, {options.blended_views});
-  if (Status painted = paint_pages(*atlas, blender, options, progress, result); !painted.ok()) return painted.error();
-  if (!goes_on(progress, 1)) return kStopped;
-  if (statistics)
-    *statistics = {views->size(),        alignment.moved_count, atlas->charts.size(), atlas->texel_m,
-                   filled_share(*atlas), alignment.before_rms,  alignment.after_rms};
+  const TexelBlender blender(mesh, camera, views, {options.blended_views});
+  if (Status done = paint_pages(*atlas, blender, options, progress, result); !done.ok()) return done.error();
+  if (!goes_on(progress, 1)) return kTexturingStopped;
+  statistics.charts = atlas->charts.size();
+  statistics.texel_m = atlas->texel_m;
+  statistics.filled_share = filled_share(*atlas);
   return result;
 }
 
 Result<TriangleMesh> textured(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
                               const TextureProgress& progress, TextureStatistics* statistics) {
   if (Status checked = check(mesh, frames, options); !checked.ok()) return checked.error();
-  if (!goes_on(progress, 0)) return kStopped;
-  const std::vector<std::size_t> view_frames = selected_views(mesh, frames, options);
-  return textured_from(mesh, frames, view_frames, options, progress, statistics);
+  if (!goes_on(progress, 0)) return kTexturingStopped;
+  TextureStatistics counted;
+  const Result<std::vector<TextureView>> views =
+      agreed_views(mesh, frames, selected_views(mesh, frames, options), options, progress, counted);
+  if (!views.ok()) return views.error();
+  Result<TriangleMesh> result = painted(mesh, frames.camera, *views, options, progress, counted);
+  if (statistics) *statistics = counted;
+  return result;
 }
 
 }  // namespace hermite

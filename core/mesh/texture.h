@@ -11,6 +11,7 @@
 
 #include "core/base/result.h"
 #include "core/mesh/texture_options.h"
+#include "core/mesh/texture_view.h"
 #include "core/output/triangle_mesh.h"
 
 namespace hermite {
@@ -30,9 +31,13 @@ struct TextureStatistics {
 Result<TriangleMesh> textured(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
                               const TextureProgress& progress = {}, TextureStatistics* statistics = nullptr);
 
-// From these frames, which have poses, and no others.
-Result<TriangleMesh> textured_from(const TriangleMesh& mesh, const TextureFrames& frames, const std::vector<std::size_t>& view_frames,
-                                   const TextureOptions& options, const TextureProgress& progress = {},
-                                   TextureStatistics* statistics = nullptr);
+// The two halves of it, for what looks at the views in between. `statistics` is needed here.
+// The views of these frames, which have poses, as they agree with each other.
+Result<std::vector<TextureView>> agreed_views(const TriangleMesh& mesh, const TextureFrames& frames,
+                                              const std::vector<std::size_t>& view_frames, const TextureOptions& options,
+                                              const TextureProgress& progress, TextureStatistics& statistics);
+// The mesh with their colours.
+Result<TriangleMesh> painted(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
+                             const TextureOptions& options, const TextureProgress& progress, TextureStatistics& statistics);
 
 }  // namespace hermite

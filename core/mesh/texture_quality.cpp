@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/base/parallel.h"
+#include "core/mesh/view_alignment.h"
 #include "core/mesh/view_raster.h"
 #include "core/mesh/view_selection.h"
 #include "core/output/mesh_check.h"
@@ -51,35 +51,62 @@ Vector3f color_of(const TriangleMesh& mesh, std::uint32_t triangle, const Vector
 }
 
 // By channel the factor that brings the picture nearest to the image.
-MeshPicture with_best_gain(MeshPicture picture, const ColorImage& image) {
+Vector3f best_gain(const MeshPicture& picture, const ColorImage& image) {
   Vector3f products = Vector3f::Zero(), squares = Vector3f::Constant(1e-6f);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     if (picture.is_covered.pixels[i] == 0) continue;
-    const Vector3f drawn = vector_of(picture.color.pixels[i]) / 255, there = vector_of(image.pixels[i]) / 255;
-    products += drawn.cwiseProduct(there);
-    squares += drawn.cwiseProduct(drawn);
+    const Vector3f drawn_color = vector_of(picture.color.pixels[i]) / 255, there = vector_of(image.pixels[i]) / 255;
+    products += drawn_color.cwiseProduct(there);
+    squares += drawn_color.cwiseProduct(drawn_color);
   }
-  const Vector3f gain = products.cwiseQuotient(squares);
+  return products.cwiseQuotient(squares);
+}
+
+MeshPicture times(MeshPicture picture, const Vector3f& gain) {
   for (Rgb8& pixel : picture.color.pixels) pixel = pixel_of(vector_of(pixel).cwiseProduct(gain));
   return picture;
 }
 
-Result<HeldOutFrame> judged(const TriangleMesh& mesh, const TextureFrames& frames, std::size_t frame) {
-  const Result<ColorImage> image = frames.read(frame);
-  if (!image.ok()) return image.error();
+MeshPicture seen_picture(const TriangleMesh& mesh, const TextureFrames& frames, const Rigid3& world_from_camera, MeshColor color) {
+  MeshPicture picture = drawn(mesh, frames.camera, world_from_camera, color);
+  for (std::size_t i = 0; i < frames.is_seen.pixels.size(); ++i)
+    if (frames.is_seen.pixels[i] == 0) picture.is_covered.pixels[i] = 0;
+  return picture;
+}
+
+// At the pose that the frame has; its image is brought to the brightness of the texture, for whatever aligns it.
+HeldOutFrame judged(const TriangleMesh& mesh, const TextureFrames& frames, TextureView& view) {
   HeldOutFrame held_out;
-  held_out.frame = frame;
-  for (const MeshColor color : {MeshColor::kTexture, MeshColor::kVertices}) {
-    MeshPicture picture = drawn(mesh, frames.camera, *frames.world_from_camera[frame], color);
-    for (std::size_t i = 0; i < frames.is_seen.pixels.size(); ++i)
-      if (frames.is_seen.pixels[i] == 0) picture.is_covered.pixels[i] = 0;
-    const auto covered = std::count(picture.is_covered.pixels.begin(), picture.is_covered.pixels.end(), std::uint8_t{1});
-    held_out.covered_share = static_cast<double>(covered) / static_cast<double>(picture.is_covered.pixels.size());
-    const double db = psnr_db(picture, *image), gain_db = psnr_db(with_best_gain(std::move(picture), *image), *image);
-    (color == MeshColor::kTexture ? held_out.texture_db : held_out.vertices_db) = db;
-    (color == MeshColor::kTexture ? held_out.texture_gain_db : held_out.vertices_gain_db) = gain_db;
-  }
+  held_out.frame = view.frame;
+  const MeshPicture texture = seen_picture(mesh, frames, view.world_from_camera, MeshColor::kTexture);
+  const MeshPicture vertices = seen_picture(mesh, frames, view.world_from_camera, MeshColor::kVertices);
+  const auto covered = std::count(texture.is_covered.pixels.begin(), texture.is_covered.pixels.end(), std::uint8_t{1});
+  held_out.covered_share = static_cast<double>(covered) / static_cast<double>(texture.is_covered.pixels.size());
+  const Vector3f gain = best_gain(texture, view.color).cwiseMax(0.1f);
+  held_out.texture_db = psnr_db(texture, view.color);
+  held_out.vertices_db = psnr_db(vertices, view.color);
+  held_out.texture_gain_db = psnr_db(times(texture, gain), view.color);
+  held_out.vertices_gain_db = psnr_db(times(vertices, best_gain(vertices, view.color)), view.color);
+  for (std::size_t channel = 0; channel < 3; ++channel)
+    for (std::size_t value = 0; value < 256; ++value)
+      view.corrected[channel][value] = static_cast<float>(value) / gain[static_cast<Eigen::Index>(channel)];
   return held_out;
+}
+
+double aligned_db(const TriangleMesh& mesh, const TextureFrames& frames, const TextureView& view) {
+  const MeshPicture picture = seen_picture(mesh, frames, view.world_from_camera, MeshColor::kTexture);
+  return psnr_db(times(picture, best_gain(picture, view.color)), view.color);
+}
+
+void add_means(HeldOutQuality& quality) {
+  const auto count = static_cast<double>(quality.frames.size());
+  for (const HeldOutFrame& frame : quality.frames) {
+    quality.texture_db += frame.texture_db / count;
+    quality.vertices_db += frame.vertices_db / count;
+    quality.texture_gain_db += frame.texture_gain_db / count;
+    quality.vertices_gain_db += frame.vertices_gain_db / count;
+    quality.texture_aligned_db += frame.texture_aligned_db / count;
+  }
 }
 
 }  // namespace
@@ -120,22 +147,27 @@ Result<HeldOutQuality> held_out_quality(const TriangleMesh& mesh, const TextureF
   for (std::size_t i = 0; i < selected.size(); ++i) (i % kHeldOutOf == kHeldOutOf / 2 ? left_out : used).push_back(selected[i]);
   if (left_out.empty() || used.empty())
     return Error{ErrorCode::kNotFound, "of " + std::to_string(selected.size()) + " views none can be left out: eight are needed"};
-  Result<TriangleMesh> textured_mesh = textured_from(mesh, frames, used, options, {}, statistics);
+  TextureStatistics counted;
+  Result<std::vector<TextureView>> views = agreed_views(mesh, frames, used, options, {}, counted);
+  if (!views.ok()) return views.error();
+  Result<TriangleMesh> textured_mesh = painted(mesh, frames.camera, *views, options, {}, counted);
   if (!textured_mesh.ok()) return textured_mesh.error();
   HeldOutQuality quality;
   for (const std::size_t frame : left_out) {
-    const Result<HeldOutFrame> held_out = judged(*textured_mesh, frames, frame);
-    if (!held_out.ok() || held_out->covered_share == 0) continue;
-    quality.frames.push_back(*held_out);
-    quality.texture_db += held_out->texture_db;
-    quality.vertices_db += held_out->vertices_db;
-    quality.texture_gain_db += held_out->texture_gain_db;
-    quality.vertices_gain_db += held_out->vertices_gain_db;
+    Result<TextureView> view = load_view(mesh, frames, frame);
+    if (!view.ok()) continue;
+    const HeldOutFrame held_out = judged(*textured_mesh, frames, *view);
+    if (held_out.covered_share == 0) continue;
+    quality.frames.push_back(held_out);
+    views->push_back(*std::move(view));
   }
   if (quality.frames.empty()) return Error{ErrorCode::kNotFound, "none of the frames left out can be read and sees the mesh"};
-  for (double* mean : {&quality.texture_db, &quality.vertices_db, &quality.texture_gain_db, &quality.vertices_gain_db})
-    *mean /= static_cast<double>(quality.frames.size());
+  align_views(mesh, frames, options.thread_count, *views, quality.frames.size());
+  for (std::size_t i = 0; i < quality.frames.size(); ++i)
+    quality.frames[i].texture_aligned_db = aligned_db(*textured_mesh, frames, (*views)[views->size() - quality.frames.size() + i]);
+  add_means(quality);
   if (result) *result = *std::move(textured_mesh);
+  if (statistics) *statistics = counted;
   return quality;
 }
 

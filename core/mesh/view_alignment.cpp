@@ -2,8 +2,11 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
+#include <optional>
 
 #include "core/base/parallel.h"
 #include "core/mesh/view_samples.h"
@@ -17,12 +20,12 @@ using Eigen::Vector3f;
 
 constexpr double kSpacing_m = 0.01;
 constexpr std::size_t kMaxSamples = 200'000;
-constexpr float kLeastEdge_px = 4;  // the pose may move by some pixels
-constexpr int kCoarseRounds = 12, kFineRounds = 12;
+constexpr float kLeastEdge_px = 4;              // the pose may move by some pixels
+constexpr int kRoundsOfLevel[] = {15, 12, 12};  // images of a quarter, of half and of the whole size
 // Differences of brightness that count in full.
 constexpr float kUsualDifference = 12;
 // What the pose of the track weighs: as many points of the usual difference, at this distance from it.
-constexpr double kPriorPoints = 200, kPriorMove_m = 0.005, kPriorTurn_rad = 0.003;
+constexpr double kPriorPoints = 100, kPriorMove_m = 0.01, kPriorTurn_rad = 0.006;
 constexpr std::size_t kFewestPoints = 300;
 
 // Brightness after the gain, smoothed by 3 x 3 (1 2 1).
@@ -88,27 +91,33 @@ struct PointMean {
 
 class ViewAligner {
  public:
-  ViewAligner(const TriangleMesh& mesh, const Camera& camera, int thread_count, std::vector<TextureView>& views)
-      : camera_(camera), thread_count_(thread_count), views_(views), samples_(samples_of(mesh, kSpacing_m, kMaxSamples)) {
+  ViewAligner(const TriangleMesh& mesh, const Camera& camera, int thread_count, std::vector<TextureView>& views, std::size_t guest_count)
+      : camera_(camera),
+        thread_count_(thread_count),
+        views_(views),
+        first_guest_(views.size() - guest_count),
+        first_moving_(guest_count > 0 ? first_guest_ : 0),
+        samples_(samples_of(mesh, kSpacing_m, kMaxSamples)) {
     sights_ = sights_of(samples_, views, camera, kLeastEdge_px, thread_count);
     for (const TextureView& view : views) first_poses_.push_back(view.world_from_camera);
-    fine_.images.resize(views.size());
-    coarse_.images.resize(views.size());
-    coarse_.scale = 0.5f;
+    for (std::size_t l = 0; l < levels_.size(); ++l) {
+      levels_[l].images.resize(views.size());
+      levels_[l].scale = 1 / static_cast<float>(1 << (levels_.size() - 1 - l));
+    }
     in_parallel(views.size(), thread_count, [&](std::size_t i) {
-      fine_.images[i] = brightness_of(views[i]);
-      coarse_.images[i] = halved(fine_.images[i]);
+      levels_.back().images[i] = brightness_of(views[i]);
+      for (std::size_t l = levels_.size() - 1; l > 0; --l) levels_[l - 1].images[i] = halved(levels_[l].images[i]);
     });
   }
 
   Alignment align() {
-    Alignment alignment;
-    for (int round = 0; round < kCoarseRounds + kFineRounds; ++round) {
-      const Level& level = round < kCoarseRounds ? coarse_ : fine_;
-      find_points(level);
-      in_parallel(views_.size(), thread_count_, [&](std::size_t i) { step(level, i); });
-    }
-    find_points(fine_);
+    for (std::size_t l = 0; l < std::size(kRoundsOfLevel); ++l)
+      for (int round = 0; round < kRoundsOfLevel[l]; ++round) {
+        const Level& level = levels_[l];
+        find_points(level);
+        in_parallel(views_.size() - first_moving_, thread_count_, [&](std::size_t i) { step(level, first_moving_ + i); });
+      }
+    find_points(levels_.back());
     return keep_the_better();
   }
 
@@ -140,7 +149,7 @@ class ViewAligner {
       for (std::size_t k = 0; k < sights_[i].size(); ++k) looks_[i][k] = look(level, i, views_[i], sights_[i][k]);
     });
     points_.assign(samples_.size(), {});
-    for (std::size_t i = 0; i < views_.size(); ++i)
+    for (std::size_t i = 0; i < first_guest_; ++i)
       for (std::size_t k = 0; k < sights_[i].size(); ++k) {
         PointMean& mean = points_[sights_[i][k]];
         mean.weight += static_cast<double>(looks_[i][k].weight);
@@ -151,8 +160,8 @@ class ViewAligner {
   // The point's brightness in the other views; none where no other sees it.
   std::optional<float> others_say(std::size_t i, std::size_t k) const {
     const PointMean& mean = points_[sights_[i][k]];
-    const double own = static_cast<double>(looks_[i][k].weight), others = mean.weight - own;
-    if (own <= 0 || others < 1e-3 * mean.weight) return std::nullopt;
+    const double own = i < first_guest_ ? static_cast<double>(looks_[i][k].weight) : 0, others = mean.weight - own;
+    if (looks_[i][k].weight <= 0 || others <= 0 || others < 1e-3 * mean.weight) return std::nullopt;
     return static_cast<float>((mean.sum - own * static_cast<double>(looks_[i][k].value)) / others);
   }
 
@@ -210,7 +219,7 @@ class ViewAligner {
     for (std::size_t k = 0; k < sights_[i].size(); ++k) {
       const std::optional<float> others = others_say(i, k);
       if (!others) continue;
-      const Look here = look(fine_, i, view, sights_[i][k]);
+      const Look here = look(levels_.back(), i, view, sights_[i][k]);
       if (here.weight <= 0) continue;
       const float difference = here.value - *others;
       misfit.sum += static_cast<double>(robust_weight(difference) * difference * difference);
@@ -225,7 +234,8 @@ class ViewAligner {
       bool is_kept = false;
     };
     std::vector<Judged> judged(views_.size());
-    in_parallel(views_.size(), thread_count_, [&](std::size_t i) {
+    in_parallel(views_.size() - first_moving_, thread_count_, [&](std::size_t guest) {
+      const std::size_t i = first_moving_ + guest;
       const Rigid3 move = inverse(first_poses_[i]) * views_[i].world_from_camera;
       judged[i].before = misfit(i, first_poses_[i]);
       judged[i].after = misfit(i, views_[i].world_from_camera);
@@ -237,7 +247,7 @@ class ViewAligner {
     });
     Alignment alignment;
     Misfit before, after;
-    for (std::size_t i = 0; i < views_.size(); ++i) {
+    for (std::size_t i = first_moving_; i < views_.size(); ++i) {
       if (judged[i].is_kept && !(views_[i].world_from_camera.matrix() == first_poses_[i].matrix()))
         ++alignment.moved_count;
       else
@@ -256,18 +266,20 @@ class ViewAligner {
   const Camera& camera_;
   const int thread_count_;
   std::vector<TextureView>& views_;
+  const std::size_t first_guest_, first_moving_;
   const std::vector<MeshSample> samples_;
   std::vector<std::vector<std::uint32_t>> sights_;
   std::vector<Rigid3> first_poses_;
-  Level fine_, coarse_;
+  std::array<Level, std::size(kRoundsOfLevel)> levels_;
   std::vector<std::vector<Look>> looks_;
   std::vector<PointMean> points_;
 };
 
 }  // namespace
 
-Alignment align_views(const TriangleMesh& mesh, const TextureFrames& frames, int thread_count, std::vector<TextureView>& views) {
-  const Alignment alignment = ViewAligner(mesh, frames.camera, thread_count, views).align();
+Alignment align_views(const TriangleMesh& mesh, const TextureFrames& frames, int thread_count, std::vector<TextureView>& views,
+                      std::size_t guest_count) {
+  const Alignment alignment = ViewAligner(mesh, frames.camera, thread_count, views, guest_count).align();
   in_parallel(views.size(), thread_count, [&](std::size_t i) { see_mesh(views[i], mesh, frames); });
   return alignment;
 }

@@ -2,6 +2,7 @@
 // with Consumer Depth Cameras, SIGGRAPH 2014, section 4; the rigid part).
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/mesh/texture_view.h"
@@ -10,7 +11,7 @@
 namespace hermite {
 
 // How far a pose may go: what is farther off than that was not wrong by a little.
-inline constexpr double kFarthestMove_m = 0.02, kFarthestTurn_rad = 0.015;
+inline constexpr double kFarthestMove_m = 0.06, kFarthestTurn_rad = 0.03;
 
 struct Alignment {
   std::size_t moved_count = 0;           // views that were given another pose
@@ -18,9 +19,11 @@ struct Alignment {
 };
 
 // Takes turns: points of the surface get the mean brightness of the views that see them, and each view takes a Gauss-Newton step of its six
-// numbers towards the points' brightness without its own share; first on images of half the size. The surface stays. A view keeps its pose
-// where the new one is farther than the above or does not explain the points better. Sees the mesh anew from the new poses.
+// numbers towards the points' brightness without its own share; first on images of a quarter of the size. The surface stays. A view keeps
+// its pose where the new one is farther than the above or does not explain the points better. Sees the mesh anew from the new poses.
 // Deterministic for any number of threads.
-Alignment align_views(const TriangleMesh& mesh, const TextureFrames& frames, int thread_count, std::vector<TextureView>& views);
+// The last `guest_count` views have no say in the points' brightness; with any, only they move.
+Alignment align_views(const TriangleMesh& mesh, const TextureFrames& frames, int thread_count, std::vector<TextureView>& views,
+                      std::size_t guest_count = 0);
 
 }  // namespace hermite
