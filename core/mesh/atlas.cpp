@@ -15,7 +15,7 @@ namespace {
 // Charts are cut here: a page is packed better with small ones.
 constexpr int kLongestChart_texels = 1024;
 // After this many rounds what still overlaps is laid out triangle by triangle.
-constexpr int kRounds = 8;
+constexpr int kOverlapRounds = 8;
 constexpr double kCoarser = 1.1892;  // texels of twice the size after four steps
 
 int longest_chart_texels(const TextureOptions& options) { return std::min(kLongestChart_texels, options.page_px / 2); }
@@ -35,7 +35,7 @@ std::vector<FlatChart> flat_charts(const TriangleMesh& mesh, const TextureOption
   std::vector<FlatChart> finished;
   for (int round = 0; !left.empty(); ++round) {
     std::vector<Chart> charts;
-    if (round < kRounds)
+    if (round < kOverlapRounds)
       charts = grower.grow(left);
     else
       for (const std::uint32_t triangle : left) charts.push_back(chart_of_one(mesh, triangle));

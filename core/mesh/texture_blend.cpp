@@ -18,23 +18,23 @@ constexpr int kAsked = 8;  // of a tile's texels, evenly
 // Views of a tile of which each texel takes its few.
 constexpr std::size_t kViewsPerTile = 14;
 // Nearer to an edge than this, a pixel has the colour of what lies behind or before.
-constexpr float kLeastEdge_px = 1.0f;
+constexpr float kBlendEdge_px = 1.0f;
 // Colours that are so far from the others' mean count half.
-constexpr float kUsualDifference = 20;
+constexpr float kOutlierDifference = 20;
 
-struct Candidate {
+struct TexelCandidate {
   float quality = 0;
   Vector3f color = Vector3f::Zero();
 };
 
 // Weighted mean; colours far off the mean count less the second and third time.
-Vector3f robust_mean(const std::array<Candidate, kViewsPerTile>& candidates, std::size_t count) {
+Vector3f robust_mean(const std::array<TexelCandidate, kViewsPerTile>& candidates, std::size_t count) {
   Vector3f mean = Vector3f::Zero();
   for (int round = 0; round < 3; ++round) {
     Vector3f sum = Vector3f::Zero();
     float all = 0;
     for (std::size_t i = 0; i < count; ++i) {
-      const float off = round == 0 ? 0 : (candidates[i].color - mean).norm() / kUsualDifference;
+      const float off = round == 0 ? 0 : (candidates[i].color - mean).norm() / kOutlierDifference;
       const float weight = candidates[i].quality / (1 + off * off);
       sum += weight * candidates[i].color;
       all += weight;
@@ -60,7 +60,7 @@ std::vector<std::uint32_t> TexelBlender::views_of(const std::vector<SurfacePoint
   for (std::uint32_t i = 0; i < views_.size(); ++i) {
     float best = 0;
     for (const SurfacePoint& point : points)
-      if (const std::optional<Seen> seen = seen_at(views_[i], camera_, point.position_m, point.normal, kLeastEdge_px))
+      if (const std::optional<Seen> seen = seen_at(views_[i], camera_, point.position_m, point.normal, kBlendEdge_px))
         best = std::max(best, quality_of(views_[i], camera_, *seen, texel_m));
     if (best > 0) by_quality.emplace_back(-best, i);
   }
@@ -72,10 +72,10 @@ std::vector<std::uint32_t> TexelBlender::views_of(const std::vector<SurfacePoint
 }
 
 bool TexelBlender::blend(const SurfacePoint& point, const std::vector<std::uint32_t>& views, float texel_m, Vector3f& color) const {
-  std::array<Candidate, kViewsPerTile> candidates;
+  std::array<TexelCandidate, kViewsPerTile> candidates;
   std::size_t count = 0;
   for (const std::uint32_t view : views) {
-    const std::optional<Seen> seen = seen_at(views_[view], camera_, point.position_m, point.normal, kLeastEdge_px);
+    const std::optional<Seen> seen = seen_at(views_[view], camera_, point.position_m, point.normal, kBlendEdge_px);
     if (!seen) continue;
     const float quality = quality_of(views_[view], camera_, *seen, texel_m);
     if (quality > 0) candidates[count++] = {quality, color_at(views_[view], seen->u, seen->v)};
@@ -83,11 +83,11 @@ bool TexelBlender::blend(const SurfacePoint& point, const std::vector<std::uint3
   if (count == 0) return false;
   const Vector3f mean = robust_mean(candidates, count);
   for (std::size_t i = 0; i < count; ++i) {
-    const float off = (candidates[i].color - mean).norm() / kUsualDifference;
+    const float off = (candidates[i].color - mean).norm() / kOutlierDifference;
     candidates[i].quality /= 1 + off * off;
   }
   std::stable_sort(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(count),
-                   [](const Candidate& a, const Candidate& b) { return a.quality > b.quality; });
+                   [](const TexelCandidate& a, const TexelCandidate& b) { return a.quality > b.quality; });
   const std::size_t blended = std::min(count, static_cast<std::size_t>(options_.blended_views));
   const float rest = count > blended ? candidates[blended].quality : 0;
   Vector3f sum = Vector3f::Zero();
@@ -103,10 +103,10 @@ bool TexelBlender::blend(const SurfacePoint& point, const std::vector<std::uint3
 
 void TexelBlender::blend_tile(const FlatChart& chart, const ChartRaster& raster, int tile_x, int tile_y, Image<Vector3f>& off_vertices,
                               Image<Vector3f>& of_vertices, Image<std::uint8_t>& is_seen) const {
-  struct Place {
+  struct TexelPlace {
     int x, y;
   };
-  std::vector<Place> places;
+  std::vector<TexelPlace> places;
   std::vector<SurfacePoint> points;
   for (int y = tile_y; y < std::min(tile_y + kTile_texels, chart.height); ++y)
     for (int x = tile_x; x < std::min(tile_x + kTile_texels, chart.width); ++x) {

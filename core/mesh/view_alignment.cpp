@@ -18,12 +18,12 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr double kSpacing_m = 0.01;
-constexpr std::size_t kMaxSamples = 200'000;
-constexpr float kLeastEdge_px = 4;              // the pose may move by some pixels
+constexpr double kAlignSpacing_m = 0.01;
+constexpr std::size_t kMaxAlignSamples = 200'000;
+constexpr float kAlignEdge_px = 4;              // the pose may move by some pixels
 constexpr int kRoundsOfLevel[] = {15, 12, 12};  // images of a quarter, of half and of the whole size
 // Differences of brightness that count in full.
-constexpr float kUsualDifference = 12;
+constexpr float kAlignDifference = 12;
 // What the pose of the track weighs: as many points of the usual difference, at this distance from it.
 constexpr double kPriorPoints = 100, kPriorMove_m = 0.01, kPriorTurn_rad = 0.006;
 constexpr std::size_t kFewestPoints = 300;
@@ -97,8 +97,8 @@ class ViewAligner {
         views_(views),
         first_guest_(views.size() - guest_count),
         first_moving_(guest_count > 0 ? first_guest_ : 0),
-        samples_(samples_of(mesh, kSpacing_m, kMaxSamples)) {
-    sights_ = sights_of(samples_, views, camera, kLeastEdge_px, thread_count);
+        samples_(samples_of(mesh, kAlignSpacing_m, kMaxAlignSamples)) {
+    sights_ = sights_of(samples_, views, camera, kAlignEdge_px, thread_count);
     for (const TextureView& view : views) first_poses_.push_back(view.world_from_camera);
     for (std::size_t l = 0; l < levels_.size(); ++l) {
       levels_[l].images.resize(views.size());
@@ -166,7 +166,7 @@ class ViewAligner {
   }
 
   static float robust_weight(float difference) {
-    const float off = std::abs(difference) / kUsualDifference;
+    const float off = std::abs(difference) / kAlignDifference;
     return off <= 1 ? 1 : 1 / off;
   }
 
@@ -197,7 +197,7 @@ class ViewAligner {
     if (count < kFewestPoints) return;
     // The way back to the first pose, as a twist on the left of the present one.
     const Vector6d back = log_se3(inverse(first_poses_[i]) * view.world_from_camera);
-    const double unit = kPriorPoints * static_cast<double>(kUsualDifference * kUsualDifference);
+    const double unit = kPriorPoints * static_cast<double>(kAlignDifference * kAlignDifference);
     Vector6d prior;
     prior << Vector3d::Constant(unit / (kPriorMove_m * kPriorMove_m)), Vector3d::Constant(unit / (kPriorTurn_rad * kPriorTurn_rad));
     matrix.diagonal() += prior;

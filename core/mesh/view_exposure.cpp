@@ -12,14 +12,14 @@ namespace hermite {
 
 namespace {
 
-constexpr double kSpacing_m = 0.03;
-constexpr std::size_t kMaxSamples = 40'000;
-constexpr float kLeastEdge_px = 4;
+constexpr double kLightSpacing_m = 0.03;
+constexpr std::size_t kMaxLightSamples = 40'000;
+constexpr float kLightEdge_px = 4;
 // Values beyond are cut off by the sensor or drowned in its noise, and tell no gain.
 constexpr float kDarkest = 12, kBrightest = 245;
-constexpr int kRounds = 6;
+constexpr int kLightRounds = 6;
 // Differences of a logarithm that are taken in full: a tenth of the brightness.
-constexpr double kUsualDifference = 0.1;
+constexpr double kLightDifference = 0.1;
 // What a gain of 1 weighs against the points: as much as a few of them, for views that share none.
 constexpr double kPriorWeight = 4;
 constexpr double kLargestLog = 1.3862943611198906;  // of 4
@@ -61,7 +61,7 @@ class ChannelSolver {
         gains_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(lights.size()))) {}
 
   Eigen::VectorXd solved() {
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kLightRounds; ++round) {
       find_points(round == 0);
       step(round == 0);
     }
@@ -74,7 +74,7 @@ class ChannelSolver {
   }
   double weight(std::size_t view, const Light& light, bool is_first) const {
     if (is_first) return 1;
-    const double off = (value(view, light) - points_[light.sample].sum) / kUsualDifference;
+    const double off = (value(view, light) - points_[light.sample].sum) / kLightDifference;
     return 1 / (1 + off * off);
   }
   // Of each sample the mean of what its views say of it; `sum` is that mean afterwards.
@@ -128,11 +128,11 @@ class ChannelSolver {
 }  // namespace
 
 void solve_exposure(const TriangleMesh& mesh, const Camera& camera, int thread_count, std::vector<TextureView>& views) {
-  const std::vector<MeshSample> samples = samples_of(mesh, kSpacing_m, kMaxSamples);
+  const std::vector<MeshSample> samples = samples_of(mesh, kLightSpacing_m, kMaxLightSamples);
   std::vector<std::vector<Light>> lights(views.size());
   in_parallel(views.size(), thread_count, [&](std::size_t i) {
     for (std::uint32_t k = 0; k < samples.size(); ++k)
-      if (const std::optional<Seen> seen = seen_at(views[i], camera, samples[k].position_m, samples[k].normal, kLeastEdge_px))
+      if (const std::optional<Seen> seen = seen_at(views[i], camera, samples[k].position_m, samples[k].normal, kLightEdge_px))
         if (const std::optional<Light> light = light_of(views[i], *seen, k)) lights[i].push_back(*light);
   });
   std::array<Eigen::VectorXd, 3> logs;

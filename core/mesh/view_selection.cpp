@@ -19,7 +19,7 @@ constexpr int kCoarseWidth_px = 80;
 constexpr std::size_t kCoarseTriangles = 100'000;  // groups of triangles, by number
 constexpr std::size_t kMaxCandidates = 2000;
 
-struct Candidate {
+struct ViewCandidate {
   std::size_t frame = 0;
   double sharpness = 0;
 };
@@ -42,11 +42,11 @@ std::vector<std::vector<std::size_t>> windows_of(const TextureFrames& frames, co
 }
 
 // The sharpest of the slowest few; sharpness 0: none could be read.
-Candidate sharpest_of(const std::vector<std::size_t>& window, const TextureFrames& frames, std::size_t most_read) {
+ViewCandidate sharpest_of(const std::vector<std::size_t>& window, const TextureFrames& frames, std::size_t most_read) {
   std::vector<std::pair<double, std::size_t>> by_blur;
   for (const std::size_t frame : window) by_blur.emplace_back(blur_px(frames, frame), frame);
   std::sort(by_blur.begin(), by_blur.end());
-  Candidate best;
+  ViewCandidate best;
   for (std::size_t i = 0; i < std::min(most_read, by_blur.size()); ++i) {
     const Result<ColorImage> image = frames.read(by_blur[i].second);
     if (!image.ok()) continue;
@@ -57,13 +57,14 @@ Candidate sharpest_of(const std::vector<std::size_t>& window, const TextureFrame
 }
 
 // The sharper ones first; those that are too near to one that was taken are left out.
-std::vector<Candidate> thinned(std::vector<Candidate> candidates, const TextureFrames& frames, const TextureOptions& options) {
-  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.sharpness > b.sharpness; });
-  std::vector<Candidate> kept;
-  for (const Candidate& candidate : candidates) {
+std::vector<ViewCandidate> thinned(std::vector<ViewCandidate> candidates, const TextureFrames& frames, const TextureOptions& options) {
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const ViewCandidate& a, const ViewCandidate& b) { return a.sharpness > b.sharpness; });
+  std::vector<ViewCandidate> kept;
+  for (const ViewCandidate& candidate : candidates) {
     const Rigid3& pose = *frames.world_from_camera[candidate.frame];
     if (std::all_of(kept.begin(), kept.end(),
-                    [&](const Candidate& other) { return is_another(*frames.world_from_camera[other.frame], pose, options); }))
+                    [&](const ViewCandidate& other) { return is_another(*frames.world_from_camera[other.frame], pose, options); }))
       kept.push_back(candidate);
     if (kept.size() == kMaxCandidates) break;
   }
@@ -98,15 +99,15 @@ CoarseSight coarse_sight(const TriangleMesh& mesh, const TextureFrames& frames, 
   return {std::move(seen)};
 }
 
-std::vector<Candidate> spread(const std::vector<Candidate>& candidates, const TriangleMesh& mesh, const TextureFrames& frames,
-                              const TextureOptions& options) {
+std::vector<ViewCandidate> spread(const std::vector<ViewCandidate>& candidates, const TriangleMesh& mesh, const TextureFrames& frames,
+                                  const TextureOptions& options) {
   const std::size_t group_size = mesh.triangles.size() / kCoarseTriangles + 1;
   std::vector<CoarseSight> sights(candidates.size());
   in_parallel(candidates.size(), options.thread_count,
               [&](std::size_t i) { sights[i] = coarse_sight(mesh, frames, candidates[i].frame, group_size); });
   std::vector<float> seen_before(mesh.triangles.size() / group_size + 1, 0.0f);
   std::vector<bool> is_taken(candidates.size(), false);
-  std::vector<Candidate> taken;
+  std::vector<ViewCandidate> taken;
   while (taken.size() < static_cast<std::size_t>(options.max_views) && taken.size() < candidates.size()) {
     std::size_t best = candidates.size();
     double best_gain = -1;
@@ -153,14 +154,14 @@ double blur_px(const TextureFrames& frames, std::size_t frame) {
 
 std::vector<std::size_t> selected_views(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options) {
   const std::vector<std::vector<std::size_t>> windows = windows_of(frames, options);
-  std::vector<Candidate> sharpest(windows.size());
+  std::vector<ViewCandidate> sharpest(windows.size());
   const std::size_t most_read = std::clamp<std::size_t>(kReadInAll / std::max<std::size_t>(windows.size(), 1), 1, kReadPerWindow);
   in_parallel(windows.size(), options.thread_count, [&](std::size_t i) { sharpest[i] = sharpest_of(windows[i], frames, most_read); });
-  std::erase_if(sharpest, [](const Candidate& candidate) { return candidate.sharpness <= 0; });
-  std::vector<Candidate> views = thinned(std::move(sharpest), frames, options);
+  std::erase_if(sharpest, [](const ViewCandidate& candidate) { return candidate.sharpness <= 0; });
+  std::vector<ViewCandidate> views = thinned(std::move(sharpest), frames, options);
   if (views.size() > static_cast<std::size_t>(options.max_views)) views = spread(views, mesh, frames, options);
   std::vector<std::size_t> selected;
-  for (const Candidate& view : views) selected.push_back(view.frame);
+  for (const ViewCandidate& view : views) selected.push_back(view.frame);
   std::sort(selected.begin(), selected.end());
   return selected;
 }
