@@ -15,6 +15,7 @@
 #include "core/output/ply.h"
 #include "core/output/ply_reader.h"
 #include "server/commands.h"
+#include "server/evaluate_texture.h"
 
 namespace hermite {
 
@@ -27,6 +28,7 @@ struct EvaluateArguments {
   std::vector<std::string> meshes;
   double cell_m = 0.01;
   bool layers = false;
+  TextureJudging texture;
   std::vector<std::int64_t> spacings = ConsistencyOptions().spacings;
 };
 
@@ -207,11 +209,20 @@ Json evaluate_layers(const EvaluateArguments& arguments) {
   return Json::parse(format_double_layers_json(double_layers(points)));
 }
 
+Json judge_texture(const EvaluateArguments& arguments) {
+  if (arguments.meshes.size() != 1) throw SetupError({ErrorCode::kInvalidArgument, "--texture judges one --mesh"});
+  TextureJudging judging = arguments.texture;
+  judging.mesh = arguments.meshes.front();
+  judging.trajectory = arguments.estimate;
+  return evaluate_texture(judging);
+}
+
 int run_evaluate(const EvaluateArguments& arguments) {
   Json json = Json::object();
   if (!arguments.estimate.empty() && !arguments.groundtruth.empty()) json.update(evaluate_trajectory(arguments));
   if (!arguments.consistency.empty()) json.update(evaluate_consistency(arguments));
-  if (!arguments.meshes.empty()) json.update(evaluate_meshes(arguments));
+  if (!arguments.texture.recording.empty()) json.update(judge_texture(arguments));
+  if (!arguments.meshes.empty() && arguments.texture.recording.empty()) json.update(evaluate_meshes(arguments));
   if (!arguments.cloud.empty() && !arguments.surface.empty() && arguments.meshes.empty()) json.update(evaluate_surface(arguments));
   if (arguments.layers) json.update(evaluate_layers(arguments));
   if (json.empty())
@@ -221,6 +232,22 @@ int run_evaluate(const EvaluateArguments& arguments) {
          "--cloud and --layers"});
   std::cout << json.dump(2) << "\n";
   return 0;
+}
+
+void add_texture_options(CLI::App& evaluate, TextureJudging& judging, CLI::Option* estimate) {
+  CLI::Option* texture =
+      evaluate
+          .add_option(
+              "--texture", judging.recording,
+              "Recording that gives the --mesh a texture, with --estimate as its poses: every eighth view is left out, and PSNR says how "
+              "near pictures of the mesh come to them, with the texture and with the colours of its vertices")
+          ->needs(estimate);
+  evaluate.add_option("--pictures", judging.pictures, "Write the pages of that texture and the pictures into this folder")->needs(texture);
+  evaluate.add_option("--texel", judging.texel_mm, "Side of a texel [mm]")->needs(texture)->capture_default_str();
+  evaluate.add_option("--views", judging.max_views, "Frames the texture is made from at the most")->needs(texture)->capture_default_str();
+  evaluate.add_option("--blend", judging.blended_views, "Views a texel is made from at the most")->needs(texture)->capture_default_str();
+  evaluate.add_flag("--keep-exposure", judging.keeps_exposure, "Take the views for equally exposed")->needs(texture);
+  evaluate.add_flag("--keep-poses", judging.keeps_poses, "Do not refine the poses of the views")->needs(texture);
 }
 
 }  // namespace
@@ -264,6 +291,7 @@ Command add_evaluate_command(CLI::App& app) {
       "--cloud the same of the cloud, and the vertices farther than two cells from it");
   evaluate.add_option("--surfels", arguments->surfels,
                       "What the mesh was made of, PLY: vertices are to lie near to it (default: the cloud)");
+  add_texture_options(evaluate, arguments->texture, estimate);
   evaluate.add_option("--cell", arguments->cell_m, "Side of a cell of the mesh [m]")->capture_default_str()->check(CLI::Range(1e-4, 1.0));
   evaluate
       .add_flag("--layers", arguments->layers,

@@ -13,8 +13,9 @@ namespace hermite {
 
 // Calls work(i) once for every i below `count`, in no order, on the caller's thread and helpers that end with the call: what `work` writes
 // must be the place of i alone. An exception ends the call when the pieces that have begun are done; of several, the first one caught.
+// At most `thread_count` threads, 0: as many as there are processors.
 template <class Work>
-void in_parallel(std::size_t count, const Work& work) {
+void in_parallel(std::size_t count, int thread_count, const Work& work) {
   std::atomic<std::size_t> next = 0;
   std::exception_ptr failure;
   std::mutex mutex;
@@ -30,10 +31,16 @@ void in_parallel(std::size_t count, const Work& work) {
   {
     std::vector<std::jthread> helpers;
     const std::size_t processors = std::max<std::size_t>(std::thread::hardware_concurrency(), 1);
-    while (helpers.size() + 1 < std::min(processors, count)) helpers.emplace_back(run);
+    const std::size_t most = thread_count > 0 ? static_cast<std::size_t>(thread_count) : processors;
+    while (helpers.size() + 1 < std::min(most, count)) helpers.emplace_back(run);
     run();
   }
   if (failure) std::rethrow_exception(failure);
+}
+
+template <class Work>
+void in_parallel(std::size_t count, const Work& work) {
+  in_parallel(count, 0, work);
 }
 
 }  // namespace hermite

@@ -54,11 +54,12 @@ const std::vector<Layer>& layers() {
       {"tests/bench/codecs", {"core/dataset", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"proto/wire", {"core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
       {"server/exports",
-       {"core/export/formats.h", "core/mesh", "core/output", "core/dataset/trajectory.h", "core/archive/zip.h", "core/base", "server/store"}},
+       {"core/export/formats.h", "core/mesh", "core/output", "core/dataset/trajectory.h", "core/archive/zip.h", "core/base",
+        "server/store"}},
       {"server",
        {"core/pipeline", "core/report", "core/adjust/mapping.h", "core/calibrate", "core/mesh", "core/export", "core/output",
-        "core/dataset", "core/archive", "core/digest", "core/evaluate", "core/frame/rgbd_frame.h", "core/log", "core/raw", "core/image",
-        "core/math", "core/base", "proto/wire"}},
+        "core/dataset", "core/archive", "core/digest", "core/evaluate", "core/frame/rgbd_frame.h", "core/frame/rectify.h", "core/log",
+        "core/raw", "core/image", "core/math", "core/base", "proto/wire"}},
       {"shaders", {}},
   };
   return table;

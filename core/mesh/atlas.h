@@ -1,0 +1,33 @@
+// An atlas of a mesh: charts, each flat on a raster of its own, and their places on the pages.
+//
+// Why charts and not one small square for each quad of the dual contouring: cells of 1 cm with texels of 2 mm are 5 x 5 texels, 13 x 13
+// with a gutter of 4 (15 % used), 7 x 7 with one of 1 (51 %), which bleeds at the first smaller picture of it that a viewer makes. Each
+// quad has four vertices of its own, and simplified meshes have no quads.
+#pragma once
+
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/mesh/atlas_packing.h"
+#include "core/mesh/chart_raster.h"
+#include "core/mesh/texture_options.h"
+#include "core/output/triangle_mesh.h"
+
+namespace hermite {
+
+struct Atlas {
+  std::vector<FlatChart> charts;
+  std::vector<RectanglePlace> places;  // by chart
+  std::vector<RectangleSize> pages;
+  double texel_m = 0;  // as asked for, or larger where the pages would not have sufficed
+};
+
+// kTooLarge: not even texels of kLargestTexel_m fit.
+inline constexpr double kLargestTexel_m = 0.2;
+Result<Atlas> atlas_of(const TriangleMesh& mesh, const TextureOptions& options);
+
+// The mesh with its triangles in the order of pages and charts, a vertex for each chart that it is in, and texture coordinates. Pages are
+// of their size and black. Vertices that no triangle has are left out.
+TriangleMesh laid_out(const TriangleMesh& mesh, const Atlas& atlas);
+
+}  // namespace hermite

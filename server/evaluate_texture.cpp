@@ -1,0 +1,105 @@
+#include "server/evaluate_texture.h"
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "core/dataset/sequence.h"
+#include "core/dataset/text_file.h"
+#include "core/dataset/trajectory.h"
+#include "core/image/image_codec.h"
+#include "core/mesh/texture_quality.h"
+#include "core/output/ply.h"
+#include "core/output/ply_reader.h"
+#include "server/texture_frames.h"
+
+namespace hermite {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMaxMeshFile_bytes = std::size_t{4} << 30;
+
+TriangleMesh read_mesh(const std::string& path) {
+  PlyShape shape = or_throw(parse_ply(or_throw(read_text_file(path, kMaxMeshFile_bytes))));
+  TriangleMesh mesh;
+  mesh.positions_m = std::move(shape.positions);
+  mesh.normals = std::move(shape.normals);
+  mesh.colors = std::move(shape.colors);
+  mesh.colors.resize(mesh.positions_m.size(), Rgb8{128, 128, 128});
+  mesh.triangles = std::move(shape.triangles);
+  return mesh;
+}
+
+void write_png(const std::string& path, const ColorImage& image) {
+  const std::vector<std::uint8_t> bytes = or_throw(encode_png(image));
+  or_throw(write_file_atomically(path, std::string(bytes.begin(), bytes.end())));
+}
+
+// The frame, and below it the mesh with its texture and with the colours of its vertices.
+ColorImage beside_each_other(const ColorImage& frame, const ColorImage& textured, const ColorImage& vertices) {
+  ColorImage all(frame.width, 3 * frame.height);
+  auto at = std::copy(frame.pixels.begin(), frame.pixels.end(), all.pixels.begin());
+  at = std::copy(textured.pixels.begin(), textured.pixels.end(), at);
+  std::copy(vertices.pixels.begin(), vertices.pixels.end(), at);
+  return all;
+}
+
+void write_pictures(const std::string& folder, const TriangleMesh& mesh, const TextureFrames& frames, const HeldOutQuality& quality) {
+  std::filesystem::create_directories(folder);
+  for (std::size_t i = 0; i < mesh.pages.size(); ++i) write_png(folder + "/page-" + std::to_string(i) + ".png", mesh.pages[i].image);
+  for (const HeldOutFrame& held_out : quality.frames) {
+    const Rigid3& pose = *frames.world_from_camera[held_out.frame];
+    write_png(folder + "/frame-" + std::to_string(held_out.frame) + ".png",
+              beside_each_other(or_throw(frames.read(held_out.frame)), drawn(mesh, frames.camera, pose, MeshColor::kTexture).color,
+                                drawn(mesh, frames.camera, pose, MeshColor::kVertices).color));
+  }
+}
+
+}  // namespace
+
+Json evaluate_texture(const TextureJudging& judging) {
+  const std::unique_ptr<Sequence> sequence = or_throw(open_sequence(judging.recording));
+  const TextureFrames frames = texture_frames_of(*sequence, or_throw(read_tum_trajectory(judging.trajectory)));
+  TextureOptions options;
+  options.texel_m = judging.texel_mm / 1000;
+  options.max_views = judging.max_views;
+  options.blended_views = judging.blended_views;
+  options.solves_exposure = !judging.keeps_exposure;
+  options.refines_poses = !judging.keeps_poses;
+  const TriangleMesh mesh = read_mesh(judging.mesh);
+  TriangleMesh textured_mesh;
+  TextureStatistics statistics;
+  const auto start = std::chrono::steady_clock::now();
+  const HeldOutQuality quality = or_throw(held_out_quality(mesh, frames, options, &textured_mesh, &statistics));
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!judging.pictures.empty()) write_pictures(judging.pictures, textured_mesh, frames, quality);
+  Json by_frame = Json::array();
+  for (const HeldOutFrame& frame : quality.frames)
+    by_frame.push_back({{"frame", frame.frame},
+                        {"covered", frame.covered_share},
+                        {"texture_db", frame.texture_db},
+                        {"vertices_db", frame.vertices_db},
+                        {"texture_gain_db", frame.texture_gain_db},
+                        {"texture_aligned_db", frame.texture_aligned_db}});
+  return {{"texture_held_out_frames", quality.frames.size()},
+          {"texture_psnr_db", quality.texture_db},
+          {"vertices_psnr_db", quality.vertices_db},
+          {"texture_gain_fitted_psnr_db", quality.texture_gain_db},
+          {"texture_pose_and_gain_fitted_psnr_db", quality.texture_aligned_db},
+          {"vertices_gain_fitted_psnr_db", quality.vertices_gain_db},
+          {"texture_views", statistics.views},
+          {"texture_views_moved", statistics.moved_views},
+          {"texture_disagreement_before", statistics.disagreement_before},
+          {"texture_disagreement_after", statistics.disagreement_after},
+          {"texture_charts", statistics.charts},
+          {"texture_texel_m", statistics.texel_m},
+          {"texture_filled_share", statistics.filled_share},
+          {"texture_pages", textured_mesh.pages.size()},
+          {"texture_vertices", textured_mesh.positions_m.size()},
+          {"texture_seconds", seconds},
+          {"texture_by_frame", by_frame}};
+}
+
+}  // namespace hermite

@@ -1,0 +1,66 @@
+#include "server/texture_frames.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "core/frame/rectify.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr double kSameTime_s = 1e-4;
+
+// What took the colour, as a camera of its own.
+Camera color_camera_of(const Camera& camera) {
+  Camera color = camera;
+  color.depth_correction = {};
+  color.color.reset();
+  if (camera.color) {
+    color.fx = camera.color->fx;
+    color.fy = camera.color->fy;
+    color.cx = camera.color->cx;
+    color.cy = camera.color->cy;
+    color.distortion = camera.color->distortion;
+  }
+  return color;
+}
+
+// 0 where the straight image has nothing, because the lens's ended there.
+Image<std::uint8_t> seen_pixels(const Camera& color_camera) {
+  if (color_camera.distortion == Distortion{}) return {};
+  Image<std::uint8_t> is_seen(color_camera.width, color_camera.height);
+  for (int y = 0; y < color_camera.height; ++y)
+    for (int x = 0; x < color_camera.width; ++x) {
+      const Eigen::Vector2d at = color_camera.distort(x, y);
+      is_seen.at(x, y) = at.x() >= 0 && at.y() >= 0 && at.x() <= color_camera.width - 1 && at.y() <= color_camera.height - 1 ? 1 : 0;
+    }
+  return is_seen;
+}
+
+}  // namespace
+
+TextureFrames texture_frames_of(const Sequence& sequence, const Trajectory& trajectory) {
+  const Camera color_camera = color_camera_of(sequence.camera());
+  const Rigid3 depth_from_color = sequence.camera().color ? inverse(sequence.camera().color->color_from_depth) : Rigid3();
+  TextureFrames frames;
+  frames.camera = rectified(color_camera);
+  frames.is_seen = seen_pixels(color_camera);
+  for (std::int64_t i = 0; i < sequence.frame_count(); ++i) {
+    const std::optional<Rigid3> world_from_camera = pose_at(trajectory, sequence.timestamp_s(i), kSameTime_s);
+    frames.world_from_camera.push_back(world_from_camera ? std::optional<Rigid3>(*world_from_camera * depth_from_color) : std::nullopt);
+  }
+  const std::shared_ptr<const std::optional<Rectifier>> rectifier =
+      std::make_shared<const std::optional<Rectifier>>(rectifier_of(color_camera));
+  frames.read = [&sequence, rectifier](std::size_t index) -> Result<ColorImage> {
+    Result<RecordedFrame> recorded = sequence.read(static_cast<std::int64_t>(index));
+    if (!recorded.ok()) return recorded.error();
+    Result<RgbdFrame> frame = decode_frame(*std::move(recorded));
+    if (!frame.ok()) return frame.error();
+    return *rectifier ? (*rectifier)->apply(*frame).color : std::move(frame->color);
+  };
+  return frames;
+}
+
+}  // namespace hermite
