@@ -20,8 +20,9 @@ constexpr float kDarkest = 12, kBrightest = 245;
 constexpr int kLightRounds = 6;
 // Differences of a logarithm that are taken in full: a tenth of the brightness.
 constexpr double kLightDifference = 0.1;
-// What a gain of 1 weighs against the points: as much as a few of them, for views that share none.
-constexpr double kPriorWeight = 4;
+// What a gain of 1 weighs against the points of a usual view. Points of one pair of views are wrong alike, by reflections and the lens's
+// shade: along a chain of views that adds up where nothing holds it.
+constexpr double kPriorShare = 0.03;
 constexpr double kLargestLog = 1.3862943611198906;  // of 4
 
 // What one view has of one sample, by channel.
@@ -98,7 +99,7 @@ class ChannelSolver {
       for (const Light& light : lights_[view])
         of_point[light.sample].push_back(
             {static_cast<double>(view), weight(view, light, is_first), static_cast<double>(light.log_linear[channel_])});
-    Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(count, count) * kPriorWeight;
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(count, count);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
     for (const auto& looks : of_point) {
       if (looks.size() < 2) continue;
@@ -114,6 +115,7 @@ class ChannelSolver {
         for (const auto& [other, other_w, ignored] : looks) matrix(row, static_cast<Eigen::Index>(other)) -= w * other_w / all;
       }
     }
+    matrix.diagonal().array() += kPriorShare * matrix.diagonal().mean() + 1e-9;
     gains_ = matrix.ldlt().solve(right);
     gains_.array() -= gains_.mean();
     gains_ = gains_.cwiseMax(-kLargestLog).cwiseMin(kLargestLog);
