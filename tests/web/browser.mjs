@@ -89,3 +89,17 @@ export const brightnessOf = (context, page) =>
         }
     return means;
   });
+
+// Of two of these: the share of the squares that are bright in `some` and in `all`, too, and the mean cosine between their colours there.
+export function agreement(some, all) {
+  let bright = 0, both = 0, cosines = 0;
+  for (let i = 0; i < some.length; i += 3) {
+    const [a, b] = [some.slice(i, i + 3), all.slice(i, i + 3)];
+    if (Math.max(...a) < 50) continue;
+    ++bright;
+    if (Math.max(...b) < 50) continue;
+    ++both;
+    cosines += (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / (Math.hypot(...a) * Math.hypot(...b));
+  }
+  return { covered: both / bright, alike: cosines / both };
+}
