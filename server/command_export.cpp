@@ -8,9 +8,11 @@
 #include "core/dataset/changed_sequence.h"
 #include "core/dataset/text_file.h"
 #include "core/export/formats.h"
+#include "core/mesh/texture.h"
 #include "core/output/ply_reader.h"
 #include "server/commands.h"
 #include "server/offline_run.h"
+#include "server/texture_frames.h"
 
 namespace hermite {
 
@@ -21,6 +23,7 @@ constexpr std::size_t kMaxExportedPly_bytes = std::size_t{4} << 30;
 
 struct ExportArguments {
   std::string result, format, out, sequence, camera;
+  double texel_mm = 1000 * TextureOptions().texel_m;
 };
 
 // Of a result's folder; a PLY file is all that there is itself.
@@ -73,8 +76,6 @@ std::optional<Camera> camera_of_report(const std::string& folder) {
 }
 
 std::unique_ptr<Sequence> sequence_to_export(const ExportArguments& arguments) {
-  if (arguments.sequence.empty())
-    throw SetupError({ErrorCode::kInvalidArgument, arguments.format + " has pictures: --sequence names the recording that they are in"});
   OfflineArguments source;
   source.sequence = arguments.sequence;
   source.camera = arguments.camera;
@@ -87,7 +88,28 @@ std::unique_ptr<Sequence> sequence_to_export(const ExportArguments& arguments) {
   return std::make_unique<RecalibratedSequence>(std::move(sequence), *better);
 }
 
+// With the colours of the recording, where one is given.
+TriangleMesh textured_mesh_to_export(const ExportArguments& arguments, const ExportFormat& format) {
+  TriangleMesh mesh = mesh_to_export(arguments);
+  if (arguments.sequence.empty()) return mesh;
+  if (!format.takes_texture)
+    throw SetupError({ErrorCode::kInvalidArgument,
+                      arguments.format + " has no texture, for which --sequence is given: glb, glb-draco and obj have one"});
+  const std::unique_ptr<Sequence> sequence = sequence_to_export(arguments);
+  TextureOptions options;
+  options.texel_m = arguments.texel_mm / 1000;
+  constexpr std::int64_t kSteps = 1000;
+  Progress line(kSteps);
+  const auto progress = [&line](double share) {
+    line.show(static_cast<std::int64_t>(share * kSteps), "texture");
+    return true;
+  };
+  return or_throw(textured(mesh, texture_frames_of(*sequence, trajectory_to_export(arguments)), options, progress));
+}
+
 void export_pictures(const ExportArguments& arguments, const ExportFormat& format) {
+  if (arguments.sequence.empty())
+    throw SetupError({ErrorCode::kInvalidArgument, arguments.format + " has pictures: --sequence names the recording that they are in"});
   const Trajectory trajectory = trajectory_to_export(arguments);
   const Cloud cloud = cloud_to_export(arguments);
   const std::unique_ptr<Sequence> sequence = sequence_to_export(arguments);
@@ -108,7 +130,7 @@ int run_export(const ExportArguments& arguments) {
     export_pictures(arguments, format);
     return 0;
   }
-  const NamedFiles files = or_throw(format.of_mesh    ? format.of_mesh(mesh_to_export(arguments))
+  const NamedFiles files = or_throw(format.of_mesh    ? format.of_mesh(textured_mesh_to_export(arguments, format))
                                     : format.of_cloud ? format.of_cloud(cloud_to_export(arguments))
                                                       : format.of_trajectory(trajectory_to_export(arguments)));
   or_throw(write_export(format, files, arguments.out));
@@ -136,8 +158,14 @@ Command add_export_command(CLI::App& app) {
   exports.add_option("RESULT", arguments->result, "Folder that hermite reconstruct has written, or a PLY file")->required();
   exports.add_option("--format", arguments->format, "One of those below")->required();
   exports.add_option("--out", arguments->out, "File, which is replaced, or new folder (obj, colmap, nerfstudio)")->required();
-  exports.add_option("--sequence", arguments->sequence,
-                     "For colmap and nerfstudio, the recording that RESULT was made of: " + std::string(kSequenceHelp));
+  exports.add_option(
+      "--sequence", arguments->sequence,
+      "The recording that RESULT was made of: colmap and nerfstudio have its pictures, and glb, glb-draco and obj, when it is given, "
+      "a texture: " +
+          std::string(kSequenceHelp));
+  exports.add_option("--texel", arguments->texel_mm, "Side of a texel of the texture on the surface [mm]")
+      ->check(CLI::Range(0.2, 100.0))
+      ->capture_default_str();
   exports.add_option("--camera", arguments->camera,
                      std::string(kCameraHelp) + " (default: the one that report.json says it was corrected to, else the recording's)");
   exports.footer(formats_help());

@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/dataset/trajectory_formats.h"
 #include "core/frame/rectify.h"
 
 namespace hermite {
@@ -39,6 +40,15 @@ Image<std::uint8_t> seen_pixels(const Camera& color_camera) {
   return is_seen;
 }
 
+// Lost frames stand in a trajectory with the last pose before them.
+Trajectory without_lost(const Trajectory& trajectory) {
+  const std::vector<bool> is_tracked = tracked_frames(trajectory);
+  Trajectory tracked;
+  for (std::size_t i = 0; i < trajectory.size(); ++i)
+    if (is_tracked[i]) tracked.push_back(trajectory[i]);
+  return tracked;
+}
+
 }  // namespace
 
 TextureFrames texture_frames_of(const Sequence& sequence, const Trajectory& trajectory) {
@@ -47,8 +57,9 @@ TextureFrames texture_frames_of(const Sequence& sequence, const Trajectory& traj
   TextureFrames frames;
   frames.camera = rectified(color_camera);
   frames.is_seen = seen_pixels(color_camera);
+  const Trajectory tracked = without_lost(trajectory);
   for (std::int64_t i = 0; i < sequence.frame_count(); ++i) {
-    const std::optional<Rigid3> world_from_camera = pose_at(trajectory, sequence.timestamp_s(i), kSameTime_s);
+    const std::optional<Rigid3> world_from_camera = pose_at(tracked, sequence.timestamp_s(i), kSameTime_s);
     frames.world_from_camera.push_back(world_from_camera ? std::optional<Rigid3>(*world_from_camera * depth_from_color) : std::nullopt);
   }
   const std::shared_ptr<const std::optional<Rectifier>> rectifier =

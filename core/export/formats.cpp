@@ -49,9 +49,13 @@ Result<NamedFiles> trajectory_as_log(const Trajectory& trajectory) {
 
 const std::vector<ExportFormat>& export_formats() {
   static const std::vector<ExportFormat> table{
-      {.name = "glb", .words = "mesh as binary glTF 2.0", .is_folder = false, .of_mesh = mesh_as_glb},
-      {.name = "glb-draco", .words = "the same, compressed by Draco", .is_folder = false, .of_mesh = mesh_as_draco},
-      {.name = "obj", .words = "mesh as a folder with OBJ, MTL and images", .is_folder = true, .of_mesh = format_obj},
+      {.name = "glb", .words = "mesh as binary glTF 2.0", .is_folder = false, .takes_texture = true, .of_mesh = mesh_as_glb},
+      {.name = "glb-draco", .words = "the same, compressed by Draco", .is_folder = false, .takes_texture = true, .of_mesh = mesh_as_draco},
+      {.name = "obj",
+       .words = "mesh as a folder with OBJ, MTL and images",
+       .is_folder = true,
+       .takes_texture = true,
+       .of_mesh = format_obj},
       {.name = "ply", .words = "mesh as PLY", .is_folder = false, .of_mesh = mesh_as_ply},
       {.name = "stl", .words = "mesh as STL, in millimetres", .is_folder = false, .of_mesh = mesh_as_stl},
       {.name = "las", .words = "cloud as LAS 1.4", .is_folder = false, .of_cloud = cloud_as_las},

@@ -19,6 +19,7 @@ struct ExportFormat {
   const char* name;
   const char* words;  // for people: what it is
   bool is_folder;     // else the one file that comes of it is the export
+  bool takes_texture = false;
   Result<NamedFiles> (*of_mesh)(const TriangleMesh& mesh) = nullptr;
   Result<NamedFiles> (*of_cloud)(const Cloud& cloud) = nullptr;
   Result<NamedFiles> (*of_trajectory)(const Trajectory& trajectory) = nullptr;

@@ -18,8 +18,9 @@ constexpr std::size_t kCorners = std::size_t{kSide} * kSide * kSide;
 // beyond the outermost surfels of a sheet the kernels lean by a quarter of their support, which leaves the mesh as wide as the cloud.
 constexpr float kLeastCoverage = 0.2f, kMostLean = 0.25f;
 constexpr int kLeastKernels = 4;
-// What lies two cells from all surfels is made up, too; the rest is for folds that are laid flat afterwards.
-constexpr float kFarthest_cells = 1.9f;
+// What lies two cells from all surfels is made up, too, unless surfels lie so far apart there: three of their distances are a support. A
+// little less, for folds that are laid flat afterwards.
+constexpr float kFarthest_cells = 1.9f, kFarthest_supports = 0.45f;
 // Vertices stay off the border of their cell, or two of them could be one point.
 constexpr float kInset_cells = 0.01f;
 // Steps along an edge towards the surface; each is by planes and all but ends after two.
@@ -273,7 +274,8 @@ CubeVertex CubeContour::make_vertex(const Eigen::Vector3i& cell, int piece) {
   const Eigen::Vector3f inset_m = Eigen::Vector3f::Constant(kInset_cells * cell_m);
   vertex.position_m = vertex.position_m.cwiseMax(position_m(cell) + inset_m).cwiseMin(position_m(cell + Eigen::Vector3i::Ones()) - inset_m);
   sample = window_.sample(vertex.position_m);
-  vertex.is_supported = sample.kernel_count > 0 && sample.nearest_m < kFarthest_cells * cell_m;
+  vertex.is_supported =
+      sample.kernel_count > 0 && sample.nearest_m < std::max(kFarthest_cells * cell_m, kFarthest_supports * sample.nearest_support_m);
   const auto byte = [](float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f)); };
   vertex.color = {byte(colors.x()), byte(colors.y()), byte(colors.z())};
   return vertex;

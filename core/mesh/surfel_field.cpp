@@ -191,7 +191,10 @@ void FieldWindow::begin(FieldSample& sample) const {
     const float area = near.weight / kernel.weight * kernel.area;
     aside -= area / kernel.radius_m * near.from_kernel_m;
     sample.coverage += area;
-    nearest2_m2 = std::min(nearest2_m2, near.from_kernel_m.squaredNorm());
+    if (const float distance2_m2 = near.from_kernel_m.squaredNorm(); distance2_m2 < nearest2_m2) {
+      nearest2_m2 = distance2_m2;
+      sample.nearest_support_m = kernel.radius_m;
+    }
     const float color_weight = near.weight * near.weight;
     color_weights += color_weight;
     sample.color += color_weight * Eigen::Vector3f(kernel.color.r, kernel.color.g, kernel.color.b);

@@ -45,14 +45,14 @@ struct FieldSample {
   float coverage = 0;                                // 1: within a surface, 1/2: on its border, 0: nothing is near
   float lean = 0;                                    // how far aside the kernels lie, in supports: 0 within a surface, 0.2 on its border
   Eigen::Vector3f color = Eigen::Vector3f::Zero();   // 0 to 255
-  float nearest_m = 0;                               // distance to the nearest kernel
+  float nearest_m = 0, nearest_support_m = 0;        // distance to the nearest kernel, and the radius of its support
   int kernel_count = 0;                              // 0: all else says nothing
 };
 
 class SurfelField {
  public:
-  // Leaves out points whose position or normal is no number, whose normal has no direction, or that have no confidence where others have. kInvalidArgument: no point left, or a cell
-  // outside kLeastCell_m to kMostCell_m, or points so far apart that cells cannot be counted.
+  // Leaves out points whose position or normal is no number, whose normal has no direction, or that have no confidence where others have.
+  // kInvalidArgument: no point left, or a cell outside kLeastCell_m to kMostCell_m, or points so far apart that cells cannot be counted.
   static Result<SurfelField> create(const Cloud& cloud, const FieldOptions& options);
 
   double cell_m() const { return cell_m_; }
