@@ -2,17 +2,15 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "core/dataset/camera_file.h"
-#include "core/dataset/changed_sequence.h"
 #include "core/dataset/text_file.h"
 #include "core/export/formats.h"
+#include "core/export/scan_recording.h"
+#include "core/export/texture_frames.h"
 #include "core/mesh/texture.h"
 #include "core/output/ply_reader.h"
 #include "server/commands.h"
 #include "server/offline_run.h"
-#include "server/texture_frames.h"
 
 namespace hermite {
 
@@ -61,31 +59,14 @@ Trajectory trajectory_to_export(const ExportArguments& arguments) {
   return or_throw(read_tum_trajectory(arguments.result + "/trajectory.txt"));
 }
 
-// The camera that the scan was made with at last, where its report says so.
-std::optional<Camera> camera_of_report(const std::string& folder) {
-  const std::string path = folder + "/report.json";
-  if (!is_file(path)) return std::nullopt;
-  const nlohmann::json report = nlohmann::json::parse(or_throw(read_text_file(path)), nullptr, false);
-  for (const char* key : {"corrected_camera", "camera"}) {
-    if (!report.is_object() || !report.contains(key)) continue;
-    const Result<CameraFile> camera = parse_camera_json(report[key].dump());
-    if (!camera.ok()) throw SetupError(in_context(path + ": " + key, camera.error()));
-    return camera->camera;
-  }
-  return std::nullopt;
-}
-
 std::unique_ptr<Sequence> sequence_to_export(const ExportArguments& arguments) {
   OfflineArguments source;
   source.sequence = arguments.sequence;
   source.camera = arguments.camera;
   std::unique_ptr<Sequence> sequence = open_source(source);
-  const std::optional<Camera> better = arguments.camera.empty() ? camera_of_report(arguments.result) : std::nullopt;
-  if (!better) return sequence;
-  if (better->width != sequence->camera().width || better->height != sequence->camera().height)
-    throw SetupError({ErrorCode::kInvalidArgument,
-                      "the camera of " + arguments.result + "/report.json has another size than that of " + arguments.sequence});
-  return std::make_unique<RecalibratedSequence>(std::move(sequence), *better);
+  const std::string report = arguments.result + "/report.json";
+  if (!arguments.camera.empty() || !is_file(report)) return sequence;
+  return or_throw(as_scanned(std::move(sequence), or_throw(read_text_file(report))));
 }
 
 // With the colours of the recording, where one is given.

@@ -11,7 +11,7 @@
 #include "core/mesh/texture_quality.h"
 #include "core/output/ply.h"
 #include "core/output/ply_reader.h"
-#include "server/texture_frames.h"
+#include "core/export/texture_frames.h"
 
 namespace hermite {
 

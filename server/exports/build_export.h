@@ -3,10 +3,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "core/base/result.h"
+#include "core/dataset/sequence.h"
 #include "core/dataset/trajectory.h"
 #include "core/export/formats.h"
 #include "core/output/cloud.h"
@@ -23,11 +26,15 @@ inline constexpr std::uint64_t kMaxExportCloud_bytes = std::uint64_t{1} << 30;
 // Called from time to time with the share that is done; false: stop.
 using BuildProgress = std::function<bool(double done)>;
 
+// The frames of a scan that has ended, as they came. kNotFound: they were removed. Any thread.
+using OpenFrames = std::function<Result<std::unique_ptr<Sequence>>(const std::string& scan_id)>;
+
 // Keeps the mesh that it has made last: who wants one format of a scan often wants another. One thread at a time.
 class ExportBuilder {
  public:
-  explicit ExportBuilder(Blobs& blobs) : blobs_(blobs) {}
+  ExportBuilder(Blobs& blobs, OpenFrames open_frames) : blobs_(blobs), open_frames_(std::move(open_frames)) {}
 
+  // Meshes have a texture where the format takes one and the scan still has its frames, else the colours of its surfels.
   // kNotFound: the scan has no cloud, or no trajectory; kInvalidArgument: its cloud has no points, or no surface; kTooLarge: more than
   // kMaxExportCloud_bytes; kBusy: stopped; kCorruptData, kIo.
   Result<std::string> build(const ExportOffer& offer, const std::string& scan_id, const BuildProgress& progress);
@@ -38,13 +45,17 @@ class ExportBuilder {
   struct KnownMesh {
     std::string scan_id, source_version;
     TriangleMesh mesh;
+    std::optional<TriangleMesh> textured;  // where a format has asked for it and there were frames
   };
   Result<Cloud> read_points(const std::string& scan_id, const std::string& name);
   Result<Trajectory> read_path(const std::string& scan_id);
   Result<NamedFiles> files_of(const ExportFormat& format, const std::string& scan_id, const BuildProgress& progress);
-  Status make_mesh(const std::string& scan_id, const BuildProgress& progress);
+  Status make_mesh(const std::string& scan_id, double share, const BuildProgress& progress);
+  Result<TriangleMesh> texture(const std::string& scan_id, const BuildProgress& progress);
+  Status make_texture(const std::string& scan_id, const BuildProgress& progress);
 
   Blobs& blobs_;
+  const OpenFrames open_frames_;
   std::optional<KnownMesh> mesh_;
 };
 

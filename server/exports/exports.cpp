@@ -41,7 +41,7 @@ const char* name_of(ExportPhase phase) {
   return "missing";
 }
 
-Exports::Exports(Blobs& blobs, Hooks hooks) : blobs_(blobs), hooks_(std::move(hooks)), builder_(blobs) {
+Exports::Exports(Blobs& blobs, Hooks hooks) : blobs_(blobs), hooks_(std::move(hooks)), builder_(blobs, hooks_.open_frames) {
   hooks_.making([] { step_back(); });  // and with that thread those that it starts
 }
 

@@ -55,7 +55,8 @@ class Exports {
     // Run a function soon: on the network thread, and on the one that makes exports. What was posted there ends before this does, or never
     // begins. Callable from every thread.
     std::function<void(std::function<void()>)> network, making;
-    std::function<Result<ScanRow>(const std::string& scan_id)> find;       // kNotFound
+    std::function<Result<ScanRow>(const std::string& scan_id)> find;  // kNotFound
+    OpenFrames open_frames;
     std::function<Status(std::uint64_t bytes)> check_disk;                 // kBusy, in words: there is no room for so much
     std::function<void()> stored;                                          // there is one more
     std::function<void(const std::string& scan_id)> remove_files_of_scan;  // of one that is gone, whatever has come since

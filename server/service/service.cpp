@@ -17,6 +17,7 @@
 #include <chrono>
 #include <optional>
 
+#include "core/dataset/recording.h"
 #include "server/exports/exports.h"
 #include "server/net/service_manager.h"
 #include "server/net/tls.h"
@@ -164,6 +165,10 @@ struct Service::Impl {
     return {network,
             [this](std::function<void()> action) { asio::post(making, std::move(action)); },
             [this](const std::string& scan_id) { return scans->find(scan_id); },
+            [this](const std::string& scan_id) -> Result<std::unique_ptr<Sequence>> {
+              Result<Recording> log = open_frame_log(data.log_folder(scan_id), std::nullopt);
+              return log.ok() ? Result<std::unique_ptr<Sequence>>(std::move(log->sequence)) : log.error();
+            },
             [this](std::uint64_t bytes) { return scans->check_disk_for(bytes); },
             [this] { quota->files_changed(); },
             [this](const std::string& scan_id) {

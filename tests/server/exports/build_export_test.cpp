@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <limits>
 
 #include "core/output/ply.h"
@@ -17,6 +18,7 @@ namespace hermite {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 class BuildExport : public testing::Test {
  protected:
@@ -29,7 +31,11 @@ class BuildExport : public testing::Test {
 
   const test::TemporaryFolder folder_;
   FileBlobs blobs_{folder_.path()};
-  ExportBuilder builder_{blobs_};
+  std::string frames_;  // a sequence; empty: they were removed
+  ExportBuilder builder_{blobs_, [this](const std::string&) -> Result<std::unique_ptr<Sequence>> {
+                           if (frames_.empty()) return Error{ErrorCode::kNotFound, "its frames were removed"};
+                           return open_sequence(frames_);
+                         }};
   const std::string scan_ = new_scan_id();
   int calls_ = 0, stop_at_ = 0;
 };
@@ -69,6 +75,53 @@ TEST_F(BuildExport, AMeshIsOfTheSurfelsWhereThereAreSome) {
   const std::size_t of_cloud = triangles_of(build("ply"));
   ASSERT_TRUE(blobs_.put(scan_, "surfels.ply", format_ply(test::plane_cloud(60))).ok());
   EXPECT_GT(triangles_of(build("ply")), 2 * of_cloud);
+}
+
+// What the first frame of a sequence has seen, in the world of its true poses.
+Cloud cloud_of_first_frame(const Sequence& sequence) {
+  const RgbdFrame frame = *decode_frame(*sequence.read(0));
+  const Camera& camera = sequence.camera();
+  const Rigid3 pose = sequence.groundtruth().front().world_from_camera;
+  const auto point_at = [&](int x, int y) {
+    return camera.unproject(x, y, static_cast<double>(frame.depth.at(x, y)) / camera.depth_units_per_metre);
+  };
+  Cloud cloud;
+  for (int y = 0; y + 1 < frame.depth.height; ++y)
+    for (int x = 0; x + 1 < frame.depth.width; ++x) {
+      const Eigen::Vector3d at = point_at(x, y);
+      const Eigen::Vector3d normal = (point_at(x, y + 1) - at).cross(point_at(x + 1, y) - at).normalized();
+      if (!(at.z() > 0) || !normal.allFinite()) continue;
+      CloudPoint point;
+      point.position_m = (pose * at).cast<float>();
+      point.normal = (pose.rotation * normal).cast<float>();
+      point.confidence = 5;
+      cloud.push_back(point);
+    }
+  return cloud;
+}
+
+TEST_F(BuildExport, AMeshHasATextureWhileTheScanHasItsFrames) {
+  const std::string source = "synthetic:frames=3,width=160,height=120";
+  const std::unique_ptr<Sequence> sequence = *open_sequence(source);
+  put(cloud_of_first_frame(*sequence));
+  ASSERT_TRUE(blobs_.put(scan_, "trajectory.txt", format_tum_trajectory(sequence->groundtruth())).ok());
+  ASSERT_TRUE(blobs_.put(scan_, "report.json", "{}").ok());
+  const std::string without = *build("glb");
+  EXPECT_THAT(without, HasSubstr("COLOR_0"));
+  EXPECT_THAT(without, Not(HasSubstr("image/jpeg")));
+  const std::size_t triangles = triangles_of(build("ply"));
+  frames_ = source;
+  EXPECT_THAT(*build("glb"), HasSubstr("image/jpeg"));
+  EXPECT_THAT(*build("glb-draco"), HasSubstr("image/jpeg"));
+  EXPECT_EQ(triangles_of(build("ply")), triangles) << "no vertices of charts in a file without a texture";
+  builder_.forget();
+  ASSERT_TRUE(blobs_.put(scan_, "report.json", R"({"corrected_camera": {"width": 1}})").ok());
+  EXPECT_THAT(*build("glb"), HasSubstr("COLOR_0")) << "a camera that is none";
+  ASSERT_TRUE(blobs_.put(scan_, "report.json", "{}").ok());
+  builder_.forget();
+  ASSERT_TRUE(build("ply").ok());
+  stop_at_ = 4;
+  EXPECT_EQ(build("glb").error().code, ErrorCode::kBusy) << "while it is textured";
 }
 
 TEST_F(BuildExport, SaysWhatACloudLacks) {

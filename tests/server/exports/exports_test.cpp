@@ -36,6 +36,9 @@ class ExportsTest : public testing::Test {
                          const auto row = rows_.find(id);
                          return row == rows_.end() ? Result<ScanRow>(Error{ErrorCode::kNotFound, "there is no scan " + id}) : row->second;
                        },
+                       [](const std::string&) -> Result<std::unique_ptr<Sequence>> {
+                         return Error{ErrorCode::kNotFound, "its frames were removed"};
+                       },
                        [this](std::uint64_t bytes) {
                          return bytes > room_ ? Status(Error{ErrorCode::kBusy, "no room"}) : Done{};
                        },

@@ -133,15 +133,18 @@ class SharesTest : public testing::TestWithParam<Shared> {
   bool add_export(Who who) {
     if (!exports_) {
       const auto never = [](std::function<void()>) {};
-      exports_ =
-          std::make_unique<Exports>(blobs_, Exports::Hooks{never, never,
-                                                           [](const std::string& id) {
-                                                             ScanRow row;
-                                                             row.id = id;
-                                                             row.phase = ScanPhase::kFinished;
-                                                             return Result<ScanRow>(row);
-                                                           },
-                                                           [](std::uint64_t) { return Status(Done{}); }, [] {}, [](const std::string&) {}});
+      exports_ = std::make_unique<Exports>(blobs_, Exports::Hooks{never,
+                                                                  never,
+                                                                  [](const std::string& id) {
+                                                                    ScanRow row;
+                                                                    row.id = id;
+                                                                    row.phase = ScanPhase::kFinished;
+                                                                    return Result<ScanRow>(row);
+                                                                  },
+                                                                  {},
+                                                                  [](std::uint64_t) { return Status(Done{}); },
+                                                                  [] {},
+                                                                  [](const std::string&) {}});
     }
     const std::string scan = new_scan_id();
     EXPECT_TRUE(blobs_.put(scan, "cloud.ply", "points").ok());

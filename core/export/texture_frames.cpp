@@ -1,4 +1,4 @@
-#include "server/texture_frames.h"
+#include "core/export/texture_frames.h"
 
 #include <algorithm>
 #include <memory>
