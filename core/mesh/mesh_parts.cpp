@@ -58,17 +58,29 @@ bool is_folded(const TriangleMesh& mesh, const TriangleCorners& triangle) {
   return !(across.dot(mesh.normals[a] + mesh.normals[b] + mesh.normals[c]) > 0);
 }
 
-// Moves these vertices half-way to the middle of those that they have edges to: all the way, neighbours would pass each other.
+// Moves these vertices half-way to the middle of those that they have edges to, since all the way neighbours would pass each other, and
+// turns their normals alike.
 void relax(TriangleMesh& mesh, const std::vector<bool>& is_moving) {
-  std::unordered_map<std::uint32_t, std::pair<Eigen::Vector3f, float>> sums;
+  struct Around {
+    Eigen::Vector3f positions_m = Eigen::Vector3f::Zero(), normals = Eigen::Vector3f::Zero();
+    float count = 0;
+  };
+  std::unordered_map<std::uint32_t, Around> around;
   for (const TriangleCorners& triangle : mesh.triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       if (!is_moving[triangle[k]]) continue;
-      auto& [sum, count] = sums.try_emplace(triangle[k], Eigen::Vector3f::Zero(), 0.0f).first->second;
-      sum += mesh.positions_m[triangle[(k + 1) % 3]] + mesh.positions_m[triangle[(k + 2) % 3]];
-      count += 2;
+      Around& sums = around[triangle[k]];
+      for (const std::uint32_t other : {triangle[(k + 1) % 3], triangle[(k + 2) % 3]}) {
+        sums.positions_m += mesh.positions_m[other];
+        sums.normals += mesh.normals[other];
+        ++sums.count;
+      }
     }
-  for (const auto& [vertex, sum] : sums) mesh.positions_m[vertex] = 0.5f * (mesh.positions_m[vertex] + sum.first / sum.second);
+  for (const auto& [vertex, sums] : around) {
+    mesh.positions_m[vertex] = 0.5f * (mesh.positions_m[vertex] + sums.positions_m / sums.count);
+    const Eigen::Vector3f normal = mesh.normals[vertex] + sums.normals / sums.count;
+    if (normal.squaredNorm() > 1e-6f) mesh.normals[vertex] = normal.normalized();
+  }
 }
 
 }  // namespace
