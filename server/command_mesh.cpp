@@ -8,6 +8,7 @@
 
 #include "core/dataset/text_file.h"
 #include "core/mesh/contour.h"
+#include "core/mesh/simplify.h"
 #include "core/output/mesh_ply.h"
 #include "core/output/ply.h"
 #include "core/output/ply_reader.h"
@@ -23,6 +24,8 @@ struct MeshArguments {
   std::string source, out;
   double cell_mm = 0;
   double least_part_cm2 = ContourOptions().least_part_m2 * 1e4;
+  double simplify_mm = 0;  // 0: not at all
+  std::int64_t triangles = 0;
   ContourOptions options;
 };
 
@@ -59,7 +62,8 @@ int run_mesh(const MeshArguments& arguments) {
   options.least_part_m2 = arguments.least_part_cm2 / 1e4;
   ContourStatistics statistics;
   const Clock::time_point start = Clock::now();
-  const TriangleMesh mesh = or_throw(contour(cloud, options, {}, &statistics));
+  TriangleMesh mesh = or_throw(contour(cloud, options, {}, &statistics));
+  if (arguments.simplify_mm > 0) mesh = or_throw(simplified(mesh, {arguments.simplify_mm / 1000, arguments.triangles}));
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   or_throw(write_file_atomically(out, format_mesh_ply(mesh)));
   std::cout << Json{{"mesh", out},
@@ -92,6 +96,12 @@ Command add_mesh_command(CLI::App& app) {
   mesh.add_option("--support", arguments->options.field.support_spacings, "Radius of a point's support in distances of points")
       ->check(CLI::Range(1.5, 10.0))
       ->capture_default_str();
+  CLI::Option* simplify =
+      mesh.add_option("--simplify", arguments->simplify_mm, "Take fewer triangles where the surface moves by less than this [mm]")
+          ->check(CLI::Range(0.01, 1000.0));
+  mesh.add_option("--triangles", arguments->triangles, "With --simplify: not fewer than these")
+      ->needs(simplify)
+      ->check(CLI::Range(0, 1 << 30));
   mesh.add_flag("!--smooth-edges", arguments->options.field.keep_edges, "Do not tell surfaces that meet in an edge from each other");
   return {&mesh, [arguments] { return run_mesh(*arguments); }};
 }

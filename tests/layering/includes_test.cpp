@@ -85,6 +85,7 @@ const std::vector<Door>& doors() {
       {"archive_entry.h", {"core/archive"}},
       {"draco/", {"core/output"}},
       {"nanoflann.hpp", {"core/mesh"}},
+      {"meshoptimizer.h", {"core/mesh"}},
       {"SQLiteCpp/", {"server/store"}},
       {"sqlite3.h", {"server/store"}},
       {"libfreenect", {"server/capture/kinect.cpp"}},

@@ -1,0 +1,71 @@
+#include "core/mesh/simplify.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/evaluate/mesh_validity.h"
+#include "core/mesh/contour.h"
+#include "core/output/mesh_ply.h"
+#include "tests/core/mesh/mesh_shapes.h"
+
+namespace hermite {
+namespace {
+
+using testing::HasSubstr;
+
+TriangleMesh fine_mesh_of(const Cloud& cloud) {
+  ContourOptions options;
+  options.field.cell_m = 0.01;
+  return *contour(cloud, options);
+}
+
+TEST(Simplify, AFlatSquareNeedsFewTrianglesAndKeepsItsBorder) {
+  Cloud cloud;
+  append_square(cloud, 0.4f, 0.01f, 0.0031f);
+  const TriangleMesh fine = fine_mesh_of(cloud), coarse = *simplified(fine, {});
+  EXPECT_LT(20 * coarse.triangles.size(), fine.triangles.size());
+  EXPECT_NEAR(mesh_validity(coarse).area_m2, mesh_validity(fine).area_m2, 0.002);
+}
+
+TEST(Simplify, StaysNearACurvedSurfaceAndSound) {
+  const float radius_m = 0.2f;
+  const TriangleMesh fine = fine_mesh_of(sphere(radius_m, 5000)), coarse = *simplified(fine, {0.002, 0});
+  EXPECT_LT(4 * coarse.triangles.size(), fine.triangles.size());
+  const MeshValidity validity = mesh_validity(coarse);
+  EXPECT_EQ(validity.overfull_edges, 0);
+  EXPECT_EQ(validity.disagreeing_edges, 0);
+  EXPECT_EQ(validity.border_edges, 0);
+  EXPECT_EQ(validity.components, 1);
+  EXPECT_EQ(validity.flipped_faces, 0);
+  for (const auto& [a, b, c] : coarse.triangles) {
+    const Eigen::Vector3f middle_m = (coarse.positions_m[a] + coarse.positions_m[b] + coarse.positions_m[c]) / 3;
+    ASSERT_NEAR(middle_m.norm(), radius_m, 0.006f);
+  }
+}
+
+TEST(Simplify, StopsAtACount) {
+  const TriangleMesh fine = fine_mesh_of(sphere(0.2f, 5000));
+  const auto triangles = static_cast<std::int64_t>(fine.triangles.size() / 2);
+  const TriangleMesh half = *simplified(fine, {1, triangles});
+  EXPECT_NEAR(static_cast<double>(half.triangles.size()), static_cast<double>(triangles), 10);
+  EXPECT_EQ(format_mesh_ply(*simplified(fine, {1, triangles})), format_mesh_ply(half));
+}
+
+TEST(Simplify, RefusesInWords) {
+  const TriangleMesh none;
+  EXPECT_TRUE(simplified(none, {})->triangles.empty());
+  EXPECT_THAT(simplified(none, {0, 0}).error().message, HasSubstr("error of"));
+  EXPECT_THAT(simplified(none, {0.001, -1}).error().message, HasSubstr("triangles"));
+  TriangleMesh painted = fine_mesh_of(sphere(0.1f, 1500));
+  painted.pages.emplace_back();
+  EXPECT_THAT(simplified(painted, {}).error().message, HasSubstr("before it is textured"));
+  TriangleMesh broken;
+  broken.triangles.push_back({0, 1, 2});
+  EXPECT_FALSE(simplified(broken, {}).ok());
+}
+
+}  // namespace
+}  // namespace hermite
