@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "core/archive/zip.h"
@@ -22,8 +23,14 @@ constexpr const char* kTrajectory = "trajectory.txt";
 constexpr const char* kReport = "report.json";
 // Of the time that a mesh with a texture and its file take. Without a texture what would be its time is the mesh's.
 constexpr double kContouring = 0.4, kTexturing = 0.95;
-// Each costs 2.5 MB at 640 x 480; the server has other scans.
-constexpr int kMostViews = 100;
+// Of a texture's views: the server has other scans. A pixel of one is colour, depth and distances (core/mesh/texture_view.h).
+constexpr double kViews_bytes = 256e6, kViewPixel_bytes = 8.2;
+constexpr int kLeastViews = 8, kMostViews = 100;
+
+int view_count_for(const Camera& camera) {
+  const double fitting = kViews_bytes / (kViewPixel_bytes * camera.width * camera.height);
+  return static_cast<int>(std::clamp<double>(fitting, kLeastViews, kMostViews));
+}
 
 }  // namespace
 
@@ -70,7 +77,7 @@ Result<TriangleMesh> ExportBuilder::texture(const std::string& scan_id, const Bu
   const Result<Trajectory> path = read_path(scan_id);
   if (!path.ok()) return path.error();
   TextureOptions options;
-  options.max_views = kMostViews;
+  options.max_views = view_count_for((*frames)->camera());
   return textured(mesh_->mesh, texture_frames_of(**frames, *path), options,
                   [&progress](double done) { return progress(kContouring + (kTexturing - kContouring) * done); });
 }
