@@ -22,7 +22,7 @@ template <class Row>
 int add_vertex_attribute(draco::Mesh& mesh, draco::GeometryAttribute::Type type, draco::DataType data_type, int components, bool normalized,
                          const std::vector<Row>& rows) {
   draco::GeometryAttribute attribute;
-  attribute.Init(type, nullptr, static_cast<std::int8_t>(components), data_type, normalized, components * draco::DataTypeLength(data_type),
+  attribute.Init(type, nullptr, static_cast<std::uint8_t>(components), data_type, normalized, components * draco::DataTypeLength(data_type),
                  0);
   const int id = mesh.AddAttribute(attribute, true, static_cast<draco::AttributeValueIndex::ValueType>(rows.size()));
   for (std::size_t i = 0; i < rows.size(); ++i)
@@ -41,7 +41,7 @@ Result<DracoPart> encode_part(const GlbPart& part, const DracoGrid& grid, int te
   mesh.SetNumFaces(part.triangles.size());
   for (std::size_t i = 0; i < part.triangles.size(); ++i) {
     draco::Mesh::Face face;
-    for (std::size_t k = 0; k < 3; ++k) face[static_cast<int>(k)] = draco::PointIndex(part.triangles[i][k]);
+    for (std::size_t k = 0; k < 3; ++k) face[k] = draco::PointIndex(part.triangles[i][k]);
     mesh.SetFace(draco::FaceIndex(static_cast<std::uint32_t>(i)), face);
   }
   const int position = add_vertex_attribute(mesh, Attribute::POSITION, draco::DT_FLOAT32, 3, false, part.positions);
