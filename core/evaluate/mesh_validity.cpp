@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <tuple>
 #include <unordered_map>
 
+#include "core/base/disjoint_sets.h"
 #include "core/evaluate/triangle_surface.h"
 
 namespace hermite {
@@ -23,19 +23,6 @@ struct FaceSide {
   std::uint32_t face = 0;
   bool forward = false;  // the face runs from low to high
   auto order() const { return std::tuple(low, high, face); }
-};
-
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }
-  std::uint32_t root(std::uint32_t i) {
-    while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) { parents_[root(a)] = root(b); }
-
- private:
-  std::vector<std::uint32_t> parents_;
 };
 
 std::vector<TriangleCorners> whole_triangles(const TriangleMesh& mesh) {

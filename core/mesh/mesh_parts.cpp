@@ -2,31 +2,15 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <numeric>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "core/base/disjoint_sets.h"
+
 namespace hermite {
 namespace {
-
-// Sets that grow together; the root is the lowest member.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t root(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    const std::uint32_t root_a = root(a), root_b = root(b);
-    parent_[std::max(root_a, root_b)] = std::min(root_a, root_b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 // A corner of a triangle, numbered 3 * triangle + corner; its edge runs to the next corner.
 struct EdgeUse {

@@ -1,21 +1,17 @@
 #include "core/mesh/surfel_field.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <nanoflann.hpp>
 #include <numbers>
 #include <numeric>
 #include <string>
 
-#include "core/base/parallel.h"
+#include "core/output/spacing.h"
 
 namespace hermite {
 namespace {
 
-// The distance to the eighth neighbour tells the density: with as many in a disc the mean distance is that radius by the root of k / pi.
-constexpr std::size_t kNeighbors = 8;
 // A cell follows the surfels: finer ones show nothing more, coarser ones lose what is there.
 constexpr double kLeastOwnCell_m = 0.005, kMostOwnCell_m = 0.04;
 // Corners of a cell that the surface passes lie within a cell's edge of it: supports reach twice as far, so that some kernels have weight
@@ -39,32 +35,12 @@ std::uint64_t key_of(const Eigen::Vector3i& bin) {
   return part(bin.z()) << 40 | part(bin.y()) << 20 | part(bin.x());
 }
 
-struct KernelPositions {
-  const std::vector<FieldKernel>& kernels;
-  std::size_t kdtree_get_point_count() const { return kernels.size(); }
-  float kdtree_get_pt(std::size_t index, std::size_t axis) const { return kernels[index].position_m[static_cast<Eigen::Index>(axis)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
 // By kernel, the mean distance of neighbours.
 std::vector<float> spacings_of(const std::vector<FieldKernel>& kernels) {
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, KernelPositions>, KernelPositions, 3, std::uint32_t>;
-  const KernelPositions positions{kernels};
-  Tree tree(3, positions, nanoflann::KDTreeSingleIndexAdaptorParams(16));
-  std::vector<float> spacings(kernels.size());
-  constexpr std::size_t kAtOnce = 4096;
-  in_parallel((kernels.size() + kAtOnce - 1) / kAtOnce, [&](std::size_t piece) {
-    std::array<std::uint32_t, kNeighbors + 1> found{};
-    std::array<float, kNeighbors + 1> distance2{};
-    for (std::size_t i = piece * kAtOnce; i < std::min((piece + 1) * kAtOnce, kernels.size()); ++i) {
-      const std::size_t count = tree.knnSearch(kernels[i].position_m.data(), kNeighbors + 1, found.data(), distance2.data());
-      if (count > 1) spacings[i] = std::sqrt(distance2[count - 1] * std::numbers::pi_v<float> / static_cast<float>(count - 1));
-    }
-  });
-  return spacings;
+  std::vector<Eigen::Vector3f> positions_m;
+  positions_m.reserve(kernels.size());
+  for (const FieldKernel& kernel : kernels) positions_m.push_back(kernel.position_m);
+  return spacings_of_positions_m(positions_m);
 }
 
 float median_of(std::vector<float> values) {

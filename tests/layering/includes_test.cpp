@@ -84,7 +84,7 @@ const std::vector<Door>& doors() {
       {"archive.h", {"core/archive"}},
       {"archive_entry.h", {"core/archive"}},
       {"draco/", {"core/output"}},
-      {"nanoflann.hpp", {"core/mesh"}},
+      {"nanoflann.hpp", {"core/output"}},
       {"meshoptimizer.h", {"core/mesh"}},
       {"SQLiteCpp/", {"server/store"}},
       {"sqlite3.h", {"server/store"}},
