@@ -44,12 +44,14 @@ class Calibrate(unittest.TestCase):
             self.assertAlmostEqual(bend["value"], 1 / 1.03 - 1, delta=0.006)  # a fifth
             self.assertLess(found["held_back"]["after"]["rms_m"], found["held_back"]["before"]["rms_m"])
 
-            code, out, error = hermite("reconstruct", BENT, "--camera", camera_file, "--out", os.path.join(folder, "camera"))
+            few_frames = BENT.replace("frames=75", "frames=3")
+            code, out, error = hermite("reconstruct", few_frames, "--camera", camera_file, "--out", os.path.join(folder, "camera"))
             self.assertEqual(code, 0, error)
-            by_hand = json.loads(out)
-            self.assertLess(by_hand["ate_rmse_m"], before["ate_rmse_m"] / 3)
+            self.assertEqual(json.loads(out)["camera"], found["camera"])
 
-            code, out, error = hermite("reconstruct", BENT, "--calibrate", "--out", os.path.join(folder, "at_once"))
+            # In the second pass, and not while the first one goes on.
+            code, out, error = hermite("reconstruct", BENT, "--calibrate", "--set", "frame.correct_camera=false",
+                                       "--out", os.path.join(folder, "at_once"))
             self.assertEqual(code, 0, error)
             at_once = json.loads(out)
             self.assertTrue(at_once["calibrations"][0]["applied"])

@@ -10,7 +10,7 @@
 #include "core/dataset/changed_sequence.h"
 #include "core/image/image_codec.h"
 
-namespace hermite {
+namespace hermite::color_disturbance_test {
 namespace {
 
 using testing::HasSubstr;
@@ -134,4 +134,4 @@ TEST(ColorDisturbance, ADamagedPictureIsAnErrorOfItsFrame) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::color_disturbance_test

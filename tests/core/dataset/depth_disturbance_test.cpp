@@ -7,7 +7,7 @@
 
 #include "core/dataset/color_disturbance.h"
 
-namespace hermite {
+namespace hermite::depth_disturbance_test {
 namespace {
 
 using testing::HasSubstr;
@@ -70,4 +70,4 @@ TEST(DepthDisturbance, NonsenseIsAnErrorInWords) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::depth_disturbance_test

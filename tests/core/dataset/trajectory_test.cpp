@@ -5,7 +5,7 @@
 
 #include "tests/core/dataset/temp_folder.h"
 
-namespace hermite {
+namespace hermite::trajectory_test {
 namespace {
 
 using testing::HasSubstr;
@@ -101,4 +101,4 @@ TEST(Trajectory, FilesAreNamedInErrors) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::trajectory_test

@@ -7,7 +7,7 @@
 
 #include "core/dataset/synthetic_camera.h"
 
-namespace hermite {
+namespace hermite::world_paths_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -95,4 +95,4 @@ TEST(WorldPaths, ALapOfTheLoopTakesAboutFiftySeconds) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::world_paths_test

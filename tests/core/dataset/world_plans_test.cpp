@@ -7,7 +7,7 @@
 
 #include "core/dataset/synthetic_camera.h"
 
-namespace hermite {
+namespace hermite::world_plans_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -115,4 +115,4 @@ TEST(Blank, HasLessToSeeThanTheFurnishedRoom) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::world_plans_test

@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace hermite {
+namespace hermite::frame_content_test {
 namespace {
 
 constexpr double kUnitsPerMetre = 1000;
@@ -57,4 +57,4 @@ TEST(FrameContent, OfThePicture) {
 TEST(FrameContent, OfAnEmptyImageIsNothing) { EXPECT_EQ(content_of(RgbdFrame{}, kUnitsPerMetre, FrameOptions{}).in_range, 0); }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::frame_content_test

@@ -11,7 +11,7 @@
 #include "tests/support/gpu_test.h"
 #include "tests/support/packing.h"
 
-namespace hermite {
+namespace hermite::preprocess_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -500,4 +500,4 @@ TEST_F(PreprocessTest, TheNextFrameLeavesNothingOfTheLast) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::preprocess_test

@@ -7,7 +7,7 @@
 #include "core/gpu/commands.h"
 #include "core/gpu/transfer.h"
 
-namespace hermite::gpu {
+namespace hermite::gpu::buffer_test {
 namespace {
 
 std::vector<std::uint32_t> counting(std::size_t count, std::uint32_t first = 1) {
@@ -147,4 +147,4 @@ TEST_F(BufferDeathTest, AccessOutsideIsOurOwnMistake) {
 }
 
 }  // namespace
-}  // namespace hermite::gpu
+}  // namespace hermite::gpu::buffer_test

@@ -8,7 +8,7 @@
 
 #include "core/gpu/transfer.h"
 
-namespace hermite::gpu {
+namespace hermite::gpu::commands_test {
 namespace {
 
 struct AffineParams {
@@ -285,4 +285,4 @@ TEST_F(CommandsDeathTest, WrongBuffersOrParametersAreOurOwnMistake) {
 }
 
 }  // namespace
-}  // namespace hermite::gpu
+}  // namespace hermite::gpu::commands_test

@@ -6,7 +6,7 @@
 #include "core/gpu/device.h"
 #include "core/gpu/embedded.h"
 
-namespace hermite::gpu {
+namespace hermite::gpu::device_check_test {
 namespace {
 
 TEST(CheckDevice, CompilesEverythingAndMeasures) {
@@ -30,4 +30,4 @@ TEST(CheckDevice, CompilesEverythingAndMeasures) {
 TEST(CheckDevice, ADeviceThatIsNotThereIsASetupError) { EXPECT_THROW(check_device("no such GPU"), SetupError); }
 
 }  // namespace
-}  // namespace hermite::gpu
+}  // namespace hermite::gpu::device_check_test

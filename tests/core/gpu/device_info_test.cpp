@@ -5,7 +5,7 @@
 
 #include "core/base/result.h"
 
-namespace hermite::gpu {
+namespace hermite::gpu::device_info_test {
 namespace {
 
 DeviceInfo device(int index, const std::string& name, DeviceKind kind, const std::string& unsuitable = "") {
@@ -59,4 +59,4 @@ TEST(ChooseDevice, RefusesInWordsAndListsWhatThereIs) {
 }
 
 }  // namespace
-}  // namespace hermite::gpu
+}  // namespace hermite::gpu::device_info_test

@@ -10,7 +10,7 @@
 #include "core/gpu/commands.h"
 #include "core/gpu/descriptor_sets.h"
 
-namespace hermite::gpu {
+namespace hermite::gpu::device_test {
 namespace {
 
 // Sets a variable for one test.
@@ -140,4 +140,4 @@ TEST(Device, ValidationErrorsAreCountedAndPrinted) {
 }
 
 }  // namespace
-}  // namespace hermite::gpu
+}  // namespace hermite::gpu::device_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite::gpu {
+namespace hermite::gpu::error_test {
 namespace {
 
 TEST(DeviceError, SaysWhatWasTriedAndWhyItFailed) {
@@ -31,4 +31,4 @@ TEST(BytesInWords, PicksTheUnit) {
 }
 
 }  // namespace
-}  // namespace hermite::gpu
+}  // namespace hermite::gpu::error_test

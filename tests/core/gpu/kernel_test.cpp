@@ -6,7 +6,7 @@
 #include "core/gpu/commands.h"
 #include "core/gpu/embedded.h"
 
-namespace hermite::gpu {
+namespace hermite::gpu::kernel_test {
 namespace {
 
 class KernelTest : public testing::Test {
@@ -77,4 +77,4 @@ TEST_F(KernelDeathTest, AnUnknownNameOrShaderIsOurOwnMistake) {
 }
 
 }  // namespace
-}  // namespace hermite::gpu
+}  // namespace hermite::gpu::kernel_test

@@ -8,7 +8,7 @@
 
 #include "core/gpu/embedded.h"
 
-namespace hermite::gpu {
+namespace hermite::gpu::spirv_test {
 namespace {
 
 using Words = std::vector<std::uint32_t>;
@@ -203,4 +203,4 @@ TEST(ReadInterface, SurvivesDamagedModules) {
 }
 
 }  // namespace
-}  // namespace hermite::gpu
+}  // namespace hermite::gpu::spirv_test

@@ -10,7 +10,7 @@
 #include "tests/support/map_bench.h"
 #include "tests/support/packing.h"
 
-namespace hermite {
+namespace hermite::clean_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -330,4 +330,4 @@ TEST_F(CleanTest, CountersStayConsistentAndRunsAreAlike) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::clean_test

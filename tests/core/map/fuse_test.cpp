@@ -11,7 +11,7 @@
 #include "tests/support/map_bench.h"
 #include "tests/support/packing.h"
 
-namespace hermite {
+namespace hermite::fuse_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -454,4 +454,4 @@ TEST_F(FuseTest, RandomMapsAndFramesAgreeWithTheTwin) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::fuse_test

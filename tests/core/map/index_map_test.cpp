@@ -10,7 +10,7 @@
 #include "tests/support/gpu_test.h"
 #include "tests/support/index_slots.h"
 
-namespace hermite {
+namespace hermite::index_map_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -167,4 +167,4 @@ TEST_F(IndexMapTest, AnEmptyMapShowsNothingAndLeavesNothingBehind) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::index_map_test

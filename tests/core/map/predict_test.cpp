@@ -13,7 +13,7 @@
 #include "tests/support/index_slots.h"
 #include "tests/support/packing.h"
 
-namespace hermite {
+namespace hermite::predict_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -312,4 +312,4 @@ TEST_F(PredictTest, StandingInDependsOnTheShareCovered) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::predict_test

@@ -8,7 +8,7 @@
 #include "tests/support/gpu_test.h"
 #include "tests/support/surface_image.h"
 
-namespace hermite {
+namespace hermite::visible_blocks_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -110,4 +110,4 @@ TEST_F(VisibleBlocksTest, EveryBlockHasItsTurn) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::visible_blocks_test

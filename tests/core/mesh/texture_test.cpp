@@ -52,7 +52,7 @@ TEST(Texture, IsTheSameForAnyNumberOfThreads) {
   TextureOptions options = wall_options();
   const Result<TriangleMesh> first = textured(test::wall_mesh(), frames, options);
   ASSERT_TRUE(first.ok()) << first.error().message;
-  for (const int thread_count : {1, 2, 5}) {
+  for (const int thread_count : {1, 5}) {
     options.thread_count = thread_count;
     const Result<TriangleMesh> again = textured(test::wall_mesh(), frames, options);
     ASSERT_TRUE(again.ok());

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::frame_table_test {
 namespace {
 
 const std::string kHeading =
@@ -50,4 +50,4 @@ TEST(FrameTable, SaysHowFarPosesAreFromTheTruth) {
 TEST(FrameTable, IsAHeadingWhenThereAreNoFrames) { EXPECT_EQ(format_frame_table({}), kHeading); }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::frame_table_test

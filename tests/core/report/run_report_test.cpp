@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace hermite {
+namespace hermite::run_report_test {
 namespace {
 
 Trajectory straight_line(double offset_m) {
@@ -84,4 +84,4 @@ TEST(Report, AGroundTruthOfAnotherTimeIsAProblemInWords) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::run_report_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::stated_uncertainty_test {
 namespace {
 
 Rigid3 beside(double x_m) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x_m, 0, 0)}; }
@@ -68,4 +68,4 @@ TEST(StatedUncertainty, APartBeginsAWorldOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::stated_uncertainty_test

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace hermite {
+namespace hermite::corner_regions_test {
 namespace {
 
 constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
@@ -66,4 +66,4 @@ TEST(CornerRegions, OfCornersOutsideAreNone) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::corner_regions_test

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hermite {
+namespace hermite::corner_tracks_test {
 namespace {
 
 const Camera kCamera{240, 180, 197, 197, 119.5, 89.5, 5000};
@@ -136,4 +136,4 @@ TEST(CornerTracks, GoOnFromWhatWasSaved) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::corner_tracks_test

@@ -6,7 +6,7 @@
 #include <functional>
 #include <tuple>
 
-namespace hermite {
+namespace hermite::judgement_test {
 namespace {
 
 using testing::HasSubstr;
@@ -221,4 +221,4 @@ TEST(Judgement, StatusesHaveNames) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::judgement_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-namespace hermite {
+namespace hermite::lens_shading_test {
 namespace {
 
 constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
@@ -91,4 +91,4 @@ TEST(LensShading, GoesOnFromWhatWasSaved) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::lens_shading_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace hermite {
+namespace hermite::map_certainty_test {
 namespace {
 
 constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
@@ -150,4 +150,4 @@ TEST(MapCertainty, GoesOnFromWhatWasSaved) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::map_certainty_test

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace hermite {
+namespace hermite::moving_regions_test {
 namespace {
 
 constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
@@ -127,4 +127,4 @@ TEST(MovingRegions, GoOnFromWhatWasSaved) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::moving_regions_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace hermite {
+namespace hermite::normal_equations_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -175,4 +175,4 @@ TEST(Brightness, OfNoPictureIsKept) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::normal_equations_test

@@ -14,7 +14,7 @@
 #include "tests/support/gpu_test.h"
 #include "tests/support/packing.h"
 
-namespace hermite {
+namespace hermite::odometry_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -430,4 +430,4 @@ TEST_F(RotationTest, OfUnrelatedPicturesIsAtLeastARotation) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::odometry_test

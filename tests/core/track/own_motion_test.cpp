@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace hermite {
+namespace hermite::own_motion_test {
 namespace {
 
 constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
@@ -117,4 +117,4 @@ TEST(OwnMotion, OfWhatBothHardlySeeIsUnknown) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::own_motion_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace hermite {
+namespace hermite::shared_ground_test {
 namespace {
 
 constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
@@ -57,4 +57,4 @@ TEST(SharedGround, TooLittleInCommonSaysNothing) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::shared_ground_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace hermite {
+namespace hermite::step_certainty_test {
 namespace {
 
 // Information about one direction of a twist each.
@@ -65,4 +65,4 @@ TEST(StepCertainty, DisagreementAboutWhatOneDoesNotKnowIsNone) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::step_certainty_test

@@ -5,7 +5,7 @@
 
 #include "tests/server/capture/scripted_camera.h"
 
-namespace hermite {
+namespace hermite::capture_test {
 namespace {
 
 using testing::HasSubstr;
@@ -118,4 +118,4 @@ TEST(Capture, GoesInTheMiddle) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::capture_test

@@ -17,7 +17,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::kinect_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -158,4 +158,4 @@ TEST(Kinect, AScanGivesTheCloudOfItsRecordingStreamedFromFile) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::kinect_test

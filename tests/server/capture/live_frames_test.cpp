@@ -7,7 +7,7 @@
 #include "core/image/image_codec.h"
 #include "proto/wire/frame_payload.h"
 
-namespace hermite {
+namespace hermite::live_frames_test {
 namespace {
 
 const Camera kCamera{64, 64, 60, 60, 31.5, 31.5, 1000};
@@ -90,4 +90,4 @@ TEST(LiveFrames, AFrameEndsTheWait) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::live_frames_test

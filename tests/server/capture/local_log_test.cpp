@@ -11,7 +11,7 @@
 #include "proto/wire/frame_payload.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::local_log_test {
 namespace {
 
 using testing::HasSubstr;
@@ -135,4 +135,4 @@ TEST(LocalLog, ADiskThatDoesNotGiveBackWhatItTookEndsTheFramesInWords) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::local_log_test

@@ -15,7 +15,7 @@
 #include "core/dataset/recording.h"
 #include "tests/core/dataset/temp_folder.h"
 
-namespace hermite {
+namespace hermite::openni_recorder_test {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240;  // of the virtual device
@@ -121,7 +121,7 @@ TEST_P(OpenNiRecorder, WhatItWroteIsReadToTheBit) {
 INSTANTIATE_TEST_SUITE_P(Both, OpenNiRecorder, testing::Bool(), [](const auto& info) { return info.param ? "JpegColour" : "PlainColour"; });
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::openni_recorder_test
 
 #else
 

@@ -17,7 +17,7 @@
 // OpenNI2's drivers keep what they have until the process ends. Asked for by LeakSanitizer, where that is there.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libOpenNI2\nleak:libPS1080\nleak:libPSLink\n"; }
 
-namespace hermite {
+namespace hermite::openni_test {
 namespace {
 
 using testing::HasSubstr;
@@ -88,4 +88,4 @@ TEST(OpenNi, WhatCannotBeIsSaidInWords) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::openni_test

@@ -5,7 +5,7 @@
 
 #include "core/dataset/sequence.h"
 
-namespace hermite {
+namespace hermite::preflight_test {
 namespace {
 
 using testing::ElementsAre;
@@ -87,4 +87,4 @@ TEST(PreflightDeathTest, WithoutAFrameThereIsNothingToSay) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::preflight_test

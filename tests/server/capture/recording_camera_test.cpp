@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::recording_camera_test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -42,4 +42,4 @@ TEST(RecordingCamera, AFrameThatCannotBeReadIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::recording_camera_test

@@ -15,7 +15,7 @@
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
 
-namespace hermite {
+namespace hermite::scan_test {
 namespace {
 
 using testing::Contains;
@@ -279,4 +279,4 @@ TEST(Scan, ACameraThatBreaksEndsTheScanWithWhatThereIs) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::scan_test
