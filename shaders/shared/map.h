@@ -11,10 +11,10 @@ namespace hermite::shared {
 // Array 0: vec4 position in the submap's frame [m] and confidence (0: the slot is free).
 // Array 1: uvec4, see below. Array 2: uvec2, frame numbers of creation and of the last observation.
 struct SurfelAttributes {
-  uint normal;           // octahedral, 2 x snorm16, in the submap's frame, away from the camera
-  uint radius_submap;    // half float [m] | submap << 16
-  uint color;            // r | g << 11 | b << 22: red and green in eighths, blue in quarters of one in 255
-  uint curvatures;       // 2 x half float, max then min [1/m]
+  uint normal;         // octahedral, 2 x snorm16, in the submap's frame, away from the camera
+  uint radius_submap;  // half float [m] | submap << 16
+  uint color;          // r | g << 11 | b << 22: red and green in eighths, blue in quarters of one in 255
+  uint curvatures;     // 2 x half float, max then min [1/m]
 };
 
 // Counters of the map, in a buffer of their own.
@@ -42,7 +42,7 @@ struct BlockBounds {
 struct VisibleParams {
   Intrinsics camera;
   float depth_max_m;
-  float margin_m;      // that a merge may move a surfel by
+  float margin_m;  // that a merge may move a surfel by
   uint frame_number;
   uint interval, interval_out_of_view;  // every so-many-th block has its turn, another one in every frame
 };
@@ -68,12 +68,12 @@ struct IndexCell {
 
 struct PredictParams {
   Intrinsics camera;
-  float curvature_lambda_per_m;  // curvature at which a surface starts to count as a feature (reference, section 2.4)
+  float curvature_lambda_per_m;  // curvature at which a surface starts to count as a feature (core/METHOD.md, "Geometric term")
   float confidence_scale;
-  uint min_support;              // kernels that must support the solution
+  uint min_support;  // kernels that must support the solution
   uint max_iterations;
   uint correct_bias;
-  uint hrbf;                     // 0: surfel splatting, for comparison
+  uint hrbf;  // 0: surfel splatting, for comparison
 };
 
 struct FillInParams {
@@ -89,27 +89,27 @@ struct FuseParams {
   Intrinsics camera;
   uint frame_number;
   uint slot_capacity;
-  float depth_gate_m;          // along the ray
+  float depth_gate_m;  // along the ray
   float cos_normal_gate;
   float max_confidence;
   float curvature_limit_per_m;
-  uint submap;                 // new surfels belong to it
-  uint fuse_surface;           // 1: fuse the HRBF surface, 0: the raw depth
-  uint weigh_by_radius;        // 1: means are weighed by confidence / radius^2, 0: by confidence
+  uint submap;           // new surfels belong to it
+  uint fuse_surface;     // 1: fuse the HRBF surface, 0: the raw depth
+  uint weigh_by_radius;  // 1: means are weighed by confidence / radius^2, 0: by confidence
   float radius_scale;
-  uint merge_color;            // 0: surfels keep their colour
-  float gain, offset;          // colour of the frame = gain * colour of the map + offset
-  uint add_new;                // 0: only surfels that exist take part
+  uint merge_color;    // 0: surfels keep their colour
+  float gain, offset;  // colour of the frame = gain * colour of the map + offset
+  uint add_new;        // 0: only surfels that exist take part
 };
 
 struct CleanParams {
   Intrinsics camera;
   uint frame_number;
   float stable_confidence;
-  uint max_unstable_age;       // frames
+  uint max_unstable_age;  // frames
   float redundancy_depth_m;
   float curvature_limit_per_m;
-  float depth_gate_m;          // what lies closer may be the same surface
+  float depth_gate_m;  // what lies closer may be the same surface
 };
 
 struct FreeListParams {
