@@ -30,9 +30,9 @@ bool is_within(const Rigid3& a_from_b, double distance_m, double turn_rad) {
   return a_from_b.translation.norm() < distance_m && angle_rad(a_from_b.rotation) < turn_rad;
 }
 
-std::uint32_t add_submap(SubmapGraph& graph, std::uint32_t part) {
-  const auto submap = static_cast<std::uint32_t>(graph.part.size());
-  graph.part.push_back(part);
+std::uint32_t add_submap(SubmapGraph& graph, std::uint32_t component) {
+  const auto submap = static_cast<std::uint32_t>(graph.component.size());
+  graph.component.push_back(component);
   graph.parent.push_back(submap);
   return submap;
 }
@@ -44,7 +44,7 @@ void link_tracked(SubmapGraph& graph, std::uint32_t from, std::uint32_t to, cons
 }
 
 std::vector<double> distances_m(const SubmapGraph& graph, std::uint32_t from) {
-  std::vector<std::vector<std::pair<std::uint32_t, double>>> neighbours(graph.part.size());
+  std::vector<std::vector<std::pair<std::uint32_t, double>>> neighbours(graph.component.size());
   for (const SubmapLink& link : graph.links) {
     neighbours[link.from].emplace_back(link.to, link.length_m);
     neighbours[link.to].emplace_back(link.from, link.length_m);

@@ -16,8 +16,8 @@ struct SubmapLink {
 };
 
 struct SubmapGraph {
-  std::vector<std::uint32_t> part;    // by submap; links tie the submaps of a part together
-  std::vector<std::uint32_t> parent;  // by submap: the one it was opened from, itself for the first of a part
+  std::vector<std::uint32_t> component;  // by submap; links tie the submaps of a component together
+  std::vector<std::uint32_t> parent;     // by submap: the one it was opened from, itself for the first of a component
   std::vector<SubmapLink> links;
 };
 
@@ -27,12 +27,12 @@ double length_of(const Rigid3& a_from_b);
 bool is_within(const Rigid3& a_from_b, double distance_m, double turn_rad);
 
 // Without a link.
-std::uint32_t add_submap(SubmapGraph& graph, std::uint32_t part);
+std::uint32_t add_submap(SubmapGraph& graph, std::uint32_t component);
 
 // Tracking has seen both at once. The first such link of two submaps stays.
 void link_tracked(SubmapGraph& graph, std::uint32_t from, std::uint32_t to, const Rigid3& from_from_to);
 
-// Along links from a submap to every other [m]; infinite where there is no way, as to other parts. (Dijkstra)
+// Along links from a submap to every other [m]; infinite where there is no way, as to other components. (Dijkstra)
 std::vector<double> distances_m(const SubmapGraph& graph, std::uint32_t from);
 
 // Inverse covariance of what the link may be off by, in the order of log_se3.

@@ -46,10 +46,10 @@ SubmapMapping::SubmapMapping(const Camera& camera, const AdjustOptions& options,
   add_submap(graph_, 0);
 }
 
-std::uint32_t SubmapMapping::open_submap(const Rigid3& world_from_submap, std::uint32_t part) {
+std::uint32_t SubmapMapping::open_submap(const Rigid3& world_from_submap, std::uint32_t component) {
   map_.world_from_submap.push_back(world_from_submap);
   layout_.is_active.push_back(true);
-  const std::uint32_t submap = add_submap(graph_, part);
+  const std::uint32_t submap = add_submap(graph_, component);
   publish();
   return submap;
 }
@@ -58,8 +58,8 @@ std::uint32_t SubmapMapping::open_submap(const Rigid3& world_from_submap, std::u
 void SubmapMapping::update_active() {
   const std::vector<double> way_m = distances_m(graph_, layout_.current);
   for (std::size_t submap = 0; submap < way_m.size(); ++submap) {
-    const bool same_part = graph_.part[submap] == graph_.part[layout_.current];
-    layout_.is_active[submap] = options_.global_bundle_adjustment ? way_m[submap] <= options_.active_path_m : same_part;
+    const bool same_component = graph_.component[submap] == graph_.component[layout_.current];
+    layout_.is_active[submap] = options_.global_bundle_adjustment ? way_m[submap] <= options_.active_path_m : same_component;
   }
 }
 
@@ -87,7 +87,7 @@ void SubmapMapping::choose_submap() {
   };
   const auto back = std::find_if(near.begin(), near.end(), reaches);
   const bool opens = back == near.end();
-  const std::uint32_t submap = opens ? open_submap(camera, graph_.part[before]) : back->second;
+  const std::uint32_t submap = opens ? open_submap(camera, graph_.component[before]) : back->second;
   if (opens) graph_.parent[submap] = before;
   const auto tie = [&](std::uint32_t other) {
     if (other != submap) link_tracked(graph_, other, submap, inverse(map_.world_from_submap[other]) * map_.world_from_submap[submap]);
@@ -98,20 +98,20 @@ void SubmapMapping::choose_submap() {
   if (opens && options_.local_bundle_adjustment) adjust_locally();
 }
 
-std::vector<std::uint32_t> SubmapMapping::submaps_of(std::uint32_t part) const {
+std::vector<std::uint32_t> SubmapMapping::submaps_of(std::uint32_t component) const {
   std::vector<std::uint32_t> submaps;
-  for (std::uint32_t submap = 0; submap < graph_.part.size(); ++submap)
-    if (graph_.part[submap] == part) submaps.push_back(submap);
+  for (std::uint32_t submap = 0; submap < graph_.component.size(); ++submap)
+    if (graph_.component[submap] == component) submaps.push_back(submap);
   return submaps;
 }
 
-// Of those in active submaps, or of the others of this part: nearest first.
+// Of those in active submaps, or of the others of this component: nearest first.
 std::vector<std::uint32_t> SubmapMapping::keyframes_near(double distance_m, double turn_rad, bool active) const {
   const Rigid3 camera_from_world = inverse(world_from_camera());
   std::vector<std::pair<double, std::uint32_t>> near;
   for (std::uint32_t i = 0; i < map_.keyframes.size(); ++i) {
     const std::uint32_t submap = map_.keyframes[i].submap;
-    if (is_active(submap) != active || graph_.part[submap] != graph_.part[layout_.current]) continue;
+    if (is_active(submap) != active || graph_.component[submap] != graph_.component[layout_.current]) continue;
     const Rigid3 camera_from_keyframe = camera_from_world * hermite::world_from_camera(map_, map_.keyframes[i]);
     if (is_within(camera_from_keyframe, distance_m, turn_rad)) near.emplace_back(length_of(camera_from_keyframe), i);
   }
@@ -129,43 +129,43 @@ bool SubmapMapping::is_new_view() const {
   return keyframes_near(options_.keyframe_distance_m, options_.keyframe_turn_deg * kRadians, true).empty();
 }
 
-std::vector<Revisit> SubmapMapping::take_keyframe(const RgbdFrame& frame) {
+std::vector<LoopCandidate> SubmapMapping::take_keyframe(const RgbdFrame& frame) {
   std::vector<std::uint32_t> near = keyframes_in_view(true);
   near.resize(std::min(near.size(), kNearKeyframes));
   Keyframe keyframe{frame_, layout_.current, submap_from_camera_, detect_features(frame, map_.camera), {}, {}};
   if (options_.depth_links) keyframe.planes = fit_depth_planes(frame.depth, map_.camera);
-  std::vector<Revisit> revisits;
-  if (options_.global_bundle_adjustment) revisits = recognised(keyframe.features);
-  if (pending_ && std::none_of(revisits.begin(), revisits.end(), [this](const Revisit& r) { return is_of_another_part(r); }))
-    revisits = look_again();
+  std::vector<LoopCandidate> candidates;
+  if (options_.global_bundle_adjustment) candidates = recognised(keyframe.features);
+  if (pending_ && std::none_of(candidates.begin(), candidates.end(), [this](const LoopCandidate& c) { return is_of_another_component(c); }))
+    candidates = pending_candidate();
   const InsertResult inserted = insert_keyframe(map_, std::move(keyframe), near);
   for (const std::uint32_t landmark : inserted.repeated) index_.add(landmark, map_.landmarks[landmark].descriptor);
-  if (revisits.empty() && options_.global_bundle_adjustment && !pending_) revisits = near_inactive();
-  return revisits;
+  if (candidates.empty() && options_.global_bundle_adjustment && !pending_) candidates = near_inactive();
+  return candidates;
 }
 
-std::vector<Revisit> SubmapMapping::observe(const RgbdFrame& frame, const Rigid3& world_from_camera) {
+std::vector<LoopCandidate> SubmapMapping::observe(const RgbdFrame& frame, const Rigid3& world_from_camera) {
   ++frame_;
   submap_from_camera_ = inverse(map_.world_from_submap[layout_.current]) * world_from_camera;
   apply_due();
   close_when_seen();
   choose_submap();
-  return is_new_view() ? take_keyframe(frame) : std::vector<Revisit>{};
+  return is_new_view() ? take_keyframe(frame) : std::vector<LoopCandidate>{};
 }
 
-void SubmapMapping::found(const Revisit& revisit, const Rigid3& seen_from) {
-  ++counts_["found again"];
-  go_on_in(nearest_submap(revisit.submaps, seen_from), seen_from);
+void SubmapMapping::relocalised(const LoopCandidate& candidate, const Rigid3& seen_from) {
+  ++counts_.relocalisations;
+  go_on_in(nearest_submap(candidate.submaps, seen_from), seen_from);
 }
 
-void SubmapMapping::begin_part(const Rigid3& world_from_camera) {
+void SubmapMapping::begin_component(const Rigid3& world_from_camera) {
   if (pending_) close(*std::exchange(pending_, std::nullopt));  // the camera will not see more of it
-  go_on_in(open_submap(world_from_camera, part_count_++), world_from_camera);
+  go_on_in(open_submap(world_from_camera, component_count_++), world_from_camera);
 }
 
 void SubmapMapping::publish() {
   layout_.world_from_submap = map_.world_from_submap;
-  layout_.part = graph_.part;
+  layout_.component = graph_.component;
 }
 
 void SubmapMapping::publish_correction() {
@@ -195,11 +195,11 @@ void SubmapMapping::adjust_globally() {
     return;
   }
   if (running_) give_up();
-  start(global_adjustment(graph_.part[layout_.current]));
+  start(global_adjustment(graph_.component[layout_.current]));
 }
 
-SubmapMapping::Running SubmapMapping::global_adjustment(std::uint32_t part) const {
-  BundleOfMap bundle = bundle_of(map_, graph_, submaps_of(part));
+SubmapMapping::Running SubmapMapping::global_adjustment(std::uint32_t component) const {
+  BundleOfMap bundle = bundle_of(map_, graph_, submaps_of(component));
   const auto delay = static_cast<std::int64_t>(bundle.problem.observations.size() / kObservationsPerFrame);
   return {std::move(bundle), map_.world_from_submap.size(), frame_ + kDelayFrames + delay, true, {}};
 }
@@ -221,7 +221,7 @@ void SubmapMapping::apply_due() {
   if (!ready) return;
   // Of the map as it lies before the result, bent by loops alone: from there bundle_of() tells how well it was tracked.
   std::optional<Running> next;
-  if (running_->loop_since) next = global_adjustment(graph_.part[*running_->loop_since]);
+  if (running_->loop_since) next = global_adjustment(graph_.component[*running_->loop_since]);
   apply_result(*ready);
   if (next) start(*std::move(next));
 }
@@ -229,7 +229,7 @@ void SubmapMapping::apply_due() {
 void SubmapMapping::apply_result(const Result<BundleSolution>& result) {
   const Running done = *std::exchange(running_, std::nullopt);
   if (!result.ok()) {
-    ++counts_["failed adjustments"];
+    ++counts_.failed_adjustments;
     return;
   }
   const std::vector<Rigid3> before = map_.world_from_submap;
@@ -246,7 +246,7 @@ void SubmapMapping::apply_result(const Result<BundleSolution>& result) {
     if (parent != submap) map_.world_from_submap[submap] = map_.world_from_submap[parent] * inverse(before[parent]) * before[submap];
   }
   publish_correction();
-  ++counts_[done.is_global ? "global adjustments" : "local adjustments"];
+  ++(done.is_global ? counts_.global_adjustments : counts_.local_adjustments);
 }
 
 void SubmapMapping::finish() {
@@ -256,7 +256,7 @@ void SubmapMapping::finish() {
   // Without a loop there is nothing that dense tracking does not know better than landmarks do (tests/accuracy/LAB.md).
   const auto closes = [](const SubmapLink& link) { return link.is_loop; };
   if (std::none_of(graph_.links.begin(), graph_.links.end(), closes)) return;
-  const std::vector<std::uint32_t> submaps = submaps_of(graph_.part[layout_.current]);
+  const std::vector<std::uint32_t> submaps = submaps_of(graph_.component[layout_.current]);
   const BundleOfMap bundle = pose_graph_of(map_, graph_, submaps, submaps.front());
   if (const Result<BundleSolution> bent = adjust(bundle.problem, {}); bent.ok()) apply(*bent, bundle.scope, map_);
   adjust_globally();
@@ -271,16 +271,17 @@ void SubmapMapping::straighten(const std::vector<std::uint32_t>& submaps) {
     for (BundleLink& link : depth_links(map_, submaps)) bundle.problem.links.push_back(std::move(link));
     const Result<BundleSolution> straight = adjust(bundle.problem, {});
     if (straight.ok()) apply(*straight, bundle.scope, map_);
-    if (!straight.ok()) ++counts_["failed adjustments"];
+    if (!straight.ok()) ++counts_.failed_adjustments;
   }
   publish_correction();
 }
 
-std::map<std::string, std::int64_t> SubmapMapping::counts() const {
-  std::map<std::string, std::int64_t> counts = counts_;
-  counts["submaps"] = static_cast<std::int64_t>(graph_.part.size());
-  counts["keyframes"] = static_cast<std::int64_t>(map_.keyframes.size());
-  counts["landmarks"] = static_cast<std::int64_t>(map_.landmarks.size());
+MappingCounts SubmapMapping::counts() const {
+  MappingCounts counts = counts_;
+  counts.submaps = static_cast<std::int64_t>(graph_.component.size());
+  counts.components = static_cast<std::int64_t>(component_count(layout_));
+  counts.keyframes = static_cast<std::int64_t>(map_.keyframes.size());
+  counts.landmarks = static_cast<std::int64_t>(map_.landmarks.size());
   return counts;
 }
 

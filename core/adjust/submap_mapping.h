@@ -20,13 +20,13 @@ class SubmapMapping final : public Mapping {
   SubmapMapping(const Camera& camera, const AdjustOptions& options, CorrectionTime time);
 
   const MapLayout& layout() const override { return layout_; }
-  std::vector<Revisit> observe(const RgbdFrame& frame, const Rigid3& world_from_camera) override;
-  bool confirm(const Revisit& revisit, const Look& look) override;
-  std::vector<Revisit> find(const RgbdFrame& frame) override;
-  void found(const Revisit& revisit, const Rigid3& world_from_camera) override;
-  void begin_part(const Rigid3& world_from_camera) override;
+  std::vector<LoopCandidate> observe(const RgbdFrame& frame, const Rigid3& world_from_camera) override;
+  bool confirm(const LoopCandidate& candidate, const LoopVerification& verified) override;
+  std::vector<LoopCandidate> relocalise(const RgbdFrame& frame) override;
+  void relocalised(const LoopCandidate& candidate, const Rigid3& world_from_camera) override;
+  void begin_component(const Rigid3& world_from_camera) override;
   void finish() override;
-  std::map<std::string, std::int64_t> counts() const override;
+  MappingCounts counts() const override;
   void save(ByteWriter& bytes) const override;
   void restore(ByteReader& bytes) override;
 
@@ -42,27 +42,27 @@ class SubmapMapping final : public Mapping {
 
   // A loop that is measured again as long as the camera sees more of the place.
   struct PendingLoop {
-    SubmapLink link;  // by the look that saw most
+    SubmapLink link;  // by the verification that saw most
     double overlap = 0;
-    std::int64_t frame = 0, keyframe = 0;  // of that look, how many there were
+    std::int64_t frame = 0, keyframe = 0;  // of that verification, how many there were
     bool by_appearance = false;
-    std::uint32_t later_looks = 0;  // that fitted too
+    std::uint32_t later_verifications = 0;  // that fitted too
   };
 
   Rigid3 world_from_camera() const { return map_.world_from_submap[layout_.current] * submap_from_camera_; }
   bool is_active(std::uint32_t submap) const { return layout_.is_active[submap]; }
-  std::uint32_t open_submap(const Rigid3& world_from_submap, std::uint32_t part);
+  std::uint32_t open_submap(const Rigid3& world_from_submap, std::uint32_t component);
   void choose_submap();
   void go_on_in(std::uint32_t submap, const Rigid3& world_from_camera);
   void update_active();
-  std::vector<std::uint32_t> submaps_of(std::uint32_t part) const;
+  std::vector<std::uint32_t> submaps_of(std::uint32_t component) const;
   std::vector<std::uint32_t> keyframes_in_view(bool active) const;
   bool is_new_view() const;
   std::vector<std::uint32_t> keyframes_near(double distance_m, double turn_rad, bool active) const;
-  std::vector<Revisit> take_keyframe(const RgbdFrame& frame);
+  std::vector<LoopCandidate> take_keyframe(const RgbdFrame& frame);
   void adjust_locally();
   void adjust_globally();
-  Running global_adjustment(std::uint32_t part) const;
+  Running global_adjustment(std::uint32_t component) const;
   void give_up();
   void straighten(const std::vector<std::uint32_t>& submaps);
   void start(Running running);
@@ -71,13 +71,13 @@ class SubmapMapping final : public Mapping {
   void publish();
   void publish_correction();
   // submap_mapping_loops.cpp
-  std::vector<Revisit> recognised(const std::vector<Feature>& features);
-  std::vector<Revisit> near_inactive();
-  std::vector<bool> submaps_in_view(const Rigid3& world_from_camera, std::uint32_t part) const;
-  Revisit revisit_of(const Rigid3& world_from_camera, std::uint32_t submap, bool by_appearance) const;
+  std::vector<LoopCandidate> recognised(const std::vector<Feature>& features);
+  std::vector<LoopCandidate> near_inactive();
+  std::vector<bool> submaps_in_view(const Rigid3& world_from_camera, std::uint32_t component) const;
+  LoopCandidate candidate_at(const Rigid3& world_from_camera, std::uint32_t submap, bool by_appearance) const;
   std::uint32_t nearest_submap(const std::vector<bool>& among, const Rigid3& world_from_camera) const;
-  bool is_of_another_part(const Revisit& revisit) const;
-  std::vector<Revisit> look_again() const;
+  bool is_of_another_component(const LoopCandidate& candidate) const;
+  std::vector<LoopCandidate> pending_candidate() const;
   Rigid3 placed_by(const SubmapLink& loop) const;
   bool bend(const SubmapLink& loop);
   void join(const SubmapLink& loop);
@@ -100,12 +100,12 @@ class SubmapMapping final : public Mapping {
   MapLayout layout_;
   Rigid3 submap_from_camera_;  // of the frame observed last, in the current submap
   std::int64_t frame_ = -1;    // observed last
-  std::uint32_t part_count_ = 1;
-  std::int64_t looked_at_keyframe_ = -1000;  // when near submaps were last offered
+  std::uint32_t component_count_ = 1;
+  std::int64_t offered_at_keyframe_ = -1000;  // when near submaps were last offered
   std::unique_ptr<Adjuster> adjuster_;
   std::optional<Running> running_;
   std::optional<PendingLoop> pending_;
-  std::map<std::string, std::int64_t> counts_;
+  MappingCounts counts_;
 };
 
 }  // namespace hermite

@@ -112,9 +112,10 @@ void check_map(ByteReader& bytes, const SparseMap& map) {
   for (const Landmark& landmark : map.landmarks) bytes.require(landmark.submap < submaps, "the submap of a landmark");
 }
 
-void check_graph(ByteReader& bytes, const SubmapGraph& graph, std::size_t submaps, std::uint32_t part_count) {
-  bytes.require(graph.part.size() == submaps && graph.parent.size() == submaps && part_count <= submaps, "the graph of the submaps");
-  bytes.require(all_below(graph.part, part_count) && all_below(graph.parent, submaps), "a submap of the graph");
+void check_graph(ByteReader& bytes, const SubmapGraph& graph, std::size_t submaps, std::uint32_t component_count) {
+  bytes.require(graph.component.size() == submaps && graph.parent.size() == submaps && component_count <= submaps,
+                "the graph of the submaps");
+  bytes.require(all_below(graph.component, component_count) && all_below(graph.parent, submaps), "a submap of the graph");
   for (const SubmapLink& link : graph.links) bytes.require(link.from < submaps && link.to < submaps, "the ends of a link");
 }
 
@@ -125,7 +126,7 @@ void SubmapMapping::fields(Bytes& bytes, Saved& saved) {
   bytes.list(saved.map_.keyframes, [](auto& to, auto& keyframe) { keyframe_fields(to, keyframe); });
   bytes.list(saved.map_.landmarks, [](auto& to, auto& landmark) { landmark_fields(to, landmark); });
   bytes.list(saved.map_.world_from_submap, [](auto& to, auto& pose) { rigid3_fields(to, pose); });
-  bytes.numbers(saved.graph_.part);
+  bytes.numbers(saved.graph_.component);
   bytes.numbers(saved.graph_.parent);
   bytes.list(saved.graph_.links, [](auto& to, auto& link) { link_fields(to, link); });
   bytes.flags(saved.layout_.is_active);
@@ -134,9 +135,9 @@ void SubmapMapping::fields(Bytes& bytes, Saved& saved) {
   bytes.number(saved.layout_.closure_count);
   rigid3_fields(bytes, saved.submap_from_camera_);
   bytes.number(saved.frame_);
-  bytes.number(saved.part_count_);
-  bytes.number(saved.looked_at_keyframe_);
-  bytes.require(is_index(saved.frame_) && is_index(saved.looked_at_keyframe_), "the number of a frame");
+  bytes.number(saved.component_count_);
+  bytes.number(saved.offered_at_keyframe_);
+  bytes.require(is_index(saved.frame_) && is_index(saved.offered_at_keyframe_), "the number of a frame");
   for (auto& keyframe : saved.map_.keyframes) bytes.numbers(keyframe.planes);  // most of the bytes, and of any value: after what is not
 }
 
@@ -147,7 +148,7 @@ void SubmapMapping::pending_fields(Bytes& bytes, Saved& pending) {
   bytes.number(pending.frame);
   bytes.number(pending.keyframe);
   bytes.flag(pending.by_appearance);
-  bytes.number(pending.later_looks);
+  bytes.number(pending.later_verifications);
   bytes.require(pending.overlap >= 0 && pending.overlap <= 1 && is_index(pending.frame) && is_index(pending.keyframe), "a loop that waits");
 }
 
@@ -169,11 +170,7 @@ void SubmapMapping::save(ByteWriter& bytes) const {
   bytes.flag(time_ == CorrectionTime::kByFrames);
   fields(bytes, *this);
   index_.save(bytes);
-  bytes.number(static_cast<std::uint32_t>(counts_.size()));
-  for (const auto& [name, count] : counts_) {
-    bytes.text(name);
-    bytes.number(count);
-  }
+  for (const MappingCountName& named : kMappingCountNames) bytes.number(counts_.*named.count);
   bytes.flag(pending_.has_value());
   if (pending_) pending_fields(bytes, *pending_);
   bytes.flag(running_.has_value());
@@ -187,17 +184,11 @@ void SubmapMapping::restore(ByteReader& bytes) {
   fields(bytes, *this);
   const std::size_t submaps = map_.world_from_submap.size();
   check_map(bytes, map_);
-  check_graph(bytes, graph_, submaps, part_count_);
+  check_graph(bytes, graph_, submaps, component_count_);
   bytes.require(layout_.is_active.size() == submaps && layout_.current < submaps, "the current submap");
   if (bytes.ok()) name_landmarks(bytes, map_);
   index_.restore(bytes, map_.landmarks.size());
-  std::uint32_t left = 0;
-  bytes.number(left);
-  for (; left > 0 && bytes.ok(); --left) {
-    std::string name;
-    bytes.text(name);
-    bytes.number(counts_[name]);
-  }
+  for (const MappingCountName& named : kMappingCountNames) bytes.number(counts_.*named.count);
   bool is_pending = false, is_running = false;
   bytes.flag(is_pending);
   if (is_pending) {

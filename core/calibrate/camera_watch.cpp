@@ -65,7 +65,7 @@ class Watch : public CameraWatch {
     frames_to_answer_ = kFramesToAnswer;
   }
 
-  void begin_part() override { views_.clear(); }
+  void begin_component() override { views_.clear(); }
 
   std::optional<CameraCheck> answer() override {
     if (!answer_.valid() || --frames_to_answer_ > 0) return std::nullopt;

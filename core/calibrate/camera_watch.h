@@ -48,7 +48,7 @@ class CameraWatch {
   virtual void view(RgbdFrame frame, const Rigid3& world_from_camera) = 0;
 
   // The map goes on in a part of its own: views of before say nothing beside those to come.
-  virtual void begin_part() = 0;
+  virtual void begin_component() = 0;
 
   // Once a frame: the answer, so many frames after enough views were there, at most kMostAnswers in all and none after one that knows.
   // Waits for it when it is late.

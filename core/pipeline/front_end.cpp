@@ -286,17 +286,17 @@ void FrontEnd::show(const Rigid3& world_from_camera, const SubmapSet& submaps) {
   downsample(commands, preprocessor_.downsample_kernel(), predictor_.surface(), 0.5 * options_.frame.depth_gate_m);
 }
 
-std::optional<Look> FrontEnd::look(const Revisit& revisit, const MapLayout& layout) {
+std::optional<LoopVerification> FrontEnd::verify(const LoopCandidate& candidate, const MapLayout& layout) {
   store.set_submaps(layout.world_from_submap);
-  SubmapSet submaps = revisit.submaps;
+  SubmapSet submaps = candidate.submaps;
   submaps.resize(layout.world_from_submap.size(), false);
-  if (!bring(submaps, layout)) return std::nullopt;  // a place that does not fit beside where the camera is cannot be looked at
-  show(revisit.world_from_camera, submaps);
+  if (!bring(submaps, layout)) return std::nullopt;  // there is no memory for the candidate beside what is active
+  show(candidate.world_from_camera, submaps);
   commands.submit_and_wait();
   const std::vector<Rigid3> start{Rigid3{}};
   const OdometryResult found = odometry_.search(preprocessor_.maps(), predictor_.surface(), start);
   if (!is_same_place(found.agreement, found.observability)) return std::nullopt;
-  return Look{revisit.world_from_camera * found.reference_from_camera, found.agreement.overlap};
+  return LoopVerification{candidate.world_from_camera * found.reference_from_camera, found.agreement.overlap};
 }
 
 // The active submaps are on the device, with memory for what a frame may add to the current one.

@@ -71,14 +71,14 @@ class FrontEnd {
   void camera_fits(double bend_deviation, double focal_deviation) { certainty_.camera_fits(bend_deviation, focal_deviation); }
   void camera_is_off(double bend, double focal) { certainty_.camera_is_off(bend, focal); }
 
-  // What follows belongs to a part of its own.
-  void begin_part() { certainty_.begin_part(); }
+  // What follows belongs to a new component of the map.
+  void begin_component() { certainty_.begin_component(); }
 
-  // Whether the frame shows enough surface to begin a map, or a part of one.
+  // Whether the frame shows enough surface to begin a map, or a component of one.
   Judgement judge_start(const FrameContent& content);
 
-  // What the frame preprocessed last sees of the submaps of the revisit: nothing if it does not fit. Takes the place of the prediction.
-  std::optional<Look> look(const Revisit& revisit, const MapLayout& layout);
+  // Aligns the frame preprocessed last with the surface of the candidate's submaps: nothing where they do not fit. Replaces the prediction.
+  std::optional<LoopVerification> verify(const LoopCandidate& candidate, const MapLayout& layout);
 
   // Records: the frame preprocessed last, seen from `world_from_camera`, is fused into the active submaps, what is new into the current
   // one. No: the map is full, and nothing new was added.

@@ -344,7 +344,7 @@ void Pipeline::forget_taken_changes() {
 std::vector<SubmapPose> Pipeline::submap_poses() const {
   std::vector<SubmapPose> poses;
   for (const Rigid3& pose : impl_->reconstruction->front_end.store.world_from_submap())
-    poses.push_back({static_cast<std::uint32_t>(poses.size()), pose, impl_->reconstruction->layout().part[poses.size()]});
+    poses.push_back({static_cast<std::uint32_t>(poses.size()), pose, impl_->reconstruction->layout().component[poses.size()]});
   return poses;
 }
 
@@ -374,7 +374,6 @@ PipelineStatistics Pipeline::statistics() const {
   statistics.host_memory_bytes = now.front_end.store.host_bytes();
   if (now.mapping) {
     statistics.mapping = now.mapping->counts();
-    statistics.mapping["parts"] = static_cast<std::int64_t>(part_count(now.layout()));
   }
   statistics.device = device.name;
   return statistics;

@@ -32,7 +32,7 @@ inline constexpr float kMeshedConfidence = 1;
 struct SubmapPose {
   std::uint32_t submap = 0;
   Rigid3 world_from_submap;
-  std::uint32_t part = 0;  // see MapLayout; the pose relative to submaps of other parts says nothing
+  std::uint32_t component = 0;  // see MapLayout; the pose relative to submaps of other components says nothing
 };
 
 struct PipelineStatistics {
@@ -52,7 +52,7 @@ struct PipelineStatistics {
   std::map<std::string, std::int64_t> gpu_memory_bytes;  // by purpose
   std::int64_t device_memory_bytes = 0;                  // that the device has in all; 0: nobody knows, it is a processor
   std::int64_t host_memory_bytes = 0;                    // of submaps that wait there
-  std::map<std::string, std::int64_t> mapping;           // submaps, parts, keyframes, loops, ...; empty without mapping
+  std::optional<MappingCounts> mapping;                  // none without mapping
   std::string device;
 };
 

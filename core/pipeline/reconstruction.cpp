@@ -43,48 +43,46 @@ double farthest_correction_m(const std::vector<Rigid3>& before, const MapLayout&
 
 }  // namespace
 
-std::size_t part_count(const MapLayout& layout) { return std::set(layout.part.begin(), layout.part.end()).size(); }
-
 // What the back end makes of a tracked frame: submaps are opened and moved, loops closed.
 MapEvent Reconstruction::observe(const RgbdFrame& frame, const Rigid3& tracked) {
   const std::uint32_t submap = layout().current;
   const Rigid3 submap_from_camera = inverse(layout().world_from_submap[submap]) * tracked;
-  const std::size_t parts_before = part_count(layout());
+  const std::size_t components_before = component_count(layout());
   const std::uint64_t closures_before = layout().closure_count;
-  for (const Revisit& revisit : mapping->observe(without_moving(frame, front_end), tracked)) {
-    const std::optional<Look> look = front_end.look(revisit, layout());
-    if (look && mapping->confirm(revisit, *look)) break;  // the others were guessed from how the map was before
+  for (const LoopCandidate& candidate : mapping->observe(without_moving(frame, front_end), tracked)) {
+    const std::optional<LoopVerification> verified = front_end.verify(candidate, layout());
+    if (verified && mapping->confirm(candidate, *verified)) break;  // the others were guessed from how the map was before
   }
   world_from_camera = layout().world_from_submap[submap] * submap_from_camera;
-  if (part_count(layout()) < parts_before) return MapEvent::kJoined;
+  if (component_count(layout()) < components_before) return MapEvent::kJoined;
   return layout().closure_count > closures_before ? MapEvent::kLoopClosed : MapEvent::kNone;
 }
 
 // A lost camera is found, or the map goes on in a new part.
-MapEvent Reconstruction::find(const RgbdFrame& frame, const FrameContent& content, Motion& motion) {
-  const std::vector<Revisit> revisits = mapping->find(frame);
-  for (const Revisit& revisit : revisits) {
-    const std::optional<Look> look = front_end.look(revisit, layout());
-    if (!look) continue;
-    mapping->found(revisit, look->world_from_camera);
-    world_from_camera = look->world_from_camera;
+MapEvent Reconstruction::relocalise(const RgbdFrame& frame, const FrameContent& content, Motion& motion) {
+  const std::vector<LoopCandidate> candidates = mapping->relocalise(frame);
+  for (const LoopCandidate& candidate : candidates) {
+    const std::optional<LoopVerification> verified = front_end.verify(candidate, layout());
+    if (!verified) continue;
+    mapping->relocalised(candidate, verified->world_from_camera);
+    world_from_camera = verified->world_from_camera;
     front_end.forget_corners();
     motion = {{}, {TrackingStatus::kWeak, "found again"}};
     return MapEvent::kFoundAgain;
   }
   if (lost_count + 1 >= options.adjust.new_part_after_frames && front_end.judge_start(content).status != TrackingStatus::kLost) {
-    mapping->begin_part(world_from_camera);
+    mapping->begin_component(world_from_camera);
     front_end.forget_corners();
     motion = {{}, {TrackingStatus::kWeak, "not found: a new part of the map begins, to be joined when the camera sees both"}};
     return MapEvent::kNewPart;
   }
-  if (!revisits.empty()) front_end.predict(world_from_camera, layout());  // which the looks have overwritten
+  if (!candidates.empty()) front_end.predict(world_from_camera, layout());  // which verification has overwritten
   return MapEvent::kNone;
 }
 
 // What is known of the frame's pose, and whether that is enough to call it tracked.
 void Reconstruction::weigh(Motion& motion, FrameResult& result) {
-  if (result.event == MapEvent::kNewPart) front_end.begin_part();
+  if (result.event == MapEvent::kNewPart) front_end.begin_component();
   uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, layout());
   result.uncertainty = uncertainty;
   motion.judgement =
@@ -93,7 +91,7 @@ void Reconstruction::weigh(Motion& motion, FrameResult& result) {
 
 // Of a frame that is not lost.
 void Reconstruction::show_to_watch(const RgbdFrame& frame, MapEvent event) {
-  if (event == MapEvent::kNewPart) watch->begin_part();
+  if (event == MapEvent::kNewPart) watch->begin_component();
   if (watch->wants(world_from_camera)) watch->view(without_moving(frame, front_end), world_from_camera);
 }
 
@@ -135,7 +133,7 @@ FrameResult Reconstruction::process(const PreparedFrame& prepared) {
   if (motion.judgement.status != TrackingStatus::kLost) world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
   if (mapping && motion.judgement.status != TrackingStatus::kLost)
     timed("adjust", [&] { result.event = observe(frame, world_from_camera); });
-  if (mapping && motion.judgement.status == TrackingStatus::kLost) timed("find", [&] { result.event = find(frame, content, motion); });
+  if (mapping && motion.judgement.status == TrackingStatus::kLost) timed("find", [&] { result.event = relocalise(frame, content, motion); });
 
   const bool lost = motion.judgement.status == TrackingStatus::kLost;
   if (lost != (lost_count > 0) && tracked_frame_count > 0 && result.event == MapEvent::kNone)

@@ -22,8 +22,6 @@
 
 namespace hermite {
 
-std::size_t part_count(const MapLayout& layout);
-
 // For Pipeline: what it makes, asks and, when the camera turns out to be off, throws away.
 struct Reconstruction {
   Reconstruction(const std::string& device, const Camera& camera, const Options& options_of_scan, std::unique_ptr<Mapping> mapping_of_scan,
@@ -52,7 +50,7 @@ struct Reconstruction {
   template <class Bytes, class Saved>
   static void fields(Bytes& bytes, Saved& saved);
   MapEvent observe(const RgbdFrame& frame, const Rigid3& tracked);
-  MapEvent find(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
+  MapEvent relocalise(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
   void describe_pose(FrameResult& result) const;
   void weigh(Motion& motion, FrameResult& result);
   void show_to_watch(const RgbdFrame& frame, MapEvent event);

@@ -47,7 +47,8 @@ std::string format_report_json(const RunReport& run, const Trajectory& estimate,
     report["corrected_camera"].erase("frame_rate_hz");  // which nobody knows here
   }
   report["surfels"] = statistics.surfel_count;
-  for (const auto& [what, count] : statistics.mapping) report["mapping"][what] = count;
+  if (statistics.mapping)
+    for (const MappingCountName& named : kMappingCountNames) report["mapping"][std::string(named.name)] = *statistics.mapping.*named.count;
   report["mean_frame_ms"] = statistics.mean_frame_ms;
   report["stages_ms"] = Json::object();
   for (const auto& [stage, ms] : statistics.stages_ms) report["stages_ms"][stage] = ms;

@@ -315,7 +315,7 @@ void MapCertainty::drop_some() {
   covariance_ = covariance_(rows, rows).eval();
 }
 
-void MapCertainty::begin_part() {
+void MapCertainty::begin_component() {
   way_m_ = 0;
   views_.clear();
   mean_ = mean_.head<kCameraDoubtCount>().eval();

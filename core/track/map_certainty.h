@@ -74,7 +74,7 @@ class MapCertainty {
 
   // The map goes on in a part of its own: what follows is relative to its first frame, also when the part is joined to others. What is
   // known of the camera stays.
-  void begin_part();
+  void begin_component();
 
   void save(ByteWriter& bytes) const;
   void restore(ByteReader& bytes);

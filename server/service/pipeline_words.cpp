@@ -1,8 +1,6 @@
 #include "server/service/pipeline_words.h"
 
 #include <algorithm>
-#include <initializer_list>
-#include <map>
 
 namespace hermite {
 
@@ -24,13 +22,6 @@ wire::MapEvent wire_event(MapEvent event) {
     case MapEvent::kRecalibrated: return wire::MapEvent::kRecalibrated;
   }
   return wire::MapEvent::kNone;
-}
-
-std::uint64_t sum_of(const std::map<std::string, std::int64_t>& counts, std::initializer_list<const char*> names) {
-  std::int64_t sum = 0;
-  for (const char* name : names)
-    if (const auto found = counts.find(name); found != counts.end()) sum += found->second;
-  return static_cast<std::uint64_t>(sum);
 }
 
 }  // namespace
@@ -57,7 +48,7 @@ wire::FrameResult wire_result(const FrameResult& result, std::uint64_t sequence,
 
 wire::SubmapPoses wire_poses(const Pipeline& pipeline) {
   wire::SubmapPoses poses;
-  for (const SubmapPose& pose : pipeline.submap_poses()) poses.poses.push_back({pose.submap, pose.world_from_submap, pose.part});
+  for (const SubmapPose& pose : pipeline.submap_poses()) poses.poses.push_back({pose.submap, pose.world_from_submap, pose.component});
   return poses;
 }
 
@@ -76,15 +67,16 @@ std::vector<wire::PoseInSubmap> wire_past(const Pipeline& pipeline) {
 }
 
 void measure(const PipelineStatistics& statistics, ModelUpdate& update) {
-  update.keyframes = sum_of(statistics.mapping, {"keyframes"});
-  update.loops = sum_of(statistics.mapping, {"loops by appearance", "loops by nearness"});
+  const MappingCounts counts = statistics.mapping.value_or(MappingCounts{});
+  update.keyframes = static_cast<std::uint64_t>(counts.keyframes);
+  update.loops = static_cast<std::uint64_t>(counts.loops());
   for (const auto& [purpose, bytes] : statistics.gpu_memory_bytes) update.gpu_memory_bytes += static_cast<std::uint64_t>(bytes);
   update.device_memory_bytes = static_cast<std::uint64_t>(statistics.device_memory_bytes);
 }
 
 std::string words_about_map(const PipelineStatistics& statistics) {
   std::string words = statistics.calibration_doubt.empty() ? statistics.camera_correction : statistics.calibration_doubt;
-  const std::uint64_t parts = sum_of(statistics.mapping, {"parts"});
+  const std::int64_t parts = statistics.mapping.value_or(MappingCounts{}).components;
   if (parts < 2) return words;
   if (!words.empty()) words += "; ";
   return words + "the map is in " + std::to_string(parts) + " parts that could not be joined: the camera never saw enough of two at once";

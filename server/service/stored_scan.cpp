@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/adjust/mapping_counts.h"
 #include "core/dataset/trajectory.h"
 #include "proto/wire/server_message.h"
 #include "server/store/chunk_file.h"
@@ -44,12 +45,13 @@ void read_map_counts(Blobs& blobs, const std::string& scan_id, wire::ScanState& 
   if (!text.ok()) return;
   const nlohmann::json report = nlohmann::json::parse(*text, nullptr, false);
   const nlohmann::json mapping = report.is_object() ? report.value("mapping", nlohmann::json()) : nlohmann::json();
-  const auto count = [&mapping](const char* name) -> std::uint64_t {
-    const auto found = mapping.is_object() ? mapping.find(name) : mapping.end();
-    return found != mapping.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : 0;
-  };
-  state.keyframes = count("keyframes");
-  state.loops = count("loops by appearance") + count("loops by nearness");
+  MappingCounts counts;
+  for (const MappingCountName& named : kMappingCountNames) {
+    const auto found = mapping.is_object() ? mapping.find(named.name) : mapping.end();
+    if (found != mapping.end() && found->is_number_unsigned()) counts.*named.count = found->get<std::int64_t>();
+  }
+  state.keyframes = static_cast<std::uint64_t>(counts.keyframes);
+  state.loops = static_cast<std::uint64_t>(counts.loops());
 }
 
 StoredScan read_stored_scan(Blobs& blobs, const std::string& scan_id) {

@@ -17,16 +17,16 @@ std::string saved(const Mapping& mapping) {
 // Tracked, lost and found again, as far as the state allows.
 void go_on(Mapping& mapping) {
   const std::size_t submaps = mapping.layout().world_from_submap.size();
-  CHECK(mapping.layout().current < submaps && mapping.layout().part.size() == submaps && mapping.layout().is_active.size() == submaps,
+  CHECK(mapping.layout().current < submaps && mapping.layout().component.size() == submaps && mapping.layout().is_active.size() == submaps,
         "a layout of nothing");
   for (const std::size_t i : {fuzz::kSeenFrames, std::size_t{0}})
-    for (const Revisit& revisit : mapping.observe(fuzz::frame_at(i), fuzz::world_from_camera(i)))
-      mapping.confirm(revisit, {revisit.world_from_camera, i == 0 ? 1.0 : 0.3});
-  const std::vector<Revisit> revisits = mapping.find(fuzz::frame_at(1));
-  if (revisits.empty())
-    mapping.begin_part(Rigid3{});
+    for (const LoopCandidate& candidate : mapping.observe(fuzz::frame_at(i), fuzz::world_from_camera(i)))
+      mapping.confirm(candidate, {candidate.world_from_camera, i == 0 ? 1.0 : 0.3});
+  const std::vector<LoopCandidate> candidates = mapping.relocalise(fuzz::frame_at(1));
+  if (candidates.empty())
+    mapping.begin_component(Rigid3{});
   else
-    mapping.found(revisits.front(), revisits.front().world_from_camera);
+    mapping.relocalised(candidates.front(), candidates.front().world_from_camera);
   mapping.finish();
 }
 

@@ -30,12 +30,12 @@ struct Walk {
 };
 
 struct Outcome {
-  std::int64_t first_hidden = 0;                // frame
-  std::int64_t hidden_until = 0;                // first frame that shows something again
-  std::optional<std::int64_t> known_at;         // first frame after that that shows ground from before
-  std::optional<std::int64_t> found_at;         // first frame after that whose pose is right
-  std::int64_t lost_count = 0, part_count = 0;  // frames; parts at the end
-  double ate_mm = 0;                            // of the frames that were not lost: the pose of a lost one is only held
+  std::int64_t first_hidden = 0;                     // frame
+  std::int64_t hidden_until = 0;                     // first frame that shows something again
+  std::optional<std::int64_t> known_at;              // first frame after that that shows ground from before
+  std::optional<std::int64_t> found_at;              // first frame after that whose pose is right
+  std::int64_t lost_count = 0, component_count = 0;  // frames; parts at the end
+  double ate_mm = 0;                                 // of the frames that were not lost: the pose of a lost one is only held
 };
 
 std::string source_of(const Walk& walk, int run, const std::string& suffix) {
@@ -72,7 +72,7 @@ Outcome observe(const Walk& walk, int run, const std::string& suffix, Outcome ou
     if (outcome.known_at && is_right && !is_lost.back()) outcome.found_at = frame;
   }
   pipeline.finish();
-  outcome.part_count = pipeline.statistics().mapping.at("parts");
+  outcome.component_count = pipeline.statistics().mapping.value().components;
   Trajectory known;
   for (std::size_t i = 0; i < is_lost.size(); ++i)
     if (!is_lost[i]) known.push_back(pipeline.trajectory()[i]);
@@ -97,7 +97,7 @@ void print(int run, const Outcome& outcome, double undisturbed_mm) {
   std::printf("| %d | %s | %lld | %s | %s | %lld | %lld | %.1f | %.1f |\n", run, run % 2 == 0 ? "covered" : "missing",
               static_cast<long long>(outcome.first_hidden), after(outcome.known_at, outcome.hidden_until).c_str(),
               after(outcome.found_at, outcome.known_at.value_or(0)).c_str(), static_cast<long long>(outcome.lost_count),
-              static_cast<long long>(outcome.part_count), outcome.ate_mm, undisturbed_mm);
+              static_cast<long long>(outcome.component_count), outcome.ate_mm, undisturbed_mm);
   std::fflush(stdout);
 }
 

@@ -39,34 +39,35 @@ bool PlaceAudit::knows(const Rigid3& true_pose) const {
   });
 }
 
-void PlaceAudit::show_first_lap_only(std::vector<Revisit>& revisits) const {
-  for (Revisit& revisit : revisits)
-    for (std::size_t submap = lap_submaps_; submap < revisit.submaps.size(); ++submap) revisit.submaps[submap] = false;
-  std::erase_if(revisits, [](const Revisit& revisit) { return std::count(revisit.submaps.begin(), revisit.submaps.end(), true) == 0; });
+void PlaceAudit::show_first_lap_only(std::vector<LoopCandidate>& candidates) const {
+  for (LoopCandidate& candidate : candidates)
+    for (std::size_t submap = lap_submaps_; submap < candidate.submaps.size(); ++submap) candidate.submaps[submap] = false;
+  std::erase_if(candidates,
+                [](const LoopCandidate& candidate) { return std::count(candidate.submaps.begin(), candidate.submaps.end(), true) == 0; });
 }
 
-std::vector<Revisit> PlaceAudit::ask_about_loop(const RgbdFrame& frame, const Rigid3& world_from_camera) {
-  const auto keyframe_count = [this] { return mapping_->counts()["keyframes"]; };
+std::vector<LoopCandidate> PlaceAudit::ask_about_loop(const RgbdFrame& frame, const Rigid3& world_from_camera) {
+  const auto keyframe_count = [this] { return mapping_->counts().keyframes; };
   const std::int64_t before = keyframe_count();
-  std::vector<Revisit> revisits = mapping_->observe(frame, world_from_camera);
-  if (keyframe_count() == before) return revisits;
+  std::vector<LoopCandidate> candidates = mapping_->observe(frame, world_from_camera);
+  if (keyframe_count() == before) return candidates;
   asked_at_known_ = question_ == PlaceQuestion::kLoop && knows(true_pose_);
   views_.push_back({true_pose_, world_from_camera, layout().current});
-  show_first_lap_only(revisits);
-  return revisits;
+  show_first_lap_only(candidates);
+  return candidates;
 }
 
-std::vector<Revisit> PlaceAudit::ask_lost(const RgbdFrame& frame) {
+std::vector<LoopCandidate> PlaceAudit::ask_lost(const RgbdFrame& frame) {
   if (frame_ % kFramesPerQuestion != 0) return {};
   asked_at_known_ = std::any_of(views_.begin(), views_.end(),
                                 [&](const View& view) { return is_within(inverse(view.true_pose) * true_pose_, kNear_m, kNear_deg); });
-  std::vector<Revisit> revisits = mapping_->find(frame);
-  for (Revisit& revisit : revisits) revisit.submaps[layout().current] = false;  // into which this lap is fused
-  show_first_lap_only(revisits);
-  return revisits;
+  std::vector<LoopCandidate> candidates = mapping_->relocalise(frame);
+  for (LoopCandidate& candidate : candidates) candidate.submaps[layout().current] = false;  // into which this lap is fused
+  show_first_lap_only(candidates);
+  return candidates;
 }
 
-std::vector<Revisit> PlaceAudit::observe(const RgbdFrame& frame, const Rigid3& world_from_camera) {
+std::vector<LoopCandidate> PlaceAudit::observe(const RgbdFrame& frame, const Rigid3& world_from_camera) {
   result();
   ++frame_;
   if (frame_ < lap_frames_) lap_submaps_ = layout().is_active.size();
@@ -74,19 +75,19 @@ std::vector<Revisit> PlaceAudit::observe(const RgbdFrame& frame, const Rigid3& w
   if (!pose) return {};
   true_pose_ = inverse(truth_.front().world_from_camera) * *pose;
   const bool is_frozen = question_ == PlaceQuestion::kLost && frame_ >= lap_frames_;
-  std::vector<Revisit> revisits = is_frozen ? ask_lost(frame) : ask_about_loop(frame, world_from_camera);
+  std::vector<LoopCandidate> candidates = is_frozen ? ask_lost(frame) : ask_about_loop(frame, world_from_camera);
   if (question_ == PlaceQuestion::kLost && !is_frozen) return {};
   counts_.known += asked_at_known_ ? 1 : 0;
-  counts_.unguessed += asked_at_known_ && revisits.empty() ? 1 : 0;
-  return revisits;
+  counts_.unguessed += asked_at_known_ && candidates.empty() ? 1 : 0;
+  return candidates;
 }
 
-bool PlaceAudit::is_right(const Revisit& revisit, const Rigid3& seen_from) const {
+bool PlaceAudit::is_right(const LoopCandidate& candidate, const Rigid3& seen_from) const {
   const View* nearest = nullptr;
   double least_m = kNear_m;
   for (const View& view : views_) {
     const Rigid3 view_from_camera = inverse(view.true_pose) * true_pose_;
-    if (!revisit.submaps[view.submap] || !is_within(view_from_camera, least_m, kNear_deg)) continue;
+    if (!candidate.submaps[view.submap] || !is_within(view_from_camera, least_m, kNear_deg)) continue;
     nearest = &view;
     least_m = view_from_camera.translation.norm();
   }
@@ -95,8 +96,8 @@ bool PlaceAudit::is_right(const Revisit& revisit, const Rigid3& seen_from) const
   return is_within(inverse(expected) * seen_from, kRight_m, kRight_deg);
 }
 
-bool PlaceAudit::confirm(const Revisit& revisit, const Look& look) {
-  if (is_right(revisit, look.world_from_camera))
+bool PlaceAudit::confirm(const LoopCandidate& candidate, const LoopVerification& verified) {
+  if (is_right(candidate, verified.world_from_camera))
     answered_right_ = true;
   else
     ++counts_.wrong;

@@ -1,6 +1,6 @@
 // A back end that is asked where the camera is and never believed: the front end looks at every guess as in a scan, the audit compares
 // what fits with the true pose, and then refuses. So the camera is at known ground for as long as the walk goes on, and each keyframe of a
-// second lap is one revisit. What is mapped in the second lap lies where the camera has drifted to, and is not shown.
+// second lap is one candidate. What is mapped in the second lap lies where the camera has drifted to, and is not shown.
 #pragma once
 
 #include <cstdint>
@@ -40,13 +40,13 @@ class PlaceAudit final : public Mapping {
   const PlaceCounts& result();
 
   const MapLayout& layout() const override { return mapping_->layout(); }
-  std::vector<Revisit> observe(const RgbdFrame& frame, const Rigid3& world_from_camera) override;
-  bool confirm(const Revisit& revisit, const Look& look) override;
-  std::vector<Revisit> find(const RgbdFrame&) override { return {}; }
-  void found(const Revisit&, const Rigid3&) override {}
-  void begin_part(const Rigid3& world_from_camera) override { mapping_->begin_part(world_from_camera); }
+  std::vector<LoopCandidate> observe(const RgbdFrame& frame, const Rigid3& world_from_camera) override;
+  bool confirm(const LoopCandidate& candidate, const LoopVerification& verified) override;
+  std::vector<LoopCandidate> relocalise(const RgbdFrame&) override { return {}; }
+  void relocalised(const LoopCandidate&, const Rigid3&) override {}
+  void begin_component(const Rigid3& world_from_camera) override { mapping_->begin_component(world_from_camera); }
   void finish() override { result(); }
-  std::map<std::string, std::int64_t> counts() const override { return mapping_->counts(); }
+  MappingCounts counts() const override { return mapping_->counts(); }
   void save(ByteWriter& bytes) const override { mapping_->save(bytes); }
   void restore(ByteReader& bytes) override { mapping_->restore(bytes); }
 
@@ -56,11 +56,11 @@ class PlaceAudit final : public Mapping {
     std::uint32_t submap = 0;
   };
 
-  std::vector<Revisit> ask_about_loop(const RgbdFrame& frame, const Rigid3& world_from_camera);
-  std::vector<Revisit> ask_lost(const RgbdFrame& frame);
-  void show_first_lap_only(std::vector<Revisit>& revisits) const;
+  std::vector<LoopCandidate> ask_about_loop(const RgbdFrame& frame, const Rigid3& world_from_camera);
+  std::vector<LoopCandidate> ask_lost(const RgbdFrame& frame);
+  void show_first_lap_only(std::vector<LoopCandidate>& candidates) const;
   bool knows(const Rigid3& true_pose) const;
-  bool is_right(const Revisit& revisit, const Rigid3& seen_from) const;
+  bool is_right(const LoopCandidate& candidate, const Rigid3& seen_from) const;
 
   const std::unique_ptr<Mapping> mapping_;
   const Trajectory truth_;

@@ -30,7 +30,7 @@ TEST(SubmapGraph, ATurnIsAWayToo) {
 TEST(SubmapGraph, NewSubmapsAreTheirOwnParents) {
   SubmapGraph graph = chain(2);
   EXPECT_EQ(add_submap(graph, 5), 2u);
-  EXPECT_EQ(graph.part, (std::vector<std::uint32_t>{0, 0, 5}));
+  EXPECT_EQ(graph.component, (std::vector<std::uint32_t>{0, 0, 5}));
   EXPECT_EQ(graph.parent, (std::vector<std::uint32_t>{0, 1, 2}));
 }
 

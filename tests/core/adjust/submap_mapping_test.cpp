@@ -1,4 +1,4 @@
-// The back end behind a front end that is played: poses with a drift that is known, and a look that sees what is true.
+// The back end behind a front end that is played: poses with a drift that is known, and verification that sees what is true.
 #include "core/adjust/submap_mapping.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 // A third of a usual image is enough for features, and quick to render.
 const Camera kCamera{320, 240, 262, 262, 159.5, 119.5, 5000};
 
-// What a dense look finds from: farther from the truth it does not come back.
+// What verification aligns from: farther from the truth it does not come back.
 constexpr double kReach_m = 0.15, kReach_rad = 0.2;
 
 struct Step {
@@ -63,29 +63,29 @@ class PlayedFrontEnd {
     started_ = true;
     true_before_ = step.world_from_camera;
     submap_from_camera_ = inverse(mapping.layout().world_from_submap[submap_]) * tracked;
-    const std::vector<Revisit> revisits = mapping.observe(step.frame, tracked);
+    const std::vector<LoopCandidate> candidates = mapping.observe(step.frame, tracked);
     note_new_submaps(step);
-    for (const Revisit& revisit : revisits) {
+    for (const LoopCandidate& candidate : candidates) {
       ++offered;
-      const std::optional<Rigid3> seen_from = is_blind ? std::nullopt : look(revisit, step);
-      if (seen_from && mapping.confirm(revisit, {*seen_from * off_by, overlap})) break;
+      const std::optional<Rigid3> seen_from = is_blind ? std::nullopt : verify(candidate, step);
+      if (seen_from && mapping.confirm(candidate, {*seen_from * off_by, overlap})) break;
     }
     settle();
   }
 
-  // What the front end sees of a revisit: where the camera truly is, as the nearest of these submaps stands in the map.
-  std::optional<Rigid3> look(const Revisit& revisit, const Step& step) {
-    if (believes_everything_) return revisit.world_from_camera;
+  // How the front end verifies a candidate: where the camera truly is, as the nearest of these submaps stands in the map.
+  std::optional<Rigid3> verify(const LoopCandidate& candidate, const Step& step) {
+    if (believes_everything_) return candidate.world_from_camera;
     std::optional<Rigid3> best;
     double least = 1e300;
-    for (std::uint32_t submap = 0; submap < revisit.submaps.size(); ++submap) {
+    for (std::uint32_t submap = 0; submap < candidate.submaps.size(); ++submap) {
       const Rigid3 true_submap_from_camera = inverse(true_world_from_submap[submap]) * step.world_from_camera;
-      if (!revisit.submaps[submap] || length_of(true_submap_from_camera) >= least) continue;
+      if (!candidate.submaps[submap] || length_of(true_submap_from_camera) >= least) continue;
       least = length_of(true_submap_from_camera);
       best = mapping.layout().world_from_submap[submap] * true_submap_from_camera;
     }
     if (!best) return std::nullopt;
-    const Rigid3 off = inverse(revisit.world_from_camera) * *best;
+    const Rigid3 off = inverse(candidate.world_from_camera) * *best;
     if (off.translation.norm() > kReach_m || angle_rad(off.rotation) > kReach_rad) return std::nullopt;
     return best;
   }
@@ -100,12 +100,8 @@ class PlayedFrontEnd {
     return worst;
   }
 
-  std::int64_t count(const std::string& what) const {
-    const auto counts = mapping.counts();
-    const auto found = counts.find(what);
-    return found == counts.end() ? 0 : found->second;
-  }
-  std::int64_t loops() const { return count("loops by appearance") + count("loops by nearness"); }
+  MappingCounts counts() const { return mapping.counts(); }
+  std::int64_t loops() const { return counts().loops(); }
 
   Rigid3 world_from_camera() const { return mapping.layout().world_from_submap[submap_] * submap_from_camera_; }
   void settle() {
@@ -123,7 +119,7 @@ class PlayedFrontEnd {
   SubmapMapping mapping;
   std::vector<Rigid3> true_world_from_submap;
   int offered = 0;
-  double overlap = 1;     // of its looks
+  double overlap = 1;     // of its verifications
   Rigid3 off_by;          // and what they are off by
   bool is_blind = false;  // they see nothing that fits
 
@@ -159,8 +155,8 @@ TEST(SubmapMapping, AStandingCameraOpensNothing) {
   PlayedFrontEnd front_end({}, 0);
   const std::vector<Step> steps = walk(RoomScene::kLoop, 0, 1, 1);
   for (int i = 0; i < 20; ++i) front_end.track(steps[0]);
-  EXPECT_EQ(front_end.count("submaps"), 1);
-  EXPECT_EQ(front_end.count("keyframes"), 1);
+  EXPECT_EQ(front_end.counts().submaps, 1);
+  EXPECT_EQ(front_end.counts().keyframes, 1);
   EXPECT_EQ(front_end.mapping.layout().correction_count, 0u);
 }
 
@@ -168,12 +164,12 @@ TEST(SubmapMapping, GoingToAndFroOpensNoMoreThanGoingThere) {
   const std::vector<Step> steps = walk(RoomScene::kLoop, 0, 10, 10);
   PlayedFrontEnd front_end({}, 0);
   for (const Step& step : steps) front_end.track(step);
-  const std::int64_t submaps = front_end.count("submaps"), keyframes = front_end.count("keyframes");
+  const std::int64_t submaps = front_end.counts().submaps, keyframes = front_end.counts().keyframes;
   EXPECT_GE(submaps, 3);
   for (int i = 8; i >= 0; --i) front_end.track(steps[static_cast<std::size_t>(i)]);
   for (const Step& step : steps) front_end.track(step);
-  EXPECT_LE(front_end.count("submaps"), submaps + 1);
-  EXPECT_LE(front_end.count("keyframes"), keyframes + 2);
+  EXPECT_LE(front_end.counts().submaps, submaps + 1);
+  EXPECT_LE(front_end.counts().keyframes, keyframes + 2);
 }
 
 TEST(SubmapMapping, ACircuitIsClosedByLandmarksAndStraightenedByDepth) {
@@ -186,7 +182,7 @@ TEST(SubmapMapping, ACircuitIsClosedByLandmarksAndStraightenedByDepth) {
   }
   EXPECT_EQ(open.loops(), 0);
   EXPECT_GE(closed.loops(), 1);
-  EXPECT_EQ(closed.count("contradicting loops"), 0);
+  EXPECT_EQ(closed.counts().contradicting_loops, 0);
   RecordProperty("open_mm", static_cast<int>(1000 * open.worst_error_m()));
   RecordProperty("closed_mm", static_cast<int>(1000 * closed.worst_error_m()));
   RecordProperty("straight_mm", static_cast<int>(1000 * straight.worst_error_m()));
@@ -205,16 +201,16 @@ TEST(SubmapMapping, WithoutALoopNothingIsLaidAnew) {
   for (std::size_t i = 0; i < before.size(); ++i) EXPECT_EQ(after[i].matrix(), before[i].matrix());
 }
 
-// Until a place is well in view, looks at it are off, and the last one is not the best.
+// Until a place is well in view, verifications are off, and the last one is not the best.
 TEST(SubmapMapping, ALoopIsMeasuredWhereMostOfThePlaceIsInView) {
   PlayedFrontEnd front_end({}, 1);
   front_end.overlap = 0.2;
   front_end.off_by.translation.y() = 0.03;
   std::size_t next = 0;
-  const auto has_looked = [&] { return front_end.offered > 0; };
-  while (next < circuit().size() && !has_looked()) front_end.track(circuit()[next++]);
-  ASSERT_TRUE(has_looked());
-  EXPECT_EQ(front_end.loops(), 0) << "a first look is not believed";
+  const auto was_verified_again = [&] { return front_end.offered > 0; };
+  while (next < circuit().size() && !was_verified_again()) front_end.track(circuit()[next++]);
+  ASSERT_TRUE(was_verified_again());
+  EXPECT_EQ(front_end.loops(), 0) << "a first verification is not enough";
   EXPECT_EQ(front_end.mapping.layout().correction_count, 0u);
   front_end.overlap = 0.5;
   front_end.off_by = Rigid3{};
@@ -225,7 +221,7 @@ TEST(SubmapMapping, ALoopIsMeasuredWhereMostOfThePlaceIsInView) {
   EXPECT_EQ(front_end.loops(), 1) << "nor waited for for ever";
   EXPECT_EQ(front_end.mapping.layout().closure_count, 1u);
   const Rigid3& truth = circuit()[next - 1].world_from_camera;
-  EXPECT_LT((front_end.world_from_camera().translation - truth.translation).norm(), 0.015) << "by the look that saw most";
+  EXPECT_LT((front_end.world_from_camera().translation - truth.translation).norm(), 0.015) << "by the verification that saw most";
 }
 
 TEST(SubmapMapping, ALoopThatNoLaterLookRepeatsIsNotBelieved) {
@@ -234,8 +230,8 @@ TEST(SubmapMapping, ALoopThatNoLaterLookRepeatsIsNotBelieved) {
   std::size_t next = 0;
   while (next < circuit().size() && front_end.offered == 0) front_end.track(circuit()[next++]);
   front_end.is_blind = true;
-  while (next < circuit().size() && front_end.count("unrepeated loops") == 0) front_end.track(circuit()[next++]);
-  EXPECT_EQ(front_end.count("unrepeated loops"), 1);
+  while (next < circuit().size() && front_end.counts().unrepeated_loops == 0) front_end.track(circuit()[next++]);
+  EXPECT_EQ(front_end.counts().unrepeated_loops, 1);
   EXPECT_EQ(front_end.loops(), 0);
   EXPECT_EQ(front_end.mapping.layout().correction_count, 0u);
 }
@@ -283,35 +279,35 @@ class LoopsInARow : public testing::Test {
     for (int i = 0; i < frames; ++i) {
       front_end.track(circuit().back());
       if (i % 4 != 0) continue;
-      Revisit revisit{front_end.world_from_camera(), std::vector<bool>(front_end.mapping.layout().is_active.size(), false), false};
-      revisit.submaps[0] = true;
+      LoopCandidate candidate{front_end.world_from_camera(), std::vector<bool>(front_end.mapping.layout().is_active.size(), false), false};
+      candidate.submaps[0] = true;
       Rigid3 seen_from = front_end.mapping.layout().world_from_submap[0] * first_from_camera;
       seen_from.translation.x() += i % 8 == 0 ? 0.002 : -0.002;
       const std::int64_t loops = front_end.loops();
-      ASSERT_TRUE(front_end.mapping.confirm(revisit, {seen_from, 1})) << "frame " << i;
+      ASSERT_TRUE(front_end.mapping.confirm(candidate, {seen_from, 1})) << "frame " << i;
       ASSERT_EQ(front_end.loops(), loops + 1);
       front_end.settle();
     }
   }
 
   void wait_for(std::int64_t global_adjustments) {
-    for (int i = 0; i < 100 && front_end.count("global adjustments") < global_adjustments; ++i) front_end.track(circuit().back());
-    ASSERT_EQ(front_end.count("global adjustments"), global_adjustments);
+    for (int i = 0; i < 100 && front_end.counts().global_adjustments < global_adjustments; ++i) front_end.track(circuit().back());
+    ASSERT_EQ(front_end.counts().global_adjustments, global_adjustments);
   }
 
   PlayedFrontEnd front_end{AdjustOptions{}, 1};
 };
 
 TEST_F(LoopsInARow, DoNotKeepTheMapFromBeingAdjusted) {
-  const std::int64_t before = front_end.count("global adjustments");
+  const std::int64_t before = front_end.counts().global_adjustments;
   const double error_before_m = front_end.worst_error_m();
   close_loops(80);
-  EXPECT_GE(front_end.count("global adjustments"), before + 2);
-  EXPECT_EQ(front_end.count("failed adjustments"), 0);
+  EXPECT_GE(front_end.counts().global_adjustments, before + 2);
+  EXPECT_EQ(front_end.counts().failed_adjustments, 0);
   // The one that runs, and one more with the loops that it did not know.
-  const std::int64_t at_the_end = front_end.count("global adjustments");
+  const std::int64_t at_the_end = front_end.counts().global_adjustments;
   for (int i = 0; i < 100; ++i) front_end.track(circuit().back());
-  EXPECT_EQ(front_end.count("global adjustments"), at_the_end + 2);
+  EXPECT_EQ(front_end.counts().global_adjustments, at_the_end + 2);
   EXPECT_LT(front_end.worst_error_m(), error_before_m + 0.01);
   const std::uint64_t corrections = front_end.mapping.layout().correction_count;
   for (int i = 0; i < 50; ++i) front_end.track(circuit().back());
@@ -319,7 +315,7 @@ TEST_F(LoopsInARow, DoNotKeepTheMapFromBeingAdjusted) {
 }
 
 TEST_F(LoopsInARow, AreBentAlongWithWhatTheRunningAdjustmentSays) {
-  const std::int64_t before = front_end.count("global adjustments");
+  const std::int64_t before = front_end.counts().global_adjustments;
   close_loops(5);  // two loops: one that is adjusted, one more meanwhile
   const std::vector<Rigid3> bent = front_end.mapping.layout().world_from_submap;
   wait_for(before + 1);
@@ -343,14 +339,14 @@ TEST_F(LoopsInARow, ArePartOfTheState) {
   ByteReader bytes(state);
   restored.restore(bytes);
   ASSERT_TRUE(bytes.ok() && bytes.at_end());
-  const std::int64_t before = front_end.count("global adjustments");
+  const std::int64_t before = front_end.counts().global_adjustments;
   for (SubmapMapping* mapping : {&front_end.mapping, &restored}) {
     const std::uint32_t submap = mapping->layout().current;
     const Rigid3 submap_from_camera = inverse(mapping->layout().world_from_submap[submap]) * front_end.world_from_camera();
     for (int i = 0; i < 100; ++i)
       mapping->observe(circuit().back().frame, mapping->layout().world_from_submap[submap] * submap_from_camera);
   }
-  EXPECT_EQ(front_end.count("global adjustments"), before + 2);
+  EXPECT_EQ(front_end.counts().global_adjustments, before + 2);
   EXPECT_EQ(restored.counts(), front_end.mapping.counts());
   const std::vector<Rigid3>& poses = front_end.mapping.layout().world_from_submap;
   for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_EQ(restored.layout().world_from_submap[i].matrix(), poses[i].matrix());
@@ -387,12 +383,12 @@ TEST(SubmapMapping, ALostCameraIsFoundAgain) {
   for (const Step& step : circuit()) front_end.track(step);
   // Taken to where it has been at frame 20, without being told.
   const std::vector<Step> elsewhere = walk(RoomScene::kLoop, 20 * 19 + 5, 1, 1);
-  const std::vector<Revisit> revisits = front_end.mapping.find(elsewhere[0].frame);
-  ASSERT_EQ(revisits.size(), 1u);
-  EXPECT_TRUE(revisits[0].by_appearance);
-  const std::optional<Rigid3> seen_from = front_end.look(revisits[0], elsewhere[0]);
+  const std::vector<LoopCandidate> candidates = front_end.mapping.relocalise(elsewhere[0].frame);
+  ASSERT_EQ(candidates.size(), 1u);
+  EXPECT_TRUE(candidates[0].by_appearance);
+  const std::optional<Rigid3> seen_from = front_end.verify(candidates[0], elsewhere[0]);
   ASSERT_TRUE(seen_from);
-  front_end.mapping.found(revisits[0], *seen_from);
+  front_end.mapping.relocalised(candidates[0], *seen_from);
   const MapLayout& layout = front_end.mapping.layout();
   EXPECT_TRUE(layout.is_active[layout.current]);
   EXPECT_LT((layout.world_from_submap[layout.current].translation - seen_from->translation).norm(), 0.6);
@@ -403,14 +399,14 @@ TEST(SubmapMapping, ANewPartIsJoinedWhenItSeesTheOldOne) {
   const std::vector<Step>& steps = circuit();
   for (std::size_t i = 0; i < 20; ++i) front_end.track(steps[i]);
   // Lost between 20 and 30, and taken for where it was last.
-  front_end.mapping.begin_part(front_end.world_from_camera());
+  front_end.mapping.begin_component(front_end.world_from_camera());
   front_end.is_at(front_end.world_from_camera(), steps[30]);
-  const std::uint32_t part = front_end.mapping.layout().part.back();
-  EXPECT_NE(part, front_end.mapping.layout().part[0]);
+  const std::uint32_t component = front_end.mapping.layout().component.back();
+  EXPECT_NE(component, front_end.mapping.layout().component[0]);
   // Backwards to known ground.
   for (std::size_t i = 30; i > 10; --i) front_end.track(steps[i]);
-  EXPECT_EQ(front_end.count("joined parts"), 1);
-  for (const std::uint32_t of_submap : front_end.mapping.layout().part) EXPECT_EQ(of_submap, front_end.mapping.layout().part[0]);
+  EXPECT_EQ(front_end.counts().joined_components, 1);
+  for (const std::uint32_t of_submap : front_end.mapping.layout().component) EXPECT_EQ(of_submap, front_end.mapping.layout().component[0]);
   EXPECT_LT(front_end.worst_error_m(), 0.05);
 }
 
@@ -418,19 +414,19 @@ TEST(SubmapMapping, TheFirstPartStaysWhereverTheCameraMeetsTheOther) {
   PlayedFrontEnd front_end({}, 0);
   const std::vector<Step>& steps = circuit();
   for (std::size_t i = 0; i < 20; ++i) front_end.track(steps[i]);
-  front_end.mapping.begin_part(front_end.world_from_camera());
+  front_end.mapping.begin_component(front_end.world_from_camera());
   front_end.is_at(front_end.world_from_camera(), steps[26]);
   for (std::size_t i = 26; i < 32; ++i) front_end.track(steps[i]);
-  // Carried back and found, then on to where the second part began.
-  const std::vector<Revisit> revisits = front_end.mapping.find(steps[17].frame);
-  ASSERT_EQ(revisits.size(), 1u);
-  const std::optional<Rigid3> seen_from = front_end.look(revisits[0], steps[17]);
+  // Carried back and found, then on to where the second component began.
+  const std::vector<LoopCandidate> candidates = front_end.mapping.relocalise(steps[17].frame);
+  ASSERT_EQ(candidates.size(), 1u);
+  const std::optional<Rigid3> seen_from = front_end.verify(candidates[0], steps[17]);
   ASSERT_TRUE(seen_from);
-  front_end.mapping.found(revisits[0], *seen_from);
+  front_end.mapping.relocalised(candidates[0], *seen_from);
   front_end.is_at(*seen_from, steps[17]);
-  EXPECT_EQ(front_end.mapping.layout().part[front_end.mapping.layout().current], 0u);
+  EXPECT_EQ(front_end.mapping.layout().component[front_end.mapping.layout().current], 0u);
   for (std::size_t i = 17; i < 32; ++i) front_end.track(steps[i]);
-  EXPECT_EQ(front_end.count("joined parts"), 1);
+  EXPECT_EQ(front_end.counts().joined_components, 1);
   EXPECT_EQ(front_end.mapping.layout().world_from_submap[0].translation.norm(), 0);
   EXPECT_LT(front_end.worst_error_m(), 0.05);
 }
@@ -442,7 +438,7 @@ TEST(SubmapMapping, NoisyNonsenseDoesNoHarm) {
     step.world_from_camera.translation.x() += 0.2;
     front_end.track(step);
   }
-  EXPECT_TRUE(front_end.mapping.find(step.frame).empty());
+  EXPECT_TRUE(front_end.mapping.relocalise(step.frame).empty());
   front_end.mapping.finish();
   EXPECT_LT(front_end.worst_error_m(), 1e-6);
 }

@@ -97,7 +97,7 @@ TEST(CameraWatch, RefusesWhatIsNoStateOfIt) {
 TEST(CameraWatch, ForgetsTheViewsOfAnotherPart) {
   Walk walk;
   while (walk.view_count < 11) ASSERT_FALSE(walk.take_frame());
-  walk.watch->begin_part();
+  walk.watch->begin_component();
   while (walk.view_count < 22 && !walk.is_over()) EXPECT_FALSE(walk.take_frame());
   EXPECT_FALSE(walk.watch->last_answer()) << "11 views and 11 are not 22";
 }

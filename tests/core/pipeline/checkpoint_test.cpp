@@ -15,7 +15,7 @@
 #include "tests/support/recording.h"
 #include "tests/support/surfels_behind.h"
 
-namespace hermite {
+namespace hermite::checkpoint_test {
 namespace {
 
 using testing::HasSubstr;
@@ -109,11 +109,7 @@ class Scan {
     status = result->status;
     return told(*result) + (i % 3 == 2 ? told(*pipeline->take_changes()) : "");
   }
-  std::int64_t count(const std::string& name) const {
-    const auto mapping = pipeline->statistics().mapping;
-    const auto found = mapping.find(name);
-    return found == mapping.end() ? 0 : found->second;
-  }
+  MappingCounts counts() const { return pipeline->statistics().mapping.value_or(MappingCounts{}); }
 
   std::unique_ptr<Pipeline> pipeline;
   TrackingStatus status = TrackingStatus::kLost;
@@ -174,15 +170,15 @@ TEST(Checkpoint, AScanGoesOnAsIfNothingHadBeenBetween) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     undisturbed.told.push_back(scan.step(i));
     // With the opening of a submap an adjustment begins that is due five frames later.
-    if (const std::int64_t now = scan.count("submaps"); now > std::exchange(submaps, now) && i > 8) save_at(i + 1, "an adjustment runs");
+    if (const std::int64_t now = scan.counts().submaps; now > std::exchange(submaps, now) && i > 8) save_at(i + 1, "an adjustment runs");
     if (scan.status == TrackingStatus::kLost) save_at(i + 1, "lost");
-    if (scan.count("found again") > 0) save_at(i + 1, "found again");
+    if (scan.counts().relocalisations > 0) save_at(i + 1, "found again");
     if (i == 28) save_at(i + 1, "in the midst of it");
   }
   save_at(frames.size(), "at the end");
   undisturbed.end = told_at_the_end(*scan.pipeline);
-  EXPECT_GE(scan.count("submaps"), 3);
-  EXPECT_GE(scan.count("local adjustments"), 1);
+  EXPECT_GE(scan.counts().submaps, 3);
+  EXPECT_GE(scan.counts().local_adjustments, 1);
   ASSERT_EQ(moments.size(), 6u) << "the scan is not the one that this test is about";
   for (const auto& [moment, k] : moments) {
     SCOPED_TRACE(moment);
@@ -248,10 +244,10 @@ TEST(Checkpoint, PartsThatAreNotJoinedYetComeBack) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     undisturbed.told.push_back(scan.step(i));
     if (i + 1 != 26) continue;
-    EXPECT_EQ(scan.count("parts"), 2);
+    EXPECT_EQ(scan.counts().components, 2);
     undisturbed.states[i + 1] = *scan.pipeline->save();
   }
-  EXPECT_EQ(scan.count("joined parts"), 1);
+  EXPECT_EQ(scan.counts().joined_components, 1);
   undisturbed.end = told_at_the_end(*scan.pipeline);
   expect_same_from(frames, make_pipeline(adjusted_often()), undisturbed, 26);
 }
@@ -296,7 +292,7 @@ const std::string& some_state() {
   static const std::string state = [] {
     Scan scan(adventure(), make_pipeline(adjusted_often()));
     for (std::size_t i = 0; i < 14; ++i) scan.step(i);
-    EXPECT_GE(scan.count("keyframes"), 2);
+    EXPECT_GE(scan.counts().keyframes, 2);
     return *scan.pipeline->save();
   }();
   return state;
@@ -372,4 +368,4 @@ TEST(Checkpoint, ADamagedOneIsRefusedOrLivedWith) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::checkpoint_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/recording.h"
 
-namespace hermite {
+namespace hermite::corner_points_test {
 namespace {
 
 const auto kNothingMoves = [](const Eigen::Vector2d&) { return false; };
@@ -135,4 +135,4 @@ TEST(CornerPoints, DamagedOnesAreRefused) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::corner_points_test

@@ -8,7 +8,7 @@
 #include "core/pipeline/pipeline.h"
 #include "tests/support/recording.h"
 
-namespace hermite {
+namespace hermite::disturbances_test {
 namespace {
 
 struct Scanned {
@@ -110,4 +110,4 @@ TEST(Disturbances, AFullSizeCameraIsFollowedThroughThem) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::disturbances_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::doctor_test {
 namespace {
 
 TEST(Doctor, ADeviceThatIsNotThereIsAProblemInWords) {
@@ -20,4 +20,4 @@ TEST(Doctor, SaysWhichDeviceItUses) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::doctor_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/recording.h"
 
-namespace hermite {
+namespace hermite::feature_motion_test {
 namespace {
 
 constexpr double kUnitsPerMetre = 1000;
@@ -143,4 +143,4 @@ TEST(FeatureMotion, OfOtherPlacesIsNone) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::feature_motion_test

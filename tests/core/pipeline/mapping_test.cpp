@@ -8,7 +8,7 @@
 #include "tests/support/recording.h"
 #include "tests/support/surfels_behind.h"
 
-namespace hermite {
+namespace hermite::mapping_test {
 namespace {
 
 // Three metres of the circuit, 7 cm from one frame to the next.
@@ -58,9 +58,10 @@ TEST(PipelineMapping, OpensSubmapsAndTracksAcrossThem) {
   for (std::size_t i = 0; i < walk().frames.size(); ++i) EXPECT_NE(process(pipeline, i).status, TrackingStatus::kLost) << "frame " << i;
   pipeline.finish();
   const auto statistics = pipeline.statistics();
-  EXPECT_GE(statistics.mapping.at("submaps"), 4);
-  EXPECT_GE(statistics.mapping.at("keyframes"), 8);
-  EXPECT_EQ(pipeline.submap_poses().size(), static_cast<std::size_t>(statistics.mapping.at("submaps")));
+  ASSERT_TRUE(statistics.mapping.has_value());
+  EXPECT_GE(statistics.mapping->submaps, 4);
+  EXPECT_GE(statistics.mapping->keyframes, 8);
+  EXPECT_EQ(pipeline.submap_poses().size(), static_cast<std::size_t>(statistics.mapping->submaps));
   EXPECT_LT(ate_rmse_m(pipeline), 0.02);
   std::vector<bool> has_points(pipeline.submap_poses().size(), false);
   const Result<Cloud> cloud = pipeline.cloud();
@@ -109,8 +110,7 @@ TEST(PipelineMapping, ACameraThatIsNotFoundBeginsAPartWhichIsJoinedLater) {
   // Carried to where it has never been, and walked back from there.
   for (std::size_t i = 46; i > 4; --i) process(pipeline, i);
   pipeline.finish();
-  const auto mapping = pipeline.statistics().mapping;
-  ASSERT_EQ(mapping.count("joined parts"), 1u);
+  ASSERT_EQ(pipeline.statistics().mapping.value().joined_components, 1);
   // What was seen of the new part before it was joined lies right as well.
   const Rigid3 world = pipeline.trajectory()[0].world_from_camera * inverse(walk().groundtruth[0].world_from_camera);
   const std::size_t seen_as = 12 + 6;  // frame 40
@@ -177,4 +177,4 @@ TEST(PipelineMapping, TooLittleMemoryIsRefusedWithTheLeastThatWouldDo) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::mapping_test

@@ -5,7 +5,7 @@
 
 #include <set>
 
-namespace hermite {
+namespace hermite::options_test {
 namespace {
 
 using testing::HasSubstr;
@@ -126,4 +126,4 @@ TEST(Options, UnknownKeysAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::options_test

@@ -13,7 +13,7 @@
 #include "tests/support/doomed_surfels.h"
 #include "tests/support/recording.h"
 
-namespace hermite {
+namespace hermite::pipeline_test {
 namespace {
 
 using testing::HasSubstr;
@@ -242,40 +242,44 @@ RgbdFrame upside_down(const RgbdFrame& frame) {
 class PlayedMapping final : public Mapping {
  public:
   const MapLayout& layout() const override { return map; }
-  std::vector<Revisit> observe(const RgbdFrame&, const Rigid3& world_from_camera) override {
+  std::vector<LoopCandidate> observe(const RgbdFrame&, const Rigid3& world_from_camera) override {
     if (!confirms) return {};
     return {at(world_from_camera)};
   }
-  bool confirm(const Revisit&, const Look&) override {
+  bool confirm(const LoopCandidate&, const LoopVerification&) override {
     confirms(map);
     ++map.closure_count;
     confirms = nullptr;
     return true;
   }
-  std::vector<Revisit> find(const RgbdFrame&) override {
+  std::vector<LoopCandidate> relocalise(const RgbdFrame&) override {
     if (!found_at) return {};
     return {at(*found_at)};
   }
-  void found(const Revisit&, const Rigid3&) override { map.is_active = {true}; }
-  void begin_part(const Rigid3& world_from_camera) override {
+  void relocalised(const LoopCandidate&, const Rigid3&) override { map.is_active = {true}; }
+  void begin_component(const Rigid3& world_from_camera) override {
     map.world_from_submap.push_back(world_from_camera);
     map.is_active = {false, true};
-    map.part = {0, 1};
+    map.component = {0, 1};
     map.current = 1;
   }
   void finish() override {}
-  std::map<std::string, std::int64_t> counts() const override { return {}; }
+  MappingCounts counts() const override {
+    MappingCounts counts;
+    counts.components = static_cast<std::int64_t>(component_count(map));
+    return counts;
+  }
   void save(ByteWriter&) const override {}
   void restore(ByteReader&) override {}
 
   // Of the current submap, which surely shows what the camera sees.
-  Revisit at(const Rigid3& world_from_camera) const {
-    Revisit revisit{world_from_camera, std::vector<bool>(map.part.size())};
-    revisit.submaps[map.current] = true;
-    return revisit;
+  LoopCandidate at(const Rigid3& world_from_camera) const {
+    LoopCandidate candidate{world_from_camera, std::vector<bool>(map.component.size())};
+    candidate.submaps[map.current] = true;
+    return candidate;
   }
 
-  std::function<void(MapLayout&)> confirms;  // once: what a confirmed revisit does
+  std::function<void(MapLayout&)> confirms;  // once: what a confirmed candidate does
   std::optional<Rigid3> found_at;
   MapLayout map;
 };
@@ -365,13 +369,13 @@ TEST(Pipeline, APartBeginsWhereNothingIsFoundAndIsJoined) {
   EXPECT_EQ(begins.submap, 1u);
   EXPECT_EQ(begins.last_tracked_frame, begins.frame_index);
   ASSERT_EQ(pipeline.submap_poses().size(), 2u);
-  EXPECT_EQ(pipeline.submap_poses()[0].part, 0u);
-  EXPECT_EQ(pipeline.submap_poses()[1].part, 1u);
-  EXPECT_EQ(pipeline.statistics().mapping.at("parts"), 2);
+  EXPECT_EQ(pipeline.submap_poses()[0].component, 0u);
+  EXPECT_EQ(pipeline.submap_poses()[1].component, 1u);
+  EXPECT_EQ(pipeline.statistics().mapping.value().components, 2);
   for (std::size_t i = 4; i < 8; ++i) EXPECT_EQ(process(pipeline, upside_down(recording().frames[i])).event, MapEvent::kNone) << i;
-  played.confirms = [](MapLayout& layout) { layout.part = {0, 0}; };
+  played.confirms = [](MapLayout& layout) { layout.component = {0, 0}; };
   EXPECT_EQ(process(pipeline, upside_down(recording().frames[8])).event, MapEvent::kJoined);
-  EXPECT_EQ(pipeline.statistics().mapping.at("parts"), 1);
+  EXPECT_EQ(pipeline.statistics().mapping.value().components, 1);
 }
 
 // --- What comes out ---
@@ -554,4 +558,4 @@ TEST(Pipeline, ATimelineGetsEveryStageAndPass) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::pipeline_test

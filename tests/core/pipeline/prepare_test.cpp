@@ -6,7 +6,7 @@
 #include "core/pipeline/pipeline.h"
 #include "tests/support/recording.h"
 
-namespace hermite {
+namespace hermite::prepare_test {
 namespace {
 
 // The frames are taken for those of a lens that bends a little: there is something to be straightened.
@@ -56,4 +56,4 @@ TEST(Prepare, AFrameOfAnotherSizeIsRefusedBeforeItsTurnAndAtIt) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::prepare_test

@@ -11,7 +11,7 @@
 #include "core/pipeline/pipeline.h"
 #include "tests/support/recording.h"
 
-namespace hermite {
+namespace hermite::recalibration_test {
 namespace {
 
 using testing::HasSubstr;
@@ -176,4 +176,4 @@ TEST(Recalibration, TakesACameraAsItIsWhenItIsTold) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::recalibration_test

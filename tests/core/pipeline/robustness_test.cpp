@@ -8,7 +8,7 @@
 #include "core/pipeline/pipeline.h"
 #include "tests/support/recording.h"
 
-namespace hermite {
+namespace hermite::robustness_test {
 namespace {
 
 using testing::StartsWith;
@@ -152,4 +152,4 @@ TEST(Robustness, AGapIsBridged) {
 }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::robustness_test
