@@ -1,6 +1,7 @@
 #include "core/map/fuse.h"
 
 #include <cmath>
+#include <cstddef>
 
 namespace hermite {
 
@@ -67,7 +68,7 @@ void Fuser::clean(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& 
   const shared::uint pixels = camera.width * camera.height;
   commands.dispatch(index_times_, {pixels}, pixels, {stable.nearest(), store.times, seen_});
   commands.dispatch_indirect(
-      clean_, {store.visible_blocks, 3},
+      clean_, {store.visible_blocks, offsetof(shared::VisibleHead, turn_groups) / sizeof(shared::uint)},
       shared::CleanParams{camera, fused.number, static_cast<float>(options_.stable_confidence),
                           static_cast<shared::uint>(options_.max_unstable_age_frames), static_cast<float>(options_.redundancy_depth_m),
                           static_cast<float>(curvature_limit_per_m_), static_cast<float>(options_.fuse_depth_gate_m)},

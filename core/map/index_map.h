@@ -12,7 +12,7 @@ namespace hermite {
 // Beyond this a surfel covers less than a pixel of any supported camera.
 inline constexpr float kFarthest_m = 20.0f;
 
-inline constexpr shared::uint kNoSurfel = 0xffffffffu;
+inline constexpr shared::uint kNoSurfel = HERMITE_NONE;
 
 class IndexMap {
  public:

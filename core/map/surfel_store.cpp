@@ -82,7 +82,7 @@ void SurfelStore::reserve(std::uint32_t additional) {
   grow(device_, bounds, block_count);
   grow(device_, changed_frames, block_count);
   group_counts = gpu::Buffer<shared::uint>(device_, block_count, "map");
-  visible_blocks = gpu::Buffer<shared::uint>(device_, 6 + block_count, "map");
+  visible_blocks = gpu::Buffer<shared::uint>(device_, HERMITE_VISIBLE_HEAD_WORDS + block_count, "map");
   capacity_ = capacity;
 }
 

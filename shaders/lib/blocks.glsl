@@ -9,7 +9,7 @@ const uint kTileSide = 16u;  // fusion goes through the image in tiles of as man
 
 // Of the list of blocks: block | zone << 16, and
 const uint kOutOfView = 0x80000000u;  // it is not in view, only its turn has come
-#define listed_block(visible_blocks, i) uint_at(visible_blocks, 6u + (i))  // behind two sizes of dispatches
+#define listed_block(visible_blocks, i) uint_at(visible_blocks, uint(HERMITE_VISIBLE_HEAD_WORDS) + (i))
 uint block_of(uint entry) { return entry & 0xffffu; }
 uint zone_of_block(uint entry) { return (entry >> 16) & 15u; }
 
@@ -39,12 +39,11 @@ uint coordinate_of(uint direction) { return direction < 6u ? direction % 3u : 3u
 float sign_of(uint direction) { return direction < 3u || direction == 6u ? 1.0 : -1.0; }
 float reach(uint direction, vec4 position_submap) { return sign_of(direction) * position_submap[coordinate_of(direction)]; }
 
-// Whose surfels does the block hold? Of several submaps or none, as its bounds may say until they are brought up to date: kNoSubmap.
-const uint kNoSubmap = 0xffffffffu;
+// Whose surfels does the block hold? Of several submaps or none, as its bounds may say until they are brought up to date: HERMITE_NONE.
 uint submap_of(BlockBounds block) {
-  if (block.reach[6] == 0u) return kNoSubmap;
+  if (block.reach[6] == 0u) return HERMITE_NONE;
   float submap = unordered(block.reach[6]);
-  return submap == -unordered(block.reach[7]) ? uint(submap) : kNoSubmap;
+  return submap == -unordered(block.reach[7]) ? uint(submap) : HERMITE_NONE;
 }
 
 // May new surfels of `submap` take free slots beside those that are there? A block elsewhere waits until the camera is there again: its

@@ -9,12 +9,11 @@ layout(scalar, binding = 3) buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 4) buffer Attributes { SurfelAttributes attributes[]; };
 layout(scalar, binding = 5) buffer Times { uvec2 times[]; };
 TEXELS(6, camera_from_submap);
-layout(scalar, binding = 7) buffer Candidates { uint candidates[]; };  // by pixel: a cell of the index map, or one of these
+layout(scalar, binding = 7) buffer Candidates { uint candidates[]; };  // by pixel: a cell of the index map, kNew, or none where there is nothing to fuse
 layout(scalar, binding = 8) buffer Tiles { uint new_by_group[]; };
 layout(scalar, binding = 9) buffer State { MapState state; };
 PARAMETERS(FuseParams, p);
 
-const uint kInvalid = 0xffffffffu;  // nothing to fuse here
 const uint kNew = 0xfffffffeu;      // a surface the map does not have yet
 const uint kPixelBits = 22u;        // of a claim: 2048 x 2048 pixels; the distance takes the other bits
 
@@ -27,12 +26,10 @@ struct Measurement {
   float confidence;
 };
 
-const uint kOutside = 0xffffffffu;
-
 // One workgroup is one tile of the image.
 uint pixel_index() {
   uvec2 pixel = pixel_in_tile(p.camera, gl_WorkGroupID.x, gl_LocalInvocationID.x);
-  return pixel.x < p.camera.width && pixel.y < p.camera.height ? pixel.y * p.camera.width + pixel.x : kOutside;
+  return pixel.x < p.camera.width && pixel.y < p.camera.height ? pixel.y * p.camera.width + pixel.x : HERMITE_NONE;
 }
 ivec2 pixel_of(uint i) { return ivec2(i % p.camera.width, i / p.camera.width); }
 

@@ -15,7 +15,7 @@ layout(scalar, binding = 12) writeonly buffer Changed { uint changed_frame[]; };
 
 void main() {
   uint i = pixel_index();
-  bool fresh = i != kOutside && candidates[i] == kNew;
+  bool fresh = i != HERMITE_NONE && candidates[i] == kNew;
   share_new(fresh);
   if (!fresh) return;
   uint rank = new_by_group[gl_WorkGroupID.x] + new_before(gl_LocalInvocationID.x);

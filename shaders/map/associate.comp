@@ -17,10 +17,10 @@ uint claim_key(float distance_px, uint i) { return (min(uint(distance_px * 256.0
 
 void main() {
   uint i = pixel_index();
-  if (i == kOutside) return;
+  if (i == HERMITE_NONE) return;
   SurfacePoint point = point_at(frame_points, i);
   if (!can_be_fused(point, i)) {
-    candidates[i] = kInvalid;
+    candidates[i] = HERMITE_NONE;
     return;
   }
   ivec2 pixel = pixel_of(i);
@@ -36,7 +36,7 @@ void main() {
       if (!inside(p.camera, q)) continue;
       uint cell = uint(q.y) * p.camera.width + uint(q.x);
       uvec4 shown = uvec4_at(cells, cell);
-      if (shown.x == kInvalid) continue;
+      if (shown.x == HERMITE_NONE) continue;
       float surfel_z = uintBitsToFloat(shown.y);
       if (abs(surfel_z - z) * ray_length > p.depth_gate_m) continue;
       vec3 n = unpack_unit(shown.w);
@@ -49,6 +49,6 @@ void main() {
       }
     }
   }
-  candidates[i] = best_cell != kNew || p.add_new != 0u ? best_cell : kInvalid;
+  candidates[i] = best_cell != kNew || p.add_new != 0u ? best_cell : HERMITE_NONE;
   if (best_cell != kNew) atomicMin(claims[best_cell], claim_key(best, i));
 }

@@ -32,7 +32,7 @@ shared float position_submap[4u * kBlock];  // by coordinate, the submap last
 
 bool doubled(uint slot, ivec2 pixel, float z, SurfelAttributes a, uint created) {
   uvec4 shown = uvec4_at(seen, uint(pixel.y) * p.camera.width + uint(pixel.x));
-  if (shown.x == 0xffffffffu || shown.x == slot || z - uintBitsToFloat(shown.y) > p.redundancy_depth_m) return false;
+  if (shown.x == HERMITE_NONE || shown.x == slot || z - uintBitsToFloat(shown.y) > p.redundancy_depth_m) return false;
   SurfelAttributes b = attributes_at(attributes, shown.x);
   return surfel_submap(b) != surfel_submap(a) && shown.z < created && surfel_radius(b) <= 1.5 * surfel_radius(a);
 }
@@ -73,7 +73,7 @@ bool contradicted(uint slot, vec4 surfel) {
       ivec2 q = pixel + ivec2(dx, dy);
       if (!inside(p.camera, q)) continue;
       uvec4 other = uvec4_at(seen, uint(q.y) * p.camera.width + uint(q.x));
-      if (other.x == 0xffffffffu || other.x == slot) continue;
+      if (other.x == HERMITE_NONE || other.x == slot) continue;
       ++neighbours;
       float gap = uintBitsToFloat(other.y) - point.z;
       vec2 lateral = vec2(dx, dy) * point.z / vec2(p.camera.fx, p.camera.fy);

@@ -22,7 +22,7 @@ void main() {
   uvec2 shown = uvec2_at(nearest, i);
   uint slot = shown.x;
   cells[i] = IndexCell(slot, shown.y, 0u, 0u);
-  if (slot == 0xffffffffu) return;
+  if (slot == HERMITE_NONE) return;
   SurfelAttributes a = attributes_at(attributes, slot);
   Transform t = transform_at(camera_from_submap, surfel_submap(a));
   vec2 pixel = vec2(i % camera.width, i / camera.width);

@@ -15,5 +15,5 @@ void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= pixel_count) return;
   uvec2 shown = uvec2_at(nearest, i);
-  seen[i] = uvec4(shown, shown.x != 0xffffffffu ? uvec2_at(times, shown.x) : uvec2(0u));
+  seen[i] = uvec4(shown, shown.x != HERMITE_NONE ? uvec2_at(times, shown.x) : uvec2(0u));
 }

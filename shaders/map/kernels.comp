@@ -21,7 +21,7 @@ void main() {
   if (!inside(camera, pixel)) return;
   uint slot = uvec2_at(nearest, uint(pixel.y) * camera.width + uint(pixel.x)).x;
   uvec4 words = uvec4(0u);
-  if (slot != 0xffffffffu) {
+  if (slot != HERMITE_NONE) {
     SurfelAttributes a = attributes_at(attributes, slot);
     Transform t = transform_at(camera_from_submap, surfel_submap(a));
     vec3 normal = rotate(t, unpack_unit(a.normal));

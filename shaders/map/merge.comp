@@ -61,11 +61,11 @@ void merge(uint slot, Measurement m) {
 void main() {
   uint i = pixel_index();
   bool fresh = false;
-  if (i != kOutside) {
+  if (i != HERMITE_NONE) {
     uint cell = candidates[i];
     if (cell == kNew) {
       fresh = true;
-    } else if (cell != kInvalid && (uint_at(claims, cell) & ((1u << kPixelBits) - 1u)) == i) {
+    } else if (cell != HERMITE_NONE && (uint_at(claims, cell) & ((1u << kPixelBits) - 1u)) == i) {
       merge(uvec4_at(cells, cell).x, measure(i));
     }
   }

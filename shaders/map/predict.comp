@@ -26,8 +26,6 @@ layout(scalar, binding = 5) writeonly buffer Intensity { float intensity[]; };
 layout(scalar, binding = 6) buffer Covered { uint covered_count; };
 PARAMETERS(PredictParams, p);
 
-const uint kNone = 0xffffffffu;
-
 vec2 inverse_focal = 1.0 / vec2(p.camera.fx, p.camera.fy);
 
 // `first` is the index of the window's corner for the first pixel, `ray` belongs to its centre.
@@ -64,7 +62,7 @@ vec4 step_to_surface(int first, Rays4 rays, vec4 t, Vectors4 mid, float mid_shar
 // At the points t * ray.
 Field evaluate(int first, Rays4 rays, vec4 t) {
   const vec4 kZero = vec4(0.0);
-  Field f = Field(Vectors4(kZero, kZero, kZero), kZero, vec4(1e9), uvec4(kNone));
+  Field f = Field(Vectors4(kZero, kZero, kZero), kZero, vec4(1e9), uvec4(HERMITE_NONE));
   Vectors4 x = points_at(rays, t);
   for (int dy = 0; dy <= 2 * kRadius; ++dy) {
     for (int dx = 0; dx <= 2 * kRadius + 3; ++dx) {
@@ -102,7 +100,7 @@ vec4 intersect_hrbf(int first, Rays4 rays, out Vectors4 normals, out uvec4 cells
   vec4 t;
   for (int i = 0; i < 4; ++i) t[i] = first_guess(first, i);
   normals = Vectors4(vec4(0.0), vec4(0.0), vec4(0.0));
-  cells = uvec4(kNone);
+  cells = uvec4(HERMITE_NONE);
   if (all(equal(t, vec4(0.0)))) return t;
   for (uint i = 0u; i < p.max_iterations; ++i) t = step_to_surface(first, rays, t, normals, 0.0);
   Field f = evaluate(first, rays, t);
@@ -121,7 +119,7 @@ vec4 intersect_hrbf(int first, Rays4 rays, out Vectors4 normals, out uvec4 cells
 float intersect_disc(int first, vec3 ray, out vec3 normal, out uint cell) {
   float t = 1e9;
   normal = vec3(0.0);
-  cell = kNone;
+  cell = HERMITE_NONE;
   for (int dy = 0; dy <= 2 * kRadius; ++dy)
     for (int dx = 0; dx <= 2 * kRadius; ++dx) {
       Kernel k = kernel_at(first, dx, dy, ray);
@@ -142,7 +140,7 @@ float intersect_disc(int first, vec3 ray, out vec3 normal, out uint cell) {
 // `cell` counts from the window's corner of `pixel`.
 void write(ivec2 pixel, float z, vec3 normal, uint cell) {
   uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
-  if (z <= 0.0 || cell == kNone) {
+  if (z <= 0.0 || cell == HERMITE_NONE) {
     points[index] = kNoPoint;
     intensity[index] = -1.0;
     return;
@@ -164,7 +162,7 @@ void main() {
   vec3 ray = pixel_ray(p.camera, vec2(pixel));
   vec4 z = vec4(0.0);
   Vectors4 n = Vectors4(vec4(0.0), vec4(0.0), vec4(0.0));
-  uvec4 cells = uvec4(kNone);
+  uvec4 cells = uvec4(HERMITE_NONE);
   if (p.hrbf != 0u) {
     z = intersect_hrbf(first, rays_from(p.camera, ray), n, cells);
   } else {
@@ -175,12 +173,12 @@ void main() {
       n.x[i] = normal.x;
       n.y[i] = normal.y;
       n.z[i] = normal.z;
-      cells[i] = cell == kNone ? kNone : cell + uint(i);
+      cells[i] = cell == HERMITE_NONE ? HERMITE_NONE : cell + uint(i);
     }
   }
   for (int i = 0; i < 4; ++i) {
     ivec2 q = pixel + ivec2(i, 0);
     // The cells count from the first pixel's window.
-    if (inside(p.camera, q)) write(q, z[i], component(n, i), cells[i] == kNone ? kNone : cells[i] - uint(i));
+    if (inside(p.camera, q)) write(q, z[i], component(n, i), cells[i] == HERMITE_NONE ? HERMITE_NONE : cells[i] - uint(i));
   }
 }

@@ -9,7 +9,7 @@
 layout(local_size_x = 128) in;
 layout(scalar, binding = 0) buffer Counts { uint counts[]; };
 layout(scalar, binding = 1) buffer State { MapState state; };
-layout(scalar, binding = 2) readonly buffer Visible { uint groups[3]; uint turn_groups[3]; uint blocks[]; };
+layout(scalar, binding = 2) readonly buffer Visible { VisibleHead head; uint blocks[]; };
 PARAMETERS(ScanParams, p);
 const uint kZones = HERMITE_ZONES, kLanes = 128u;
 shared uint sums[kZones * kLanes];  // by zone and lane
@@ -46,7 +46,7 @@ void end_frame() {
 
 void main() {
   uint lane = gl_LocalInvocationID.x;
-  uint group_count = p.tile_count > 0u ? p.tile_count : groups[0];
+  uint group_count = p.tile_count > 0u ? p.tile_count : head.groups[0];
   uint share = (group_count + kLanes - 1u) / kLanes;
   uint first = min(lane * share, group_count), last = min(first + share, group_count);
   for (uint zone = 0u; zone < kZones; ++zone) sums[zone * kLanes + lane] = 0u;

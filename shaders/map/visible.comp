@@ -11,7 +11,7 @@ layout(local_size_x = 256) in;
 layout(scalar, binding = 0) readonly buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, binding = 1) readonly buffer Submaps { Transform camera_from_submap[]; };
 layout(scalar, binding = 2) readonly buffer State { MapState state; };
-layout(scalar, binding = 3) writeonly buffer Visible { uint groups[3]; uint turn_groups[3]; uint blocks[]; };
+layout(scalar, binding = 3) writeonly buffer Visible { VisibleHead head; uint blocks[]; };
 PARAMETERS(VisibleParams, p);
 shared uvec2 counts[256], total;  // in turn, others
 
@@ -31,7 +31,7 @@ uint look_at(uint block) {
   uint keys[8] = bounds[block].reach;
   if (keys[0] == 0u) return block | kOutOfView;
   uint submap = submap_of(bounds[block]);
-  if (submap == kNoSubmap) return block;
+  if (submap == HERMITE_NONE) return block;
   vec3 high = vec3(unordered(keys[0]), unordered(keys[1]), unordered(keys[2]));
   vec3 low = -vec3(unordered(keys[3]), unordered(keys[4]), unordered(keys[5]));
   Transform t = camera_from_submap[submap];
@@ -80,7 +80,6 @@ void main() {
     next += kind;
   }
   if (lane != 0u) return;
-  groups[0] = total.x + total.y;
-  turn_groups[0] = total.x;
-  groups[1] = groups[2] = turn_groups[1] = turn_groups[2] = 1u;
+  head.groups = uint[3](total.x + total.y, 1u, 1u);
+  head.turn_groups = uint[3](total.x, 1u, 1u);
 }

@@ -39,6 +39,16 @@ struct BlockBounds {
   uint reach[8];
 };
 
+// At the beginning of the list of blocks that shaders/map/visible.comp makes; the entries (shaders/lib/blocks.glsl) stand behind it.
+struct VisibleHead {
+  uint groups[3];       // workgroups of a dispatch over the whole list
+  uint turn_groups[3];  // over the blocks whose turn for cleaning has come, which are listed first
+};
+#define HERMITE_VISIBLE_HEAD_WORDS 6
+#ifdef __cplusplus
+static_assert(sizeof(VisibleHead) == HERMITE_VISIBLE_HEAD_WORDS * sizeof(uint));
+#endif
+
 struct VisibleParams {
   Intrinsics camera;
   float depth_max_m;

@@ -20,6 +20,8 @@ struct uvec4 {
 };
 #endif
 
+#define HERMITE_NONE 0xffffffffu  // in place of an index: there is no surfel, pixel, cell or submap
+
 // Pinhole camera of one pyramid level. Pixel centres are integers.
 struct Intrinsics {
   float fx, fy, cx, cy;  // pixels

@@ -28,7 +28,6 @@ ResidualModel model_from(vec4 first, vec4 second) {
 ResidualModel m = model_from(vec4_at(residual_model, 0u), vec4_at(residual_model, 1u));
 #include "shaders/lib/sums.glsl"
 
-const uint kNone = 0xffffffffu;
 const float kSaturated = 250.0;  // brighter greys are cut off
 const float kBlur = 0.075;       // pixels that map and frame are unsharp and off by, 0.3, over the spread of grey values, 4
 
@@ -110,7 +109,7 @@ uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
       if (d < p.distance_gate_m) farthest = max(farthest, d);
     }
   float best = 1e9;
-  uint found = kNone;
+  uint found = HERMITE_NONE;
   for (int dy = -radius; dy <= radius; ++dy)
     for (int dx = -radius; dx <= radius; ++dx) {
       ivec2 q = centre + ivec2(dx, dy);
@@ -137,7 +136,7 @@ bool add_geometry(ivec2 centre, SurfacePoint shown, vec3 s, SurfacePoint point) 
   vec3 normal = rotate(p.reference_from_camera, unpack_normal(point.normal));
   if (p.search_radius > 0u) {
     uint j = search(centre, s, normal, unpackHalf2x16(point.curvatures));
-    if (j == kNone) return false;
+    if (j == HERMITE_NONE) return false;
     shown = point_at(reference_points, j);
     centre = ivec2(j % p.reference.width, j / p.reference.width);
   }

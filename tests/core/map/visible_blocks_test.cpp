@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <random>
 
 #include "tests/support/gpu_test.h"
@@ -40,10 +41,12 @@ class VisibleBlocksTest : public test::GpuTest {
     visible.list(commands, store, intrinsics_of(kCamera), frame_number);
     commands.submit_and_wait();
     const std::vector<shared::uint> list = store.visible_blocks.download();
-    for (const std::size_t i : {1u, 2u, 4u, 5u}) EXPECT_EQ(list[i], 1u);
-    EXPECT_LE(list[3], list[0]) << "those in turn are some of all";
+    shared::VisibleHead head;
+    std::memcpy(&head, list.data(), sizeof(head));
+    for (const shared::uint* groups : {head.groups, head.turn_groups}) EXPECT_TRUE(groups[1] == 1 && groups[2] == 1);
+    EXPECT_LE(head.turn_groups[0], head.groups[0]) << "those in turn are some of all";
     std::vector<std::uint32_t> blocks;
-    for (std::size_t i = 6; i < 6 + list[0]; ++i) {
+    for (std::size_t i = HERMITE_VISIBLE_HEAD_WORDS; i < HERMITE_VISIBLE_HEAD_WORDS + head.groups[0]; ++i) {
       const std::uint32_t block = list[i] & 0xffffu;
       if ((list[i] & 0x80000000u) == 0)
         blocks.push_back(block);
