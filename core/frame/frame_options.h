@@ -1,7 +1,16 @@
 // How a depth frame becomes surface maps. Values; each has its key and reason in core/pipeline/options.cpp.
 #pragma once
 
+#include <algorithm>
+
 namespace hermite {
+
+// Standard deviation of a Kinect v1 depth at z: floor + growth (z - 0.4 m)^2 (Nguyen, Izadi, Lovell 2012).
+inline constexpr double kKinectNoiseFloor_m = 0.0012, kKinectNoiseGrowth_per_m = 0.0019;
+inline double kinect_noise_m(double depth_m) {
+  const double beyond_m = std::max(0.0, depth_m - 0.4);
+  return kKinectNoiseFloor_m + kKinectNoiseGrowth_per_m * beyond_m * beyond_m;
+}
 
 struct FrameOptions {
   double depth_min_m = 0.3;
@@ -11,9 +20,9 @@ struct FrameOptions {
   double bilateral_correlated_space_px = 4.0;
   double bilateral_noise_sigmas = 2.0;
   bool measure_noise = true;
-  // Standard deviation of a Kinect v1 depth at z: floor + growth (z - 0.4 m)^2 (Nguyen, Izadi, Lovell 2012).
-  double noise_floor_m = 0.0012;
-  double noise_growth_per_m = 0.0019;
+  // Of a Kinect v1 until it is measured.
+  double noise_floor_m = kKinectNoiseFloor_m;
+  double noise_growth_per_m = kKinectNoiseGrowth_per_m;
   double support_radius_scale = 2.5;
   double depth_gate_m = 0.1;
   double curvature_limit_per_m = 300;

@@ -6,19 +6,15 @@
 #include <numeric>
 #include <utility>
 
+#include "core/frame/frame_options.h"
+
 namespace hermite {
 
 namespace {
 
-constexpr double kLeastSurface = 0.01;  // of the pixels; smaller ones are edges, reflections, and too few pairs to tell
-
 // Of what is seen, in square metres: beyond it nobody knows which part is the room. Somebody before the camera may hide most of the view,
 // but a room has more surface than a person.
 constexpr double kMostMoving = 0.4;
-
-// Two pixels are of one surface when they lie so near to the plane of one of them, in deviations and parts of their distance, and the
-// surface does not bend towards the camera by more than this between them: 30 degrees, four times the noise of a coarse pixel's normal.
-constexpr double kStep = 3, kSlope = 0.15, kConcaveCosine = 0.87;
 
 // Pairs: so near, and facing alike. A decimetre and a half is what a camera turns far surfaces by when it follows the wrong thing.
 constexpr double kNear_m = 0.15, kAlikeCosine = 0.8;
@@ -48,18 +44,6 @@ constexpr double kShareOfCamera = 0.4, kStillShareOfCamera = 0.1;
 
 // The suspects that say most are each left out in turn.
 constexpr std::size_t kTried = 3;
-
-double noise_m(double depth_m) {
-  const double beyond_m = std::max(0.0, depth_m - 0.4);
-  return 0.0012 + 0.0019 * beyond_m * beyond_m;  // Kinect v1: Nguyen, Izadi, Lovell 2012
-}
-
-bool is_continued(const CoarseView& view, std::size_t from, const Eigen::Vector3d& point, std::size_t to, const Eigen::Vector3d& next) {
-  const Eigen::Vector3d normal = view.normals[from].cast<double>(), next_normal = view.normals[to].cast<double>(), way = next - point;
-  const double off_m = std::min(std::abs(normal.dot(way)), std::abs(next_normal.dot(way)));
-  if (off_m > kStep * noise_m(point.z()) + kSlope * way.norm()) return false;
-  return normal.dot(next_normal) > kConcaveCosine || way.dot(next_normal - normal) < 0;
-}
 
 // Half the quadratic form of a twist that moves a surface's points.
 struct System {
@@ -212,7 +196,7 @@ void Comparison::add(const FramePixel& pixel, const Eigen::Matrix3d& rotation, c
   if (earlier.view.depth_m[j] <= 0) return;
   const Eigen::Vector3d &normal = earlier.normals[j], away = point - earlier.points[j];
   if (away.squaredNorm() > kNear_m * kNear_m || normal.dot(rotation * pixel.normal) < kAlikeCosine) return;
-  const double per_noise = 1 / noise_m(point.z());
+  const double per_noise = 1 / kinect_noise_m(point.z());
   Vector6d row;
   row.head<3>() = per_noise * normal;
   row.tail<3>() = per_noise * point.cross(normal);
@@ -330,38 +314,6 @@ Apart Comparison::apart(std::size_t surface, const Rigid3& rest_pose, const Syst
 }
 
 }  // namespace
-
-ViewSurfaces surfaces_of(const CoarseView& view) {
-  constexpr std::uint32_t kUnvisited = ~0u;
-  const auto least_pixels = static_cast<std::size_t>(std::ceil(kLeastSurface * static_cast<double>(view.size())));
-  ViewSurfaces surfaces{std::vector<std::uint32_t>(view.size(), kUnvisited), {0}};
-  const auto width = static_cast<std::size_t>(view.camera.width);
-  std::vector<std::size_t> region;
-  for (std::size_t start = 0; start < view.size(); ++start) {
-    if (surfaces.of_pixel[start] != kUnvisited) continue;
-    const auto number = static_cast<std::uint32_t>(surfaces.pixel_count.size());
-    region.assign(1, start);
-    surfaces.of_pixel[start] = view.depth_m[start] > 0 ? number : 0;
-    for (std::size_t next = 0; next < region.size() && view.depth_m[start] > 0; ++next) {
-      const int x = static_cast<int>(region[next] % width), y = static_cast<int>(region[next] / width);
-      for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-        if (!view.contains(x + dx, y + dy)) continue;
-        const std::size_t i = view.index(x + dx, y + dy);
-        if (surfaces.of_pixel[i] != kUnvisited || view.depth_m[i] <= 0) continue;
-        if (!is_continued(view, region[next], view.point(x, y), i, view.point(x + dx, y + dy))) continue;
-        surfaces.of_pixel[i] = number;
-        region.push_back(i);
-      }
-    }
-    if (view.depth_m[start] > 0 && region.size() >= least_pixels) {
-      surfaces.pixel_count.push_back(region.size());
-      continue;
-    }
-    for (const std::size_t i : region) surfaces.of_pixel[i] = 0;
-    surfaces.pixel_count[0] += region.size();
-  }
-  return surfaces;
-}
 
 OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, const CoarseView& earlier, const CameraMotion& motion,
                        const std::vector<bool>& moved_before, double usual_disagreement) {

@@ -9,15 +9,9 @@
 
 #include "core/frame/coarse_view.h"
 #include "core/math/rigid3.h"
+#include "core/track/view_surfaces.h"
 
 namespace hermite {
-
-// A view cut along steps of depth and concave edges, where one thing stands on or before another.
-struct ViewSurfaces {
-  std::vector<std::uint32_t> of_pixel;   // numbers; 0: no surface, or one of less than a hundredth of the view
-  std::vector<std::size_t> pixel_count;  // by number
-};
-ViewSurfaces surfaces_of(const CoarseView& view);
 
 // Of the camera between an earlier view and a frame. Twists as exp_se3 takes them: the steps from the frame just before each of the two.
 struct CameraMotion {

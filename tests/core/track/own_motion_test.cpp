@@ -54,19 +54,6 @@ std::vector<bool> none(const ViewSurfaces& surfaces) { return std::vector<bool>(
 
 CameraMotion from_rest(const Rigid3& earlier_from_frame) { return {earlier_from_frame, Vector6d::Zero(), Vector6d::Zero()}; }
 
-TEST(ViewSurfaces, EndAtStepsAndWhereWallsMeet) {
-  const CoarseView view = seen_from({}, {});
-  const ViewSurfaces surfaces = surfaces_of(view);
-  const auto at = [&](int x, int y) { return surfaces.of_pixel[view.index(x, y)]; };
-  EXPECT_NE(at(40, 20), at(10, 20));  // the board and the wall behind it
-  EXPECT_NE(at(10, 20), at(10, 58));  // the wall and the floor
-  EXPECT_NE(at(10, 20), 0u);
-  std::size_t pixels = 0;
-  for (const std::size_t count : surfaces.pixel_count) pixels += count;
-  EXPECT_EQ(pixels, view.size());
-  EXPECT_EQ(surfaces_of(CoarseView{}).pixel_count.size(), 1u);
-}
-
 // Tracking has followed the board for half of the way.
 TEST(OwnMotion, IsThatOfABoardBornBeforeTheCamera) {
   const Rigid3 now = moved(0.02, 0.01), thought = moved(0.01, 0.005);

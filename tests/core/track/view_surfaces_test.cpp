@@ -1,0 +1,55 @@
+#include "core/track/view_surfaces.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace hermite::view_surfaces_test {
+namespace {
+
+constexpr shared::Intrinsics kCamera{65.6f, 65.6f, 39.5f, 29.5f, 80, 60};
+
+// A wall at 4 m, a floor 1.2 m below the camera, and a board at 1.7 m before the middle of both.
+CoarseView view_of_a_board() {
+  const std::size_t pixels = std::size_t{kCamera.width} * kCamera.height;
+  CoarseView view{kCamera, std::vector<float>(pixels), std::vector<Eigen::Vector3f>(pixels, Eigen::Vector3f::UnitZ()),
+                  std::vector<float>(pixels)};
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 80; ++x) {
+      const float down = (static_cast<float>(y) - kCamera.cy) / kCamera.fy, across = (static_cast<float>(x) - kCamera.cx) / kCamera.fx;
+      const std::size_t i = view.index(x, y);
+      view.depth_m[i] = std::abs(across) < 0.2f ? 1.7f : 4.0f;
+      if (down > 0 && 1.2f / down < view.depth_m[i]) {
+        view.depth_m[i] = 1.2f / down;
+        view.normals[i] = Eigen::Vector3f::UnitY();
+      }
+    }
+  return view;
+}
+
+TEST(ViewSurfaces, EndAtStepsAndWhereWallsMeet) {
+  const CoarseView view = view_of_a_board();
+  const ViewSurfaces surfaces = surfaces_of(view);
+  const auto at = [&](int x, int y) { return surfaces.of_pixel[view.index(x, y)]; };
+  EXPECT_NE(at(40, 20), at(10, 20)) << "the board and the wall behind it";
+  EXPECT_NE(at(10, 20), at(10, 58)) << "the wall and the floor";
+  EXPECT_NE(at(10, 20), at(70, 20)) << "the wall on both sides of the board, which hides what joins them";
+  EXPECT_EQ(at(5, 10), at(15, 25));
+  EXPECT_NE(at(10, 20), 0u);
+  std::size_t pixels = 0;
+  for (const std::size_t count : surfaces.pixel_count) pixels += count;
+  EXPECT_EQ(pixels, view.size());
+}
+
+TEST(ViewSurfaces, OfNothingOrOfCrumbsAreNone) {
+  EXPECT_EQ(surfaces_of(CoarseView{}).pixel_count.size(), 1u);
+  CoarseView crumbs = view_of_a_board();
+  std::fill(crumbs.depth_m.begin(), crumbs.depth_m.end(), 0.0f);
+  for (int i = 0; i < 40; ++i) crumbs.depth_m[crumbs.index(i, 5)] = 2;  // of 4800 pixels
+  const ViewSurfaces surfaces = surfaces_of(crumbs);
+  EXPECT_EQ(surfaces.pixel_count, std::vector<std::size_t>{crumbs.size()});
+  EXPECT_EQ(*std::max_element(surfaces.of_pixel.begin(), surfaces.of_pixel.end()), 0u);
+}
+
+}  // namespace
+}  // namespace hermite::view_surfaces_test
