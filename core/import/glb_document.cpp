@@ -45,7 +45,8 @@ Result<std::string_view> chunk_at(std::string_view bytes, std::size_t at, std::u
 
 Result<Json> parse_json(std::string_view text) {
   if (text.size() > kMaxGlbJson_bytes)
-    return Error{ErrorCode::kTooLarge, "GLB: the JSON has " + std::to_string(text.size()) + " bytes, the limit is " + std::to_string(kMaxGlbJson_bytes)};
+    return Error{ErrorCode::kTooLarge,
+                 "GLB: the JSON has " + std::to_string(text.size()) + " bytes, the limit is " + std::to_string(kMaxGlbJson_bytes)};
   bool too_deep = false;
   const Json::parser_callback_t depth_of = [&too_deep](int depth, Json::parse_event_t, Json&) {
     too_deep = too_deep || depth > static_cast<int>(kMaxGlbDepth);
@@ -63,7 +64,8 @@ Status check_arrays(const Json& json) {
     if (found == json.end()) continue;
     if (!found->is_array()) return glb_error(std::string(kind) + " is no array");
     if (found->size() > kMaxGlbObjects)
-      return Error{ErrorCode::kTooLarge, std::string("GLB: ") + kind + " has " + std::to_string(found->size()) + " entries, the limit is " + std::to_string(kMaxGlbObjects)};
+      return Error{ErrorCode::kTooLarge, std::string("GLB: ") + kind + " has " + std::to_string(found->size()) + " entries, the limit is " +
+                                             std::to_string(kMaxGlbObjects)};
     for (std::size_t i = 0; i < found->size(); ++i)
       if (!(*found)[i].is_object()) return glb_error(std::string(kind) + "[" + std::to_string(i) + "] is no object");
   }
@@ -76,7 +78,8 @@ Status check_extensions(const Json& json) {
   if (!required->is_array()) return glb_error("extensionsRequired is no array");
   for (const Json& name : *required) {
     const std::string text = name.is_string() ? name.get<std::string>() : "";
-    if (text.starts_with(kMaterials) || std::find(kKnownExtensions.begin(), kKnownExtensions.end(), text) != kKnownExtensions.end()) continue;
+    if (text.starts_with(kMaterials) || std::find(kKnownExtensions.begin(), kKnownExtensions.end(), text) != kKnownExtensions.end())
+      continue;
     std::string known;
     for (const char* extension : kKnownExtensions) known += std::string(extension) + ", ";
     return unsupported("extensionsRequired has '" + printable(text) + "'; known are " + known + std::string(kMaterials) + "*");
@@ -97,7 +100,8 @@ Status check_inside(const Json& json, std::size_t binary_bytes) {
   if (!length.ok()) return length.error();
   // The chunk may have up to three bytes more.
   if (!*length || **length > binary_bytes)
-    return glb_error("buffers[0].byteLength is " + (*length ? std::to_string(**length) : "missing") + ", the binary chunk has " + std::to_string(binary_bytes) + " bytes");
+    return glb_error("buffers[0].byteLength is " + (*length ? std::to_string(**length) : "missing") + ", the binary chunk has " +
+                     std::to_string(binary_bytes) + " bytes");
   return Done{};
 }
 
@@ -109,7 +113,8 @@ Result<GlbDocument> GlbDocument::parse(std::string_view bytes) {
   if (bytes.size() < kHeader_bytes || word_at(bytes, 0) != kMagic) return glb_error("the file does not start with 'glTF' and its length");
   if (word_at(bytes, 4) != kVersion) return unsupported("version " + std::to_string(word_at(bytes, 4)) + ", known is 2");
   if (word_at(bytes, 8) > bytes.size())
-    return glb_error("it says that it has " + std::to_string(word_at(bytes, 8)) + " bytes, there are " + std::to_string(bytes.size()) + ": cut?");
+    return glb_error("it says that it has " + std::to_string(word_at(bytes, 8)) + " bytes, there are " + std::to_string(bytes.size()) +
+                     ": cut?");
   bytes = bytes.substr(0, std::max<std::size_t>(word_at(bytes, 8), kHeader_bytes));
   const Result<std::string_view> text = chunk_at(bytes, kHeader_bytes, kJsonKind, "JSON");
   if (!text.ok()) return text.error();
@@ -152,7 +157,8 @@ Result<std::string_view> GlbDocument::view(std::uint64_t index) const {
   if (!*length) return glb_error(where + ".byteLength is missing");
   const std::uint64_t begin = offset->value_or(0), size = **length;
   if (begin > binary_.size() || size > binary_.size() - begin)
-    return glb_error(where + " has bytes " + std::to_string(begin) + " to " + std::to_string(begin + size) + ", the binary chunk has " + std::to_string(binary_.size()));
+    return glb_error(where + " has bytes " + std::to_string(begin) + " to " + std::to_string(begin + size) + ", the binary chunk has " +
+                     std::to_string(binary_.size()));
   return binary_.substr(static_cast<std::size_t>(begin), static_cast<std::size_t>(size));
 }
 
@@ -160,8 +166,9 @@ Result<std::optional<std::uint64_t>> glb_index(const Json& object, const char* k
   const auto found = object.find(key);
   if (found == object.end()) return std::optional<std::uint64_t>();
   // Some writers have 3.0 for 3.
-  const bool whole = found->is_number_unsigned() || (found->is_number_float() && found->get<double>() >= 0 &&
-                                                     found->get<double>() <= 9e15 && std::floor(found->get<double>()) == found->get<double>());
+  const bool whole =
+      found->is_number_unsigned() || (found->is_number_float() && found->get<double>() >= 0 && found->get<double>() <= 9e15 &&
+                                      std::floor(found->get<double>()) == found->get<double>());
   if (!whole) return glb_error(where + "." + key + " is no whole number");
   const auto value = found->is_number_unsigned() ? found->get<std::uint64_t>() : static_cast<std::uint64_t>(found->get<double>());
   if (value > most) return glb_error(where + "." + key + " is " + std::to_string(value) + ", the limit is " + std::to_string(most));

@@ -30,7 +30,9 @@ std::uint8_t srgb_of(float linear) {
 
 Rgb8 srgb_of(const Eigen::Vector3f& linear) { return {srgb_of(linear.x()), srgb_of(linear.y()), srgb_of(linear.z())}; }
 
-std::span<const std::uint8_t> as_span(std::string_view bytes) { return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}; }
+std::span<const std::uint8_t> as_span(std::string_view bytes) {
+  return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
+}
 
 Result<std::string_view> image_bytes(const GlbDocument& document, std::uint64_t index) {
   const Result<const Json*> image = document.object("images", index);
@@ -52,7 +54,8 @@ Status check_images(const GlbDocument& document) {
     if (!size.ok()) return in_context("GLB: images[" + std::to_string(i) + "], which may be JPEG or PNG", size.error());
     pixels += std::int64_t{size->width} * size->height;
     if (pixels > kMaxModelPixels)
-      return Error{ErrorCode::kTooLarge, "GLB: images up to images[" + std::to_string(i) + "] have " + std::to_string(pixels) + " pixels, the limit is " + std::to_string(kMaxModelPixels)};
+      return Error{ErrorCode::kTooLarge, "GLB: images up to images[" + std::to_string(i) + "] have " + std::to_string(pixels) +
+                                             " pixels, the limit is " + std::to_string(kMaxModelPixels)};
   }
   return Done{};
 }
@@ -68,7 +71,8 @@ Result<ColorImage> read_image(const GlbDocument& document, std::uint64_t index) 
 
 class SceneReader {
  public:
-  SceneReader(const GlbDocument& document, const ImportOptions& options, ImportedModel& model) : document_(document), options_(options), model_(model) {}
+  SceneReader(const GlbDocument& document, const ImportOptions& options, ImportedModel& model)
+      : document_(document), options_(options), model_(model) {}
 
   Status read() {
     const Result<std::vector<GlbPlacement>> placements = glb_placements(document_);
@@ -89,7 +93,8 @@ class SceneReader {
     if (list == (*mesh)->end() || !list->is_array() || list->empty()) return glb_error(where + " is no array with entries");
     for (std::size_t i = 0; i < list->size(); ++i) {
       // Every one that is read costs, also one without a vertex that is left.
-      if (primitives_.size() >= kMaxGlbObjects) return Error{ErrorCode::kTooLarge, "GLB: more than " + std::to_string(kMaxGlbObjects) + " primitives in the scene"};
+      if (primitives_.size() >= kMaxGlbObjects)
+        return Error{ErrorCode::kTooLarge, "GLB: more than " + std::to_string(kMaxGlbObjects) + " primitives in the scene"};
       const std::string name = where + "[" + std::to_string(i) + "]";
       if (!(*list)[i].is_object()) return glb_error(name + " is no object");
       Result<GlbPrimitive> primitive = read_glb_primitive(document_, (*list)[i], name, budget_);
@@ -154,7 +159,8 @@ ColorImage swatches_of(const std::vector<Rgb8>& colors) {
 // Puts primitives together, those of one picture behind each other; what has no picture in a model of pictures has its material's colour.
 class MeshAssembly {
  public:
-  MeshAssembly(const GlbDocument& document, std::vector<GlbPrimitive>& primitives, TriangleMesh& mesh) : document_(document), primitives_(primitives), mesh_(mesh) {}
+  MeshAssembly(const GlbDocument& document, std::vector<GlbPrimitive>& primitives, TriangleMesh& mesh)
+      : document_(document), primitives_(primitives), mesh_(mesh) {}
 
   Status assemble() {
     std::map<std::uint64_t, std::vector<std::size_t>> of_image;
@@ -170,7 +176,8 @@ class MeshAssembly {
       Result<ColorImage> picture = read_image(document_, image);
       if (!picture.ok()) return picture.error();
       begin_page();
-      for (const std::size_t i : which) add(primitives_[i], [&](std::size_t k) { return texel(*picture, primitives_[i].texture_coordinates[k]); });
+      for (const std::size_t i : which)
+        add(primitives_[i], [&](std::size_t k) { return texel(*picture, primitives_[i].texture_coordinates[k]); });
       end_page(*std::move(picture));
     }
     return of_image.empty() || plain.empty() ? add_plain(plain) : add_swatches(plain);
@@ -196,7 +203,8 @@ class MeshAssembly {
       const auto found = std::find(colors.begin(), colors.end(), color);
       swatch.push_back(static_cast<std::size_t>(found - colors.begin()));
       if (found == colors.end()) colors.push_back(color);
-      if (colors.size() > kMostSwatches) return Error{ErrorCode::kTooLarge, "GLB: more than " + std::to_string(kMostSwatches) + " colours of materials beside pictures"};
+      if (colors.size() > kMostSwatches)
+        return Error{ErrorCode::kTooLarge, "GLB: more than " + std::to_string(kMostSwatches) + " colours of materials beside pictures"};
     }
     for (std::size_t k = 0; k < which.size(); ++k) {
       GlbPrimitive& primitive = primitives_[which[k]];
@@ -210,7 +218,8 @@ class MeshAssembly {
 
   void begin_page() { page_begin_ = mesh_.triangles.size(); }
   void end_page(ColorImage image) {
-    mesh_.pages.push_back({std::move(image), static_cast<std::uint32_t>(page_begin_), static_cast<std::uint32_t>(mesh_.triangles.size() - page_begin_)});
+    mesh_.pages.push_back(
+        {std::move(image), static_cast<std::uint32_t>(page_begin_), static_cast<std::uint32_t>(mesh_.triangles.size() - page_begin_)});
   }
 
   template <class ColorOf>
@@ -257,7 +266,8 @@ Result<ImportedModel> read_glb_model(std::string_view bytes, const ImportOptions
   SceneReader scene(*document, options, model);
   if (const Status read = scene.read(); !read.ok()) return read.error();
   std::vector<GlbPrimitive>& primitives = scene.primitives();
-  const bool has_triangles = std::any_of(primitives.begin(), primitives.end(), [](const GlbPrimitive& one) { return !one.triangles.empty(); });
+  const bool has_triangles =
+      std::any_of(primitives.begin(), primitives.end(), [](const GlbPrimitive& one) { return !one.triangles.empty(); });
   if (!has_triangles) {
     model.cloud = points_of(primitives);
     return model;

@@ -49,7 +49,8 @@ Status read_texture(const GlbDocument& document, const Json& info, const std::st
   const auto image = glb_index(**object, "source", "textures[" + std::to_string(**texture) + "]");
   if (!image.ok()) return image.error();
   if (!*image)
-    return Error{ErrorCode::kUnsupported, "GLB: textures[" + std::to_string(**texture) + "] has no source: its image is of a kind that only an extension knows"};
+    return Error{ErrorCode::kUnsupported,
+                 "GLB: textures[" + std::to_string(**texture) + "] has no source: its image is of a kind that only an extension knows"};
   if (const Result<const Json*> there = document.object("images", **image); !there.ok()) return there.error();
   material.image = **image;
   return Done{};
@@ -85,10 +86,12 @@ std::vector<Eigen::Matrix<float, kComponents, 1>> rows_of(const GlbValues& value
 // Reads an attribute where there is one: of as many vertices as there are positions.
 class Attributes {
  public:
-  Attributes(const GlbDocument& document, const Json& attributes, std::string where) : document_(document), attributes_(attributes), where_(std::move(where)) {}
+  Attributes(const GlbDocument& document, const Json& attributes, std::string where)
+      : document_(document), attributes_(attributes), where_(std::move(where)) {}
 
   template <int kComponents>
-  Status read(const std::string& name, int most_components, std::uint64_t most, std::vector<Eigen::Matrix<float, kComponents, 1>>& rows) const {
+  Status read(const std::string& name, int most_components, std::uint64_t most,
+              std::vector<Eigen::Matrix<float, kComponents, 1>>& rows) const {
     const auto accessor = glb_index(attributes_, name.c_str(), where_);
     if (!accessor.ok()) return accessor.error();
     if (!*accessor) return Done{};
@@ -111,11 +114,13 @@ Status check_same_length(const GlbPrimitive& read, const std::string& where) {
   const auto fits = [count](std::size_t size) { return size == 0 || size == count; };
   if (!fits(read.normals.size()) || !fits(read.colors.size()) || !fits(read.texture_coordinates.size()))
     return glb_error(where + " has " + std::to_string(count) + " positions, " + std::to_string(read.normals.size()) + " normals, " +
-                     std::to_string(read.colors.size()) + " colours and " + std::to_string(read.texture_coordinates.size()) + " texture coordinates");
+                     std::to_string(read.colors.size()) + " colours and " + std::to_string(read.texture_coordinates.size()) +
+                     " texture coordinates");
   return Done{};
 }
 
-Status read_vertices(const GlbDocument& document, const Json& attributes, const std::string& where, const GlbBudget& budget, GlbPrimitive& read) {
+Status read_vertices(const GlbDocument& document, const Json& attributes, const std::string& where, const GlbBudget& budget,
+                     GlbPrimitive& read) {
   const Attributes all(document, attributes, where + ".attributes");
   if (const Status status = all.read<3>("POSITION", 3, budget.vertices, read.positions); !status.ok()) return status;
   const std::uint64_t most = read.positions.size();
@@ -134,8 +139,8 @@ void append_triangles(const std::vector<std::uint32_t>& corners, std::uint64_t m
   }
 }
 
-Status read_triangles(const GlbDocument& document, const Json& primitive, const std::string& where, std::uint64_t mode, const GlbBudget& budget,
-                      GlbPrimitive& read) {
+Status read_triangles(const GlbDocument& document, const Json& primitive, const std::string& where, std::uint64_t mode,
+                      const GlbBudget& budget, GlbPrimitive& read) {
   const auto accessor = glb_index(primitive, "indices", where);
   if (!accessor.ok()) return accessor.error();
   std::vector<std::uint32_t> corners(*accessor ? 0 : read.positions.size());
@@ -149,7 +154,8 @@ Status read_triangles(const GlbDocument& document, const Json& primitive, const 
   return Done{};
 }
 
-Status read_draco(const GlbDocument& document, const Json& primitive, const std::string& where, const GlbBudget& budget, GlbPrimitive& read) {
+Status read_draco(const GlbDocument& document, const Json& primitive, const std::string& where, const GlbBudget& budget,
+                  GlbPrimitive& read) {
   const Json& extension = primitive.at("extensions").at(kDraco);
   const auto view = glb_index(extension, "bufferView", where);
   if (!view.ok()) return view.error();
@@ -166,7 +172,10 @@ Status read_draco(const GlbDocument& document, const Json& primitive, const std:
   if (!corner_count.ok()) return corner_count.error();
   DracoIds wanted;
   const std::string coordinates = coordinates_name(read.material);
-  for (const auto& [name, id] : {std::pair<const char*, std::int64_t*>{"POSITION", &wanted.position}, {"NORMAL", &wanted.normal}, {"COLOR_0", &wanted.color}, {coordinates.c_str(), &wanted.texture_coordinate}}) {
+  for (const auto& [name, id] : {std::pair<const char*, std::int64_t*>{"POSITION", &wanted.position},
+                                 {"NORMAL", &wanted.normal},
+                                 {"COLOR_0", &wanted.color},
+                                 {coordinates.c_str(), &wanted.texture_coordinate}}) {
     const auto unique_id = glb_index(*ids, name, where + "." + kDraco + ".attributes");
     if (!unique_id.ok()) return unique_id.error();
     if (*unique_id) *id = static_cast<std::int64_t>(**unique_id);
@@ -192,7 +201,8 @@ Result<GlbPrimitive> read_glb_primitive(const GlbDocument& document, const Json&
   if (!mode.ok()) return mode.error();
   const std::uint64_t kind = mode->value_or(kTriangles);
   if (kind != kPoints && kind != kTriangles && kind != kStrip && kind != kFan)
-    return Error{ErrorCode::kUnsupported, "GLB: " + where + ".mode is " + std::to_string(kind) + "; known are points (0) and triangles (4, 5, 6)"};
+    return Error{ErrorCode::kUnsupported,
+                 "GLB: " + where + ".mode is " + std::to_string(kind) + "; known are points (0) and triangles (4, 5, 6)"};
   read.is_points = kind == kPoints;
   Result<GlbMaterial> material = read_material(document, primitive, where);
   if (!material.ok()) return material.error();
@@ -209,7 +219,9 @@ Result<GlbPrimitive> read_glb_primitive(const GlbDocument& document, const Json&
   }
   if (!status.ok()) return status.error();
   if (read.positions.empty()) return glb_error(where + " has no POSITION");
-  if (read.triangles.size() > budget.triangles) return Error{ErrorCode::kTooLarge, "GLB: " + where + " has " + std::to_string(read.triangles.size()) + " triangles, " + std::to_string(budget.triangles) + " are left of the limit"};
+  if (read.triangles.size() > budget.triangles)
+    return Error{ErrorCode::kTooLarge, "GLB: " + where + " has " + std::to_string(read.triangles.size()) + " triangles, " +
+                                           std::to_string(budget.triangles) + " are left of the limit"};
   if (status = check_same_length(read, where); !status.ok()) return status.error();
   for (Eigen::Vector2f& uv : read.texture_coordinates) uv = read.material.image_from_uv * Eigen::Vector3f(uv.x(), uv.y(), 1);
   budget.vertices -= read.positions.size();

@@ -72,10 +72,12 @@ Result<Layout> layout_of(const GlbDocument& document, std::uint64_t index, std::
   const auto normalized = accessor.find("normalized");
   layout.normalized = normalized != accessor.end() && *normalized == true;
   const std::uint64_t element = bytes_of(layout.component) * static_cast<std::uint64_t>(layout.components);
-  const auto stride = glb_index(**document.object("bufferViews", fields->view), "byteStride", "bufferViews[" + std::to_string(fields->view) + "]", 252);
+  const auto stride =
+      glb_index(**document.object("bufferViews", fields->view), "byteStride", "bufferViews[" + std::to_string(fields->view) + "]", 252);
   if (!stride.ok()) return stride.error();
   layout.stride = stride->value_or(element);
-  if (layout.stride < element) return glb_error(where + " has elements of " + std::to_string(element) + " bytes, every " + std::to_string(layout.stride));
+  if (layout.stride < element)
+    return glb_error(where + " has elements of " + std::to_string(element) + " bytes, every " + std::to_string(layout.stride));
   const std::uint64_t size = *count == 0 ? 0 : layout.stride * (*count - 1) + element;
   if (fields->offset > bytes->size() || size > bytes->size() - fields->offset)
     return glb_error(where + " has " + std::to_string(*count) + " elements in bytes " + std::to_string(fields->offset) + " to " +
@@ -115,7 +117,8 @@ Result<std::uint64_t> glb_element_count(const GlbDocument& document, std::uint64
   if (!count.ok()) return count.error();
   if (!*count) return glb_error(name_of_accessor(accessor) + ".count is missing");
   if (**count > most)
-    return Error{ErrorCode::kTooLarge, "GLB: " + name_of_accessor(accessor) + ".count is " + std::to_string(**count) + ", " + std::to_string(most) + " are left of the limit"};
+    return Error{ErrorCode::kTooLarge, "GLB: " + name_of_accessor(accessor) + ".count is " + std::to_string(**count) + ", " +
+                                           std::to_string(most) + " are left of the limit"};
   return **count;
 }
 
@@ -124,7 +127,8 @@ Result<GlbValues> read_glb_values(const GlbDocument& document, std::uint64_t acc
   const Result<Layout> layout = layout_of(document, accessor, most);
   if (!layout.ok()) return layout.error();
   if (layout->components < least_components || layout->components > most_components)
-    return glb_error(name_of_accessor(accessor) + " has " + std::to_string(layout->components) + " components, " + std::to_string(least_components) +
+    return glb_error(name_of_accessor(accessor) + " has " + std::to_string(layout->components) + " components, " +
+                     std::to_string(least_components) +
                      (least_components == most_components ? "" : " to " + std::to_string(most_components)) + " belong there");
   GlbValues values;
   values.components = layout->components;
@@ -155,7 +159,8 @@ Result<std::vector<std::uint32_t>> read_glb_indices(const GlbDocument& document,
   }
   for (std::size_t i = 0; i < indices.size(); ++i)
     if (indices[i] >= end)
-      return glb_error(name_of_accessor(accessor) + ": index " + std::to_string(i) + " is " + std::to_string(indices[i]) + ", there are " + std::to_string(end) + " vertices");
+      return glb_error(name_of_accessor(accessor) + ": index " + std::to_string(i) + " is " + std::to_string(indices[i]) + ", there are " +
+                       std::to_string(end) + " vertices");
   return indices;
 }
 

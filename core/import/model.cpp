@@ -28,7 +28,8 @@ std::string metres(double value) {
 }
 
 std::string three(const Eigen::Vector3f& extent_m) {
-  return metres(static_cast<double>(extent_m.x())) + " x " + metres(static_cast<double>(extent_m.y())) + " x " + metres(static_cast<double>(extent_m.z()));
+  return metres(static_cast<double>(extent_m.x())) + " x " + metres(static_cast<double>(extent_m.y())) + " x " +
+         metres(static_cast<double>(extent_m.z()));
 }
 
 Result<ImportedModel> read_ply_model(std::string_view bytes, const ImportOptions& options) {
@@ -37,7 +38,8 @@ Result<ImportedModel> read_ply_model(std::string_view bytes, const ImportOptions
   ImportedModel model;
   model.format = "PLY";
   model.origin = shape->origin;
-  const bool is_ours = std::any_of(shape->comments.begin(), shape->comments.end(), [](const std::string& words) { return words.starts_with("comment Hermite"); });
+  const bool is_ours = std::any_of(shape->comments.begin(), shape->comments.end(),
+                                   [](const std::string& words) { return words.starts_with("comment Hermite"); });
   model.up = options.up.value_or(is_ours ? UpAxis::kMinusY : UpAxis::kZ);
   const auto scale = static_cast<float>(options.scale);
   for (Eigen::Vector3f& position : shape->positions) position = turned_from(model.up, position) * scale;
@@ -80,7 +82,9 @@ void leave_out_bad_triangles(ImportedModel& model) {
     if (!mesh.texture_coordinates.empty() && !mesh.texture_coordinates[i].allFinite()) mesh.texture_coordinates[i].setZero();
   }
   if (model.left_out_vertices == 0) return;
-  const auto is_left_out = [&is_bad](const TriangleCorners& corners) { return std::any_of(corners.begin(), corners.end(), [&is_bad](std::uint32_t corner) { return is_bad[corner]; }); };
+  const auto is_left_out = [&is_bad](const TriangleCorners& corners) {
+    return std::any_of(corners.begin(), corners.end(), [&is_bad](std::uint32_t corner) { return is_bad[corner]; });
+  };
   std::vector<TriangleCorners> kept;
   std::vector<TexturePage> pages;
   std::size_t at = 0;
@@ -99,14 +103,17 @@ void leave_out_bad_triangles(ImportedModel& model) {
   mesh.triangles = std::move(kept);
   model.unchanged = false;
   const auto good = std::find(is_bad.begin(), is_bad.end(), false);
-  const Eigen::Vector3f somewhere = good == is_bad.end() ? Eigen::Vector3f::Zero() : mesh.positions_m[static_cast<std::size_t>(good - is_bad.begin())];
+  const Eigen::Vector3f somewhere =
+      good == is_bad.end() ? Eigen::Vector3f::Zero() : mesh.positions_m[static_cast<std::size_t>(good - is_bad.begin())];
   for (std::size_t i = 0; i < is_bad.size(); ++i)
     if (is_bad[i]) mesh.positions_m[i] = somewhere;
 }
 
 Status check_extent(ImportedModel& model) {
   const std::size_t count = model.is_mesh() ? model.mesh.positions_m.size() : model.cloud.size();
-  const auto position = [&model](std::size_t i) -> const Eigen::Vector3f& { return model.is_mesh() ? model.mesh.positions_m[i] : model.cloud[i].position_m; };
+  const auto position = [&model](std::size_t i) -> const Eigen::Vector3f& {
+    return model.is_mesh() ? model.mesh.positions_m[i] : model.cloud[i].position_m;
+  };
   model.low_m = model.high_m = position(0);
   for (std::size_t i = 1; i < count; ++i) {
     model.low_m = model.low_m.cwiseMin(position(i));
@@ -115,8 +122,8 @@ Status check_extent(ImportedModel& model) {
   const Eigen::Vector3d extent_m = model.high_m.cast<double>() - model.low_m.cast<double>();
   const double farthest_m = std::max(model.high_m.cwiseAbs().maxCoeff(), model.low_m.cwiseAbs().maxCoeff());
   if (extent_m.maxCoeff() <= kMaxModelExtent_m && farthest_m <= 2 * kMaxModelExtent_m) return Done{};
-  return Error{ErrorCode::kTooLarge, std::string(model.format) + ": it spans " + three(extent_m.cast<float>()) + ", the limit is " + metres(kMaxModelExtent_m) +
-                                         "; of a file in millimetres the scale is 0.001 (--scale)"};
+  return Error{ErrorCode::kTooLarge, std::string(model.format) + ": it spans " + three(extent_m.cast<float>()) + ", the limit is " +
+                                         metres(kMaxModelExtent_m) + "; of a file in millimetres the scale is 0.001 (--scale)"};
 }
 
 }  // namespace
@@ -160,7 +167,8 @@ bool is_model(std::string_view first_bytes) { return is_ply(first_bytes) || is_g
 
 Result<ImportedModel> read_model(std::string_view bytes, const ImportOptions& options) {
   if (bytes.size() > kMaxModel_bytes)
-    return Error{ErrorCode::kTooLarge, "the file has " + std::to_string(bytes.size()) + " bytes, the limit is " + std::to_string(kMaxModel_bytes)};
+    return Error{ErrorCode::kTooLarge,
+                 "the file has " + std::to_string(bytes.size()) + " bytes, the limit is " + std::to_string(kMaxModel_bytes)};
   if (!is_model(bytes)) return Error{ErrorCode::kCorruptData, "the file is neither PLY nor GLB: it starts with neither 'ply' nor 'glTF'"};
   Result<ImportedModel> model = is_ply(bytes) ? read_ply_model(bytes, options) : read_glb_model(bytes, options);
   if (!model.ok()) return model;
@@ -169,8 +177,11 @@ Result<ImportedModel> read_model(std::string_view bytes, const ImportOptions& op
   else
     leave_out_bad_points(*model);
   if (!model->is_mesh() && model->cloud.empty())
-    return Error{ErrorCode::kCorruptData, std::string(model->format) + ": there is nothing in it" +
-                                              (model->left_out_vertices > 0 ? ": the positions of all " + std::to_string(model->left_out_vertices) + " vertices are not finite" : "")};
+    return Error{ErrorCode::kCorruptData,
+                 std::string(model->format) + ": there is nothing in it" +
+                     (model->left_out_vertices > 0
+                          ? ": the positions of all " + std::to_string(model->left_out_vertices) + " vertices are not finite"
+                          : "")};
   if (const Status status = check_extent(*model); !status.ok()) return status.error();
   return model;
 }
@@ -187,17 +198,23 @@ std::vector<std::string> words_about(const ImportedModel& model, const ImportOpt
   const Eigen::Vector3f extent_m = model.high_m - model.low_m;
   std::vector<std::string> words;
   words.push_back(std::string(model.format) + ": " +
-                  (model.is_mesh() ? std::to_string(model.mesh.triangles.size()) + " triangles, " + std::to_string(model.mesh.positions_m.size()) + " vertices" + (model.mesh.pages.empty() ? "" : ", " + std::to_string(model.mesh.pages.size()) + " image(s)")
-                                   : std::to_string(model.cloud.size()) + " points" + (model.has_normals() ? "" : ", without normals")) +
+                  (model.is_mesh()
+                       ? std::to_string(model.mesh.triangles.size()) + " triangles, " + std::to_string(model.mesh.positions_m.size()) +
+                             " vertices" + (model.mesh.pages.empty() ? "" : ", " + std::to_string(model.mesh.pages.size()) + " image(s)")
+                       : std::to_string(model.cloud.size()) + " points" + (model.has_normals() ? "" : ", without normals")) +
                   "; " + three(extent_m) + " (right, down, forward); " + name_of(model.up) + " is up.");
   const double longest_m = static_cast<double>(extent_m.maxCoeff());
   if (longest_m > kLarge_m && options.scale == 1)
-    words.push_back("It spans " + metres(longest_m) + ", taken as metres: if the file counts in millimetres, import it with the scale 0.001 (--scale 0.001).");
+    words.push_back("It spans " + metres(longest_m) +
+                    ", taken as metres: if the file counts in millimetres, import it with the scale 0.001 (--scale 0.001).");
   if (longest_m < kSmall_m && options.scale == 1)
-    words.push_back("It spans " + metres(longest_m) + ", taken as metres: if the file counts in another unit, import it with a scale (--scale 1000 for kilometres).");
+    words.push_back("It spans " + metres(longest_m) +
+                    ", taken as metres: if the file counts in another unit, import it with a scale (--scale 1000 for kilometres).");
   if (!model.origin.isZero()) {
     char text[160];
-    std::snprintf(text, sizeof text, "It lies far off: %.0f, %.0f, %.0f was subtracted from its coordinates, so that none loses its last digits.", model.origin.x(), model.origin.y(), model.origin.z());
+    std::snprintf(text, sizeof text,
+                  "It lies far off: %.0f, %.0f, %.0f was subtracted from its coordinates, so that none loses its last digits.",
+                  model.origin.x(), model.origin.y(), model.origin.z());
     words.emplace_back(text);
   }
   if (model.left_out_vertices > 0)

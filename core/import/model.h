@@ -44,7 +44,7 @@ struct ImportedModel {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // what was subtracted from the file's positions, in its axes and unit
   Eigen::Vector3f low_m = Eigen::Vector3f::Zero(), high_m = Eigen::Vector3f::Zero();
   std::uint64_t left_out_vertices = 0, left_out_triangles = 0;  // with numbers that are none
-  bool unchanged = false;  // a GLB that says the same as this: it can be shown as it is
+  bool unchanged = false;                                       // a GLB that says the same as this: it can be shown as it is
 
   bool is_mesh() const { return !mesh.triangles.empty(); }
   bool has_normals() const;

@@ -25,8 +25,7 @@ double scale_of(std::uint8_t level) { return static_cast<double>(1u << level); }
 
 // Which voxel of the submap a coordinate lies in. Double: a float would round points across the border.
 std::int64_t voxel_of(float coordinate_m, std::uint8_t level) {
-  return static_cast<std::int64_t>(
-      std::floor(static_cast<double>(coordinate_m) / (static_cast<double>(kVoxelEdge_m) * scale_of(level))));
+  return static_cast<std::int64_t>(std::floor(static_cast<double>(coordinate_m) / (static_cast<double>(kVoxelEdge_m) * scale_of(level))));
 }
 
 std::int64_t chunk_of_voxel(std::int64_t voxel) { return voxel >> 6; }  // arithmetic shift: rounds down for negative voxels too
@@ -78,8 +77,7 @@ struct Grid {
   explicit Grid(const ChunkKey& key) {
     const double edge_m = static_cast<double>(kChunkEdge_m) * scale_of(key.level), step_m = edge_m / (1 << kPositionBits);
     const std::array<std::int16_t, 3> cell = {key.x, key.y, key.z};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      first_m[axis] = static_cast<float>(cell[axis] * edge_m + step_m / 2);
+    for (std::size_t axis = 0; axis < 3; ++axis) first_m[axis] = static_cast<float>(cell[axis] * edge_m + step_m / 2);
     range_m = static_cast<float>(step_m * ((1 << kPositionBits) - 1));
   }
 

@@ -44,15 +44,16 @@ Result<DracoMesh> decode(std::string_view bytes, const DracoIds& ids, std::uint6
     return damaged_draco(std::to_string(source.num_points()) + " vertices and " + std::to_string(source.num_faces()) +
                          " triangles where the glTF says " + std::to_string(vertex_count) + " and " + std::to_string(triangle_count));
   DracoMesh mesh;
-  for (const Status& read : {read_attribute<3>(source, ids.position, mesh.positions), read_attribute<3>(source, ids.normal, mesh.normals),
-                             read_attribute<3>(source, ids.color, mesh.colors),
-                             read_attribute<2>(source, ids.texture_coordinate, mesh.texture_coordinates)})
+  for (const Status& read :
+       {read_attribute<3>(source, ids.position, mesh.positions), read_attribute<3>(source, ids.normal, mesh.normals),
+        read_attribute<3>(source, ids.color, mesh.colors), read_attribute<2>(source, ids.texture_coordinate, mesh.texture_coordinates)})
     if (!read.ok()) return read.error();
   mesh.triangles.reserve(source.num_faces());
   for (std::uint32_t i = 0; i < source.num_faces(); ++i) {
     const draco::Mesh::Face& face = source.face(draco::FaceIndex(i));
     for (std::size_t k = 0; k < 3; ++k)
-      if (face[k].value() >= source.num_points()) return damaged_draco("triangle " + std::to_string(i) + " names a vertex that is not there");
+      if (face[k].value() >= source.num_points())
+        return damaged_draco("triangle " + std::to_string(i) + " names a vertex that is not there");
     mesh.triangles.push_back({face[0].value(), face[1].value(), face[2].value()});
   }
   return mesh;

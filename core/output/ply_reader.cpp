@@ -290,8 +290,8 @@ Result<PlyShape> parse_ply(std::string_view bytes, const PlyOptions& options) {
   shape.comments = header->comments;
   bool has_vertices = false;
   for (const Element& element : header->elements) {
-    const Status read = element.name == "vertex" ? read_vertices(numbers, element, options, shape)
-                                                  : read_others(numbers, element, options, shape);
+    const Status read =
+        element.name == "vertex" ? read_vertices(numbers, element, options, shape) : read_others(numbers, element, options, shape);
     if (!read.ok()) return read.error();
     has_vertices = has_vertices || element.name == "vertex";
   }

@@ -18,13 +18,13 @@ namespace hermite {
 // Each but the last is as many as positions, or none where vertices do not have all of its properties.
 struct PlyShape {
   std::vector<Eigen::Vector3f> positions;
-  std::vector<Eigen::Vector3f> normals;     // nx, ny, nz
-  std::vector<Rgb8> colors;                 // red, green, blue: 8 or 16 bits, or a float from 0 to 1
-  std::vector<float> radii;                 // radius
-  std::vector<float> confidences;           // confidence
-  std::vector<Eigen::Vector2f> curvatures;  // curvature_max, curvature_min
-  std::vector<std::uint32_t> submaps;       // submap; what is no such number is 0
-  std::vector<TriangleCorners> triangles;   // larger faces are cut into fans; empty for a cloud
+  std::vector<Eigen::Vector3f> normals;              // nx, ny, nz
+  std::vector<Rgb8> colors;                          // red, green, blue: 8 or 16 bits, or a float from 0 to 1
+  std::vector<float> radii;                          // radius
+  std::vector<float> confidences;                    // confidence
+  std::vector<Eigen::Vector2f> curvatures;           // curvature_max, curvature_min
+  std::vector<std::uint32_t> submaps;                // submap; what is no such number is 0
+  std::vector<TriangleCorners> triangles;            // larger faces are cut into fans; empty for a cloud
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // what was subtracted from all positions, see PlyOptions
   std::vector<std::string> comments;                 // of the header
 };

@@ -43,7 +43,8 @@ TEST(GlbDocument, WhatIsWrongIsNamed) {
   EXPECT_THAT(why_no_document("solid thing\nfacet normal"), HasSubstr("does not start with 'glTF'"));
   EXPECT_THAT(why_no_document(changed("/buffers/0/uri", "https://example.org/a.bin")), HasSubstr("buffers[0] has a uri"));
   EXPECT_THAT(why_no_document(changed("/images", {{{"uri", "file:///etc/passwd"}}})), HasSubstr("images[0] has a uri"));
-  EXPECT_THAT(why_no_document(changed("/extensionsRequired", {"EXT_meshopt_compression"})), HasSubstr("'EXT_meshopt_compression'; known are"));
+  EXPECT_THAT(why_no_document(changed("/extensionsRequired", {"EXT_meshopt_compression"})),
+              HasSubstr("'EXT_meshopt_compression'; known are"));
   EXPECT_EQ(why_no_document(changed("/extensionsRequired", {"KHR_materials_unlit", "KHR_draco_mesh_compression"})), "");
   EXPECT_THAT(why_no_document(changed("/buffers/0/byteLength", 1000000)), HasSubstr("byteLength is 1000000, the binary chunk has 44"));
   EXPECT_THAT(why_no_document(changed("/nodes", "many")), HasSubstr("nodes is no array"));

@@ -14,7 +14,9 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-std::string glb(const TriangleMesh& mesh, GlbCompression compression = GlbCompression::kNone) { return *format_mesh_glb(mesh, compression); }
+std::string glb(const TriangleMesh& mesh, GlbCompression compression = GlbCompression::kNone) {
+  return *format_mesh_glb(mesh, compression);
+}
 
 TEST(GlbModel, WhatWeWriteComesBackInTheWorldOfTheScan) {
   const TriangleMesh sphere = test::sphere_mesh(6, 8);
@@ -36,7 +38,8 @@ TEST(GlbModel, DracoComesBackToo) {
   const auto model = read_glb_model(glb(sphere, GlbCompression::kDraco), {});
   ASSERT_TRUE(model.ok()) << model.error().message;
   EXPECT_EQ(model->mesh.triangles.size(), sphere.triangles.size());
-  for (const Eigen::Vector3f& position : model->mesh.positions_m) EXPECT_NEAR((position - Eigen::Vector3f(0.5f, -0.25f, 2)).norm(), 0.5f, 2e-4f);
+  for (const Eigen::Vector3f& position : model->mesh.positions_m)
+    EXPECT_NEAR((position - Eigen::Vector3f(0.5f, -0.25f, 2)).norm(), 0.5f, 2e-4f);
 }
 
 TEST(GlbModel, TexturesAreOnePageForEachImage) {
@@ -59,7 +62,8 @@ TEST(GlbModel, WhatHasNoPictureBesidePicturesHasTheColourOfItsMaterial) {
   all["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 44}, {"byteLength", image.size()}});
   all["images"] = {{{"bufferView", 2}, {"mimeType", "image/png"}}};
   all["textures"] = {{{"source", 0}}};
-  all["materials"] = json::parse(R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}, {"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}}])");
+  all["materials"] = json::parse(
+      R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}, {"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}}])");
   json plain = all["meshes"][0]["primitives"][0];
   plain["material"] = 1;
   json& pictured = all["meshes"][0]["primitives"][0];
@@ -74,7 +78,8 @@ TEST(GlbModel, WhatHasNoPictureBesidePicturesHasTheColourOfItsMaterial) {
   // A picture of 16384 x 16384 in 33 bytes is counted before it is decoded.
   std::string bomb = image;
   bomb.replace(16, 8, std::string("\0\0\x40\0\0\0\x40\x01", 8));
-  EXPECT_THAT(read_glb_model(test::glb_of(all.dump(), test::triangle_binary() + std::string(2, '\0') + bomb), {}).error().message, HasSubstr("images[0]"));
+  EXPECT_THAT(read_glb_model(test::glb_of(all.dump(), test::triangle_binary() + std::string(2, '\0') + bomb), {}).error().message,
+              HasSubstr("images[0]"));
 }
 
 TEST(GlbModel, AMirrorTurnsTrianglesOver) {

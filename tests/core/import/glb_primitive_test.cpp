@@ -54,7 +54,9 @@ TEST(GlbPrimitive, WhatIsWrongIsNamed) {
   EXPECT_THAT(why("/accessors/0/count", 2), HasSubstr("index 2 is 2, there are 2 vertices"));
   EXPECT_THAT(why("/nodes/0/name", "x", {2, 100}), HasSubstr("accessors[0].count is 3, 2 are left of the limit"));
   EXPECT_THAT(why("/nodes/0/name", "x", {100, 0}), HasSubstr("accessors[1].count is 3, 0 are left of the limit"));
-  EXPECT_THAT(why("/meshes/0/primitives/0/extensions", {{"KHR_draco_mesh_compression", {{"bufferView", 0}, {"attributes", {{"POSITION", 0}}}}}}), HasSubstr("Draco"));
+  EXPECT_THAT(
+      why("/meshes/0/primitives/0/extensions", {{"KHR_draco_mesh_compression", {{"bufferView", 0}, {"attributes", {{"POSITION", 0}}}}}}),
+      HasSubstr("Draco"));
 }
 
 TEST(GlbPrimitive, ATextureMayLieTurnedAndMoved) {
@@ -69,7 +71,8 @@ TEST(GlbPrimitive, ATextureMayLieTurnedAndMoved) {
   ASSERT_TRUE(plain.ok()) << plain.error().message;
   EXPECT_TRUE(plain->material.is_plain);
   EXPECT_EQ(plain->material.factor.x(), 0.5f);
-  all["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] = {{"offset", {0.25, 0}}, {"scale", {1, 2}}};
+  all["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] = {{"offset", {0.25, 0}},
+                                                                                                            {"scale", {1, 2}}};
   const auto moved = primitive_of(all);
   ASSERT_TRUE(moved.ok()) << moved.error().message;
   EXPECT_FALSE(moved->material.is_plain);

@@ -27,7 +27,8 @@ TEST(GlbScene, ChildrenStandWhereTheirParentsPutThem) {
   ASSERT_TRUE(placed.ok()) << placed.error().message;
   ASSERT_EQ(placed->size(), 1u);
   EXPECT_EQ((*placed)[0].mesh, 3u);
-  const Eigen::Vector4d point = (*placed)[0].world_from_mesh * Eigen::Vector4d(1, 0, 0, 1);  // turned to y, moved to (0, 2, 0), doubled, moved
+  const Eigen::Vector4d point =
+      (*placed)[0].world_from_mesh * Eigen::Vector4d(1, 0, 0, 1);  // turned to y, moved to (0, 2, 0), doubled, moved
   EXPECT_LT((point - Eigen::Vector4d(1, 4, 0, 1)).norm(), 1e-6) << point.transpose();
 }
 
@@ -40,7 +41,8 @@ TEST(GlbScene, WithoutASceneEveryRootIsInIt) {
 TEST(GlbScene, CirclesAndSharedChildrenAreErrors) {
   EXPECT_THAT(placements_of(R"([{"mesh": 0, "children": [1]}, {"children": [0]}])").error().message, HasSubstr("nodes[0] is below itself"));
   EXPECT_THAT(placements_of(R"([{"mesh": 0, "children": [0]}])").error().message, HasSubstr("nodes[0] is below itself"));
-  EXPECT_THAT(placements_of(R"([{"children": [1, 1]}, {"mesh": 0}])").error().message, HasSubstr("nodes[1] is below itself, or below two others"));
+  EXPECT_THAT(placements_of(R"([{"children": [1, 1]}, {"mesh": 0}])").error().message,
+              HasSubstr("nodes[1] is below itself, or below two others"));
   EXPECT_THAT(placements_of(R"([{"children": [9]}])").error().message, HasSubstr("no nodes[9], there are 1"));
   EXPECT_THAT(placements_of(R"([{"children": [-1]}])").error().message, HasSubstr("what is no node"));
   EXPECT_THAT(placements_of(R"([{"name": "camera"}])").error().message, HasSubstr("no node of the scene has a mesh"));

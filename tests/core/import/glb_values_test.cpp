@@ -29,7 +29,8 @@ struct OneAccessor {
 };
 
 TEST(GlbValues, AreReadWithTheirStrideAndNormalised) {
-  const OneAccessor floats({{"componentType", 5126}, {"type", "VEC2"}, {"count", 2}}, test::float_bytes({1, 2, 9, 3, 4}), {{"byteStride", 12}});
+  const OneAccessor floats({{"componentType", 5126}, {"type", "VEC2"}, {"count", 2}}, test::float_bytes({1, 2, 9, 3, 4}),
+                           {{"byteStride", 12}});
   const auto values = read_glb_values(floats.document(), 0, 2, 3, 2);
   ASSERT_TRUE(values.ok()) << values.error().message;
   EXPECT_EQ(values->components, 2);

@@ -20,8 +20,9 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 std::string ascii_ply(int vertices, const std::string& rows, const std::string& faces = "", int face_count = 0) {
-  return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(vertices) + "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
-         std::to_string(face_count) + "\nproperty list uchar int vertex_indices\nend_header\n" + rows + faces;
+  return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(vertices) +
+         "\nproperty double x\nproperty double y\nproperty double z\nelement face " + std::to_string(face_count) +
+         "\nproperty list uchar int vertex_indices\nend_header\n" + rows + faces;
 }
 
 std::string why_no_model(const std::string& bytes) {
@@ -57,10 +58,12 @@ TEST(Model, CoordinatesOfAMapLoseNoDigits) {
 
 TEST(Model, MillimetresAreDoubted) {
   const std::string room = ascii_ply(2, "0 0 0\n4200 3000 2400\n");
-  EXPECT_THAT(words_about(*read_model(room, {}), {}), testing::Contains(HasSubstr("spans 4200 m, taken as metres: if the file counts in millimetres")));
+  EXPECT_THAT(words_about(*read_model(room, {}), {}),
+              testing::Contains(HasSubstr("spans 4200 m, taken as metres: if the file counts in millimetres")));
   const ImportOptions millimetres{0.001, {}};
   EXPECT_EQ(words_about(*read_model(room, millimetres), millimetres).size(), 1u);
-  EXPECT_THAT(why_no_model(ascii_ply(2, "0 0 0\n1e30 0 0\n")), HasSubstr("the limit is 20000 m; of a file in millimetres the scale is 0.001"));
+  EXPECT_THAT(why_no_model(ascii_ply(2, "0 0 0\n1e30 0 0\n")),
+              HasSubstr("the limit is 20000 m; of a file in millimetres the scale is 0.001"));
 }
 
 TEST(Model, WhatIsNotFiniteIsLeftOutAndCounted) {
