@@ -215,7 +215,7 @@ Result<GlbPrimitive> read_glb_primitive(const GlbDocument& document, const Json&
     status = read_draco(document, primitive, where, budget, read);
   } else {
     status = read_vertices(document, *attributes, where, budget, read);
-    if (status.ok() && !read.is_points) status = read_triangles(document, primitive, where, kind, budget, read);
+    if (status.ok() && !read.is_points && !read.positions.empty()) status = read_triangles(document, primitive, where, kind, budget, read);
   }
   if (!status.ok()) return status.error();
   if (read.positions.empty()) return glb_error(where + " has no POSITION");

@@ -18,7 +18,7 @@ namespace {
 // Of an upload: a point may have 12 bytes there, and has 51 in cloud.ply, and what viewers are shown of it.
 constexpr std::uint64_t kResultsOfUpload = 5;
 
-std::string joined(const std::vector<std::string>& sentences) {
+std::string one_text(const std::vector<std::string>& sentences) {
   std::string all;
   for (const std::string& words : sentences) all += (all.empty() ? "" : " ") + words;
   return all;
@@ -100,7 +100,7 @@ void ImportJob::thread_ended(const Result<Summary>& summary) {
   const bool was_stopped = !summary.ok() && summary.error().code == ErrorCode::kBusy && stopped_;
   const Status stored =
       cancelled_ || !summary.ok() ? Status(summary.ok() ? Error{ErrorCode::kBusy, "cancelled"} : summary.error()) : store_scan(*summary);
-  if (stored.ok()) return events_.ended({JobState::kFinished, joined(summary->words)});
+  if (stored.ok()) return events_.ended({JobState::kFinished, one_text(summary->words)});
   world_.scans.remove_unwanted(row_.scan_id);
   if (cancelled_) return events_.ended({JobState::kCancelled, {}});
   events_.ended(was_stopped ? JobEnd{JobState::kQueued, {}} : JobEnd{JobState::kFailed, stored.error().message});
