@@ -67,6 +67,7 @@ class InterruptCounter {
 Command add_stream_command(CLI::App& app);
 Command add_scan_command(CLI::App& app);
 Command add_upload_command(CLI::App& app);
+Command add_import_command(CLI::App& app);
 Command add_jobs_command(CLI::App& app);
 Command add_download_command(CLI::App& app);
 

@@ -13,9 +13,9 @@
 #include "core/evaluate/trajectory_error.h"
 #include "core/evaluate/true_surface.h"
 #include "core/output/ply.h"
-#include "core/output/ply_reader.h"
 #include "server/commands.h"
 #include "server/evaluate_texture.h"
+#include "server/ply_file.h"
 
 namespace hermite {
 
@@ -34,8 +34,6 @@ struct EvaluateArguments {
 
 // At which the colour of an error is red; none is blue.
 constexpr double kReddest_m = 0.02;
-// Some 90 million of our points.
-constexpr std::size_t kMaxPly_bytes = std::size_t{4} << 30;
 
 // Of a TUM file or of a sequence.
 Trajectory read_groundtruth(const std::string& source) {
@@ -46,8 +44,6 @@ Trajectory read_groundtruth(const std::string& source) {
   if (groundtruth.empty()) throw SetupError({ErrorCode::kNotFound, source + " has no true poses"});
   return groundtruth;
 }
-
-PlyShape read_ply(const std::string& path) { return or_throw(parse_ply(or_throw(read_text_file(path, kMaxPly_bytes)))); }
 
 std::vector<Triangle> triangles_of(const PlyShape& shape) {
   std::vector<Triangle> triangles;
@@ -65,7 +61,7 @@ struct Truth {
 Truth open_truth(const EvaluateArguments& arguments) {
   Truth truth;
   if (std::filesystem::is_regular_file(arguments.surface)) {
-    truth.surface = surface_of_triangles(triangles_of(read_ply(arguments.surface)));
+    truth.surface = surface_of_triangles(triangles_of(read_ply_file(arguments.surface)));
   } else {
     const std::unique_ptr<Sequence> sequence = or_throw(open_sequence(arguments.surface));
     truth.surface = or_throw(surface_of_sequence(*sequence, arguments.surface));
@@ -102,7 +98,7 @@ Json evaluate_surface(const EvaluateArguments& arguments) {
         or_throw(trajectory_error(or_throw(read_tum_trajectory(arguments.estimate)), truth.groundtruth)).groundtruth_from_estimate;
   std::vector<Eigen::Vector3d> points;
   std::vector<Triangle> in_world;
-  for (const Eigen::Vector3f& position : read_ply(arguments.cloud).positions) {
+  for (const Eigen::Vector3f& position : read_ply_file(arguments.cloud).positions) {
     points.push_back(position.cast<double>());
     const Eigen::Vector3f moved = (world_from_cloud * points.back()).cast<float>();
     in_world.push_back({moved, moved, moved});
@@ -141,7 +137,7 @@ std::vector<Triangle> moved(std::vector<Triangle> triangles, const Rigid3& world
 
 Json judge_mesh(const std::string& path, const PlyShape& surfels, const EvaluateArguments& arguments, const Rigid3& world_from_mesh,
                 const SeenTruth* truth) {
-  const PlyShape shape = read_ply(path);
+  const PlyShape shape = read_ply_file(path);
   if (shape.triangles.empty()) throw SetupError({ErrorCode::kInvalidArgument, path + " has no faces: it is no mesh"});
   TriangleMesh mesh;
   mesh.positions_m = shape.positions;
@@ -156,8 +152,8 @@ Json judge_mesh(const std::string& path, const PlyShape& surfels, const Evaluate
 
 // Of every mesh what is wrong with it and, where there is a truth, how far it is from that; of the cloud the same errors.
 Json evaluate_meshes(const EvaluateArguments& arguments) {
-  const PlyShape cloud = arguments.cloud.empty() ? PlyShape() : read_ply(arguments.cloud);
-  const PlyShape surfels = arguments.surfels.empty() ? cloud : read_ply(arguments.surfels);
+  const PlyShape cloud = arguments.cloud.empty() ? PlyShape() : read_ply_file(arguments.cloud);
+  const PlyShape surfels = arguments.surfels.empty() ? cloud : read_ply_file(arguments.surfels);
   std::optional<SeenTruth> truth;
   Rigid3 world_from_mesh;
   if (!arguments.surface.empty()) {
@@ -199,7 +195,7 @@ Json evaluate_consistency(const EvaluateArguments& arguments) {
 }
 
 Json evaluate_layers(const EvaluateArguments& arguments) {
-  const PlyShape shape = read_ply(arguments.cloud);
+  const PlyShape shape = read_ply_file(arguments.cloud);
   if (shape.normals.size() != shape.positions.size() || shape.positions.empty())
     throw SetupError(
         {ErrorCode::kInvalidArgument, arguments.cloud + " has no points with normals (nx, ny, nz): its layers cannot be told"});

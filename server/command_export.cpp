@@ -8,16 +8,13 @@
 #include "core/export/scan_recording.h"
 #include "core/export/texture_frames.h"
 #include "core/mesh/texture.h"
-#include "core/output/ply_reader.h"
 #include "server/commands.h"
 #include "server/offline_run.h"
+#include "server/ply_file.h"
 
 namespace hermite {
 
 namespace {
-
-// Some 90 million of our points.
-constexpr std::size_t kMaxExportedPly_bytes = std::size_t{4} << 30;
 
 struct ExportArguments {
   std::string result, format, out, sequence, camera;
@@ -34,23 +31,17 @@ std::string path_in_result(const ExportArguments& arguments, const char* name) {
   return arguments.result + "/" + name;
 }
 
-PlyShape read_exported_ply(const std::string& path) {
-  Result<PlyShape> shape = parse_ply(or_throw(read_text_file(path, kMaxExportedPly_bytes)));
-  if (!shape.ok()) throw SetupError(in_context(path, shape.error()));
-  return *std::move(shape);
-}
-
 TriangleMesh mesh_to_export(const ExportArguments& arguments) {
   const std::string path = path_in_result(arguments, "mesh.ply");
   if (!is_file(path))
     throw SetupError({ErrorCode::kNotFound, arguments.result + " has no mesh.ply, of which " + arguments.format +
                                                 " is made: `hermite mesh " + arguments.result + "` makes one of its cloud"});
-  Result<TriangleMesh> mesh = mesh_of(read_exported_ply(path));
+  Result<TriangleMesh> mesh = mesh_of(read_ply_file(path));
   if (!mesh.ok()) throw SetupError(in_context(path, mesh.error()));
   return *std::move(mesh);
 }
 
-Cloud cloud_to_export(const ExportArguments& arguments) { return cloud_of(read_exported_ply(path_in_result(arguments, "cloud.ply"))); }
+Cloud cloud_to_export(const ExportArguments& arguments) { return cloud_of(read_ply_file(path_in_result(arguments, "cloud.ply"))); }
 
 Trajectory trajectory_to_export(const ExportArguments& arguments) {
   if (!is_folder(arguments.result))

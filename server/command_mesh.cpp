@@ -6,13 +6,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "core/dataset/text_file.h"
 #include "core/mesh/contour.h"
 #include "core/mesh/simplify.h"
 #include "core/output/mesh_ply.h"
 #include "core/output/ply.h"
-#include "core/output/ply_reader.h"
 #include "server/commands.h"
+#include "server/ply_file.h"
 
 namespace hermite {
 
@@ -29,9 +28,6 @@ struct MeshArguments {
   ContourOptions options;
 };
 
-// Some 90 million of our points.
-constexpr std::size_t kMaxCloud_bytes = std::size_t{4} << 30;
-
 // Of a result folder what meshes are made of, or at least its cloud; or a file.
 std::string cloud_path(const std::string& source) {
   if (!std::filesystem::is_directory(source)) return source;
@@ -46,7 +42,7 @@ std::string mesh_path(const MeshArguments& arguments) {
 }
 
 Cloud read_cloud(const std::string& path) {
-  const PlyShape shape = or_throw(parse_ply(or_throw(read_text_file(path, kMaxCloud_bytes))));
+  const PlyShape shape = read_ply_file(path);
   if (shape.normals.empty())
     throw SetupError(
         {ErrorCode::kInvalidArgument, path + " has no points with normals (nx, ny, nz): the sides of its surface cannot be told"});

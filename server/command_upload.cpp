@@ -1,4 +1,4 @@
-// hermite-client upload and jobs
+// hermite-client upload, import and jobs
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -13,7 +13,9 @@
 #include <optional>
 
 #include "core/dataset/camera_file.h"
+#include "core/dataset/text_file.h"
 #include "core/evaluate/inspection.h"
+#include "core/import/model.h"
 #include "server/client/upload.h"
 #include "server/client_commands.h"
 #include "server/net/tls.h"
@@ -33,6 +35,7 @@ struct UploadArguments {
   int priority = 0;
   int patience_s = 600;
   bool wait = false, json = false, no_check = false;
+  bool import = false;  // clouds and meshes alone
 };
 
 struct JobsArguments {
@@ -168,6 +171,10 @@ class Uploading {
     if (!arguments_.title.empty()) metadata.emplace_back("title", arguments_.title);
     if (settings_ != "{}") metadata.emplace_back("settings", settings_);
     if (arguments_.priority != 0) metadata.emplace_back("priority", std::to_string(arguments_.priority));
+    if (const Result<bool> model = is_model_file(path); arguments_.import || (model.ok() && *model)) {
+      const Status checked = check_model(path);
+      return checked.ok() ? Result<UploadMetadata>(metadata) : checked.error();
+    }
     std::optional<Camera> camera;
     if (!arguments_.camera.empty()) {
       const Result<Camera> given = read_camera(arguments_.camera);
@@ -186,6 +193,20 @@ class Uploading {
     }
     if (camera) metadata.emplace_back("camera", Json::parse(format_camera_json({*camera, kDefaultFrameRate_hz, true})).dump());
     return metadata;
+  }
+
+  // As the server will read it, so that what is wrong is said before it is sent.
+  Status check_model(const std::string& path) {
+    if (arguments_.no_check) return Done{};
+    const auto settings = parse_settings(arguments_.settings);
+    const Result<ImportOptions> options = settings.ok() ? parse_import_options(*settings) : settings.error();
+    if (!options.ok()) return options.error();
+    const Result<std::string> bytes = read_text_file(path, kMaxModel_bytes);
+    if (!bytes.ok()) return bytes.error();
+    const Result<ImportedModel> model = read_model(*bytes, *options);
+    if (!model.ok()) return model.error();
+    for (const std::string& words : words_about(*model, *options)) screen_.line(path + ": " + words);
+    return Done{};
   }
 
   Outcome send(const std::string& path) {
@@ -328,6 +349,24 @@ Command add_upload_command(CLI::App& app) {
   upload.add_flag("--wait", arguments->wait, "Wait until every job has ended");
   upload.add_flag("--json", arguments->json, "One JSON object a recording, on a line");
   return {&upload, [arguments] { return run_upload(*arguments); }};
+}
+
+Command add_import_command(CLI::App& app) {
+  auto arguments = std::make_shared<UploadArguments>();
+  arguments->import = arguments->wait = true;
+  CLI::App& import = *app.add_subcommand("import", "Bring clouds and meshes of other programs along, as scans to look at and to share");
+  import.add_option("FILE", arguments->paths, "PLY (points or a mesh) or GLB")->required();
+  add_server_options(import, arguments->server)->required();
+  import.add_option("--title", arguments->title, "Title of the scans (default: the file's name)");
+  const auto add_setting = [&import, arguments](const char* name, const char* key, const char* words) {
+    import.add_option_function<std::string>(name, [arguments, key](const std::string& value) { arguments->settings.push_back(std::string(key) + "=" + value); }, words);
+};
+add_setting("--scale", "scale", "Metres of a unit of the file (default 1): 0.001 for millimetres");
+add_setting("--up", "up", "Which axis of the file is up: y, z or -y (default: of a GLB y, of a PLY z)");
+import.add_option("--patience", arguments->patience_s, "So long a server that is away or full is asked again, in seconds (default 600)")
+    ->check(CLI::Range(0, 86'400));
+import.add_flag("--json", arguments->json, "One JSON object a file, on a line");
+return {&import, [arguments] { return run_upload(*arguments); }};
 }
 
 Command add_jobs_command(CLI::App& app) {

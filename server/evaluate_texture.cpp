@@ -5,32 +5,18 @@
 #include <nlohmann/json.hpp>
 
 #include "core/dataset/sequence.h"
-#include "core/dataset/text_file.h"
 #include "core/dataset/trajectory.h"
+#include "core/export/texture_frames.h"
 #include "core/image/image_codec.h"
 #include "core/mesh/texture_quality.h"
 #include "core/output/ply.h"
-#include "core/output/ply_reader.h"
-#include "core/export/texture_frames.h"
+#include "server/ply_file.h"
 
 namespace hermite {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr std::size_t kMaxMeshFile_bytes = std::size_t{4} << 30;
-
-TriangleMesh read_mesh(const std::string& path) {
-  PlyShape shape = or_throw(parse_ply(or_throw(read_text_file(path, kMaxMeshFile_bytes))));
-  TriangleMesh mesh;
-  mesh.positions_m = std::move(shape.positions);
-  mesh.normals = std::move(shape.normals);
-  mesh.colors = std::move(shape.colors);
-  mesh.colors.resize(mesh.positions_m.size(), Rgb8{128, 128, 128});
-  mesh.triangles = std::move(shape.triangles);
-  return mesh;
-}
 
 void write_png(const std::string& path, const ColorImage& image) {
   const std::vector<std::uint8_t> bytes = or_throw(encode_png(image));
@@ -68,7 +54,7 @@ Json evaluate_texture(const TextureJudging& judging) {
   options.blended_views = judging.blended_views;
   options.solves_exposure = !judging.keeps_exposure;
   options.refines_poses = !judging.keeps_poses;
-  const TriangleMesh mesh = read_mesh(judging.mesh);
+  const TriangleMesh mesh = or_throw(mesh_of(read_ply_file(judging.mesh)));
   TriangleMesh textured_mesh;
   TextureStatistics statistics;
   const auto start = std::chrono::steady_clock::now();

@@ -10,8 +10,8 @@ int main(int argc, char** argv) {
   using namespace hermite;
   CLI::App app("Streams RGB-D cameras and recordings to a Hermite server");
   app.require_subcommand(1);
-  const std::vector<Command> commands{add_scan_command(app), add_stream_command(app), add_upload_command(app), add_jobs_command(app),
-                                      add_download_command(app)};
+  const std::vector<Command> commands{add_scan_command(app),   add_stream_command(app), add_upload_command(app),
+                                      add_import_command(app), add_jobs_command(app),   add_download_command(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

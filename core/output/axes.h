@@ -12,4 +12,8 @@ inline Eigen::Vector3f y_up(const Eigen::Vector3f& v) { return {v.x(), -v.y(), -
 // x right, y forward, z up: LAS and STL.
 inline Eigen::Vector3f z_up(const Eigen::Vector3f& v) { return {v.x(), v.z(), -v.y()}; }
 
+// And back.
+inline Eigen::Vector3f from_y_up(const Eigen::Vector3f& v) { return {v.x(), -v.y(), -v.z()}; }
+inline Eigen::Vector3f from_z_up(const Eigen::Vector3f& v) { return {v.x(), -v.z(), v.y()}; }
+
 }  // namespace hermite

@@ -21,31 +21,33 @@ constexpr float kNormalScale = 32767.0f;
 static_assert(kVoxelEdge_m * kVoxelsPerEdge == kChunkEdge_m, "voxel and chunk borders must be the same floats");
 static_assert(kVoxelsPerEdge * kVoxelsPerEdge * kVoxelsPerEdge == kMaxPointsPerChunk);
 
+double scale_of(std::uint8_t level) { return static_cast<double>(1u << level); }
+
 // Which voxel of the submap a coordinate lies in. Double: a float would round points across the border.
-std::int64_t voxel_of(float coordinate_m) {
-  return static_cast<std::int64_t>(std::floor(static_cast<double>(coordinate_m) / static_cast<double>(kVoxelEdge_m)));
+std::int64_t voxel_of(float coordinate_m, std::uint8_t level) {
+  return static_cast<std::int64_t>(std::floor(static_cast<double>(coordinate_m) / (static_cast<double>(kVoxelEdge_m) * scale_of(level))));
 }
 
 std::int64_t chunk_of_voxel(std::int64_t voxel) { return voxel >> 6; }  // arithmetic shift: rounds down for negative voxels too
 
-std::optional<ChunkKey> key_of(const CloudPoint& point) {
-  constexpr double kReach_m = 32768.0 * static_cast<double>(kChunkEdge_m);
+std::optional<ChunkKey> key_of(const CloudPoint& point, std::uint8_t level) {
+  const double reach_m = 32768.0 * static_cast<double>(kChunkEdge_m) * scale_of(level);
   std::array<std::int16_t, 3> cell{};
   for (int axis = 0; axis < 3; ++axis) {
     const float coordinate_m = point.position_m[axis];
-    if (!(std::abs(static_cast<double>(coordinate_m)) <= kReach_m)) return std::nullopt;  // NaN too
-    const std::int64_t chunk = chunk_of_voxel(voxel_of(coordinate_m));
+    if (!(std::abs(static_cast<double>(coordinate_m)) <= reach_m)) return std::nullopt;  // NaN too
+    const std::int64_t chunk = chunk_of_voxel(voxel_of(coordinate_m, level));
     if (chunk < std::numeric_limits<std::int16_t>::min() || chunk > std::numeric_limits<std::int16_t>::max()) return std::nullopt;
     cell[static_cast<std::size_t>(axis)] = static_cast<std::int16_t>(chunk);
   }
-  return ChunkKey{point.submap, 0, cell[0], cell[1], cell[2]};
+  return ChunkKey{point.submap, level, cell[0], cell[1], cell[2]};
 }
 
 // Bits of three numbers below 64, interleaved: neighbours in space become neighbours in the stream, where Draco stores differences.
-std::uint32_t morton_code(const Eigen::Vector3f& position_m) {
+std::uint32_t morton_code(const Eigen::Vector3f& position_m, std::uint8_t level) {
   std::uint32_t code = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto local = static_cast<std::uint32_t>(voxel_of(position_m[axis]) & (kVoxelsPerEdge - 1));
+    const auto local = static_cast<std::uint32_t>(voxel_of(position_m[axis], level) & (kVoxelsPerEdge - 1));
     for (int bit = 0; bit < 6; ++bit) code |= ((local >> bit) & 1u) << (3 * bit + axis);
   }
   return code;
@@ -73,11 +75,10 @@ struct Grid {
   float range_m = 0;               // from there to the middle of the last cell
 
   explicit Grid(const ChunkKey& key) {
-    constexpr double kStep_m = static_cast<double>(kChunkEdge_m) / (1 << kPositionBits);
+    const double edge_m = static_cast<double>(kChunkEdge_m) * scale_of(key.level), step_m = edge_m / (1 << kPositionBits);
     const std::array<std::int16_t, 3> cell = {key.x, key.y, key.z};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      first_m[axis] = static_cast<float>(cell[axis] * static_cast<double>(kChunkEdge_m) + kStep_m / 2);
-    range_m = static_cast<float>(kStep_m * ((1 << kPositionBits) - 1));
+    for (std::size_t axis = 0; axis < 3; ++axis) first_m[axis] = static_cast<float>(cell[axis] * edge_m + step_m / 2);
+    range_m = static_cast<float>(step_m * ((1 << kPositionBits) - 1));
   }
 
   // Inside what Draco quantises; the half steps at either end belong to the outer cells.
@@ -114,6 +115,10 @@ Result<std::string> encode_draco(const Columns& columns, const Grid& grid) {
 }
 
 }  // namespace
+
+ChunkedModel::ChunkedModel(std::uint8_t level) : level_(level) {
+  CHECK(level <= kCoarsestLevel, "level " + std::to_string(level) + " of chunks");
+}
 
 std::size_t ChunkedModel::KeyHash::operator()(const ChunkKey& key) const {
   // Multiplicative mixing of the 88 bits.
@@ -165,7 +170,7 @@ void ChunkedModel::remove(std::uint32_t slot) {
 }
 
 void ChunkedModel::set(std::uint32_t slot, const CloudPoint& point) {
-  const std::optional<ChunkKey> key = key_of(point);
+  const std::optional<ChunkKey> key = key_of(point, level_);
   std::optional<Entry> entry = compact(point);
   if (!key || !entry) {
     ++rejected_point_count_;
@@ -216,7 +221,7 @@ std::vector<ChunkKey> ChunkedModel::take_dirty() {
 std::vector<ChunkedModel::Candidate> ChunkedModel::visible_points(const Chunk& chunk) const {
   std::vector<Candidate> candidates;
   candidates.reserve(chunk.slots.size());
-  for (const std::uint32_t slot : chunk.slots) candidates.push_back({morton_code(entries_[slot].position_m), slot});
+  for (const std::uint32_t slot : chunk.slots) candidates.push_back({morton_code(entries_[slot].position_m, level_), slot});
   std::sort(candidates.begin(), candidates.end(), [this](const Candidate& a, const Candidate& b) {
     if (a.voxel != b.voxel) return a.voxel < b.voxel;
     const float confidence_a = entries_[a.slot].confidence, confidence_b = entries_[b.slot].confidence;

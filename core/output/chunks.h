@@ -2,6 +2,7 @@
 //
 // A chunk is the part of one submap inside a cube of kChunkEdge_m, in the submap's frame: chunk (x, y, z) spans x * kChunkEdge_m up to, not
 // including, (x + 1) * kChunkEdge_m. It keeps at most one point (the most confident, then the lowest slot) per voxel of kVoxelEdge_m.
+// At level L all of these lengths are 2^L times as long: for what is larger than a scan.
 // Memory: about 40 bytes a slot, up to the highest slot ever used. Not thread-safe; one owner.
 #pragma once
 
@@ -24,6 +25,7 @@ inline constexpr float kVoxelEdge_m = 0.005f;
 inline constexpr float kChunkEdge_m = 0.32f;  // 64 voxels
 inline constexpr std::uint32_t kMaxPointsPerChunk = 262144;
 inline constexpr std::uint32_t kMaxSlots = 1u << 28;
+inline constexpr std::uint8_t kCoarsestLevel = 12;  // voxels of 20 m
 
 struct ChunkKey {
   std::uint32_t submap = 0;
@@ -42,6 +44,8 @@ struct EncodedChunk {
 
 class ChunkedModel {
  public:
+  explicit ChunkedModel(std::uint8_t level = 0);  // at most kCoarsestLevel (CHECK)
+
   // Points that are not finite (position, normal, confidence) or lie beyond the range of the key are left out and counted; what their slot
   // held before is gone. Slots must be below kMaxSlots (CHECK).
   void apply(std::span<const SlotChange> changes);
@@ -86,6 +90,7 @@ class ChunkedModel {
   void remove(std::uint32_t slot);
   std::vector<Candidate> visible_points(const Chunk& chunk) const;
 
+  const std::uint8_t level_;
   std::vector<Entry> entries_;                                         // by slot
   std::vector<Chunk> chunks_;                                          // also those that are empty by now
   std::unordered_map<ChunkKey, std::uint32_t, KeyHash> chunk_by_key_;  // into chunks_

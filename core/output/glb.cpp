@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kPointsMode = 0, kTrianglesMode = 4;
 // Between the pixels of a page as they are: smaller pictures of it would mix charts that only lie beside each other.
-constexpr int kLinearFilter = 9729, kClampToEdge = 33071;
+constexpr int kLinearFilter = 9729, kClampToEdge = 33071, kRepeat = 10497;
 
 void begin_glb(GlbContainer& container, const char* name) {
   container.json["asset"] = {{"version", "2.0"}, {"generator", "Hermite"}};
@@ -87,6 +87,12 @@ Result<Json> draco_primitive(const GlbPart& part, const DracoGrid& grid, int tex
               {"extensions", {{"KHR_draco_mesh_compression", extension}}}};
 }
 
+// Beyond its border the page of an atlas ends; a picture that somebody has laid side by side, as that of bricks, repeats itself.
+int wrap_of(const TriangleMesh& mesh) {
+  const auto is_inside = [](const Eigen::Vector2f& uv) { return uv.minCoeff() >= -1e-3f && uv.maxCoeff() <= 1.001f; };
+  return std::all_of(mesh.texture_coordinates.begin(), mesh.texture_coordinates.end(), is_inside) ? kClampToEdge : kRepeat;
+}
+
 // One material, texture and image for each part.
 Status add_textures(const TriangleMesh& mesh, const std::vector<GlbPart>& parts, GlbContainer& container) {
   Json& json = container.json;
@@ -99,8 +105,8 @@ Status add_textures(const TriangleMesh& mesh, const std::vector<GlbPart>& parts,
     textured["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", i}};
     json["materials"].push_back(textured);
   }
-  json["samplers"] =
-      Json::array({Json{{"magFilter", kLinearFilter}, {"minFilter", kLinearFilter}, {"wrapS", kClampToEdge}, {"wrapT", kClampToEdge}}});
+  const int wrap = wrap_of(mesh);
+  json["samplers"] = Json::array({Json{{"magFilter", kLinearFilter}, {"minFilter", kLinearFilter}, {"wrapS", wrap}, {"wrapT", wrap}}});
   return Done{};
 }
 

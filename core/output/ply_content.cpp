@@ -1,23 +1,11 @@
 // What a PLY file is a file of.
-#include <Eigen/Geometry>
-
+#include "core/output/mean_normals.h"
 #include "core/output/ply_reader.h"
 
 namespace hermite {
 namespace {
 
 constexpr Rgb8 kWhite{255, 255, 255};
-
-std::vector<Eigen::Vector3f> mean_normals(const PlyShape& shape) {
-  std::vector<Eigen::Vector3f> normals(shape.positions.size(), Eigen::Vector3f::Zero());
-  for (const auto& [a, b, c] : shape.triangles) {
-    const Eigen::Vector3f& corner = shape.positions[a];
-    const Eigen::Vector3f twice_area = (shape.positions[b] - corner).cross(shape.positions[c] - corner);
-    for (const std::uint32_t vertex : {a, b, c}) normals[vertex] += twice_area;
-  }
-  for (Eigen::Vector3f& normal : normals) normal.stableNormalize();
-  return normals;
-}
 
 }  // namespace
 
@@ -40,7 +28,7 @@ Cloud cloud_of(const PlyShape& shape) {
 Result<TriangleMesh> mesh_of(PlyShape shape) {
   if (shape.triangles.empty()) return Error{ErrorCode::kNotFound, "PLY: there are no faces, only points"};
   TriangleMesh mesh;
-  mesh.normals = shape.normals.empty() ? mean_normals(shape) : std::move(shape.normals);
+  mesh.normals = shape.normals.empty() ? mean_normals(shape.positions, shape.triangles) : std::move(shape.normals);
   mesh.colors = shape.colors.empty() ? std::vector<Rgb8>(shape.positions.size(), kWhite) : std::move(shape.colors);
   mesh.positions_m = std::move(shape.positions);
   mesh.triangles = std::move(shape.triangles);

@@ -27,14 +27,18 @@ struct Element {
   std::vector<Property> properties;
 };
 
+enum class Encoding { kAscii, kLittleEndian, kBigEndian };
+
 struct Header {
-  bool ascii = false;
+  Encoding encoding = Encoding::kAscii;
   std::vector<Element> elements;
+  std::vector<std::string> comments;
   std::size_t bytes = 0;
 };
 
 constexpr std::uint64_t kMostElements = 200'000'000;
 constexpr std::uint64_t kLongestList = 1000;
+constexpr std::size_t kLongestLine = 1000, kLongestHeader_bytes = std::size_t{64} << 10;
 
 Error corrupt(const std::string& words) { return {ErrorCode::kCorruptData, "PLY: " + words}; }
 
@@ -71,7 +75,10 @@ Result<Header> parse_header(std::string_view bytes) {
   bool first = true;
   while (true) {
     const std::size_t end = bytes.find('\n', header.bytes);
-    if (end == std::string_view::npos || end - header.bytes > 1000) return corrupt("the header does not end");
+    if (end == std::string_view::npos || end - header.bytes > kLongestLine || end > kLongestHeader_bytes)
+      return corrupt("the header does not end: its lines may have " + std::to_string(kLongestLine) + " bytes, all of it " +
+                     std::to_string(kLongestHeader_bytes));
+    const std::size_t start = header.bytes;
     std::istringstream words(std::string(bytes.substr(header.bytes, end - header.bytes)));
     header.bytes = end + 1;
     std::string keyword;
@@ -80,6 +87,7 @@ Result<Header> parse_header(std::string_view bytes) {
     first = false;
     if (keyword == "end_header") break;
     if (keyword == "format") words >> format;
+    if (keyword == "comment") header.comments.emplace_back(bytes.substr(start, end - start));
     if (keyword == "element") {
       Element element;
       words >> element.name >> element.count;
@@ -94,19 +102,22 @@ Result<Header> parse_header(std::string_view bytes) {
       header.elements.back().properties.push_back(*std::move(property));
     }
   }
-  if (format != "ascii" && format != "binary_little_endian")
-    return Error{ErrorCode::kUnsupported, "PLY: format '" + format + "', known are ascii and binary_little_endian"};
-  header.ascii = format == "ascii";
+  if (format == "binary_little_endian")
+    header.encoding = Encoding::kLittleEndian;
+  else if (format == "binary_big_endian")
+    header.encoding = Encoding::kBigEndian;
+  else if (format != "ascii")
+    return Error{ErrorCode::kUnsupported, "PLY: format '" + format + "', known are ascii, binary_little_endian and binary_big_endian"};
   return header;
 }
 
 // Reads numbers one after the other; `failed` once one is missing.
 class Numbers {
  public:
-  Numbers(std::string_view bytes, bool ascii) : bytes_(bytes), ascii_(ascii) {}
+  Numbers(std::string_view bytes, Encoding encoding) : bytes_(bytes), encoding_(encoding) {}
 
   double next(Type type) {
-    if (ascii_) return next_word();
+    if (encoding_ == Encoding::kAscii) return next_word();
     switch (type) {
       case Type::kInt8: return next_binary<std::int8_t>();
       case Type::kUint8: return next_binary<std::uint8_t>();
@@ -129,7 +140,10 @@ class Numbers {
       failed_ = true;
       return value;
     }
-    std::memcpy(&value, bytes_.data(), sizeof(T));
+    std::array<char, sizeof(T)> raw;
+    std::memcpy(raw.data(), bytes_.data(), sizeof(T));
+    if (encoding_ == Encoding::kBigEndian) std::reverse(raw.begin(), raw.end());
+    std::memcpy(&value, raw.data(), sizeof(T));
     bytes_.remove_prefix(sizeof(T));
     return value;
   }
@@ -143,7 +157,7 @@ class Numbers {
   }
 
   std::string_view bytes_;
-  const bool ascii_;
+  const Encoding encoding_;
   bool failed_ = false;
 };
 
@@ -193,8 +207,12 @@ struct VertexColumns {
         curvature(e, {"curvature_max", "curvature_min"}),
         submap(e, {"submap"}) {}
 
+  Eigen::Vector3d position_of(const std::vector<double>& row) const {
+    return {row[position.place(0)], row[position.place(1)], row[position.place(2)]};
+  }
+
   void append(const std::vector<double>& row, const Element& element, PlyShape& shape) const {
-    shape.positions.push_back(position.vector(row));
+    shape.positions.push_back((position_of(row) - shape.origin).cast<float>());
     if (normal.all_there()) shape.normals.push_back(normal.vector(row));
     const auto channel = [&](std::size_t which) { return byte_of(row[color.place(which)], element.properties[color.place(which)].type); };
     if (color.all_there()) shape.colors.push_back({channel(0), channel(1), channel(2)});
@@ -210,9 +228,15 @@ struct VertexColumns {
   PlyColumns<1> submap;
 };
 
-Status read_vertices(Numbers& numbers, const Element& element, PlyShape& shape) {
+Error too_many(const char* what, std::uint64_t most) {
+  return {ErrorCode::kTooLarge, "PLY: more than " + std::to_string(most) + " " + what};
+}
+
+Status read_vertices(Numbers& numbers, const Element& element, const PlyOptions& options, PlyShape& shape) {
   const VertexColumns columns(element);
+  if (shape.positions.size() + element.count > options.most_vertices) return too_many("vertices", options.most_vertices);
   std::vector<double> row(element.properties.size());
+  bool origin_known = !options.subtract_origin;
   for (std::uint64_t i = 0; i < element.count; ++i) {
     for (std::size_t k = 0; k < row.size(); ++k) {
       if (element.properties[k].count_type) return Error{ErrorCode::kUnsupported, "PLY: a vertex with a list"};
@@ -220,13 +244,17 @@ Status read_vertices(Numbers& numbers, const Element& element, PlyShape& shape) 
     }
     if (!columns.position.all_there()) return corrupt("vertices without x, y and z");
     if (numbers.failed()) return corrupt("cut at vertex " + std::to_string(i) + " of " + std::to_string(element.count));
+    if (!origin_known && columns.position_of(row).allFinite()) {
+      shape.origin = origin_near(columns.position_of(row));
+      origin_known = true;
+    }
     columns.append(row, element, shape);
   }
   return Done{};
 }
 
 // Faces and whatever else; the indices of a list named vertex_indices or vertex_index become triangles.
-Status read_others(Numbers& numbers, const Element& element, PlyShape& shape) {
+Status read_others(Numbers& numbers, const Element& element, const PlyOptions& options, PlyShape& shape) {
   for (std::uint64_t i = 0; i < element.count; ++i)
     for (const Property& property : element.properties) {
       const double length = property.count_type ? numbers.next(*property.count_type) : 1;
@@ -239,6 +267,7 @@ Status read_others(Numbers& numbers, const Element& element, PlyShape& shape) {
       for (const double value : values)
         if (!(value >= 0 && value < static_cast<double>(shape.positions.size())))
           return corrupt("face " + std::to_string(i) + " names a vertex that is not there");
+      if (shape.triangles.size() + values.size() > options.most_triangles + 2) return too_many("triangles", options.most_triangles);
       for (std::size_t k = 2; k < values.size(); ++k)
         shape.triangles.push_back(
             {static_cast<std::uint32_t>(values[0]), static_cast<std::uint32_t>(values[k - 1]), static_cast<std::uint32_t>(values[k])});
@@ -248,14 +277,21 @@ Status read_others(Numbers& numbers, const Element& element, PlyShape& shape) {
 
 }  // namespace
 
-Result<PlyShape> parse_ply(std::string_view bytes) {
+Eigen::Vector3d origin_near(const Eigen::Vector3d& position) {
+  if (position.cwiseAbs().maxCoeff() <= kFarOff) return Eigen::Vector3d::Zero();
+  return (position / kOriginStep).array().round() * kOriginStep;
+}
+
+Result<PlyShape> parse_ply(std::string_view bytes, const PlyOptions& options) {
   const Result<Header> header = parse_header(bytes);
   if (!header.ok()) return header.error();
-  Numbers numbers(bytes.substr(header->bytes), header->ascii);
+  Numbers numbers(bytes.substr(header->bytes), header->encoding);
   PlyShape shape;
+  shape.comments = header->comments;
   bool has_vertices = false;
   for (const Element& element : header->elements) {
-    const Status read = element.name == "vertex" ? read_vertices(numbers, element, shape) : read_others(numbers, element, shape);
+    const Status read =
+        element.name == "vertex" ? read_vertices(numbers, element, options, shape) : read_others(numbers, element, options, shape);
     if (!read.ok()) return read.error();
     has_vertices = has_vertices || element.name == "vertex";
   }

@@ -9,6 +9,7 @@
 #include "core/base/check.h"
 #include "core/export/scan_recording.h"
 #include "core/export/texture_frames.h"
+#include "core/import/model.h"
 #include "core/mesh/contour.h"
 #include "core/mesh/texture.h"
 #include "core/output/ply_reader.h"
@@ -50,7 +51,22 @@ Result<Trajectory> ExportBuilder::read_path(const std::string& scan_id) {
   return path.ok() ? std::move(path) : in_context(kTrajectory, path.error());
 }
 
+// What nobody has scanned has its texture, or has none.
+Status ExportBuilder::read_imported(const std::string& scan_id) {
+  const Result<std::string> version = blobs_.version(scan_id, std::string(kImportedMeshFile));
+  if (!version.ok()) return version.error();
+  if (mesh_ && mesh_->scan_id == scan_id && mesh_->source_version == *version) return Done{};
+  mesh_.reset();  // before there are two
+  const Result<std::string> bytes = read_blob(blobs_, scan_id, std::string(kImportedMeshFile), kMaxModel_bytes);
+  if (!bytes.ok()) return bytes.error();
+  Result<ImportedModel> model = read_model(*bytes, {});
+  if (!model.ok()) return model.error();
+  mesh_ = KnownMesh{scan_id, *version, std::move(model->mesh), {}};
+  return Done{};
+}
+
 Status ExportBuilder::make_mesh(const std::string& scan_id, double share, const BuildProgress& progress) {
+  if (blobs_.size_bytes(scan_id, std::string(kImportedMeshFile)).ok()) return read_imported(scan_id);
   const std::string source = blobs_.size_bytes(scan_id, kSurfels).ok() ? kSurfels : kCloud;
   const Result<std::string> version = blobs_.version(scan_id, source);
   if (!version.ok()) return version.error();
@@ -58,6 +74,8 @@ Status ExportBuilder::make_mesh(const std::string& scan_id, double share, const 
   mesh_.reset();  // before there are two
   const Result<Cloud> cloud = read_points(scan_id, source);
   if (!cloud.ok()) return cloud.error();
+  if (std::none_of(cloud->begin(), cloud->end(), [](const CloudPoint& point) { return point.normal.squaredNorm() > 0; }))
+    return Error{ErrorCode::kInvalidArgument, "its points have no normals: the sides of a surface cannot be told"};
   Result<TriangleMesh> mesh = contour(*cloud, {}, [&](double done) { return progress(share * done); });
   if (!mesh.ok()) return mesh.error();
   if (mesh->triangles.empty())
@@ -84,7 +102,7 @@ Result<TriangleMesh> ExportBuilder::texture(const std::string& scan_id, const Bu
 
 // Without frames, or with frames that show nothing of it, a mesh has the colours that it has.
 Status ExportBuilder::make_texture(const std::string& scan_id, const BuildProgress& progress) {
-  if (mesh_->textured) return Done{};
+  if (mesh_->textured || !mesh_->mesh.pages.empty()) return Done{};
   Result<TriangleMesh> mesh = texture(scan_id, progress);
   if (!mesh.ok() && mesh.error().code == ErrorCode::kBusy) return mesh.error();
   if (mesh.ok()) {

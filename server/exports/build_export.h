@@ -50,6 +50,7 @@ class ExportBuilder {
   Result<Cloud> read_points(const std::string& scan_id, const std::string& name);
   Result<Trajectory> read_path(const std::string& scan_id);
   Result<NamedFiles> files_of(const ExportFormat& format, const std::string& scan_id, const BuildProgress& progress);
+  Status read_imported(const std::string& scan_id);
   Status make_mesh(const std::string& scan_id, double share, const BuildProgress& progress);
   Result<TriangleMesh> texture(const std::string& scan_id, const BuildProgress& progress);
   Status make_texture(const std::string& scan_id, const BuildProgress& progress);

@@ -12,6 +12,7 @@ constexpr const char* kBytesType = "application/octet-stream";
 constexpr const char* kTextType = "text/plain; charset=utf-8";
 
 constexpr std::array kOffers = {
+    ExportOffer{kImportedMesh, kImportedMeshFile, kGlbType, "GLB, as it was imported", ExportKind::kMesh, true},
     ExportOffer{"glb", "mesh.glb", kGlbType, "GLB, opens nearly everywhere", ExportKind::kMesh},
     ExportOffer{kViewerMesh, "mesh.draco.glb", kGlbType, "GLB, small (Draco)", ExportKind::kMesh},
     ExportOffer{"obj", "mesh-obj.zip", "application/zip", "OBJ", ExportKind::kMesh},

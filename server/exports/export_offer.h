@@ -19,7 +19,10 @@ struct ExportOffer {
   bool is_result = false;  // the scan has left it
 };
 
-// The mesh that the viewer shows: small, and quick to be read.
+// What a mesh was brought along as that nobody has scanned: in metres, y up. There is nothing else that its other formats are made of.
+inline constexpr std::string_view kImportedMesh = "imported", kImportedMeshFile = "imported.glb";
+
+// The mesh of a scan that the viewer shows: small, and quick to be read. Of an imported one it shows that.
 inline constexpr std::string_view kViewerMesh = "glb-draco";
 
 std::span<const ExportOffer> export_offers();                 // in the order in which people are shown them

@@ -22,6 +22,17 @@ constexpr std::chrono::seconds kFirstRoomPause(5), kLongestRoomPause(3600);  // 
 constexpr std::chrono::minutes kKeepMesh(2);                                 // in memory, for another format of it
 constexpr std::chrono::seconds kSweepPeriod(5);  // of what waits for scans that are gone: each is asked for when its turn comes, too
 
+// What a format is made of, the first of these that there is: names of blobs.
+std::vector<std::string> sources_of(const ExportOffer& format) {
+  if (format.is_result) return {std::string(format.file)};
+  switch (format.kind) {
+    case ExportKind::kMesh: return {std::string(kImportedMeshFile), kCloudName};
+    case ExportKind::kCloud: return {kCloudName};
+    case ExportKind::kPath: return {kTrajectoryName};
+  }
+  return {};
+}
+
 Error no_such_format(const std::string& name) {
   std::string known;
   for (const ExportOffer& format : export_offers()) known += (known.empty() ? "" : ", ") + std::string(format.name);
@@ -77,8 +88,13 @@ Result<std::vector<ExportState>> Exports::list(const std::string& scan_id) {
   if (const Result<ScanRow> row = find_ended(scan_id); !row.ok()) return row.error();
   const Result<std::vector<BlobInfo>> blobs = blobs_.list(scan_id);
   if (!blobs.ok()) return blobs.error();
+  const auto is_there = [&blobs](const std::string& name) {
+    return std::any_of(blobs->begin(), blobs->end(), [&name](const BlobInfo& info) { return info.name == name; });
+  };
   std::vector<ExportState> states;
   for (const ExportOffer& format : export_offers()) {
+    const std::vector<std::string> sources = sources_of(format);
+    if (std::none_of(sources.begin(), sources.end(), is_there) && !is_there(std::string(format.file))) continue;
     const auto blob = std::find_if(blobs->begin(), blobs->end(), [&format](const BlobInfo& info) { return info.name == format.file; });
     states.push_back(
         state_of({scan_id, format.name}, format, blob == blobs->end() ? std::nullopt : std::optional<std::uint64_t>(blob->size_bytes)));
@@ -95,14 +111,19 @@ Result<ExportState> Exports::state(const std::string& scan_id, const std::string
   return state_of({scan_id, format->name}, *format, size_bytes.ok() ? std::optional<std::uint64_t>(*size_bytes) : std::nullopt);
 }
 
+Result<std::uint64_t> Exports::source_bytes(const std::string& scan_id, const ExportOffer& format) const {
+  Result<std::uint64_t> size_bytes = Error{ErrorCode::kNotFound, ""};
+  for (const std::string& source : sources_of(format)) {
+    size_bytes = blobs_.size_bytes(scan_id, source);
+    if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound) return size_bytes;
+  }
+  return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + sources_of(format).back()};
+}
+
 Status Exports::check_source(const std::string& scan_id, const ExportOffer& format) const {
-  const bool of_path = format.kind == ExportKind::kPath;
-  const std::string source = of_path ? kTrajectoryName : kCloudName;
-  const Result<std::uint64_t> size_bytes = blobs_.size_bytes(scan_id, source);
-  if (!size_bytes.ok())
-    return size_bytes.error().code == ErrorCode::kNotFound ? Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + source}
-                                                           : size_bytes.error();
-  if (!of_path && *size_bytes == format_ply({}).size())
+  const Result<std::uint64_t> size_bytes = source_bytes(scan_id, format);
+  if (!size_bytes.ok()) return size_bytes.error();
+  if (format.kind != ExportKind::kPath && *size_bytes == format_ply({}).size())
     return Error{ErrorCode::kInvalidArgument, "the cloud of scan " + scan_id + " has no points: there is nothing to export"};
   return Done{};
 }
@@ -197,9 +218,9 @@ void Exports::begin(const Key& key, Work work) {
   last_turn_[work.token_id] = ++count_;
   running_.emplace(Running{key, std::move(work)});
   // About as large as what it is made of: more is seen when its bytes are known.
-  const Result<std::uint64_t> cloud_bytes = blobs_.size_bytes(key.first, kCloudName);
-  if (!cloud_bytes.ok()) return fail(cloud_bytes.error());
-  if (const Status room = hooks_.check_disk(*cloud_bytes); !room.ok()) return wait_for_room(room.error());
+  const Result<std::uint64_t> of_bytes = source_bytes(key.first, *running_->work.format);
+  if (!of_bytes.ok()) return fail(of_bytes.error());
+  if (const Status room = hooks_.check_disk(*of_bytes); !room.ok()) return wait_for_room(room.error());
   builder_keeps_ = true;
   hooks_.making([this, scan_id = key.first, format = running_->work.format, progress = running_->progress] {
     auto bytes = std::make_shared<Result<std::string>>(Error{});

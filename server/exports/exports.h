@@ -68,7 +68,8 @@ class Exports {
   Exports(const Exports&) = delete;
   Exports& operator=(const Exports&) = delete;
 
-  // Of every format, in the order of the table. kNotFound: no such scan. kBusy: it is running. kIo.
+  // Of every format that the scan has or has something to make it of, in the order of the table. kNotFound: no such scan. kBusy: it is
+  // running. kIo.
   Result<std::vector<ExportState>> list(const std::string& scan_id);
 
   // As above; kNotFound also: there is no such format.
@@ -119,6 +120,7 @@ class Exports {
   };
   Result<ScanRow> find_ended(const std::string& scan_id) const;
   Status check_source(const std::string& scan_id, const ExportOffer& format) const;
+  Result<std::uint64_t> source_bytes(const std::string& scan_id, const ExportOffer& format) const;
   Status add(const ScanRow& scan, const ExportOffer& format, const ExportRequest& asker, bool asked_for);
   ExportState state_of(const Key& key, const ExportOffer& format, std::optional<std::uint64_t> size_bytes) const;
   bool is_still_wanted(const Key& key, const Work& work) const;

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "server/service/import_job.h"
 #include "server/service/job_request.h"
 #include "server/store/scan_id.h"
 #include "server/store/unix_time.h"
@@ -42,7 +43,10 @@ Batch::Batch(int worker_count, const UploadLimits& limits, const Storage& storag
       uploads_(limits, storage, [this](const UploadRow& row) { return submit(row); }) {}
 
 LocalExecutor::Hooks Batch::executor_hooks(const Scans::Post& post) {
-  return {[this](const JobRow& row, JobEvents events) { return std::make_unique<ScanJob>(job_world_, row, std::move(events)); },
+  return {[this](const JobRow& row, JobEvents events) -> std::unique_ptr<JobWork> {
+            if (is_import(job_world_.data, row)) return std::make_unique<ImportJob>(job_world_, row, std::move(events));
+            return std::make_unique<ScanJob>(job_world_, row, std::move(events));
+          },
           [this](const JobRow& row) { job_ended(row); }, unix_now_ms, new_scan_id, post};
 }
 

@@ -1,9 +1,11 @@
 #include "server/service/job_request.h"
 
+#include <algorithm>
 #include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "core/dataset/camera_file.h"
+#include "core/import/model.h"
 #include "proto/wire/messages.h"
 #include "proto/wire/told_words.h"
 #include "server/service/json_text.h"
@@ -24,7 +26,7 @@ Error invalid(const std::string& words) { return {ErrorCode::kInvalidArgument, w
 std::string without_ending(std::string name) {
   const std::size_t slash = name.find_last_of("/\\");
   if (slash != std::string::npos) name.erase(0, slash + 1);
-  for (const char* ending : {".tar.gz", ".tar.zst", ".tgz", ".tar", ".zip", ".klg", ".sens", ".oni", ".raw"})
+  for (const char* ending : {".tar.gz", ".tar.zst", ".tgz", ".tar", ".zip", ".klg", ".sens", ".oni", ".raw", ".ply", ".glb"})
     if (name.size() > std::string_view(ending).size() && name.ends_with(ending)) {
       name.resize(name.size() - std::string_view(ending).size());
       break;
@@ -32,10 +34,14 @@ std::string without_ending(std::string name) {
   return name;
 }
 
-// Known ones with values that they may have.
+// Known ones with values that they may have: of a reconstruction, or of an import. Which of them it will be the bytes say later.
 Status check_settings(const std::map<std::string, std::string>& settings) {
   if (settings.size() > static_cast<std::size_t>(wire::kMaxSettings))
     return invalid("settings has " + std::to_string(settings.size()) + " entries, allowed are " + std::to_string(wire::kMaxSettings));
+  if (std::any_of(settings.begin(), settings.end(), [](const auto& setting) { return is_import_option(setting.first); })) {
+    const Result<ImportOptions> options = parse_import_options(settings);
+    return options.ok() ? Status(Done{}) : invalid("settings: " + options.error().message);
+  }
   ScanRecord record;
   record.request.settings = settings;
   if (const Result<Options> options = options_of(record); !options.ok()) return invalid(options.error().message);

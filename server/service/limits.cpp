@@ -2,6 +2,7 @@
 
 #include "core/archive/unpack.h"
 #include "core/base/check.h"
+#include "core/import/model.h"
 #include "proto/wire/messages.h"
 #include "server/exports/exports.h"
 #include "server/service/audience.h"
@@ -87,6 +88,10 @@ std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
       {"unpacking",
        std::to_string(unpack.entry_count) + " files, " + std::to_string(unpack.output_bytes >> 30) + " GiB, " +
            std::to_string(unpack.ratio) + " times the archive",
+       "the job fails"},
+      {"a cloud or mesh that is imported",
+       std::to_string(kMaxModel_bytes >> 20) + " MiB, " + std::to_string(kMaxModelVertices) + " vertices, " +
+           std::to_string(kMaxModelTriangles) + " triangles, " + std::to_string(kMaxModelPixels) + " pixels",
        "the job fails"},
       {"the cloud of a scan that exports are made of", std::to_string(kMaxExportCloud_bytes >> 20) + " MiB", "the export fails"},
       {"ended tokens and links that a list keeps, of one maker", std::to_string(kMaxEndedLinksPerToken) + ", for 90 days",

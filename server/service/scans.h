@@ -96,6 +96,11 @@ class Scans {
   ScanOwner owner_of(const std::string& token_id) const;  // as the store knows the token; one that it does not know may not administer
   bool has_room_for(const std::string& scan_id) const;    // of a job: cameras that wait go first
 
+  // A scan that a job has brought along finished: its files are there. kInvalidArgument, kIo. `may_be_meshed`: its mesh is made by itself.
+  Status add_imported(const ScanRow& row, bool may_be_meshed);
+  // kBusy, in words: the disk or the owner's storage has no room for it, its upload left out. kIo.
+  Status check_room_for_import(const std::string& upload_id, const ScanOwner& owner, std::uint64_t bytes) const;
+
   // What there is of the scan of a job that came to nothing.
   void remove_unwanted(const std::string& scan_id);
 

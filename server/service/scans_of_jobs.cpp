@@ -3,6 +3,7 @@
 
 #include "core/base/check.h"
 #include "proto/wire/frame_payload.h"
+#include "server/service/logging.h"
 #include "server/service/scans.h"
 #include "server/store/scan_id.h"
 
@@ -60,6 +61,20 @@ Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, co
   const Result<wire::Resumed> resumed = scan->resume(0);
   if (!resumed.ok()) return resumed.error();
   return std::optional(JobScan{scan, resumed->next_sequence, resumed->frames_granted, wire::max_frame_message_bytes(request.camera)});
+}
+
+Status Scans::add_imported(const ScanRow& row, bool may_be_meshed) {
+  if (Status added = store_.add(row); !added.ok()) return added;
+  log_with({row.id}, spdlog::level::info, fmt::format("scan {} imported", row.id));
+  metrics_.scan_ended(name_of(row.phase));
+  storage_.quota.files_changed();
+  if (may_be_meshed && finished_) finished_(row);
+  return Done{};
+}
+
+Status Scans::check_room_for_import(const std::string& upload_id, const ScanOwner& owner, std::uint64_t bytes) const {
+  if (Status storage = check_storage(owner, upload_id); !storage.ok()) return storage;
+  return check_disk_for(bytes);
 }
 
 void Scans::remove_unwanted(const std::string& scan_id) {

@@ -10,12 +10,17 @@
 #include "core/image/depth_ranks.h"
 #include "core/image/image_codec.h"
 #include "core/log/frame_log_format.h"
+#include "core/output/glb.h"
+#include "core/output/mesh_ply.h"
+#include "core/output/ply.h"
 #include "proto/wire/client_message.h"
 #include "proto/wire/server_message.h"
 #include "tests/core/dataset/oni_bytes.h"
 #include "tests/core/dataset/recording_bytes.h"
 #include "tests/fuzz/seed_folder.h"
+#include "tests/support/analytic_mesh.h"
 #include "tests/support/archive_bytes.h"
+#include "tests/support/glb_bytes.h"
 
 namespace {
 
@@ -207,6 +212,23 @@ void add_tus_seeds(SeedFolder seeds) {
   seeds.add(version + "Upload-Checksum: sha256 47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=\nUpload-Offset: 9007199254740992\n");
 }
 
+// Without images: a few bytes of a JPEG may ask for more memory than a fuzzer may take. They have a target of their own.
+void add_model_seeds(SeedFolder seeds) {
+  const TriangleMesh sphere = test::sphere_mesh(2, 3);
+  seeds.add(*format_mesh_glb(sphere, GlbCompression::kNone));
+  seeds.add(format_mesh_ply(sphere));
+  seeds.add(format_ply(Cloud(3)));
+  nlohmann::json turned = test::triangle_json();
+  turned["nodes"] = nlohmann::json::parse(
+      R"([{"children": [1]}, {"mesh": 0, "translation": [5e5, 1, 0], "rotation": [0, 0, 0, 1], "scale": [-1, 1, 1]}])");
+  seeds.add(test::glb_of(turned.dump(), test::triangle_binary()));
+  const std::string header =
+      "element vertex 3\nproperty double x\nproperty short y\nproperty float z\nelement face 1\nproperty list uchar int vertex_index\n";
+  seeds.add("ply\nformat ascii 1.0\n" + header + "end_header\n1 2 3\n1e9 nan 0\n0 0 1\n3 0 1 2\n");
+  seeds.add("ply\nformat binary_big_endian 1.0\n" + header + "end_header\n" + std::string(42, '\0') +
+            std::string("\3\0\0\0\0\0\0\0\1\0\0\0\2", 13));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -223,6 +245,7 @@ int main(int argc, char** argv) {
   add_log_seeds(SeedFolder(fs::path(argv[1]) / "log"));
   add_archive_seeds(SeedFolder(fs::path(argv[1]) / "archive"));
   add_tus_seeds(SeedFolder(fs::path(argv[1]) / "tus"));
+  add_model_seeds(SeedFolder(fs::path(argv[1]) / "model"));
   fuzz::add_checkpoint_seeds(SeedFolder(fs::path(argv[1]) / "checkpoint"));
   fuzz::add_mapping_seeds(SeedFolder(fs::path(argv[1]) / "mapping"));
   return 0;

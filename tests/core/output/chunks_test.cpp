@@ -348,5 +348,21 @@ TEST(ChunkedModel, IsSmallAndFastOnASurface) {
   EXPECT_LT(8.0 * static_cast<double>(bytes) / static_cast<double>(points), 60.0);  // 128 + 24 raw
 }
 
+TEST(Chunks, ACoarserLevelIsTheSameTwiceAsLarge) {
+  ChunkedModel fine, coarse(3);
+  std::vector<SlotChange> points = random_points(300, 2.0f, 5);
+  apply(fine, points);
+  for (SlotChange& change : points) change.point.position_m *= 8;
+  apply(coarse, points);
+  const std::vector<ChunkKey> fine_keys = fine.take_dirty(), coarse_keys = coarse.take_dirty();
+  ASSERT_EQ(fine_keys.size(), coarse_keys.size());
+  for (std::size_t i = 0; i < fine_keys.size(); ++i) {
+    EXPECT_EQ(coarse_keys[i], (ChunkKey{fine_keys[i].submap, 3, fine_keys[i].x, fine_keys[i].y, fine_keys[i].z}));
+    const Decoded small = decode(encoded(fine, fine_keys[i])), large = decode(encoded(coarse, coarse_keys[i]));
+    ASSERT_EQ(small.positions_m.size(), large.positions_m.size());
+    for (std::size_t k = 0; k < small.positions_m.size(); ++k) EXPECT_LT((8 * small.positions_m[k] - large.positions_m[k]).norm(), 1e-3f);
+  }
+}
+
 }  // namespace
 }  // namespace hermite

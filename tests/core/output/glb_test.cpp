@@ -108,6 +108,13 @@ TEST(Glb, EveryPageIsAPrimitiveWithAnImageOfItsOwn) {
   }
 }
 
+TEST(Glb, APictureThatIsLaidSideBySideRepeatsItself) {
+  TriangleMesh mesh = test::textured_plane(2, 1, 16);
+  EXPECT_NE(format_mesh_glb(mesh, GlbCompression::kNone)->find("\"wrapS\":33071"), std::string::npos) << "the page of an atlas does not";
+  for (Eigen::Vector2f& uv : mesh.texture_coordinates) uv *= 3;
+  EXPECT_NE(format_mesh_glb(mesh, GlbCompression::kNone)->find("\"wrapS\":10497"), std::string::npos);
+}
+
 TEST(Glb, APageOfOnePixelAndOneWithoutTriangles) {
   TriangleMesh mesh = test::textured_plane(2, 2, 1);
   mesh.pages.push_back({mesh.pages[0].image, 4, 0});

@@ -52,6 +52,35 @@ TEST(PlyReader, ReadsNormalsAndRadiiWhereThereAreAny) {
   EXPECT_TRUE(parse_ply(kSquare)->radii.empty());
 }
 
+TEST(PlyReader, ReadsBigEndian) {
+  const std::string header =
+      "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty double y\nproperty short z\nend_header\n";
+  const auto shape = parse_ply(header + std::string("\x3f\xc0\0\0\xc0\x04\0\0\0\0\0\0\x01\x02", 14));
+  ASSERT_TRUE(shape.ok()) << shape.error().message;
+  EXPECT_EQ(shape->positions[0], Eigen::Vector3f(1.5f, -2.5f, 258));
+}
+
+TEST(PlyReader, SubtractsWhatIsFarOffWhenItIsAskedTo) {
+  const std::string far =
+      "ply\nformat ascii 1.0\ncomment somebody\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\nend_header\n"
+      "nan 0 0\n4649776.001 0 -2000\n4649776.002 0 0\n";
+  const auto shape = parse_ply(far, {.subtract_origin = true});
+  ASSERT_TRUE(shape.ok()) << shape.error().message;
+  EXPECT_EQ(shape->origin, Eigen::Vector3d(4649800, 0, -2000));
+  EXPECT_NEAR(shape->positions[2].x() - shape->positions[1].x(), 0.001, 1e-5);
+  EXPECT_THAT(shape->comments, ElementsAre("comment somebody"));
+  EXPECT_EQ(parse_ply(far)->origin, Eigen::Vector3d::Zero());
+  EXPECT_EQ(origin_near({999, -999, 0}), Eigen::Vector3d::Zero());
+}
+
+TEST(PlyReader, LimitsAreNamed) {
+  EXPECT_THAT(parse_ply(kSquare, {.most_vertices = 3}).error().message, HasSubstr("more than 3 vertices"));
+  EXPECT_THAT(parse_ply(kSquare, {.most_triangles = 1}).error().message, HasSubstr("more than 1 triangles"));
+  std::string endless = "ply\nformat ascii 1.0\n";
+  for (int i = 0; i < 2000; ++i) endless += "comment and so on, for a hundred gigabytes\n";
+  EXPECT_THAT(parse_ply(endless).error().message, HasSubstr("all of it 65536"));
+}
+
 TEST(PlyReader, EveryCutIsAnErrorInWords) {
   const std::string bytes = format_ply(Cloud(2));
   for (std::size_t length = 0; length < bytes.size(); ++length) {
@@ -110,7 +139,7 @@ std::string with(std::string from, const std::string& to) {
 
 TEST(PlyReader, NamesWhatIsWrong) {
   EXPECT_THAT(parse_ply(with("ply", "obj")).error().message, HasSubstr("does not start"));
-  EXPECT_EQ(parse_ply(with("ascii", "binary_big_endian")).error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(parse_ply(with("ascii", "binary_middle_endian")).error().code, ErrorCode::kUnsupported);
   EXPECT_THAT(parse_ply(with("double", "quad")).error().message, HasSubstr("quad"));
   EXPECT_THAT(parse_ply(with("vertex 4", "vertex 999999999999")).error().message, HasSubstr("vertex"));
   EXPECT_THAT(parse_ply(with("float y", "float u")).error().message, HasSubstr("without x, y and z"));

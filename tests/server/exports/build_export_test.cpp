@@ -7,10 +7,12 @@
 #include <Eigen/Geometry>
 #include <limits>
 
+#include "core/output/glb.h"
 #include "core/output/ply.h"
 #include "core/output/ply_reader.h"
 #include "server/store/file_blobs.h"
 #include "server/store/scan_id.h"
+#include "tests/support/analytic_mesh.h"
 #include "tests/support/plane_cloud.h"
 #include "tests/support/temporary_folder.h"
 
@@ -54,6 +56,22 @@ TEST_F(BuildExport, EveryFormatOfTheTableIsMadeOrIsAResult) {
   }
   EXPECT_EQ(find_export_offer("fbx"), nullptr);
   ASSERT_NE(find_export_offer(kViewerMesh), nullptr);
+}
+
+TEST_F(BuildExport, AnImportedMeshIsWhatItIs) {
+  ASSERT_TRUE(
+      blobs_.put(scan_, std::string(kImportedMeshFile), *format_mesh_glb(test::textured_plane(4, 2, 16), GlbCompression::kNone)).ok());
+  EXPECT_EQ(triangles_of(build("ply")), 8u);
+  const Result<std::string> draco = build("glb-draco");
+  ASSERT_TRUE(draco.ok()) << draco.error().message;
+  EXPECT_NE(draco->find("image/jpeg"), std::string::npos) << "with its texture";
+}
+
+TEST_F(BuildExport, PointsWithoutNormalsHaveNoSurface) {
+  Cloud cloud = test::plane_cloud(30);
+  for (CloudPoint& point : cloud) point.normal.setZero();
+  put(cloud);
+  EXPECT_THAT(build("ply").error().message, testing::HasSubstr("no normals"));
 }
 
 TEST_F(BuildExport, TheMeshIsKeptForTheNextFormatUntilTheCloudIsAnother) {

@@ -8,10 +8,12 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/output/glb.h"
 #include "core/output/ply.h"
 #include "core/output/ply_reader.h"
 #include "server/store/file_blobs.h"
 #include "server/store/scan_id.h"
+#include "tests/support/analytic_mesh.h"
 #include "tests/support/plane_cloud.h"
 #include "tests/support/temporary_folder.h"
 
@@ -129,12 +131,32 @@ TEST_F(ExportsTest, TheSameTwiceIsMadeOnce) {
   EXPECT_EQ(stored_count_, 1);
 }
 
-TEST_F(ExportsTest, ListsEveryFormatWithTheResultsOfTheScan) {
+TEST_F(ExportsTest, ListsWhatTheScanHasOrHasSomethingToMakeOf) {
+  const auto names = [this](const std::string& scan) {
+    std::vector<std::string_view> all;
+    for (const ExportState& one : *exports_->list(scan)) all.push_back(one.format->name);
+    return all;
+  };
+  using testing::ElementsAre;
   const std::string scan = add_scan();
-  const std::vector<ExportState> states = *exports_->list(scan);
-  ASSERT_EQ(states.size(), export_offers().size());
-  for (const ExportState& one : states)
+  EXPECT_THAT(names(scan), ElementsAre("glb", "glb-draco", "obj", "ply", "stl", "cloud", "las", "points-glb", "splats"));
+  for (const ExportState& one : *exports_->list(scan))
     EXPECT_EQ(one.phase, one.format->file == "cloud.ply" ? ExportPhase::kReady : ExportPhase::kMissing) << one.format->name;
+  ASSERT_TRUE(blobs_.put(scan, "trajectory.txt", "0 0 0 0 0 0 0 1\n").ok());
+  EXPECT_EQ(names(scan).size(), export_offers().size() - 1) << "it was not imported";
+}
+
+TEST_F(ExportsTest, OfAnImportedMeshThereAreMeshes) {
+  const std::string scan = add_scan();
+  ASSERT_TRUE(blobs_.remove(scan, "cloud.ply").ok());
+  ASSERT_TRUE(blobs_.put(scan, "imported.glb", *format_mesh_glb(test::sphere_mesh(4, 6), GlbCompression::kNone)).ok());
+  EXPECT_EQ(exports_->list(scan)->size(), 6u);
+  EXPECT_EQ(state(scan, "imported").phase, ExportPhase::kReady);
+  EXPECT_EQ(exports_->remove(scan, "imported").error().code, ErrorCode::kInvalidArgument);
+  ASSERT_TRUE(ask(scan, "ply").ok());
+  settle();
+  EXPECT_EQ(parse_ply(*read_blob(blobs_, scan, "mesh.ply", 1 << 24))->triangles.size(), test::sphere_mesh(4, 6).triangles.size());
+  EXPECT_EQ(ask(scan, "las").error().code, ErrorCode::kNotFound);
 }
 
 TEST_F(ExportsTest, WhatCannotBeIsSaidInWords) {

@@ -52,6 +52,8 @@ TEST(JobRequest, WhatIsWrongIsNamed) {
   EXPECT_THAT(words({{"settings", "[1]"}}), HasSubstr("settings is no JSON object of texts"));
   EXPECT_THAT(words({{"settings", R"({"a": 1})"}}), HasSubstr("no text"));
   EXPECT_THAT(words({{"settings", R"({"no.such": "1"})"}}), HasSubstr("no.such"));
+  EXPECT_THAT(words({{"settings", R"({"up": "x"})"}}), HasSubstr("settings: up is none of y, z and -y"));
+  EXPECT_EQ(words({{"settings", R"({"up": "y", "scale": "0.001"})"}}), "well") << "of an import";
   EXPECT_THAT(words({{"camera", "fr9"}}), HasSubstr("camera"));
   EXPECT_THAT(words({{"camera", R"({"width": 640})"}}), HasSubstr("height"));
 }

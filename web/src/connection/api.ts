@@ -9,6 +9,7 @@ export interface ScanSummary {
   readonly phase: ScanPhaseName;
   readonly words: string; // why it failed, or empty
   readonly frameCount: number;
+  readonly imported: boolean; // a cloud or mesh of another program: no camera has seen it
   readonly started: Date | null;
 }
 
@@ -126,6 +127,7 @@ function summaryOf(row: Record<string, unknown>): ScanSummary {
     phase: phaseOf(row['state']),
     words: textOf(row['words']),
     frameCount: numberOf(row['frames_processed']) ?? 0,
+    imported: row['width'] === 0,
     started: dateOf(row['created_at']),
   };
 }

@@ -1,8 +1,17 @@
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import { ApiError } from './api';
-import { fetchExport, parseExports, requestExport } from './exports';
+import { fetchExport, parseExports, requestExport, shownMesh } from './exports';
 
 afterEach(() => vi.unstubAllGlobals());
+
+describe('shownMesh', () => {
+  it('is the one that was imported, else the small one', () => {
+    const exports = parseExports({ exports: [{ format: 'glb' }, { format: 'glb-draco' }, { format: 'imported' }] });
+    expect(shownMesh(exports)?.format).toBe('imported');
+    expect(shownMesh(exports.slice(0, 2))?.format).toBe('glb-draco');
+    expect(shownMesh([])).toBeUndefined();
+  });
+});
 
 describe('parseExports', () => {
   it('reads every entry, and what it does not know as missing', () => {

@@ -6,6 +6,7 @@ const downloadLimit_ms = 30 * 60_000;
 const jsonType = { 'Content-Type': 'application/json' };
 
 export const viewerMesh = 'glb-draco'; // the server's kViewerMesh
+export const importedMesh = 'imported'; // and its kImportedMesh: of a scan that is nothing else
 
 export const exportStates = ['missing', 'queued', 'running', 'ready', 'failed'] as const;
 export type ExportStateName = (typeof exportStates)[number];
@@ -19,6 +20,11 @@ export interface ScanExport {
   readonly size_bytes: number; // of one that is ready
   readonly done: number; // share, of one that is made
   readonly words: string; // why it has failed, or still waits
+}
+
+// The mesh that the viewer shows.
+export function shownMesh(exports: readonly ScanExport[]): ScanExport | undefined {
+  return exports.find((one) => one.format === importedMesh) ?? exports.find((one) => one.format === viewerMesh);
 }
 
 const pathOf = (scanId: string): string => `api/v1/scans/${encodeURIComponent(scanId)}/exports`;

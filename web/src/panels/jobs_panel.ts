@@ -1,4 +1,4 @@
-// Recordings on their way to being scans: what waits, what is done with it, what failed and why; and the way to add one.
+// Recordings, clouds and meshes on their way to being scans: what waits, what is done with it, what failed and why; and the way to add one.
 import { ApiError } from '../connection/api';
 import { cancelJob, fetchJobs, retryJob, type Job } from '../connection/jobs';
 import { browserWorld, sendRecording, unfinishedUploads } from '../connection/upload';
@@ -20,7 +20,7 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
   const list = element('ul', { class: 'scans jobs' });
   const notice = element('p', { class: 'notice', role: 'status', hidden: true });
   const input = element('input', { type: 'file', multiple: true, id: 'recordings', class: 'hidden-input' });
-  const add = element('label', { for: 'recordings', class: 'button' }, 'Add a recording');
+  const add = element('label', { for: 'recordings', class: 'button' }, 'Add a recording, cloud or mesh');
   const node = element('section', { class: 'jobs-panel', 'aria-label': 'Recordings' }, element('div', { class: 'field' }, input, add), notice, list);
   const world = browserWorld();
   let shown = '';

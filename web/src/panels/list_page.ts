@@ -119,7 +119,7 @@ function rowOf(scan: ScanSummary, now: Date): HTMLElement {
   const mark = statusMark();
   mark.show(phaseWords(scan.phase));
   const facts = [
-    `${count(scan.frameCount)} ${scan.frameCount === 1 ? 'frame' : 'frames'}`,
+    scan.imported ? 'Imported' : `${count(scan.frameCount)} ${scan.frameCount === 1 ? 'frame' : 'frames'}`,
     scan.started && ago(scan.started, now),
   ];
   return element(

@@ -1,6 +1,6 @@
 // Gets the surface of a scan that has ended: asks the server to make it if nobody has, waits, loads it and puts it into the scene.
 import { ApiError } from '../connection/api';
-import { fetchExport, fetchExports, requestExport, viewerMesh } from '../connection/exports';
+import { fetchExport, fetchExports, requestExport, shownMesh, viewerMesh } from '../connection/exports';
 import { loadMesh } from '../scene/mesh_loader';
 import type { ScanScene } from '../scene/scene';
 import type { LiveScan, LiveScanEvent } from '../state/live_scan';
@@ -26,19 +26,19 @@ export function watchMesh(scan: Store<LiveScan, LiveScanEvent>, scene: ScanScene
   const again = (delay_ms: number): void => {
     timer = setTimeout(() => void step(), delay_ms);
   };
-  const load = async (size_bytes: number): Promise<void> => {
+  const load = async (format: string, size_bytes: number): Promise<void> => {
     tell({ state: 'loading', done: 0 });
-    const blob = await fetchExport(scanId, viewerMesh, token, (loaded_bytes) => tell({ state: 'loading', done: loaded_bytes / Math.max(1, size_bytes) }), ended.signal);
+    const blob = await fetchExport(scanId, format, token, (loaded_bytes) => tell({ state: 'loading', done: loaded_bytes / Math.max(1, size_bytes) }), ended.signal);
     const root = await loadMesh(await blob.arrayBuffer());
     if (!ended.signal.aborted) tell({ state: 'shown', ...scene.showMesh(root) });
   };
   const step = async (): Promise<void> => {
     if (ended.signal.aborted) return;
     try {
-      const mesh = (await fetchExports(scanId, token)).find((one) => one.format === viewerMesh);
+      const mesh = shownMesh(await fetchExports(scanId, token));
       const next = nextStep(mesh, asked);
       if (next.step === 'giveUp') tell({ state: 'failed', words: next.words });
-      if (next.step === 'load') await load(next.size_bytes);
+      if (mesh && next.step === 'load') await load(mesh.format, next.size_bytes);
       if (next.step === 'wait') tell({ state: 'making', done: next.done, words: next.words });
       if (next.step === 'ask') {
         asked = true;

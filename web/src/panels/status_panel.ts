@@ -12,15 +12,18 @@ interface Row {
   readonly value: (scan: LiveScan, picturesPerSecond: number) => string | null; // null: nothing to say
 }
 
+// No camera has seen it.
+const isImported = (scan: LiveScan): boolean => scan.phase === 'finished' && scan.framesReceived === 0;
+
 const rows: readonly Row[] = [
   { label: 'Points', value: (scan) => count(scan.points) },
-  { label: 'Frames', value: (scan) => framesText(scan) },
+  { label: 'Frames', value: (scan) => (isImported(scan) ? null : framesText(scan)) },
   { label: 'Submaps', value: (scan) => (scan.submaps > 1 ? count(scan.submaps) : null) },
   { label: 'Parts', value: (scan) => (scan.parts > 1 ? count(scan.parts) : null) },
   { label: 'Keyframes', value: (scan) => (scan.keyframes > 0 ? count(scan.keyframes) : null) },
   { label: 'Loops', value: (scan) => (scan.keyframes > 0 ? count(scan.loops) : null) },
   { label: 'Position', value: (scan) => positionWords(scan) },
-  { label: 'Dropped', value: (scan) => count(scan.framesDropped) },
+  { label: 'Dropped', value: (scan) => (isImported(scan) ? null : count(scan.framesDropped)) },
   { label: 'Per frame', value: (scan) => (scan.frame_ms > 0 ? `${Math.round(scan.frame_ms)} ms` : null) },
   { label: 'Picture', value: (_, fps) => (fps > 0 ? `${fps} fps` : 'at rest') },
 ];

@@ -62,6 +62,11 @@ export class CameraRig {
   // New content: only moves the eye while it frames the scan by itself.
   setFraming(framing: Framing): void {
     this.framing = framing;
+    // What is larger than a scan, as a street that was imported, is seen as a whole, too.
+    this.controls.maxDistance = Math.max(100, 8 * framing.radius_m);
+    this.camera.far = Math.max(200, 16 * framing.radius_m);
+    this.camera.near = this.camera.far / 10_000;
+    this.camera.updateProjectionMatrix();
     this.aim();
   }
 

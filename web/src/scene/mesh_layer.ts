@@ -1,5 +1,5 @@
 // The surface of a finished scan: one mesh, and behind it the same once more for those who see it from behind.
-import { Group, Matrix4, Mesh, type BufferGeometry, type Material, type Object3D, type Texture } from 'three';
+import { Color, Group, Matrix4, Mesh, type BufferGeometry, type Material, type Object3D, type Texture } from 'three';
 import { meshColors, shownMeshColor, type ViewOptions } from '../state/view_options';
 import type { Layer } from './layer';
 import { MeshMaterial } from './mesh_material';
@@ -52,7 +52,7 @@ export class MeshLayer implements Layer {
     if (!geometry.hasAttribute('normal')) geometry.computeVertexNormals();
     this.textured ||= map !== null;
     for (const back of [false, true]) {
-      const material = new MeshMaterial({ back, map, hasColor: geometry.hasAttribute('color') });
+      const material = new MeshMaterial({ back, map, tint: colorOf(mesh.material), hasColor: geometry.hasAttribute('color') });
       const side = new Mesh(geometry, material);
       side.matrixAutoUpdate = false;
       side.matrix.copy(mesh.matrixWorld);
@@ -84,4 +84,10 @@ export class MeshLayer implements Layer {
 function mapOf(material: Material | Material[]): Texture | null {
   const one = Array.isArray(material) ? material[0] : material;
   return one && 'map' in one ? (one.map as Texture | null) : null;
+}
+
+// What the material of a glTF multiplies everything with.
+function colorOf(material: Material | Material[]): Color {
+  const one = Array.isArray(material) ? material[0] : material;
+  return one && 'color' in one && one.color instanceof Color ? one.color : new Color(1, 1, 1);
 }

@@ -1,6 +1,6 @@
 // A surface in its own colours, lit softly from above and from the eye so that its shape is seen: what faces the eye keeps its colour as it is.
 // Seen from behind it is dim, and with `veil` as good as through, so that a room can be looked into from outside.
-import { BackSide, FrontSide, ShaderMaterial, type Texture } from 'three';
+import { BackSide, FrontSide, ShaderMaterial, type Color, type Texture } from 'three';
 
 const vertexShader = /* glsl */ `
 #ifdef HAS_COLOR
@@ -18,7 +18,7 @@ void main() {
 #ifdef HAS_COLOR
   vColor = color.rgb;
 #else
-  vColor = vec3(0.6);
+  vColor = vec3(1.0);
 #endif
   vNormal = normalMatrix * normal;
   vec4 inView = modelViewMatrix * vec4(position, 1.0);
@@ -28,6 +28,7 @@ void main() {
 
 const fragmentShader = /* glsl */ `
 uniform sampler2D map;
+uniform vec3 tint;  // linear
 uniform int colorMode;  // 0 shaded, 1 as it is, 2 normals
 uniform bool back, veil;
 #ifdef HAS_MAP
@@ -40,6 +41,7 @@ void main() {
 #ifdef HAS_MAP
   base = texture2D(map, vUv).rgb;
 #endif
+  base *= tint;
   vec3 normal = normalize(vNormal);
   vec3 eye = normalize(-vInView);
   float facing = abs(dot(normal, eye));
@@ -68,14 +70,14 @@ export interface MeshLook {
 }
 
 export class MeshMaterial extends ShaderMaterial {
-  constructor({ back, map, hasColor }: { readonly back: boolean; readonly map: Texture | null; readonly hasColor: boolean }) {
+  constructor({ back, map, tint, hasColor }: { readonly back: boolean; readonly map: Texture | null; readonly tint: Color; readonly hasColor: boolean }) {
     super({
       vertexShader,
       fragmentShader: `#include <common>\n${fragmentShader}`,
       side: back ? BackSide : FrontSide,
       transparent: back,
       defines: { ...(hasColor ? { HAS_COLOR: '' } : {}), ...(map ? { HAS_MAP: '' } : {}) },
-      uniforms: { map: { value: map }, colorMode: { value: 0 }, back: { value: back }, veil: { value: true } },
+      uniforms: { map: { value: map }, tint: { value: tint }, colorMode: { value: 0 }, back: { value: back }, veil: { value: true } },
     });
   }
 

@@ -78,7 +78,7 @@ export class ScanScene {
     if (this.options) this.onOptions(this.options);
     let triangles = 0;
     root.traverse((object) => {
-      if (object instanceof Mesh) triangles += (object.geometry.index?.count ?? 0) / 3;
+      if (object instanceof Mesh) triangles += (object.geometry.index?.count ?? object.geometry.getAttribute('position').count) / 3;
     });
     return { triangles, textured: this.mesh.isTextured };
   }

@@ -1,0 +1,142 @@
+// Files of other programs, dropped into the list of the real server in a real browser: a mesh is seen as its surface, a cloud as points.
+//
+//   node --test tests/web/import_test.mjs      HERMITE_BUILD: where the programs are (build/release); HERMITE_ARTIFACTS: where pictures go
+import assert from 'node:assert/strict';
+import { mkdir, mkdtemp, rm } from 'node:fs/promises';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { lookAt, openBrowser, openPage, untilScan } from './browser.mjs';
+import { startServer } from './programs.mjs';
+
+const limit_ms = 60_000;
+let folder, artifacts, server, browser, viewer;
+
+before(async () => {
+  folder = await mkdtemp(path.join(os.tmpdir(), 'hermite-import-'));
+  artifacts = process.env.HERMITE_ARTIFACTS ?? folder;
+  await mkdir(artifacts, { recursive: true });
+  server = await startServer(path.join(folder, 'data'));
+  browser = await openBrowser();
+  viewer = await openPage(browser.context, `${server.origin}/#token=${server.token}`);
+});
+
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+  if (folder) await rm(folder, { recursive: true, force: true });
+});
+
+// A house: four walls in colours of their materials and a roof of another, y up, 4 m wide; each corner of a face is a vertex.
+function houseGlb() {
+  const faces = [
+    [[1, 0.2, 0.1], [[-2, 0, 2], [2, 0, 2], [2, 3, 2], [-2, 3, 2]]],
+    [[0.1, 0.5, 1], [[2, 0, 2], [2, 0, -2], [2, 3, -2], [2, 3, 2]]],
+    [[0.2, 0.8, 0.2], [[2, 0, -2], [-2, 0, -2], [-2, 3, -2], [2, 3, -2]]],
+    [[1, 0.8, 0.1], [[-2, 0, -2], [-2, 0, 2], [-2, 3, 2], [-2, 3, -2]]],
+    [[0.7, 0.1, 0.6], [[-2, 3, 2], [2, 3, 2], [2, 5, 0], [-2, 5, 0]]],
+    [[0.7, 0.1, 0.6], [[2, 3, -2], [-2, 3, -2], [-2, 5, 0], [2, 5, 0]]],
+  ];
+  const positions = Float32Array.from(faces.flatMap(([, corners]) => corners.flat()));
+  const indices = Uint16Array.of(0, 1, 2, 0, 2, 3);
+  const binary = Buffer.concat([Buffer.from(positions.buffer), Buffer.from(indices.buffer)]);
+  const json = {
+    asset: { version: '2.0' },
+    scene: 0,
+    scenes: [{ nodes: [0] }],
+    nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: faces.map((_, i) => ({ attributes: { POSITION: i }, indices: faces.length, material: i })) }],
+    materials: faces.map(([color]) => ({ pbrMetallicRoughness: { baseColorFactor: [...color, 1] } })),
+    buffers: [{ byteLength: binary.length }],
+    bufferViews: [
+      { buffer: 0, byteLength: positions.byteLength },
+      { buffer: 0, byteOffset: positions.byteLength, byteLength: indices.byteLength },
+    ],
+    accessors: [
+      ...faces.map(([, corners], i) => ({ bufferView: 0, byteOffset: 48 * i, componentType: 5126, type: 'VEC3', count: 4, min: low(corners), max: high(corners) })),
+      { bufferView: 1, componentType: 5123, type: 'SCALAR', count: 6 },
+    ],
+  };
+  const text = Buffer.from(JSON.stringify(json).padEnd(Math.ceil(JSON.stringify(json).length / 4) * 4));
+  const header = (length, kind) => Buffer.concat([Buffer.from(Uint32Array.of(length).buffer), Buffer.from(kind)]);
+  const chunks = Buffer.concat([header(text.length, 'JSON'), text, header(binary.length, 'BIN\0'), binary]);
+  return Buffer.concat([Buffer.from('glTF'), Buffer.from(Uint32Array.of(2, 12 + chunks.length).buffer), chunks]);
+}
+const low = (corners) => [0, 1, 2].map((axis) => Math.min(...corners.map((corner) => corner[axis])));
+const high = (corners) => [0, 1, 2].map((axis) => Math.max(...corners.map((corner) => corner[axis])));
+
+// A street of a map projection, 60 m long: the ground in green, a wall in red, z up, without normals.
+function streetPly() {
+  const rows = [];
+  for (let x = 0; x < 60; x += 0.4) for (let y = 0; y < 20; y += 0.4) rows.push(`${500000 + x} ${4649776 + y} 30 40 160 60`);
+  for (let x = 0; x < 60; x += 0.4) for (let z = 0; z < 8; z += 0.4) rows.push(`${500000 + x} ${4649796} ${30 + z} 200 60 50`);
+  const columns = ['double x', 'double y', 'double z', 'uchar red', 'uchar green', 'uchar blue'];
+  return Buffer.from(`ply\nformat ascii 1.0\nelement vertex ${rows.length}\n${columns.map((name) => `property ${name}\n`).join('')}end_header\n${rows.join('\n')}\n`);
+}
+
+// As from a folder beside the browser: not through the hidden input.
+async function drop(name, bytes) {
+  const transfer = await viewer.page.evaluateHandle(
+    ([base64, title]) => {
+      const files = new DataTransfer();
+      files.items.add(new File([Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0))], title));
+      return files;
+    },
+    [bytes.toString('base64'), name],
+  );
+  await viewer.page.dispatchEvent('main', 'drop', { dataTransfer: transfer });
+}
+
+async function open(title) {
+  await viewer.page.getByRole('link', { name: new RegExp(title) }).first().click({ timeout: limit_ms });
+}
+
+test('a mesh that is dropped into the list is a scan with its surface', { timeout: 3 * limit_ms }, async () => {
+  const { page } = viewer;
+  await page.getByText('No scans yet.').waitFor();
+  await drop('House.glb', houseGlb());
+  await page.getByText('Imported').waitFor({ timeout: limit_ms });
+  await open('House');
+  const scan = await untilScan(page, 'the surface is shown', limit_ms, ({ mesh }) => mesh.state === 'shown');
+  assert.equal(scan.mesh.triangles, 12);
+  await page.waitForTimeout(1500); // the eye glides to where it sees all
+  const { brightShare, colors } = await lookAt(browser.context, page);
+  assert.ok(brightShare > 0.05 && colors > 100, `a house fills some of the picture: ${brightShare}, ${colors} colours`);
+  await page.screenshot({ path: path.join(artifacts, 'imported-mesh.png') });
+  await page.getByRole('button', { name: 'Download' }).click();
+  await page.getByText('GLB, as it was imported').waitFor();
+  assert.equal(await page.getByText('LAS').count(), 0, 'what cannot be made of a mesh is not offered');
+  await page.screenshot({ path: path.join(artifacts, 'imported-downloads.png') });
+});
+
+test('a cloud that is dropped into the list is a scan of points, far off and large as it is', { timeout: 3 * limit_ms }, async () => {
+  const { page } = viewer;
+  await page.evaluate(() => (location.hash = '#/'));
+  await page.getByRole('heading', { name: 'Scans' }).waitFor();
+  await drop('Street.ply', streetPly());
+  await page.getByText('Street').first().waitFor({ timeout: limit_ms });
+  await page.screenshot({ path: path.join(artifacts, 'imported-list.png') });
+  await open('Street');
+  await untilScan(page, 'the points are there, and that there is no surface is said', limit_ms, ({ points, mesh }) => points > 10_000 && mesh.state === 'failed');
+  await page.getByText('its points have no normals').waitFor();
+  await page.waitForTimeout(2500);
+  const { brightShare } = await lookAt(browser.context, page);
+  assert.ok(brightShare > 0.05, `a street fills some of the picture: ${brightShare}`);
+  await page.screenshot({ path: path.join(artifacts, 'imported-cloud.png') });
+  const context = await browser.browser.newContext({ viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true });
+  const phone = await openPage(context, `${server.origin}/#token=${server.token}`);
+  await phone.page.getByRole('link', { name: /House/ }).tap();
+  await untilScan(phone.page, 'the surface is shown', limit_ms, ({ mesh }) => mesh.state === 'shown');
+  await phone.page.waitForTimeout(2500);
+  await phone.page.screenshot({ path: path.join(artifacts, 'imported-phone.png') });
+  await context.close();
+});
+
+test('what is wrong is said on the page', { timeout: 2 * limit_ms }, async () => {
+  const { page, complaints } = viewer;
+  await page.evaluate(() => (location.hash = '#/'));
+  await page.getByRole('heading', { name: 'Scans' }).waitFor();
+  await drop('broken.glb', houseGlb().subarray(0, 300));
+  await page.getByText(/GLB: it says that it has \d+ bytes, there are 300/).waitFor({ timeout: limit_ms });
+  assert.deepEqual(complaints, []);
+});
