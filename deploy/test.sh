@@ -14,7 +14,8 @@ export CTEST_OUTPUT_ON_FAILURE=1
 jobs=$(nproc)
 failed_tests=build/failed_tests.txt
 
-# All tests of a preset, one more at once than there are cores: the longest mostly wait. The names of those that fail are kept for the summary, since their output is thousands of lines above it.
+# All tests of a preset, one more at once than there are cores: the longest mostly wait. The names of those that fail are kept for the
+# summary, since their output is thousands of lines above it.
 tests_of() {
   rm -f "$failed_tests"
   ctest --preset "$1" -j "$((jobs + 1))" --no-tests=error || {
