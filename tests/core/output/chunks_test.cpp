@@ -32,7 +32,7 @@ CloudPoint point_at(const Eigen::Vector3f& position_m, float confidence = 5, std
 SlotChange set(std::uint32_t slot, const CloudPoint& point) { return {slot, true, point}; }
 SlotChange gone(std::uint32_t slot) { return {slot, false, {}}; }
 
-void apply(ChunkedModel& model, const std::vector<SlotChange>& changes) { model.apply(changes); }
+void apply_changes(ChunkedModel& model, const std::vector<SlotChange>& changes) { model.apply(changes); }
 
 struct Decoded {
   std::vector<Eigen::Vector3f> positions_m, normals;
@@ -104,7 +104,7 @@ std::vector<SlotChange> random_points(std::uint32_t count, float reach_m, unsign
 
 TEST(ChunkedModel, KeysRoundDownOnBothSidesOfZero) {
   ChunkedModel model;
-  apply(model, {set(0, point_at({0.1f, 0.1f, 0.1f})), set(1, point_at({-0.001f, 0.1f, -0.3201f})),
+  apply_changes(model, {set(0, point_at({0.1f, 0.1f, 0.1f})), set(1, point_at({-0.001f, 0.1f, -0.3201f})),
                 set(2, point_at({0.32f, -0.32f, 0.6399f}, 5, 7))});
   EXPECT_THAT(model.take_dirty(), ElementsAre(ChunkKey{0, 0, -1, 0, -2}, ChunkKey{0, 0, 0, 0, 0}, ChunkKey{7, 0, 1, -1, 1}));
   EXPECT_THAT(model.take_dirty(), IsEmpty());
@@ -113,7 +113,7 @@ TEST(ChunkedModel, KeysRoundDownOnBothSidesOfZero) {
 TEST(ChunkedModel, DecodesToWhatWentIn) {
   ChunkedModel model;
   CloudPoint point = point_at({1.0f, -2.0f, 0.5f}, 7.49f, 4);
-  apply(model, {set(3, point)});
+  apply_changes(model, {set(3, point)});
   const std::vector<ChunkKey> keys = model.take_dirty();
   ASSERT_THAT(keys, ElementsAre(ChunkKey{4, 0, 3, -7, 1}));
   const EncodedChunk chunk = encoded(model, keys[0]);
@@ -162,7 +162,7 @@ TEST(ChunkedModel, NoPointIsOffByMoreThanASixteenthVoxel) {
 TEST(ChunkedModel, CornersOfAChunkStayInIt) {
   const float last_m = std::nextafter(kChunkEdge_m, 0.0f);
   ChunkedModel model;
-  apply(model, {set(0, point_at({0, 0, 0})), set(1, point_at({last_m, last_m, last_m})), set(2, point_at({0, last_m, 0}))});
+  apply_changes(model, {set(0, point_at({0, 0, 0})), set(1, point_at({last_m, last_m, last_m})), set(2, point_at({0, last_m, 0}))});
   ASSERT_THAT(model.take_dirty(), ElementsAre(ChunkKey{}));
   const Decoded decoded = decode(encoded(model, ChunkKey{}));
   ASSERT_EQ(decoded.positions_m.size(), 3u);
@@ -200,43 +200,43 @@ TEST(ChunkedModel, KeepsTheMostConfidentThenTheLowestSlotOfAVoxel) {
   twin.color = {2, 2, 2};
   other.position_m.x() = 0.006f;
   other.color = {3, 3, 3};
-  apply(model, {set(9, strong), set(8, twin), set(1, weak), set(4, other)});
+  apply_changes(model, {set(9, strong), set(8, twin), set(1, weak), set(4, other)});
   EncodedChunk chunk = encoded(model, ChunkKey{});
   EXPECT_EQ(chunk.point_count, 2u);
   EXPECT_THAT(decode(chunk).colors, ::testing::UnorderedElementsAre(twin.color, other.color));
-  apply(model, {gone(8)});
+  apply_changes(model, {gone(8)});
   EXPECT_THAT(decode(encoded(model, ChunkKey{})).colors, ::testing::UnorderedElementsAre(strong.color, other.color));
-  apply(model, {gone(9)});
+  apply_changes(model, {gone(9)});
   EXPECT_THAT(decode(encoded(model, ChunkKey{})).colors, ::testing::UnorderedElementsAre(weak.color, other.color));
 }
 
 TEST(ChunkedModel, MovingDirtiesBothChunksAndLeavingEmptiesOne) {
   ChunkedModel model;
-  apply(model, {set(5, point_at({0.1f, 0.1f, 0.1f}))});
+  apply_changes(model, {set(5, point_at({0.1f, 0.1f, 0.1f}))});
   model.take_dirty();
-  apply(model, {set(5, point_at({0.4f, 0.1f, 0.1f}))});
+  apply_changes(model, {set(5, point_at({0.4f, 0.1f, 0.1f}))});
   EXPECT_THAT(model.take_dirty(), ElementsAre(ChunkKey{0, 0, 0, 0, 0}, ChunkKey{0, 0, 1, 0, 0}));
   const EncodedChunk empty = encoded(model, ChunkKey{0, 0, 0, 0, 0});
   EXPECT_EQ(empty.point_count, 0u);
   EXPECT_TRUE(empty.draco.empty());
-  apply(model, {set(5, point_at({0.4f, 0.1f, 0.1f}, 5, 2))});  // to another submap
+  apply_changes(model, {set(5, point_at({0.4f, 0.1f, 0.1f}, 5, 2))});  // to another submap
   EXPECT_THAT(model.take_dirty(), ElementsAre(ChunkKey{0, 0, 1, 0, 0}, ChunkKey{2, 0, 1, 0, 0}));
-  apply(model, {gone(5)});
+  apply_changes(model, {gone(5)});
   EXPECT_THAT(model.take_dirty(), ElementsAre(ChunkKey{2, 0, 1, 0, 0}));
-  apply(model, {set(5, point_at({0.1f, 0.1f, 0.1f}))});  // the slot is used again, the chunk comes back
+  apply_changes(model, {set(5, point_at({0.1f, 0.1f, 0.1f}))});  // the slot is used again, the chunk comes back
   EXPECT_THAT(model.take_dirty(), ElementsAre(ChunkKey{0, 0, 0, 0, 0}));
   EXPECT_EQ(encoded(model, ChunkKey{}).point_count, 1u);
 }
 
 TEST(ChunkedModel, WhatDoesNotChangeTouchesNothing) {
   ChunkedModel model;
-  apply(model, {gone(17)});
+  apply_changes(model, {gone(17)});
   EXPECT_THAT(model.take_dirty(), IsEmpty());
-  apply(model, {set(1, point_at({0.1f, 0.1f, 0.1f}))});
+  apply_changes(model, {set(1, point_at({0.1f, 0.1f, 0.1f}))});
   model.take_dirty();
-  apply(model, {set(1, point_at({0.1f, 0.1f, 0.1f})), gone(2), gone(4'000'000)});
+  apply_changes(model, {set(1, point_at({0.1f, 0.1f, 0.1f})), gone(2), gone(4'000'000)});
   EXPECT_THAT(model.take_dirty(), IsEmpty());
-  apply(model, {set(1, point_at({0.1f, 0.1f, 0.1f}, 6))});
+  apply_changes(model, {set(1, point_at({0.1f, 0.1f, 0.1f}, 6))});
   EXPECT_THAT(model.take_dirty(), ElementsAre(ChunkKey{}));
 }
 
@@ -246,16 +246,16 @@ TEST(ChunkedModel, LeavesOutAndCountsWhatCannotBeShown) {
   CloudPoint bad_normal = point_at({0.1f, 0.1f, 0.1f}), bad_confidence = bad_normal;
   bad_normal.normal.y() = kNan;
   bad_confidence.confidence = kInfinity;
-  apply(model, {set(0, point_at({kNan, 0, 0})), set(1, point_at({0, kInfinity, 0})), set(2, point_at({0, 0, 1e30f})),
+  apply_changes(model, {set(0, point_at({kNan, 0, 0})), set(1, point_at({0, kInfinity, 0})), set(2, point_at({0, 0, 1e30f})),
                 set(3, point_at({-11000, 0, 0})), set(4, bad_normal), set(5, bad_confidence), set(6, point_at({10485.8f, 0, 0}))});
   EXPECT_EQ(model.rejected_point_count(), 7u);
   EXPECT_THAT(model.take_dirty(), IsEmpty());
-  apply(model, {set(7, point_at({10485.0f, -10485.0f, 0}))});  // just within the key
+  apply_changes(model, {set(7, point_at({10485.0f, -10485.0f, 0}))});  // just within the key
   EXPECT_EQ(model.rejected_point_count(), 7u);
   const std::vector<ChunkKey> keys = model.take_dirty();
   ASSERT_EQ(keys.size(), 1u);
   EXPECT_EQ(decode(encoded(model, keys[0])).positions_m.size(), 1u);
-  apply(model, {set(7, point_at({kNan, 0, 0}))});  // the slot holds nothing that can be shown any more
+  apply_changes(model, {set(7, point_at({kNan, 0, 0}))});  // the slot holds nothing that can be shown any more
   EXPECT_EQ(model.rejected_point_count(), 8u);
   EXPECT_EQ(model.take_dirty(), keys);
   EXPECT_EQ(encoded(model, keys[0]).point_count, 0u);
@@ -266,7 +266,7 @@ TEST(ChunkedModel, OddNormalsAndConfidencesAreTakenIntoRange) {
   CloudPoint flat = point_at({0.1f, 0.1f, 0.1f}, 1e9f), long_normal = point_at({0.2f, 0.1f, 0.1f}, -4);
   flat.normal.setZero();
   long_normal.normal = {0, 0, 1e30f};
-  apply(model, {set(0, flat), set(1, long_normal)});
+  apply_changes(model, {set(0, flat), set(1, long_normal)});
   EXPECT_EQ(model.rejected_point_count(), 0u);
   const Decoded decoded = decode(encoded(model, ChunkKey{}));
   ASSERT_EQ(decoded.confidences.size(), 2u);
@@ -351,9 +351,9 @@ TEST(ChunkedModel, IsSmallAndFastOnASurface) {
 TEST(Chunks, ACoarserLevelIsTheSameTwiceAsLarge) {
   ChunkedModel fine, coarse(3);
   std::vector<SlotChange> points = random_points(300, 2.0f, 5);
-  apply(fine, points);
+  apply_changes(fine, points);
   for (SlotChange& change : points) change.point.position_m *= 8;
-  apply(coarse, points);
+  apply_changes(coarse, points);
   const std::vector<ChunkKey> fine_keys = fine.take_dirty(), coarse_keys = coarse.take_dirty();
   ASSERT_EQ(fine_keys.size(), coarse_keys.size());
   for (std::size_t i = 0; i < fine_keys.size(); ++i) {
