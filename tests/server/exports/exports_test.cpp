@@ -134,13 +134,15 @@ TEST_F(ExportsTest, TheSameTwiceIsMadeOnce) {
 TEST_F(ExportsTest, ListsWhatTheScanHasOrHasSomethingToMakeOf) {
   const auto names = [this](const std::string& scan) {
     std::vector<std::string_view> all;
-    for (const ExportState& one : *exports_->list(scan)) all.push_back(one.format->name);
+    const auto states = exports_->list(scan);  // it must live as long as the loop
+    for (const ExportState& one : *states) all.push_back(one.format->name);
     return all;
   };
   using testing::ElementsAre;
   const std::string scan = add_scan();
   EXPECT_THAT(names(scan), ElementsAre("glb", "glb-draco", "obj", "ply", "stl", "cloud", "las", "points-glb", "splats"));
-  for (const ExportState& one : *exports_->list(scan))
+  const auto states = exports_->list(scan);
+  for (const ExportState& one : *states)
     EXPECT_EQ(one.phase, one.format->file == "cloud.ply" ? ExportPhase::kReady : ExportPhase::kMissing) << one.format->name;
   ASSERT_TRUE(blobs_.put(scan, "trajectory.txt", "0 0 0 0 0 0 0 1\n").ok());
   EXPECT_EQ(names(scan).size(), export_offers().size() - 1) << "it was not imported";
