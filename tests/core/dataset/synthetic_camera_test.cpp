@@ -173,7 +173,7 @@ TEST(SyntheticCamera, BadOptionsNameKeyAndRange) {
   EXPECT_THAT(error_of("noise=gaussian,sigma_mm=-1"), HasSubstr("sigma_mm"));
   EXPECT_THAT(error_of("sigma_mm=3"), HasSubstr("there is no option \"sigma_mm\""));
   EXPECT_THAT(error_of("scene=castle"),
-              HasSubstr("option scene is \"castle\", allowed is room, bare, loop, twins, office, blank or turntable"));
+              HasSubstr("option scene is \"castle\", allowed is room, bare, loop, twins, office, blank, turntable or poster"));
   EXPECT_THAT(error_of("colour=red"), HasSubstr("there is no option \"colour\" (there are: frames"));
   EXPECT_THAT(error_of("frames"), HasSubstr("is not key=value"));
   EXPECT_EQ(error_of(""), "opened");
