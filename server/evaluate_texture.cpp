@@ -52,7 +52,7 @@ void write_pictures(const std::string& folder, const TriangleMesh& mesh, const T
   for (const HeldOutFrame& held_out : quality.frames) {
     const Rigid3& pose = *frames.world_from_camera[held_out.frame];
     write_png(folder + "/frame-" + std::to_string(held_out.frame) + ".png",
-              beside_each_other(or_throw(frames.read(held_out.frame)), drawn(mesh, frames.camera, pose, MeshColor::kTexture).color,
+              beside_each_other(or_throw(frames.read(held_out.frame)), drawn(mesh, frames.camera, held_out.aligned_world_from_camera, MeshColor::kTexture).color,
                                 drawn(mesh, frames.camera, pose, MeshColor::kVertices).color));
   }
 }

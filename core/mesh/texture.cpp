@@ -8,6 +8,7 @@
 #include "core/base/parallel.h"
 #include "core/mesh/atlas.h"
 #include "core/mesh/texture_blend.h"
+#include "core/mesh/texture_detail.h"
 #include "core/mesh/texture_view.h"
 #include "core/mesh/view_alignment.h"
 #include "core/mesh/view_exposure.h"
@@ -111,7 +112,7 @@ Result<std::vector<TextureView>> agreed_views(const TriangleMesh& mesh, const Te
 
 Result<TriangleMesh> painted(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
                              const TextureOptions& options, const TextureProgress& progress, TextureStatistics& statistics) {
-  const Result<Atlas> atlas = atlas_of(mesh, options);
+  const Result<Atlas> atlas = atlas_of(mesh, finest_pixels_m(mesh, camera, views, options.thread_count), options);
   if (!atlas.ok()) return atlas.error();
   TriangleMesh result = laid_out(mesh, *atlas);
   const TexelBlender blender(mesh, camera, views, {options.blended_views});

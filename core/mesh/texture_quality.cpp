@@ -163,8 +163,11 @@ Result<HeldOutQuality> held_out_quality(const TriangleMesh& mesh, const TextureF
   }
   if (quality.frames.empty()) return Error{ErrorCode::kNotFound, "none of the frames left out can be read and sees the mesh"};
   align_views(mesh, frames, options.thread_count, *views, quality.frames.size());
-  for (std::size_t i = 0; i < quality.frames.size(); ++i)
-    quality.frames[i].texture_aligned_db = aligned_db(*textured_mesh, frames, (*views)[views->size() - quality.frames.size() + i]);
+  for (std::size_t i = 0; i < quality.frames.size(); ++i) {
+    const TextureView& view = (*views)[views->size() - quality.frames.size() + i];
+    quality.frames[i].texture_aligned_db = aligned_db(*textured_mesh, frames, view);
+    quality.frames[i].aligned_world_from_camera = view.world_from_camera;
+  }
   add_means(quality);
   if (result) *result = *std::move(textured_mesh);
   if (statistics) *statistics = counted;

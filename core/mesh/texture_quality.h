@@ -32,6 +32,7 @@ struct HeldOutFrame {
   double texture_db = 0, vertices_db = 0;
   double texture_gain_db = 0, vertices_gain_db = 0;  // the picture brightened by the factor for each channel that fits the frame best
   double texture_aligned_db = 0;  // that, drawn from the pose that the frame's colours fit the other views' best (view_alignment.h)
+  Rigid3 aligned_world_from_camera;
 };
 
 struct HeldOutQuality {

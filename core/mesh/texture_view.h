@@ -53,7 +53,7 @@ struct Seen {
 std::optional<Seen> seen_at(const TextureView& view, const Camera& camera, const Eigen::Vector3f& position_m, const Eigen::Vector3f& normal,
                             float least_edge_px);
 
-// Between the four pixels around, corrected.
+// Between the sixteen pixels around, corrected; beside steps up to a tenth of the step beyond them.
 Eigen::Vector3f color_at(const TextureView& view, float u, float v);
 
 // How well the view sees a texel of this size there, 0 to 1: the pixels it has for it, at a slant fewer; less near edges and where the
