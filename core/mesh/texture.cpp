@@ -13,6 +13,7 @@
 #include "core/mesh/view_alignment.h"
 #include "core/mesh/view_exposure.h"
 #include "core/mesh/view_selection.h"
+#include "core/mesh/view_warp.h"
 #include "core/output/mesh_check.h"
 
 namespace hermite {
@@ -101,7 +102,10 @@ Result<std::vector<TextureView>> agreed_views(const TriangleMesh& mesh, const Te
   if (options.solves_exposure) solve_exposure(mesh, frames.camera, options.thread_count, *views);
   if (!goes_on(progress, kLoaded)) return kTexturingStopped;
   Alignment alignment;
-  if (options.refines_poses) alignment = align_views(mesh, frames, options.thread_count, *views);
+  if (options.refines_poses) {
+    alignment = align_views(mesh, frames, options.thread_count, *views);
+    warp_views(mesh, frames, options.thread_count, *views);
+  }
   if (!goes_on(progress, kAligned)) return kTexturingStopped;
   statistics.views = views->size();
   statistics.moved_views = alignment.moved_count;

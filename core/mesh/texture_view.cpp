@@ -36,6 +36,26 @@ float srgb_byte_from_linear(float linear) {
   return 255 * (linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f);
 }
 
+ViewWarp::ViewWarp(int width, int height)
+    : columns((width - 2) / kStep_px + 2),
+      rows((height - 2) / kStep_px + 2),
+      nodes_px(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), Eigen::Vector2f::Zero()) {}
+
+std::array<WarpNode, 4> ViewWarp::around(float u, float v) const {
+  const float column = u / kStep_px, row = v / kStep_px;
+  const int x = std::clamp(static_cast<int>(column), 0, columns - 2), y = std::clamp(static_cast<int>(row), 0, rows - 2);
+  const float dx = column - static_cast<float>(x), dy = row - static_cast<float>(y);
+  return {
+      {{node(x, y), (1 - dx) * (1 - dy)}, {node(x + 1, y), dx * (1 - dy)}, {node(x, y + 1), (1 - dx) * dy}, {node(x + 1, y + 1), dx * dy}}};
+}
+
+Eigen::Vector2f ViewWarp::at(float u, float v) const {
+  Eigen::Vector2f offset = Eigen::Vector2f::Zero();
+  if (nodes_px.empty()) return offset;
+  for (const WarpNode& near : around(u, v)) offset += near.weight * nodes_px[near.index];
+  return offset;
+}
+
 void set_pose(TextureView& view, const Rigid3& world_from_camera) {
   const Rigid3 camera_from_world = inverse(world_from_camera);
   view.world_from_camera = world_from_camera;
@@ -108,7 +128,10 @@ std::optional<Seen> seen_at(const TextureView& view, const Camera& camera, const
   return seen;
 }
 
-Vector3f color_at(const TextureView& view, float u, float v) {
+Vector3f color_at(const TextureView& view, float straight_u, float straight_v) {
+  const Eigen::Vector2f offset = view.warp.at(straight_u, straight_v);
+  const float u = std::clamp(straight_u + offset.x(), 0.0f, static_cast<float>(view.color.width - 1));
+  const float v = std::clamp(straight_v + offset.y(), 0.0f, static_cast<float>(view.color.height - 1));
   const int x = std::min(static_cast<int>(u), view.color.width - 2), y = std::min(static_cast<int>(v), view.color.height - 2);
   const std::array<float, 4> across = cubic_weights(u - static_cast<float>(x)), down = cubic_weights(v - static_cast<float>(y));
   Vector3f sum = Vector3f::Zero();

@@ -159,6 +159,16 @@ TEST(SyntheticCamera, OnATurntableTheTruthIsInTheFrameOfWhatTurns) {
   EXPECT_GT(changed, 0.3 * on_plate);
 }
 
+TEST(SyntheticCamera, BeforeThePosterIsAMetreAwayFromItsWords) {
+  const auto opened = open_sequence("synthetic:scene=poster,frames=300,width=80,height=64");
+  ASSERT_TRUE(opened.ok()) << opened.error().message;
+  for (int i = 0; i < 300; i += 60) {
+    const DepthImage depth = (*opened)->read(i)->depth;
+    EXPECT_NEAR(depth.at(40, 32) / 5000.0, 0.985, 0.06) << i;
+  }
+  EXPECT_EQ(synthetic_lap_s(RoomScene::kPoster), 10);
+}
+
 TEST(SyntheticCamera, BadOptionsNameKeyAndRange) {
   const auto error_of = [](const std::string& options) {
     const auto opened = open_sequence("synthetic:" + options);
