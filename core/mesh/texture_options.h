@@ -32,7 +32,7 @@ struct TextureOptions {
   double view_turn_deg = 10;
   int blended_views = 4;        // 1 to 8: of a texel
   bool solves_exposure = true;  // gains of the views
-  bool refines_poses = true;    // photometrically, against the surface
+  bool refines_poses = true;    // photometrically, against the surface; and bends the images by what no pose explains
   int thread_count = 0;         // 0: as many as the processor has
 };
 

@@ -17,12 +17,12 @@ namespace {
 
 using Eigen::Vector2f;
 
-constexpr double kWarpSpacing_m = 0.01;
-constexpr std::size_t kMaxWarpSamples = 200'000;
+constexpr double kWarpSpacing_m = 0.015;
+constexpr std::size_t kMaxWarpSamples = 100'000;
 constexpr float kWarpEdge_px = 2;
 constexpr int kWarpRounds[kBrightnessLevels] = {0, 6, 6};
 // Two neighbours of the lattice that differ by a pixel weigh as many points of the usual difference do; a node that is a pixel off too.
-constexpr double kSpringPoints = 40, kHoldPoints = 1;
+constexpr double kSpringPoints = 20, kHoldPoints = 0.5;
 
 class ViewWarper {
  public:
