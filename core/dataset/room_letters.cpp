@@ -97,14 +97,14 @@ std::vector<Letter> letters_of(std::string_view words) {
   return letters;
 }
 
-float distance(const Segment& segment, const Vector2f& point) {
+float distance_to_stroke(const Segment& segment, const Vector2f& point) {
   const Vector2f way = segment.to - segment.from;
   const float share = std::clamp((point - segment.from).dot(way) / way.squaredNorm(), 0.0f, 1.0f);
   return (segment.from + share * way - point).norm();
 }
 
 // Share of a footprint at this distance from the middle of a stroke that the stroke covers: exact across a straight one.
-float covered(float distance_from_middle, float footprint) {
+float share_under_stroke(float distance_from_middle, float footprint) {
   const float half = 0.5f * std::max(footprint, 1e-3f);
   const float low = std::max(distance_from_middle - half, -kHalfStroke), high = std::min(distance_from_middle + half, kHalfStroke);
   return std::max(high - low, 0.0f) / (2 * half);
@@ -135,8 +135,8 @@ float ink_of_poster(const TexturePoint& point) {
     for (const Letter& letter : line.letters) {
       if (place.x() < letter.left - reach || place.x() > letter.right + reach) continue;
       float nearest = std::numeric_limits<float>::max();
-      for (const Segment& segment : letter.segments) nearest = std::min(nearest, distance(segment, place));
-      ink = std::max(ink, covered(nearest, footprint));
+      for (const Segment& segment : letter.segments) nearest = std::min(nearest, distance_to_stroke(segment, place));
+      ink = std::max(ink, share_under_stroke(nearest, footprint));
     }
   }
   return ink;
