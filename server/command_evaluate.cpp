@@ -239,11 +239,11 @@ void add_texture_options(CLI::App& evaluate, TextureJudging& judging, CLI::Optio
               "near pictures of the mesh come to them, with the texture and with the colours of its vertices")
           ->needs(estimate);
   evaluate.add_option("--pictures", judging.pictures, "Write the pages of that texture and the pictures into this folder")->needs(texture);
-  evaluate.add_option("--texel", judging.texel_mm, "Side of a texel [mm]")->needs(texture)->capture_default_str();
+  evaluate.add_option("--texel", judging.texel_mm, "Largest side of a texel [mm]")->needs(texture)->capture_default_str();
   evaluate.add_option("--views", judging.max_views, "Frames the texture is made from at the most")->needs(texture)->capture_default_str();
   evaluate.add_option("--blend", judging.blended_views, "Views a texel is made from at the most")->needs(texture)->capture_default_str();
   evaluate.add_flag("--keep-exposure", judging.keeps_exposure, "Take the views for equally exposed")->needs(texture);
-  evaluate.add_flag("--keep-poses", judging.keeps_poses, "Do not refine the poses of the views")->needs(texture);
+  evaluate.add_flag("--keep-poses", judging.keeps_poses, "Neither refine the poses of the views nor bend their images")->needs(texture);
 }
 
 }  // namespace

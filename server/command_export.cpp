@@ -135,7 +135,9 @@ Command add_export_command(CLI::App& app) {
       "The recording that RESULT was made of: colmap and nerfstudio have its pictures, and glb, glb-draco and obj, when it is given, "
       "a texture: " +
           std::string(kSequenceHelp));
-  exports.add_option("--texel", arguments->texel_mm, "Side of a texel of the texture on the surface [mm]")
+  exports
+      .add_option("--texel", arguments->texel_mm,
+                  "Largest side of a texel of the texture on the surface [mm]; where the camera was near they are down to a quarter of it")
       ->check(CLI::Range(0.2, 100.0))
       ->capture_default_str();
   exports.add_option("--camera", arguments->camera,

@@ -38,7 +38,8 @@ void write_pictures(const std::string& folder, const TriangleMesh& mesh, const T
   for (const HeldOutFrame& held_out : quality.frames) {
     const Rigid3& pose = *frames.world_from_camera[held_out.frame];
     write_png(folder + "/frame-" + std::to_string(held_out.frame) + ".png",
-              beside_each_other(or_throw(frames.read(held_out.frame)), drawn(mesh, frames.camera, pose, MeshColor::kTexture).color,
+              beside_each_other(or_throw(frames.read(held_out.frame)),
+                                drawn(mesh, frames.camera, held_out.aligned_world_from_camera, MeshColor::kTexture).color,
                                 drawn(mesh, frames.camera, pose, MeshColor::kVertices).color));
   }
 }
@@ -68,12 +69,14 @@ Json evaluate_texture(const TextureJudging& judging) {
                         {"texture_db", frame.texture_db},
                         {"vertices_db", frame.vertices_db},
                         {"texture_gain_db", frame.texture_gain_db},
-                        {"texture_aligned_db", frame.texture_aligned_db}});
+                        {"texture_aligned_db", frame.texture_aligned_db},
+                        {"texture_warped_db", frame.texture_warped_db}});
   return {{"texture_held_out_frames", quality.frames.size()},
           {"texture_psnr_db", quality.texture_db},
           {"vertices_psnr_db", quality.vertices_db},
           {"texture_gain_fitted_psnr_db", quality.texture_gain_db},
           {"texture_pose_and_gain_fitted_psnr_db", quality.texture_aligned_db},
+          {"texture_pose_warp_and_gain_fitted_psnr_db", quality.texture_warped_db},
           {"vertices_gain_fitted_psnr_db", quality.vertices_gain_db},
           {"texture_views", statistics.views},
           {"texture_views_moved", statistics.moved_views},

@@ -52,6 +52,7 @@ Furniture furnish(RoomScene scene) {
     case RoomScene::kOffice: furnish_office(f); break;
     case RoomScene::kBlank: furnish_blank(f); break;
     case RoomScene::kTurntable: furnish_turntable(f); break;
+    case RoomScene::kPoster: furnish_poster(f); break;
   }
   return std::move(f.out);
 }

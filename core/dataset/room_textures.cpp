@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/dataset/room_letters.h"
+
 namespace hermite {
 namespace {
 
@@ -289,6 +291,7 @@ Vector3f texture_color(const Material& material, const TexturePoint& point) {
     case Pattern::kSky: return sky(material, point);
     case Pattern::kScreen: return screen(material, point);
     case Pattern::kPaint: return paint(material, point);
+    case Pattern::kLetters: return mix(material.first, material.second, ink_of_poster(point));
   }
   return material.first;
 }

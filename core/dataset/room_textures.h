@@ -25,6 +25,7 @@ enum class Pattern : std::uint8_t {
   kSky,        // seen through a window
   kScreen,     // of a computer
   kPaint,      // almost plain: a tone that hardly changes
+  kLetters,    // the words of room_letters.h, in the second colour on the first
 };
 
 struct Material {

@@ -6,6 +6,7 @@
 #include "core/base/check.h"
 #include "core/dataset/key_values.h"
 #include "core/dataset/world_paths.h"
+#include "core/dataset/world_plans.h"
 #include "core/image/image_codec.h"
 
 namespace hermite {
@@ -15,6 +16,8 @@ using Eigen::Vector3d;
 
 constexpr double kLap_s = 10.0;
 constexpr double kTurn_s = 20.0;  // of the turntable
+constexpr double kSway_s = 10.0;  // before the poster
+constexpr double kReading_m = 1.0;
 constexpr std::int64_t kMaxFrameCount = 1'000'000;
 constexpr double kFocalOverWidth = 525.0 / 640.0;
 constexpr int kJpegQuality = 90;
@@ -24,14 +27,21 @@ struct NamedScene {
   const char* name;
   RoomScene scene;
 };
-constexpr NamedScene kScenes[] = {{"room", RoomScene::kRoom},          {"bare", RoomScene::kBare},     {"loop", RoomScene::kLoop},
-                                  {"twins", RoomScene::kTwins},        {"office", RoomScene::kOffice}, {"blank", RoomScene::kBlank},
-                                  {"turntable", RoomScene::kTurntable}};
+constexpr NamedScene kScenes[] = {{"room", RoomScene::kRoom},           {"bare", RoomScene::kBare},     {"loop", RoomScene::kLoop},
+                                  {"twins", RoomScene::kTwins},         {"office", RoomScene::kOffice}, {"blank", RoomScene::kBlank},
+                                  {"turntable", RoomScene::kTurntable}, {"poster", RoomScene::kPoster}};
 
 bool is_furnished_room(RoomScene scene) { return scene == RoomScene::kRoom || scene == RoomScene::kBare; }
 
 double turned_rad(double time_s, double speed, RoomScene scene) {
   return scene == RoomScene::kTurntable ? 2 * M_PI * speed * time_s / kTurn_s : 0;
+}
+
+// To and fro before the words, which stay in the middle; the first frame looks straight at them.
+Rigid3 before_poster(double phase_rad) {
+  const double aside = std::sin(phase_rad), up = std::sin(2 * phase_rad), off = std::sin(3 * phase_rad);
+  return camera_at({0.25 * aside, kPosterWall_m - kReading_m + 0.03 * off, kPosterHeight_m + 0.08 * up}, kDegree * (90 + 9 * aside),
+                   kDegree * -3 * up, kDegree * 2 * off);
 }
 
 Rigid3 about_z(double angle_rad) { return {Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ())), Vector3d::Zero()}; }
@@ -99,7 +109,7 @@ Result<SyntheticOptions> parse_synthetic_options(const std::string& text) {
              whole_rule("height", kMinImageSide_px, kMaxImageSide_px, [&](std::int64_t value) { camera.height = static_cast<int>(value); }),
              number_rule("rate", 1, 240, options.frame_rate_hz),
              number_rule("speed", 0.05, 5, options.speed),
-             {"scene", "room, bare, loop, twins, office, blank or turntable", take_scene},
+             {"scene", "room, bare, loop, twins, office, blank, turntable or poster", take_scene},
              {"noise", "none, gaussian, kinect or kinect-white", take_noise},
              {"sigma_mm", "a number", keep_for_noise("sigma_mm")},
              {"seed", "a whole number", keep_for_noise("seed")}});
@@ -121,12 +131,14 @@ const char* name_of(RoomScene scene) {
 
 double synthetic_lap_s(RoomScene scene) {
   if (scene == RoomScene::kTurntable) return kTurn_s;
+  if (scene == RoomScene::kPoster) return kSway_s;
   return is_furnished_room(scene) ? kLap_s : world_lap_s(scene);
 }
 
 Rigid3 synthetic_pose(double time_s, double speed, RoomScene scene) {
   if (scene == RoomScene::kTurntable)
     return about_z(-turned_rad(time_s, speed, scene)) * camera_at({0.03, -0.85, 1.30}, kDegree * 92, kDegree * -27, 0);
+  if (scene == RoomScene::kPoster) return before_poster(2 * M_PI * speed * time_s / kSway_s);
   if (!is_furnished_room(scene)) return world_pose(scene, speed * time_s / world_lap_s(scene));
   // Whole multiples of the lap's phase close after one lap. Half of it changes sign between laps: the first looks from higher up and
   // down at the furniture, the second from lower and up.

@@ -9,7 +9,7 @@
 //   noise     none, gaussian, kinect, kinect-white (none)   see depth_noise.h
 //   sigma_mm  0 to 200 (3)                of noise=gaussian only
 //   seed      0 to 2^63 - 1 (1)           of the noise
-//   scene     room, bare, loop, twins, office, blank, turntable (room)   bare: the same room without furniture; the others in
+//   scene     room, bare, loop, twins, office, blank, turntable, poster (room)   bare: the same room without furniture; the others in
 //             synthetic_room.h
 // With scene=turntable the camera stands still and a plate with things turns before it, once in 20 s at speed 1. Its ground truth is in the
 // frame of the plate, z up, the axis at x = y = 0: the camera goes round the things as if they stood still. So a program that takes table

@@ -20,6 +20,7 @@ enum class RoomScene {
   kOffice,     // a long room with a row of equal workplaces between rows of equal racks: a circuit around the row
   kBlank,      // a corridor around a block, with plain walls and little on them
   kTurntable,  // a plate with things on it, which turns about z, on a table before a wall
+  kPoster,     // a wall with words on it, a metre away
 };
 
 struct RoomView {

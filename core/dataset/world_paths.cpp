@@ -130,7 +130,8 @@ const Path& path_of(RoomScene scene) {
     case RoomScene::kBlank: return kBlank;
     case RoomScene::kRoom:
     case RoomScene::kBare:
-    case RoomScene::kTurntable: break;
+    case RoomScene::kTurntable:
+    case RoomScene::kPoster: break;
   }
   CHECK(false, "this scene's way is no path of way points");
   return kLoop;

@@ -14,7 +14,7 @@ Rigid3 camera_at(const Eigen::Vector3d& position_m, double heading_rad, double p
 double world_lap_s(RoomScene scene);
 
 // world_from_camera after `laps` laps, any number from 0 on. Height and pitch alternate between laps, so it repeats after two. Of kRoom,
-// kBare and kTurntable there is none: a CHECK fails. Thread-safe.
+// kBare, kTurntable and kPoster there is none: a CHECK fails. Thread-safe.
 Rigid3 world_pose(RoomScene scene, double laps);
 
 }  // namespace hermite

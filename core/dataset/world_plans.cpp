@@ -237,4 +237,21 @@ void furnish_turntable(Furnisher& f) {
   f.out.turning_count = f.count() - first;
 }
 
+void furnish_poster(Furnisher& f) {
+  const Area room{{-1.6, 1.6}, {-1.4, kPosterWall_m}};
+  add_shell(f, {room}, kHomeShell);
+  const int white = f.material(Pattern::kWood, 0xf2ede2, 0xd9d0bf), oak = f.material(Pattern::kPlanks, 0xc99a62, 0x8a5a30);
+  const int cream = f.material(Pattern::kPlaster, 0xe9e0cf, 0xc4b496), paper = f.material(Pattern::kWallpaper, 0xe7dcc6, 0x8f9f86);
+  add_area(f, room, {{paper, cream, cream, cream}, oak, white}, {});
+  light_area(f, room, Side::kWest);
+  const int frame = f.material(Pattern::kWood, 0x6a4526, 0x3c2412), words = f.material(Pattern::kLetters, 0xe4e0d4, 0x202428);
+  add_picture(f, room, Side::kNorth, {0, kPosterHeight_m, 0.9, 0.66, frame, words});
+  const int wood = f.material(Pattern::kWood, 0xb98754, 0x7d5026), glaze = f.material(Pattern::kCeramic, 0x2f6f83, 0xe8e0cf);
+  on_wall(f, room, Side::kNorth, {-0.7, 0.7}, {-kSunk_m, 0.18}, {0.98, 1.00}, wood);
+  f.column(-0.35, 0.90, {0.99, 1.09}, 0.04, glaze);
+  f.sphere({0.12, 0.90, 1.045}, 0.05, f.material(Pattern::kMosaic, 0x8a3f55, 0x3f7f86));
+  turn(f.box({0.34, 0.46}, {0.85, 0.95}, {0.99, 1.07}, f.material(Pattern::kTiles, 0xe4d8c0, 0x9c5a44)), 20, Eigen::Vector3d::UnitZ());
+  f.column(0.66, 0.97, {-kSunk_m, kRoomHeight_m}, 0.05, f.material(Pattern::kTiles, 0xc8c0b0, 0x8a8478));
+}
+
 }  // namespace hermite

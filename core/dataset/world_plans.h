@@ -11,5 +11,8 @@ void furnish_twins(Furnisher& f);
 void furnish_office(Furnisher& f);
 void furnish_blank(Furnisher& f);
 void furnish_turntable(Furnisher& f);  // the table's top at z = 0.75, the things on its plate up to 1.1; walls at x = +-2, y = -1.6 and 1
+// Middle of the words: x = 0, y = kPosterWall_m, z = kPosterHeight_m, facing -y.
+inline constexpr double kPosterWall_m = 1.0, kPosterHeight_m = 1.45;
+void furnish_poster(Furnisher& f);
 
 }  // namespace hermite

@@ -27,8 +27,21 @@ Chart chart_of_one(const TriangleMesh& mesh, std::uint32_t triangle) {
   return {{triangle}, cross.norm() > 0 ? Eigen::Vector3f(cross.normalized()) : Eigen::Vector3f(Eigen::Vector3f::UnitZ())};
 }
 
+// Of the largest texel, for a chart.
+float share_of_texel(const TriangleMesh& mesh, const Chart& chart, const std::vector<float>& finest_pixel_m, double texel_m) {
+  std::vector<float> pixels_m;
+  pixels_m.reserve(3 * chart.triangles.size());
+  for (const std::uint32_t triangle : chart.triangles)
+    for (const std::uint32_t corner : mesh.triangles[triangle]) pixels_m.push_back(finest_pixel_m[corner]);
+  const auto quarter = pixels_m.begin() + static_cast<std::ptrdiff_t>(pixels_m.size() / 4);
+  std::nth_element(pixels_m.begin(), quarter, pixels_m.end());
+  return std::clamp(kTexelsOfPixel * *quarter / static_cast<float>(texel_m), kSmallestShare, 1.0f);
+}
+
 // Flat charts, none of which lies on itself: triangles that would are grown into charts of their own.
-std::vector<FlatChart> flat_charts(const TriangleMesh& mesh, const TextureOptions& options, double texel_m) {
+std::vector<FlatChart> flat_charts(const TriangleMesh& mesh, const std::vector<float>& finest_pixel_m, const TextureOptions& options,
+                                   double texel_m) {
+  const int longest_fine_texels = std::min(2 * longest_chart_texels(options), options.page_px);
   ChartGrower grower(mesh, texel_m * (longest_chart_texels(options) - 2 * kGutter_texels - 1));
   std::vector<std::uint32_t> left(mesh.triangles.size());
   std::iota(left.begin(), left.end(), 0u);
@@ -43,13 +56,15 @@ std::vector<FlatChart> flat_charts(const TriangleMesh& mesh, const TextureOption
     std::vector<std::vector<std::uint32_t>> overlapping(charts.size());
     in_parallel(charts.size(), options.thread_count, [&](std::size_t i) {
       if (charts[i].triangles.size() == 1) charts[i] = chart_of_one(mesh, charts[i].triangles[0]);
-      flat[i] = flattened(mesh, charts[i], texel_m, options.page_px);
+      const double own_texel_m = texel_m * static_cast<double>(share_of_texel(mesh, charts[i], finest_pixel_m, texel_m));
+      const int longest = own_texel_m < texel_m ? longest_fine_texels : options.page_px;
+      flat[i] = flattened(mesh, charts[i], own_texel_m, longest);
       overlapping[i] = raster_of(mesh, flat[i]).overlapping;
       if (overlapping[i].empty()) return;
       std::sort(overlapping[i].begin(), overlapping[i].end());
       std::erase_if(charts[i].triangles,
                     [&](std::uint32_t triangle) { return std::binary_search(overlapping[i].begin(), overlapping[i].end(), triangle); });
-      if (!charts[i].triangles.empty()) flat[i] = flattened(mesh, charts[i], texel_m, options.page_px);
+      if (!charts[i].triangles.empty()) flat[i] = flattened(mesh, charts[i], own_texel_m, longest);
     });
     left.clear();
     for (std::size_t i = 0; i < charts.size(); ++i) {
@@ -76,13 +91,13 @@ double area_m2(const TriangleMesh& mesh) {
 
 }  // namespace
 
-Result<Atlas> atlas_of(const TriangleMesh& mesh, const TextureOptions& options) {
+Result<Atlas> atlas_of(const TriangleMesh& mesh, const std::vector<float>& finest_pixel_m, const TextureOptions& options) {
   Atlas atlas;
   // No packing fills its pages: what would need all of them is not tried.
   const double room = static_cast<double>(options.page_px) * options.page_px * options.max_pages;
   atlas.texel_m = std::max(options.texel_m, std::sqrt(area_m2(mesh) / room));
   for (; atlas.texel_m <= kLargestTexel_m; atlas.texel_m *= kCoarser) {
-    std::vector<FlatChart> charts = flat_charts(mesh, options, atlas.texel_m);
+    std::vector<FlatChart> charts = flat_charts(mesh, finest_pixel_m, options, atlas.texel_m);
     std::optional<Packing> packing = packed(sizes_of(charts), options.page_px, options.max_pages);
     if (!packing) continue;
     atlas.charts = std::move(charts);

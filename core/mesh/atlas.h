@@ -19,12 +19,15 @@ struct Atlas {
   std::vector<FlatChart> charts;
   std::vector<RectanglePlace> places;  // by chart
   std::vector<RectangleSize> pages;
-  double texel_m = 0;  // as asked for, or larger where the pages would not have sufficed
+  double texel_m = 0;  // the largest: as asked for, or larger where the pages would not have sufficed
 };
 
-// kTooLarge: not even texels of kLargestTexel_m fit.
+// Charts that were seen more finely have smaller texels: kTexelsOfPixel of what a pixel covers at the best quarter of the chart's vertices
+// (finest_pixels_m of texture_detail.h, by vertex), and no less than kSmallestShare of the largest. Half a pixel is as far apart as samples
+// may lie (Nyquist), so that the texture is hardly less sharp than the view it is from. kTooLarge: not even texels of kLargestTexel_m fit.
 inline constexpr double kLargestTexel_m = 0.2;
-Result<Atlas> atlas_of(const TriangleMesh& mesh, const TextureOptions& options);
+inline constexpr float kTexelsOfPixel = 0.5f, kSmallestShare = 0.25f;
+Result<Atlas> atlas_of(const TriangleMesh& mesh, const std::vector<float>& finest_pixel_m, const TextureOptions& options);
 
 // The mesh with its triangles in the order of pages and charts, a vertex for each chart that it is in, and texture coordinates. Pages are
 // of their size and black. Vertices that no triangle has are left out.

@@ -8,10 +8,12 @@
 #include "core/base/parallel.h"
 #include "core/mesh/atlas.h"
 #include "core/mesh/texture_blend.h"
+#include "core/mesh/texture_detail.h"
 #include "core/mesh/texture_view.h"
 #include "core/mesh/view_alignment.h"
 #include "core/mesh/view_exposure.h"
 #include "core/mesh/view_selection.h"
+#include "core/mesh/view_warp.h"
 #include "core/output/mesh_check.h"
 
 namespace hermite {
@@ -100,7 +102,10 @@ Result<std::vector<TextureView>> agreed_views(const TriangleMesh& mesh, const Te
   if (options.solves_exposure) solve_exposure(mesh, frames.camera, options.thread_count, *views);
   if (!goes_on(progress, kLoaded)) return kTexturingStopped;
   Alignment alignment;
-  if (options.refines_poses) alignment = align_views(mesh, frames, options.thread_count, *views);
+  if (options.refines_poses) {
+    alignment = align_views(mesh, frames, options.thread_count, *views);
+    warp_views(mesh, frames, options.thread_count, *views);
+  }
   if (!goes_on(progress, kAligned)) return kTexturingStopped;
   statistics.views = views->size();
   statistics.moved_views = alignment.moved_count;
@@ -111,7 +116,7 @@ Result<std::vector<TextureView>> agreed_views(const TriangleMesh& mesh, const Te
 
 Result<TriangleMesh> painted(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
                              const TextureOptions& options, const TextureProgress& progress, TextureStatistics& statistics) {
-  const Result<Atlas> atlas = atlas_of(mesh, options);
+  const Result<Atlas> atlas = atlas_of(mesh, finest_pixels_m(mesh, camera, views, options.thread_count), options);
   if (!atlas.ok()) return atlas.error();
   TriangleMesh result = laid_out(mesh, *atlas);
   const TexelBlender blender(mesh, camera, views, {options.blended_views});

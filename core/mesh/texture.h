@@ -2,8 +2,9 @@
 //
 //   TriangleMesh mesh = *textured(*contour(field, options), frames, TextureOptions());
 //
-// The sharpest frames become views; their exposure and poses are brought to agree on the surface; the mesh is cut into charts, and each
-// texel takes its colour from the few views that see it best.
+// The sharpest frames become views; their exposure and poses are brought to agree on the surface, and what no pose explains is bent away;
+// the mesh is cut into charts, with the finer texels the nearer it was seen, and each texel takes its colour from the few views that see it
+// best.
 #pragma once
 
 #include <cstddef>

@@ -24,7 +24,7 @@ struct TextureFrames {
 };
 
 struct TextureOptions {
-  double texel_m = 0.002;    // side of a texel on the surface, 0.0002 to 0.1; larger where the surface would not fit the pages
+  double texel_m = 0.002;    // largest side of a texel on the surface, 0.0002 to 0.1; larger where the surface would not fit the pages
   int page_px = 4096;        // side of a page of the texture, 256 to 8192
   int max_pages = 8;         // 1 to 64: bounds memory
   int max_views = 200;       // 1 to 1000 frames that colour is taken from; their images are in memory at the same time
@@ -32,7 +32,7 @@ struct TextureOptions {
   double view_turn_deg = 10;
   int blended_views = 4;        // 1 to 8: of a texel
   bool solves_exposure = true;  // gains of the views
-  bool refines_poses = true;    // photometrically, against the surface
+  bool refines_poses = true;    // photometrically, against the surface; and bends the images by what no pose explains
   int thread_count = 0;         // 0: as many as the processor has
 };
 

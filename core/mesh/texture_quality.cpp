@@ -7,6 +7,7 @@
 #include "core/mesh/view_alignment.h"
 #include "core/mesh/view_raster.h"
 #include "core/mesh/view_selection.h"
+#include "core/mesh/view_warp.h"
 #include "core/output/mesh_check.h"
 
 namespace hermite {
@@ -93,6 +94,16 @@ HeldOutFrame judged(const TriangleMesh& mesh, const TextureFrames& frames, Textu
   return held_out;
 }
 
+double warped_db(const TriangleMesh& mesh, const TextureFrames& frames, const TextureView& view) {
+  const MeshPicture picture = seen_picture(mesh, frames, view.world_from_camera, MeshColor::kTexture);
+  TextureView plain = view;
+  set_gain(plain, Vector3f::Ones());
+  ColorImage bent(view.color.width, view.color.height);
+  for (int y = 0; y < bent.height; ++y)
+    for (int x = 0; x < bent.width; ++x) bent.at(x, y) = pixel_of(color_at(plain, static_cast<float>(x), static_cast<float>(y)));
+  return psnr_db(times(picture, best_gain(picture, bent)), bent);
+}
+
 double aligned_db(const TriangleMesh& mesh, const TextureFrames& frames, const TextureView& view) {
   const MeshPicture picture = seen_picture(mesh, frames, view.world_from_camera, MeshColor::kTexture);
   return psnr_db(times(picture, best_gain(picture, view.color)), view.color);
@@ -106,6 +117,7 @@ void add_means(HeldOutQuality& quality) {
     quality.texture_gain_db += frame.texture_gain_db / count;
     quality.vertices_gain_db += frame.vertices_gain_db / count;
     quality.texture_aligned_db += frame.texture_aligned_db / count;
+    quality.texture_warped_db += frame.texture_warped_db / count;
   }
 }
 
@@ -163,8 +175,13 @@ Result<HeldOutQuality> held_out_quality(const TriangleMesh& mesh, const TextureF
   }
   if (quality.frames.empty()) return Error{ErrorCode::kNotFound, "none of the frames left out can be read and sees the mesh"};
   align_views(mesh, frames, options.thread_count, *views, quality.frames.size());
-  for (std::size_t i = 0; i < quality.frames.size(); ++i)
-    quality.frames[i].texture_aligned_db = aligned_db(*textured_mesh, frames, (*views)[views->size() - quality.frames.size() + i]);
+  warp_views(mesh, frames, options.thread_count, *views, quality.frames.size());
+  for (std::size_t i = 0; i < quality.frames.size(); ++i) {
+    const TextureView& view = (*views)[views->size() - quality.frames.size() + i];
+    quality.frames[i].texture_aligned_db = aligned_db(*textured_mesh, frames, view);
+    quality.frames[i].texture_warped_db = warped_db(*textured_mesh, frames, view);
+    quality.frames[i].aligned_world_from_camera = view.world_from_camera;
+  }
   add_means(quality);
   if (result) *result = *std::move(textured_mesh);
   if (statistics) *statistics = counted;

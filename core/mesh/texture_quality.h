@@ -32,11 +32,14 @@ struct HeldOutFrame {
   double texture_db = 0, vertices_db = 0;
   double texture_gain_db = 0, vertices_gain_db = 0;  // the picture brightened by the factor for each channel that fits the frame best
   double texture_aligned_db = 0;  // that, drawn from the pose that the frame's colours fit the other views' best (view_alignment.h)
+  Rigid3 aligned_world_from_camera;
+  double texture_warped_db = 0;  // from there, the frame bent as the texture's views were (view_warp.h)
 };
 
 struct HeldOutQuality {
   std::vector<HeldOutFrame> frames;
-  double texture_db = 0, vertices_db = 0, texture_gain_db = 0, vertices_gain_db = 0, texture_aligned_db = 0;  // means over the frames
+  double texture_db = 0, vertices_db = 0, texture_gain_db = 0, vertices_gain_db = 0, texture_aligned_db = 0,
+         texture_warped_db = 0;  // means over the frames
 };
 
 // Leaves out every eighth of the views that textured() would use, makes the texture from the rest, and draws the mesh at the poses that the

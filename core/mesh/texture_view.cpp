@@ -19,6 +19,12 @@ constexpr float kLeastCosine = 0.17f;
 // From an edge of the mesh's depth to where the colour is surely this surface's.
 constexpr float kSurelyInside_px = 10;
 
+// Of the four samples around a place between the middle two (Keys, Cubic Convolution Interpolation for Digital Image Processing, IEEE
+// Transactions on Acoustics, Speech, and Signal Processing 1981): linear ones would blur strokes that are a pixel wide.
+std::array<float, 4> cubic_weights(float t) {
+  return {t * (-0.5f + t * (1 - 0.5f * t)), 1 + t * t * (-2.5f + 1.5f * t), t * (0.5f + t * (2 - 1.5f * t)), t * t * (-0.5f + 0.5f * t)};
+}
+
 }  // namespace
 
 float linear_from_srgb_byte(float value) {
@@ -28,6 +34,26 @@ float linear_from_srgb_byte(float value) {
 
 float srgb_byte_from_linear(float linear) {
   return 255 * (linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f);
+}
+
+ViewWarp::ViewWarp(int width, int height)
+    : columns((width - 2) / kStep_px + 2),
+      rows((height - 2) / kStep_px + 2),
+      nodes_px(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), Eigen::Vector2f::Zero()) {}
+
+std::array<WarpNode, 4> ViewWarp::around(float u, float v) const {
+  const float column = u / kStep_px, row = v / kStep_px;
+  const int x = std::clamp(static_cast<int>(column), 0, columns - 2), y = std::clamp(static_cast<int>(row), 0, rows - 2);
+  const float dx = column - static_cast<float>(x), dy = row - static_cast<float>(y);
+  return {
+      {{node(x, y), (1 - dx) * (1 - dy)}, {node(x + 1, y), dx * (1 - dy)}, {node(x, y + 1), (1 - dx) * dy}, {node(x + 1, y + 1), dx * dy}}};
+}
+
+Eigen::Vector2f ViewWarp::at(float u, float v) const {
+  Eigen::Vector2f offset = Eigen::Vector2f::Zero();
+  if (nodes_px.empty()) return offset;
+  for (const WarpNode& near : around(u, v)) offset += near.weight * nodes_px[near.index];
+  return offset;
 }
 
 void set_pose(TextureView& view, const Rigid3& world_from_camera) {
@@ -102,14 +128,24 @@ std::optional<Seen> seen_at(const TextureView& view, const Camera& camera, const
   return seen;
 }
 
-Vector3f color_at(const TextureView& view, float u, float v) {
+Vector3f color_at(const TextureView& view, float straight_u, float straight_v) {
+  const Eigen::Vector2f offset = view.warp.at(straight_u, straight_v);
+  const float u = std::clamp(straight_u + offset.x(), 0.0f, static_cast<float>(view.color.width - 1));
+  const float v = std::clamp(straight_v + offset.y(), 0.0f, static_cast<float>(view.color.height - 1));
   const int x = std::min(static_cast<int>(u), view.color.width - 2), y = std::min(static_cast<int>(v), view.color.height - 2);
-  const float dx = u - static_cast<float>(x), dy = v - static_cast<float>(y);
-  const auto value = [&](int column, int row) {
-    const Rgb8& pixel = view.color.at(column, row);
-    return Vector3f(view.corrected[0][pixel.r], view.corrected[1][pixel.g], view.corrected[2][pixel.b]);
-  };
-  return (1 - dy) * ((1 - dx) * value(x, y) + dx * value(x + 1, y)) + dy * ((1 - dx) * value(x, y + 1) + dx * value(x + 1, y + 1));
+  const std::array<float, 4> across = cubic_weights(u - static_cast<float>(x)), down = cubic_weights(v - static_cast<float>(y));
+  Vector3f sum = Vector3f::Zero();
+  for (int j = 0; j < 4; ++j) {
+    const int row = std::clamp(y - 1 + j, 0, view.color.height - 1);
+    Vector3f row_sum = Vector3f::Zero();
+    for (int i = 0; i < 4; ++i) {
+      const Rgb8& pixel = view.color.at(std::clamp(x - 1 + i, 0, view.color.width - 1), row);
+      row_sum += across[static_cast<std::size_t>(i)] *
+                 Vector3f(view.corrected[0][pixel.r], view.corrected[1][pixel.g], view.corrected[2][pixel.b]);
+    }
+    sum += down[static_cast<std::size_t>(j)] * row_sum;
+  }
+  return sum;
 }
 
 float quality_of(const TextureView& view, const Camera& camera, const Seen& seen, float texel_m) {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "core/base/image.h"
 #include "core/math/camera.h"
@@ -16,6 +17,25 @@
 namespace hermite {
 
 using ColorTable = std::array<std::array<float, 256>, 3>;  // by channel: a corrected value, 0 to 255 and above, for each value of the image
+
+// A lattice over an image, bilinear between its nodes: where in the image is what the pose puts at a pixel. Without nodes: there.
+struct WarpNode {
+  std::size_t index = 0;
+  float weight = 0;
+};
+struct ViewWarp {
+  static constexpr int kStep_px = 48;  // between nodes
+  int columns = 0, rows = 0;
+  std::vector<Eigen::Vector2f> nodes_px;  // offsets, row by row
+
+  ViewWarp() = default;
+  ViewWarp(int width, int height);  // of the image; offsets of 0
+  std::size_t node(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x);
+  }
+  std::array<WarpNode, 4> around(float u, float v) const;
+  Eigen::Vector2f at(float u, float v) const;  // the offset [px]
+};
 
 struct TextureView {
   std::size_t frame = 0;
@@ -28,7 +48,8 @@ struct TextureView {
   Image<std::uint8_t> distance_from_edge_px;       // view_raster.h; 0 too where the lens has no image
   float blur_px = 0;                               // by how far the image moved during a frame
   Eigen::Vector3f gain = Eigen::Vector3f::Ones();  // by channel: the image is so many times as bright as the mean of all, in linear light
-  ColorTable corrected{};                          // sRGB of the image to sRGB of the mean exposure
+  ViewWarp warp;
+  ColorTable corrected{};  // sRGB of the image to sRGB of the mean exposure
 };
 
 void set_pose(TextureView& view, const Rigid3& world_from_camera);
@@ -53,7 +74,7 @@ struct Seen {
 std::optional<Seen> seen_at(const TextureView& view, const Camera& camera, const Eigen::Vector3f& position_m, const Eigen::Vector3f& normal,
                             float least_edge_px);
 
-// Between the four pixels around, corrected.
+// What the view has there after its warp, between the sixteen pixels around, corrected; beside steps up to a tenth of the step beyond them.
 Eigen::Vector3f color_at(const TextureView& view, float u, float v);
 
 // How well the view sees a texel of this size there, 0 to 1: the pixels it has for it, at a slant fewer; less near edges and where the

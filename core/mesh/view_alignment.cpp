@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "core/base/parallel.h"
+#include "core/mesh/view_brightness.h"
 #include "core/mesh/view_samples.h"
 
 namespace hermite {
@@ -20,74 +21,11 @@ using Eigen::Vector3f;
 
 constexpr double kAlignSpacing_m = 0.01;
 constexpr std::size_t kMaxAlignSamples = 200'000;
-constexpr float kAlignEdge_px = 4;              // the pose may move by some pixels
-constexpr int kRoundsOfLevel[] = {15, 12, 12};  // images of a quarter, of half and of the whole size
-// Differences of brightness that count in full.
-constexpr float kAlignDifference = 12;
+constexpr float kAlignEdge_px = 4;                               // the pose may move by some pixels
+constexpr int kRoundsOfLevel[kBrightnessLevels] = {15, 12, 12};  // images of a quarter, of half and of the whole size
 // What the pose of the track weighs: as many points of the usual difference, at this distance from it.
 constexpr double kPriorPoints = 100, kPriorMove_m = 0.01, kPriorTurn_rad = 0.006;
 constexpr std::size_t kFewestPoints = 300;
-
-// Brightness after the gain, smoothed by 3 x 3 (1 2 1).
-Image<std::uint8_t> brightness_of(const TextureView& view) {
-  const int width = view.color.width, height = view.color.height;
-  Image<float> plain(width, height);
-  for (std::size_t i = 0; i < plain.pixels.size(); ++i) {
-    const Rgb8& p = view.color.pixels[i];
-    plain.pixels[i] = 0.299f * view.corrected[0][p.r] + 0.587f * view.corrected[1][p.g] + 0.114f * view.corrected[2][p.b];
-  }
-  Image<std::uint8_t> smooth(width, height);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      float sum = 0;
-      for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx)
-          sum += static_cast<float>((2 - std::abs(dx)) * (2 - std::abs(dy))) *
-                 plain.at(std::clamp(x + dx, 0, width - 1), std::clamp(y + dy, 0, height - 1));
-      smooth.at(x, y) = static_cast<std::uint8_t>(std::clamp(sum / 16 + 0.5f, 0.0f, 255.0f));
-    }
-  return smooth;
-}
-
-Image<std::uint8_t> halved(const Image<std::uint8_t>& image) {
-  Image<std::uint8_t> half(image.width / 2, image.height / 2);
-  for (int y = 0; y < half.height; ++y)
-    for (int x = 0; x < half.width; ++x)
-      half.at(x, y) = static_cast<std::uint8_t>(
-          (image.at(2 * x, 2 * y) + image.at(2 * x + 1, 2 * y) + image.at(2 * x, 2 * y + 1) + image.at(2 * x + 1, 2 * y + 1) + 2) / 4);
-  return half;
-}
-
-struct Brightness {
-  float value = 0, du = 0, dv = 0;  // per pixel of the whole image
-};
-
-// One level of the images: whole or halved.
-struct Level {
-  std::vector<Image<std::uint8_t>> images;
-  float scale = 1;
-
-  std::optional<Brightness> at(std::size_t view, float u, float v) const {
-    const Image<std::uint8_t>& image = images[view];
-    const float column = (u + 0.5f) * scale - 0.5f, row = (v + 0.5f) * scale - 0.5f;
-    if (!(column >= 0 && row >= 0 && column < static_cast<float>(image.width - 1) && row < static_cast<float>(image.height - 1)))
-      return std::nullopt;
-    const int x = static_cast<int>(column), y = static_cast<int>(row);
-    const float dx = column - static_cast<float>(x), dy = row - static_cast<float>(y);
-    const float a = image.at(x, y), b = image.at(x + 1, y), c = image.at(x, y + 1), d = image.at(x + 1, y + 1);
-    return Brightness{(1 - dy) * ((1 - dx) * a + dx * b) + dy * ((1 - dx) * c + dx * d), scale * ((1 - dy) * (b - a) + dy * (d - c)),
-                      scale * ((1 - dx) * (c - a) + dx * (d - b))};
-  }
-};
-
-// What a view has of a sample: number and place follow those of its sights.
-struct Look {
-  float value = 0, weight = 0;  // 0: out of the image
-};
-
-struct PointMean {
-  double weight = 0, sum = 0;
-};
 
 class ViewAligner {
  public:
@@ -97,23 +35,16 @@ class ViewAligner {
         views_(views),
         first_guest_(views.size() - guest_count),
         first_moving_(guest_count > 0 ? first_guest_ : 0),
-        samples_(samples_of(mesh, kAlignSpacing_m, kMaxAlignSamples)) {
+        samples_(samples_of(mesh, kAlignSpacing_m, kMaxAlignSamples)),
+        levels_(brightness_levels(views, thread_count)) {
     sights_ = sights_of(samples_, views, camera, kAlignEdge_px, thread_count);
     for (const TextureView& view : views) first_poses_.push_back(view.world_from_camera);
-    for (std::size_t l = 0; l < levels_.size(); ++l) {
-      levels_[l].images.resize(views.size());
-      levels_[l].scale = 1 / static_cast<float>(1 << (levels_.size() - 1 - l));
-    }
-    in_parallel(views.size(), thread_count, [&](std::size_t i) {
-      levels_.back().images[i] = brightness_of(views[i]);
-      for (std::size_t l = levels_.size() - 1; l > 0; --l) levels_[l - 1].images[i] = halved(levels_[l].images[i]);
-    });
   }
 
   Alignment align() {
     for (std::size_t l = 0; l < std::size(kRoundsOfLevel); ++l)
       for (int round = 0; round < kRoundsOfLevel[l]; ++round) {
-        const Level& level = levels_[l];
+        const BrightnessLevel& level = levels_[l];
         find_points(level);
         in_parallel(views_.size() - first_moving_, thread_count_, [&](std::size_t i) { step(level, first_moving_ + i); });
       }
@@ -130,7 +61,7 @@ class ViewAligner {
             static_cast<float>(camera_.fy) * point.y() / point.z() + static_cast<float>(camera_.cy)};
   }
 
-  Look look(const Level& level, std::size_t i, const TextureView& view, std::uint32_t sample) const {
+  Look look(const BrightnessLevel& level, std::size_t i, const TextureView& view, std::uint32_t sample) const {
     const Vector3f point = in_camera(view, samples_[sample]);
     if (!(point.z() > 0.05f)) return {};
     const Eigen::Vector2f pixel = pixel_of(point);
@@ -142,7 +73,7 @@ class ViewAligner {
   }
 
   // Looks by view at once, sums one view after the other.
-  void find_points(const Level& level) {
+  void find_points(const BrightnessLevel& level) {
     looks_.resize(views_.size());
     in_parallel(views_.size(), thread_count_, [&](std::size_t i) {
       looks_[i].resize(sights_[i].size());
@@ -159,19 +90,12 @@ class ViewAligner {
 
   // The point's brightness in the other views; none where no other sees it.
   std::optional<float> others_say(std::size_t i, std::size_t k) const {
-    const PointMean& mean = points_[sights_[i][k]];
-    const double own = i < first_guest_ ? static_cast<double>(looks_[i][k].weight) : 0, others = mean.weight - own;
-    if (looks_[i][k].weight <= 0 || others <= 0 || others < 1e-3 * mean.weight) return std::nullopt;
-    return static_cast<float>((mean.sum - own * static_cast<double>(looks_[i][k].value)) / others);
-  }
-
-  static float robust_weight(float difference) {
-    const float off = std::abs(difference) / kAlignDifference;
-    return off <= 1 ? 1 : 1 / off;
+    if (looks_[i][k].weight <= 0) return std::nullopt;
+    return points_[sights_[i][k]].without(i < first_guest_ ? looks_[i][k] : Look());
   }
 
   // Of camera_from_world, by a twist on its left.
-  void step(const Level& level, std::size_t i) {
+  void step(const BrightnessLevel& level, std::size_t i) {
     TextureView& view = views_[i];
     Matrix6d matrix = Matrix6d::Zero();
     Vector6d right = Vector6d::Zero();
@@ -197,7 +121,7 @@ class ViewAligner {
     if (count < kFewestPoints) return;
     // The way back to the first pose, as a twist on the left of the present one.
     const Vector6d back = log_se3(inverse(first_poses_[i]) * view.world_from_camera);
-    const double unit = kPriorPoints * static_cast<double>(kAlignDifference * kAlignDifference);
+    const double unit = kPriorPoints * static_cast<double>(kUsualDifference * kUsualDifference);
     Vector6d prior;
     prior << Vector3d::Constant(unit / (kPriorMove_m * kPriorMove_m)), Vector3d::Constant(unit / (kPriorTurn_rad * kPriorTurn_rad));
     matrix.diagonal() += prior;
@@ -270,7 +194,7 @@ class ViewAligner {
   const std::vector<MeshSample> samples_;
   std::vector<std::vector<std::uint32_t>> sights_;
   std::vector<Rigid3> first_poses_;
-  std::array<Level, std::size(kRoundsOfLevel)> levels_;
+  const std::array<BrightnessLevel, kBrightnessLevels> levels_;
   std::vector<std::vector<Look>> looks_;
   std::vector<PointMean> points_;
 };

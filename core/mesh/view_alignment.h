@@ -11,7 +11,7 @@
 namespace hermite {
 
 // How far a pose may go: what is farther off than that was not wrong by a little.
-inline constexpr double kFarthestMove_m = 0.06, kFarthestTurn_rad = 0.03;
+inline constexpr double kFarthestMove_m = 0.1, kFarthestTurn_rad = 0.06;
 
 struct Alignment {
   std::size_t moved_count = 0;           // views that were given another pose

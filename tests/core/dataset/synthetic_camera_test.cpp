@@ -159,6 +159,16 @@ TEST(SyntheticCamera, OnATurntableTheTruthIsInTheFrameOfWhatTurns) {
   EXPECT_GT(changed, 0.3 * on_plate);
 }
 
+TEST(SyntheticCamera, BeforeThePosterIsAMetreAwayFromItsWords) {
+  const auto opened = open_sequence("synthetic:scene=poster,frames=300,width=80,height=64");
+  ASSERT_TRUE(opened.ok()) << opened.error().message;
+  for (int i = 0; i < 300; i += 60) {
+    const DepthImage depth = (*opened)->read(i)->depth;
+    EXPECT_NEAR(depth.at(40, 32) / 5000.0, 0.985, 0.06) << i;
+  }
+  EXPECT_EQ(synthetic_lap_s(RoomScene::kPoster), 10);
+}
+
 TEST(SyntheticCamera, BadOptionsNameKeyAndRange) {
   const auto error_of = [](const std::string& options) {
     const auto opened = open_sequence("synthetic:" + options);
@@ -173,7 +183,7 @@ TEST(SyntheticCamera, BadOptionsNameKeyAndRange) {
   EXPECT_THAT(error_of("noise=gaussian,sigma_mm=-1"), HasSubstr("sigma_mm"));
   EXPECT_THAT(error_of("sigma_mm=3"), HasSubstr("there is no option \"sigma_mm\""));
   EXPECT_THAT(error_of("scene=castle"),
-              HasSubstr("option scene is \"castle\", allowed is room, bare, loop, twins, office, blank or turntable"));
+              HasSubstr("option scene is \"castle\", allowed is room, bare, loop, twins, office, blank, turntable or poster"));
   EXPECT_THAT(error_of("colour=red"), HasSubstr("there is no option \"colour\" (there are: frames"));
   EXPECT_THAT(error_of("frames"), HasSubstr("is not key=value"));
   EXPECT_EQ(error_of(""), "opened");

@@ -53,7 +53,8 @@ TEST_P(WorldPlan, IsTheSameEveryTime) {
   EXPECT_EQ(first.color, second.color);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, WorldPlan, testing::Values(RoomScene::kLoop, RoomScene::kTwins, RoomScene::kOffice, RoomScene::kBlank),
+INSTANTIATE_TEST_SUITE_P(All, WorldPlan,
+                         testing::Values(RoomScene::kLoop, RoomScene::kTwins, RoomScene::kOffice, RoomScene::kBlank, RoomScene::kPoster),
                          [](const auto& info) { return std::string(name_of(info.param)); });
 
 // Mean absolute difference of two pictures' green.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/mesh/texture_detail.h"
 #include "tests/core/mesh/texture_scene.h"
 #include "tests/support/analytic_mesh.h"
 
@@ -18,6 +19,8 @@ TextureOptions atlas_options(double texel_m) {
   options.thread_count = 2;
   return options;
 }
+
+std::vector<float> never_seen(const TriangleMesh& mesh) { return std::vector<float>(mesh.positions_m.size(), kNeverSeen_m); }
 
 // How many charts have each triangle.
 std::vector<int> times_charted(const TriangleMesh& mesh, const Atlas& atlas) {
@@ -42,7 +45,7 @@ void expect_all_apart(const Atlas& atlas) {
 
 TEST(Atlas, HasEveryTriangleOfASphereOnceAndNoTwoChartsOnOneTexel) {
   const TriangleMesh sphere = test::sphere_mesh(20, 40);
-  const Result<Atlas> atlas = atlas_of(sphere, atlas_options(0.01));
+  const Result<Atlas> atlas = atlas_of(sphere, never_seen(sphere), atlas_options(0.01));
   ASSERT_TRUE(atlas.ok()) << atlas.error().message;
   for (const int times : times_charted(sphere, *atlas)) EXPECT_EQ(times, 1);
   EXPECT_GE(atlas->charts.size(), 4u) << "within 45 degrees of a mean no fewer cover a sphere";
@@ -53,7 +56,7 @@ TEST(Atlas, HasEveryTriangleOfASphereOnceAndNoTwoChartsOnOneTexel) {
 TEST(Atlas, OfACrumpledSurfaceHasEveryTriangleOnce) {
   TriangleMesh mesh = test::wall_mesh(24);
   for (std::size_t i = 0; i < mesh.positions_m.size(); ++i) mesh.positions_m[i].z() += 0.1f * static_cast<float>((i * 7919) % 13) / 13;
-  const Result<Atlas> atlas = atlas_of(mesh, atlas_options(0.01));
+  const Result<Atlas> atlas = atlas_of(mesh, never_seen(mesh), atlas_options(0.01));
   ASSERT_TRUE(atlas.ok()) << atlas.error().message;
   for (const int times : times_charted(mesh, *atlas)) EXPECT_EQ(times, 1);
   expect_all_apart(*atlas);
@@ -77,7 +80,7 @@ TEST(Atlas, NoTriangleOfAChartLiesOnAnotherOfIt) {
     mesh.triangles.push_back({2 * i, 2 * i + 1, 2 * i + 3});
     mesh.triangles.push_back({2 * i, 2 * i + 3, 2 * i + 2});
   }
-  const Result<Atlas> atlas = atlas_of(mesh, atlas_options(0.005));
+  const Result<Atlas> atlas = atlas_of(mesh, never_seen(mesh), atlas_options(0.005));
   ASSERT_TRUE(atlas.ok()) << atlas.error().message;
   EXPECT_GE(atlas->charts.size(), 2u);
   for (const int times : times_charted(mesh, *atlas)) EXPECT_EQ(times, 1);
@@ -86,7 +89,7 @@ TEST(Atlas, NoTriangleOfAChartLiesOnAnotherOfIt) {
 
 TEST(Atlas, KeepsAGutterAroundEveryChart) {
   const TriangleMesh sphere = test::sphere_mesh(12, 24);
-  const Result<Atlas> atlas = atlas_of(sphere, atlas_options(0.01));
+  const Result<Atlas> atlas = atlas_of(sphere, never_seen(sphere), atlas_options(0.01));
   ASSERT_TRUE(atlas.ok());
   for (const FlatChart& chart : atlas->charts)
     for (const std::uint32_t triangle : chart.triangles)
@@ -101,7 +104,7 @@ TEST(Atlas, KeepsAGutterAroundEveryChart) {
 TEST(Atlas, TakesLargerTexelsWhereThePagesWouldNotSuffice) {
   TextureOptions options = atlas_options(0.001);
   options.max_pages = 1;  // 2 x 2 m on 512 x 512
-  const Result<Atlas> atlas = atlas_of(test::wall_mesh(), options);
+  const Result<Atlas> atlas = atlas_of(test::wall_mesh(), never_seen(test::wall_mesh()), options);
   ASSERT_TRUE(atlas.ok()) << atlas.error().message;
   EXPECT_EQ(atlas->pages.size(), 1u);
   EXPECT_GT(atlas->texel_m, 0.0038);
@@ -110,7 +113,7 @@ TEST(Atlas, TakesLargerTexelsWhereThePagesWouldNotSuffice) {
 
 TEST(Atlas, LaysOutTheSameSurface) {
   const TriangleMesh sphere = test::sphere_mesh(12, 24);
-  const Result<Atlas> atlas = atlas_of(sphere, atlas_options(0.01));
+  const Result<Atlas> atlas = atlas_of(sphere, never_seen(sphere), atlas_options(0.01));
   ASSERT_TRUE(atlas.ok());
   const TriangleMesh laid = laid_out(sphere, *atlas);
   const auto corners = [](const TriangleMesh& mesh) {

@@ -1,0 +1,17 @@
+// How finely the views have seen a mesh: how large a texel there should be. Pure, thread-safe.
+#pragma once
+
+#include <vector>
+
+#include "core/mesh/texture_view.h"
+#include "core/output/triangle_mesh.h"
+
+namespace hermite {
+
+// Of a vertex that no view sees.
+inline constexpr float kNeverSeen_m = 1e9f;
+
+// By vertex what one pixel covers there at its longer side [m], in the view where that is least. The same for any number of threads.
+std::vector<float> finest_pixels_m(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views, int thread_count);
+
+}  // namespace hermite
