@@ -9,8 +9,8 @@
 namespace hermite {
 namespace {
 
-// Two cells around the cube: quads need the pieces of the cells below, and these the crossings of the cells around them.
-constexpr int kMargin = 2;
+// Quads need the pieces of the cells below, and these the crossings of the cells around them.
+constexpr int kMargin = kCubeMargin;
 constexpr int kSide = kCubeCells + 2 * kMargin;  // corners along an axis: cells -2 to 32 and one more
 constexpr std::size_t kCorners = std::size_t{kSide} * kSide * kSide;
 
@@ -51,7 +51,8 @@ class CubeContour {
         first_cell_(cube * kCubeCells - Eigen::Vector3i::Constant(kMargin)),
         window_(field, first_cell_, first_cell_ + Eigen::Vector3i::Constant(kSide)) {}
 
-  CubeSurface contour() {
+  // With the vertices of so many cells below the cube.
+  CubeSurface contour(int cells_below) {
     if (window_.empty()) return {};
     add_kernels();
     decide_sides();
@@ -59,7 +60,7 @@ class CubeContour {
     if (crossings_.empty()) return {};
     find_pieces();
     CubeSurface surface;
-    make_vertices(surface);
+    make_vertices(cells_below, surface);
     make_quads(surface);
     return surface;
   }
@@ -83,7 +84,7 @@ class CubeContour {
   int crossing_of(const Eigen::Vector3i& cell, int edge) const;
   void find_pieces();
   void join_faces(const Eigen::Vector3i& cell);
-  void make_vertices(CubeSurface& surface);
+  void make_vertices(int cells_below, CubeSurface& surface);
   CubeVertex make_vertex(const Eigen::Vector3i& cell, int piece);
   void make_quads(CubeSurface& surface) const;
   void make_quad(const Eigen::Vector3i& corner, int axis, CubeSurface& surface) const;
@@ -239,8 +240,8 @@ void CubeContour::join_faces(const Eigen::Vector3i& cell) {
   }
 }
 
-void CubeContour::make_vertices(CubeSurface& surface) {
-  for_each(kMargin, kMargin + kCubeCells, [&](const Eigen::Vector3i& cell) {
+void CubeContour::make_vertices(int cells_below, CubeSurface& surface) {
+  for_each(kMargin - cells_below, kMargin + kCubeCells, [&](const Eigen::Vector3i& cell) {
     const Cell& here = cells_[at(cell)];
     if (here.crossed == 0) return;
     for (int piece = 0; piece < here.pieces.count; ++piece) surface.vertices.push_back(make_vertex(cell, piece));
@@ -315,6 +316,13 @@ Eigen::Vector3i cell_of(VertexKey key) {
   return {part(4), part(24), part(44)};
 }
 
-CubeSurface contour_cube(const SurfelField& field, const Eigen::Vector3i& cube) { return CubeContour(field, cube).contour(); }
+Eigen::Vector3i cube_of(const Eigen::Vector3i& cell) {
+  const auto part = [](int value) { return value >= 0 ? value / kCubeCells : -((kCubeCells - 1 - value) / kCubeCells); };
+  return {part(cell.x()), part(cell.y()), part(cell.z())};
+}
+
+CubeSurface contour_cube(const SurfelField& field, const Eigen::Vector3i& cube) { return CubeContour(field, cube).contour(0); }
+
+CubeSurface contour_whole_cube(const SurfelField& field, const Eigen::Vector3i& cube) { return CubeContour(field, cube).contour(1); }
 
 }  // namespace hermite

@@ -49,10 +49,6 @@ float median_of(std::vector<float> values) {
   return *middle;
 }
 
-// A kernel counts by how well its surfel is known. Beyond three times what makes one stable (map.stable_confidence) nothing is gained, and
-// an old one must not outweigh all around it.
-constexpr float kMostConfidence = 10;
-
 // Of a cloud that says nothing of confidence every point counts alike.
 std::vector<FieldKernel> kernels_of(const Cloud& cloud) {
   const bool is_known = std::any_of(cloud.begin(), cloud.end(), [](const CloudPoint& point) { return point.confidence > 0; });
@@ -66,6 +62,21 @@ std::vector<FieldKernel> kernels_of(const Cloud& cloud) {
 }
 
 }  // namespace
+
+void spread(FieldKernel& kernel, float spacing_m, double support_spacings, double cell_m) {
+  const double wanted_m = support_spacings * static_cast<double>(spacing_m);
+  kernel.radius_m = static_cast<float>(std::clamp(wanted_m, kLeastSupport_cells * cell_m, kMostSupport_cells * cell_m));
+  kernel.weight /= kernel.radius_m * kernel.radius_m;
+  kernel.area = spacing_m * spacing_m / (kernel.radius_m * kernel.radius_m * static_cast<float>(kSupportOfPlane));
+}
+
+SurfelField SurfelField::of(std::vector<FieldKernel> kernels, double cell_m) {
+  SurfelField field;
+  field.cell_m_ = cell_m;
+  for (const FieldKernel& kernel : kernels) field.reach_m_ = std::max(field.reach_m_, kernel.radius_m);
+  field.sort_into_bins(std::move(kernels));
+  return field;
+}
 
 Result<SurfelField> SurfelField::create(const Cloud& cloud, const FieldOptions& options) {
   SurfelField field;
@@ -86,10 +97,7 @@ Result<SurfelField> SurfelField::create(const Cloud& cloud, const FieldOptions& 
     if (!(kernel.position_m.cwiseAbs().maxCoeff() < most_m))
       return Error{ErrorCode::kInvalidArgument,
                    "a point lies more than " + std::to_string(most_m) + " m from the origin, too far for cells of this size"};
-    const double wanted_m = options.support_spacings * static_cast<double>(spacings[i]);
-    kernel.radius_m = static_cast<float>(std::clamp(wanted_m, kLeastSupport_cells * field.cell_m_, kMostSupport_cells * field.cell_m_));
-    kernel.weight /= kernel.radius_m * kernel.radius_m;
-    kernel.area = spacings[i] * spacings[i] / (kernel.radius_m * kernel.radius_m * static_cast<float>(kSupportOfPlane));
+    spread(kernel, spacings[i], options.support_spacings, field.cell_m_);
     field.reach_m_ = std::max(field.reach_m_, kernel.radius_m);
   }
   field.sort_into_bins(std::move(kernels));
