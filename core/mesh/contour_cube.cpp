@@ -80,7 +80,7 @@ class CubeContour {
   void find_crossings();
   void find_crossing(const Eigen::Vector3i& corner, int axis);
   std::uint8_t inside_bits(const Eigen::Vector3i& cell) const;
-  std::uint16_t crossed_bits(const Eigen::Vector3i& cell) const;
+  void mark_crossed(const Eigen::Vector3i& corner, int axis);
   int crossing_of(const Eigen::Vector3i& cell, int edge) const;
   void find_pieces();
   void join_faces(const Eigen::Vector3i& cell);
@@ -205,18 +205,25 @@ int CubeContour::crossing_of(const Eigen::Vector3i& cell, int edge) const {
   return crossing_by_edge_[at(cell + Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2))][static_cast<std::size_t>(edge / 4)];
 }
 
-std::uint16_t CubeContour::crossed_bits(const Eigen::Vector3i& cell) const {
-  unsigned bits = 0;
-  for (int edge = 0; edge < kCellEdges; ++edge)
-    if (crossing_of(cell, edge) >= 0) bits |= 1u << edge;
-  return static_cast<std::uint16_t>(bits);
+// In the four cells around the edge.
+void CubeContour::mark_crossed(const Eigen::Vector3i& corner, int axis) {
+  const int at_b = (axis + 1) % 3, at_c = (axis + 2) % 3;
+  for (int around = 0; around < 4; ++around) {
+    const int b = around & 1, c = around >> 1;
+    if (corner[at_b] < b || corner[at_c] < c) continue;
+    Cell& cell = cells_[at(corner - b * Eigen::Vector3i::Unit(at_b) - c * Eigen::Vector3i::Unit(at_c))];
+    cell.crossed = static_cast<std::uint16_t>(cell.crossed | 1u << (4 * axis + b + 2 * c));
+  }
 }
 
 void CubeContour::find_pieces() {
   cells_.assign(kCorners, {});
+  for_each(0, kSide, [this](const Eigen::Vector3i& corner) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (crossing_by_edge_[at(corner)][static_cast<std::size_t>(axis)] >= 0) mark_crossed(corner, axis);
+  });
   for_each(0, kSide - 1, [this](const Eigen::Vector3i& corner) {
     Cell& cell = cells_[at(corner)];
-    cell.crossed = crossed_bits(corner);
     if (cell.crossed == 0) return;
     cell.inside = inside_bits(corner);
     cell.pieces = pieces_of_cell(cell.inside, cell.crossed, 0);

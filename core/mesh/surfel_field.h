@@ -121,6 +121,8 @@ class FieldWindow {
     float weight = 0;
   };
   void find_near(const Eigen::Vector3f& point_m);
+  void add_if_near(const FieldKernel& kernel, const Eigen::Vector3f& point_m);
+  const std::vector<const FieldKernel*>& reaching(const Eigen::Vector3i& box);
   void begin(FieldSample& sample) const;
   void keep_to_one_sheet(FieldSample& sample) const;
 
@@ -129,6 +131,15 @@ class FieldWindow {
   std::vector<std::span<const FieldKernel>> bins_;  // x runs fastest
   std::size_t kernel_count_ = 0;
   std::vector<Near> near_;  // of the last point
+
+  // Kernels whose support reaches a box of kBoxCells cells, in the field's order; made when a point in the box is asked for.
+  static constexpr int kBoxCells = 2;
+  struct Reaching {
+    bool is_made = false;
+    std::vector<const FieldKernel*> kernels;
+  };
+  Eigen::Vector3i first_box_, box_counts_;
+  std::vector<Reaching> reaching_;  // x runs fastest
 };
 
 }  // namespace hermite
