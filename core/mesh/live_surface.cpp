@@ -216,7 +216,6 @@ void LiveSurface::move(std::uint32_t submap, const PlacedSubmap& to, Time now) {
 }
 
 void LiveSurface::place(std::span<const PlacedSubmap> submaps, Time now) {
-  CHECK(submaps.size() >= submaps_.size(), "no submap is taken away");
   for (std::uint32_t i = 0; i < submaps.size(); ++i) {
     if (i >= submaps_.size()) submaps_.emplace_back();
     if (!submaps_[i].is_used)
@@ -248,7 +247,8 @@ std::vector<FieldKernel> LiveSurface::kernels_around(const SurfaceCube& cube, st
   const Eigen::Vector3i first_cell = kCubeCells * index_of(cube);
   const Eigen::Vector3f inner_low_m = corner_m(first_cell), inner_high_m = corner_m(first_cell + Eigen::Vector3i::Constant(kCubeCells));
   const auto margin = Eigen::Vector3i::Constant(kCubeMargin);
-  const Eigen::Vector3f low_m = corner_m(first_cell - margin), high_m = corner_m(first_cell + Eigen::Vector3i::Constant(kCubeCells) + margin);
+  const Eigen::Vector3f low_m = corner_m(first_cell - margin),
+                        high_m = corner_m(first_cell + Eigen::Vector3i::Constant(kCubeCells) + margin);
   const Eigen::Vector3f most_m = Eigen::Vector3f::Constant(radius_m(1));
   std::map<std::uint32_t, float> inside, around;
   grid->second.for_each(low_m - most_m, high_m + most_m, [&](std::uint32_t slot) {

@@ -13,7 +13,8 @@
 // What differs from what is held by less than can be seen is not taken over (kAlike... in the .cpp), and a submap stays where it was held
 // until it has moved by more than kMoved_cells. So the mesh is as far from that of the model as it is now.
 //
-// Memory: about 100 bytes a surfel, and beyond kMostLiveSurfels none. One owner, one thread at a time.
+// Memory: 64 bytes a slot up to the highest one used and 20 a surfel; beyond kMostLiveSurfels, or twice as many slots, whoever owns it lets it
+// go: 0.3 GB at most. One owner, one thread at a time.
 #pragma once
 
 #include <Eigen/Core>
@@ -35,7 +36,7 @@
 
 namespace hermite {
 
-inline constexpr std::size_t kMostLiveSurfels = 4'000'000;
+inline constexpr std::size_t kMostLiveSurfels = 2'000'000;
 // Of the cells in which a submap may stand elsewhere than its surfels are held: less than half their distance, which cells follow.
 inline constexpr double kMoved_cells = 0.4;
 // A surface that changes a little all the time, as one in view does, is made anew no more often.
@@ -59,7 +60,7 @@ struct SurfaceCube {
 struct CubeMesh {
   SurfaceCube cube;
   std::uint32_t submap = 0;
-  TriangleMesh mesh;  // in the frame of the submap; without triangles: the cube is empty now
+  TriangleMesh mesh;                            // in the frame of the submap; without triangles: the cube is empty now
   std::chrono::steady_clock::time_point since;  // of the oldest change that was not shown before
 };
 
@@ -71,14 +72,16 @@ class LiveSurface {
 
   double cell_m() const { return cell_m_; }
 
-  // Where the submaps are, by number: all that the changes so far and next are of (CHECK).
+  // Where the submaps are, by number: all that the changes from now on are of. Of others that there were, surfels stay until they are told
+  // to be gone.
   void place(std::span<const PlacedSubmap> submaps, Time now);
 
   // Surfels that are no numbers, have no direction or no confidence, or are too far from the origin for cells to be counted, are none.
+  // CHECK: a submap that was placed. `now`: since when the changes are there, for CubeMesh::since.
   void apply(std::span<const SlotChange> changes, Time now);
 
   std::size_t surfel_count() const { return surfel_count_; }
-  bool is_full() const { return surfel_count_ > kMostLiveSurfels; }  // whoever sees that lets it go
+  bool is_full() const { return surfel_count_ > kMostLiveSurfels || entries_.size() > 2 * kMostLiveSurfels; }
   std::size_t dirty_count() const { return dirty_.size(); }
 
   // What to make next: where much is new comes first, nearest to `eye_m`; then what has waited longest. None: nothing that is due.
@@ -100,12 +103,12 @@ class LiveSurface {
     std::int32_t neighbours = 0;  // within kNeighbourhood_cells, itself among them
   };
   struct Submap {
-    PlacedSubmap placed;  // as its surfels are held
+    PlacedSubmap placed;                                                                // as its surfels are held
     Eigen::Vector3f low_m = Eigen::Vector3f::Zero(), high_m = Eigen::Vector3f::Zero();  // of its surfels, in itself
     bool is_used = false;
   };
   struct Cube {
-    std::int32_t surfels = 0;   // within it
+    std::int32_t surfels = 0;       // within it
     std::int32_t came_or_went = 0;  // of these, since it was made
     bool was_made = false, is_shown = false;
     Time since, made;

@@ -34,8 +34,7 @@ float QuadMesh::fit(const TriangleCorners& triangle) const {
 void QuadMesh::add(const std::array<std::uint32_t, 4>& v) {
   for (const std::uint32_t vertex : v)
     if (!is_supported_[vertex]) return;
-  const std::array<TriangleCorners, 2> one = {{{v[0], v[1], v[2]}, {v[0], v[2], v[3]}}},
-                                       other = {{{v[0], v[1], v[3]}, {v[1], v[2], v[3]}}};
+  const std::array<TriangleCorners, 2> one = {{{v[0], v[1], v[2]}, {v[0], v[2], v[3]}}}, other = {{{v[0], v[1], v[3]}, {v[1], v[2], v[3]}}};
   const float fit_of_one = std::min(fit(one[0]), fit(one[1])), fit_of_other = std::min(fit(other[0]), fit(other[1]));
   const auto diagonal2 = [this](std::uint32_t a, std::uint32_t b) { return (mesh_.positions_m[a] - mesh_.positions_m[b]).squaredNorm(); };
   constexpr float kAlike = 0.01f;

@@ -42,6 +42,9 @@ struct EncodedChunk {
 
 class ChunkedModel {
  public:
+  // Points of less confidence are none.
+  explicit ChunkedModel(double least_confidence = 0) : least_confidence_(least_confidence) {}
+
   // Points that are not finite (position, normal, confidence) or lie beyond the range of the key are left out and counted; what their slot
   // held before is gone. Slots must be below kMaxSlots (CHECK).
   void apply(std::span<const SlotChange> changes);
@@ -86,6 +89,7 @@ class ChunkedModel {
   void remove(std::uint32_t slot);
   std::vector<Candidate> visible_points(const Chunk& chunk) const;
 
+  const double least_confidence_;
   std::vector<Entry> entries_;                                         // by slot
   std::vector<Chunk> chunks_;                                          // also those that are empty by now
   std::unordered_map<ChunkKey, std::uint32_t, KeyHash> chunk_by_key_;  // into chunks_

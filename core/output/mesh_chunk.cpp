@@ -33,8 +33,7 @@ struct StepGrid {
       high = high.cwiseMax(position_m);
     }
     const Eigen::Vector3d first = (low.cast<double>() / step_m).array().floor(), last = (high.cast<double>() / step_m).array().ceil();
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      corner_m[axis] = static_cast<float>(first[static_cast<Eigen::Index>(axis)] * step_m);
+    for (std::size_t axis = 0; axis < 3; ++axis) corner_m[axis] = static_cast<float>(first[static_cast<Eigen::Index>(axis)] * step_m);
     const double steps = std::min((last - first).maxCoeff(), std::ldexp(1.0, kMostChunk_bits));
     bits = std::max(1, static_cast<int>(std::bit_width(static_cast<std::uint32_t>(steps))));
     edge_m = static_cast<float>((std::ldexp(1.0, bits) - 1) * step_m);

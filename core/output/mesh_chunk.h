@@ -20,7 +20,8 @@ struct EncodedMesh {
 };
 inline constexpr double kMeshChunkStep_cells = 1.0 / 32;
 
-// Of a mesh without a texture, of any size up to 2^20 steps. kTooLarge: beyond that or kMaxTrianglesPerChunk; kUnsupported in Draco's words.
+// Of a mesh without a texture, of any size up to 2^20 steps. kTooLarge: beyond that or kMaxTrianglesPerChunk; kUnsupported in Draco's
+// words.
 Result<EncodedMesh> encode_mesh_chunk(const TriangleMesh& mesh, double cell_m);
 
 }  // namespace hermite
