@@ -4,7 +4,7 @@ import { BackSide, FrontSide, ShaderMaterial, type Texture } from 'three';
 
 const vertexShader = /* glsl */ `
 #ifdef HAS_COLOR
-attribute vec4 color;  // linear; what has three components gets a fourth one
+attribute vec4 color;  // what has three components gets a fourth one
 #endif
 #ifdef HAS_MAP
 varying vec2 vUv;
@@ -16,7 +16,11 @@ void main() {
   vUv = uv;
 #endif
 #ifdef HAS_COLOR
+#ifdef SRGB_COLOR
+  vColor = sRGBTransferEOTF(color).rgb;
+#else
   vColor = color.rgb;
+#endif
 #else
   vColor = vec3(0.6);
 #endif
@@ -30,6 +34,7 @@ const fragmentShader = /* glsl */ `
 uniform sampler2D map;
 uniform int colorMode;  // 0 shaded, 1 as it is, 2 normals
 uniform bool back, veil;
+uniform bool faded;  // of a part of the map that the camera is not in
 #ifdef HAS_MAP
 varying vec2 vUv;
 #endif
@@ -58,6 +63,7 @@ void main() {
     shown = mix(vec3(grey), shown, 0.35) * 0.42 + vec3(0.014, 0.016, 0.020);
     if (veil) alpha = 0.2 + 0.4 * (1.0 - facing);  // its outline stays
   }
+  if (faded) shown = mix(vec3(0.022, 0.027, 0.040), shown, 0.35);
   gl_FragColor = vec4(shown, alpha);
   #include <colorspace_fragment>
 }`;
@@ -65,23 +71,26 @@ void main() {
 export interface MeshLook {
   readonly colorMode: number;
   readonly veil: boolean;
+  readonly faded?: boolean;
 }
 
 export class MeshMaterial extends ShaderMaterial {
-  constructor({ back, map, hasColor }: { readonly back: boolean; readonly map: Texture | null; readonly hasColor: boolean }) {
+  // `color`: of the vertices.
+  constructor({ back, map, color }: { readonly back: boolean; readonly map: Texture | null; readonly color: 'none' | 'linear' | 'srgb' }) {
     super({
       vertexShader,
       fragmentShader: `#include <common>\n${fragmentShader}`,
       side: back ? BackSide : FrontSide,
       transparent: back,
-      defines: { ...(hasColor ? { HAS_COLOR: '' } : {}), ...(map ? { HAS_MAP: '' } : {}) },
-      uniforms: { map: { value: map }, colorMode: { value: 0 }, back: { value: back }, veil: { value: true } },
+      defines: { ...(color !== 'none' ? { HAS_COLOR: '' } : {}), ...(color === 'srgb' ? { SRGB_COLOR: '' } : {}), ...(map ? { HAS_MAP: '' } : {}) },
+      uniforms: { map: { value: map }, colorMode: { value: 0 }, back: { value: back }, veil: { value: true }, faded: { value: false } },
     });
   }
 
   show(look: MeshLook): void {
     this.uniforms['colorMode']!.value = look.colorMode;
     this.uniforms['veil']!.value = look.veil;
+    this.uniforms['faded']!.value = look.faded ?? false;
     if (this.side === BackSide) this.depthWrite = !look.veil;
   }
 }
