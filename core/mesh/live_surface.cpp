@@ -53,7 +53,7 @@ std::optional<double> live_cell_m(std::span<const SlotChange> surfels) {
   return std::clamp(kCellPerSpacing * static_cast<double>(*middle), kLeastLiveCell_m, kMostLiveCell_m);
 }
 
-LiveSurface::LiveSurface(double cell_m) : cell_m_(cell_m) {
+LiveSurface::LiveSurface(double cell_m, std::size_t most_surfels) : cell_m_(cell_m), most_surfels_(most_surfels) {
   CHECK(cell_m >= kLeastCell_m && cell_m <= kMostCell_m, "a cell of that size cannot be contoured");
 }
 

@@ -68,7 +68,8 @@ class LiveSurface {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  explicit LiveSurface(double cell_m);  // kLeastCell_m to kMostCell_m (CHECK)
+  // `cell_m`: kLeastCell_m to kMostCell_m (CHECK).
+  explicit LiveSurface(double cell_m, std::size_t most_surfels = kMostLiveSurfels);
 
   double cell_m() const { return cell_m_; }
 
@@ -81,7 +82,7 @@ class LiveSurface {
   void apply(std::span<const SlotChange> changes, Time now);
 
   std::size_t surfel_count() const { return surfel_count_; }
-  bool is_full() const { return surfel_count_ > kMostLiveSurfels || entries_.size() > 2 * kMostLiveSurfels; }
+  bool is_full() const { return surfel_count_ > most_surfels_ || entries_.size() > 2 * kMostLiveSurfels; }
   std::size_t dirty_count() const { return dirty_.size(); }
 
   // What to make next: where much is new comes first, nearest to `eye_m`; then what has waited longest. None: nothing that is due.
@@ -132,6 +133,7 @@ class LiveSurface {
   std::vector<FieldKernel> kernels_around(const SurfaceCube& cube, std::uint32_t& submap) const;
 
   const double cell_m_;
+  const std::size_t most_surfels_;
   std::vector<Entry> entries_;  // by slot
   std::vector<Submap> submaps_;
   std::map<std::uint32_t, SurfelGrid> grid_of_part_;
