@@ -29,7 +29,7 @@ constexpr double kSupport_spacings = 3;
 constexpr double kAlike_cells = 0.1;
 constexpr float kAlikeNormals = 0.9945f;  // 6 degrees
 constexpr int kAlikeColors = 8;
-constexpr float kAlikeConfidence = 1.5f;
+constexpr float kAlikeConfidence = 2;
 
 // A cube of which an eighth came or went shows something else.
 constexpr std::int32_t kFreshShare = 8;
@@ -69,9 +69,12 @@ std::optional<LiveSurface::Entry> LiveSurface::entry_of(const CloudPoint& point)
   return entry;
 }
 
-bool LiveSurface::is_alike(const Entry& a, const Entry& b) const {
-  return a.submap == b.submap && (a.position_m - b.position_m).norm() < static_cast<float>(kAlike_cells * cell_m_) &&
-         a.normal.dot(b.normal) > kAlikeNormals && is_alike_color(a.color, b.color) && a.confidence < kAlikeConfidence * b.confidence &&
+bool LiveSurface::is_at_one_place(const Entry& a, const Entry& b) const {
+  return a.submap == b.submap && (a.position_m - b.position_m).norm() < static_cast<float>(kAlike_cells * cell_m_);
+}
+
+bool LiveSurface::looks_alike(const Entry& a, const Entry& b) {
+  return a.normal.dot(b.normal) > kAlikeNormals && is_alike_color(a.color, b.color) && a.confidence < kAlikeConfidence * b.confidence &&
          b.confidence < kAlikeConfidence * a.confidence;
 }
 
@@ -162,6 +165,15 @@ void LiveSurface::remove(std::uint32_t slot, Time now) {
   --surfel_count_;
 }
 
+// Of a surfel that stays where it is held.
+void LiveSurface::repaint(std::uint32_t slot, const Entry& as, Time now) {
+  Entry& entry = entries_[slot];
+  entry.normal = as.normal;
+  entry.confidence = as.confidence;
+  entry.color = as.color;
+  touch(submaps_[entry.submap].placed.part, entry.world_m, radius_m(entry.neighbours), now);
+}
+
 void LiveSurface::apply(std::span<const SlotChange> changes, Time now) {
   for (const SlotChange& change : changes) {
     const std::uint32_t slot = change.slot;
@@ -173,7 +185,10 @@ void LiveSurface::apply(std::span<const SlotChange> changes, Time now) {
     }
     const bool was_there = slot < entries_.size() && entries_[slot].confidence > 0;
     if (!entry && !was_there) continue;
-    if (entry && was_there && is_alike(entries_[slot], *entry)) continue;
+    if (entry && was_there && is_at_one_place(entries_[slot], *entry)) {
+      if (!looks_alike(entries_[slot], *entry)) repaint(slot, *entry, now);
+      continue;
+    }
     if (was_there) {
       if (!entry) ++cube_around(slot).came_or_went;
       remove(slot, now);

@@ -13,8 +13,8 @@
 // What differs from what is held by less than can be seen is not taken over (kAlike... in the .cpp), and a submap stays where it was held
 // until it has moved by more than kMoved_cells. So the mesh is as far from that of the model as it is now.
 //
-// Memory: 64 bytes a slot up to the highest one used and 20 a surfel; beyond kMostLiveSurfels, or twice as many slots, whoever owns it lets it
-// go: 0.3 GB at most. One owner, one thread at a time.
+// Memory: 64 bytes a slot up to the highest one used and 20 a surfel; beyond kMostLiveSurfels, or twice as many slots, whoever owns it lets
+// it go: 0.3 GB at most. One owner, one thread at a time.
 #pragma once
 
 #include <Eigen/Core>
@@ -116,13 +116,15 @@ class LiveSurface {
   };
 
   static std::optional<Entry> entry_of(const CloudPoint& point);
-  bool is_alike(const Entry& a, const Entry& b) const;
+  bool is_at_one_place(const Entry& a, const Entry& b) const;
+  static bool looks_alike(const Entry& a, const Entry& b);
   bool is_in_reach(const Eigen::Vector3f& world_m) const;
   float spacing_m(std::int32_t neighbours) const;
   float radius_m(std::int32_t neighbours) const;  // of the support
   SurfelGrid& grid_of(std::uint32_t part);
   void insert(std::uint32_t slot, Time now);
   void remove(std::uint32_t slot, Time now);
+  void repaint(std::uint32_t slot, const Entry& as, Time now);
   void count_neighbour(std::uint32_t slot, int by, Time now);
   void touch(std::uint32_t part, const Eigen::Vector3f& world_m, float reach_m, Time now);
   Cube& cube_around(std::uint32_t slot);

@@ -63,7 +63,7 @@ struct Watch {
 };
 struct ViewScan {
   std::string scan_id;
-  Watch watch;  // of a viewer before minor 6: points
+  Watch watch = {};  // of a viewer before minor 6: points
 };
 struct ResumeScan {
   std::string scan_id;

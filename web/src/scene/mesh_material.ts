@@ -17,7 +17,7 @@ void main() {
 #endif
 #ifdef HAS_COLOR
 #ifdef SRGB_COLOR
-  vColor = sRGBTransferEOTF(color).rgb;
+  vColor = mix(pow((color.rgb + 0.055) / 1.055, vec3(2.4)), color.rgb / 12.92, vec3(lessThanEqual(color.rgb, vec3(0.04045))));
 #else
   vColor = color.rgb;
 #endif
