@@ -9,8 +9,8 @@
 namespace hermite {
 namespace {
 
-// Two cells around the cube: quads need the pieces of the cells below, and these the crossings of the cells around them.
-constexpr int kMargin = 2;
+// Quads need the pieces of the cells below, and these the crossings of the cells around them.
+constexpr int kMargin = kCubeMargin;
 constexpr int kSide = kCubeCells + 2 * kMargin;  // corners along an axis: cells -2 to 32 and one more
 constexpr std::size_t kCorners = std::size_t{kSide} * kSide * kSide;
 
@@ -51,7 +51,8 @@ class CubeContour {
         first_cell_(cube * kCubeCells - Eigen::Vector3i::Constant(kMargin)),
         window_(field, first_cell_, first_cell_ + Eigen::Vector3i::Constant(kSide)) {}
 
-  CubeSurface contour() {
+  // With the vertices of so many cells below the cube.
+  CubeSurface contour(int cells_below) {
     if (window_.empty()) return {};
     add_kernels();
     decide_sides();
@@ -59,7 +60,7 @@ class CubeContour {
     if (crossings_.empty()) return {};
     find_pieces();
     CubeSurface surface;
-    make_vertices(surface);
+    make_vertices(cells_below, surface);
     make_quads(surface);
     return surface;
   }
@@ -79,11 +80,11 @@ class CubeContour {
   void find_crossings();
   void find_crossing(const Eigen::Vector3i& corner, int axis);
   std::uint8_t inside_bits(const Eigen::Vector3i& cell) const;
-  std::uint16_t crossed_bits(const Eigen::Vector3i& cell) const;
+  void mark_crossed(const Eigen::Vector3i& corner, int axis);
   int crossing_of(const Eigen::Vector3i& cell, int edge) const;
   void find_pieces();
   void join_faces(const Eigen::Vector3i& cell);
-  void make_vertices(CubeSurface& surface);
+  void make_vertices(int cells_below, CubeSurface& surface);
   CubeVertex make_vertex(const Eigen::Vector3i& cell, int piece);
   void make_quads(CubeSurface& surface) const;
   void make_quad(const Eigen::Vector3i& corner, int axis, CubeSurface& surface) const;
@@ -204,18 +205,25 @@ int CubeContour::crossing_of(const Eigen::Vector3i& cell, int edge) const {
   return crossing_by_edge_[at(cell + Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2))][static_cast<std::size_t>(edge / 4)];
 }
 
-std::uint16_t CubeContour::crossed_bits(const Eigen::Vector3i& cell) const {
-  unsigned bits = 0;
-  for (int edge = 0; edge < kCellEdges; ++edge)
-    if (crossing_of(cell, edge) >= 0) bits |= 1u << edge;
-  return static_cast<std::uint16_t>(bits);
+// In the four cells around the edge.
+void CubeContour::mark_crossed(const Eigen::Vector3i& corner, int axis) {
+  const int at_b = (axis + 1) % 3, at_c = (axis + 2) % 3;
+  for (int around = 0; around < 4; ++around) {
+    const int b = around & 1, c = around >> 1;
+    if (corner[at_b] < b || corner[at_c] < c) continue;
+    Cell& cell = cells_[at(corner - b * Eigen::Vector3i::Unit(at_b) - c * Eigen::Vector3i::Unit(at_c))];
+    cell.crossed = static_cast<std::uint16_t>(cell.crossed | 1u << (4 * axis + b + 2 * c));
+  }
 }
 
 void CubeContour::find_pieces() {
   cells_.assign(kCorners, {});
+  for_each(0, kSide, [this](const Eigen::Vector3i& corner) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (crossing_by_edge_[at(corner)][static_cast<std::size_t>(axis)] >= 0) mark_crossed(corner, axis);
+  });
   for_each(0, kSide - 1, [this](const Eigen::Vector3i& corner) {
     Cell& cell = cells_[at(corner)];
-    cell.crossed = crossed_bits(corner);
     if (cell.crossed == 0) return;
     cell.inside = inside_bits(corner);
     cell.pieces = pieces_of_cell(cell.inside, cell.crossed, 0);
@@ -239,8 +247,8 @@ void CubeContour::join_faces(const Eigen::Vector3i& cell) {
   }
 }
 
-void CubeContour::make_vertices(CubeSurface& surface) {
-  for_each(kMargin, kMargin + kCubeCells, [&](const Eigen::Vector3i& cell) {
+void CubeContour::make_vertices(int cells_below, CubeSurface& surface) {
+  for_each(kMargin - cells_below, kMargin + kCubeCells, [&](const Eigen::Vector3i& cell) {
     const Cell& here = cells_[at(cell)];
     if (here.crossed == 0) return;
     for (int piece = 0; piece < here.pieces.count; ++piece) surface.vertices.push_back(make_vertex(cell, piece));
@@ -315,6 +323,13 @@ Eigen::Vector3i cell_of(VertexKey key) {
   return {part(4), part(24), part(44)};
 }
 
-CubeSurface contour_cube(const SurfelField& field, const Eigen::Vector3i& cube) { return CubeContour(field, cube).contour(); }
+Eigen::Vector3i cube_of(const Eigen::Vector3i& cell) {
+  const auto part = [](int value) { return value >= 0 ? value / kCubeCells : -((kCubeCells - 1 - value) / kCubeCells); };
+  return {part(cell.x()), part(cell.y()), part(cell.z())};
+}
+
+CubeSurface contour_cube(const SurfelField& field, const Eigen::Vector3i& cube) { return CubeContour(field, cube).contour(0); }
+
+CubeSurface contour_whole_cube(const SurfelField& field, const Eigen::Vector3i& cube) { return CubeContour(field, cube).contour(1); }
 
 }  // namespace hermite

@@ -19,6 +19,8 @@ using VertexKey = std::uint64_t;
 VertexKey vertex_key(const Eigen::Vector3i& cell, int piece);
 Eigen::Vector3i cell_of(VertexKey key);
 
+Eigen::Vector3i cube_of(const Eigen::Vector3i& cell);  // that the cell is of
+
 struct CubeVertex {
   VertexKey key = 0;
   Eigen::Vector3f position_m = Eigen::Vector3f::Zero();
@@ -38,5 +40,11 @@ struct CubeSurface {
 
 // `cube` spans the cells from kCubeCells * cube on. Thread-safe.
 CubeSurface contour_cube(const SurfelField& field, const Eigen::Vector3i& cube);
+
+// The same with the vertices of the cells next below, as the cubes there have them: all that its quads need.
+CubeSurface contour_whole_cube(const SurfelField& field, const Eigen::Vector3i& cube);
+
+// The cells around a cube that its surface depends on.
+inline constexpr int kCubeMargin = 2;
 
 }  // namespace hermite

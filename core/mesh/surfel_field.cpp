@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "core/output/spacing.h"
 
@@ -49,10 +50,6 @@ float median_of(std::vector<float> values) {
   return *middle;
 }
 
-// A kernel counts by how well its surfel is known. Beyond three times what makes one stable (map.stable_confidence) nothing is gained, and
-// an old one must not outweigh all around it.
-constexpr float kMostConfidence = 10;
-
 // Of a cloud that says nothing of confidence every point counts alike.
 std::vector<FieldKernel> kernels_of(const Cloud& cloud) {
   const bool is_known = std::any_of(cloud.begin(), cloud.end(), [](const CloudPoint& point) { return point.confidence > 0; });
@@ -66,6 +63,21 @@ std::vector<FieldKernel> kernels_of(const Cloud& cloud) {
 }
 
 }  // namespace
+
+void spread(FieldKernel& kernel, float spacing_m, double support_spacings, double cell_m) {
+  const double wanted_m = support_spacings * static_cast<double>(spacing_m);
+  kernel.radius_m = static_cast<float>(std::clamp(wanted_m, kLeastSupport_cells * cell_m, kMostSupport_cells * cell_m));
+  kernel.weight /= kernel.radius_m * kernel.radius_m;
+  kernel.area = spacing_m * spacing_m / (kernel.radius_m * kernel.radius_m * static_cast<float>(kSupportOfPlane));
+}
+
+SurfelField SurfelField::of(std::vector<FieldKernel> kernels, double cell_m) {
+  SurfelField field;
+  field.cell_m_ = cell_m;
+  for (const FieldKernel& kernel : kernels) field.reach_m_ = std::max(field.reach_m_, kernel.radius_m);
+  field.sort_into_bins(std::move(kernels));
+  return field;
+}
 
 Result<SurfelField> SurfelField::create(const Cloud& cloud, const FieldOptions& options) {
   SurfelField field;
@@ -86,10 +98,7 @@ Result<SurfelField> SurfelField::create(const Cloud& cloud, const FieldOptions& 
     if (!(kernel.position_m.cwiseAbs().maxCoeff() < most_m))
       return Error{ErrorCode::kInvalidArgument,
                    "a point lies more than " + std::to_string(most_m) + " m from the origin, too far for cells of this size"};
-    const double wanted_m = options.support_spacings * static_cast<double>(spacings[i]);
-    kernel.radius_m = static_cast<float>(std::clamp(wanted_m, kLeastSupport_cells * field.cell_m_, kMostSupport_cells * field.cell_m_));
-    kernel.weight /= kernel.radius_m * kernel.radius_m;
-    kernel.area = spacings[i] * spacings[i] / (kernel.radius_m * kernel.radius_m * static_cast<float>(kSupportOfPlane));
+    spread(kernel, spacings[i], options.support_spacings, field.cell_m_);
     field.reach_m_ = std::max(field.reach_m_, kernel.radius_m);
   }
   field.sort_into_bins(std::move(kernels));
@@ -136,23 +145,50 @@ FieldWindow::FieldWindow(const SurfelField& field, const Eigen::Vector3i& first_
         bins_.push_back(field.bin(first_bin_ + Eigen::Vector3i(x, y, z)));
         kernel_count_ += bins_.back().size();
       }
+  const auto box_of = [](int cell) { return cell >= 0 ? cell / kBoxCells : -((kBoxCells - 1 - cell) / kBoxCells); };
+  first_box_ = first_cell.unaryExpr(box_of);
+  box_counts_ = last_cell.unaryExpr(box_of) - first_box_ + Eigen::Vector3i::Ones();
+  reaching_.resize(static_cast<std::size_t>(box_counts_.prod()));
 }
 
-void FieldWindow::find_near(const Eigen::Vector3f& point_m) {
-  near_.clear();
+void FieldWindow::add_if_near(const FieldKernel& kernel, const Eigen::Vector3f& point_m) {
+  const Eigen::Vector3f from_kernel_m = point_m - kernel.position_m;
+  const float distance2 = from_kernel_m.squaredNorm();
+  if (!(distance2 < kernel.radius_m * kernel.radius_m)) return;
+  const float s = 1 - std::sqrt(distance2) / kernel.radius_m;
+  near_.push_back({&kernel, from_kernel_m, kernel.weight * s * s * s});
+}
+
+const std::vector<const FieldKernel*>& FieldWindow::reaching(const Eigen::Vector3i& box) {
+  Reaching& reaching = reaching_[static_cast<std::size_t>((box.z() * box_counts_.y() + box.y()) * box_counts_.x() + box.x())];
+  if (std::exchange(reaching.is_made, true)) return reaching.kernels;
+  // A little wider than it is: rounding must not lose one.
+  const double spare_m = 0.01 * field_.cell_m();
+  const auto corner_m = [&](const Eigen::Vector3i& at, double beyond_m) -> Eigen::Vector3f {
+    return ((first_box_ + at).cast<double>() * (kBoxCells * field_.cell_m()) + Eigen::Vector3d::Constant(beyond_m)).cast<float>();
+  };
+  const Eigen::Vector3f low_m = corner_m(box, -spare_m), high_m = corner_m(box + Eigen::Vector3i::Ones(), spare_m);
   const Eigen::Vector3f reach_m = Eigen::Vector3f::Constant(field_.reach_m());
-  const Eigen::Vector3i first = (field_.bin_of(point_m - reach_m) - first_bin_).cwiseMax(0);
-  const Eigen::Vector3i last = (field_.bin_of(point_m + reach_m) - first_bin_).cwiseMin(bin_counts_ - Eigen::Vector3i::Ones());
+  const Eigen::Vector3i first = (field_.bin_of(low_m - reach_m) - first_bin_).cwiseMax(0);
+  const Eigen::Vector3i last = (field_.bin_of(high_m + reach_m) - first_bin_).cwiseMin(bin_counts_ - Eigen::Vector3i::Ones());
   for (int z = first.z(); z <= last.z(); ++z)
     for (int y = first.y(); y <= last.y(); ++y)
       for (int x = first.x(); x <= last.x(); ++x)
         for (const FieldKernel& kernel : bins_[static_cast<std::size_t>((z * bin_counts_.y() + y) * bin_counts_.x() + x)]) {
-          const Eigen::Vector3f from_kernel_m = point_m - kernel.position_m;
-          const float distance2 = from_kernel_m.squaredNorm();
-          if (!(distance2 < kernel.radius_m * kernel.radius_m)) continue;
-          const float s = 1 - std::sqrt(distance2) / kernel.radius_m;
-          near_.push_back({&kernel, from_kernel_m, kernel.weight * s * s * s});
+          const Eigen::Vector3f nearest_m = kernel.position_m.cwiseMax(low_m).cwiseMin(high_m);
+          if ((nearest_m - kernel.position_m).squaredNorm() < kernel.radius_m * kernel.radius_m) reaching.kernels.push_back(&kernel);
         }
+  return reaching.kernels;
+}
+
+void FieldWindow::find_near(const Eigen::Vector3f& point_m) {
+  near_.clear();
+  const Eigen::Vector3i box = (point_m.cast<double>() / (kBoxCells * field_.cell_m())).array().floor().cast<int>() - first_box_.array();
+  if ((box.array() >= 0).all() && (box.array() < box_counts_.array()).all()) {
+    for (const FieldKernel* kernel : reaching(box)) add_if_near(*kernel, point_m);
+  } else {
+    for_each_kernel([&](const FieldKernel& kernel) { add_if_near(kernel, point_m); });
+  }
 }
 
 // The paper's field: its value by the sum of weights, and the direction of the mean normal.

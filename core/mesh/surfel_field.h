@@ -38,6 +38,13 @@ struct FieldKernel {
   Rgb8 color;
 };
 
+// A kernel counts by how well its surfel is known. Beyond three times what makes one stable (map.stable_confidence) nothing is gained, and
+// an old one must not outweigh all around it.
+inline constexpr float kMostConfidence = 10;
+
+// Radius, weight and area of a kernel whose `weight` is its confidence yet, from the distance to its neighbours.
+void spread(FieldKernel& kernel, float spacing_m, double support_spacings, double cell_m);
+
 // The field at a point. `value_m` and `normal` belong to the sheet of surface that is nearest to the point.
 struct FieldSample {
   float value_m = 0;                                 // signed distance to the surface, by planes
@@ -54,6 +61,9 @@ class SurfelField {
   // Leaves out points whose position or normal is no number, whose normal has no direction, or that have no confidence where others have.
   // kInvalidArgument: no point left, or a cell outside kLeastCell_m to kMostCell_m, or points so far apart that cells cannot be counted.
   static Result<SurfelField> create(const Cloud& cloud, const FieldOptions& options);
+
+  // Of kernels that are made already, whose order within a bin stays. Their positions are within kMostCell cells (CHECK).
+  static SurfelField of(std::vector<FieldKernel> kernels, double cell_m);
 
   double cell_m() const { return cell_m_; }
   float reach_m() const { return reach_m_; }  // of the widest support
@@ -111,6 +121,8 @@ class FieldWindow {
     float weight = 0;
   };
   void find_near(const Eigen::Vector3f& point_m);
+  void add_if_near(const FieldKernel& kernel, const Eigen::Vector3f& point_m);
+  const std::vector<const FieldKernel*>& reaching(const Eigen::Vector3i& box);
   void begin(FieldSample& sample) const;
   void keep_to_one_sheet(FieldSample& sample) const;
 
@@ -119,6 +131,15 @@ class FieldWindow {
   std::vector<std::span<const FieldKernel>> bins_;  // x runs fastest
   std::size_t kernel_count_ = 0;
   std::vector<Near> near_;  // of the last point
+
+  // Kernels whose support reaches a box of kBoxCells cells, in the field's order; made when a point in the box is asked for.
+  static constexpr int kBoxCells = 2;
+  struct Reaching {
+    bool is_made = false;
+    std::vector<const FieldKernel*> kernels;
+  };
+  Eigen::Vector3i first_box_, box_counts_;
+  std::vector<Reaching> reaching_;  // x runs fastest
 };
 
 }  // namespace hermite

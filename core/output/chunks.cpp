@@ -116,7 +116,7 @@ Result<std::string> encode_draco(const Columns& columns, const Grid& grid) {
 
 }  // namespace
 
-ChunkedModel::ChunkedModel(std::uint8_t level) : level_(level) {
+ChunkedModel::ChunkedModel(std::uint8_t level, double least_confidence) : level_(level), least_confidence_(least_confidence) {
   CHECK(level <= kCoarsestLevel, "level " + std::to_string(level) + " of chunks");
 }
 
@@ -198,7 +198,7 @@ void ChunkedModel::set(std::uint32_t slot, const CloudPoint& point) {
 void ChunkedModel::apply(std::span<const SlotChange> changes) {
   for (const SlotChange& change : changes) {
     CHECK(change.slot < kMaxSlots, "slot " + std::to_string(change.slot) + " is not below " + std::to_string(kMaxSlots));
-    if (change.alive) {
+    if (change.alive && !(static_cast<double>(change.point.confidence) < least_confidence_)) {
       set(change.slot, change.point);
     } else {
       remove(change.slot);

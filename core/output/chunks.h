@@ -44,7 +44,8 @@ struct EncodedChunk {
 
 class ChunkedModel {
  public:
-  explicit ChunkedModel(std::uint8_t level = 0);  // at most kCoarsestLevel (CHECK)
+  // `level`: at most kCoarsestLevel (CHECK). Points of less confidence than `least_confidence` are none.
+  explicit ChunkedModel(std::uint8_t level = 0, double least_confidence = 0);
 
   // Points that are not finite (position, normal, confidence) or lie beyond the range of the key are left out and counted; what their slot
   // held before is gone. Slots must be below kMaxSlots (CHECK).
@@ -91,6 +92,7 @@ class ChunkedModel {
   std::vector<Candidate> visible_points(const Chunk& chunk) const;
 
   const std::uint8_t level_;
+  const double least_confidence_;
   std::vector<Entry> entries_;                                         // by slot
   std::vector<Chunk> chunks_;                                          // also those that are empty by now
   std::unordered_map<ChunkKey, std::uint32_t, KeyHash> chunk_by_key_;  // into chunks_

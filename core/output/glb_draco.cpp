@@ -9,6 +9,8 @@
 #include <exception>
 #include <memory>
 
+#include "core/output/draco_mesh.h"
+
 namespace hermite {
 namespace {
 
@@ -17,19 +19,6 @@ constexpr int kGlbNormal_bits = 10;
 constexpr int kGlbDracoSpeed = 0;
 constexpr int kMaxPosition_bits = 24, kMinPosition_bits = 8;
 
-// Adds an attribute whose values are of vertices, and returns its id in the mesh.
-template <class Row>
-int add_vertex_attribute(draco::Mesh& mesh, draco::GeometryAttribute::Type type, draco::DataType data_type, int components, bool normalized,
-                         const std::vector<Row>& rows) {
-  draco::GeometryAttribute attribute;
-  attribute.Init(type, nullptr, static_cast<std::uint8_t>(components), data_type, normalized, components * draco::DataTypeLength(data_type),
-                 0);
-  const int id = mesh.AddAttribute(attribute, true, static_cast<draco::AttributeValueIndex::ValueType>(rows.size()));
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    mesh.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(static_cast<std::uint32_t>(i)), rows[i].data());
-  return id;
-}
-
 int unique_id(const draco::Mesh& mesh, int id) { return id < 0 ? 0 : static_cast<int>(mesh.attribute(id)->unique_id()); }
 
 Error draco_refused(const std::string& words) { return {ErrorCode::kUnsupported, "Draco refused the mesh: " + words}; }
@@ -37,13 +26,7 @@ Error draco_refused(const std::string& words) { return {ErrorCode::kUnsupported,
 Result<DracoPart> encode_part(const GlbPart& part, const DracoGrid& grid, int texture_edge_px) {
   using Attribute = draco::GeometryAttribute;
   draco::Mesh mesh;
-  mesh.set_num_points(static_cast<std::uint32_t>(part.positions.size()));
-  mesh.SetNumFaces(part.triangles.size());
-  for (std::size_t i = 0; i < part.triangles.size(); ++i) {
-    draco::Mesh::Face face;
-    for (std::size_t k = 0; k < 3; ++k) face[k] = draco::PointIndex(part.triangles[i][k]);
-    mesh.SetFace(draco::FaceIndex(static_cast<std::uint32_t>(i)), face);
-  }
+  set_triangles(mesh, part.positions.size(), part.triangles);
   const int position = add_vertex_attribute(mesh, Attribute::POSITION, draco::DT_FLOAT32, 3, false, part.positions);
   const int normal = add_vertex_attribute(mesh, Attribute::NORMAL, draco::DT_FLOAT32, 3, false, part.normals);
   int color = -1, texture = -1;

@@ -143,6 +143,8 @@ std::vector<Setting> list_settings(const Options& options) {
   return settings;
 }
 
+double least_output_confidence(const Options& options) { return options.output_unstable ? 1e-6 : options.map.stable_confidence; }
+
 Status apply_setting(Options& options, const std::string& key, const std::string& value) {
   for (const Row& row : rows()) {
     if (key != row.key) continue;

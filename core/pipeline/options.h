@@ -20,6 +20,9 @@ struct Options {
   bool output_unstable = false;  // export surfels that are not stable too
 };
 
+// Of the surfels that cloud() has.
+double least_output_confidence(const Options& options);
+
 // One row of `--help`, of report.json's "settings" and of the protocol's settings map.
 struct Setting {
   std::string key;          // "track.geometric_weight"

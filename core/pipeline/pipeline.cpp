@@ -75,6 +75,7 @@ struct Pipeline::Impl {
   static void change_fields(Bytes& bytes, Saved& saved);
   Status restore(ByteReader& bytes);
   void report_slots_left(std::vector<SlotChange>& changes);
+  bool is_meshed(const Surfel& surfel) const { return surfel.confidence >= kMeshedConfidence || reconstruction->is_output(surfel); }
   Result<Cloud> cloud_of(const std::function<bool(const Surfel&)>& is_wanted);
 
   const std::string device;
@@ -312,8 +313,7 @@ Result<Cloud> Pipeline::cloud() {
 }
 
 Result<Cloud> Pipeline::surfels() {
-  return impl_->cloud_of(
-      [this](const Surfel& surfel) { return surfel.confidence >= kMeshedConfidence || impl_->reconstruction->is_output(surfel); });
+  return impl_->cloud_of([this](const Surfel& surfel) { return impl_->is_meshed(surfel); });
 }
 
 Result<std::vector<SlotChange>> Pipeline::take_changes() {
@@ -324,7 +324,7 @@ Result<std::vector<SlotChange>> Pipeline::take_changes() {
     for (const auto& [number, surfel, changed_frame] : now.front_end.store.changed_blocks(impl.changes_since)) {
       if (changed_frame <= impl.changes_since) continue;
       if (impl.published.size() <= number) impl.published.resize(number + kSlotsPerBlock, false);
-      const bool alive = now.is_output(surfel);
+      const bool alive = impl.is_meshed(surfel);
       if (alive || impl.published[number]) changes.push_back({number, alive, alive ? to_cloud_point(surfel, Rigid3{}) : CloudPoint{}});
       impl.published[number] = alive;
     }

@@ -127,7 +127,8 @@ class Pipeline {
   // certain of, since their neighbours say the same.
   Result<Cloud> surfels();
 
-  // Slots that changed since the last call, in slot order, in submap frames: enough to keep a mirror of what cloud() would return.
+  // Slots that changed since the last call, in slot order, in submap frames: enough to keep a mirror of what surfels() would return, and so
+  // of cloud(), which has those of them with at least least_output_confidence().
   Result<std::vector<SlotChange>> take_changes();
 
   // The next take_changes() is of everything: for a mirror that begins anew.

@@ -42,9 +42,7 @@ struct Reconstruction {
   void restore(ByteReader& bytes);
 
   const MapLayout& layout() const { return mapping ? mapping->layout() : one_submap; }
-  bool is_output(const Surfel& surfel) const {
-    return surfel.confidence >= (options.output_unstable ? 1e-6 : options.map.stable_confidence);
-  }
+  bool is_output(const Surfel& surfel) const { return surfel.confidence >= least_output_confidence(options); }
 
   // Steps of the above.
   template <class Bytes, class Saved>

@@ -56,6 +56,8 @@ Result<StartScan> start_scan_from(const v1::StartScan& message) {
   return start;
 }
 
+Watch watch_from(const v1::Watch& message) { return {message.points(), message.mesh()}; }
+
 Result<ClientMessage> hello_from(v1::Hello& message) {
   Hello hello;
   hello.protocol_minor = message.protocol_minor();
@@ -73,7 +75,8 @@ Result<ClientMessage> hello_from(v1::Hello& message) {
     case v1::Hello::kViewScan: {
       if (Status status = check_text("view_scan.scan_id", message.view_scan().scan_id(), kMaxScanIdBytes); !status.ok())
         return status.error();
-      hello.role = ViewScan{message.view_scan().scan_id()};
+      hello.role =
+          ViewScan{message.view_scan().scan_id(), message.view_scan().has_watch() ? watch_from(message.view_scan().watch()) : Watch{}};
       return ClientMessage(std::move(hello));
     }
     case v1::Hello::kResumeScan: {
@@ -100,6 +103,11 @@ void write_start_scan(const StartScan& start, v1::StartScan& message) {
   message.set_frame_patience_s(start.frame_patience_s);
 }
 
+void write_watch(const Watch& watch, v1::Watch& message) {
+  message.set_points(watch.points);
+  message.set_mesh(watch.mesh);
+}
+
 // One overload a body: a new one does not compile until it is written here.
 struct Writer {
   v1::ClientMessage& message;
@@ -111,7 +119,10 @@ struct Writer {
     out.set_client(std::move(hello.client));
     out.set_token(std::move(hello.token));
     if (const StartScan* start = std::get_if<StartScan>(&hello.role)) write_start_scan(*start, *out.mutable_start_scan());
-    if (const ViewScan* view = std::get_if<ViewScan>(&hello.role)) out.mutable_view_scan()->set_scan_id(view->scan_id);
+    if (const ViewScan* view = std::get_if<ViewScan>(&hello.role)) {
+      out.mutable_view_scan()->set_scan_id(view->scan_id);
+      write_watch(view->watch, *out.mutable_view_scan()->mutable_watch());
+    }
     if (ResumeScan* resume = std::get_if<ResumeScan>(&hello.role)) {
       out.mutable_resume_scan()->set_scan_id(std::move(resume->scan_id));
       out.mutable_resume_scan()->set_resume_token(std::move(resume->resume_token));
@@ -131,6 +142,7 @@ struct Writer {
   void operator()(Pause&) const { message.mutable_pause(); }
   void operator()(Unpause&) const { message.mutable_unpause(); }
   void operator()(Discard&) const { message.mutable_discard(); }
+  void operator()(Watch& watch) const { write_watch(watch, *message.mutable_watch()); }
 };
 
 }  // namespace
@@ -151,6 +163,7 @@ Result<ClientMessage> parse_client_message(std::string_view bytes, std::size_t m
     case v1::ClientMessage::kPause: return ClientMessage(Pause{});
     case v1::ClientMessage::kUnpause: return ClientMessage(Unpause{});
     case v1::ClientMessage::kDiscard: return ClientMessage(Discard{});
+    case v1::ClientMessage::kWatch: return ClientMessage(watch_from(message.watch()));
     case v1::ClientMessage::BODY_NOT_SET: break;
   }
   return ClientMessage(Unknown{});

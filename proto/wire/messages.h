@@ -21,7 +21,7 @@ namespace hermite::wire {
 
 inline constexpr const char* kSubprotocol = "hermite.v1";
 inline constexpr const char* kEndpoint = "/api/v1/ws";
-inline constexpr std::uint32_t kProtocolMinor = 5;
+inline constexpr std::uint32_t kProtocolMinor = 6;
 inline constexpr std::uint32_t kMinorWithResume = 2;   // both ends must have it for a scan to outlive its connection
 inline constexpr std::uint32_t kMinorWithWaiting = 3;  // a camera of it can wait for a place
 
@@ -57,8 +57,13 @@ struct StartScan {
   std::uint64_t expected_frames = 0;   // 0: unknown
   std::uint32_t frame_patience_s = 0;  // 0: what the server grants
 };
+// What of the model a viewer wants to see while the scan runs.
+struct Watch {
+  bool points = true, mesh = false;
+};
 struct ViewScan {
   std::string scan_id;
+  Watch watch = {};  // of a viewer before minor 6: points
 };
 struct ResumeScan {
   std::string scan_id;
@@ -88,7 +93,7 @@ struct ViewerAck {
 struct Ping {
   std::uint64_t id = 0;
 };
-using ClientMessage = std::variant<Unknown, Hello, Frame, Finish, ViewerAck, Ping, Pause, Unpause, Discard>;
+using ClientMessage = std::variant<Unknown, Hello, Frame, Finish, ViewerAck, Ping, Pause, Unpause, Discard, Watch>;
 
 // ---- server to client
 
@@ -168,6 +173,18 @@ struct Chunk {
   std::uint32_t point_count = 0;  // 0 removes the chunk
   std::string draco;
 };
+struct MeshCube {
+  std::uint32_t part = 0;
+  std::int32_t x = 0, y = 0, z = 0;
+  bool operator==(const MeshCube&) const = default;
+};
+struct MeshChunk {
+  MeshCube cube;
+  std::uint64_t version = 0;
+  std::uint32_t submap = 0;          // in whose frame it is
+  std::uint32_t triangle_count = 0;  // 0 removes the piece
+  std::string draco;
+};
 struct SubmapPose {
   std::uint32_t submap = 0;
   Rigid3 world_from_submap;
@@ -207,6 +224,6 @@ struct TrajectoryPart {
   std::vector<std::uint32_t> submaps;
 };
 using ServerMessage = std::variant<Unknown, Welcome, FrameResult, Credit, Chunk, SubmapPoses, ScanState, Finished, ErrorMessage, Pong,
-                                   SnapshotEnd, TrajectoryPart, Resumed, NotResumed, GoAway, Waiting>;
+                                   SnapshotEnd, TrajectoryPart, Resumed, NotResumed, GoAway, Waiting, MeshChunk>;
 
 }  // namespace hermite::wire

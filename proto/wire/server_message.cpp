@@ -104,6 +104,15 @@ ServerMessage chunk_from(v1::Chunk& message) {
                std::move(*message.mutable_draco())};
 }
 
+ServerMessage mesh_chunk_from(v1::MeshChunk& message) {
+  const v1::MeshCube& cube = message.cube();
+  return MeshChunk{{cube.part(), cube.x(), cube.y(), cube.z()},
+                   message.version(),
+                   message.submap(),
+                   message.triangle_count(),
+                   std::move(*message.mutable_draco())};
+}
+
 Result<ServerMessage> submap_poses_from(const v1::SubmapPoses& message) {
   if (message.poses_size() > static_cast<int>(kMaxSubmaps))
     return Error{ErrorCode::kTooLarge,
@@ -214,6 +223,17 @@ struct Writer {
     out.set_point_count(chunk.point_count);
     out.set_draco(std::move(chunk.draco));
   }
+  void operator()(MeshChunk& chunk) const {
+    v1::MeshChunk& out = *message.mutable_mesh_chunk();
+    out.mutable_cube()->set_part(chunk.cube.part);
+    out.mutable_cube()->set_x(chunk.cube.x);
+    out.mutable_cube()->set_y(chunk.cube.y);
+    out.mutable_cube()->set_z(chunk.cube.z);
+    out.set_version(chunk.version);
+    out.set_submap(chunk.submap);
+    out.set_triangle_count(chunk.triangle_count);
+    out.set_draco(std::move(chunk.draco));
+  }
   void operator()(SubmapPoses& poses) const {
     v1::SubmapPoses& out = *message.mutable_submap_poses();
     for (const SubmapPose& pose : poses.poses) {
@@ -281,6 +301,7 @@ Result<ServerMessage> parse_server_message(std::string_view bytes, std::size_t m
     case v1::ServerMessage::kNotResumed: return ServerMessage(NotResumed{std::move(*message.mutable_not_resumed()->mutable_reason())});
     case v1::ServerMessage::kGoAway: return ServerMessage(GoAway{message.go_away().resume_after_ms()});
     case v1::ServerMessage::kWaiting: return ServerMessage(Waiting{message.waiting().before(), message.waiting().expected_s()});
+    case v1::ServerMessage::kMeshChunk: return mesh_chunk_from(*message.mutable_mesh_chunk());
     case v1::ServerMessage::kTrajectoryPart: return trajectory_from(message.trajectory_part());
     case v1::ServerMessage::BODY_NOT_SET: break;
   }

@@ -75,6 +75,7 @@ class StreamSession {
   // For viewers; a camera that gets one anyway has no use for it.
   void receive(const wire::Chunk&) { ++progress_.unknown_messages; }
   void receive(const wire::SnapshotEnd&) { ++progress_.unknown_messages; }
+  void receive(const wire::MeshChunk&) { ++progress_.unknown_messages; }
   void receive(const wire::TrajectoryPart&) { ++progress_.unknown_messages; }
 
   FrameSource& source_;

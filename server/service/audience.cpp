@@ -66,9 +66,28 @@ void Audience::show_model(ModelUpdate update) {
   show_poses(std::move(update.poses));
   for (ChunkUpdate& chunk : update.chunks) chunks_[chunk.key] = {std::move(chunk.message), chunk.empty};
   for (Viewer* viewer : viewers_) {
-    for (const ChunkUpdate& chunk : update.chunks) viewer->dirty_.insert(chunk.key);
+    for (const ChunkUpdate& chunk : update.chunks) viewer->chunks_.add(chunk.key);
   }
   wake_all();
+}
+
+void Audience::show_mesh(MeshUpdate update) {
+  for (MeshPiece& piece : update.pieces) {
+    pieces_[piece.cube] = {std::move(piece.message), piece.empty};
+    for (Viewer* viewer : viewers_) viewer->pieces_.add(piece.cube);
+  }
+  mesh_ended_ = mesh_ended_ || update.ended;
+  wake_all();
+}
+
+void Audience::tell_mesh_wanted(std::function<void(bool)> tell) {
+  tell_mesh_wanted_ = std::move(tell);
+  if (tell_mesh_wanted_) tell_mesh_wanted_(mesh_wanted_);
+}
+
+void Audience::ask_for_mesh() {
+  const bool wanted = std::any_of(viewers_.begin(), viewers_.end(), [](const Viewer* viewer) { return viewer->sees_mesh(); });
+  if (std::exchange(mesh_wanted_, wanted) != wanted && tell_mesh_wanted_) tell_mesh_wanted_(wanted);
 }
 
 wire::TrajectoryPart Audience::trajectory() const {
@@ -89,30 +108,42 @@ void Audience::close() {
 }
 
 Result<std::unique_ptr<Viewer>> Audience::join(const std::shared_ptr<Audience>& audience, const ViewerToken& token,
-                                               std::function<void()> wake) {
+                                               const wire::Watch& watch, std::function<void()> wake) {
   const std::set<Viewer*>& viewers = audience->viewers_;
   const auto own =
       std::count_if(viewers.begin(), viewers.end(), [&token](const Viewer* viewer) { return viewer->token_id_ == token.token_id; });
   const Taken taken{static_cast<std::int64_t>(viewers.size()), own};
   if (Status status = check_share(kViewerShare, taken, token.is_admin, "viewers of a scan"); !status.ok()) return status.error();
-  return std::make_unique<Viewer>(audience, token.token_id, std::move(wake));
+  return std::make_unique<Viewer>(audience, token.token_id, watch, std::move(wake));
 }
 
-Viewer::Viewer(std::shared_ptr<Audience> audience, std::string token_id, std::function<void()> wake)
+Viewer::Viewer(std::shared_ptr<Audience> audience, std::string token_id, const wire::Watch& watch, std::function<void()> wake)
     : audience_(std::move(audience)),
       token_id_(std::move(token_id)),
       wake_(std::move(wake)),
       state_(audience_->state_),
       poses_(audience_->poses_),
-      result_(audience_->result_) {
+      result_(audience_->result_),
+      watch_(watch),
+      chunks_(audience_->chunks_),
+      pieces_(audience_->pieces_) {
   if (wire::TrajectoryPart past = audience_->trajectory(); !past.positions_m.empty()) trajectory_ = shared(std::move(past));
-  for (const auto& [key, chunk] : audience_->chunks_)
-    if (!chunk.empty) dirty_.insert(key);
-  snapshot_ = dirty_;
   audience_->viewers_.insert(this);
+  audience_->ask_for_mesh();
 }
 
-Viewer::~Viewer() { audience_->viewers_.erase(this); }
+Viewer::~Viewer() {
+  audience_->viewers_.erase(this);
+  audience_->ask_for_mesh();
+}
+
+void Viewer::watch(const wire::Watch& watch) {
+  watch_ = watch;
+  audience_->ask_for_mesh();
+}
+
+// The surface of a scan that has ended is an export; until somebody has that there are the points.
+bool Viewer::sees_points() const { return watch_.points || audience_->closed_ || audience_->mesh_ended_; }
 
 SharedBytes Viewer::counted(SharedBytes message) {
   if (message) sent_bytes_ += message->size();
@@ -122,25 +153,24 @@ SharedBytes Viewer::counted(SharedBytes message) {
 SharedBytes Viewer::next() {
   for (SharedBytes* newest : {&state_, &trajectory_, &poses_, &event_, &result_})
     if (*newest) return counted(std::exchange(*newest, nullptr));
-  if (!snapshot_ended_ && snapshot_.empty()) {
+  const bool has_snapshot = (!sees_points() || chunks_.has_snapshot()) && (!sees_mesh() || pieces_.has_snapshot());
+  if (!snapshot_ended_ && has_snapshot) {
     snapshot_ended_ = true;
     return counted(shared(wire::SnapshotEnd{}));
   }
-  return next_chunk();
+  if (sees_mesh())
+    if (SharedBytes piece = next_part(audience_->pieces_, pieces_)) return piece;
+  return sees_points() ? next_part(audience_->chunks_, chunks_) : nullptr;
 }
 
-SharedBytes Viewer::next_chunk() {
-  if (dirty_.empty()) return nullptr;
-  // Round and round rather than always from the front: chunks that change all the time must not keep the others back.
-  auto chosen = last_sent_ ? dirty_.upper_bound(*last_sent_) : dirty_.begin();
-  if (chosen == dirty_.end()) chosen = dirty_.begin();
-  const ChunkKey key = *chosen;
-  const SharedBytes& message = audience_->chunks_.at(key).message;
+template <class Key>
+SharedBytes Viewer::next_part(const std::map<Key, ShownPart>& parts, MissingParts<Key>& missing) {
+  if (missing.empty()) return nullptr;
+  const Key key = missing.next();
+  const SharedBytes& message = parts.at(key).message;
   const std::uint64_t unacked_bytes = sent_bytes_ - acknowledged_bytes_;
   if (unacked_bytes > 0 && unacked_bytes + message->size() > kMaxUnackedBytes) return nullptr;
-  dirty_.erase(chosen);
-  snapshot_.erase(key);
-  last_sent_ = key;
+  missing.sent(key);
   return counted(message);
 }
 
@@ -153,7 +183,8 @@ Status Viewer::acknowledge(std::uint64_t bytes) {
 }
 
 bool Viewer::complete() const {
-  return audience_->closed_ && snapshot_ended_ && dirty_.empty() && !state_ && !poses_ && !event_ && !result_ && !trajectory_;
+  const bool has_parts = chunks_.empty() && (!sees_mesh() || pieces_.empty());
+  return audience_->closed_ && snapshot_ended_ && has_parts && !state_ && !poses_ && !event_ && !result_ && !trajectory_;
 }
 
 }  // namespace hermite

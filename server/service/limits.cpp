@@ -80,6 +80,7 @@ std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
        "the scan ends as interrupted"},
       {"a pause", std::to_string(std::chrono::minutes(kMaxPause).count()) + " min", "the scan ends as interrupted"},
       {"frames of a scan", std::to_string(kMaxFramesPerScan), "close code 1009"},
+      {"surfels of a map with a surface while it grows", std::to_string(kMostLiveSurfels), "its points are shown"},
       {"priority of a job without `admin`", std::to_string(kLowestPriority) + " to " + std::to_string(kHighestPriorityForAll), "HTTP 403"},
       {"one upload", std::to_string(options.max_upload_gb) + " GB", "HTTP 413"},
       {"free disk that scans, uploads, unpacking and exports leave", std::to_string(options.min_free_disk_mb) + " MB",

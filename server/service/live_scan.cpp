@@ -10,6 +10,7 @@ namespace {
 
 Error broken_rule(const std::string& words) { return {ErrorCode::kInvalidArgument, words}; }
 
+constexpr const char* kNoSurface = "the map is too large for a surface that grows with it: its points are shown";
 constexpr const char* kDiscarded = "discarded by its camera";
 
 }  // namespace
@@ -27,6 +28,7 @@ LiveScan::LiveScan(ScanTerms terms, const ScanPast& past, std::shared_ptr<Audien
 void LiveScan::start(std::unique_ptr<ScanWorker> worker, std::unique_ptr<FrameLog> log) {
   worker_ = std::move(worker);
   log_ = std::move(log);
+  audience_->tell_mesh_wanted([this](bool wanted) { worker_->want_mesh(wanted); });
   if (finishing_) worker_->finish();
 }
 
@@ -63,6 +65,7 @@ wire::ScanState LiveScan::state(const std::string& words) const {
 
 void LiveScan::show_state() {
   std::string words = words_of_worker_.empty() ? warning_ : words_of_worker_;
+  if (words.empty() && mesh_ended_) words = kNoSurface;
   if (paused_) words = "paused by its camera";
   if (waiting_since_) words = "waiting for the camera to come back: " + why_waiting_.message;
   const wire::ScanState now = state(words);
@@ -243,12 +246,21 @@ void LiveScan::model_changed(ModelUpdate update) {
   show_state();
 }
 
+void LiveScan::mesh_changed(MeshUpdate update) {
+  if (update.ended) {
+    mesh_ended_ = true;
+    show_state();
+  }
+  audience_->show_mesh(std::move(update));
+}
+
 void LiveScan::worker_says(const std::string& words) {
   words_of_worker_ = words;
   show_state();
 }
 
 void LiveScan::ended(ScanEnd end) {
+  audience_->tell_mesh_wanted(nullptr);
   worker_.reset();  // its thread is at its end: this was its last word
   log_.reset();     // all of it is on disk from here on
   if (discarded_) end = {wire::ScanPhase::kInterrupted, {ErrorCode::kNotFound, kDiscarded}, {}, kDiscarded, true};

@@ -61,6 +61,9 @@ class LiveScan {
 
   // `on_ended` is called once, when the results are written (or not); it may destroy nothing of this scan.
   LiveScan(ScanTerms terms, const ScanPast& past, std::shared_ptr<Audience> audience, std::function<void(const ScanEnd&)> on_ended);
+  ~LiveScan() { audience_->tell_mesh_wanted(nullptr); }
+  LiveScan(const LiveScan&) = delete;
+  LiveScan& operator=(const LiveScan&) = delete;
 
   // The worker and the log; between construction and the first frame. Not in the constructor since their events lead back here.
   void start(std::unique_ptr<ScanWorker> worker, std::unique_ptr<FrameLog> log);
@@ -103,6 +106,7 @@ class LiveScan {
   void restored(RestoredScan restored);
   void frame_done(const FrameOutcome& outcome);
   void model_changed(ModelUpdate update);
+  void mesh_changed(MeshUpdate update);
   void worker_says(const std::string& words);  // told to camera and viewers until it is something else; empty: nothing
   void ended(ScanEnd end);
 
@@ -153,6 +157,7 @@ class LiveScan {
   std::uint64_t surfel_count_ = 0;  // as of the last frame
   std::string warning_;
   std::string words_of_worker_;
+  bool mesh_ended_ = false;
   bool finishing_ = false;  // every frame was received
   bool ending_ = false;     // before every frame was: nothing more is received
   bool discarded_ = false;

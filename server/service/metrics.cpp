@@ -20,6 +20,7 @@ using Buckets = Histogram::BucketBoundaries;
 
 // Half a millisecond, the cheapest stage, to two seconds, where nobody would call it live.
 const Buckets kStageBuckets_s{0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.033, 0.05, 0.1, 0.2, 0.5, 1, 2};
+const Buckets kMeshDelayBuckets_s{0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 30};
 const Buckets kRequestBuckets_s{0.0005, 0.001, 0.005, 0.01, 0.05, 0.1, 0.5, 1, 5, 30};
 
 Family<Counter>& counter(prometheus::Registry& registry, const char* name, const char* help) {
@@ -49,6 +50,9 @@ struct Metrics::Impl {
       histogram(registry, "hermite_frame_stage_seconds", "Time of one stage of one frame; encode: of what changed for viewers");
   Histogram& latency =
       histogram(registry, "hermite_frame_latency_seconds", "From a frame's arrival to its result").Add({}, kStageBuckets_s);
+  Histogram& mesh_delay = histogram(registry, "hermite_mesh_delay_seconds",
+                                    "From a frame's arrival to the pieces of the live surface that show what it has changed")
+                              .Add({}, kMeshDelayBuckets_s);
   Counter& chunk_bytes =
       counter(registry, "hermite_chunk_encoded_bytes_total", "Encoded parts of the model, made once for all viewers").Add({});
   Family<Counter>& ended = counter(registry, "hermite_scans_ended_total", "Scans by how they ended");
@@ -97,6 +101,11 @@ void Metrics::frame_done(const std::vector<Timeline::Stage>& stages, double late
 
 void Metrics::stage_done(const Timeline::Stage& stage) {
   impl_->stages.Add({{"stage", stage.name}}, kStageBuckets_s).Observe(stage.duration_ms / 1000);
+}
+
+void Metrics::mesh_made(const Timeline::Stage& work, double delay_s) {
+  stage_done(work);
+  impl_->mesh_delay.Observe(delay_s);
 }
 
 void Metrics::chunks_encoded(std::uint64_t bytes) { impl_->chunk_bytes.Increment(static_cast<double>(bytes)); }

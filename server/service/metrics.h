@@ -42,6 +42,8 @@ class Metrics {
   // `lost`: this is the frame in which the camera was lost. `latency_s`: from the network to the result.
   void frame_done(const std::vector<Timeline::Stage>& stages, double latency_s, bool unreadable, bool lost);
   void stage_done(const Timeline::Stage& stage);
+  // A piece of a live surface. `delay_s`: from the arrival of the first frame with a change that it shows until it is ready to be sent.
+  void mesh_made(const Timeline::Stage& work, double delay_s);
   void chunks_encoded(std::uint64_t bytes);
   void scan_ended(const char* phase);
   // After a start of the server, with so many frames from its checkpoint (0: none could be used) and so many that are worked through again.

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <exception>
 #include <future>
@@ -21,6 +22,7 @@
 #include "server/service/back_end.h"
 #include "server/service/checkpoint_writer.h"
 #include "server/service/frame_queue.h"
+#include "server/service/live_mesher.h"
 #include "server/service/pipeline_words.h"
 #include "server/service/replay.h"
 #include "server/service/results.h"
@@ -47,11 +49,14 @@ double ms_since(Clock::time_point start) { return std::chrono::duration<double, 
 // The worker's thread: one scan from the first frame to its files.
 class ScanRun {
  public:
-  ScanRun(const ScanSetup& setup, const ScanEvents& events, FrameQueue& queue, DurableFrames& durable)
+  ScanRun(const ScanSetup& setup, const ScanEvents& events, FrameQueue& queue, DurableFrames& durable, const std::atomic<bool>& wants_mesh)
       : setup_(setup),
         events_(events),
         queue_(queue),
         durable_(durable),
+        wants_mesh_(wants_mesh),
+        mesh_(events.mesh_changed),
+        model_(least_output_confidence(setup.options)),
         checkpoints_(*setup.blobs, setup.scan_id, setup.checkpoint_period, durable) {
     begin();
   }
@@ -84,6 +89,8 @@ class ScanRun {
         if (checkpoints_.is_due(Clock::now()))
           if (Status status = write_checkpoint(); !status.ok()) return status;
       }
+      if (mesh_.is_due(wants_mesh_, Clock::now()))
+        if (Status status = take_changes(); !status.ok()) return status;
       if (Status status = tell_viewers_if_encoded(); !status.ok()) return status;
       if (frames_since_update_ >= kFramesPerUpdate || (frames_since_update_ > 0 && Clock::now() - updated_at_ >= kUpdatePeriod)) {
         if (Status status = start_update(); !status.ok()) return status;
@@ -93,6 +100,7 @@ class ScanRun {
 
   Result<wire::Finished> write() {
     const std::string correction_before = pipeline_->statistics().camera_correction;
+    mesh_.end();
     pipeline_->finish();
     if (Status status = start_update(); !status.ok()) return status.error();
     is_past_new_ = pipeline_->statistics().camera_correction != correction_before;
@@ -246,6 +254,7 @@ class ScanRun {
     FrameOutcome outcome;
     const wire::Frame& frame = decoding.frame;
     taken_count_ = frame.sequence + 1;
+    mesh_.frame_taken(decoding.queued.start);
     Result<PreparedFrame> prepared = decoding.images.get();
     if (!prepared.ok()) outcome.bad_images = prepared.error();
     // A frame that cannot be read counts as one that shows nothing, as in `hermite reconstruct`: every frame has its pose.
@@ -274,11 +283,18 @@ class ScanRun {
   // Ends the update before this one: one at a time owns model_, filled_ and version_.
   Status start_update() {
     if (Status status = tell_viewers(); !status.ok()) return status;
-    Result<std::vector<SlotChange>> changes = pipeline_->take_changes();
-    if (!changes.ok()) return changes.error();
-    encoding_ = std::async(std::launch::async, [this, changes = *std::move(changes)] { return encode(changes); });
+    if (Status status = take_changes(); !status.ok()) return status;
+    encoding_ = std::async(std::launch::async, [this, changes = std::exchange(changes_, {})] { return encode(changes); });
     frames_since_update_ = 0;
     updated_at_ = Clock::now();
+    return Done{};
+  }
+
+  // For the surface at once, for the chunks until they are encoded next.
+  Status take_changes() {
+    Result<std::vector<SlotChange>> changes = mesh_.take_changes(*pipeline_, wants_mesh_);
+    if (!changes.ok()) return changes.error();
+    std::move(changes->begin(), changes->end(), std::back_inserter(changes_));
     return Done{};
   }
 
@@ -326,10 +342,13 @@ class ScanRun {
   const ScanEvents& events_;
   FrameQueue& queue_;
   DurableFrames& durable_;
+  const std::atomic<bool>& wants_mesh_;
+  MeshFeed mesh_;
   std::uint64_t taken_count_ = 0;  // frames of the log up to the one in work
   std::optional<Replay> replay_;
   Timeline timeline_;  // of the frame in work
   std::unique_ptr<Pipeline> pipeline_;
+  std::vector<SlotChange> changes_;  // that are not encoded yet
   ChunkedModel model_;
   std::set<ChunkKey> filled_;  // chunks that have points
   std::uint64_t version_ = 0;  // of the chunks, one count for all
@@ -354,6 +373,7 @@ struct ScanWorker::Impl {
   std::optional<Error> interrupted;  // guarded by mutex; why the scan ended early
   bool finishing = false;            // guarded by mutex
   std::optional<Abandon> abandoned;  // guarded by mutex
+  std::atomic<bool> wants_mesh = false;
   std::thread thread;
 
   Impl(ScanSetup scan_setup, ScanEvents scan_events)
@@ -376,7 +396,7 @@ struct ScanWorker::Impl {
   }
 
   ScanEnd run() try {
-    ScanRun scan(setup, events, queue, durable);
+    ScanRun scan(setup, events, queue, durable, wants_mesh);
     scan.go_on();
     if (Status status = scan.take_frames(); !status.ok()) return failed_scan(status.error());
     if (const std::optional<Abandon> how = how_abandoned()) {
@@ -437,6 +457,8 @@ void ScanWorker::interrupt(const Error& reason, bool discard) {
   }
   impl_->queue.close(discard);
 }
+
+void ScanWorker::want_mesh(bool wanted) { impl_->wants_mesh = wanted; }
 
 void ScanWorker::frames_durable(std::uint64_t count) { impl_->durable.advance(count); }
 

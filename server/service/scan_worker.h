@@ -16,6 +16,7 @@
 #include "core/base/result.h"
 #include "core/base/timeline.h"
 #include "core/math/camera.h"
+#include "core/mesh/live_surface.h"
 #include "core/output/chunks.h"
 #include "core/pipeline/options.h"
 #include "proto/wire/messages.h"
@@ -75,10 +76,24 @@ struct ModelUpdate {
   std::vector<ChunkUpdate> chunks;
   wire::SubmapPoses poses;
   std::optional<std::vector<wire::PoseInSubmap>> past;  // as in FrameOutcome, but of all frames
-  std::uint64_t keyframes = 0, loops = 0;  // so far
-  std::uint64_t gpu_memory_bytes = 0;      // of the scan
-  std::uint64_t device_memory_bytes = 0;   // that there is for all of them; 0: nobody knows
-  Timeline::Stage encoding;                // of `chunks`
+  std::uint64_t keyframes = 0, loops = 0;               // so far
+  std::uint64_t gpu_memory_bytes = 0;                   // of the scan
+  std::uint64_t device_memory_bytes = 0;                // that there is for all of them; 0: nobody knows
+  Timeline::Stage encoding;                             // of `chunks`
+};
+
+// As ChunkUpdate, of the surface.
+struct MeshPiece {
+  SurfaceCube cube;
+  bool empty = false;
+  SharedBytes message;
+};
+
+struct MeshUpdate {
+  std::vector<MeshPiece> pieces;
+  bool ended = false;                           // the map is too large: nothing more comes, and all pieces are empty
+  Timeline::Stage work;                         // on the pieces
+  std::chrono::steady_clock::duration delay{};  // since the first frame with a change that they show came to the server
 };
 
 struct ScanEnd {
@@ -95,7 +110,8 @@ struct ScanEvents {
   std::function<void(RestoredScan)> restored;    // of a scan that an earlier server began: once, before all others
   std::function<void(FrameOutcome)> frame_done;  // once for every frame taken from the queue, in order
   std::function<void(ModelUpdate)> model_changed;
-  std::function<void(std::string)> says;  // why nothing comes for seconds; empty: it goes on
+  std::function<void(MeshUpdate)> mesh_changed;  // on a thread of its own; none after `ended`
+  std::function<void(std::string)> says;         // why nothing comes for seconds; empty: it goes on
   std::function<void(ScanEnd)> ended;
 };
 
@@ -121,6 +137,8 @@ class ScanWorker {
 
   // Ends after the frame in work, without results: the phase that is told is `running`.
   void abandon(Abandon how);
+
+  void want_mesh(bool wanted);  // does anybody watch a surface? Nobody does to begin with
 
   void frames_durable(std::uint64_t count);  // so many are: what is stored of the scan rests on no others
   std::size_t waiting_bytes() const;         // of frames in the queue

@@ -110,6 +110,14 @@ ScanEvents Scans::worker_events(const Launch& launch, const ScanPast& past) {
       target.model_changed(std::move(update));
     });
   };
+  events.mesh_changed = [this, launch](MeshUpdate update) {
+    if (!update.ended) metrics_.mesh_made(update.work, std::chrono::duration<double>(update.delay).count());
+    for (const MeshPiece& piece : update.pieces) metrics_.chunks_encoded(piece.message->size());
+    deliver(launch, [this, id = launch.row.id, update = std::move(update)](LiveScan& target) mutable {
+      if (!update.ended) traces_.add(id, target.counts().processed, {update.work});
+      target.mesh_changed(std::move(update));
+    });
+  };
   events.says = [this, launch](std::string words) {
     deliver(launch, [words = std::move(words)](LiveScan& target) { target.worker_says(words); });
   };

@@ -77,6 +77,7 @@ class BasicSession : public Session {
   virtual void handle(wire::Pause&) { broken_rule("pause is a message of cameras; this connection is a viewer's"); }
   virtual void handle(wire::Unpause&) { broken_rule("unpause is a message of cameras; this connection is a viewer's"); }
   virtual void handle(wire::Discard&) { broken_rule("discard is a message of cameras; this connection is a viewer's"); }
+  virtual void handle(wire::Watch&) { broken_rule("watch is a message of viewers; this connection is a camera's"); }
   virtual void handle(wire::ViewerAck&) { broken_rule("viewer_ack is a message of viewers; this connection is a camera's"); }
   void handle(wire::Hello&) { broken_rule("hello came twice; it is the first message and no other"); }
   void handle(wire::Ping& ping) { queue(wire::format_server_message(wire::Pong{ping.id})); }
@@ -183,6 +184,10 @@ class ViewerSession final : public BasicSession {
  private:
   void handle(wire::ViewerAck& ack) override {
     if (Status status = viewer_->acknowledge(ack.bytes); !status.ok()) return fail(status.error(), CloseCode::kProtocolError);
+    wake();
+  }
+  void handle(wire::Watch& watch) override {
+    viewer_->watch(watch);
     wake();
   }
 
@@ -354,7 +359,7 @@ Greeting greet_viewer(Scans& scans, const Grant& grant, const wire::ViewScan& re
     waiting->wait_for_results(scans, request.scan_id);
     return waiting;
   }
-  Result<std::unique_ptr<Viewer>> viewer = Audience::join(*audience, {grant.token_id, may(grant, Scope::kAdmin)}, wake);
+  Result<std::unique_ptr<Viewer>> viewer = Audience::join(*audience, {grant.token_id, may(grant, Scope::kAdmin)}, request.watch, wake);
   if (!viewer.ok()) return refusal_of(viewer.error());
   const SceneInfo& info = (*audience)->info();
   wire::Welcome welcome;

@@ -282,7 +282,7 @@ TEST(Checkpoint, AMirrorMayBeginAnew) {
   EXPECT_TRUE(scan.pipeline->take_changes()->empty());
   scan.pipeline->forget_taken_changes();
   const std::vector<SlotChange> all = *scan.pipeline->take_changes();
-  EXPECT_EQ(all.size(), scan.pipeline->cloud()->size());
+  EXPECT_EQ(all.size(), scan.pipeline->surfels()->size());
   EXPECT_TRUE(std::all_of(all.begin(), all.end(), [](const SlotChange& change) { return change.alive; }));
 }
 

@@ -405,7 +405,7 @@ class Mirror {
   std::map<std::uint32_t, CloudPoint> points;
 };
 
-TEST(Pipeline, ChangesKeepAMirrorOfTheCloud) {
+TEST(Pipeline, ChangesKeepAMirrorOfTheSurfels) {
   Options options = soon_stable();
   options.map.max_unstable_age_frames = 4;  // so that slots are freed and used again
   Pipeline pipeline("", recording().camera, options);
@@ -414,7 +414,7 @@ TEST(Pipeline, ChangesKeepAMirrorOfTheCloud) {
     process(pipeline, recording().frames[i]);
     if (i % 3 == 1) continue;  // not after every frame
     mirror.follow(pipeline);
-    mirror.expect_to_be(*pipeline.cloud(), i);
+    mirror.expect_to_be(*pipeline.surfels(), i);
   }
   EXPECT_GT(mirror.points.size(), 1000u);
   EXPECT_TRUE(pipeline.take_changes()->empty()) << "nothing has happened since";
@@ -434,7 +434,7 @@ TEST(Pipeline, SlotsThatDiedDoNotStayForEver) {
     process(pipeline, recording().frames[i]);
     if (i % 3 == 1) continue;
     mirror.follow(pipeline);
-    mirror.expect_to_be(*pipeline.cloud(), i);
+    mirror.expect_to_be(*pipeline.surfels(), i);
   }
   EXPECT_GT(mirror.points.size(), 1000u);
   EXPECT_LT(pipeline.statistics().surfel_slot_count, std::int64_t{kDoomed} / 2) << "slots that nobody is in";

@@ -112,6 +112,23 @@ TEST(ClientMessage, TheOtherBodiesComeBackAsTheyWere) {
   EXPECT_EQ(std::get<Ping>(*round_trip(Ping{9})).id, 9u);
 }
 
+TEST(ClientMessage, WhatAViewerWantsToSeeComesBackAndIsPointsToBeginWith) {
+  const Result<ClientMessage> message = round_trip(Watch{false, true});
+  EXPECT_FALSE(std::get<Watch>(*message).points);
+  EXPECT_TRUE(std::get<Watch>(*message).mesh);
+  const auto watch_of = [](const Result<ClientMessage>& hello) { return std::get<ViewScan>(std::get<Hello>(*hello).role).watch; };
+  const Watch wanted = watch_of(round_trip(Hello{6, "", "", ViewScan{"a", {false, true}}}));
+  EXPECT_FALSE(wanted.points);
+  EXPECT_TRUE(wanted.mesh);
+  // A viewer of an earlier minor: hello{view_scan{scan_id "a"}}, without what there is to see.
+  const Watch before = watch_of(parse_client_message(std::string("\x0a\x05\x2a\x03\x0a\x01"
+                                                                 "a",
+                                                                 7),
+                                                     kLimit));
+  EXPECT_TRUE(before.points);
+  EXPECT_FALSE(before.mesh);
+}
+
 TEST(ClientMessage, AFramesTimeIsNotJudgedHere) {
   const auto frame = round_trip(Frame{0, std::nan(""), "d", "c"});
   ASSERT_TRUE(frame.ok());

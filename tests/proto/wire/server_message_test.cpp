@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -180,6 +181,10 @@ TEST(ServerMessage, TheOtherBodiesComeBackAsTheyWere) {
   EXPECT_EQ(round_trip(Credit{77}).frames_granted, 77u);
   const Chunk chunk = round_trip(Chunk{{1, 2, -3, 4, -32768}, 5, 6, std::string("\0draco", 6)});
   EXPECT_EQ(chunk.key, (ChunkKey{1, 2, -3, 4, -32768}));
+  const MeshChunk piece = round_trip(MeshChunk{{1, 2, -3, 4}, 5, 6, 7, std::string("\0draco", 6)});
+  EXPECT_EQ(piece.cube, (MeshCube{1, 2, -3, 4}));
+  EXPECT_EQ(std::tuple(piece.version, piece.submap, piece.triangle_count), std::tuple(5u, 6u, 7u));
+  EXPECT_EQ(piece.draco, std::string("\0draco", 6));
   EXPECT_EQ(chunk.version, 5u);
   EXPECT_EQ(chunk.point_count, 6u);
   EXPECT_EQ(chunk.draco, std::string("\0draco", 6));

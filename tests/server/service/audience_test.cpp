@@ -21,13 +21,20 @@ ModelUpdate model(std::vector<ChunkUpdate> chunks) {
   return update;
 }
 
+MeshUpdate mesh(std::int16_t x, std::uint64_t version, std::size_t bytes = 100) {
+  wire::MeshChunk message{{0, x, 0, 0}, version, 0, bytes == 0 ? 0u : 10u, std::string(bytes, 'm')};
+  MeshUpdate update;
+  update.pieces.push_back({{0, x, 0, 0}, bytes == 0, std::make_shared<const std::string>(wire::format_server_message(std::move(message)))});
+  return update;
+}
+
 std::shared_ptr<Audience> empty_audience() { return std::make_shared<Audience>(SceneInfo{"id", "title", {}}); }
 
 struct Joined {
   int woken = 0;
   std::unique_ptr<Viewer> viewer;
-  explicit Joined(const std::shared_ptr<Audience>& audience, const ViewerToken& token = {"admin", true}) {
-    auto result = Audience::join(audience, token, [this] { ++woken; });
+  explicit Joined(const std::shared_ptr<Audience>& audience, const wire::Watch& watch = {}) {
+    auto result = Audience::join(audience, {"admin", true}, watch, [this] { ++woken; });
     if (result.ok()) viewer = *std::move(result);
   }
 };
@@ -247,15 +254,84 @@ TEST(Audience, ChunksThatChangeAllTheTimeDoNotKeepOthersBack) {
   EXPECT_TRUE(snapshot_ended);
 }
 
+TEST(Audience, WhoWantsASurfaceGetsItAndNoPointsWhileTheScanRuns) {
+  const auto audience = empty_audience();
+  audience->show_model(model({chunk(0, 1)}));
+  audience->show_mesh(mesh(0, 1));
+  audience->show_mesh(mesh(1, 2, 0));
+  Joined before_minor_6(audience), joined(audience, {false, true}), both(audience, {true, true});
+  EXPECT_TRUE(only<wire::MeshChunk>(take_all(*before_minor_6.viewer)).empty());
+  const auto first = take_all(*joined.viewer);
+  EXPECT_EQ(only<wire::MeshChunk>(first).size(), 1u) << "an empty piece is nothing to a newcomer";
+  EXPECT_TRUE(only<wire::Chunk>(first).empty());
+  EXPECT_TRUE(std::holds_alternative<wire::SnapshotEnd>(first.back()));
+  const auto all = take_all(*both.viewer);
+  EXPECT_EQ(only<wire::MeshChunk>(all).size() + only<wire::Chunk>(all).size(), 2u);
+
+  for (std::uint64_t version = 3; version < 20; ++version) audience->show_mesh(mesh(0, version));
+  audience->show_mesh(mesh(1, 20, 0));
+  const auto changes = only<wire::MeshChunk>(take_all(*joined.viewer));
+  ASSERT_EQ(changes.size(), 2u) << "the newest version of each, once";
+  EXPECT_EQ(changes[0].version + changes[1].version, 39u);
+
+  audience->show_model(model({chunk(1, 2)}));
+  joined.viewer->watch({true, false});
+  EXPECT_EQ(only<wire::Chunk>(take_all(*joined.viewer)).size(), 2u) << "all that it lacks";
+  audience->show_mesh(mesh(2, 21));
+  EXPECT_TRUE(take_all(*joined.viewer).empty());
+  joined.viewer->watch({false, true});
+  EXPECT_EQ(only<wire::MeshChunk>(take_all(*joined.viewer)).size(), 1u) << "nothing that it has";
+}
+
+TEST(Audience, PointsAreForAllWhenTheScanHasEndedOrThereIsNoSurfaceAnyMore) {
+  const auto audience = empty_audience();
+  audience->show_model(model({chunk(0, 1)}));
+  Joined joined(audience, {false, true}), other(audience, {false, true});
+  EXPECT_TRUE(only<wire::Chunk>(take_all(*joined.viewer)).empty());
+  MeshUpdate last = mesh(0, 5, 0);
+  last.ended = true;
+  audience->show_mesh(std::move(last));
+  EXPECT_EQ(only<wire::Chunk>(take_all(*joined.viewer)).size(), 1u);
+  audience->close();
+  EXPECT_FALSE(other.viewer->complete());
+  EXPECT_EQ(only<wire::Chunk>(take_all(*other.viewer)).size(), 1u);
+  EXPECT_TRUE(other.viewer->complete());
+}
+
+TEST(Audience, SaysWhetherAnybodyWantsASurface) {
+  const auto audience = empty_audience();
+  std::vector<bool> said;
+  audience->tell_mesh_wanted([&said](bool wanted) { said.push_back(wanted); });
+  {
+    Joined points(audience), surface(audience, {false, true}), another(audience, {true, true});
+    surface.viewer->watch({true, false});
+    EXPECT_EQ(said, (std::vector<bool>{false, true})) << "another one still does";
+  }
+  EXPECT_EQ(said, (std::vector<bool>{false, true, false}));
+  audience->tell_mesh_wanted(nullptr);
+  Joined late(audience, {false, true});
+  EXPECT_EQ(said.size(), 3u);
+}
+
+TEST(Audience, UnacknowledgedPiecesOfTheSurfaceAreBoundedToo) {
+  const auto audience = empty_audience();
+  for (std::int16_t x = 0; x < 100; ++x) audience->show_mesh(mesh(x, 1, 100'000));
+  Joined joined(audience, {false, true});
+  std::uint64_t sent_bytes = 0;
+  while (const SharedBytes message = joined.viewer->next()) sent_bytes += message->size();
+  EXPECT_LE(sent_bytes, kMaxUnackedBytes);
+  EXPECT_GT(sent_bytes, kMaxUnackedBytes - 200'000);
+}
+
 TEST(Audience, HasAtMostItsViewersAndAPlaceIsFreeAfterOneLeaves) {
   const auto audience = empty_audience();
   std::vector<std::unique_ptr<Joined>> all;
   for (int i = 0; i < kViewerShare.in_all; ++i) all.push_back(std::make_unique<Joined>(audience));
-  auto refused = Audience::join(audience, {"admin", true}, [] {});
+  auto refused = Audience::join(audience, {"admin", true}, {}, [] {});
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kBusy);
   all.pop_back();
-  EXPECT_TRUE(Audience::join(audience, {"admin", true}, [] {}).ok());
+  EXPECT_TRUE(Audience::join(audience, {"admin", true}, {}, [] {}).ok());
 }
 
 TEST(Audience, AViewerIsCompleteWhenTheScanHasEndedAndAllIsSent) {

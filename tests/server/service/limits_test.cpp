@@ -97,7 +97,7 @@ class SharesTest : public testing::TestWithParam<Shared> {
         .ok();
   }
   bool watch(Who who) {
-    auto viewer = Audience::join(audience_, {token_id(who), who == Who::kAdmin}, [] {});
+    auto viewer = Audience::join(audience_, {token_id(who), who == Who::kAdmin}, {}, [] {});
     if (viewer.ok()) viewers_.push_back(*std::move(viewer));
     return viewer.ok();
   }

@@ -33,6 +33,29 @@ export interface ChunkPoints {
   readonly max_m: readonly [number, number, number];
 }
 
+// What the viewer wants to see of the model of a scan that runs.
+export interface Watch {
+  readonly points: boolean;
+  readonly mesh: boolean;
+}
+
+// Of the world, in which a part of the map is meshed.
+export interface MeshCube {
+  readonly part: number;
+  readonly x: number;
+  readonly y: number;
+  readonly z: number;
+}
+
+// In the frame of a submap.
+export interface MeshPiece {
+  readonly triangles: number;
+  readonly index: Uint32Array; // 3 a triangle
+  readonly positions_m: Float32Array; // 3 a vertex
+  readonly normals: Int8Array; // 4 a vertex: x, y, z times 127 and a zero
+  readonly colors: Uint8Array; // 4 a vertex: red, green, blue (sRGB) and 255
+}
+
 export type ScanPhaseName = 'unknown' | 'running' | 'finished' | 'failed' | 'interrupted';
 
 export type TrackingName = 'tracked' | 'weak' | 'lost';
@@ -85,7 +108,8 @@ export type ScanEvent =
   | { readonly kind: 'submapPoses'; readonly poses: readonly SubmapPose[] }
   | ({ readonly kind: 'trajectory' } & PastPositions)
   | { readonly kind: 'chunk'; readonly key: ChunkKey; readonly version: bigint; readonly points: ChunkPoints | null } // null: removed
-  | { readonly kind: 'chunkFailed'; readonly key: ChunkKey; readonly reason: string }
+  | { readonly kind: 'meshChunk'; readonly cube: MeshCube; readonly version: bigint; readonly submap: number; readonly piece: MeshPiece | null } // null: removed
+  | { readonly kind: 'chunkFailed'; readonly key: ChunkKey | MeshCube; readonly reason: string }
   | { readonly kind: 'snapshotEnd' }
   | {
       readonly kind: 'scanState';
@@ -100,7 +124,8 @@ export type ScanEvent =
   | { readonly kind: 'serverError'; readonly code: string; readonly message: string };
 
 export type ToWorker =
-  | { readonly kind: 'open'; readonly url: string; readonly scanId: string; readonly token: string }
+  | { readonly kind: 'open'; readonly url: string; readonly scanId: string; readonly token: string; readonly watch: Watch }
+  | { readonly kind: 'watch'; readonly watch: Watch }
   | { readonly kind: 'alive?' };
 
 export type FromWorker = { readonly kind: 'event'; readonly event: ScanEvent } | { readonly kind: 'alive' };

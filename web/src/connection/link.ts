@@ -1,6 +1,6 @@
 // The page's end of the worker: starts it, passes its events on, and starts another one when it fails or no longer answers.
 import { backoffDelay_ms } from './backoff';
-import type { FromWorker, ScanEvent, ToWorker } from './events';
+import type { FromWorker, ScanEvent, ToWorker, Watch } from './events';
 
 const askEvery_ms = 5_000;
 const unansweredLimit = 6; // half a minute of work on one message is a hang
@@ -8,6 +8,7 @@ const unansweredLimit = 6; // half a minute of work on one message is a hang
 export interface LinkTarget {
   readonly scanId: string;
   readonly token: string;
+  readonly watch: Watch; // to begin with
   onEvent(event: ScanEvent): void;
 }
 
@@ -21,8 +22,18 @@ export class ScanLink {
   private unanswered = 0;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
+  private wanted: Watch;
+
   constructor(private readonly target: LinkTarget) {
+    this.wanted = target.watch;
     this.start();
+  }
+
+  // What to see from now on.
+  watch(wanted: Watch): void {
+    if (wanted.points === this.wanted.points && wanted.mesh === this.wanted.mesh) return;
+    this.wanted = wanted;
+    this.post({ kind: 'watch', watch: wanted });
   }
 
   // After this no event arrives. Ending the worker closes its socket.
@@ -47,7 +58,7 @@ export class ScanLink {
       event.preventDefault();
       this.restart(event.message || 'the decoder could not be started');
     };
-    this.post({ kind: 'open', url: socketUrl(location), scanId: this.target.scanId, token: this.target.token });
+    this.post({ kind: 'open', url: socketUrl(location), scanId: this.target.scanId, token: this.target.token, watch: this.wanted });
     this.timer = setTimeout(() => this.ask(), askEvery_ms);
   }
 

@@ -2,7 +2,7 @@ import { create, fromBinary, toBinary, type MessageInitShape } from '@bufbuild/p
 import { describe, expect, it } from 'vitest';
 import { ClientMessageSchema, ScanPhase, ServerMessageSchema, type ClientMessage } from '../gen/scan_pb';
 import { DracoError } from './draco';
-import type { ChunkPoints, ScanEvent } from './events';
+import type { ChunkPoints, MeshPiece, ScanEvent } from './events';
 import { pingEvery_ms, ScanSession, silenceLimit_ms, subprotocol, type Socket } from './session';
 
 type Body = NonNullable<MessageInitShape<typeof ServerMessageSchema>['body']>;
@@ -49,6 +49,8 @@ const onePoint: ChunkPoints = {
   max_m: [0, 0, 0],
 };
 
+const onePiece: MeshPiece = { triangles: 1, index: new Uint32Array(3), positions_m: new Float32Array(9), normals: new Int8Array(12), colors: new Uint8Array(12) };
+
 class World {
   readonly sockets: HeldSocket[] = [];
   readonly events: ScanEvent[] = [];
@@ -56,7 +58,7 @@ class World {
   private readonly timers = new Set<{ at_ms: number; action: () => void }>();
   private time_ms = 0;
   readonly session = new ScanSession(
-    { url: 'ws://host/api/v1/ws', scanId: 'scan1', token: 'secret' },
+    { url: 'ws://host/api/v1/ws', scanId: 'scan1', token: 'secret', watch: { points: false, mesh: true } },
     {
       openSocket: (_, protocol) => {
         expect(protocol).toBe(subprotocol);
@@ -64,6 +66,7 @@ class World {
         return this.socket;
       },
       decodeChunk: () => new Promise((resolve, reject) => this.decodes.push({ resolve, reject })),
+      decodePiece: (_, triangleCount) => (triangleCount === 2 ? Promise.reject(new DracoError('no')) : Promise.resolve(onePiece)),
       emit: (event) => this.events.push(event),
       after: (delay_ms, action) => {
         const timer = { at_ms: this.time_ms + delay_ms, action };
@@ -111,6 +114,39 @@ async function welcomed(): Promise<World> {
 const chunk = (version: bigint): Body => ({ case: 'chunk', value: { key: {}, version, pointCount: 1, draco: new Uint8Array(100) } });
 
 describe('ScanSession', () => {
+  it('says what it wants to see, again on every connection, and when that changes', async () => {
+    const world = new World();
+    world.session.start();
+    world.socket.opens();
+    const hello = world.socket.sent[0]!;
+    expect(hello.case === 'hello' && hello.value.role.case === 'viewScan' && hello.value.role.value.watch).toMatchObject({ points: false, mesh: true });
+    world.session.watch({ points: true, mesh: false });
+    expect(world.socket.sent[1]).toMatchObject({ case: 'watch', value: { points: true, mesh: false } });
+    world.socket.isCut();
+    await settled();
+    await world.passes(60_000);
+    world.socket.opens();
+    const again = world.socket.sent[0]!;
+    expect(again.case === 'hello' && again.value.role.case === 'viewScan' && again.value.role.value.watch).toMatchObject({ points: true, mesh: false });
+  });
+
+  it('passes pieces of the surface on, and says which cannot be decoded', async () => {
+    const world = new World();
+    world.session.start();
+    world.socket.opens();
+    for (const triangleCount of [1, 2, 0]) {
+      world.socket.receives({ case: 'meshChunk', value: { cube: { part: 0, x: triangleCount, y: 0, z: 0 }, version: 1n, submap: 4, triangleCount, draco: new Uint8Array(3) } });
+    }
+    await settled();
+    const cube = (x: number) => ({ part: 0, x, y: 0, z: 0 });
+    expect(world.events.slice(1)).toEqual([
+      { kind: 'meshChunk', cube: cube(1), version: 1n, submap: 4, piece: onePiece },
+      { kind: 'chunkFailed', key: cube(2), reason: 'no' },
+      { kind: 'meshChunk', cube: cube(0), version: 1n, submap: 4, piece: null },
+    ]);
+    expect(world.socket.acknowledged()).toBe(world.socket.receivedBytes);
+  });
+
   it('says hello first, with the scan and the token', async () => {
     const world = await welcomed();
     expect(world.socket.binaryType).toBe('arraybuffer');

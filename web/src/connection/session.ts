@@ -2,8 +2,8 @@
 // jittered backoff. Knows no DOM; sockets and time come in from outside so that tests can hold them.
 import { backoffDelay_ms } from './backoff';
 import { DracoError } from './draco';
-import type { ChunkPoints, ScanEvent } from './events';
-import { ackBytes, decode, helloBytes, pingBytes, WireError, type WireChunk } from './wire';
+import type { ChunkPoints, MeshPiece, ScanEvent, Watch } from './events';
+import { ackBytes, decode, helloBytes, pingBytes, watchBytes, WireError, type WireChunk, type WireMeshChunk } from './wire';
 
 export const subprotocol = 'hermite.v1';
 export const pingEvery_ms = 15_000;
@@ -24,6 +24,7 @@ export type Socket = Pick<WebSocket, 'send' | 'close' | 'binaryType' | 'onopen' 
 export interface SessionWorld {
   openSocket(url: string, protocol: string): Socket;
   decodeChunk(draco: Uint8Array, pointCount: number): Promise<ChunkPoints>;
+  decodePiece(draco: Uint8Array, triangleCount: number): Promise<MeshPiece>;
   emit(event: ScanEvent): void;
   after(delay_ms: number, action: () => void): () => void; // returns how to cancel it
   now_ms(): number;
@@ -34,6 +35,7 @@ export interface SessionTarget {
   readonly url: string;
   readonly scanId: string;
   readonly token: string;
+  readonly watch: Watch; // to begin with
 }
 
 // Everything that belongs to one socket and must not outlive it.
@@ -56,11 +58,20 @@ export class ScanSession {
   private connection: Connection | null = null;
   private cancelRetry: () => void = () => {};
   private pingId = 0;
+  private wanted: Watch;
 
   constructor(
     private readonly target: SessionTarget,
     private readonly world: SessionWorld,
-  ) {}
+  ) {
+    this.wanted = target.watch;
+  }
+
+  // What to see from now on.
+  watch(wanted: Watch): void {
+    this.wanted = wanted;
+    if (this.connection?.open) this.connection.socket.send(watchBytes(wanted));
+  }
 
   start(): void {
     this.world.emit({ kind: 'connecting', attempt: this.failures + 1 });
@@ -82,7 +93,7 @@ export class ScanSession {
     socket.binaryType = 'arraybuffer';
     socket.onopen = () => {
       connection.open = true;
-      socket.send(helloBytes(this.target.scanId, this.target.token));
+      socket.send(helloBytes(this.target.scanId, this.target.token, this.wanted));
     };
     socket.onmessage = (message: MessageEvent) => this.receive(connection, message.data);
     socket.onclose = (event: CloseEvent) => {
@@ -118,6 +129,7 @@ export class ScanSession {
     try {
       const incoming = decode(bytes);
       if (incoming.kind === 'wireChunk') await this.handleChunk(connection, incoming);
+      else if (incoming.kind === 'wireMeshChunk') await this.handleMeshChunk(connection, incoming);
       else if (incoming.kind !== 'pong' && incoming.kind !== 'unknown') this.handleEvent(connection, incoming);
     } catch (error) {
       if (!(error instanceof WireError)) throw error;
@@ -147,6 +159,17 @@ export class ScanSession {
     } catch (error) {
       if (!(error instanceof DracoError)) throw error;
       this.world.emit({ kind: 'chunkFailed', key, reason: error.message });
+    }
+  }
+
+  private async handleMeshChunk(connection: Connection, chunk: WireMeshChunk): Promise<void> {
+    const { cube, version, submap, triangleCount } = chunk;
+    try {
+      const piece = triangleCount === 0 ? null : await this.world.decodePiece(chunk.draco, triangleCount);
+      if (connection === this.connection) this.world.emit({ kind: 'meshChunk', cube, version, submap, piece });
+    } catch (error) {
+      if (!(error instanceof DracoError)) throw error;
+      this.world.emit({ kind: 'chunkFailed', key: cube, reason: error.message });
     }
   }
 

@@ -2,7 +2,7 @@ import { create, fromBinary, toBinary, type MessageInitShape } from '@bufbuild/p
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import { ClientMessageSchema, MapEvent, ScanPhase, ServerMessageSchema, TrackingStatus } from '../gen/scan_pb';
-import { ackBytes, decode, helloBytes, maxPointsPerChunk, pingBytes, WireError } from './wire';
+import { ackBytes, decode, helloBytes, maxPointsPerChunk, maxTrianglesPerChunk, pingBytes, watchBytes, WireError } from './wire';
 
 type Body = NonNullable<MessageInitShape<typeof ServerMessageSchema>['body']>;
 const serverBytes = (body: Body): Uint8Array => toBinary(ServerMessageSchema, create(ServerMessageSchema, { body }));
@@ -10,8 +10,12 @@ const identity = { tx: 1, ty: 2, tz: 3, qx: 0, qy: 0, qz: 0, qw: 2 };
 
 describe('what the viewer sends', () => {
   it('says hello with the scan and the token', () => {
-    const body = fromBinary(ClientMessageSchema, helloBytes('scan1', 'secret')).body;
-    expect(body).toMatchObject({ case: 'hello', value: { token: 'secret', role: { case: 'viewScan', value: { scanId: 'scan1' } } } });
+    const body = fromBinary(ClientMessageSchema, helloBytes('scan1', 'secret', { points: false, mesh: true })).body;
+    expect(body).toMatchObject({ case: 'hello', value: { token: 'secret', role: { case: 'viewScan', value: { scanId: 'scan1', watch: { points: false, mesh: true } } } } });
+  });
+
+  it('says what it wants to see', () => {
+    expect(fromBinary(ClientMessageSchema, watchBytes({ points: true, mesh: false })).body).toMatchObject({ case: 'watch', value: { points: true, mesh: false } });
   });
 
   it('acknowledges more bytes than 32 bits hold', () => {
@@ -24,6 +28,14 @@ describe('what the viewer sends', () => {
 });
 
 describe('decode', () => {
+  it('reads a piece of the surface, and refuses one without a place or of too many triangles', () => {
+    const chunk = { cube: { part: 1, x: -2, y: 3, z: 4 }, version: 5n, submap: 6, triangleCount: 7, draco: Uint8Array.of(8) };
+    const { cube, ...rest } = chunk;
+    expect(decode(serverBytes({ case: 'meshChunk', value: chunk }))).toMatchObject({ kind: 'wireMeshChunk', cube, ...rest });
+    expect(() => decode(serverBytes({ case: 'meshChunk', value: rest }))).toThrow(WireError);
+    expect(() => decode(serverBytes({ case: 'meshChunk', value: { ...chunk, triangleCount: maxTrianglesPerChunk + 1 } }))).toThrow(WireError);
+  });
+
   it('reads a frame and makes its quaternion a unit one', () => {
     const frame = { sequence: 5n, worldFromCamera: identity, status: TrackingStatus.LOST, reason: 'too dark', surfelCount: 9n, frameMs: 12.5 };
     expect(decode(serverBytes({ case: 'frameResult', value: frame }))).toMatchObject({

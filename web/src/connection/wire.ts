@@ -9,6 +9,7 @@ import {
   type Camera,
   type Chunk,
   type FrameResult,
+  type MeshChunk,
   type Rigid3,
   type ServerMessage,
   type TrajectoryPart,
@@ -17,18 +18,21 @@ import type {
   CameraIntrinsics,
   ChunkKey,
   FrameEvent,
+  MeshCube,
   MapEventName,
   PastPositions,
   Pose,
   ScanEvent,
   ScanPhaseName,
   TrackingName,
+  Watch,
 } from './events';
 
 export class WireError extends Error {}
 
-export const protocolMinor = 5;
+export const protocolMinor = 6;
 export const maxPointsPerChunk = 262144;
+export const maxTrianglesPerChunk = 262144;
 
 export interface WireChunk {
   readonly kind: 'wireChunk';
@@ -38,10 +42,23 @@ export interface WireChunk {
   readonly draco: Uint8Array;
 }
 
-export type Incoming = ScanEvent | WireChunk | { readonly kind: 'pong' } | { readonly kind: 'unknown' };
+export interface WireMeshChunk {
+  readonly kind: 'wireMeshChunk';
+  readonly cube: MeshCube;
+  readonly version: bigint;
+  readonly submap: number;
+  readonly triangleCount: number; // 0: the piece is gone
+  readonly draco: Uint8Array;
+}
 
-export function helloBytes(scanId: string, token: string): Uint8Array<ArrayBuffer> {
-  return encode({ case: 'hello', value: { protocolMinor, client: 'hermite-viewer 0.1.0', token, role: { case: 'viewScan', value: { scanId } } } });
+export type Incoming = ScanEvent | WireChunk | WireMeshChunk | { readonly kind: 'pong' } | { readonly kind: 'unknown' };
+
+export function helloBytes(scanId: string, token: string, watch: Watch): Uint8Array<ArrayBuffer> {
+  return encode({ case: 'hello', value: { protocolMinor, client: 'hermite-viewer 0.1.0', token, role: { case: 'viewScan', value: { scanId, watch } } } });
+}
+
+export function watchBytes(watch: Watch): Uint8Array<ArrayBuffer> {
+  return encode({ case: 'watch', value: watch });
 }
 
 // Bytes received so far on this connection.
@@ -72,6 +89,8 @@ export function decode(bytes: Uint8Array): Incoming {
       return frameOf(body.value);
     case 'chunk':
       return chunkOf(body.value);
+    case 'meshChunk':
+      return meshChunkOf(body.value);
     case 'submapPoses':
       return {
         kind: 'submapPoses',
@@ -150,6 +169,15 @@ function chunkOf(chunk: Chunk): WireChunk {
     throw new WireError(`a chunk declares ${chunk.pointCount} points, the limit is ${maxPointsPerChunk}`);
   }
   return { kind: 'wireChunk', key: { submap, level, x, y, z }, version: chunk.version, pointCount: chunk.pointCount, draco: chunk.draco };
+}
+
+function meshChunkOf({ cube, version, submap, triangleCount, draco }: MeshChunk): WireMeshChunk {
+  if (!cube) throw new WireError('a piece of mesh has no cube');
+  if (triangleCount > maxTrianglesPerChunk) {
+    throw new WireError(`a piece of mesh declares ${triangleCount} triangles, the limit is ${maxTrianglesPerChunk}`);
+  }
+  const { part, x, y, z } = cube;
+  return { kind: 'wireMeshChunk', cube: { part, x, y, z }, version, submap, triangleCount, draco };
 }
 
 function cameraOf(camera: Camera | undefined): CameraIntrinsics | null {

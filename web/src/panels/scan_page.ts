@@ -1,8 +1,8 @@
 // The page of one scan: the picture fills it, the panels float above. Wires the connection, the ledger, the state and the scene together.
-import type { ScanEvent } from '../connection/events';
+import type { ScanEvent, Watch } from '../connection/events';
 import { ScanLink } from '../connection/link';
 import { ScanScene } from '../scene/scene';
-import { ChunkLedger } from '../state/chunk_ledger';
+import { ChunkLedger, nameOf, nameOfCube, pointLimit, triangleLimit, type Verdict } from '../state/chunk_ledger';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
 import { meshWords } from '../state/mesh';
 import { createStore, type Store } from '../state/store';
@@ -45,7 +45,8 @@ export function scanPage(scanId: string, token: string): ScanPage {
     scan.subscribe((state) => showEmpty(note, meshWords(state.mesh, options.get().show === 'surface') || null)),
     options.subscribe((state) => showEmpty(note, meshWords(scan.get().mesh, state.show === 'surface') || null)),
   ];
-  const link = scene && new ScanLink({ scanId, token, onEvent: receiver(scan, scene) });
+  const link = scene && new ScanLink({ scanId, token, watch: watchOf(options.get()), onEvent: receiver(scan, scene) });
+  unsubscribers.push(options.subscribe((state) => link?.watch(watchOf(state))));
   const mesh = scene && watchMesh(scan, scene, token);
   const onKey = (event: KeyboardEvent): void => shortcut(event, scene, options);
   document.addEventListener('keydown', onKey);
@@ -63,25 +64,36 @@ export function scanPage(scanId: string, token: string): ScanPage {
   };
 }
 
+// What is shown is what is asked for.
+function watchOf({ show }: ViewOptions): Watch {
+  return { points: show === 'points', mesh: show === 'surface' };
+}
+
 // Chunks pass the ledger first; the scene only gets what is new, the state only the counts.
 function receiver(scan: Store<LiveScan, LiveScanEvent>, scene: ScanScene): (event: ScanEvent) => void {
-  const ledger = new ChunkLedger();
+  const chunks = new ChunkLedger(nameOf, pointLimit);
+  const pieces = new ChunkLedger(nameOfCube, triangleLimit);
   let full = false;
+  const verdictOn = (event: ScanEvent): Verdict => {
+    if (event.kind === 'chunk') return chunks.accept(event.key, event.version, event.points?.count ?? 0);
+    if (event.kind === 'meshChunk') return pieces.accept(event.cube, event.version, event.piece?.triangles ?? 0);
+    return 'apply';
+  };
   return (event) => {
-    if (event.kind === 'chunk') {
-      const verdict = ledger.accept(event.key, event.version, event.points?.count ?? 0);
-      full ||= verdict === 'full';
-      if (verdict === 'apply') scene.onEvent(event);
-    } else {
-      if (event.kind === 'welcome') ledger.beginSnapshot();
-      scene.onEvent(event);
+    if (event.kind === 'welcome') {
+      chunks.beginSnapshot();
+      pieces.beginSnapshot();
     }
+    const verdict = verdictOn(event);
+    full ||= verdict === 'full';
+    if (verdict === 'apply') scene.onEvent(event);
     if (event.kind === 'snapshotEnd') {
-      for (const key of ledger.endSnapshot()) scene.onEvent({ kind: 'chunk', key, version: 0n, points: null });
+      for (const key of chunks.endSnapshot()) scene.onEvent({ kind: 'chunk', key, version: 0n, points: null });
+      for (const cube of pieces.endSnapshot()) scene.onEvent({ kind: 'meshChunk', cube, version: 0n, submap: 0, piece: null });
     }
     scan.dispatch(event);
-    if (event.kind === 'chunk' || event.kind === 'snapshotEnd') {
-      scan.dispatch({ kind: 'content', points: ledger.points, chunks: ledger.chunks, full });
+    if (event.kind === 'chunk' || event.kind === 'meshChunk' || event.kind === 'snapshotEnd') {
+      scan.dispatch({ kind: 'content', points: chunks.size, chunks: chunks.chunks, triangles: pieces.size, full });
     }
   };
 }

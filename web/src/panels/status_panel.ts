@@ -16,7 +16,8 @@ interface Row {
 const isImported = (scan: LiveScan): boolean => scan.phase === 'finished' && scan.framesReceived === 0;
 
 const rows: readonly Row[] = [
-  { label: 'Points', value: (scan) => count(scan.points) },
+  { label: 'Points', value: (scan) => (scan.points > 0 || scan.triangles === 0 ? count(scan.points) : null) },
+  { label: 'Triangles', value: (scan) => (scan.triangles > 0 && scan.mesh.state !== 'shown' ? count(scan.triangles) : null) },
   { label: 'Frames', value: (scan) => (isImported(scan) ? null : framesText(scan)) },
   { label: 'Submaps', value: (scan) => (scan.submaps > 1 ? count(scan.submaps) : null) },
   { label: 'Parts', value: (scan) => (scan.parts > 1 ? count(scan.parts) : null) },
@@ -77,9 +78,9 @@ function framesText(scan: LiveScan): string {
 function noticeText(scan: LiveScan): string {
   const words: string[] = [];
   if (scan.phase === 'running' && scan.connection === 'open') words.push(eventWords(scan), partsWords(scan));
-  if (scan.phase !== 'running') words.push(sentence(scan.phaseWords));
+  words.push(sentence(scan.phaseWords));
   if (scan.connection === 'waiting' && scan.connectionWords) words.push(`${sentence(scan.connectionWords)}`);
-  if (scan.problem && scan.points > 0) words.push(sentence(scan.problem.message));
+  if (scan.problem && (scan.points > 0 || scan.triangles > 0)) words.push(sentence(scan.problem.message));
   if (scan.failedChunks > 0) words.push(`${count(scan.failedChunks)} of the chunks could not be decoded.`);
   if (scan.full) words.push('The scan is larger than this page can show; some parts are left out.');
   return words.filter((part) => part !== '').join(' ');

@@ -44,10 +44,10 @@ export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, sca
   );
   const refresh = (): void => {
     const state = options.get();
-    const { mesh, phase } = scan.get();
+    const { mesh, phase, triangles } = scan.get();
     const there = mesh.state === 'shown';
-    const onSurface = there && state.show === 'surface';
-    show.element.hidden = !there;
+    const onSurface = (there || triangles > 0) && state.show === 'surface';
+    show.element.hidden = !there && triangles === 0 && phase !== 'running';
     show.check(state.show);
     surface.element.hidden = !onSurface;
     surface.check(shownMeshColor(state, there && mesh.textured));

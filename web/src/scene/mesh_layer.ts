@@ -52,7 +52,7 @@ export class MeshLayer implements Layer {
     if (!geometry.hasAttribute('normal')) geometry.computeVertexNormals();
     this.textured ||= map !== null;
     for (const back of [false, true]) {
-      const material = new MeshMaterial({ back, map, tint: colorOf(mesh.material), hasColor: geometry.hasAttribute('color') });
+      const material = new MeshMaterial({ back, map, tint: colorOf(mesh.material), color: geometry.hasAttribute('color') ? 'linear' : 'none' });
       const side = new Mesh(geometry, material);
       side.matrixAutoUpdate = false;
       side.matrix.copy(mesh.matrixWorld);

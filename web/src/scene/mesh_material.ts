@@ -1,10 +1,10 @@
 // A surface in its own colours, lit softly from above and from the eye so that its shape is seen: what faces the eye keeps its colour as it is.
 // Seen from behind it is dim, and with `veil` as good as through, so that a room can be looked into from outside.
-import { BackSide, FrontSide, ShaderMaterial, type Color, type Texture } from 'three';
+import { BackSide, Color, FrontSide, ShaderMaterial, type Texture } from 'three';
 
 const vertexShader = /* glsl */ `
 #ifdef HAS_COLOR
-attribute vec4 color;  // linear; what has three components gets a fourth one
+attribute vec4 color;  // what has three components gets a fourth one
 #endif
 #ifdef HAS_MAP
 varying vec2 vUv;
@@ -16,7 +16,11 @@ void main() {
   vUv = uv;
 #endif
 #ifdef HAS_COLOR
+#ifdef SRGB_COLOR
+  vColor = mix(pow((color.rgb + 0.055) / 1.055, vec3(2.4)), color.rgb / 12.92, vec3(lessThanEqual(color.rgb, vec3(0.04045))));
+#else
   vColor = color.rgb;
+#endif
 #else
   vColor = vec3(1.0);
 #endif
@@ -31,6 +35,7 @@ uniform sampler2D map;
 uniform vec3 tint;  // linear
 uniform int colorMode;  // 0 shaded, 1 as it is, 2 normals
 uniform bool back, veil;
+uniform bool faded;  // of a part of the map that the camera is not in
 #ifdef HAS_MAP
 varying vec2 vUv;
 #endif
@@ -60,6 +65,7 @@ void main() {
     shown = mix(vec3(grey), shown, 0.35) * 0.42 + vec3(0.014, 0.016, 0.020);
     if (veil) alpha = 0.2 + 0.4 * (1.0 - facing);  // its outline stays
   }
+  if (faded) shown = mix(vec3(0.022, 0.027, 0.040), shown, 0.35);
   gl_FragColor = vec4(shown, alpha);
   #include <colorspace_fragment>
 }`;
@@ -67,23 +73,26 @@ void main() {
 export interface MeshLook {
   readonly colorMode: number;
   readonly veil: boolean;
+  readonly faded?: boolean;
 }
 
 export class MeshMaterial extends ShaderMaterial {
-  constructor({ back, map, tint, hasColor }: { readonly back: boolean; readonly map: Texture | null; readonly tint: Color; readonly hasColor: boolean }) {
+  // `color`: of the vertices. `tint`: linear, of everything.
+  constructor({ back, map, color, tint = new Color(1, 1, 1) }: { readonly back: boolean; readonly map: Texture | null; readonly color: 'none' | 'linear' | 'srgb'; readonly tint?: Color }) {
     super({
       vertexShader,
       fragmentShader: `#include <common>\n${fragmentShader}`,
       side: back ? BackSide : FrontSide,
       transparent: back,
-      defines: { ...(hasColor ? { HAS_COLOR: '' } : {}), ...(map ? { HAS_MAP: '' } : {}) },
-      uniforms: { map: { value: map }, tint: { value: tint }, colorMode: { value: 0 }, back: { value: back }, veil: { value: true } },
+      defines: { ...(color !== 'none' ? { HAS_COLOR: '' } : {}), ...(color === 'srgb' ? { SRGB_COLOR: '' } : {}), ...(map ? { HAS_MAP: '' } : {}) },
+      uniforms: { map: { value: map }, tint: { value: tint }, colorMode: { value: 0 }, back: { value: back }, veil: { value: true }, faded: { value: false } },
     });
   }
 
   show(look: MeshLook): void {
     this.uniforms['colorMode']!.value = look.colorMode;
     this.uniforms['veil']!.value = look.veil;
+    this.uniforms['faded']!.value = look.faded ?? false;
     if (this.side === BackSide) this.depthWrite = !look.veil;
   }
 }

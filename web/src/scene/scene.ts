@@ -7,6 +7,7 @@ import { framingOf } from './framing';
 import { FrustumLayer } from './frustum_layer';
 import { GridLayer } from './grid_layer';
 import type { Layer, ViewSize } from './layer';
+import { LiveMeshLayer } from './live_mesh_layer';
 import { MeshLayer } from './mesh_layer';
 import { PointsLayer } from './points_layer';
 import { SubmapsLayer } from './submaps_layer';
@@ -25,11 +26,12 @@ export class ScanScene {
   private readonly rig: CameraRig;
   private readonly submaps = new SubmapsLayer();
   private readonly points = new PointsLayer(this.submaps);
+  private readonly live = new LiveMeshLayer(this.submaps);
   private readonly mesh = new MeshLayer();
   private readonly frustum = new FrustumLayer();
   private readonly grid = new GridLayer();
   // What hangs on the submaps comes behind them.
-  private readonly layers: readonly Layer[] = [this.grid, this.submaps, this.points, this.mesh, new TrajectoryLayer(this.submaps), this.frustum];
+  private readonly layers: readonly Layer[] = [this.grid, this.submaps, this.points, this.live, this.mesh, new TrajectoryLayer(this.submaps), this.frustum];
   private readonly resizeObserver: ResizeObserver;
   private frameRequest = 0;
   private pause: ReturnType<typeof setTimeout> | undefined;
@@ -60,14 +62,15 @@ export class ScanScene {
 
   onEvent(event: ScanEvent): void {
     for (const layer of this.layers) layer.onEvent?.(event);
-    if (event.kind === 'chunk' || event.kind === 'submapPoses') this.grew = true;
+    if (event.kind === 'chunk' || event.kind === 'meshChunk' || event.kind === 'submapPoses') this.grew = true;
+    if (event.kind === 'meshChunk') this.chooseShown();
     this.requestDrawInTime();
   }
 
   onOptions(options: ViewOptions): void {
     this.options = options;
     for (const layer of this.layers) layer.onOptions?.(options);
-    this.points.setVisible(!this.mesh.object.visible);
+    this.chooseShown();
     this.rig.follow(options.follow);
     this.requestDraw();
   }
@@ -75,12 +78,21 @@ export class ScanScene {
   // The surface of the scan, in glTF's frame; it is disposed of with the scene.
   showMesh(root: Object3D): { readonly triangles: number; readonly textured: boolean } {
     this.mesh.replace(root);
+    this.live.clear();
     if (this.options) this.onOptions(this.options);
     let triangles = 0;
     root.traverse((object) => {
       if (object instanceof Mesh) triangles += (object.geometry.index?.count ?? object.geometry.getAttribute('position').count) / 3;
     });
     return { triangles, textured: this.mesh.isTextured };
+  }
+
+  // The finished surface, or the growing one, or points.
+  private chooseShown(): void {
+    const finished = this.mesh.object.visible;
+    const live = !finished && this.live.isThere && this.options?.show === 'surface';
+    this.live.setVisible(live);
+    this.points.setVisible(!finished && !live);
   }
 
   frameAll(): void {
@@ -140,7 +152,7 @@ export class ScanScene {
     if (now_ms - this.reframed_ms < reframeEvery_ms) return true;
     this.grew = false;
     this.reframed_ms = now_ms;
-    const framing = framingOf(this.points.boxes());
+    const framing = framingOf([...this.points.boxes(), ...this.live.boxes()]);
     if (!framing) return false;
     this.grid.placeUnder(framing);
     this.rig.setFraming(framing);

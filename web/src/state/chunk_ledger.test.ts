@@ -1,7 +1,7 @@
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import type { ChunkKey } from '../connection/events';
-import { ChunkLedger, nameOf } from './chunk_ledger';
+import { ChunkLedger, nameOf, pointLimit } from './chunk_ledger';
 
 const key = (x: number): ChunkKey => ({ submap: 0, level: 0, x, y: 0, z: 0 });
 
@@ -12,8 +12,8 @@ interface Update {
 }
 
 // What a viewer shows after these updates, as name -> points.
-function shown(updates: readonly Update[]): { held: Record<string, number>; ledger: ChunkLedger } {
-  const ledger = new ChunkLedger();
+function shown(updates: readonly Update[]): { held: Record<string, number>; ledger: ChunkLedger<ChunkKey> } {
+  const ledger = new ChunkLedger(nameOf, pointLimit);
   ledger.beginSnapshot();
   const held: Record<string, number> = {};
   for (const update of updates) {
@@ -39,7 +39,7 @@ describe('ChunkLedger', () => {
         const expected = shown(updates);
         const actual = shown(received);
         expect(actual.held).toEqual(expected.held);
-        expect(actual.ledger.points).toBe(Object.values(expected.held).reduce((sum, points) => sum + points, 0));
+        expect(actual.ledger.size).toBe(Object.values(expected.held).reduce((sum, points) => sum + points, 0));
         expect(actual.ledger.chunks).toBe(Object.keys(expected.held).length);
       }),
     );
@@ -62,18 +62,18 @@ describe('ChunkLedger', () => {
     ledger.beginSnapshot();
     expect(ledger.accept(key(1), 1n, 11)).toBe('apply');
     expect(ledger.endSnapshot()).toEqual([key(2)]);
-    expect([ledger.points, ledger.chunks]).toEqual([11, 1]);
+    expect([ledger.size, ledger.chunks]).toEqual([11, 1]);
     expect(ledger.endSnapshot()).toEqual([]);
   });
 
   it('refuses to grow beyond its limit but still replaces and removes', () => {
-    const ledger = new ChunkLedger(100);
+    const ledger = new ChunkLedger(nameOf, 100);
     ledger.beginSnapshot();
     expect(ledger.accept(key(1), 1n, 80)).toBe('apply');
     expect(ledger.accept(key(2), 2n, 21)).toBe('full');
     expect(ledger.accept(key(1), 3n, 100)).toBe('apply');
     expect(ledger.accept(key(1), 4n, 101)).toBe('full');
     expect(ledger.accept(key(1), 5n, 0)).toBe('apply');
-    expect(ledger.points).toBe(0);
+    expect(ledger.size).toBe(0);
   });
 });

@@ -1,31 +1,37 @@
-// Which chunks the viewer holds, and in which version.
+// Which chunks the viewer holds, and in which version: of points, or the pieces of a surface.
 //
 // Versions only grow within one connection, so an older or equal one is ignored: duplicates and reordering do no harm. A new connection (perhaps to
 // a restarted server that counts afresh) starts a new snapshot: any version is taken then, and what the snapshot did not name again is dropped at its end.
-import type { ChunkKey } from '../connection/events';
+import type { ChunkKey, MeshCube } from '../connection/events';
 
 // About 20 bytes a point on the graphics card: 240 MB.
 export const pointLimit = 12_000_000;
+// About 24 bytes a triangle, half a vertex of 20 among them: 190 MB.
+export const triangleLimit = 8_000_000;
 
 export type Verdict = 'apply' | 'ignore' | 'full';
 
-interface Entry {
-  readonly key: ChunkKey;
+interface Entry<Key> {
+  readonly key: Key;
   version: bigint;
-  points: number; // 0: removed, remembered so that a late older version cannot bring it back
+  size: number; // points or triangles; 0: removed, remembered so that a late older version cannot bring it back
   snapshot: number;
 }
 
-export class ChunkLedger {
-  private readonly entries = new Map<string, Entry>();
+export class ChunkLedger<Key> {
+  private readonly entries = new Map<string, Entry<Key>>();
   private snapshot = 0;
-  private pointTotal = 0;
+  private sizeTotal = 0;
   private chunkTotal = 0;
 
-  constructor(private readonly limit = pointLimit) {}
+  constructor(
+    private readonly nameOf: (key: Key) => string,
+    private readonly limit: number,
+  ) {}
 
-  get points(): number {
-    return this.pointTotal;
+  // Points or triangles.
+  get size(): number {
+    return this.sizeTotal;
   }
   get chunks(): number {
     return this.chunkTotal;
@@ -35,28 +41,28 @@ export class ChunkLedger {
     ++this.snapshot;
   }
 
-  // `points` 0 removes the chunk. Only 'apply' changes what is held.
-  accept(key: ChunkKey, version: bigint, points: number): Verdict {
-    const name = nameOf(key);
+  // `size` 0 removes the chunk. Only 'apply' changes what is held.
+  accept(key: Key, version: bigint, size: number): Verdict {
+    const name = this.nameOf(key);
     const held = this.entries.get(name);
     if (held && held.snapshot === this.snapshot && version <= held.version) return 'ignore';
-    const growth = points - (held?.points ?? 0);
-    if (growth > 0 && this.pointTotal + growth > this.limit) return 'full';
-    this.pointTotal += growth;
-    this.chunkTotal += Number(points > 0) - Number((held?.points ?? 0) > 0);
-    this.entries.set(name, { key, version, points, snapshot: this.snapshot });
+    const growth = size - (held?.size ?? 0);
+    if (growth > 0 && this.sizeTotal + growth > this.limit) return 'full';
+    this.sizeTotal += growth;
+    this.chunkTotal += Number(size > 0) - Number((held?.size ?? 0) > 0);
+    this.entries.set(name, { key, version, size, snapshot: this.snapshot });
     return 'apply';
   }
 
   // Returns the chunks that this snapshot no longer has; they are forgotten.
-  endSnapshot(): ChunkKey[] {
-    const gone: ChunkKey[] = [];
+  endSnapshot(): Key[] {
+    const gone: Key[] = [];
     for (const [name, entry] of this.entries) {
       if (entry.snapshot === this.snapshot) continue;
       this.entries.delete(name);
-      if (entry.points === 0) continue;
+      if (entry.size === 0) continue;
       gone.push(entry.key);
-      this.pointTotal -= entry.points;
+      this.sizeTotal -= entry.size;
       --this.chunkTotal;
     }
     return gone;
@@ -65,4 +71,8 @@ export class ChunkLedger {
 
 export function nameOf(key: ChunkKey): string {
   return `${key.submap}/${key.level}/${key.x}/${key.y}/${key.z}`;
+}
+
+export function nameOfCube(cube: MeshCube): string {
+  return `${cube.part}/${cube.x}/${cube.y}/${cube.z}`;
 }

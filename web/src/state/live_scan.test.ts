@@ -89,7 +89,7 @@ describe('reduceLiveScan', () => {
   });
 
   it('keeps what it shows while it reconnects', () => {
-    const cut = after(welcome, { kind: 'content', points: 7, chunks: 1, full: false }, { kind: 'waiting', retryIn_ms: 4000, reason: 'cut' });
+    const cut = after(welcome, { kind: 'content', points: 7, chunks: 1, triangles: 0, full: false }, { kind: 'waiting', retryIn_ms: 4000, reason: 'cut' });
     expect(cut).toMatchObject({ connection: 'waiting', points: 7, title: 'Room' });
     expect(connectionWords(cut).text).toBe('Reconnecting in 4 s');
     expect(emptyWords(cut)).toBeNull();
@@ -111,6 +111,7 @@ describe('reduceLiveScan', () => {
   it('has words for every empty picture', () => {
     expect(emptyWords(after())).toBe('Loading the scan.');
     expect(emptyWords(after(welcome, running, { kind: 'snapshotEnd' }))).toContain('first points');
+    expect(emptyWords(after(welcome, running, { kind: 'snapshotEnd' }, { kind: 'content', points: 0, chunks: 0, triangles: 9, full: false }))).toBeNull();
     expect(emptyWords(after(welcome, { ...running, phase: 'finished' }, { kind: 'snapshotEnd' }))).toBe('This scan has no points.');
     expect(emptyWords(after({ kind: 'waiting', retryIn_ms: 1, reason: 'cut' }))).toContain('cannot be reached');
   });

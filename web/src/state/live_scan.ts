@@ -32,6 +32,7 @@ export interface LiveScan {
   readonly poses: number; // camera positions known, those before this viewer came included
   readonly points: number;
   readonly chunks: number;
+  readonly triangles: number; // of the surface while it grows
   readonly problem: { readonly code: string; readonly message: string } | null;
   readonly failedChunks: number;
   readonly full: boolean; // the browser's point limit is reached
@@ -41,7 +42,7 @@ export interface LiveScan {
 // What the scene and the ledger tell the state, besides the events of the connection.
 export type LiveScanEvent =
   | ScanEvent
-  | { readonly kind: 'content'; readonly points: number; readonly chunks: number; readonly full: boolean }
+  | { readonly kind: 'content'; readonly points: number; readonly chunks: number; readonly triangles: number; readonly full: boolean }
   | { readonly kind: 'mesh'; readonly mesh: MeshState };
 
 export function initialLiveScan(scanId: string): LiveScan {
@@ -73,6 +74,7 @@ export function initialLiveScan(scanId: string): LiveScan {
     poses: 0,
     points: 0,
     chunks: 0,
+    triangles: 0,
     problem: null,
     failedChunks: 0,
     full: false,
@@ -124,12 +126,13 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'snapshotEnd':
       return { ...state, snapshotComplete: true };
     case 'content':
-      return { ...state, points: event.points, chunks: event.chunks, full: event.full };
+      return { ...state, points: event.points, chunks: event.chunks, triangles: event.triangles, full: event.full };
     case 'mesh':
       return { ...state, mesh: event.mesh };
     case 'submapPoses':
       return { ...state, submaps: event.poses.length, parts: new Set(event.poses.map((pose) => pose.part)).size };
     case 'chunk':
+    case 'meshChunk':
       return state; // the scene's business
   }
 }

@@ -130,7 +130,7 @@ export function connectionWords(scan: LiveScan): Words {
 
 // What stands in the middle of an otherwise empty picture, null when there is something to see.
 export function emptyWords(scan: LiveScan): string | null {
-  if (scan.points > 0) return null;
+  if (scan.points > 0 || scan.triangles > 0) return null;
   if (scan.problem?.code === 'not_found') return 'This scan does not exist, or no longer.';
   if (scan.problem?.code === 'unauthorized') return 'The server does not accept this access token.';
   if (scan.problem) return scan.problem.message;

@@ -1,0 +1,28 @@
+// Plain arrays as Draco takes them. For the sources of core/output.
+#pragma once
+
+#include <draco/mesh/mesh.h>
+
+#include <vector>
+
+#include "core/output/triangle_mesh.h"
+
+namespace hermite {
+
+// Of a mesh without attributes.
+void set_triangles(draco::Mesh& mesh, std::size_t vertex_count, const std::vector<TriangleCorners>& triangles);
+
+// Adds an attribute whose values are of vertices, and returns its id in the mesh. A row may be longer than its components.
+template <class Row>
+int add_vertex_attribute(draco::Mesh& mesh, draco::GeometryAttribute::Type type, draco::DataType data_type, int components, bool normalized,
+                         const std::vector<Row>& rows) {
+  draco::GeometryAttribute attribute;
+  attribute.Init(type, nullptr, static_cast<std::uint8_t>(components), data_type, normalized, components * draco::DataTypeLength(data_type),
+                 0);
+  const int id = mesh.AddAttribute(attribute, true, static_cast<draco::AttributeValueIndex::ValueType>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    mesh.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(static_cast<std::uint32_t>(i)), &rows[i]);
+  return id;
+}
+
+}  // namespace hermite

@@ -1,0 +1,32 @@
+/// <reference types="node" />
+import { readFileSync } from 'node:fs';
+import { describe, expect, it } from 'vitest';
+import { DracoError } from './draco';
+import { DracoMeshDecoder } from './draco_mesh';
+import { decodePiece } from './mesh_piece';
+
+const here = new URL('.', import.meta.url).pathname;
+const wasm = readFileSync(`${here}/../../node_modules/three/examples/jsm/libs/draco/draco_decoder.wasm`);
+// tests/core/output/mesh_chunk_test.cpp writes it: a strip of 40 triangles, red by its place along x.
+const strip = new Uint8Array(readFileSync(`${here}/testdata/mesh_piece.drc`));
+
+const decoder = (): DracoMeshDecoder => new DracoMeshDecoder(wasm.buffer.slice(wasm.byteOffset, wasm.byteOffset + wasm.byteLength) as ArrayBuffer);
+
+describe('decodePiece', () => {
+  it('reads what the server wrote', async () => {
+    const piece = await decodePiece(decoder(), strip, 40);
+    expect(piece.index.length).toBe(120);
+    expect(piece.positions_m.length).toBe(3 * 42);
+    for (let i = 0; i < 42; ++i) {
+      const column = Math.round((piece.positions_m[3 * i]! - 0.001) / 0.016);
+      expect([...piece.colors.subarray(4 * i, 4 * i + 4)]).toEqual([column, 20, 30, 255]);
+      expect(piece.normals[4 * i + 2]).toBeGreaterThan(120);
+    }
+  });
+
+  it('refuses another count than was declared, and what is no mesh', async () => {
+    await expect(decodePiece(decoder(), strip, 41)).rejects.toThrow(DracoError);
+    await expect(decodePiece(decoder(), strip.subarray(0, 60), 40)).rejects.toThrow(DracoError);
+    await expect(decodePiece(decoder(), Uint8Array.of(1, 2, 3), 1)).rejects.toThrow(DracoError);
+  });
+});

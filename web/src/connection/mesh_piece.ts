@@ -1,0 +1,30 @@
+// Draco bytes of a piece of a live surface -> what the scene draws (core/output/mesh_chunk.h).
+import { DracoError } from './draco';
+import type { DracoMeshDecoder, WantedAttribute } from './draco_mesh';
+import type { MeshPiece } from './events';
+
+const wanted: readonly WantedAttribute[] = [
+  { name: 'position', uniqueId: 0, type: 'Float32Array' },
+  { name: 'normal', uniqueId: 1, type: 'Float32Array' },
+  { name: 'color', uniqueId: 2, type: 'Uint8Array' },
+];
+
+// Rejects with a DracoError in words.
+export async function decodePiece(decoder: DracoMeshDecoder, draco: Uint8Array, declaredTriangles: number): Promise<MeshPiece> {
+  const { index, attributes } = await decoder.decode(draco, wanted);
+  if (index.length !== 3 * declaredTriangles) throw new DracoError(`${index.length / 3} triangles decoded, ${declaredTriangles} declared`);
+  const [position, normal, color] = attributes;
+  if (attributes.some(({ itemSize }) => itemSize !== 3)) throw new DracoError('an attribute of a piece of mesh has not three components');
+  const positions_m = position!.array as Float32Array;
+  const vertices = positions_m.length / 3;
+  const normals = new Int8Array(4 * vertices);
+  const colors = new Uint8Array(4 * vertices).fill(255);
+  for (let i = 0; i < vertices; ++i) {
+    for (let axis = 0; axis < 3; ++axis) {
+      if (!Number.isFinite(positions_m[3 * i + axis]!)) throw new DracoError('a position is not finite');
+      normals[4 * i + axis] = Math.round(127 * normal!.array[3 * i + axis]!);
+      colors[4 * i + axis] = color!.array[3 * i + axis]!;
+    }
+  }
+  return { triangles: declaredTriangles, index, positions_m, normals, colors };
+}
