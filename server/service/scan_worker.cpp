@@ -56,7 +56,7 @@ class ScanRun {
         durable_(durable),
         wants_mesh_(wants_mesh),
         mesh_(events.mesh_changed),
-        model_(least_output_confidence(setup.options)),
+        model_(0, least_output_confidence(setup.options)),
         checkpoints_(*setup.blobs, setup.scan_id, setup.checkpoint_period, durable) {
     begin();
   }
