@@ -123,6 +123,7 @@ TriangleMesh laid_out(const TriangleMesh& mesh, const Atlas& atlas) {
           corners[k] = vertex_in_chart[old];
         }
         result.triangles.push_back(corners);
+        if (!mesh.is_filled.empty()) result.is_filled.push_back(mesh.is_filled[triangle]);
       }
       for (const std::uint32_t triangle : chart.triangles)
         for (const std::uint32_t old : mesh.triangles[triangle]) vertex_in_chart[old] = kNotYet;

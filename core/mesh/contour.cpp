@@ -3,8 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <atomic>
-#include <mutex>
 #include <set>
 #include <tuple>
 #include <unordered_map>
@@ -116,26 +114,6 @@ class Welder {
   std::unordered_map<VertexKey, Place> places_;
   std::vector<bool> is_smooth_, is_supported_;  // by vertex
   TriangleMesh mesh_;
-};
-
-// Counts what is done and tells it, one call at a time; after a "stop" no more.
-class ToldProgress {
- public:
-  ToldProgress(const MeshProgress& progress, std::size_t count) : progress_(progress), count_(count) {}
-
-  bool stopped() const { return stopped_; }
-  void add_one() {
-    const std::lock_guard lock(mutex_);
-    ++done_;
-    if (progress_ && !stopped_ && !progress_(static_cast<double>(done_) / static_cast<double>(count_))) stopped_ = true;
-  }
-
- private:
-  const MeshProgress& progress_;
-  const std::size_t count_;
-  std::mutex mutex_;
-  std::size_t done_ = 0;
-  std::atomic<bool> stopped_ = false;
 };
 
 }  // namespace

@@ -5,9 +5,9 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 
 #include "core/base/result.h"
+#include "core/mesh/mesh_progress.h"
 #include "core/mesh/surfel_field.h"
 #include "core/output/triangle_mesh.h"
 
@@ -17,9 +17,6 @@ struct ContourOptions {
   FieldOptions field;
   double least_part_m2 = 0.0025;  // connected pieces of less surface are left out: what floats is no bigger than a hand's breadth squared
 };
-
-// Called from time to time with the share that is done, on any of the threads that work, one at a time; false: stop.
-using MeshProgress = std::function<bool(double done)>;
 
 struct ContourStatistics {
   double cell_m = 0;

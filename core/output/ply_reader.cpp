@@ -227,15 +227,19 @@ Status read_vertices(Numbers& numbers, const Element& element, PlyShape& shape) 
 
 // Faces and whatever else; the indices of a list named vertex_indices or vertex_index become triangles.
 Status read_others(Numbers& numbers, const Element& element, PlyShape& shape) {
-  for (std::uint64_t i = 0; i < element.count; ++i)
+  const bool is_face = element.name == "face", has_marks = is_face && place_of(element, "filled") >= 0;
+  std::vector<double> values;
+  for (std::uint64_t i = 0; i < element.count; ++i) {
+    double is_filled = 0;
     for (const Property& property : element.properties) {
       const double length = property.count_type ? numbers.next(*property.count_type) : 1;
       if (numbers.failed() || !(length >= 0 && length <= static_cast<double>(kLongestList)))
         return corrupt("cut or damaged at " + element.name + " " + std::to_string(i));
-      std::vector<double> values(static_cast<std::size_t>(length));
+      values.resize(static_cast<std::size_t>(length));
       for (double& value : values) value = numbers.next(property.type);
       if (numbers.failed()) return corrupt("cut at " + element.name + " " + std::to_string(i));
-      if (element.name != "face" || (property.name != "vertex_indices" && property.name != "vertex_index")) continue;
+      if (is_face && property.name == "filled" && !values.empty()) is_filled = values[0];
+      if (!is_face || (property.name != "vertex_indices" && property.name != "vertex_index")) continue;
       for (const double value : values)
         if (!(value >= 0 && value < static_cast<double>(shape.positions.size())))
           return corrupt("face " + std::to_string(i) + " names a vertex that is not there");
@@ -243,6 +247,8 @@ Status read_others(Numbers& numbers, const Element& element, PlyShape& shape) {
         shape.triangles.push_back(
             {static_cast<std::uint32_t>(values[0]), static_cast<std::uint32_t>(values[k - 1]), static_cast<std::uint32_t>(values[k])});
     }
+    if (has_marks) shape.is_filled.resize(shape.triangles.size(), is_filled != 0 ? 1 : 0);
+  }
   return Done{};
 }
 
