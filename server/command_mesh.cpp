@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "core/dataset/text_file.h"
 #include "core/mesh/contour.h"
@@ -58,20 +59,21 @@ Cloud read_cloud(const std::string& path) {
 int run_mesh(const MeshArguments& arguments) {
   using Clock = std::chrono::steady_clock;
   const std::string out = mesh_path(arguments);
-  const Cloud cloud = read_cloud(cloud_path(arguments.source));
+  Cloud cloud = read_cloud(cloud_path(arguments.source));
+  const std::size_t point_count = cloud.size();
   ContourOptions options = arguments.options;
   options.field.cell_m = arguments.cell_mm / 1000;
   options.least_part_m2 = arguments.least_part_cm2 / 1e4;
   ContourStatistics statistics;
   const Clock::time_point start = Clock::now();
-  TriangleMesh mesh = or_throw(contour(cloud, options, {}, &statistics));
+  TriangleMesh mesh = or_throw(contour(std::move(cloud), options, {}, &statistics));
   if (arguments.simplify_mm > 0) mesh = or_throw(simplified(mesh, {arguments.simplify_mm / 1000, arguments.triangles}));
   HoleFillStatistics holes;
   if (arguments.holes.width_m > 0 || arguments.holes.closes_all) mesh = or_throw(holes_filled(mesh, arguments.holes, {}, &holes));
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   or_throw(write_file_atomically(out, format_mesh_ply(mesh)));
   std::cout << Json{{"mesh", out},
-                    {"points", cloud.size()},
+                    {"points", point_count},
                     {"points_left_out", statistics.rejected_points},
                     {"cell_m", statistics.cell_m},
                     {"vertices", mesh.positions_m.size()},

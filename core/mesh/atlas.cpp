@@ -42,6 +42,7 @@ std::vector<FlatChart> flat_charts(const TriangleMesh& mesh, const TextureOption
     std::vector<FlatChart> flat(charts.size());
     std::vector<std::vector<std::uint32_t>> overlapping(charts.size());
     in_parallel(charts.size(), options.thread_count, [&](std::size_t i) {
+      if (is_stopped(options)) return;
       if (charts[i].triangles.size() == 1) charts[i] = chart_of_one(mesh, charts[i].triangles[0]);
       flat[i] = flattened(mesh, charts[i], texel_m, options.page_px);
       overlapping[i] = raster_of(mesh, flat[i]).overlapping;
@@ -83,6 +84,7 @@ Result<Atlas> atlas_of(const TriangleMesh& mesh, const TextureOptions& options) 
   atlas.texel_m = std::max(options.texel_m, std::sqrt(area_m2(mesh) / room));
   for (; atlas.texel_m <= kLargestTexel_m; atlas.texel_m *= kCoarser) {
     std::vector<FlatChart> charts = flat_charts(mesh, options, atlas.texel_m);
+    if (is_stopped(options)) return Error{ErrorCode::kBusy, "texturing was stopped"};
     std::optional<Packing> packing = packed(sizes_of(charts), options.page_px, options.max_pages);
     if (!packing) continue;
     atlas.charts = std::move(charts);

@@ -22,7 +22,7 @@ struct Atlas {
   double texel_m = 0;  // as asked for, or larger where the pages would not have sufficed
 };
 
-// kTooLarge: not even texels of kLargestTexel_m fit.
+// kTooLarge: not even texels of kLargestTexel_m fit; kBusy: stopped.
 inline constexpr double kLargestTexel_m = 0.2;
 Result<Atlas> atlas_of(const TriangleMesh& mesh, const TextureOptions& options);
 

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
+#include <numbers>
 
 #include "core/base/disjoint_sets.h"
 
@@ -122,7 +123,7 @@ bool is_hole(const TriangleMesh& mesh, const BorderLoop& loop) {
     length_m += edge_m;
   }
   const double area_m2 = 0.5 * twice_area.norm();
-  if (!(area_m2 > kSlit * length_m * length_m / (4 * EIGEN_PI))) return true;
+  if (!(area_m2 > kSlit * length_m * length_m / (4 * std::numbers::pi))) return true;
   return 0.5 * twice_area.dot(normals) > kLeastFacing * area_m2 * length_m;
 }
 

@@ -227,6 +227,26 @@ void append(const BorderLoop& loop, const Filling& filling, TriangleMesh& mesh) 
   }
 }
 
+// Where a closing turns back along the surface the one normal of a border's vertex cannot please all triangles around by being their mean:
+// it turns towards those that it is against.
+void turn_border_normals(const std::vector<bool>& is_turning, TriangleMesh& mesh) {
+  constexpr int kMostTurns = 50;
+  constexpr float kTurn = 0.3f;
+  bool is_any = true;
+  for (int i = 0; i < kMostTurns && is_any; ++i) {
+    is_any = false;
+    for (const TriangleCorners& t : mesh.triangles) {
+      if (!is_turning[t[0]] && !is_turning[t[1]] && !is_turning[t[2]]) continue;
+      const auto& p = mesh.positions_m;
+      const Eigen::Vector3f twice_area = (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]);
+      if (twice_area.dot(mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]]) >= 0) continue;
+      is_any = true;
+      for (const std::uint32_t vertex : t)
+        if (is_turning[vertex]) mesh.normals[vertex] = (mesh.normals[vertex] + kTurn * twice_area.stableNormalized()).stableNormalized();
+    }
+  }
+}
+
 Status check_hole_fill(const TriangleMesh& mesh, const HoleFillOptions& options) {
   if (!(options.width_m >= 0 && options.width_m <= kMostHoleWidth_m))
     return Error{ErrorCode::kInvalidArgument,
@@ -263,6 +283,7 @@ Result<TriangleMesh> holes_filled(const TriangleMesh& mesh, const HoleFillOption
   TriangleMesh result = mesh;
   HoleFillStatistics counts;
   counts.not_fillable = borders.tangled;
+  std::vector<bool> is_turning(mesh.positions_m.size(), false);
   for (std::size_t i = 0; i < fillings.size(); ++i) {
     if (!fillings[i]) {
       ++(is_narrow[i] != 0 || options.closes_all ? counts.not_fillable : counts.left_open);
@@ -271,7 +292,11 @@ Result<TriangleMesh> holes_filled(const TriangleMesh& mesh, const HoleFillOption
     ++(is_narrow[i] != 0 ? counts.filled : counts.closed);
     (is_narrow[i] != 0 ? counts.filled_area_m2 : counts.closed_area_m2) += fillings[i]->area_m2;
     append(borders.loops[i], *fillings[i], result);
+    is_turning.resize(result.positions_m.size(), is_narrow[i] == 0);
+    if (is_narrow[i] == 0)
+      for (const std::uint32_t vertex : borders.loops[i].vertices) is_turning[vertex] = true;
   }
+  if (counts.closed > 0) turn_border_normals(is_turning, result);
   if (result.triangles.size() > mesh.triangles.size()) {
     result.is_filled.assign(mesh.triangles.size(), 0);
     result.is_filled.resize(result.triangles.size(), 1);

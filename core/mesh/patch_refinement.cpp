@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <unordered_map>
 #include <utility>
 
@@ -103,7 +104,7 @@ bool PatchRefiner::turns_well(std::uint32_t a, std::uint32_t b, std::uint32_t c,
     return std::atan2(to_a.cross(to_b).norm(), to_a.dot(to_b));
   };
   constexpr double kMargin_rad = 1e-6;  // or four points on a circle would be turned for ever
-  if (!(angle_rad(c) + angle_rad(d) > EIGEN_PI + kMargin_rad)) return false;
+  if (!(angle_rad(c) + angle_rad(d) > std::numbers::pi + kMargin_rad)) return false;
   const Vector3d mean = across(a, b, c) + across(b, a, d);
   return across(a, d, c).dot(mean) > 0 && across(d, b, c).dot(mean) > 0;
 }

@@ -120,6 +120,7 @@ class Numbers {
     return 0;
   }
   bool failed() const { return failed_; }
+  std::size_t bytes_left() const { return bytes_.size(); }
 
  private:
   template <class T>
@@ -193,6 +194,16 @@ struct VertexColumns {
         curvature(e, {"curvature_max", "curvature_min"}),
         submap(e, {"submap"}) {}
 
+  void reserve(std::size_t count, PlyShape& shape) const {
+    shape.positions.reserve(count);
+    if (normal.all_there()) shape.normals.reserve(count);
+    if (color.all_there()) shape.colors.reserve(count);
+    if (radius.all_there()) shape.radii.reserve(count);
+    if (confidence.all_there()) shape.confidences.reserve(count);
+    if (curvature.all_there()) shape.curvatures.reserve(count);
+    if (submap.all_there()) shape.submaps.reserve(count);
+  }
+
   void append(const std::vector<double>& row, const Element& element, PlyShape& shape) const {
     shape.positions.push_back(position.vector(row));
     if (normal.all_there()) shape.normals.push_back(normal.vector(row));
@@ -213,6 +224,8 @@ struct VertexColumns {
 Status read_vertices(Numbers& numbers, const Element& element, PlyShape& shape) {
   const VertexColumns columns(element);
   std::vector<double> row(element.properties.size());
+  // What is promised, as far as there are bytes for it.
+  columns.reserve(std::min<std::size_t>(element.count, numbers.bytes_left() / std::max<std::size_t>(row.size(), 1)), shape);
   for (std::uint64_t i = 0; i < element.count; ++i) {
     for (std::size_t k = 0; k < row.size(); ++k) {
       if (element.properties[k].count_type) return Error{ErrorCode::kUnsupported, "PLY: a vertex with a list"};

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <atomic>
 #include <limits>
 
 #include "core/output/ply.h"
@@ -25,7 +26,7 @@ class BuildExport : public testing::Test {
   void put(const Cloud& cloud) { ASSERT_TRUE(blobs_.put(scan_, "cloud.ply", format_ply(cloud)).ok()); }
   Result<std::string> build(const std::string& name) {
     calls_ = 0;
-    return builder_.build(*find_export_offer(name), scan_, [this](double) { return ++calls_ != stop_at_; });
+    return builder_.build(*export_spec_named(name), scan_, [this](double) { return ++calls_ != stop_at_; });
   }
   std::size_t triangles_of(const Result<std::string>& ply) { return ply.ok() ? parse_ply(*ply)->triangles.size() : 0; }
 
@@ -37,7 +38,8 @@ class BuildExport : public testing::Test {
                            return open_sequence(frames_);
                          }};
   const std::string scan_ = new_scan_id();
-  int calls_ = 0, stop_at_ = 0;
+  std::atomic<int> calls_ = 0;  // of several threads, while texture is made
+  int stop_at_ = 0;
 };
 
 TEST_F(BuildExport, EveryFormatOfTheTableIsMadeOrIsAResult) {
