@@ -171,7 +171,12 @@ Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const Exp
 }
 
 // Files that belong together go as one.
-Result<std::string> ExportBuilder::build(const ExportSpec& spec, const std::string& scan_id, const BuildProgress& progress) {
+Result<std::string> ExportBuilder::build(const ExportSpec& spec, const std::string& scan_id, const BuildProgress& told) {
+  std::atomic<bool> stopped = false;  // who has said so once is not asked again, and no frame that was not read for it is missing
+  const BuildProgress progress = [&](double done) {
+    if (!stopped && !told(done)) stopped = true;
+    return !stopped;
+  };
   CHECK(!spec.offer->is_result, "a result is there already");
   const Result<ExportFormat> format = export_format_named(spec.offer->name);
   if (!format.ok()) return format.error();

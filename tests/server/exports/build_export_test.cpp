@@ -64,12 +64,37 @@ TEST_F(BuildExport, TheMeshIsKeptForTheNextFormatUntilTheCloudIsAnother) {
   EXPECT_GT(small, 100u);
   EXPECT_GT(calls_, 2);
   EXPECT_EQ(triangles_of(build("ply")), small);
-  EXPECT_EQ(calls_, 2) << "nothing was contoured";
+  EXPECT_EQ(calls_, 3) << "nothing was contoured";
   put(test::plane_cloud(60));
   EXPECT_GT(triangles_of(build("ply")), small);
   builder_.forget();
   EXPECT_GT(triangles_of(build("ply")), small);
   EXPECT_GT(calls_, 2);
+}
+
+TEST_F(BuildExport, AMeshIsFinishedAsAskedAndTheNextAsItIs) {
+  Cloud cloud = test::plane_cloud(30);
+  put(cloud);
+  const std::size_t plain = triangles_of(build("ply"));
+  EXPECT_LT(2 * triangles_of(build("ply_s1000")), plain);
+  EXPECT_GT(triangles_of(build("ply_c")), plain);
+  EXPECT_THAT(*build("ply_c"), HasSubstr("property uchar filled"));
+  EXPECT_EQ(triangles_of(build("ply")), plain);
+  EXPECT_THAT(*build("glb_c"), HasSubstr("\"name\":\"filled\""));
+}
+
+TEST_F(BuildExport, WhatMemoryDoesNotSufficeForIsNotBegun) {
+  put(test::plane_cloud(30));
+  ExportBuilder small(
+      blobs_,
+      [](const std::string&) -> Result<std::unique_ptr<Sequence>> {
+        return Error{ErrorCode::kNotFound, "none"};
+      },
+      [] { return std::uint64_t{1000}; });
+  const Result<std::string> built = small.build(*export_spec_named("ply"), scan_, [](double) { return true; });
+  EXPECT_EQ(built.error().code, ErrorCode::kTooLarge);
+  EXPECT_THAT(built.error().message, HasSubstr("this machine has"));
+  EXPECT_GT(free_memory_bytes(), std::uint64_t{1} << 20);
 }
 
 TEST_F(BuildExport, AMeshIsOfTheSurfelsWhereThereAreSome) {
