@@ -5,8 +5,10 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "core/mesh/contour.h"
+#include "core/mesh/hole_fill.h"
 #include "core/mesh/simplify.h"
 #include "core/output/mesh_ply.h"
 #include "core/output/ply.h"
@@ -25,6 +27,7 @@ struct MeshArguments {
   double least_part_cm2 = ContourOptions().least_part_m2 * 1e4;
   double simplify_mm = 0;  // 0: not at all
   std::int64_t triangles = 0;
+  HoleFillOptions holes;
   ContourOptions options;
 };
 
@@ -52,18 +55,21 @@ Cloud read_cloud(const std::string& path) {
 int run_mesh(const MeshArguments& arguments) {
   using Clock = std::chrono::steady_clock;
   const std::string out = mesh_path(arguments);
-  const Cloud cloud = read_cloud(cloud_path(arguments.source));
+  Cloud cloud = read_cloud(cloud_path(arguments.source));
+  const std::size_t point_count = cloud.size();
   ContourOptions options = arguments.options;
   options.field.cell_m = arguments.cell_mm / 1000;
   options.least_part_m2 = arguments.least_part_cm2 / 1e4;
   ContourStatistics statistics;
   const Clock::time_point start = Clock::now();
-  TriangleMesh mesh = or_throw(contour(cloud, options, {}, &statistics));
+  TriangleMesh mesh = or_throw(contour(std::move(cloud), options, {}, &statistics));
   if (arguments.simplify_mm > 0) mesh = or_throw(simplified(mesh, {arguments.simplify_mm / 1000, arguments.triangles}));
+  HoleFillStatistics holes;
+  if (arguments.holes.width_m > 0 || arguments.holes.closes_all) mesh = or_throw(holes_filled(mesh, arguments.holes, {}, &holes));
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   or_throw(write_file_atomically(out, format_mesh_ply(mesh)));
   std::cout << Json{{"mesh", out},
-                    {"points", cloud.size()},
+                    {"points", point_count},
                     {"points_left_out", statistics.rejected_points},
                     {"cell_m", statistics.cell_m},
                     {"vertices", mesh.positions_m.size()},
@@ -71,6 +77,12 @@ int run_mesh(const MeshArguments& arguments) {
                     {"parts_left_out", statistics.removed_parts},
                     {"split_vertices", statistics.split_vertices},
                     {"folded_triangles_left_out", statistics.folded},
+                    {"holes_filled", holes.filled},
+                    {"holes_filled_m2", holes.filled_area_m2},
+                    {"holes_closed", holes.closed},
+                    {"holes_closed_m2", holes.closed_area_m2},
+                    {"borders_left_open", holes.left_open},
+                    {"borders_not_fillable", holes.not_fillable},
                     {"seconds", seconds}}
                    .dump(2)
             << '\n';
@@ -98,6 +110,11 @@ Command add_mesh_command(CLI::App& app) {
   mesh.add_option("--triangles", arguments->triangles, "With --simplify: not fewer than these")
       ->needs(simplify)
       ->check(CLI::Range(0, 1 << 30));
+  mesh.add_option("--fill-holes", arguments->holes.width_m,
+                  "Fill holes that are no wider than this [m] as the surface around them goes on; what is filled is marked")
+      ->check(CLI::Range(0.001, kMostHoleWidth_m));
+  mesh.add_flag("--close", arguments->holes.closes_all,
+                "Close all that is open, for printing, wherever the surface ends, too; what is closed is marked");
   mesh.add_flag("!--smooth-edges", arguments->options.field.keep_edges, "Do not tell surfaces that meet in an edge from each other");
   return {&mesh, [arguments] { return run_mesh(*arguments); }};
 }

@@ -86,11 +86,15 @@ void leave_out_bad_triangles(ImportedModel& model) {
     return std::any_of(corners.begin(), corners.end(), [&is_bad](std::uint32_t corner) { return is_bad[corner]; });
   };
   std::vector<TriangleCorners> kept;
+  std::vector<std::uint8_t> is_filled;
   std::vector<TexturePage> pages;
   std::size_t at = 0;
   const auto keep_until = [&](std::size_t end) {
-    for (; at < end; ++at)
-      if (!is_left_out(mesh.triangles[at])) kept.push_back(mesh.triangles[at]);
+    for (; at < end; ++at) {
+      if (is_left_out(mesh.triangles[at])) continue;
+      kept.push_back(mesh.triangles[at]);
+      if (!mesh.is_filled.empty()) is_filled.push_back(mesh.is_filled[at]);
+    }
   };
   for (TexturePage& page : mesh.pages) {
     const std::size_t first = kept.size();
@@ -101,6 +105,7 @@ void leave_out_bad_triangles(ImportedModel& model) {
   model.left_out_triangles = mesh.triangles.size() - kept.size();
   mesh.pages = std::move(pages);
   mesh.triangles = std::move(kept);
+  mesh.is_filled = std::move(is_filled);
   model.unchanged = false;
   const auto good = std::find(is_bad.begin(), is_bad.end(), false);
   const Eigen::Vector3f somewhere =

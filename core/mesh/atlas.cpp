@@ -55,6 +55,7 @@ std::vector<FlatChart> flat_charts(const TriangleMesh& mesh, const std::vector<f
     std::vector<FlatChart> flat(charts.size());
     std::vector<std::vector<std::uint32_t>> overlapping(charts.size());
     in_parallel(charts.size(), options.thread_count, [&](std::size_t i) {
+      if (is_stopped(options)) return;
       if (charts[i].triangles.size() == 1) charts[i] = chart_of_one(mesh, charts[i].triangles[0]);
       const double own_texel_m = texel_m * static_cast<double>(share_of_texel(mesh, charts[i], finest_pixel_m, texel_m));
       const int longest = own_texel_m < texel_m ? longest_fine_texels : options.page_px;
@@ -98,6 +99,7 @@ Result<Atlas> atlas_of(const TriangleMesh& mesh, const std::vector<float>& fines
   atlas.texel_m = std::max(options.texel_m, std::sqrt(area_m2(mesh) / room));
   for (; atlas.texel_m <= kLargestTexel_m; atlas.texel_m *= kCoarser) {
     std::vector<FlatChart> charts = flat_charts(mesh, finest_pixel_m, options, atlas.texel_m);
+    if (is_stopped(options)) return Error{ErrorCode::kBusy, "texturing was stopped"};
     std::optional<Packing> packing = packed(sizes_of(charts), options.page_px, options.max_pages);
     if (!packing) continue;
     atlas.charts = std::move(charts);
@@ -138,6 +140,7 @@ TriangleMesh laid_out(const TriangleMesh& mesh, const Atlas& atlas) {
           corners[k] = vertex_in_chart[old];
         }
         result.triangles.push_back(corners);
+        if (!mesh.is_filled.empty()) result.is_filled.push_back(mesh.is_filled[triangle]);
       }
       for (const std::uint32_t triangle : chart.triangles)
         for (const std::uint32_t old : mesh.triangles[triangle]) vertex_in_chart[old] = kNotYet;

@@ -24,7 +24,8 @@ struct Atlas {
 
 // Charts that were seen more finely have smaller texels: kTexelsOfPixel of what a pixel covers at the best quarter of the chart's vertices
 // (finest_pixels_m of texture_detail.h, by vertex), and no less than kSmallestShare of the largest. Half a pixel is as far apart as samples
-// may lie (Nyquist), so that the texture is hardly less sharp than the view it is from. kTooLarge: not even texels of kLargestTexel_m fit.
+// may lie (Nyquist), so that the texture is hardly less sharp than the view it is from. kTooLarge: not even texels of kLargestTexel_m fit;
+// kBusy: stopped.
 inline constexpr double kLargestTexel_m = 0.2;
 inline constexpr float kTexelsOfPixel = 0.5f, kSmallestShare = 0.25f;
 Result<Atlas> atlas_of(const TriangleMesh& mesh, const std::vector<float>& finest_pixel_m, const TextureOptions& options);

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
-#include <mutex>
+#include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 #include <unordered_map>
@@ -16,6 +16,9 @@
 
 namespace hermite {
 namespace {
+
+// That are kept before they are welded: enough for all processors, and little memory.
+constexpr std::size_t kCubesAtOnce = 256;
 
 struct CubeOrder {
   bool operator()(const Eigen::Vector3i& a, const Eigen::Vector3i& b) const {
@@ -37,87 +40,80 @@ std::vector<Eigen::Vector3i> cubes_of(const SurfelField& field) {
   return {cubes.begin(), cubes.end()};
 }
 
-// Surfaces of cubes become one mesh, in the order of the cubes.
+// Surfaces of cubes become one mesh, in the order of the cubes. A cube names vertices of itself and of cubes next to it that came before:
+// what lies more than a layer of cubes back is forgotten.
 class Welder {
  public:
-  Welder(const std::vector<Eigen::Vector3i>& cubes, const std::vector<CubeSurface>& surfaces) : surfaces_(surfaces) {
-    std::uint32_t first = 0;
-    for (std::size_t i = 0; i < cubes.size(); ++i) {
-      if (surfaces[i].vertices.empty()) continue;
-      places_.emplace(key_of(cubes[i]), Place{i, first});
-      first += static_cast<std::uint32_t>(surfaces[i].vertices.size());
+  void weld(const Eigen::Vector3i& cube, const CubeSurface& surface) {
+    while (!layers_.empty() && layers_.begin()->first < cube.z() - 1) layers_.erase(layers_.begin());
+    if (surface.vertices.empty()) return;
+    Place& place = layers_[cube.z()][key_of(cube)];
+    place.first_vertex = mesh_.vertex_count();
+    place.keys.reserve(surface.vertices.size());
+    for (const CubeVertex& vertex : surface.vertices) place.keys.push_back(vertex.key);
+    mesh_.add_vertices(surface.vertices);
+    for (const CubeQuad& quad : surface.quads) {
+      std::array<std::uint32_t, 4> corners{};
+      std::transform(quad.begin(), quad.end(), corners.begin(), [this](VertexKey key) { return number_of(key); });
+      mesh_.add(corners);
     }
   }
 
-  TriangleMesh weld() {
-    QuadMesh mesh;
-    for (const CubeSurface& surface : surfaces_) mesh.add_vertices(surface.vertices);
-    for (const CubeSurface& surface : surfaces_)
-      for (const CubeQuad& quad : surface.quads) {
-        std::array<std::uint32_t, 4> corners{};
-        std::transform(quad.begin(), quad.end(), corners.begin(), [this](VertexKey key) { return number_of(key); });
-        mesh.add(corners);
-      }
-    return mesh.take();
-  }
+  TriangleMesh finish() { return mesh_.take(); }
 
  private:
   struct Place {
-    std::size_t surface = 0;
     std::uint32_t first_vertex = 0;
+    std::vector<VertexKey> keys;  // of the cube's vertices
   };
   static VertexKey key_of(const Eigen::Vector3i& cube) { return vertex_key(cube, 0); }
 
   std::uint32_t number_of(VertexKey key) const {
-    const Place& place = places_.at(key_of(cube_of(cell_of(key))));
-    return place.first_vertex + index_of(key, surfaces_[place.surface].vertices);
+    const Eigen::Vector3i cube = cube_of(cell_of(key));
+    const Place& place = layers_.at(cube.z()).at(key_of(cube));
+    return place.first_vertex + index_of(key, place.keys);
   }
 
-  const std::vector<CubeSurface>& surfaces_;
-  std::unordered_map<VertexKey, Place> places_;
+  std::map<int, std::unordered_map<VertexKey, Place>> layers_;  // by z and cube
+  QuadMesh mesh_;
 };
 
-// Counts what is done and tells it, one call at a time; after a "stop" no more.
-class ToldProgress {
- public:
-  ToldProgress(const MeshProgress& progress, std::size_t count) : progress_(progress), count_(count) {}
-
-  bool stopped() const { return stopped_; }
-  void add_one() {
-    const std::lock_guard lock(mutex_);
-    ++done_;
-    if (progress_ && !stopped_ && !progress_(static_cast<double>(done_) / static_cast<double>(count_))) stopped_ = true;
+Result<TriangleMesh> welded_cubes(const SurfelField& field, const MeshProgress& progress) {
+  const std::vector<Eigen::Vector3i> cubes = cubes_of(field);
+  ToldProgress told(progress, cubes.size());
+  Welder welder;
+  for (std::size_t first = 0; first < cubes.size(); first += kCubesAtOnce) {
+    std::vector<CubeSurface> surfaces(std::min(kCubesAtOnce, cubes.size() - first));
+    in_parallel(surfaces.size(), [&](std::size_t i) {
+      if (told.stopped()) return;
+      surfaces[i] = contour_cube(field, cubes[first + i]);
+      told.add_one();
+    });
+    if (told.stopped()) return Error{ErrorCode::kBusy, "meshing was stopped"};
+    for (std::size_t i = 0; i < surfaces.size(); ++i) welder.weld(cubes[first + i], surfaces[i]);
   }
-
- private:
-  const MeshProgress& progress_;
-  const std::size_t count_;
-  std::mutex mutex_;
-  std::size_t done_ = 0;
-  std::atomic<bool> stopped_ = false;
-};
+  return welder.finish();
+}
 
 }  // namespace
 
+Result<TriangleMesh> contour(Cloud&& cloud, const ContourOptions& options, const MeshProgress& progress, ContourStatistics* statistics) {
+  std::optional<Result<SurfelField>> field = SurfelField::create(std::move(cloud), options.field);
+  if (!field->ok()) return field->error();
+  Result<TriangleMesh> mesh = welded_cubes(**field, progress);
+  if (!mesh.ok()) return mesh;
+  ContourStatistics counts{(*field)->cell_m(), (*field)->rejected_count()};
+  field.reset();  // its memory is needed now
+  counts.folded = unfold(*mesh);
+  counts.split_vertices = split_touching_fans(*mesh);
+  counts.removed_parts = remove_small_parts(*mesh, options.least_part_m2);
+  if (statistics) *statistics = counts;
+  return mesh;
+}
+
 Result<TriangleMesh> contour(const Cloud& cloud, const ContourOptions& options, const MeshProgress& progress,
                              ContourStatistics* statistics) {
-  const Result<SurfelField> field = SurfelField::create(cloud, options.field);
-  if (!field.ok()) return field.error();
-  const std::vector<Eigen::Vector3i> cubes = cubes_of(*field);
-  std::vector<CubeSurface> surfaces(cubes.size());
-  ToldProgress told(progress, cubes.size());
-  in_parallel(cubes.size(), [&](std::size_t i) {
-    if (told.stopped()) return;
-    surfaces[i] = contour_cube(*field, cubes[i]);
-    told.add_one();
-  });
-  if (told.stopped()) return Error{ErrorCode::kBusy, "meshing was stopped"};
-  TriangleMesh mesh = Welder(cubes, surfaces).weld();
-  const std::size_t folded = unfold(mesh);
-  const std::size_t split = split_touching_fans(mesh);
-  const std::size_t removed = remove_small_parts(mesh, options.least_part_m2);
-  if (statistics) *statistics = {field->cell_m(), field->rejected_count(), removed, split, folded};
-  return mesh;
+  return contour(Cloud(cloud), options, progress, statistics);
 }
 
 }  // namespace hermite

@@ -5,9 +5,9 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 
 #include "core/base/result.h"
+#include "core/mesh/mesh_progress.h"
 #include "core/mesh/surfel_field.h"
 #include "core/output/triangle_mesh.h"
 
@@ -17,9 +17,6 @@ struct ContourOptions {
   FieldOptions field;
   double least_part_m2 = 0.0025;  // connected pieces of less surface are left out: what floats is no bigger than a hand's breadth squared
 };
-
-// Called from time to time with the share that is done, on any of the threads that work, one at a time; false: stop.
-using MeshProgress = std::function<bool(double done)>;
 
 struct ContourStatistics {
   double cell_m = 0;
@@ -31,6 +28,11 @@ struct ContourStatistics {
 
 // On all processors, in the same order of vertices and triangles whatever their number. Every edge has one or two triangles, which are
 // oriented alike; what nothing supports is open. May be empty of triangles. kInvalidArgument as of SurfelField::create; kBusy: stopped.
+//
+// Memory: what is made, some 60 bytes a vertex, twice for a while, beside either the points (40 bytes each, gone before the end) or an
+// index of the mesh (24 bytes a vertex). A cloud that is handed over is gone once it is read; of one that is not a copy is made.
+Result<TriangleMesh> contour(Cloud&& cloud, const ContourOptions& options, const MeshProgress& progress = {},
+                             ContourStatistics* statistics = nullptr);
 Result<TriangleMesh> contour(const Cloud& cloud, const ContourOptions& options, const MeshProgress& progress = {},
                              ContourStatistics* statistics = nullptr);
 

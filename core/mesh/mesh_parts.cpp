@@ -2,36 +2,17 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <span>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "core/base/disjoint_sets.h"
+#include "core/mesh/vertex_corners.h"
 
 namespace hermite {
 namespace {
-
-// A corner of a triangle, numbered 3 * triangle + corner; its edge runs to the next corner.
-struct EdgeUse {
-  std::uint32_t low = 0, high = 0;  // vertices
-  std::uint32_t corner = 0;
-  bool operator<(const EdgeUse& other) const { return std::tie(low, high, corner) < std::tie(other.low, other.high, other.corner); }
-};
-
-std::uint32_t next_corner(std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
-
-std::vector<EdgeUse> edge_uses(const TriangleMesh& mesh) {
-  std::vector<EdgeUse> uses;
-  uses.reserve(3 * mesh.triangles.size());
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = mesh.triangles[i][k], b = mesh.triangles[i][(k + 1) % 3];
-      uses.push_back({std::min(a, b), std::max(a, b), 3 * i + k});
-    }
-  std::sort(uses.begin(), uses.end());
-  return uses;
-}
 
 // A fold is a cell or two wide: what twenty steps do not take out of it will not go.
 constexpr int kMostUnfoldings = 20;
@@ -65,6 +46,32 @@ void relax(TriangleMesh& mesh, const std::vector<bool>& is_moving) {
     const Eigen::Vector3f normal = mesh.normals[vertex] + sums.normals / sums.count;
     if (normal.squaredNorm() > 1e-6f) mesh.normals[vertex] = normal.normalized();
   }
+}
+
+// A corner whose fan gets a vertex of its own.
+struct MovedCorner {
+  std::uint32_t first_of_fan = 0, corner = 0;
+  bool operator<(const MovedCorner& other) const { return std::tie(first_of_fan, corner) < std::tie(other.first_of_fan, other.corner); }
+};
+
+// Of the corners at one vertex, in ascending order, those that are not of the first one's fan. Two are of one fan when an edge lies between
+// them that no third triangle has, and that they run through in opposite directions: else they are two surfaces, back to back.
+void find_other_fans(const TriangleMesh& mesh, std::span<const std::uint32_t> corners, std::vector<MovedCorner>& moved) {
+  constexpr std::uint32_t kNone = ~0u;
+  DisjointSets fans(corners.size());
+  for (std::uint32_t i = 0; i < corners.size(); ++i) {
+    const std::uint32_t to = vertex_at(mesh, next_corner(corners[i]));
+    std::uint32_t beyond = kNone, uses = 0;
+    for (std::uint32_t k = 0; k < corners.size(); ++k) {
+      uses += vertex_at(mesh, next_corner(corners[k])) == to ? 1 : 0;
+      if (vertex_at(mesh, previous_corner(corners[k])) != to) continue;
+      ++uses;
+      beyond = k;
+    }
+    if (uses == 2 && beyond != kNone) fans.join(i, beyond);
+  }
+  for (std::uint32_t i = 0; i < corners.size(); ++i)
+    if (fans.root(i) != 0) moved.push_back({corners[fans.root(i)], corners[i]});
 }
 
 }  // namespace
@@ -132,38 +139,23 @@ std::size_t unfold(TriangleMesh& mesh) {
 }
 
 std::size_t split_touching_fans(TriangleMesh& mesh) {
-  DisjointSets fans(3 * mesh.triangles.size());  // of corners, each at one vertex
-  const std::vector<EdgeUse> uses = edge_uses(mesh);
-  for (std::size_t first = 0, last; first < uses.size(); first = last) {
-    for (last = first; last < uses.size() && uses[last].low == uses[first].low && uses[last].high == uses[first].high;) ++last;
-    if (last - first != 2) continue;
-    const std::uint32_t a = uses[first].corner, b = uses[first + 1].corner;
-    const auto vertex = [&mesh](std::uint32_t corner) { return mesh.triangles[corner / 3][corner % 3]; };
-    if (vertex(a) == vertex(b)) continue;  // both run the same way round: two surfaces, back to back
-    fans.join(a, next_corner(b));
-    fans.join(next_corner(a), b);
+  std::vector<MovedCorner> moved;
+  {
+    const VertexCorners corners(mesh);
+    for (std::uint32_t vertex = 0; vertex < mesh.positions_m.size(); ++vertex) find_other_fans(mesh, corners.at(vertex), moved);
   }
-  constexpr std::uint32_t kNone = ~0u;
-  std::vector<std::uint32_t> fan_of_vertex(mesh.positions_m.size(), kNone), vertex_of_fan(3 * mesh.triangles.size(), kNone);
-  std::size_t added = 0;
-  for (std::uint32_t corner = 0; corner < 3 * mesh.triangles.size(); ++corner) {
-    std::uint32_t& vertex = mesh.triangles[corner / 3][corner % 3];
-    const std::uint32_t fan = fans.root(corner);
-    if (vertex_of_fan[fan] == kNone) {
-      vertex_of_fan[fan] = vertex;
-      if (fan_of_vertex[vertex] == kNone) {
-        fan_of_vertex[vertex] = fan;
-      } else {
-        vertex_of_fan[fan] = static_cast<std::uint32_t>(mesh.positions_m.size());
-        mesh.positions_m.push_back(Eigen::Vector3f(mesh.positions_m[vertex]));
-        mesh.normals.push_back(Eigen::Vector3f(mesh.normals[vertex]));
-        mesh.colors.push_back(Rgb8(mesh.colors[vertex]));
-        ++added;
-      }
+  std::sort(moved.begin(), moved.end());
+  const std::size_t before = mesh.positions_m.size();
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    std::uint32_t& vertex = mesh.triangles[moved[i].corner / 3][moved[i].corner % 3];
+    if (i == 0 || moved[i].first_of_fan != moved[i - 1].first_of_fan) {
+      mesh.positions_m.push_back(Eigen::Vector3f(mesh.positions_m[vertex]));
+      mesh.normals.push_back(Eigen::Vector3f(mesh.normals[vertex]));
+      mesh.colors.push_back(Rgb8(mesh.colors[vertex]));
     }
-    vertex = vertex_of_fan[fan];
+    vertex = static_cast<std::uint32_t>(mesh.positions_m.size() - 1);
   }
-  return added;
+  return mesh.positions_m.size() - before;
 }
 
 }  // namespace hermite

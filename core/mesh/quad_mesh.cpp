@@ -3,11 +3,22 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "core/base/check.h"
 #include "core/mesh/mesh_parts.h"
 
 namespace hermite {
+namespace {
+
+template <class Item, class KeyOf>
+std::uint32_t index_by(VertexKey key, const std::vector<Item>& items, KeyOf key_of) {
+  const auto found = std::ranges::lower_bound(items, key, {}, key_of);
+  CHECK(found != items.end() && std::invoke(key_of, *found) == key, "two cubes differ about what lies between them");
+  return static_cast<std::uint32_t>(found - items.begin());
+}
+
+}  // namespace
 
 void QuadMesh::add_vertices(const std::vector<CubeVertex>& vertices) {
   for (const CubeVertex& vertex : vertices) {
@@ -43,12 +54,8 @@ void QuadMesh::add(const std::array<std::uint32_t, 4>& v) {
   for (const TriangleCorners& triangle : takes_one ? one : other) mesh_.triangles.push_back(triangle);
 }
 
-std::uint32_t index_of(VertexKey key, const std::vector<CubeVertex>& vertices) {
-  const auto found = std::lower_bound(vertices.begin(), vertices.end(), key,
-                                      [](const CubeVertex& vertex, VertexKey wanted) { return vertex.key < wanted; });
-  CHECK(found != vertices.end() && found->key == key, "two cubes differ about what lies between them");
-  return static_cast<std::uint32_t>(found - vertices.begin());
-}
+std::uint32_t index_of(VertexKey key, const std::vector<CubeVertex>& vertices) { return index_by(key, vertices, &CubeVertex::key); }
+std::uint32_t index_of(VertexKey key, const std::vector<VertexKey>& keys) { return index_by(key, keys, std::identity()); }
 
 TriangleMesh mesh_of(const CubeSurface& surface) {
   QuadMesh quads;

@@ -13,6 +13,7 @@ namespace hermite {
 class QuadMesh {
  public:
   void add_vertices(const std::vector<CubeVertex>& vertices);
+  std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(mesh_.positions_m.size()); }
   void add(const std::array<std::uint32_t, 4>& corners);  // numbers of vertices that were added
   TriangleMesh take() { return std::move(mesh_); }
 
@@ -26,7 +27,8 @@ class QuadMesh {
 // Of a surface with all its vertices (contour_whole_cube), those that no triangle has left out.
 TriangleMesh mesh_of(const CubeSurface& surface);
 
-// The place of that key in vertices in the order of their keys; CHECK: it is there.
+// The place of that key in vertices in the order of their keys, or in the keys alone; CHECK: it is there.
 std::uint32_t index_of(VertexKey key, const std::vector<CubeVertex>& vertices);
+std::uint32_t index_of(VertexKey key, const std::vector<VertexKey>& keys);
 
 }  // namespace hermite

@@ -80,10 +80,20 @@ SurfelField SurfelField::of(std::vector<FieldKernel> kernels, double cell_m) {
 }
 
 Result<SurfelField> SurfelField::create(const Cloud& cloud, const FieldOptions& options) {
+  return of_kernels(kernels_of(cloud), cloud.size(), options);
+}
+
+Result<SurfelField> SurfelField::create(Cloud&& cloud, const FieldOptions& options) {
+  const std::size_t count = cloud.size();
+  std::vector<FieldKernel> kernels = kernels_of(cloud);
+  Cloud().swap(cloud);
+  return of_kernels(std::move(kernels), count, options);
+}
+
+Result<SurfelField> SurfelField::of_kernels(std::vector<FieldKernel> kernels, std::size_t point_count, const FieldOptions& options) {
   SurfelField field;
   field.options_ = options;
-  std::vector<FieldKernel> kernels = kernels_of(cloud);
-  field.rejected_count_ = cloud.size() - kernels.size();
+  field.rejected_count_ = point_count - kernels.size();
   if (kernels.empty())
     return Error{ErrorCode::kInvalidArgument, "the cloud has no point with a position and a normal: there is no surface to mesh"};
   const std::vector<float> spacings = spacings_of(kernels);

@@ -60,7 +60,9 @@ class SurfelField {
  public:
   // Leaves out points whose position or normal is no number, whose normal has no direction, or that have no confidence where others have.
   // kInvalidArgument: no point left, or a cell outside kLeastCell_m to kMostCell_m, or points so far apart that cells cannot be counted.
+  // A cloud that is handed over is gone as soon as its kernels are known.
   static Result<SurfelField> create(const Cloud& cloud, const FieldOptions& options);
+  static Result<SurfelField> create(Cloud&& cloud, const FieldOptions& options);
 
   // Of kernels that are made already, whose order within a bin stays. Their positions are within kMostCell cells (CHECK).
   static SurfelField of(std::vector<FieldKernel> kernels, double cell_m);
@@ -85,6 +87,7 @@ class SurfelField {
     std::uint32_t first = 0, last = 0;
   };
   SurfelField() = default;
+  static Result<SurfelField> of_kernels(std::vector<FieldKernel> kernels, std::size_t point_count, const FieldOptions& options);
   void sort_into_bins(std::vector<FieldKernel> kernels);
 
   FieldOptions options_;

@@ -46,6 +46,7 @@ Result<std::vector<TextureView>> loaded_views(const TriangleMesh& mesh, const Te
       return kTexturingStopped;
     std::vector<std::optional<TextureView>> some(count);
     in_parallel(count, options.thread_count, [&](std::size_t i) {
+      if (is_stopped(options)) return;
       if (Result<TextureView> view = load_view(mesh, frames, view_frames[first + i]); view.ok()) some[i] = *std::move(view);
     });
     for (std::optional<TextureView>& view : some) {
@@ -56,6 +57,7 @@ Result<std::vector<TextureView>> loaded_views(const TriangleMesh& mesh, const Te
       views.push_back(*std::move(view));
     }
   }
+  if (is_stopped(options)) return kTexturingStopped;
   if (views.empty()) return Error{ErrorCode::kNotFound, "no frame has a pose, can be read and sees the mesh: there is no colour to take"};
   return views;
 }
@@ -75,6 +77,7 @@ Status paint_pages(const Atlas& atlas, const TexelBlender& blender, const Textur
     if (!goes_on(progress, kCharted + (1 - kCharted) * done / all)) return kTexturingStopped;
     const std::size_t count = std::min(kChartsAtOnce, order.size() - first);
     in_parallel(count, options.thread_count, [&](std::size_t k) {
+      if (is_stopped(options)) return;
       const std::size_t i = order[first + k];
       const ColorImage image = blender.blended(atlas.charts[i]);
       ColorImage& page = result.pages[static_cast<std::size_t>(atlas.places[i].page)].image;
@@ -103,8 +106,8 @@ Result<std::vector<TextureView>> agreed_views(const TriangleMesh& mesh, const Te
   if (!goes_on(progress, kLoaded)) return kTexturingStopped;
   Alignment alignment;
   if (options.refines_poses) {
-    alignment = align_views(mesh, frames, options.thread_count, *views);
-    warp_views(mesh, frames, options.thread_count, *views);
+    alignment = align_views(mesh, frames, options, *views);
+    warp_views(mesh, frames, options, *views);
   }
   if (!goes_on(progress, kAligned)) return kTexturingStopped;
   statistics.views = views->size();
@@ -118,10 +121,11 @@ Result<TriangleMesh> painted(const TriangleMesh& mesh, const Camera& camera, con
                              const TextureOptions& options, const TextureProgress& progress, TextureStatistics& statistics) {
   const Result<Atlas> atlas = atlas_of(mesh, finest_pixels_m(mesh, camera, views, options.thread_count), options);
   if (!atlas.ok()) return atlas.error();
+  if (!goes_on(progress, kCharted)) return kTexturingStopped;
   TriangleMesh result = laid_out(mesh, *atlas);
   const TexelBlender blender(mesh, camera, views, {options.blended_views});
   if (Status done = paint_pages(*atlas, blender, options, progress, result); !done.ok()) return done.error();
-  if (!goes_on(progress, 1)) return kTexturingStopped;
+  if (is_stopped(options) || !goes_on(progress, 1)) return kTexturingStopped;
   statistics.charts = atlas->charts.size();
   statistics.texel_m = atlas->texel_m;
   statistics.filled_share = filled_share(*atlas);
@@ -133,8 +137,9 @@ Result<TriangleMesh> textured(const TriangleMesh& mesh, const TextureFrames& fra
   if (Status checked = check(mesh, frames, options); !checked.ok()) return checked.error();
   if (!goes_on(progress, 0)) return kTexturingStopped;
   TextureStatistics counted;
-  const Result<std::vector<TextureView>> views =
-      agreed_views(mesh, frames, selected_views(mesh, frames, options), options, progress, counted);
+  const std::vector<std::size_t> selected = selected_views(mesh, frames, options);
+  if (!goes_on(progress, kSelected)) return kTexturingStopped;
+  const Result<std::vector<TextureView>> views = agreed_views(mesh, frames, selected, options, progress, counted);
   if (!views.ok()) return views.error();
   Result<TriangleMesh> result = painted(mesh, frames.camera, *views, options, progress, counted);
   if (statistics) *statistics = counted;

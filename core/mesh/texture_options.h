@@ -34,10 +34,14 @@ struct TextureOptions {
   bool solves_exposure = true;  // gains of the views
   bool refines_poses = true;    // photometrically, against the surface; and bends the images by what no pose explains
   int thread_count = 0;         // 0: as many as the processor has
+  // Asked by all threads, far more often than the progress is told: true, what is made is thrown away and not finished. Empty: never.
+  std::function<bool()> is_stopped;
 };
 
 // Told the share that is done, 0 to 1, by the calling thread, some times a second on usual machines. False: stop.
 using TextureProgress = std::function<bool(double share)>;
+
+inline bool is_stopped(const TextureOptions& options) { return options.is_stopped && options.is_stopped(); }
 
 // kInvalidArgument, naming the field and its limits.
 Status validate(const TextureOptions& options);

@@ -174,8 +174,8 @@ Result<HeldOutQuality> held_out_quality(const TriangleMesh& mesh, const TextureF
     views->push_back(*std::move(view));
   }
   if (quality.frames.empty()) return Error{ErrorCode::kNotFound, "none of the frames left out can be read and sees the mesh"};
-  align_views(mesh, frames, options.thread_count, *views, quality.frames.size());
-  warp_views(mesh, frames, options.thread_count, *views, quality.frames.size());
+  align_views(mesh, frames, options, *views, quality.frames.size());
+  warp_views(mesh, frames, options, *views, quality.frames.size());
   for (std::size_t i = 0; i < quality.frames.size(); ++i) {
     const TextureView& view = (*views)[views->size() - quality.frames.size() + i];
     quality.frames[i].texture_aligned_db = aligned_db(*textured_mesh, frames, view);

@@ -29,21 +29,23 @@ constexpr std::size_t kFewestPoints = 300;
 
 class ViewAligner {
  public:
-  ViewAligner(const TriangleMesh& mesh, const Camera& camera, int thread_count, std::vector<TextureView>& views, std::size_t guest_count)
+  ViewAligner(const TriangleMesh& mesh, const Camera& camera, const TextureOptions& options, std::vector<TextureView>& views,
+              std::size_t guest_count)
       : camera_(camera),
-        thread_count_(thread_count),
+        options_(options),
+        thread_count_(options.thread_count),
         views_(views),
         first_guest_(views.size() - guest_count),
         first_moving_(guest_count > 0 ? first_guest_ : 0),
         samples_(samples_of(mesh, kAlignSpacing_m, kMaxAlignSamples)),
-        levels_(brightness_levels(views, thread_count)) {
-    sights_ = sights_of(samples_, views, camera, kAlignEdge_px, thread_count);
+        levels_(brightness_levels(views, thread_count_)) {
+    sights_ = sights_of(samples_, views, camera, kAlignEdge_px, thread_count_);
     for (const TextureView& view : views) first_poses_.push_back(view.world_from_camera);
   }
 
   Alignment align() {
     for (std::size_t l = 0; l < std::size(kRoundsOfLevel); ++l)
-      for (int round = 0; round < kRoundsOfLevel[l]; ++round) {
+      for (int round = 0; round < kRoundsOfLevel[l] && !is_stopped(options_); ++round) {
         const BrightnessLevel& level = levels_[l];
         find_points(level);
         in_parallel(views_.size() - first_moving_, thread_count_, [&](std::size_t i) { step(level, first_moving_ + i); });
@@ -188,6 +190,7 @@ class ViewAligner {
   }
 
   const Camera& camera_;
+  const TextureOptions& options_;
   const int thread_count_;
   std::vector<TextureView>& views_;
   const std::size_t first_guest_, first_moving_;
@@ -201,10 +204,12 @@ class ViewAligner {
 
 }  // namespace
 
-Alignment align_views(const TriangleMesh& mesh, const TextureFrames& frames, int thread_count, std::vector<TextureView>& views,
+Alignment align_views(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options, std::vector<TextureView>& views,
                       std::size_t guest_count) {
-  const Alignment alignment = ViewAligner(mesh, frames.camera, thread_count, views, guest_count).align();
-  in_parallel(views.size(), thread_count, [&](std::size_t i) { see_mesh(views[i], mesh, frames); });
+  const Alignment alignment = ViewAligner(mesh, frames.camera, options, views, guest_count).align();
+  in_parallel(views.size(), options.thread_count, [&](std::size_t i) {
+    if (!is_stopped(options)) see_mesh(views[i], mesh, frames);
+  });
   return alignment;
 }
 

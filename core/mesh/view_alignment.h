@@ -23,7 +23,8 @@ struct Alignment {
 // its pose where the new one is farther than the above or does not explain the points better. Sees the mesh anew from the new poses.
 // Deterministic for any number of threads.
 // The last `guest_count` views have no say in the points' brightness; with any, only they move.
-Alignment align_views(const TriangleMesh& mesh, const TextureFrames& frames, int thread_count, std::vector<TextureView>& views,
+// Of `options` those of work: thread_count and is_stopped.
+Alignment align_views(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options, std::vector<TextureView>& views,
                       std::size_t guest_count = 0);
 
 }  // namespace hermite

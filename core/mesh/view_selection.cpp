@@ -103,8 +103,9 @@ std::vector<ViewCandidate> spread(const std::vector<ViewCandidate>& candidates, 
                                   const TextureOptions& options) {
   const std::size_t group_size = mesh.triangles.size() / kCoarseTriangles + 1;
   std::vector<CoarseSight> sights(candidates.size());
-  in_parallel(candidates.size(), options.thread_count,
-              [&](std::size_t i) { sights[i] = coarse_sight(mesh, frames, candidates[i].frame, group_size); });
+  in_parallel(candidates.size(), options.thread_count, [&](std::size_t i) {
+    if (!is_stopped(options)) sights[i] = coarse_sight(mesh, frames, candidates[i].frame, group_size);
+  });
   std::vector<float> seen_before(mesh.triangles.size() / group_size + 1, 0.0f);
   std::vector<bool> is_taken(candidates.size(), false);
   std::vector<ViewCandidate> taken;
@@ -156,7 +157,9 @@ std::vector<std::size_t> selected_views(const TriangleMesh& mesh, const TextureF
   const std::vector<std::vector<std::size_t>> windows = windows_of(frames, options);
   std::vector<ViewCandidate> sharpest(windows.size());
   const std::size_t most_read = std::clamp<std::size_t>(kReadInAll / std::max<std::size_t>(windows.size(), 1), 1, kReadPerWindow);
-  in_parallel(windows.size(), options.thread_count, [&](std::size_t i) { sharpest[i] = sharpest_of(windows[i], frames, most_read); });
+  in_parallel(windows.size(), options.thread_count, [&](std::size_t i) {
+    if (!is_stopped(options)) sharpest[i] = sharpest_of(windows[i], frames, most_read);
+  });
   std::erase_if(sharpest, [](const ViewCandidate& candidate) { return candidate.sharpness <= 0; });
   std::vector<ViewCandidate> views = thinned(std::move(sharpest), frames, options);
   if (views.size() > static_cast<std::size_t>(options.max_views)) views = spread(views, mesh, frames, options);

@@ -26,20 +26,22 @@ constexpr double kSpringPoints = 20, kHoldPoints = 0.5;
 
 class ViewWarper {
  public:
-  ViewWarper(const TriangleMesh& mesh, const Camera& camera, int thread_count, std::vector<TextureView>& views, std::size_t guest_count)
+  ViewWarper(const TriangleMesh& mesh, const Camera& camera, const TextureOptions& options, std::vector<TextureView>& views,
+             std::size_t guest_count)
       : camera_(camera),
-        thread_count_(thread_count),
+        options_(options),
+        thread_count_(options.thread_count),
         views_(views),
         first_guest_(views.size() - guest_count),
         first_moving_(guest_count > 0 ? first_guest_ : 0),
         samples_(samples_of(mesh, kWarpSpacing_m, kMaxWarpSamples)),
-        levels_(brightness_levels(views, thread_count)),
-        sights_(sights_of(samples_, views, camera, kWarpEdge_px, thread_count)) {}
+        levels_(brightness_levels(views, thread_count_)),
+        sights_(sights_of(samples_, views, camera, kWarpEdge_px, thread_count_)) {}
 
   void warp() {
     for (std::size_t i = first_moving_; i < views_.size(); ++i) views_[i].warp = ViewWarp(camera_.width, camera_.height);
     for (std::size_t l = 0; l < levels_.size(); ++l)
-      for (int round = 0; round < kWarpRounds[l]; ++round) {
+      for (int round = 0; round < kWarpRounds[l] && !is_stopped(options_); ++round) {
         find_points(levels_[l]);
         in_parallel(views_.size() - first_moving_, thread_count_, [&](std::size_t i) { step(levels_[l], first_moving_ + i); });
       }
@@ -150,6 +152,7 @@ class ViewWarper {
   }
 
   const Camera& camera_;
+  const TextureOptions& options_;
   const int thread_count_;
   std::vector<TextureView>& views_;
   const std::size_t first_guest_, first_moving_;
@@ -162,9 +165,9 @@ class ViewWarper {
 
 }  // namespace
 
-void warp_views(const TriangleMesh& mesh, const TextureFrames& frames, int thread_count, std::vector<TextureView>& views,
+void warp_views(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options, std::vector<TextureView>& views,
                 std::size_t guest_count) {
-  ViewWarper(mesh, frames.camera, thread_count, views, guest_count).warp();
+  ViewWarper(mesh, frames.camera, options, views, guest_count).warp();
 }
 
 }  // namespace hermite

@@ -19,7 +19,8 @@ inline constexpr float kFarthestWarp_px = 12;
 // Gauss-Newton step of its lattice towards the points' brightness without its own share. Lattices are held together by springs and at 0 by
 // weaker ones: where there is nothing to see a view stays as it is. Images of half the size first. Deterministic for any number of threads.
 // The last `guest_count` views have no say in the points' brightness; with any, only they are warped.
-void warp_views(const TriangleMesh& mesh, const TextureFrames& frames, int thread_count, std::vector<TextureView>& views,
+// Of `options` those of work: thread_count and is_stopped.
+void warp_views(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options, std::vector<TextureView>& views,
                 std::size_t guest_count = 0);
 
 }  // namespace hermite

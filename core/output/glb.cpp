@@ -93,18 +93,24 @@ int wrap_of(const TriangleMesh& mesh) {
   return std::all_of(mesh.texture_coordinates.begin(), mesh.texture_coordinates.end(), is_inside) ? kClampToEdge : kRepeat;
 }
 
-// One material, texture and image for each part.
-Status add_textures(const TriangleMesh& mesh, const std::vector<GlbPart>& parts, GlbContainer& container) {
+// A material for each part; an image and texture for each page that has a part.
+Status add_materials(const TriangleMesh& mesh, const std::vector<GlbPart>& parts, GlbContainer& container) {
   Json& json = container.json;
+  std::size_t textures = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    const Result<std::string> jpeg = texture_jpeg(mesh.pages[parts[i].page].image);
-    if (!jpeg.ok()) return in_context("texture page " + std::to_string(parts[i].page), jpeg.error());
-    json["images"].push_back({{"mimeType", "image/jpeg"}, {"bufferView", container.add_view(*jpeg)}});
-    json["textures"].push_back({{"sampler", 0}, {"source", i}});
-    Json textured = glb_material("texture");
-    textured["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", i}};
-    json["materials"].push_back(textured);
+    Json material = glb_material(parts[i].is_filled ? "filled" : mesh.pages.empty() ? "vertex colours" : "texture");
+    if (!mesh.pages.empty()) {
+      if (i == 0 || parts[i].page != parts[i - 1].page) {
+        const Result<std::string> jpeg = texture_jpeg(mesh.pages[parts[i].page].image);
+        if (!jpeg.ok()) return in_context("texture page " + std::to_string(parts[i].page), jpeg.error());
+        json["images"].push_back({{"mimeType", "image/jpeg"}, {"bufferView", container.add_view(*jpeg)}});
+        json["textures"].push_back({{"sampler", 0}, {"source", textures++}});
+      }
+      material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", textures - 1}};
+    }
+    json["materials"].push_back(material);
   }
+  if (mesh.pages.empty()) return Done{};
   const int wrap = wrap_of(mesh);
   json["samplers"] = Json::array({Json{{"magFilter", kLinearFilter}, {"minFilter", kLinearFilter}, {"wrapS", wrap}, {"wrapT", wrap}}});
   return Done{};
@@ -131,15 +137,11 @@ Result<std::string> format_mesh_glb(const TriangleMesh& mesh, GlbCompression com
     Result<Json> primitive = compression == GlbCompression::kDraco ? draco_primitive(part, grid, longer_edge_px(mesh, part), container)
                                                                    : Result<Json>(plain_primitive(part, container));
     if (!primitive.ok()) return primitive.error();
-    (*primitive)["material"] = mesh.pages.empty() ? 0 : primitives.size();
+    (*primitive)["material"] = primitives.size();
     primitives.push_back(*std::move(primitive));
   }
   container.json["meshes"] = Json::array({Json{{"primitives", primitives}}});
-  if (mesh.pages.empty()) {
-    container.json["materials"] = Json::array({glb_material("vertex colours")});
-  } else if (const Status status = add_textures(mesh, parts, container); !status.ok()) {
-    return status.error();
-  }
+  if (const Status status = add_materials(mesh, parts, container); !status.ok()) return status.error();
   return container.finish();
 }
 

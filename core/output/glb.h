@@ -3,7 +3,8 @@
 //
 // The light of the room is in the colours already, so materials ask not to be lit (KHR_materials_unlit), and are as rough as can be and no
 // metal where a program lights them anyway. They have one side. Without a texture, COLOR_0 is linear, as glTF has it. With one there is no
-// COLOR_0, which would be multiplied with it; each page is a primitive with a material and a JPEG of its own. Deterministic, pure.
+// COLOR_0, which would be multiplied with it; each page is a primitive with a material and a JPEG of its own.
+// What is filled is a primitive beside it, whose material is named "filled". Deterministic, pure.
 #pragma once
 
 #include <string>

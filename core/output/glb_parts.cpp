@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/output/axes.h"
 
@@ -21,11 +22,14 @@ std::array<std::uint16_t, 256> linear_table() {
   return table;
 }
 
-GlbPart part_of(const TriangleMesh& mesh, std::size_t first, std::size_t count, std::vector<std::uint32_t>& place_of_vertex) {
+// The triangles from `first` to before `last` that are filled, or those that are not.
+GlbPart part_of(const TriangleMesh& mesh, std::size_t first, std::size_t last, bool is_filled,
+                std::vector<std::uint32_t>& place_of_vertex) {
   GlbPart part;
+  part.is_filled = is_filled;
   std::vector<std::uint32_t> used;
-  part.triangles.reserve(count);
-  for (std::size_t i = first; i < first + count; ++i) {
+  for (std::size_t i = first; i < last; ++i) {
+    if ((!mesh.is_filled.empty() && mesh.is_filled[i] != 0) != is_filled) continue;
     TriangleCorners corners{};
     for (std::size_t k = 0; k < 3; ++k) {
       std::uint32_t& place = place_of_vertex[mesh.triangles[i][k]];
@@ -62,11 +66,18 @@ Eigen::Vector3f unit_normal_y_up(const Eigen::Vector3f& normal) {
 std::vector<GlbPart> glb_parts(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> place_of_vertex(mesh.positions_m.size(), kNotYet);
   std::vector<GlbPart> parts;
-  if (mesh.pages.empty()) parts.push_back(part_of(mesh, 0, mesh.triangles.size(), place_of_vertex));
+  const auto add = [&](std::size_t page, std::size_t first, std::size_t last) {
+    for (const bool is_filled : {false, true}) {
+      if (is_filled && mesh.is_filled.empty()) continue;
+      GlbPart part = part_of(mesh, first, last, is_filled, place_of_vertex);
+      part.page = page;
+      if (!part.triangles.empty()) parts.push_back(std::move(part));
+    }
+  };
+  if (mesh.pages.empty()) add(0, 0, mesh.triangles.size());
   for (std::size_t i = 0; i < mesh.pages.size(); ++i) {
-    if (mesh.pages[i].triangle_count == 0) continue;
-    parts.push_back(part_of(mesh, mesh.pages[i].first_triangle, mesh.pages[i].triangle_count, place_of_vertex));
-    parts.back().page = i;
+    const std::size_t first = mesh.pages[i].first_triangle;
+    add(i, first, first + mesh.pages[i].triangle_count);
   }
   return parts;
 }

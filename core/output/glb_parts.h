@@ -1,5 +1,5 @@
-// A mesh cut into what glTF calls primitives: one for each page of the texture, with vertices of its own. Values in glTF's axes and units.
-// Pure.
+// A mesh cut into what glTF calls primitives: one for each page of the texture and one more for what is filled of it, with vertices of
+// their own. Values in glTF's axes and units. Pure.
 #pragma once
 
 #include <array>
@@ -21,10 +21,11 @@ struct GlbPart {
   std::vector<Eigen::Vector2f> texture_coordinates;  // with one only
   std::vector<TriangleCorners> triangles;            // at least one
   std::size_t page = 0;
+  bool is_filled = false;
 };
 
-// In the order of the pages, those without a triangle left out; vertices in the order of their first triangle. `mesh` was checked
-// (mesh_check.h) and has a triangle.
+// In the order of the pages, of each what was seen before what is filled, those without a triangle left out; vertices in the order of their
+// first triangle. `mesh` was checked (mesh_check.h) and has a triangle.
 std::vector<GlbPart> glb_parts(const TriangleMesh& mesh);
 
 // glTF takes unit normals only; one without a length looks up.

@@ -34,6 +34,9 @@ Status check_vertices(const TriangleMesh& mesh) {
 }
 
 Status check_triangles(const TriangleMesh& mesh) {
+  if (!mesh.is_filled.empty() && mesh.is_filled.size() != mesh.triangles.size())
+    return wrong_mesh(std::to_string(mesh.is_filled.size()) + " marks of what is filled for " + std::to_string(mesh.triangles.size()) +
+                      " triangles");
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     for (const std::uint32_t corner : mesh.triangles[i])
       if (corner >= mesh.positions_m.size())

@@ -10,8 +10,8 @@ namespace hermite {
 inline constexpr std::size_t kMaxMeshVertices = 0x7fffffff;
 
 // kInvalidArgument, naming the vertex, triangle or page: arrays by vertex of different lengths, a position, normal or texture coordinate
-// that is not finite, a triangle without its vertex, pages that do not follow each other or leave triangles out, a page whose image is
-// none. kTooLarge: more than kMaxMeshVertices. A mesh without a triangle is one.
+// that is not finite, a triangle without its vertex, marks of another number than triangles, pages that do not follow each other or leave
+// triangles out, a page whose image is none. kTooLarge: more than kMaxMeshVertices. A mesh without a triangle is one.
 Status check_mesh(const TriangleMesh& mesh);
 
 // The same, and kInvalidArgument for a mesh without a triangle: for formats that cannot say nothing.

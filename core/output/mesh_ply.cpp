@@ -8,6 +8,7 @@ namespace hermite {
 std::string format_mesh_ply(const TriangleMesh& mesh) {
   const std::size_t count = mesh.positions_m.size();
   CHECK(mesh.normals.size() == count && mesh.colors.size() == count, "arrays by vertex of different lengths");
+  CHECK(mesh.is_filled.empty() || mesh.is_filled.size() == mesh.triangles.size(), "marks of another number than triangles");
   CHECK(count <= kMaxMeshVertices, "more vertices than an int can count");
   std::string bytes =
       "ply\nformat binary_little_endian 1.0\ncomment Hermite: metres, normals out of the surface, counter-clockwise from outside\n"
@@ -15,8 +16,9 @@ std::string format_mesh_ply(const TriangleMesh& mesh) {
       std::to_string(count) +
       "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face " +
-      std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
-  constexpr std::size_t kVertex_bytes = 6 * sizeof(float) + sizeof(Rgb8), kFace_bytes = 1 + sizeof(TriangleCorners);
+      std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\n" +
+      (mesh.is_filled.empty() ? "" : "property uchar filled\n") + "end_header\n";
+  constexpr std::size_t kVertex_bytes = 6 * sizeof(float) + sizeof(Rgb8), kFace_bytes = 2 + sizeof(TriangleCorners);
   bytes.reserve(bytes.size() + count * kVertex_bytes + mesh.triangles.size() * kFace_bytes);
   const auto append = [&bytes](const void* values, std::size_t size) { bytes.append(static_cast<const char*>(values), size); };
   for (std::size_t i = 0; i < count; ++i) {
@@ -24,9 +26,10 @@ std::string format_mesh_ply(const TriangleMesh& mesh) {
     append(mesh.normals[i].data(), 3 * sizeof(float));
     append(&mesh.colors[i], sizeof(Rgb8));
   }
-  for (const TriangleCorners& corners : mesh.triangles) {
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     bytes.push_back(3);
-    append(corners.data(), sizeof(corners));
+    append(mesh.triangles[i].data(), sizeof(TriangleCorners));
+    if (!mesh.is_filled.empty()) bytes.push_back(static_cast<char>(mesh.is_filled[i]));
   }
   return bytes;
 }

@@ -32,6 +32,7 @@ Result<TriangleMesh> mesh_of(PlyShape shape) {
   mesh.colors = shape.colors.empty() ? std::vector<Rgb8>(shape.positions.size(), kWhite) : std::move(shape.colors);
   mesh.positions_m = std::move(shape.positions);
   mesh.triangles = std::move(shape.triangles);
+  mesh.is_filled = std::move(shape.is_filled);
   return mesh;
 }
 

@@ -131,6 +131,7 @@ class Numbers {
     return 0;
   }
   bool failed() const { return failed_; }
+  std::size_t bytes_left() const { return bytes_.size(); }
 
  private:
   template <class T>
@@ -211,6 +212,16 @@ struct VertexColumns {
     return {row[position.place(0)], row[position.place(1)], row[position.place(2)]};
   }
 
+  void reserve(std::size_t count, PlyShape& shape) const {
+    shape.positions.reserve(count);
+    if (normal.all_there()) shape.normals.reserve(count);
+    if (color.all_there()) shape.colors.reserve(count);
+    if (radius.all_there()) shape.radii.reserve(count);
+    if (confidence.all_there()) shape.confidences.reserve(count);
+    if (curvature.all_there()) shape.curvatures.reserve(count);
+    if (submap.all_there()) shape.submaps.reserve(count);
+  }
+
   void append(const std::vector<double>& row, const Element& element, PlyShape& shape) const {
     shape.positions.push_back((position_of(row) - shape.origin).cast<float>());
     if (normal.all_there()) shape.normals.push_back(normal.vector(row));
@@ -236,6 +247,8 @@ Status read_vertices(Numbers& numbers, const Element& element, const PlyOptions&
   const VertexColumns columns(element);
   if (shape.positions.size() + element.count > options.most_vertices) return too_many("vertices", options.most_vertices);
   std::vector<double> row(element.properties.size());
+  // What is promised, as far as there are bytes for it.
+  columns.reserve(std::min<std::size_t>(element.count, numbers.bytes_left() / std::max<std::size_t>(row.size(), 1)), shape);
   bool origin_known = !options.subtract_origin;
   for (std::uint64_t i = 0; i < element.count; ++i) {
     for (std::size_t k = 0; k < row.size(); ++k) {
@@ -255,15 +268,19 @@ Status read_vertices(Numbers& numbers, const Element& element, const PlyOptions&
 
 // Faces and whatever else; the indices of a list named vertex_indices or vertex_index become triangles.
 Status read_others(Numbers& numbers, const Element& element, const PlyOptions& options, PlyShape& shape) {
-  for (std::uint64_t i = 0; i < element.count; ++i)
+  const bool is_face = element.name == "face", has_marks = is_face && place_of(element, "filled") >= 0;
+  std::vector<double> values;
+  for (std::uint64_t i = 0; i < element.count; ++i) {
+    double is_filled = 0;
     for (const Property& property : element.properties) {
       const double length = property.count_type ? numbers.next(*property.count_type) : 1;
       if (numbers.failed() || !(length >= 0 && length <= static_cast<double>(kLongestList)))
         return corrupt("cut or damaged at " + element.name + " " + std::to_string(i));
-      std::vector<double> values(static_cast<std::size_t>(length));
+      values.resize(static_cast<std::size_t>(length));
       for (double& value : values) value = numbers.next(property.type);
       if (numbers.failed()) return corrupt("cut at " + element.name + " " + std::to_string(i));
-      if (element.name != "face" || (property.name != "vertex_indices" && property.name != "vertex_index")) continue;
+      if (is_face && property.name == "filled" && !values.empty()) is_filled = values[0];
+      if (!is_face || (property.name != "vertex_indices" && property.name != "vertex_index")) continue;
       for (const double value : values)
         if (!(value >= 0 && value < static_cast<double>(shape.positions.size())))
           return corrupt("face " + std::to_string(i) + " names a vertex that is not there");
@@ -272,6 +289,8 @@ Status read_others(Numbers& numbers, const Element& element, const PlyOptions& o
         shape.triangles.push_back(
             {static_cast<std::uint32_t>(values[0]), static_cast<std::uint32_t>(values[k - 1]), static_cast<std::uint32_t>(values[k])});
     }
+    if (has_marks) shape.is_filled.resize(shape.triangles.size(), is_filled != 0 ? 1 : 0);
+  }
   return Done{};
 }
 

@@ -15,7 +15,7 @@
 
 namespace hermite {
 
-// Each but the last is as many as positions, or none where vertices do not have all of its properties.
+// Each but those of triangles is as many as positions, or none where vertices do not have all of its properties.
 struct PlyShape {
   std::vector<Eigen::Vector3f> positions;
   std::vector<Eigen::Vector3f> normals;              // nx, ny, nz
@@ -25,6 +25,7 @@ struct PlyShape {
   std::vector<Eigen::Vector2f> curvatures;           // curvature_max, curvature_min
   std::vector<std::uint32_t> submaps;                // submap; what is no such number is 0
   std::vector<TriangleCorners> triangles;            // larger faces are cut into fans; empty for a cloud
+  std::vector<std::uint8_t> is_filled;               // filled, of faces: by triangle, 0 or 1; empty where faces have none
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // what was subtracted from all positions, see PlyOptions
   std::vector<std::string> comments;                 // of the header
 };

@@ -26,6 +26,8 @@ struct TriangleMesh {
   std::vector<Eigen::Vector3f> normals;  // unit, out of the surface, to where it was seen from
   std::vector<Rgb8> colors;
   std::vector<TriangleCorners> triangles;
+  // By triangle, 1: nobody has seen it, it was made up across a hole. Empty: there is none.
+  std::vector<std::uint8_t> is_filled;
 
   // With a texture only: by vertex, (0, 0) is the upper left corner of the image and (1, 1) the lower right one; pages in the order of
   // their triangles, all triangles in one of them. Without: both empty.

@@ -3,6 +3,9 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <atomic>
+#include <fstream>
+#include <string>
 #include <utility>
 
 #include "core/archive/zip.h"
@@ -11,6 +14,8 @@
 #include "core/export/texture_frames.h"
 #include "core/import/model.h"
 #include "core/mesh/contour.h"
+#include "core/mesh/hole_fill.h"
+#include "core/mesh/simplify.h"
 #include "core/mesh/texture.h"
 #include "core/output/ply_reader.h"
 
@@ -23,7 +28,7 @@ constexpr const char* kSurfels = "surfels.ply";  // what meshes are made of; sca
 constexpr const char* kTrajectory = "trajectory.txt";
 constexpr const char* kReport = "report.json";
 // Of the time that a mesh with a texture and its file take. Without a texture what would be its time is the mesh's.
-constexpr double kContouring = 0.4, kTexturing = 0.95;
+constexpr double kContouring = 0.35, kShaping = 0.4, kTexturing = 0.9, kWritten = 0.99;
 // Of a texture's views: the server has other scans. A pixel of one is colour, depth and distances (core/mesh/texture_view.h).
 constexpr double kViews_bytes = 256e6, kViewPixel_bytes = 8.2;
 constexpr int kLeastViews = 8, kMostViews = 100;
@@ -34,6 +39,15 @@ int view_count_for(const Camera& camera) {
 }
 
 }  // namespace
+
+std::uint64_t free_memory_bytes() {
+  std::ifstream file("/proc/meminfo");
+  for (std::string word; file >> word;) {
+    std::uint64_t kib = 0;
+    if (word == "MemAvailable:" && file >> kib) return kib * 1024;
+  }
+  return 0;
+}
 
 Result<Cloud> ExportBuilder::read_points(const std::string& scan_id, const std::string& name) {
   const Result<std::string> bytes = read_blob(blobs_, scan_id, name, kMaxExportCloud_bytes);
@@ -61,7 +75,22 @@ Status ExportBuilder::read_imported(const std::string& scan_id) {
   if (!bytes.ok()) return bytes.error();
   Result<ImportedModel> model = read_model(*bytes, {});
   if (!model.ok()) return model.error();
-  mesh_ = KnownMesh{scan_id, *version, std::move(model->mesh), {}};
+  mesh_ = KnownMesh{scan_id, *version, std::move(model->mesh), {}, {}, {}};
+  return Done{};
+}
+
+Status ExportBuilder::check_memory(const std::string& scan_id, const std::string& source) const {
+  const Result<std::uint64_t> size_bytes = blobs_.size_bytes(scan_id, source);
+  if (!size_bytes.ok()) return size_bytes.error();
+  const auto mib = [](double bytes) { return std::to_string(static_cast<std::uint64_t>(bytes / (1 << 20))) + " MiB"; };
+  if (*size_bytes > kMaxMeshedCloud_bytes)
+    return Error{ErrorCode::kTooLarge, "no mesh is made of " + mib(static_cast<double>(*size_bytes)) + " of points, at most of " +
+                                           mib(static_cast<double>(kMaxMeshedCloud_bytes))};
+  const double needed_bytes = kMeshMemory * static_cast<double>(*size_bytes);
+  const std::uint64_t free_bytes = free_memory_();
+  if (free_bytes > 0 && needed_bytes > static_cast<double>(free_bytes))
+    return Error{ErrorCode::kTooLarge, "its mesh takes some " + mib(needed_bytes) + " of memory and this machine has " +
+                                           mib(static_cast<double>(free_bytes)) + " left: it can be asked for again when there is more"};
   return Done{};
 }
 
@@ -72,17 +101,36 @@ Status ExportBuilder::make_mesh(const std::string& scan_id, double share, const 
   if (!version.ok()) return version.error();
   if (mesh_ && mesh_->scan_id == scan_id && mesh_->source_version == *version) return Done{};
   mesh_.reset();  // before there are two
-  const Result<Cloud> cloud = read_points(scan_id, source);
+  if (const Status memory = check_memory(scan_id, source); !memory.ok()) return memory;
+  Result<Cloud> cloud = read_points(scan_id, source);
   if (!cloud.ok()) return cloud.error();
   if (std::none_of(cloud->begin(), cloud->end(), [](const CloudPoint& point) { return point.normal.squaredNorm() > 0; }))
     return Error{ErrorCode::kInvalidArgument, "its points have no normals: the sides of a surface cannot be told"};
-  Result<TriangleMesh> mesh = contour(*cloud, {}, [&](double done) { return progress(share * done); });
+  const std::size_t point_count = cloud->size();
+  Result<TriangleMesh> mesh = contour(*std::move(cloud), {}, [&](double done) { return progress(share * done); });
   if (!mesh.ok()) return mesh.error();
   if (mesh->triangles.empty())
     return Error{ErrorCode::kInvalidArgument,
-                 "the " + std::to_string(cloud->size()) + " points of the scan are too few or too far apart to make a surface"};
-  mesh_ = KnownMesh{scan_id, *version, *std::move(mesh), {}};
+                 "the " + std::to_string(point_count) + " points of the scan are too few or too far apart to make a surface"};
+  mesh_ = KnownMesh{scan_id, *version, *std::move(mesh), {}, {}, {}};
   return Done{};
+}
+
+Status ExportBuilder::make_shape(const MeshShape& shape, double from, double to, const BuildProgress& progress) {
+  if (mesh_->shape == shape) return progress(to) ? Status(Done{}) : Error{ErrorCode::kBusy, "stopped"};
+  mesh_->shape = {};
+  mesh_->shaped.reset();
+  mesh_->textured.reset();
+  if (!progress(from)) return Error{ErrorCode::kBusy, "stopped"};
+  Result<TriangleMesh> mesh =
+      shape.simplify_um > 0 ? simplified(mesh_->mesh, {1e-6 * static_cast<double>(shape.simplify_um), shape.triangles}) : mesh_->mesh;
+  if (mesh.ok() && (shape.fill_mm > 0 || shape.closes))
+    mesh = holes_filled(*mesh, {1e-3 * static_cast<double>(shape.fill_mm), shape.closes},
+                        [&](double done) { return progress(from + (to - from) * done); });
+  if (!mesh.ok()) return mesh.error();
+  if (!shape.is_plain()) mesh_->shaped = *std::move(mesh);
+  mesh_->shape = shape;
+  return progress(to) ? Status(Done{}) : Error{ErrorCode::kBusy, "stopped"};
 }
 
 Result<TriangleMesh> ExportBuilder::texture(const std::string& scan_id, const BuildProgress& progress) {
@@ -96,8 +144,12 @@ Result<TriangleMesh> ExportBuilder::texture(const std::string& scan_id, const Bu
   if (!path.ok()) return path.error();
   TextureOptions options;
   options.max_views = view_count_for((*frames)->camera());
-  return textured(mesh_->mesh, texture_frames_of(**frames, *path), options,
-                  [&progress](double done) { return progress(kContouring + (kTexturing - kContouring) * done); });
+  std::atomic<double> told = kShaping;
+  options.is_stopped = [&] { return !progress(told); };
+  return textured(mesh_->finished(), texture_frames_of(**frames, *path), options, [&](double done) {
+    told = kShaping + (kTexturing - kShaping) * done;
+    return progress(told);
+  });
 }
 
 // Without frames, or with frames that show nothing of it, a mesh has the colours that it has.
@@ -113,15 +165,18 @@ Status ExportBuilder::make_texture(const std::string& scan_id, const BuildProgre
   return Done{};
 }
 
-Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const std::string& scan_id, const BuildProgress& progress) {
+Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const ExportSpec& spec, const std::string& scan_id,
+                                           const BuildProgress& progress) {
   const Error stopped{ErrorCode::kBusy, "stopped"};
   if (!progress(0)) return stopped;
   if (format.of_mesh) {
-    const double contouring = format.takes_texture ? kContouring : kTexturing;
+    const double contouring = format.takes_texture ? kContouring : kShaping;
     if (Status made = make_mesh(scan_id, contouring, progress); !made.ok()) return made.error();
-    if (!format.takes_texture) return progress(contouring) ? format.of_mesh(mesh_->mesh) : stopped;
+    const double shaping = format.takes_texture ? kShaping : kTexturing;
+    if (Status made = make_shape(spec.shape, contouring, shaping, progress); !made.ok()) return made.error();
+    if (!format.takes_texture) return format.of_mesh(mesh_->finished());
     if (Status made = make_texture(scan_id, progress); !made.ok()) return made.error();
-    return progress(kTexturing) ? format.of_mesh(mesh_->textured ? *mesh_->textured : mesh_->mesh) : stopped;
+    return progress(kTexturing) ? format.of_mesh(mesh_->textured ? *mesh_->textured : mesh_->finished()) : stopped;
   }
   if (format.of_trajectory) {
     const Result<Trajectory> path = read_path(scan_id);
@@ -134,11 +189,17 @@ Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const std
 }
 
 // Files that belong together go as one.
-Result<std::string> ExportBuilder::build(const ExportOffer& offer, const std::string& scan_id, const BuildProgress& progress) {
-  CHECK(!offer.is_result, "a result is there already");
-  const Result<ExportFormat> format = export_format_named(offer.name);
+Result<std::string> ExportBuilder::build(const ExportSpec& spec, const std::string& scan_id, const BuildProgress& told) {
+  std::atomic<bool> stopped = false;  // who has said so once is not asked again, and no frame that was not read for it is missing
+  const BuildProgress progress = [&](double done) {
+    if (!stopped && !told(done)) stopped = true;
+    return !stopped;
+  };
+  CHECK(!spec.offer->is_result, "a result is there already");
+  const Result<ExportFormat> format = export_format_named(spec.offer->name);
   if (!format.ok()) return format.error();
-  Result<NamedFiles> files = files_of(*format, scan_id, progress);
+  Result<NamedFiles> files = files_of(*format, spec, scan_id, progress);
+  if (!progress(kWritten)) return Error{ErrorCode::kBusy, "stopped"};
   if (!files.ok()) return files.error();
   if (!format->is_folder) return std::move(files->front().bytes);
   ZipEntries entries;

@@ -15,15 +15,23 @@
 #include "core/output/cloud.h"
 #include "core/output/named_file.h"
 #include "core/output/triangle_mesh.h"
-#include "server/exports/export_offer.h"
+#include "server/exports/export_spec.h"
 #include "server/store/blobs.h"
 
 namespace hermite {
 
-// A cloud of twenty million points; contouring takes several times its size of memory.
+// A cloud of twenty million points.
 inline constexpr std::uint64_t kMaxExportCloud_bytes = std::uint64_t{1} << 30;
+// What meshes are made of: some ten million surfels, of which a mesh is made within 2 GiB (tests/bench/README.md).
+inline constexpr std::uint64_t kMaxMeshedCloud_bytes = std::uint64_t{480} << 20;
+// Memory that a mesh takes, in bytes of its surfels' file; a machine that has less of it free makes none.
+inline constexpr double kMeshMemory = 4.4;
 
-// Called from time to time with the share that is done; false: stop.
+// Memory that can be had without swapping (Linux' MemAvailable); 0: unknown.
+using FreeMemory = std::function<std::uint64_t()>;
+std::uint64_t free_memory_bytes();
+
+// Called from time to time with the share that is done, by any thread; false: stop.
 using BuildProgress = std::function<bool(double done)>;
 
 // The frames of a scan that has ended, as they came. kNotFound: they were removed. Any thread.
@@ -32,12 +40,13 @@ using OpenFrames = std::function<Result<std::unique_ptr<Sequence>>(const std::st
 // Keeps the mesh that it has made last: who wants one format of a scan often wants another. One thread at a time.
 class ExportBuilder {
  public:
-  ExportBuilder(Blobs& blobs, OpenFrames open_frames) : blobs_(blobs), open_frames_(std::move(open_frames)) {}
+  ExportBuilder(Blobs& blobs, OpenFrames open_frames, FreeMemory free_memory = free_memory_bytes)
+      : blobs_(blobs), open_frames_(std::move(open_frames)), free_memory_(std::move(free_memory)) {}
 
   // Meshes have a texture where the format takes one and the scan still has its frames, else the colours of its surfels.
   // kNotFound: the scan has no cloud, or no trajectory; kInvalidArgument: its cloud has no points, or no surface; kTooLarge: more than
-  // kMaxExportCloud_bytes; kBusy: stopped; kCorruptData, kIo.
-  Result<std::string> build(const ExportOffer& offer, const std::string& scan_id, const BuildProgress& progress);
+  // kMaxExportCloud_bytes, or of a mesh more than kMaxMeshedCloud_bytes or than memory is free for; kBusy: stopped; kCorruptData, kIo.
+  Result<std::string> build(const ExportSpec& spec, const std::string& scan_id, const BuildProgress& progress);
 
   void forget() { mesh_.reset(); }  // gives the memory back
 
@@ -45,18 +54,25 @@ class ExportBuilder {
   struct KnownMesh {
     std::string scan_id, source_version;
     TriangleMesh mesh;
-    std::optional<TriangleMesh> textured;  // where a format has asked for it and there were frames
+    MeshShape shape;
+    std::optional<TriangleMesh> shaped;    // of that shape, where it is not plain
+    std::optional<TriangleMesh> textured;  // of that shape, where a format has asked for it and there were frames
+    const TriangleMesh& finished() const { return shaped ? *shaped : mesh; }
   };
   Result<Cloud> read_points(const std::string& scan_id, const std::string& name);
   Result<Trajectory> read_path(const std::string& scan_id);
-  Result<NamedFiles> files_of(const ExportFormat& format, const std::string& scan_id, const BuildProgress& progress);
+  Result<NamedFiles> files_of(const ExportFormat& format, const ExportSpec& spec, const std::string& scan_id,
+                              const BuildProgress& progress);
   Status read_imported(const std::string& scan_id);
+  Status check_memory(const std::string& scan_id, const std::string& source) const;
   Status make_mesh(const std::string& scan_id, double share, const BuildProgress& progress);
+  Status make_shape(const MeshShape& shape, double from, double to, const BuildProgress& progress);
   Result<TriangleMesh> texture(const std::string& scan_id, const BuildProgress& progress);
   Status make_texture(const std::string& scan_id, const BuildProgress& progress);
 
   Blobs& blobs_;
   const OpenFrames open_frames_;
+  const FreeMemory free_memory_;
   std::optional<KnownMesh> mesh_;
 };
 

@@ -33,12 +33,6 @@ std::vector<std::string> sources_of(const ExportOffer& format) {
   return {};
 }
 
-Error no_such_format(const std::string& name) {
-  std::string known;
-  for (const ExportOffer& format : export_offers()) known += (known.empty() ? "" : ", ") + std::string(format.name);
-  return {ErrorCode::kNotFound, "there is no format '" + name + "'; known are " + known};
-}
-
 }  // namespace
 
 const char* name_of(ExportPhase phase) {
@@ -65,9 +59,11 @@ Result<ScanRow> Exports::find_ended(const std::string& scan_id) const {
   return row;
 }
 
-ExportState Exports::state_of(const Key& key, const ExportOffer& format, std::optional<std::uint64_t> size_bytes) const {
+ExportState Exports::state_of(const std::string& scan_id, const ExportSpec& spec, std::optional<std::uint64_t> size_bytes) const {
+  const Key key{scan_id, spec.name()};
   ExportState state;
-  state.format = &format;
+  state.format = spec.offer;
+  state.shape = spec.shape;
   if (running_ && running_->key == key && !running_->unwanted) {
     state.phase = ExportPhase::kRunning;
     state.done = running_->progress->done;
@@ -84,31 +80,63 @@ ExportState Exports::state_of(const Key& key, const ExportOffer& format, std::op
   return state;
 }
 
+// That there are, wait, are made or have failed.
+std::vector<ExportSpec> Exports::shaped_exports(const std::string& scan_id, const std::vector<BlobInfo>& blobs) const {
+  std::map<std::string, ExportSpec> found;
+  const auto add_named = [&](const Key& key) {
+    if (key.first != scan_id) return;
+    if (const Result<ExportSpec> spec = export_spec_named(key.second); spec.ok() && !spec->shape.is_plain()) found[key.second] = *spec;
+  };
+  for (const BlobInfo& blob : blobs)
+    if (const ExportSpec spec = shaped_export_of_file(blob.name); spec.offer) found[spec.name()] = spec;
+  for (const auto& [key, work] : waiting_) add_named(key);
+  for (const auto& [key, failed] : failed_) add_named(key);
+  if (running_ && !running_->unwanted) add_named(running_->key);
+  std::vector<ExportSpec> specs;
+  for (const auto& [name, spec] : found) specs.push_back(spec);
+  return specs;
+}
+
 Result<std::vector<ExportState>> Exports::list(const std::string& scan_id) {
   if (const Result<ScanRow> row = find_ended(scan_id); !row.ok()) return row.error();
   const Result<std::vector<BlobInfo>> blobs = blobs_.list(scan_id);
   if (!blobs.ok()) return blobs.error();
-  const auto is_there = [&blobs](const std::string& name) {
-    return std::any_of(blobs->begin(), blobs->end(), [&name](const BlobInfo& info) { return info.name == name; });
+  const auto find = [&blobs](std::string_view name) {
+    return std::find_if(blobs->begin(), blobs->end(), [name](const BlobInfo& info) { return info.name == name; });
   };
+  const auto is_there = [&](std::string_view name) { return find(name) != blobs->end(); };
+  std::vector<ExportSpec> specs;
+  for (const ExportOffer& offer : export_offers()) {
+    const std::vector<std::string> sources = sources_of(offer);
+    if (is_there(offer.file) || std::any_of(sources.begin(), sources.end(), is_there)) specs.push_back({&offer, {}});
+  }
+  for (const ExportSpec& spec : shaped_exports(scan_id, *blobs)) specs.push_back(spec);
   std::vector<ExportState> states;
-  for (const ExportOffer& format : export_offers()) {
-    const std::vector<std::string> sources = sources_of(format);
-    if (std::none_of(sources.begin(), sources.end(), is_there) && !is_there(std::string(format.file))) continue;
-    const auto blob = std::find_if(blobs->begin(), blobs->end(), [&format](const BlobInfo& info) { return info.name == format.file; });
-    states.push_back(
-        state_of({scan_id, format.name}, format, blob == blobs->end() ? std::nullopt : std::optional<std::uint64_t>(blob->size_bytes)));
+  for (const ExportSpec& spec : specs) {
+    const auto blob = find(spec.file());
+    states.push_back(state_of(scan_id, spec, blob == blobs->end() ? std::nullopt : std::optional<std::uint64_t>(blob->size_bytes)));
   }
   return states;
 }
 
 Result<ExportState> Exports::state(const std::string& scan_id, const std::string& name) {
   if (const Result<ScanRow> row = find_ended(scan_id); !row.ok()) return row.error();
-  const ExportOffer* const format = find_export_offer(name);
-  if (!format) return no_such_format(name);
-  const Result<std::uint64_t> size_bytes = blobs_.size_bytes(scan_id, std::string(format->file));
+  const Result<ExportSpec> spec = export_spec_named(name);
+  if (!spec.ok()) return spec.error();
+  const Result<std::uint64_t> size_bytes = blobs_.size_bytes(scan_id, spec->file());
   if (!size_bytes.ok() && size_bytes.error().code != ErrorCode::kNotFound) return size_bytes.error();
-  return state_of({scan_id, format->name}, *format, size_bytes.ok() ? std::optional<std::uint64_t>(*size_bytes) : std::nullopt);
+  return state_of(scan_id, *spec, size_bytes.ok() ? std::optional<std::uint64_t>(*size_bytes) : std::nullopt);
+}
+
+Status Exports::check_shaped(const std::string& scan_id, const ExportSpec& spec) const {
+  if (spec.shape.is_plain()) return Done{};
+  const Result<std::vector<BlobInfo>> blobs = blobs_.list(scan_id);
+  if (!blobs.ok()) return blobs.error();
+  const std::vector<ExportSpec> there = shaped_exports(scan_id, *blobs);
+  const bool is_there = std::any_of(there.begin(), there.end(), [&](const ExportSpec& one) { return one.name() == spec.name(); });
+  if (is_there || there.size() < kMaxShapedExports) return Done{};
+  return Error{ErrorCode::kBusy, "scan " + scan_id + " has " + std::to_string(there.size()) + " exports with options, of at most " +
+                                     std::to_string(kMaxShapedExports) + ": remove one that nobody needs"};
 }
 
 Result<std::uint64_t> Exports::source_bytes(const std::string& scan_id, const ExportOffer& format) const {
@@ -135,13 +163,14 @@ Taken Exports::taken_by(const std::string& token_id) const {
   return taken;
 }
 
-Status Exports::add(const ScanRow& scan, const ExportOffer& format, const ExportRequest& asker, bool asked_for) {
-  if (Status status = check_source(scan.id, format); !status.ok()) return status;
+Status Exports::add(const ScanRow& scan, const ExportSpec& spec, const ExportRequest& asker, bool asked_for) {
+  for (const Status& status : {check_source(scan.id, *spec.offer), check_shaped(scan.id, spec)})
+    if (!status.ok()) return status;
   if (Status status = check_share(kExportShare, taken_by(asker.token_id), asker.is_admin, "exports that wait or are made"); !status.ok())
     return status;
-  const Key key{scan.id, format.name};
+  const Key key{scan.id, spec.name()};
   failed_.erase(key);
-  waiting_[key] = {&format, asker.token_id, asked_for, scan.finished_at_ms, ++count_, {}, {}};
+  waiting_[key] = {spec, asker.token_id, asked_for, scan.finished_at_ms, ++count_, {}, {}};
   begin_next();
   return Done{};
 }
@@ -151,21 +180,22 @@ Status Exports::request(const ExportRequest& request) {
   if (!row.ok()) return row.error();
   const Result<ExportState> now = state(request.scan_id, request.format);
   if (!now.ok()) return now.error();
-  const Key key{request.scan_id, now->format->name};
+  const ExportSpec spec{now->format, now->shape};
+  const Key key{request.scan_id, spec.name()};
   if (const auto waiting = waiting_.find(key); waiting != waiting_.end()) waiting->second.asked_for = true;
   const bool there = now->phase == ExportPhase::kReady || now->phase == ExportPhase::kQueued || now->phase == ExportPhase::kRunning;
   if (there) return Done{};
   if (now->format->is_result) return Error{ErrorCode::kNotFound, "scan " + request.scan_id + " has no " + std::string(now->format->file)};
   if (stopping_) return Error{ErrorCode::kBusy, "the server is stopping"};
   if (running_ && running_->key == key) return Error{ErrorCode::kBusy, "it is just being stopped; try again in a moment"};
-  return add(*row, *now->format, request, true);
+  return add(*row, spec, request, true);
 }
 
 void Exports::make_mesh(const ScanRow& scan) {
   const ExportOffer* const format = find_export_offer(kViewerMesh);
   CHECK(format, "the viewer's mesh is a format");
-  if (stopping_ || waiting_.contains({scan.id, format->name})) return;
-  if (const Status added = add(scan, *format, {scan.id, std::string(kViewerMesh), scan.token_id, false}, false); !added.ok())
+  if (stopping_ || waiting_.contains({scan.id, std::string(format->name)})) return;
+  if (const Status added = add(scan, {format, {}}, {scan.id, std::string(kViewerMesh), scan.token_id, false}, false); !added.ok())
     spdlog::info("scan {}: its mesh is not made by itself: {}", scan.id, added.error().message);
 }
 
@@ -173,16 +203,17 @@ Status Exports::remove(const std::string& scan_id, const std::string& name) {
   const Result<ExportState> now = state(scan_id, name);
   if (!now.ok()) return now.error();
   if (now->format->is_result) return Error{ErrorCode::kInvalidArgument, name + " is a result of the scan and goes with it alone"};
-  const Key key{scan_id, now->format->name};
+  const ExportSpec spec{now->format, now->shape};
+  const Key key{scan_id, spec.name()};
   if (now->phase == ExportPhase::kMissing)
-    return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + std::string(now->format->file) + " and none is being made"};
+    return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + spec.file() + " and none is being made"};
   failed_.erase(key);
   waiting_.erase(key);
   if (running_ && running_->key == key) {
     running_->unwanted = true;
     running_->progress->stopped = true;
   }
-  return now->phase == ExportPhase::kReady ? blobs_.remove(scan_id, std::string(now->format->file)) : Status(Done{});
+  return now->phase == ExportPhase::kReady ? blobs_.remove(scan_id, spec.file()) : Status(Done{});
 }
 
 // A scan that was removed, or runs again to make its results anew, has none of those that an export was asked of.
@@ -222,10 +253,10 @@ void Exports::begin(const Key& key, Work work) {
   if (!of_bytes.ok()) return fail(of_bytes.error());
   if (const Status room = hooks_.check_disk(*of_bytes); !room.ok()) return wait_for_room(room.error());
   builder_keeps_ = true;
-  hooks_.making([this, scan_id = key.first, format = running_->work.format, progress = running_->progress] {
+  hooks_.making([this, scan_id = key.first, spec = running_->work.spec, progress = running_->progress] {
     auto bytes = std::make_shared<Result<std::string>>(Error{});
     try {
-      *bytes = builder_.build(*format, scan_id, [&progress](double done) {
+      *bytes = builder_.build(spec, scan_id, [&progress](double done) {
         progress->done = done;
         return !progress->stopped;
       });
@@ -244,7 +275,7 @@ void Exports::built(Result<std::string> bytes) {
 }
 
 void Exports::put(const std::shared_ptr<const std::string>& bytes) {
-  hooks_.making([this, bytes, scan_id = running_->key.first, file = std::string(running_->work.format->file)] {
+  hooks_.making([this, bytes, scan_id = running_->key.first, file = running_->work.spec.file()] {
     const Status put = blobs_.put(scan_id, file, *bytes);
     hooks_.network([this, put, size_bytes = bytes->size()] { stored(put, size_bytes); });
   });
@@ -256,7 +287,7 @@ void Exports::stored(const Status& put, std::uint64_t size_bytes) {
   if (!row.ok() && row.error().code == ErrorCode::kNotFound) {
     hooks_.remove_files_of_scan(scan_id);  // the scan was removed while this was written: its folder has come back
   } else if (running_->unwanted || !is_still_wanted(running_->key, running_->work)) {
-    if (const Status removed = blobs_.remove(scan_id, std::string(running_->work.format->file)); !removed.ok())
+    if (const Status removed = blobs_.remove(scan_id, running_->work.spec.file()); !removed.ok())
       spdlog::warn("scan {}: {}", scan_id, removed.error().message);
   } else if (!put.ok()) {
     return wait_for_room(put.error());

@@ -20,6 +20,7 @@
 #include "core/base/result.h"
 #include "server/exports/build_export.h"
 #include "server/exports/export_offer.h"
+#include "server/exports/export_spec.h"
 #include "server/store/blobs.h"
 #include "server/store/scan_row.h"
 #include "server/store/shares.h"
@@ -35,6 +36,7 @@ const char* name_of(ExportPhase phase);  // "missing", "queued", ...
 
 struct ExportState {
   const ExportOffer* format = nullptr;
+  MeshShape shape;  // what is done to the mesh before
   ExportPhase phase = ExportPhase::kMissing;
   std::uint64_t size_bytes = 0;  // of one that is ready
   double done = 0;               // share, of one that is made
@@ -43,7 +45,7 @@ struct ExportState {
 
 struct ExportRequest {
   std::string scan_id;
-  std::string format;
+  std::string format;  // ExportSpec::name
   std::string token_id;
   bool is_admin = false;  // held to the limit for all alone
 };
@@ -68,15 +70,17 @@ class Exports {
   Exports(const Exports&) = delete;
   Exports& operator=(const Exports&) = delete;
 
-  // Of every format that the scan has or has something to make it of, in the order of the table. kNotFound: no such scan. kBusy: it is
+  // Of every format that the scan has or has something to make it of, in the order of the table, and behind them those with options that
+  // there are. kNotFound: no such scan. kBusy: it is
   // running. kIo.
   Result<std::vector<ExportState>> list(const std::string& scan_id);
 
-  // As above; kNotFound also: there is no such format.
+  // As above; kNotFound also: there is no such format; kInvalidArgument: its options.
   Result<ExportState> state(const std::string& scan_id, const std::string& format);
 
   // Makes it, unless it is there, waits or is being made; one that has failed is tried again. Errors as of state(), and kNotFound: the scan
-  // has nothing to make it of; kInvalidArgument: its cloud has no points; kBusy: too many wait, or the server stops.
+  // has nothing to make it of; kInvalidArgument: its cloud has no points; kBusy: too many wait, the server stops, or
+  // the scan has kMaxShapedExports with options already.
   Status request(const ExportRequest& request);
 
   // Of a scan that has just finished: its mesh for the viewer, if it has points and there is room to wait.
@@ -92,14 +96,14 @@ class Exports {
   std::size_t waiting_count() const { return waiting_.size(); }
 
  private:
-  using Key = std::pair<std::string, std::string_view>;  // scan, name of the format
+  using Key = std::pair<std::string, std::string>;  // scan, name of the export
   // What the thread that makes an export and this one both look at.
   struct Progress {
     std::atomic<bool> stopped = false;
     std::atomic<double> done = 0;
   };
   struct Work {
-    const ExportOffer* format = nullptr;
+    ExportSpec spec;
     std::string token_id;          // whose turn it is
     bool asked_for = false;        // by somebody
     std::int64_t ended_at_ms = 0;  // of the scan: another one when its results are others
@@ -119,10 +123,12 @@ class Exports {
     std::uint64_t number = 0;
   };
   Result<ScanRow> find_ended(const std::string& scan_id) const;
+  Status check_shaped(const std::string& scan_id, const ExportSpec& spec) const;
+  std::vector<ExportSpec> shaped_exports(const std::string& scan_id, const std::vector<BlobInfo>& blobs) const;
   Status check_source(const std::string& scan_id, const ExportOffer& format) const;
   Result<std::uint64_t> source_bytes(const std::string& scan_id, const ExportOffer& format) const;
-  Status add(const ScanRow& scan, const ExportOffer& format, const ExportRequest& asker, bool asked_for);
-  ExportState state_of(const Key& key, const ExportOffer& format, std::optional<std::uint64_t> size_bytes) const;
+  Status add(const ScanRow& scan, const ExportSpec& spec, const ExportRequest& asker, bool asked_for);
+  ExportState state_of(const std::string& scan_id, const ExportSpec& spec, std::optional<std::uint64_t> size_bytes) const;
   bool is_still_wanted(const Key& key, const Work& work) const;
   Taken taken_by(const std::string& token_id) const;
   void begin_next();

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <limits>
 
@@ -47,6 +48,19 @@ TEST(Model, OurMeshIsAsItWas) {
   EXPECT_EQ(model->mesh.positions_m, sphere.positions_m);
   EXPECT_EQ(model->mesh.triangles, sphere.triangles);
   EXPECT_EQ(model->mesh.colors, sphere.colors);
+}
+
+TEST(Model, MarksOfWhatIsFilledGoWithTheirTriangles) {
+  TriangleMesh sphere = test::sphere_mesh(4, 6);
+  sphere.is_filled.assign(sphere.triangles.size(), 0);
+  sphere.is_filled.back() = 1;
+  sphere.positions_m[sphere.triangles.front()[0]].x() = std::numeric_limits<float>::quiet_NaN();
+  const auto model = read_model(format_mesh_ply(sphere), {});
+  ASSERT_TRUE(model.ok()) << model.error().message;
+  EXPECT_LT(model->mesh.triangles.size(), sphere.triangles.size());
+  EXPECT_TRUE(check_mesh(model->mesh).ok());
+  EXPECT_EQ(model->mesh.is_filled.back(), 1);
+  EXPECT_EQ(std::count(model->mesh.is_filled.begin(), model->mesh.is_filled.end(), 1), 1);
 }
 
 TEST(Model, CoordinatesOfAMapLoseNoDigits) {

@@ -95,7 +95,9 @@ TEST(Alignment, APoseThatIs3mmOffComesBack) {
   const TextureFrames frames = test::wall_frames(true_poses, poses);
   const TriangleMesh wall = test::wall_mesh();
   std::vector<TextureView> views = views_of(wall, frames);
-  const Alignment alignment = align_views(wall, frames, 2, views);
+  TextureOptions two_threads;
+  two_threads.thread_count = 2;
+  const Alignment alignment = align_views(wall, frames, two_threads, views);
   EXPECT_LT(alignment.after_rms, alignment.before_rms);
   // A small turn and a small step look alike on a wall: what counts is where the pixels of the image lie on it.
   const auto off_m = [&](const Rigid3& pose, const Rigid3& true_pose) {

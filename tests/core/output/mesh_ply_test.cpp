@@ -29,6 +29,15 @@ TEST(MeshPly, HeaderNamesThePropertiesInOrder) {
                                                                   "element face 6\nproperty list uchar int vertex_indices\nend_header\n"));
 }
 
+TEST(MeshPly, MarksOfWhatIsFilledReadBack) {
+  TriangleMesh mesh = test::sphere_mesh(2, 3);
+  mesh.is_filled = {0, 1, 0, 0, 1, 1};
+  const Result<PlyShape> shape = parse_ply(format_mesh_ply(mesh));
+  ASSERT_TRUE(shape.ok()) << shape.error().message;
+  EXPECT_EQ(shape->is_filled, mesh.is_filled);
+  EXPECT_EQ(shape->triangles, mesh.triangles);
+}
+
 TEST(MeshPly, AnEmptyMeshIsAFileToo) {
   const std::string bytes = format_mesh_ply({});
   EXPECT_TRUE(bytes.ends_with("end_header\n"));

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <atomic>
 #include <limits>
 
 #include "core/output/glb.h"
@@ -27,7 +28,7 @@ class BuildExport : public testing::Test {
   void put(const Cloud& cloud) { ASSERT_TRUE(blobs_.put(scan_, "cloud.ply", format_ply(cloud)).ok()); }
   Result<std::string> build(const std::string& name) {
     calls_ = 0;
-    return builder_.build(*find_export_offer(name), scan_, [this](double) { return ++calls_ != stop_at_; });
+    return builder_.build(*export_spec_named(name), scan_, [this](double) { return ++calls_ != stop_at_; });
   }
   std::size_t triangles_of(const Result<std::string>& ply) { return ply.ok() ? parse_ply(*ply)->triangles.size() : 0; }
 
@@ -39,7 +40,8 @@ class BuildExport : public testing::Test {
                            return open_sequence(frames_);
                          }};
   const std::string scan_ = new_scan_id();
-  int calls_ = 0, stop_at_ = 0;
+  std::atomic<int> calls_ = 0;  // of several threads, while texture is made
+  int stop_at_ = 0;
 };
 
 TEST_F(BuildExport, EveryFormatOfTheTableIsMadeOrIsAResult) {
@@ -65,6 +67,18 @@ TEST_F(BuildExport, AnImportedMeshIsWhatItIs) {
   const Result<std::string> draco = build("glb-draco");
   ASSERT_TRUE(draco.ok()) << draco.error().message;
   EXPECT_NE(draco->find("image/jpeg"), std::string::npos) << "with its texture";
+  EXPECT_THAT(build("ply_s1000").error().message, HasSubstr("simplified before it is textured"));
+  EXPECT_THAT(build("stl_c").error().message, HasSubstr("filled before a mesh is textured"));
+  EXPECT_EQ(triangles_of(build("ply")), 8u);
+}
+
+TEST_F(BuildExport, AnImportedMeshWithoutATextureIsFinishedAsAsked) {
+  TriangleMesh open = test::sphere_mesh(8, 12);
+  open.triangles.resize(open.triangles.size() - 20);
+  ASSERT_TRUE(blobs_.put(scan_, std::string(kImportedMeshFile), *format_mesh_glb(open, GlbCompression::kNone)).ok());
+  const std::size_t plain = triangles_of(build("ply"));
+  EXPECT_GT(triangles_of(build("ply_c")), plain);
+  EXPECT_LT(triangles_of(build("ply_s100000")), plain);
 }
 
 TEST_F(BuildExport, PointsWithoutNormalsHaveNoSurface) {
@@ -80,12 +94,37 @@ TEST_F(BuildExport, TheMeshIsKeptForTheNextFormatUntilTheCloudIsAnother) {
   EXPECT_GT(small, 100u);
   EXPECT_GT(calls_, 2);
   EXPECT_EQ(triangles_of(build("ply")), small);
-  EXPECT_EQ(calls_, 2) << "nothing was contoured";
+  EXPECT_EQ(calls_, 3) << "nothing was contoured";
   put(test::plane_cloud(60));
   EXPECT_GT(triangles_of(build("ply")), small);
   builder_.forget();
   EXPECT_GT(triangles_of(build("ply")), small);
   EXPECT_GT(calls_, 2);
+}
+
+TEST_F(BuildExport, AMeshIsFinishedAsAskedAndTheNextAsItIs) {
+  Cloud cloud = test::plane_cloud(30);
+  put(cloud);
+  const std::size_t plain = triangles_of(build("ply"));
+  EXPECT_LT(2 * triangles_of(build("ply_s1000")), plain);
+  EXPECT_GT(triangles_of(build("ply_c")), plain);
+  EXPECT_THAT(*build("ply_c"), HasSubstr("property uchar filled"));
+  EXPECT_EQ(triangles_of(build("ply")), plain);
+  EXPECT_THAT(*build("glb_c"), HasSubstr("\"name\":\"filled\""));
+}
+
+TEST_F(BuildExport, WhatMemoryDoesNotSufficeForIsNotBegun) {
+  put(test::plane_cloud(30));
+  ExportBuilder small(
+      blobs_,
+      [](const std::string&) -> Result<std::unique_ptr<Sequence>> {
+        return Error{ErrorCode::kNotFound, "none"};
+      },
+      [] { return std::uint64_t{1000}; });
+  const Result<std::string> built = small.build(*export_spec_named("ply"), scan_, [](double) { return true; });
+  EXPECT_EQ(built.error().code, ErrorCode::kTooLarge);
+  EXPECT_THAT(built.error().message, HasSubstr("this machine has"));
+  EXPECT_GT(free_memory_bytes(), std::uint64_t{1} << 20);
 }
 
 TEST_F(BuildExport, AMeshIsOfTheSurfelsWhereThereAreSome) {

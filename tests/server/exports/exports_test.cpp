@@ -161,6 +161,28 @@ TEST_F(ExportsTest, OfAnImportedMeshThereAreMeshes) {
   EXPECT_EQ(ask(scan, "las").error().code, ErrorCode::kNotFound);
 }
 
+TEST_F(ExportsTest, OnesWithOptionsAreListedBehindTheFormatsStayAndAreBounded) {
+  const std::string scan = add_scan();
+  ASSERT_TRUE(ask(scan, "ply_s1000").ok());
+  settle();
+  EXPECT_EQ(state(scan, "ply_s1000").phase, ExportPhase::kReady);
+  EXPECT_EQ(state(scan, "ply").phase, ExportPhase::kMissing);
+  EXPECT_THAT(files(scan), testing::ElementsAre("cloud.ply", "mesh_s1000.ply"));
+  start();
+  const std::vector<ExportState> states = *exports_->list(scan);
+  ASSERT_EQ(states.size(), 10u);
+  EXPECT_EQ(states.back().shape.simplify_um, 1000);
+  EXPECT_EQ(states.back().phase, ExportPhase::kReady);
+  for (std::size_t i = 1; i < kMaxShapedExports; ++i) {
+    ASSERT_TRUE(ask(scan, "ply_f" + std::to_string(i), "token" + std::to_string(i % 4)).ok()) << i;
+  }
+  EXPECT_THAT(ask(scan, "ply_c").error().message, HasSubstr("exports with options, of at most 16"));
+  EXPECT_TRUE(ask(scan, "ply_s1000").ok());
+  EXPECT_TRUE(ask(scan, "ply").ok());
+  ASSERT_TRUE(exports_->remove(scan, "ply_s1000").ok());
+  EXPECT_TRUE(ask(scan, "ply_c").ok());
+}
+
 TEST_F(ExportsTest, WhatCannotBeIsSaidInWords) {
   const std::string scan = add_scan(), empty = add_scan({}), running = add_scan(test::plane_cloud(3), ScanPhase::kRunning);
   EXPECT_EQ(ask(new_scan_id(), "ply").error().code, ErrorCode::kNotFound);

@@ -121,6 +121,25 @@ TEST_F(ExportRoutesTest, WhatIsWrongIsNamed) {
   EXPECT_EQ(ask("DELETE", exports() + "/cloud", token).status, 400) << "a result goes with its scan";
 }
 
+TEST_F(ExportRoutesTest, AMeshIsFinishedByOptionsWhoseLimitsAreNamed) {
+  const std::string token = server_->token();
+  const Answer asked = ask("POST", exports(), token, R"({"format": "ply", "simplify_um": 1000, "fill_holes_mm": 50, "close": true})");
+  EXPECT_EQ(asked.status, 202) << asked.body;
+  EXPECT_EQ(asked.json()["format"], "ply_s1000_f50_c");
+  EXPECT_EQ(asked.json()["of_format"], "ply");
+  EXPECT_EQ(asked.json()["file"], "mesh_s1000_f50_c.ply");
+  EXPECT_EQ(asked.json()["close"], true);
+  ASSERT_EQ(state_at_the_end("ply_s1000_f50_c"), "ready");
+  EXPECT_THAT(ask("GET", exports() + "/ply_s1000_f50_c", token).body, HasSubstr("property uchar filled"));
+  EXPECT_EQ(ask("DELETE", exports() + "/ply_s1000_f50_c", token).status, 200);
+  for (const char* body :
+       {R"({"format": "ply", "simplify_um": 1.5})", R"({"format": "ply", "close": 1})", R"({"format": "ply", "triangles": "5"})",
+        R"({"format": "ply", "simplify_um": -3})", R"({"format": "ply", "triangles": 5})", R"({"format": "las", "close": true})",
+        R"({"format": "ply", "fill_holes_mm": 18446744073709551615})", R"({"format": "glb_x"})"})
+    EXPECT_EQ(ask("POST", exports(), token, body).status, 400) << body;
+  EXPECT_THAT(ask("POST", exports(), token, R"({"format": "ply", "fill_holes_mm": 10001})").body, HasSubstr("expected 0 to 10000"));
+}
+
 TEST_F(ExportRoutesTest, AShareLinkTakesWhatThereIsAndAsksForTheMeshAlone) {
   const std::string secret = ask("POST", "/api/v1/scans/" + id_ + "/shares", server_->token()).json()["secret"];
   EXPECT_EQ(ask("GET", exports(), secret).status, 200);
