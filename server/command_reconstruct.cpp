@@ -13,6 +13,7 @@
 #include "core/raw/raw_frames.h"
 #include "core/report/stated_uncertainty.h"
 #include "server/commands.h"
+#include "server/mesh_file.h"
 #include "server/offline_run.h"
 #include "server/service/results.h"
 
@@ -30,6 +31,7 @@ struct ReconstructArguments {
   std::string per_frame_file;
   bool calibrate = false;
   bool object = false;
+  bool mesh = false;
 };
 
 int dump_raw(const std::string& path, const Sequence& sequence, FrameRange range) {
@@ -79,8 +81,8 @@ int run_reconstruct(const ReconstructArguments& arguments) {
   std::filesystem::create_directories(arguments.out_folder, error);
   if (error) throw SetupError({ErrorCode::kIo, "creating " + arguments.out_folder + ": " + error.message()});
   nlohmann::ordered_json calibrations;
-  const OfflineRun run = arguments.calibrate ? reconstruct_calibrated(sequence, range, options, arguments.run.device, calibrations)
-                                             : reconstruct_frames(*sequence, range, options, arguments.run.device);
+  OfflineRun run = arguments.calibrate ? reconstruct_calibrated(sequence, range, options, arguments.run.device, calibrations)
+                                       : reconstruct_frames(*sequence, range, options, arguments.run.device);
   if (!arguments.per_frame_file.empty())
     or_throw(write_file_atomically(arguments.per_frame_file, format_frame_table(run.rows, sequence->groundtruth())));
   RunResults results = or_throw(results_of(*run.pipeline, options, sequence->groundtruth()));
@@ -92,6 +94,12 @@ int run_reconstruct(const ReconstructArguments& arguments) {
   }
   results.report_json = report.dump(2) + "\n";
   for (const auto& [name, bytes] : files_of(results)) or_throw(write_file_atomically(arguments.out_folder + "/" + name, bytes));
+  if (arguments.mesh) {
+    run = {};  // its memory is the mesh's
+    report["mesh"] = make_mesh_file(mesh_source_path(arguments.out_folder), {}, arguments.out_folder + "/mesh.ply");
+    results.report_json = report.dump(2) + "\n";
+    or_throw(write_file_atomically(arguments.out_folder + "/report.json", results.report_json));
+  }
   std::cout << results.report_json;
   return 0;
 }
@@ -119,6 +127,8 @@ Command add_reconstruct_command(CLI::App& app) {
   reconstruct.add_option("--device", arguments->run.device, "GPU: an index or a part of its name (default: the best one)")->excludes(raw);
   reconstruct.add_option("--camera", arguments->run.camera, kCameraHelp);
   reconstruct.add_option("--noise", arguments->run.noise, kNoiseHelp);
+  reconstruct.add_flag("--mesh", arguments->mesh, "Make mesh.ply, too, as hermite mesh does; the report says what came of it")
+      ->excludes(raw);
   reconstruct
       .add_flag("--object", arguments->object,
                 "Scan what turns or is moved before the camera, on a turntable or by hand, and leave out all else; same as --set "
