@@ -1,6 +1,6 @@
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import { ApiError } from './api';
-import { fetchExport, parseExports, requestExport, shownMesh } from './exports';
+import { asItIs, fetchExport, finishedAs, parseExports, requestExport, shownMesh } from './exports';
 
 afterEach(() => vi.unstubAllGlobals());
 
@@ -10,6 +10,25 @@ describe('shownMesh', () => {
     expect(shownMesh(exports)?.format).toBe('imported');
     expect(shownMesh(exports.slice(0, 2))?.format).toBe('glb-draco');
     expect(shownMesh([])).toBeUndefined();
+  });
+});
+
+describe('finishedAs', () => {
+  const closed = { ...asItIs, close: true };
+  const exports = parseExports({
+    exports: [
+      { format: 'glb', of_format: 'glb', state: 'ready', bytes: 3, close: false },
+      { format: 'stl', of_format: 'stl' },
+      { format: 'glb_c', of_format: 'glb', file: 'mesh_c.glb', state: 'queued', simplify_um: 0, triangles: 0, fill_holes_mm: 0, close: true },
+    ],
+  });
+  it('is the export of that format and that finish', () => {
+    expect(finishedAs(exports, exports[0]!, closed).format).toBe('glb_c');
+    expect(finishedAs(exports, exports[0]!, asItIs)).toBe(exports[0]);
+  });
+  it('is missing where nobody has asked for it', () => {
+    expect(finishedAs(exports, exports[1]!, closed)).toMatchObject({ format: '', of_format: 'stl', state: 'missing' });
+    expect(finishedAs(exports, exports[0]!, { ...closed, fill_holes_mm: 150 })).toMatchObject({ state: 'missing', size_bytes: 0 });
   });
 });
 
@@ -23,8 +42,8 @@ describe('parseExports', () => {
         3,
       ],
     });
-    expect(glb).toEqual({ format: 'glb', kind: 'mesh', label: 'Mesh, GLB', file: 'mesh.glb', state: 'running', size_bytes: 0, done: 0.25, words: '' });
-    expect(odd).toEqual({ format: 'odd', kind: '', label: 'odd', file: 'odd', state: 'missing', size_bytes: 0, done: 1, words: '' });
+    expect(glb).toEqual({ format: 'glb', of_format: 'glb', finish: asItIs, kind: 'mesh', label: 'Mesh, GLB', file: 'mesh.glb', state: 'running', size_bytes: 0, done: 0.25, words: '' });
+    expect(odd).toEqual({ format: 'odd', of_format: 'odd', finish: asItIs, kind: '', label: 'odd', file: 'odd', state: 'missing', size_bytes: 0, done: 1, words: '' });
   });
   it('does not take anything else for a list', () => {
     for (const json of [null, [], {}, { exports: 3 }]) expect(() => parseExports(json)).toThrow(ApiError);
@@ -42,6 +61,8 @@ describe('requestExport', () => {
     expect(sent[0]![0]).toBe('api/v1/scans/a%2Fb/exports');
     expect(sent[0]![1].body).toBe('{"format":"glb"}');
     expect(sent[0]![1].method).toBe('POST');
+    await requestExport('a', 'stl', 't', { ...asItIs, fill_holes_mm: 150 });
+    expect(sent[1]![1].body).toBe('{"format":"stl","simplify_um":0,"triangles":0,"fill_holes_mm":150,"close":false}');
   });
   it('tells a server that is busy from one that says no', async () => {
     vi.stubGlobal('fetch', async () => new Response('', { status: 503 }));

@@ -11,8 +11,20 @@ export const importedMesh = 'imported'; // and its kImportedMesh: of a scan that
 export const exportStates = ['missing', 'queued', 'running', 'ready', 'failed'] as const;
 export type ExportStateName = (typeof exportStates)[number];
 
+// How a mesh is finished before it is written. All 0: as it is.
+export interface MeshFinish {
+  readonly simplify_um: number; // how far the surface may move for fewer triangles
+  readonly triangles: number; // with that: not fewer than these
+  readonly fill_holes_mm: number; // holes up to that width are filled
+  readonly close: boolean; // all that is open
+}
+
+export const asItIs: MeshFinish = { simplify_um: 0, triangles: 0, fill_holes_mm: 0, close: false };
+
 export interface ScanExport {
   readonly format: string;
+  readonly of_format: string; // the same where the mesh is as it is
+  readonly finish: MeshFinish;
   readonly kind: string; // mesh, cloud, path
   readonly label: string;
   readonly file: string; // with its ending
@@ -27,6 +39,16 @@ export function shownMesh(exports: readonly ScanExport[]): ScanExport | undefine
   return exports.find((one) => one.format === importedMesh) ?? exports.find((one) => one.format === viewerMesh);
 }
 
+export function isAlike(a: MeshFinish, b: MeshFinish): boolean {
+  return a.simplify_um === b.simplify_um && a.triangles === b.triangles && a.fill_holes_mm === b.fill_holes_mm && a.close === b.close;
+}
+
+// What `plain` is with its mesh finished so; one that nobody has asked for is missing and has no format of its own yet.
+export function finishedAs(exports: readonly ScanExport[], plain: ScanExport, finish: MeshFinish): ScanExport {
+  const there = exports.find((one) => one.of_format === plain.of_format && isAlike(one.finish, finish));
+  return there ?? { ...plain, format: '', finish, state: 'missing', size_bytes: 0, done: 0, words: '' };
+}
+
 const pathOf = (scanId: string): string => `api/v1/scans/${encodeURIComponent(scanId)}/exports`;
 
 export async function fetchExports(scanId: string, token: string): Promise<ScanExport[]> {
@@ -35,8 +57,9 @@ export async function fetchExports(scanId: string, token: string): Promise<ScanE
 }
 
 // As it is now: queued, running, or ready already.
-export async function requestExport(scanId: string, format: string, token: string): Promise<ScanExport> {
-  const response = await request(pathOf(scanId), token, { limit_ms, method: 'POST', headers: jsonType, body: JSON.stringify({ format }) });
+export async function requestExport(scanId: string, format: string, token: string, finish: MeshFinish = asItIs): Promise<ScanExport> {
+  const body = JSON.stringify(isAlike(finish, asItIs) ? { format } : { format, ...finish });
+  const response = await request(pathOf(scanId), token, { limit_ms, method: 'POST', headers: jsonType, body });
   const json: unknown = await response.json();
   if (!isRecord(json)) throw new ApiError('The server’s answer cannot be read.', false);
   return exportOf(json);
@@ -71,6 +94,13 @@ function exportOf(row: Record<string, unknown>): ScanExport {
   const state = exportStates.find((name) => name === row['state']) ?? 'missing';
   return {
     format: textOf(row['format']),
+    of_format: textOf(row['of_format']) || textOf(row['format']),
+    finish: {
+      simplify_um: numberOf(row['simplify_um']) ?? 0,
+      triangles: numberOf(row['triangles']) ?? 0,
+      fill_holes_mm: numberOf(row['fill_holes_mm']) ?? 0,
+      close: row['close'] === true,
+    },
     kind: textOf(row['kind']),
     label: textOf(row['label']) || textOf(row['format']),
     file: textOf(row['file']) || textOf(row['format']),

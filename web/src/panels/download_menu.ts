@@ -1,6 +1,6 @@
 // Everything that a finished scan can be taken away as. What is not there yet is made by the server first; who has asked for it gets it when it is ready.
 import { ApiError, fileNameOf, saveAs } from '../connection/api';
-import { fetchExport, fetchExports, requestExport, type ScanExport } from '../connection/exports';
+import { asItIs, fetchExport, fetchExports, finishedAs, importedMesh, requestExport, type MeshFinish, type ScanExport } from '../connection/exports';
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
 import { exportWords, kindWords, sizeWords } from '../state/words';
@@ -24,6 +24,7 @@ export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel
   const rows = new Map<string, Row>();
   const wanted = new Set<string>(); // formats that are taken as soon as they are ready
   const loaded_bytes = new Map<string, number>(); // of those that are just taken
+  let finish = asItIs; // of meshes
   let exports: readonly ScanExport[] = [];
   let timer: ReturnType<typeof setTimeout> | undefined;
   let disposed = false;
@@ -33,17 +34,25 @@ export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel
     words.hidden = text === '';
     setText(words, text);
   };
+  // A row for each format; of a mesh it says how far that is which has the chosen finish.
+  const formats = (): ScanExport[] => exports.filter((one) => one.format === one.of_format);
+  const chosen = (one: ScanExport): ScanExport => (isFinished(one) ? finishedAs(exports, one, finish) : one);
   const show = (): void => {
-    if (exports.some((one) => !rows.has(one.format))) build();
-    for (const one of exports) rows.get(one.format)?.show(one);
+    if (formats().some((one) => !rows.has(one.format))) build();
+    for (const one of formats()) rows.get(one.format)?.show(chosen(one));
   };
+  const choices = finishChoices((now) => {
+    finish = now;
+    show();
+  });
   const build = (): void => {
     rows.clear();
-    const kinds = [...new Set(exports.map((one) => one.kind))];
+    const kinds = [...new Set(formats().map((one) => one.kind))];
     list.replaceChildren(
-      ...kinds.map((kind) =>
-        element('div', { class: 'download-kind' }, element('h3', {}, kindWords(kind)), ...exports.filter((one) => one.kind === kind).map((one) => addRow(one).element)),
-      ),
+      ...kinds.map((kind) => {
+        const ofKind = formats().filter((one) => one.kind === kind);
+        return element('div', { class: 'download-kind' }, element('h3', {}, kindWords(kind)), ofKind.some(isFinished) ? choices : null, ...ofKind.map((one) => addRow(one).element));
+      }),
     );
   };
   const addRow = (one: ScanExport): Row => {
@@ -60,16 +69,19 @@ export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel
     if (!disposed) show();
   };
   const put = (one: ScanExport): void => {
-    exports = exports.map((old) => (old.format === one.format ? one : old));
+    const isThere = exports.some((old) => old.format === one.format);
+    exports = isThere ? exports.map((old) => (old.format === one.format ? one : old)) : [...exports, one];
   };
   const take = (format: string): Promise<void> =>
     attempt(async () => {
       say('');
-      const one = exports.find((other) => other.format === format);
-      if (!one || loaded_bytes.has(format)) return;
+      const plain = exports.find((other) => other.format === format);
+      if (!plain) return;
+      let one = chosen(plain);
+      if (loaded_bytes.has(one.format)) return;
       if (one.state === 'ready') return save(one);
-      wanted.add(format);
-      if (one.state === 'missing' || one.state === 'failed') put(await requestExport(scanId, format, token));
+      if (one.state === 'missing' || one.state === 'failed') put((one = await requestExport(scanId, format, token, one.finish)));
+      wanted.add(one.format);
       poll();
     });
   const save = async (one: ScanExport): Promise<void> => {
@@ -142,6 +154,32 @@ export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel
       document.removeEventListener('keydown', onKey);
     },
   };
+}
+
+// What was imported is taken as it came.
+function isFinished(one: ScanExport): boolean {
+  return one.kind === 'mesh' && one.format !== importedMesh;
+}
+
+const triangleChoices: readonly [string, Partial<MeshFinish>][] = [
+  ['All', {}],
+  ['Fewer, within 1 mm', { simplify_um: 1_000 }],
+  ['Far fewer, within 5 mm', { simplify_um: 5_000 }],
+];
+const holeChoices: readonly [string, Partial<MeshFinish>][] = [
+  ['Left open', {}],
+  ['Filled up to 15 cm', { fill_holes_mm: 150 }],
+  ['All closed, for printing', { fill_holes_mm: 150, close: true }],
+];
+
+function finishChoices(choose: (finish: MeshFinish) => void): HTMLElement {
+  const selectOf = (all: readonly [string, Partial<MeshFinish>][]): HTMLSelectElement =>
+    element('select', {}, ...all.map(([words], i) => element('option', { value: i }, words)));
+  const triangles = selectOf(triangleChoices);
+  const holes = selectOf(holeChoices);
+  const tell = (): void => choose({ ...asItIs, ...triangleChoices[triangles.selectedIndex]?.[1], ...holeChoices[holes.selectedIndex]?.[1] });
+  for (const one of [triangles, holes]) one.addEventListener('change', tell);
+  return element('div', { class: 'download-finish' }, element('label', {}, 'Triangles', triangles), element('label', {}, 'Holes', holes));
 }
 
 function rowOf(label: string, choose: () => void, wordsOf: (one: ScanExport) => string): Row {

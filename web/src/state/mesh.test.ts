@@ -1,10 +1,12 @@
 import { describe, expect, it } from 'vitest';
-import type { ScanExport } from '../connection/exports';
+import { asItIs, type ScanExport } from '../connection/exports';
 import { initialLiveScan, reduceLiveScan, type LiveScan } from './live_scan';
 import { mayHaveMesh, meshWords, nextStep } from './mesh';
 
 const mesh = (change: Partial<ScanExport>): ScanExport => ({
   format: 'glb-draco',
+  of_format: 'glb-draco',
+  finish: asItIs,
   kind: 'mesh',
   label: 'Mesh',
   file: 'mesh.draco.glb',
