@@ -1,7 +1,6 @@
 // A mesh of a finished cloud: dual contouring of its implicit surface (paper, section 6; Ju et al. 2002).
 //
-//   SurfelField field = *SurfelField::create(cloud, options.field);
-//   TriangleMesh mesh = *contour(field, options);
+//   TriangleMesh mesh = *contour(std::move(cloud), options);
 #pragma once
 
 #include <cstddef>

@@ -7,9 +7,12 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 
 #include "core/evaluate/mesh_validity.h"
 #include "core/mesh/contour_cube.h"
+#include "core/mesh/mesh_parts.h"
+#include "core/mesh/quad_mesh.h"
 #include "core/output/mesh_ply.h"
 #include "tests/core/mesh/mesh_shapes.h"
 
@@ -59,6 +62,39 @@ TEST(Contour, HasNoCrackBetweenCubes) {
   const TriangleMesh mesh = mesh_of_cloud(sphere(0.35f, 9000), 0.02);
   expect_clean(mesh);
   EXPECT_EQ(mesh_validity(mesh).border_edges, 0);
+}
+
+// As with all cubes in memory at once.
+TriangleMesh welded_at_once(const SurfelField& field) {
+  constexpr int kMostCubes = 3;  // from the middle
+  CubeSurface whole;
+  std::vector<CubeQuad> quads;
+  for (int z = -kMostCubes; z < kMostCubes; ++z)
+    for (int y = -kMostCubes; y < kMostCubes; ++y)
+      for (int x = -kMostCubes; x < kMostCubes; ++x) {
+        const CubeSurface surface = contour_cube(field, {x, y, z});
+        whole.vertices.insert(whole.vertices.end(), surface.vertices.begin(), surface.vertices.end());
+        quads.insert(quads.end(), surface.quads.begin(), surface.quads.end());
+      }
+  std::map<VertexKey, std::uint32_t> numbers;
+  for (const CubeVertex& vertex : whole.vertices) numbers.emplace(vertex.key, static_cast<std::uint32_t>(numbers.size()));
+  QuadMesh mesh;
+  mesh.add_vertices(whole.vertices);
+  for (const CubeQuad& quad : quads) mesh.add({numbers.at(quad[0]), numbers.at(quad[1]), numbers.at(quad[2]), numbers.at(quad[3])});
+  return mesh.take();
+}
+
+TEST(Contour, ForgettingLayersOfCubesChangesNoByte) {
+  const Cloud cloud = sphere(0.35f, 2500);
+  ContourOptions options;
+  options.field.cell_m = 0.01;  // four layers of cubes
+  TriangleMesh at_once = welded_at_once(*SurfelField::create(cloud, options.field));
+  unfold(at_once);
+  split_touching_fans(at_once);
+  remove_small_parts(at_once, options.least_part_m2);
+  ASSERT_GT(at_once.triangles.size(), 20'000u);
+  EXPECT_EQ(format_mesh_ply(*contour(cloud, options)), format_mesh_ply(at_once));
+  EXPECT_EQ(format_mesh_ply(*contour(Cloud(cloud), options)), format_mesh_ply(at_once)) << "of a cloud that is handed over";
 }
 
 // The corners of a cube lie between the grid's.
