@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -28,8 +29,8 @@ Result<DownloadTarget> download_target(const DownloadArguments& arguments) {
   target.format = arguments.format;
   if (target.scan_id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789") != std::string::npos)
     return Error{ErrorCode::kInvalidArgument, "SCAN is no id of a scan: it has characters of a-z and 0-9 alone"};
-  if (target.format.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") != std::string::npos)
-    return Error{ErrorCode::kInvalidArgument, "--format has other characters than a-z, 0-9 and -"};
+  if (target.format.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") != std::string::npos)
+    return Error{ErrorCode::kInvalidArgument, "--format has other characters than a-z, 0-9, - and _"};
   if (!target.server.tls) return target;
   Result<TlsContext> tls = client_tls(arguments.server.ca);
   if (!tls.ok()) return tls.error();
@@ -56,12 +57,15 @@ int list_formats(const DownloadTarget& target) {
   return 0;
 }
 
-// "SCAN-mesh.glb"
+// "SCAN-mesh.glb", and with options, of which there may be none yet, "SCAN-mesh_s1000_c.glb".
 std::string default_name(const DownloadTarget& target) {
-  const Result<std::vector<ExportReport>> reports = export_reports(target);
+  const std::size_t end = std::min(target.format.find('_'), target.format.size());
+  const std::string plain = target.format.substr(0, end), suffix = target.format.substr(end);
+  Result<std::vector<ExportReport>> reports = export_reports(target);
   if (reports.ok())
-    for (const ExportReport& report : *reports)
-      if (report.format == target.format && report.file.find('/') == std::string::npos) return target.scan_id + "-" + report.file;
+    for (ExportReport& report : *reports)
+      if (report.format == plain && report.file.find('/') == std::string::npos)
+        return target.scan_id + "-" + report.file.insert(std::min(report.file.find('.'), report.file.size()), suffix);
   return target.scan_id + "-" + target.format;
 }
 
@@ -94,7 +98,8 @@ Command add_download_command(CLI::App& app) {
   auto arguments = std::make_shared<DownloadArguments>();
   CLI::App& command = *app.add_subcommand("download", "Take what a scan that has ended can be taken away as; the server makes it first");
   command.add_option("SCAN", arguments->scan, "Id of the scan, as the viewer's address has it")->required();
-  command.add_option("--format", arguments->format, "glb, obj, las, ... (default: list what there is)");
+  command.add_option("--format", arguments->format,
+                     "glb, obj, las, ..., and of a mesh with options as glb_s1000_f150 (default: list what there is)");
   command.add_option("--out", arguments->out, "The file (default: SCAN and the name of the file)");
   add_server_options(command, arguments->server)->required();
   return {&command, [arguments] { return run_download(*arguments); }};
