@@ -119,7 +119,7 @@ Result<std::vector<TextureView>> agreed_views(const TriangleMesh& mesh, const Te
 
 Result<TriangleMesh> painted(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
                              const TextureOptions& options, const TextureProgress& progress, TextureStatistics& statistics) {
-  const Result<Atlas> atlas = atlas_of(mesh, finest_pixels_m(mesh, camera, views, options.thread_count), options);
+  const Result<Atlas> atlas = atlas_of(mesh, finest_pixels_m(mesh, camera, views, options), options);
   if (!atlas.ok()) return atlas.error();
   if (!goes_on(progress, kCharted)) return kTexturingStopped;
   TriangleMesh result = laid_out(mesh, *atlas);

@@ -14,9 +14,10 @@ constexpr float kDetailEdge_px = 1;
 }  // namespace
 
 std::vector<float> finest_pixels_m(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
-                                   int thread_count) {
+                                   const TextureOptions& options) {
   std::vector<float> finest(mesh.positions_m.size(), kNeverSeen_m);
-  in_parallel((finest.size() + kVerticesAtOnce - 1) / kVerticesAtOnce, thread_count, [&](std::size_t block) {
+  in_parallel((finest.size() + kVerticesAtOnce - 1) / kVerticesAtOnce, options.thread_count, [&](std::size_t block) {
+    if (is_stopped(options)) return;
     const std::size_t end = std::min(finest.size(), (block + 1) * kVerticesAtOnce);
     for (std::size_t i = block * kVerticesAtOnce; i < end; ++i)
       for (const TextureView& view : views)

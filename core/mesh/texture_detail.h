@@ -12,6 +12,8 @@ namespace hermite {
 inline constexpr float kNeverSeen_m = 1e9f;
 
 // By vertex what one pixel covers there at its longer side [m], in the view where that is least. The same for any number of threads.
-std::vector<float> finest_pixels_m(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views, int thread_count);
+// Of `options` those of work: thread_count and is_stopped.
+std::vector<float> finest_pixels_m(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
+                                   const TextureOptions& options);
 
 }  // namespace hermite

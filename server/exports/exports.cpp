@@ -249,7 +249,7 @@ void Exports::begin(const Key& key, Work work) {
   last_turn_[work.token_id] = ++count_;
   running_.emplace(Running{key, std::move(work)});
   // About as large as what it is made of: more is seen when its bytes are known.
-  const Result<std::uint64_t> of_bytes = source_bytes(key.first, *running_->work.format);
+  const Result<std::uint64_t> of_bytes = source_bytes(key.first, *running_->work.spec.offer);
   if (!of_bytes.ok()) return fail(of_bytes.error());
   if (const Status room = hooks_.check_disk(*of_bytes); !room.ok()) return wait_for_room(room.error());
   builder_keeps_ = true;

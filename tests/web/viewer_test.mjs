@@ -178,7 +178,19 @@ test('the cloud and the surface can be downloaded', { timeout: scan_ms }, async 
   const gltf = JSON.parse(mesh.bytes.subarray(20, 20 + mesh.bytes.readUInt32LE(12)).toString());
   assert.equal(gltf.asset.version, '2.0');
   assert.ok(gltf.accessors[gltf.meshes[0].primitives[0].indices].count > 30_000, 'corners of triangles');
+  const triangles = gltf.accessors[gltf.meshes[0].primitives[0].indices].count / 3;
+  await page.getByLabel('Triangles').selectOption({ label: 'Far fewer, within 5 mm' });
+  await page.getByLabel('Holes').selectOption({ label: 'All closed, for printing' });
+  await page.getByRole('button', { name: /^GLB, opens nearly everywhere *Make it/ }).waitFor();
+  const print = await take(/^STL, for printing/);
+  assert.equal(print.name, 'Synthetic_room-mesh_s5000_f150_c.stl');
+  const left = print.bytes.readUInt32LE(80);
+  assert.equal(print.bytes.length, 84 + 50 * left, 'it is whole');
+  assert.ok(left > 100 && left < triangles / 2, `${left} of ${triangles} triangles`);
   await picture('downloads');
+  await page.getByLabel('Holes').selectOption({ label: 'Left open' });
+  await page.getByLabel('Triangles').selectOption({ label: 'All' });
+  await page.getByRole('button', { name: /^GLB, opens nearly everywhere *\d/ }).waitFor(); // that one is there
   await page.keyboard.press('Escape');
   assert.equal(await page.locator('#downloads').isVisible(), false);
 });

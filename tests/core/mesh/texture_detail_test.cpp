@@ -15,7 +15,9 @@ TEST(TextureDetail, IsThatOfTheNearestViewAndNoneWhereNoneSees) {
   const TextureFrames frames = test::wall_frames(poses, poses);
   const TriangleMesh wall = test::wall_mesh();
   const std::vector<TextureView> views{or_throw(load_view(wall, frames, 0)), or_throw(load_view(wall, frames, 1))};
-  const std::vector<float> finest_m = finest_pixels_m(wall, frames.camera, views, 2);
+  TextureOptions options;
+  options.thread_count = 2;
+  const std::vector<float> finest_m = finest_pixels_m(wall, frames.camera, views, options);
   ASSERT_EQ(finest_m.size(), wall.positions_m.size());
   for (std::size_t i = 0; i < finest_m.size(); ++i) {
     const Eigen::Vector3f& at = wall.positions_m[i];
