@@ -186,7 +186,7 @@ Result<std::vector<SlotChange>> MeshFeed::take_changes(Pipeline& pipeline, bool 
   }
   if (mesher_) {
     LiveMesher::Model model{*changes, {}, Eigen::Vector3f::Zero(), since_.value_or(start)};
-    for (const SubmapPose& pose : pipeline.submap_poses()) model.submaps.push_back({pose.world_from_submap, pose.part});
+    for (const SubmapPose& pose : pipeline.submap_poses()) model.submaps.push_back({pose.world_from_submap, pose.component});
     if (!pipeline.trajectory().empty()) {
       const Rigid3& world_from_camera = pipeline.trajectory().back().world_from_camera;
       model.eye_m = (world_from_camera * Eigen::Vector3d(0, 0, kLooksAt_m)).cast<float>();
