@@ -44,7 +44,7 @@ struct EncodedChunk {
 
 class ChunkedModel {
  public:
-  // `level`: at most kCoarsestLevel (CHECK). Points of less confidence than `least_confidence` are none.
+  // `level`: at most kCoarsestLevel (CHECK). Points of less confidence than `least_confidence` are none; 0: all are some.
   explicit ChunkedModel(std::uint8_t level = 0, double least_confidence = 0);
 
   // Points that are not finite (position, normal, confidence) or lie beyond the range of the key are left out and counted; what their slot
