@@ -37,7 +37,9 @@ TEST(ImportResults, OfACloudAreThoseOfAScanWithoutAPath) {
   EXPECT_EQ(report["import"]["points"], cloud.size());
   EXPECT_EQ(report["import"]["up"], "-y");
   std::size_t shown = 0;
-  for (const EncodedChunk& chunk : parse_chunk_file(results->files[2].bytes)->chunks) shown += chunk.point_count;
+  const auto chunk_file = parse_chunk_file(results->files[2].bytes);
+  ASSERT_TRUE(chunk_file.ok());
+  for (const EncodedChunk& chunk : chunk_file->chunks) shown += chunk.point_count;
   EXPECT_GT(shown, cloud.size() / 4);
 }
 
