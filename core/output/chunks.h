@@ -10,6 +10,7 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -44,8 +45,8 @@ struct EncodedChunk {
 
 class ChunkedModel {
  public:
-  // `level`: at most kCoarsestLevel (CHECK). Points of less confidence than `least_confidence` are none; 0: all are some.
-  explicit ChunkedModel(std::uint8_t level = 0, double least_confidence = 0);
+  // `level`: at most kCoarsestLevel (CHECK). Points of less confidence than `least_confidence` are none.
+  explicit ChunkedModel(std::uint8_t level = 0, double least_confidence = std::numeric_limits<double>::lowest());
 
   // Points that are not finite (position, normal, confidence) or lie beyond the range of the key are left out and counted; what their slot
   // held before is gone. Slots must be below kMaxSlots (CHECK).

@@ -41,6 +41,7 @@ export class ScanScene {
   private last_ms = 0;
   private reframed_ms = 0;
   private grew = false;
+  private running = false;
   private options: ViewOptions | null = null;
   private disposed = false;
 
@@ -63,7 +64,8 @@ export class ScanScene {
   onEvent(event: ScanEvent): void {
     for (const layer of this.layers) layer.onEvent?.(event);
     if (event.kind === 'chunk' || event.kind === 'meshChunk' || event.kind === 'submapPoses') this.grew = true;
-    if (event.kind === 'meshChunk') this.chooseShown();
+    if (event.kind === 'scanState') this.running = event.phase === 'running';
+    if (event.kind === 'meshChunk' || event.kind === 'scanState') this.chooseShown();
     this.requestDrawInTime();
   }
 
@@ -87,12 +89,12 @@ export class ScanScene {
     return { triangles, textured: this.mesh.isTextured };
   }
 
-  // The finished surface, or the growing one, or points.
+  // The finished surface, or the growing one, or points. What the growing one had not come to when the scan ended is there as points.
   private chooseShown(): void {
     const finished = this.mesh.object.visible;
     const live = !finished && this.live.isThere && this.options?.show === 'surface';
     this.live.setVisible(live);
-    this.points.setVisible(!finished && !live);
+    this.points.setVisible(!finished && !(live && this.running));
   }
 
   frameAll(): void {
