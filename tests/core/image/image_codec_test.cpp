@@ -5,7 +5,6 @@
 #include <turbojpeg.h>
 #include <zlib.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -310,9 +309,7 @@ TEST(ImageCodec, BoundsTheWorkOfAProgressiveJpeg) {
   for (std::size_t at = find_marker(jpeg, 0xda); at < jpeg.size(); at = find_marker(jpeg, 0xda, at + 2)) last = at;
   const Bytes scan(jpeg.begin() + static_cast<std::ptrdiff_t>(last), jpeg.end() - 2);
   for (int i = 0; i < 400; ++i) jpeg.insert(jpeg.end() - 2, scan.begin(), scan.end());
-  const auto begin = std::chrono::steady_clock::now();
   expect_error(decode_color(jpeg, {640, 480}), ErrorCode::kTooLarge, "scans, the limit is 32");
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
 }
 
 TEST(ImageCodec, RefusesBombsBeforeTheyTakeMemory) {
