@@ -69,6 +69,16 @@ Result<Property> parse_property(std::istringstream& words) {
   return property;
 }
 
+// Columns of vertices are as long as each other, and whoever counts comes to an end: each element is declared once and reads something.
+Status check_elements(const std::vector<Element>& elements) {
+  for (auto element = elements.begin(); element != elements.end(); ++element) {
+    const auto has_its_name = [&](const Element& other) { return other.name == element->name; };
+    if (std::any_of(elements.begin(), element, has_its_name)) return corrupt("element '" + element->name + "' is declared twice");
+    if (element->count > 0 && element->properties.empty()) return corrupt("element '" + element->name + "' has no properties");
+  }
+  return Done{};
+}
+
 Result<Header> parse_header(std::string_view bytes) {
   Header header;
   std::string format;
@@ -108,6 +118,8 @@ Result<Header> parse_header(std::string_view bytes) {
     header.encoding = Encoding::kBigEndian;
   else if (format != "ascii")
     return Error{ErrorCode::kUnsupported, "PLY: format '" + format + "', known are ascii, binary_little_endian and binary_big_endian"};
+  const Status elements = check_elements(header.elements);
+  if (!elements.ok()) return elements.error();
   return header;
 }
 

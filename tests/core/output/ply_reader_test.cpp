@@ -146,6 +146,8 @@ TEST(PlyReader, NamesWhatIsWrong) {
   EXPECT_THAT(parse_ply(with("4 0 1 2 3", "4 0 1 2 4")).error().message, HasSubstr("not there"));
   EXPECT_THAT(parse_ply(with("4 0 1 2 3", "-1")).error().message, HasSubstr("face 0"));
   EXPECT_THAT(parse_ply(with("1.5", "up")).error().message, HasSubstr("vertex 2"));
+  EXPECT_THAT(parse_ply(with("element edge", "element vertex")).error().message, HasSubstr("'vertex' is declared twice"));
+  EXPECT_THAT(parse_ply(with("property int a\n", "")).error().message, HasSubstr("'edge' has no properties"));
 }
 
 }  // namespace
