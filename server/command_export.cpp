@@ -7,7 +7,7 @@
 #include "core/export/formats.h"
 #include "core/export/scan_recording.h"
 #include "core/export/texture_frames.h"
-#include "core/mesh/texture.h"
+#include "core/texture/texture.h"
 #include "server/commands.h"
 #include "server/offline_run.h"
 #include "server/ply_file.h"

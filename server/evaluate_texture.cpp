@@ -8,8 +8,8 @@
 #include "core/dataset/trajectory.h"
 #include "core/export/texture_frames.h"
 #include "core/image/image_codec.h"
-#include "core/mesh/texture_quality.h"
 #include "core/output/ply.h"
+#include "core/texture/texture_quality.h"
 #include "server/ply_file.h"
 
 namespace hermite {

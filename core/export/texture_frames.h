@@ -3,7 +3,7 @@
 
 #include "core/dataset/sequence.h"
 #include "core/dataset/trajectory.h"
-#include "core/mesh/texture_options.h"
+#include "core/texture/texture_options.h"
 
 namespace hermite {
 

@@ -16,8 +16,8 @@
 #include "core/mesh/contour.h"
 #include "core/mesh/hole_fill.h"
 #include "core/mesh/simplify.h"
-#include "core/mesh/texture.h"
 #include "core/output/ply_reader.h"
+#include "core/texture/texture.h"
 
 namespace hermite {
 
@@ -29,7 +29,7 @@ constexpr const char* kTrajectory = "trajectory.txt";
 constexpr const char* kReport = "report.json";
 // Of the time that a mesh with a texture and its file take. Without a texture what would be its time is the mesh's.
 constexpr double kContouring = 0.35, kShaping = 0.4, kTexturing = 0.9, kWritten = 0.99;
-// Of a texture's views: the server has other scans. A pixel of one is colour, depth and distances (core/mesh/texture_view.h).
+// Of a texture's views: the server has other scans. A pixel of one is colour, depth and distances (core/texture/texture_view.h).
 constexpr double kViews_bytes = 256e6, kViewPixel_bytes = 8.2;
 constexpr int kLeastViews = 8, kMostViews = 100;
 

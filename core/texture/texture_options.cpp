@@ -1,0 +1,56 @@
+#include "core/texture/texture_options.h"
+
+#include <string>
+
+namespace hermite {
+
+namespace {
+
+Status check_range(const char* field, double value, double low, double high) {
+  if (value >= low && value <= high) return Done{};  // written so that NaN fails
+  const auto text = [](double number) {
+    std::string digits = std::to_string(number);
+    digits.erase(digits.find_last_not_of('0') + 1);
+    if (digits.back() == '.') digits.pop_back();
+    return digits;
+  };
+  return Error{ErrorCode::kInvalidArgument, std::string(field) + " is " + text(value) + ", allowed are " + text(low) + " to " + text(high)};
+}
+
+}  // namespace
+
+Status validate(const TextureOptions& options) {
+  const struct {
+    const char* field;
+    double value, low, high;
+  } ranges[] = {{"texel_m", options.texel_m, 0.0002, 0.1},
+                {"page_px", static_cast<double>(options.page_px), 256, 8192},
+                {"max_pages", static_cast<double>(options.max_pages), 1, 64},
+                {"max_views", static_cast<double>(options.max_views), 1, 1000},
+                {"view_step_m", options.view_step_m, 0.001, 10},
+                {"view_turn_deg", options.view_turn_deg, 0.1, 180},
+                {"blended_views", static_cast<double>(options.blended_views), 1, 8},
+                {"thread_count", static_cast<double>(options.thread_count), 0, 1024}};
+  for (const auto& range : ranges)
+    if (Status checked = check_range(range.field, range.value, range.low, range.high); !checked.ok()) return checked;
+  return Done{};
+}
+
+Status validate(const TextureFrames& frames) {
+  if (Status camera = validate(frames.camera); !camera.ok()) return camera;
+  if (!(rectified(frames.camera) == frames.camera))
+    return Error{ErrorCode::kInvalidArgument,
+                 "the camera of the frames has a distortion or a camera for the colour alone: straighten them"};
+  if (!frames.read) return Error{ErrorCode::kInvalidArgument, "the frames have no function that reads them"};
+  const Image<std::uint8_t>& seen = frames.is_seen;
+  if (!seen.pixels.empty() && (seen.width != frames.camera.width || seen.height != frames.camera.height))
+    return Error{ErrorCode::kInvalidArgument, "is_seen is " + std::to_string(seen.width) + "x" + std::to_string(seen.height) +
+                                                  ", the camera's images are " + std::to_string(frames.camera.width) + "x" +
+                                                  std::to_string(frames.camera.height)};
+  for (std::size_t i = 0; i < frames.world_from_camera.size(); ++i)
+    if (frames.world_from_camera[i] && !is_finite(*frames.world_from_camera[i]))
+      return Error{ErrorCode::kInvalidArgument, "the pose of frame " + std::to_string(i) + " is not finite"};
+  return Done{};
+}
+
+}  // namespace hermite

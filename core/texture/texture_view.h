@@ -1,0 +1,84 @@
+// A frame that a texture takes colour from: its image, what it sees of the mesh, and how good its colour of a point is.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/base/image.h"
+#include "core/math/camera.h"
+#include "core/math/rigid3.h"
+#include "core/output/triangle_mesh.h"
+#include "core/texture/texture_options.h"
+
+namespace hermite {
+
+using ColorTable = std::array<std::array<float, 256>, 3>;  // by channel: a corrected value, 0 to 255 and above, for each value of the image
+
+// A lattice over an image, bilinear between its nodes: where in the image is what the pose puts at a pixel. Without nodes: there.
+struct WarpNode {
+  std::size_t index = 0;
+  float weight = 0;
+};
+struct ViewWarp {
+  static constexpr int kStep_px = 48;  // between nodes
+  int columns = 0, rows = 0;
+  std::vector<Eigen::Vector2f> nodes_px;  // offsets, row by row
+
+  ViewWarp() = default;
+  ViewWarp(int width, int height);  // of the image; offsets of 0
+  std::size_t node(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x);
+  }
+  std::array<WarpNode, 4> around(float u, float v) const;
+  Eigen::Vector2f at(float u, float v) const;  // the offset [px]
+};
+
+struct TextureView {
+  std::size_t frame = 0;
+  Rigid3 world_from_camera;
+  Eigen::Matrix3f rotation = Eigen::Matrix3f::Identity();  // camera_from_world, for the loops over all texels
+  Eigen::Vector3f translation_m = Eigen::Vector3f::Zero();
+  Eigen::Vector3f place_m = Eigen::Vector3f::Zero();  // of the camera in the world
+  ColorImage color;
+  Image<float> inverse_depth_per_m;                // of the mesh
+  Image<std::uint8_t> distance_from_edge_px;       // view_raster.h; 0 too where the lens has no image
+  float blur_px = 0;                               // by how far the image moved during a frame
+  Eigen::Vector3f gain = Eigen::Vector3f::Ones();  // by channel: the image is so many times as bright as the mean of all, in linear light
+  ViewWarp warp;
+  ColorTable corrected{};  // sRGB of the image to sRGB of the mean exposure
+};
+
+void set_pose(TextureView& view, const Rigid3& world_from_camera);
+void set_gain(TextureView& view, const Eigen::Vector3f& gain);
+
+// The image and the mesh's depth under it. Fails as the frame does, kCorruptData for an image of another size.
+Result<TextureView> load_view(const TriangleMesh& mesh, const TextureFrames& frames, std::size_t frame);
+// Anew, for the pose that the view has now.
+void see_mesh(TextureView& view, const TriangleMesh& mesh, const TextureFrames& frames);
+
+// sRGB byte or value to linear light and back; 0 to 255, above goes on.
+float linear_from_srgb_byte(float value);
+float srgb_byte_from_linear(float linear);
+
+struct Seen {
+  float u = 0, v = 0, depth_m = 0;  // pixel
+  float cosine = 0;                 // between the normal and the way to the camera
+  float edge_px = 0;                // between the four pixels around
+};
+// Where the view sees the point; none: not in its image, from behind, hidden by the mesh, or nearer than `least_edge_px` to an edge.
+// Hidden is what lies deeper than the mesh by more than a hundredth and a texel or two.
+std::optional<Seen> seen_at(const TextureView& view, const Camera& camera, const Eigen::Vector3f& position_m, const Eigen::Vector3f& normal,
+                            float least_edge_px);
+
+// What the view has there after its warp, between the sixteen pixels around, corrected; beside steps up to a tenth of the step beyond them.
+Eigen::Vector3f color_at(const TextureView& view, float u, float v);
+
+// How well the view sees a texel of this size there, 0 to 1: the pixels it has for it, at a slant fewer; less near edges and where the
+// image was blurred by the camera's way. Changes smoothly from texel to texel.
+float quality_of(const TextureView& view, const Camera& camera, const Seen& seen, float texel_m);
+
+}  // namespace hermite
