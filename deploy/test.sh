@@ -24,6 +24,11 @@ tests_of() {
   }
 }
 
+# The layout of C++ is .clang-format's, whatever the editor.
+step_style() {
+  find core proto server shaders tests \( -name '*.cpp' -o -name '*.h' \) -print0 | xargs -0 clang-format-14 --dry-run -Werror
+}
+
 step_web() {
   npm --prefix web run --silent build
   npm --prefix web test --silent
@@ -121,5 +126,5 @@ install_packages
 provide_node
 install_viewer
 steps=("$@")
-[ $# -gt 0 ] || steps=(web release release_tests second_driver gpu_only browser demo fuzz threads sanitized sanitized_tests)
+[ $# -gt 0 ] || steps=(style web release release_tests second_driver gpu_only browser demo fuzz threads sanitized sanitized_tests)
 run_steps "${steps[@]}"

@@ -25,7 +25,7 @@ struct MappingCounts {
 
 struct MappingCountName {
   std::string_view name;
-  std::int64_t MappingCounts::* count;
+  std::int64_t MappingCounts::*count;
 };
 
 inline constexpr std::array kMappingCountNames{

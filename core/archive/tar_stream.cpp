@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kBlock_bytes = 512;
-constexpr std::int64_t kEnd_bytes = 2 * kBlock_bytes;                  // zeros
+constexpr std::int64_t kEnd_bytes = 2 * kBlock_bytes;                 // zeros
 constexpr std::int64_t kMaxFile_bytes = (std::int64_t{1} << 33) - 1;  // 11 octal digits
 constexpr std::size_t kMaxName_bytes = 100, kMaxPrefix_bytes = 155;
 

@@ -7,5 +7,4 @@ namespace hermite {
 [[noreturn]] void check_failed(const char* file, int line, const char* condition, const std::string& words);
 }  // namespace hermite
 
-#define CHECK(condition, words) \
-  ((condition) ? static_cast<void>(0) : ::hermite::check_failed(__FILE__, __LINE__, #condition, (words)))
+#define CHECK(condition, words) ((condition) ? static_cast<void>(0) : ::hermite::check_failed(__FILE__, __LINE__, #condition, (words)))

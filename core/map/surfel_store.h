@@ -106,7 +106,7 @@ class SurfelStore {
   gpu::Buffer<shared::BlockBounds> bounds;   // by block of 256 slots
   gpu::Buffer<shared::uint> changed_frames;  // by block: the last frame that changed one of its surfels
   gpu::Buffer<shared::uint> visible_blocks;  // shared::VisibleHead, then the list of VisibleBlocks
-  gpu::Buffer<shared::MapState> state;  // valid on the host between frames
+  gpu::Buffer<shared::MapState> state;       // valid on the host between frames
   gpu::Buffer<shared::Transform> camera_from_submap;
 
  private:

@@ -133,7 +133,8 @@ FrameResult Reconstruction::process(const PreparedFrame& prepared) {
   if (motion.judgement.status != TrackingStatus::kLost) world_from_camera = world_from_camera * motion.odometry.reference_from_camera;
   if (mapping && motion.judgement.status != TrackingStatus::kLost)
     timed("adjust", [&] { result.event = observe(frame, world_from_camera); });
-  if (mapping && motion.judgement.status == TrackingStatus::kLost) timed("find", [&] { result.event = relocalise(frame, content, motion); });
+  if (mapping && motion.judgement.status == TrackingStatus::kLost)
+    timed("find", [&] { result.event = relocalise(frame, content, motion); });
 
   const bool lost = motion.judgement.status == TrackingStatus::kLost;
   if (lost != (lost_count > 0) && tracked_frame_count > 0 && result.event == MapEvent::kNone)

@@ -111,7 +111,7 @@ struct Welcome {
   std::uint32_t resume_window_s = 0;
   std::uint32_t frame_patience_s = 0;
 };
-enum class TrackingStatus { kTracked, kWeak, kLost };                               // unknown ones of a newer server count as lost
+enum class TrackingStatus { kTracked, kWeak, kLost };  // unknown ones of a newer server count as lost
 enum class MapEvent { kNone, kLost, kFoundAgain, kNewPart, kJoined, kLoopClosed, kRecalibrated };  // unknown ones count as none
 struct TrackedFrame {
   std::uint64_t sequence = 0;

@@ -9,7 +9,8 @@
 namespace hermite {
 
 // {"exports": [{"format": "glb", "kind": "mesh", "label": "GLB", "file": "mesh.glb", "state": "running", "bytes": 0, "done": 0.4,
-// "words": "", "of_format": "glb", "simplify_um": 0, "triangles": 0, "fill_holes_mm": 0, "close": false}, ...]}; `state` is missing, queued, running, ready or failed.
+// "words": "", "of_format": "glb", "simplify_um": 0, "triangles": 0, "fill_holes_mm": 0, "close": false}, ...]}; `state` is missing,
+// queued, running, ready or failed.
 HttpAnswer list_exports(const HttpWorld& world, const Call& call);
 
 HttpAnswer create_export(const HttpWorld& world, const Call& call);  // 202 with its entry of the list; 200 when it is ready

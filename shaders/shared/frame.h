@@ -19,31 +19,31 @@ struct InverseDepthParams {
 };
 
 struct BilateralParams {
-  Intrinsics camera;       // of the whole image
+  Intrinsics camera;  // of the whole image
   Sampling sampling;
-  float inverse_two_sigma_space2;  // 1/px^2
+  float inverse_two_sigma_space2;           // 1/px^2
   float noise_floor_m, noise_growth_per_m;  // standard deviation of a measurement: floor + growth (z - 0.4 m)^2
   float noise_sigmas;                       // sigma over depth, in these
 };
 
 struct NormalParams {
   Intrinsics camera;
-  float depth_gate_m;    // neighbours further apart in depth lie on another surface
-  float radius_scale;    // support radius in pixel diagonals of a frontal surface
+  float depth_gate_m;  // neighbours further apart in depth lie on another surface
+  float radius_scale;  // support radius in pixel diagonals of a frontal surface
 };
 
 struct SurfaceParams {
   Intrinsics camera;
-  float radius_scale;          // as above
+  float radius_scale;  // as above
   float depth_gate_m;
-  float confidence_epsilon;    // paper Eq. 5, in units of sqrt(|gradient|)
-  float curvature_limit_per_m; // beyond it a curvature says nothing
+  float confidence_epsilon;     // paper Eq. 5, in units of sqrt(|gradient|)
+  float curvature_limit_per_m;  // beyond it a curvature says nothing
   uint use_hrbf_confidence;
   uint project_to_surface;
 };
 
 struct IntensityParams {
-  Intrinsics camera;       // of the whole image
+  Intrinsics camera;  // of the whole image
   Sampling sampling;
 };
 

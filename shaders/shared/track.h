@@ -26,22 +26,22 @@ namespace hermite::shared {
 struct OdometryParams {
   Transform reference_from_camera;
   Intrinsics camera, reference;  // of this level
-  float geometric_weight;   // of a squared metre beside a squared grey value
+  float geometric_weight;        // of a squared metre beside a squared grey value
   float distance_gate_m;
   float sine_normal_gate;
   float photometric_sigma;  // grey values: rows of mature pairs are weighted by 1 / sigma^2, and by how robust they are
   float gradient_min;       // grey values per pixel
   float photometric_depth_gate_m;
-  uint search_radius;       // 0: projective association
+  uint search_radius;  // 0: projective association
 };
 
 // How residuals are believed to be distributed: in a buffer, since push constants of 128 bytes have no room for it.
 struct ResidualModel {
-  float noise_floor_m, noise_growth_per_m;    // standard deviation of a measurement: floor + growth (z - 0.4 m)^2
+  float noise_floor_m, noise_growth_per_m;   // standard deviation of a measurement: floor + growth (z - 0.4 m)^2
   float geometric_scale, photometric_scale;  // of the residuals' spread: standard deviations of a measurement, and grey values
-  float photometric_gate;   // pairs farther from the surface have no picture in common, in geometric scales
-  float mature_confidence;  // surfels of less confidence say less about the picture
-  float gain, offset;       // grey of the frame = gain * grey of the reference + offset
+  float photometric_gate;                    // pairs farther from the surface have no picture in common, in geometric scales
+  float mature_confidence;                   // surfels of less confidence say less about the picture
+  float gain, offset;                        // grey of the frame = gain * grey of the reference + offset
 };
 
 struct AgreementParams {

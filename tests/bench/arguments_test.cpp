@@ -15,8 +15,8 @@ std::string refusal(const std::vector<std::string>& words) {
 }
 
 TEST(BenchArguments, OptionsComeBeforeAndBehindTheFileJoinedOrNot) {
-  const Result<Arguments> arguments = parse_arguments({"--frames", "20", "room.raw", "--warm-up=3", "--elsewhere", "4000000", "--device", "llvm", "--set",
-                                                       "map.window=7", "--set=frame.sampling=1", "--trace", "trace.json"});
+  const Result<Arguments> arguments = parse_arguments({"--frames", "20", "room.raw", "--warm-up=3", "--elsewhere", "4000000", "--device",
+                                                       "llvm", "--set", "map.window=7", "--set=frame.sampling=1", "--trace", "trace.json"});
   ASSERT_TRUE(arguments.ok()) << arguments.error().message;
   EXPECT_FALSE(arguments->help);
   EXPECT_EQ(arguments->file, "room.raw");

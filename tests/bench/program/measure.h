@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/base/timeline.h"
-#include "core/raw/raw_frames.h"
 #include "core/pipeline/pipeline.h"
+#include "core/raw/raw_frames.h"
 #include "tests/bench/program/arguments.h"
 
 namespace hermite::bench {

@@ -105,7 +105,7 @@ std::vector<SlotChange> random_points(std::uint32_t count, float reach_m, unsign
 TEST(ChunkedModel, KeysRoundDownOnBothSidesOfZero) {
   ChunkedModel model;
   apply_changes(model, {set(0, point_at({0.1f, 0.1f, 0.1f})), set(1, point_at({-0.001f, 0.1f, -0.3201f})),
-                set(2, point_at({0.32f, -0.32f, 0.6399f}, 5, 7))});
+                        set(2, point_at({0.32f, -0.32f, 0.6399f}, 5, 7))});
   EXPECT_THAT(model.take_dirty(), ElementsAre(ChunkKey{0, 0, -1, 0, -2}, ChunkKey{0, 0, 0, 0, 0}, ChunkKey{7, 0, 1, -1, 1}));
   EXPECT_THAT(model.take_dirty(), IsEmpty());
 }
@@ -247,7 +247,7 @@ TEST(ChunkedModel, LeavesOutAndCountsWhatCannotBeShown) {
   bad_normal.normal.y() = kNan;
   bad_confidence.confidence = kInfinity;
   apply_changes(model, {set(0, point_at({kNan, 0, 0})), set(1, point_at({0, kInfinity, 0})), set(2, point_at({0, 0, 1e30f})),
-                set(3, point_at({-11000, 0, 0})), set(4, bad_normal), set(5, bad_confidence), set(6, point_at({10485.8f, 0, 0}))});
+                        set(3, point_at({-11000, 0, 0})), set(4, bad_normal), set(5, bad_confidence), set(6, point_at({10485.8f, 0, 0}))});
   EXPECT_EQ(model.rejected_point_count(), 7u);
   EXPECT_THAT(model.take_dirty(), IsEmpty());
   apply_changes(model, {set(7, point_at({10485.0f, -10485.0f, 0}))});  // just within the key

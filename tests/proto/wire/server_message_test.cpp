@@ -152,8 +152,8 @@ TEST(ServerMessage, AFrameResultSaysWhereInTheMapAndWhatHappened) {
   ASSERT_TRUE(back.last_tracked);
   EXPECT_EQ(back.last_tracked->sequence, 12u);
   EXPECT_EQ(back.last_tracked->timestamp_s, 0.5);
-  for (const MapEvent event :
-       {MapEvent::kNone, MapEvent::kLost, MapEvent::kFoundAgain, MapEvent::kNewPart, MapEvent::kJoined, MapEvent::kLoopClosed, MapEvent::kRecalibrated}) {
+  for (const MapEvent event : {MapEvent::kNone, MapEvent::kLost, MapEvent::kFoundAgain, MapEvent::kNewPart, MapEvent::kJoined,
+                               MapEvent::kLoopClosed, MapEvent::kRecalibrated}) {
     result.event = event;
     EXPECT_EQ(round_trip(result).event, event);
   }

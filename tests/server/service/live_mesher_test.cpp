@@ -54,7 +54,9 @@ class Told {
   std::vector<MeshUpdate> updates_;
 };
 
-wire::MeshChunk chunk_of(const MeshUpdate& update) { return std::get<wire::MeshChunk>(*wire::parse_server_message(*update.pieces.at(0).message)); }
+wire::MeshChunk chunk_of(const MeshUpdate& update) {
+  return std::get<wire::MeshChunk>(*wire::parse_server_message(*update.pieces.at(0).message));
+}
 
 TEST(LiveMesher, TellsEachPieceWithItsVersionAndDelay) {
   Told told;
