@@ -4,28 +4,12 @@
 
 #include <Eigen/Geometry>
 
-#include "core/mesh/patch_fairing.h"
+#include "tests/core/mesh/square_patch.h"
 
 namespace hermite {
 namespace {
 
 using Eigen::Vector3d;
-
-// A square of 8 x 8 edges of 1, as a fan.
-Patch square_patch() {
-  Patch patch;
-  for (int side = 0; side < 4; ++side)
-    for (int i = 0; i < 8; ++i) {
-      const double along = i, full = 8;
-      patch.points_m.push_back(side == 0   ? Vector3d(along, 0, 0)
-                               : side == 1 ? Vector3d(full, along, 0)
-                               : side == 2 ? Vector3d(full - along, full, 0)
-                                           : Vector3d(0, full - along, 0));
-    }
-  patch.border_count = patch.points_m.size();
-  for (std::uint32_t i = 1; i + 1 < patch.border_count; ++i) patch.triangles.push_back({0, i, i + 1});
-  return patch;
-}
 
 TEST(PatchRefinement, CoversTheSameWithTrianglesAsSmallAsTheBordersEdges) {
   Patch patch = square_patch();
@@ -40,16 +24,6 @@ TEST(PatchRefinement, CoversTheSameWithTrianglesAsSmallAsTheBordersEdges) {
     area += 0.5 * twice.z();
   }
   EXPECT_NEAR(area, 64, 1e-9);
-}
-
-TEST(PatchFairing, WhatIsLinearOnTheBorderIsLinearWithin) {
-  Patch patch = square_patch();
-  refine(patch, [](std::size_t, std::size_t) { return false; });
-  Eigen::MatrixXd border(static_cast<Eigen::Index>(patch.border_count), 1);
-  for (std::size_t i = 0; i < patch.border_count; ++i) border(static_cast<Eigen::Index>(i), 0) = 3 * patch.points_m[i].x() + 1;
-  const Eigen::MatrixXd values = spread_from_border(patch, border);
-  ASSERT_EQ(values.rows(), static_cast<Eigen::Index>(patch.points_m.size()));
-  for (Eigen::Index i = 0; i < values.rows(); ++i) EXPECT_NEAR(values(i, 0), 3 * patch.points_m[static_cast<std::size_t>(i)].x() + 1, 0.3);
 }
 
 }  // namespace
