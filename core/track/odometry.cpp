@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -17,9 +18,6 @@ namespace {
 constexpr std::uint32_t kMaxGroups = HERMITE_ODOMETRY_GROUPS;
 // Adding up a group's terms costs as much as several pixels of each of its threads. A processor has no use for more groups than that.
 std::uint32_t pixels_per_thread(const gpu::Device& device) { return device.info().kind == gpu::DeviceKind::kCpu ? 64 : 16; }
-constexpr int kTerms = HERMITE_ODOMETRY_TERMS;
-constexpr int kRotationTerms = HERMITE_ROTATION_TERMS;
-constexpr int kAgreementTerms = HERMITE_AGREEMENT_TERMS;
 
 // Fine enough for a tenth of a degree, coarse enough for several.
 constexpr std::size_t kRotationLevel = 1;
@@ -60,38 +58,34 @@ std::uint32_t threads_for(std::uint32_t pixel_count, std::uint32_t pixels_per_th
 }
 
 // Sums of all workgroups, in order.
-template <int N>
-Eigen::Matrix<double, N, 1> total(std::span<const float> partial_sums, std::uint32_t threads) {
-  Eigen::Matrix<double, N, 1> sums = Eigen::Matrix<double, N, 1>::Zero();
+template <shared::uint N>
+std::array<double, N> total(std::span<const float> partial_sums, std::uint32_t threads) {
+  std::array<double, N> sums{};
   for (std::size_t group = 0; group < threads / HERMITE_ODOMETRY_GROUP_SIZE; ++group)
-    for (int term = 0; term < N; ++term) sums[term] += static_cast<double>(partial_sums[group * N + static_cast<std::size_t>(term)]);
+    for (std::size_t term = 0; term < N; ++term) sums[term] += static_cast<double>(partial_sums[group * N + term]);
   return sums;
 }
 
 template <class Matrix>
-Matrix read_upper_triangle(const double*& next) {
+Matrix read_upper_triangle(const double* next) {
   Matrix matrix;
   for (int i = 0; i < matrix.rows(); ++i)
     for (int j = i; j < matrix.cols(); ++j) matrix(i, j) = matrix(j, i) = *next++;
   return matrix;
 }
 
-NormalEquations read_system(const double*& next) {
-  NormalEquations system;
-  system.hessian = read_upper_triangle<Matrix6d>(next);
-  system.right_hand_side = Eigen::Map<const Vector6d>(next);
-  next += 6;
-  return system;
+NormalEquations read_system(const double* sums) {
+  constexpr int kUpperTriangle = 21;
+  return {read_upper_triangle<Matrix6d>(sums), Eigen::Map<const Vector6d>(sums + kUpperTriangle)};
 }
 
-// Of the points s: weighted sum of A^T A with A = [1, -[s]x], what a twist moves them by.
-Matrix6d read_displacement(const double*& next) {
-  const double weight = *next++;
-  const Eigen::Vector3d first(next[0], next[1], next[2]);
-  next += 3;
-  const auto second = read_upper_triangle<Eigen::Matrix3d>(next);
+// Of the points s: weighted sum of A^T A with A = [1, -[s]x], what a twist moves them by. `moments`: of 1, s and the upper triangle of s
+// s^T.
+Matrix6d read_displacement(const double* moments) {
+  const Eigen::Vector3d first(moments[1], moments[2], moments[3]);
+  const auto second = read_upper_triangle<Eigen::Matrix3d>(moments + 4);
   Matrix6d displacement = Matrix6d::Zero();
-  displacement.topLeftCorner<3, 3>() = weight * Eigen::Matrix3d::Identity();
+  displacement.topLeftCorner<3, 3>() = moments[0] * Eigen::Matrix3d::Identity();
   displacement.bottomLeftCorner<3, 3>() = skew(first);
   displacement.topRightCorner<3, 3>() = displacement.bottomLeftCorner<3, 3>().transpose();
   displacement.bottomRightCorner<3, 3>() = second.trace() * Eigen::Matrix3d::Identity() - second;
@@ -134,7 +128,7 @@ Odometry::Odometry(gpu::Device& device, const shared::Intrinsics& finest, const 
       agreement_(device, "track/agreement"),
       commands_(device),
       residual_model_(device, 1, "odometry", gpu::Memory::kReadback),
-      partial_sums_(device, std::size_t{kMaxGroups} * kTerms, "odometry", gpu::Memory::kReadback),
+      partial_sums_(device, std::size_t{kMaxGroups} * shared::kOdometrySumCount, "odometry", gpu::Memory::kReadback),
       previous_intensity_(device, static_cast<std::size_t>(finest.width >> kRotationLevel) * (finest.height >> kRotationLevel),
                           "odometry") {}
 
@@ -173,30 +167,28 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
   commands_.dispatch(odometry_, {threads}, params,
                      {from.points, frame.pictures[l], to.points, to.intensity, partial_sums_, residual_model_});
   commands_.submit_and_wait();
-  const auto terms = total<kTerms>(partial_sums_.mapped(), threads);
-  // As laid out in shaders/shared/track.h.
-  const double* next = terms.data();
+  const auto terms = total<shared::kOdometrySumCount>(partial_sums_.mapped(), threads);
+  const auto from_term = [&terms](shared::uint first) { return terms.data() + first; };
   Sums sums{};
-  sums.geometric = read_system(next);
-  sums.photometric.motion = read_system(next);
-  sums.displacement = read_displacement(next);
-  const double weight = sums.displacement(0, 0);
-  sums.disagreement = weight > 0 ? *next / weight : 0;
-  sums.geometric_error_m2 = next[1];
-  sums.geometric_count = next[2];
-  sums.photometric_count = next[4];
-  sums.surface_count = next[5];
-  next += 6;
-  sums.photometric.mixed = Eigen::Map<const Eigen::Matrix<double, 6, 2, Eigen::RowMajor>>(next);
-  next += 12;
-  sums.photometric.hessian = read_upper_triangle<Eigen::Matrix2d>(next);
-  sums.photometric.right_hand_side = Eigen::Map<const Eigen::Vector2d>(next);
-  next += 2;
+  sums.geometric = read_system(from_term(shared::kGeometricSums));
+  sums.photometric.motion = read_system(from_term(shared::kPhotometricSums));
+  sums.displacement = read_displacement(from_term(shared::kMomentSums));
+  const double weight = terms[shared::kMomentSums];
+  sums.disagreement = weight > 0 ? terms[shared::kDisagreementSum] / weight : 0;
+  sums.geometric_error_m2 = terms[shared::kGeometricErrorSums];
+  sums.geometric_count = terms[shared::kGeometricErrorSums + 1];
+  sums.photometric_count = terms[shared::kPhotometricErrorSums + 1];
+  sums.surface_count = terms[shared::kSurfaceCountSum];
+  sums.photometric.mixed = Eigen::Map<const Eigen::Matrix<double, 6, 2, Eigen::RowMajor>>(from_term(shared::kMixedSums));
+  sums.photometric.hessian = read_upper_triangle<Eigen::Matrix2d>(from_term(shared::kBrightnessSums));
+  sums.photometric.right_hand_side = Eigen::Map<const Eigen::Vector2d>(from_term(shared::kBrightnessSums + 3));
   constexpr double kOfStudentsT = (kDegreesOfFreedom + 1) / kDegreesOfFreedom;
-  sums.geometric_base = next[0];
-  if (next[0] > 0) sums.geometric_spread2 = kOfStudentsT * next[1] / next[0];
-  if (next[2] > 0) sums.photometric_spread2 = kOfStudentsT * next[3] / next[2];
-  sums.photometric_squares = next[3];
+  const double geometric_base = terms[shared::kGeometricSpreadSums], geometric_squares = terms[shared::kGeometricSpreadSums + 1];
+  const double photometric_base = terms[shared::kPhotometricSpreadSums];
+  sums.photometric_squares = terms[shared::kPhotometricSpreadSums + 1];
+  sums.geometric_base = geometric_base;
+  if (geometric_base > 0) sums.geometric_spread2 = kOfStudentsT * geometric_squares / geometric_base;
+  if (photometric_base > 0) sums.photometric_spread2 = kOfStudentsT * sums.photometric_squares / photometric_base;
   sums.pixel_count = static_cast<double>(from.camera.width) * from.camera.height;
   return sums;
 }
@@ -307,21 +299,22 @@ Agreement Odometry::agreement(const FrameMaps& frame, const SurfacePyramid& refe
   const std::uint32_t threads = threads_for(from.camera.width * from.camera.height, pixels_per_thread_);
   commands_.dispatch(agreement_, {threads}, params, {from.points, from.intensity, to.points, to.intensity, partial_sums_});
   commands_.submit_and_wait();
-  const auto sums = total<kAgreementTerms>(partial_sums_.mapped(), threads);
-  // As laid out in shaders/shared/track.h.
-  const double surface = sums[0], overlap = sums[1], agreeing = sums[2], in_front = sums[3], coloured = sums[4];
+  const auto sums = total<shared::kAgreementSumCount>(partial_sums_.mapped(), threads);
+  const double surface = sums[shared::kSurfaceSum], overlap = sums[shared::kOverlapSum], coloured = sums[shared::kColouredSum];
   const auto share = [](double part, double whole) { return whole > 0 ? part / whole : 0; };
   Agreement result;
   result.surface = share(surface, static_cast<double>(from.camera.width) * from.camera.height);
   result.overlap = share(overlap, surface);
-  result.agreeing = share(agreeing, overlap);
-  result.in_front = share(in_front, overlap);
+  result.agreeing = share(sums[shared::kAgreeingSum], overlap);
+  result.in_front = share(sums[shared::kInFrontSum], overlap);
   if (coloured == 0) return result;
-  const double mean = sums[5] / coloured, reference_mean = sums[6] / coloured;
-  result.grey_deviation = std::sqrt(std::max(0.0, sums[7] / coloured - mean * mean));
-  result.reference_grey_deviation = std::sqrt(std::max(0.0, sums[8] / coloured - reference_mean * reference_mean));
-  result.correlation = share(sums[9] / coloured - mean * reference_mean, result.grey_deviation * result.reference_grey_deviation);
-  result.sharpness = share(sums[10], sums[11]);
+  const auto mean_of = [&](shared::uint term) { return sums[term] / coloured; };
+  const double mean = mean_of(shared::kGreySums), reference_mean = mean_of(shared::kGreySums + 1);
+  result.grey_deviation = std::sqrt(std::max(0.0, mean_of(shared::kGreySquareSums) - mean * mean));
+  result.reference_grey_deviation = std::sqrt(std::max(0.0, mean_of(shared::kGreySquareSums + 1) - reference_mean * reference_mean));
+  result.correlation =
+      share(mean_of(shared::kGreySquareSums + 2) - mean * reference_mean, result.grey_deviation * result.reference_grey_deviation);
+  result.sharpness = share(sums[shared::kChangeSums], sums[shared::kChangeSums + 1]);
   return result;
 }
 
@@ -337,12 +330,12 @@ Eigen::Quaterniond Odometry::align_rotation(const FrameMaps& frame) {
                        shared::RotationParams{to_shared({current_from_previous, Eigen::Vector3d::Zero()}), previous_camera_, image.camera},
                        {previous_intensity_, image.intensity, partial_sums_});
     commands_.submit_and_wait();
-    const auto sums = total<kRotationTerms>(partial_sums_.mapped(), threads);
-    const double count = sums[13], error = count > 0 ? sums[12] / count : 1e300;
+    const auto sums = total<shared::kRotationSumCount>(partial_sums_.mapped(), threads);
+    const double count = sums[shared::kRotationErrorSums + 1], error = count > 0 ? sums[shared::kRotationErrorSums] / count : 1e300;
     if (error >= best_error) break;  // also when it does not fall any more
     best_error = error;
     best = current_from_previous;
-    const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> system(sums.data());  // H | b
+    const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> system(sums.data() + shared::kRotationSystemSums);  // H | b
     const Eigen::Vector3d step = system.leftCols<3>().eval().ldlt().solve(system.col(3));
     if (!step.allFinite() || step.norm() < 1e-5) break;
     Vector6d twist = Vector6d::Zero();

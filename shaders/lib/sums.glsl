@@ -1,12 +1,18 @@
 // Sums over all pixels without float atomics: every thread adds its own pixels, then the threads add one term each over
-// the workgroup in order; the host adds the workgroups. Needs kTerms, kGroupSize and partial_sums.
+// the workgroup in order; the host adds the workgroups. Needs kTerms, kGroupSize and partial_sums. What stands where is declared in
+// shaders/shared/track.h.
 shared float group_terms[kTerms * kGroupSize];
 uint next_term;
 
-void begin_terms() { next_term = 0u; }
+void put_from(uint term) { next_term = term; }
 void put_term(float value) {
   group_terms[next_term * kGroupSize + gl_LocalInvocationID.x] = value;
   next_term += 1u;
+}
+
+void put_at(uint term, float value) {
+  put_from(term);
+  put_term(value);
 }
 
 void write_group_sums() {

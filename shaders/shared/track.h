@@ -11,17 +11,37 @@ namespace hermite::shared {
 // Sums of one workgroup; the host adds the groups in order, in double precision.
 #define HERMITE_ODOMETRY_GROUPS 256  // at most
 #define HERMITE_ODOMETRY_GROUP_SIZE 32
-// Of the geometric, then of the photometric system: upper triangle of H by rows, b. Then of the geometric pairs, weighted: 1, s, upper
-// triangle of s s^T, squared sine between the normals. Then geometric squared error and count, photometric squared error and count,
-// pixels with a surface. Then what the photometric system has of gain and offset: by rows pose x (gain, offset), the upper triangle among
-// them, b. At the end what the robust scales are estimated from: of the geometric pairs the weight and the weighted squared residual in
-// standard deviations of the sensor, of the photometric ones in grey values.
-#define HERMITE_ODOMETRY_TERMS 91
-// By rows: three of H and one of b; then squared error and count.
-#define HERMITE_ROTATION_TERMS 14
-// Pixels with a surface, of these on the prediction, of these on its surface, in front of it; of those on its surface: with colour, sum of
-// grey - 128 of frame and reference, of their squares, of their products, of the changes of grey to the next pixels in both.
-#define HERMITE_AGREEMENT_TERMS 12
+// Where the sums of one step of the odometry stand. A system has the upper triangle of H by rows, then b: 27.
+const uint kGeometricSums = 0u;                               // a system
+const uint kPhotometricSums = kGeometricSums + 27u;           // a system, of the motion alone
+const uint kMomentSums = kPhotometricSums + 27u;              // of the geometric pairs, weighted: 1, s, upper triangle of s s^T
+const uint kDisagreementSum = kMomentSums + 10u;              // of the same, weighted: squared sine between the normals
+const uint kGeometricErrorSums = kDisagreementSum + 1u;       // squared error, count
+const uint kPhotometricErrorSums = kGeometricErrorSums + 2u;  // squared error, count
+const uint kSurfaceCountSum = kPhotometricErrorSums + 2u;     // pixels with a surface
+const uint kMixedSums = kSurfaceCountSum + 1u;                // of the photometric system, by rows: motion x (gain, offset)
+const uint kBrightnessSums = kMixedSums + 12u;                // of the same: upper triangle of H of (gain, offset), then b
+// What the robust scales are estimated from: weights before residuals count, and weighted squared residuals, in standard deviations of the
+// sensor and in grey values.
+const uint kGeometricSpreadSums = kBrightnessSums + 5u;
+const uint kPhotometricSpreadSums = kGeometricSpreadSums + 2u;
+const uint kOdometrySumCount = kPhotometricSpreadSums + 2u;
+
+// Of the rotation alone.
+const uint kRotationSystemSums = 0u;                        // by rows: three of H and one of b
+const uint kRotationErrorSums = kRotationSystemSums + 12u;  // squared error, count
+const uint kRotationSumCount = kRotationErrorSums + 2u;
+
+// Of the agreement between a frame and the prediction.
+const uint kSurfaceSum = 0u;                    // pixels with a surface
+const uint kOverlapSum = kSurfaceSum + 1u;      // of these on the prediction
+const uint kAgreeingSum = kOverlapSum + 1u;     // of these on its surface
+const uint kInFrontSum = kAgreeingSum + 1u;     // of these in front of it
+const uint kColouredSum = kInFrontSum + 1u;     // of those on its surface, with colour; all below are of these
+const uint kGreySums = kColouredSum + 1u;       // grey - 128 of frame and reference
+const uint kGreySquareSums = kGreySums + 2u;    // of both squared, and their product
+const uint kChangeSums = kGreySquareSums + 3u;  // of grey to the next pixels, in frame and reference
+const uint kAgreementSumCount = kChangeSums + 2u;
 
 struct OdometryParams {
   Transform reference_from_camera;

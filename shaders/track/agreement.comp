@@ -7,7 +7,7 @@
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 #include "shaders/lib/surface_point.glsl"
-const uint kTerms = HERMITE_AGREEMENT_TERMS;
+const uint kTerms = kAgreementSumCount;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
 layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
 TEXELS(0, points);
@@ -65,14 +65,16 @@ void main() {
     change += changes(seen_at, pixel);
     grey_squares += vec3(seen * seen, known * known, seen * known);
   }
-  begin_terms();
-  put_term(surface);
-  put_term(overlap);
-  put_term(agreeing);
-  put_term(in_front);
-  put_term(coloured);
+  put_at(kSurfaceSum, surface);
+  put_at(kOverlapSum, overlap);
+  put_at(kAgreeingSum, agreeing);
+  put_at(kInFrontSum, in_front);
+  put_at(kColouredSum, coloured);
+  put_from(kGreySums);
   for (int i = 0; i < 2; ++i) put_term(grey[i]);
+  put_from(kGreySquareSums);
   for (int i = 0; i < 3; ++i) put_term(grey_squares[i]);
+  put_from(kChangeSums);
   for (int i = 0; i < 2; ++i) put_term(change[i]);
   write_group_sums();
 }

@@ -12,7 +12,7 @@
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 #include "shaders/lib/surface_point.glsl"
-const uint kTerms = HERMITE_ODOMETRY_TERMS;
+const uint kTerms = kOdometrySumCount;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
 layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
 TEXELS(0, points);
@@ -76,6 +76,11 @@ void put_upper_triangle(mat3 m) {
 
 void put_vector(vec3 v) {
   for (int i = 0; i < 3; ++i) put_term(v[i]);
+}
+
+void put_pair(vec2 v) {
+  put_term(v.x);
+  put_term(v.y);
 }
 
 void put_system(System system) {
@@ -206,32 +211,29 @@ void main() {
     SurfacePoint shown = point_at(reference_points, j);
     if (add_geometry(centre, shown, s, point)) add_photometry(uv, shown, s, i);
   }
-  begin_terms();
+  put_from(kGeometricSums);
   put_system(geometric);
+  put_from(kPhotometricSums);
   put_system(photometric);
+  put_from(kMomentSums);
   put_term(moment_0);
   put_vector(moment_1);
   put_upper_triangle(moment_2);
-  put_term(disagreement);
-  put_term(geometric_error.x);
-  put_term(geometric_error.y);
-  put_term(photometric_error.x);
-  put_term(photometric_error.y);
-  put_term(surface_count);
-  for (int i = 0; i < 3; ++i) {
-    put_term(gain_t[i]);
-    put_term(offset_t[i]);
-  }
-  for (int i = 0; i < 3; ++i) {
-    put_term(gain_r[i]);
-    put_term(offset_r[i]);
-  }
+  put_at(kDisagreementSum, disagreement);
+  put_from(kGeometricErrorSums);
+  put_pair(geometric_error);
+  put_from(kPhotometricErrorSums);
+  put_pair(photometric_error);
+  put_at(kSurfaceCountSum, surface_count);
+  put_from(kMixedSums);
+  for (int i = 0; i < 3; ++i) put_pair(vec2(gain_t[i], offset_t[i]));
+  for (int i = 0; i < 3; ++i) put_pair(vec2(gain_r[i], offset_r[i]));
+  put_from(kBrightnessSums);
   put_vector(brightness);
-  put_term(brightness_residual.x);
-  put_term(brightness_residual.y);
-  put_term(geometric_spread.x);
-  put_term(geometric_spread.y);
-  put_term(photometric_spread.x);
-  put_term(photometric_spread.y);
+  put_pair(brightness_residual);
+  put_from(kGeometricSpreadSums);
+  put_pair(geometric_spread);
+  put_from(kPhotometricSpreadSums);
+  put_pair(photometric_spread);
   write_group_sums();
 }

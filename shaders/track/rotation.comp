@@ -7,7 +7,7 @@
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
-const uint kTerms = HERMITE_ROTATION_TERMS;
+const uint kTerms = kRotationSumCount;
 const uint kGroupSize = HERMITE_ODOMETRY_GROUP_SIZE;
 layout(local_size_x = HERMITE_ODOMETRY_GROUP_SIZE) in;
 TEXELS(0, previous);
@@ -52,11 +52,12 @@ void main() {
     b -= residual * row;
     error_count += vec2(residual * residual, 1.0);
   }
-  begin_terms();
+  put_from(kRotationSystemSums);
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) put_term(h[j][i]);
     put_term(b[i]);
   }
+  put_from(kRotationErrorSums);
   put_term(error_count.x);
   put_term(error_count.y);
   write_group_sums();
