@@ -61,7 +61,7 @@ SurfelStore::SurfelStore(gpu::Device& device, std::uint32_t max_slots)
     : state(device, 1, "map", gpu::Memory::kReadback),
       camera_from_submap(device, 1, "map"),
       device_(device),
-      max_slots_(std::min(max_slots, kMaxSlots) / kSlotsPerBlock * kSlotsPerBlock),
+      max_slots_(std::min(max_slots, kMaxStoreSlots) / kSlotsPerBlock * kSlotsPerBlock),
       world_from_submap_(1) {
   reserve(std::min(kFirstCapacity, max_slots_));
 }

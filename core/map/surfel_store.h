@@ -21,7 +21,7 @@
 namespace hermite {
 
 // As many blocks as every device can dispatch at once.
-inline constexpr std::uint32_t kMaxSlots = 65535 * kSlotsPerBlock;
+inline constexpr std::uint32_t kMaxStoreSlots = 65535 * kSlotsPerBlock;
 // Of all buffers that grow with the map: the surfel itself, its place in the list of free slots, its share of what is kept for a block.
 inline constexpr std::int64_t kBytesPerSlot = 45;
 inline constexpr std::uint32_t kMaxSubmaps = 1u << 16;  // a surfel has 16 bits for its own
@@ -41,7 +41,7 @@ struct NumberedSurfel {
 class SurfelStore {
  public:
   // Never more than `max_slots` on the device.
-  explicit SurfelStore(gpu::Device& device, std::uint32_t max_slots = kMaxSlots);
+  explicit SurfelStore(gpu::Device& device, std::uint32_t max_slots = kMaxStoreSlots);
 
   // Room for `additional` more slots; grows by half, keeping the content. Throws gpu::DeviceError when the device has no more, or beyond
   // the most there may be.

@@ -197,7 +197,7 @@ void ChunkedModel::set(std::uint32_t slot, const CloudPoint& point) {
 
 void ChunkedModel::apply(std::span<const SlotChange> changes) {
   for (const SlotChange& change : changes) {
-    CHECK(change.slot < kMaxSlots, "slot " + std::to_string(change.slot) + " is not below " + std::to_string(kMaxSlots));
+    CHECK(change.slot < kMaxModelSlots, "slot " + std::to_string(change.slot) + " is not below " + std::to_string(kMaxModelSlots));
     const bool is_weak = least_confidence_ > 0 && static_cast<double>(change.point.confidence) < least_confidence_;
     if (change.alive && !is_weak) {
       set(change.slot, change.point);

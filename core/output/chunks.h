@@ -25,7 +25,7 @@ namespace hermite {
 inline constexpr float kVoxelEdge_m = 0.005f;
 inline constexpr float kChunkEdge_m = 0.32f;  // 64 voxels
 inline constexpr std::uint32_t kMaxPointsPerChunk = 262144;
-inline constexpr std::uint32_t kMaxSlots = 1u << 28;
+inline constexpr std::uint32_t kMaxModelSlots = 1u << 28;
 inline constexpr std::uint8_t kCoarsestLevel = 12;  // voxels of 20 m
 
 struct ChunkKey {
@@ -49,7 +49,7 @@ class ChunkedModel {
   explicit ChunkedModel(std::uint8_t level = 0, double least_confidence = std::numeric_limits<double>::lowest());
 
   // Points that are not finite (position, normal, confidence) or lie beyond the range of the key are left out and counted; what their slot
-  // held before is gone. Slots must be below kMaxSlots (CHECK).
+  // held before is gone. Slots must be below kMaxModelSlots (CHECK).
   void apply(std::span<const SlotChange> changes);
 
   // Keys touched since the last call, in order. A slot that is set to what it already holds touches nothing.

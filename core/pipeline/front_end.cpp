@@ -78,7 +78,7 @@ FrontEnd::FrontEnd(const std::string& device_choice, const Camera& camera, const
 
 // As many as the memory that may be used has room for, beside all that does not grow.
 std::uint32_t FrontEnd::max_slots() const {
-  if (options_.map.gpu_memory_mb == 0) return kMaxSlots;
+  if (options_.map.gpu_memory_mb == 0) return kMaxStoreSlots;
   constexpr std::int64_t kMegabyte = 1'000'000;
   std::int64_t left_bytes = options_.map.gpu_memory_mb * kMegabyte;
   for (const auto& [purpose, bytes] : device.memory_by_purpose()) left_bytes -= bytes;
@@ -88,7 +88,7 @@ std::uint32_t FrontEnd::max_slots() const {
     throw SetupError({ErrorCode::kInvalidArgument,
                       "map.gpu_memory_mb is " + std::to_string(options_.map.gpu_memory_mb) + ", this camera needs at least " +
                           std::to_string(options_.map.gpu_memory_mb + (least - slots) * kBytesPerSlot / kMegabyte + 1)});
-  return static_cast<std::uint32_t>(std::min<std::int64_t>(slots, kMaxSlots));
+  return static_cast<std::uint32_t>(std::min<std::int64_t>(slots, kMaxStoreSlots));
 }
 
 // These submaps are on the device, and there is room for another frame: if need be others wait on the host. No: they are too many.

@@ -265,6 +265,9 @@ class ScanRun {
     if (result->last_tracked_frame == result->frame_index) last_tracked_ = {frame.sequence, result->last_tracked_timestamp_s};
     outcome.result.last_tracked = last_tracked_;
     wire::SubmapPoses poses = wire_poses(*pipeline_);
+    outcome.arrived = decoding.queued.start;
+    outcome.work_ms = decoding.decoded.duration_ms;
+    for (const Timeline::Stage& stage : timeline_.stages) outcome.work_ms += stage.duration_ms;
     outcome.stages = {std::move(decoding.queued), std::move(decoding.decoded)};
     std::move(timeline_.stages.begin(), timeline_.stages.end(), std::back_inserter(outcome.stages));
     timeline_ = {};

@@ -61,7 +61,9 @@ struct FrameOutcome {
   wire::FrameResult result;
   std::optional<wire::SubmapPoses> poses;  // when submaps came or moved: told before the result, so that all of it moves at once
   std::optional<std::vector<wire::PoseInSubmap>> past;  // when the map was made anew: where the camera was in the frames before
-  std::vector<Timeline::Stage> stages;                  // "queue" first, then "decode" and those of the pipeline
+  Timeline::Clock::time_point arrived;                  // when it began to wait in the queue
+  double work_ms = 0;                                   // from the end of its waiting on
+  std::vector<Timeline::Stage> stages;                  // in the order of time: the queue, decoding, those of the pipeline
   std::optional<Error> bad_images;                      // why the pipeline got an empty frame instead of this one's images
 };
 

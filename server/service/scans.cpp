@@ -37,13 +37,6 @@ ScanPhase stored_phase(wire::ScanPhase phase) {
   return ScanPhase::kFailed;
 }
 
-// From the end of its waiting in the queue.
-double work_s_of(const FrameOutcome& outcome) {
-  double work_ms = 0;
-  for (std::size_t i = 1; i < outcome.stages.size(); ++i) work_ms += outcome.stages[i].duration_ms;
-  return work_ms / 1000;
-}
-
 }  // namespace
 
 Scans::Scans(ScansOptions options, const Storage& storage, Metrics& metrics, const LogReaders::Threads& threads)
@@ -93,11 +86,11 @@ ScanEvents Scans::worker_events(const Launch& launch, const ScanPast& past) {
     });
   };
   events.frame_done = [this, launch](FrameOutcome outcome) {
-    const double latency_s = std::chrono::duration<double>(Timeline::Clock::now() - outcome.stages.front().start).count();
+    const double latency_s = std::chrono::duration<double>(Timeline::Clock::now() - outcome.arrived).count();
     metrics_.frame_done(outcome.stages, latency_s, outcome.bad_images.has_value(), outcome.result.event == wire::MapEvent::kLost);
     deliver(launch, [this, id = launch.row.id, outcome = std::move(outcome)](LiveScan& target) {
       traces_.add(id, outcome.result.sequence, outcome.stages);
-      if (outcome.result.event != wire::MapEvent::kRecalibrated) places_.frame_done(work_s_of(outcome));  // else of all before, too
+      if (outcome.result.event != wire::MapEvent::kRecalibrated) places_.frame_done(outcome.work_ms / 1000);  // else of all before, too
       target.frame_done(outcome);
     });
   };

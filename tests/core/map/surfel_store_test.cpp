@@ -293,7 +293,7 @@ TEST_F(SurfelStoreTest, StaysWithinItsBound) {
 TEST_F(SurfelStoreTest, SaysWhenAMapIsFull) {
   SurfelStore store(device());
   try {
-    store.reserve(kMaxSlots + 1);
+    store.reserve(kMaxStoreSlots + 1);
     FAIL();
   } catch (const SetupError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("at most 16776960"));
