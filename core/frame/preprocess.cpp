@@ -75,7 +75,7 @@ void Preprocessor::mask(gpu::Commands& commands, const CoarseMask& mask) {
     const auto shift = static_cast<shared::uint>(maps_.surface.levels.size() - 1 - level);
     commands.dispatch(mask_, {masked.camera.width, masked.camera.height},
                       shared::MaskParams{masked.camera.width, masked.camera.height, coarsest.width, coarsest.height, shift},
-                      {mask_pixels_, masked.points});
+                      {{"mask", mask_pixels_}, {"points", masked.points}});
   }
 }
 
@@ -107,30 +107,30 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
   commands.dispatch(inverse_depth_, {texels},
                     shared::InverseDepthParams{texels, static_cast<float>(1.0 / camera_.depth_units_per_metre),
                                                static_cast<float>(options_.depth_min_m), static_cast<float>(options_.depth_max_m)},
-                    {units_, inverse_depth_per_m_});
+                    {{"units", units_}, {"inverse_depth_per_m", inverse_depth_per_m_}});
   commands.dispatch(bilateral_, fours,
                     shared::BilateralParams{whole, sampling, static_cast<float>(0.5 / (filter_.space_px * filter_.space_px)),
                                             static_cast<float>(options_.noise_floor_m), static_cast<float>(options_.noise_growth_per_m),
                                             static_cast<float>(filter_.depth_deviations)},
-                    {inverse_depth_per_m_, maps_.raw_depth_m, maps_.filtered_depth_m});
+                    {{"inverse_depth_per_m", inverse_depth_per_m_}, {"raw_m", maps_.raw_depth_m}, {"filtered_m", maps_.filtered_depth_m}});
   const auto radius_scale = static_cast<float>(options_.support_radius_scale);
   commands.dispatch(normals_, image, shared::NormalParams{camera, 0.5f * depth_gate_m, radius_scale},
-                    {maps_.filtered_depth_m, maps_.kernels});
+                    {{"depth_m", maps_.filtered_depth_m}, {"kernels", maps_.kernels}});
   commands.dispatch(
       surface_, fours,
       shared::SurfaceParams{camera, radius_scale, depth_gate_m,
                             static_cast<float>(options_.confidence_epsilon * static_cast<double>(camera.fx) / kKinectFocalLength_px),
                             static_cast<float>(options_.curvature_limit_per_m), options_.hrbf_confidence ? 1u : 0u,
                             options_.project_to_surface ? 1u : 0u},
-      {maps_.kernels, surface.points});
+      {{"kernels", maps_.kernels}, {"points", surface.points}});
   commands.dispatch(intensity_, image, shared::IntensityParams{whole, sampling},
-                    {color_, surface.intensity, maps_.pictures[0], maps_.color});
+                    {{"color", color_}, {"intensity", surface.intensity}, {"picture", maps_.pictures[0]}, {"sampled_color", maps_.color}});
   downsample(commands, downsample_, maps_.surface, 0.5 * options_.depth_gate_m);
   for (std::size_t level = 1; level < maps_.pictures.size(); ++level) {
     const SurfaceLevel& image_level = maps_.surface.levels[level];
     commands.dispatch(gradient_, {image_level.camera.width, image_level.camera.height},
                       shared::GradientParams{image_level.camera.width, image_level.camera.height},
-                      {image_level.intensity, maps_.pictures[level]});
+                      {{"intensity", image_level.intensity}, {"picture", maps_.pictures[level]}});
   }
   return maps_;
 }

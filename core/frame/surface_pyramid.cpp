@@ -58,8 +58,9 @@ void downsample(gpu::Commands& commands, const gpu::Kernel& kernel, SurfacePyram
     SurfaceLevel& fine = pyramid.levels[level - 1];
     SurfaceLevel& coarse = pyramid.levels[level];
     const shared::DownsampleParams params{coarse.camera.width, coarse.camera.height, fine.camera.width, static_cast<float>(depth_gate_m)};
-    commands.dispatch(kernel, {coarse.camera.width, coarse.camera.height}, params,
-                      {fine.points, fine.intensity, coarse.points, coarse.intensity});
+    commands.dispatch(
+        kernel, {coarse.camera.width, coarse.camera.height}, params,
+        {{"fine_points", fine.points}, {"fine_intensity", fine.intensity}, {"points", coarse.points}, {"intensity", coarse.intensity}});
   }
 }
 

@@ -16,9 +16,9 @@ std::uint32_t group_count(std::uint32_t threads, std::uint32_t local_size) {
   return static_cast<std::uint32_t>((std::uint64_t{threads} + local_size - 1) / local_size);
 }
 
-std::uint64_t bytes_of(std::initializer_list<BufferRef> buffers) {
+std::uint64_t bytes_of(std::initializer_list<NamedBuffer> buffers) {
   std::uint64_t bytes = 0;
-  for (const BufferRef& buffer : buffers) bytes += buffer.bytes;
+  for (const auto& [name, buffer] : buffers) bytes += buffer.bytes;
   return bytes;
 }
 }  // namespace
@@ -39,7 +39,7 @@ VkCommandBuffer Commands::next() {
   return commands_.vk();
 }
 
-void Commands::bind(const Kernel& kernel, Constants constants, std::initializer_list<BufferRef> buffers) {
+void Commands::bind(const Kernel& kernel, Constants constants, std::initializer_list<NamedBuffer> buffers) {
   CHECK(buffers.size() == kernel.bindings().size(),
         kernel.name() + " binds " + std::to_string(kernel.bindings().size()) + " buffers, not " + std::to_string(buffers.size()));
   CHECK(constants.size == (kernel.push_constant_bytes() + std::size_t{3}) / 4 * 4,
@@ -53,7 +53,7 @@ void Commands::bind(const Kernel& kernel, Constants constants, std::initializer_
                        constants.bytes);
 }
 
-void Commands::record(const Kernel& kernel, Threads threads, Constants constants, std::initializer_list<BufferRef> buffers) {
+void Commands::record(const Kernel& kernel, Threads threads, Constants constants, std::initializer_list<NamedBuffer> buffers) {
   const std::array<std::uint32_t, 3> groups = {group_count(threads.x, kernel.local_size()[0]),
                                                group_count(threads.y, kernel.local_size()[1]),
                                                group_count(threads.z, kernel.local_size()[2])};
@@ -69,7 +69,7 @@ void Commands::record(const Kernel& kernel, Threads threads, Constants constants
   stamp({kernel.pass_slot(), std::uint64_t{threads.x} * threads.y * threads.z, bytes_of(buffers)});
 }
 
-void Commands::record_indirect(const Kernel& kernel, GroupCounts groups, Constants constants, std::initializer_list<BufferRef> buffers) {
+void Commands::record_indirect(const Kernel& kernel, GroupCounts groups, Constants constants, std::initializer_list<NamedBuffer> buffers) {
   const VkDeviceSize offset = VkDeviceSize{4} * groups.first_word;
   CHECK(groups.buffer.bytes >= offset + sizeof(VkDispatchIndirectCommand), kernel.name() + ": no room for the number of work groups");
   bind(kernel, constants, buffers);
@@ -77,7 +77,7 @@ void Commands::record_indirect(const Kernel& kernel, GroupCounts groups, Constan
   stamp({kernel.pass_slot(), 0, bytes_of(buffers)});
 }
 
-void Commands::bind_buffers(const Kernel& kernel, std::initializer_list<BufferRef> buffers) {
+void Commands::bind_buffers(const Kernel& kernel, std::initializer_list<NamedBuffer> buffers) {
   if (buffers.size() == 0) return;
   CHECK(buffers.size() <= kMaxBindings, kernel.name() + " binds more than 32 buffers");
   std::array<VkDescriptorBufferInfo, kMaxBindings> infos;
@@ -85,11 +85,14 @@ void Commands::bind_buffers(const Kernel& kernel, std::initializer_list<BufferRe
   const bool push = device_.info().has_push_descriptors;
   const VkDescriptorSet set = push ? VK_NULL_HANDLE : sets_.next(kernel.set_layout());
   std::uint32_t count = 0;
-  for (const BufferRef& buffer : buffers) {
-    CHECK(buffer.buffer != VK_NULL_HANDLE, kernel.name() + ": buffer " + std::to_string(count) + " is empty");
+  for (const auto& [name, buffer] : buffers) {
+    const std::string& expected = kernel.binding_names()[count];
+    CHECK(name == expected,
+          kernel.name() + ": buffer " + std::to_string(count) + " is '" + expected + "', not '" + std::string(name) + "'");
+    CHECK(buffer.buffer != VK_NULL_HANDLE, kernel.name() + ": " + expected + " is empty");
     const Binding kind = kernel.bindings()[count];
     if (kind == Binding::kTexels && buffer.texels == VK_NULL_HANDLE)
-      throw DeviceError(kernel.name() + ": buffer " + std::to_string(count) + " of " + std::to_string(buffer.bytes) +
+      throw DeviceError(kernel.name() + ": " + expected + " of " + std::to_string(buffer.bytes) +
                         " bytes cannot be read as texels: none is whole, or they are more than the device's " +
                         std::to_string(device_.limits().maxTexelBufferElements));
     infos[count] = {buffer.buffer, 0, buffer.bytes};

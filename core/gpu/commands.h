@@ -1,6 +1,6 @@
 // A list of dispatches, fills and copies, run in order: each sees all that those before it wrote.
 //
-//   commands.dispatch(bilateral_, {width, height}, params, {depth_, filtered_});
+//   commands.dispatch(gradient_, {width, height}, params, {{"intensity", intensity_}, {"picture", picture_}});
 //   commands.submit_and_wait();
 //
 // Recording costs a few microseconds and no allocation once warm. Buffers and kernels must live until submit_and_wait() returns.
@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cstdint>
 #include <initializer_list>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -32,6 +33,12 @@ struct GroupCounts {
   std::uint32_t first_word = 0;
 };
 
+// A buffer under the name that the shader has for it.
+struct NamedBuffer {
+  std::string_view name;
+  BufferRef buffer;
+};
+
 class Commands {
  public:
   explicit Commands(Device& device);
@@ -39,22 +46,23 @@ class Commands {
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
 
-  // `buffers` in binding order. CHECK: as many as the shader binds, and sizeof(Params) is the shader's push-constant size (rounded up to
-  // 4). Throws DeviceError when the device has no grid this large or no texel buffer as large as one that is read so, or is lost.
+  // `buffers` in binding order. CHECK: as many as the shader binds, under its names, and sizeof(Params) is the shader's push-constant size
+  // (rounded up to 4). Throws DeviceError when the device has no grid this large or no texel buffer as large as one that is read so, or is
+  // lost.
   template <class Params>
-  void dispatch(const Kernel& kernel, Threads threads, const Params& params, std::initializer_list<BufferRef> buffers) {
+  void dispatch(const Kernel& kernel, Threads threads, const Params& params, std::initializer_list<NamedBuffer> buffers) {
     static_assert(std::is_trivially_copyable_v<Params> && sizeof(Params) % 4 == 0);
     record(kernel, threads, {&params, sizeof(Params)}, buffers);
   }
-  void dispatch(const Kernel& kernel, Threads threads, std::initializer_list<BufferRef> buffers) { record(kernel, threads, {}, buffers); }
+  void dispatch(const Kernel& kernel, Threads threads, std::initializer_list<NamedBuffer> buffers) { record(kernel, threads, {}, buffers); }
 
   // As many work groups as `groups` says once the commands before have run: at most 65535 along each axis.
   template <class Params>
-  void dispatch_indirect(const Kernel& kernel, GroupCounts groups, const Params& params, std::initializer_list<BufferRef> buffers) {
+  void dispatch_indirect(const Kernel& kernel, GroupCounts groups, const Params& params, std::initializer_list<NamedBuffer> buffers) {
     static_assert(std::is_trivially_copyable_v<Params> && sizeof(Params) % 4 == 0);
     record_indirect(kernel, groups, {&params, sizeof(Params)}, buffers);
   }
-  void dispatch_indirect(const Kernel& kernel, GroupCounts groups, std::initializer_list<BufferRef> buffers) {
+  void dispatch_indirect(const Kernel& kernel, GroupCounts groups, std::initializer_list<NamedBuffer> buffers) {
     record_indirect(kernel, groups, {}, buffers);
   }
 
@@ -75,10 +83,10 @@ class Commands {
     std::uint32_t pass_slot = 0;
     std::uint64_t invocations = 0, bytes_within_reach = 0;  // as in Timeline::Pass
   };
-  void record(const Kernel& kernel, Threads threads, Constants constants, std::initializer_list<BufferRef> buffers);
-  void bind(const Kernel& kernel, Constants constants, std::initializer_list<BufferRef> buffers);
-  void record_indirect(const Kernel& kernel, GroupCounts groups, Constants constants, std::initializer_list<BufferRef> buffers);
-  void bind_buffers(const Kernel& kernel, std::initializer_list<BufferRef> buffers);
+  void record(const Kernel& kernel, Threads threads, Constants constants, std::initializer_list<NamedBuffer> buffers);
+  void bind(const Kernel& kernel, Constants constants, std::initializer_list<NamedBuffer> buffers);
+  void record_indirect(const Kernel& kernel, GroupCounts groups, Constants constants, std::initializer_list<NamedBuffer> buffers);
+  void bind_buffers(const Kernel& kernel, std::initializer_list<NamedBuffer> buffers);
   VkCommandBuffer next();              // after a barrier; the first also writes the first time stamp
   void stamp(const Stamped& command);  // after each command
   void write_timestamp(std::uint32_t index);

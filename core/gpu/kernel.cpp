@@ -10,8 +10,8 @@ namespace hermite::gpu {
 
 namespace {
 
-std::span<const std::uint32_t> find_embedded(const Device& device, std::string_view name) {
-  for (const auto& [kernel, words] : embedded_kernels(device.info().has_texel_buffers ? ReadAs::kTexels : ReadAs::kStorage))
+std::span<const std::uint32_t> find_embedded(ReadAs read_as, std::string_view name) {
+  for (const auto& [kernel, words] : embedded_kernels(read_as))
     if (kernel == name) return words;
   CHECK(false, "there is no shader '" + std::string(name) + "'");
   return {};
@@ -33,7 +33,10 @@ VkDescriptorType descriptor_type(Binding kind) {
 }
 
 Kernel::Kernel(Device& device, std::string_view name, std::vector<std::uint32_t> specialization)
-    : Kernel(device, name, find_embedded(device, name), specialization) {}
+    : Kernel(device, name, find_embedded(device.info().has_texel_buffers ? ReadAs::kTexels : ReadAs::kStorage, name), specialization) {
+  // What is read as texels has four names where it is bound as storage (shaders/lib/texels.glsl).
+  if (!device.info().has_texel_buffers) interface_.binding_names = read_interface(find_embedded(ReadAs::kTexels, name))->binding_names;
+}
 
 Kernel::Kernel(Device& device, std::string_view name, std::span<const std::uint32_t> words,
                const std::vector<std::uint32_t>& specialization)

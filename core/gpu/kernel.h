@@ -32,6 +32,7 @@ class Kernel {
   const std::string& name() const { return name_; }
   // Where the device has no large texel buffers, embedded shaders bind storage buffers alone.
   const std::vector<Binding>& bindings() const { return interface_.bindings; }
+  const std::vector<std::string>& binding_names() const { return interface_.binding_names; }  // as read from texel buffers
   std::uint32_t push_constant_bytes() const { return interface_.push_constant_bytes; }
   const std::array<std::uint32_t, 3>& local_size() const { return interface_.local_size; }  // after specialisation
 

@@ -18,6 +18,8 @@ constexpr std::uint32_t kMaxModuleWords = 16u << 20;
 constexpr int kMaxNesting = 16;  // of types; a hostile module must not exhaust the stack
 constexpr std::uint64_t kMaxTypeBytes = 1u << 20;
 enum Op : std::uint32_t {
+  kOpName = 5,
+  kOpMemberName = 6,
   kOpEntryPoint = 15,
   kOpExecutionMode = 16,
   kOpCapability = 17,
@@ -76,6 +78,18 @@ std::size_t words_of_type(std::uint32_t op) {
 
 std::uint64_t pair_of(std::uint32_t high, std::uint32_t low) { return std::uint64_t{high} << 32 | low; }
 
+// Four bytes a word, the lowest first, up to a zero.
+std::string text_of(std::span<const std::uint32_t> words) {
+  std::string text;
+  for (const std::uint32_t word : words)
+    for (int shift = 0; shift < 32; shift += 8) {
+      const char letter = static_cast<char>(word >> shift & 0xff);
+      if (letter == 0) return text;
+      text += letter;
+    }
+  return text;
+}
+
 class Reader {
  public:
   Result<ShaderInterface> read(std::span<const std::uint32_t> words);
@@ -87,6 +101,7 @@ class Reader {
   void take_member_decoration(std::span<const std::uint32_t> operands);
   Status read_local_size(ShaderInterface& shader) const;
   Result<Binding> kind_of(const Variable& variable) const;
+  std::string name_of(const Variable& variable) const;
   Status read_bindings(ShaderInterface& shader) const;
   Status read_push_constants(ShaderInterface& shader);
   Result<std::uint64_t> size_of(std::uint32_t type, std::optional<std::uint32_t> member, std::uint32_t parent, int depth);
@@ -106,7 +121,9 @@ class Reader {
   std::vector<Variable> variables_;
   std::unordered_map<std::uint64_t, std::uint32_t> decorations_;  // (id, decoration)
   std::unordered_map<std::uint64_t, std::unordered_map<std::uint32_t, std::uint32_t>>
-      member_decorations_;  // (struct, member) -> decoration
+      member_decorations_;                                                                // (struct, member) -> decoration
+  std::unordered_map<std::uint32_t, std::string> names_;                                  // of variables and others
+  std::unordered_map<std::uint32_t, std::map<std::uint32_t, std::string>> member_names_;  // of structs
   std::vector<std::uint32_t> entry_models_;
   bool needs_64_bit_atomics_ = false;
   std::vector<std::uint32_t> local_size_literals_, local_size_ids_;
@@ -146,6 +163,14 @@ Status Reader::take(std::uint32_t op, std::span<const std::uint32_t> operands) {
   const auto needs = [&](std::size_t count) { return operands.size() >= count; };
   const Error cut = corrupt("instruction " + std::to_string(op) + " is cut short");
   switch (op) {
+    case kOpName:
+      if (!needs(2)) return cut;
+      names_[operands[0]] = text_of(operands.subspan(1));
+      break;
+    case kOpMemberName:
+      if (!needs(3)) return cut;
+      member_names_[operands[0]][operands[1]] = text_of(operands.subspan(2));
+      break;
     case kOpEntryPoint:
       if (!needs(2)) return cut;
       entry_models_.push_back(operands[0]);
@@ -259,8 +284,18 @@ Result<Binding> Reader::kind_of(const Variable& variable) const {
   return unsupported("only storage and texel buffers can be bound, no uniforms or images");
 }
 
+// A block without a name of its own goes by its last member.
+std::string Reader::name_of(const Variable& variable) const {
+  if (const auto own = names_.find(variable.id); own != names_.end() && !own->second.empty()) return own->second;
+  const auto pointer = types_.find(variable.pointer_type);
+  if (pointer == types_.end() || pointer->second.op != kOpTypePointer) return "";
+  const auto members = member_names_.find(pointer->second.operands[1]);
+  return members == member_names_.end() ? "" : members->second.rbegin()->second;
+}
+
 Status Reader::read_bindings(ShaderInterface& shader) const {
   std::map<std::uint32_t, Binding> bindings;
+  std::map<std::uint32_t, std::string> names;
   for (const Variable& variable : variables_) {
     if (variable.storage_class != kUniform && variable.storage_class != kUniformConstant && variable.storage_class != kStorageBuffer)
       continue;
@@ -269,6 +304,7 @@ Status Reader::read_bindings(ShaderInterface& shader) const {
     const auto set = decoration(variable.id, kDescriptorSet), binding = decoration(variable.id, kBinding);
     if (!binding) return unsupported("a buffer without a binding");
     if (set.value_or(0) != 0) return unsupported("binding " + std::to_string(*binding) + " is not in set 0");
+    names.emplace(*binding, name_of(variable));
     // Two views of one buffer may share a binding, if they see it alike.
     if (bindings.emplace(*binding, *kind).first->second != *kind)
       return unsupported("binding " + std::to_string(*binding) + " is a storage and a texel buffer");
@@ -277,6 +313,7 @@ Status Reader::read_bindings(ShaderInterface& shader) const {
     return unsupported("bindings go up to " + std::to_string(bindings.rbegin()->first) + " but only " + std::to_string(bindings.size()) +
                        " are declared");
   for (const auto& [number, kind] : bindings) shader.bindings.push_back(kind);
+  for (const auto& [number, name] : names) shader.binding_names.push_back(name);
   return Done{};
 }
 

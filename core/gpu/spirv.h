@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/base/result.h"
@@ -15,6 +16,9 @@ enum class Binding { kStorage, kTexels };
 
 struct ShaderInterface {
   std::vector<Binding> bindings;  // buffers at set 0, by number
+  // By the same number: the name of a texel buffer, or of the last member of a storage buffer's block; of two views, the first one's. Empty
+  // where the module has no names.
+  std::vector<std::string> binding_names;
   bool needs_64_bit_atomics = false;
   std::uint32_t push_constant_bytes = 0;  // up to the end of the block's last member; 0 without a block
   std::array<std::uint32_t, 3> local_size = {1, 1, 1};

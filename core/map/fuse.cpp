@@ -49,37 +49,90 @@ void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& s
   const std::uint32_t tiles = tile_count(surface.camera), threads = 256 * tiles;
   commands.fill(claims_, kNoSurfel);
   commands.dispatch(associate_, {threads}, params,
-                    {frame.raw_depth_m, surface.points, frame.color, store.positions, store.attributes, store.times,
-                     store.camera_from_submap, candidates_, new_by_tile_, store.state, all.cells(), claims_});
-  commands.dispatch(
-      merge_, {threads}, params,
-      {frame.raw_depth_m, surface.points, frame.color, store.positions, store.attributes, store.times, store.camera_from_submap,
-       candidates_, new_by_tile_, store.state, all.cells(), claims_, store.changed_frames, store.positions, store.attributes});
-  commands.dispatch(scan_, {128}, shared::ScanParams{surface.camera, tiles}, {new_by_tile_, store.state, store.visible_blocks});
-  commands.dispatch(
-      append_, {threads}, params,
-      {frame.raw_depth_m, surface.points, frame.color, store.positions, store.attributes, store.times, store.camera_from_submap,
-       candidates_, new_by_tile_, store.state, store.free_slots, store.bounds, store.changed_frames});
+                    {{"raw_depth_m", frame.raw_depth_m},
+                     {"frame_points", surface.points},
+                     {"frame_color", frame.color},
+                     {"position_confidence", store.positions},
+                     {"attributes", store.attributes},
+                     {"times", store.times},
+                     {"camera_from_submap", store.camera_from_submap},
+                     {"candidates", candidates_},
+                     {"new_by_group", new_by_tile_},
+                     {"state", store.state},
+                     {"cells", all.cells()},
+                     {"claims", claims_}});
+  commands.dispatch(merge_, {threads}, params,
+                    {{"raw_depth_m", frame.raw_depth_m},
+                     {"frame_points", surface.points},
+                     {"frame_color", frame.color},
+                     {"position_confidence", store.positions},
+                     {"attributes", store.attributes},
+                     {"times", store.times},
+                     {"camera_from_submap", store.camera_from_submap},
+                     {"candidates", candidates_},
+                     {"new_by_group", new_by_tile_},
+                     {"state", store.state},
+                     {"cells", all.cells()},
+                     {"claims", claims_},
+                     {"changed_frame", store.changed_frames},
+                     {"read_position_confidence", store.positions},
+                     {"read_attributes", store.attributes}});
+  commands.dispatch(scan_, {128}, shared::ScanParams{surface.camera, tiles},
+                    {{"counts", new_by_tile_}, {"state", store.state}, {"visible_blocks", store.visible_blocks}});
+  commands.dispatch(append_, {threads}, params,
+                    {{"raw_depth_m", frame.raw_depth_m},
+                     {"frame_points", surface.points},
+                     {"frame_color", frame.color},
+                     {"position_confidence", store.positions},
+                     {"attributes", store.attributes},
+                     {"times", store.times},
+                     {"camera_from_submap", store.camera_from_submap},
+                     {"candidates", candidates_},
+                     {"new_by_group", new_by_tile_},
+                     {"state", store.state},
+                     {"free_slots", store.free_slots},
+                     {"bounds", store.bounds},
+                     {"changed_frame", store.changed_frames}});
 }
 
 void Fuser::clean(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& stable, FusedFrame fused) {
   const shared::Intrinsics camera = frame.camera();
   const shared::FreeListParams listed{fused.number, fused.submap};
   const shared::uint pixels = camera.width * camera.height;
-  commands.dispatch(index_times_, {pixels}, pixels, {stable.nearest(), store.times, seen_});
+  commands.dispatch(index_times_, {pixels}, pixels, {{"nearest", stable.nearest()}, {"times", store.times}, {"seen", seen_}});
   commands.dispatch_indirect(
       clean_, {store.visible_blocks, offsetof(shared::VisibleHead, turn_groups) / sizeof(shared::uint)},
       shared::CleanParams{camera, fused.number, static_cast<float>(options_.stable_confidence),
                           static_cast<shared::uint>(options_.max_unstable_age_frames), static_cast<float>(options_.redundancy_depth_m),
                           static_cast<float>(curvature_limit_per_m_), static_cast<float>(options_.fuse_depth_gate_m)},
-      {store.positions, store.attributes, store.times, store.camera_from_submap, seen_, store.state, store.visible_blocks, store.bounds,
-       store.positions, frame.raw_depth_m});
+      {{"position_confidence", store.positions},
+       {"attributes", store.attributes},
+       {"times", store.times},
+       {"camera_from_submap", store.camera_from_submap},
+       {"seen", seen_},
+       {"state", store.state},
+       {"visible_blocks", store.visible_blocks},
+       {"bounds", store.bounds},
+       {"read_position_confidence", store.positions},
+       {"raw_depth_m", frame.raw_depth_m}});
   commands.dispatch_indirect(count_free_, {store.visible_blocks}, listed,
-                             {store.positions, store.group_counts, store.state, store.visible_blocks, store.bounds});
-  commands.dispatch(scan_, {128}, shared::ScanParams{camera, 0}, {store.group_counts, store.state, store.visible_blocks});
+                             {{"position_confidence", store.positions},
+                              {"free_by_group", store.group_counts},
+                              {"state", store.state},
+                              {"visible_blocks", store.visible_blocks},
+                              {"bounds", store.bounds}});
+  commands.dispatch(scan_, {128}, shared::ScanParams{camera, 0},
+                    {{"counts", store.group_counts}, {"state", store.state}, {"visible_blocks", store.visible_blocks}});
   commands.dispatch_indirect(free_list_, {store.visible_blocks}, listed,
-                             {store.positions, store.group_counts, store.state, store.free_slots, store.times, store.visible_blocks,
-                              store.bounds, store.changed_frames, store.positions});
+                             {{"position_confidence", store.positions},
+                              {"free_by_group", store.group_counts},
+                              {"state", store.state},
+                              {"free_slots", store.free_slots},
+                              {"times", store.times},
+                              {"visible_blocks", store.visible_blocks},
+                              {"bounds", store.bounds},
+                              {"changed_frame", store.changed_frames},
+                              {"read_position_confidence", store.positions}});
 }
 
 }  // namespace hermite

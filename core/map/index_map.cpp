@@ -27,12 +27,20 @@ void IndexMap::build(gpu::Commands& commands, const SurfelStore& store, const sh
   commands.fill(nearest_, kNoSurfel);
   for (const gpu::Kernel& pass : passes_)
     commands.dispatch_indirect(pass, {store.visible_blocks}, shared::IndexParams{camera, static_cast<float>(min_confidence), kFarthest_m},
-                               {store.positions, store.attributes, store.camera_from_submap, nearest_, store.visible_blocks});
+                               {{"position_confidence", store.positions},
+                                {"attributes", store.attributes},
+                                {"camera_from_submap", store.camera_from_submap},
+                                {"nearest", nearest_},
+                                {"visible_blocks", store.visible_blocks}});
 }
 
 void IndexMap::describe(gpu::Commands& commands, const SurfelStore& store, const shared::Intrinsics& camera) {
   commands.dispatch(surfel_kernel_, {camera.width * camera.height}, camera,
-                    {store.positions, store.attributes, store.camera_from_submap, nearest_, cells_});
+                    {{"position_confidence", store.positions},
+                     {"attributes", store.attributes},
+                     {"camera_from_submap", store.camera_from_submap},
+                     {"nearest", nearest_},
+                     {"cells", cells_}});
 }
 
 }  // namespace hermite

@@ -30,20 +30,34 @@ void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const Ind
   const shared::uint pixels = out.camera.width * out.camera.height;
 
   commands.dispatch(describe_, {out.camera.width, out.camera.height}, out.camera,
-                    {store.positions, store.attributes, store.camera_from_submap, stable.nearest(), kernels_});
+                    {{"position_confidence", store.positions},
+                     {"attributes", store.attributes},
+                     {"camera_from_submap", store.camera_from_submap},
+                     {"nearest", stable.nearest()},
+                     {"kernels", kernels_}});
   commands.fill(covered_pixel_count_, 0);
   commands.dispatch(predict_, {(out.camera.width + 3) / 4, out.camera.height},  // four pixels an invocation
                     shared::PredictParams{out.camera, lambda_per_m, confidence_scale, static_cast<shared::uint>(options_.min_support),
                                           static_cast<shared::uint>(options_.max_iterations), options_.correct_bias ? 1u : 0u,
                                           options_.hrbf_prediction ? 1u : 0u},
-                    {store.positions, store.attributes, kernels_, stable.nearest(), out.points, out.intensity, covered_pixel_count_});
+                    {{"position_confidence", store.positions},
+                     {"attributes", store.attributes},
+                     {"kernels", kernels_},
+                     {"nearest", stable.nearest()},
+                     {"points", out.points},
+                     {"intensity", out.intensity},
+                     {"covered_count", covered_pixel_count_}});
   if (fill_in == FillIn::kNothing) return;
   commands.dispatch(fill_in_, {pixels},
                     shared::FillInParams{pixels, lambda_per_m, confidence_scale,
                                          static_cast<shared::uint>(options_.fill_in_below * static_cast<double>(pixels)),
                                          fill_in == FillIn::kSurfaceAndColor ? 1u : 0u, static_cast<float>(brightness.gain),
                                          static_cast<float>(brightness.offset)},
-                    {own.points, own.intensity, out.points, out.intensity, covered_pixel_count_});
+                    {{"frame_points", own.points},
+                     {"frame_intensity", own.intensity},
+                     {"points", out.points},
+                     {"intensity", out.intensity},
+                     {"covered_count", covered_pixel_count_}});
 }
 
 }  // namespace hermite

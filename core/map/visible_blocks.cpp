@@ -18,7 +18,11 @@ void VisibleBlocks::list(gpu::Commands& commands, const SurfelStore& store, cons
                                      frame_number,
                                      static_cast<shared::uint>(options_.clean_interval_frames),
                                      static_cast<shared::uint>(kTurnsOutOfView * options_.clean_interval_frames)};
-  commands.dispatch(kernel_, {256}, params, {store.bounds, store.camera_from_submap, store.state, store.visible_blocks});
+  commands.dispatch(kernel_, {256}, params,
+                    {{"bounds", store.bounds},
+                     {"camera_from_submap", store.camera_from_submap},
+                     {"state", store.state},
+                     {"visible_blocks", store.visible_blocks}});
 }
 
 }  // namespace hermite

@@ -165,7 +165,12 @@ Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid&
   residual_model_.upload({&model, 1});
   const std::uint32_t threads = threads_for(from.camera.width * from.camera.height, pixels_per_thread_);
   commands_.dispatch(odometry_, {threads}, params,
-                     {from.points, frame.pictures[l], to.points, to.intensity, partial_sums_, residual_model_});
+                     {{"points", from.points},
+                      {"picture", frame.pictures[l]},
+                      {"reference_points", to.points},
+                      {"reference_intensity", to.intensity},
+                      {"partial_sums", partial_sums_},
+                      {"residual_model", residual_model_}});
   commands_.submit_and_wait();
   const auto terms = total<shared::kOdometrySumCount>(partial_sums_.mapped(), threads);
   const auto from_term = [&terms](shared::uint first) { return terms.data() + first; };
@@ -297,7 +302,12 @@ Agreement Odometry::agreement(const FrameMaps& frame, const SurfacePyramid& refe
   const SurfaceLevel& to = reference.levels[kAgreementLevel];
   const shared::AgreementParams params{to_shared(reference_from_camera), from.camera, to.camera, kTolerance_m, kToleranceGrowth_per_m};
   const std::uint32_t threads = threads_for(from.camera.width * from.camera.height, pixels_per_thread_);
-  commands_.dispatch(agreement_, {threads}, params, {from.points, from.intensity, to.points, to.intensity, partial_sums_});
+  commands_.dispatch(agreement_, {threads}, params,
+                     {{"points", from.points},
+                      {"intensity", from.intensity},
+                      {"reference_points", to.points},
+                      {"reference_intensity", to.intensity},
+                      {"partial_sums", partial_sums_}});
   commands_.submit_and_wait();
   const auto sums = total<shared::kAgreementSumCount>(partial_sums_.mapped(), threads);
   const double surface = sums[shared::kSurfaceSum], overlap = sums[shared::kOverlapSum], coloured = sums[shared::kColouredSum];
@@ -328,7 +338,7 @@ Eigen::Quaterniond Odometry::align_rotation(const FrameMaps& frame) {
   for (int i = 0; i < 10; ++i) {
     commands_.dispatch(rotation_, {threads},
                        shared::RotationParams{to_shared({current_from_previous, Eigen::Vector3d::Zero()}), previous_camera_, image.camera},
-                       {previous_intensity_, image.intensity, partial_sums_});
+                       {{"previous", previous_intensity_}, {"current", image.intensity}, {"partial_sums", partial_sums_}});
     commands_.submit_and_wait();
     const auto sums = total<shared::kRotationSumCount>(partial_sums_.mapped(), threads);
     const double count = sums[shared::kRotationErrorSums + 1], error = count > 0 ? sums[shared::kRotationErrorSums] / count : 1e300;

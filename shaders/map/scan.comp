@@ -9,13 +9,13 @@
 layout(local_size_x = 128) in;
 layout(scalar, binding = 0) buffer Counts { uint counts[]; };
 layout(scalar, binding = 1) buffer State { MapState state; };
-layout(scalar, binding = 2) readonly buffer Visible { VisibleHead head; uint blocks[]; };
+layout(scalar, binding = 2) readonly buffer Visible { VisibleHead head; uint visible_blocks[]; };
 PARAMETERS(ScanParams, p);
 const uint kZones = HERMITE_ZONES, kLanes = 128u;
 shared uint sums[kZones * kLanes];  // by zone and lane
 shared uint totals[kZones];
 
-uint zone_of_group(uint group) { return p.tile_count > 0u ? zone_of_tile(p.camera, group) : zone_of_block(blocks[group]); }
+uint zone_of_group(uint group) { return p.tile_count > 0u ? zone_of_tile(p.camera, group) : zone_of_block(visible_blocks[group]); }
 
 void begin_appending() {
   uint begin = 0u, fresh = 0u;

@@ -11,7 +11,7 @@ layout(local_size_x = 256) in;
 layout(scalar, binding = 0) readonly buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, binding = 1) readonly buffer Submaps { Transform camera_from_submap[]; };
 layout(scalar, binding = 2) readonly buffer State { MapState state; };
-layout(scalar, binding = 3) writeonly buffer Visible { VisibleHead head; uint blocks[]; };
+layout(scalar, binding = 3) writeonly buffer Visible { VisibleHead head; uint visible_blocks[]; };
 PARAMETERS(VisibleParams, p);
 shared uvec2 counts[256], total;  // in turn, others
 
@@ -75,8 +75,8 @@ void main() {
   for (uint block = first; block < last; ++block) {
     uint entry = look_at(block);
     uvec2 kind = kind_of(block, entry);
-    if (kind.x > 0u) blocks[next.x] = entry;
-    if (kind.y > 0u) blocks[next.y] = entry;
+    if (kind.x > 0u) visible_blocks[next.x] = entry;
+    if (kind.y > 0u) visible_blocks[next.y] = entry;
     next += kind;
   }
   if (lane != 0u) return;

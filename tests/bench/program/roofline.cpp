@@ -49,7 +49,7 @@ double measure_memory_gb_per_s(gpu::Device& device) {
   const CopyParams params{static_cast<std::uint32_t>(bytes / kBytesPerInvocation)};
   double best_ms = 1e300;
   for (int i = 0; i < kRepetitions; ++i) {
-    commands.dispatch(copy, {std::min(params.count, kMostCopyInvocations)}, params, {source, target});
+    commands.dispatch(copy, {std::min(params.count, kMostCopyInvocations)}, params, {{"source", source}, {"target", target}});
     best_ms = std::min(best_ms, run_ms(device, commands));
   }
   return 2 * static_cast<double>(bytes) / best_ms * 1e-6;
@@ -60,7 +60,7 @@ double measure_gflop_per_s(gpu::Device& device) {
   const gpu::Kernel multiply_add(device, "bench/multiply_add");
   gpu::Commands commands(device);
   const auto rounds_ms = [&](std::uint32_t rounds) {
-    commands.dispatch(multiply_add, {kArithmeticInvocations}, MultiplyAddParams{rounds, 0.999f, 1e-3f}, {result});
+    commands.dispatch(multiply_add, {kArithmeticInvocations}, MultiplyAddParams{rounds, 0.999f, 1e-3f}, {{"result", result}});
     return run_ms(device, commands);
   };
   std::uint32_t rounds = 4;

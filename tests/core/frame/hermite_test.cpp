@@ -67,7 +67,8 @@ class Hermite : public testing::Test {
     const gpu::Kernel kernel(device_, "test/hermite");
     gpu::Commands commands(device_);
     const Params params{static_cast<std::uint32_t>(given.size()), own};
-    commands.dispatch(kernel, {static_cast<std::uint32_t>(rays.size() / 4)}, params, {kernel_buffer, ray_buffer, samples});
+    commands.dispatch(kernel, {static_cast<std::uint32_t>(rays.size() / 4)}, params,
+                      {{"kernels", kernel_buffer}, {"rays", ray_buffer}, {"samples", samples}});
     commands.submit_and_wait();
     return samples.download();
   }

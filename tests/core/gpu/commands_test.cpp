@@ -36,7 +36,8 @@ TEST_F(CommandsTest, EveryInvocationOfAnOddGridRunsOnce) {
   source.upload(values);
   const Kernel kernel(device, "test/affine");
   Commands commands(device);
-  commands.dispatch(kernel, {kWidth, kHeight, kDepth}, AffineParams{kWidth, kHeight, kDepth, 3, 7}, {source, target});
+  commands.dispatch(kernel, {kWidth, kHeight, kDepth}, AffineParams{kWidth, kHeight, kDepth, 3, 7},
+                    {{"source", source}, {"target", target}});
   commands.submit_and_wait();
   const std::vector<std::uint32_t> result = target.download();
   for (std::uint32_t i = 0; i < values.size(); ++i) EXPECT_EQ(result[i], 3 * values[i] + 7) << i;
@@ -65,7 +66,7 @@ TEST_F(CommandsTest, TexelsAreTheWordsOfAnElement) {
   d.upload(transforms);
   const Kernel kernel(device, "test/texels");
   Commands commands(device);
-  commands.dispatch(kernel, {kCount}, {a, b, c, d, target});
+  commands.dispatch(kernel, {kCount}, {{"halves", a}, {"words", b}, {"pairs", c}, {"transforms", d}, {"target", target}});
   commands.submit_and_wait();
   const std::vector<std::uint32_t> result = target.download();
   for (std::uint32_t i = 0; i < kCount; ++i) {
@@ -81,9 +82,9 @@ TEST_F(CommandsTest, EachCommandSeesTheOnesBefore) {
   const Kernel kernel(device, "test/count");
   Commands commands(device);
   commands.fill(counts, 40);
-  for (int i = 0; i < 50; ++i) commands.dispatch(kernel, {kCount}, {counts});
+  for (int i = 0; i < 50; ++i) commands.dispatch(kernel, {kCount}, {{"counts", counts}});
   commands.copy(counts, copy, kCount * 4);
-  for (int i = 0; i < 3; ++i) commands.dispatch(kernel, {kCount}, {counts});
+  for (int i = 0; i < 3; ++i) commands.dispatch(kernel, {kCount}, {{"counts", counts}});
   commands.submit_and_wait();
   EXPECT_EQ(copy.download(), std::vector<std::uint32_t>(kCount, 90));
   EXPECT_EQ(counts.download(), std::vector<std::uint32_t>(kCount, 93));
@@ -105,7 +106,7 @@ TEST_F(CommandsTest, AreReadyForReuseAndSeeLaterUploads) {
   Commands commands(device);
   for (std::uint32_t round = 0; round < 20; ++round) {
     counts.upload(std::vector<std::uint32_t>(64, 100 * round));
-    commands.dispatch(kernel, {64}, {counts});
+    commands.dispatch(kernel, {64}, {{"counts", counts}});
     commands.submit_and_wait();
     EXPECT_EQ(counts.download(), std::vector<std::uint32_t>(64, 100 * round + 1));
   }
@@ -116,7 +117,7 @@ TEST_F(CommandsTest, NothingRecordedIsNothingToWaitFor) {
   commands.submit_and_wait();
   const Kernel kernel(device, "test/count");
   Buffer<std::uint32_t> counts(device, 64, "counts");
-  commands.dispatch(kernel, {0}, {counts});  // no threads: no command
+  commands.dispatch(kernel, {0}, {{"counts", counts}});  // no threads: no command
   commands.submit_and_wait();
   EXPECT_EQ(counts.download(), std::vector<std::uint32_t>(64));
   EXPECT_TRUE(device.pass_times().empty());
@@ -127,10 +128,10 @@ TEST_F(CommandsTest, TimesAreSummedByKernel) {
   const Kernel kernel(device, "test/count"), same(device, "test/count");
   Commands commands(device);
   const auto start = std::chrono::steady_clock::now();
-  for (int i = 0; i < 600; ++i) commands.dispatch(i % 2 ? kernel : same, {1 << 14}, {counts});  // more than one query pool
+  for (int i = 0; i < 600; ++i) commands.dispatch(i % 2 ? kernel : same, {1 << 14}, {{"counts", counts}});  // more than one query pool
   commands.fill(counts, 1);
   commands.submit_and_wait();
-  commands.dispatch(kernel, {1 << 20}, {counts});
+  commands.dispatch(kernel, {1 << 20}, {{"counts", counts}});
   commands.submit_and_wait();
   const double wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   EXPECT_EQ(count_of("test/count"), 601);
@@ -143,7 +144,7 @@ TEST_F(CommandsTest, TimesAreSummedByKernel) {
   EXPECT_LE(sum_ms, wall_ms);
   device.reset_pass_times();
   EXPECT_TRUE(device.pass_times().empty());
-  commands.dispatch(kernel, {64}, {counts});
+  commands.dispatch(kernel, {64}, {{"counts", counts}});
   commands.submit_and_wait();
   EXPECT_EQ(count_of("test/count"), 1);
 }
@@ -156,7 +157,7 @@ TEST(CommandsTimeline, HasEveryCommandInOrderWithItsWork) {
   Commands commands(device);
   const Timeline::Clock::time_point start = Timeline::Clock::now();
   commands.fill(counts, 1);
-  commands.dispatch(kernel, {1 << 18}, {counts});
+  commands.dispatch(kernel, {1 << 18}, {{"counts", counts}});
   commands.submit_and_wait();
   const Timeline::Clock::time_point between = Timeline::Clock::now();
   commands.copy(counts, copied, 1 << 18);
@@ -189,12 +190,12 @@ TEST_F(CommandsTest, AGridBeyondTheDeviceIsAnError) {
   const Kernel kernel(device, "test/affine");
   Commands commands(device);
   try {
-    commands.dispatch(kernel, {1, 2 * limit + 1, 1}, AffineParams{1, 1, 1, 1, 0}, {source, target});
+    commands.dispatch(kernel, {1, 2 * limit + 1, 1}, AffineParams{1, 1, 1, 1, 0}, {{"source", source}, {"target", target}});
     FAIL();
   } catch (const DeviceError& error) {
     EXPECT_NE(std::string(error.what()).find("test/affine"), std::string::npos) << error.what();
   }
-  commands.dispatch(kernel, {4, 1, 1}, AffineParams{4, 1, 1, 0, 5}, {source, target});  // still usable
+  commands.dispatch(kernel, {4, 1, 1}, AffineParams{4, 1, 1, 0, 5}, {{"source", source}, {"target", target}});  // still usable
   commands.submit_and_wait();
   EXPECT_EQ(target.download(), std::vector<std::uint32_t>(4, 5));
 }
@@ -217,7 +218,7 @@ TEST_F(CommandsTest, PushConstantsArriveInEveryLayout) {
   const Buffer<float> target(device, 3, "target");
   const Kernel kernel(device, "test/layouts");
   Commands commands(device);
-  commands.dispatch(kernel, {1, 1, 1}, params, {words, target});
+  commands.dispatch(kernel, {1, 1, 1}, params, {{"floats", words}, {"target", target}});
   commands.submit_and_wait();
   EXPECT_EQ(target.download(), (std::vector<float>{1 + 40 + 700, 3 * 10 + 4 * 2, 20 + 300 + 4000}));
 }
@@ -234,14 +235,14 @@ TEST(CommandsHangTest, AWaitHasAnEndAndTheDeviceIsGoneAfterwards) {
   };
   // A second or so. Mesa's software driver ends all loops of an invocation after 65535 rounds together: there, many short ones.
   const bool many = device.info().kind == DeviceKind::kCpu;
-  commands.dispatch(kernel, {many ? 3'000u : 1u}, Params{many ? 6u : 40'000u}, {result});
+  commands.dispatch(kernel, {many ? 3'000u : 1u}, Params{many ? 6u : 40'000u}, {{"result", result}});
   try {
     commands.submit_and_wait(std::chrono::milliseconds(20));
     FAIL() << "a billion steps were done in 20 ms";
   } catch (const DeviceError& error) {
     EXPECT_NE(std::string(error.what()).find("hung"), std::string::npos) << error.what();
   }
-  EXPECT_THROW(commands.dispatch(kernel, {1}, Params{1}, {result}), DeviceError);
+  EXPECT_THROW(commands.dispatch(kernel, {1}, Params{1}, {{"result", result}}), DeviceError);
   EXPECT_THROW(device.transfer().fill_with_zero(BufferRef(result).buffer), DeviceError);
   EXPECT_EQ(device.validation_error_count(), 0);
   EXPECT_NO_THROW(Device());
@@ -255,7 +256,7 @@ TEST(CommandsRepeatTest, ManySubmissionsOneAfterTheOtherAreAllDone) {
   Commands commands(device);
   constexpr std::uint32_t kRounds = 200;
   for (std::uint32_t i = 0; i < kRounds; ++i) {
-    commands.dispatch(kernel, {64}, {counts});
+    commands.dispatch(kernel, {64}, {{"counts", counts}});
     commands.submit_and_wait();
   }
   EXPECT_EQ(counts.mapped()[0], kRounds);
@@ -272,10 +273,12 @@ TEST_F(CommandsDeathTest, WrongBuffersOrParametersAreOurOwnMistake) {
   const Kernel kernel(device, "test/affine");
   Commands commands(device);
   const AffineParams params{1, 1, 1, 1, 1};
-  EXPECT_DEATH(commands.dispatch(kernel, {1}, params, {source}), "binds 2 buffers, not 1");
-  EXPECT_DEATH(commands.dispatch(kernel, {1}, {source, target}), "takes 20 bytes of parameters, not 0");
-  EXPECT_DEATH(commands.dispatch(kernel, {1}, params.width, {source, target}), "takes 20 bytes of parameters, not 4");
-  EXPECT_DEATH(commands.dispatch(kernel, {1}, params, {source, Buffer<float>()}), "buffer 1 is empty");
+  EXPECT_DEATH(commands.dispatch(kernel, {1}, params, {{"source", source}}), "binds 2 buffers, not 1");
+  EXPECT_DEATH(commands.dispatch(kernel, {1}, {{"source", source}, {"target", target}}), "takes 20 bytes of parameters, not 0");
+  EXPECT_DEATH(commands.dispatch(kernel, {1}, params.width, {{"source", source}, {"target", target}}),
+               "takes 20 bytes of parameters, not 4");
+  EXPECT_DEATH(commands.dispatch(kernel, {1}, params, {{"source", source}, {"target", Buffer<float>()}}), "target is empty");
+  EXPECT_DEATH(commands.dispatch(kernel, {1}, params, {{"target", target}, {"source", source}}), "buffer 0 is 'source', not 'target'");
   EXPECT_DEATH(commands.copy(source, target, 20), "copy outside");
 }
 

@@ -86,8 +86,8 @@ TEST(Device, GoesWithoutWhatTheEnvironmentSays) {
   const Kernel count(device, "test/count"), texels(device, "test/texels");
   Commands commands(device);
   for (int round = 0; round < 3; ++round) {
-    for (int i = 0; i < 200; ++i) commands.dispatch(count, {64}, {counts});  // more sets than a pool has
-    commands.dispatch(texels, {1}, {words, words, pairs, transforms, target});
+    for (int i = 0; i < 200; ++i) commands.dispatch(count, {64}, {{"counts", counts}});  // more sets than a pool has
+    commands.dispatch(texels, {1}, {{"halves", words}, {"words", words}, {"pairs", pairs}, {"transforms", transforms}, {"target", target}});
     commands.submit_and_wait();
   }
   EXPECT_EQ(counts.download(), std::vector<std::uint32_t>(64, 600));

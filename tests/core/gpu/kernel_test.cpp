@@ -32,7 +32,7 @@ TEST_F(KernelTest, SpecialisationChangesConstantsAndLocalSize) {
   Buffer<std::uint32_t> source(device, 100, "source"), target(device, 100, "target");
   source.upload(std::vector<std::uint32_t>(100, 5));
   Commands commands(device);
-  commands.dispatch(kernel, {100}, Params{100, 1, 1, 2, 1}, {source, target});
+  commands.dispatch(kernel, {100}, Params{100, 1, 1, 2, 1}, {{"source", source}, {"target", target}});
   commands.submit_and_wait();
   EXPECT_EQ(target.download(), std::vector<std::uint32_t>(100, 1011));
 }
@@ -43,7 +43,7 @@ TEST_F(KernelTest, MovesAndOutlivesItsSource) {
   moved = Kernel(device, "test/count");
   Buffer<std::uint32_t> counts(device, 3, "counts");
   Commands commands(device);
-  commands.dispatch(moved, {3}, {counts});
+  commands.dispatch(moved, {3}, {{"counts", counts}});
   commands.submit_and_wait();
   EXPECT_EQ(counts.download(), (std::vector<std::uint32_t>{1, 1, 1}));
 }
