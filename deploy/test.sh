@@ -41,6 +41,19 @@ step_release() {
 
 step_release_tests() { tests_of release; }
 
+# The installed library, used by programs that know nothing of this folder.
+step_library() {
+  local result=build/examples/result
+  rm -rf build/installed "$result"
+  cmake --install build/release --prefix build/installed >/dev/null
+  cmake -S core/examples -B build/examples -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$PWD/build/installed" >/dev/null
+  cmake --build build/examples -j "$jobs"
+  mkdir -p "$result"
+  build/examples/reconstruct_recording synthetic:frames=4,width=160,height=120 "$result" >/dev/null
+  build/examples/mesh_of_result "$result" "$result/mesh.stl"
+  build/examples/own_camera
+}
+
 # Another Vulkan driver than Mesa's, one that lacks much of what that has: SwiftShader, which lies beside Debian's chromium.
 second_driver_filter='-*Death*'  # those start again and again, and tell nothing of a driver
 step_second_driver() {
@@ -126,5 +139,5 @@ install_packages
 provide_node
 install_viewer
 steps=("$@")
-[ $# -gt 0 ] || steps=(style web release release_tests second_driver gpu_only browser demo fuzz threads sanitized sanitized_tests)
+[ $# -gt 0 ] || steps=(style web release release_tests library second_driver gpu_only browser demo fuzz threads sanitized sanitized_tests)
 run_steps "${steps[@]}"

@@ -12,10 +12,10 @@
 #include "core/output/ply.h"
 #include "core/raw/raw_frames.h"
 #include "core/report/stated_uncertainty.h"
+#include "core/run/results.h"
 #include "server/commands.h"
 #include "server/mesh_file.h"
 #include "server/offline_run.h"
-#include "server/service/results.h"
 
 namespace hermite {
 

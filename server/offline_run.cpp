@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "core/dataset/depth_noise.h"
-#include "server/service/back_end.h"
+#include "core/run/back_end.h"
 
 namespace hermite {
 

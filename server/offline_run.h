@@ -13,7 +13,7 @@
 #include "core/dataset/sequence.h"
 #include "core/pipeline/pipeline.h"
 #include "core/report/frame_table.h"
-#include "server/service/read_frame.h"
+#include "core/dataset/read_frame.h"
 
 namespace hermite {
 

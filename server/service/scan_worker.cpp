@@ -17,15 +17,15 @@
 
 #include "core/base/step_back.h"
 #include "core/pipeline/pipeline.h"
+#include "core/run/back_end.h"
+#include "core/run/results.h"
 #include "proto/wire/frame_payload.h"
 #include "proto/wire/server_message.h"
-#include "server/service/back_end.h"
 #include "server/service/checkpoint_writer.h"
 #include "server/service/frame_queue.h"
 #include "server/service/live_mesher.h"
 #include "server/service/pipeline_words.h"
 #include "server/service/replay.h"
-#include "server/service/results.h"
 #include "server/service/scan_end.h"
 #include "server/store/chunk_file.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/check.h"
-#include "server/service/results.h"
+#include "core/run/results.h"
 #include "server/service/scans.h"
 #include "server/service/stored_scan.h"
 #include "server/store/unix_time.h"

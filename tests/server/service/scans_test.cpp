@@ -16,8 +16,8 @@
 
 #include "core/image/image_codec.h"
 #include "core/pipeline/doctor.h"
+#include "core/run/results.h"
 #include "proto/wire/frame_payload.h"
-#include "server/service/results.h"
 #include "server/store/chunk_file.h"
 #include "server/store/scan_id.h"
 #include "server/store/sqlite_store.h"

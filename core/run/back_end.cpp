@@ -1,4 +1,4 @@
-#include "server/service/back_end.h"
+#include "core/run/back_end.h"
 
 #include "core/calibrate/camera_watch.h"
 

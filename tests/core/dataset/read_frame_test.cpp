@@ -1,4 +1,4 @@
-#include "server/service/read_frame.h"
+#include "core/dataset/read_frame.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "server/service/results.h"
+#include "core/run/results.h"
 
 #include <utility>
 
