@@ -220,7 +220,6 @@ class Uploading {
       return outcome;
     }
     const Clock::time_point start = Clock::now();
-    std::optional<std::int64_t> from;
     UploadObserver observer;
     observer.interrupted = [this] { return interrupts_.count() > 0; };
     observer.on_link = [this, &path](const std::string& words) { screen_.line(path + ": " + words); };
@@ -354,19 +353,20 @@ Command add_upload_command(CLI::App& app) {
 Command add_import_command(CLI::App& app) {
   auto arguments = std::make_shared<UploadArguments>();
   arguments->import = arguments->wait = true;
-  CLI::App& import = *app.add_subcommand("import", "Bring clouds and meshes of other programs along, as scans to look at and to share");
-  import.add_option("FILE", arguments->paths, "PLY (points or a mesh) or GLB")->required();
-  add_server_options(import, arguments->server)->required();
-  import.add_option("--title", arguments->title, "Title of the scans (default: the file's name)");
-  const auto add_setting = [&import, arguments](const char* name, const char* key, const char* words) {
-    import.add_option_function<std::string>(name, [arguments, key](const std::string& value) { arguments->settings.push_back(std::string(key) + "=" + value); }, words);
-};
-add_setting("--scale", "scale", "Metres of a unit of the file (default 1): 0.001 for millimetres");
-add_setting("--up", "up", "Which axis of the file is up: y, z or -y (default: of a GLB y, of a PLY z)");
-import.add_option("--patience", arguments->patience_s, "So long a server that is away or full is asked again, in seconds (default 600)")
-    ->check(CLI::Range(0, 86'400));
-import.add_flag("--json", arguments->json, "One JSON object a file, on a line");
-return {&import, [arguments] { return run_upload(*arguments); }};
+  CLI::App& command = *app.add_subcommand("import", "Bring clouds and meshes of other programs along, as scans to look at and to share");
+  command.add_option("FILE", arguments->paths, "PLY (points or a mesh) or GLB")->required();
+  add_server_options(command, arguments->server)->required();
+  command.add_option("--title", arguments->title, "Title of the scans (default: the file's name)");
+  const auto add_setting = [&command, arguments](const char* name, const char* key, const char* words) {
+    command.add_option_function<std::string>(
+        name, [arguments, key](const std::string& value) { arguments->settings.push_back(std::string(key) + "=" + value); }, words);
+  };
+  add_setting("--scale", "scale", "Metres of a unit of the file (default 1): 0.001 for millimetres");
+  add_setting("--up", "up", "Which axis of the file is up: y, z or -y (default: of a GLB y, of a PLY z)");
+  command.add_option("--patience", arguments->patience_s, "So long a server that is away or full is asked again, in seconds (default 600)")
+      ->check(CLI::Range(0, 86'400));
+  command.add_flag("--json", arguments->json, "One JSON object a file, on a line");
+  return {&command, [arguments] { return run_upload(*arguments); }};
 }
 
 Command add_jobs_command(CLI::App& app) {

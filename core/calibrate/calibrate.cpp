@@ -154,6 +154,26 @@ void record(const JointSolution& solution, std::size_t number, FoundNumber& foun
   found.deviation = solution.deviation[static_cast<Eigen::Index>(number)];
 }
 
+// Whether what was found is applied, by what pairs that were held back say of it.
+void conclude(Calibration& result, const Camera& camera, const Trial& as_it_was, const Trial& best, const FreeNumbers& is_free) {
+  const bool is_any_free = std::any_of(is_free.begin(), is_free.end(), [](bool is) { return is; });
+  const bool agrees_better =
+      best.relative_rms() < (1 - kLeastGain) * as_it_was.relative_rms() &&
+      best.held_back.median_m * as_it_was.held_back.mean_depth_m <= as_it_was.held_back.median_m * best.held_back.mean_depth_m;
+  const Camera corrected = changed(camera, best.solution.change);
+  result.is_applied = is_any_free && agrees_better && validate(corrected).ok();
+  if (!is_any_free) result.reason = "no number of the camera is off, or none in a way that is to be believed: each says why";
+  for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
+    if (!is_free[k]) continue;
+    record(best.solution, k, result.numbers[k]);
+    result.numbers[k].is_applied = result.is_applied;
+    if (!result.is_applied) result.numbers[k].reason = result.reason = "pairs that were held back do not agree better with what was found";
+  }
+  if (!result.is_applied) return;
+  result.camera = corrected;
+  result.after = best.held_back;
+}
+
 }  // namespace
 
 Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& camera, const CalibrateOptions& options) {
@@ -203,22 +223,7 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
     settle();
   }
 
-  const bool is_any_free = std::any_of(is_free.begin(), is_free.end(), [](bool is) { return is; });
-  const bool agrees_better =
-      best.relative_rms() < (1 - kLeastGain) * as_it_was.relative_rms() &&
-      best.held_back.median_m * as_it_was.held_back.mean_depth_m <= as_it_was.held_back.median_m * best.held_back.mean_depth_m;
-  const Camera corrected = changed(camera, best.solution.change);
-  result.is_applied = is_any_free && agrees_better && validate(corrected).ok();
-  if (!is_any_free) result.reason = "no number of the camera is off, or none in a way that is to be believed: each says why";
-  for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
-    if (!is_free[k]) continue;
-    record(best.solution, k, result.numbers[k]);
-    result.numbers[k].is_applied = result.is_applied;
-    if (!result.is_applied) result.numbers[k].reason = result.reason = "pairs that were held back do not agree better with what was found";
-  }
-  if (!result.is_applied) return result;
-  result.camera = corrected;
-  result.after = best.held_back;
+  conclude(result, camera, as_it_was, best, is_free);
   return result;
 }
 

@@ -108,27 +108,31 @@ class Skipping : public ChangedSequence {
   const std::int64_t every_;
 };
 
-// One option, a number.
+// The one option of a disturbance.
+struct NumberOption {
+  const char* key;
+  double low, high, value;
+};
+
 template <class Disturbed>
-Opened with_number(std::unique_ptr<Sequence> sequence, const std::string& name, const std::string& options, const std::string& key,
-                   double low, double high, double value) {
-  const Status status = apply_key_values(options, {number_rule(key, low, high, value)});
+Opened with_number(std::unique_ptr<Sequence> sequence, const char* name, const std::string& options, NumberOption number) {
+  const Status status = apply_key_values(options, {number_rule(number.key, number.low, number.high, number.value)});
   if (!status.ok()) return in_context(name, status.error());
-  return std::unique_ptr<Sequence>(std::make_unique<Disturbed>(std::move(sequence), value));
+  return std::unique_ptr<Sequence>(std::make_unique<Disturbed>(std::move(sequence), number.value));
 }
 
 }  // namespace
 
 Opened with_bend(std::unique_ptr<Sequence> sequence, const std::string& options) {
-  return with_number<Bent>(std::move(sequence), "bend", options, "percent", -10, 10, 1.5);
+  return with_number<Bent>(std::move(sequence), "bend", options, {"percent", -10, 10, 1.5});
 }
 
 Opened with_sparse(std::unique_ptr<Sequence> sequence, const std::string& options) {
-  return with_number<Sparse>(std::move(sequence), "sparse", options, "keep", 0.01, 1, 0.1);
+  return with_number<Sparse>(std::move(sequence), "sparse", options, {"keep", 0.01, 1, 0.1});
 }
 
 Opened with_focal(std::unique_ptr<Sequence> sequence, const std::string& options) {
-  return with_number<Refocused>(std::move(sequence), "focal", options, "percent", -10, 10, 1);
+  return with_number<Refocused>(std::move(sequence), "focal", options, {"percent", -10, 10, 1});
 }
 
 Opened with_skip(std::unique_ptr<Sequence> sequence, const std::string& options) {

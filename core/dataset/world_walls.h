@@ -21,6 +21,12 @@ struct Area {
   Span x, y;  // of the free inside
 };
 
+// One of an area's.
+struct Wall {
+  const Area& area;
+  Side side;
+};
+
 struct AreaLook {
   std::array<int, 4> walls;  // materials, in the order of Side
   int floor;                 // material
@@ -50,7 +56,7 @@ void add_area(Furnisher& f, const Area& area, const AreaLook& look, const std::v
 void light_area(Furnisher& f, const Area& area, Side window);
 
 // A box on a wall: along it in the world's coordinate, `depth` from the wall's face into the area (negative: into the wall), heights.
-Shape& on_wall(Furnisher& f, const Area& area, Side side, Span along, Span depth, Span z, int material);
+Shape& on_wall(Furnisher& f, Wall wall, Span along, Span depth, Span z, int material);
 
 // The point at the foot of a wall: for Place::to.
 Eigen::Vector2d at_wall(const Area& area, Side side, double along);

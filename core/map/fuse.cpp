@@ -29,23 +29,27 @@ Fuser::Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOpt
       seen_(device, static_cast<std::size_t>(camera.width) * camera.height, "fusion"),
       new_by_tile_(device, tile_count(camera), "fusion") {}
 
+shared::FuseParams Fuser::params_of(const shared::Intrinsics& camera, const SurfelStore& store, const FusedFrame& fused) const {
+  return {camera,
+          fused.number,
+          store.capacity(),
+          static_cast<float>(options_.fuse_depth_gate_m),
+          static_cast<float>(std::cos(options_.fuse_normal_gate_rad)),
+          static_cast<float>(options_.max_confidence),
+          static_cast<float>(curvature_limit_per_m_),
+          fused.submap,
+          options_.fuse_surface ? 1u : 0u,
+          options_.weigh_by_radius ? 1u : 0u,
+          static_cast<float>(radius_scale_),
+          fused.with_color ? 1u : 0u,
+          static_cast<float>(fused.brightness.gain),
+          static_cast<float>(fused.brightness.offset),
+          fused.add_new ? 1u : 0u};
+}
+
 void Fuser::fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, FusedFrame fused) {
   const SurfaceLevel& surface = frame.surface.levels[0];
-  const shared::FuseParams params{surface.camera,
-                                  fused.number,
-                                  store.capacity(),
-                                  static_cast<float>(options_.fuse_depth_gate_m),
-                                  static_cast<float>(std::cos(options_.fuse_normal_gate_rad)),
-                                  static_cast<float>(options_.max_confidence),
-                                  static_cast<float>(curvature_limit_per_m_),
-                                  fused.submap,
-                                  options_.fuse_surface ? 1u : 0u,
-                                  options_.weigh_by_radius ? 1u : 0u,
-                                  static_cast<float>(radius_scale_),
-                                  fused.with_color ? 1u : 0u,
-                                  static_cast<float>(fused.brightness.gain),
-                                  static_cast<float>(fused.brightness.offset),
-                                  fused.add_new ? 1u : 0u};
+  const shared::FuseParams params = params_of(surface.camera, store, fused);
   const std::uint32_t tiles = tile_count(surface.camera), threads = 256 * tiles;
   commands.fill(claims_, kNoSurfel);
   commands.dispatch(associate_, {threads}, params,

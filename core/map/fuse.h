@@ -33,6 +33,8 @@ class Fuser {
   std::uint32_t new_slots_bound() const { return static_cast<std::uint32_t>(candidates_.count()); }
 
  private:
+  shared::FuseParams params_of(const shared::Intrinsics& camera, const SurfelStore& store, const FusedFrame& fused) const;
+
   const MapOptions options_;
   const double curvature_limit_per_m_, radius_scale_;
   gpu::Kernel associate_, merge_, scan_, append_, index_times_, clean_, count_free_, free_list_;

@@ -23,16 +23,10 @@ std::function<Field(Options&)> member(Group Options::*group, Value Group::*value
   return [group, value](Options& options) -> Field { return &(options.*group.*value); };
 }
 
-const std::vector<Row>& rows() {
+std::vector<Row> frame_rows() {
   using F = FrameOptions;
-  using M = MapOptions;
-  using T = TrackOptions;
   const auto f = [](auto value) { return member(&Options::frame, value); };
-  const auto m = [](auto value) { return member(&Options::map, value); };
-  using A = AdjustOptions;
-  const auto a = [](auto value) { return member(&Options::adjust, value); };
-  const auto t = [](auto value) { return member(&Options::track, value); };
-  static const std::vector<Row> table{
+  return {
       {"frame.depth_min_m", f(&F::depth_min_m), 0.05, 5, "nearer measurements are ignored [m]"},
       {"frame.depth_max_m", f(&F::depth_max_m), 0.5, 20, "farther measurements are ignored [m]"},
       {"frame.sampling", f(&F::sampling), 1, 2, "1: all pixels, 2: of images beyond 320x240 a quarter, another one in every frame"},
@@ -54,6 +48,13 @@ const std::vector<Row>& rows() {
       {"frame.project_to_surface", f(&F::project_to_surface), 0, 1, "move vertices onto the frame's own HRBF surface"},
       {"frame.correct_camera", f(&F::correct_camera), 0, 1,
        "a camera whose focal length or bend of depth turns out to be off is corrected, and the scan worked through again"},
+  };
+}
+
+std::vector<Row> track_rows() {
+  using T = TrackOptions;
+  const auto t = [](auto value) { return member(&Options::track, value); };
+  return {
       {"track.rotation_prealignment", t(&T::rotation_prealignment), 0, 1, "start from the rotation that aligns the grey images"},
       {"track.constant_velocity", t(&T::constant_velocity), 0, 1, "try to start from the last motion too; the guess that fits best wins"},
       {"track.geometric_weight", t(&T::geometric_weight), 0, 1e9, "weight of the geometric beside the photometric term"},
@@ -79,6 +80,13 @@ const std::vector<Row>& rows() {
       {"track.min_correlation", t(&T::min_correlation), -1, 1, "with a picture less like the model's the camera is lost"},
       {"track.object", t(&T::object), 0, 1,
        "what turns or is moved before the camera is scanned and all else left out, or what moves is left out"},
+  };
+}
+
+std::vector<Row> map_rows() {
+  using M = MapOptions;
+  const auto m = [](auto value) { return member(&Options::map, value); };
+  return {
       {"map.stable_confidence", m(&M::stable_confidence), 0, 100, "surfels of at least this confidence are stable"},
       {"map.max_confidence", m(&M::max_confidence), 1, 1e6, "cap that lets old surfels move"},
       {"map.hrbf_prediction", m(&M::hrbf_prediction), 0, 1, "predict by HRBF ray intersection, or by surfel splatting"},
@@ -99,6 +107,13 @@ const std::vector<Row>& rows() {
       {"map.redundancy_depth_m", m(&M::redundancy_depth_m), 0.001, 0.1, "surfels this close before an older surface are redundant [m]"},
       {"map.gpu_memory_mb", m(&M::gpu_memory_mb), 0, 1e6,
        "device memory of the scan, submaps out of reach wait in the host's; 0: as much as there is [MB]"},
+  };
+}
+
+std::vector<Row> adjust_rows() {
+  using A = AdjustOptions;
+  const auto a = [](auto value) { return member(&Options::adjust, value); };
+  return {
       {"adjust.local_bundle_adjustment", a(&A::local_bundle_adjustment), 0, 1, "align neighbouring submaps by the landmarks they share"},
       {"adjust.global_bundle_adjustment", a(&A::global_bundle_adjustment), 0, 1,
        "close loops, find a lost camera, join parts of the map, and align all submaps"},
@@ -111,8 +126,18 @@ const std::vector<Row>& rows() {
       {"adjust.active_path_m", a(&A::active_path_m), 0.3, 1000, "submaps over a longer way are looked at again before they are used [m]"},
       {"adjust.new_part_after_frames", a(&A::new_part_after_frames), 1, 1e6,
        "a camera lost for so long begins a new part of the map [frames]"},
-      {"output.unstable", [](Options& o) -> Field { return &o.output_unstable; }, 0, 1, "export surfels that are not stable too"},
   };
+}
+
+const std::vector<Row>& rows() {
+  static const std::vector<Row> table = [] {
+    std::vector<Row> all;
+    for (const std::vector<Row>& group : {frame_rows(), track_rows(), map_rows(), adjust_rows()})
+      all.insert(all.end(), group.begin(), group.end());
+    all.push_back(
+        {"output.unstable", [](Options& o) -> Field { return &o.output_unstable; }, 0, 1, "export surfels that are not stable too"});
+    return all;
+  }();
   return table;
 }
 

@@ -101,8 +101,7 @@ bool TexelBlender::blend(const SurfacePoint& point, const std::vector<std::uint3
   return true;
 }
 
-void TexelBlender::blend_tile(const FlatChart& chart, const ChartRaster& raster, int tile_x, int tile_y, Image<Vector3f>& off_vertices,
-                              Image<Vector3f>& of_vertices, Image<std::uint8_t>& is_seen) const {
+void TexelBlender::blend_tile(const FlatChart& chart, const ChartRaster& raster, int tile_x, int tile_y, Blended& blended) const {
   struct TexelPlace {
     int x, y;
   };
@@ -121,22 +120,24 @@ void TexelBlender::blend_tile(const FlatChart& chart, const ChartRaster& raster,
   const std::vector<std::uint32_t> views = views_of(asked, chart.texel_m);
   for (std::size_t i = 0; i < places.size(); ++i) {
     const auto [x, y] = places[i];
-    of_vertices.at(x, y) = points[i].color;
+    blended.of_vertices.at(x, y) = points[i].color;
     Vector3f color;
     if (!blend(points[i], views, chart.texel_m, color)) continue;
-    off_vertices.at(x, y) = color - points[i].color;
-    is_seen.at(x, y) = 1;
+    blended.off_vertices.at(x, y) = color - points[i].color;
+    blended.is_seen.at(x, y) = 1;
   }
 }
 
 ColorImage TexelBlender::blended(const FlatChart& chart) const {
   const ChartRaster raster = raster_of(mesh_, chart);
-  Image<Vector3f> of_vertices(chart.width, chart.height), off_vertices(chart.width, chart.height);
-  Image<std::uint8_t> is_surface(chart.width, chart.height), is_seen(chart.width, chart.height);
+  Blended blended{Image<Vector3f>(chart.width, chart.height), Image<Vector3f>(chart.width, chart.height),
+                  Image<std::uint8_t>(chart.width, chart.height)};
+  auto& [of_vertices, off_vertices, is_seen] = blended;
+  Image<std::uint8_t> is_surface(chart.width, chart.height);
   std::fill(of_vertices.pixels.begin(), of_vertices.pixels.end(), Vector3f(Vector3f::Zero()));
   off_vertices.pixels = of_vertices.pixels;
   for (int y = 0; y < chart.height; y += kTile_texels)
-    for (int x = 0; x < chart.width; x += kTile_texels) blend_tile(chart, raster, x, y, off_vertices, of_vertices, is_seen);
+    for (int x = 0; x < chart.width; x += kTile_texels) blend_tile(chart, raster, x, y, blended);
   fill_smoothly(off_vertices, is_seen);
   for (std::size_t i = 0; i < is_surface.pixels.size(); ++i) {
     is_surface.pixels[i] = raster.triangle.pixels[i] != kNoTexel ? 1 : 0;

@@ -31,8 +31,12 @@ class TexelBlender {
   // Views that see something of the points, best first.
   std::vector<std::uint32_t> views_of(const std::vector<SurfacePoint>& points, float texel_m) const;
   bool blend(const SurfacePoint& point, const std::vector<std::uint32_t>& views, float texel_m, Eigen::Vector3f& color) const;
-  void blend_tile(const FlatChart& chart, const ChartRaster& raster, int tile_x, int tile_y, Image<Eigen::Vector3f>& off_vertices,
-                  Image<Eigen::Vector3f>& of_vertices, Image<std::uint8_t>& is_seen) const;
+  // By texel of a chart: the colour of the mesh there, how far that of the views is off it, and whether there is one.
+  struct Blended {
+    Image<Eigen::Vector3f> of_vertices, off_vertices;
+    Image<std::uint8_t> is_seen;
+  };
+  void blend_tile(const FlatChart& chart, const ChartRaster& raster, int tile_x, int tile_y, Blended& blended) const;
 
   const TriangleMesh& mesh_;
   const Camera& camera_;

@@ -313,19 +313,23 @@ Apart Comparison::apart(std::size_t surface, const Rigid3& rest_pose, const Syst
   return {true, twist.dot(covariance.ldlt().solve(twist)), length(twist) / std::max(by_camera, 1e-9)};
 }
 
+// By surface: what a pixel shows grows with the square of its distance.
+std::vector<double> areas_of(const CoarseView& frame, const ViewSurfaces& surfaces) {
+  std::vector<double> areas(surfaces.pixel_count.size(), 0);
+  for (std::size_t i = 0; i < frame.size(); ++i) areas[surfaces.of_pixel[i]] += double{frame.depth_m[i]} * double{frame.depth_m[i]};
+  return areas;
+}
+
 }  // namespace
 
 OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, const CoarseView& earlier, const CameraMotion& motion,
                        const std::vector<bool>& moved_before, double usual_disagreement) {
   const Comparison comparison{by_surface(frame, surfaces), EarlierPixels(earlier), motion};
-  // The surface that a pixel shows grows with the square of its distance.
-  std::vector<double> area(surfaces.pixel_count.size(), 0);
-  for (std::size_t i = 0; i < frame.size(); ++i) area[surfaces.of_pixel[i]] += double{frame.depth_m[i]} * double{frame.depth_m[i]};
-  const double all_area = std::accumulate(area.begin(), area.end(), 0.0);
-  const auto is_most = [&](const std::vector<bool>& moves) {
+  const std::vector<double> area = areas_of(frame, surfaces);
+  const auto is_most = [&area](const std::vector<bool>& moves) {
     double moving = 0;
     for (std::size_t surface = 1; surface < moves.size(); ++surface) moving += moves[surface] ? area[surface] : 0;
-    return moving > kMostMoving * all_area;
+    return moving > kMostMoving * std::accumulate(area.begin(), area.end(), 0.0);
   };
   struct State {
     std::vector<bool> moves;

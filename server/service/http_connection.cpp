@@ -256,9 +256,17 @@ asio::awaitable<bool> shake_hands(Transport& stream, std::chrono::milliseconds p
   co_return !error;
 }
 
+// A request whose header has come.
+struct Incoming {
+  Transport& stream;
+  beast::flat_buffer& buffer;
+  HeaderParser& parser;
+};
+
 // Whether the connection can go on.
-asio::awaitable<bool> answer_request(Transport& stream, beast::flat_buffer& buffer, HeaderParser& parser, const Site& site,
-                                     std::optional<HttpAnswer> wrong, HttpRequest request, Answering how) {
+asio::awaitable<bool> answer_request(Incoming incoming, const Site& site, std::optional<HttpAnswer> wrong, HttpRequest request,
+                                     Answering how) {
+  auto& [stream, buffer, parser] = incoming;
   const auto start = std::chrono::steady_clock::now();
   if (wrong) how.keep_alive = false;
   if (!wrong) {
@@ -317,7 +325,7 @@ asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, std::string
       co_return;
     }
     const Answering how{request.version(), peer.encrypted, request.method() == http::verb::head, request.keep_alive()};
-    go_on = co_await answer_request(stream, buffer, parser, site, std::move(wrong), std::move(asked), how);
+    go_on = co_await answer_request({stream, buffer, parser}, site, std::move(wrong), std::move(asked), how);
   }
   co_await linger(stream);
 }

@@ -54,7 +54,7 @@ using boost::system::error_code;
 constexpr int kMaxAdminConnections = 32;
 constexpr int kMaxRefusing = 32;  // refused connections that are told why at once; more are just closed
 constexpr std::int64_t kRefusedRetry_ms = 5000;
-constexpr const char* kVersion = "0.1.0";
+constexpr const char* kVersion = HERMITE_VERSION;
 constexpr std::chrono::seconds kStopPatience(60);  // for the frame in work and the results of every scan
 constexpr std::chrono::milliseconds kStopCheck(20);
 constexpr std::chrono::milliseconds kTick(250);             // how exactly waits are ended that are given in seconds

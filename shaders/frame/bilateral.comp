@@ -1,12 +1,12 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The bilateral filter (paper section 3.2). It works on inverse depth, which is linear over the image of a plane: a mean over the window leaves
-// planes where they are, however tilted, and a triangulating sensor's noise is the same on both sides. Its width over depth follows the
-// sensor's noise at that depth instead of being fixed: 30 mm everywhere, as in the authors' program, rounds off what a Kinect still
-// resolves at 1 m.
-// Two outputs, by sampled pixel: the measured depth, and the filtered one; 0 where nothing was measured inside the range. The filter looks at
-// all pixels. Each invocation answers four neighbouring samples (the components of a vec4): what their windows share is read once.
+// The bilateral filter (paper section 3.2). It works on inverse depth, which is linear over the image of a plane: a mean over the window
+// leaves planes where they are, however tilted, and a triangulating sensor's noise is the same on both sides. Its width over depth follows
+// the sensor's noise at that depth instead of being fixed: 30 mm everywhere, as in the authors' program, rounds off what a Kinect still
+// resolves at 1 m. Two outputs, by sampled pixel: the measured depth, and the filtered one; 0 where nothing was measured inside the range.
+// The filter looks at all pixels. Each invocation answers four neighbouring samples (the components of a vec4): what their windows share is
+// read once.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Colours of the sampled pixels; their grey values, 0 to 255, smoothed over 3x3 pixels of the image, and their Sobel gradient in grey values
-// per sample, zero on the border.
+// Colours of the sampled pixels; their grey values, 0 to 255, smoothed over 3x3 pixels of the image, and their Sobel gradient in grey
+// values per sample, zero on the border.
 #include "shaders/shared/frame.h"
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"

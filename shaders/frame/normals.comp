@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// First normals by central differences of the filtered depth (paper section 3.2), pointing away from the camera: with the depth, the kernels of
-// the frame's own HRBF.
+// First normals by central differences of the filtered depth (paper section 3.2), pointing away from the camera: with the depth, the
+// kernels of the frame's own HRBF.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -10,7 +10,8 @@
 #include "shaders/lib/kernels.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 TEXELS(0, depth_m);
-layout(scalar, binding = 1) writeonly buffer Kernels { uvec4 kernels[]; };  // depth, normal, its z, inverse radius; zeros where there is none
+// Depth, normal, its z, inverse radius; zeros where there is none.
+layout(scalar, binding = 1) writeonly buffer Kernels { uvec4 kernels[]; };
 PARAMETERS(NormalParams, p);
 
 vec3 vertex_at(ivec2 pixel) {

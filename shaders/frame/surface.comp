@@ -99,7 +99,8 @@ void main() {
   uint centre = uint(kernel_index(p.camera, pixel));
   vec3 ray = pixel_ray(p.camera, vec2(pixel));
   Rays4 rays = rays_from(p.camera, ray);
-  vec4 vertex_z = vec4(vec4_at(kernels, centre).x, vec4_at(kernels, centre + 1u).x, vec4_at(kernels, centre + 2u).x, vec4_at(kernels, centre + 3u).x);
+  vec4 vertex_z = vec4(vec4_at(kernels, centre).x, vec4_at(kernels, centre + 1u).x, vec4_at(kernels, centre + 2u).x,
+                       vec4_at(kernels, centre + 3u).x);
   vec4 z = vertex_z;
   if (p.project_to_surface != 0u) {
     vec4 moved = step_to_surface(first, rays, vertex_z);

@@ -9,7 +9,8 @@ layout(scalar, binding = 3) buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 4) buffer Attributes { SurfelAttributes attributes[]; };
 layout(scalar, binding = 5) buffer Times { uvec2 times[]; };
 TEXELS(6, camera_from_submap);
-layout(scalar, binding = 7) buffer Candidates { uint candidates[]; };  // by pixel: a cell of the index map, kNew, or none where there is nothing to fuse
+// By pixel: a cell of the index map, kNew, or none where there is nothing to fuse.
+layout(scalar, binding = 7) buffer Candidates { uint candidates[]; };
 layout(scalar, binding = 8) buffer Tiles { uint new_by_group[]; };
 layout(scalar, binding = 9) buffer State { MapState state; };
 PARAMETERS(FuseParams, p);

@@ -1,5 +1,5 @@
-// Images of kernels: what an HRBF asks of a pixel in one texel. The margin around the image stays zero, which is no kernel, so that windows need no
-// bounds.
+// Images of kernels: what an HRBF asks of a pixel in one texel. The margin around the image stays zero, which is no kernel, so that windows
+// need no bounds.
 const float kNoKernel = 1e6;  // the inverse radius of a kernel that is none: nothing is within
 const int kKernelMargin = HERMITE_KERNEL_MARGIN;
 int kernel_stride(Intrinsics camera) { return HERMITE_KERNEL_STRIDE(int(camera.width)); }

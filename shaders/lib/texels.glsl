@@ -2,7 +2,8 @@
 // buffer, software devices read word by word and lane by lane: four words cost them ten times as much as a texel does.
 //
 // Every shader is compiled a second time with HERMITE_TEXELS_IN_STORAGE, for devices whose texel buffers are too small: then they are bound
-// as storage buffers. Nothing there says how wide an element is, so a shader asks for as many words as the element has: what it calls tells.
+// as storage buffers. Nothing there says how wide an element is, so a shader asks for as many words as the element has: what it calls
+// tells.
 #ifdef HERMITE_TEXELS_IN_STORAGE
 #define TEXELS(number, name)                                                                    \
   layout(scalar, binding = number) readonly buffer name##Ones { uint name##_ones[]; };          \

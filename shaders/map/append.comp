@@ -21,7 +21,8 @@ void main() {
   uint rank = new_by_group[gl_WorkGroupID.x] + new_before(gl_LocalInvocationID.x);
   ZoneSlots zone = state.zones[zone_of_tile(p.camera, gl_WorkGroupID.x)];
   rank -= zone.new_begin;
-  uint slot = rank < zone.free_count ? uint_at(free_slots, zone.free_begin + rank) : state.slot_count + zone.fresh_begin + rank - zone.free_count;
+  uint slot = rank < zone.free_count ? uint_at(free_slots, zone.free_begin + rank)
+                                     : state.slot_count + zone.fresh_begin + rank - zone.free_count;
   if (slot >= p.slot_capacity) return;
   Measurement m = measure(i);
   Transform t = transform_at(camera_from_submap, p.submap);
@@ -29,8 +30,8 @@ void main() {
   for (uint direction = 0u; direction < 8u; ++direction)
     atomicMax(bounds[slot / kBlock].reach[direction], ordered(reach(direction, vec4(position, float(p.submap)))));
   position_confidence[slot] = vec4(position, m.confidence);
-  attributes[slot] = SurfelAttributes(pack_unit(rotate_back(t, m.normal)), pack_radius_submap(m.radius_m, p.submap), pack_color(m.color, vec3(0.5)),
-                                      packHalf2x16(m.curvatures));
+  attributes[slot] = SurfelAttributes(pack_unit(rotate_back(t, m.normal)), pack_radius_submap(m.radius_m, p.submap),
+                                      pack_color(m.color, vec3(0.5)), packHalf2x16(m.curvatures));
   times[slot] = uvec2(p.frame_number);
   changed_frame[slot / kBlock] = p.frame_number;
 }

@@ -37,8 +37,8 @@ bool doubled(uint slot, ivec2 pixel, float z, SurfelAttributes a, uint created) 
   return surfel_submap(b) != surfel_submap(a) && shown.z < created && surfel_radius(b) <= 1.5 * surfel_radius(a);
 }
 
-// Was seen a few times and is looked through now: it was noise, or has moved on. The frame itself is asked, since the surfel hides the stable
-// ones behind it from association, so that they are not seen; and around the pixel too, since at an edge both sides are measured.
+// Was seen a few times and is looked through now: it was noise, or has moved on. The frame itself is asked, since the surfel hides the
+// stable ones behind it from association, so that they are not seen; and around the pixel too, since at an edge both sides are measured.
 bool refuted(uint slot, ivec2 pixel, float z, float confidence, bool visible) {
   bool doubtful = visible && confidence < p.stable_confidence && p.frame_number - uvec2_at(times, slot).y >= kPatience;
   bool measured = false, behind = true;

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Lists the blocks of slots whose turn for cleaning has come, then the others that the view may show, each in ascending order: one workgroup,
-// and the sizes of the dispatches that follow. Everything outside costs nothing until the camera turns to it.
+// Lists the blocks of slots whose turn for cleaning has come, then the others that the view may show, each in ascending order: one
+// workgroup, and the sizes of the dispatches that follow. Everything outside costs nothing until the camera turns to it.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"

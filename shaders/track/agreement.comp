@@ -58,7 +58,8 @@ void main() {
     in_front += reference_z - point.z > 2.0 * tolerance ? 1.0 : 0.0;
     if (abs(dot(unpack_normal(shown.normal), point - d)) > tolerance) continue;
     agreeing += 1.0;
-    float seen = float_at(intensity, i) - 128.0, known = float_at(reference_intensity, j) - 128.0;  // near zero, so that the sums keep their digits
+    // Near zero, so that the sums keep their digits.
+    float seen = float_at(intensity, i) - 128.0, known = float_at(reference_intensity, j) - 128.0;
     if (known < -128.0) continue;
     coloured += 1.0;
     grey += vec2(seen, known);

@@ -22,8 +22,8 @@ Result<std::vector<GlbPlacement>> placements_of(const char* nodes, const json& s
 }
 
 TEST(GlbScene, ChildrenStandWhereTheirParentsPutThem) {
-  const auto placed = placements_of(
-      R"([{"translation": [1, 0, 0], "scale": [2, 2, 2], "children": [1]}, {"mesh": 3, "translation": [0, 1, 0], "rotation": [0, 0, 0.70710678, 0.70710678]}])");
+  const auto placed = placements_of(R"([{"translation": [1, 0, 0], "scale": [2, 2, 2], "children": [1]},)"
+                                    R"( {"mesh": 3, "translation": [0, 1, 0], "rotation": [0, 0, 0.70710678, 0.70710678]}])");
   ASSERT_TRUE(placed.ok()) << placed.error().message;
   ASSERT_EQ(placed->size(), 1u);
   EXPECT_EQ((*placed)[0].mesh, 3u);

@@ -1,0 +1,147 @@
+// How long files, functions and lines may be, how many parameters a function has, and how much of the project a file includes. Whoever
+// meets a limit has two things in one: see CONTRIBUTING.md.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "tests/source_root/source_root.h"
+
+namespace hermite::limits_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostLines = 400, kMostLinesOfATest = 700, kMostColumns = 140, kMostFunctionLines = 60, kMostParameters = 6,
+                      kMostIncludes = 25;
+
+struct Function {
+  std::string head;
+  std::size_t line = 0, line_count = 0, parameter_count = 0;
+};
+
+// Comments, texts and letters become spaces, so that what is left can be counted by its brackets. Lines stay lines.
+std::string code_of(const std::string& text) {
+  static const std::regex hidden(R"(//[^\n]*|"(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)'|^[ \t]*#[^\n]*)",
+                                 std::regex::ECMAScript | std::regex::multiline);
+  std::string code;
+  auto from = text.cbegin();
+  for (std::sregex_iterator found(text.begin(), text.end(), hidden), end; found != end; ++found) {
+    code.append(from, text.cbegin() + found->position()).append(static_cast<std::size_t>(found->length()), ' ');
+    from = text.cbegin() + found->position() + found->length();
+  }
+  return code.append(from, text.cend());
+}
+
+// Of the first parentheses in `head`.
+std::size_t parameters_of(const std::string& head) {
+  const std::size_t open = head.find('(');
+  if (open == std::string::npos) return 0;
+  int depth = 0;
+  std::size_t count = 0;
+  for (std::size_t i = open; i < head.size(); ++i) {
+    const char letter = head[i];
+    if (letter == '(' || letter == '<' || letter == '[' || letter == '{') ++depth;
+    if ((letter == '>' && head[i - 1] != '-') || letter == ']' || letter == '}') --depth;
+    if (letter == ')' && --depth == 0) return head.find_first_not_of(" \n", open + 1) == i ? 0 : count + 1;
+    if (letter == ',' && depth == 1) ++count;
+  }
+  return count + 1;
+}
+
+// What is defined outside of functions: a block behind parentheses that stands in namespaces and classes only.
+std::vector<Function> functions_of(const std::string& code) {
+  static const std::regex container(R"(\b(namespace|struct|class|union|enum|extern)\b[^()=]*$)"), value(R"([=,]\s*$|\breturn\b)");
+  std::vector<Function> functions;
+  std::vector<bool> is_container;
+  std::size_t line = 1, head_begin = 0, depth_of_function = 0;
+  for (std::size_t i = 0; i < code.size(); ++i) {
+    if (code[i] == '\n') ++line;
+    if (code[i] == '{') {
+      const std::string head = code.substr(head_begin, i - head_begin);
+      const bool outside = std::all_of(is_container.begin(), is_container.end(), [](bool one) { return one; });
+      is_container.push_back(outside && std::regex_search(head, container));
+      if (outside && !is_container.back() && head.find('(') != std::string::npos && !std::regex_search(head, value)) {
+        const std::size_t first = head_begin + std::min(head.find_first_not_of(" \n"), head.size());
+        const auto lines_of_head = static_cast<std::size_t>(
+            std::count(code.begin() + static_cast<std::ptrdiff_t>(first), code.begin() + static_cast<std::ptrdiff_t>(i), '\n'));
+        functions.push_back({code.substr(first, std::min<std::size_t>(i - first, 80)), line - lines_of_head, 0, parameters_of(head)});
+        depth_of_function = is_container.size();
+      }
+    }
+    if (code[i] == '}' && !is_container.empty()) {
+      if (is_container.size() == depth_of_function && functions.back().line_count == 0)
+        functions.back().line_count = line - functions.back().line + 1;
+      is_container.pop_back();
+    }
+    if (code[i] == ';' || code[i] == '{' || code[i] == '}') head_begin = i + 1;
+  }
+  return functions;
+}
+
+std::vector<std::string> offences(const std::string& path, const std::string& text) {
+  std::vector<std::string> found;
+  const auto check = [&](const std::string& what, std::size_t count, std::size_t most) {
+    if (count > most) found.push_back(path + ": " + what + ", " + std::to_string(count) + " of at most " + std::to_string(most));
+  };
+  const bool is_test = path.starts_with("tests/"), is_shader = path.starts_with("shaders/");
+  check("lines", static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')), is_test ? kMostLinesOfATest : kMostLines);
+  static const std::regex include(R"(#include "(core|proto|server|shaders)/)");
+  check("includes of this project", static_cast<std::size_t>(std::distance(std::sregex_iterator(text.begin(), text.end(), include), {})),
+        kMostIncludes);
+  std::size_t number = 0;
+  for (auto from = text.begin(); from != text.end();) {
+    const auto end = std::find(from, text.end(), '\n');
+    check("columns of line " + std::to_string(++number),
+          static_cast<std::size_t>(std::count_if(from, end, [](char letter) { return (letter & 0xc0) != 0x80; })), kMostColumns);
+    from = end == text.end() ? end : end + 1;
+  }
+  for (const Function& function : functions_of(code_of(text))) {
+    check("lines of `" + function.head + "` in line " + std::to_string(function.line), function.line_count, kMostFunctionLines);
+    // A shader has no values that may be left out, and structs cost it registers.
+    if (!is_test && !is_shader)
+      check("parameters of `" + function.head + "` in line " + std::to_string(function.line), function.parameter_count, kMostParameters);
+  }
+  return found;
+}
+
+TEST(Limits, Hold) {
+  const fs::path root = hermite::test::source_root();
+  int file_count = 0;
+  for (const char* top : {"core", "proto", "server", "shaders", "tests"})
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / top)) {
+      const std::string extension = entry.path().extension();
+      if (extension != ".h" && extension != ".cpp" && extension != ".comp" && extension != ".glsl") continue;
+      ++file_count;
+      std::ifstream file(entry.path());
+      const std::string text{std::istreambuf_iterator<char>(file), {}};
+      for (const std::string& offence : offences(fs::relative(entry.path(), root).generic_string(), text)) ADD_FAILURE() << offence;
+    }
+  EXPECT_GT(file_count, 300) << "is this the source tree? " << root;
+}
+
+TEST(Limits, OffencesAreSeen) {
+  const auto count = [](const std::string& text) { return offences("core/a.cpp", text).size(); };
+  const auto body = [](int lines) {
+    std::string text;
+    for (int i = 0; i < lines; ++i) text += "  work(\"}\", '{');  // }\n";
+    return text;
+  };
+  EXPECT_EQ(count("namespace a {\nvoid f() {\n" + body(58) + "}\n}\n"), 0u);
+  EXPECT_EQ(count("namespace a {\nvoid f() {\n" + body(59) + "}\n}\n"), 1u);
+  EXPECT_EQ(count("class A {\n  int f(int a) const {\n" + body(59) + "  }\n};\n"), 1u);
+  EXPECT_EQ(count("const int a[] = {\n" + body(70) + "};\n"), 0u) << "a table is no function";
+  EXPECT_EQ(count("int f(int a, std::map<int, int> b, int c, int d, int e, int f) {}\n"), 0u);
+  EXPECT_EQ(count("int f(int a, std::map<int, int> b, int c, int d, int e, int f, int g) {}\n"), 1u);
+  EXPECT_EQ(count(std::string(400, '\n')), 0u);
+  EXPECT_EQ(count(std::string(401, '\n')), 1u);
+  EXPECT_EQ(count(std::string(141, 'x')), 1u);
+}
+
+}  // namespace
+}  // namespace hermite::limits_test
