@@ -20,6 +20,7 @@ int run_audit(const AuditArguments& arguments) {
     if (!arguments.check_only) std::cout << line << '\n';
   }));
   std::cout << std::flush;
+  for (const std::string& remark : check.remarks) std::cerr << remark << '\n';
   if (!check.broken.empty()) {
     std::cerr << "the chain is broken: " << check.broken << '\n';
     return kFailed;

@@ -11,22 +11,13 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/sync_path.h"
+
 namespace hermite {
 
 namespace {
 
 Error io_failure(const std::string& what) { return {ErrorCode::kIo, what + ": " + std::strerror(errno)}; }
-
-// Names in a folder are durable when the folder is synced.
-Status sync_folder(const std::string& path) {
-  const int folder = open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0) return io_failure("opening " + path);
-  const bool synced = fsync(folder) == 0;
-  const Error failure = io_failure("syncing " + path);
-  close(folder);
-  if (!synced) return failure;
-  return Done{};
-}
 
 }  // namespace
 
@@ -41,10 +32,10 @@ Status LogSegments::create() {
   if (mkdir(folder_.c_str(), 0700) != 0) return io_failure("creating " + folder_);
   const std::string scan_folder = std::filesystem::path(folder_).parent_path();
   const std::string scans_folder = std::filesystem::path(scan_folder).parent_path();
-  if (Status status = sync_folder(scan_folder); !status.ok()) return status;
+  if (Status status = sync_path(scan_folder); !status.ok()) return status;
   // Who may not read that one has not just made the other in it.
   if (access(scans_folder.c_str(), R_OK) == 0)
-    if (Status status = sync_folder(scans_folder); !status.ok()) return status;
+    if (Status status = sync_path(scans_folder); !status.ok()) return status;
   return begin_segment(0);
 }
 
@@ -60,7 +51,7 @@ Status LogSegments::begin_segment(std::uint32_t segment) {
   offset_ = 0;
   if (Status status = write_all(format_segment_header(segment)); !status.ok()) return status;
   if (Status status = sync(); !status.ok()) return status;
-  return sync_folder(folder_);
+  return sync_path(folder_);
 }
 
 Status LogSegments::remove_segments_after(std::uint32_t segment) {
@@ -91,7 +82,7 @@ Status LogSegments::continue_at(const LogEnd& end) {
   segment_ = end.segment;
   offset_ = end.offset;
   if (Status status = sync(); !status.ok()) return status;
-  return sync_folder(folder_);
+  return sync_path(folder_);
 }
 
 Status LogSegments::append(RecordType type, std::string_view payload) {

@@ -12,6 +12,8 @@
 #include <system_error>
 #include <utility>
 
+#include "core/base/sync_path.h"
+
 namespace hermite {
 namespace {
 
@@ -71,14 +73,6 @@ Status write_and_sync(const std::string& path, const std::string& bytes) {
   return Done{};
 }
 
-// A renamed file is only safe from a power cut once its folder is on disk too.
-Status sync_folder(const std::string& path) {
-  const FileDescriptor folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!folder.valid()) return io_error("open", path);
-  if (::fsync(folder.get()) != 0) return io_error("sync", path);
-  return Done{};
-}
-
 }  // namespace
 
 std::string format_ply(const Cloud& cloud) {
@@ -109,7 +103,7 @@ Status write_file_atomically(const std::string& path, const std::string& bytes) 
     ::unlink(temporary.c_str());
     return error;
   }
-  return sync_folder(folder);
+  return sync_path(folder);
 }
 
 }  // namespace hermite

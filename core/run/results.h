@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 
 #include "core/base/result.h"
@@ -27,5 +28,8 @@ struct ResultFile {
   const std::string& bytes;
 };
 std::array<ResultFile, 4> files_of(const RunResults& results);
+
+// Bytes that must be free on a disk for these files and the chunks of a map of so many surfels.
+std::uint64_t room_for_results(std::uint64_t surfel_count, std::uint64_t frame_count);
 
 }  // namespace hermite

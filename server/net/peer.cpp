@@ -43,6 +43,22 @@ std::string_view take_last(std::string_view& list) {
   return last;
 }
 
+// Some proxies write the client's port behind its address: 192.0.2.7:1234, [2001:db8::1]:1234.
+std::string_view without_port(std::string_view text) {
+  if (text.starts_with('[')) return text.substr(1, text.find(']') - 1);
+  const std::size_t colon = text.find(':');
+  return colon == text.rfind(':') ? text.substr(0, colon) : text;
+}
+
+// One text for each address, however it was written, so that nobody counts as two.
+std::string text_of(const Address& address) {
+  static constexpr Address kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
+  const bool is_v4 = std::equal(address.begin(), address.begin() + kMappedBits / 8, kMapped.begin());
+  char text[INET6_ADDRSTRLEN] = "";
+  inet_ntop(is_v4 ? AF_INET : AF_INET6, address.data() + (is_v4 ? kMappedBits / 8 : 0), text, sizeof text);
+  return text;
+}
+
 }  // namespace
 
 Result<Network> parse_network(const std::string& text) {
@@ -82,11 +98,11 @@ Peer peer_of(const std::string& address, bool tls, const std::vector<Network>& p
   // The one nearest to us wrote last.
   if (!forwarded_proto.empty()) peer.encrypted = take_last(forwarded_proto) == "https";
   while (!forwarded_for.empty()) {
-    const std::string_view named = take_last(forwarded_for);
     bool is_v4 = false;
-    if (!parse_address(named, is_v4)) break;
-    peer.address = named;
-    if (!lies_in_any(proxies, named)) break;
+    const std::optional<Address> named = parse_address(without_port(take_last(forwarded_for)), is_v4);
+    if (!named) break;
+    peer.address = text_of(*named);
+    if (!lies_in_any(proxies, peer.address)) break;
   }
   return peer;
 }

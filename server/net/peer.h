@@ -31,7 +31,8 @@ struct Peer {
 
 // `address` and `tls` are those of the connection itself, the other two the values of X-Forwarded-For and X-Forwarded-Proto (several
 // headers joined by commas, empty without), which count only when a trusted proxy has sent them. Of the addresses named there, the last
-// that is no trusted proxy is the client: those before it may be anything a client has made up.
+// that is no trusted proxy is the client: those before it may be anything a client has made up. A port behind an address is left out, and
+// each address has one text.
 Peer peer_of(const std::string& address, bool tls, const std::vector<Network>& proxies, std::string_view forwarded_for,
              std::string_view forwarded_proto);
 

@@ -16,7 +16,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/sync_path.h"
 #include "core/digest/sha256.h"
+#include "server/store/data_directory.h"
 #include "server/store/unix_time.h"
 
 namespace hermite {
@@ -30,6 +32,9 @@ constexpr std::size_t kMaxWaitingEntries = 10'000;  // 3 MB
 constexpr std::int64_t kWrongTokensPeriod_ms = 60'000;
 constexpr std::string_view kHashField = ",\"hash\":\"";
 const std::string kNoEntryBefore(64, '0');
+// What an entry about the end of what was there before says that was done.
+constexpr const char *kEntriesMissing = "audit entries missing", *kHeadMissing = "audit head missing";
+constexpr std::size_t kHeadDigits = 16;  // of the digest of a head: against half a write, not against people
 
 std::string file_name(int number) {
   char name[32];
@@ -79,12 +84,55 @@ std::optional<std::string> follow(const std::string& line, std::string& head, st
   return std::nullopt;
 }
 
+// Whether this entry, which fits, says of itself that others are missing before it.
+void look_for_missing(const std::string& line, AuditCheck& check) {
+  const Json json = Json::parse(line, nullptr, false);
+  if (!json.is_object() || !check.broken.empty()) return;
+  const std::string words = "entry " + std::to_string(check.entry_count) + ": " + json.value("outcome", "");
+  if (json.value("did", "") == kEntriesMissing) check.broken = "before " + words;
+  if (json.value("did", "") == kHeadMissing) check.remarks.push_back(words);
+}
+
+// The last entry that was surely on the disk.
+struct Head {
+  std::uint64_t count = 0;
+  std::string hash;
+};
+
+// One line of always the same length: it is written over the one before, without a moment at which there is none.
+std::string head_line(const Head& head) {
+  char number[24];
+  std::snprintf(number, sizeof number, "%020llu", static_cast<unsigned long long>(head.count));
+  const std::string line = std::string(number) + " " + head.hash;
+  return line + " " + sha256_hex(line).substr(0, kHeadDigits) + "\n";
+}
+
+// Nothing: there is none, or no whole one.
+std::optional<Head> read_head(const std::string& folder) {
+  std::ifstream file(folder + "/" + kAuditHeadName, std::ios::binary);
+  Head head;
+  std::string digest;
+  if (!(file >> head.count >> head.hash >> digest) || head_line(head).find(" " + digest + "\n") == std::string::npos) return std::nullopt;
+  return head;
+}
+
+// What of the entries up to that head is missing where there are `count`, and number head.count has that hash.
+std::string missing_words(const Head& head, std::uint64_t count, const std::string& hash_at_head) {
+  if (head.count > count)
+    return std::to_string(head.count - count) + " entries are missing at the end: number " + std::to_string(head.count) + ", " + head.hash +
+           ", was the last one";
+  if (!hash_at_head.empty() && hash_at_head != head.hash)
+    return "entry " + std::to_string(head.count) + " is another one than " + head.hash + ", which was there";
+  return {};
+}
+
 }  // namespace
 
 Audit::Audit(std::string folder, std::int64_t now_ms)
     : folder_(std::move(folder)), head_(kNoEntryBefore), wrong_tokens_written_at_ms_(now_ms) {
   if (mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST) throw SetupError(audit_error("creating " + folder_));
-  open_last_file();
+  or_throw(sync_path(fs::path(folder_).parent_path()));
+  open_last_file(now_ms);
 }
 
 Audit::~Audit() {
@@ -92,16 +140,18 @@ Audit::~Audit() {
   if (const Status written = write_waiting(); !written.ok())
     spdlog::error("{} entries are lost: {}", waiting_.size(), written.error().message);
   if (file_ >= 0) {
-    fdatasync(file_);
+    if (fdatasync(file_) == 0) keep_head();
     close(file_);
   }
+  if (head_file_ >= 0) close(head_file_);
 }
 
-void Audit::open_last_file() {
+void Audit::open_last_file(std::int64_t now_ms) {
   const std::vector<int> numbers = file_numbers(folder_);
+  const std::optional<Head> head = read_head(folder_);
   if (numbers.empty()) {
     if (const Status opened = open_next_file(); !opened.ok()) throw SetupError(opened.error());
-    return;
+    return open_head("", now_ms);
   }
   file_number_ = numbers.back();
   const std::string path = folder_ + "/" + file_name(file_number_);
@@ -109,6 +159,7 @@ void Audit::open_last_file() {
   if (file_ < 0) throw SetupError(audit_error("opening " + path));
   // Of the files before it only the last line is needed where this one is empty; a chain that is broken is check_audit()'s to find.
   std::uint64_t good_bytes = 0;
+  std::string hash_at_head;  // as it is there now
   for (const int number : numbers) {
     if (number != numbers.back() && number != numbers.back() - 1) continue;
     std::ifstream file(folder_ + "/" + file_name(number), std::ios::binary);
@@ -116,10 +167,37 @@ void Audit::open_last_file() {
     for (std::string line; std::getline(file, line) && !file.eof();) {
       good_bytes += line.size() + 1;
       follow(line, head_, count_, true);
+      if (head && count_ == head->count) hash_at_head = head_;
     }
   }
   if (ftruncate(file_, static_cast<off_t>(good_bytes)) != 0) throw SetupError(audit_error("cutting " + path));
   file_bytes_ = good_bytes;
+  open_head(hash_at_head, now_ms);
+}
+
+void Audit::open_head(const std::string& hash_at_head, std::int64_t now_ms) {
+  const std::optional<Head> before = read_head(folder_);
+  const std::string path = folder_ + "/" + kAuditHeadName;
+  head_file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (head_file_ < 0) throw SetupError(audit_error("opening " + path));
+  if (before) missing_ = missing_words(*before, count_, hash_at_head);
+  const std::int64_t missing_count = before && before->count > count_ ? static_cast<std::int64_t>(before->count - count_) : 1;
+  if (!missing_.empty())
+    note({now_ms, "", "", kEntriesMissing, "", missing_, missing_count});
+  else if (!before && count_ > 0)
+    note({now_ms, "", "", kHeadMissing, "", "whether entries before this one are missing is not known"});
+  // What says what was missing is on the disk before the head that said it is written over.
+  if (fdatasync(file_) != 0) throw SetupError(audit_error("syncing"));
+  if (waiting_.empty()) keep_head();
+  or_throw(sync_path(path));
+  or_throw(sync_path(folder_));
+}
+
+// Not synced itself: what a power cut leaves of it is an older head, which fits, too. After the entries, so that it is never ahead of them.
+void Audit::keep_head() {
+  const std::string line = head_line({count_, head_});
+  if (pwrite(head_file_, line.data(), line.size(), 0) != static_cast<ssize_t>(line.size()))
+    spdlog::error("{}", audit_error("writing its head").message);
 }
 
 Status Audit::open_next_file() {
@@ -134,6 +212,7 @@ Status Audit::open_next_file() {
   file_ = next;
   file_bytes_ = 0;
   ++file_number_;
+  if (Status synced = sync_path(folder_); !synced.ok()) spdlog::error("{}", synced.error().message);
   std::vector<int> numbers = file_numbers(folder_);
   for (std::size_t i = 0; i + kMaxAuditFiles < numbers.size(); ++i) unlink((folder_ + "/" + file_name(numbers[i])).c_str());
   return Done{};
@@ -207,13 +286,16 @@ void Audit::tick(std::int64_t now_ms) {
     if (const Status written = write_waiting(); !written.ok()) return;
   if (!unsynced_) return;
   unsynced_ = false;
-  if (fdatasync(file_) != 0) spdlog::error("{}", audit_error("syncing").message);
+  if (fdatasync(file_) != 0) return spdlog::error("{}", audit_error("syncing").message);
+  keep_head();
 }
 
 Result<AuditCheck> check_audit(const std::string& folder, const std::function<void(const std::string& line)>& each) {
   AuditCheck check;
   check.head = kNoEntryBefore;
   bool first = true;
+  const std::optional<Head> head = read_head(folder);  // before the files, which may grow meanwhile
+  std::string hash_at_head;
   for (const int number : file_numbers(folder)) {
     const std::string name = file_name(number);
     std::ifstream file(folder + "/" + name, std::ios::binary);
@@ -227,8 +309,15 @@ Result<AuditCheck> check_audit(const std::string& folder, const std::function<vo
       if (const auto wrong = follow(line, check.head, check.entry_count, first && number != 1))
         check.broken = name + ", line " + std::to_string(line_number) + ": it " + *wrong;
       first = false;
+      if (head && check.entry_count == head->count) hash_at_head = check.head;
+      look_for_missing(line, check);
     }
   }
+  if (!check.broken.empty()) return check;
+  if (head)
+    check.broken = missing_words(*head, check.entry_count, hash_at_head);
+  else if (check.entry_count > 0)
+    check.broken = std::string("there is no ") + kAuditHeadName + ": whether entries are missing at the end is not known";
   return check;
 }
 

@@ -37,9 +37,9 @@ ImportJob::ImportJob(const ScanJobWorld& world, JobRow row, JobEvents events)
   world_.scans.remove_unwanted(row_.scan_id);  // of an attempt that ended with its server
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(world_.data.upload_path(row_.source_id), error);
-  const Status room =
-      error ? Status(Error{ErrorCode::kIo, "the upload cannot be read: " + error.message()})
-            : world_.scans.check_room_for_import(row_.source_id, world_.scans.owner_of(row_.token_id), kResultsOfUpload * bytes);
+  room_bytes_ = error ? 0 : kResultsOfUpload * bytes;
+  const Status room = error ? Status(Error{ErrorCode::kIo, "the upload cannot be read: " + error.message()})
+                            : world_.scans.check_room_for_import(row_.source_id, world_.scans.owner_of(row_.token_id), room_bytes_);
   thread_ = std::thread([this, room] { run(room); });
 }
 
@@ -101,8 +101,11 @@ void ImportJob::thread_ended(const Result<Summary>& summary) {
   const Status stored =
       cancelled_ || !summary.ok() ? Status(summary.ok() ? Error{ErrorCode::kBusy, "cancelled"} : summary.error()) : store_scan(*summary);
   if (stored.ok()) return events_.ended({JobState::kFinished, one_text(summary->words)});
+  const bool lacked_room = (stored.error().code == ErrorCode::kIo || stored.error().code == ErrorCode::kBusy) && !was_stopped &&
+                           !world_.scans.check_disk_for(room_bytes_).ok();
   world_.scans.remove_unwanted(row_.scan_id);
   if (cancelled_) return events_.ended({JobState::kCancelled, {}});
+  if (lacked_room) return events_.ended({JobState::kQueued, stored.error().message, true});
   events_.ended(was_stopped ? JobEnd{JobState::kQueued, {}} : JobEnd{JobState::kFailed, stored.error().message});
 }
 

@@ -49,6 +49,7 @@ class ImportJob : public JobWork {
   const JobEvents events_;
   const std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // what was posted for a job that is gone does nothing
   std::atomic<bool> stopped_ = false;
+  std::uint64_t room_bytes_ = 0;  // that it needs on the disk
   bool cancelled_ = false;
   std::thread thread_;  // last: it uses the others
 };

@@ -15,7 +15,7 @@ bool may_see_job(const Grant& grant, const JobRow& job) { return job.token_id ==
 Result<JobStatus> find_job(const HttpWorld& world, const Call& call) {
   const Error none{ErrorCode::kNotFound, "there is no such job"};
   if (!is_scan_id(call.id)) return none;
-  Result<JobStatus> job = world.executor.status(call.id);
+  Result<JobStatus> job = world.executor.status(world.uploads.job_of(call.id));
   if (!job.ok() && job.error().code != ErrorCode::kNotFound) return job;
   if (!job.ok() || !may_see_job(call.grant, job->row)) return none;
   return job;
@@ -50,7 +50,7 @@ HttpAnswer list_jobs(const HttpWorld& world, const Call& call) {
 
 HttpAnswer show_job(const HttpWorld& world, const Call& call) {
   const Result<JobStatus> job = find_job(world, call);
-  return job.ok() ? made(told(world, call.id)) : refused(job.error());
+  return job.ok() ? made(told(world, job->row.id)) : refused(job.error());
 }
 
 HttpAnswer create_job(const HttpWorld& world, const Call& call) {
@@ -69,9 +69,10 @@ HttpAnswer create_job(const HttpWorld& world, const Call& call) {
 }
 
 HttpAnswer cancel_job(const HttpWorld& world, const Call& call) {
-  if (const Result<JobStatus> job = find_own_job(world, call); !job.ok()) return refused_job(job.error());
-  if (Status status = world.executor.cancel(call.id); !status.ok()) return refused(status.error());
-  return made(told(world, call.id));
+  const Result<JobStatus> job = find_own_job(world, call);
+  if (!job.ok()) return refused_job(job.error());
+  if (Status status = world.executor.cancel(job->row.id); !status.ok()) return refused(status.error());
+  return made(told(world, job->row.id));
 }
 
 HttpAnswer retry_job(const HttpWorld& world, const Call& call) {
@@ -85,7 +86,7 @@ HttpAnswer retry_job(const HttpWorld& world, const Call& call) {
   JobRow again = row;
   again.state = JobState::kQueued;
   if (Status status = world.executor.submit(again); !status.ok()) return refused(status.error());
-  return made(told(world, call.id));
+  return made(told(world, again.id));
 }
 
 }  // namespace hermite

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "server/service/results.h"
+
 namespace hermite {
 
 namespace {
@@ -202,6 +204,12 @@ void LiveScan::frames_durable(std::uint64_t count) {
   if (!no_more_frames()) grant();
 }
 
+void LiveScan::no_more_room(const Error& why) {
+  if (no_more_frames() || finishing_) return;
+  lacked_room_ = true;
+  end_early(why);
+}
+
 void LiveScan::warn(const std::string& words) {
   if (warning_ == words || over()) return;
   warning_ = words;
@@ -209,9 +217,7 @@ void LiveScan::warn(const std::string& words) {
 }
 
 std::uint64_t LiveScan::results_bytes() const {
-  // A point has 47 bytes in the cloud and, measured, 13 in the chunks; a frame 99 in the trajectory.
-  constexpr std::uint64_t kBytesPerSurfel = 64, kBytesPerFrame = 128, kBytesAtLeast = 1'000'000;
-  return kBytesAtLeast + kBytesPerSurfel * surfel_count_ + kBytesPerFrame * counts_.received;
+  return room_for_results(surfel_count_, counts_.received);
 }
 
 void LiveScan::log_failed(const Error& error) { end_early(in_context("the scan's frames cannot be stored", error)); }
@@ -267,6 +273,7 @@ void LiveScan::ended(ScanEnd end) {
   ending_ = true;
   waiting_since_.reset();
   phase_ = end.phase;
+  lacked_room_ = lacked_room_ || end.results_missing;
   on_ended_(end);
   if (phase_ == wire::ScanPhase::kRunning) {
     // Viewers are not told either: they will find it running.

@@ -92,10 +92,10 @@ class LiveScan {
 
   // Of a scan that is rebuilt from its frames: no camera is waited for.
   void end_with(const Error& why) { end_early(why); }
-  void disk_is_full(const Error& why) { end_early(why); }  // nearly: its results still fit
-  void warn(const std::string& words);                     // told to camera and viewers until it is something else; empty: nothing
+  void no_more_room(const Error& why);  // for frames: its results still fit
+  void warn(const std::string& words);  // told to camera and viewers until it is something else; empty: nothing
 
-  // What its results come to, about and rather less than that: what has to stay free on the disk for them.
+  // What its results come to, or less than that: what has to stay free on the disk for them.
   std::uint64_t results_bytes() const;
 
   // Told by the log, through the network thread.
@@ -124,6 +124,8 @@ class LiveScan {
   std::uint64_t credit() const { return counts_.processed + counts_.dropped + terms_.credit_window - counts_.received; }
   std::uint64_t queue_bytes() const { return worker_ ? worker_->waiting_bytes() : 0; }
   std::uint64_t gpu_memory_bytes() const { return gpu_memory_bytes_; }
+  // It has ended, or is ending, because there was no room for more frames, or for its results.
+  bool lacked_room() const { return lacked_room_; }
   bool over() const { return phase_ != wire::ScanPhase::kRunning; }
 
  private:
@@ -161,6 +163,7 @@ class LiveScan {
   bool finishing_ = false;  // every frame was received
   bool ending_ = false;     // before every frame was: nothing more is received
   bool discarded_ = false;
+  bool lacked_room_ = false;
   bool paused_ = false;  // by its camera
 };
 

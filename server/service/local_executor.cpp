@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "core/base/check.h"
@@ -82,6 +83,7 @@ Status LocalExecutor::cancel(const std::string& id) {
   note(id, "cancelled");
   const auto running = running_.find(id);
   if (running == running_.end()) {
+    pauses_.erase(id);
     hooks_.ended(*row);
     return Done{};
   }
@@ -92,6 +94,7 @@ Status LocalExecutor::cancel(const std::string& id) {
 
 void LocalExecutor::start(JobRow row) {
   row.state = JobState::kRunning;
+  row.words.clear();
   ++row.attempt_count;
   row.started_at_ms = hooks_.now_ms();
   if (row.scan_id.empty()) row.scan_id = hooks_.new_scan_id();
@@ -125,10 +128,19 @@ void LocalExecutor::ended(const std::string& id, const JobEnd& end) {
     if (end.state == JobState::kQueued) --row.attempt_count;  // it is not the job's fault
     row.finished_at_ms = has_ended(end.state) ? hooks_.now_ms() : 0;
     if (Status status = store_.update_job(row); !status.ok()) spdlog::error("job {}: {}", id, status.error().message);
+    if (end.lacked_room) return put_off(id, row.words);
     note(id, std::string(end.state == JobState::kQueued ? "waits for the next server" : name_of(row.state)) +
                  (row.words.empty() ? "" : ": " + row.words));
   }
+  pauses_.erase(id);
   if (has_ended(row.state)) hooks_.ended(row);
+}
+
+void LocalExecutor::put_off(const std::string& id, const std::string& words) {
+  Pause& pause = pauses_[id];
+  pause.length_ms = pause.length_ms == 0 ? kFirstRoomPause_ms : std::min(2 * pause.length_ms, kLongestRoomPause_ms);
+  pause.until_ms = hooks_.now_ms() + pause.length_ms;
+  note(id, "waits for room, and is tried again in " + std::to_string(pause.length_ms / 1000) + " s: " + words);
 }
 
 void LocalExecutor::tick() {
@@ -139,6 +151,10 @@ void LocalExecutor::tick() {
     spdlog::error("jobs: {}", waiting.error().message);
     return;
   }
+  std::erase_if(*waiting, [this, now_ms = hooks_.now_ms()](const JobRow& row) {
+    const auto pause = pauses_.find(row.id);
+    return pause != pauses_.end() && now_ms < pause->second.until_ms;
+  });
   while (!waiting->empty() && running_.size() < static_cast<std::size_t>(worker_count_)) {
     const auto next = waiting->begin() + static_cast<std::ptrdiff_t>(next_of(*waiting));
     last_start_[next->token_id] = ++start_count_;

@@ -17,11 +17,13 @@
 namespace hermite {
 
 inline constexpr int kMaxAttempts = 3;  // a job that ends its server would end it for ever
+inline constexpr std::int64_t kFirstRoomPause_ms = 5000, kLongestRoomPause_ms = 3'600'000;  // what fits never costs a scan each time
 inline constexpr std::int64_t kForgetJobsAfter_ms = 90 * kDay_ms;
 
 struct JobEnd {
   JobState state = JobState::kFinished;  // queued: the server stops, the job goes on when there is one again
   std::string words;
+  bool lacked_room = false;  // queued: the disk had no room for it; it is tried again by itself, later and later
 };
 
 // What a job tells, on the network thread.
@@ -75,13 +77,19 @@ class LocalExecutor : public Executor {
   void start(JobRow row);
   void ended(const std::string& id, const JobEnd& end);
   void note(const std::string& id, const std::string& words);
+  void put_off(const std::string& id, const std::string& words);
   JobStatus with_stage(JobRow row) const;
 
   const int worker_count_;
   Store& store_;
   const Hooks hooks_;
   const std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
-  std::map<std::string, Running> running_;           // by id
+  std::map<std::string, Running> running_;  // by id
+  struct Pause {
+    std::int64_t length_ms = 0;
+    std::int64_t until_ms = 0;
+  };
+  std::map<std::string, Pause> pauses_;              // by id, of jobs that the disk had no room for
   std::map<std::string, std::uint64_t> last_start_;  // by token: the number of the start of its newest job
   std::uint64_t start_count_ = 0;
   bool stopping_ = false;

@@ -79,6 +79,11 @@ void Places::frame_done(double work_s) {
   add_to_mean(frame_s_, alone_s, kFrameWeight);
 }
 
+std::optional<PlaceRequest> Places::request_of(const std::string& scan_id) const {
+  const auto scan = running_.find(scan_id);
+  return scan == running_.end() ? std::nullopt : std::optional(scan->second.request);
+}
+
 void Places::ended(const std::string& scan_id) {
   const auto scan = running_.find(scan_id);
   if (scan == running_.end()) return;

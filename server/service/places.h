@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,7 @@ class Places {
 
   void began(const std::string& scan_id, const PlaceRequest& request) { running_[scan_id] = {request}; }
   void ended(const std::string& scan_id);
+  std::optional<PlaceRequest> request_of(const std::string& scan_id) const;  // of one that runs
 
   // A frame of one of the scans was in work for so long.
   void frame_done(double work_s);

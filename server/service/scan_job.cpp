@@ -94,7 +94,8 @@ Result<std::string> ScanJob::recording_path() {
   UnpackLimits limits = world_.limits;
   const Result<std::uint64_t> free = world_.data.free_disk_bytes();
   if (!free.ok()) return free.error();
-  limits.output_bytes = std::min(limits.output_bytes, *free - std::min(*free, world_.min_free_disk_bytes));
+  const std::uint64_t room_bytes = *free - std::min(*free, world_.min_free_disk_bytes);
+  limits.output_bytes = std::min(limits.output_bytes, room_bytes);
   auto told_at = std::chrono::steady_clock::now();
   const Result<UnpackSummary> unpacked = unpack_archive(upload, folder, limits, [&](std::uint64_t output_bytes) {
     const auto now = std::chrono::steady_clock::now();
@@ -104,6 +105,11 @@ Result<std::string> ScanJob::recording_path() {
     }
     return !is_stopped();
   });
+  if (!unpacked.ok() && unpacked.error().code == ErrorCode::kTooLarge && room_bytes == limits.output_bytes) {
+    upload_lacks_room_ = true;
+    return Error{ErrorCode::kTooLarge,
+                 "the disk has room for " + std::to_string(room_bytes / 1'000'000) + " MB of what it unpacks to, and that is more"};
+  }
   if (!unpacked.ok())
     return Error{unpacked.error().code, without_path(unpacked.error().message, upload, row_.title.empty() ? "the upload" : row_.title)};
   on_network([this, words = unpacked->kind + ": " + std::to_string(unpacked->file_count) + " files unpacked, " +
@@ -279,16 +285,25 @@ void ScanJob::conclude() {
   events_.ended(verdict());
 }
 
+// Rather than it was no good: then it is worth another try when there is some.
+bool ScanJob::lacked_room() const {
+  if (upload_lacks_room_ || (scan_ && scan_->lacked_room())) return true;
+  const bool of_disk = failure_ ? failure_->code == ErrorCode::kIo : scan_ && last_state_;
+  return of_disk && !world_.scans.check_disk().ok();
+}
+
 JobEnd ScanJob::verdict() {
   const bool postponed = went_away_ || (!scan_ && stopping_ && !failure_);
   if (postponed && !cancelled_) return {JobState::kQueued, {}};
   const bool finished = last_state_ && last_state_->phase == wire::ScanPhase::kFinished;
   if (!cancelled_ && !failure_ && finished) return {JobState::kFinished, last_state_->words};
+  const bool again = lacked_room();  // before there is, since this has ended
   // Nothing is left of a scan that nobody gets.
   world_.scans.remove_unwanted(row_.scan_id);
   if (cancelled_) return {JobState::kCancelled, {}};
-  if (failure_) return {JobState::kFailed, failure_->message};
-  return {JobState::kFailed, last_state_ ? last_state_->words : "the scan ended without a word"};
+  const std::string words = failure_ ? failure_->message : last_state_ ? last_state_->words : "the scan ended without a word";
+  if (again) return {JobState::kQueued, words, true};
+  return {JobState::kFailed, words};
 }
 
 }  // namespace hermite

@@ -4,6 +4,7 @@
 // A thread of its own reads and encodes; everything else belongs to the network thread.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -71,6 +72,7 @@ class ScanJob : public JobWork {
   void said(const wire::ServerMessage& message);
   CameraLink link();
   void conclude();
+  bool lacked_room() const;
   JobEnd verdict();
 
   const ScanJobWorld& world_;
@@ -86,6 +88,7 @@ class ScanJob : public JobWork {
   bool cancelled_ = false;
   bool stopping_ = false;
   bool went_away_ = false;
+  std::atomic<bool> upload_lacks_room_ = false;  // the disk had none for what it unpacks to
   bool scan_over_ = false;
   bool thread_over_ = false;
   bool ended_ = false;

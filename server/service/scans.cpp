@@ -25,7 +25,7 @@ constexpr std::chrono::seconds kWaitingPeriod(5);
 
 constexpr std::chrono::hours kOldLogsPeriod(1);
 // At 5 MB a second of each of many scans far less than the room to begin (scans_disk.cpp) is gone meanwhile.
-constexpr std::chrono::seconds kDiskPeriod(1);
+constexpr std::chrono::seconds kRoomPeriod(1);
 
 ScanPhase stored_phase(wire::ScanPhase phase) {
   switch (phase) {
@@ -168,7 +168,7 @@ Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& gr
   if (Status status = places_.check(place); !status.ok()) return status.error();
   if (Status status = check_disk(); !status.ok()) return status.error();
   const ScanOwner owner{grant.token_id, place.is_admin};
-  if (Status status = check_storage(owner); !status.ok()) return status.error();
+  if (Status status = check_storage(owner, "", {}); !status.ok()) return status.error();
   const std::string resume_token = resumable ? random_hex(kResumeTokenBytes) : "";
   const Result<Launch> launch = launch_of(new_scan_id(), request, resume_token, owner, place);
   if (!launch.ok()) return launch.error();
@@ -333,9 +333,9 @@ void Scans::tick(LiveScan::Clock::time_point now, std::int64_t retention_now_ms)
     store_ends_again();
     rebuild_next(now);
   }
-  if (now - disk_watched_at_ >= kDiskPeriod) {
-    disk_watched_at_ = now;
-    watch_disk();
+  if (now - room_watched_at_ >= kRoomPeriod) {
+    room_watched_at_ = now;
+    watch_room();
   }
   if (now - old_logs_removed_at_ >= kOldLogsPeriod) remove_old_logs(retention_now_ms);
 }

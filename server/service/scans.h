@@ -137,7 +137,9 @@ class Scans {
   void stop();  // no new scans; those that run end as interrupted, with results, or go on when there is a server again
   std::size_t running_count() const { return running_.size() + logs_.reading_count(); }
 
-  // kBusy, in words: the disk has no room for another scan beside the results of those that run. kIo: that is not known.
+  // kBusy, in words: the disk has no room for another scan beside the results of those that run. kIo: that is not known. While they run
+  // this is looked at again every second, and so is the storage of their owners: cameras are told when little is left, and a scan ends
+  // while its results still fit.
   Status check_disk() const;
   Status check_disk_for(std::uint64_t bytes) const;  // the same for so many bytes of an export
 
@@ -160,7 +162,11 @@ class Scans {
     PlaceRequest place;
     std::shared_ptr<std::weak_ptr<LiveScan>> self = std::make_shared<std::weak_ptr<LiveScan>>();
   };
-  Status check_storage(const ScanOwner& owner, const std::string& except_upload_id = "") const;
+  // For so much more of the owner, and so much of others that is not there yet.
+  struct ToCome {
+    std::uint64_t bytes = 1, bytes_of_others = 0;
+  };
+  Status check_storage(const ScanOwner& owner, const std::string& except_upload_id, const ToCome& to_come) const;
   std::chrono::milliseconds frame_patience_of(const wire::StartScan& request) const;
   Result<Launch> launch_of(const std::string& scan_id, const wire::StartScan& request, const std::string& resume_token,
                            const ScanOwner& owner, const PlaceRequest& place) const;
@@ -185,7 +191,13 @@ class Scans {
   void drop_left(const std::string& scan_id);
   // scans_disk.cpp
   std::uint64_t kept_back_bytes() const;
-  void watch_disk();
+  struct Room {
+    std::optional<Error> gone;  // none is left but for results
+    std::string warning;        // little is
+  };
+  Room room_on_disk() const;
+  Room room_in_storage(const std::string& scan_id) const;
+  void watch_room();
   void rebuild_next(LiveScan::Clock::time_point now);
   void rebuild_ended(const ScanRow& row);
   // scans_ended.cpp
@@ -216,7 +228,7 @@ class Scans {
   std::map<std::string, ScanRow> unstored_ends_;  // by id: scans that have ended, of which the store does not know it yet
   FrameCounts ended_counts_;                      // of all scans that have ended
   FrameTraces traces_;
-  LiveScan::Clock::time_point old_logs_removed_at_, told_to_wait_at_, disk_watched_at_;
+  LiveScan::Clock::time_point old_logs_removed_at_, told_to_wait_at_, room_watched_at_;
   std::string rebuilding_;  // id of the scan whose results are made again; empty: none
   LiveScan::Clock::time_point rebuild_at_;
   std::chrono::seconds rebuild_pause_{0};

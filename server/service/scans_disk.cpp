@@ -1,4 +1,5 @@
-// The part of Scans that is about a disk that becomes full: room is kept back for results, and what could not be stored is made again.
+// The part of Scans that is about a disk or a storage that becomes full: room is kept back for results, and what could not be stored is
+// made again.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -37,21 +38,49 @@ Status Scans::check_disk_for(std::uint64_t bytes) const {
                                      " are kept back, also for results, and " + in_megabytes(bytes) + " are needed to begin"};
 }
 
-// While there is still room for the results of all scans these end, and have their results; a disk that is full has room for none.
-void Scans::watch_disk() {
-  if (running_.empty()) return;
+Scans::Room Scans::room_on_disk() const {
   const Result<std::uint64_t> free = data_.free_disk_bytes();
-  if (!free.ok()) return spdlog::warn("{}", free.error().message);
+  if (!free.ok()) {
+    spdlog::warn("{}", free.error().message);
+    return {};
+  }
   const std::uint64_t kept_back = kept_back_bytes();
-  const bool full = *free < kept_back;
-  const std::uint64_t left_bytes = full ? 0 : *free - kept_back;
+  if (*free < kept_back)
+    return {Error{ErrorCode::kIo, "the server's disk is nearly full: the " + in_megabytes(*free) + " that are left are kept for results"},
+            {}};
+  const std::uint64_t left_bytes = *free - kept_back;
+  if (left_bytes >= kRoomToBegin_bytes) return {};
+  return {{}, "the server's disk is nearly full: " + in_megabytes(left_bytes) + " are left for frames"};
+}
+
+// Of a camera's scan. What a job makes of an upload takes the place of that, which was counted when it came.
+Scans::Room Scans::room_in_storage(const std::string& scan_id) const {
+  const std::optional<PlaceRequest> place = places_.request_of(scan_id);
+  if (!storage_.quota.has_limit() || !place || place->token_id.empty()) return {};
+  ToCome results{0, 0};
   for (const auto& [id, scan] : running_) {
-    if (full)
-      scan->disk_is_full(
-          {ErrorCode::kIo, "the server's disk is nearly full: the " + in_megabytes(*free) + " that are left are kept for results"});
+    const std::optional<PlaceRequest> other = places_.request_of(id);
+    (other && other->token_id == place->token_id ? results.bytes : results.bytes_of_others) += scan->results_bytes();
+  }
+  const ScanOwner owner{place->token_id, place->is_admin};
+  if (const Status fits = check_storage(owner, "", results); !fits.ok() && fits.error().code == ErrorCode::kBusy)
+    return {Error{ErrorCode::kBusy, "there is no room for more frames: " + fits.error().message}, {}};
+  results.bytes += kRoomToBegin_bytes;
+  if (check_storage(owner, "", results).ok()) return {};
+  return {{}, "the storage is nearly used up: less than " + in_megabytes(kRoomToBegin_bytes) + " are left for frames"};
+}
+
+// While there is still room for the results of all scans these end, and have their results; a disk that is full has room for none.
+void Scans::watch_room() {
+  if (running_.empty()) return;
+  const Room disk = room_on_disk();
+  for (const auto& [id, scan] : running_) {
+    const Room storage = disk.gone ? Room() : room_in_storage(id);
+    const std::optional<Error>& gone = disk.gone ? disk.gone : storage.gone;
+    if (gone)
+      scan->no_more_room(*gone);
     else
-      scan->warn(left_bytes < kRoomToBegin_bytes ? "the server's disk is nearly full: " + in_megabytes(left_bytes) + " are left for frames"
-                                                 : "");
+      scan->warn(disk.warning.empty() ? storage.warning : disk.warning);
   }
 }
 

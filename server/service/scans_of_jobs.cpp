@@ -14,19 +14,18 @@ ScanOwner Scans::owner_of(const std::string& token_id) const {
   return {token_id, row.ok() && row->scopes.admin};
 }
 
-Status Scans::check_storage(const ScanOwner& owner, const std::string& except_upload_id) const {
+Status Scans::check_storage(const ScanOwner& owner, const std::string& except_upload_id, const ToCome& to_come) const {
   if (!storage_.quota.has_limit()) return Done{};
   const Result<std::uint64_t> upload_bytes = data_.uploads_bytes(except_upload_id);
   if (!upload_bytes.ok()) return upload_bytes.error();
-  // How long a scan will be nobody knows: it begins while there is any room.
   Result<std::vector<std::string>> own_scans = store_.scans_of_token(owner.token_id);
   if (!own_scans.ok()) return own_scans.error();
-  return storage_.quota.check(*upload_bytes, 1, {owner.is_admin, *std::move(own_scans), 0});
+  return storage_.quota.check(*upload_bytes + to_come.bytes_of_others, to_come.bytes, {owner.is_admin, *std::move(own_scans), 0});
 }
 
 Status Scans::check_storage_of(const std::string& scan_id) {
   const Result<ScanRow> row = find(scan_id);
-  return row.ok() ? check_storage(owner_of(row->token_id)) : Status(row.error());
+  return row.ok() ? check_storage(owner_of(row->token_id), "", {}) : Status(row.error());
 }
 
 // Behind the cameras that wait, and not where it would take frames from a live one. What was left has its place already.
@@ -39,7 +38,7 @@ Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, co
                                                   const wire::StartScan& request) {
   CHECK(has_room_for(scan_id), "a job waits for room");
   if (logs_.is_waited_for(scan_id)) return std::optional<JobScan>();
-  if (Status status = check_storage(owner, upload_id); !status.ok()) return status.error();
+  if (Status status = check_storage(owner, upload_id, {}); !status.ok()) return status.error();
   auto read = left_for_jobs_.extract(scan_id);
   const Result<ScanRow> row = store_.find(scan_id);
   if (read.empty() && row.ok() && row->phase == ScanPhase::kRunning) {
@@ -73,7 +72,7 @@ Status Scans::add_imported(const ScanRow& row, bool may_be_meshed) {
 }
 
 Status Scans::check_room_for_import(const std::string& upload_id, const ScanOwner& owner, std::uint64_t bytes) const {
-  if (Status storage = check_storage(owner, upload_id); !storage.ok()) return storage;
+  if (Status storage = check_storage(owner, upload_id, {}); !storage.ok()) return storage;
   return check_disk_for(bytes);
 }
 

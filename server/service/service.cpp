@@ -131,6 +131,7 @@ struct Service::Impl {
         requests_of_a_token(options.requests_per_second, 2.0 * options.requests_per_second),
         sessions(connection_share(options)) {
     audit = std::make_unique<Audit>(data.audit_folder(), unix_now_ms());
+    if (!audit->missing().empty()) spdlog::error("the audit log was changed while no server ran: {}", audit->missing());
     spdlog::info("the audit log goes on behind entry {}, {}", audit->entry_count(), audit->head().substr(0, 16));
     audit->note({unix_now_ms(), "", "", "server start", "", kVersion});
     gate.on_wrong_secret([this](const Caller& caller) { audit->wrong_token(caller.peer.empty() ? caller.address : caller.peer); });

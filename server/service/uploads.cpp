@@ -26,16 +26,16 @@ std::int64_t claimed_bytes(const UploadRow& row, std::int64_t size_bytes) { retu
 
 }  // namespace
 
-UploadWriter::UploadWriter(UploadFile file, UploadPiece piece, std::function<Result<std::uint64_t>()> free_bytes,
+UploadWriter::UploadWriter(UploadFile file, UploadPiece piece, UploadDigest before, std::function<Result<std::uint64_t>()> free_bytes,
                            std::uint64_t min_free_bytes)
     : file_(std::move(file)),
       piece_(std::move(piece)),
       free_bytes_(std::move(free_bytes)),
       min_free_bytes_(min_free_bytes),
       digest_(nullptr, EVP_MD_CTX_free),
-      content_digest_(nullptr, EVP_MD_CTX_free) {
+      content_(std::move(before)) {
   if (piece_.checksum) begin_digest(digest_, piece_.checksum->algorithm == ChecksumAlgorithm::kSha1 ? EVP_sha1() : EVP_sha256());
-  if (piece_.is_whole) begin_digest(content_digest_, EVP_sha256());
+  if (piece_.offset_bytes == 0) begin_digest(content_.context, EVP_sha256());
 }
 
 void UploadWriter::begin_digest(std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)>& digest, const EVP_MD* kind) const {
@@ -50,8 +50,9 @@ UploadWriter::~UploadWriter() = default;
 Status UploadWriter::write(std::string_view bytes) {
   if (file_.size_bytes() + static_cast<std::int64_t>(bytes.size()) > piece_.offset_bytes + piece_.length_bytes)
     return Error{ErrorCode::kTooLarge, "more has come than the " + std::to_string(piece_.length_bytes) + " bytes that were announced"};
-  for (EVP_MD_CTX* const digest : {digest_.get(), content_digest_.get()})
+  for (EVP_MD_CTX* const digest : {digest_.get(), content_.context.get()})
     if (digest) CHECK(EVP_DigestUpdate(digest, bytes.data(), bytes.size()) == 1, "a digest takes any bytes");
+  content_.size_bytes += static_cast<std::int64_t>(bytes.size());
   written_at_ = std::chrono::steady_clock::now();
   if (Status status = file_.append(bytes); !status.ok()) return status;
   unsynced_bytes_ += static_cast<std::int64_t>(bytes.size());
@@ -83,13 +84,13 @@ Status UploadWriter::close(bool complete) {
     if (Status cut = file_.cut(piece_.offset_bytes); !cut.ok()) return cut;
     return synced;
   }
-  if (complete && content_digest_) {
-    unsigned char digest[EVP_MAX_MD_SIZE];
-    unsigned int size = 0;
-    CHECK(EVP_DigestFinal_ex(content_digest_.get(), digest, &size) == 1, "a digest has an end");
-    content_sha256_.assign(reinterpret_cast<const char*>(digest), size);
-  }
   return verdict;
+}
+
+// What was written in vain, or taken back, is in the digest all the same: then it is none of what is there.
+UploadDigest UploadWriter::take_digest() {
+  if (content_.size_bytes != file_.size_bytes()) content_.context.reset();
+  return std::exchange(content_, {});
 }
 
 void UploadWriter::give_up() {
@@ -237,35 +238,54 @@ Result<std::shared_ptr<UploadWriter>> Uploads::write(const UploadState& state, c
     row.unchecked_from = piece.offset_bytes;
     if (Status status = store_.update_upload(row); !status.ok()) return status.error();
   }
+  UploadDigest before;
+  if (auto known_digest = digests_.extract(state.row.id); !known_digest.empty() && known_digest.mapped().size_bytes == piece.offset_bytes)
+    before = std::move(known_digest.mapped());
   auto writer = std::make_shared<UploadWriter>(
-      *std::move(file), piece, [this] { return data_.free_disk_bytes(); }, limits_.min_free_disk_bytes);
+      *std::move(file), piece, std::move(before), [this] { return data_.free_disk_bytes(); }, limits_.min_free_disk_bytes);
   writers_[state.row.id] = writer;
   return writer;
 }
 
-Result<UploadState> Uploads::written(const UploadState& state, const UploadWriter& writer, std::int64_t now_ms) {
+Result<UploadState> Uploads::written(const UploadState& state, UploadWriter& writer, std::int64_t now_ms) {
   UploadState now{state.row, writer.offset_bytes()};
   now.row.unchecked_from = -1;
   now.row.expires_at_ms = now_ms + limits_.keep_ms;
   writers_.erase(now.row.id);
   if (Status status = store_.update_upload(now.row); !status.ok()) return status.error();
-  if (now.complete()) now.job_id = twin_of(now.row, writer.content_sha256());
-  if (!now.job_id.empty()) {
-    forget(now.row.id);
+  UploadDigest digest = writer.take_digest();
+  if (!now.complete()) {
+    if (digest.context) digests_.insert_or_assign(now.row.id, std::move(digest));
     return now;
   }
-  if (now.complete())
-    if (Status status = complete_(now.row); !status.ok()) return status.error();
+  now.job_id = twin_of(now.row, std::move(digest), writer.is_whole());
+  if (!now.job_id.empty()) {
+    forget(now.row.id);
+    if (twins_.size() >= kMaxWholeOnes) twins_.clear();
+    twins_[now.row.id] = now.job_id;
+    return now;
+  }
+  if (Status status = complete_(now.row); !status.ok()) return status.error();
   return now;
 }
 
+std::string Uploads::job_of(const std::string& id) const {
+  const auto twin = twins_.find(id);
+  return twin == twins_.end() ? id : twin->second;
+}
+
 // Who sends the same file several times at once wants it once. Remembers the upload that comes first.
-std::string Uploads::twin_of(const UploadRow& row, const std::string& content_sha256) {
-  if (content_sha256.empty()) return {};
+std::string Uploads::twin_of(const UploadRow& row, UploadDigest digest, bool is_whole) {
+  if (!digest.context) return {};
+  unsigned char bytes[EVP_MAX_MD_SIZE];
+  unsigned int size = 0;
+  CHECK(EVP_DigestFinal_ex(digest.context.get(), bytes, &size) == 1, "a digest has an end");
+  const std::string content_sha256(reinterpret_cast<const char*>(bytes), size);
   if (whole_ones_.size() >= kMaxWholeOnes) whole_ones_.clear();
   std::string& first = whole_ones_[row.token_id + '\n' + row.metadata + '\n' + content_sha256];
   const Result<JobRow> job = first.empty() ? Error{ErrorCode::kNotFound, ""} : store_.job(first);
-  const bool is_one = job.ok() && job->state != JobState::kFailed && job->state != JobState::kCancelled;
+  const bool is_one =
+      job.ok() && (!has_ended(job->state) || (is_whole && job->state == JobState::kFinished && store_.find(job->scan_id).ok()));
   if (!is_one) first = row.id;
   return is_one ? first : std::string();
 }
@@ -283,6 +303,7 @@ bool Uploads::has_waiting_job(const std::string& id) {
 Status Uploads::remove(const std::string& id, const Grant& grant, std::int64_t now_ms) {
   if (const Result<UploadState> found = find(id, grant, now_ms); !found.ok()) return found.error();
   if (has_waiting_job(id)) return Error{ErrorCode::kBusy, "a job works on this upload: cancel that first"};
+  digests_.erase(id);
   if (Status status = storage_.waste.remove_upload(id); !status.ok()) return status;
   return store_.remove_upload(id);
 }
@@ -297,6 +318,7 @@ Result<std::vector<UploadState>> Uploads::list(const Grant& grant) {
 }
 
 void Uploads::forget(const std::string& id) {
+  digests_.erase(id);
   if (const Status removed = storage_.waste.remove_upload(id); !removed.ok()) spdlog::warn("{}", removed.error().message);
   const Status removed = store_.remove_upload(id);
   if (!removed.ok() && removed.error().code != ErrorCode::kNotFound) spdlog::warn("{}", removed.error().message);

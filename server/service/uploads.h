@@ -45,13 +45,21 @@ struct UploadPiece {
   std::int64_t offset_bytes = 0;
   std::int64_t length_bytes = 0;
   std::optional<Checksum> checksum;
-  bool is_whole = false;  // and nobody goes on with it: then its content is known by a hash when it is there
+  bool is_whole = false;  // in one request, which may be a second try: then a job of the same bytes that has finished is its answer, too
+};
+
+// SHA-256 of what has come of an upload so far: so many bytes. Nothing in it: that is not known (after a restart, or a piece taken back).
+struct UploadDigest {
+  std::int64_t size_bytes = 0;
+  std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context{nullptr, EVP_MD_CTX_free};
 };
 
 // Who writes an upload: there is one at a time. Destroyed on the network thread.
 class UploadWriter {
  public:
-  UploadWriter(UploadFile file, UploadPiece piece, std::function<Result<std::uint64_t>()> free_bytes, std::uint64_t min_free_bytes);
+  // `before`: of the bytes before the piece, or nothing.
+  UploadWriter(UploadFile file, UploadPiece piece, UploadDigest before, std::function<Result<std::uint64_t>()> free_bytes,
+               std::uint64_t min_free_bytes);
   ~UploadWriter();
   UploadWriter(const UploadWriter&) = delete;
   UploadWriter& operator=(const UploadWriter&) = delete;
@@ -61,8 +69,10 @@ class UploadWriter {
   // Syncs, and takes back what its checksum does not fit or has not come as a whole. What is left is durable if this is well.
   Status close(bool complete);
 
-  std::int64_t offset_bytes() const { return file_.size_bytes(); }       // after close()
-  const std::string& content_sha256() const { return content_sha256_; }  // of a whole one, after close(true); else empty
+  // After close().
+  std::int64_t offset_bytes() const { return file_.size_bytes(); }
+  UploadDigest take_digest();  // of all that is there, or nothing
+  bool is_whole() const { return piece_.is_whole; }
 
   // On the network thread. Idle: nothing has come for so long that its connection may be dead.
   bool is_idle() const;
@@ -78,8 +88,8 @@ class UploadWriter {
   const UploadPiece piece_;
   const std::function<Result<std::uint64_t>()> free_bytes_;
   const std::uint64_t min_free_bytes_;
-  std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> digest_, content_digest_;
-  std::string content_sha256_;
+  std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> digest_;  // of the piece, where it has a checksum
+  UploadDigest content_;
   std::int64_t unsynced_bytes_ = 0;
   std::atomic<std::chrono::steady_clock::time_point> written_at_ = std::chrono::steady_clock::now();
   bool wanted_ = true;
@@ -106,8 +116,13 @@ class Uploads {
   Result<std::shared_ptr<UploadWriter>> write(const UploadState& state, const UploadPiece& piece, const Grant& grant);
 
   // When its writer has closed the file, before it goes. Tells of an upload that is whole; a whole one whose bytes and metadata are those
-  // of one of the same token, whose job has not ended or went well, is removed again and named after that.
-  Result<UploadState> written(const UploadState& state, const UploadWriter& writer, std::int64_t now_ms);
+  // of one of the same token whose job has not ended is removed again and named after that; one that came in one request also after one
+  // whose job has left a scan that is still there.
+  Result<UploadState> written(const UploadState& state, UploadWriter& writer, std::int64_t now_ms);
+
+  // The id of the job that stands for an upload: its own, or that of the one with the same bytes that came first. For as long as this
+  // server runs.
+  std::string job_of(const std::string& id) const;
 
   Status set_length(UploadState& state, std::int64_t length_bytes, const Grant& grant);  // of one that had none. Errors as in create()
   // kNotFound as in find(); kBusy: its job has not ended.
@@ -133,9 +148,11 @@ class Uploads {
   const DataDirectory& data_;
   Store& store_;
   const std::function<Status(const UploadRow&)> complete_;
-  std::string twin_of(const UploadRow& row, const std::string& content_sha256);
+  std::string twin_of(const UploadRow& row, UploadDigest digest, bool is_whole);
 
   std::map<std::string, std::weak_ptr<UploadWriter>> writers_;  // by id
+  std::map<std::string, UploadDigest> digests_;                 // by id: of uploads that nobody writes and that are not whole
+  std::map<std::string, std::string> twins_;                    // by id, of uploads that were removed for another one: that one's id
   std::map<std::string, std::string> whole_ones_;               // ids, by token, metadata and content
 };
 

@@ -2,14 +2,16 @@
 
 #include <SQLiteCpp/Backup.h>
 #include <SQLiteCpp/SQLiteCpp.h>
-#include <fcntl.h>
 #include <sqlite3.h>
-#include <unistd.h>
 
+#include <cerrno>
 #include <filesystem>
+#include <fstream>
 #include <set>
 #include <system_error>
 
+#include "core/base/sync_path.h"
+#include "server/store/data_directory.h"
 #include "server/store/sqlite_reader.h"
 
 namespace hermite {
@@ -41,18 +43,11 @@ Status copy_database(const std::string& from, const std::string& to) try {
   return Error{ErrorCode::kIo, "copying the database " + from + ": " + failure.what()};
 }
 
-Status flush_to_disk(const fs::path& path) {
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool done = descriptor >= 0 && fsync(descriptor) == 0;
-  const std::error_code error(errno, std::generic_category());
-  if (descriptor >= 0) close(descriptor);
-  return done ? Status(Done{}) : Status(io_error("writing " + path.string(), error));
-}
-
 // Of a server that runs, of what its jobs have unpacked, what nobody wants or knows, and of the database, which is copied another way.
 bool is_left_out(const fs::path& relative) {
-  static const std::set<std::string> names{"lock", "hermite.db", "hermite.db-wal", "hermite.db-shm"};
+  static const std::set<std::string> names{"lock", "hermite.db", "hermite.db-wal", "hermite.db-shm", kRestoreMark};
   static const std::set<std::string> folders{"jobs", "waste", "lost"};
+  if (relative == fs::path(kAuditFolder) / kAuditHeadName) return true;  // copied before the rest
   return names.contains(relative.string()) || folders.contains(relative.begin()->string());
 }
 
@@ -64,10 +59,19 @@ Status copy_file(const fs::path& from, const fs::path& to, BackupSummary& summar
   if (error) return io_error("copying " + from.string(), error);
   fs::permissions(to, fs::perms::owner_read | fs::perms::owner_write, error);
   if (error) return io_error("making " + to.string() + " private", error);
-  if (Status status = flush_to_disk(to); !status.ok()) return status;
+  if (Status status = sync_path(to); !status.ok()) return status;
   ++summary.file_count;
   summary.bytes += fs::file_size(to, error);
   return Done{};
+}
+
+Status copy_audit_head(const fs::path& from, const fs::path& to, BackupSummary& summary) {
+  const fs::path head = from / kAuditFolder / kAuditHeadName;
+  std::error_code error;
+  if (!fs::is_regular_file(fs::symlink_status(head, error))) return Done{};
+  fs::create_directory(to / kAuditFolder, error);
+  if (error) return io_error("creating " + (to / kAuditFolder).string(), error);
+  return copy_file(head, to / kAuditFolder / kAuditHeadName, summary);
 }
 
 // Regular files and folders only: links do not belong into a data folder and could lead anywhere.
@@ -90,6 +94,18 @@ Status copy_files(const fs::path& from, const fs::path& to, BackupSummary& summa
   return Done{};
 }
 
+// The names of all that lies in it, however deep.
+Status sync_folders(const std::string& folder) {
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (entry->is_directory(error))
+      if (Status status = sync_path(entry->path()); !status.ok()) return status;
+  if (error) return io_error("reading " + folder, error);
+  return sync_path(folder);
+}
+
+std::string parent_of(const std::string& path) { return (fs::absolute(path) / "").parent_path().parent_path(); }
+
 Result<BackupSummary> copy_all(const std::string& from, const std::string& to) {
   BackupSummary summary;
   const std::string database = to + "/" + kDatabase;
@@ -99,10 +115,12 @@ Result<BackupSummary> copy_all(const std::string& from, const std::string& to) {
   if (!scan_count.ok()) return scan_count.error();
   std::error_code error;
   fs::permissions(database, fs::perms::owner_read | fs::perms::owner_write, error);
-  if (Status status = flush_to_disk(database); !status.ok()) return status.error();
+  if (Status status = sync_path(database); !status.ok()) return status.error();
   summary.scan_count = *scan_count;
   summary.bytes = fs::file_size(database, error);
+  if (Status status = copy_audit_head(from, to, summary); !status.ok()) return status.error();
   if (Status status = copy_files(from, to, summary); !status.ok()) return status.error();
+  if (Status status = sync_folders(to); !status.ok()) return status.error();
   return summary;
 }
 
@@ -111,11 +129,13 @@ Status create_folder(const std::string& folder) {
   fs::create_directories(folder, error);
   if (!error) fs::permissions(folder, fs::perms::owner_all, error);
   if (error) return io_error("creating " + folder, error);
-  return Done{};
+  return sync_path(parent_of(folder));
 }
 
 Status require_database(const std::string& folder) {
   std::error_code error;
+  if (fs::exists(folder + "/" + kRestoreMark, error))
+    return Error{ErrorCode::kInvalidArgument, "a restore into " + folder + " was cut off: restore into it again first"};
   if (fs::is_regular_file(folder + "/" + kDatabase, error)) return Done{};
   return Error{ErrorCode::kNotFound, "there is no " + folder + "/" + kDatabase};
 }
@@ -137,20 +157,54 @@ Result<BackupSummary> back_up(const std::string& data, const std::string& backup
   }
   fs::rename(unfinished, backup, error);
   if (error) return io_error("renaming " + unfinished, error);
+  if (Status status = sync_path(parent_of(backup)); !status.ok()) {
+    fs::remove_all(backup, error);
+    return status.error();
+  }
   return summary;
 }
+
+namespace {
+
+// Into a folder that is there and empty.
+Result<BackupSummary> restore_into(const std::string& backup, const std::string& data) {
+  const std::string mark = data + "/" + kRestoreMark;
+  if (!std::ofstream(mark)) return io_error("creating " + mark, std::error_code(errno, std::generic_category()));
+  if (Status status = sync_path(data); !status.ok()) return status.error();
+  Result<BackupSummary> summary = copy_all(backup, data);
+  if (!summary.ok()) return summary;
+  std::error_code error;
+  fs::remove(mark, error);
+  if (error) return io_error("removing " + mark, error);
+  if (Status status = sync_path(data); !status.ok()) return status.error();
+  return summary;
+}
+
+Status empty_folder(const std::string& folder) {
+  std::error_code error;
+  const fs::path mark = fs::path(folder) / kRestoreMark;
+  // The mark last: what is left is not taken for a whole one.
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+    if (!error && entry.path() != mark) fs::remove_all(entry.path(), error);
+  if (!error) fs::remove(mark, error);
+  return error ? Status(io_error("emptying " + folder, error)) : Status(Done{});
+}
+
+}  // namespace
 
 Result<BackupSummary> restore(const std::string& backup, const std::string& data) {
   if (Status status = require_database(backup); !status.ok()) return status.error();
   if (const Result<std::int64_t> scans = check_database(backup + "/" + kDatabase); !scans.ok()) return scans.error();
   std::error_code error;
+  if (fs::exists(data + "/" + kRestoreMark, error))
+    if (Status status = empty_folder(data); !status.ok()) return status.error();
   if (fs::exists(data, error) && !fs::is_empty(data, error))
     return Error{ErrorCode::kInvalidArgument, data + " is not empty: restore into a new folder, or move this one away first"};
   if (Status status = create_folder(data); !status.ok()) return status.error();
-  Result<BackupSummary> summary = copy_all(backup, data);
-  // A server must not start with half of it.
+  Result<BackupSummary> summary = restore_into(backup, data);
+  // A server does not start with half of it.
   if (!summary.ok())
-    for (const fs::directory_entry& entry : fs::directory_iterator(data, error)) fs::remove_all(entry.path(), error);
+    if (const Status emptied = empty_folder(data); !emptied.ok()) return emptied.error();
   return summary;
 }
 

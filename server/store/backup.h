@@ -23,7 +23,8 @@ struct BackupSummary {
 Result<BackupSummary> back_up(const std::string& data, const std::string& backup);
 
 // Checks the backup's database, then copies everything into `data`, which must be empty or not there: nothing is ever overwritten. Errors
-// as above.
+// as above. While it works the folder has a mark (kRestoreMark) that no server starts with; where one is left by a restore that was cut
+// off, what came of that is removed first.
 Result<BackupSummary> restore(const std::string& backup, const std::string& data);
 
 }  // namespace hermite

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/sync_path.h"
 #include "server/store/owned_descriptor.h"
 #include "server/store/scan_id.h"
 
@@ -39,6 +40,7 @@ std::string create_token(const std::string& path) {
   if (write(file.descriptor, line.data(), line.size()) != static_cast<ssize_t>(line.size()) || fsync(file.descriptor) != 0)
     throw io_failure("writing " + unfinished);
   if (rename(unfinished.c_str(), path.c_str()) != 0) throw io_failure("creating " + path);
+  or_throw(sync_path(std::filesystem::path(path).parent_path()));
   return token;
 }
 
@@ -114,6 +116,19 @@ int take_lock(const std::string& path) {
   throw io_failure("emptying " + path);
 }
 
+// True: it was not there. Its name stays after a power cut, and those of the folders above it that were not there either.
+bool create_with_parents(const std::string& wanted, const fs::path& folder) {
+  const fs::path parent = folder.parent_path();
+  std::error_code error;
+  if (fs::is_directory(folder, error)) return false;
+  create_with_parents(wanted, parent);
+  fs::create_directory(folder, error);
+  if (error) throw SetupError({ErrorCode::kIo, "creating the data folder " + wanted + ": " + error.message()});
+  // Who may not read the parent cannot sync it; who starts a server in such a place has to live with it.
+  if (access(parent.c_str(), R_OK) == 0) or_throw(sync_path(parent));
+  return true;
+}
+
 // Groups may have been let in on purpose, all users of a machine never.
 void close_to_others(const std::string& path) {
   struct stat status {};
@@ -126,20 +141,19 @@ void close_to_others(const std::string& path) {
 }  // namespace
 
 DataDirectory::DataDirectory(const std::string& path) : path_(path) {
-  std::error_code error;
-  const bool created = std::filesystem::create_directories(path_, error);
-  if (error) throw SetupError({ErrorCode::kIo, "creating the data folder " + path_ + ": " + error.message()});
-  if (created) chmod(path_.c_str(), 0700);
+  if (create_with_parents(path_, (fs::absolute(path_) / "").parent_path())) chmod(path_.c_str(), 0700);
   close_to_others(path_);
-  std::filesystem::create_directories(path_ + "/scans", error);
-  if (error) throw SetupError({ErrorCode::kIo, "creating " + path_ + "/scans: " + error.message()});
+  if (std::error_code error; fs::exists(path_ + "/" + kRestoreMark, error))
+    throw SetupError(
+        {ErrorCode::kCorruptData, "a restore into " + path_ + " was cut off: `hermite restore` into it again, which begins anew"});
   lock_file_ = take_lock(path_ + "/lock");
   try {
     locked_folder_ = locked(open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC), path_);
-    for (const char* folder : {"/waste", "/lost", "/lost/scans", "/lost/uploads", "/uploads"})
+    for (const char* folder : {"/scans", "/waste", "/lost", "/lost/scans", "/lost/uploads", "/uploads"})
       if (mkdir((path_ + folder).c_str(), 0700) != 0 && errno != EEXIST) throw io_failure("creating " + path_ + folder);
     or_throw(discard(path_ + "/jobs"));
     if (mkdir((path_ + "/jobs").c_str(), 0700) != 0) throw io_failure("creating " + path_ + "/jobs");
+    for (const char* folder : {"", "/lost"}) or_throw(sync_path(path_ + folder));
     token_ = read_or_create_token(path_ + "/token");
   } catch (...) {
     // No destructor runs for a constructor that throws.

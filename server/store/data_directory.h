@@ -9,6 +9,7 @@
 //   uploads/ID    the bytes of an upload, as far as they have come
 //   jobs/ID/      what a running job has unpacked; empty at every start
 //   waste/        what was removed, until the disk has let go of it
+//   restore.unfinished  a restore was cut off: no server starts here
 //   probe         comes and goes: whether the disk takes anything
 //   lost/         scans/ID and uploads/ID that no row knew at a start (orphans.h)
 #pragma once
@@ -22,12 +23,20 @@
 
 namespace hermite {
 
+// In a folder that a backup is being restored into (backup.h).
+inline constexpr const char* kRestoreMark = "restore.unfinished";
+
+// In audit/ (server/service/audit.h): of the folder it is copied first, so that a backup of a server that runs says of no entry that it is
+// missing.
+inline constexpr const char *kAuditFolder = "audit", *kAuditHeadName = "head";
+
 // Owns the lock. One owner; const functions are thread-safe.
 class DataDirectory {
  public:
   // Creates the folder (mode 0700; one that is there is closed to other users), takes the lock and reads or makes the token. The folder
   // itself is locked, too: that lock stays when somebody deletes the file. Throws SetupError in words: not writable, in use by another
-  // server (kBusy), open to other users and not ours to close, a token file that holds no token.
+  // server (kBusy), open to other users and not ours to close, a token file that holds no token, a restore that was cut off. The folders
+  // and the token stay from here on, also after a power cut.
   explicit DataDirectory(const std::string& path);
   ~DataDirectory();
   DataDirectory(const DataDirectory&) = delete;
@@ -35,7 +44,7 @@ class DataDirectory {
 
   const std::string& token() const { return token_; }
   std::string database_path() const { return path_ + "/hermite.db"; }
-  std::string audit_folder() const { return path_ + "/audit"; }
+  std::string audit_folder() const { return path_ + "/" + kAuditFolder; }
   std::string retention_path() const { return path_ + "/retention"; }
 
   // Writes where this server listens into the lock file, for programs beside it.

@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "core/base/check.h"
+#include "core/base/sync_path.h"
 #include "core/output/ply.h"
 #include "server/store/owned_descriptor.h"
 #include "server/store/scan_id.h"
@@ -50,9 +51,7 @@ Result<std::uint64_t> size_of(const OwnedDescriptor& file, const std::string& pa
 // The name of a new folder is in its parent: that has to reach the disk, too.
 Status make_folder(const std::string& folder, const std::string& parent) {
   if (mkdir(folder.c_str(), 0700) != 0) return errno == EEXIST ? Status(Done{}) : Status(io_error("creating " + folder, errno));
-  const OwnedDescriptor opened(open(parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (opened.descriptor < 0 || fsync(opened.descriptor) != 0) return io_error("writing " + parent, errno);
-  return Done{};
+  return sync_path(parent);
 }
 
 }  // namespace

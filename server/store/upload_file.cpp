@@ -6,9 +6,11 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/sync_path.h"
 
 namespace hermite {
 
@@ -25,7 +27,13 @@ Error io_error(const std::string& what) {
 Result<UploadFile> UploadFile::create(const std::string& path) {
   const int descriptor = ::open(path.c_str(), kFlags | O_CREAT | O_EXCL, 0600);
   if (descriptor < 0) return io_error("creating the file of an upload");
-  return UploadFile(descriptor, 0);
+  UploadFile file(descriptor, 0);
+  // Its bytes are worth nothing without its name.
+  if (Status status = sync_path(std::filesystem::path(path).parent_path()); !status.ok()) {
+    unlink(path.c_str());
+    return status.error();
+  }
+  return file;
 }
 
 Result<UploadFile> UploadFile::open(const std::string& path) {

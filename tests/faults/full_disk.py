@@ -8,10 +8,12 @@ nearly full         the scan that runs ends as interrupted while there is room f
 full to the last    another program takes every byte: the camera is told in words and ends, the server lives, the scan ends as interrupted, its
 byte                frames stay and nothing that was told to be durable is missing. When there is room again its results are made by
                     themselves, of every frame in its log
+job                 one that the disk becomes too full for is queued again, says so, and is done when there is room
 and killed          the same, and the server is killed while nothing can be written: the next one makes the results
 
 Skipped (77) where no mount namespace or tmpfs may be had.
 """
+import json
 import os
 import shutil
 import signal
@@ -28,6 +30,7 @@ SKIPPED = 77
 IN_NAMESPACE = "HERMITE_TEST_IN_NAMESPACE"
 DISK_MB = 300
 FRAMES_BEFORE = 10
+JOB_FRAMES = 80
 
 
 def skip(why):
@@ -126,6 +129,25 @@ def is_rebuilt(server, scan, frames):
     check(isinstance(result_of(server, scan, "cloud.ply"), bytes), "and there is a cloud")
 
 
+def job_waits(server, program, client, filler, folder):
+    recording = os.path.join(folder, "recording")
+    subprocess.run([program, "convert", f"synthetic:frames={JOB_FRAMES},width=160,height=120,seed=1", recording, "--to", "tum"], check=True,
+                   stdout=subprocess.DEVNULL)
+    sent = subprocess.run([client, "upload", recording, "--title", "of a job", "--no-check", "--json", "--server", server.url], capture_output=True,
+                          text=True, check=False, env={**os.environ, "XDG_STATE_HOME": folder + "/state"})
+    check(sent.returncode == 0, f"upload: {sent.stdout} {sent.stderr}")
+    job = json.loads(sent.stdout)["job"]
+    wait_until(lambda: server.ask("jobs/" + job)["stage"] == "tracking", "the job tracks")
+    filler.leave(40_000_000)
+    wait_until(lambda: server.ask("jobs/" + job)["words"], "the job says something")
+    told = server.ask("jobs/" + job)
+    check(told["state"] == "queued" and "nearly full" in told["words"], f"the job waits: {told}")
+    filler.go()
+    wait_until(lambda: server.ask("jobs/" + job)["state"] not in ("queued", "running"), "the job ends")
+    told = server.ask("jobs/" + job)
+    check(told["state"] == "finished" and row_of(server, told["scan"])["frames_processed"] == JOB_FRAMES, f"the job is done: {told}")
+
+
 def look_at(disk, data, program, client):
     filler = Filler(disk)
     admin_port = free_port()
@@ -136,6 +158,8 @@ def look_at(disk, data, program, client):
         scan, frames, row = fill(server, client, filler, data)
         filler.go()
         is_rebuilt(server, scan, frames)
+
+        job_waits(server, program, client, filler, os.path.dirname(data))
 
         killed_scan, killed_frames, _ = fill(server, client, filler, data)
         server.end(signal.SIGKILL)

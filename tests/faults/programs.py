@@ -19,11 +19,12 @@ PATIENCE_S = 300
 
 
 class Server:
-    def __init__(self, program, data, settings=()):
+    def __init__(self, program, data, settings=(), host="127.0.0.1"):
         """`settings`: more arguments."""
-        with socket.create_server(("127.0.0.1", 0)) as free:
+        with socket.create_server((host, 0), family=socket.AF_INET6 if ":" in host else socket.AF_INET) as free:
             self.port = free.getsockname()[1]
-        self.command = [program, "serve", "--listen", f"127.0.0.1:{self.port}", "--data", data, "--mesh-on-demand", *settings]
+        listen = f"[{host}]:{self.port}" if ":" in host else f"{host}:{self.port}"
+        self.command = [program, "serve", "--listen", listen, "--data", data, "--mesh-on-demand", *settings]
         self.log = open(data + ".server.log", "a+", encoding="utf-8")
         self.process = None
         self.url = None

@@ -5,7 +5,7 @@
             [--environment NAME=VALUE]
 
 Passes when every scan and upload ends well, and when at the end resident memory, open files and threads are no more than after the first tenth, but
-for GROWTH_MB. `--minutes` ends it before all scans are done: `--minutes 5` is the short form. Prints a line for each twentieth; `--plot`
+for GROWTH_MB. `--minutes` ends it before all scans are done: `--minutes 5` is the short form. Prints a line for each twentieth of the scans or minutes; `--plot`
 draws all of them. Exit status 77 (skipped) without python3-wsproto.
 """
 import json
@@ -50,6 +50,7 @@ class Soak:
         self.uploads_begun = 0
         self.deadline = time.monotonic() + 60 * arguments.minutes if arguments.minutes else float("inf")
         self.samples = []
+        self.sample_at = 0
 
     def ended(self):
         return self.begun >= self.arguments.scans or time.monotonic() > self.deadline
@@ -70,8 +71,12 @@ class Soak:
 
     def sample(self):
         with self.lock:
-            step = max(1, self.arguments.scans // 20)
-            if self.done % step == 0:
+            if self.arguments.minutes:
+                due = time.monotonic() >= self.sample_at
+            else:
+                due = self.done % max(1, self.arguments.scans // 20) == 0
+            if due:
+                self.sample_at = time.monotonic() + 60 * self.arguments.minutes / 20
                 self.take_sample()
 
     def take_sample(self):
@@ -93,10 +98,18 @@ class Soak:
         check(state == "finished", f"upload {self.uploads_begun}: {state}")
 
     def uploads(self):
+        begun_at = time.monotonic()
         for number in range(self.arguments.uploads):
-            # Spread over the scans.
-            while self.done * self.arguments.uploads < number * self.arguments.scans and not self.ended():
+            # Spread over the scans, or the time.
+            def early(share=number / self.arguments.uploads):
+                if self.arguments.minutes:
+                    return time.monotonic() - begun_at < 60 * self.arguments.minutes * share
+                return self.done < self.arguments.scans * share
+
+            while early() and not self.ended():
                 time.sleep(0.1)
+            if self.ended():
+                return
             self.upload()
 
     def viewers(self):

@@ -1,4 +1,4 @@
-// server/SECURITY.md names tests; they exist.
+// server/SECURITY.md names tests and scripts; they exist.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -35,6 +35,10 @@ TEST(SecurityTable, NamesTestsThatExist) {
       tests.merge(matches(text_of(entry.path()), std::regex(R"(TEST(?:_F|_P)?\((\w+),\s*(\w+)\))")));
   const std::set<std::string> named = matches(text_of(root / "server/SECURITY.md"), std::regex(R"(`(\w+)\.(\w+)`)"));
   EXPECT_GT(named.size(), 30u) << "is this the table?";
+  const std::string table = text_of(root / "server/SECURITY.md");
+  const std::regex script(R"(`(tests/[\w/]+(?:\.\w+)?)[ \w]*`)");
+  for (std::sregex_iterator match(table.begin(), table.end(), script), end; match != end; ++match)
+    EXPECT_TRUE(fs::exists(root / (*match)[1].str())) << (*match)[1] << " is named in server/SECURITY.md";
   for (const std::string& name : named) EXPECT_TRUE(tests.contains(name)) << name << " is named in server/SECURITY.md and nowhere else";
 }
 

@@ -132,6 +132,42 @@ test('a cloud that is dropped into the list is a scan of points, far off and lar
   await context.close();
 });
 
+test('names and addresses that are script are text', { timeout: 3 * limit_ms }, async () => {
+  const { page } = viewer;
+  const dialogs = [];
+  page.on('dialog', async (dialog) => {
+    dialogs.push(dialog.message());
+    await dialog.dismiss();
+  });
+  const attack = 'alert(document.domain);window.hacked=1';
+  const names = [`<img src=x onerror="${attack}">`, `"><svg onload='${attack}'>`, `<script>${attack}<\u2215script>`];
+  const put = async (name, bytes) => {
+    const headers = { Authorization: `Bearer ${server.token}` };
+    const answer = await fetch(`${server.origin}/api/v1/uploads/${encodeURIComponent(name)}`, { method: 'PUT', headers, body: bytes });
+    assert.equal(answer.status, 201);
+  };
+  await page.evaluate(() => (location.hash = '#/'));
+  for (const name of names) {
+    await put(name, Buffer.from('no recording')); // the name is in the words of its failure, too
+    await put(`${name}.ply`, streetPly().subarray(0, -1));
+    await page.getByText(name).first().waitFor({ timeout: limit_ms });
+  }
+  await page.getByRole('link', { name: names[0] }).first().click({ timeout: limit_ms });
+  await untilScan(page, 'a scan with such a title is shown', limit_ms, ({ points }) => points > 10_000);
+  await page.getByText(names[0]).first().waitFor();
+  await page.screenshot({ path: path.join(artifacts, 'script-title.png') });
+  await page.getByRole('button', { name: 'Download' }).click();
+  for (const hash of [`#/scan/${names[0]}`, `#/scan/${encodeURIComponent(names[1])}`, `#/${names[2]}`, `#token=${names[0]}`]) {
+    await page.evaluate((to) => (location.hash = to), hash);
+    await page.waitForTimeout(300);
+  }
+  assert.equal(await page.evaluate(() => window.hacked), undefined);
+  assert.deepEqual(dialogs, []);
+  assert.equal(await page.locator('img[src=x], svg[onload]').count(), 0);
+  await page.goto(`${server.origin}/#token=${server.token}`);
+  viewer.complaints.splice(0, viewer.complaints.length, ...viewer.complaints.filter((words) => words.startsWith('policy')));
+});
+
 test('what is wrong is said on the page', { timeout: 2 * limit_ms }, async () => {
   const { page, complaints } = viewer;
   await page.evaluate(() => (location.hash = '#/'));

@@ -34,6 +34,17 @@ TEST(Peer, OnlyATrustedProxyIsBelieved) {
   EXPECT_EQ(peer_of("10.0.0.1", false, {}, "198.51.100.4", "https").address, "10.0.0.1");
 }
 
+TEST(Peer, AnAddressIsOneHoweverTheProxyWritesIt) {
+  const std::vector<Network> proxies{*parse_network("10.0.0.0/8")};
+  const auto address = [&proxies](const char* forwarded) { return peer_of("10.0.0.1", false, proxies, forwarded, "").address; };
+  EXPECT_EQ(address("198.51.100.4:4711"), "198.51.100.4");
+  EXPECT_EQ(address("::ffff:198.51.100.4"), "198.51.100.4");
+  EXPECT_EQ(address("198.51.100.4, [::ffff:10.0.0.2]:80"), "198.51.100.4") << "another proxy";
+  EXPECT_EQ(address("[2001:DB8:0::1]:4711"), "2001:db8::1");
+  EXPECT_EQ(address("2001:db8::0:1"), "2001:db8::1");
+  for (const char* none : {"[", "[]", ":", ":80", "[::1", "1.2.3.4:5:6", "[1.2.3.4"}) EXPECT_NE(address(none), "") << none;
+}
+
 TEST(Peer, WhatAClientMadeUpStandsBeforeItsAddress) {
   const std::vector<Network> proxies{*parse_network("10.0.0.0/8")};
   EXPECT_EQ(peer_of("10.0.0.1", false, proxies, "127.0.0.1, 198.51.100.4", "").address, "198.51.100.4");

@@ -87,6 +87,47 @@ TEST_F(AuditTest, WhatIsChangedTakenOutOrPutInShows) {
   EXPECT_THAT(broken(), HasSubstr("line 2: it is no entry"));
 }
 
+TEST_F(AuditTest, WhatIsCutOffAtTheEndShowsAlsoAfterTheNextStart) {
+  std::string whole, head;
+  {
+    Audit audit(folder_ / "audit", 0);
+    for (int i = 0; i < 5; ++i) audit.note(entry("PUT " + std::to_string(i)));
+    EXPECT_EQ(broken(), "") << "while it is written";
+    audit.tick(0);
+    head = audit.head();
+  }
+  whole = text();
+  const std::string shorter = whole.substr(0, whole.find("{\"n\":4"));
+  write(shorter);
+  EXPECT_THAT(broken(), HasSubstr("2 entries are missing at the end: number 5, " + head));
+  {
+    Audit audit(folder_ / "audit", 0);
+    EXPECT_THAT(audit.missing(), HasSubstr("2 entries are missing"));
+    audit.note(entry("PUT 5"));
+  }
+  EXPECT_THAT(broken(), HasSubstr("before entry 4: 2 entries are missing"));
+  std::filesystem::remove(folder_ / "audit/head");
+  write(shorter);
+  EXPECT_THAT(broken(), HasSubstr("there is no head"));
+  { const Audit audit(folder_ / "audit", 0); }
+  EXPECT_EQ(check_audit(folder_ / "audit", [](const std::string&) {})->remarks.size(), 1u);
+}
+
+TEST_F(AuditTest, AnEndThatWasWrittenAnewShows) {
+  {
+    Audit audit(folder_ / "audit", 0);
+    for (int i = 0; i < 3; ++i) audit.note(entry("PUT " + std::to_string(i)));
+  }
+  std::filesystem::rename(folder_ / "audit/head", folder_ / "head");
+  write(text().substr(0, text().find("{\"n\":3")));
+  {
+    Audit audit(folder_ / "audit", 0);
+    audit.note(entry("GET scan"));
+  }
+  std::filesystem::rename(folder_ / "head", folder_ / "audit/head");
+  EXPECT_THAT(broken(), HasSubstr("entry 3 is another one than"));
+}
+
 TEST_F(AuditTest, ALineThatACrashHasCutIsRemoved) {
   {
     Audit audit(folder_ / "audit", 0);

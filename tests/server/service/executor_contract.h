@@ -20,7 +20,7 @@
 
 namespace hermite::test {
 
-enum class Work { kFinishes, kFails, kGoesOn };  // the last one until it is cancelled
+enum class Work { kFinishes, kFails, kGoesOn, kLacksRoom };  // the last one until it is cancelled
 
 template <class World>
 class ExecutorContract : public testing::Test {

@@ -51,7 +51,9 @@ class LocalWorld {
   const std::vector<std::string>& started() const { return started_; }
   const std::vector<std::string>& removed_scans() const { return removed_scans_; }
   const std::vector<std::string>& ended() const { return ended_; }
+  void wait(std::int64_t ms) { now_ms_ += ms; }
   std::set<std::string> finished_scans;
+  bool has_room = false;
 
  private:
   class Piece : public JobWork {
@@ -61,6 +63,7 @@ class LocalWorld {
       const Work work = world_.works_.at(row_.id);
       if (work == Work::kGoesOn) return;
       world_.posted_.push_back([this, work] {
+        if (work == Work::kLacksRoom && !world_.has_room) return events_.ended({JobState::kQueued, "the disk is full", true});
         ++world_.done_[row_.id];
         events_.ended(work == Work::kFails ? JobEnd{JobState::kFailed, "it was to fail"} : JobEnd{JobState::kFinished, ""});
       });
@@ -184,6 +187,29 @@ TEST_F(LocalExecutorTest, StoppingIsNoAttemptAndNobodysEnd) {
   world_.die();
   world_.settle();
   EXPECT_EQ(world_.executor().status(id)->row.state, JobState::kRunning);
+}
+
+TEST_F(LocalExecutorTest, OneThatTheDiskHadNoRoomForIsTriedAgainLaterAndLater) {
+  const std::string id = submit(Work::kLacksRoom);
+  world_.settle();
+  EXPECT_EQ(world_.executor().status(id)->row.state, JobState::kQueued);
+  EXPECT_EQ(world_.executor().status(id)->row.words, "the disk is full");
+  for (const std::int64_t pause_ms : {kFirstRoomPause_ms, 2 * kFirstRoomPause_ms}) {
+    const std::size_t starts = world_.started().size();
+    world_.wait(pause_ms - 1000);
+    world_.settle();
+    EXPECT_EQ(world_.started().size(), starts) << pause_ms;
+    world_.wait(1000);
+    world_.settle();
+    EXPECT_EQ(world_.started().size(), starts + 1);
+  }
+  EXPECT_EQ(world_.executor().status(id)->row.attempt_count, 0) << "it is not the job's fault";
+  EXPECT_THAT(world_.ended(), testing::IsEmpty());
+  world_.has_room = true;
+  world_.wait(4 * kFirstRoomPause_ms);
+  world_.settle();
+  EXPECT_EQ(world_.executor().status(id)->row.state, JobState::kFinished);
+  EXPECT_EQ(world_.done_count(id), 1);
 }
 
 TEST_F(LocalExecutorTest, ACancelledOneIsNotTriedAgainBeforeItIsOver) {

@@ -31,11 +31,12 @@ using testing::HasSubstr;
 class ScanJobTest : public testing::Test {
  protected:
   ScanJobTest() { start(); }
-  void start(int storage_gb = 0) {
+  void start(int storage_gb = 0, int min_free_disk_mb = 0) {
     server_.reset();
     ServiceOptions options = test::test_options(folder_ / "data");
     options.drain_s = 0;
     options.storage_gb = storage_gb;
+    options.min_free_disk_mb = min_free_disk_mb;
     options.admin_listen = "127.0.0.1:0";
     server_ = std::make_unique<test::RunningServer>(options);
   }
@@ -177,6 +178,24 @@ TEST_F(ScanJobTest, ACancelledOneLeavesNothingAndCanBeTriedAgain) {
   ASSERT_TRUE(again.ok()) << again.error().message;
   EXPECT_TRUE(runs(job, 1));
   change_job(target(), job, false).ok();
+}
+
+TEST_F(ScanJobTest, OneThatTheDiskHasNoRoomForWaitsAndIsDoneWhenThereIsSome) {
+  const std::string job = send(recording(40));
+  ASSERT_TRUE(runs(job, 1));
+  server_.reset();
+  std::filesystem::remove_all(folder_ / "data/scans/" + SqliteStore(folder_ / "data/hermite.db").job(job)->scan_id);
+  start(0, 1'000'000'000);
+  JobReport report;
+  for (int i = 0; i < 500 && report.words.empty(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    report = *job_report(target(), job);
+  }
+  EXPECT_EQ(report.state, "queued");
+  EXPECT_THAT(report.words, HasSubstr("the disk has room for 0 MB"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/jobs"));
+  start();
+  EXPECT_EQ(end_of(job).state, "finished");
 }
 
 TEST_F(ScanJobTest, AServerThatStopsIsFollowedByOneThatGoesOnWithTheSameScan) {

@@ -164,6 +164,34 @@ TEST_F(ScansTest, ACameraThatSendsNothingLosesItsPlace) {
   EXPECT_EQ(row(patient.welcome.scan_id)["state"], "running");
 }
 
+TEST_F(ScansTest, AScanIsWarnedAndEndsWithItsResultsWhenTheStorageIsUsedUpMeanwhile) {
+  serve([](ServiceOptions& options) { options.storage_gb = 1; });
+  Camera camera = start();
+  camera.client->send_message(room_frame(0));
+  ASSERT_TRUE(camera.client->read<wire::FrameResult>());
+  // The end of another scan makes the server look at once.
+  const auto fill = [this](std::uint64_t bytes) {
+    Camera other = start_with_patience(1);
+    const std::string file = scan_file(other.welcome.scan_id, "other");
+    { std::ofstream(file) << "x"; }
+    std::filesystem::resize_file(file, bytes);  // sparse
+    EXPECT_TRUE(other.client->read<wire::ErrorMessage>());
+  };
+  fill(950'000'000);
+  std::string words;
+  while (words.find("nearly used up") == std::string::npos) {
+    const auto state = camera.client->read<wire::ScanState>();
+    ASSERT_TRUE(state);
+    words = state->words;
+  }
+  fill(60'000'000);
+  const auto error = camera.client->read<wire::ErrorMessage>();
+  ASSERT_TRUE(error);
+  EXPECT_THAT(error->message, HasSubstr("no room for more frames: the scans and uploads on this server take 101"));
+  EXPECT_EQ(final_state(camera.welcome.scan_id), "interrupted");
+  EXPECT_TRUE(std::filesystem::exists(scan_file(camera.welcome.scan_id, "cloud.ply")));
+}
+
 TEST_F(ScansTest, AnyCreditWindowGivesWhatALocalRunGives) {
   for (const int window : {1, 16}) {
     serve([window](ServiceOptions& options) { options.credit_window = window; });
@@ -189,10 +217,12 @@ TEST_F(ScansTest, TwoScansAtOnceGiveWhatALocalRunGives) {
 
 TEST_F(ScansTest, EveryFrameHasItsResultAndTheFilesAreWritten) {
   Camera camera = start();
+  std::uint64_t surfel_count = 0;
   for (int i = 0; i < kFrameCount; ++i) {
     camera.client->send_message(room_frame(i));
     const auto result = camera.client->read<wire::FrameResult>();
     ASSERT_TRUE(result);
+    surfel_count = result->surfel_count;
     EXPECT_EQ(result->sequence, static_cast<std::uint64_t>(i));
     EXPECT_EQ(result->timestamp_s, room().timestamp_s(i));
     EXPECT_GT(result->frame_ms, 0);
@@ -219,6 +249,10 @@ TEST_F(ScansTest, EveryFrameHasItsResultAndTheFilesAreWritten) {
   EXPECT_EQ(bytes_of(scan_file(id, "report.json")), finished->report_json);
   EXPECT_EQ(row(id)["state"], "finished");
   EXPECT_EQ(row(id)["frames"], kFrameCount);
+  std::uint64_t bytes = 0;
+  for (const char* name : {"cloud.ply", "surfels.ply", "chunks.bin", "trajectory.txt"})
+    bytes += std::filesystem::file_size(scan_file(id, name));
+  EXPECT_LE(bytes, room_for_results(surfel_count, kFrameCount) - room_for_results(0, 0)) << "what is kept back on the disk is enough";
 }
 
 TEST_F(ScansTest, BadFramesAreToldAndTheScanGoesOn) {

@@ -239,6 +239,28 @@ TEST_F(UploadsTest, TheSameFileAgainIsTheFirstOne) {
   EXPECT_NE(put("filename YQ==", grant_), first) << "it is tried again";
 }
 
+// Four tus clients with the same file, in pieces that come in turn.
+TEST_F(UploadsTest, TheSameFileSentAtTheSameTimeInPiecesIsOneJob) {
+  std::vector<UploadState> states;
+  for (int i = 0; i < 4; ++i) states.push_back(create(10));
+  for (UploadState& state : states) state = *send(state, "hello");
+  const Result<UploadState> wrong = send(states[3], "world", Checksum{ChecksumAlgorithm::kSha256, sha256("other")});
+  EXPECT_FALSE(wrong.ok());
+  states[0] = *send(states[0], "world");
+  JobRow job;
+  job.id = job.source_id = states[0].row.id;
+  ASSERT_TRUE(store_.add_job(job).ok());
+  states[1] = *send(states[1], "world");
+  EXPECT_EQ(states[1].job_id, job.id);
+  EXPECT_EQ(uploads_->job_of(states[1].row.id), job.id) << "who asks by its own id is told, too";
+  EXPECT_EQ(send(states[2], "World")->job_id, "") << "other bytes";
+  EXPECT_EQ(send(states[3], "world")->job_id, "") << "a piece was taken back: what is there has no hash";
+  EXPECT_EQ(completed_, (std::vector<std::string>{states[0].row.id, states[2].row.id, states[3].row.id}));
+  job.state = JobState::kFinished;
+  ASSERT_TRUE(store_.update_job(job).ok());
+  EXPECT_EQ(send(*send(create(10), "hello"), "world")->job_id, "") << "who sends it later wants it once more";
+}
+
 TEST_F(UploadsTest, OthersDoNotFindIt) {
   const UploadState state = create(10);
   EXPECT_EQ(uploads_->find(state.row.id, other_, kNow_ms).error().code, ErrorCode::kNotFound);

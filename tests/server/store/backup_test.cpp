@@ -82,6 +82,25 @@ TEST_F(BackupTest, NothingIsOverwritten) {
   EXPECT_THAT(back_up(folder_ / "data", folder_ / "cut").error().message, HasSubstr("cut off"));
 }
 
+TEST_F(BackupTest, ARestoreThatWasCutOffIsBegunAnewAndStartsNoServer) {
+  {
+    const DataDirectory data(folder_ / "data");
+    SqliteStore store(data.database_path());
+    add_scan(store, data);
+  }
+  ASSERT_TRUE(back_up(folder_ / "data", folder_ / "backup").ok());
+  const std::string restored = folder_ / "restored";
+  fs::create_directories(restored + "/scans/half");
+  { std::ofstream(restored + "/" + kRestoreMark) << ""; }
+  EXPECT_THROW(DataDirectory{restored}, SetupError);
+  EXPECT_FALSE(back_up(restored, folder_ / "another").ok());
+  ASSERT_TRUE(restore(folder_ / "backup", restored).ok());
+  EXPECT_FALSE(fs::exists(restored + "/scans/half"));
+  EXPECT_FALSE(fs::exists(restored + "/" + kRestoreMark));
+  const DataDirectory data(restored);
+  EXPECT_TRUE(SqliteStore(data.database_path()).find(ids_[0]).ok());
+}
+
 TEST_F(BackupTest, WhatIsNoDataFolderOrDamagedIsRefused) {
   EXPECT_EQ(back_up(folder_ / "nowhere", folder_ / "backup").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(restore(folder_ / "nowhere", folder_ / "data").error().code, ErrorCode::kNotFound);

@@ -1,4 +1,4 @@
-#include "tests/every_call/failing_disk.h"
+#include "tests/every_call/disk_calls.h"
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -7,28 +7,21 @@
 
 #include <atomic>
 #include <cerrno>
-#include <cstdarg>
 #include <cstdio>
+#include <string_view>
 
 namespace hermite::test {
 
 namespace {
 
-std::atomic<bool> armed = false;
-std::atomic<int> calls_left = 0;  // before the one that fails
-std::atomic<int> error_number = 0;
-std::atomic<bool> stays = false;
-std::atomic<const char*> failed = nullptr;
+std::atomic<DiskWatcher*> watcher = nullptr;
 
 // Whether this call is to fail.
 bool fails(const char* name) {
-  if (!armed.load()) return false;
-  const int left = calls_left.fetch_sub(1);
-  if (left > 0 || (left < 0 && !stays.load())) return false;
-  const char* none = nullptr;
-  failed.compare_exchange_strong(none, name);
-  errno = error_number.load();
-  return true;
+  DiskWatcher* const told = watcher.load();
+  const int error = told ? told->before(name) : 0;
+  if (error != 0) errno = error;
+  return error != 0;
 }
 
 template <class Function>
@@ -36,21 +29,19 @@ Function next(const char* name) {
   return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
 }
 
-}  // namespace
-
-FailingDisk::FailingDisk(int number, int error, bool and_all_after) {
-  calls_left = number;
-  error_number = error;
-  stays = and_all_after;
-  failed = nullptr;
-  armed = true;
+// Syncs in the way of that name.
+int sync_file(const char* name, int (*real)(int), int descriptor) {
+  if (fails(name)) return -1;
+  const int result = real(descriptor);
+  if (DiskWatcher* const told = result == 0 ? watcher.load() : nullptr) told->synced(descriptor);
+  return result;
 }
 
-FailingDisk::~FailingDisk() { armed = false; }
+}  // namespace
 
-bool FailingDisk::has_failed() const { return failed.load() != nullptr; }
+void DiskWatcher::watch() { watcher = this; }
 
-std::string FailingDisk::failed_call() const { return has_failed() ? failed.load() : ""; }
+void DiskWatcher::unwatch() { watcher = nullptr; }
 
 }  // namespace hermite::test
 
@@ -61,11 +52,17 @@ std::string FailingDisk::failed_call() const { return has_failed() ? failed.load
     return hermite::test::fails(#name) ? static_cast<result>(-1) : real arguments; \
   }
 
+#define HERMITE_REPLACE_SYNC(name)                                          \
+  extern "C" int name(int file) {                                           \
+    static const auto real = hermite::test::next<int (*)(int file)>(#name); \
+    return hermite::test::sync_file(#name, real, file);                     \
+  }
+
 HERMITE_REPLACE(ssize_t, write, (int file, const void* bytes, size_t count), (file, bytes, count))
 HERMITE_REPLACE(ssize_t, pwrite, (int file, const void* bytes, size_t count, off_t at), (file, bytes, count, at))
 HERMITE_REPLACE(ssize_t, pwrite64, (int file, const void* bytes, size_t count, off64_t at), (file, bytes, count, at))
-HERMITE_REPLACE(int, fsync, (int file), (file))
-HERMITE_REPLACE(int, fdatasync, (int file), (file))
+HERMITE_REPLACE_SYNC(fsync)
+HERMITE_REPLACE_SYNC(fdatasync)
 HERMITE_REPLACE(int, ftruncate, (int file, off_t size) noexcept, (file, size))
 HERMITE_REPLACE(int, ftruncate64, (int file, off64_t size) noexcept, (file, size))
 HERMITE_REPLACE(int, rename, (const char* from, const char* to) noexcept, (from, to))
