@@ -1,12 +1,13 @@
 // The surface of a scan that runs: one mesh per piece in the group of the submap that it moves with, and the same once more for those who see
 // it from behind.
-import { Box3, BufferAttribute, BufferGeometry, Group, Mesh } from 'three';
+import { Box3, BufferAttribute, BufferGeometry, Group, Mesh, type Object3D } from 'three';
 import type { MeshCube, MeshPiece, ScanEvent } from '../connection/events';
 import { nameOfCube } from '../state/chunk_ledger';
 import { meshColors, shownMeshColor, type ViewOptions } from '../state/view_options';
 import type { Box } from './framing';
 import type { Layer } from './layer';
 import { MeshMaterial } from './mesh_material';
+import type { SampleCollector } from './samples';
 import type { SubmapsLayer } from './submaps_layer';
 
 interface Piece {
@@ -65,6 +66,22 @@ export class LiveMeshLayer implements Layer {
       box.copy(front.geometry.boundingBox!).applyMatrix4(front.parent!.matrix);
       return { min_m: box.min.toArray(), max_m: box.max.toArray(), weight: front.geometry.getAttribute('position').count };
     });
+  }
+
+  // Some of the corners, evenly.
+  sample(into: SampleCollector): void {
+    for (const { front } of this.pieces.values()) {
+      const [position, normal] = [front.geometry.getAttribute('position'), front.geometry.getAttribute('normal')];
+      into.add(position.count, front.parent!.matrix, (i) => ({
+        position_m: [position.getX(i), position.getY(i), position.getZ(i)],
+        normal: [normal.getX(i), normal.getY(i), normal.getZ(i)],
+      }));
+    }
+  }
+
+  // What is seen from the front, to be clicked on; nothing while it is hidden.
+  fronts(): Object3D[] {
+    return this.visible ? [...this.pieces.values()].map(({ front }) => front) : [];
   }
 
   // Another surface takes over.
