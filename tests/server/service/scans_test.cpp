@@ -165,7 +165,7 @@ TEST_F(ScansTest, ACameraThatSendsNothingLosesItsPlace) {
   EXPECT_EQ(row(patient.welcome.scan_id)["state"], "running");
 }
 
-TEST_F(ScansTest, WhoeverLooksMayStopAScan) {
+TEST_F(ScansTest, WhoeverOwnsAScanMayStopIt) {
   Camera camera = start();
   camera.client->send_message(room_frame(0));
   ASSERT_TRUE(camera.client->read<wire::FrameResult>());
