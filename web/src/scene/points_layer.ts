@@ -4,7 +4,7 @@ import type { ChunkKey, ChunkPoints, ScanEvent } from '../connection/events';
 import { nameOf } from '../state/chunk_ledger';
 import type { ViewOptions } from '../state/view_options';
 import type { Box } from './framing';
-import type { Layer, ViewSize } from './layer';
+import type { Hit, Layer, ViewSize } from './layer';
 import { PointBatch, type BatchRange } from './point_batch';
 import { PointsMaterial } from './points_material';
 import type { SampleCollector } from './samples';
@@ -17,12 +17,6 @@ interface Cloud {
   readonly batch: PointBatch;
   readonly range: BatchRange;
   readonly box: Box3; // in the frame of its submap
-}
-
-export interface Hit {
-  readonly point_m: Vector3; // world
-  readonly normal: Vector3; // looks at whoever clicked
-  readonly distance_m: number;
 }
 
 export class PointsLayer implements Layer {

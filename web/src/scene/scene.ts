@@ -7,10 +7,10 @@ import { framingOf, type Box } from './framing';
 import { FrustumLayer } from './frustum_layer';
 import { floorHeight_m, type Direction } from './gravity';
 import { GridLayer } from './grid_layer';
-import type { Layer, ViewSize } from './layer';
+import type { Hit, Layer, ViewSize } from './layer';
 import { LiveMeshLayer } from './live_mesh_layer';
 import { MeshLayer } from './mesh_layer';
-import { PointsLayer, type Hit } from './points_layer';
+import { PointsLayer } from './points_layer';
 import { SampleCollector } from './samples';
 import { SubmapsLayer } from './submaps_layer';
 import { currentTheme, onThemeChange } from './theme';
@@ -247,12 +247,14 @@ export class ScanScene {
     const caster = new Raycaster();
     caster.setFromCamera(new Vector2((2 * (x_px - left)) / width - 1, 1 - (2 * (y_px - top)) / height), this.rig.camera);
     const worldFromView = new Matrix4().copy(this.upright.object.matrix).invert();
-    const points = this.points.object.visible ? this.points.pick(new Ray().copy(caster.ray).applyMatrix4(worldFromView)) : null;
-    const surfaces = [...(this.mesh.object.visible ? this.mesh.fronts() : []), ...this.live.fronts()];
-    const [mesh] = caster.intersectObjects(surfaces, false);
-    if (!mesh?.face || (points && points.distance_m < mesh.distance)) return points;
-    const normal = mesh.face.normal.clone().transformDirection(mesh.object.matrixWorld).transformDirection(worldFromView);
-    return { point_m: mesh.point.clone().applyMatrix4(worldFromView), normal, distance_m: mesh.distance };
+    const ray = new Ray().copy(caster.ray).applyMatrix4(worldFromView);
+    const hits = [this.points, this.live].flatMap((layer) => (layer.object.visible ? (layer.pick(ray) ?? []) : []));
+    const [mesh] = this.mesh.object.visible ? caster.intersectObjects(this.mesh.fronts(), false) : [];
+    if (mesh?.face) {
+      const normal = mesh.face.normal.clone().transformDirection(mesh.object.matrixWorld).transformDirection(worldFromView);
+      hits.push({ point_m: mesh.point.clone().applyMatrix4(worldFromView), normal, distance_m: mesh.distance });
+    }
+    return hits.sort((a, b) => a.distance_m - b.distance_m)[0] ?? null;
   }
 
   private paint(): void {
