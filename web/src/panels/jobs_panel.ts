@@ -26,7 +26,7 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
   const node = element('section', { class: 'jobs-panel', 'aria-label': 'Recordings' }, element('div', { class: 'field' }, input, add), notice, list);
   const failedList = element('ul', { class: 'scans' });
   const dismissAll = element('button', { type: 'button', class: 'button' }, 'Dismiss all');
-  const failed = element('section', { class: 'failed-jobs', 'aria-label': 'Failed' }, element('div', { class: 'failed-head' }, element('h2', {}, 'Came to nothing'), dismissAll), failedList);
+  const failed = element('section', { class: 'failed-jobs', 'aria-label': 'Failed' }, element('div', { class: 'failed-head' }, element('h2', {}, 'Failed'), dismissAll), failedList);
   const world = browserWorld();
   let shown = '';
   let allowed = false;

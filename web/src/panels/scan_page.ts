@@ -27,6 +27,7 @@ type ScanStore = Store<LiveScan, LiveScanEvent>;
 type OptionsStore = Store<ViewOptions, Partial<ViewOptions>>;
 
 export interface ScanPage extends Panel {
+  drawCalls(): number; // of the newest picture
   readonly scan: ScanStore;
 }
 
@@ -66,6 +67,7 @@ export function scanPage(scanId: string, token: string): ScanPage {
   return {
     element: node,
     scan,
+    drawCalls: () => scene?.drawCalls ?? 0,
     dispose() {
       document.removeEventListener('keydown', onKey);
       mesh?.dispose();

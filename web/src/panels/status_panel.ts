@@ -27,7 +27,7 @@ const rows: readonly Row[] = [
   { label: 'Loops', value: (scan) => (scan.keyframes > 0 ? count(scan.loops) : null) },
   { label: 'Position', value: (scan) => positionWords(scan) },
   { label: 'Dropped', value: (scan) => (isImported(scan) ? null : count(scan.framesDropped)) },
-  { label: 'Per frame', value: (scan) => (scan.frame_ms > 0 ? `${Math.round(scan.frame_ms)} ms` : null) },
+  { label: 'Per frame', value: (scan) => (scan.frame_ms > 0 && scan.phase === 'running' ? `${Math.round(scan.frame_ms)} ms` : null) },
   { label: 'Picture', value: (_, fps) => (fps > 0 ? `${fps} fps` : 'at rest') },
 ];
 
