@@ -25,7 +25,7 @@ export class DracoDecoder {
     const module = await this.module;
     try {
       const points = decodeCloud(module, bytes, declaredCount);
-      return { ...points, radii_m: radiiOf(points.positions_m, level) };
+      return { ...points, radii_m: radiiOf(points.positions_m, points.normals, level) };
     } catch (error) {
       if (error instanceof DracoError) throw error;
       this.module = null; // a trap or an abort: the instance's memory can no longer be trusted
