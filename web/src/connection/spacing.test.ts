@@ -35,6 +35,7 @@ test.each([
   [0.014, 1],
   [0.005, 2],
   [0.003, 4],
+  [0.02, 1],
 ])('discs leave no gap in a plane with a point each %d m in rows %d times as far apart, and are no larger than they must be', (step_m, rows) => {
   const positions_m = plane(step_m, rows, 20);
   const radii_m = radiiOf(positions_m, facing(positions_m), 0);
@@ -59,7 +60,7 @@ test('a chunk of a higher level has discs as many times larger, and without norm
 });
 
 test('a point that is alone has a disc of its own, and none at all is no trouble', () => {
-  expect(radiiOf(Float32Array.of(1, 2, 3), facing(new Float32Array(3)), 0)[0]).toBeCloseTo(0.025, 4);
+  expect(radiiOf(Float32Array.of(1, 2, 3), facing(new Float32Array(3)), 0)[0]).toBeCloseTo(0.03, 4);
   expect(radiiOf(new Float32Array(), new Int8Array(), 0)).toHaveLength(0);
 });
 

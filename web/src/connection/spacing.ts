@@ -2,11 +2,11 @@
 // fewer rays than a near one, in rows that lie further apart than their points. Hence from the nearest neighbour on each of four sides of a point, found in a
 // grid of cells.
 
-const cell_m = 0.0125; // of a chunk of level 0
+const cells_m = [0.0125, 0.03] as const; // of a chunk of level 0; the larger ones where there is nothing near on some side
 const voxel_m = 0.005; // the server keeps one point of each
 const reach = 0.8; // of the distance to the furthest of the four; on a square grid 0.71 would do
 const offPlane = 0.5; // of its distance: what lies further above or below is another surface
-const medianLimit = 2; // at an edge there is nothing on one side, and what comes behind is another surface
+const medianLimit = 3; // at an edge there is nothing on one side, and what comes behind is another surface
 const cellsPerAxis = 4096; // more would be no chunk
 const lookedAt = 100; // of the points of a cell: in a voxel there is one, and no server makes a page count for ever
 
@@ -15,12 +15,15 @@ export function radiiOf(positions_m: Float32Array, normals: Int8Array, level: nu
   const count = positions_m.length / 3;
   const scale = 2 ** level;
   const least_m = 0.5 * voxel_m * scale;
-  const most_m = 2 * cell_m * scale;
-  const grid = new Grid(positions_m, cell_m * scale);
+  const most_m = cells_m[1] * scale;
+  const [near, far] = cells_m.map((cell_m) => new Grid(positions_m, cell_m * scale)) as [Grid, Grid];
   const radii_m = new Float32Array(count);
-  for (const members of grid.cells()) {
-    const around = grid.around(members[0]!);
-    for (const i of members) radii_m[i] = Math.min(most_m, Math.max(least_m, reach * furthestSide_m(positions_m, normals, i, around)));
+  for (const members of near.cells()) {
+    const around = near.around(members[0]!);
+    for (const i of members) {
+      if (!look(positions_m, normals, i, around)) look(positions_m, normals, i, far.around(i));
+      radii_m[i] = Math.min(most_m, Math.max(least_m, reach * furthestSide_m()));
+    }
   }
   const limit_m = medianLimit * median(radii_m);
   for (let i = 0; i < count; ++i) radii_m[i] = Math.min(radii_m[i]!, limit_m);
@@ -71,7 +74,14 @@ function nameOf(x: number, y: number, z: number): number {
 const sides = new Float64Array(4); // squared distance to the nearest neighbour on each
 
 // Infinity: nobody is near.
-function furthestSide_m(positions_m: Float32Array, normals: Int8Array, i: number, around: readonly (readonly number[])[]): number {
+function furthestSide_m(): number {
+  let furthest = 0;
+  for (const squared of sides) if (squared < Infinity && squared > furthest) furthest = squared;
+  return furthest === 0 && sides.every((squared) => squared === Infinity) ? Infinity : Math.sqrt(furthest);
+}
+
+// Fills `sides`; whether there is somebody on each.
+function look(positions_m: Float32Array, normals: Int8Array, i: number, around: readonly (readonly number[])[]): boolean {
   const [px, py, pz] = [positions_m[3 * i]!, positions_m[3 * i + 1]!, positions_m[3 * i + 2]!];
   const [nx, ny, nz] = [normals[4 * i]! / 127, normals[4 * i + 1]! / 127, normals[4 * i + 2]! / 127];
   // Two directions along the surface; any where there is no normal.
@@ -93,9 +103,7 @@ function furthestSide_m(positions_m: Float32Array, normals: Int8Array, i: number
       if (squared < sides[side]!) sides[side] = squared;
     }
   }
-  let furthest = 0;
-  for (const squared of sides) if (squared < Infinity && squared > furthest) furthest = squared;
-  return furthest === 0 && sides.every((squared) => squared === Infinity) ? Infinity : Math.sqrt(furthest);
+  return sides.every((squared) => squared < Infinity);
 }
 
 function median(values: Float32Array): number {
