@@ -107,6 +107,20 @@ export function agreement(some, all) {
   return { covered: both / bright, alike: cosines / both };
 }
 
+// Of a picture of points: how many of the pixels among bright ones are dark, seen left, right, above and below of them.
+export const holesIn = (context, page) =>
+  inPixels(context, page, ({ data, width, height }) => {
+    const reach = 5;
+    const bright = (x, y) => Math.max(...data.subarray(4 * (y * width + x), 4 * (y * width + x) + 3)) > 50;
+    let [holes, all] = [0, 0];
+    for (let y = reach; y < height - reach; ++y)
+      for (let x = reach; x < width - reach; ++x) {
+        if (bright(x, y)) ++all;
+        else if (bright(x - reach, y) && bright(x + reach, y) && bright(x, y - reach) && bright(x, y + reach)) ++holes;
+      }
+    return holes / all;
+  });
+
 // What axe finds wrong with the page for people who see, hear or move otherwise: a line each.
 export async function barriers(page) {
   await page.evaluate(axe); // not as a script of the page, which its policy forbids

@@ -6,7 +6,7 @@ const cells_m = [0.0125, 0.03] as const; // of a chunk of level 0; the larger on
 const voxel_m = 0.005; // the server keeps one point of each
 const reach = 0.8; // of the distance to the furthest of the four; on a square grid 0.71 would do
 const offPlane = 0.5; // of its distance: what lies further above or below is another surface
-const medianLimit = 3; // at an edge there is nothing on one side, and what comes behind is another surface
+const medianLimit = 3; // what comes behind a wide gap is another surface
 const cellsPerAxis = 4096; // more would be no chunk
 const lookedAt = 100; // of the points of a cell: in a voxel there is one, and no server makes a page count for ever
 
@@ -18,15 +18,17 @@ export function radiiOf(positions_m: Float32Array, normals: Int8Array, level: nu
   const most_m = cells_m[1] * scale;
   const [near, far] = cells_m.map((cell_m) => new Grid(positions_m, cell_m * scale)) as [Grid, Grid];
   const radii_m = new Float32Array(count);
+  const openSides: number[] = []; // points at an edge of the surface, or of the chunk
   for (const members of near.cells()) {
     const around = near.around(members[0]!);
     for (const i of members) {
-      if (!look(positions_m, normals, i, around)) look(positions_m, normals, i, far.around(i));
+      if (!look(positions_m, normals, i, around) && !look(positions_m, normals, i, far.around(i))) openSides.push(i);
       radii_m[i] = Math.min(most_m, Math.max(least_m, reach * furthestSide_m()));
     }
   }
-  const limit_m = medianLimit * median(radii_m);
-  for (let i = 0; i < count; ++i) radii_m[i] = Math.min(radii_m[i]!, limit_m);
+  const usual_m = median(radii_m);
+  for (const i of openSides) radii_m[i] = Math.max(radii_m[i]!, usual_m); // the next chunk may be as sparse
+  for (let i = 0; i < count; ++i) radii_m[i] = Math.min(radii_m[i]!, medianLimit * usual_m);
   return radii_m;
 }
 

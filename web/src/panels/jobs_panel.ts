@@ -24,14 +24,16 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
   const input = element('input', { type: 'file', multiple: true, id: 'recordings', class: 'hidden-input' });
   const add = element('label', { for: 'recordings', class: 'button' }, 'Add a recording, cloud or mesh');
   const node = element('section', { class: 'jobs-panel', 'aria-label': 'Recordings' }, element('div', { class: 'field' }, input, add), notice, list);
-  const failedList = element('ul', { class: 'scans' });
-  const dismissAll = element('button', { type: 'button', class: 'button' }, 'Dismiss all');
-  const failed = element('section', { class: 'failed-jobs', 'aria-label': 'Failed' }, element('div', { class: 'failed-head' }, element('h2', {}, 'Failed'), dismissAll), failedList);
+  const failed = failedSection(() =>
+    attempt(async () => {
+      for (const job of failures) await cancelJob(job.id, token());
+    }),
+  );
   const world = browserWorld();
   let shown = '';
   let allowed = false;
   let failures: readonly Job[] = [];
-  node.hidden = failed.hidden = true;
+  node.hidden = true;
 
   const say = (words: string): void => {
     notice.hidden = words === '';
@@ -54,26 +56,16 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
     });
   sayUnfinished();
   input.addEventListener('change', () => void send([...(input.files ?? [])]).finally(() => (input.value = '')));
-  dismissAll.addEventListener('click', () =>
-    void attempt(async () => {
-      for (const job of failures) await cancelJob(job.id, token());
-    }),
-  );
-  // A file that is dropped beside the panel would replace the page.
-  const onDrag = (event: DragEvent): void => event.preventDefault();
-  const onDrop = (event: DragEvent): void => {
-    event.preventDefault();
-    if (allowed) void send([...(event.dataTransfer?.files ?? [])]);
-  };
-  document.addEventListener('dragover', onDrag);
-  document.addEventListener('drop', onDrop);
+  const stopDrops = onDrops((files) => void (allowed && send(files)));
   return {
     element: node,
-    failed,
+    failed: failed.element,
     allow(on) {
       allowed = on;
       node.hidden = !on;
-      if (!on) failed.hidden = true;
+      if (on) return;
+      shown = '';
+      failed.show([]);
     },
     async refresh() {
       if (!allowed) return;
@@ -84,13 +76,39 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
       failures = jobs.filter((job) => job.state === 'failed').slice(0, shown_count);
       const going = jobs.filter((job) => job.state === 'queued' || job.state === 'running').slice(0, shown_count);
       list.replaceChildren(...going.map((job) => element('li', {}, rowOf(job, token, attempt))));
-      failedList.replaceChildren(...failures.map((job) => element('li', {}, rowOf(job, token, attempt))));
-      failed.hidden = failures.length === 0;
-      dismissAll.hidden = failures.length < 2;
+      failed.show(failures.map((job) => rowOf(job, token, attempt)));
     },
-    dispose() {
-      document.removeEventListener('dragover', onDrag);
-      document.removeEventListener('drop', onDrop);
+    dispose: stopDrops,
+  };
+}
+
+// Anywhere on the page: a file that is dropped beside the panel would replace it. Returns how to stop.
+function onDrops(take: (files: File[]) => void): () => void {
+  const onDrag = (event: DragEvent): void => event.preventDefault();
+  const onDrop = (event: DragEvent): void => {
+    event.preventDefault();
+    take([...(event.dataTransfer?.files ?? [])]);
+  };
+  document.addEventListener('dragover', onDrag);
+  document.addEventListener('drop', onDrop);
+  return () => {
+    document.removeEventListener('dragover', onDrag);
+    document.removeEventListener('drop', onDrop);
+  };
+}
+
+function failedSection(dismissThem: () => Promise<void>): { readonly element: HTMLElement; show(rows: readonly HTMLElement[]): void } {
+  const list = element('ul', { class: 'scans' });
+  const dismissAll = element('button', { type: 'button', class: 'button' }, 'Dismiss all');
+  const node = element('section', { class: 'failed-jobs', 'aria-label': 'Failed' }, element('div', { class: 'failed-head' }, element('h2', {}, 'Failed'), dismissAll), list);
+  node.hidden = true;
+  dismissAll.addEventListener('click', () => void dismissThem());
+  return {
+    element: node,
+    show(rows) {
+      list.replaceChildren(...rows.map((row) => element('li', {}, row)));
+      node.hidden = rows.length === 0;
+      dismissAll.hidden = rows.length < 2;
     },
   };
 }

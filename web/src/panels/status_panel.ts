@@ -18,7 +18,7 @@ const isImported = (scan: LiveScan): boolean => scan.phase === 'finished' && sca
 
 const rows: readonly Row[] = [
   { label: 'Points shown', value: (scan) => (scan.points > 0 || scan.triangles === 0 ? count(scan.points) : null) },
-  { label: 'Points to download', value: (scan) => (scan.report?.cloudPoints ? count(scan.report.cloudPoints) : null) },
+  { label: 'Points in file', value: (scan) => (scan.report?.cloudPoints ? count(scan.report.cloudPoints) : null) },
   { label: 'Triangles', value: trianglesText },
   { label: 'Frames', value: (scan) => (isImported(scan) ? null : framesText(scan)) },
   { label: 'Submaps', value: (scan) => (scan.submaps > 1 ? count(scan.submaps) : null) },
