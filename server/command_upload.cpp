@@ -324,6 +324,7 @@ int run_jobs(const JobsArguments& arguments) {
     std::cerr << "hermite-client: " << status.error().message << '\n';
     return status_of(status.error());
   }
+  if (jobs.empty() && !arguments.json) std::cout << "there are no jobs\n";
   for (const JobReport& job : jobs)
     std::cout << (arguments.json ? job_json(job).dump(-1, ' ', false, Json::error_handler_t::replace) : job.id + "  " + job_words(job))
               << '\n';
@@ -373,7 +374,7 @@ Command add_jobs_command(CLI::App& app) {
   auto arguments = std::make_shared<JobsArguments>();
   CLI::App& jobs = *app.add_subcommand("jobs", "List the server's jobs, cancel one or try one again");
   add_server_options(jobs, arguments->server)->required();
-  jobs.add_option("--cancel", arguments->cancel, "Cancel this job");
+  jobs.add_option("--cancel", arguments->cancel, "Cancel this job, or put it away when it has failed");
   jobs.add_option("--retry", arguments->retry, "Try this job again, which has failed or was cancelled");
   jobs.add_flag("--json", arguments->json, "One JSON object a job, on a line");
   return {&jobs, [arguments] { return run_jobs(*arguments); }};

@@ -47,6 +47,7 @@ std::string format_report_json(const RunReport& run, const Trajectory& estimate,
     report["corrected_camera"].erase("frame_rate_hz");  // which nobody knows here
   }
   report["surfels"] = statistics.surfel_count;
+  report["cloud_points"] = run.cloud_points;
   if (statistics.mapping)
     for (const MappingCountName& named : kMappingCountNames) report["mapping"][std::string(named.name)] = *statistics.mapping.*named.count;
   report["mean_frame_ms"] = statistics.mean_frame_ms;

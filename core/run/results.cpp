@@ -17,6 +17,7 @@ Result<RunResults> results_of(Pipeline& pipeline, const Options& options, const 
   run.options = options;
   run.trajectory_text = format_tum_trajectory(pipeline.trajectory());
   run.cloud_ply = format_ply(*cloud);
+  run.cloud_points = cloud->size();
   std::string report_json = format_report_json(run, pipeline.trajectory(), groundtruth);
   return RunResults{std::move(run.cloud_ply), format_ply(*surfels), std::move(run.trajectory_text), std::move(report_json)};
 }

@@ -87,6 +87,7 @@ class Audience {
   Audience& operator=(const Audience&) = delete;
 
   const SceneInfo& info() const { return info_; }
+  void rename(const std::string& title) { info_.title = title; }  // for those who come from now on
 
   void show_state(const wire::ScanState& state);
   void show_result(const wire::FrameResult& result);                   // and adds its position to the trajectory
@@ -118,7 +119,7 @@ class Audience {
   void add_position(const wire::PoseInSubmap& where);
   wire::TrajectoryPart trajectory() const;
 
-  const SceneInfo info_;
+  SceneInfo info_;
   SharedBytes state_, poses_, result_;
   std::map<ChunkKey, ShownPart> chunks_;
   std::map<SurfaceCube, ShownPart> pieces_;  // of the surface

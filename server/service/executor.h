@@ -35,7 +35,8 @@ class Executor {
 
   virtual Result<JobStatus> status(const std::string& id) = 0;  // kNotFound
 
-  // The job is cancelled from here on, whatever becomes of the work. kNotFound; kBusy: it has ended already.
+  // The job is cancelled from here on, whatever becomes of the work; so is one that has failed: somebody has seen it. kNotFound; kBusy: it
+  // has finished or was cancelled already.
   virtual Status cancel(const std::string& id) = 0;
 
   virtual Result<std::vector<JobStatus>> list() = 0;                    // newest first, at most kMaxListedJobs

@@ -126,7 +126,8 @@ std::optional<HttpAnswer> check_request(const Request& request, std::uint64_t bo
   if (request.version() != 11 && request.version() != 10) return refuse(505, "HTTP/1.1 or 1.0 is spoken here");
   // Transfer codings are where proxies and servers disagree about the end of a request; none is needed here.
   if (request.count(http::field::transfer_encoding) != 0) return refuse(400, "requests with Transfer-Encoding are not accepted");
-  if (request.method() != http::verb::post && body_bytes > 0 && !long_body) return refuse(413, "only POST requests may have a body");
+  const bool may_have_body = request.method() == http::verb::post || request.method() == http::verb::patch || long_body;
+  if (body_bytes > 0 && !may_have_body) return refuse(400, "only POST and PATCH requests may have a body here");
   if (body_bytes > kMaxBodyBytes && !long_body)
     return refuse(413, "the body has " + std::to_string(body_bytes) + " bytes, allowed are " + std::to_string(kMaxBodyBytes));
   if (request.count(http::field::host) != 1) return refuse(400, "a request must have one Host header");

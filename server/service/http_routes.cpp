@@ -17,6 +17,7 @@
 #include "server/service/job_routes.h"
 #include "server/service/json_text.h"
 #include "server/service/json_time.h"
+#include "server/service/scan_routes.h"
 #include "server/service/upload_routes.h"
 
 namespace hermite {
@@ -130,7 +131,7 @@ void note(const HttpWorld& world, const HttpRequest& request, const Grant& grant
   world.audit.note({request.caller.now_ms, grant.token_id, request.caller.peer, request.method + " " + std::string(route), id, outcome});
 }
 
-enum class Needs { kView, kScan, kViewAndScan, kAdmin };
+enum class Needs { kNothing, kView, kScan, kViewAndScan, kAdmin };
 
 struct ApiRoute {
   std::string_view method;
@@ -144,9 +145,12 @@ struct ApiRoute {
 };
 constexpr std::string_view kScanPath = "/api/v1/scans/";
 constexpr std::string_view kUploadsPath = "/api/v1/uploads/", kJobsPath = "/api/v1/jobs/";
-constexpr std::array<ApiRoute, 29> kApi = {{
+constexpr std::array<ApiRoute, 32> kApi = {{
+    {"GET", "access", "/api/v1/access", "", false, Needs::kNothing, show_access},
     {"GET", "scans", "/api/v1/scans", "", false, Needs::kView, list_scans},
     {"GET", "scan", kScanPath, "", true, Needs::kView, show_scan},
+    {"PATCH", "scan", kScanPath, "", true, Needs::kViewAndScan, rename_scan},
+    {"POST", "stop", kScanPath, "/stop", true, Needs::kViewAndScan, stop_scan},
     {"DELETE", "scan", kScanPath, "", true, Needs::kAdmin, remove_scan},
     {"GET", "cloud.ply", kScanPath, "/cloud.ply", true, Needs::kView, send_cloud},
     {"GET", "trajectory.txt", kScanPath, "/trajectory.txt", true, Needs::kView, send_trajectory},
@@ -178,6 +182,7 @@ constexpr std::array<ApiRoute, 29> kApi = {{
 
 // The scope that `grant` lacks for a route, if any.
 std::optional<Scope> lacking(const Grant& grant, Needs needs) {
+  if (needs == Needs::kNothing) return std::nullopt;
   if (needs == Needs::kAdmin) return may(grant, Scope::kAdmin) ? std::nullopt : std::optional(Scope::kAdmin);
   if (needs == Needs::kScan) return may(grant, Scope::kScan) ? std::nullopt : std::optional(Scope::kScan);
   if (!may(grant, Scope::kView)) return Scope::kView;

@@ -2,6 +2,9 @@
 //
 //                                             scope
 //   GET    /healthz                           -      "ok": this thread answers (more is told on the admin address, see admin.h)
+//   GET    /api/v1/access                     any    what whoever asks may do (scan_routes.h has this and the next two)
+//   PATCH  /api/v1/scans/{id}                 scan   another title; of its own, or admin (scan and view)
+//   POST   /api/v1/scans/{id}/stop            scan   a scan that runs ends; the same
 //   GET    /api/v1/scans                      view   {"scans": [...]}, newest first; for a share link only its scan
 //   GET    /api/v1/scans/{id}                 view   one of them
 //   DELETE /api/v1/scans/{id}                 admin  a scan that has ended, with its files

@@ -90,7 +90,7 @@ class LiveScan {
   void tick(Clock::time_point now);  // now and then: ends a wait that has taken too long, for a camera to come back or to send a frame
   void stop();                       // the server is stopping
 
-  // Of a scan that is rebuilt from its frames: no camera is waited for.
+  // Of a scan that is rebuilt from its frames, or that somebody stops: no camera is waited for.
   void end_with(const Error& why) { end_early(why); }
   void no_more_room(const Error& why);  // for frames: its results still fit
   void warn(const std::string& words);  // told to camera and viewers until it is something else; empty: nothing
@@ -126,6 +126,7 @@ class LiveScan {
   std::uint64_t gpu_memory_bytes() const { return gpu_memory_bytes_; }
   // It has ended, or is ending, because there was no room for more frames, or for its results.
   bool lacked_room() const { return lacked_room_; }
+  bool takes_frames() const { return !no_more_frames() && !finishing_; }
   bool over() const { return phase_ != wire::ScanPhase::kRunning; }
 
  private:

@@ -74,6 +74,7 @@ Result<std::vector<JobLine>> LocalExecutor::log(const std::string& id) {
 Status LocalExecutor::cancel(const std::string& id) {
   Result<JobRow> row = store_.job(id);
   if (!row.ok()) return row.error();
+  if (row->state == JobState::kFailed) return put_away(*std::move(row));
   if (has_ended(row->state)) return Error{ErrorCode::kBusy, "job " + id + " has ended: it is " + name_of(row->state)};
   // At once, so that it stays cancelled when the server dies now.
   row->state = JobState::kCancelled;
@@ -89,6 +90,14 @@ Status LocalExecutor::cancel(const std::string& id) {
   }
   running->second.row = *row;
   running->second.work->cancel();
+  return Done{};
+}
+
+// What it failed of stays to be read, and it may be tried again.
+Status LocalExecutor::put_away(JobRow row) {
+  row.state = JobState::kCancelled;
+  if (Status status = store_.update_job(row); !status.ok()) return status;
+  note(row.id, "put away");
   return Done{};
 }
 

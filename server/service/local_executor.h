@@ -74,6 +74,7 @@ class LocalExecutor : public Executor {
     std::unique_ptr<JobWork> work;
   };
   std::size_t next_of(const std::vector<JobRow>& waiting) const;
+  Status put_away(JobRow row);
   void start(JobRow row);
   void ended(const std::string& id, const JobEnd& end);
   void note(const std::string& id, const std::string& words);

@@ -126,6 +126,12 @@ class Scans {
   // kBusy: it is running. kNotFound.
   Status remove(const std::string& scan_id);
 
+  // Another title, which `title` may be. kNotFound, kIo.
+  Status rename(const std::string& scan_id, const std::string& title);
+
+  // A scan that runs ends as interrupted, with what it has. kBusy: it has ended, has all its frames, or a job feeds it. kNotFound, kIo.
+  Status end(const std::string& scan_id);
+
   // Bytes of a result of a scan that has ended. kNotFound: no such scan, or it has no such result.
   Result<std::uint64_t> size_of_result(const std::string& scan_id, const std::string& name);
   Blobs& blobs() const { return blobs_; }

@@ -146,6 +146,29 @@ Status Scans::remove(const std::string& scan_id) {
   return removed;
 }
 
+// Whoever looks at it finds the new title when they come again.
+Status Scans::rename(const std::string& scan_id, const std::string& title) {
+  if (Status renamed = store_.rename(scan_id, title); !renamed.ok()) return renamed;
+  if (const auto ended = unstored_ends_.find(scan_id); ended != unstored_ends_.end()) ended->second.title = title;
+  if (const auto running = running_.find(scan_id); running != running_.end()) running->second->shared_audience()->rename(title);
+  read_again_.erase(scan_id);
+  return Done{};
+}
+
+Status Scans::end(const std::string& scan_id) {
+  const Result<ScanRow> row = find(scan_id);
+  if (!row.ok()) return row.error();
+  const auto running = running_.find(scan_id);
+  if (running == running_.end() || !running->second->takes_frames())
+    return Error{ErrorCode::kBusy, "scan " + scan_id + " takes no frames any more: there is nothing to stop"};
+  const Result<std::vector<JobRow>> jobs = store_.jobs_in(JobState::kRunning);
+  if (!jobs.ok()) return jobs.error();
+  for (const JobRow& job : *jobs)
+    if (job.scan_id == scan_id) return Error{ErrorCode::kBusy, "scan " + scan_id + " is made by job " + job.id + ": cancel that"};
+  running->second->end_with({ErrorCode::kBusy, "stopped from the viewer"});
+  return Done{};
+}
+
 Result<std::uint64_t> Scans::size_of_result(const std::string& scan_id, const std::string& name) {
   if (Result<ScanRow> row = find(scan_id); !row.ok()) return row.error();
   const bool running = running_.contains(scan_id);

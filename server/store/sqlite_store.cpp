@@ -139,6 +139,16 @@ Status SqliteStore::update(const ScanRow& row) try {
   return database_error(failure);
 }
 
+Status SqliteStore::rename(const std::string& id, const std::string& title) try {
+  SQLite::Statement change(impl_->database, "UPDATE scans SET title = ? WHERE id = ?");
+  change.bind(1, title);
+  change.bind(2, id);
+  if (change.exec() == 0) return Error{ErrorCode::kNotFound, "there is no scan " + id};
+  return Done{};
+} catch (const SQLite::Exception& failure) {
+  return database_error(failure);
+}
+
 Result<ScanRow> SqliteStore::find(const std::string& id) try {
   SQLite::Statement query(impl_->database, std::string("SELECT ") + kScanColumns + " FROM scans WHERE id = ?");
   query.bind(1, id);

@@ -24,6 +24,7 @@ class SqliteStore : public Store {
 
   Status add(const ScanRow& row) override;
   Status update(const ScanRow& row) override;
+  Status rename(const std::string& id, const std::string& title) override;
   Result<ScanRow> find(const std::string& id) override;
   Status remove(const std::string& id) override;
   Result<std::vector<ScanRow>> list() override;

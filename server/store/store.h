@@ -44,6 +44,9 @@ class Store {
   // Everything but id, title, camera, token_id and created_at_ms. kNotFound: no such scan.
   virtual Status update(const ScanRow& row) = 0;
 
+  // The title alone. kNotFound: no such scan.
+  virtual Status rename(const std::string& id, const std::string& title) = 0;
+
   // kNotFound: no such scan.
   virtual Result<ScanRow> find(const std::string& id) = 0;
   virtual Status remove(const std::string& id) = 0;  // its share links go with it

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""hermite token and hermite share, on a folder without a server and beside a running one.
+"""hermite token and hermite share, on a folder without a server and beside a running one; and what the command line says to typing errors.
 
     token_command_test.py path/to/hermite
 """
@@ -92,7 +92,19 @@ def manage(data):
     return [token, link.split("=")[1].split("&")[0]]
 
 
+def typing_errors():
+    status, output, _ = hermite("--version")
+    assert status == 0 and output.startswith("hermite "), output
+    status, _, errors = hermite("serv")
+    assert status == 2 and 'there is no command "serv"; did you mean "serve"?' in errors, errors
+    status, _, errors = hermite("zebra")
+    assert status == 2 and "did you mean" not in errors and "reconstruct" in errors, errors
+    status, _, errors = hermite()
+    assert status == 2 and "--help" in errors, errors
+
+
 def main():
+    typing_errors()
     with tempfile.TemporaryDirectory() as folder:
         data = folder + "/data"
         status, _, words = hermite("token", "list", "--data", data)

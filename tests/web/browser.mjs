@@ -1,16 +1,19 @@
 // A real Chromium without a screen, and what the test asks of its pages.
+import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';
 import { root } from './programs.mjs';
 
-const { chromium } = createRequire(path.join(root, 'web/package.json'))('playwright-core');
+const require = createRequire(path.join(root, 'web/package.json'));
+const { chromium } = require('playwright-core');
+const axe = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
 
 // WebGL 2 comes from SwiftShader: no graphics card needed.
 const flags = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-background-networking', '--disable-component-update'];
 
 export async function openBrowser() {
   const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: flags });
-  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, acceptDownloads: true });
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, acceptDownloads: true, colorScheme: 'dark' });
   return { browser, context, close: () => browser.close() };
 }
 
@@ -103,3 +106,34 @@ export function agreement(some, all) {
   }
   return { covered: both / bright, alike: cosines / both };
 }
+
+// Of a picture of points: how many of the pixels among bright ones are dark, seen left, right, above and below of them.
+export const holesIn = (context, page) =>
+  inPixels(context, page, ({ data, width, height }) => {
+    const reach = 5;
+    const bright = (x, y) => Math.max(...data.subarray(4 * (y * width + x), 4 * (y * width + x) + 3)) > 50;
+    let [holes, all] = [0, 0];
+    for (let y = reach; y < height - reach; ++y)
+      for (let x = reach; x < width - reach; ++x) {
+        if (bright(x, y)) ++all;
+        else if (bright(x - reach, y) && bright(x + reach, y) && bright(x, y - reach) && bright(x, y + reach)) ++holes;
+      }
+    return holes / all;
+  });
+
+// What axe finds wrong with the page for people who see, hear or move otherwise: a line each.
+export async function barriers(page) {
+  await page.evaluate(axe); // not as a script of the page, which its policy forbids
+  const violations = await page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'] }).then((results) => results.violations));
+  return violations.flatMap(({ id, help, nodes }) => nodes.map(({ target }) => `${id}: ${help}: ${target.join(' ')}`));
+}
+
+// What can be tapped and is smaller than a thumb, or beside the screen.
+export const tooSmall = (page, least_px = 44) =>
+  page.evaluate((least) => {
+    const shown = [...document.querySelectorAll('button, summary, select, a, label.button, .segments label, .slider')].filter((node) => node.checkVisibility());
+    return shown
+      .map((node) => ({ words: node.textContent || node.ariaLabel, box: node.getBoundingClientRect() }))
+      .filter(({ box }) => box.height < least || box.width < least - 8 || box.left < 0 || box.right > innerWidth)
+      .map(({ words, box }) => `${words}: ${Math.round(box.width)} x ${Math.round(box.height)} at ${Math.round(box.left)}`);
+  }, least_px);

@@ -123,7 +123,7 @@ test('a cloud that is dropped into the list is a scan of points, far off and lar
   const { brightShare } = await lookAt(browser.context, page);
   assert.ok(brightShare > 0.05, `a street fills some of the picture: ${brightShare}`);
   await page.screenshot({ path: path.join(artifacts, 'imported-cloud.png') });
-  const context = await browser.browser.newContext({ viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true });
+  const context = await browser.browser.newContext({ viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true, colorScheme: 'dark' });
   const phone = await openPage(context, `${server.origin}/#token=${server.token}`);
   await phone.page.getByRole('link', { name: /House/ }).tap();
   await untilScan(phone.page, 'the surface is shown', limit_ms, ({ mesh }) => mesh.state === 'shown');

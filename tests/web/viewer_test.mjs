@@ -8,7 +8,7 @@ import { mkdir, mkdtemp, readFile, rm } from 'node:fs/promises';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
-import { agreement, brightnessOf, lookAt, openBrowser, openPage, scanOf, untilScan } from './browser.mjs';
+import { agreement, barriers, brightnessOf, holesIn, lookAt, openBrowser, openPage, scanOf, tooSmall, untilScan } from './browser.mjs';
 import { root, startServer, startStream } from './programs.mjs';
 
 const artifacts = path.join(root, 'tests/web/artifacts');
@@ -67,6 +67,8 @@ test('a file that is added becomes a job, which says why it failed', async () =>
   await page.getByRole('button', { name: 'Try again' }).click();
   await page.getByText(/holiday is no recording we know/).waitFor();
   await picture('failed-job');
+  await page.getByRole('button', { name: 'Dismiss: holiday' }).click();
+  await page.getByText('holiday', { exact: true }).waitFor({ state: 'detached' });
 });
 
 test('a scan is seen while it grows', { timeout: scan_ms + 60_000 }, async () => {
@@ -153,6 +155,11 @@ test('the surface lies where the points lie', async () => {
   const { covered, alike } = agreement(points, surface);
   assert.ok(covered > 0.9, `of where points are, ${covered} has a surface`);
   assert.ok(alike > 0.97, `colours of normals agree by ${alike}`);
+  const holes = await holesIn(browser.context, page);
+  assert.ok(holes < 0.01, `${holes} of the points' picture is holes: it is no sieve`);
+  await picture('points');
+  const calls = await page.evaluate(() => window.hermite.drawCalls());
+  assert.ok(calls > 0 && calls <= 8, `${calls} draw calls`);
   await page.getByText('Colour', { exact: true }).filter({ visible: true }).click();
   await showAs(page, 'Surface');
 });
@@ -196,7 +203,7 @@ test('the cloud and the surface can be downloaded', { timeout: scan_ms }, async 
 });
 
 test('on a phone everything is within reach of a thumb', { timeout: 120_000 }, async () => {
-  const context = await browser.browser.newContext({ viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true });
+  const context = await browser.browser.newContext({ viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true, colorScheme: 'dark' });
   const phone = await openPage(context, `${server.origin}/#token=${server.token}`);
   await phone.page.getByRole('link', { name: title }).click();
   await untilScan(phone.page, 'the surface is shown', 60_000, (state) => state.mesh.state === 'shown');
@@ -207,14 +214,59 @@ test('on a phone everything is within reach of a thumb', { timeout: 120_000 }, a
     assert.ok(box.x >= 0 && box.x + box.width <= 390, `${name} is on the screen: ${JSON.stringify(box)}`);
     assert.ok(box.height >= 44, `${name} is ${box.height} px high`);
   };
-  for (const name of ['Share', 'Download', 'See inside', 'Show all']) await inReach(name);
+  for (const name of ['More', 'Download', 'See inside', 'Show all']) await inReach(name);
+  assert.deepEqual(await tooSmall(phone.page), []);
+  assert.ok((await phone.page.getByRole('heading', { name: title }).boundingBox()).width > 90, 'the title has room');
+  const panels = await Promise.all(['.status', '.view'].map((name) => phone.page.locator(name).boundingBox()));
+  assert.ok(panels[0].height + panels[1].height < 844 / 4, 'the panels leave the picture its room');
+  await phone.page.getByRole('button', { name: 'More' }).tap();
+  assert.deepEqual(await tooSmall(phone.page), []);
+  await phone.page.getByRole('button', { name: 'Share', exact: true }).waitFor();
+  await phone.page.keyboard.press('Escape');
   await phone.page.getByRole('button', { name: 'Download', exact: true }).tap();
   await phone.page.getByRole('button', { name: /^GLB, opens/ }).waitFor();
   for (const row of await phone.page.locator('.download-row').all()) assert.ok((await row.boundingBox()).height >= 44);
   await phone.page.screenshot({ path: path.join(artifacts, 'phone-downloads.png') });
   await phone.page.getByRole('button', { name: 'Close the downloads' }).tap();
+  await phone.page.getByRole('link', { name: 'All scans' }).tap();
+  await phone.page.getByRole('link', { name: title }).waitFor();
+  assert.deepEqual(await tooSmall(phone.page), []);
   assert.deepEqual(phone.complaints, []);
   await context.close();
+});
+
+test('the floor is set by a click, keys have their sheet, and the page is light where the system is', async () => {
+  const { page } = viewer;
+  await page.getByRole('button', { name: 'Show all' }).click();
+  await page.waitForTimeout(1500);
+  const before = await lookAt(browser.context, page);
+  await page.mouse.dblclick(500, 450); // left of the middle, where something is
+  await page.waitForTimeout(1500);
+  assert.notEqual((await lookAt(browser.context, page)).hash, before.hash, 'that is the middle now');
+  await page.getByRole('button', { name: 'Show all' }).click();
+  await page.getByRole('button', { name: 'More' }).click();
+  await page.getByRole('button', { name: 'Set the floor' }).click();
+  await page.mouse.click(700, 250); // on a wall
+  await page.getByText('Click on the floor').waitFor({ state: 'hidden' });
+  await page.waitForTimeout(1500);
+  assert.notEqual((await lookAt(browser.context, page)).hash, before.hash, 'the room has turned');
+  const kept = await page.evaluate(() => JSON.parse(localStorage.getItem('hermite.up')));
+  assert.ok(Math.abs(kept[0][1][1]) < 0.5, `a wall is no floor: ${kept}`);
+  await page.getByRole('button', { name: 'More' }).click();
+  await page.getByRole('button', { name: 'Find the floor again' }).click();
+  assert.equal(await page.evaluate(() => localStorage.getItem('hermite.up')), '[]');
+  assert.deepEqual(await barriers(page), []);
+  await page.emulateMedia({ colorScheme: 'light' });
+  await page.waitForTimeout(1000);
+  const light = await lookAt(browser.context, page);
+  assert.ok(light.brightShare > 0.95, `the ground is light: ${light.brightShare}`);
+  await picture('light');
+  await page.keyboard.press('?');
+  await page.getByRole('heading', { name: 'Mouse, touch and keyboard' }).waitFor();
+  assert.deepEqual(await barriers(page), []);
+  await page.keyboard.press('Escape');
+  await page.getByRole('dialog').waitFor({ state: 'detached' });
+  await page.emulateMedia({ colorScheme: 'dark' });
 });
 
 test('a share link shows this scan and no other', { timeout: 120_000 }, async () => {
@@ -233,6 +285,8 @@ test('a share link shows this scan and no other', { timeout: 120_000 }, async ()
   await guest.goto(`${server.origin}/#/`);
   await guest.getByRole('link', { name: title }).waitFor();
   assert.equal(await guest.locator('.scan-row').count(), 1);
+  assert.equal(await guest.getByText('Add a recording').isVisible(), false, 'what would be refused is not offered');
+  assert.equal(await guest.getByRole('button', { name: 'Actions for' }).count(), 0);
   await context.close();
 });
 
@@ -267,11 +321,54 @@ test('a page comes back by itself when the server does', { timeout: scan_ms }, a
   client.stop();
   await untilScan(page, 'the page says that it waits', 30_000, (scan) => scan.connection === 'waiting');
   await picture('server_gone');
-  // It builds the scan again, and does not wait long for a camera that is dead.
+  // What is seen stays until there is something better. The server builds the scan again, and does not wait long for a camera that is dead.
   server = await startServer(folder, server.port, ['--resume-window', '1']);
-  await untilScan(page, 'the page is back', 120_000, (scan) => scan.snapshotComplete && scan.phase === 'interrupted');
+  let least = Infinity;
+  await untilScan(page, 'the page is back', 120_000, (scan) => {
+    least = Math.min(least, scan.points + scan.triangles);
+    return scan.snapshotComplete && scan.phase === 'interrupted';
+  });
+  assert.ok(least > 0, 'the picture was never empty');
   outage.on = false;
   await page.getByText('Interrupted').first().waitFor();
+});
+
+test('a scan is stopped, renamed, found, and deleted with a way back', { timeout: scan_ms }, async () => {
+  const { page } = viewer;
+  stream({ sequence: 'synthetic:frames=2000,width=320,height=240', title: 'To be stopped' });
+  await page.goto(`${server.origin}/#/`);
+  await page.getByRole('link', { name: 'To be stopped' }).click();
+  await untilScan(page, 'the scan runs', 60_000, (scan) => scan.phase === 'running' && scan.framesProcessed > 5);
+  await page.getByRole('button', { name: 'More' }).click();
+  await page.getByRole('button', { name: 'Stop and keep' }).click();
+  const stopped = await untilScan(page, 'the scan is stopped', 60_000, (scan) => scan.phase === 'interrupted' && scan.connection === 'closed');
+  assert.equal(stopped.phaseWords, 'stopped from the viewer');
+
+  await page.getByRole('button', { name: 'More' }).click();
+  await page.getByRole('button', { name: 'Rename' }).click();
+  await page.getByLabel('Title of the scan').fill('Corridor');
+  await page.getByRole('dialog').getByRole('button', { name: 'Rename' }).click();
+  await page.getByRole('heading', { name: 'Corridor' }).waitFor();
+  await page.getByRole('link', { name: 'All scans' }).click();
+  await page.getByRole('link', { name: 'Corridor' }).waitFor();
+  assert.deepEqual(await barriers(page), []);
+  await page.getByLabel('Search the titles of scans').fill('CORR');
+  await page.getByRole('link', { name: title }).waitFor({ state: 'detached' });
+  await picture('found');
+
+  const away = async () => {
+    await page.getByRole('button', { name: 'Actions for Corridor' }).click();
+    await page.getByRole('button', { name: 'Delete' }).click();
+    await page.getByText('“Corridor” is deleted.').waitFor();
+    assert.equal(await page.getByRole('link', { name: 'Corridor' }).count(), 0);
+  };
+  await away();
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await page.getByRole('link', { name: 'Corridor' }).waitFor();
+  await away();
+  await page.reload(); // whoever leaves has not taken it back
+  await page.getByRole('link', { name: title }).waitFor();
+  assert.equal(await page.getByRole('link', { name: 'Corridor' }).count(), 0);
 });
 
 test('a scan that does not exist is said to be so', async () => {

@@ -9,6 +9,7 @@ import { routeOf } from './state/route';
 const app = document.getElementById('app')!;
 let page: Panel | null = null;
 let scan: (() => LiveScan) | null = null;
+let drawCalls = (): number => 0;
 
 function takeToken(): void {
   const fragment = readFragment(location.hash);
@@ -23,6 +24,7 @@ function show(): void {
   if (route.page === 'scan') {
     const opened = scanPage(route.scanId, storedToken(sessionStorage));
     scan = () => opened.scan.get();
+    drawCalls = opened.drawCalls;
     page = opened;
   } else {
     scan = null;
@@ -32,6 +34,6 @@ function show(): void {
 }
 
 // For tests and the curious: what the page shows, to read only.
-Object.defineProperty(window, 'hermite', { value: Object.freeze({ scan: () => scan?.() ?? null }) });
+Object.defineProperty(window, 'hermite', { value: Object.freeze({ scan: () => scan?.() ?? null, drawCalls: () => drawCalls() }) });
 window.addEventListener('hashchange', show);
 show();

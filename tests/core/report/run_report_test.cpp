@@ -29,6 +29,7 @@ RunReport small_run() {
   run.statistics.device = "a device";
   run.trajectory_text = "abc";
   run.cloud_ply = "";
+  run.cloud_points = 66;
   return run;
 }
 
@@ -37,6 +38,7 @@ TEST(Report, SaysWhatTheRunWas) {
   EXPECT_EQ(report["frames"], 5);
   EXPECT_EQ(report["tracked_frames"], 4);
   EXPECT_EQ(report["surfels"], 77);
+  EXPECT_EQ(report["cloud_points"], 66);
   EXPECT_EQ(report["mean_frame_ms"], 12.5);
   EXPECT_EQ(report["stages_ms"]["track"], 3.5);
   EXPECT_EQ(report["gpu_memory_mb"], 3.5);

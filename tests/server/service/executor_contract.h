@@ -90,6 +90,20 @@ TYPED_TEST_P(ExecutorContract, AJobIsCancelledWhileItWaits) {
   EXPECT_EQ(this->world_.done_count(id), 0);
 }
 
+TYPED_TEST_P(ExecutorContract, AFailedOneIsPutAwayAndMayBeTriedAgain) {
+  const JobRow job = this->world_.job(Work::kFails);
+  ASSERT_TRUE(this->world_.executor().submit(job).ok());
+  this->world_.settle();
+  const std::string words = this->world_.executor().status(job.id)->row.words;
+  EXPECT_TRUE(this->world_.executor().cancel(job.id).ok());
+  EXPECT_EQ(this->state(job.id), JobState::kCancelled);
+  EXPECT_EQ(this->world_.executor().status(job.id)->row.words, words) << "what it failed of stays to be read";
+  EXPECT_EQ(this->world_.executor().cancel(job.id).error().code, ErrorCode::kBusy);
+  EXPECT_TRUE(this->world_.executor().submit(job).ok());
+  this->world_.settle();
+  EXPECT_EQ(this->state(job.id), JobState::kFailed);
+}
+
 TYPED_TEST_P(ExecutorContract, AFinishedOneCannotBeCancelled) {
   const std::string id = this->submit(Work::kFinishes);
   this->world_.settle();
@@ -143,7 +157,7 @@ TYPED_TEST_P(ExecutorContract, AJobThatKillsItsProcessIsGivenUpInWords) {
 
 REGISTER_TYPED_TEST_SUITE_P(ExecutorContract, AJobIsDoneOnceHoweverOftenItIsSubmitted, AFailedOneSaysWhyAndIsTriedAgainWhenSubmittedAgain,
                             WhatIsNotKnownIsNotFound, AJobIsCancelledWhileItRuns, AJobIsCancelledWhileItWaits,
-                            AFinishedOneCannotBeCancelled, TheListHasAllOfThemAndEachHasALog, WhatWasSubmittedSurvivesADeathAndEndsOnce,
-                            AJobThatKillsItsProcessIsGivenUpInWords);
+                            AFailedOneIsPutAwayAndMayBeTriedAgain, AFinishedOneCannotBeCancelled, TheListHasAllOfThemAndEachHasALog,
+                            WhatWasSubmittedSurvivesADeathAndEndsOnce, AJobThatKillsItsProcessIsGivenUpInWords);
 
 }  // namespace hermite::test

@@ -80,6 +80,9 @@ TEST_F(HttpRoutesTest, EveryRouteAsksForItsScope) {
       {"GET", "/api/v1/scans", 200, 403, 200},
       {"GET", "/api/v1/scans/" + id_, 200, 403, 200},
       {"GET", "/api/v1/scans/" + id_ + "/cloud.ply", 200, 403, 200},
+      {"GET", "/api/v1/access", 200, 200, 200},
+      {"PATCH", "/api/v1/scans/" + id_, 403, 403, 403},
+      {"POST", "/api/v1/scans/" + id_ + "/stop", 403, 403, 403},
       {"DELETE", "/api/v1/scans/" + id_, 403, 403, 403},
       {"GET", "/api/v1/scans/" + id_ + "/exports", 200, 403, 200},
       {"POST", "/api/v1/scans/" + id_ + "/exports", 400, 403, 400},
@@ -180,6 +183,33 @@ TEST_F(HttpRoutesTest, ATokenWorksUntilItIsRevoked) {
   EXPECT_THAT(list, Not(HasSubstr(server_->token())));
   EXPECT_EQ(status("DELETE", "/api/v1/tokens/" + id, server_->token()), 200);
   EXPECT_EQ(status("GET", "/api/v1/scans", secret), 401);
+}
+
+TEST_F(HttpRoutesTest, WhoAsksIsToldWhatTheyMayDo) {
+  EXPECT_EQ(ask("GET", "/api/v1/access", server_->token()).json(), Json({{"scopes", {"view", "scan", "admin"}}, {"scan", nullptr}}));
+  EXPECT_EQ(ask("GET", "/api/v1/access", make_token(R"(["scan"])")).json()["scopes"], Json({"scan"}));
+  EXPECT_EQ(ask("GET", "/api/v1/access", make_share()["secret"]).json(), Json({{"scopes", {"view"}}, {"scan", id_}}));
+  EXPECT_EQ(status("GET", "/api/v1/access", "wrong"), 401);
+}
+
+TEST_F(HttpRoutesTest, AScanGetsAnotherTitle) {
+  const auto rename = [this](const std::string& body) { return ask("PATCH", "/api/v1/scans/" + id_, server_->token(), body); };
+  EXPECT_EQ(rename(R"({"title": "K\u00fcche"})").status, 200);
+  EXPECT_EQ(ask("GET", "/api/v1/scans/" + id_, server_->token()).json()["title"], "K\u00fcche");
+  EXPECT_THAT(rename(R"({"title": ")" + std::string(201, 'a') + "\"}").body, HasSubstr("title has 201 bytes, allowed are 1 to 200"));
+  for (const char* wrong :
+       {"", "[]", R"({"title": ""})", R"({"title": 1})", R"({"title": "a\u0007"})", R"({"title": "a", "state": "failed"})"})
+    EXPECT_EQ(rename(wrong).status, 400) << wrong;
+  EXPECT_EQ(rename(R"({"title": ")" + std::string(5000, 'a') + "\"}").status, 413);
+  EXPECT_EQ(ask("DELETE", "/api/v1/scans/" + id_, server_->token(), "{}").status, 400) << "a body where none belongs";
+  EXPECT_EQ(ask("GET", "/api/v1/scans/" + id_, server_->token()).json()["title"], "K\u00fcche");
+}
+
+TEST_F(HttpRoutesTest, AScanThatHasEndedCannotBeStopped) {
+  const Answer answer = ask("POST", "/api/v1/scans/" + id_ + "/stop", server_->token());
+  EXPECT_EQ(answer.status, 409);
+  EXPECT_THAT(answer.body, HasSubstr("there is nothing to stop"));
+  EXPECT_EQ(status("POST", "/api/v1/scans/" + new_scan_id() + "/stop", server_->token()), 404);
 }
 
 TEST_F(HttpRoutesTest, ABadRequestIsNamed) {

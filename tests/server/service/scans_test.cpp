@@ -111,9 +111,10 @@ class ScansTest : public testing::Test {
 
   std::string scan_file(const std::string& id, const std::string& name) const { return folder_ / "data/scans/" + id + "/" + name; }
 
-  Json row(const std::string& id) {
+  Json row(const std::string& id) { return ask_http("GET", id); }
+  Json ask_http(const std::string& method, const std::string& id_and_rest) {
     RawClient client(server_->port());
-    client.send("GET /api/v1/scans/" + id + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
+    client.send(method + " /api/v1/scans/" + id_and_rest + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
                 server_->token() + "\r\n\r\n");
     const std::string answer = client.read_to_end();
     return Json::parse(answer.substr(answer.find("\r\n\r\n") + 4));
@@ -190,6 +191,19 @@ TEST_F(ScansTest, AScanIsWarnedAndEndsWithItsResultsWhenTheStorageIsUsedUpMeanwh
   EXPECT_THAT(error->message, HasSubstr("no room for more frames: the scans and uploads on this server take 101"));
   EXPECT_EQ(final_state(camera.welcome.scan_id), "interrupted");
   EXPECT_TRUE(std::filesystem::exists(scan_file(camera.welcome.scan_id, "cloud.ply")));
+}
+
+TEST_F(ScansTest, WhoeverOwnsAScanMayStopIt) {
+  Camera camera = start();
+  camera.client->send_message(room_frame(0));
+  ASSERT_TRUE(camera.client->read<wire::FrameResult>());
+  EXPECT_EQ(ask_http("POST", camera.welcome.scan_id + "/stop")["stopping"], camera.welcome.scan_id);
+  const auto error = camera.client->read<wire::ErrorMessage>();
+  ASSERT_TRUE(error);
+  EXPECT_THAT(error->message, HasSubstr("stopped from the viewer"));
+  EXPECT_EQ(final_state(camera.welcome.scan_id), "interrupted");
+  EXPECT_EQ(row(camera.welcome.scan_id)["words"], "stopped from the viewer");
+  EXPECT_TRUE(std::filesystem::exists(scan_file(camera.welcome.scan_id, "cloud.ply"))) << "with what it has";
 }
 
 TEST_F(ScansTest, AnyCreditWindowGivesWhatALocalRunGives) {

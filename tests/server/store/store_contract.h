@@ -112,6 +112,17 @@ TYPED_TEST_P(StoreContract, AScanComesBackAsItWasOverARestart) {
   EXPECT_EQ(found->finished_at_ms, 2000);
 }
 
+TYPED_TEST_P(StoreContract, AScanGetsAnotherTitleAndStaysTheSameOtherwise) {
+  ScanRow row = scan_row("a", 1000);
+  row.words = "as they were";
+  ASSERT_TRUE(this->store().add(row).ok());
+  ASSERT_TRUE(this->store().rename("a", "another 'title'").ok());
+  EXPECT_EQ(this->store().rename("b", "x").error().code, ErrorCode::kNotFound);
+  this->world_.die();
+  EXPECT_EQ(this->store().find("a")->title, "another 'title'");
+  EXPECT_EQ(this->store().find("a")->words, "as they were");
+}
+
 TYPED_TEST_P(StoreContract, WhatReturnedWellSurvivesADeath) {
   ScanRow scan = scan_row("a");
   ASSERT_TRUE(this->store().add(scan).ok());
@@ -476,9 +487,9 @@ TYPED_TEST_P(StoreContract, AScanKnowsItsTokenAndWhetherItIsToBeRebuilt) {
   EXPECT_THAT(*this->store().scans_of_token("t"), testing::ElementsAre("a"));
 }
 
-REGISTER_TYPED_TEST_SUITE_P(StoreContract, AScanComesBackAsItWasOverARestart, WhatReturnedWellSurvivesADeath,
-                            WhatWasRefusedHasChangedNothing, WhatIsNotThereIsNotFoundAndNotMade, IdsAreToldApartByteByByte,
-                            ScansAreListedNewestFirst, EveryScanIsListedOnceHoweverManyThereAre,
+REGISTER_TYPED_TEST_SUITE_P(StoreContract, AScanComesBackAsItWasOverARestart, AScanGetsAnotherTitleAndStaysTheSameOtherwise,
+                            WhatReturnedWellSurvivesADeath, WhatWasRefusedHasChangedNothing, WhatIsNotThereIsNotFoundAndNotMade,
+                            IdsAreToldApartByteByByte, ScansAreListedNewestFirst, EveryScanIsListedOnceHoweverManyThereAre,
                             ScansThatADeadServerLeftRunningAreFoundOldestFirst, AScanOfAJobIsNoneThatTheServerGoesOnWith,
                             SaysThatItTakesChangesAndIsWhole, ATokenIsFoundByItsHash, ASecretThatIsNoHashIsNoToken,
                             ARevocationStaysAsItWasFirst, ATokenKnowsItsLastUse, TokensAreListedNewestFirst,

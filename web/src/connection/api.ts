@@ -8,7 +8,8 @@ export interface ScanSummary {
   readonly title: string;
   readonly phase: ScanPhaseName;
   readonly words: string; // why it failed, or empty
-  readonly frameCount: number;
+  readonly frameCount: number; // that were used
+  readonly droppedCount: number;
   readonly imported: boolean; // a cloud or mesh of another program: no camera has seen it
   readonly started: Date | null;
 }
@@ -75,14 +76,16 @@ export interface Asking {
   readonly headers?: Readonly<Record<string, string>>;
   readonly body?: string;
   readonly signal?: AbortSignal; // somebody may want no answer any more
+  readonly keepalive?: boolean; // it outlives the page
 }
 
-export async function request(path: string, token: string, { limit_ms, method = 'GET', headers = {}, body, signal }: Asking): Promise<Response> {
+export async function request(path: string, token: string, { limit_ms, method = 'GET', headers = {}, body, signal, keepalive = false }: Asking): Promise<Response> {
   const limit = AbortSignal.timeout(limit_ms);
   let response: Response;
   try {
     response = await fetch(path, {
       method,
+      keepalive,
       headers: { Authorization: `Bearer ${token}`, ...headers },
       signal: signal ? AbortSignal.any([limit, signal]) : limit,
       ...(body === undefined ? {} : { body }),
@@ -127,6 +130,7 @@ function summaryOf(row: Record<string, unknown>): ScanSummary {
     phase: phaseOf(row['state']),
     words: textOf(row['words']),
     frameCount: numberOf(row['frames_processed']) ?? 0,
+    droppedCount: numberOf(row['frames_dropped']) ?? 0,
     imported: row['width'] === 0,
     started: dateOf(row['created_at']),
   };

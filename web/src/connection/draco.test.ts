@@ -19,7 +19,7 @@ const changed = (index: number, value: number): Uint8Array => {
 
 describe('DracoDecoder', () => {
   it('reads what the server encoded: positions, colours, normals and confidences', async () => {
-    const points = await decoder().decode(golden, goldenCount);
+    const points = await decoder().decode(golden, goldenCount, 0);
     expect(points.count).toBe(goldenCount);
     for (let i = 0; i < goldenCount; ++i) {
       const position = [...points.positions_m.subarray(3 * i, 3 * i + 3)];
@@ -40,8 +40,8 @@ describe('DracoDecoder', () => {
 
   it('reads the same chunk again and again', async () => {
     const shared = decoder();
-    const first = await shared.decode(golden, goldenCount);
-    for (let i = 0; i < 20; ++i) expect((await shared.decode(golden, goldenCount)).positions_m).toEqual(first.positions_m);
+    const first = await shared.decode(golden, goldenCount, 0);
+    for (let i = 0; i < 20; ++i) expect((await shared.decode(golden, goldenCount, 0)).positions_m).toEqual(first.positions_m);
   });
 
   it.each([
@@ -54,7 +54,7 @@ describe('DracoDecoder', () => {
     ['a header that promises more points than declared', changed(13, 200), goldenCount],
     ['half a chunk', golden.subarray(0, golden.length / 2), goldenCount],
   ])('refuses %s', async (_, bytes, count) => {
-    await expect(decoder().decode(bytes, count)).rejects.toBeInstanceOf(DracoError);
+    await expect(decoder().decode(bytes, count, 0)).rejects.toBeInstanceOf(DracoError);
   });
 
   it('survives every single damaged byte and still reads good chunks', async () => {
@@ -62,13 +62,13 @@ describe('DracoDecoder', () => {
     for (let index = 0; index < golden.length; index += 7) {
       for (const value of [0, 255, golden[index]! ^ 0x55]) {
         try {
-          const points = await shared.decode(changed(index, value), goldenCount);
+          const points = await shared.decode(changed(index, value), goldenCount, 0);
           expect(points.count).toBe(goldenCount);
         } catch (error) {
           expect(error).toBeInstanceOf(DracoError);
         }
       }
     }
-    expect((await shared.decode(golden, goldenCount)).count).toBe(goldenCount);
+    expect((await shared.decode(golden, goldenCount, 0)).count).toBe(goldenCount);
   }, 60_000);
 });

@@ -7,6 +7,7 @@ import createModule, {
   type DracoModule,
 } from 'three/examples/jsm/libs/draco/draco_wasm_wrapper.js';
 import type { ChunkPoints } from './events';
+import { radiiOf } from './spacing';
 import { maxPointsPerChunk } from './wire';
 
 export class DracoError extends Error {}
@@ -18,12 +19,13 @@ export class DracoDecoder {
   constructor(private readonly wasmBinary: ArrayBuffer) {}
 
   // Rejects with a DracoError in words; the decoder can be used again afterwards.
-  async decode(bytes: Uint8Array, declaredCount: number): Promise<ChunkPoints> {
+  async decode(bytes: Uint8Array, declaredCount: number, level: number): Promise<ChunkPoints> {
     checkHeader(bytes, declaredCount);
     this.module ??= createModule({ wasmBinary: this.wasmBinary });
     const module = await this.module;
     try {
-      return decodeCloud(module, bytes, declaredCount);
+      const points = decodeCloud(module, bytes, declaredCount);
+      return { ...points, radii_m: radiiOf(points.positions_m, points.normals, level) };
     } catch (error) {
       if (error instanceof DracoError) throw error;
       this.module = null; // a trap or an abort: the instance's memory can no longer be trusted
@@ -49,7 +51,7 @@ function checkHeader(bytes: Uint8Array, declaredCount: number): void {
 }
 
 // New objects for every chunk: reusing a Decoder makes it read out of bounds (google/draco issue 656).
-function decodeCloud(module: DracoModule, bytes: Uint8Array, declaredCount: number): ChunkPoints {
+function decodeCloud(module: DracoModule, bytes: Uint8Array, declaredCount: number): Omit<ChunkPoints, 'radii_m'> {
   const decoder = new module.Decoder();
   const buffer = new module.DecoderBuffer();
   const cloud = new module.PointCloud();
@@ -73,7 +75,7 @@ interface Decoded {
   readonly count: number;
 }
 
-function readPoints(decoded: Decoded): ChunkPoints {
+function readPoints(decoded: Decoded): Omit<ChunkPoints, 'radii_m'> {
   const { module, count } = decoded;
   const positions = readFloats(decoded, module.POSITION);
   if (!positions) throw new DracoError('the chunk has no POSITION attribute');

@@ -29,6 +29,7 @@ export interface ChunkPoints {
   readonly positions_m: Float32Array; // 3 a point
   readonly colors: Uint8Array; // 4 a point: red, green, blue (sRGB) and confidence * 8
   readonly normals: Int8Array; // 4 a point: x, y, z times 127 and a zero; all zero where there is none
+  readonly radii_m: Float32Array; // of discs that leave no gaps (spacing.ts)
   readonly min_m: readonly [number, number, number];
   readonly max_m: readonly [number, number, number];
 }

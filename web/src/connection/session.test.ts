@@ -45,6 +45,7 @@ const onePoint: ChunkPoints = {
   positions_m: new Float32Array(3),
   colors: new Uint8Array(4),
   normals: new Int8Array(4),
+  radii_m: new Float32Array(1),
   min_m: [0, 0, 0],
   max_m: [0, 0, 0],
 };

@@ -23,7 +23,7 @@ export type Socket = Pick<WebSocket, 'send' | 'close' | 'binaryType' | 'onopen' 
 
 export interface SessionWorld {
   openSocket(url: string, protocol: string): Socket;
-  decodeChunk(draco: Uint8Array, pointCount: number): Promise<ChunkPoints>;
+  decodeChunk(draco: Uint8Array, pointCount: number, level: number): Promise<ChunkPoints>;
   decodePiece(draco: Uint8Array, triangleCount: number): Promise<MeshPiece>;
   emit(event: ScanEvent): void;
   after(delay_ms: number, action: () => void): () => void; // returns how to cancel it
@@ -154,7 +154,7 @@ export class ScanSession {
       return;
     }
     try {
-      const points = await this.world.decodeChunk(chunk.draco, pointCount);
+      const points = await this.world.decodeChunk(chunk.draco, pointCount, chunk.key.level);
       if (connection === this.connection) this.world.emit({ kind: 'chunk', key, version, points });
     } catch (error) {
       if (!(error instanceof DracoError)) throw error;

@@ -15,8 +15,8 @@ function post(message: FromWorker, transfer: Transferable[] = []): void {
 
 function emit(event: ScanEvent): void {
   if (event.kind === 'chunk' && event.points) {
-    const { positions_m, colors, normals } = event.points;
-    post({ kind: 'event', event }, [positions_m.buffer, colors.buffer, normals.buffer]);
+    const { positions_m, colors, normals, radii_m } = event.points;
+    post({ kind: 'event', event }, [positions_m.buffer, colors.buffer, normals.buffer, radii_m.buffer]);
   } else if (event.kind === 'meshChunk' && event.piece) {
     const { index, positions_m, normals, colors } = event.piece;
     post({ kind: 'event', event }, [index.buffer, positions_m.buffer, normals.buffer, colors.buffer]);
@@ -36,7 +36,7 @@ async function open(target: SessionTarget): Promise<void> {
   const meshDecoder = new DracoMeshDecoder(wasm);
   session = new ScanSession({ ...target, watch: wanted ?? target.watch }, {
     openSocket: (url, protocol) => new WebSocket(url, protocol),
-    decodeChunk: (draco, pointCount) => decoder.decode(draco, pointCount),
+    decodeChunk: (draco, pointCount, level) => decoder.decode(draco, pointCount, level),
     decodePiece: (draco, triangleCount) => decodePiece(meshDecoder, draco, triangleCount),
     emit,
     after: (delay_ms, action) => {

@@ -12,6 +12,8 @@ const shown_count = 20;
 let sayOnPage = (_words: string): void => {};
 
 export interface JobsPanel extends Panel {
+  readonly failed: HTMLElement; // jobs that came to nothing, for the end of the page
+  allow(on: boolean): void; // whether whoever looks may send anything
   refresh(): Promise<void>;
 }
 
@@ -22,8 +24,16 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
   const input = element('input', { type: 'file', multiple: true, id: 'recordings', class: 'hidden-input' });
   const add = element('label', { for: 'recordings', class: 'button' }, 'Add a recording, cloud or mesh');
   const node = element('section', { class: 'jobs-panel', 'aria-label': 'Recordings' }, element('div', { class: 'field' }, input, add), notice, list);
+  const failed = failedSection(() =>
+    attempt(async () => {
+      for (const job of failures) await cancelJob(job.id, token());
+    }),
+  );
   const world = browserWorld();
   let shown = '';
+  let allowed = false;
+  let failures: readonly Job[] = [];
+  node.hidden = true;
 
   const say = (words: string): void => {
     notice.hidden = words === '';
@@ -46,26 +56,59 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
     });
   sayUnfinished();
   input.addEventListener('change', () => void send([...(input.files ?? [])]).finally(() => (input.value = '')));
-  // A file that is dropped beside the panel would replace the page.
-  const onDrag = (event: DragEvent): void => event.preventDefault();
-  const onDrop = (event: DragEvent): void => {
-    event.preventDefault();
-    void send([...(event.dataTransfer?.files ?? [])]);
-  };
-  document.addEventListener('dragover', onDrag);
-  document.addEventListener('drop', onDrop);
+  const stopDrops = onDrops((files) => void (allowed && send(files)));
   return {
     element: node,
+    failed: failed.element,
+    allow(on) {
+      allowed = on;
+      node.hidden = !on;
+      if (on) return;
+      shown = '';
+      failed.show([]);
+    },
     async refresh() {
-      const jobs = (await fetchJobs(token())).filter((job) => job.state !== 'finished' && job.state !== 'cancelled').slice(0, shown_count);
+      if (!allowed) return;
+      const jobs = await fetchJobs(token());
       const key = JSON.stringify(jobs);
       if (key === shown) return;
       shown = key;
-      list.replaceChildren(...jobs.map((job) => element('li', {}, rowOf(job, token, attempt))));
+      failures = jobs.filter((job) => job.state === 'failed').slice(0, shown_count);
+      const going = jobs.filter((job) => job.state === 'queued' || job.state === 'running').slice(0, shown_count);
+      list.replaceChildren(...going.map((job) => element('li', {}, rowOf(job, token, attempt))));
+      failed.show(failures.map((job) => rowOf(job, token, attempt)));
     },
-    dispose() {
-      document.removeEventListener('dragover', onDrag);
-      document.removeEventListener('drop', onDrop);
+    dispose: stopDrops,
+  };
+}
+
+// Anywhere on the page: a file that is dropped beside the panel would replace it. Returns how to stop.
+function onDrops(take: (files: File[]) => void): () => void {
+  const onDrag = (event: DragEvent): void => event.preventDefault();
+  const onDrop = (event: DragEvent): void => {
+    event.preventDefault();
+    take([...(event.dataTransfer?.files ?? [])]);
+  };
+  document.addEventListener('dragover', onDrag);
+  document.addEventListener('drop', onDrop);
+  return () => {
+    document.removeEventListener('dragover', onDrag);
+    document.removeEventListener('drop', onDrop);
+  };
+}
+
+function failedSection(dismissThem: () => Promise<void>): { readonly element: HTMLElement; show(rows: readonly HTMLElement[]): void } {
+  const list = element('ul', { class: 'scans' });
+  const dismissAll = element('button', { type: 'button', class: 'button' }, 'Dismiss all');
+  const node = element('section', { class: 'failed-jobs', 'aria-label': 'Failed' }, element('div', { class: 'failed-head' }, element('h2', {}, 'Failed'), dismissAll), list);
+  node.hidden = true;
+  dismissAll.addEventListener('click', () => void dismissThem());
+  return {
+    element: node,
+    show(rows) {
+      list.replaceChildren(...rows.map((row) => element('li', {}, row)));
+      node.hidden = rows.length === 0;
+      dismissAll.hidden = rows.length < 2;
     },
   };
 }
@@ -73,10 +116,13 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
 function rowOf(job: Job, token: () => string, attempt: (work: () => Promise<void>) => Promise<void>): HTMLElement {
   const mark = statusMark();
   mark.show(jobWords(job));
-  const failed = job.state === 'failed';
-  const button = element('button', { type: 'button', class: 'button' }, failed ? 'Try again' : 'Cancel');
-  button.addEventListener('click', () => void attempt(() => (failed ? retryJob(job.id, token()) : cancelJob(job.id, token()))));
-  const progress = job.total > 0 ? element('progress', { max: job.total, value: job.done, class: 'facts' }) : null;
+  const buttonOf = (words: string, work: (id: string, token: string) => Promise<void>): HTMLElement => {
+    const button = element('button', { type: 'button', class: 'button', 'aria-label': `${words}: ${job.title}` }, words);
+    button.addEventListener('click', () => void attempt(() => work(job.id, token())));
+    return button;
+  };
+  const buttons = job.state === 'failed' ? [buttonOf('Try again', retryJob), buttonOf('Dismiss', cancelJob)] : [buttonOf('Cancel', cancelJob)];
+  const progress = job.total > 0 ? element('progress', { max: job.total, value: job.done, class: 'facts', 'aria-label': `Progress of ${job.title}` }) : null;
   return element(
     'div',
     { class: 'scan-row' },
@@ -84,6 +130,6 @@ function rowOf(job: Job, token: () => string, attempt: (work: () => Promise<void
     mark.element,
     progress,
     job.words ? element('span', { class: 'facts words' }, job.words) : null,
-    button,
+    element('span', { class: 'row-buttons' }, ...buttons),
   );
 }

@@ -1,38 +1,50 @@
 // The page of one scan: the picture fills it, the panels float above. Wires the connection, the ledger, the state and the scene together.
-import type { ScanEvent, Watch } from '../connection/events';
+import { ApiError } from '../connection/api';
+import type { Watch } from '../connection/events';
 import { ScanLink } from '../connection/link';
+import { fetchAccess, fetchReport, noAccess, stopScan, type Access } from '../connection/scans';
 import { ScanScene } from '../scene/scene';
-import { ChunkLedger, nameOf, nameOfCube, pointLimit, triangleLimit, type Verdict } from '../state/chunk_ledger';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
 import { meshWords } from '../state/mesh';
+import { receiver } from '../state/receiver';
 import { createStore, type Store } from '../state/store';
+import { storedUp, storeUp } from '../state/up_choice';
 import { initialViewOptions, reduceViewOptions, storedShow, storeShow, type ViewOptions } from '../state/view_options';
 import { emptyWords, phaseWords } from '../state/words';
+import { showHelp } from './dialogs';
 import { element, setText, type Panel } from './dom';
 import { downloadMenu } from './download_menu';
+import { floorPicker, type FloorPicker } from './floor_picker';
 import { statusMark } from './mark';
+import { menu, type MenuItem } from './menu';
 import { watchMesh } from './mesh_watch';
+import { deleteSoon, rename } from './scan_actions';
 import { shareButton } from './share_button';
 import { statusPanel } from './status_panel';
 import { viewPanel } from './view_panel';
 
-const sharePrefix = 'hms_'; // who came by a share link cannot make another
+type ScanStore = Store<LiveScan, LiveScanEvent>;
+type OptionsStore = Store<ViewOptions, Partial<ViewOptions>>;
 
 export interface ScanPage extends Panel {
-  readonly scan: Store<LiveScan, LiveScanEvent>;
+  drawCalls(): number; // of the newest picture
+  readonly scan: ScanStore;
 }
 
 export function scanPage(scanId: string, token: string): ScanPage {
   const scan = createStore(initialLiveScan(scanId), reduceLiveScan);
-  const options = createStore<ViewOptions, Partial<ViewOptions>>({ ...initialViewOptions, show: storedShow(localStorage) }, reduceViewOptions);
-  const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': 'The scan in three dimensions. Arrow keys move, plus and minus zoom.' });
+  const options: OptionsStore = createStore<ViewOptions, Partial<ViewOptions>>({ ...initialViewOptions, show: storedShow(localStorage) }, reduceViewOptions);
+  const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': 'The scan in three dimensions. Arrow keys move, plus and minus zoom, a question mark tells more.' });
   const stage = element('div', { class: 'stage' }, canvas);
   const empty = element('p', { class: 'empty', role: 'status' });
   const scene = openScene(canvas, () => options.dispatch({ follow: false }));
   const note = element('p', { class: 'mesh-note', role: 'status' });
-  const bar = titleBar(scan, token);
+  const floor = scene && floorPicker(canvas, (x_px, y_px) => setFloor(scene, scanId, x_px, y_px));
+  scene?.setUp(storedUp(localStorage, scanId));
+  const bar = titleBar(scan, token, () => (scene && floor ? viewActions({ scanId, scene, floor }) : []));
   const panels: Panel[] = [bar];
   const node = element('main', { class: 'scan-page' }, stage, empty, note, bar.element);
+  if (floor) node.append(floor.element);
   if (scene) {
     panels.push(statusPanel(scan, () => scene.framesPerSecond()));
     panels.push(viewPanel(options, scan, () => frameAll(scene, options)));
@@ -45,18 +57,23 @@ export function scanPage(scanId: string, token: string): ScanPage {
     scan.subscribe((state) => showEmpty(note, meshWords(state.mesh, options.get().show === 'surface') || null)),
     options.subscribe((state) => showEmpty(note, meshWords(scan.get().mesh, state.show === 'surface') || null)),
   ];
-  const link = scene && new ScanLink({ scanId, token, watch: watchOf(options.get()), onEvent: receiver(scan, scene) });
+  const link = scene && new ScanLink({ scanId, token, watch: watchOf(options.get()), onEvent: receiver(scan.dispatch, (event) => scene.onEvent(event)) });
   unsubscribers.push(options.subscribe((state) => link?.watch(watchOf(state))));
   const mesh = scene && watchMesh(scan, scene, token);
+  const stopReport = watchReport(scan, token);
   const onKey = (event: KeyboardEvent): void => shortcut(event, scene, options);
   document.addEventListener('keydown', onKey);
+  canvas.addEventListener('dblclick', (event) => scene?.pivotAt(event.clientX, event.clientY));
   return {
     element: node,
     scan,
+    drawCalls: () => scene?.drawCalls ?? 0,
     dispose() {
       document.removeEventListener('keydown', onKey);
       mesh?.dispose();
       link?.close();
+      stopReport();
+      floor?.dispose();
       for (const unsubscribe of unsubscribers) unsubscribe();
       for (const panel of panels) panel.dispose();
       scene?.dispose();
@@ -69,35 +86,6 @@ function watchOf({ show }: ViewOptions): Watch {
   return { points: show === 'points', mesh: show === 'surface' };
 }
 
-// Chunks pass the ledger first; the scene only gets what is new, the state only the counts.
-function receiver(scan: Store<LiveScan, LiveScanEvent>, scene: ScanScene): (event: ScanEvent) => void {
-  const chunks = new ChunkLedger(nameOf, pointLimit);
-  const pieces = new ChunkLedger(nameOfCube, triangleLimit);
-  let full = false;
-  const verdictOn = (event: ScanEvent): Verdict => {
-    if (event.kind === 'chunk') return chunks.accept(event.key, event.version, event.points?.count ?? 0);
-    if (event.kind === 'meshChunk') return pieces.accept(event.cube, event.version, event.piece?.triangles ?? 0);
-    return 'apply';
-  };
-  return (event) => {
-    if (event.kind === 'welcome') {
-      chunks.beginSnapshot();
-      pieces.beginSnapshot();
-    }
-    const verdict = verdictOn(event);
-    full ||= verdict === 'full';
-    if (verdict === 'apply') scene.onEvent(event);
-    if (event.kind === 'snapshotEnd') {
-      for (const key of chunks.endSnapshot()) scene.onEvent({ kind: 'chunk', key, version: 0n, points: null });
-      for (const cube of pieces.endSnapshot()) scene.onEvent({ kind: 'meshChunk', cube, version: 0n, submap: 0, piece: null });
-    }
-    scan.dispatch(event);
-    if (event.kind === 'chunk' || event.kind === 'meshChunk' || event.kind === 'snapshotEnd') {
-      scan.dispatch({ kind: 'content', points: chunks.size, chunks: chunks.chunks, triangles: pieces.size, full });
-    }
-  };
-}
-
 function openScene(canvas: HTMLCanvasElement, onTouched: () => void): ScanScene | null {
   try {
     return new ScanScene(canvas, onTouched);
@@ -106,11 +94,71 @@ function openScene(canvas: HTMLCanvasElement, onTouched: () => void): ScanScene 
   }
 }
 
-function titleBar(scan: Store<LiveScan, LiveScanEvent>, token: string): Panel {
+function setFloor(scene: ScanScene, scanId: string, x_px: number, y_px: number): boolean {
+  const up = scene.floorAt(x_px, y_px);
+  if (up) storeUp(localStorage, scanId, up);
+  return up !== null;
+}
+
+// Once, when there is one.
+function watchReport(scan: ScanStore, token: string): () => void {
+  let asked = false;
+  return scan.subscribe((state) => {
+    const ended = state.connection === 'closed' && (state.phase === 'finished' || state.phase === 'interrupted');
+    if (asked || !ended || state.points === 0 || state.framesReceived === 0) return;
+    asked = true;
+    fetchReport(state.scanId, token).then(
+      (report) => scan.dispatch({ kind: 'report', report }),
+      () => {}, // the counts are compared with nothing then
+    );
+  });
+}
+
+interface ViewWorld {
+  readonly scanId: string;
+  readonly scene: ScanScene;
+  readonly floor: FloorPicker;
+}
+
+function viewActions({ scanId, scene, floor }: ViewWorld): MenuItem[] {
+  const chosen = storedUp(localStorage, scanId) !== null;
+  const again = (): void => {
+    storeUp(localStorage, scanId, null);
+    scene.setUp(null);
+  };
+  return [
+    { label: 'Set the floor', do: () => floor.begin() },
+    ...(chosen ? [{ label: 'Find the floor again', do: again }] : []),
+    { label: 'Mouse and keyboard', do: showHelp },
+  ];
+}
+
+// What whoever looks may do with the scan.
+function scanActions(scan: ScanStore, token: string, access: Access, problem: Element): MenuItem[] {
+  const { scanId, title, phase } = scan.get();
+  const stop = (): void => void stopScan(scanId, token).catch((error: unknown) => setText(problem, error instanceof ApiError ? error.message : 'That did not work.'));
+  const remove = (): void => {
+    deleteSoon(scanId, title, token);
+    location.hash = '#/';
+  };
+  const ended = phase === 'finished' || phase === 'failed' || phase === 'interrupted';
+  return [
+    ...(access.scan ? [{ label: 'Rename', do: () => rename(scanId, title, token, (wanted) => scan.dispatch({ kind: 'renamed', title: wanted })) }] : []),
+    ...(access.scan && phase === 'running' ? [{ label: 'Stop and keep', do: stop }] : []),
+    ...(access.admin && ended ? [{ label: 'Delete', bad: true, do: remove }] : []),
+  ];
+}
+
+// `viewing`: what else the menu has.
+function titleBar(scan: ScanStore, token: string, viewing: () => MenuItem[]): Panel {
   const title = element('h1');
   const phase = statusMark();
   const downloads = downloadMenu(scan, token);
   const problem = element('span', { class: 'problem', role: 'alert' });
+  const share = shareButton(scan.get().scanId, token, problem);
+  let access = noAccess;
+  const shareItem: MenuItem = { label: 'Share', phoneOnly: true, do: () => share.querySelector('button')?.click() };
+  const more = menu('More', () => [...(access.scan ? [shareItem] : []), ...viewing(), ...scanActions(scan, token, access, problem)]);
   const node = element(
     'header',
     { class: 'title-bar' },
@@ -118,8 +166,17 @@ function titleBar(scan: Store<LiveScan, LiveScanEvent>, token: string): Panel {
     element('div', { class: 'heading' }, title, phase.element),
     element('span', { class: 'space' }),
     problem,
-    token.startsWith(sharePrefix) ? null : shareButton(scan.get().scanId, token, problem),
+    share,
     downloads.element,
+    more.element,
+  );
+  share.hidden = true;
+  fetchAccess(token).then(
+    (told) => {
+      access = told;
+      share.hidden = !(told.view && told.scan);
+    },
+    () => {}, // the connection of the scan says what is wrong
   );
   const unsubscribe = scan.subscribe((state) => {
     setText(title, state.title || 'Scan');
@@ -133,11 +190,12 @@ function titleBar(scan: Store<LiveScan, LiveScanEvent>, token: string): Panel {
     dispose() {
       unsubscribe();
       downloads.dispose();
+      more.dispose();
     },
   };
 }
 
-function frameAll(scene: ScanScene, options: Store<ViewOptions, Partial<ViewOptions>>): void {
+function frameAll(scene: ScanScene, options: OptionsStore): void {
   options.dispatch({ follow: false });
   scene.frameAll();
 }
@@ -147,9 +205,13 @@ function showEmpty(node: HTMLElement, words: string | null): void {
   if (words !== null) setText(node, words);
 }
 
-function shortcut(event: KeyboardEvent, scene: ScanScene | null, options: Store<ViewOptions, Partial<ViewOptions>>): void {
+function shortcut(event: KeyboardEvent, scene: ScanScene | null, options: OptionsStore): void {
   const typing = event.target instanceof HTMLInputElement && event.target.type !== 'radio';
-  if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (typing || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === 'f' && scene) frameAll(scene, options);
-  if (event.key === 'c') options.dispatch({ follow: !options.get().follow });
+  const now = options.get();
+  if (event.key === 'c') options.dispatch({ follow: !now.follow });
+  if (event.key === 's') options.dispatch({ show: now.show === 'surface' ? 'points' : 'surface' });
+  if (event.key === 'i') options.dispatch({ hideBacks: !now.hideBacks });
+  if (event.key === '?') showHelp();
 }

@@ -1,11 +1,12 @@
 // What is known about the scan in numbers and words.
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
-import { connectionWords, count, eventWords, partsWords, positionWords, trackingWords } from '../state/words';
+import { connectionWords, count, eventWords, leftOutWords, partsWords, pointsWords, positionWords, trackingWords } from '../state/words';
 import { element, setText, type Panel } from './dom';
 import { statusMark } from './mark';
 
 const refresh_ms = 500;
+const narrow = '(max-width: 820px)'; // as in the style sheet
 
 interface Row {
   readonly label: string;
@@ -16,8 +17,9 @@ interface Row {
 const isImported = (scan: LiveScan): boolean => scan.phase === 'finished' && scan.framesReceived === 0;
 
 const rows: readonly Row[] = [
-  { label: 'Points', value: (scan) => (scan.points > 0 || scan.triangles === 0 ? count(scan.points) : null) },
-  { label: 'Triangles', value: (scan) => (scan.triangles > 0 && scan.mesh.state !== 'shown' ? count(scan.triangles) : null) },
+  { label: 'Points shown', value: (scan) => (scan.points > 0 || scan.triangles === 0 ? count(scan.points) : null) },
+  { label: 'Points in file', value: (scan) => (scan.report?.cloudPoints ? count(scan.report.cloudPoints) : null) },
+  { label: 'Triangles', value: trianglesText },
   { label: 'Frames', value: (scan) => (isImported(scan) ? null : framesText(scan)) },
   { label: 'Submaps', value: (scan) => (scan.submaps > 1 ? count(scan.submaps) : null) },
   { label: 'Parts', value: (scan) => (scan.parts > 1 ? count(scan.parts) : null) },
@@ -25,7 +27,7 @@ const rows: readonly Row[] = [
   { label: 'Loops', value: (scan) => (scan.keyframes > 0 ? count(scan.loops) : null) },
   { label: 'Position', value: (scan) => positionWords(scan) },
   { label: 'Dropped', value: (scan) => (isImported(scan) ? null : count(scan.framesDropped)) },
-  { label: 'Per frame', value: (scan) => (scan.frame_ms > 0 ? `${Math.round(scan.frame_ms)} ms` : null) },
+  { label: 'Per frame', value: (scan) => (scan.frame_ms > 0 && scan.phase === 'running' ? `${Math.round(scan.frame_ms)} ms` : null) },
   { label: 'Picture', value: (_, fps) => (fps > 0 ? `${fps} fps` : 'at rest') },
 ];
 
@@ -35,13 +37,15 @@ export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () 
   const values = rows.map(() => element('dd'));
   const pairs = rows.map((row, i) => element('div', {}, element('dt', {}, row.label), values[i]!));
   const list = element('dl', { class: 'figures' }, ...pairs);
+  const why = element('p', { class: 'why' });
+  const details = element('details', { class: 'details', open: !matchMedia(narrow).matches }, element('summary', {}, 'Details'), list, why);
   const notice = element('p', { class: 'notice', role: 'status' });
   const node = element(
     'section',
     { class: 'card status', 'aria-label': 'Status' },
     element('div', { class: 'marks', role: 'status' }, tracking.element, connection.element),
-    list,
     notice,
+    details,
   );
 
   const show = (): void => {
@@ -58,6 +62,7 @@ export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () 
     const words = noticeText(state);
     setText(notice, words);
     notice.hidden = words === '';
+    setText(why, pointsWords(state));
   };
   const unsubscribe = scan.subscribe(show);
   const timer = setInterval(show, refresh_ms);
@@ -70,6 +75,12 @@ export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () 
   };
 }
 
+// Of the surface that grows, or has been made.
+function trianglesText(scan: LiveScan): string | null {
+  const triangles = scan.mesh.state === 'shown' ? scan.mesh.triangles : scan.triangles;
+  return triangles > 0 ? count(triangles) : null;
+}
+
 function framesText(scan: LiveScan): string {
   if (scan.framesReceived <= scan.framesProcessed) return count(scan.framesProcessed);
   return `${count(scan.framesProcessed)} of ${count(scan.framesReceived)}`;
@@ -78,10 +89,11 @@ function framesText(scan: LiveScan): string {
 function noticeText(scan: LiveScan): string {
   const words: string[] = [];
   if (scan.phase === 'running' && scan.connection === 'open') words.push(eventWords(scan), partsWords(scan));
-  words.push(sentence(scan.phaseWords));
+  words.push(sentence(scan.phaseWords), leftOutWords(scan));
   if (scan.connection === 'waiting' && scan.connectionWords) words.push(`${sentence(scan.connectionWords)}`);
   if (scan.problem && (scan.points > 0 || scan.triangles > 0)) words.push(sentence(scan.problem.message));
   if (scan.failedChunks > 0) words.push(`${count(scan.failedChunks)} of the chunks could not be decoded.`);
+  if (scan.old) words.push('Some of what is shown is from before, while the server builds the scan again.');
   if (scan.full) words.push('The scan is larger than this page can show; some parts are left out.');
   return words.filter((part) => part !== '').join(' ');
 }

@@ -4,7 +4,7 @@ import type { Store } from '../state/store';
 import {
   colorModes,
   meshColors,
-  pointSizeRange_mm,
+  pointSizeRange_percent,
   shownMeshColor,
   shows,
   type ColorMode,
@@ -15,17 +15,17 @@ import {
 import { element, setText, type Panel } from './dom';
 
 const showLabels: Record<Show, string> = { surface: 'Surface', points: 'Points' };
-const colorLabels: Record<ColorMode, string> = { rgb: 'Colour', normal: 'Normals', confidence: 'Confidence' };
+const colorLabels: Record<ColorMode, string> = { shaded: 'Shaded', rgb: 'Colour', normal: 'Normals', confidence: 'Confidence' };
 const meshColorLabels: Record<MeshColor, string> = { shaded: 'Shaded', rgb: 'Colour', normal: 'Normals' };
 
 export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, scan: Store<LiveScan, never>, frameAll: () => void): Panel {
   const show = segments('show', 'What is shown', shows, showLabels, (chosen) => options.dispatch({ show: chosen }));
   const colors = segments('color', 'Colour of the points', colorModes, colorLabels, (color) => options.dispatch({ color }));
   const surface = segments('mesh-color', 'Colour of the surface', meshColors, meshColorLabels, (meshColor) => options.dispatch({ meshColor }));
-  const size = element('input', { type: 'range', id: 'point-size', ...pointSizeRange_mm });
+  const size = element('input', { type: 'range', id: 'point-size', ...pointSizeRange_percent });
   const sizeText = element('output', { for: 'point-size' });
   const slider = element('label', { class: 'slider', for: 'point-size' }, 'Size', size, sizeText);
-  size.addEventListener('input', () => options.dispatch({ pointSize_mm: size.valueAsNumber }));
+  size.addEventListener('input', () => options.dispatch({ pointSize_percent: size.valueAsNumber }));
   const inside = toggle('See inside', 'Makes what is seen from behind transparent, so that walls do not cover the room', () =>
     options.dispatch({ hideBacks: !options.get().hideBacks }),
   );
@@ -53,8 +53,8 @@ export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, sca
     surface.check(shownMeshColor(state, there && mesh.textured));
     colors.element.hidden = slider.hidden = onSurface;
     colors.check(state.color);
-    size.value = String(state.pointSize_mm);
-    setText(sizeText, `${state.pointSize_mm} mm`);
+    size.value = String(state.pointSize_percent);
+    setText(sizeText, `${state.pointSize_percent} %`);
     inside.setAttribute('aria-pressed', String(state.hideBacks));
     follow.setAttribute('aria-pressed', String(state.follow));
     follow.hidden = phase === 'finished' || phase === 'interrupted' || phase === 'failed'; // nobody leads any more

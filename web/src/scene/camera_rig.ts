@@ -1,5 +1,6 @@
-// Where the viewer's eye is: orbiting by hand, framing the scan by itself until touched, or riding behind the scanning camera. Up is -y of the world.
-import { PerspectiveCamera, Vector3 } from 'three';
+// Where the viewer's eye is: orbiting by hand, framing the scan by itself until touched, or riding behind the scanning camera. Up is -y of the view's world, which is
+// the scan's, turned so that up is up (upright.ts).
+import { PerspectiveCamera, Quaternion, Vector3 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { fittingDistance_m, type Framing } from './framing';
 import type { GlidingPose } from './motion';
@@ -11,6 +12,11 @@ const behind_m = new Vector3(0, -0.35, -0.9); // in the scanning camera's frame
 const sphereShare = 0.88; // a scan is smaller than the sphere around it
 const lift = 0.1; // of the radius, upwards on the screen: the panel below covers some of it
 const ahead_m = new Vector3(0, 0, 1.5);
+
+export interface Surroundings {
+  readonly upright: Quaternion; // from the scan's world
+  readonly still: boolean; // somebody does not like motion
+}
 
 export interface EyeMotion {
   readonly byHand: boolean; // and what is left of it afterwards
@@ -25,6 +31,7 @@ export class CameraRig {
   private mode: 'framing' | 'free' | 'following' = 'framing';
   private framing: Framing | null = null;
   private placed = false;
+  private pivoting = false;
   private ticking = false;
 
   constructor(
@@ -81,14 +88,37 @@ export class CameraRig {
     this.changed();
   }
 
+  // All turns around that point from now on; it comes to the middle of the picture.
+  pivot(point: Vector3): void {
+    this.release();
+    this.target.copy(point);
+    this.eye.copy(this.camera.position).sub(this.controls.target).add(point);
+    this.pivoting = true;
+    this.changed();
+  }
+
+  // The world was turned about its origin: a view that somebody has chosen stays on what it shows. Others are told where to look.
+  carry(delta: Quaternion): void {
+    if (this.mode !== 'free') return;
+    const offset = new Vector3().subVectors(this.camera.position, this.controls.target);
+    for (const point of [this.controls.target, this.target]) point.applyQuaternion(delta);
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.eye.copy(this.target).add(offset);
+  }
+
   // How the eye still moves after this.
-  tick(elapsed_ms: number, scanner: GlidingPose): EyeMotion {
+  tick(elapsed_ms: number, scanner: GlidingPose, { upright, still }: Surroundings): EyeMotion {
     if (this.mode === 'following' && scanner.known) {
-      this.eye.copy(behind_m).applyQuaternion(scanner.rotation).add(scanner.translation);
-      this.target.copy(ahead_m).applyQuaternion(scanner.rotation).add(scanner.translation);
+      for (const [at, offset_m] of [
+        [this.eye, behind_m],
+        [this.target, ahead_m],
+      ] as const)
+        at.copy(offset_m).applyQuaternion(scanner.rotation).add(scanner.translation).applyQuaternion(upright);
       this.placed = true;
     }
-    const byItself = this.mode !== 'free' && this.placed && this.glide(elapsed_ms);
+    const goes = this.pivoting || (this.mode !== 'free' && this.placed);
+    const byItself = goes && this.glide(still ? Infinity : elapsed_ms);
+    if (!byItself) this.pivoting = false;
     this.ticking = true; // the controls report their own update as a change: not a reason to draw once more
     const changed = this.controls.update(elapsed_ms / 1000);
     this.ticking = false;
@@ -124,6 +154,7 @@ export class CameraRig {
 
   // The hand on the view always wins.
   private release(): void {
+    this.pivoting = false;
     if (this.mode === 'free') return;
     this.mode = 'free';
     this.touched();

@@ -1,7 +1,8 @@
 import { Sprite } from 'three';
 import { describe, expect, it } from 'vitest';
 import { FrustumLayer, frustumLines } from './frustum_layer';
-import { frame, poses } from './played';
+import type { ScanEvent } from '../connection/events';
+import { frame, poses, running } from './played';
 
 const camera = { width: 4, height: 2, fx: 2, fy: 2, cx: 1.5, cy: 0.5 };
 
@@ -44,6 +45,20 @@ describe('FrustumLayer', () => {
     expect(layer.worldFromCamera.translation.x).toBe(1);
     layer.onEvent(frame(0, 1));
     expect(said()).toBe('');
+  });
+
+  it('asks nobody to go anywhere once the scan has ended', () => {
+    const { layer, said } = silent();
+    layer.onEvent(running);
+    layer.onEvent(frame(0, 1));
+    layer.onEvent(frame(0, 1, { tracking: 'lost', timestamp_s: 4, lastTracked: { sequence: 0, timestamp_s: 0 } }));
+    expect(layer.object.visible).toBe(true);
+    layer.onEvent({ ...running, phase: 'finished' } as ScanEvent);
+    expect(layer.object.visible).toBe(false);
+    expect(said()).toBe('');
+    layer.onEvent(frame(0, 1, { tracking: 'lost', timestamp_s: 4, lastTracked: { sequence: 0, timestamp_s: 0 } })); // the newest, of who comes later
+    expect(said()).toBe('');
+    expect(layer.object.visible).toBe(false);
   });
 
   it('moves with the submap of its frame when that is corrected', () => {

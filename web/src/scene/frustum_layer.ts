@@ -16,6 +16,8 @@ export class FrustumLayer implements Layer {
   readonly worldFromCamera = new GlidingPose(glide_ms);
 
   private inSubmap: PoseInSubmap | null = null;
+  private ended = false; // nobody scans any more, and nobody is asked to go back anywhere
+  private newest: FrameEvent | null = null;
 
   constructor(private readonly label: Pick<Label, 'object' | 'say' | 'resize' | 'dispose'> = new Label('#e8837a')) {
     this.object = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: colors.tracked }));
@@ -28,6 +30,7 @@ export class FrustumLayer implements Layer {
   onEvent(event: ScanEvent): void {
     if (event.kind === 'welcome' && event.camera) this.shape(event.camera);
     if (event.kind === 'frame') this.show(event);
+    if (event.kind === 'scanState') this.end(event.phase !== 'running');
     if (event.kind !== 'submapPoses') return;
     const moved = event.poses.find((pose) => pose.submap === this.inSubmap?.submap);
     if (moved) this.worldFromCamera.moveTo(composed(moved.worldFromSubmap, this.inSubmap!.submapFromCamera));
@@ -55,7 +58,15 @@ export class FrustumLayer implements Layer {
       this.inSubmap = frame.inSubmap;
     }
     this.object.material.color.setHex(colors[frame.tracking]);
-    this.label.say(wayBackLabel(frame));
+    this.newest = frame;
+    this.label.say(this.ended ? '' : wayBackLabel(frame));
+    this.place();
+  }
+
+  private end(ended: boolean): void {
+    if (ended === this.ended) return;
+    this.ended = ended;
+    this.label.say(ended || !this.newest ? '' : wayBackLabel(this.newest));
     this.place();
   }
 
@@ -64,7 +75,7 @@ export class FrustumLayer implements Layer {
   }
 
   private place(): void {
-    this.object.visible = this.worldFromCamera.known && this.object.geometry.hasAttribute('position');
+    this.object.visible = !this.ended && this.worldFromCamera.known && this.object.geometry.hasAttribute('position');
     this.worldFromCamera.matrix(this.object.matrix);
     this.object.matrixWorldNeedsUpdate = true;
   }

@@ -1,10 +1,9 @@
 // A quiet floor: one line a metre, fading away from the middle of the scan. Hidden until the floor's height is known.
-import { BufferAttribute, BufferGeometry, Color, LineBasicMaterial, LineSegments } from 'three';
+import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, type Color } from 'three';
 import type { Framing } from './framing';
 import type { Layer } from './layer';
 
 const halfExtent_m = 12;
-const lineColor = new Color(0x3a414b);
 
 export class GridLayer implements Layer {
   readonly object: LineSegments<BufferGeometry, LineBasicMaterial>;
@@ -15,7 +14,11 @@ export class GridLayer implements Layer {
     this.object.renderOrder = -1;
   }
 
-  // On whole metres, so that the lines stay put while the scan grows.
+  paint(color: Color): void {
+    this.object.material.color.copy(color);
+  }
+
+  // On whole metres, so that the lines stay put while the scan grows. A little below the floor, which it would flicker in.
   placeUnder(framing: Framing): void {
     this.object.position.set(Math.round(framing.center_m[0]), framing.floor_y_m + 0.01, Math.round(framing.center_m[2]));
     this.object.visible = true;
@@ -33,7 +36,7 @@ function gridGeometry(): BufferGeometry {
   const vertex = (x: number, z: number): void => {
     positions.push(x, 0, z);
     const strength = Math.max(0, 1 - Math.hypot(x, z) / halfExtent_m);
-    colors.push(lineColor.r, lineColor.g, lineColor.b, strength * strength);
+    colors.push(1, 1, 1, strength * strength);
   };
   for (let line = -halfExtent_m; line <= halfExtent_m; ++line) {
     for (let step = -halfExtent_m; step < halfExtent_m; ++step) {

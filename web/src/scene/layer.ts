@@ -1,5 +1,5 @@
 // One thing to see in the scene. A new layer is one file and one row in scene.ts.
-import type { Object3D } from 'three';
+import type { Object3D, Vector3 } from 'three';
 import type { ScanEvent } from '../connection/events';
 import type { ViewOptions } from '../state/view_options';
 
@@ -8,6 +8,13 @@ export interface ViewSize {
   readonly width_px: number; // of the drawing buffer
   readonly height_px: number;
   readonly verticalFov_rad: number;
+}
+
+// What somebody has clicked on, in the world.
+export interface Hit {
+  readonly point_m: Vector3;
+  readonly normal: Vector3; // looks at whoever clicked
+  readonly distance_m: number;
 }
 
 export interface Layer {

@@ -1,9 +1,8 @@
-import { Mesh, type Object3D } from 'three';
+import { Ray, Vector3, type Mesh } from 'three';
 import { describe, expect, it } from 'vitest';
-import type { FrameEvent, MeshCube, MeshPiece, Pose, ScanEvent } from '../connection/events';
+import type { MeshCube, MeshPiece, Pose, ScanEvent } from '../connection/events';
 import { initialViewOptions } from '../state/view_options';
 import { LiveMeshLayer } from './live_mesh_layer';
-import type { MeshMaterial } from './mesh_material';
 import { SubmapsLayer } from './submaps_layer';
 
 const cube = (x: number): MeshCube => ({ part: 0, x, y: 0, z: 0 });
@@ -21,14 +20,13 @@ function triangle(): MeshPiece {
 
 const piece = (x: number, submap: number, mesh: MeshPiece | null = triangle()): ScanEvent => ({ kind: 'meshChunk', cube: cube(x), version: 1n, submap, piece: mesh });
 
-function world(): { submaps: SubmapsLayer; layer: LiveMeshLayer; meshesOf: (submap: number) => Mesh[]; say: (event: ScanEvent) => void } {
+function world(): { submaps: SubmapsLayer; layer: LiveMeshLayer; say: (event: ScanEvent) => void } {
   const submaps = new SubmapsLayer();
   const layer = new LiveMeshLayer(submaps);
   layer.onOptions(initialViewOptions);
   return {
     submaps,
     layer,
-    meshesOf: (submap) => submaps.groupOf(submap).children.filter((child: Object3D): child is Mesh => child instanceof Mesh),
     say: (event) => {
       submaps.onEvent(event);
       layer.onEvent(event);
@@ -37,55 +35,53 @@ function world(): { submaps: SubmapsLayer; layer: LiveMeshLayer; meshesOf: (subm
 }
 
 describe('LiveMeshLayer', () => {
-  it('draws each piece from both sides, in the submap that it moves with', () => {
-    const { layer, meshesOf, say, submaps } = world();
+  it('draws all pieces in one call from each side, where their submaps stand', () => {
+    const { layer, say, submaps } = world();
     expect(layer.isThere).toBe(false);
     say({ kind: 'submapPoses', poses: [{ submap: 3, worldFromSubmap: pose(5), part: 0 }] });
     submaps.tick(1000);
-    say(piece(0, 3));
+    for (let x = 0; x < 500; ++x) say(piece(x, x === 0 ? 3 : 4));
     expect(layer.isThere).toBe(true);
-    expect(meshesOf(3)).toHaveLength(2);
-    expect(layer.boxes()).toEqual([{ min_m: [5, 0, 0], max_m: [6, 1, 0], weight: 3 }]);
+    expect(layer.drawCalls).toBe(2);
+    expect(layer.boxes()[0]).toEqual({ min_m: [5, 0, 0], max_m: [6, 1, 0], weight: 3 });
   });
 
   it('replaces a piece, also by one of another submap, and removes what is empty', () => {
-    const { layer, meshesOf, say } = world();
+    const { layer, say } = world();
     say(piece(0, 0));
     say(piece(1, 0));
     say(piece(0, 1));
-    expect(meshesOf(0)).toHaveLength(2);
-    expect(meshesOf(1)).toHaveLength(2);
+    expect(layer.boxes()).toHaveLength(2);
     say(piece(0, 0, null));
     say(piece(1, 0, null));
     expect(layer.isThere).toBe(false);
-    expect([...meshesOf(0), ...meshesOf(1)]).toHaveLength(0);
+    expect(layer.object.children).toEqual([]);
   });
 
-  it('hides new pieces, too, while points are shown', () => {
-    const { layer, meshesOf, say } = world();
-    say(piece(0, 0));
-    layer.setVisible(false);
-    say(piece(1, 0));
-    expect(meshesOf(0).every((mesh) => !mesh.visible)).toBe(true);
-    layer.setVisible(true);
-    expect(meshesOf(0).every((mesh) => mesh.visible)).toBe(true);
+  it('uses the room of what is gone, and keeps the corners of others', () => {
+    const { layer, say } = world();
+    for (let x = 0; x < 3; ++x) say(piece(x, 0));
+    say(piece(1, 0, null));
+    say(piece(3, 0));
+    const { index } = (layer.object.children[0] as Mesh).geometry;
+    expect([0, 16, 32].map((at) => [0, 1, 2].map((i) => index!.getX(at + i)))).toEqual([
+      [0, 1, 2],
+      [16, 17, 18],
+      [32, 33, 34],
+    ]);
+    expect(layer.drawCalls).toBe(2);
   });
 
-  it('fades what is of another part than the camera', () => {
-    const { meshesOf, say } = world();
-    const faded = (submap: number): boolean[] => meshesOf(submap).map((mesh) => (mesh.material as MeshMaterial).uniforms['faded']!.value as boolean);
-    say({ kind: 'scanState', phase: 'running', words: '', received: 1, processed: 1, dropped: 0, keyframes: 0, loops: 0 });
-    say({
-      kind: 'submapPoses',
-      poses: [
-        { submap: 0, worldFromSubmap: pose(0), part: 0 },
-        { submap: 1, worldFromSubmap: pose(1), part: 1 },
-      ],
-    });
-    say(piece(0, 0));
-    say(piece(1, 1));
-    say({ kind: 'frame', inSubmap: { submap: 1, submapFromCamera: pose(0) } } as FrameEvent);
-    expect(faded(0)).toEqual([true, true]);
-    expect(faded(1)).toEqual([false, false]);
+  it('finds the triangle that was clicked on, from the front only', () => {
+    const { layer, say, submaps } = world();
+    say({ kind: 'submapPoses', poses: [{ submap: 3, worldFromSubmap: pose(5), part: 0 }] });
+    submaps.tick(1000);
+    say(piece(0, 3));
+    const hit = layer.pick(new Ray(new Vector3(5.2, 0.2, 2), new Vector3(0, 0, -1)));
+    expect(hit!.point_m.toArray().map((value) => Math.round(100 * value) / 100)).toEqual([5.2, 0.2, 0]);
+    expect(hit!.normal.z).toBeCloseTo(1);
+    expect(hit!.distance_m).toBeCloseTo(2);
+    expect(layer.pick(new Ray(new Vector3(5.2, 0.2, -2), new Vector3(0, 0, 1)))).toBeNull();
+    expect(layer.pick(new Ray(new Vector3(5.9, 0.9, 2), new Vector3(0, 0, -1)))).toBeNull();
   });
 });

@@ -1,70 +1,92 @@
-// The surface of a scan that runs: one mesh per piece in the group of the submap that it moves with, and the same once more for those who see
-// it from behind.
-import { Box3, BufferAttribute, BufferGeometry, Group, Mesh } from 'three';
+// The surface of a scan that runs, from both sides. Pieces of all submaps share a few buffers, and a correction moves submaps and touches none of them.
+import { Box3, Group, Matrix4, Ray, Vector3 } from 'three';
 import type { MeshCube, MeshPiece, ScanEvent } from '../connection/events';
 import { nameOfCube } from '../state/chunk_ledger';
 import { meshColors, shownMeshColor, type ViewOptions } from '../state/view_options';
 import type { Box } from './framing';
-import type { Layer } from './layer';
+import type { Hit, Layer } from './layer';
+import { MeshBatch, type PieceRange } from './mesh_batch';
 import { MeshMaterial } from './mesh_material';
+import type { SampleCollector } from './samples';
 import type { SubmapsLayer } from './submaps_layer';
+
+const batch_vertices = 1 << 16; // 3 MB with their triangles; what is larger has one of its own
 
 interface Piece {
   readonly submap: number;
-  readonly front: Mesh<BufferGeometry, MeshMaterial>;
-  readonly back: Mesh<BufferGeometry, MeshMaterial>;
+  readonly batch: MeshBatch;
+  readonly range: PieceRange;
+  readonly box: Box3; // in the frame of its submap
 }
-
-interface Sides {
-  readonly front: MeshMaterial;
-  readonly back: MeshMaterial;
-}
-
-const sides = (): Sides => ({
-  front: new MeshMaterial({ back: false, map: null, color: 'srgb' }),
-  back: new MeshMaterial({ back: true, map: null, color: 'srgb' }),
-});
 
 export class LiveMeshLayer implements Layer {
-  readonly object = new Group(); // empty: the pieces are in the groups of their submaps
-  private readonly near = sides();
-  private readonly apart = sides(); // of a part of the map that the camera is not in
+  readonly object = new Group();
+  private readonly materials: { readonly front: MeshMaterial; readonly back: MeshMaterial };
   private readonly pieces = new Map<string, Piece>();
-  private visible = true;
+  private readonly batches: MeshBatch[] = [];
 
-  constructor(private readonly submaps: SubmapsLayer) {}
+  constructor(private readonly submaps: SubmapsLayer) {
+    const sideOf = (back: boolean): MeshMaterial => new MeshMaterial({ back, map: null, color: 'srgb', poses: submaps.poses.uniform });
+    this.materials = { front: sideOf(false), back: sideOf(true) };
+  }
 
   get isThere(): boolean {
     return this.pieces.size > 0;
   }
 
+  get drawCalls(): number {
+    return 2 * this.batches.length;
+  }
+
   onEvent(event: ScanEvent): void {
     if (event.kind === 'meshChunk') this.replace(event.cube, event.submap, event.piece);
-    if (event.kind === 'frame' || event.kind === 'submapPoses' || event.kind === 'scanState') this.tellPartsApart();
   }
 
   onOptions(options: ViewOptions): void {
     const look = { colorMode: meshColors.indexOf(shownMeshColor(options, false)), veil: options.hideBacks };
-    for (const [{ front, back }, faded] of [
-      [this.near, false],
-      [this.apart, true],
-    ] as const)
-      for (const material of [front, back]) material.show({ ...look, faded });
+    this.materials.front.show(look);
+    this.materials.back.show(look);
   }
 
   // Hidden pieces still have their boxes.
   setVisible(visible: boolean): void {
-    this.visible = visible;
-    for (const { front, back } of this.pieces.values()) front.visible = back.visible = visible;
+    this.object.visible = visible;
   }
 
   // World boxes of all pieces, for framing.
   boxes(): Box[] {
     const box = new Box3();
-    return [...this.pieces.values()].map(({ front }) => {
-      box.copy(front.geometry.boundingBox!).applyMatrix4(front.parent!.matrix);
-      return { min_m: box.min.toArray(), max_m: box.max.toArray(), weight: front.geometry.getAttribute('position').count };
+    return [...this.pieces.values()].map((piece) => {
+      box.copy(piece.box).applyMatrix4(this.submaps.groupOf(piece.submap).matrix);
+      return { min_m: box.min.toArray(), max_m: box.max.toArray(), weight: piece.range.vertexCount };
     });
+  }
+
+  // Some of the corners, evenly.
+  sample(into: SampleCollector): void {
+    for (const { batch, range, submap } of this.pieces.values())
+      into.add(range.vertexCount, this.submaps.groupOf(submap).matrix, (i) => batch.vertexAt(range.vertices.start + i));
+  }
+
+  // The nearest triangle that the ray meets from the front; `ray` in the world.
+  pick(ray: Ray): Hit | null {
+    let best: Hit | null = null;
+    const [own, box, submapFromWorld] = [new Ray(), new Box3(), new Matrix4()];
+    const [a, b, c, point] = [new Vector3(), new Vector3(), new Vector3(), new Vector3()];
+    for (const { batch, range, submap, box: within } of this.pieces.values()) {
+      const { matrix } = this.submaps.groupOf(submap);
+      if (!ray.intersectsBox(box.copy(within).applyMatrix4(matrix))) continue;
+      own.copy(ray).applyMatrix4(submapFromWorld.copy(matrix).invert());
+      for (let i = range.corners.start; i < range.corners.start + range.cornerCount; i += 3) {
+        [a, b, c].forEach((corner, k) => corner.fromArray(batch.vertexAt(batch.cornerAt(i + k)).position_m));
+        if (!own.intersectTriangle(a, b, c, true, point)) continue;
+        const distance_m = point.distanceTo(own.origin);
+        if (best && distance_m >= best.distance_m) continue;
+        const normal = b.sub(a).cross(c.sub(a)).transformDirection(matrix);
+        best = { point_m: point.clone().applyMatrix4(matrix), normal: normal.clone(), distance_m };
+      }
+    }
+    return best;
   }
 
   // Another surface takes over.
@@ -73,53 +95,45 @@ export class LiveMeshLayer implements Layer {
   }
 
   dispose(): void {
-    this.clear();
-    for (const { front, back } of [this.near, this.apart]) {
-      front.dispose();
-      back.dispose();
-    }
+    for (const batch of this.batches) batch.dispose();
+    this.materials.front.dispose();
+    this.materials.back.dispose();
   }
 
   private remove(name: string): void {
     const old = this.pieces.get(name);
-    old?.front.removeFromParent();
-    old?.back.removeFromParent();
-    old?.front.geometry.dispose();
+    if (!old) return;
     this.pieces.delete(name);
+    old.batch.remove(old.range);
+    if (!old.batch.isEmpty) return;
+    this.batches.splice(this.batches.indexOf(old.batch), 1);
+    this.object.remove(old.batch.front, old.batch.back);
+    old.batch.dispose();
   }
 
   private replace(cube: MeshCube, submap: number, mesh: MeshPiece | null): void {
     const name = nameOfCube(cube);
     this.remove(name);
     if (!mesh) return;
-    const geometry = geometryOf(mesh);
-    const materials = this.materialsOf(submap);
-    const piece = { submap, front: new Mesh(geometry, materials.front), back: new Mesh(geometry, materials.back) };
-    for (const side of [piece.front, piece.back]) {
-      side.matrixAutoUpdate = false;
-      side.visible = this.visible;
-      this.submaps.groupOf(submap).add(side);
+    const [batch, range] = this.put(mesh, this.submaps.poses.rowOf(submap));
+    this.pieces.set(name, { submap, batch, range, box: boxOf(mesh.positions_m) });
+  }
+
+  private put(mesh: MeshPiece, row: number): [MeshBatch, PieceRange] {
+    for (const batch of this.batches) {
+      const range = batch.put(mesh, row);
+      if (range) return [batch, range];
     }
-    piece.back.renderOrder = 1;
-    this.pieces.set(name, piece);
-  }
-
-  private tellPartsApart(): void {
-    for (const { front, back, submap } of this.pieces.values()) ({ front: front.material, back: back.material } = this.materialsOf(submap));
-  }
-
-  private materialsOf(submap: number): Sides {
-    return this.submaps.isApart(submap) ? this.apart : this.near;
+    const batch = new MeshBatch(batch_vertices, mesh, this.materials);
+    this.batches.push(batch);
+    this.object.add(batch.front, batch.back);
+    return [batch, batch.put(mesh, row)!];
   }
 }
 
-function geometryOf(mesh: MeshPiece): BufferGeometry {
-  const geometry = new BufferGeometry();
-  geometry.setIndex(new BufferAttribute(mesh.index, 1));
-  geometry.setAttribute('position', new BufferAttribute(mesh.positions_m, 3));
-  geometry.setAttribute('normal', new BufferAttribute(mesh.normals, 4, true));
-  geometry.setAttribute('color', new BufferAttribute(mesh.colors, 4, true));
-  geometry.computeBoundingBox();
-  geometry.computeBoundingSphere();
-  return geometry;
+function boxOf(positions_m: Float32Array): Box3 {
+  const box = new Box3();
+  const point = new Vector3();
+  for (let i = 0; i < positions_m.length; i += 3) box.expandByPoint(point.fromArray(positions_m, i));
+  return box;
 }

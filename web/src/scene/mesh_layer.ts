@@ -27,6 +27,11 @@ export class MeshLayer implements Layer {
     return this.textured;
   }
 
+  // What is seen from the front, to be clicked on.
+  fronts(): Object3D[] {
+    return this.object.children.filter((side) => side.renderOrder === 0);
+  }
+
   // Instead of the one before; null: none. What it holds is disposed of here.
   replace(root: Object3D | null): void {
     this.clear();

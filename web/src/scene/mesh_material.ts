@@ -1,6 +1,6 @@
 // A surface in its own colours, lit softly from above and from the eye so that its shape is seen: what faces the eye keeps its colour as it is.
 // Seen from behind it is dim, and with `veil` as good as through, so that a room can be looked into from outside.
-import { BackSide, Color, FrontSide, ShaderMaterial, type Texture } from 'three';
+import { BackSide, Color, FrontSide, ShaderMaterial, type DataTexture, type Texture } from 'three';
 
 const vertexShader = /* glsl */ `
 #ifdef HAS_COLOR
@@ -9,9 +9,23 @@ attribute vec4 color;  // what has three components gets a fourth one
 #ifdef HAS_MAP
 varying vec2 vUv;
 #endif
+#ifdef HAS_POSES
+attribute float row;  // of the submap that it moves with
+uniform highp sampler2D poses;
+flat varying float vFaded;
+#endif
 varying vec3 vColor, vNormal, vInView;
 
 void main() {
+  vec4 inWorld = vec4(position, 1.0);
+  vec3 facing = normal;
+#ifdef HAS_POSES
+  int at = int(row + 0.5);
+  vec4 x = texelFetch(poses, ivec2(0, at), 0), y = texelFetch(poses, ivec2(1, at), 0), z = texelFetch(poses, ivec2(2, at), 0);
+  inWorld = vec4(dot(x, inWorld), dot(y, inWorld), dot(z, inWorld), 1.0);
+  facing = vec3(dot(x.xyz, facing), dot(y.xyz, facing), dot(z.xyz, facing));
+  vFaded = texelFetch(poses, ivec2(3, at), 0).x;
+#endif
 #ifdef HAS_MAP
   vUv = uv;
 #endif
@@ -24,8 +38,8 @@ void main() {
 #else
   vColor = vec3(1.0);
 #endif
-  vNormal = normalMatrix * normal;
-  vec4 inView = modelViewMatrix * vec4(position, 1.0);
+  vNormal = normalMatrix * facing;
+  vec4 inView = modelViewMatrix * inWorld;
   vInView = inView.xyz;
   gl_Position = projectionMatrix * inView;
 }`;
@@ -35,7 +49,9 @@ uniform sampler2D map;
 uniform vec3 tint;  // linear
 uniform int colorMode;  // 0 shaded, 1 as it is, 2 normals
 uniform bool back, veil;
-uniform bool faded;  // of a part of the map that the camera is not in
+#ifdef HAS_POSES
+flat varying float vFaded;  // 1: of a part of the map that the camera is not in
+#endif
 #ifdef HAS_MAP
 varying vec2 vUv;
 #endif
@@ -65,7 +81,9 @@ void main() {
     shown = mix(vec3(grey), shown, 0.35) * 0.42 + vec3(0.014, 0.016, 0.020);
     if (veil) alpha = 0.2 + 0.4 * (1.0 - facing);  // its outline stays
   }
-  if (faded) shown = mix(vec3(0.022, 0.027, 0.040), shown, 0.35);
+#ifdef HAS_POSES
+  if (vFaded > 0.5) shown = mix(vec3(0.022, 0.027, 0.040), shown, 0.35);
+#endif
   gl_FragColor = vec4(shown, alpha);
   #include <colorspace_fragment>
 }`;
@@ -73,26 +91,31 @@ void main() {
 export interface MeshLook {
   readonly colorMode: number;
   readonly veil: boolean;
-  readonly faded?: boolean;
+}
+
+export interface MeshMaterialKind {
+  readonly back: boolean;
+  readonly map: Texture | null;
+  readonly color: 'none' | 'linear' | 'srgb'; // of the vertices
+  readonly tint?: Color; // linear, of everything
+  readonly poses?: { value: DataTexture }; // of the submaps (PoseTexture), where vertices have rows of it
 }
 
 export class MeshMaterial extends ShaderMaterial {
-  // `color`: of the vertices. `tint`: linear, of everything.
-  constructor({ back, map, color, tint = new Color(1, 1, 1) }: { readonly back: boolean; readonly map: Texture | null; readonly color: 'none' | 'linear' | 'srgb'; readonly tint?: Color }) {
+  constructor({ back, map, color, tint = new Color(1, 1, 1), poses }: MeshMaterialKind) {
     super({
       vertexShader,
       fragmentShader: `#include <common>\n${fragmentShader}`,
       side: back ? BackSide : FrontSide,
       transparent: back,
-      defines: { ...(color !== 'none' ? { HAS_COLOR: '' } : {}), ...(color === 'srgb' ? { SRGB_COLOR: '' } : {}), ...(map ? { HAS_MAP: '' } : {}) },
-      uniforms: { map: { value: map }, tint: { value: tint }, colorMode: { value: 0 }, back: { value: back }, veil: { value: true }, faded: { value: false } },
+      defines: { ...(color !== 'none' ? { HAS_COLOR: '' } : {}), ...(color === 'srgb' ? { SRGB_COLOR: '' } : {}), ...(map ? { HAS_MAP: '' } : {}), ...(poses ? { HAS_POSES: '' } : {}) },
+      uniforms: { map: { value: map }, tint: { value: tint }, colorMode: { value: 0 }, back: { value: back }, veil: { value: true }, ...(poses ? { poses } : {}) },
     });
   }
 
   show(look: MeshLook): void {
     this.uniforms['colorMode']!.value = look.colorMode;
     this.uniforms['veil']!.value = look.veil;
-    this.uniforms['faded']!.value = look.faded ?? false;
     if (this.side === BackSide) this.depthWrite = !look.veil;
   }
 }

@@ -1,41 +1,77 @@
-import type { Points } from 'three';
+import { Ray, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import type { ScanEvent } from '../connection/events';
 import { PointsLayer } from './points_layer';
-import type { PointsMaterial } from './points_material';
 import { frame, poses, running } from './played';
+import { SampleCollector } from './samples';
 import { SubmapsLayer } from './submaps_layer';
 
-const chunk = (submap: number, empty = false): ScanEvent => ({
+// `count` points in a row along x, from 1 on, that face -z.
+const chunk = (submap: number, count = 1, x = 0): ScanEvent => ({
   kind: 'chunk',
-  key: { submap, level: 0, x: 0, y: 0, z: 0 },
+  key: { submap, level: 0, x, y: 0, z: 0 },
   version: 1n,
-  points: empty
-    ? null
-    : { count: 1, positions_m: Float32Array.of(1, 0, 0), colors: new Uint8Array(4), normals: new Int8Array(4), min_m: [1, 0, 0], max_m: [1, 0, 0] },
+  points:
+    count === 0
+      ? null
+      : {
+          count,
+          positions_m: Float32Array.from({ length: 3 * count }, (_, i) => (i % 3 === 0 ? 1 + i / 300 : 0)),
+          colors: new Uint8Array(4 * count),
+          normals: Int8Array.from({ length: 4 * count }, (_, i) => (i % 4 === 2 ? -127 : 0)),
+          radii_m: new Float32Array(count).fill(0.02),
+          min_m: [1, 0, 0],
+          max_m: [1 + (count - 1) / 100, 0, 0],
+        },
 });
 
 function play(...events: ScanEvent[]): { submaps: SubmapsLayer; points: PointsLayer; faded: (id: number) => boolean } {
   const submaps = new SubmapsLayer();
   const points = new PointsLayer(submaps);
-  for (const event of events) for (const layer of [submaps, points]) layer.onEvent(event);
-  const cloudOf = (id: number): Points => submaps.groupOf(id).children[0] as Points;
-  return { submaps, points, faded: (id) => (cloudOf(id).material as PointsMaterial).uniforms['faded']!.value as boolean };
+  for (const event of events) for (const layer of [submaps, points]) (layer as PointsLayer).onEvent(event);
+  return { submaps, points, faded: (id) => submaps.poses.isFaded(id) };
 }
 
 describe('PointsLayer', () => {
   it('puts a chunk into the frame of its submap, and takes it away', () => {
-    const { submaps, points } = play(poses([0, 10]), chunk(1));
+    const { points } = play(poses([0, 10]), chunk(1));
     expect(points.boxes()[0]!.min_m[0]).toBe(11);
-    points.onEvent(chunk(1, true));
+    points.onEvent(chunk(1, 0));
     expect(points.boxes()).toEqual([]);
-    expect(submaps.groupOf(1).children).toEqual([]);
+    expect(points.object.children).toEqual([]);
+  });
+
+  it('draws a thousand chunks of many submaps in one call, and uses room again', () => {
+    const { points } = play(poses([0, 10, 20]));
+    for (let round = 0; round < 3; ++round) for (let x = 0; x < 1000; ++x) points.onEvent(chunk(x % 3, 90 + ((x + round) % 20), x));
+    expect(points.boxes()).toHaveLength(1000);
+    expect(points.drawCalls).toBe(1);
   });
 
   it('fades the parts that the camera is not in, until they are joined', () => {
     const { submaps, points, faded } = play(running, poses([0, 10], [0, 1]), chunk(0), chunk(1), frame(1, 0));
     expect([faded(0), faded(1)]).toEqual([true, false]);
-    for (const layer of [submaps, points]) layer.onEvent(poses([0, 10], [0, 0]));
+    for (const layer of [submaps, points]) (layer as PointsLayer).onEvent(poses([0, 10], [0, 0]));
     expect([faded(0), faded(1)]).toEqual([false, false]);
+  });
+
+  it('finds the point that was clicked on, from the front only', () => {
+    const { points } = play(poses([0, 10]), chunk(0), chunk(1, 50));
+    const hit = points.pick(new Ray(new Vector3(11.2, 0.005, -2), new Vector3(0, 0, 1)));
+    expect(hit!.point_m.x).toBeCloseTo(11.2, 1);
+    expect(hit!.normal.z).toBeCloseTo(-1);
+    expect(hit!.distance_m).toBeCloseTo(2);
+    expect(points.pick(new Ray(new Vector3(11.2, 0, 2), new Vector3(0, 0, -1)))).toBeNull();
+    expect(points.pick(new Ray(new Vector3(11.2, 0.1, -2), new Vector3(0, 0, 1)))).toBeNull();
+  });
+
+  it('gives samples in the world, evenly', () => {
+    const { points } = play(poses([0, 10]), chunk(1, 100));
+    const samples = new SampleCollector(240_000); // one in ten
+    points.sample(samples);
+    const { count, positions_m, normals } = samples.take();
+    expect(count).toBe(10);
+    expect(positions_m[0]).toBe(11);
+    expect(normals[2]).toBe(-1);
   });
 });

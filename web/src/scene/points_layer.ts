@@ -1,90 +1,124 @@
-// The reconstructed surface: one cloud per chunk in the group of its submap. A correction moves groups and touches no point.
-import { Box3, BufferAttribute, BufferGeometry, Group, Points, Sphere, Vector3 } from 'three';
+// The reconstructed surface as discs. Chunks of all submaps share a few buffers, and a correction moves submaps and touches no point.
+import { Box3, Group, Vector3, type Ray } from 'three';
 import type { ChunkKey, ChunkPoints, ScanEvent } from '../connection/events';
 import { nameOf } from '../state/chunk_ledger';
 import type { ViewOptions } from '../state/view_options';
 import type { Box } from './framing';
-import type { Layer, ViewSize } from './layer';
+import type { Hit, Layer, ViewSize } from './layer';
+import { PointBatch, type BatchRange } from './point_batch';
 import { PointsMaterial } from './points_material';
+import type { SampleCollector } from './samples';
 import type { SubmapsLayer } from './submaps_layer';
 
+const batch_points = 1 << 17; // 3.5 MB; what is larger has one of its own
+
 interface Cloud {
-  readonly points: Points<BufferGeometry, PointsMaterial>;
   readonly submap: number;
+  readonly batch: PointBatch;
+  readonly range: BatchRange;
+  readonly box: Box3; // in the frame of its submap
 }
 
 export class PointsLayer implements Layer {
-  readonly object = new Group(); // empty: the clouds are in the groups of their submaps
-  private readonly material = new PointsMaterial({ faded: false });
-  private readonly apartMaterial = new PointsMaterial({ faded: true });
+  readonly object = new Group();
+  private readonly material: PointsMaterial;
   private readonly clouds = new Map<string, Cloud>();
-  private visible = true;
+  private readonly batches: PointBatch[] = [];
 
-  constructor(private readonly submaps: SubmapsLayer) {}
+  constructor(private readonly submaps: SubmapsLayer) {
+    this.material = new PointsMaterial(submaps.poses.uniform);
+  }
+
+  get drawCalls(): number {
+    return this.batches.length;
+  }
 
   onEvent(event: ScanEvent): void {
     if (event.kind === 'chunk') this.replace(event.key, event.points);
-    if (event.kind === 'frame' || event.kind === 'submapPoses' || event.kind === 'scanState') this.tellPartsApart();
   }
 
   onOptions(options: ViewOptions): void {
-    for (const material of [this.material, this.apartMaterial]) material.show(options);
+    this.material.show(options);
   }
 
   // Hidden clouds still have their boxes.
   setVisible(visible: boolean): void {
-    this.visible = visible;
-    for (const { points } of this.clouds.values()) points.visible = visible;
+    this.object.visible = visible;
   }
 
   onResize(size: ViewSize): void {
-    for (const material of [this.material, this.apartMaterial]) material.resize(size);
+    this.material.resize(size);
   }
 
   // World boxes of all chunks, for framing.
   boxes(): Box[] {
     const box = new Box3();
-    return [...this.clouds.values()].map(({ points }) => {
-      box.copy(points.geometry.boundingBox!).applyMatrix4(points.parent!.matrix);
-      return { min_m: box.min.toArray(), max_m: box.max.toArray(), weight: points.geometry.getAttribute('position').count };
+    return [...this.clouds.values()].map((cloud) => {
+      box.copy(cloud.box).applyMatrix4(this.submaps.groupOf(cloud.submap).matrix);
+      return { min_m: box.min.toArray(), max_m: box.max.toArray(), weight: cloud.range.count };
     });
   }
 
+  // Some of the points, evenly.
+  sample(into: SampleCollector): void {
+    for (const { batch, range, submap } of this.clouds.values()) {
+      const { matrix } = this.submaps.groupOf(submap);
+      into.add(range.count, matrix, (i) => batch.at(range.start + i));
+    }
+  }
+
+  // The nearest disc that the ray meets from the front; `ray` in the world.
+  pick(ray: Ray): Hit | null {
+    let best: Hit | null = null;
+    const [center, normal] = [new Vector3(), new Vector3()];
+    const box = new Box3();
+    for (const { batch, range, submap, box: own } of this.clouds.values()) {
+      const { matrix } = this.submaps.groupOf(submap);
+      if (!ray.intersectsBox(box.copy(own).applyMatrix4(matrix).expandByScalar(0.02))) continue;
+      for (let i = range.start; i < range.start + range.count; ++i) {
+        const at = batch.at(i);
+        center.fromArray(at.position_m).applyMatrix4(matrix);
+        const along_m = center.sub(ray.origin).dot(ray.direction);
+        if (along_m <= 0 || (best && along_m >= best.distance_m) || center.lengthSq() - along_m * along_m > at.radius_m * at.radius_m) continue;
+        normal.fromArray(at.normal).transformDirection(matrix);
+        if (normal.dot(ray.direction) > 0) continue;
+        best = { point_m: center.clone().add(ray.origin), normal: normal.clone(), distance_m: along_m };
+      }
+    }
+    return best;
+  }
+
   dispose(): void {
-    for (const { points } of this.clouds.values()) points.geometry.dispose();
+    for (const batch of this.batches) batch.dispose();
     this.material.dispose();
-    this.apartMaterial.dispose();
   }
 
   private replace(key: ChunkKey, points: ChunkPoints | null): void {
     const name = nameOf(key);
     const old = this.clouds.get(name);
-    old?.points.removeFromParent();
-    old?.points.geometry.dispose();
+    old?.batch.remove(old.range);
     this.clouds.delete(name);
-    if (!points) return;
-    const cloud = new Points(geometryOf(points), this.materialOf(key.submap));
-    cloud.matrixAutoUpdate = false;
-    cloud.visible = this.visible;
-    this.clouds.set(name, { points: cloud, submap: key.submap });
-    this.submaps.groupOf(key.submap).add(cloud);
+    if (points) {
+      const [batch, range] = this.put(points, this.submaps.poses.rowOf(key.submap));
+      this.clouds.set(name, { submap: key.submap, batch, range, box: new Box3(new Vector3(...points.min_m), new Vector3(...points.max_m)) });
+    }
+    if (old?.batch.isEmpty) this.drop(old.batch);
   }
 
-  private tellPartsApart(): void {
-    for (const { points, submap } of this.clouds.values()) points.material = this.materialOf(submap);
+  private put(points: ChunkPoints, row: number): [PointBatch, BatchRange] {
+    for (const batch of this.batches) {
+      const range = batch.put(points, row);
+      if (range) return [batch, range];
+    }
+    const batch = new PointBatch(Math.max(batch_points, points.count), this.material);
+    this.batches.push(batch);
+    this.object.add(batch.object);
+    return [batch, batch.put(points, row)!];
   }
 
-  private materialOf(submap: number): PointsMaterial {
-    return this.submaps.isApart(submap) ? this.apartMaterial : this.material;
+  private drop(batch: PointBatch): void {
+    this.batches.splice(this.batches.indexOf(batch), 1);
+    batch.object.removeFromParent();
+    batch.dispose();
   }
-}
-
-function geometryOf(points: ChunkPoints): BufferGeometry {
-  const geometry = new BufferGeometry();
-  geometry.setAttribute('position', new BufferAttribute(points.positions_m, 3));
-  geometry.setAttribute('pointColor', new BufferAttribute(points.colors, 4, true));
-  geometry.setAttribute('normal', new BufferAttribute(points.normals, 4, true));
-  geometry.boundingBox = new Box3(new Vector3(...points.min_m), new Vector3(...points.max_m));
-  geometry.boundingSphere = geometry.boundingBox.getBoundingSphere(new Sphere());
-  return geometry;
 }

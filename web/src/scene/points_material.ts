@@ -1,17 +1,20 @@
-// Round points with a size in metres, coloured by what the viewer asks for.
-import { ShaderMaterial } from 'three';
+// Points as discs that lie in the surface, each as large as its neighbours are far, coloured by what the viewer asks for. Where discs overlap a pixel
+// belongs to the one whose middle is nearest.
+import { ShaderMaterial, type DataTexture } from 'three';
 import { colorModes, type ViewOptions } from '../state/view_options';
 import type { ViewSize } from './layer';
 
 const vertexShader = /* glsl */ `
 attribute vec4 pointColor;  // rgb and confidence * 8 / 255
-uniform float pointSize_m;
+attribute float radius;  // metres; 0: nothing is there
+attribute float row;  // of its submap
+uniform highp sampler2D poses;
+uniform float sizeFactor;
 uniform float pixelsPerMetre;  // at a distance of one metre
 uniform int colorMode;
 uniform bool hideBacks;
-uniform bool faded;
-varying vec3 vColor;
-varying float vRound;  // discs would tear holes into surfaces of very small points
+flat varying vec3 vColor, vCenter, vNormal;  // in the view
+flat varying float vRadius, vSize_px;
 
 vec3 confidenceColor(float confidence) {
   vec3 low = vec3(0.24, 0.16, 0.42), middle = vec3(0.16, 0.57, 0.55), high = vec3(0.95, 0.88, 0.45);
@@ -19,51 +22,76 @@ vec3 confidenceColor(float confidence) {
 }
 
 void main() {
-  vec4 inView = modelViewMatrix * vec4(position, 1.0);
-  vec3 normalInView = mat3(modelViewMatrix) * normal;
+  int at = int(row + 0.5);
+  vec4 x = texelFetch(poses, ivec2(0, at), 0), y = texelFetch(poses, ivec2(1, at), 0), z = texelFetch(poses, ivec2(2, at), 0);
+  bool faded = texelFetch(poses, ivec2(3, at), 0).x > 0.5;
+  vec4 inSubmap = vec4(position, 1.0);
+  vec4 inView = modelViewMatrix * vec4(dot(x, inSubmap), dot(y, inSubmap), dot(z, inSubmap), 1.0);
+  vec3 inWorld = vec3(dot(x.xyz, normal), dot(y.xyz, normal), dot(z.xyz, normal));
   bool hasNormal = dot(normal, normal) > 0.1;
-  if (hideBacks && hasNormal && dot(normalInView, inView.xyz) > 0.0) {
-    gl_Position = vec4(0.0, 0.0, 2.0, 1.0);  // outside of the view
-    gl_PointSize = 0.0;
-    return;
+  vec3 toEye = -normalize(inView.xyz);
+  vec3 inViewNormal = hasNormal ? normalize(mat3(modelViewMatrix) * inWorld) : toEye;
+  float facing = dot(inViewNormal, toEye);
+  gl_Position = vec4(0.0, 0.0, 2.0, 1.0);  // outside of the view
+  gl_PointSize = 0.0;
+  if (radius <= 0.0 || inView.z > -1e-4 || (hideBacks && facing < 0.0)) return;
+
+  if (facing < 0.0) inViewNormal = -inViewNormal;
+  // Seen from its edge a disc would be nothing, and what is behind would shine through.
+  vNormal = normalize(inViewNormal + max(0.0, 0.2 - abs(facing)) * toEye);
+  vec3 shown = pointColor.rgb;
+  if (colorMode == 0) {
+    vec3 up = mat3(viewMatrix) * vec3(0.0, -1.0, 0.0);  // y points down in the world
+    float light = (0.56 + 0.44 * abs(facing)) * (0.86 + 0.14 * (0.5 + 0.5 * dot(inViewNormal, up))) + 0.04;
+    shown = pow(pow(shown, vec3(2.2)) * light, vec3(1.0 / 2.2));  // as surfaces have it
+  } else if (colorMode == 2) {
+    shown = hasNormal ? mat3(modelMatrix) * inWorld * vec3(0.5, -0.5, -0.5) + 0.5 : vec3(0.4);
+  } else if (colorMode == 3) {
+    shown = confidenceColor(min(pointColor.a * 255.0 / 160.0, 1.0));
   }
-  if (colorMode == 0) vColor = pointColor.rgb;
-  else if (colorMode == 1) vColor = hasNormal ? mat3(modelMatrix) * normal * vec3(0.5, -0.5, -0.5) + 0.5 : vec3(0.4);
-  else vColor = confidenceColor(min(pointColor.a * 255.0 / 160.0, 1.0));
-  if (faded) vColor = mix(vec3(0.16, 0.18, 0.22), vColor, 0.35);
+  vColor = faded ? mix(vec3(0.16, 0.18, 0.22), shown, 0.35) : shown;
+  vCenter = inView.xyz;
+  vRadius = radius * sizeFactor;
   gl_Position = projectionMatrix * inView;
-  gl_PointSize = clamp(pointSize_m * pixelsPerMetre / -inView.z, 2.0, 64.0);
-  vRound = step(5.0, gl_PointSize);
+  vSize_px = clamp(2.1 * vRadius * pixelsPerMetre / -inView.z, 2.0, 256.0);
+  gl_PointSize = vSize_px;
 }`;
 
 const fragmentShader = /* glsl */ `
-varying vec3 vColor;
-varying float vRound;
+uniform float pixelsPerMetre;
+uniform mat4 projectionMatrix;
+flat varying vec3 vColor, vCenter, vNormal;
+flat varying float vRadius, vSize_px;
 
 void main() {
-  vec2 offset = gl_PointCoord - 0.5;
-  if (vRound * dot(offset, offset) > 0.25) discard;
+  vec2 offset_px = (gl_PointCoord - 0.5) * vSize_px;
+  float depth_m = -vCenter.z;
+  // Small ones are squares: discs would tear holes.
+  if (vSize_px > 3.0) {
+    vec3 ray = vec3(vCenter.xy / depth_m + vec2(offset_px.x, -offset_px.y) / pixelsPerMetre, -1.0);
+    float along = dot(vNormal, vCenter) / dot(vNormal, ray);
+    vec3 away = ray * along - vCenter;
+    float share = dot(away, away) / (vRadius * vRadius);
+    if (share > 1.0 || along <= 0.0) discard;
+    depth_m = along + share * vRadius * 0.5;
+  }
+  float depth = (projectionMatrix[2][2] * -depth_m + projectionMatrix[3][2]) / depth_m;
+  gl_FragDepth = 0.5 * depth + 0.5;
   gl_FragColor = vec4(vColor, 1.0);
 }`;
 
 export class PointsMaterial extends ShaderMaterial {
-  // `faded`: of a part of the map that the camera is not in.
-  constructor({ faded }: { readonly faded: boolean }) {
+  // `poses`: of the submaps (PoseTexture).
+  constructor(poses: { value: DataTexture }) {
     super({
       vertexShader,
       fragmentShader,
-      uniforms: {
-        pointSize_m: { value: 0.008 },
-        pixelsPerMetre: { value: 800 },
-        colorMode: { value: 0 },
-        hideBacks: { value: true },
-        faded: { value: faded },
-      },
+      uniforms: { poses, sizeFactor: { value: 1 }, pixelsPerMetre: { value: 800 }, colorMode: { value: 0 }, hideBacks: { value: true } },
     });
   }
 
   show(options: ViewOptions): void {
-    this.uniforms['pointSize_m']!.value = options.pointSize_mm / 1000;
+    this.uniforms['sizeFactor']!.value = options.pointSize_percent / 100;
     this.uniforms['colorMode']!.value = colorModes.indexOf(options.color);
     this.uniforms['hideBacks']!.value = options.hideBacks;
   }

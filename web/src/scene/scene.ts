@@ -1,29 +1,34 @@
 // The picture of one scan. Draws only when something changed: an idle page costs nothing.
-import { Color, Mesh, Scene, WebGLRenderer, type Object3D } from 'three';
+import { Matrix4, Mesh, Ray, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Object3D } from 'three';
 import type { ScanEvent } from '../connection/events';
 import type { ViewOptions } from '../state/view_options';
 import { CameraRig } from './camera_rig';
-import { framingOf } from './framing';
+import { framingOf, type Box } from './framing';
 import { FrustumLayer } from './frustum_layer';
+import { floorHeight_m, type Direction } from './gravity';
 import { GridLayer } from './grid_layer';
-import type { Layer, ViewSize } from './layer';
+import type { Hit, Layer, ViewSize } from './layer';
 import { LiveMeshLayer } from './live_mesh_layer';
 import { MeshLayer } from './mesh_layer';
 import { PointsLayer } from './points_layer';
+import { SampleCollector } from './samples';
 import { SubmapsLayer } from './submaps_layer';
+import { currentTheme, onThemeChange } from './theme';
 import { TrajectoryLayer } from './trajectory_layer';
+import { Upright } from './upright';
 
-const background = new Color(0x0e1013);
 const reframeEvery_ms = 400;
 const longestStep_ms = 400; // after an idle time nothing leaps
 const fpsWindow_ms = 2000;
 const slowPicture_ms = 60;
 const longestPause_ms = 1000;
+const aroundClick_px = 14; // the floor is what most of the surface there faces
 
 export class ScanScene {
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly rig: CameraRig;
+  private readonly upright = new Upright((delta) => this.rig.carry(delta));
   private readonly submaps = new SubmapsLayer();
   private readonly points = new PointsLayer(this.submaps);
   private readonly live = new LiveMeshLayer(this.submaps);
@@ -32,6 +37,8 @@ export class ScanScene {
   private readonly grid = new GridLayer();
   // What hangs on the submaps comes behind them.
   private readonly layers: readonly Layer[] = [this.grid, this.submaps, this.points, this.live, this.mesh, new TrajectoryLayer(this.submaps), this.frustum];
+  private readonly stillness = matchMedia('(prefers-reduced-motion: reduce)');
+  private readonly unwatchTheme: () => void;
   private readonly resizeObserver: ResizeObserver;
   private frameRequest = 0;
   private pause: ReturnType<typeof setTimeout> | undefined;
@@ -41,6 +48,9 @@ export class ScanScene {
   private last_ms = 0;
   private reframed_ms = 0;
   private grew = false;
+  private growing = true; // more may come
+  private imported = false; // it came with its own up
+  private floor_m: number | null = null; // below the world's origin, along gravity
   private running = false;
   private options: ViewOptions | null = null;
   private disposed = false;
@@ -52,8 +62,10 @@ export class ScanScene {
   ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    this.scene.background = background;
-    for (const layer of this.layers) this.scene.add(layer.object);
+    for (const layer of this.layers) (layer === this.grid ? this.scene : this.upright.object).add(layer.object);
+    this.scene.add(this.upright.object);
+    this.paint();
+    this.unwatchTheme = onThemeChange(() => this.paint());
     this.rig = new CameraRig(canvas, () => this.requestDraw(), onTouched);
     this.resizeObserver = new ResizeObserver(() => this.resize());
     this.resizeObserver.observe(canvas.parentElement ?? canvas);
@@ -64,7 +76,15 @@ export class ScanScene {
   onEvent(event: ScanEvent): void {
     for (const layer of this.layers) layer.onEvent?.(event);
     if (event.kind === 'chunk' || event.kind === 'meshChunk' || event.kind === 'submapPoses') this.grew = true;
-    if (event.kind === 'scanState') this.running = event.phase === 'running';
+    if (event.kind === 'scanState') {
+      this.running = event.phase === 'running';
+      this.imported = event.phase === 'finished' && event.received === 0;
+      if (this.imported) this.upright.forget();
+    }
+    if (event.kind === 'closed') {
+      this.growing = false;
+      this.grew = true; // looked at a last time
+    }
     if (event.kind === 'meshChunk' || event.kind === 'scanState') this.chooseShown();
     this.requestDrawInTime();
   }
@@ -97,6 +117,41 @@ export class ScanScene {
     this.points.setVisible(!finished && !(live && this.running));
   }
 
+  // What somebody has said is up, in the world of the scan; null: it is found from the surface.
+  setUp(up: Direction | null): void {
+    this.upright.choose(up);
+    this.grew = true;
+    this.reframed_ms = -Infinity;
+    this.requestDraw();
+  }
+
+  // What faces whoever clicks there, in pixels of the page, is the floor from now on; null: nothing is there.
+  floorAt(x_px: number, y_px: number): Direction | null {
+    const middle = this.pick(x_px, y_px);
+    if (!middle) return null;
+    const normal = middle.normal.clone();
+    for (let i = 0; i < 8; ++i) {
+      const [dx, dy] = [Math.cos((i * Math.PI) / 4), Math.sin((i * Math.PI) / 4)];
+      const beside = this.pick(x_px + aroundClick_px * dx, y_px + aroundClick_px * dy);
+      if (beside && beside.normal.dot(middle.normal) > 0.9) normal.add(beside.normal);
+    }
+    const up = normal.normalize().toArray() as Direction;
+    this.setUp(up);
+    return up;
+  }
+
+  // What is there becomes the middle of all turning.
+  pivotAt(x_px: number, y_px: number): boolean {
+    const hit = this.pick(x_px, y_px);
+    if (hit) this.rig.pivot(hit.point_m.applyMatrix4(this.upright.object.matrix));
+    return hit !== null;
+  }
+
+  // In one picture.
+  get drawCalls(): number {
+    return this.renderer.info.render.calls;
+  }
+
   frameAll(): void {
     this.rig.frameAll();
   }
@@ -113,6 +168,7 @@ export class ScanScene {
     cancelAnimationFrame(this.frameRequest);
     clearTimeout(this.pause);
     this.resizeObserver.disconnect();
+    this.unwatchTheme();
     for (const layer of this.layers) layer.dispose();
     this.rig.dispose();
     this.renderer.dispose();
@@ -138,8 +194,10 @@ export class ScanScene {
     const elapsed_ms = Math.min(longestStep_ms, Math.max(0, now_ms - this.last_ms));
     this.last_ms = now_ms;
     let moving = false;
+    const still = this.stillness.matches;
     for (const layer of this.layers) moving = (layer.tick?.(elapsed_ms) ?? false) || moving;
-    const eye = this.rig.tick(elapsed_ms, this.frustum.worldFromCamera);
+    if (this.upright.tick(elapsed_ms, still)) moving = this.grew = true; // framed anew as it turns
+    const eye = this.rig.tick(elapsed_ms, this.frustum.worldFromCamera, { upright: this.upright.object.quaternion, still });
     if (this.reframe(now_ms)) moving = true;
     this.renderer.render(this.scene, this.rig.camera);
     this.drawn_ms.push(performance.now());
@@ -154,11 +212,56 @@ export class ScanScene {
     if (now_ms - this.reframed_ms < reframeEvery_ms) return true;
     this.grew = false;
     this.reframed_ms = now_ms;
-    const framing = framingOf([...this.points.boxes(), ...this.live.boxes()]);
+    const boxes = [...this.points.boxes(), ...this.live.boxes()];
+    this.findUp(boxes, now_ms);
+    const framing = framingOf(boxes.map((box) => this.turned(box)));
     if (!framing) return false;
-    this.grid.placeUnder(framing);
-    this.rig.setFraming(framing);
+    const placed = this.floor_m === null ? framing : { ...framing, floor_y_m: this.floor_m };
+    this.grid.placeUnder(placed);
+    this.rig.setFraming(placed);
     return true;
+  }
+
+  private findUp(boxes: readonly Box[], now_ms: number): void {
+    if (this.imported || (this.growing && !this.upright.isDue(now_ms))) return;
+    const samples = new SampleCollector(boxes.reduce((sum, box) => sum + box.weight, 0));
+    this.points.sample(samples);
+    this.live.sample(samples);
+    const taken = samples.take();
+    this.upright.estimate(taken, now_ms, !this.growing);
+    const height_m = floorHeight_m(taken, this.upright.up);
+    this.floor_m = height_m === null ? null : -height_m;
+  }
+
+  // About the same box where up is up: its middle turns, and it stays as large as it is.
+  private turned({ min_m, max_m, weight }: Box): Box {
+    const low = new Vector3(...min_m);
+    const half = new Vector3(...max_m).sub(low).multiplyScalar(0.5);
+    const middle = low.add(half).applyQuaternion(this.upright.object.quaternion);
+    return { min_m: middle.clone().sub(half).toArray(), max_m: middle.clone().add(half).toArray(), weight };
+  }
+
+  // In the world of the scan.
+  private pick(x_px: number, y_px: number): Hit | null {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const caster = new Raycaster();
+    caster.setFromCamera(new Vector2((2 * (x_px - left)) / width - 1, 1 - (2 * (y_px - top)) / height), this.rig.camera);
+    const worldFromView = new Matrix4().copy(this.upright.object.matrix).invert();
+    const ray = new Ray().copy(caster.ray).applyMatrix4(worldFromView);
+    const hits = [this.points, this.live].flatMap((layer) => (layer.object.visible ? (layer.pick(ray) ?? []) : []));
+    const [mesh] = this.mesh.object.visible ? caster.intersectObjects(this.mesh.fronts(), false) : [];
+    if (mesh?.face) {
+      const normal = mesh.face.normal.clone().transformDirection(mesh.object.matrixWorld).transformDirection(worldFromView);
+      hits.push({ point_m: mesh.point.clone().applyMatrix4(worldFromView), normal, distance_m: mesh.distance });
+    }
+    return hits.sort((a, b) => a.distance_m - b.distance_m)[0] ?? null;
+  }
+
+  private paint(): void {
+    const theme = currentTheme();
+    this.scene.background = theme.ground;
+    this.grid.paint(theme.grid);
+    this.requestDraw();
   }
 
   private resize(): void {

@@ -3,6 +3,7 @@ import { Group } from 'three';
 import type { Pose, ScanEvent } from '../connection/events';
 import type { Layer } from './layer';
 import { GlidingPose } from './motion';
+import { PoseTexture } from './pose_texture';
 
 const correction_ms = 300;
 
@@ -14,6 +15,7 @@ interface Submap {
 
 export class SubmapsLayer implements Layer {
   readonly object = new Group();
+  readonly poses = new PoseTexture(); // of all of them, for shaders
   version = 0; // another one whenever a submap stands elsewhere than before
   private readonly submaps = new Map<number, Submap>();
   private current: number | null = null; // that the newest frame belongs to
@@ -23,13 +25,14 @@ export class SubmapsLayer implements Layer {
     if (event.kind === 'submapPoses') for (const pose of event.poses) this.move(pose.submap, pose.worldFromSubmap, pose.part);
     if (event.kind === 'frame') this.current = event.inSubmap?.submap ?? null;
     if (event.kind === 'scanState') this.running = event.phase === 'running';
+    if (event.kind === 'frame' || event.kind === 'submapPoses' || event.kind === 'scanState') this.tellPartsApart();
   }
 
   tick(elapsed_ms: number): boolean {
     let moving = false;
-    for (const submap of this.submaps.values()) {
+    for (const [id, submap] of this.submaps) {
       if (!submap.worldFromSubmap.tick(elapsed_ms)) continue;
-      this.place(submap);
+      this.place(id, submap);
       moving = true;
     }
     return moving;
@@ -46,19 +49,26 @@ export class SubmapsLayer implements Layer {
     return this.submap(id).part !== this.submap(this.current).part;
   }
 
-  dispose(): void {}
+  dispose(): void {
+    this.poses.dispose();
+  }
 
   private move(id: number, pose: Pose, part: number): void {
     const submap = this.submap(id);
     submap.part = part;
     submap.worldFromSubmap.moveTo(pose);
-    this.place(submap);
+    this.place(id, submap);
   }
 
-  private place(submap: Submap): void {
+  private place(id: number, submap: Submap): void {
     submap.worldFromSubmap.matrix(submap.group.matrix);
     submap.group.matrixWorldNeedsUpdate = true;
+    this.poses.set(id, submap.group.matrix, this.isApart(id));
     ++this.version;
+  }
+
+  private tellPartsApart(): void {
+    for (const [id, { group }] of this.submaps) if (this.poses.isFaded(id) !== this.isApart(id)) this.poses.set(id, group.matrix, this.isApart(id));
   }
 
   private submap(id: number): Submap {

@@ -4,7 +4,7 @@
 // a restarted server that counts afresh) starts a new snapshot: any version is taken then, and what the snapshot did not name again is dropped at its end.
 import type { ChunkKey, MeshCube } from '../connection/events';
 
-// About 20 bytes a point on the graphics card: 240 MB.
+// About 28 bytes a point on the graphics card: 340 MB.
 export const pointLimit = 12_000_000;
 // About 24 bytes a triangle, half a vertex of 20 among them: 190 MB.
 export const triangleLimit = 8_000_000;
@@ -23,6 +23,8 @@ export class ChunkLedger<Key> {
   private snapshot = 0;
   private sizeTotal = 0;
   private chunkTotal = 0;
+  private freshTotal = 0; // of the entries that this snapshot has named
+  private sizeBefore = 0; // when it began
 
   constructor(
     private readonly nameOf: (key: Key) => string,
@@ -37,8 +39,18 @@ export class ChunkLedger<Key> {
     return this.chunkTotal;
   }
 
+  // Far less than there was before this snapshot.
+  get isThin(): boolean {
+    return 2 * this.freshTotal < this.sizeBefore;
+  }
+  get hasOld(): boolean {
+    return this.sizeTotal > this.freshTotal;
+  }
+
   beginSnapshot(): void {
     ++this.snapshot;
+    this.freshTotal = 0;
+    this.sizeBefore = this.sizeTotal;
   }
 
   // `size` 0 removes the chunk. Only 'apply' changes what is held.
@@ -49,6 +61,7 @@ export class ChunkLedger<Key> {
     const growth = size - (held?.size ?? 0);
     if (growth > 0 && this.sizeTotal + growth > this.limit) return 'full';
     this.sizeTotal += growth;
+    this.freshTotal += size - (held?.snapshot === this.snapshot ? held.size : 0);
     this.chunkTotal += Number(size > 0) - Number((held?.size ?? 0) > 0);
     this.entries.set(name, { key, version, size, snapshot: this.snapshot });
     return 'apply';
@@ -57,6 +70,7 @@ export class ChunkLedger<Key> {
   // Returns the chunks that this snapshot no longer has; they are forgotten.
   endSnapshot(): Key[] {
     const gone: Key[] = [];
+    this.sizeBefore = 0; // there is nothing to compare with any more
     for (const [name, entry] of this.entries) {
       if (entry.snapshot === this.snapshot) continue;
       this.entries.delete(name);

@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import type { FrameEvent, MapEventName, TrackingName } from '../connection/events';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from './live_scan';
-import { connectionWords, emptyWords, eventWords, partsWords, positionWords, trackingWords, wayBackLabel } from './words';
+import { connectionWords, emptyWords, eventWords, leftOutWords, partsWords, pointsWords, positionWords, trackingWords, wayBackLabel } from './words';
 
 const after = (...events: LiveScanEvent[]): LiveScan => events.reduce(reduceLiveScan, initialLiveScan('scan1'));
 
@@ -89,7 +89,7 @@ describe('reduceLiveScan', () => {
   });
 
   it('keeps what it shows while it reconnects', () => {
-    const cut = after(welcome, { kind: 'content', points: 7, chunks: 1, triangles: 0, full: false }, { kind: 'waiting', retryIn_ms: 4000, reason: 'cut' });
+    const cut = after(welcome, { kind: 'content', points: 7, chunks: 1, triangles: 0, full: false, old: false }, { kind: 'waiting', retryIn_ms: 4000, reason: 'cut' });
     expect(cut).toMatchObject({ connection: 'waiting', points: 7, title: 'Room' });
     expect(connectionWords(cut).text).toBe('Reconnecting in 4 s');
     expect(emptyWords(cut)).toBeNull();
@@ -102,6 +102,18 @@ describe('reduceLiveScan', () => {
     expect(connectionWords(refused).tone).toBe('bad');
   });
 
+  it('does not call a scan complete whose frames were left out, and says why counts differ', () => {
+    const dropped: LiveScanEvent = { ...running, phase: 'finished', received: 160, processed: 68, dropped: 92 };
+    const scan = after(welcome, dropped, { kind: 'content', points: 1200, chunks: 1, triangles: 0, full: false, old: false }, { kind: 'closed', code: 'complete', reason: '' });
+    expect(connectionWords(scan)).toEqual({ text: 'Complete, with frames left out', tone: 'warn' });
+    expect(leftOutWords(scan)).toContain('92 of 160 frames');
+    expect(leftOutWords(after(welcome, { ...dropped, phase: 'running' }))).toBe('');
+    expect(pointsWords(scan)).toBe('Shown are 1,200 points, one for every 5 mm.');
+    const told = reduceLiveScan(scan, { kind: 'report', report: { surfels: 3000, cloudPoints: 2000 } });
+    expect(pointsWords(told)).toContain('The cloud to download has all 2,000. The map has 3,000 surfels');
+    expect(pointsWords(after())).toBe('');
+  });
+
   it('forgets an error once the server welcomes it again', () => {
     const error: LiveScanEvent = { kind: 'serverError', code: 'busy', message: 'too many viewers' };
     expect(after(error).problem?.message).toBe('too many viewers');
@@ -111,7 +123,7 @@ describe('reduceLiveScan', () => {
   it('has words for every empty picture', () => {
     expect(emptyWords(after())).toBe('Loading the scan.');
     expect(emptyWords(after(welcome, running, { kind: 'snapshotEnd' }))).toContain('first points');
-    expect(emptyWords(after(welcome, running, { kind: 'snapshotEnd' }, { kind: 'content', points: 0, chunks: 0, triangles: 9, full: false }))).toBeNull();
+    expect(emptyWords(after(welcome, running, { kind: 'snapshotEnd' }, { kind: 'content', points: 0, chunks: 0, triangles: 9, full: false, old: false }))).toBeNull();
     expect(emptyWords(after(welcome, { ...running, phase: 'finished' }, { kind: 'snapshotEnd' }))).toBe('This scan has no points.');
     expect(emptyWords(after({ kind: 'waiting', retryIn_ms: 1, reason: 'cut' }))).toContain('cannot be reached');
   });

@@ -1,5 +1,6 @@
 // Everything that the panels say about one scan, as one value; points and poses themselves live in the scene.
 import type { FrameEvent, MapEventName, ScanEvent, ScanPhaseName, TrackingName } from '../connection/events';
+import type { Report } from '../connection/scans';
 import { noMesh, type MeshState } from './mesh';
 
 export type ConnectionName = 'connecting' | 'open' | 'waiting' | 'closed';
@@ -36,14 +37,18 @@ export interface LiveScan {
   readonly problem: { readonly code: string; readonly message: string } | null;
   readonly failedChunks: number;
   readonly full: boolean; // the browser's point limit is reached
+  readonly old: boolean; // some of what is shown is from before the connection was lost
   readonly mesh: MeshState; // the surface, of a scan that has ended
+  readonly report: Report | null; // the same
 }
 
 // What the scene and the ledger tell the state, besides the events of the connection.
 export type LiveScanEvent =
   | ScanEvent
-  | { readonly kind: 'content'; readonly points: number; readonly chunks: number; readonly triangles: number; readonly full: boolean }
-  | { readonly kind: 'mesh'; readonly mesh: MeshState };
+  | { readonly kind: 'content'; readonly points: number; readonly chunks: number; readonly triangles: number; readonly full: boolean; readonly old: boolean }
+  | { readonly kind: 'mesh'; readonly mesh: MeshState }
+  | { readonly kind: 'report'; readonly report: Report }
+  | { readonly kind: 'renamed'; readonly title: string };
 
 export function initialLiveScan(scanId: string): LiveScan {
   return {
@@ -78,7 +83,9 @@ export function initialLiveScan(scanId: string): LiveScan {
     problem: null,
     failedChunks: 0,
     full: false,
+    old: false,
     mesh: noMesh,
+    report: null,
   };
 }
 
@@ -126,9 +133,13 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'snapshotEnd':
       return { ...state, snapshotComplete: true };
     case 'content':
-      return { ...state, points: event.points, chunks: event.chunks, triangles: event.triangles, full: event.full };
+      return { ...state, points: event.points, chunks: event.chunks, triangles: event.triangles, full: event.full, old: event.old };
     case 'mesh':
       return { ...state, mesh: event.mesh };
+    case 'report':
+      return { ...state, report: event.report };
+    case 'renamed':
+      return { ...state, title: event.title };
     case 'submapPoses':
       return { ...state, submaps: event.poses.length, parts: new Set(event.poses.map((pose) => pose.part)).size };
     case 'chunk':

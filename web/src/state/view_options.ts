@@ -3,24 +3,24 @@
 export const shows = ['surface', 'points'] as const;
 export type Show = (typeof shows)[number];
 
-export const colorModes = ['rgb', 'normal', 'confidence'] as const; // of points
+export const colorModes = ['shaded', 'rgb', 'normal', 'confidence'] as const; // of points
 export type ColorMode = (typeof colorModes)[number];
 
 export const meshColors = ['shaded', 'rgb', 'normal'] as const;
 export type MeshColor = (typeof meshColors)[number];
 
-export const pointSizeRange_mm = { min: 1, max: 30, step: 1 } as const;
+export const pointSizeRange_percent = { min: 20, max: 300, step: 10 } as const; // of what leaves no gaps
 
 export interface ViewOptions {
   readonly show: Show; // the surface as soon as there is one
   readonly color: ColorMode;
   readonly meshColor: MeshColor | null; // null: nobody has chosen
-  readonly pointSize_mm: number;
+  readonly pointSize_percent: number;
   readonly hideBacks: boolean; // what is seen from behind: walls and ceilings stop hiding the room
   readonly follow: boolean; // the view rides behind the scanning camera
 }
 
-export const initialViewOptions: ViewOptions = { show: 'surface', color: 'rgb', meshColor: null, pointSize_mm: 12, hideBacks: true, follow: false };
+export const initialViewOptions: ViewOptions = { show: 'surface', color: 'shaded', meshColor: null, pointSize_percent: 100, hideBacks: true, follow: false };
 
 // Light helps to see the shape where there are only colours of points; a picture on the surface has its own.
 export function shownMeshColor(options: ViewOptions, textured: boolean): MeshColor {

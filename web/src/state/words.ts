@@ -124,8 +124,31 @@ export function connectionWords(scan: LiveScan): Words {
     case 'waiting':
       return { text: `Reconnecting in ${seconds(scan.retryIn_ms)}`, tone: 'warn' };
     case 'closed':
-      return scan.problem ? { text: 'Closed', tone: 'bad' } : { text: 'Complete', tone: 'quiet' };
+      if (scan.problem) return { text: 'Closed', tone: 'bad' };
+      return scan.framesDropped > 0 ? { text: 'Complete, with frames left out', tone: 'warn' } : { text: 'Complete', tone: 'quiet' };
   }
+}
+
+// Of a scan in the list.
+export function framesWords({ frameCount, droppedCount }: { readonly frameCount: number; readonly droppedCount: number }): string {
+  const frames = frameCount === 1 && droppedCount === 0 ? 'frame' : 'frames';
+  return droppedCount === 0 ? `${count(frameCount)} ${frames}` : `${count(frameCount)} of ${count(frameCount + droppedCount)} ${frames} used`;
+}
+
+// Of a scan that has ended, what it lacks, empty when nothing.
+export function leftOutWords(scan: LiveScan): string {
+  if (scan.phase === 'running' || scan.framesDropped === 0) return '';
+  return `${count(scan.framesDropped)} of ${count(scan.framesReceived)} frames were left out, since newer ones were there before the server had time for them.`;
+}
+
+// Why the counts of points differ, empty while there is nothing to compare.
+export function pointsWords(scan: LiveScan): string {
+  if (scan.points === 0) return '';
+  if (scan.framesReceived === 0) return 'Of large clouds some points are shown; downloads have all.';
+  const shown = `Shown are ${count(scan.points)} points, one for every 5 mm.`;
+  if (!scan.report?.cloudPoints) return shown;
+  const more = scan.report.surfels ? ` The map has ${count(scan.report.surfels)} surfels; those that were seen only now and then are in neither.` : '';
+  return `${shown} The cloud to download has all ${count(scan.report.cloudPoints)}.${more}`;
 }
 
 // What stands in the middle of an otherwise empty picture, null when there is something to see.

@@ -1,0 +1,71 @@
+// What a person does with a scan, wherever it stands: another title, away with it. What was deleted can be taken back for a few seconds.
+import { ApiError } from '../connection/api';
+import { deleteScan, renameScan } from '../connection/scans';
+import { Trash } from '../state/trash';
+import { askForTitle } from './dialogs';
+import { element, setText } from './dom';
+
+const problemFor_ms = 8_000;
+
+const words = element('span');
+const undo = element('button', { type: 'button', class: 'button' }, 'Undo');
+const toast = element('div', { class: 'card toast', role: 'status' }, words, undo);
+toast.hidden = true;
+let problemUntil: ReturnType<typeof setTimeout> | undefined;
+let tokenNow = '';
+let changedNow = (): void => {};
+
+export const trash = new Trash(
+  {
+    delete: (id, leaving) => deleteScan(id, tokenNow, leaving),
+    after: (delay_ms, action) => {
+      const timer = setTimeout(action, delay_ms);
+      return () => clearTimeout(timer);
+    },
+  },
+  () => {
+    show();
+    changedNow();
+  },
+  (one, error) => {
+    say(`“${one.title}” could not be deleted. ${error instanceof ApiError ? error.message : ''}`);
+  },
+);
+undo.addEventListener('click', () => trash.newest && trash.undo(trash.newest.id));
+addEventListener('pagehide', () => trash.emptyAll());
+
+// `changed` is called whenever a scan has come or gone.
+export function onTrashChange(changed: () => void): () => void {
+  changedNow = changed;
+  return () => {
+    if (changedNow === changed) changedNow = () => {};
+  };
+}
+
+export function deleteSoon(id: string, title: string, token: string): void {
+  tokenNow = token;
+  trash.put({ id, title });
+}
+
+export function rename(id: string, title: string, token: string, renamed: (title: string) => void): void {
+  askForTitle(title, async (wanted) => {
+    if (wanted !== title) await renameScan(id, wanted, token);
+    renamed(wanted);
+  });
+}
+
+function show(): void {
+  clearTimeout(problemUntil);
+  if (!toast.isConnected) document.body.append(toast);
+  const { newest } = trash;
+  toast.hidden = newest === null;
+  undo.hidden = false;
+  if (newest) setText(words, `“${newest.title}” is deleted.`);
+}
+
+function say(text: string): void {
+  setText(words, text);
+  undo.hidden = true;
+  toast.hidden = false;
+  problemUntil = setTimeout(() => show(), problemFor_ms);
+}

@@ -1,0 +1,140 @@
+// The rows of the list of scans: searched and sorted, and each with what whoever looks may do with it.
+import { ApiError, type ScanSummary } from '../connection/api';
+import { noAccess, stopScan, type Access } from '../connection/scans';
+import { hashOf } from '../state/route';
+import { found, sorted, sortNames, type SortName } from '../state/scan_list';
+import { ago, framesWords, phaseWords } from '../state/words';
+import { element, type Panel } from './dom';
+import { statusMark } from './mark';
+import { menu, type Menu, type MenuItem } from './menu';
+import { deleteSoon, onTrashChange, rename, trash } from './scan_actions';
+
+const searchedFrom = 2; // scans; one is found without
+const sortLabels: Record<SortName, string> = { newest: 'Newest first', oldest: 'Oldest first', title: 'By title', frames: 'Most frames' };
+
+export interface ScanListWorld {
+  token(): string;
+  changed(): void; // something was done that the server's list will have
+  older(): Promise<void>; // somebody wants more of them
+  say(words: string): void;
+}
+
+export interface ScanList extends Panel {
+  show(scans: readonly ScanSummary[], more: boolean, access: Access): void;
+  showInstead(node: HTMLElement): void; // of a list
+}
+
+export function scanList(world: ScanListWorld): ScanList {
+  const search = element('input', { type: 'search', placeholder: 'Search', 'aria-label': 'Search the titles of scans', autocomplete: 'off' });
+  const order = element('select', { 'aria-label': 'Order of the scans' }, ...sortNames.map((name) => element('option', { value: name }, sortLabels[name])));
+  const finder = element('div', { class: 'finder' }, search, order);
+  const content = element('div', { class: 'content' });
+  const menus = new Map<string, Menu>(); // of the rows, by scan
+  let [scans, more, access]: [readonly ScanSummary[], boolean, Access] = [[], false, noAccess];
+  let shown = '';
+  finder.hidden = true;
+
+  // Only what differs is written, so that focus and selection stay where they are.
+  const write = (key: string, ...children: Node[]): void => {
+    if (key === shown) return;
+    shown = key;
+    const focus = content.contains(document.activeElement) ? focusOf(document.activeElement!) : null;
+    content.replaceChildren(...children);
+    if (focus) content.querySelector<HTMLElement>(focus)?.focus();
+  };
+  const menuOf = (scan: ScanSummary): Menu => {
+    menus.get(scan.id)?.dispose();
+    const made = menu(`Actions for ${scan.title}`, () => actionsOf(scan, access, world));
+    menus.set(scan.id, made);
+    return made;
+  };
+  // A menu that somebody has opened must not go away under their hand.
+  const refresh = (): void => {
+    if ([...menus.values()].some((one) => one.isOpen())) return;
+    const there = scans.filter((scan) => !trash.has(scan.id));
+    const now = new Date();
+    finder.hidden = there.length < searchedFrom;
+    const chosen = finder.hidden ? there : sorted(found(there, search.value), order.value as SortName);
+    const key = JSON.stringify([more, access, chosen, chosen.map((scan) => scan.started && ago(scan.started, now))]);
+    if (there.length === 0) write('empty', emptyList(access));
+    else if (chosen.length === 0) write(`none ${search.value}`, element('p', { class: 'notice' }, `No title has “${search.value}” in it.`));
+    else write(key, listOf(chosen, now, access.scan ? menuOf : null), ...(more ? [olderButton(world.older)] : []));
+  };
+  search.addEventListener('input', refresh);
+  order.addEventListener('change', refresh);
+  const unwatchTrash = onTrashChange(refresh);
+  return {
+    element: element('div', {}, finder, content),
+    show(...now) {
+      [scans, more, access] = now;
+      refresh();
+    },
+    showInstead(node) {
+      finder.hidden = true;
+      shown = '';
+      write('instead', node);
+    },
+    dispose() {
+      unwatchTrash();
+      for (const one of menus.values()) one.dispose();
+    },
+  };
+}
+
+// Where the focus is, for the same row written anew.
+function focusOf(node: Element): string | null {
+  for (const name of ['href', 'aria-label']) if (node.hasAttribute(name)) return `[${name}="${CSS.escape(node.getAttribute(name)!)}"]`;
+  return null;
+}
+
+function actionsOf(scan: ScanSummary, access: Access, world: ScanListWorld): MenuItem[] {
+  const refused = (error: unknown): void => world.say(error instanceof ApiError ? error.message : 'That did not work.');
+  const stop = (): void => void stopScan(scan.id, world.token()).then(() => world.changed(), refused);
+  return [
+    ...(access.scan ? [{ label: 'Rename', do: () => rename(scan.id, scan.title, world.token(), () => world.changed()) }] : []),
+    ...(access.scan && scan.phase === 'running' ? [{ label: 'Stop and keep', do: stop }] : []),
+    ...(access.admin && scan.phase !== 'running' ? [{ label: 'Delete', bad: true, do: () => deleteSoon(scan.id, scan.title, world.token()) }] : []),
+  ];
+}
+
+function olderButton(showOlder: () => Promise<void>): HTMLElement {
+  const button = element('button', { type: 'button', class: 'button older' }, 'Older scans');
+  button.addEventListener('click', () => {
+    button.disabled = true;
+    void showOlder();
+  });
+  return button;
+}
+
+function listOf(scans: readonly ScanSummary[], now: Date, menuOf: ((scan: ScanSummary) => Menu) | null): HTMLElement {
+  const rows = scans.map((scan) => element('li', { class: 'scan-item' }, rowOf(scan, now), menuOf ? menuOf(scan).element : null));
+  return element('ul', { class: 'scans' }, ...rows);
+}
+
+function rowOf(scan: ScanSummary, now: Date): HTMLElement {
+  const mark = statusMark();
+  mark.show(phaseWords(scan.phase));
+  const facts = [
+    scan.imported ? 'Imported' : framesWords(scan),
+    scan.started && ago(scan.started, now),
+  ];
+  return element(
+    'a',
+    { class: 'scan-row', href: hashOf(scan.id) },
+    element('span', { class: 'scan-title' }, scan.title),
+    mark.element,
+    element('span', { class: 'facts' }, facts.filter((fact) => fact !== null).join('  ·  ')),
+    scan.words ? element('span', { class: 'facts words' }, scan.words) : null,
+  );
+}
+
+function emptyList(access: Access): HTMLElement {
+  const command = `hermite-client stream synthetic --server '${location.origin}/#token=…'`;
+  return element(
+    'div',
+    { class: 'empty-list' },
+    element('p', { class: 'lead' }, 'No scans yet.'),
+    access.scan ? element('p', {}, 'Drop a recording here, or stream one, or the synthetic room, and it appears here while it grows:') : null,
+    access.scan ? element('pre', {}, element('code', {}, command)) : null,
+  );
+}

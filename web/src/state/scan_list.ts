@@ -1,0 +1,29 @@
+// Which scans of the list are shown, and in which order. Pure functions.
+import type { ScanSummary } from '../connection/api';
+
+export const sortNames = ['newest', 'oldest', 'title', 'frames'] as const;
+export type SortName = (typeof sortNames)[number];
+
+// Every word must be found in the title, whatever its case and accents.
+export function found(scans: readonly ScanSummary[], words: string): ScanSummary[] {
+  const wanted = plain(words).split(/\s+/).filter(Boolean);
+  return scans.filter((scan) => wanted.every((word) => plain(scan.title).includes(word)));
+}
+
+// Equal ones stay newest first, as the server has them.
+export function sorted(scans: readonly ScanSummary[], by: SortName): ScanSummary[] {
+  switch (by) {
+    case 'newest':
+      return [...scans];
+    case 'oldest':
+      return [...scans].reverse();
+    case 'title':
+      return [...scans].sort((a, b) => a.title.localeCompare(b.title, undefined, { numeric: true, sensitivity: 'base' }));
+    case 'frames':
+      return [...scans].sort((a, b) => b.frameCount - a.frameCount);
+  }
+}
+
+function plain(text: string): string {
+  return text.normalize('NFKD').replace(/\p{M}/gu, '').toLowerCase();
+}
