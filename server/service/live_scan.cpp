@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "server/service/results.h"
+#include "core/run/results.h"
 
 namespace hermite {
 
