@@ -3,8 +3,8 @@
 #include <iostream>
 #include <memory>
 
+#include "server/access/audit.h"
 #include "server/commands.h"
-#include "server/service/audit.h"
 
 namespace hermite {
 

@@ -14,7 +14,7 @@
 
 #include "core/dataset/text_file.h"
 #include "server/commands.h"
-#include "server/service/logging.h"
+#include "server/operations/logging.h"
 #include "server/service/service.h"
 #include "server/service/settings.h"
 

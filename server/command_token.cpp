@@ -10,11 +10,11 @@
 #include <optional>
 #include <system_error>
 
+#include "server/access/administration.h"
+#include "server/access/audit.h"
+#include "server/access/gate.h"
 #include "server/client/api_request.h"
 #include "server/commands.h"
-#include "server/service/administration.h"
-#include "server/service/audit.h"
-#include "server/service/gate.h"
 #include "server/service/service.h"
 #include "server/store/data_directory.h"
 #include "server/store/sqlite_store.h"

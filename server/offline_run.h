@@ -10,10 +10,10 @@
 
 #include "core/base/read_ahead.h"
 #include "core/dataset/frame_range.h"
+#include "core/dataset/read_frame.h"
 #include "core/dataset/sequence.h"
 #include "core/pipeline/pipeline.h"
 #include "core/report/frame_table.h"
-#include "core/dataset/read_frame.h"
 
 namespace hermite {
 

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "server/access/access.h"
 #include "server/net/peer.h"
 #include "server/net/tls.h"
-#include "server/service/access.h"
-#include "server/service/scans.h"
+#include "server/routes/static_files.h"
+#include "server/scan/scans.h"
 #include "server/service/service.h"
-#include "server/service/static_files.h"
-#include "server/service/uploads.h"
+#include "server/uploads/uploads.h"
 
 namespace hermite {
 

@@ -26,7 +26,7 @@ namespace hermite {
 // In a folder that a backup is being restored into (backup.h).
 inline constexpr const char* kRestoreMark = "restore.unfinished";
 
-// In audit/ (server/service/audit.h): of the folder it is copied first, so that a backup of a server that runs says of no entry that it is
+// In audit/ (server/access/audit.h): of the folder it is copied first, so that a backup of a server that runs says of no entry that it is
 // missing.
 inline constexpr const char *kAuditFolder = "audit", *kAuditHeadName = "head";
 

@@ -10,13 +10,13 @@
 
 #include "core/digest/sha256.h"
 #include "core/log/frame_log.h"
-#include "server/service/audit.h"
-#include "server/service/uploads.h"
+#include "server/access/audit.h"
 #include "server/store/backup.h"
 #include "server/store/data_directory.h"
 #include "server/store/file_blobs.h"
 #include "server/store/scan_id.h"
 #include "server/store/sqlite_store.h"
+#include "server/uploads/uploads.h"
 #include "tests/every_call/power_cut.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,7 +1,7 @@
 // Checkpoints of scans, and the head of a pipeline's. Input: a byte for the way in, data.
 //
 // The checksum and zstd's own would stop every change of a whole file: the other ways lead past them, to what is inside.
-#include "server/service/checkpoint_file.h"
+#include "server/scan/checkpoint_file.h"
 
 #include "core/image/zstd_bytes.h"
 #include "core/log/frame_log_format.h"

@@ -1,5 +1,5 @@
 #include "core/image/zstd_bytes.h"
-#include "server/service/checkpoint_file.h"
+#include "server/scan/checkpoint_file.h"
 #include "tests/fuzz/checkpoint_conditions.h"
 #include "tests/fuzz/mapping_walk.h"
 #include "tests/fuzz/seed_folder.h"

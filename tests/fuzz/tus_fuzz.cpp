@@ -5,7 +5,7 @@
 
 #include "core/base/check.h"
 #include "server/net/base64.h"
-#include "server/service/tus.h"
+#include "server/uploads/tus.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace hermite;

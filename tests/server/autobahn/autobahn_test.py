@@ -4,7 +4,7 @@
     WSTEST=path/to/wstest autobahn_test.py path/to/autobahn_echo [--cases '1.*' ...] [--keep FOLDER]
 
 The suite wants an echo, and speaks neither our subprotocol nor our messages: autobahn_echo is the same code up to whole messages
-(server/service/websocket_stream.h) and says them back. Compression (12.*, 13.*) is left out since the server never agrees to it. Passes when the
+(server/connections/websocket_stream.h) and says them back. Compression (12.*, 13.*) is left out since the server never agrees to it. Passes when the
 behaviour of every case and of its close is OK, NON-STRICT or INFORMATIONAL. Exit status 77 (skipped) where WSTEST does not name the program.
 """
 import argparse

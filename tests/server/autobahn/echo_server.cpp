@@ -13,7 +13,7 @@
 #include <iostream>
 #include <string>
 
-#include "server/service/websocket_stream.h"
+#include "server/connections/websocket_stream.h"
 
 namespace hermite {
 namespace {

@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/digest/sha256.h"
+#include "server/access/places.h"
+#include "server/disk/storage_quota.h"
 #include "server/exports/exports.h"
-#include "server/service/audience.h"
-#include "server/service/places.h"
-#include "server/service/storage_quota.h"
+#include "server/scan/audience.h"
 #include "server/store/file_blobs.h"
 #include "server/store/scan_id.h"
 #include "server/store/sqlite_store.h"

@@ -1,0 +1,324 @@
+#include "server/access/audit.h"
+
+#include <fcntl.h>
+#include <spdlog/spdlog.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/base/sync_path.h"
+#include "core/digest/sha256.h"
+#include "server/store/data_directory.h"
+#include "server/store/unix_time.h"
+
+namespace hermite {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMaxWaitingEntries = 10'000;  // 3 MB
+constexpr std::int64_t kWrongTokensPeriod_ms = 60'000;
+constexpr std::string_view kHashField = ",\"hash\":\"";
+const std::string kNoEntryBefore(64, '0');
+// What an entry about the end of what was there before says that was done.
+constexpr const char *kEntriesMissing = "audit entries missing", *kHeadMissing = "audit head missing";
+constexpr std::size_t kHeadDigits = 16;  // of the digest of a head: against half a write, not against people
+
+std::string file_name(int number) {
+  char name[32];
+  std::snprintf(name, sizeof name, "audit-%06d.jsonl", number);
+  return name;
+}
+
+std::optional<int> number_of(const std::string& name) {
+  int number = 0;
+  if (std::sscanf(name.c_str(), "audit-%6d.jsonl", &number) != 1 || name != file_name(number)) return std::nullopt;
+  return number;
+}
+
+// Oldest first.
+std::vector<int> file_numbers(const std::string& folder) {
+  std::vector<int> numbers;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (const std::optional<int> number = number_of(entry->path().filename())) numbers.push_back(*number);
+  std::sort(numbers.begin(), numbers.end());
+  return numbers;
+}
+
+Error audit_error(const std::string& what) { return {ErrorCode::kIo, "the audit log: " + what + ": " + std::strerror(errno)}; }
+
+// The line without its hash, and the hash that it says; nothing when it has none at its end.
+std::optional<std::pair<std::string, std::string>> take_hash(const std::string& line) {
+  const std::size_t at = line.rfind(kHashField);
+  if (at == std::string::npos || line.size() != at + kHashField.size() + 64 + 2) return std::nullopt;
+  return std::pair(line.substr(0, at) + "}", line.substr(at + kHashField.size(), 64));
+}
+
+// For the log, which takes what is as long as a token for one.
+std::string start_of(const std::string& hash) { return hash.substr(0, 16); }
+
+// What is wrong with the line behind that head; nothing when it fits, and then it is the head.
+std::optional<std::string> follow(const std::string& line, std::string& head, std::uint64_t& count, bool first) {
+  const auto parts = take_hash(line);
+  if (!parts) return "is no entry";
+  const Json json = Json::parse(parts->first, nullptr, false);
+  if (!json.is_object() || !json.contains("n") || !json["n"].is_number_unsigned() || !json.contains("prev")) return "is no entry";
+  if (sha256_hex(parts->first) != parts->second) return "was changed";
+  // The oldest file may have gone with its entries.
+  if (!first && (json["prev"] != head || json["n"] != count + 1)) return "does not follow the one before it";
+  head = parts->second;
+  count = json["n"];
+  return std::nullopt;
+}
+
+// Whether this entry, which fits, says of itself that others are missing before it.
+void look_for_missing(const std::string& line, AuditCheck& check) {
+  const Json json = Json::parse(line, nullptr, false);
+  if (!json.is_object() || !check.broken.empty()) return;
+  const std::string words = "entry " + std::to_string(check.entry_count) + ": " + json.value("outcome", "");
+  if (json.value("did", "") == kEntriesMissing) check.broken = "before " + words;
+  if (json.value("did", "") == kHeadMissing) check.remarks.push_back(words);
+}
+
+// The last entry that was surely on the disk.
+struct Head {
+  std::uint64_t count = 0;
+  std::string hash;
+};
+
+// One line of always the same length: it is written over the one before, without a moment at which there is none.
+std::string head_line(const Head& head) {
+  char number[24];
+  std::snprintf(number, sizeof number, "%020llu", static_cast<unsigned long long>(head.count));
+  const std::string line = std::string(number) + " " + head.hash;
+  return line + " " + sha256_hex(line).substr(0, kHeadDigits) + "\n";
+}
+
+// Nothing: there is none, or no whole one.
+std::optional<Head> read_head(const std::string& folder) {
+  std::ifstream file(folder + "/" + kAuditHeadName, std::ios::binary);
+  Head head;
+  std::string digest;
+  if (!(file >> head.count >> head.hash >> digest) || head_line(head).find(" " + digest + "\n") == std::string::npos) return std::nullopt;
+  return head;
+}
+
+// What of the entries up to that head is missing where there are `count`, and number head.count has that hash.
+std::string missing_words(const Head& head, std::uint64_t count, const std::string& hash_at_head) {
+  if (head.count > count)
+    return std::to_string(head.count - count) + " entries are missing at the end: number " + std::to_string(head.count) + ", " + head.hash +
+           ", was the last one";
+  if (!hash_at_head.empty() && hash_at_head != head.hash)
+    return "entry " + std::to_string(head.count) + " is another one than " + head.hash + ", which was there";
+  return {};
+}
+
+}  // namespace
+
+Audit::Audit(std::string folder, std::int64_t now_ms)
+    : folder_(std::move(folder)), head_(kNoEntryBefore), wrong_tokens_written_at_ms_(now_ms) {
+  if (mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST) throw SetupError(audit_error("creating " + folder_));
+  or_throw(sync_path(fs::path(folder_).parent_path()));
+  open_last_file(now_ms);
+}
+
+Audit::~Audit() {
+  note_wrong_tokens(unix_now_ms());
+  if (const Status written = write_waiting(); !written.ok())
+    spdlog::error("{} entries are lost: {}", waiting_.size(), written.error().message);
+  if (file_ >= 0) {
+    if (fdatasync(file_) == 0) keep_head();
+    close(file_);
+  }
+  if (head_file_ >= 0) close(head_file_);
+}
+
+void Audit::open_last_file(std::int64_t now_ms) {
+  const std::vector<int> numbers = file_numbers(folder_);
+  const std::optional<Head> head = read_head(folder_);
+  if (numbers.empty()) {
+    if (const Status opened = open_next_file(); !opened.ok()) throw SetupError(opened.error());
+    return open_head("", now_ms);
+  }
+  file_number_ = numbers.back();
+  const std::string path = folder_ + "/" + file_name(file_number_);
+  file_ = open(path.c_str(), O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW);
+  if (file_ < 0) throw SetupError(audit_error("opening " + path));
+  // Of the files before it only the last line is needed where this one is empty; a chain that is broken is check_audit()'s to find.
+  std::uint64_t good_bytes = 0;
+  std::string hash_at_head;  // as it is there now
+  for (const int number : numbers) {
+    if (number != numbers.back() && number != numbers.back() - 1) continue;
+    std::ifstream file(folder_ + "/" + file_name(number), std::ios::binary);
+    good_bytes = 0;
+    for (std::string line; std::getline(file, line) && !file.eof();) {
+      good_bytes += line.size() + 1;
+      follow(line, head_, count_, true);
+      if (head && count_ == head->count) hash_at_head = head_;
+    }
+  }
+  if (ftruncate(file_, static_cast<off_t>(good_bytes)) != 0) throw SetupError(audit_error("cutting " + path));
+  file_bytes_ = good_bytes;
+  open_head(hash_at_head, now_ms);
+}
+
+void Audit::open_head(const std::string& hash_at_head, std::int64_t now_ms) {
+  const std::optional<Head> before = read_head(folder_);
+  const std::string path = folder_ + "/" + kAuditHeadName;
+  head_file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (head_file_ < 0) throw SetupError(audit_error("opening " + path));
+  if (before) missing_ = missing_words(*before, count_, hash_at_head);
+  const std::int64_t missing_count = before && before->count > count_ ? static_cast<std::int64_t>(before->count - count_) : 1;
+  if (!missing_.empty())
+    note({now_ms, "", "", kEntriesMissing, "", missing_, missing_count});
+  else if (!before && count_ > 0)
+    note({now_ms, "", "", kHeadMissing, "", "whether entries before this one are missing is not known"});
+  // What says what was missing is on the disk before the head that said it is written over.
+  if (fdatasync(file_) != 0) throw SetupError(audit_error("syncing"));
+  if (waiting_.empty()) keep_head();
+  or_throw(sync_path(path));
+  or_throw(sync_path(folder_));
+}
+
+// Not synced itself: what a power cut leaves of it is an older head, which fits, too. After the entries, so that it is never ahead of them.
+void Audit::keep_head() {
+  const std::string line = head_line({count_, head_});
+  if (pwrite(head_file_, line.data(), line.size(), 0) != static_cast<ssize_t>(line.size()))
+    spdlog::error("{}", audit_error("writing its head").message);
+}
+
+Status Audit::open_next_file() {
+  const std::string path = folder_ + "/" + file_name(file_number_ + 1);
+  const int next = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (next < 0) return audit_error("creating " + path);
+  if (file_ >= 0) {
+    fdatasync(file_);
+    close(file_);
+    spdlog::info("the audit log has a new file behind entry {}, {}", count_, start_of(head_));
+  }
+  file_ = next;
+  file_bytes_ = 0;
+  ++file_number_;
+  if (Status synced = sync_path(folder_); !synced.ok()) spdlog::error("{}", synced.error().message);
+  std::vector<int> numbers = file_numbers(folder_);
+  for (std::size_t i = 0; i + kMaxAuditFiles < numbers.size(); ++i) unlink((folder_ + "/" + file_name(numbers[i])).c_str());
+  return Done{};
+}
+
+Status Audit::write(const AuditEntry& entry) {
+  if (file_bytes_ >= kMaxAuditFileBytes)
+    if (Status status = open_next_file(); !status.ok()) return status;
+  Json json = {{"n", count_ + 1},
+               {"at", utc_text(entry.at_ms)},
+               {"token", entry.token_id},
+               {"address", entry.address},
+               {"did", entry.did},
+               {"to", entry.to},
+               {"outcome", entry.outcome},
+               {"count", entry.count},
+               {"prev", head_}};
+  const std::string body = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string hash = sha256_hex(body);
+  const std::string line = body.substr(0, body.size() - 1) + std::string(kHashField) + hash + "\"}\n";
+  const ssize_t written = ::write(file_, line.data(), line.size());
+  if (written != static_cast<ssize_t>(line.size())) {
+    const Error error = audit_error("writing");
+    // Half a line must not stand before the next.
+    if (written > 0 && ftruncate(file_, static_cast<off_t>(file_bytes_)) != 0) spdlog::error("{}", audit_error("cutting").message);
+    return error;
+  }
+  file_bytes_ += line.size();
+  head_ = hash;
+  ++count_;
+  unsynced_ = true;
+  return Done{};
+}
+
+Status Audit::write_waiting() {
+  if (lost_count_ > 0) {
+    const AuditEntry lost{unix_now_ms(), "", "", "audit entries lost", "", "the disk took none", lost_count_};
+    if (Status status = write(lost); !status.ok()) return status;
+    lost_count_ = 0;
+  }
+  while (!waiting_.empty()) {
+    if (Status status = write(waiting_.front()); !status.ok()) return status;
+    waiting_.pop_front();
+  }
+  return Done{};
+}
+
+void Audit::note(AuditEntry entry) {
+  if (waiting_.size() >= kMaxWaitingEntries)
+    ++lost_count_;
+  else
+    waiting_.push_back(std::move(entry));
+  // While the disk says no, tick() tries again.
+  if (waiting_.size() == 1)
+    if (const Status written = write_waiting(); !written.ok()) spdlog::error("{}", written.error().message);
+}
+
+void Audit::wrong_token(const std::string& address) {
+  const bool room = wrong_tokens_.contains(address) || wrong_tokens_.size() < kMaxCountedAddresses;
+  ++wrong_tokens_[room ? address : std::string(kOtherAddresses)];
+}
+
+void Audit::note_wrong_tokens(std::int64_t now_ms) {
+  wrong_tokens_written_at_ms_ = now_ms;
+  for (const auto& [address, count] : std::exchange(wrong_tokens_, {})) note({now_ms, "", address, "wrong token", "", "refused", count});
+}
+
+void Audit::tick(std::int64_t now_ms) {
+  if (std::abs(now_ms - wrong_tokens_written_at_ms_) >= kWrongTokensPeriod_ms) note_wrong_tokens(now_ms);
+  if (!waiting_.empty() || lost_count_ > 0)
+    if (const Status written = write_waiting(); !written.ok()) return;
+  if (!unsynced_) return;
+  unsynced_ = false;
+  if (fdatasync(file_) != 0) return spdlog::error("{}", audit_error("syncing").message);
+  keep_head();
+}
+
+Result<AuditCheck> check_audit(const std::string& folder, const std::function<void(const std::string& line)>& each) {
+  AuditCheck check;
+  check.head = kNoEntryBefore;
+  bool first = true;
+  const std::optional<Head> head = read_head(folder);  // before the files, which may grow meanwhile
+  std::string hash_at_head;
+  for (const int number : file_numbers(folder)) {
+    const std::string name = file_name(number);
+    std::ifstream file(folder + "/" + name, std::ios::binary);
+    if (!file) return Error{ErrorCode::kIo, "reading " + folder + "/" + name + ": " + std::strerror(errno)};
+    int line_number = 0;
+    for (std::string line; std::getline(file, line);) {
+      ++line_number;
+      each(line);
+      if (!check.broken.empty()) continue;
+      // The first file may begin in the middle; file 1 does not.
+      if (const auto wrong = follow(line, check.head, check.entry_count, first && number != 1))
+        check.broken = name + ", line " + std::to_string(line_number) + ": it " + *wrong;
+      first = false;
+      if (head && check.entry_count == head->count) hash_at_head = check.head;
+      look_for_missing(line, check);
+    }
+  }
+  if (!check.broken.empty()) return check;
+  if (head)
+    check.broken = missing_words(*head, check.entry_count, hash_at_head);
+  else if (check.entry_count > 0)
+    check.broken = std::string("there is no ") + kAuditHeadName + ": whether entries are missing at the end is not known";
+  return check;
+}
+
+}  // namespace hermite

@@ -1,0 +1,89 @@
+#include "server/access/gate.h"
+
+#include <spdlog/spdlog.h>
+
+#include "core/digest/sha256.h"
+#include "server/access/access.h"
+#include "server/store/secret.h"
+#include "server/store/unix_time.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr std::int64_t kForgetAfter_ms = 90 * kDay_ms;  // ended tokens stay in the list for as long
+
+std::string words_of(const Scopes& scopes) {
+  std::string words;
+  for (const Scope scope : kAllScopes)
+    if (includes(scopes, scope)) words += (words.empty() ? "" : ", ") + std::string(name_of(scope));
+  return words;
+}
+
+bool ended(const TokenRow& row, std::int64_t now_ms) {
+  return row.revoked_at_ms != 0 || (row.expires_at_ms != 0 && now_ms >= row.expires_at_ms);
+}
+
+void must(const Status& status) {
+  if (!status.ok()) throw SetupError(status.error());
+}
+
+}  // namespace
+
+bool may(const Grant& grant, Scope scope) { return includes(grant.scopes, scope); }
+
+bool concerns(const Grant& grant, const std::string& scan_id) { return grant.scan_id.empty() || grant.scan_id == scan_id; }
+
+bool may_see(const Grant& grant, const std::string& scan_id) { return may(grant, Scope::kView) && concerns(grant, scan_id); }
+
+Error lacks(const Grant& grant, Scope needed) {
+  return {ErrorCode::kUnauthorized, "this token allows " + words_of(grant.scopes) + "; " + name_of(needed) + " is needed"};
+}
+
+Gate::Gate(Store& store, int failures_per_minute)
+    : store_(store), failure_wait_ms_(60'000 / failures_per_minute), failures_(failures_per_minute / 60.0, failures_per_minute) {}
+
+bool Gate::install_first_token(const std::string& secret, std::int64_t now_ms) {
+  const Result<int> forgotten = store_.forget_tokens(now_ms - kForgetAfter_ms);
+  if (!forgotten.ok()) throw SetupError(forgotten.error());
+  const std::string hash = sha256(secret);
+  const Result<TokenRow> row = store_.token(kFirstTokenId);
+  if (!row.ok() && row.error().code != ErrorCode::kNotFound) throw SetupError(row.error());
+  if (row.ok() && row->secret_sha256 == hash) return row->revoked_at_ms == 0;
+  if (row.ok()) must(store_.remove_token(kFirstTokenId));
+  TokenRow first;
+  first.id = kFirstTokenId;
+  first.secret_sha256 = hash;
+  first.name = "made at the first start, in the file token";
+  first.scopes = {true, true, true};
+  first.created_at_ms = now_ms;
+  must(store_.add_token(first));
+  return true;
+}
+
+Result<Grant> Gate::admit(std::string_view secret, const Caller& caller) {
+  const std::string hash = sha256(secret);
+  const Result<TokenRow> row = store_.find_token(hash);
+  if (!row.ok() && row.error().code != ErrorCode::kNotFound) return row.error();
+  // How long the search takes tells about hashes, which nobody can choose; that they are the same is told in constant time.
+  if (row.ok() && tokens_equal(row->secret_sha256, hash) && !ended(*row, caller.now_ms)) {
+    if (caller.now_ms - row->used_at_ms >= kLastUsePrecision_ms)
+      if (const Status noted = store_.touch_token(row->id, caller.now_ms); !noted.ok())
+        spdlog::warn("last use of token {}: {}", row->id, noted.error().message);
+    return Grant{row->id, row->scopes, row->scan_id, row->expires_at_ms};
+  }
+  on_wrong_secret_(caller);
+  if (const std::int64_t wait_ms = failures_.take(caller.address, caller.now_ms); wait_ms > 0)
+    return Error{ErrorCode::kBusy,
+                 "too many wrong tokens from this address; try again in " + std::to_string((wait_ms + 999) / 1000) + " s"};
+  spdlog::info("a wrong token from {}{}", caller.address, row.ok() ? " (" + row->id + ", which has ended)" : "");
+  return Error{ErrorCode::kUnauthorized, "this is no token or share link of this server, or it has expired or was revoked"};
+}
+
+bool Gate::holds(const Grant& grant, std::int64_t now_ms) const {
+  return !revoked_ids_.contains(grant.token_id) && (grant.expires_at_ms == 0 || now_ms < grant.expires_at_ms);
+}
+
+void Gate::forget_grants(const std::string& token_id) { revoked_ids_.insert(token_id); }
+
+}  // namespace hermite

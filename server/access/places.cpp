@@ -1,0 +1,157 @@
+#include "server/access/places.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace hermite {
+
+namespace {
+
+// The mean follows a change of the scene within a second or two of frames.
+constexpr double kFrameWeight = 1.0 / 16;
+// One large scan among small ones keeps others out for the next few, and not for longer.
+constexpr double kScanWeight = 1.0 / 4;
+
+Error busy(const std::string& words) { return {ErrorCode::kBusy, words}; }
+
+std::string in_mb(std::uint64_t bytes) { return std::to_string((bytes + 500'000) / 1'000'000) + " MB"; }
+
+// The first is the mean.
+void add_to_mean(double& mean, double value, double weight) { mean = mean == 0 ? value : mean + weight * (value - mean); }
+
+}  // namespace
+
+Share running_share(const PlaceRules& rules) { return {rules.max_running, rules.max_running_per_token, rules.max_running / 4}; }
+
+// How many of the line, or of the scans that run, are of the same token.
+template <class Held>
+Taken Places::taken_of(const Held& held, const PlaceRequest& request) {
+  const auto own =
+      std::count_if(held.begin(), held.end(), [&request](const auto& entry) { return entry.second.request.token_id == request.token_id; });
+  return {static_cast<std::int64_t>(held.size()), own};
+}
+
+Status Places::check_server(const PlaceRequest& request) const {
+  if (running_.size() >= static_cast<std::size_t>(rules_.max_running))
+    return busy("this server runs at most " + std::to_string(rules_.max_running) + " scans at once");
+  const bool any_live =
+      request.is_live || std::any_of(running_.begin(), running_.end(), [](const auto& entry) { return entry.second.request.is_live; });
+  const double together_s = frame_s_ * static_cast<double>(running_.size() + 1);
+  if (any_live && !running_.empty() && together_s * rules_.live_rate_hz > 1)
+    return busy("a frame takes " + std::to_string(std::lround(1000 * frame_s_)) +
+                " ms on this server: with one scan more a live one would get fewer than " + std::to_string(rules_.live_rate_hz) +
+                " frames a second");
+  return check_memory();
+}
+
+// Scans grow while they run, so each counts for what a scan comes to, or more if it takes more already.
+Status Places::check_memory() const {
+  const std::uint64_t all = gpu_memory_bytes(), one_more = scan_gpu_memory_bytes();
+  if (all == 0 || running_.empty()) return Done{};
+  std::uint64_t taken = 0;
+  for (const auto& [id, scan] : running_) taken += std::max(scan.memory_bytes, one_more);
+  if (taken + one_more <= all) return Done{};
+  return busy("the scans that run come to " + in_mb(taken) + " of GPU memory and one more to " + in_mb(one_more) + ": there are " +
+              in_mb(all) + " for all");
+}
+
+Status Places::check_token(const PlaceRequest& request) const {
+  Share share = running_share(rules_);
+  if (request.token_id.empty()) share.per_token = share.in_all;  // nobody's
+  return check_share(share, taken_of(running_, request), request.is_admin, "scans that run at once");
+}
+
+Status Places::check(const PlaceRequest& request) const {
+  if (Status status = check_server(request); !status.ok()) return status;
+  return check_token(request);
+}
+
+Status Places::check_for_newcomer(const PlaceRequest& request) const {
+  if (Status status = check(request); !status.ok()) return status;
+  const auto before = std::count_if(line_.begin(), line_.end(), [&](const auto& entry) { return check_token(entry.second.request).ok(); });
+  return before == 0 ? Status(Done{}) : busy(std::to_string(before) + " cameras wait for a place");
+}
+
+void Places::frame_done(double work_s) {
+  // Scans share the device: with two of them a frame takes twice as long.
+  const double alone_s = work_s / static_cast<double>(std::max<std::size_t>(1, running_.size()));
+  add_to_mean(frame_s_, alone_s, kFrameWeight);
+}
+
+std::optional<PlaceRequest> Places::request_of(const std::string& scan_id) const {
+  const auto scan = running_.find(scan_id);
+  return scan == running_.end() ? std::nullopt : std::optional(scan->second.request);
+}
+
+void Places::ended(const std::string& scan_id) {
+  const auto scan = running_.find(scan_id);
+  if (scan == running_.end()) return;
+  // One that ended before it was measured says nothing about the next.
+  if (const std::uint64_t most = scan->second.most_memory_bytes; most > 0)
+    add_to_mean(ended_memory_bytes_, static_cast<double>(most), kScanWeight);
+  running_.erase(scan);
+}
+
+void Places::memory_measured(const std::string& scan_id, std::uint64_t taken_bytes, std::uint64_t device_bytes) {
+  device_memory_bytes_ = device_bytes;
+  const auto scan = running_.find(scan_id);
+  if (scan == running_.end()) return;
+  scan->second.memory_bytes = taken_bytes;
+  scan->second.most_memory_bytes = std::max(scan->second.most_memory_bytes, taken_bytes);
+}
+
+std::uint64_t Places::gpu_memory_bytes() const { return rules_.gpu_memory_bytes > 0 ? rules_.gpu_memory_bytes : device_memory_bytes_; }
+
+std::uint64_t Places::scan_gpu_memory_bytes() const {
+  if (ended_memory_bytes_ > 0) return static_cast<std::uint64_t>(std::llround(ended_memory_bytes_));
+  std::uint64_t most = 0;
+  for (const auto& [id, scan] : running_) most = std::max(most, scan.most_memory_bytes);
+  return most;
+}
+
+Result<Places::Ticket> Places::wait(const PlaceRequest& request, std::function<void(const wire::Waiting&)> tell,
+                                    std::function<void()> begin) {
+  if (Status status = check_share(kWaitingCameraShare, taken_of(line_, request), request.is_admin, "cameras that wait for a place");
+      !status.ok())
+    return status.error();
+  tell({static_cast<std::uint32_t>(line_.size()), 0});
+  line_[next_ticket_] = {request, std::move(tell), std::move(begin)};
+  return next_ticket_++;
+}
+
+void Places::dismiss() {
+  while (!line_.empty()) {
+    const Waiter waiter = std::move(line_.begin()->second);
+    line_.erase(line_.begin());
+    waiter.begin();
+  }
+}
+
+void Places::serve() {
+  for (auto entry = line_.begin(); entry != line_.end();) {
+    const Ticket ticket = entry->first;
+    // Who waits for his own scans to end, or may not have what is kept for administrators, keeps nobody waiting who may; who waits for the
+    // server's is not passed.
+    if (check_token(entry->second.request).ok()) {
+      if (!check_server(entry->second.request).ok()) return;
+      const Waiter waiter = std::move(entry->second);
+      line_.erase(entry);
+      waiter.begin();
+    }
+    entry = line_.upper_bound(ticket);
+  }
+}
+
+void Places::tell(std::vector<double> remaining_s) const {
+  constexpr double kLongest_s = 1e6;
+  std::sort(remaining_s.begin(), remaining_s.end());
+  std::size_t before = 0;
+  for (const auto& [ticket, waiter] : line_) {
+    const double wait_s = before < remaining_s.size() ? remaining_s[before] : kLongest_s;
+    waiter.tell({static_cast<std::uint32_t>(before), wait_s < kLongest_s ? static_cast<std::uint32_t>(std::ceil(wait_s)) : 0});
+    ++before;
+  }
+}
+
+}  // namespace hermite

@@ -1,0 +1,204 @@
+#include "server/connections/websocket.h"
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/http/field.hpp>
+#include <boost/beast/http/rfc7230.hpp>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <variant>
+
+#include "proto/wire/messages.h"
+#include "server/access/access.h"
+#include "server/connections/sessions.h"
+#include "server/connections/websocket_stream.h"
+#include "server/operations/logging.h"
+#include "server/store/unix_time.h"
+
+namespace hermite {
+
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+using boost::system::error_code;
+
+constexpr std::chrono::seconds kHelloPatience(10);  // from the request to the end of the first message
+constexpr std::chrono::seconds kPingPeriod(15);
+constexpr std::chrono::seconds kGrantCheck(2);  // how long a revoked token may still hear something
+constexpr int kClosedByThem = 1006;
+
+// Shared by the reading and the writing half of one connection.
+struct Connection {
+  WebSocketStream stream;
+  asio::steady_timer something_to_send;
+  asio::steady_timer hello_deadline;
+  asio::steady_timer grant_check;
+  std::unique_ptr<Session> session;
+  Grant grant;                                      // of the session
+  std::unique_ptr<ShareCount::Place> tokens_place;  // its token's, for as long as the connection is there
+  std::string noted;                                // what the audit log has of the session last
+  bool reading = true;
+
+  explicit Connection(Transport transport)
+      : stream(std::move(transport), WebSocketTimes{}),
+        something_to_send(stream.socket.get_executor()),
+        hello_deadline(stream.socket.get_executor()),
+        grant_check(stream.socket.get_executor()) {}
+};
+
+// What is wrong with a message, if the client still can be told.
+std::optional<Refusal> objection_to(const ReadMessage& read, std::size_t max_bytes) {
+  if (read.too_long)
+    return Refusal{{ErrorCode::kTooLarge, "the message is longer than the " + std::to_string(max_bytes) + " bytes allowed"},
+                   CloseCode::kTooBig};
+  if (read.is_text) return Refusal{{ErrorCode::kUnsupported, "messages must be binary, this one is text"}, CloseCode::kNotBinary};
+  return std::nullopt;
+}
+
+asio::awaitable<void> close(Connection& connection, const Closing& closing) {
+  co_await close(connection.stream, static_cast<std::uint16_t>(closing.code), closing.words);
+}
+
+asio::awaitable<void> write_messages(std::shared_ptr<Connection> connection) {
+  error_code error;
+  while (!error) {
+    if (const SharedBytes message = connection->session->next()) {
+      co_await write_message(connection->stream, *message, error);
+    } else if (const std::optional<Closing> closing = connection->session->closing()) {
+      co_await close(*connection, *closing);
+      break;
+    } else if (!connection->reading) {
+      break;
+    } else {
+      // Whoever has something new cancels the wait; the error that this gives means nothing.
+      error_code woken;
+      connection->something_to_send.expires_after(kPingPeriod);
+      co_await connection->something_to_send.async_wait(asio::redirect_error(asio::use_awaitable, woken));
+      if (!woken) co_await write_ping(connection->stream, error);
+    }
+  }
+  // The reading half ends with the socket.
+  beast::get_lowest_layer(connection->stream.socket).close();
+}
+
+asio::awaitable<void> read_messages(Connection& connection) {
+  const std::function<std::size_t()> max_bytes = [&connection] { return connection.session->max_message_bytes(); };
+  for (;;) {
+    const ReadMessage read = co_await read_message(connection.stream, max_bytes);
+    if (read.error) co_return;
+    if (const std::optional<Refusal> wrong = objection_to(read, max_bytes())) {
+      connection.session->fail(wrong->error, wrong->code);
+      co_return;
+    }
+    connection.session->receive(connection.stream.bytes());
+  }
+}
+
+// In the audit log, when it is something new: who waits does not know yet which scan it will be.
+void note_session(Connection& connection, const HttpWorld& world, const std::string& address) {
+  const std::string what = connection.session->what(), scan_id = connection.session->scan_id();
+  if (connection.noted == what + scan_id) return;
+  connection.noted = what + scan_id;
+  world.audit.note({unix_now_ms(), connection.grant.token_id, address, what, scan_id, "let in"});
+}
+
+// Ends the session soon after what was granted has ended. Asks now and then: nobody has to remember who came in with what.
+void watch_grant(const std::shared_ptr<Connection>& connection, const HttpWorld& world, const std::string& address) {
+  connection->grant_check.expires_after(kGrantCheck);
+  connection->grant_check.async_wait([weak = std::weak_ptr(connection), &world, address](const error_code& cancelled) {
+    const std::shared_ptr<Connection> watched = weak.lock();
+    if (cancelled || !watched) return;
+    note_session(*watched, world, address);
+    if (world.gate.holds(watched->grant, unix_now_ms())) return watch_grant(watched, world, address);
+    watched->session->fail({ErrorCode::kUnauthorized, "the token or share link has expired or was revoked"}, CloseCode::kUnauthorized);
+  });
+}
+
+// The first message and its answer. A session is there afterwards, or the connection is over.
+asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, const HttpWorld& world, const Peer& peer) {
+  connection->hello_deadline.expires_after(kHelloPatience);
+  connection->hello_deadline.async_wait([weak = std::weak_ptr(connection)](const error_code& cancelled) {
+    const std::shared_ptr<Connection> late = weak.lock();
+    if (!cancelled && late && !late->session) beast::get_lowest_layer(late->stream.socket).close();
+  });
+  const std::function<std::size_t()> max_bytes = [] { return wire::kMaxBytesBeforeWelcome; };
+  const ReadMessage read = co_await read_message(connection->stream, max_bytes);
+  if (read.error) co_return;
+  std::optional<Refusal> wrong = objection_to(read, max_bytes());
+  if (!wrong) {
+    auto wake = [weak = std::weak_ptr(connection)] {
+      if (const std::shared_ptr<Connection> awake = weak.lock()) awake->something_to_send.cancel();
+    };
+    const auto admit = [&world, &peer, &connection](const std::string& secret) {
+      Result<Grant> grant = world.gate.admit(secret, {address_group(peer.address), unix_now_ms(), peer.address});
+      if (!grant.ok() && grant.error().code != ErrorCode::kIo) world.metrics.authentication_failed();
+      if (!grant.ok()) return grant;
+      auto place = world.sessions.enter(grant->token_id, may(*grant, Scope::kAdmin), "connections");
+      if (!place.ok()) return Result<Grant>(place.error());
+      connection->tokens_place = *std::move(place);
+      return grant;
+    };
+    auto greeting = greet(world.scans, admit, connection->stream.bytes(), std::move(wake));
+    if (auto* greeted = std::get_if<Greeted>(&greeting)) {
+      connection->session = std::move(greeted->session);
+      connection->grant = std::move(greeted->grant);
+      note_session(*connection, world, peer.address);
+      log_with({{}, peer.address}, spdlog::level::info, "a connection let in with token " + connection->grant.token_id);
+      co_return;
+    }
+    wrong = std::get<Refusal>(std::move(greeting));
+  }
+  log_with({{}, peer.address}, spdlog::level::info, "connection refused: " + wrong->error.message);
+  world.metrics.websocket_closed(static_cast<int>(wrong->code));
+  error_code error;
+  const std::string words = format_error(wrong->error);
+  co_await write_message(connection->stream, words, error);
+  // A named value: GCC 12 destroys a temporary made of braces twice when it is an argument of co_await.
+  const Closing closing{wrong->code, wrong->error.message};
+  if (!error) co_await close(*connection, closing);
+}
+
+}  // namespace
+
+bool offers_subprotocol(const beast::http::request<beast::http::empty_body>& upgrade) {
+  const beast::http::token_list offered(upgrade[beast::http::field::sec_websocket_protocol]);
+  for (const auto name : offered)
+    if (name == wire::kSubprotocol) return true;
+  return false;
+}
+
+asio::awaitable<void> serve_websocket(Transport stream, beast::http::request<beast::http::empty_body> upgrade, const HttpWorld& world,
+                                      Peer peer) {
+  const auto start = std::chrono::steady_clock::now();
+  stream.next_layer().expires_never();
+  const auto connection = std::make_shared<Connection>(std::move(stream));
+  error_code error;
+  const std::string subprotocol(wire::kSubprotocol);
+  co_await accept(connection->stream, upgrade, subprotocol, error);
+  if (error) co_return;
+  co_await begin(connection, world, peer);
+  connection->hello_deadline.cancel();
+  if (!connection->session) co_return;
+  watch_grant(connection, world, peer.address);
+  asio::co_spawn(connection->stream.socket.get_executor(), write_messages(connection), asio::detached);
+  co_await read_messages(*connection);
+  const std::optional<Closing> closing = connection->session->closing();
+  const int code = closing ? static_cast<int>(closing->code) : kClosedByThem;
+  world.metrics.websocket_closed(code);
+  const double duration_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  log_with({{}, peer.address, duration_s}, spdlog::level::debug, "connection closed with code " + std::to_string(code));
+  note_session(*connection, world, peer.address);
+  connection->session->disconnected();
+  connection->reading = false;
+  connection->grant_check.cancel();
+  connection->something_to_send.cancel();
+}
+
+}  // namespace hermite

@@ -1,0 +1,12 @@
+#include "server/disk/storage.h"
+
+namespace hermite {
+
+// The folder first: blobs that are files lie in it and go with it, and there is nothing left to wait for.
+Status remove_files_of_scan(const Storage& storage, const std::string& scan_id) {
+  if (Status status = storage.waste.remove_scan(scan_id); !status.ok()) return status;
+  storage.quota.removed(scan_id);
+  return storage.blobs.remove(scan_id);
+}
+
+}  // namespace hermite

@@ -1,0 +1,26 @@
+// All that this server keeps, and the ways out of it: what scans, jobs and uploads share. Plain references: it may be copied.
+#pragma once
+
+#include <string>
+
+#include "core/base/result.h"
+#include "server/disk/storage_quota.h"
+#include "server/disk/waste.h"
+#include "server/store/blobs.h"
+#include "server/store/data_directory.h"
+#include "server/store/store.h"
+
+namespace hermite {
+
+struct Storage {
+  const DataDirectory& data;
+  Store& store;
+  Blobs& blobs;
+  Waste& waste;
+  StorageQuota& quota;
+};
+
+// Frame log and results, not the row. Well, too, when there are none. kIo.
+Status remove_files_of_scan(const Storage& storage, const std::string& scan_id);
+
+}  // namespace hermite

@@ -1,0 +1,78 @@
+#include "server/jobs/batch.h"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "server/jobs/import_job.h"
+#include "server/jobs/job_request.h"
+#include "server/store/scan_id.h"
+#include "server/store/unix_time.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr std::chrono::minutes kSweepPeriod(1);  // of uploads, which expire after hours
+
+// Of a job that has ended.
+void remove_unfinished_scan(const Storage& storage, const std::string& id) {
+  const Result<ScanRow> scan = storage.store.find(id);
+  if (!scan.ok() || scan->phase == ScanPhase::kFinished) return;
+  Status removed = remove_files_of_scan(storage, id);
+  if (removed.ok()) removed = storage.store.remove(id);
+  if (!removed.ok()) spdlog::warn("{}", removed.error().message);
+}
+
+}  // namespace
+
+Status recover_batch(const Storage& storage) {
+  const JobScans scans{[&storage](const std::string& id) {
+                         const Result<ScanRow> scan = storage.store.find(id);
+                         return scan.ok() && scan->phase == ScanPhase::kFinished;
+                       },
+                       [&storage](const std::string& id) { remove_unfinished_scan(storage, id); }};
+  return recover_jobs(storage.store, scans, unix_now_ms());
+}
+
+Batch::Batch(int worker_count, const UploadLimits& limits, const Storage& storage, Scans& scans, const Scans::Post& post)
+    : store_(storage.store),
+      scans_(scans),
+      job_world_{scans, storage.data, post, {}, limits.min_free_disk_bytes},
+      executor_(worker_count, storage.store, executor_hooks(post)),
+      uploads_(limits, storage, [this](const UploadRow& row) { return submit(row); }) {}
+
+LocalExecutor::Hooks Batch::executor_hooks(const Scans::Post& post) {
+  return {[this](const JobRow& row, JobEvents events) -> std::unique_ptr<JobWork> {
+            if (is_import(job_world_.data, row)) return std::make_unique<ImportJob>(job_world_, row, std::move(events));
+            return std::make_unique<ScanJob>(job_world_, row, std::move(events));
+          },
+          [this](const JobRow& row) { job_ended(row); }, unix_now_ms, new_scan_id, post};
+}
+
+// An upload that is whole becomes a job, once: one that failed is tried again when somebody says so.
+Status Batch::submit(const UploadRow& row) {
+  if (store_.job(row.id).ok()) return Done{};
+  Result<JobRow> job = job_of_upload(row);
+  if (!job.ok()) return job.error();
+  job->created_at_ms = unix_now_ms();
+  return executor_.submit(*job);
+}
+
+void Batch::job_ended(const JobRow& row) {
+  if (row.state != JobState::kFinished && !row.scan_id.empty()) scans_.remove_unwanted(row.scan_id);
+  if (row.source != JobSource::kUpload) return;
+  if (row.state == JobState::kFinished)
+    uploads_.forget(row.source_id);
+  else
+    uploads_.keep(row.source_id, unix_now_ms());
+}
+
+void Batch::tick(std::chrono::steady_clock::time_point now, std::int64_t retention_now_ms) {
+  executor_.tick();
+  if (now < sweep_at_) return;
+  sweep_at_ = now + kSweepPeriod;
+  uploads_.sweep(retention_now_ms);
+}
+
+}  // namespace hermite

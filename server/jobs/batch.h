@@ -1,0 +1,45 @@
+// Batch work put together: uploads that become jobs, jobs that become scans. Belongs to the network thread.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+
+#include "server/disk/storage.h"
+#include "server/jobs/local_executor.h"
+#include "server/jobs/scan_job.h"
+#include "server/scan/scans.h"
+#include "server/uploads/uploads.h"
+
+namespace hermite {
+
+// What becomes of the jobs of a server that died, and of their scans. Before there are Scans. kIo.
+Status recover_batch(const Storage& storage);
+
+class Batch {
+ public:
+  // What is in `storage`, and `scans`, outlive this. Throws SetupError.
+  Batch(int worker_count, const UploadLimits& limits, const Storage& storage, Scans& scans, const Scans::Post& post);
+
+  Uploads& uploads() { return uploads_; }
+  Executor& executor() { return executor_; }
+
+  void tick(std::chrono::steady_clock::time_point now, std::int64_t retention_now_ms);  // now and then
+  void refuse_new() { executor_.refuse_new(); }
+  void stop() { executor_.stop(); }  // before Scans::stop()
+  std::size_t running_count() const { return executor_.running_count(); }
+
+ private:
+  LocalExecutor::Hooks executor_hooks(const Scans::Post& post);
+  Status submit(const UploadRow& row);
+  void job_ended(const JobRow& row);
+
+  Store& store_;
+  Scans& scans_;
+  const ScanJobWorld job_world_;
+  LocalExecutor executor_;
+  Uploads uploads_;
+  std::chrono::steady_clock::time_point sweep_at_{};  // at once
+};
+
+}  // namespace hermite

@@ -1,0 +1,122 @@
+#include "server/jobs/import_results.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "core/output/glb.h"
+#include "core/output/ply.h"
+#include "server/exports/export_offer.h"
+#include "server/operations/json_text.h"
+
+namespace hermite {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kVoxelsPerChunk_bits = 6;
+
+std::uint64_t cell_of(const Eigen::Vector3f& position_m, double edge_m) {
+  std::uint64_t cell = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto index = static_cast<std::int64_t>(std::floor(static_cast<double>(position_m[axis]) / edge_m));
+    cell = (cell << 21) | (static_cast<std::uint64_t>(index) & 0x1fffff);
+  }
+  return cell;
+}
+
+std::size_t count_cells(const Cloud& cloud, double edge_m) {
+  std::vector<std::uint64_t> cells(cloud.size());
+  std::transform(cloud.begin(), cloud.end(), cells.begin(),
+                 [edge_m](const CloudPoint& point) { return cell_of(point.position_m, edge_m); });
+  std::sort(cells.begin(), cells.end());
+  return static_cast<std::size_t>(std::unique(cells.begin(), cells.end()) - cells.begin());
+}
+
+std::uint8_t level_for(const Cloud& cloud) {
+  std::uint8_t level = 0;
+  for (; level < kCoarsestLevel; ++level) {
+    const double voxel_m = static_cast<double>(kVoxelEdge_m) * (1 << level);
+    const bool few_points = cloud.size() <= kMostShownPoints || count_cells(cloud, voxel_m) <= kMostShownPoints;
+    if (few_points && count_cells(cloud, voxel_m * (1 << kVoxelsPerChunk_bits)) <= kMostShownChunks) break;
+  }
+  return level;
+}
+
+// What viewers see as points of a mesh.
+Cloud vertices_of(const TriangleMesh& mesh) {
+  Cloud cloud(mesh.positions_m.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    cloud[i].position_m = mesh.positions_m[i];
+    cloud[i].normal = mesh.normals[i];
+    cloud[i].color = mesh.colors[i];
+  }
+  return cloud;
+}
+
+std::string report_of(const ImportedModel& model, const ImportOptions& options, const std::vector<std::string>& words) {
+  Json import;
+  import["format"] = model.format;
+  import["points"] = model.cloud.size();
+  import["vertices"] = model.mesh.positions_m.size();
+  import["triangles"] = model.mesh.triangles.size();
+  import["images"] = model.mesh.pages.size();
+  import["scale"] = options.scale;
+  import["up"] = name_of(model.up);
+  import["subtracted"] = {model.origin.x(), model.origin.y(), model.origin.z()};
+  import["words"] = words;
+  return json_text({{"import", import}});
+}
+
+Result<NamedFile> shown_file(const ImportedModel& model, std::string bytes) {
+  if (!model.is_mesh()) return NamedFile{"cloud.ply", format_ply(model.cloud)};
+  if (model.unchanged) return NamedFile{std::string(kImportedMeshFile), std::move(bytes)};
+  Result<std::string> glb = format_mesh_glb(model.mesh, GlbCompression::kNone);
+  if (!glb.ok()) return glb.error();
+  return NamedFile{std::string(kImportedMeshFile), *std::move(glb)};
+}
+
+}  // namespace
+
+Result<StoredChunks> chunks_of_points(const Cloud& cloud) {
+  ChunkedModel model(level_for(cloud));
+  std::vector<SlotChange> changes;
+  constexpr std::size_t kAtOnce = 65536;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    changes.push_back({static_cast<std::uint32_t>(i), true, cloud[i]});
+    if (changes.size() < kAtOnce && i + 1 < cloud.size()) continue;
+    model.apply(changes);
+    changes.clear();
+  }
+  StoredChunks stored;
+  stored.submaps.push_back({0, Rigid3()});
+  for (const ChunkKey& key : model.take_dirty()) {
+    Result<EncodedChunk> chunk = model.encode(key);
+    if (!chunk.ok()) return chunk.error();
+    stored.chunks.push_back(*std::move(chunk));
+  }
+  return stored;
+}
+
+Result<ImportResults> results_of_import(std::string bytes, const ImportOptions& options, const std::function<bool()>& go_on) {
+  const Error stopped{ErrorCode::kBusy, "stopped"};
+  Result<ImportedModel> model = read_model(bytes, options);
+  if (!model.ok()) return model.error();
+  if (!go_on()) return stopped;
+  ImportResults results;
+  results.words = words_about(*model, options);
+  results.may_be_meshed = !model->is_mesh() && model->has_normals();
+  results.files.push_back({"report.json", report_of(*model, options, results.words)});
+  Result<NamedFile> file = shown_file(*model, std::move(bytes));
+  if (!file.ok()) return file.error();
+  results.files.push_back(*std::move(file));
+  if (!go_on()) return stopped;
+  const Result<StoredChunks> chunks = model->is_mesh() ? chunks_of_points(vertices_of(model->mesh)) : chunks_of_points(model->cloud);
+  if (!chunks.ok()) return chunks.error();
+  results.files.push_back({kChunksName, format_chunk_file(*chunks)});
+  return results;
+}
+
+}  // namespace hermite

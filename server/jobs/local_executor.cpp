@@ -1,0 +1,221 @@
+#include "server/jobs/local_executor.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/check.h"
+
+namespace hermite {
+
+LocalExecutor::LocalExecutor(int worker_count, Store& store, Hooks hooks)
+    : worker_count_(worker_count), store_(store), hooks_(std::move(hooks)) {
+  const Result<int> forgotten = store_.forget_jobs(hooks_.now_ms() - kForgetJobsAfter_ms);
+  if (!forgotten.ok()) throw SetupError(forgotten.error());
+}
+
+LocalExecutor::~LocalExecutor() = default;
+
+void LocalExecutor::note(const std::string& id, const std::string& words) {
+  spdlog::info("job {}: {}", id, words);
+  if (const Status kept = store_.add_job_line(id, {hooks_.now_ms(), words}); !kept.ok())
+    spdlog::warn("the log of job {}: {}", id, kept.error().message);
+}
+
+Status LocalExecutor::submit(const JobRow& job) {
+  CHECK(job.state == JobState::kQueued, "what is submitted waits");
+  Result<JobRow> known = store_.job(job.id);
+  if (!known.ok() && known.error().code != ErrorCode::kNotFound) return known.error();
+  if (known.ok()) {
+    const bool again = known->state == JobState::kFailed || known->state == JobState::kCancelled;
+    if (!again) return Done{};
+    // A cancelled one may still be at its end.
+    if (running_.contains(job.id)) return Error{ErrorCode::kBusy, "job " + job.id + " is just being ended; try again in a moment"};
+    known->state = JobState::kQueued;
+    known->words.clear();
+    known->scan_id.clear();
+    known->attempt_count = 0;
+    known->started_at_ms = known->finished_at_ms = 0;
+    if (Status status = store_.update_job(*known); !status.ok()) return status;
+    note(job.id, "submitted again");
+    return Done{};
+  }
+  if (Status status = store_.add_job(job); !status.ok()) return status;
+  note(job.id, "submitted");
+  return Done{};
+}
+
+JobStatus LocalExecutor::with_stage(JobRow row) const {
+  const auto running = running_.find(row.id);
+  if (running == running_.end() || row.state != JobState::kRunning) return {std::move(row), {}};
+  return {std::move(row), running->second.stage};
+}
+
+Result<JobStatus> LocalExecutor::status(const std::string& id) {
+  Result<JobRow> row = store_.job(id);
+  if (!row.ok()) return row.error();
+  return with_stage(*std::move(row));
+}
+
+Result<std::vector<JobStatus>> LocalExecutor::list() {
+  Result<std::vector<JobRow>> rows = store_.list_jobs();
+  if (!rows.ok()) return rows.error();
+  std::vector<JobStatus> jobs;
+  for (JobRow& row : *rows) jobs.push_back(with_stage(std::move(row)));
+  return jobs;
+}
+
+Result<std::vector<JobLine>> LocalExecutor::log(const std::string& id) {
+  if (const Result<JobRow> row = store_.job(id); !row.ok()) return row.error();
+  return store_.job_lines(id);
+}
+
+Status LocalExecutor::cancel(const std::string& id) {
+  Result<JobRow> row = store_.job(id);
+  if (!row.ok()) return row.error();
+  if (row->state == JobState::kFailed) return put_away(*std::move(row));
+  if (has_ended(row->state)) return Error{ErrorCode::kBusy, "job " + id + " has ended: it is " + name_of(row->state)};
+  // At once, so that it stays cancelled when the server dies now.
+  row->state = JobState::kCancelled;
+  row->words = "cancelled";
+  row->finished_at_ms = hooks_.now_ms();
+  if (Status status = store_.update_job(*row); !status.ok()) return status;
+  note(id, "cancelled");
+  const auto running = running_.find(id);
+  if (running == running_.end()) {
+    pauses_.erase(id);
+    hooks_.ended(*row);
+    return Done{};
+  }
+  running->second.row = *row;
+  running->second.work->cancel();
+  return Done{};
+}
+
+// What it failed of stays to be read, and it may be tried again.
+Status LocalExecutor::put_away(JobRow row) {
+  row.state = JobState::kCancelled;
+  if (Status status = store_.update_job(row); !status.ok()) return status;
+  note(row.id, "put away");
+  return Done{};
+}
+
+void LocalExecutor::start(JobRow row) {
+  row.state = JobState::kRunning;
+  row.words.clear();
+  ++row.attempt_count;
+  row.started_at_ms = hooks_.now_ms();
+  if (row.scan_id.empty()) row.scan_id = hooks_.new_scan_id();
+  // On disk before there is anything to find after a crash.
+  if (Status status = store_.update_job(row); !status.ok()) {
+    spdlog::error("job {} cannot start: {}", row.id, status.error().message);
+    return;
+  }
+  note(row.id, "started" + (row.attempt_count == 1 ? "" : ", attempt " + std::to_string(row.attempt_count)));
+  JobEvents events;
+  events.progress = [this, id = row.id](JobStage stage) {
+    if (const auto running = running_.find(id); running != running_.end()) running->second.stage = std::move(stage);
+  };
+  events.log = [this, id = row.id](const std::string& words) { note(id, words); };
+  events.ended = [this, id = row.id](const JobEnd& end) { ended(id, end); };
+  const std::string id = row.id;
+  running_[id] = {row, {"starting"}, nullptr};
+  running_[id].work = hooks_.start(row, std::move(events));
+}
+
+void LocalExecutor::ended(const std::string& id, const JobEnd& end) {
+  const auto running = running_.find(id);
+  CHECK(running != running_.end(), "a job ends once");
+  JobRow row = running->second.row;
+  // Not at once: this is called by the work itself.
+  hooks_.post([work = std::shared_ptr<JobWork>(std::move(running->second.work))] {});
+  running_.erase(running);
+  if (row.state != JobState::kCancelled) {
+    row.state = end.state;
+    row.words = end.words;
+    if (end.state == JobState::kQueued) --row.attempt_count;  // it is not the job's fault
+    row.finished_at_ms = has_ended(end.state) ? hooks_.now_ms() : 0;
+    if (Status status = store_.update_job(row); !status.ok()) spdlog::error("job {}: {}", id, status.error().message);
+    if (end.lacked_room) return put_off(id, row.words);
+    note(id, std::string(end.state == JobState::kQueued ? "waits for the next server" : name_of(row.state)) +
+                 (row.words.empty() ? "" : ": " + row.words));
+  }
+  pauses_.erase(id);
+  if (has_ended(row.state)) hooks_.ended(row);
+}
+
+void LocalExecutor::put_off(const std::string& id, const std::string& words) {
+  Pause& pause = pauses_[id];
+  pause.length_ms = pause.length_ms == 0 ? kFirstRoomPause_ms : std::min(2 * pause.length_ms, kLongestRoomPause_ms);
+  pause.until_ms = hooks_.now_ms() + pause.length_ms;
+  note(id, "waits for room, and is tried again in " + std::to_string(pause.length_ms / 1000) + " s: " + words);
+}
+
+void LocalExecutor::tick() {
+  for (const auto& [id, running] : running_) running.work->tick();
+  if (stopping_ || running_.size() >= static_cast<std::size_t>(worker_count_)) return;
+  Result<std::vector<JobRow>> waiting = store_.jobs_in(JobState::kQueued);
+  if (!waiting.ok()) {
+    spdlog::error("jobs: {}", waiting.error().message);
+    return;
+  }
+  std::erase_if(*waiting, [this, now_ms = hooks_.now_ms()](const JobRow& row) {
+    const auto pause = pauses_.find(row.id);
+    return pause != pauses_.end() && now_ms < pause->second.until_ms;
+  });
+  while (!waiting->empty() && running_.size() < static_cast<std::size_t>(worker_count_)) {
+    const auto next = waiting->begin() + static_cast<std::ptrdiff_t>(next_of(*waiting));
+    last_start_[next->token_id] = ++start_count_;
+    start(std::move(*next));
+    waiting->erase(next);
+  }
+}
+
+// Of the highest priority: of the token that had its last turn longest ago the oldest, so that who submits a hundred keeps nobody waiting
+// for a hundred. `waiting` is in the order of the store.
+std::size_t LocalExecutor::next_of(const std::vector<JobRow>& waiting) const {
+  const auto last_start = [this](const JobRow& row) {
+    const auto found = last_start_.find(row.token_id);
+    return found == last_start_.end() ? 0 : found->second;
+  };
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < waiting.size() && waiting[i].priority == waiting.front().priority; ++i)
+    if (last_start(waiting[i]) < last_start(waiting[best])) best = i;
+  return best;
+}
+
+void LocalExecutor::refuse_new() { stopping_ = true; }
+
+void LocalExecutor::stop() {
+  stopping_ = true;
+  for (const auto& [id, running] : running_) running.work->stop();
+}
+
+Status recover_jobs(Store& store, const JobScans& scans, std::int64_t now_ms) {
+  const Result<std::vector<JobRow>> left = store.jobs_in(JobState::kRunning);
+  if (!left.ok()) return left.error();
+  for (JobRow row : *left) {
+    if (scans.is_finished(row.scan_id)) {
+      row.state = JobState::kFinished;
+    } else if (row.attempt_count >= kMaxAttempts) {
+      row.state = JobState::kFailed;
+      row.words = "the server ended " + std::to_string(row.attempt_count) + " times while it worked on this; it is not tried again";
+    } else {
+      row.state = JobState::kQueued;
+    }
+    if (has_ended(row.state)) row.finished_at_ms = now_ms;
+    if (Status status = store.update_job(row); !status.ok()) return status;
+    const std::string words = row.state == JobState::kQueued ? "the server ended; the job waits again" : name_of(row.state);
+    if (Status status = store.add_job_line(row.id, {now_ms, words}); !status.ok()) return status;
+  }
+  for (const JobState state : {JobState::kFailed, JobState::kCancelled}) {
+    const Result<std::vector<JobRow>> rows = store.jobs_in(state);
+    if (!rows.ok()) return rows.error();
+    for (const JobRow& row : *rows)
+      if (!row.scan_id.empty()) scans.remove_unfinished(row.scan_id);
+  }
+  return Done{};
+}
+
+}  // namespace hermite

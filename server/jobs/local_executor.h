@@ -1,0 +1,107 @@
+// Jobs done by this process: so many at once, the highest priority first, then the oldest. They are rows of the store, so that they wait
+// for the next server when this one ends. One that ran when its server died is tried again, kMaxAttempts times in all.
+// Belongs to the network thread.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/jobs/executor.h"
+#include "server/store/store.h"
+#include "server/store/unix_time.h"
+
+namespace hermite {
+
+inline constexpr int kMaxAttempts = 3;  // a job that ends its server would end it for ever
+inline constexpr std::int64_t kFirstRoomPause_ms = 5000, kLongestRoomPause_ms = 3'600'000;  // what fits never costs a scan each time
+inline constexpr std::int64_t kForgetJobsAfter_ms = 90 * kDay_ms;
+
+struct JobEnd {
+  JobState state = JobState::kFinished;  // queued: the server stops, the job goes on when there is one again
+  std::string words;
+  bool lacked_room = false;  // queued: the disk had no room for it; it is tried again by itself, later and later
+};
+
+// What a job tells, on the network thread.
+struct JobEvents {
+  std::function<void(JobStage)> progress;
+  std::function<void(const std::string&)> log;
+  std::function<void(JobEnd)> ended;  // once, last, and never from inside a call of JobWork
+};
+
+// A job that runs. Destroyed on the network thread, at the latest when it has ended.
+class JobWork {
+ public:
+  virtual ~JobWork() = default;
+  virtual void cancel() = 0;  // soon it ends, without leaving anything behind
+  virtual void stop() = 0;    // soon it ends as queued, or as it would have
+  virtual void tick() = 0;    // now and then
+};
+
+class LocalExecutor : public Executor {
+ public:
+  struct Hooks {
+    std::function<std::unique_ptr<JobWork>(const JobRow&, JobEvents)> start;
+    std::function<void(const JobRow&)> ended;  // for good
+    std::function<std::int64_t()> now_ms;
+    std::function<std::string()> new_scan_id;
+    std::function<void(std::function<void()>)> post;  // runs it on this thread, soon
+  };
+
+  // `store` outlives this.
+  LocalExecutor(int worker_count, Store& store, Hooks hooks);
+  ~LocalExecutor() override;
+
+  Status submit(const JobRow& job) override;
+  Result<JobStatus> status(const std::string& id) override;
+  Status cancel(const std::string& id) override;
+  Result<std::vector<JobStatus>> list() override;
+  Result<std::vector<JobLine>> log(const std::string& id) override;
+
+  void tick();        // now and then: starts what waits
+  void refuse_new();  // starts nothing any more
+  void stop();        // ends what runs; it goes on with the next server
+  std::size_t running_count() const { return running_.size(); }
+
+ private:
+  struct Running {
+    JobRow row;
+    JobStage stage;
+    std::unique_ptr<JobWork> work;
+  };
+  std::size_t next_of(const std::vector<JobRow>& waiting) const;
+  Status put_away(JobRow row);
+  void start(JobRow row);
+  void ended(const std::string& id, const JobEnd& end);
+  void note(const std::string& id, const std::string& words);
+  void put_off(const std::string& id, const std::string& words);
+  JobStatus with_stage(JobRow row) const;
+
+  const int worker_count_;
+  Store& store_;
+  const Hooks hooks_;
+  const std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
+  std::map<std::string, Running> running_;  // by id
+  struct Pause {
+    std::int64_t length_ms = 0;
+    std::int64_t until_ms = 0;
+  };
+  std::map<std::string, Pause> pauses_;              // by id, of jobs that the disk had no room for
+  std::map<std::string, std::uint64_t> last_start_;  // by token: the number of the start of its newest job
+  std::uint64_t start_count_ = 0;
+  bool stopping_ = false;
+};
+
+// What becomes of the jobs of a server that died, before anything is done with their scans: those that ran wait again, or have failed when
+// they were tried often enough. `is_finished` and `remove_scan` are asked with the id of a job's scan. kIo.
+struct JobScans {
+  std::function<bool(const std::string&)> is_finished;
+  std::function<void(const std::string&)> remove_unfinished;
+};
+Status recover_jobs(Store& store, const JobScans& scans, std::int64_t now_ms);
+
+}  // namespace hermite

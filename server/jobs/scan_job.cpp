@@ -1,0 +1,309 @@
+#include "server/jobs/scan_job.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <utility>
+#include <variant>
+
+#include "core/dataset/camera_file.h"
+#include "proto/wire/client_message.h"
+#include "server/jobs/job_request.h"
+
+namespace hermite {
+
+namespace {
+
+constexpr std::chrono::milliseconds kReportPeriod(100);  // of what has been unpacked
+constexpr const char* kTracking = "tracking";
+
+// Paths of this machine are nobody's business.
+std::string without_path(std::string words, const std::string& path, const std::string& instead) {
+  for (std::size_t at = 0; (at = words.find(path, at)) != std::string::npos; at += instead.size()) words.replace(at, path.size(), instead);
+  return words;
+}
+
+}  // namespace
+
+ScanJob::ScanJob(const ScanJobWorld& world, JobRow row, JobEvents events)
+    : world_(world), row_(std::move(row)), events_(std::move(events)) {
+  if (row_.source == JobSource::kScan)
+    if (const Result<ScanRow> scan = world_.scans.find(row_.source_id); scan.ok())
+      logged_frame_count_ = static_cast<std::uint64_t>(scan->frames_received);
+  thread_ = std::thread([this] { run(); });
+}
+
+ScanJob::~ScanJob() {
+  stop_thread();
+  thread_.join();
+}
+
+void ScanJob::on_network(std::function<void()> action) {
+  world_.post([alive = std::weak_ptr<bool>(alive_), action = std::move(action)] {
+    if (alive.lock()) action();
+  });
+}
+
+bool ScanJob::is_stopped() {
+  const std::lock_guard lock(mutex_);
+  return feed_.stopped;
+}
+
+void ScanJob::report(JobStage stage) {
+  on_network([this, stage = std::move(stage)] { events_.progress(stage); });
+}
+
+void ScanJob::run() {
+  Status fed = Done{};
+  try {
+    Result<std::unique_ptr<JobFrames>> source = open_source();
+    fed = source.ok() ? feed(**source) : Status(source.error());
+  } catch (const std::exception& error) {
+    // Out of memory, most likely: this job is over, the server is not.
+    fed = Error{ErrorCode::kIo, std::string("the job failed: ") + error.what()};
+  }
+  if (const Status removed = world_.data.remove_job_folder(row_.id); !removed.ok()) spdlog::warn("{}", removed.error().message);
+  on_network([this, fed] { thread_ended(fed); });
+}
+
+Result<std::unique_ptr<JobFrames>> ScanJob::open_source() {
+  wire::StartScan request;
+  request.title = row_.title;
+  request.settings = settings_of(row_);
+  if (row_.source == JobSource::kScan) return logged_frames(world_.data.log_folder(row_.source_id), logged_frame_count_, request);
+  const Result<std::string> path = recording_path();
+  if (!path.ok()) return path.error();
+  report({"opening"});
+  Result<Recording> recording = open_upload(*path, request);
+  if (!recording.ok())
+    return Error{recording.error().code, without_path(recording.error().message, *path, row_.title.empty() ? "the upload" : row_.title)};
+  if (recording->sequence->frame_count() == 0) return Error{ErrorCode::kCorruptData, "the recording has no frames"};
+  if (request.title.empty()) request.title = "upload";
+  return recorded_frames(*std::move(recording), std::move(request));
+}
+
+// The upload as it is, or the folder that it was unpacked into.
+Result<std::string> ScanJob::recording_path() {
+  const std::string upload = world_.data.upload_path(row_.source_id);
+  if (!is_archive(upload)) return upload;
+  report({"unpacking"});
+  if (const Status status = world_.data.create_job_folder(row_.id); !status.ok()) return status.error();
+  const std::string folder = world_.data.job_folder(row_.id) + "/recording";
+  UnpackLimits limits = world_.limits;
+  const Result<std::uint64_t> free = world_.data.free_disk_bytes();
+  if (!free.ok()) return free.error();
+  const std::uint64_t room_bytes = *free - std::min(*free, world_.min_free_disk_bytes);
+  limits.output_bytes = std::min(limits.output_bytes, room_bytes);
+  auto told_at = std::chrono::steady_clock::now();
+  const Result<UnpackSummary> unpacked = unpack_archive(upload, folder, limits, [&](std::uint64_t output_bytes) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - told_at >= kReportPeriod) {
+      told_at = now;
+      report({"unpacking", static_cast<std::int64_t>(output_bytes), 0});
+    }
+    return !is_stopped();
+  });
+  if (!unpacked.ok() && unpacked.error().code == ErrorCode::kTooLarge && room_bytes == limits.output_bytes) {
+    upload_lacks_room_ = true;
+    return Error{ErrorCode::kTooLarge,
+                 "the disk has room for " + std::to_string(room_bytes / 1'000'000) + " MB of what it unpacks to, and that is more"};
+  }
+  if (!unpacked.ok())
+    return Error{unpacked.error().code, without_path(unpacked.error().message, upload, row_.title.empty() ? "the upload" : row_.title)};
+  on_network([this, words = unpacked->kind + ": " + std::to_string(unpacked->file_count) + " files unpacked, " +
+                            std::to_string(unpacked->output_bytes) + " bytes"] { events_.log(words); });
+  return folder;
+}
+
+Result<Recording> ScanJob::open_upload(const std::string& path, const wire::StartScan& request) const {
+  const Result<std::optional<Camera>> camera = camera_of(row_);
+  if (!camera.ok()) return camera.error();
+  Result<Recording> recording = open_recording(path, *camera);
+  if (recording.ok() || *camera) return recording;
+  // Names of folders say which camera of a benchmark it was. Here the title is all that is left of the name.
+  const std::optional<Camera> mentioned = camera_mentioned_in(request.title);
+  if (!mentioned) return recording;
+  Result<Recording> again = open_recording(path, mentioned);
+  return again.ok() ? std::move(again) : std::move(recording);
+}
+
+void ScanJob::tell_remarks(JobFrames& source) {
+  for (std::string& remark : source.take_remarks()) on_network([this, words = std::move(remark)] { events_.log(words); });
+}
+
+Status ScanJob::feed(JobFrames& source) {
+  tell_remarks(source);
+  on_network([this, request = source.request()] { source_is_open(request); });
+  Feed allowed;
+  const auto wait = [this, &allowed](auto enough) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return feed_.stopped || enough(feed_); });
+    allowed = feed_;
+    return !feed_.stopped;
+  };
+  if (!wait([](const Feed& feed) { return feed.begun; })) return Done{};
+  if (Status status = source.skip(allowed.next_sequence); !status.ok()) return status;
+  for (;;) {
+    Result<std::optional<wire::Frame>> frame = source.next();
+    tell_remarks(source);
+    if (!frame.ok()) return frame.error();
+    if (!*frame) break;
+    const std::uint64_t sequence = (*frame)->sequence;
+    std::string message = wire::format_client_message(**frame);
+    if (message.size() > allowed.max_message_bytes)
+      return Error{ErrorCode::kTooLarge, "frame " + std::to_string(sequence) + " takes " + std::to_string(message.size()) +
+                                             " bytes, allowed are " + std::to_string(allowed.max_message_bytes)};
+    if (!wait([sequence](const Feed& feed) { return feed.granted > sequence; })) return Done{};
+    auto shared = std::make_shared<std::pair<wire::Frame, std::string>>(**std::move(frame), std::move(message));
+    on_network([this, shared] {
+      if (scan_over_) return;
+      if (const Status status = scan_->receive(std::move(shared->first), shared->second); !status.ok()) {
+        failure_ = status.error();
+        scan_->discard();
+      }
+    });
+  }
+  on_network([this] {
+    if (!scan_over_) scan_->finish();
+  });
+  return Done{};
+}
+
+void ScanJob::source_is_open(const wire::StartScan& request) {
+  waiting_ = request;
+  begin_scan();
+}
+
+void ScanJob::begin_scan() {
+  if (!waiting_ || cancelled_ || stopping_) return;
+  if (!world_.scans.has_room_for(row_.scan_id)) {
+    events_.progress({"waiting for a free place"});
+    return;
+  }
+  const std::string upload_id = row_.source == JobSource::kUpload ? row_.source_id : "";
+  const Result<std::optional<JobScan>> found =
+      world_.scans.run_for_job(row_.scan_id, upload_id, world_.scans.owner_of(row_.token_id), *waiting_);
+  if (found.ok() && !*found) {
+    events_.progress({"reading the frame log"});
+    return;
+  }
+  const wire::StartScan request = *std::exchange(waiting_, std::nullopt);
+  if (!found.ok()) {
+    failure_ = found.error();
+    stop_thread();
+    return;
+  }
+  const std::optional<JobScan>& begun = *found;
+  scan_ = begun->scan;
+  stage_ = {kTracking, static_cast<std::int64_t>(scan_->counts().processed), static_cast<std::int64_t>(request.expected_frames)};
+  events_.progress(stage_);
+  if (begun->next_sequence > 0) events_.log("goes on with frame " + std::to_string(begun->next_sequence));
+  scan_->attach_camera(link());
+  {
+    const std::lock_guard lock(mutex_);
+    feed_.begun = true;
+    feed_.next_sequence = begun->next_sequence;
+    feed_.granted = begun->frames_granted;
+    feed_.max_message_bytes = begun->max_message_bytes;
+  }
+  changed_.notify_all();
+}
+
+CameraLink ScanJob::link() {
+  // Called from inside the scan, which must outlive the call: what follows is done later.
+  const std::weak_ptr<bool> alive = alive_;
+  const auto later = [this, alive](bool away) {
+    if (!alive.lock()) return;
+    went_away_ = went_away_ || away;
+    on_network([this] {
+      scan_over_ = true;
+      conclude();
+    });
+  };
+  return {[this, alive](const wire::ServerMessage& message) {
+            if (alive.lock()) said(message);
+          },
+          [later] { later(false); }, [] {}, [later] { later(true); }};
+}
+
+void ScanJob::said(const wire::ServerMessage& message) {
+  if (const auto* credit = std::get_if<wire::Credit>(&message)) {
+    {
+      const std::lock_guard lock(mutex_);
+      feed_.granted = std::max(feed_.granted, credit->frames_granted);
+    }
+    changed_.notify_all();
+  } else if (const auto* result = std::get_if<wire::FrameResult>(&message)) {
+    stage_.done = static_cast<std::int64_t>(result->sequence) + 1;
+    stage_.name = stage_.total > 0 && stage_.done >= stage_.total ? "finishing" : kTracking;
+    events_.progress(stage_);
+  } else if (const auto* state = std::get_if<wire::ScanState>(&message)) {
+    last_state_ = *state;
+  } else if (const auto* error = std::get_if<wire::ErrorMessage>(&message); error && error->about_frame) {
+    events_.log("frame " + std::to_string(error->sequence) + ": " + error->message);
+  }
+}
+
+void ScanJob::stop_thread() {
+  {
+    const std::lock_guard lock(mutex_);
+    feed_.stopped = true;
+  }
+  changed_.notify_all();
+}
+
+void ScanJob::cancel() {
+  if (cancelled_) return;
+  cancelled_ = true;
+  stop_thread();
+  if (scan_ && !scan_over_) scan_->discard();
+}
+
+// A scan that runs is told by Scans, which knows when.
+void ScanJob::stop() {
+  stopping_ = true;
+  if (!scan_) stop_thread();
+}
+
+void ScanJob::tick() { begin_scan(); }
+
+// Its last word: the source is used up, was stopped, or is no good.
+void ScanJob::thread_ended(const Status& fed) {
+  thread_over_ = true;
+  if (!fed.ok() && !failure_) failure_ = fed.error();
+  if (!fed.ok() && scan_ && !scan_over_) scan_->discard();
+  conclude();
+}
+
+// When both the thread and the scan are at their end.
+void ScanJob::conclude() {
+  stop_thread();
+  if (ended_ || !thread_over_ || (scan_ && !scan_over_)) return;
+  ended_ = true;
+  events_.ended(verdict());
+}
+
+// Rather than it was no good: then it is worth another try when there is some.
+bool ScanJob::lacked_room() const {
+  if (upload_lacks_room_ || (scan_ && scan_->lacked_room())) return true;
+  const bool of_disk = failure_ ? failure_->code == ErrorCode::kIo : scan_ && last_state_;
+  return of_disk && !world_.scans.check_disk().ok();
+}
+
+JobEnd ScanJob::verdict() {
+  const bool postponed = went_away_ || (!scan_ && stopping_ && !failure_);
+  if (postponed && !cancelled_) return {JobState::kQueued, {}};
+  const bool finished = last_state_ && last_state_->phase == wire::ScanPhase::kFinished;
+  if (!cancelled_ && !failure_ && finished) return {JobState::kFinished, last_state_->words};
+  const bool again = lacked_room();  // before there is, since this has ended
+  // Nothing is left of a scan that nobody gets.
+  world_.scans.remove_unwanted(row_.scan_id);
+  if (cancelled_) return {JobState::kCancelled, {}};
+  const std::string words = failure_ ? failure_->message : last_state_ ? last_state_->words : "the scan ended without a word";
+  if (again) return {JobState::kQueued, words, true};
+  return {JobState::kFailed, words};
+}
+
+}  // namespace hermite

@@ -1,0 +1,362 @@
+#include "server/routes/http_routes.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+#include "proto/wire/told_words.h"
+#include "server/access/administration.h"
+#include "server/operations/json_text.h"
+#include "server/operations/json_time.h"
+#include "server/routes/byte_range.h"
+#include "server/routes/export_routes.h"
+#include "server/routes/job_routes.h"
+#include "server/routes/scan_routes.h"
+#include "server/routes/upload_routes.h"
+
+namespace hermite {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+HttpAnswer json_answer(const Json& json) {
+  HttpAnswer answer;
+  answer.content_type = "application/json";
+  answer.body = json_text(json);
+  return answer;
+}
+
+HttpAnswer on_route(std::string_view route, HttpAnswer answer) {
+  answer.route = route;
+  return answer;
+}
+
+Json row_json(const ScanRow& row) {
+  Json json;
+  json["id"] = row.id;
+  json["title"] = row.title;
+  json["state"] = name_of(row.phase);
+  json["words"] = wire::told_words(row.words);
+  json["to_be_rebuilt"] = row.to_be_rebuilt;
+  json["frames"] = row.frames_processed;
+  json["frames_received"] = row.frames_received;
+  json["frames_processed"] = row.frames_processed;
+  json["frames_dropped"] = row.frames_dropped;
+  json["width"] = row.camera.width;
+  json["height"] = row.camera.height;
+  json["started"] = time_json(row.created_at_ms);
+  json["created_at"] = time_json(row.created_at_ms);
+  json["finished_at"] = time_json(row.finished_at_ms);
+  return json;
+}
+
+// For a share link only its scan, which need not be among the newest.
+Result<std::vector<ScanRow>> scans_for(const HttpWorld& world, const Grant& grant, const std::string& older_than_id) {
+  if (grant.scan_id.empty()) return world.scans.list(older_than_id);
+  Result<ScanRow> row = world.scans.find(grant.scan_id);
+  if (!row.ok()) return row.error();
+  return std::vector<ScanRow>{*std::move(row)};
+}
+
+HttpAnswer list_scans(const HttpWorld& world, const Call& call) {
+  constexpr std::string_view kOlder = "older-than=";
+  const std::string& query = call.request.query;
+  if (!query.empty() && !query.starts_with(kOlder))
+    return refused({ErrorCode::kInvalidArgument, "the list of scans knows ?older-than=ID and nothing else"});
+  const Result<std::vector<ScanRow>> rows = scans_for(world, call.grant, query.empty() ? "" : query.substr(kOlder.size()));
+  if (!rows.ok()) return refused(rows.error());
+  Json json = {{"scans", Json::array()}, {"more", rows->size() == kMaxListedScans}};
+  for (const ScanRow& row : *rows) json["scans"].push_back(row_json(row));
+  return json_answer(json);
+}
+
+HttpAnswer show_scan(const HttpWorld& world, const Call& call) {
+  const Result<ScanRow> row = world.scans.find(call.id);
+  return row.ok() ? json_answer(row_json(*row)) : refused(row.error());
+}
+
+HttpAnswer remove_scan(const HttpWorld& world, const Call& call) {
+  const Status status = world.scans.remove(call.id);
+  return status.ok() ? json_answer({{"removed", call.id}}) : refused(status.error());
+}
+
+HttpAnswer send_cloud(const HttpWorld& world, const Call& call) { return send_file(world, call, "cloud.ply", "application/octet-stream"); }
+HttpAnswer send_trajectory(const HttpWorld& world, const Call& call) {
+  return send_file(world, call, "trajectory.txt", "text/plain; charset=utf-8");
+}
+HttpAnswer send_report(const HttpWorld& world, const Call& call) { return send_file(world, call, "report.json", "application/json"); }
+
+HttpAnswer list_all_shares(const HttpWorld& world, const Call& call) {
+  return made(list_shares(world.store, "", call.request.caller.now_ms));
+}
+HttpAnswer list_scans_shares(const HttpWorld& world, const Call& call) {
+  const Result<ScanRow> row = world.scans.find(call.id);
+  return row.ok() ? made(list_shares(world.store, call.id, call.request.caller.now_ms)) : refused(row.error());
+}
+HttpAnswer share_scan(const HttpWorld& world, const Call& call) {
+  return made(create_share(world.store, call.id, call.request.body, call.request.caller.now_ms, call.grant.token_id), 201);
+}
+HttpAnswer list_all_tokens(const HttpWorld& world, const Call& call) { return made(list_tokens(world.store, call.request.caller.now_ms)); }
+HttpAnswer make_token(const HttpWorld& world, const Call& call) {
+  return made(create_token(world.store, call.request.body, call.request.caller.now_ms, call.grant.token_id), 201);
+}
+
+HttpAnswer revoke(const HttpWorld& world, const Call& call, bool share) {
+  Result<std::string> revoked = revoke_row(world.store, call.id, share, call.request.caller.now_ms);
+  if (revoked.ok()) world.gate.forget_grants(call.id);
+  return made(std::move(revoked));
+}
+HttpAnswer revoke_share(const HttpWorld& world, const Call& call) { return revoke(world, call, true); }
+HttpAnswer revoke_token(const HttpWorld& world, const Call& call) { return revoke(world, call, false); }
+
+// Of what a request has made: its answer names it.
+std::string made_id(const HttpAnswer& answer) {
+  const Json json = Json::parse(answer.body, nullptr, false);
+  if (!json.is_object()) return {};
+  for (const char* kind : {"token", "share"})
+    if (json.contains(kind) && json[kind].is_object()) return json[kind].value("id", "");
+  return json.value("id", "");
+}
+
+// An entry of the audit log: changes, whatever came of them, and results that were taken. Lists and states are asked for all the time.
+void note(const HttpWorld& world, const HttpRequest& request, const Grant& grant, std::string_view route, const std::string& id,
+          const std::string& outcome) {
+  world.audit.note({request.caller.now_ms, grant.token_id, request.caller.peer, request.method + " " + std::string(route), id, outcome});
+}
+
+enum class Needs { kNothing, kView, kScan, kViewAndScan, kAdmin };
+
+struct ApiRoute {
+  std::string_view method;
+  std::string_view name;                 // in metrics
+  std::string_view before_id, after_id;  // the path, around an id where has_id
+  bool has_id;
+  Needs needs;
+  HttpAnswer (*handle)(const HttpWorld&, const Call&);
+  bool long_body = false;
+  bool has_format = false;  // a format ends the path
+};
+constexpr std::string_view kScanPath = "/api/v1/scans/";
+constexpr std::string_view kUploadsPath = "/api/v1/uploads/", kJobsPath = "/api/v1/jobs/";
+constexpr std::array<ApiRoute, 32> kApi = {{
+    {"GET", "access", "/api/v1/access", "", false, Needs::kNothing, show_access},
+    {"GET", "scans", "/api/v1/scans", "", false, Needs::kView, list_scans},
+    {"GET", "scan", kScanPath, "", true, Needs::kView, show_scan},
+    {"PATCH", "scan", kScanPath, "", true, Needs::kViewAndScan, rename_scan},
+    {"POST", "stop", kScanPath, "/stop", true, Needs::kViewAndScan, stop_scan},
+    {"DELETE", "scan", kScanPath, "", true, Needs::kAdmin, remove_scan},
+    {"GET", "cloud.ply", kScanPath, "/cloud.ply", true, Needs::kView, send_cloud},
+    {"GET", "trajectory.txt", kScanPath, "/trajectory.txt", true, Needs::kView, send_trajectory},
+    {"GET", "report.json", kScanPath, "/report.json", true, Needs::kView, send_report},
+    {"GET", "exports", kScanPath, "/exports", true, Needs::kView, list_exports},
+    {"POST", "exports", kScanPath, "/exports", true, Needs::kView, create_export},
+    {"GET", "export", kScanPath, "/exports/", true, Needs::kView, send_export, false, true},
+    {"DELETE", "export", kScanPath, "/exports/", true, Needs::kViewAndScan, remove_export, false, true},
+    {"GET", "shares", kScanPath, "/shares", true, Needs::kViewAndScan, list_scans_shares},
+    {"POST", "shares", kScanPath, "/shares", true, Needs::kViewAndScan, share_scan},
+    {"GET", "shares", "/api/v1/shares", "", false, Needs::kViewAndScan, list_all_shares},
+    {"DELETE", "share", "/api/v1/shares/", "", true, Needs::kViewAndScan, revoke_share},
+    {"GET", "tokens", "/api/v1/tokens", "", false, Needs::kAdmin, list_all_tokens},
+    {"POST", "tokens", "/api/v1/tokens", "", false, Needs::kAdmin, make_token},
+    {"DELETE", "token", "/api/v1/tokens/", "", true, Needs::kAdmin, revoke_token},
+    {"GET", "uploads", "/api/v1/uploads", "", false, Needs::kScan, list_uploads},
+    {"OPTIONS", "uploads", "/api/v1/uploads", "", false, Needs::kScan, describe_uploads},
+    {"POST", "uploads", "/api/v1/uploads", "", false, Needs::kScan, create_upload, true},
+    {"HEAD", "upload", kUploadsPath, "", true, Needs::kScan, show_upload},
+    {"PATCH", "upload", kUploadsPath, "", true, Needs::kScan, continue_upload, true},
+    {"DELETE", "upload", kUploadsPath, "", true, Needs::kScan, remove_upload},
+    {"PUT", "upload", kUploadsPath, "", true, Needs::kScan, put_upload, true},
+    {"GET", "jobs", "/api/v1/jobs", "", false, Needs::kScan, list_jobs},
+    {"POST", "jobs", "/api/v1/jobs", "", false, Needs::kViewAndScan, create_job},
+    {"GET", "job", kJobsPath, "", true, Needs::kScan, show_job},
+    {"DELETE", "job", kJobsPath, "", true, Needs::kScan, cancel_job},
+    {"POST", "retry", kJobsPath, "/retry", true, Needs::kScan, retry_job},
+}};
+
+// The scope that `grant` lacks for a route, if any.
+std::optional<Scope> lacking(const Grant& grant, Needs needs) {
+  if (needs == Needs::kNothing) return std::nullopt;
+  if (needs == Needs::kAdmin) return may(grant, Scope::kAdmin) ? std::nullopt : std::optional(Scope::kAdmin);
+  if (needs == Needs::kScan) return may(grant, Scope::kScan) ? std::nullopt : std::optional(Scope::kScan);
+  if (!may(grant, Scope::kView)) return Scope::kView;
+  return needs == Needs::kView || may(grant, Scope::kScan) ? std::nullopt : std::optional(Scope::kScan);
+}
+
+// What a path has of a route's own.
+struct PathParts {
+  std::string id, format;  // empty for a route without
+};
+
+// Nothing when the route is for other paths.
+std::optional<PathParts> match(const ApiRoute& route, std::string_view path) {
+  if (!path.starts_with(route.before_id)) return std::nullopt;
+  path.remove_prefix(route.before_id.size());
+  if (!route.has_id) return path.empty() ? std::optional(PathParts()) : std::nullopt;
+  const std::size_t id_end = std::min(path.find('/'), path.size());
+  const std::string_view id = path.substr(0, id_end), rest = path.substr(id_end);
+  if (id.empty() || !rest.starts_with(route.after_id)) return std::nullopt;
+  const std::string_view format = rest.substr(route.after_id.size());
+  if (format.empty() == route.has_format || format.find('/') != std::string_view::npos) return std::nullopt;
+  return PathParts{std::string(id), std::string(format)};
+}
+
+// The grant of whoever asks, or the answer to somebody who has none.
+std::variant<Grant, HttpAnswer> admit(const HttpWorld& world, const HttpRequest& request) {
+  constexpr std::string_view kScheme = "Bearer ";
+  const std::string_view given = request.authorization;
+  if (given.substr(0, kScheme.size()) != kScheme) {
+    world.metrics.authentication_failed();
+    return refused({ErrorCode::kUnauthorized, "the header \"Authorization: Bearer TOKEN\" with a token of this server is missing"});
+  }
+  Result<Grant> grant = world.gate.admit(given.substr(kScheme.size()), request.caller);
+  if (grant.ok()) return *std::move(grant);
+  if (grant.error().code != ErrorCode::kIo) world.metrics.authentication_failed();
+  if (grant.error().code == ErrorCode::kBusy) return wait_answer(429, grant.error().message, world.gate.failure_wait_ms());
+  return refused(grant.error());
+}
+
+HttpAnswer wrong_method(const std::string& allow) {
+  HttpAnswer answer = error_answer(405, {ErrorCode::kUnsupported, "allowed here: " + allow});
+  answer.allow = allow;
+  return answer;
+}
+
+// A HEAD is a GET whose body stays behind, unless a route says otherwise.
+bool fits(const ApiRoute& route, std::string_view method, std::string_view path) {
+  return route.method == method || (method == "HEAD" && route.method == "GET" && path.substr(0, kUploadsPath.size()) != kUploadsPath);
+}
+
+HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
+  const std::string& method = request.method;
+  std::variant<Grant, HttpAnswer> admitted = admit(world, request);
+  if (auto* refusal = std::get_if<HttpAnswer>(&admitted)) return std::move(*refusal);
+  const Grant& grant = std::get<Grant>(admitted);
+  if (!may(grant, Scope::kAdmin) && !request.asked_again)
+    if (const std::int64_t wait_ms = world.of_a_token.take(grant.token_id, request.caller.now_ms); wait_ms > 0)
+      return wait_answer(429, "too many requests with this token", wait_ms);
+  std::string allow;
+  for (const ApiRoute& route : kApi) {
+    const std::optional<PathParts> parts = match(route, request.path);
+    if (!parts) continue;
+    const std::string& id = parts->id;
+    if (fits(route, method, request.path)) {
+      if (const std::optional<Scope> scope = lacking(grant, route.needs)) {
+        spdlog::info("{} {} refused to token {}", method, request.path, grant.token_id);
+        note(world, request, grant, route.name, id, "403");
+        return on_route(route.name, error_answer(403, lacks(grant, *scope)));
+      }
+      // A share link knows of no other scan, not even that it exists.
+      if (route.before_id == kScanPath && !may_see(grant, id))
+        return on_route(route.name, refused({ErrorCode::kNotFound, "there is no scan " + id}));
+      HttpAnswer answer = on_route(route.name, route.handle(world, {request, grant, id, parts->format}));
+      // Who changed what; paths of the routes hold ids and no secrets.
+      const bool looks = method == "GET" || method == "HEAD" || answer.body_sink || answer.ask_again;
+      const bool takes_results = method == "GET" && answer.stored.has_value();
+      if ((!looks && !answer.ask_again) || answer.body_sink || takes_results)
+        note(world, request, grant, route.name, id.empty() ? made_id(answer) : id,
+             answer.body_sink ? "begun" : std::to_string(answer.status));
+      if (!looks) spdlog::info("{} {} by token {}: {}", method, request.path, grant.token_id, answer.status);
+      return answer;
+    }
+    allow += (allow.empty() ? "" : ", ") + std::string(route.method);
+  }
+  if (!allow.empty()) return wrong_method(allow);
+  return refused({ErrorCode::kNotFound, "there is nothing at this path"});
+}
+
+HttpAnswer answer_file(const HttpWorld& world, const HttpRequest& request) {
+  const auto found = world.files.find(request.path);
+  if (found == world.files.end()) {
+    const bool no_viewer = request.path == "/" && world.files.empty();
+    return refused({ErrorCode::kNotFound, no_viewer ? "this server runs without the web viewer: its files (--web-dir) were not found"
+                                                    : "there is nothing at this path"});
+  }
+  HttpAnswer answer;
+  answer.route = "viewer";
+  answer.content_type = found->second.content_type;
+  answer.cache_control = found->second.immutable ? "public, max-age=31536000, immutable" : "no-cache";
+  answer.body = found->second.bytes;
+  return answer;
+}
+
+}  // namespace
+
+HttpAnswer send_file(const HttpWorld& world, const Call& call, const std::string& name, const char* content_type) {
+  const std::string& id = call.id;
+  const Result<std::uint64_t> size_bytes = world.scans.size_of_result(id, name);
+  if (!size_bytes.ok()) return refused(size_bytes.error());
+  const Result<std::string> version = world.scans.blobs().version(id, name);
+  if (!version.ok()) return refused(version.error());
+  HttpAnswer answer;
+  answer.content_type = content_type;
+  answer.stored = StoredBody{*size_bytes, [&blobs = world.scans.blobs(), id, name](std::uint64_t offset, std::size_t max_bytes) {
+                               return blobs.read(id, name, offset, max_bytes);
+                             }};
+  answer.download_name = id + "-" + name;
+  return as_asked(std::move(answer), *version, call.request);
+}
+
+HttpAnswer error_answer(int status, const Error& error) {
+  HttpAnswer answer = json_answer({{"error", {{"code", name_of(error.code)}, {"message", wire::told_words(error.message)}}}});
+  answer.status = status;
+  return answer;
+}
+
+HttpAnswer refused(const Error& error) {
+  switch (error.code) {
+    case ErrorCode::kInvalidArgument: return hermite::error_answer(400, error);
+    case ErrorCode::kNotFound: return hermite::error_answer(404, error);
+    case ErrorCode::kUnauthorized: return hermite::error_answer(401, error);
+    case ErrorCode::kBusy: return hermite::error_answer(409, error);
+    default: return hermite::error_answer(500, error);
+  }
+}
+
+HttpAnswer made(Result<std::string> json, int status) {
+  if (!json.ok()) return refused(json.error());
+  HttpAnswer answer;
+  answer.status = status;
+  answer.content_type = "application/json";
+  answer.body = *std::move(json);
+  return answer;
+}
+
+bool takes_long_body(const HttpRequest& request) {
+  return std::any_of(kApi.begin(), kApi.end(), [&request](const ApiRoute& route) {
+    return route.long_body && route.method == request.method && match(route, request.path);
+  });
+}
+
+std::vector<std::string> api_routes() {
+  std::vector<std::string> routes;
+  for (const ApiRoute& route : kApi)
+    routes.push_back(std::string(route.method) + " " + std::string(route.before_id) + (route.has_id ? "{id}" : "") +
+                     std::string(route.after_id) + (route.has_format ? "{format}" : ""));
+  return routes;
+}
+
+HttpAnswer wait_answer(int status, const std::string& words, std::int64_t retry_in_ms) {
+  HttpAnswer answer = error_answer(status, {ErrorCode::kBusy, words});
+  answer.retry_after_s = (retry_in_ms + 999) / 1000;
+  return answer;
+}
+
+HttpAnswer answer(const HttpWorld& world, const HttpRequest& request) {
+  if (request.path.rfind("/api/", 0) == 0) return answer_api(world, request);
+  if (request.method != "GET" && request.method != "HEAD") return wrong_method("GET, HEAD");
+  if (request.path == "/healthz") {
+    HttpAnswer healthy;
+    healthy.body = "ok\n";
+    return on_route("healthz", std::move(healthy));
+  }
+  return answer_file(world, request);
+}
+
+}  // namespace hermite

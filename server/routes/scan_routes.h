@@ -1,0 +1,18 @@
+// The routes by which a person looks after scans: what they may do, another title, and the end of a scan that runs. On the network thread.
+#pragma once
+
+#include "server/routes/http_routes.h"
+
+namespace hermite {
+
+// {"scopes": ["view", ...], "scan": id or null}: what whoever asks may do, so that a page need not offer what would be refused.
+HttpAnswer show_access(const HttpWorld& world, const Call& call);
+
+// {"title": ...}: of the token that made the scan, or admin. The scan as it is then. 400 naming the field, 403, 404.
+HttpAnswer rename_scan(const HttpWorld& world, const Call& call);
+
+// A scan that runs ends as interrupted, with what it has; of the token that made it, or admin. 403, 404, 409: it has ended, or a job feeds
+// it.
+HttpAnswer stop_scan(const HttpWorld& world, const Call& call);
+
+}  // namespace hermite

@@ -1,0 +1,190 @@
+#include "server/scan/audience.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "proto/wire/server_message.h"
+
+namespace hermite {
+
+namespace {
+
+SharedBytes shared(wire::ServerMessage message) {
+  return std::make_shared<const std::string>(wire::format_server_message(std::move(message)));
+}
+
+}  // namespace
+
+void Audience::wake_all() {
+  for (Viewer* viewer : viewers_) viewer->wake_();
+}
+
+void Audience::show_state(const wire::ScanState& state) {
+  state_ = shared(state);
+  for (Viewer* viewer : viewers_) viewer->state_ = state_;
+  wake_all();
+}
+
+void Audience::add_position(const wire::PoseInSubmap& where) {
+  const Eigen::Vector3f position_m = where.submap_from_camera.translation.cast<float>();
+  positions_in_submaps_m_.insert(positions_in_submaps_m_.end(), position_m.data(), position_m.data() + 3);
+  submaps_.push_back(where.submap);
+}
+
+void Audience::show_past(const std::vector<wire::PoseInSubmap>& poses) {
+  for (const wire::PoseInSubmap& pose : poses) add_position(pose);
+  // Who is there already has been told of no past, or of another one.
+  for (Viewer* viewer : viewers_) viewer->trajectory_ = shared(trajectory());
+  wake_all();
+}
+
+void Audience::show_other_past(const std::vector<wire::PoseInSubmap>& poses) {
+  positions_in_submaps_m_.clear();
+  submaps_.clear();
+  show_past(poses);
+}
+
+void Audience::show_result(const wire::FrameResult& result) {
+  add_position(result.in_submap.value_or(wire::PoseInSubmap{0, result.world_from_camera}));
+  result_ = shared(result);
+  const bool has_event = result.event != wire::MapEvent::kNone;
+  for (Viewer* viewer : viewers_) {
+    viewer->result_ = has_event ? nullptr : result_;
+    if (has_event) viewer->event_ = result_;
+  }
+  wake_all();
+}
+
+void Audience::show_poses(wire::SubmapPoses poses) {
+  for (const wire::SubmapPose& pose : poses.poses) world_from_submap_[pose.submap] = pose.world_from_submap;
+  poses_ = shared(std::move(poses));
+  for (Viewer* viewer : viewers_) viewer->poses_ = poses_;
+  wake_all();
+}
+
+void Audience::show_model(ModelUpdate update) {
+  show_poses(std::move(update.poses));
+  for (ChunkUpdate& chunk : update.chunks) chunks_[chunk.key] = {std::move(chunk.message), chunk.empty};
+  for (Viewer* viewer : viewers_) {
+    for (const ChunkUpdate& chunk : update.chunks) viewer->chunks_.add(chunk.key);
+  }
+  wake_all();
+}
+
+void Audience::show_mesh(MeshUpdate update) {
+  for (MeshPiece& piece : update.pieces) {
+    pieces_[piece.cube] = {std::move(piece.message), piece.empty};
+    for (Viewer* viewer : viewers_) viewer->pieces_.add(piece.cube);
+  }
+  mesh_ended_ = mesh_ended_ || update.ended;
+  wake_all();
+}
+
+void Audience::tell_mesh_wanted(std::function<void(bool)> tell) {
+  tell_mesh_wanted_ = std::move(tell);
+  if (tell_mesh_wanted_) tell_mesh_wanted_(mesh_wanted_);
+}
+
+void Audience::ask_for_mesh() {
+  const bool wanted = std::any_of(viewers_.begin(), viewers_.end(), [](const Viewer* viewer) { return viewer->sees_mesh(); });
+  if (std::exchange(mesh_wanted_, wanted) != wanted && tell_mesh_wanted_) tell_mesh_wanted_(wanted);
+}
+
+wire::TrajectoryPart Audience::trajectory() const {
+  if (submaps_.empty()) return {final_positions_m_, {}, {}};
+  wire::TrajectoryPart part{{}, positions_in_submaps_m_, submaps_};
+  for (std::size_t i = 0; i < submaps_.size(); ++i) {
+    const auto pose = world_from_submap_.find(submaps_[i]);
+    const Eigen::Vector3d position_m = Eigen::Map<const Eigen::Vector3f>(&positions_in_submaps_m_[3 * i]).cast<double>();
+    const Eigen::Vector3d world_m = pose == world_from_submap_.end() ? position_m : pose->second * position_m;
+    for (const double axis : world_m) part.positions_m.push_back(static_cast<float>(axis));
+  }
+  return part;
+}
+
+void Audience::close() {
+  closed_ = true;
+  wake_all();
+}
+
+Result<std::unique_ptr<Viewer>> Audience::join(const std::shared_ptr<Audience>& audience, const ViewerToken& token,
+                                               const wire::Watch& watch, std::function<void()> wake) {
+  const std::set<Viewer*>& viewers = audience->viewers_;
+  const auto own =
+      std::count_if(viewers.begin(), viewers.end(), [&token](const Viewer* viewer) { return viewer->token_id_ == token.token_id; });
+  const Taken taken{static_cast<std::int64_t>(viewers.size()), own};
+  if (Status status = check_share(kViewerShare, taken, token.is_admin, "viewers of a scan"); !status.ok()) return status.error();
+  return std::make_unique<Viewer>(audience, token.token_id, watch, std::move(wake));
+}
+
+Viewer::Viewer(std::shared_ptr<Audience> audience, std::string token_id, const wire::Watch& watch, std::function<void()> wake)
+    : audience_(std::move(audience)),
+      token_id_(std::move(token_id)),
+      wake_(std::move(wake)),
+      state_(audience_->state_),
+      poses_(audience_->poses_),
+      result_(audience_->result_),
+      watch_(watch),
+      chunks_(audience_->chunks_),
+      pieces_(audience_->pieces_) {
+  if (wire::TrajectoryPart past = audience_->trajectory(); !past.positions_m.empty()) trajectory_ = shared(std::move(past));
+  audience_->viewers_.insert(this);
+  audience_->ask_for_mesh();
+}
+
+Viewer::~Viewer() {
+  audience_->viewers_.erase(this);
+  audience_->ask_for_mesh();
+}
+
+void Viewer::watch(const wire::Watch& watch) {
+  watch_ = watch;
+  audience_->ask_for_mesh();
+}
+
+// The surface of a scan that has ended is an export; until somebody has that there are the points.
+bool Viewer::sees_points() const { return watch_.points || audience_->closed_ || audience_->mesh_ended_; }
+
+SharedBytes Viewer::counted(SharedBytes message) {
+  if (message) sent_bytes_ += message->size();
+  return message;
+}
+
+SharedBytes Viewer::next() {
+  for (SharedBytes* newest : {&state_, &trajectory_, &poses_, &event_, &result_})
+    if (*newest) return counted(std::exchange(*newest, nullptr));
+  const bool has_snapshot = (!sees_points() || chunks_.has_snapshot()) && (!sees_mesh() || pieces_.has_snapshot());
+  if (!snapshot_ended_ && has_snapshot) {
+    snapshot_ended_ = true;
+    return counted(shared(wire::SnapshotEnd{}));
+  }
+  if (sees_mesh())
+    if (SharedBytes piece = next_part(audience_->pieces_, pieces_)) return piece;
+  return sees_points() ? next_part(audience_->chunks_, chunks_) : nullptr;
+}
+
+template <class Key>
+SharedBytes Viewer::next_part(const std::map<Key, ShownPart>& parts, MissingParts<Key>& missing) {
+  if (missing.empty()) return nullptr;
+  const Key key = missing.next();
+  const SharedBytes& message = parts.at(key).message;
+  const std::uint64_t unacked_bytes = sent_bytes_ - acknowledged_bytes_;
+  if (unacked_bytes > 0 && unacked_bytes + message->size() > kMaxUnackedBytes) return nullptr;
+  missing.sent(key);
+  return counted(message);
+}
+
+Status Viewer::acknowledge(std::uint64_t bytes) {
+  if (bytes > sent_bytes_)
+    return Error{ErrorCode::kInvalidArgument,
+                 "viewer_ack.bytes is " + std::to_string(bytes) + ", sent were only " + std::to_string(sent_bytes_)};
+  if (bytes > acknowledged_bytes_) acknowledged_bytes_ = bytes;
+  return Done{};
+}
+
+bool Viewer::complete() const {
+  const bool has_parts = chunks_.empty() && (!sees_mesh() || pieces_.empty());
+  return audience_->closed_ && snapshot_ended_ && has_parts && !state_ && !poses_ && !event_ && !result_ && !trajectory_;
+}
+
+}  // namespace hermite

@@ -1,0 +1,290 @@
+#include "server/scan/live_scan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/run/results.h"
+
+namespace hermite {
+
+namespace {
+
+Error broken_rule(const std::string& words) { return {ErrorCode::kInvalidArgument, words}; }
+
+constexpr const char* kNoSurface = "the map is too large for a surface that grows with it: its points are shown";
+constexpr const char* kDiscarded = "discarded by its camera";
+
+}  // namespace
+
+LiveScan::LiveScan(ScanTerms terms, const ScanPast& past, std::shared_ptr<Audience> audience, std::function<void(const ScanEnd&)> on_ended)
+    : terms_(std::move(terms)), audience_(std::move(audience)), on_ended_(std::move(on_ended)) {
+  counts_.received = past.received;
+  counts_.dropped = past.refused;
+  durable_ = past.received;
+  last_timestamp_s_ = past.last_timestamp_s;
+  finishing_ = past.finished;
+  audience_->show_state(state(""));
+}
+
+void LiveScan::start(std::unique_ptr<ScanWorker> worker, std::unique_ptr<FrameLog> log) {
+  worker_ = std::move(worker);
+  log_ = std::move(log);
+  audience_->tell_mesh_wanted([this](bool wanted) { worker_->want_mesh(wanted); });
+  if (finishing_) worker_->finish();
+}
+
+std::uint64_t LiveScan::attach_camera(CameraLink camera) {
+  // The old link is none any more when it is told: what it answers means nothing here.
+  const std::optional<CameraLink> superseded = std::exchange(camera_, std::move(camera));
+  ++camera_number_;
+  waiting_since_.reset();
+  silent_since_.reset();
+  if (superseded) superseded->superseded();
+  return camera_number_;
+}
+
+Result<wire::Resumed> LiveScan::resume(std::uint64_t next_sequence) {
+  if (no_more_frames()) return Error{ErrorCode::kNotFound, "the scan is being ended: " + why_waiting_.message};
+  if (next_sequence > counts_.received) {
+    const Error lost{ErrorCode::kIo, "the server has frames 0 to " + std::to_string(counts_.received) +
+                                         " (exclusive) of the scan and the camera " + "only those from " + std::to_string(next_sequence) +
+                                         " on: the disk has lost what lies between"};
+    end_early(lost);
+    return lost;
+  }
+  return wire::Resumed{counts_.received, granted(), durable_};
+}
+
+void LiveScan::send(wire::ServerMessage message) {
+  if (camera_) camera_->send(std::move(message));
+}
+
+wire::ScanState LiveScan::state(const std::string& words) const {
+  const bool paused = !over() && (paused_ || waiting_since_);
+  return {phase_, words, counts_.received, counts_.processed, counts_.dropped, keyframes_, loops_, paused};
+}
+
+void LiveScan::show_state() {
+  std::string words = words_of_worker_.empty() ? warning_ : words_of_worker_;
+  if (words.empty() && mesh_ended_) words = kNoSurface;
+  if (paused_) words = "paused by its camera";
+  if (waiting_since_) words = "waiting for the camera to come back: " + why_waiting_.message;
+  const wire::ScanState now = state(words);
+  audience_->show_state(now);
+  send(now);
+}
+
+// Every frame that was taken care of, in whatever way, and is on disk makes room for another one. So the camera, which keeps a frame until
+// it is durable, keeps no more of them than its window has.
+std::uint64_t LiveScan::granted() const { return std::min(counts_.processed + counts_.dropped, durable_) + terms_.credit_window; }
+
+void LiveScan::grant() { send(wire::Credit{granted(), durable_}); }
+
+void LiveScan::refuse(std::uint64_t sequence, const Error& error) {
+  send(wire::ErrorMessage{name_of(error.code), error.message, true, sequence});
+}
+
+// A disk that says no ends the scan, but breaks no rule of the camera's.
+Status LiveScan::log_record(RecordType type, std::string_view message) {
+  const Status logged = log_->append(type, std::string(message));
+  if (!logged.ok()) log_failed(logged.error());
+  return logged;
+}
+
+Status LiveScan::receive(wire::Frame frame, std::string_view message) {
+  if (no_more_frames()) return Done{};  // it was under way when the scan ended
+  if (finishing_) return broken_rule("frame " + std::to_string(frame.sequence) + " came after finish");
+  if (frame.sequence != counts_.received)
+    return broken_rule("frame.sequence is " + std::to_string(frame.sequence) + ", expected is " + std::to_string(counts_.received) +
+                       ": frames are numbered 0, 1, 2, ... without gaps");
+  if (counts_.received >= granted())
+    return broken_rule("frame " + std::to_string(frame.sequence) + " came without credit: granted are " + std::to_string(granted()) +
+                       " frames in all");
+  if (counts_.received >= kMaxFramesPerScan)
+    return Error{ErrorCode::kTooLarge, "a scan has at most " + std::to_string(kMaxFramesPerScan) + " frames"};
+  ++counts_.received;
+  silent_since_.reset();
+  if (paused_) pause(false);
+
+  const double time_s = frame.timestamp_s;
+  const bool usable = std::isfinite(time_s) && std::abs(time_s) <= kMaxTimestamp_s;
+  if (!usable || (last_timestamp_s_ && time_s <= *last_timestamp_s_)) {
+    // Without a time of its own it can have no line in the trajectory.
+    refuse(frame.sequence, broken_rule(!usable ? "frame.timestamp_s is not a finite number of at most 1e11 s"
+                                               : "frame.timestamp_s is " + std::to_string(time_s) + ", not after " +
+                                                     std::to_string(*last_timestamp_s_) + " of the frame before"));
+    ++counts_.dropped;
+    if (log_record(RecordType::kRefusedFrame, {}).ok()) grant();
+    return Done{};
+  }
+  last_timestamp_s_ = time_s;
+  if (!log_record(RecordType::kFrame, message).ok()) return Done{};
+  if (worker_->push(std::move(frame))) {
+    ++counts_.dropped;
+    grant();
+  }
+  return Done{};
+}
+
+void LiveScan::finish() {
+  if (finishing_ || no_more_frames()) return;
+  if (!log_record(RecordType::kFinish, {}).ok()) return;
+  finishing_ = true;
+  worker_->finish();
+}
+
+void LiveScan::pause(bool paused) {
+  if (no_more_frames() || paused_ == paused) return;
+  paused_ = paused;
+  silent_since_.reset();
+  show_state();
+}
+
+void LiveScan::discard() {
+  if (no_more_frames()) return;
+  why_waiting_ = {ErrorCode::kNotFound, kDiscarded};
+  ending_ = discarded_ = true;
+  if (worker_) worker_->abandon(Abandon::kForGood);
+}
+
+void LiveScan::end_early(const Error& why) {
+  if (no_more_frames() || finishing_) return;
+  ending_ = true;
+  why_waiting_ = why;
+  if (worker_) worker_->interrupt(why, false);
+}
+
+void LiveScan::camera_left(std::uint64_t link, const Error& why, bool broke_rule) {
+  if (link != camera_number_ || !camera_) return;
+  camera_.reset();
+  if (no_more_frames() || finishing_) return;
+  if (broke_rule || !resumable()) return end_early(why);
+  wait_for_camera(why);
+}
+
+void LiveScan::wait_for_camera(const Error& why) {
+  why_waiting_ = why;
+  waiting_since_ = Clock::now();
+  show_state();
+}
+
+// Who holds a place and uses it for nothing lets it go. Who has no credit waits for us.
+void LiveScan::end_silence(Clock::time_point now) {
+  const bool could_send = camera_ && !finishing_ && !no_more_frames() && counts_.received < granted();
+  if (!could_send) return silent_since_.reset();
+  if (!silent_since_) silent_since_ = now;
+  const std::chrono::milliseconds patience = paused_ ? kMaxPause : terms_.frame_patience;
+  if (now - *silent_since_ < patience) return;
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(patience).count();
+  end_early(
+      {ErrorCode::kBusy, "the camera sent no frame for " + std::to_string(seconds) + " s" + (paused_ ? ", in which it was paused" : "")});
+}
+
+void LiveScan::tick(Clock::time_point now) {
+  end_silence(now);
+  if (!waiting_since_ || now - *waiting_since_ < terms_.resume_window) return;
+  waiting_since_.reset();
+  end_early(why_waiting_);
+}
+
+void LiveScan::stop() {
+  const Error why{ErrorCode::kBusy, "the server was stopped during the scan"};
+  if (!worker_ || discarded_) return;
+  if (!resumable()) return worker_->interrupt(why, true);
+  // The frames are on disk and the camera can come back: nothing has to end.
+  ending_ = true;
+  why_waiting_ = why;
+  worker_->abandon(Abandon::kToGoOn);
+}
+
+void LiveScan::frames_durable(std::uint64_t count) {
+  durable_ = count;
+  if (worker_) worker_->frames_durable(count);
+  if (!no_more_frames()) grant();
+}
+
+void LiveScan::no_more_room(const Error& why) {
+  if (no_more_frames() || finishing_) return;
+  lacked_room_ = true;
+  end_early(why);
+}
+
+void LiveScan::warn(const std::string& words) {
+  if (warning_ == words || over()) return;
+  warning_ = words;
+  show_state();
+}
+
+std::uint64_t LiveScan::results_bytes() const { return room_for_results(surfel_count_, counts_.received); }
+
+void LiveScan::log_failed(const Error& error) { end_early(in_context("the scan's frames cannot be stored", error)); }
+
+void LiveScan::restored(RestoredScan restored) {
+  counts_.processed += restored.processed;
+  counts_.dropped += restored.dropped;
+  audience_->show_past(restored.past);
+  if (restored.processed > 0) audience_->show_poses(std::move(restored.poses));
+  grant();
+  show_state();
+}
+
+void LiveScan::frame_done(const FrameOutcome& outcome) {
+  ++counts_.processed;
+  surfel_count_ = outcome.result.surfel_count;
+  if (outcome.bad_images) refuse(outcome.result.sequence, *outcome.bad_images);
+  send(outcome.result);
+  grant();
+  if (outcome.poses) audience_->show_poses(*outcome.poses);
+  if (outcome.past) audience_->show_other_past(*outcome.past);
+  audience_->show_result(outcome.result);
+}
+
+void LiveScan::model_changed(ModelUpdate update) {
+  keyframes_ = update.keyframes;
+  loops_ = update.loops;
+  gpu_memory_bytes_ = update.gpu_memory_bytes;
+  const std::optional<std::vector<wire::PoseInSubmap>> past = std::move(update.past);
+  audience_->show_model(std::move(update));
+  if (past) audience_->show_other_past(*past);
+  show_state();
+}
+
+void LiveScan::mesh_changed(MeshUpdate update) {
+  if (update.ended) {
+    mesh_ended_ = true;
+    show_state();
+  }
+  audience_->show_mesh(std::move(update));
+}
+
+void LiveScan::worker_says(const std::string& words) {
+  words_of_worker_ = words;
+  show_state();
+}
+
+void LiveScan::ended(ScanEnd end) {
+  audience_->tell_mesh_wanted(nullptr);
+  worker_.reset();  // its thread is at its end: this was its last word
+  log_.reset();     // all of it is on disk from here on
+  if (discarded_) end = {wire::ScanPhase::kInterrupted, {ErrorCode::kNotFound, kDiscarded}, {}, kDiscarded, true};
+  ending_ = true;
+  waiting_since_.reset();
+  phase_ = end.phase;
+  lacked_room_ = lacked_room_ || end.results_missing;
+  on_ended_(end);
+  if (phase_ == wire::ScanPhase::kRunning) {
+    // Viewers are not told either: they will find it running.
+    if (camera_) camera_->go_away();
+    return;
+  }
+  const wire::ScanState last = state(end.words);
+  audience_->show_state(last);
+  audience_->close();
+  if (phase_ != wire::ScanPhase::kFinished && !discarded_) send(wire::ErrorMessage{name_of(end.error.code), end.error.message, false, 0});
+  send(last);
+  if (phase_ == wire::ScanPhase::kFinished) send(std::move(end.results));
+  if (camera_) camera_->ended();
+}
+
+}  // namespace hermite

@@ -1,0 +1,16 @@
+#include "server/scan/scan_end.h"
+
+#include <spdlog/spdlog.h>
+
+namespace hermite {
+
+ScanEnd failed_scan(const Error& error) { return {wire::ScanPhase::kFailed, error, {}, error.message}; }
+
+ScanEnd not_stored(Blobs& blobs, const std::string& scan_id, const std::optional<Error>& reason, const Error& why) {
+  if (const Status removed = blobs.remove(scan_id); !removed.ok()) spdlog::warn("scan {}: {}", scan_id, removed.error().message);
+  const Error error = in_context("its results cannot be stored", why);
+  const std::string words = (reason ? reason->message + "; " : "") + error.message + "; they are made again when there is room";
+  return {wire::ScanPhase::kInterrupted, reason.value_or(error), {}, words, false, true};
+}
+
+}  // namespace hermite

@@ -1,0 +1,206 @@
+// The part of Scans that is about scans which have ended: what is still told of them, and how they go.
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/check.h"
+#include "core/run/results.h"
+#include "server/scan/scans.h"
+#include "server/scan/stored_scan.h"
+#include "server/store/unix_time.h"
+
+namespace hermite {
+
+namespace {
+
+// In an hour: as many as a busy day leaves are gone in one.
+constexpr std::size_t kMinLogsRemoved = 10, kPartOfLogsRemoved = 10;
+
+wire::ScanPhase wire_phase(ScanPhase phase) {
+  switch (phase) {
+    case ScanPhase::kRunning: return wire::ScanPhase::kRunning;
+    case ScanPhase::kFinished: return wire::ScanPhase::kFinished;
+    case ScanPhase::kFailed: return wire::ScanPhase::kFailed;
+    case ScanPhase::kInterrupted: return wire::ScanPhase::kInterrupted;
+  }
+  return wire::ScanPhase::kFailed;
+}
+
+}  // namespace
+
+// For a camera that was away when its scan ended. In the background: of this, it uses what any thread may.
+Scans::LastWords Scans::last_words(const ScanRow& row, const wire::ResumeScan& request) const {
+  FrameLogReader log(data_.log_folder(row.id));
+  const Result<std::optional<LogRecord>> terms = log.next(), start = log.next();
+  if (!terms.ok() || !start.ok() || !*terms || !*start) return Error{ErrorCode::kNotFound, "the scan has ended, and its log is gone"};
+  const Result<ScanRecord> record = parse_scan_record((*terms)->payload, (*start)->payload);
+  if (!record.ok()) return record.error();
+  if (Status status = check_resume_token(request.resume_token, record->resume_token_sha256); !status.ok()) return status.error();
+  if (row.phase != ScanPhase::kFinished)
+    return Error{ErrorCode::kNotFound, std::string("the scan is ") + name_of(row.phase) + ": " + row.words};
+  const auto received = static_cast<std::uint64_t>(row.frames_received);
+  wire::ScanState state{wire::ScanPhase::kFinished, row.words, received, static_cast<std::uint64_t>(row.frames_processed),
+                        static_cast<std::uint64_t>(row.frames_dropped)};
+  read_map_counts(blobs_, row.id, state);
+  Result<wire::Finished> results = read_results(blobs_, row.id);
+  if (!results.ok()) return results.error();
+  return std::vector<wire::ServerMessage>{wire::Resumed{received, received, received}, std::move(state), *std::move(results)};
+}
+
+Scans::Ticket Scans::when_told(const wire::ResumeScan& request, std::function<void(LastWords)> then) {
+  const Ticket ticket = next_ticket_++;
+  to_be_told_[ticket] = std::move(then);
+  background_([this, ticket, row = find(request.scan_id), request] {
+    // Functions that are posted are copied; what was read need not be.
+    const auto words = std::make_shared<LastWords>(row.ok() ? last_words(*row, request) : row.error());
+    post_([this, ticket, words] {
+      if (auto waiting = to_be_told_.extract(ticket); !waiting.empty()) waiting.mapped()(std::move(*words));
+    });
+  });
+  return ticket;
+}
+
+Result<std::shared_ptr<Audience>> Scans::watch(const std::string& scan_id) {
+  if (const auto running = running_.find(scan_id); running != running_.end()) return running->second->shared_audience();
+  std::erase_if(read_again_, [](const auto& entry) { return entry.second.expired(); });
+  if (const auto known = read_again_.find(scan_id); known != read_again_.end()) return known->second.lock();
+  const Result<ScanRow> row = find(scan_id);
+  if (!row.ok()) return row.error();
+  if (row->phase == ScanPhase::kRunning)
+    return Error{ErrorCode::kBusy, "the scan does not run again yet after a start of the server; try again later"};
+  if (!being_read_.contains(scan_id)) {
+    being_read_[scan_id];
+    background_([this, scan_id] {
+      auto stored = std::make_shared<StoredScan>(read_stored_scan(blobs_, scan_id));
+      post_([this, scan_id, stored] { show(scan_id, std::move(*stored)); });
+    });
+  }
+  return std::shared_ptr<Audience>();
+}
+
+Scans::Ticket Scans::when_shown(const std::string& scan_id, std::function<void()> then) {
+  const auto reading = being_read_.find(scan_id);
+  CHECK(reading != being_read_.end(), "watch() says when there is something to wait for");
+  reading->second[next_ticket_] = std::move(then);
+  return next_ticket_++;
+}
+
+void Scans::forget(Ticket ticket) {
+  for (auto& [scan_id, waiting] : being_read_) waiting.erase(ticket);
+  to_be_told_.erase(ticket);
+}
+
+void Scans::show(const std::string& scan_id, StoredScan stored) {
+  std::shared_ptr<Audience> audience;  // until those who wait are there
+  // Removed meanwhile: they will be told when they ask again.
+  if (const Result<ScanRow> row = find(scan_id); row.ok() && row->phase != ScanPhase::kRunning) {
+    audience = std::make_shared<Audience>(SceneInfo{row->id, row->title, row->camera});
+    if (!stored.positions_m.empty()) audience->set_positions(std::move(stored.positions_m));
+    if (stored.model) audience->show_model(*std::move(stored.model));
+    wire::ScanState state = stored.map_counts;
+    state.phase = wire_phase(row->phase);
+    state.words = row->words;
+    state.frames_received = static_cast<std::uint64_t>(row->frames_received);
+    state.frames_processed = static_cast<std::uint64_t>(row->frames_processed);
+    state.frames_dropped = static_cast<std::uint64_t>(row->frames_dropped);
+    audience->show_state(state);
+    audience->close();
+    read_again_[scan_id] = audience;
+  }
+  // What one of them does may take others away.
+  for (auto& waiting = being_read_[scan_id]; !waiting.empty();) waiting.extract(waiting.begin()).mapped()();
+  being_read_.erase(scan_id);
+}
+
+// A disk that takes nothing does not make a scan run that has ended. There are no more of these than could run: none begins without a row.
+void Scans::store_end(const ScanRow& row) {
+  const Status stored = store_.update(row);
+  if (stored.ok()) return;
+  spdlog::error("scan {}: that it has ended cannot be stored yet: {}", row.id, stored.error().message);
+  if (stored.error().code != ErrorCode::kNotFound) unstored_ends_[row.id] = row;
+}
+
+void Scans::store_ends_again() {
+  while (!unstored_ends_.empty()) {
+    const auto entry = unstored_ends_.begin();
+    const Status stored = store_.update(entry->second);
+    if (!stored.ok() && stored.error().code != ErrorCode::kNotFound) return;  // the others would fail, too, and each takes its time
+    spdlog::info("scan {}: that it has ended is stored now", entry->first);
+    unstored_ends_.erase(entry);
+  }
+}
+
+Status Scans::remove(const std::string& scan_id) {
+  if (running_.contains(scan_id)) return Error{ErrorCode::kBusy, "scan " + scan_id + " is running"};
+  const Result<ScanRow> row = find(scan_id);
+  if (!row.ok()) return row.error();
+  if (row->phase == ScanPhase::kRunning)
+    return Error{ErrorCode::kBusy, "scan " + scan_id + " is to go on: cancel its job, or try again later"};
+  if (Status status = remove_files_of_scan(storage_, scan_id); !status.ok()) return status;
+  read_again_.erase(scan_id);
+  const Status removed = store_.remove(scan_id);
+  if (removed.ok()) unstored_ends_.erase(scan_id);
+  return removed;
+}
+
+// Whoever looks at it finds the new title when they come again.
+Status Scans::rename(const std::string& scan_id, const std::string& title) {
+  if (Status renamed = store_.rename(scan_id, title); !renamed.ok()) return renamed;
+  if (const auto ended = unstored_ends_.find(scan_id); ended != unstored_ends_.end()) ended->second.title = title;
+  if (const auto running = running_.find(scan_id); running != running_.end()) running->second->shared_audience()->rename(title);
+  read_again_.erase(scan_id);
+  return Done{};
+}
+
+Status Scans::end(const std::string& scan_id) {
+  const Result<ScanRow> row = find(scan_id);
+  if (!row.ok()) return row.error();
+  const auto running = running_.find(scan_id);
+  if (running == running_.end() || !running->second->takes_frames())
+    return Error{ErrorCode::kBusy, "scan " + scan_id + " takes no frames any more: there is nothing to stop"};
+  const Result<std::vector<JobRow>> jobs = store_.jobs_in(JobState::kRunning);
+  if (!jobs.ok()) return jobs.error();
+  for (const JobRow& job : *jobs)
+    if (job.scan_id == scan_id) return Error{ErrorCode::kBusy, "scan " + scan_id + " is made by job " + job.id + ": cancel that"};
+  running->second->end_with({ErrorCode::kBusy, "stopped from the viewer"});
+  return Done{};
+}
+
+Result<std::uint64_t> Scans::size_of_result(const std::string& scan_id, const std::string& name) {
+  if (Result<ScanRow> row = find(scan_id); !row.ok()) return row.error();
+  const bool running = running_.contains(scan_id);
+  const Result<std::uint64_t> size_bytes = running ? Error{ErrorCode::kNotFound, ""} : blobs_.size_bytes(scan_id, name);
+  if (size_bytes.ok() || size_bytes.error().code != ErrorCode::kNotFound) return size_bytes;
+  return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + name + (running ? " yet" : "")};
+}
+
+// Of every folder and not of every row: the store lists the newest scans only.
+void Scans::remove_old_logs(std::int64_t now_ms) {
+  old_logs_removed_at_ = LiveScan::Clock::now();
+  if (options_.keep_log_days == 0) return;
+  background_([this, now_ms] {
+    Result<std::vector<std::string>> ids = data_.logged_scan_ids();
+    if (!ids.ok()) return spdlog::warn("{}", ids.error().message);
+    post_([this, now_ms, ids = *std::move(ids)] { remove_old_logs_of(ids, now_ms); });
+  });
+}
+
+// Never all at once: whatever was wrong with a clock or a setting, there is time to notice.
+void Scans::remove_old_logs_of(const std::vector<std::string>& scan_ids, std::int64_t now_ms) {
+  std::size_t room = std::max<std::size_t>(kMinLogsRemoved, scan_ids.size() / kPartOfLogsRemoved);
+  const std::int64_t oldest_ms = now_ms - options_.keep_log_days * kDay_ms;
+  for (const std::string& id : scan_ids) {
+    const Result<ScanRow> row = store_.find(id);
+    if (!row.ok() || row->phase == ScanPhase::kRunning || row->to_be_rebuilt || row->finished_at_ms >= oldest_ms) continue;
+    if (room-- == 0) return;
+    spdlog::info("scan {}: its frames are removed, they are older than {} days", id, options_.keep_log_days);
+    background_([&data = data_, id] {
+      if (Status status = data.remove_log_folder(id); !status.ok()) spdlog::warn("{}", status.error().message);
+    });
+  }
+}
+
+}  // namespace hermite

@@ -1,0 +1,257 @@
+// Who may do what over HTTP, on a real server. How a request is read is in http_connection_test.cpp.
+#include "server/routes/http_routes.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "server/store/scan_id.h"
+#include "server/store/sqlite_store.h"
+#include "tests/source_root/source_root.h"
+#include "tests/support/raw_client.h"
+#include "tests/support/running_server.h"
+#include "tests/support/temporary_folder.h"
+
+namespace hermite {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+class HttpRoutesTest : public testing::Test {
+ protected:
+  HttpRoutesTest() {
+    std::filesystem::create_directories(folder_ / "data");
+    {
+      SqliteStore store(folder_ / "data/hermite.db");
+      for (const std::string& id : {id_, other_id_}) {
+        ScanRow row;
+        row.id = id;
+        row.phase = ScanPhase::kFinished;
+        row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
+        EXPECT_TRUE(store.add(row).ok());
+      }
+    }
+    for (const std::string& id : {id_, other_id_}) {
+      std::filesystem::create_directories(folder_ / "data/scans/" + id);
+      std::ofstream(folder_ / "data/scans/" + id + "/cloud.ply") << "ply points";
+    }
+    server_ = std::make_unique<test::RunningServer>(test::test_options(folder_ / "data"));
+  }
+
+  struct Answer {
+    int status = 0;
+    std::string header, body;
+    Json json() const { return Json::parse(body, nullptr, false); }
+  };
+  Answer ask(const std::string& method, const std::string& path, const std::string& token, const std::string& body = "") {
+    test::RawClient client(server_->port());
+    client.send(method + " " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + token + "\r\n" +
+                (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" + body);
+    const std::string answer = client.read_to_end();
+    const std::size_t end = answer.find("\r\n\r\n");
+    if (end == std::string::npos) return {};
+    return {std::stoi(answer.substr(9, 3)), answer.substr(0, end + 2), answer.substr(end + 4)};
+  }
+  int status(const std::string& method, const std::string& path, const std::string& token) { return ask(method, path, token).status; }
+  std::string make_token(const std::string& scopes) {
+    return ask("POST", "/api/v1/tokens", server_->token(), "{\"scopes\": " + scopes + "}").json()["secret"];
+  }
+  Json make_share() { return ask("POST", "/api/v1/scans/" + id_ + "/shares", server_->token()).json(); }
+
+  const test::TemporaryFolder folder_;
+  const std::string id_ = new_scan_id(), other_id_ = new_scan_id();
+  std::unique_ptr<test::RunningServer> server_;
+};
+
+TEST_F(HttpRoutesTest, EveryRouteAsksForItsScope) {
+  const std::string view = make_token(R"(["view"])"), scan = make_token(R"(["scan"])"), both = make_token(R"(["view", "scan"])");
+  struct Case {
+    const char* method;
+    std::string path;
+    int with_view, with_scan, with_both;
+  };
+  const Case cases[] = {
+      {"GET", "/api/v1/scans", 200, 403, 200},
+      {"GET", "/api/v1/scans/" + id_, 200, 403, 200},
+      {"GET", "/api/v1/scans/" + id_ + "/cloud.ply", 200, 403, 200},
+      {"GET", "/api/v1/access", 200, 200, 200},
+      {"PATCH", "/api/v1/scans/" + id_, 403, 403, 403},
+      {"POST", "/api/v1/scans/" + id_ + "/stop", 403, 403, 403},
+      {"DELETE", "/api/v1/scans/" + id_, 403, 403, 403},
+      {"GET", "/api/v1/scans/" + id_ + "/exports", 200, 403, 200},
+      {"POST", "/api/v1/scans/" + id_ + "/exports", 400, 403, 400},
+      {"GET", "/api/v1/scans/" + id_ + "/exports/glb", 404, 403, 404},
+      {"DELETE", "/api/v1/scans/" + id_ + "/exports/glb", 403, 403, 404},
+      {"GET", "/api/v1/scans/" + id_ + "/shares", 403, 403, 200},
+      {"POST", "/api/v1/scans/" + id_ + "/shares", 403, 403, 201},
+      {"GET", "/api/v1/shares", 403, 403, 200},
+      {"DELETE", "/api/v1/shares/x", 403, 403, 404},
+      {"GET", "/api/v1/tokens", 403, 403, 403},
+      {"POST", "/api/v1/tokens", 403, 403, 403},
+      {"DELETE", "/api/v1/tokens/first", 403, 403, 403},
+      {"GET", "/api/v1/uploads", 403, 200, 200},
+      {"POST", "/api/v1/uploads", 403, 412, 412},
+      {"HEAD", "/api/v1/uploads/x", 403, 412, 412},
+      {"PATCH", "/api/v1/uploads/x", 403, 412, 412},
+      {"PUT", "/api/v1/uploads/x", 403, 411, 411},
+      {"DELETE", "/api/v1/uploads/x", 403, 412, 412},
+      {"GET", "/api/v1/jobs", 403, 200, 200},
+      {"POST", "/api/v1/jobs", 403, 403, 400},
+      {"GET", "/api/v1/jobs/x", 403, 404, 404},
+      {"DELETE", "/api/v1/jobs/x", 403, 404, 404},
+      {"POST", "/api/v1/jobs/x/retry", 403, 404, 404},
+  };
+  for (const Case& route : cases) {
+    EXPECT_EQ(status(route.method, route.path, view), route.with_view) << route.method << " " << route.path;
+    EXPECT_EQ(status(route.method, route.path, scan), route.with_scan) << route.method << " " << route.path;
+    EXPECT_EQ(status(route.method, route.path, both), route.with_both) << route.method << " " << route.path;
+  }
+  EXPECT_THAT(ask("DELETE", "/api/v1/scans/" + id_, both).body, HasSubstr("this token allows view, scan; admin is needed"));
+  EXPECT_EQ(status("DELETE", "/api/v1/scans/" + id_, server_->token()), 200);
+}
+
+TEST_F(HttpRoutesTest, TheReadmeHasEveryRouteAndNoOther) {
+  std::ifstream readme(test::source_root() / "server/README.md");
+  std::vector<std::string> written;
+  for (std::string line; std::getline(readme, line);) {
+    const std::size_t end = line.find("` |");
+    if (line.starts_with("| `") && line.find(" /api/") != std::string::npos) written.push_back(line.substr(3, end - 3));
+  }
+  EXPECT_THAT(written, testing::UnorderedElementsAreArray(api_routes()));
+}
+
+TEST_F(HttpRoutesTest, EveryWrittenRouteIsThere) {
+  // Whoever is not let in learns nothing about routes: a token is needed to see that one is missing.
+  for (const std::string& route : api_routes()) {
+    const std::size_t space = route.find(' ');
+    std::string path = route.substr(space + 1);
+    if (const std::size_t at = path.find("{id}"); at != std::string::npos) path.replace(at, 4, "x");
+    const Answer answer = ask(route.substr(0, space), path, server_->token());
+    EXPECT_NE(answer.status, 405) << route;
+    EXPECT_THAT(answer.body, Not(HasSubstr("there is nothing at this path"))) << route;
+  }
+}
+
+TEST_F(HttpRoutesTest, AShareLinkSeesItsScanAndNothingElse) {
+  const std::string secret = make_share()["secret"];
+  const Json list = ask("GET", "/api/v1/scans", secret).json()["scans"];
+  ASSERT_EQ(list.size(), 1u);
+  EXPECT_EQ(list[0]["id"], id_);
+  EXPECT_EQ(status("GET", "/api/v1/scans/" + id_, secret), 200);
+  EXPECT_EQ(status("GET", "/api/v1/scans/" + id_ + "/cloud.ply", secret), 200);
+  const Answer other = ask("GET", "/api/v1/scans/" + other_id_, secret), none = ask("GET", "/api/v1/scans/" + new_scan_id(), secret);
+  EXPECT_EQ(other.status, 404) << "not 403: it may not know that there is one";
+  EXPECT_EQ(none.status, 404);
+  EXPECT_EQ(status("GET", "/api/v1/scans/" + other_id_ + "/cloud.ply", secret), 404);
+  for (const char* method : {"DELETE", "POST"})
+    EXPECT_NE(status(method, "/api/v1/scans/" + id_ + (method[0] == 'P' ? "/shares" : ""), secret), 200) << method;
+  EXPECT_EQ(status("GET", "/api/v1/shares", secret), 403);
+  EXPECT_EQ(status("GET", "/api/v1/tokens", secret), 403);
+  EXPECT_EQ(status("GET", "/api/v1/jobs", secret), 403);
+  EXPECT_EQ(status("GET", "/api/v1/uploads", secret), 403);
+}
+
+TEST_F(HttpRoutesTest, ARevokedShareLinkOpensNothing) {
+  const Json share = make_share();
+  const std::string path = "/api/v1/shares/" + share["share"]["id"].get<std::string>();
+  EXPECT_EQ(status("DELETE", "/api/v1/tokens/" + share["share"]["id"].get<std::string>(), server_->token()), 404);
+  EXPECT_EQ(status("DELETE", path, server_->token()), 200);
+  EXPECT_EQ(status("GET", "/api/v1/scans/" + id_, share["secret"]), 401);
+  EXPECT_EQ(ask("GET", "/api/v1/shares", server_->token()).json()["shares"][0]["state"], "revoked");
+}
+
+TEST_F(HttpRoutesTest, AShareLinkGoesWithItsScan) {
+  const std::string secret = make_share()["secret"];
+  ASSERT_EQ(status("DELETE", "/api/v1/scans/" + id_, server_->token()), 200);
+  EXPECT_EQ(status("GET", "/api/v1/scans", secret), 401);
+}
+
+TEST_F(HttpRoutesTest, ATokenWorksUntilItIsRevoked) {
+  const Answer made = ask("POST", "/api/v1/tokens", server_->token(), R"({"name": "lab", "scopes": ["view"], "days": 1})");
+  EXPECT_EQ(made.status, 201);
+  const std::string secret = made.json()["secret"], id = made.json()["token"]["id"];
+  EXPECT_EQ(status("GET", "/api/v1/scans", secret), 200);
+  const std::string list = ask("GET", "/api/v1/tokens", server_->token()).body;
+  EXPECT_THAT(list, HasSubstr("\"name\":\"lab\""));
+  EXPECT_THAT(list, Not(HasSubstr(secret)));
+  EXPECT_THAT(list, Not(HasSubstr(server_->token())));
+  EXPECT_EQ(status("DELETE", "/api/v1/tokens/" + id, server_->token()), 200);
+  EXPECT_EQ(status("GET", "/api/v1/scans", secret), 401);
+}
+
+TEST_F(HttpRoutesTest, WhoAsksIsToldWhatTheyMayDo) {
+  EXPECT_EQ(ask("GET", "/api/v1/access", server_->token()).json(), Json({{"scopes", {"view", "scan", "admin"}}, {"scan", nullptr}}));
+  EXPECT_EQ(ask("GET", "/api/v1/access", make_token(R"(["scan"])")).json()["scopes"], Json({"scan"}));
+  EXPECT_EQ(ask("GET", "/api/v1/access", make_share()["secret"]).json(), Json({{"scopes", {"view"}}, {"scan", id_}}));
+  EXPECT_EQ(status("GET", "/api/v1/access", "wrong"), 401);
+}
+
+TEST_F(HttpRoutesTest, AScanGetsAnotherTitle) {
+  const auto rename = [this](const std::string& body) { return ask("PATCH", "/api/v1/scans/" + id_, server_->token(), body); };
+  EXPECT_EQ(rename(R"({"title": "K\u00fcche"})").status, 200);
+  EXPECT_EQ(ask("GET", "/api/v1/scans/" + id_, server_->token()).json()["title"], "K\u00fcche");
+  EXPECT_THAT(rename(R"({"title": ")" + std::string(201, 'a') + "\"}").body, HasSubstr("title has 201 bytes, allowed are 1 to 200"));
+  for (const char* wrong :
+       {"", "[]", R"({"title": ""})", R"({"title": 1})", R"({"title": "a\u0007"})", R"({"title": "a", "state": "failed"})"})
+    EXPECT_EQ(rename(wrong).status, 400) << wrong;
+  EXPECT_EQ(rename(R"({"title": ")" + std::string(5000, 'a') + "\"}").status, 413);
+  EXPECT_EQ(ask("DELETE", "/api/v1/scans/" + id_, server_->token(), "{}").status, 400) << "a body where none belongs";
+  EXPECT_EQ(ask("GET", "/api/v1/scans/" + id_, server_->token()).json()["title"], "K\u00fcche");
+}
+
+TEST_F(HttpRoutesTest, AScanThatHasEndedCannotBeStopped) {
+  const Answer answer = ask("POST", "/api/v1/scans/" + id_ + "/stop", server_->token());
+  EXPECT_EQ(answer.status, 409);
+  EXPECT_THAT(answer.body, HasSubstr("there is nothing to stop"));
+  EXPECT_EQ(status("POST", "/api/v1/scans/" + new_scan_id() + "/stop", server_->token()), 404);
+}
+
+TEST_F(HttpRoutesTest, ABadRequestIsNamed) {
+  const Answer answer = ask("POST", "/api/v1/tokens", server_->token(), R"({"days": -1})");
+  EXPECT_EQ(answer.status, 400);
+  EXPECT_THAT(answer.body, HasSubstr("0 to 3650"));
+  EXPECT_EQ(ask("POST", "/api/v1/tokens", server_->token(), "garbage").status, 400);
+  EXPECT_EQ(ask("POST", "/api/v1/scans/" + new_scan_id() + "/shares", server_->token(), "{}").status, 404);
+}
+
+TEST_F(HttpRoutesTest, WrongTokensMustWaitButRightOnesNeedNot) {
+  for (int i = 0; i < ServiceOptions().failures_per_minute; ++i) EXPECT_EQ(status("GET", "/api/v1/scans", "wrong"), 401);
+  const Answer late = ask("GET", "/api/v1/scans", "wrong");
+  EXPECT_EQ(late.status, 429);
+  EXPECT_THAT(late.header, HasSubstr("Retry-After: 12\r\n"));
+  EXPECT_EQ(status("GET", "/api/v1/scans", server_->token()), 200);
+}
+
+TEST_F(HttpRoutesTest, WhoDidWhatIsInTheAuditLog) {
+  const std::string view = make_token(R"(["view"])");
+  const Json made = ask("POST", "/api/v1/tokens", server_->token(), R"({"scopes": ["scan"]})").json();
+  EXPECT_EQ(status("DELETE", "/api/v1/scans/" + id_, view), 403);
+  EXPECT_EQ(status("GET", "/api/v1/scans/" + id_ + "/cloud.ply", view), 200);
+  EXPECT_EQ(status("GET", "/api/v1/scans", view), 200);
+  EXPECT_EQ(status("DELETE", "/api/v1/scans/" + id_, server_->token()), 200);
+  for (int i = 0; i < 20; ++i) status("GET", "/api/v1/scans", "wrong");
+  server_.reset();
+  std::vector<std::string> found;
+  std::int64_t wrong = 0;
+  const Result<AuditCheck> check = check_audit(folder_ / "data/audit", [&](const std::string& line) {
+    const Json entry = Json::parse(line);
+    if (entry["did"] == "wrong token") wrong += entry["count"].get<std::int64_t>();
+    EXPECT_EQ(entry["address"], entry["did"] == "server start" ? "" : "127.0.0.1");
+    found.push_back(entry["did"].get<std::string>() + " " + entry["to"].get<std::string>() + " " + entry["outcome"].get<std::string>());
+  });
+  ASSERT_TRUE(check.ok());
+  EXPECT_EQ(check->broken, "");
+  EXPECT_EQ(wrong, 20) << "also of those that were told to wait";
+  EXPECT_THAT(found, testing::IsSupersetOf({"POST tokens " + made["token"]["id"].get<std::string>() + " 201", "DELETE scan " + id_ + " 403",
+                                            "GET cloud.ply " + id_ + " 200", "DELETE scan " + id_ + " 200"}));
+  EXPECT_THAT(found, Not(testing::Contains(HasSubstr("GET scans"))));
+}
+
+}  // namespace
+}  // namespace hermite

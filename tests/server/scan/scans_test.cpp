@@ -1,0 +1,703 @@
+// Scans on a real server with a real pipeline: tiny synthetic frames, sent by hand.
+#include "server/scan/scans.h"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "core/image/image_codec.h"
+#include "core/pipeline/doctor.h"
+#include "core/run/results.h"
+#include "proto/wire/frame_payload.h"
+#include "server/store/chunk_file.h"
+#include "server/store/scan_id.h"
+#include "server/store/sqlite_store.h"
+#include "tests/support/raw_client.h"
+#include "tests/support/room_frames.h"
+#include "tests/support/running_server.h"
+#include "tests/support/temporary_folder.h"
+
+namespace hermite {
+namespace {
+
+using Json = nlohmann::json;
+using test::kFrameCount;
+using test::RawClient;
+using test::room;
+using test::room_frame;
+using testing::HasSubstr;
+
+// Few frames make no stable surfels; the clouds of these tests shall not be empty.
+const std::map<std::string, std::string> kSettings = {{"output.unstable", "true"}};
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+class ScansTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    static const std::vector<std::string> problems = examine_device("").problems;
+    if (!problems.empty()) GTEST_SKIP() << "no fit GPU here: " << problems.front();
+    serve([](ServiceOptions&) {});
+  }
+
+  void serve(const std::function<void(ServiceOptions&)>& change) {
+    server_.reset();
+    ServiceOptions options = test::test_options(folder_ / "data");
+    change(options);
+    server_ = std::make_unique<test::RunningServer>(options);
+  }
+
+  // A camera whose hello was accepted.
+  struct Camera {
+    std::unique_ptr<RawClient> client;
+    wire::Welcome welcome;
+  };
+  Camera start(wire::Mode mode = wire::Mode::kBatch, const std::map<std::string, std::string>& settings = kSettings) {
+    Camera camera{std::make_unique<RawClient>(server_->port()), {}};
+    EXPECT_TRUE(camera.client->upgrade());
+    wire::StartScan request{
+        "a test", room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng}, mode,
+        settings, kFrameCount};
+    camera.client->send_message(wire::Hello{0, "test", server_->token(), request});
+    const auto welcome = camera.client->read<wire::Welcome>();
+    EXPECT_TRUE(welcome);
+    if (welcome) camera.welcome = *welcome;
+    return camera;
+  }
+  // A camera that asks for a scan and says for how long it may send nothing.
+  Camera start_with_patience(std::uint32_t frame_patience_s) {
+    Camera camera{std::make_unique<RawClient>(server_->port()), {}};
+    EXPECT_TRUE(camera.client->upgrade());
+    wire::StartScan request{"", room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {},
+                            0,  frame_patience_s};
+    camera.client->send_message(wire::Hello{wire::kProtocolMinor, "test", server_->token(), request});
+    if (const auto welcome = camera.client->read<wire::Welcome>()) camera.welcome = *welcome;
+    return camera;
+  }
+  // A camera that asks for a scan; the answer is the test's business.
+  std::unique_ptr<RawClient> ask(const std::string& title = "", std::uint32_t protocol_minor = wire::kProtocolMinor) {
+    auto client = std::make_unique<RawClient>(server_->port());
+    EXPECT_TRUE(client->upgrade());
+    wire::StartScan request{title, room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0};
+    client->send_message(wire::Hello{protocol_minor, "test", server_->token(), request});
+    return client;
+  }
+  // Sends the frames of the room within the credit and asks for the result.
+  static std::optional<wire::Finished> stream(Camera& camera) {
+    std::uint64_t granted = camera.welcome.frame_credit;
+    for (int i = 0; i < kFrameCount; ++i) {
+      while (static_cast<std::uint64_t>(i) >= granted) {
+        const auto credit = camera.client->read<wire::Credit>();
+        if (!credit) return std::nullopt;
+        granted = std::max(granted, credit->frames_granted);
+      }
+      camera.client->send_message(room_frame(i));
+    }
+    camera.client->send_message(wire::Finish{});
+    return camera.client->read<wire::Finished>();
+  }
+
+  std::string scan_file(const std::string& id, const std::string& name) const { return folder_ / "data/scans/" + id + "/" + name; }
+
+  Json row(const std::string& id) { return ask_http("GET", id); }
+  Json ask_http(const std::string& method, const std::string& id_and_rest) {
+    RawClient client(server_->port());
+    client.send(method + " /api/v1/scans/" + id_and_rest + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
+                server_->token() + "\r\n\r\n");
+    const std::string answer = client.read_to_end();
+    return Json::parse(answer.substr(answer.find("\r\n\r\n") + 4));
+  }
+  // Waits until the scan does not run any more.
+  std::string final_state(const std::string& id) {
+    for (int i = 0; i < 600; ++i) {
+      const std::string state = row(id)["state"];
+      if (state != "running") return state;
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    return "running for a minute";
+  }
+
+  const test::TemporaryFolder folder_;
+  std::unique_ptr<test::RunningServer> server_;
+};
+
+// What `hermite reconstruct` makes of the same frames.
+const Json& local_report() {
+  static const Json report = [] {
+    Options options;
+    for (const auto& [key, value] : kSettings) EXPECT_TRUE(apply_setting(options, key, value).ok());
+    Pipeline pipeline("", room().camera(), options, make_mapping(room().camera(), options.adjust, CorrectionTime::kByFrames));
+    for (int i = 0; i < kFrameCount; ++i) EXPECT_TRUE(pipeline.process(*decode_frame(*room().read(i))).ok());
+    pipeline.finish();
+    EXPECT_GT(pipeline.cloud()->size(), 100u) << "the comparison needs a cloud";
+    return Json::parse(results_of(pipeline, options, {})->report_json);
+  }();
+  return report;
+}
+
+void expect_local_result(const wire::Finished& finished) {
+  const Json report = Json::parse(finished.report_json);
+  EXPECT_EQ(report["frames"], kFrameCount);
+  EXPECT_EQ(report["trajectory_sha256"], local_report()["trajectory_sha256"]);
+  EXPECT_EQ(report["cloud_sha256"], local_report()["cloud_sha256"]);
+}
+
+TEST_F(ScansTest, ACameraThatSendsNothingLosesItsPlace) {
+  Camera silent = start_with_patience(1), patient = start_with_patience(100'000);
+  EXPECT_EQ(silent.welcome.frame_patience_s, 1u);
+  EXPECT_EQ(patient.welcome.frame_patience_s, 120u) << "no more than the server grants";
+  const auto error = silent.client->read<wire::ErrorMessage>();
+  ASSERT_TRUE(error);
+  EXPECT_THAT(error->message, HasSubstr("sent no frame for 1 s"));
+  EXPECT_EQ(final_state(silent.welcome.scan_id), "interrupted");
+  EXPECT_EQ(row(patient.welcome.scan_id)["state"], "running");
+}
+
+TEST_F(ScansTest, AScanIsWarnedAndEndsWithItsResultsWhenTheStorageIsUsedUpMeanwhile) {
+  serve([](ServiceOptions& options) { options.storage_gb = 1; });
+  Camera camera = start();
+  camera.client->send_message(room_frame(0));
+  ASSERT_TRUE(camera.client->read<wire::FrameResult>());
+  // The end of another scan makes the server look at once.
+  const auto fill = [this](std::uint64_t bytes) {
+    Camera other = start_with_patience(1);
+    const std::string file = scan_file(other.welcome.scan_id, "other");
+    { std::ofstream(file) << "x"; }
+    std::filesystem::resize_file(file, bytes);  // sparse
+    EXPECT_TRUE(other.client->read<wire::ErrorMessage>());
+  };
+  fill(950'000'000);
+  std::string words;
+  while (words.find("nearly used up") == std::string::npos) {
+    const auto state = camera.client->read<wire::ScanState>();
+    ASSERT_TRUE(state);
+    words = state->words;
+  }
+  fill(60'000'000);
+  const auto error = camera.client->read<wire::ErrorMessage>();
+  ASSERT_TRUE(error);
+  EXPECT_THAT(error->message, HasSubstr("no room for more frames: the scans and uploads on this server take 101"));
+  EXPECT_EQ(final_state(camera.welcome.scan_id), "interrupted");
+  EXPECT_TRUE(std::filesystem::exists(scan_file(camera.welcome.scan_id, "cloud.ply")));
+}
+
+TEST_F(ScansTest, WhoeverOwnsAScanMayStopIt) {
+  Camera camera = start();
+  camera.client->send_message(room_frame(0));
+  ASSERT_TRUE(camera.client->read<wire::FrameResult>());
+  EXPECT_EQ(ask_http("POST", camera.welcome.scan_id + "/stop")["stopping"], camera.welcome.scan_id);
+  const auto error = camera.client->read<wire::ErrorMessage>();
+  ASSERT_TRUE(error);
+  EXPECT_THAT(error->message, HasSubstr("stopped from the viewer"));
+  EXPECT_EQ(final_state(camera.welcome.scan_id), "interrupted");
+  EXPECT_EQ(row(camera.welcome.scan_id)["words"], "stopped from the viewer");
+  EXPECT_TRUE(std::filesystem::exists(scan_file(camera.welcome.scan_id, "cloud.ply"))) << "with what it has";
+}
+
+TEST_F(ScansTest, AnyCreditWindowGivesWhatALocalRunGives) {
+  for (const int window : {1, 16}) {
+    serve([window](ServiceOptions& options) { options.credit_window = window; });
+    Camera camera = start();
+    EXPECT_EQ(camera.welcome.frame_credit, static_cast<std::uint32_t>(window));
+    const auto finished = stream(camera);
+    ASSERT_TRUE(finished);
+    expect_local_result(*finished);
+  }
+}
+
+TEST_F(ScansTest, TwoScansAtOnceGiveWhatALocalRunGives) {
+  Camera cameras[2] = {start(), start()};
+  std::optional<wire::Finished> finished[2];
+  std::thread other([&] { finished[1] = stream(cameras[1]); });
+  finished[0] = stream(cameras[0]);
+  other.join();
+  for (const auto& result : finished) {
+    ASSERT_TRUE(result);
+    expect_local_result(*result);
+  }
+}
+
+TEST_F(ScansTest, EveryFrameHasItsResultAndTheFilesAreWritten) {
+  Camera camera = start();
+  std::uint64_t surfel_count = 0;
+  for (int i = 0; i < kFrameCount; ++i) {
+    camera.client->send_message(room_frame(i));
+    const auto result = camera.client->read<wire::FrameResult>();
+    ASSERT_TRUE(result);
+    surfel_count = result->surfel_count;
+    EXPECT_EQ(result->sequence, static_cast<std::uint64_t>(i));
+    EXPECT_EQ(result->timestamp_s, room().timestamp_s(i));
+    EXPECT_GT(result->frame_ms, 0);
+  }
+  camera.client->send_message(wire::Ping{7});
+  const auto pong = camera.client->read<wire::Pong>();
+  ASSERT_TRUE(pong);
+  EXPECT_EQ(pong->id, 7u);
+  camera.client->send_message(wire::Finish{});
+  const auto state = [&] {
+    std::optional<wire::ScanState> last;
+    while ((last = camera.client->read<wire::ScanState>()) && last->phase == wire::ScanPhase::kRunning) {
+    }
+    return last;
+  }();
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->phase, wire::ScanPhase::kFinished);
+  EXPECT_EQ(state->frames_processed, static_cast<std::uint64_t>(kFrameCount));
+  const auto finished = camera.client->read<wire::Finished>();
+  ASSERT_TRUE(finished);
+  EXPECT_EQ(camera.client->close_code(), 1000);
+  const std::string& id = camera.welcome.scan_id;
+  EXPECT_EQ(bytes_of(scan_file(id, "trajectory.txt")), finished->trajectory_tum);
+  EXPECT_EQ(bytes_of(scan_file(id, "report.json")), finished->report_json);
+  EXPECT_EQ(row(id)["state"], "finished");
+  EXPECT_EQ(row(id)["frames"], kFrameCount);
+  std::uint64_t bytes = 0;
+  for (const char* name : {"cloud.ply", "surfels.ply", "chunks.bin", "trajectory.txt"})
+    bytes += std::filesystem::file_size(scan_file(id, name));
+  EXPECT_LE(bytes, room_for_results(surfel_count, kFrameCount) - room_for_results(0, 0)) << "what is kept back on the disk is enough";
+}
+
+TEST_F(ScansTest, BadFramesAreToldAndTheScanGoesOn) {
+  Camera camera = start();
+  wire::Frame frames[kFrameCount];
+  for (int i = 0; i < kFrameCount; ++i) frames[i] = room_frame(i);
+  frames[1].depth = "garbage";
+  frames[2].timestamp_s = std::nan("");
+  frames[3].timestamp_s = frames[0].timestamp_s;
+  const std::vector<std::uint8_t> larger = *encode_png(ColorImage(161, 120));
+  frames[4].color = {larger.begin(), larger.end()};
+  std::vector<wire::ErrorMessage> errors;
+  for (wire::Frame& frame : frames) camera.client->send_message(std::move(frame));
+  camera.client->send_message(wire::Finish{});
+  std::optional<wire::Finished> finished;
+  while (const auto message = camera.client->read_message()) {
+    if (const auto* error = std::get_if<wire::ErrorMessage>(&*message)) errors.push_back(*error);
+    if (const auto* results = std::get_if<wire::Finished>(&*message)) finished = *results;
+  }
+  ASSERT_TRUE(finished);
+  ASSERT_EQ(errors.size(), 4u);
+  std::map<std::uint64_t, std::string> words;
+  for (const wire::ErrorMessage& error : errors) {
+    EXPECT_TRUE(error.about_frame);
+    words[error.sequence] = error.message;
+  }
+  EXPECT_THAT(words[1], HasSubstr("frame.depth"));
+  EXPECT_THAT(words[2], HasSubstr("frame.timestamp_s"));
+  EXPECT_THAT(words[3], HasSubstr("frame.timestamp_s"));
+  EXPECT_THAT(words[4], HasSubstr("frame.color"));
+  // Frames with a bad time have no line, those with bad images have.
+  EXPECT_EQ(parse_tum_trajectory(finished->trajectory_tum)->size(), static_cast<std::size_t>(kFrameCount - 2));
+  EXPECT_EQ(row(camera.welcome.scan_id)["frames_received"], kFrameCount);
+  EXPECT_EQ(row(camera.welcome.scan_id)["frames_dropped"], 2);
+}
+
+TEST_F(ScansTest, ABrokenRuleEndsThatScanAndNoOther) {
+  Camera well = start();
+  struct Case {
+    const char* words;
+    int close_code;
+    std::function<void(Camera&)> break_it;
+  };
+  const Case cases[] = {
+      {"expected is 0", 1002, [](Camera& camera) { camera.client->send_message(room_frame(1)); }},
+      {"expected is 1", 1002,
+       [](Camera& camera) {
+         camera.client->send_message(room_frame(0));
+         camera.client->send_message(room_frame(0));
+       }},
+      {"after finish", 1002,
+       [](Camera& camera) {
+         camera.client->send_message(wire::Finish{});
+         camera.client->send_message(room_frame(0));
+       }},
+      {"hello came twice", 1002,
+       [](Camera& camera) {
+         camera.client->send_message(wire::Hello{0, "", "", wire::ViewScan{"a"}});
+       }},
+      {"viewer_ack", 1002, [](Camera& camera) { camera.client->send_message(wire::ViewerAck{1}); }},
+      {"not a message", 1007, [](Camera& camera) { camera.client->send_frame(2, std::string(100, '\xff')); }},
+      {"longer than", 1009, [](Camera& camera) { camera.client->send_frame(2, std::string(camera.welcome.max_message_bytes + 1, 'x')); }},
+      {"does not know", 1008,
+       [](Camera& camera) {
+         for (int i = 0; i < 1100; ++i) camera.client->send_message(wire::Unknown{});
+       }},
+  };
+  for (const Case& broken : cases) {
+    Camera camera = start();
+    broken.break_it(camera);
+    std::optional<wire::ErrorMessage> error = camera.client->read<wire::ErrorMessage>();
+    ASSERT_TRUE(error) << broken.words;
+    EXPECT_THAT(error->message, HasSubstr(broken.words));
+    EXPECT_FALSE(error->about_frame);
+    EXPECT_EQ(camera.client->close_code(), broken.close_code) << broken.words;
+    const std::string state = final_state(camera.welcome.scan_id);
+    EXPECT_EQ(state, std::string(broken.words) == "after finish" ? "finished" : "interrupted");
+    if (state == "interrupted") {
+      EXPECT_EQ(row(camera.welcome.scan_id)["words"], error->message);
+    }
+  }
+  const auto finished = stream(well);
+  ASSERT_TRUE(finished);
+  expect_local_result(*finished);
+}
+
+TEST_F(ScansTest, AFrameWithoutCreditIsABrokenRule) {
+  serve([](ServiceOptions& options) { options.credit_window = 2; });
+  Camera camera = start();
+  for (int i = 0; i < kFrameCount; ++i) camera.client->send_message(room_frame(i));
+  const auto error = camera.client->read<wire::ErrorMessage>();
+  ASSERT_TRUE(error);
+  EXPECT_THAT(error->message, HasSubstr("without credit"));
+  EXPECT_EQ(camera.client->close_code(), 1002);
+}
+
+TEST_F(ScansTest, ALostCameraLeavesAnInterruptedScanWithItsResults) {
+  std::string id;
+  {
+    Camera camera = start();
+    id = camera.welcome.scan_id;
+    for (int i = 0; i < 3; ++i) camera.client->send_message(room_frame(i));
+    ASSERT_TRUE(camera.client->read<wire::FrameResult>());
+    camera.client->drop();
+  }
+  EXPECT_EQ(final_state(id), "interrupted");
+  EXPECT_THAT(row(id)["words"].get<std::string>(), HasSubstr("connection"));
+  EXPECT_EQ(parse_tum_trajectory(bytes_of(scan_file(id, "trajectory.txt")))->size(), 3u);
+  EXPECT_TRUE(std::filesystem::exists(scan_file(id, "cloud.ply")));
+  EXPECT_TRUE(std::filesystem::exists(scan_file(id, "report.json")));
+}
+
+TEST_F(ScansTest, StoppingTheServerKeepsWhatThereIs) {
+  Camera camera = start();
+  camera.client->send_message(room_frame(0));
+  ASSERT_TRUE(camera.client->read<wire::FrameResult>());
+  std::thread stopping([this] { EXPECT_TRUE(server_->stop()); });
+  const auto error = camera.client->read<wire::ErrorMessage>();
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->code, "busy");
+  EXPECT_THAT(error->message, HasSubstr("server was stopped"));
+  stopping.join();
+  serve([](ServiceOptions&) {});
+  EXPECT_EQ(row(camera.welcome.scan_id)["state"], "interrupted");
+  EXPECT_TRUE(std::filesystem::exists(scan_file(camera.welcome.scan_id, "cloud.ply")));
+}
+
+// Somebody else is writing, for longer than the server waits for him.
+TEST_F(ScansTest, AScanHasEndedAlsoWhereTheDatabaseDoesNotTakeIt) {
+  Camera camera = start();
+  SQLite::Database other(folder_ / "data/hermite.db", SQLite::OPEN_READWRITE);
+  other.exec("BEGIN IMMEDIATE");
+  ASSERT_TRUE(stream(camera));
+  EXPECT_EQ(row(camera.welcome.scan_id)["state"], "finished");
+  EXPECT_EQ(row(camera.welcome.scan_id)["frames_processed"], kFrameCount);
+  const auto stored = [&] { return other.execAndGet("SELECT phase FROM scans WHERE id = '" + camera.welcome.scan_id + "'").getString(); };
+  EXPECT_EQ(stored(), "running");
+  other.exec("ROLLBACK");
+  for (int i = 0; i < 300 && stored() == "running"; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(stored(), "finished") << "it is tried again";
+}
+
+TEST_F(ScansTest, MoreScansThanAllowedAreRefusedUntilOneEnds) {
+  serve([](ServiceOptions& options) { options.max_scans = 1; });
+  Camera first = start();
+  const auto second = ask("second", 0);
+  const auto error = second->read<wire::ErrorMessage>();
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->code, "busy");
+  EXPECT_THAT(error->message, HasSubstr("at most 1 scans"));
+  EXPECT_EQ(second->close_code(), 4013);
+  first.client->send_message(wire::Finish{});
+  ASSERT_TRUE(first.client->read<wire::Finished>()) << "a scan without frames has a result too";
+  EXPECT_EQ(final_state(first.welcome.scan_id), "finished");
+  start();
+}
+
+TEST_F(ScansTest, CamerasWaitForAPlaceInTheOrderInWhichTheyCame) {
+  serve([](ServiceOptions& options) { options.max_scans = 1; });
+  Camera first = start();
+  const auto second = ask("second");
+  EXPECT_EQ(second->read<wire::Waiting>()->before, 0u);
+  auto gone = ask("gone");
+  EXPECT_EQ(gone->read<wire::Waiting>()->before, 1u);
+  const auto third = ask("third");
+  EXPECT_EQ(third->read<wire::Waiting>()->before, 2u);
+  second->send_message(wire::Ping{7});
+  EXPECT_EQ(second->read<wire::Pong>()->id, 7u) << "who waits is heard";
+  gone.reset();
+  first.client->send_message(wire::Finish{});
+  ASSERT_TRUE(first.client->read<wire::Finished>());
+  const auto welcome = second->read<wire::Welcome>();
+  ASSERT_TRUE(welcome);
+  EXPECT_EQ(row(welcome->scan_id)["title"], "second");
+  second->send_message(room_frame(0));  // longer than what is allowed before the welcome
+  ASSERT_TRUE(second->read<wire::FrameResult>());
+  second->send_message(wire::Finish{});
+  ASSERT_TRUE(second->read<wire::Finished>());
+  ASSERT_TRUE(third->read<wire::Welcome>()) << "nobody waits for one who has gone";
+}
+
+TEST_F(ScansTest, WhoWaitsIsToldToComeBackWhenTheServerStops) {
+  serve([](ServiceOptions& options) { options.max_scans = 1; });
+  Camera first = start();
+  const auto second = ask();
+  ASSERT_TRUE(second->read<wire::Waiting>());
+  std::thread stopping([this] { server_->stop(); });
+  EXPECT_TRUE(second->read<wire::GoAway>());
+  EXPECT_EQ(second->close_code(), 1001);
+  stopping.join();
+}
+
+TEST_F(ScansTest, AFrameBeforeTheWelcomeEndsTheWait) {
+  serve([](ServiceOptions& options) { options.max_scans = 1; });
+  Camera first = start();
+  const auto second = ask();
+  ASSERT_TRUE(second->read<wire::Waiting>());
+  wire::Frame frame = room_frame(0);
+  second->send_message(frame);
+  const auto error = second->read<wire::ErrorMessage>();
+  ASSERT_TRUE(error);
+  EXPECT_EQ(second->close_code(), 1002);
+}
+
+TEST_F(ScansTest, ADeviceThatIsNotThereFailsTheScanInWords) {
+  serve([](ServiceOptions& options) { options.device = "a device that nobody has"; });
+  Camera camera = start();
+  const auto error = camera.client->read<wire::ErrorMessage>();
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->code, "device");
+  EXPECT_THAT(error->message, HasSubstr("a device that nobody has"));
+  EXPECT_EQ(row(camera.welcome.scan_id)["state"], "failed");
+  start();  // the server lives
+}
+
+TEST_F(ScansTest, ALiveScanDropsTheOldestAndCountsThem) {
+  Camera camera = start(wire::Mode::kLive);
+  // All at once: the pipeline is still being built, four wait, the others make room.
+  for (int i = 0; i < kFrameCount; ++i) camera.client->send_message(room_frame(i));
+  camera.client->send_message(wire::Finish{});
+  std::vector<std::uint64_t> processed;
+  std::optional<wire::ScanState> state;
+  while (const auto message = camera.client->read_message()) {
+    if (const auto* result = std::get_if<wire::FrameResult>(&*message)) processed.push_back(result->sequence);
+    if (const auto* now = std::get_if<wire::ScanState>(&*message)) state = *now;
+  }
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->phase, wire::ScanPhase::kFinished);
+  EXPECT_EQ(state->frames_received, static_cast<std::uint64_t>(kFrameCount));
+  EXPECT_EQ(state->frames_processed, processed.size());
+  EXPECT_EQ(state->frames_processed + state->frames_dropped, static_cast<std::uint64_t>(kFrameCount));
+  ASSERT_FALSE(processed.empty());
+  EXPECT_EQ(processed.back(), static_cast<std::uint64_t>(kFrameCount - 1)) << "the newest is never dropped";
+}
+
+// What a viewer gets until the connection ends, acknowledging all of it.
+struct Watched {
+  std::optional<wire::Welcome> welcome;
+  std::map<std::tuple<std::uint32_t, std::uint32_t, int, int, int>, wire::Chunk> chunks;
+  wire::TrajectoryPart past;
+  std::optional<wire::FrameResult> last_result;
+  std::optional<wire::SubmapPoses> poses;
+  std::optional<wire::ScanState> last_state;
+  std::vector<wire::ScanPhase> phases;
+  bool snapshot_ended = false;
+  int close_code = 0;
+};
+
+Watched watch(RawClient& client) {
+  Watched watched;
+  while (const auto message = client.read_message()) {
+    if (const auto* welcome = std::get_if<wire::Welcome>(&*message)) watched.welcome = *welcome;
+    if (const auto* chunk = std::get_if<wire::Chunk>(&*message)) {
+      const wire::ChunkKey& key = chunk->key;
+      wire::Chunk& known = watched.chunks[{key.submap, key.level, key.x, key.y, key.z}];
+      EXPECT_GT(chunk->version, known.version);
+      known = *chunk;
+    }
+    if (const auto* part = std::get_if<wire::TrajectoryPart>(&*message)) watched.past = *part;
+    if (const auto* result = std::get_if<wire::FrameResult>(&*message)) watched.last_result = *result;
+    if (const auto* poses = std::get_if<wire::SubmapPoses>(&*message)) watched.poses = *poses;
+    if (const auto* state = std::get_if<wire::ScanState>(&*message)) {
+      watched.phases.push_back(state->phase);
+      watched.last_state = *state;
+    }
+    if (std::holds_alternative<wire::SnapshotEnd>(*message)) watched.snapshot_ended = true;
+    client.send_message(wire::ViewerAck{client.received_bytes()});
+  }
+  watched.close_code = client.close_code();
+  return watched;
+}
+
+TEST_F(ScansTest, AViewerOfARunningScanAndOneAfterARestartSeeTheSame) {
+  Camera camera = start();
+  RawClient viewer(server_->port());
+  ASSERT_TRUE(viewer.upgrade());
+  viewer.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  ASSERT_TRUE(viewer.read<wire::SnapshotEnd>()) << "of a scan without points yet";
+  std::thread streaming([&] { EXPECT_TRUE(stream(camera)); });
+  const Watched live = watch(viewer);
+  streaming.join();
+  EXPECT_EQ(live.close_code, 1000);
+  ASSERT_FALSE(live.phases.empty());
+  EXPECT_EQ(live.phases.back(), wire::ScanPhase::kFinished);
+  EXPECT_GT(live.chunks.size(), 3u);
+  ASSERT_TRUE(live.last_result);
+  ASSERT_TRUE(live.last_result->in_submap);
+  ASSERT_TRUE(live.last_result->last_tracked);
+  EXPECT_EQ(live.last_result->last_tracked->sequence, static_cast<std::uint64_t>(kFrameCount - 1));
+  ASSERT_TRUE(live.poses);
+  EXPECT_GT(live.poses->poses.size(), live.last_result->in_submap->submap) << "the pose of every submap that a frame is in";
+  EXPECT_GT(live.last_state->keyframes, 0u);
+
+  RawClient after(server_->port());
+  ASSERT_TRUE(after.upgrade());
+  after.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  const Watched kept = watch(after);
+  EXPECT_EQ(kept.past.submaps.size(), static_cast<std::size_t>(kFrameCount));
+
+  serve([](ServiceOptions&) {});
+  RawClient late(server_->port());
+  ASSERT_TRUE(late.upgrade());
+  late.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  const Watched stored = watch(late);
+  ASSERT_TRUE(stored.welcome);
+  EXPECT_EQ(stored.welcome->title, "a test");
+  EXPECT_EQ(stored.welcome->camera, room().camera());
+  EXPECT_TRUE(stored.snapshot_ended);
+  EXPECT_EQ(stored.close_code, 1000);
+  EXPECT_EQ(stored.phases, std::vector<wire::ScanPhase>{wire::ScanPhase::kFinished});
+  ASSERT_EQ(stored.past.positions_m.size(), static_cast<std::size_t>(3 * kFrameCount));
+  for (std::size_t i = 0; i < stored.past.positions_m.size(); ++i)
+    EXPECT_NEAR(stored.past.positions_m[i], kept.past.positions_m[i], 1e-5) << "the corrected path, from memory and from the files";
+  EXPECT_EQ(stored.last_state->keyframes, live.last_state->keyframes);
+  std::size_t filled_count = 0;
+  for (const auto& [key, chunk] : live.chunks) {
+    if (chunk.point_count == 0) continue;
+    ++filled_count;
+    ASSERT_TRUE(stored.chunks.contains(key));
+    EXPECT_EQ(stored.chunks.at(key).draco, chunk.draco);
+  }
+  EXPECT_EQ(stored.chunks.size(), filled_count);
+}
+
+// Its results are read beside the network thread, once; who leaves before they are there harms nobody.
+TEST_F(ScansTest, ViewersThatComeTogetherWaitForTheSameResults) {
+  Camera camera = start();
+  ASSERT_TRUE(stream(camera));
+  serve([](ServiceOptions&) {});
+  constexpr int kViewers = 6;
+  std::vector<std::unique_ptr<RawClient>> viewers;
+  for (int i = 0; i < kViewers; ++i) {
+    viewers.push_back(std::make_unique<RawClient>(server_->port()));
+    ASSERT_TRUE(viewers.back()->upgrade());
+  }
+  for (const auto& viewer : viewers) viewer->send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  viewers.erase(viewers.begin() + 1);  // with its connection
+  std::optional<std::size_t> chunk_count;
+  for (const auto& viewer : viewers) {
+    const Watched watched = watch(*viewer);
+    EXPECT_TRUE(watched.welcome);
+    EXPECT_TRUE(watched.snapshot_ended);
+    EXPECT_EQ(watched.close_code, 1000);
+    EXPECT_EQ(watched.chunks.size(), chunk_count.value_or(watched.chunks.size()));
+    chunk_count = watched.chunks.size();
+  }
+  EXPECT_GT(chunk_count.value_or(0), 3u);
+}
+
+// From the fourth frame on the camera hangs head down: nothing fits, and a new part begins.
+TEST_F(ScansTest, AScanInTwoPartsSaysSoAndShowsBoth) {
+  Camera camera = start(wire::Mode::kBatch, {{"output.unstable", "true"}, {"adjust.new_part_after_frames", "2"}});
+  RawClient viewer(server_->port());
+  ASSERT_TRUE(viewer.upgrade());
+  viewer.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  ASSERT_TRUE(viewer.read<wire::SnapshotEnd>());
+  Watched watched;
+  std::thread watching([&] { watched = watch(viewer); });
+  for (int i = 0; i < kFrameCount; ++i) {
+    wire::Frame frame = room_frame(i);
+    RgbdFrame images = *wire::decode_frame_payload(frame, wire::DepthCodec::kRvlZstd, room().camera());
+    if (i >= 3) std::reverse(images.depth.pixels.begin(), images.depth.pixels.end());
+    if (i >= 3) std::reverse(images.color.pixels.begin(), images.color.pixels.end());
+    frame.depth = *wire::encode_depth_payload(images.depth, wire::DepthCodec::kRvlZstd);
+    const std::vector<std::uint8_t> png = *encode_png(images.color);
+    frame.color = {png.begin(), png.end()};
+    camera.client->send_message(std::move(frame));
+  }
+  camera.client->send_message(wire::Finish{});
+  const auto finished = camera.client->read<wire::Finished>();
+  watching.join();
+  ASSERT_TRUE(finished);
+  EXPECT_EQ(Json::parse(finished->report_json)["mapping"]["parts"], 2);
+  EXPECT_THAT(watched.last_state->words, HasSubstr("2 parts"));
+  EXPECT_THAT(std::string(row(camera.welcome.scan_id)["words"]), HasSubstr("2 parts"));
+  ASSERT_TRUE(watched.poses);
+  ASSERT_EQ(watched.poses->poses.size(), 2u);
+  EXPECT_NE(watched.poses->poses[0].part, watched.poses->poses[1].part);
+}
+
+TEST_F(ScansTest, AViewerThatBreaksARuleIsEndedAndTheScanIsNot) {
+  Camera camera = start();
+  for (wire::ClientMessage message :
+       {wire::ClientMessage(wire::Frame{}), wire::ClientMessage(wire::Finish{}), wire::ClientMessage(wire::ViewerAck{1ull << 40})}) {
+    RawClient viewer(server_->port());
+    ASSERT_TRUE(viewer.upgrade());
+    viewer.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+    ASSERT_TRUE(viewer.read<wire::Welcome>());
+    viewer.send_message(std::move(message));
+    EXPECT_TRUE(viewer.read<wire::ErrorMessage>());
+    EXPECT_EQ(viewer.close_code(), 1002);
+  }
+  EXPECT_TRUE(stream(camera));
+}
+
+TEST_F(ScansTest, AScanThatADeadServerLeftRunningIsInterruptedAndCanBeLookedAt) {
+  server_->stop();
+  ScanRow left;
+  left.id = new_scan_id();
+  left.camera = room().camera();
+  left.created_at_ms = 1;
+  {
+    SqliteStore store(folder_ / "data/hermite.db");
+    ASSERT_TRUE(store.add(left).ok());
+  }
+  serve([](ServiceOptions&) {});
+  // Its log is looked for in the background.
+  for (int i = 0; i < 1000 && row(left.id)["state"] == "running"; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(row(left.id)["state"], "interrupted");
+  RawClient viewer(server_->port());
+  ASSERT_TRUE(viewer.upgrade());
+  viewer.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{left.id}});
+  const Watched watched = watch(viewer);
+  EXPECT_TRUE(watched.snapshot_ended);
+  EXPECT_EQ(watched.phases, std::vector<wire::ScanPhase>{wire::ScanPhase::kInterrupted});
+}
+
+TEST_F(ScansTest, ADamagedChunkFileHarmsNobody) {
+  Camera camera = start();
+  ASSERT_TRUE(stream(camera));
+  server_->stop();
+  std::ofstream(scan_file(camera.welcome.scan_id, "chunks.bin"), std::ios::trunc) << "HRMCHNK1\xff\xff\xff\xff";
+  std::ofstream(scan_file(camera.welcome.scan_id, "trajectory.txt"), std::ios::trunc) << "no trajectory";
+  serve([](ServiceOptions&) {});
+  RawClient viewer(server_->port());
+  ASSERT_TRUE(viewer.upgrade());
+  viewer.send_message(wire::Hello{0, "test", server_->token(), wire::ViewScan{camera.welcome.scan_id}});
+  const Watched watched = watch(viewer);
+  EXPECT_TRUE(watched.snapshot_ended);
+  EXPECT_TRUE(watched.chunks.empty());
+}
+
+}  // namespace
+}  // namespace hermite
