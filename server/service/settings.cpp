@@ -68,7 +68,7 @@ const std::vector<Row>& rows() {
        "HTTP requests of one address, and of one token without the scope admin; twice as many may come at once", 1, 10'000, "requests"},
       {"failures-per-minute", &O::failures_per_minute, "wrong tokens of one address before it has to wait", 1, 1000, "tokens"},
       {"scans-per-token", &O::scans_per_token, "scans running at once of one token without the scope admin", 1, 64, "scans"},
-      {"storage-gb", &O::storage_gb, "for the files of all scans and uploads; when it is used up none begins; 0: as much as there is", 0,
+      {"storage-gb", &O::storage_gb, "for the files of all scans and uploads; when it is used up none begins, and those that run end; 0: no limit", 0,
        1'000'000, "GB"},
       {"job-workers", &O::job_workers, "jobs at once; each needs one of max-scans", 1, 64, "jobs"},
       {"max-upload", &O::max_upload_gb, "one upload", 1, 1'000'000, "GB"},

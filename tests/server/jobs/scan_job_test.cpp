@@ -181,7 +181,7 @@ TEST_F(ScanJobTest, ACancelledOneLeavesNothingAndCanBeTriedAgain) {
 }
 
 TEST_F(ScanJobTest, OneThatTheDiskHasNoRoomForWaitsAndIsDoneWhenThereIsSome) {
-  const std::string job = send(recording(40));
+  const std::string job = send(recording(20));
   ASSERT_TRUE(runs(job, 1));
   server_.reset();
   std::filesystem::remove_all(folder_ / "data/scans/" + SqliteStore(folder_ / "data/hermite.db").job(job)->scan_id);
