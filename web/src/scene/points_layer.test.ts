@@ -65,6 +65,16 @@ describe('PointsLayer', () => {
     expect(points.pick(new Ray(new Vector3(11.2, 0.1, -2), new Vector3(0, 0, 1)))).toBeNull();
   });
 
+  it('has large discs where every chunk has a point or two, and not where a scan begins', () => {
+    const { points } = play(poses([0]));
+    for (let x = 0; x < 2499; ++x) points.onEvent(chunk(0, 2, x));
+    expect(points.least_m).toBe(0);
+    for (let x = 2499; x < 2600; ++x) points.onEvent(chunk(0, 2, x));
+    expect(points.least_m).toBeCloseTo(0.75 * Math.sqrt(0.1 / 2), 2);
+    for (let x = 0; x < 2600; ++x) points.onEvent(chunk(0, 20, x));
+    expect(points.least_m).toBe(0);
+  });
+
   it('gives samples in the world, evenly', () => {
     const { points } = play(poses([0, 10]), chunk(1, 100));
     const samples = new SampleCollector(240_000); // one in ten

@@ -12,6 +12,13 @@ import type { SubmapsLayer } from './submaps_layer';
 
 const batch_points = 1 << 17; // 3.5 MB; what is larger has one of its own
 
+// A chunk of few points does not know how far its neighbours are (spacing.ts): where all are like that, as of a street that was imported, the area of a
+// surface that crosses a chunk tells it.
+const sparse_points = 16; // a chunk, on average
+const sparseFrom_points = 5_000; // fewer are the beginning of a scan
+const crossing_m2 = 0.1; // a chunk of level 0
+const covering = 0.75; // of the distance on a square grid; 0.71 would do
+
 interface Cloud {
   readonly submap: number;
   readonly batch: PointBatch;
@@ -24,6 +31,8 @@ export class PointsLayer implements Layer {
   private readonly material: PointsMaterial;
   private readonly clouds = new Map<string, Cloud>();
   private readonly batches: PointBatch[] = [];
+  private count = 0; // of all points
+  private leastRadius_m = 0;
 
   constructor(private readonly submaps: SubmapsLayer) {
     this.material = new PointsMaterial(submaps.poses.uniform);
@@ -50,6 +59,11 @@ export class PointsLayer implements Layer {
     this.material.resize(size);
   }
 
+  // Of every disc.
+  get least_m(): number {
+    return this.leastRadius_m;
+  }
+
   // World boxes of all chunks, for framing.
   boxes(): Box[] {
     const box = new Box3();
@@ -74,12 +88,13 @@ export class PointsLayer implements Layer {
     const box = new Box3();
     for (const { batch, range, submap, box: own } of this.clouds.values()) {
       const { matrix } = this.submaps.groupOf(submap);
-      if (!ray.intersectsBox(box.copy(own).applyMatrix4(matrix).expandByScalar(0.02))) continue;
+      if (!ray.intersectsBox(box.copy(own).applyMatrix4(matrix).expandByScalar(0.02 + this.leastRadius_m))) continue;
       for (let i = range.start; i < range.start + range.count; ++i) {
         const at = batch.at(i);
         center.fromArray(at.position_m).applyMatrix4(matrix);
         const along_m = center.sub(ray.origin).dot(ray.direction);
-        if (along_m <= 0 || (best && along_m >= best.distance_m) || center.lengthSq() - along_m * along_m > at.radius_m * at.radius_m) continue;
+        const radius_m = Math.max(at.radius_m, this.leastRadius_m);
+        if (along_m <= 0 || (best && along_m >= best.distance_m) || center.lengthSq() - along_m * along_m > radius_m * radius_m) continue;
         normal.fromArray(at.normal).transformDirection(matrix);
         if (normal.dot(ray.direction) > 0) continue;
         best = { point_m: center.clone().add(ray.origin), normal: normal.clone(), distance_m: along_m };
@@ -98,11 +113,20 @@ export class PointsLayer implements Layer {
     const old = this.clouds.get(name);
     old?.batch.remove(old.range);
     this.clouds.delete(name);
+    this.count += (points?.count ?? 0) - (old?.range.count ?? 0);
     if (points) {
       const [batch, range] = this.put(points, this.submaps.poses.rowOf(key.submap));
       this.clouds.set(name, { submap: key.submap, batch, range, box: new Box3(new Vector3(...points.min_m), new Vector3(...points.max_m)) });
     }
     if (old?.batch.isEmpty) this.drop(old.batch);
+    this.enlarge(key.level);
+  }
+
+  private enlarge(level: number): void {
+    const average = this.count / Math.max(1, this.clouds.size);
+    const sparse = average < sparse_points && this.count >= sparseFrom_points;
+    this.leastRadius_m = sparse ? covering * Math.sqrt(crossing_m2 / average) * 2 ** level : 0;
+    this.material.enlarge(this.leastRadius_m);
   }
 
   private put(points: ChunkPoints, row: number): [PointBatch, BatchRange] {

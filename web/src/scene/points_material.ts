@@ -9,7 +9,7 @@ attribute vec4 pointColor;  // rgb and confidence * 8 / 255
 attribute float radius;  // metres; 0: nothing is there
 attribute float row;  // of its submap
 uniform highp sampler2D poses;
-uniform float sizeFactor;
+uniform float sizeFactor, leastRadius;
 uniform float pixelsPerMetre;  // at a distance of one metre
 uniform int colorMode;
 uniform bool hideBacks;
@@ -51,7 +51,7 @@ void main() {
   }
   vColor = faded ? mix(vec3(0.16, 0.18, 0.22), shown, 0.35) : shown;
   vCenter = inView.xyz;
-  vRadius = radius * sizeFactor;
+  vRadius = max(radius, leastRadius) * sizeFactor;
   gl_Position = projectionMatrix * inView;
   vSize_px = clamp(2.1 * vRadius * pixelsPerMetre / -inView.z, 2.0, 256.0);
   gl_PointSize = vSize_px;
@@ -86,7 +86,7 @@ export class PointsMaterial extends ShaderMaterial {
     super({
       vertexShader,
       fragmentShader,
-      uniforms: { poses, sizeFactor: { value: 1 }, pixelsPerMetre: { value: 800 }, colorMode: { value: 0 }, hideBacks: { value: true } },
+      uniforms: { poses, sizeFactor: { value: 1 }, leastRadius: { value: 0 }, pixelsPerMetre: { value: 800 }, colorMode: { value: 0 }, hideBacks: { value: true } },
     });
   }
 
@@ -94,6 +94,11 @@ export class PointsMaterial extends ShaderMaterial {
     this.uniforms['sizeFactor']!.value = options.pointSize_percent / 100;
     this.uniforms['colorMode']!.value = colorModes.indexOf(options.color);
     this.uniforms['hideBacks']!.value = options.hideBacks;
+  }
+
+  // Of all discs, in metres.
+  enlarge(leastRadius_m: number): void {
+    this.uniforms['leastRadius']!.value = leastRadius_m;
   }
 
   resize(size: ViewSize): void {
