@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hermite {
+namespace hermite::read_frame_test {
 namespace {
 
 // Five frames of black; the third has no colour that can be decoded, the fourth is missing.
@@ -44,4 +44,4 @@ TEST(ReadFrame, GivesAnEmptyFrameForOneThatCannotBeRead) {
 TEST(ReadFrame, SaysWhatWasWrong) { EXPECT_THAT(read_frame(Damaged(), 3).problem, testing::HasSubstr("missing")); }
 
 }  // namespace
-}  // namespace hermite
+}  // namespace hermite::read_frame_test
