@@ -193,8 +193,8 @@ class Unpacking {
       if (first)
         if (const Status status = check_not_nested(block); !status.ok()) return status;
       summary_.output_bytes += block.size();
-      if (const Status status = check_output(); !status.ok()) return status;
       if (watch_ && !watch_(summary_.output_bytes)) return Error{ErrorCode::kIo, "unpacking was stopped"};
+      if (const Status status = check_output(); !status.ok()) return status;
       if (const Status status = file.write(block); !status.ok()) return status;
     }
   }

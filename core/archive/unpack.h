@@ -21,7 +21,7 @@ struct UnpackLimits {
   std::uint64_t ratio_free_bytes = std::uint64_t{64} << 20;  // as much is never called a bomb
 };
 
-// Told now and then how much has been written; false ends the unpacking with kIo. Must not block.
+// Told now and then how much there is to write, before it is held against the limits; false ends the unpacking with kIo. Must not block.
 using UnpackWatch = std::function<bool(std::uint64_t output_bytes)>;
 
 struct UnpackSummary {

@@ -97,7 +97,9 @@ Result<std::string> ScanJob::recording_path() {
   const std::uint64_t room_bytes = *free - std::min(*free, world_.min_free_disk_bytes);
   limits.output_bytes = std::min(limits.output_bytes, room_bytes);
   auto told_at = std::chrono::steady_clock::now();
+  std::uint64_t needed_bytes = 0;
   const Result<UnpackSummary> unpacked = unpack_archive(upload, folder, limits, [&](std::uint64_t output_bytes) {
+    needed_bytes = output_bytes;
     const auto now = std::chrono::steady_clock::now();
     if (now - told_at >= kReportPeriod) {
       told_at = now;
@@ -105,7 +107,7 @@ Result<std::string> ScanJob::recording_path() {
     }
     return !is_stopped();
   });
-  if (!unpacked.ok() && unpacked.error().code == ErrorCode::kTooLarge && room_bytes == limits.output_bytes) {
+  if (!unpacked.ok() && room_bytes == limits.output_bytes && needed_bytes > room_bytes) {
     upload_lacks_room_ = true;
     return Error{ErrorCode::kTooLarge,
                  "the disk has room for " + std::to_string(room_bytes / 1'000'000) + " MB of what it unpacks to, and that is more"};
