@@ -67,7 +67,7 @@ void main() {
   vec2 offset_px = (gl_PointCoord - 0.5) * vSize_px;
   float depth_m = -vCenter.z;
   // Small ones are squares: discs would tear holes.
-  if (vSize_px > 3.0) {
+  if (vSize_px > 5.0) {
     vec3 ray = vec3(vCenter.xy / depth_m + vec2(offset_px.x, -offset_px.y) / pixelsPerMetre, -1.0);
     float along = dot(vNormal, vCenter) / dot(vNormal, ray);
     vec3 away = ray * along - vCenter;
