@@ -302,10 +302,12 @@ test('a finished scan looks the same when it is opened again, also from a restar
   };
   await page.reload();
   await again('loaded again');
+  viewer.outage.on = true;
   await server.stop();
   server = await startServer(folder, server.port);
   await page.reload();
   await again('loaded from the restarted server');
+  viewer.outage.on = false;
 });
 
 test('a page comes back by itself when the server does', { timeout: scan_ms }, async () => {
