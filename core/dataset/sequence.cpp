@@ -9,6 +9,7 @@
 #include "core/dataset/moving_person.h"
 #include "core/dataset/pane_disturbance.h"
 #include "core/dataset/recording.h"
+#include "core/dataset/sensor_disturbance.h"
 #include "core/dataset/shutter_disturbance.h"
 #include "core/dataset/synthetic_camera.h"
 #include "core/dataset/text_file.h"
@@ -53,14 +54,29 @@ struct SuffixKind {
   std::string_view name;  // "+name=TEXT"; an empty text may go without the "="
   Opened (*apply)(std::unique_ptr<Sequence> sequence, const std::string& text);
 };
-constexpr SuffixKind kSuffixKinds[] = {{"+noise", noisy},          {"+covered", covered},
-                                       {"+missing", missing},      {"+exposure", with_exposure},
-                                       {"+flicker", with_flicker}, {"+vignetting", with_vignetting},
-                                       {"+person", with_person},   {"+bend", with_bend},
-                                       {"+sparse", with_sparse},   {"+focal", with_focal},
-                                       {"+skip", with_skip},       {"+rolling", with_rolling},
-                                       {"+clock", with_clock},     {"+blur", with_blur},
-                                       {"+mirror", with_mirror},   {"+glass", with_glass}};
+constexpr SuffixKind kSuffixKinds[] = {{"+noise", noisy},
+                                       {"+covered", covered},
+                                       {"+missing", missing},
+                                       {"+exposure", with_exposure},
+                                       {"+flicker", with_flicker},
+                                       {"+vignetting", with_vignetting},
+                                       {"+person", with_person},
+                                       {"+bend", with_bend},
+                                       {"+sparse", with_sparse},
+                                       {"+focal", with_focal},
+                                       {"+skip", with_skip},
+                                       {"+rolling", with_rolling},
+                                       {"+clock", with_clock},
+                                       {"+blur", with_blur},
+                                       {"+mirror", with_mirror},
+                                       {"+glass", with_glass},
+                                       {"+flying", with_flying},
+                                       {"+lowres", with_lowres},
+                                       {"+speckle", with_speckle},
+                                       {"+frozen", with_frozen},
+                                       {"+misregistered", with_misregistered},
+                                       {"+banding", with_banding},
+                                       {"+dark", with_dark}};
 // Each is a layer around the sequence that every read passes.
 constexpr std::size_t kMaxSuffixes = 16;
 
