@@ -11,6 +11,9 @@
 
 namespace hermite {
 
+// For the pieces of a frame, some milliseconds in all: a thread takes a twentieth of one to start, so more threads do not pay.
+inline constexpr int kThreadsOfFrame = 4;
+
 // Calls work(i) once for every i below `count`, in no order, on the caller's thread and helpers that end with the call: what `work` writes
 // must be the place of i alone. An exception ends the call when the pieces that have begun are done; of several, the first one caught.
 // At most `thread_count` threads, 0: as many as there are processors.

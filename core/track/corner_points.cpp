@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/frame/sensor_noise.h"
 
 namespace hermite {
@@ -45,14 +46,18 @@ std::optional<FeatureMotion> CornerPoints::follow(const PictureFeatures& last, c
                                                   const std::function<bool(const Eigen::Vector2d&)>& is_left_out) {
   found_.assign(points_.size(), std::nullopt);
   if (last.levels.size() != frame.levels.size() || last.levels.empty()) return std::nullopt;
+  std::vector<std::uint8_t> is_used(points_.size(), 0);
+  in_parallel(points_.size(), kThreadsOfFrame, [&](std::size_t i) {
+    found_[i] = hermite::follow(last, frame, points_[i].pixel);
+    if (!found_[i] || is_left_out(*found_[i])) return;
+    if (const auto as_at_first = find_patch(points_[i].patch, frame.levels[0], *found_[i])) found_[i] = as_at_first;
+    is_used[i] = 1;
+  });
   std::vector<FollowedCorner> all, with_depth;
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    const CornerPoint& point = points_[i];
-    found_[i] = hermite::follow(last, frame, point.pixel);
-    if (!found_[i] || is_left_out(*found_[i])) continue;
-    if (const auto as_at_first = find_patch(point.patch, frame.levels[0], *found_[i])) found_[i] = as_at_first;
-    all.push_back({point.point_m, image_px(*found_[i])});
-    if (point.depth_deviation_m > 0) with_depth.push_back(all.back());
+    if (is_used[i] == 0) continue;
+    all.push_back({points_[i].point_m, image_px(*found_[i])});
+    if (points_[i].depth_deviation_m > 0) with_depth.push_back(all.back());
   }
   return motion_by_corners(all, with_depth, points_.size(), camera_);
 }

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/track/reprojection.h"
 
 namespace hermite {
@@ -109,6 +110,38 @@ std::vector<Chosen> parts_of(const std::vector<FollowedCorner>& corners, const s
   return parts;
 }
 
+// That the corners of a part have made, and all that go along with them.
+Rigid3 motion_of(const Problem& problem, const Chosen& part) {
+  // From tens of pixels to the precision of following.
+  Rigid3 motion = problem.fit(part, problem.fit(part, {}, 20 * problem.precision_px), 3 * problem.precision_px);
+  Chosen chosen;
+  for (int round = 0; round < kRounds; ++round) {
+    Chosen near = problem.near(motion);
+    if (near == chosen || count(near) < kLeastCornersOfMotion) break;
+    motion = problem.fit(near, motion, problem.precision_px);
+    chosen = std::move(near);
+  }
+  return motion;
+}
+
+// Of least cost; of equal ones the first. Nothing: all parts are too small.
+std::optional<Rigid3> best_motion(const Problem& problem, const std::vector<Chosen>& parts) {
+  struct Candidate {
+    std::optional<Rigid3> motion;
+    double cost = 0;
+  };
+  std::vector<Candidate> candidates(parts.size());
+  in_parallel(parts.size(), kThreadsOfFrame, [&](std::size_t i) {
+    if (count(parts[i]) < kLeastCornersOfMotion) return;
+    const Rigid3 motion = motion_of(problem, parts[i]);
+    candidates[i] = {motion, problem.cost(motion)};
+  });
+  Candidate best;
+  for (const Candidate& candidate : candidates)
+    if (candidate.motion && (!best.motion || candidate.cost < best.cost)) best = candidate;
+  return best.motion;
+}
+
 }  // namespace
 
 std::optional<CornerSplit> split_corners(const std::vector<FollowedCorner>& corners, const std::vector<std::uint8_t>& moved_before,
@@ -120,24 +153,7 @@ std::optional<CornerSplit> split_corners(const std::vector<FollowedCorner>& corn
     const bool moved = moved_before.size() == corners.size() && moved_before[i] != 0;
     problem.weight.push_back(depth_m * depth_m * (moved ? kMovedBeforeWeight : 1));
   }
-  std::optional<Rigid3> best;
-  double least = 0;
-  for (const Chosen& part : parts_of(corners, moved_before)) {
-    if (count(part) < kLeastCornersOfMotion) continue;
-    // From tens of pixels to the precision of following.
-    Rigid3 motion = problem.fit(part, problem.fit(part, {}, 20 * precision_px), 3 * precision_px);
-    Chosen chosen;
-    for (int round = 0; round < kRounds; ++round) {
-      Chosen near = problem.near(motion);
-      if (near == chosen || count(near) < kLeastCornersOfMotion) break;
-      motion = problem.fit(near, motion, precision_px);
-      chosen = std::move(near);
-    }
-    const double cost = problem.cost(motion);
-    if (best && cost >= least) continue;
-    best = motion;
-    least = cost;
-  }
+  const std::optional<Rigid3> best = best_motion(problem, parts_of(corners, moved_before));
   if (!best) return std::nullopt;
   CornerSplit split{inverse(*best), 0, {}, {}, 0};
   double all = 0, moving = 0, squares = 0;

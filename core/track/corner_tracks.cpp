@@ -4,6 +4,8 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/parallel.h"
+
 namespace hermite {
 
 namespace {
@@ -59,10 +61,10 @@ CornerVerdict CornerTracks::follow(const PictureFeatures& last, const PictureFea
   moves_.assign(tracks_.size(), 0);
   rests_.assign(tracks_.size(), 0);
   if (last.levels.empty() || frame.levels.empty()) return verdict;
-  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+  in_parallel(tracks_.size(), kThreadsOfFrame, [&](std::size_t i) {
     places_[i] = hermite::follow(last, frame, {double{tracks_[i].past[0].x}, double{tracks_[i].past[0].y}});
     moves_[i] = tracks_[i].moves ? 1 : 0;
-  }
+  });
   label(verdict);
   collect(verdict);
   return verdict;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/parallel.h"
 #include "core/math/rigid3_fields.h"
 #include "core/track/own_motion.h"
 
@@ -62,6 +63,10 @@ Witness ask(const CoarseView& view, const Eigen::Vector3d& point) {
 // By pixel: how many views contradict, and how many show the same surface.
 struct Votes {
   std::vector<int> against, for_;
+  explicit Votes(std::size_t pixels) : against(pixels, 0), for_(pixels, 0) {}
+  void add(const Votes& other) {
+    for (std::size_t i = 0; i < against.size(); ++i) against[i] += other.against[i], for_[i] += other.for_[i];
+  }
 };
 
 // Points of the frame in free space of the view.
@@ -161,12 +166,14 @@ CoarseMask MovingRegions::expected(const CoarseView& view) const {
 }
 
 CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners) {
-  Votes votes{std::vector<int>(view.size(), 0), std::vector<int>(view.size(), 0)};
-  for (const Seen& seen : seen_) {
-    const Rigid3 seen_from_now = inverse(seen.world_from_camera) * world_from_camera;
-    appeared(view, seen.view, seen_from_now, votes);
-    vanished(view, seen.view, seen.moving, inverse(seen_from_now), votes);
-  }
+  std::vector<Votes> votes_by_view(seen_.size(), Votes(view.size()));
+  in_parallel(seen_.size(), kThreadsOfFrame, [&](std::size_t i) {
+    const Rigid3 seen_from_now = inverse(seen_[i].world_from_camera) * world_from_camera;
+    appeared(view, seen_[i].view, seen_from_now, votes_by_view[i]);
+    vanished(view, seen_[i].view, seen_[i].moving, inverse(seen_from_now), votes_by_view[i]);
+  });
+  Votes votes(view.size());
+  for (const Votes& of_view : votes_by_view) votes.add(of_view);
   CoarseMask seeds(view.size(), 0), candidates(view.size(), 0);
   for (std::size_t i = 0; i < view.size(); ++i) {
     seeds[i] = view.depth_m[i] > 0 && votes.against[i] > 0 && 2 * votes.against[i] >= votes.for_[i] ? 1 : 0;
@@ -193,21 +200,32 @@ CoarseMask MovingRegions::moving_on_their_own(const CoarseView& view, const Rigi
   std::vector<bool> moves(surfaces.pixel_count.size(), false);
   for (std::size_t surface = 1; surface < moves.size(); ++surface)
     moves[surface] = 2 * carried_pixels[surface] > surfaces.pixel_count[surface];
-  const auto since = [&](const Seen& seen, Disagreement& disagreement) {
+  const auto since = [&](const Seen& seen, const Disagreement& disagreement, const std::vector<bool>& moved_before) {
     const CameraMotion motion{inverse(seen.world_from_camera) * world_from_camera, seen.step_before,
                               log_se3(inverse(last_world_from_camera_) * world_from_camera)};
-    OwnMotions motions = own_motions(view, surfaces, seen.view, motion, moves, disagreement.usual);
-    disagreement.last = motions.disagreement;
-    is_divided_ = is_divided_ || motions.is_divided;
-    return std::move(motions.of_surface);
+    return own_motions(view, surfaces, seen.view, motion, moved_before, disagreement.usual);
   };
   const bool newest_is_young = frames_since_kept_ != 0 && frames_since_kept_ + 1 < kKeepEvery;
-  const std::vector<OwnMotion> lately = since(newest_is_young && seen_.size() > 1 ? seen_[seen_.size() - 2] : seen_.back(), lately_);
-  for (std::size_t surface = 1; surface < moves.size(); ++surface) moves[surface] = moves[surface] || lately[surface] == OwnMotion::kMoves;
-  const std::vector<OwnMotion> all_along = since(seen_.front(), all_along_);
+  const Seen& recent = newest_is_young && seen_.size() > 1 ? seen_[seen_.size() - 2] : seen_.back();
+  OwnMotions lately, all_along;
+  in_parallel(2, kThreadsOfFrame, [&](std::size_t i) {
+    if (i == 0)
+      lately = since(recent, lately_, moves);
+    else
+      all_along = since(seen_.front(), all_along_, moves);
+  });
+  // What is found to move lately must not take the camera along there either.
+  const std::vector<bool> moves_at_first = moves;
   for (std::size_t surface = 1; surface < moves.size(); ++surface)
-    moves[surface] = lately[surface] == OwnMotion::kMoves || all_along[surface] == OwnMotion::kMoves ||
-                     (moves[surface] && lately[surface] == OwnMotion::kUnknown && all_along[surface] == OwnMotion::kUnknown);
+    moves[surface] = moves[surface] || lately.of_surface[surface] == OwnMotion::kMoves;
+  if (moves != moves_at_first) all_along = since(seen_.front(), all_along_, moves);
+  lately_.last = lately.disagreement;
+  all_along_.last = all_along.disagreement;
+  is_divided_ = lately.is_divided || all_along.is_divided;
+  const auto is = [&](OwnMotion kind, const OwnMotions& motions, std::size_t surface) { return motions.of_surface[surface] == kind; };
+  for (std::size_t surface = 1; surface < moves.size(); ++surface)
+    moves[surface] = is(OwnMotion::kMoves, lately, surface) || is(OwnMotion::kMoves, all_along, surface) ||
+                     (moves[surface] && is(OwnMotion::kUnknown, lately, surface) && is(OwnMotion::kUnknown, all_along, surface));
   for (std::size_t i = 0; i < view.size(); ++i) mask[i] = moves[surfaces.of_pixel[i]] ? 1 : 0;
   return mask;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "core/gpu/buffer_bytes.h"
@@ -33,8 +34,6 @@ constexpr float kGradientMin[kPyramidLevels] = {5, 3, 1};
 constexpr std::size_t kAgreementLevel = 1;
 constexpr float kTolerance_m = 0.015f, kToleranceGrowth_per_m = 0.0057f;
 
-// Of Student's t distribution; as in shaders/track/odometry.comp (Kerl, Sturm, Cremers 2013 found 5 to fit).
-constexpr double kDegreesOfFreedom = 5;
 constexpr double kFirstGeometricScale = 10, kLeastGeometricScale = 0.25;  // standard deviations of the sensor
 // The spread of grey values on recordings and rendered rooms where nothing moves is 2 to 7: there options.photometric_sigma is meant. Where
 // picture and map agree less the picture says less.
@@ -47,6 +46,9 @@ constexpr double kFirstPhotometricScale_grey = 30, kLeastPhotometricScale_grey =
 // with this weight, 9.1, 2.0 and 18 with 1, 33, 2.4 and 24 with 20.
 constexpr double kSparse = 0.15, kDense = 0.3, kCornerWeight = 0.3;
 
+// Linearised in one submission; the partial sums have room for so many.
+constexpr std::size_t kGuessesAtOnce = 4;
+
 // A lost camera is searched for within thrice the usual gates, and so many ends are compared.
 constexpr double kSearchReach = 3;
 constexpr std::size_t kSearchTries = 3;
@@ -57,60 +59,16 @@ std::uint32_t threads_for(std::uint32_t pixel_count, std::uint32_t pixels_per_th
   return HERMITE_ODOMETRY_GROUP_SIZE * std::clamp((pixel_count + pixels_per_group - 1) / pixels_per_group, 1u, kMaxGroups);
 }
 
-// Sums of all workgroups, in order.
+// OdometrySums of all workgroups of a dispatch, in order.
 template <shared::uint N>
-std::array<double, N> total(std::span<const float> partial_sums, std::uint32_t threads) {
+std::array<double, N> total(std::span<const float> partial_sums, std::uint32_t threads, std::size_t first_group = 0) {
   std::array<double, N> sums{};
-  for (std::size_t group = 0; group < threads / HERMITE_ODOMETRY_GROUP_SIZE; ++group)
+  for (std::size_t group = first_group; group < first_group + threads / HERMITE_ODOMETRY_GROUP_SIZE; ++group)
     for (std::size_t term = 0; term < N; ++term) sums[term] += static_cast<double>(partial_sums[group * N + term]);
   return sums;
 }
 
-template <class Matrix>
-Matrix read_upper_triangle(const double* next) {
-  Matrix matrix;
-  for (int i = 0; i < matrix.rows(); ++i)
-    for (int j = i; j < matrix.cols(); ++j) matrix(i, j) = matrix(j, i) = *next++;
-  return matrix;
-}
-
-NormalEquations read_system(const double* sums) {
-  constexpr int kUpperTriangle = 21;
-  return {read_upper_triangle<Matrix6d>(sums), Eigen::Map<const Vector6d>(sums + kUpperTriangle)};
-}
-
-// Of the points s: weighted sum of A^T A with A = [1, -[s]x], what a twist moves them by. `moments`: of 1, s and the upper triangle of s
-// s^T.
-Matrix6d read_displacement(const double* moments) {
-  const Eigen::Vector3d first(moments[1], moments[2], moments[3]);
-  const auto second = read_upper_triangle<Eigen::Matrix3d>(moments + 4);
-  Matrix6d displacement = Matrix6d::Zero();
-  displacement.topLeftCorner<3, 3>() = moments[0] * Eigen::Matrix3d::Identity();
-  displacement.bottomLeftCorner<3, 3>() = skew(first);
-  displacement.topRightCorner<3, 3>() = displacement.bottomLeftCorner<3, 3>().transpose();
-  displacement.bottomRightCorner<3, 3>() = second.trace() * Eigen::Matrix3d::Identity() - second;
-  return displacement;
-}
-
 }  // namespace
-
-struct Odometry::Sums {
-  NormalEquations geometric;
-  PhotometricSystem photometric;
-  Matrix6d displacement;  // of the geometric pairs
-  double disagreement = 0;
-  double geometric_base = 0;  // sum of the pairs' weights before residuals count
-  double geometric_error_m2 = 0, geometric_count = 0, photometric_count = 0, surface_count = 0, pixel_count = 0;
-  // Mean squares of the residuals as Student's t distribution has them, in scales squared; nothing where there are no pairs.
-  double geometric_spread2 = 0, photometric_spread2 = 0;
-  double photometric_squares = 0;  // sum of the weighted squared residuals
-
-  // The mean weight of a pair whose residual is one deviation, times that residual squared.
-  double geometric_unit() const {
-    return geometric_count > 0 ? geometric_base / geometric_count * geometric_error_m2 / geometric_count : 0;
-  }
-  double photometric_unit() const { return photometric_count > 0 ? photometric_squares / photometric_count : 0; }
-};
 
 // What is believed of residuals before a step.
 struct Odometry::Believed {
@@ -128,7 +86,7 @@ Odometry::Odometry(gpu::Device& device, const shared::Intrinsics& finest, const 
       agreement_(device, "track/agreement"),
       commands_(device),
       residual_model_(device, 1, "odometry", gpu::Memory::kReadback),
-      partial_sums_(device, std::size_t{kMaxGroups} * shared::kOdometrySumCount, "odometry", gpu::Memory::kReadback),
+      partial_sums_(device, kGuessesAtOnce * kMaxGroups * shared::kOdometrySumCount, "odometry", gpu::Memory::kReadback),
       previous_intensity_(device, static_cast<std::size_t>(finest.width >> kRotationLevel) * (finest.height >> kRotationLevel),
                           "odometry") {}
 
@@ -142,64 +100,55 @@ Odometry::Gates Odometry::gates_within(double reach) const {
   return {reach * options_.distance_gate_m, std::min(reach * options_.normal_gate_deg, 90.0) * M_PI / 180.0, false};
 }
 
-Odometry::Sums Odometry::linearise(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, int level,
-                                   const Gates& gates, const Believed& believed) {
-  const auto l = static_cast<std::size_t>(level);
-  const SurfaceLevel& from = frame.surface.levels[l];
-  const SurfaceLevel& to = reference.levels[l];
-  const shared::OdometryParams params{
-      to_shared(guess),
-      from.camera,
-      to.camera,
-      static_cast<float>(options_.geometric_weight),
-      static_cast<float>(gates.distance_m),
-      static_cast<float>(std::sin(gates.normal_rad)),
-      static_cast<float>(options_.photometric_sigma * believed.photometric_scale / kUsualPhotometricScale_grey),
-      kGradientMin[l],
-      static_cast<float>(options_.photometric_depth_gate_m),
-      gates.search ? 2u : 0u};
+// Where an alignment begins, and the sums there if they are known.
+struct Odometry::Start {
+  Rigid3 guess;
+  std::optional<OdometrySums> sums;
+};
+
+// At each of the guesses, at most kGuessesAtOnce, in one submission.
+std::vector<OdometrySums> Odometry::linearise(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses,
+                                              std::size_t level, const Gates& gates, const Believed& believed) {
+  const SurfaceLevel& from = frame.surface.levels[level];
+  const SurfaceLevel& to = reference.levels[level];
   const shared::ResidualModel model{static_cast<float>(noise_.noise_floor_m),      static_cast<float>(noise_.noise_growth_per_m),
                                     static_cast<float>(believed.geometric_scale),  static_cast<float>(believed.photometric_scale),
                                     static_cast<float>(options_.photometric_gate), static_cast<float>(options_.mature_confidence),
                                     static_cast<float>(believed.brightness.gain),  static_cast<float>(believed.brightness.offset)};
   residual_model_.upload({&model, 1});
   const std::uint32_t threads = threads_for(from.camera.width * from.camera.height, pixels_per_thread_);
-  commands_.dispatch(odometry_, {threads}, params,
-                     {{"points", from.points},
-                      {"picture", frame.pictures[l]},
-                      {"reference_points", to.points},
-                      {"reference_intensity", to.intensity},
-                      {"partial_sums", partial_sums_},
-                      {"residual_model", residual_model_}});
+  const std::uint32_t groups = threads / HERMITE_ODOMETRY_GROUP_SIZE;
+  for (std::uint32_t i = 0; i < guesses.size(); ++i) {
+    const shared::OdometryParams params{
+        to_shared(guesses[i]),
+        from.camera,
+        to.camera,
+        static_cast<float>(options_.geometric_weight),
+        static_cast<float>(gates.distance_m),
+        static_cast<float>(std::sin(gates.normal_rad)),
+        static_cast<float>(options_.photometric_sigma * believed.photometric_scale / kUsualPhotometricScale_grey),
+        kGradientMin[level],
+        static_cast<float>(options_.photometric_depth_gate_m),
+        gates.search ? 2u : 0u,
+        i * groups};
+    commands_.dispatch(odometry_, {threads}, params,
+                       {{"points", from.points},
+                        {"picture", frame.pictures[level]},
+                        {"reference_points", to.points},
+                        {"reference_intensity", to.intensity},
+                        {"partial_sums", partial_sums_},
+                        {"residual_model", residual_model_}});
+  }
   commands_.submit_and_wait();
-  const auto terms = total<shared::kOdometrySumCount>(partial_sums_.mapped(), threads);
-  const auto from_term = [&terms](shared::uint first) { return terms.data() + first; };
-  Sums sums{};
-  sums.geometric = read_system(from_term(shared::kGeometricSums));
-  sums.photometric.motion = read_system(from_term(shared::kPhotometricSums));
-  sums.displacement = read_displacement(from_term(shared::kMomentSums));
-  const double weight = terms[shared::kMomentSums];
-  sums.disagreement = weight > 0 ? terms[shared::kDisagreementSum] / weight : 0;
-  sums.geometric_error_m2 = terms[shared::kGeometricErrorSums];
-  sums.geometric_count = terms[shared::kGeometricErrorSums + 1];
-  sums.photometric_count = terms[shared::kPhotometricErrorSums + 1];
-  sums.surface_count = terms[shared::kSurfaceCountSum];
-  sums.photometric.mixed = Eigen::Map<const Eigen::Matrix<double, 6, 2, Eigen::RowMajor>>(from_term(shared::kMixedSums));
-  sums.photometric.hessian = read_upper_triangle<Eigen::Matrix2d>(from_term(shared::kBrightnessSums));
-  sums.photometric.right_hand_side = Eigen::Map<const Eigen::Vector2d>(from_term(shared::kBrightnessSums + 3));
-  constexpr double kOfStudentsT = (kDegreesOfFreedom + 1) / kDegreesOfFreedom;
-  const double geometric_base = terms[shared::kGeometricSpreadSums], geometric_squares = terms[shared::kGeometricSpreadSums + 1];
-  const double photometric_base = terms[shared::kPhotometricSpreadSums];
-  sums.photometric_squares = terms[shared::kPhotometricSpreadSums + 1];
-  sums.geometric_base = geometric_base;
-  if (geometric_base > 0) sums.geometric_spread2 = kOfStudentsT * geometric_squares / geometric_base;
-  if (photometric_base > 0) sums.photometric_spread2 = kOfStudentsT * sums.photometric_squares / photometric_base;
-  sums.pixel_count = static_cast<double>(from.camera.width) * from.camera.height;
+  std::vector<OdometrySums> sums;
+  for (std::size_t i = 0; i < guesses.size(); ++i)
+    sums.emplace_back(total<shared::kOdometrySumCount>(partial_sums_.mapped(), threads, i * groups),
+                      static_cast<double>(from.camera.width) * from.camera.height);
   return sums;
 }
 
 // What corners count beside the dense terms, in whose units: as far as depth is sparse.
-double Odometry::weight_of_corners(const Sums& sums) {
+double Odometry::weight_of_corners(const OdometrySums& sums) {
   const double fade = std::clamp((kDense - sums.surface_count / sums.pixel_count) / (kDense - kSparse), 0.0, 1.0);
   return kCornerWeight * fade * (sums.geometric_count > 0 ? sums.geometric_unit() : 1);
 }
@@ -208,7 +157,7 @@ double Odometry::weight_of_corners(const Sums& sums) {
 Odometry::Believed Odometry::believed_at_first(double reach) { return {reach * kFirstGeometricScale, kFirstPhotometricScale_grey, {}}; }
 
 // Scales follow the residuals. They end at what a model is off by and at the steps of grey values: closer agreement is chance.
-Odometry::Believed Odometry::believed_after(const Believed& before, const Sums& sums, const Vector6d& step) {
+Odometry::Believed Odometry::believed_after(const Believed& before, const OdometrySums& sums, const Vector6d& step) {
   Believed after = before;
   if (sums.geometric_spread2 > 0) after.geometric_scale = std::max(std::sqrt(sums.geometric_spread2), kLeastGeometricScale);
   if (sums.photometric_spread2 > 0) after.photometric_scale = std::max(std::sqrt(sums.photometric_spread2), kLeastPhotometricScale_grey);
@@ -217,35 +166,40 @@ Odometry::Believed Odometry::believed_after(const Believed& before, const Sums& 
 }
 
 // Ordered by the mean distance at the coarsest level, least first, where what matches nothing counts as far as the gate.
-std::vector<Rigid3> Odometry::by_misfit(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference,
-                                        double reach) {
-  std::vector<Rigid3> ordered(guesses.begin(), guesses.end());
-  if (ordered.size() == 1) return ordered;
+std::vector<Odometry::Start> Odometry::by_misfit(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference,
+                                                 double reach) {
+  if (guesses.size() == 1) return {{guesses[0], std::nullopt}};
   const Gates gates = gates_within(reach);
-  std::vector<std::pair<double, std::size_t>> misfits_m2;
-  for (const Rigid3& guess : guesses) {
-    const Sums sums = linearise(frame, reference, guess, kPyramidLevels - 1, gates, believed_at_first(reach));
-    const double misfit_m2 = sums.geometric_error_m2 + (sums.surface_count - sums.geometric_count) * gates.distance_m * gates.distance_m;
-    misfits_m2.emplace_back(misfit_m2, misfits_m2.size());
+  std::vector<Start> starts;
+  for (std::size_t first = 0; first < guesses.size(); first += kGuessesAtOnce) {
+    const auto some = guesses.subspan(first, std::min(kGuessesAtOnce, guesses.size() - first));
+    const std::vector<OdometrySums> sums = linearise(frame, reference, some, kPyramidLevels - 1, gates, believed_at_first(reach));
+    for (std::size_t i = 0; i < some.size(); ++i) starts.push_back({some[i], sums[i]});
   }
-  std::sort(misfits_m2.begin(), misfits_m2.end());
-  for (std::size_t i = 0; i < ordered.size(); ++i) ordered[i] = guesses[misfits_m2[i].second];
-  return ordered;
+  const auto misfit_m2 = [&gates](const Start& start) {
+    const OdometrySums& sums = *start.sums;
+    return sums.geometric_error_m2 + (sums.surface_count - sums.geometric_count) * gates.distance_m * gates.distance_m;
+  };
+  std::stable_sort(starts.begin(), starts.end(), [&](const Start& a, const Start& b) { return misfit_m2(a) < misfit_m2(b); });
+  return starts;
 }
 
-OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, double reach,
+OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& reference, const Start& start, double reach,
                                 const FeatureMotion* features) {
   OdometryResult result;
-  result.reference_from_camera = guess;
+  result.reference_from_camera = start.guess;
   const int iterations[kPyramidLevels] = {options_.max_iterations_fine, options_.max_iterations_middle, options_.max_iterations_coarse};
-  Sums sums{};
+  OdometrySums sums{};
   Believed believed = believed_at_first(reach);
   for (int level = kPyramidLevels - 1; level >= 0; --level) {
     const double scale = std::ldexp(1.0, level);
     Gates gates = gates_within(level == kPyramidLevels - 1 ? reach : 1.0);
     const int steps = static_cast<int>(iterations[level] * gates.distance_m / options_.distance_gate_m);
     for (int i = 0; i < steps; ++i) {
-      sums = linearise(frame, reference, result.reference_from_camera, level, gates, believed);
+      const bool is_known = result.iteration_count == 0 && start.sums;
+      sums = is_known
+                 ? *start.sums
+                 : linearise(frame, reference, {&result.reference_from_camera, 1}, static_cast<std::size_t>(level), gates, believed)[0];
       ++result.iteration_count;
       if (options_.discount_normal_noise) sums.geometric = discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement);
       NormalEquations photometric = without_brightness(sums.photometric, believed.brightness);
@@ -286,13 +240,13 @@ OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& ref
 }
 
 OdometryResult Odometry::search(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses) {
-  std::vector<Rigid3> ordered = by_misfit(guesses, frame, reference, kSearchReach);
+  std::vector<Start> ordered = by_misfit(guesses, frame, reference, kSearchReach);
   ordered.resize(std::min(ordered.size(), kSearchTries));
   OdometryResult best;
-  for (const Rigid3& guess : ordered) {
-    const OdometryResult result = refine(frame, reference, guess, kSearchReach);
+  for (const Start& start : ordered) {
+    const OdometryResult result = refine(frame, reference, start, kSearchReach);
     const auto agreeing_share = [](const Agreement& a) { return a.overlap * a.agreeing; };
-    if (&guess == &ordered.front() || agreeing_share(result.agreement) > agreeing_share(best.agreement)) best = result;
+    if (&start == &ordered.front() || agreeing_share(result.agreement) > agreeing_share(best.agreement)) best = result;
   }
   return best;
 }

@@ -12,6 +12,7 @@
 #include "core/track/feature_motion.h"
 #include "core/track/judgement.h"
 #include "core/track/normal_equations.h"
+#include "core/track/odometry_sums.h"
 #include "core/track/step_certainty.h"
 #include "core/track/track_options.h"
 #include "shaders/shared/track.h"
@@ -61,17 +62,17 @@ class Odometry {
   void restore(ByteReader& bytes);
 
  private:
-  struct Sums;
   struct Gates;
   struct Believed;
+  struct Start;
   Gates gates_within(double reach) const;
-  static double weight_of_corners(const Sums& sums);
+  static double weight_of_corners(const OdometrySums& sums);
   static Believed believed_at_first(double reach);
-  static Believed believed_after(const Believed& before, const Sums& sums, const Vector6d& step);
-  Sums linearise(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, int level, const Gates& gates,
-                 const Believed& believed);
-  std::vector<Rigid3> by_misfit(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference, double reach);
-  OdometryResult refine(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& guess, double reach,
+  static Believed believed_after(const Believed& before, const OdometrySums& sums, const Vector6d& step);
+  std::vector<OdometrySums> linearise(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses,
+                                      std::size_t level, const Gates& gates, const Believed& believed);
+  std::vector<Start> by_misfit(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference, double reach);
+  OdometryResult refine(const FrameMaps& frame, const SurfacePyramid& reference, const Start& start, double reach,
                         const FeatureMotion* features = nullptr);
 
   const TrackOptions options_;

@@ -53,7 +53,7 @@ struct System {
 
   void add(const Vector6d& row, double residual, double weight) {
     const Vector6d weighted = weight * row;
-    hessian.noalias() += weighted * row.transpose();
+    for (int column = 0; column < 6; ++column) hessian.col(column) += weighted * row[column];
     right_hand_side.noalias() -= residual * weighted;
   }
 };

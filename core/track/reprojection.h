@@ -14,8 +14,10 @@ inline void add_reprojection(NormalEquations& system, const Camera& camera, cons
   const Vector6d u = camera.fx * Vector6d{per_z, 0, -x * per_z, -x * y, 1 + x * x, -y};
   const Vector6d v = camera.fy * Vector6d{0, per_z, -y * per_z, -(1 + y * y), x * y, x};
   const Vector6d weighted_u = weight * u, weighted_v = weight * v;
-  system.hessian.noalias() += weighted_u * u.transpose();
-  system.hessian.noalias() += weighted_v * v.transpose();
+  for (int column = 0; column < 6; ++column) {
+    system.hessian.col(column) += weighted_u * u[column];
+    system.hessian.col(column) += weighted_v * v[column];
+  }
   system.right_hand_side.noalias() -= error_px.x() * weighted_u;
   system.right_hand_side.noalias() -= error_px.y() * weighted_v;
 }

@@ -15,11 +15,12 @@ void put_at(uint term, float value) {
   put_term(value);
 }
 
-void write_group_sums() {
+// Behind the sums of `first_group` workgroups.
+void write_group_sums(uint first_group) {
   barrier();
   for (uint term = gl_LocalInvocationID.x; term < kTerms; term += kGroupSize) {
     float sum = 0.0;
     for (uint i = 0u; i < kGroupSize; ++i) sum += group_terms[term * kGroupSize + i];
-    partial_sums[gl_WorkGroupID.x * kTerms + term] = sum;
+    partial_sums[(first_group + gl_WorkGroupID.x) * kTerms + term] = sum;
   }
 }

@@ -53,6 +53,7 @@ struct OdometryParams {
   float gradient_min;       // grey values per pixel
   float photometric_depth_gate_m;
   uint search_radius;  // 0: projective association
+  uint first_group;    // where in the partial sums those of this dispatch begin, in workgroups
 };
 
 // How residuals are believed to be distributed: in a buffer, since push constants of 128 bytes have no room for it.

@@ -77,5 +77,5 @@ void main() {
   for (int i = 0; i < 3; ++i) put_term(grey_squares[i]);
   put_from(kChangeSums);
   for (int i = 0; i < 2; ++i) put_term(change[i]);
-  write_group_sums();
+  write_group_sums(0u);
 }

@@ -235,5 +235,5 @@ void main() {
   put_pair(geometric_spread);
   put_from(kPhotometricSpreadSums);
   put_pair(photometric_spread);
-  write_group_sums();
+  write_group_sums(p.first_group);
 }

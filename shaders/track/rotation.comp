@@ -60,5 +60,5 @@ void main() {
   put_from(kRotationErrorSums);
   put_term(error_count.x);
   put_term(error_count.y);
-  write_group_sums();
+  write_group_sums(0u);
 }
