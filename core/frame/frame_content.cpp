@@ -13,11 +13,23 @@ constexpr int kStep_px = 4;
 
 int grey(Rgb8 c) { return (299 * c.r + 587 * c.g + 114 * c.b + 500) / 1000; }
 
+// FNV-1a, by pixel in place of by byte.
+std::uint64_t digest_of(const DepthImage& depth) {
+  std::uint64_t digest = 0xcbf29ce484222325u;
+  bool is_measured = false;
+  for (const std::uint16_t pixel : depth.pixels) {
+    digest = (digest ^ pixel) * 0x100000001b3u;
+    is_measured = is_measured || pixel != 0;
+  }
+  return is_measured ? digest : 0;
+}
+
 }  // namespace
 
 FrameContent content_of(const RgbdFrame& frame, double depth_units_per_metre, const FrameOptions& options) {
   const double nearest = options.depth_min_m * depth_units_per_metre, farthest = options.depth_max_m * depth_units_per_metre;
   FrameContent content;
+  content.depth_digest = digest_of(frame.depth);
   std::vector<std::uint16_t> depths;
   double grey_sum = 0, change_sum = 0, count = 0;
   for (int y = 0; y + 1 < frame.depth.height; y += kStep_px)

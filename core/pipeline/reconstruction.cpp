@@ -89,6 +89,25 @@ void Reconstruction::weigh(Motion& motion, FrameResult& result) {
       weighed(std::move(motion.judgement), {uncertainty, front_end.calibration_doubt(), contradiction(motion.odometry.witnesses)});
 }
 
+// A sensor does not measure the same twice: its driver has given the last image again. A camera that is lost looks again all the same.
+bool Reconstruction::is_repeated(const FrameContent& content) const {
+  return lost_count == 0 && tracked_frame_count > 0 && content.depth_digest != 0 && content.depth_digest == last_depth_digest;
+}
+
+// Where the last frame was, and nobody knows better: the camera may have gone on as before.
+void Reconstruction::stand_still(FrameResult& result) {
+  ++repeated_count;
+  const Vector6d motion = repeated_count * log_se3(last_motion);
+  PoseUncertainty here = uncertainty;
+  here.second_moment.diagonal().head<3>().array() += motion.head<3>().squaredNorm();
+  here.second_moment.diagonal().tail<3>().array() += motion.tail<3>().squaredNorm();
+  result.uncertainty = here;
+  result.status = TrackingStatus::kWeak;
+  result.reason = "the depth image is the last one once more: the camera or its driver stands still";
+  ++tracked_frame_count;
+  ++weak_frame_count;
+}
+
 // Of a frame that is not lost.
 void Reconstruction::show_to_watch(const RgbdFrame& frame, MapEvent event) {
   if (event == MapEvent::kNewPart) watch->begin_component();
@@ -125,6 +144,15 @@ FrameResult Reconstruction::process(const PreparedFrame& prepared) {
   FrameResult result;
   result.frame_index = static_cast<std::int64_t>(trajectory.size());
   result.timestamp_s = frame.timestamp_s;
+  result.surfel_count = front_end.store.surfel_count();
+  if (is_repeated(content)) {
+    stand_still(result);
+    remember(frame.timestamp_s);
+    describe_pose(result);
+    return result;
+  }
+  last_depth_digest = content.depth_digest;
+  repeated_count = 0;
 
   timed("preprocess", [&] { front_end.preprocess(prepared, result.frame_index); });
   const std::vector<Rigid3> poses_before = layout().world_from_submap;
@@ -176,6 +204,8 @@ void Reconstruction::fields(Bytes& bytes, Saved& saved) {
   bytes.number(saved.lost_count);
   bytes.numbers(saved.uncertainty.second_moment.data(), 36);
   bytes.number(saved.uncertainty.way_m);
+  bytes.number(saved.last_depth_digest);
+  bytes.number(saved.repeated_count);
   bytes.list(saved.poses, [](auto& to, auto& pose) {
     to.number(pose.timestamp_s);
     to.number(pose.submap);

@@ -51,6 +51,8 @@ struct Reconstruction {
   MapEvent relocalise(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
   void describe_pose(FrameResult& result) const;
   void weigh(Motion& motion, FrameResult& result);
+  bool is_repeated(const FrameContent& content) const;
+  void stand_still(FrameResult& result);
   void show_to_watch(const RgbdFrame& frame, MapEvent event);
   void remember(double timestamp_s);
   void follow_corrections();
@@ -77,6 +79,8 @@ struct Reconstruction {
   Rigid3 last_motion;           // reference_from_camera of the last tracked frame
   int lost_count = 0;           // frames lost since
   PoseUncertainty uncertainty;  // of the last tracked frame
+  std::uint64_t last_depth_digest = 0;
+  int repeated_count = 0;  // frames since whose depth image is that of the last tracked frame once more
   std::vector<AnchoredPose> poses;
   Trajectory trajectory;  // `poses` in the world, as of correction_count
   std::uint64_t correction_count = 0;

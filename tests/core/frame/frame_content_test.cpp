@@ -54,6 +54,16 @@ TEST(FrameContent, OfThePicture) {
   EXPECT_EQ(content_of(stripes, kUnitsPerMetre, FrameOptions{}).texture, 127.5);
 }
 
+TEST(FrameContent, EqualDepthAloneHasAnEqualDigest) {
+  const auto digest = [](const RgbdFrame& frame) { return content_of(frame, kUnitsPerMetre, FrameOptions{}).depth_digest; };
+  RgbdFrame frame = uniform(1000, {});
+  const std::uint64_t before = digest(frame);
+  EXPECT_EQ(digest(uniform(1000, {9, 9, 9})), before);
+  frame.depth.at(33, 7) = 1001;  // between the pixels that are looked at
+  EXPECT_NE(digest(frame), before);
+  EXPECT_EQ(digest(uniform(0, {})), 0u) << "nothing is measured, and that may be so again";
+}
+
 TEST(FrameContent, OfAnEmptyImageIsNothing) { EXPECT_EQ(content_of(RgbdFrame{}, kUnitsPerMetre, FrameOptions{}).in_range, 0); }
 
 }  // namespace

@@ -188,6 +188,30 @@ TEST(Pipeline, StartsWithTheFirstFrameThatShowsSomething) {
   EXPECT_EQ(process(pipeline, room.frames[4]).status, TrackingStatus::kTracked);
 }
 
+TEST(Pipeline, AnImageThatComesOnceMoreIsWeakAndChangesNothing) {
+  const auto& frames = recording().frames;
+  Pipeline once("", recording().camera, Options{}), twice("", recording().camera, Options{});
+  for (std::size_t i = 0; i < 6; ++i) {
+    const FrameResult first = process(once, frames[i]), again = process(twice, frames[i]);
+    EXPECT_EQ(again.status, TrackingStatus::kTracked) << i;
+    EXPECT_TRUE(same_pose(first.world_from_camera, again.world_from_camera)) << i;
+    if (i != 3) continue;
+    FrameResult last = again;
+    for (int repeat = 1; repeat <= 2; ++repeat) {
+      RgbdFrame repeated = frames[i];
+      repeated.timestamp_s += 0.01 * repeat;
+      const FrameResult still = process(twice, repeated);
+      EXPECT_EQ(still.status, TrackingStatus::kWeak);
+      EXPECT_THAT(still.reason, HasSubstr("once more"));
+      EXPECT_TRUE(same_pose(still.world_from_camera, again.world_from_camera));
+      EXPECT_EQ(still.surfel_count, again.surfel_count);
+      EXPECT_GT(still.uncertainty->position_sigma_m(), last.uncertainty->position_sigma_m()) << "the camera may have gone on";
+      last = still;
+    }
+  }
+  EXPECT_EQ(twice.trajectory().size(), once.trajectory().size() + 2);
+}
+
 TEST(Pipeline, AFrameOfAnotherSizeIsAnErrorAndNothingElse) {
   const test::Recording& room = recording();
   Pipeline pipeline("", room.camera, Options{});
