@@ -37,7 +37,7 @@ class CornerPoints {
   CornerPoints(const Camera& camera, const FrameOptions& options) : camera_(camera), options_(options) {}
 
   // The camera's motion since `last`, which is the frame remembered last. `is_left_out` tells by pixel of levels[0] of this frame what is
-  // not to be followed. Nothing: too few corners agree with any motion.
+  // not to be followed, to several threads at once. Nothing: too few corners agree with any motion.
   std::optional<FeatureMotion> follow(const PictureFeatures& last, const PictureFeatures& frame,
                                       const std::function<bool(const Eigen::Vector2d&)>& is_left_out);
 

@@ -55,6 +55,7 @@ OdometrySums::OdometrySums(const OdometryTerms& terms, double all_pixels) : pixe
   const double geometric_squares = terms[shared::kGeometricSpreadSums + 1], photometric_base = terms[shared::kPhotometricSpreadSums];
   photometric_squares = terms[shared::kPhotometricSpreadSums + 1];
   geometric_base = terms[shared::kGeometricSpreadSums];
+  if (terms[shared::kGradientSums + 1] > 0) gradient_share = terms[shared::kGradientSums] / terms[shared::kGradientSums + 1];
   if (geometric_base > 0) geometric_spread2 = kOfStudentsT * geometric_squares / geometric_base;
   if (photometric_base > 0) photometric_spread2 = kOfStudentsT * photometric_squares / photometric_base;
 }

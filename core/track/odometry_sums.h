@@ -26,6 +26,8 @@ struct OdometrySums {
   // Mean squares of the residuals as Student's t distribution has them, in scales squared; nothing where there are no pairs.
   double geometric_spread2 = 0, photometric_spread2 = 0;
   double photometric_squares = 0;  // sum of the weighted squared residuals
+  // Of the squared gradients of the frame's picture, the share that the map shows, too; the rest is noise, blur, and what is not aligned.
+  double gradient_share = 0;
 
   // The mean weight of a pair whose residual is one deviation, times that residual squared.
   double geometric_unit() const {

@@ -25,7 +25,8 @@ const uint kBrightnessSums = kMixedSums + 12u;                // of the same: up
 // sensor and in grey values.
 const uint kGeometricSpreadSums = kBrightnessSums + 5u;
 const uint kPhotometricSpreadSums = kGeometricSpreadSums + 2u;
-const uint kOdometrySumCount = kPhotometricSpreadSums + 2u;
+const uint kGradientSums = kPhotometricSpreadSums + 2u;  // of the photometric pairs: gradient of the frame by the map's, and squared
+const uint kOdometrySumCount = kGradientSums + 2u;
 
 // Of the rotation alone.
 const uint kRotationSystemSums = 0u;                        // by rows: three of H and one of b

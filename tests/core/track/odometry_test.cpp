@@ -206,6 +206,26 @@ TEST_F(OdometryTest, WeightsOfTheReferenceCount) {
   EXPECT_LT(moved_m, 0.0065);
 }
 
+TEST_F(OdometryTest, PicturesOfNoiseSayNothing) {
+  Levels model = render(test::plane_scene(1), Rigid3{}), seen = model;
+  std::mt19937 random(1);
+  const auto noise = [&random] { return static_cast<float>(random() % 100); };
+  for (std::size_t level = 0; level < model.size(); ++level)
+    for (std::size_t i = 0; i < model[level].size(); ++i) {
+      model[level].intensity[i] = noise();
+      seen[level].intensity[i] = noise();
+    }
+  set_frame(seen);
+  set_reference(model);
+  const OdometryResult blind = track(TrackOptions{});
+  EXPECT_GT(blind.photometric_count, 1000);
+  EXPECT_EQ(blind.witnesses.picture.unit, 0);
+  EXPECT_EQ(blind.witnesses.picture.system.hessian.norm(), 0);
+  EXPECT_LT(blind.observability, 1e-5) << "a bare wall";
+  set_frame(model);  // the same noise is a texture
+  EXPECT_GT(track(TrackOptions{}).witnesses.picture.unit, 0);
+}
+
 TEST_F(OdometryTest, PairsBeyondTheGatesDoNotCount) {
   set_reference(render(test::plane_scene(1), Rigid3{}));
   set_frame(render(test::plane_scene(1.12), Rigid3{}));
