@@ -33,6 +33,11 @@ constexpr double kContouring = 0.35, kShaping = 0.4, kTexturing = 0.9, kWritten 
 constexpr double kViews_bytes = 256e6, kViewPixel_bytes = 8.2;
 constexpr int kLeastViews = 8, kMostViews = 100;
 
+// The progress of a step that takes the work from one share of it to another.
+MeshProgress step_of(const BuildProgress& progress, double from, double to) {
+  return [&progress, from, to](double done) { return progress(from + (to - from) * done); };
+}
+
 int view_count_for(const Camera& camera) {
   const double fitting = kViews_bytes / (kViewPixel_bytes * camera.width * camera.height);
   return static_cast<int>(std::clamp<double>(fitting, kLeastViews, kMostViews));
@@ -122,11 +127,16 @@ Status ExportBuilder::make_shape(const MeshShape& shape, double from, double to,
   mesh_->shaped.reset();
   mesh_->textured.reset();
   if (!progress(from)) return Error{ErrorCode::kBusy, "stopped"};
+  const bool fills = shape.fill_mm > 0 || shape.closes;
+  const double simplified_at = fills ? (from + to) / 2 : to;
+  SimplifyOptions simplify;
+  simplify.most_error_m = 1e-6 * static_cast<double>(shape.simplify_um);
+  simplify.least_triangles = shape.triangles;
   Result<TriangleMesh> mesh =
-      shape.simplify_um > 0 ? simplified(mesh_->mesh, {1e-6 * static_cast<double>(shape.simplify_um), shape.triangles}) : mesh_->mesh;
-  if (mesh.ok() && (shape.fill_mm > 0 || shape.closes))
+      shape.simplify_um > 0 ? simplified(mesh_->mesh, simplify, step_of(progress, from, simplified_at)) : mesh_->mesh;
+  if (mesh.ok() && fills)
     mesh = holes_filled(*mesh, {1e-3 * static_cast<double>(shape.fill_mm), shape.closes},
-                        [&](double done) { return progress(from + (to - from) * done); });
+                        step_of(progress, shape.simplify_um > 0 ? simplified_at : from, to));
   if (!mesh.ok()) return mesh.error();
   if (!shape.is_plain()) mesh_->shaped = *std::move(mesh);
   mesh_->shape = shape;
