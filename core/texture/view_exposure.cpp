@@ -55,14 +55,15 @@ struct Mean {
 // Gains' logarithms of one channel. Points are eliminated: each is the weighted mean of what its views say.
 class ChannelSolver {
  public:
-  ChannelSolver(const std::vector<std::vector<Light>>& lights, std::size_t sample_count, std::size_t channel)
+  ChannelSolver(const std::vector<std::vector<Light>>& lights, std::size_t sample_count, std::size_t channel, const TextureOptions& options)
       : lights_(lights),
+        options_(options),
         channel_(channel),
         points_(sample_count),
         gains_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(lights.size()))) {}
 
   Eigen::VectorXd solved() {
-    for (int round = 0; round < kLightRounds; ++round) {
+    for (int round = 0; round < kLightRounds && !is_stopped(options_); ++round) {
       find_points(round == 0);
       step(round == 0);
     }
@@ -122,6 +123,7 @@ class ChannelSolver {
   }
 
   const std::vector<std::vector<Light>>& lights_;
+  const TextureOptions& options_;
   const std::size_t channel_;
   std::vector<Mean> points_;
   Eigen::VectorXd gains_;  // logarithms
@@ -129,16 +131,19 @@ class ChannelSolver {
 
 }  // namespace
 
-void solve_exposure(const TriangleMesh& mesh, const Camera& camera, int thread_count, std::vector<TextureView>& views) {
+void solve_exposure(const TriangleMesh& mesh, const Camera& camera, const TextureOptions& options, std::vector<TextureView>& views) {
   const std::vector<MeshSample> samples = samples_of(mesh, kLightSpacing_m, kMaxLightSamples);
   std::vector<std::vector<Light>> lights(views.size());
-  in_parallel(views.size(), thread_count, [&](std::size_t i) {
+  in_parallel(views.size(), options.thread_count, [&](std::size_t i) {
+    if (is_stopped(options)) return;
     for (std::uint32_t k = 0; k < samples.size(); ++k)
       if (const std::optional<Seen> seen = seen_at(views[i], camera, samples[k].position_m, samples[k].normal, kLightEdge_px))
         if (const std::optional<Light> light = light_of(views[i], *seen, k)) lights[i].push_back(*light);
   });
   std::array<Eigen::VectorXd, 3> logs;
-  in_parallel(3, thread_count, [&](std::size_t channel) { logs[channel] = ChannelSolver(lights, samples.size(), channel).solved(); });
+  in_parallel(3, options.thread_count,
+              [&](std::size_t channel) { logs[channel] = ChannelSolver(lights, samples.size(), channel, options).solved(); });
+  if (is_stopped(options)) return;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     set_gain(views[i], Eigen::Vector3d(std::exp(logs[0][row]), std::exp(logs[1][row]), std::exp(logs[2][row])).cast<float>());
