@@ -18,7 +18,8 @@ struct GlbMaterial {
   std::optional<std::uint64_t> image;
   std::uint64_t coordinates = 0;  // TEXCOORD_0, _1, ...
   Eigen::Matrix<float, 2, 3> image_from_uv = (Eigen::Matrix<float, 2, 3>() << 1, 0, 0, 0, 1, 0).finished();
-  bool is_plain = true;  // the picture lies by TEXCOORD_0 as it is
+  bool is_plain = true;    // the picture lies by TEXCOORD_0 as it is
+  bool is_filled = false;  // this program wrote it, for triangles across filled holes (core/output/glb.h)
 };
 
 // In its own frame. Arrays by vertex are empty where it has none; texture coordinates are those of the picture.

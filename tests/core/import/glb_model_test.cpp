@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/image/image_codec.h"
+#include "core/mesh/mesh_parts.h"
 #include "core/output/glb.h"
 #include "tests/support/analytic_mesh.h"
 #include "tests/support/glb_bytes.h"
@@ -31,6 +34,29 @@ TEST(GlbModel, WhatWeWriteComesBackInTheWorldOfTheScan) {
       EXPECT_EQ(model->mesh.colors[here], sphere.colors[there]) << "linear and back";
       EXPECT_LT((model->mesh.normals[here] - sphere.normals[there]).norm(), 1e-5f);
     }
+}
+
+TEST(GlbModel, MarksOfWhatIsFilledComeBackFromOurFilesAlone) {
+  TriangleMesh sphere = test::sphere_mesh(6, 8);
+  sphere.is_filled.assign(sphere.triangles.size(), 0);
+  std::fill_n(sphere.is_filled.begin(), 5, std::uint8_t{1});
+  for (const GlbCompression compression : {GlbCompression::kNone, GlbCompression::kDraco}) {
+    const auto model = read_glb_model(glb(sphere, compression), {});
+    ASSERT_TRUE(model.ok()) << model.error().message;
+    const std::vector<std::uint8_t>& marks = model->mesh.is_filled;
+    ASSERT_EQ(marks.size(), model->mesh.triangles.size());
+    EXPECT_EQ(std::count(marks.begin(), marks.end(), 1), 5);
+    double area_m2 = 0, filled_m2 = 0;  // the triangles may have another order
+    for (std::size_t i = 0; i < marks.size(); ++i) area_m2 += marks[i] != 0 ? hermite::area_m2(model->mesh, model->mesh.triangles[i]) : 0;
+    for (std::size_t i = 0; i < 5; ++i) filled_m2 += hermite::area_m2(sphere, sphere.triangles[i]);
+    EXPECT_NEAR(area_m2, filled_m2, 1e-3 * filled_m2);
+  }
+  std::string foreign = glb(sphere);
+  const std::size_t name = foreign.find("Hermite");
+  foreign.replace(name, 7, "Blender");
+  EXPECT_TRUE(read_glb_model(foreign, {})->mesh.is_filled.empty());
+  sphere.is_filled.clear();
+  EXPECT_TRUE(read_glb_model(glb(sphere), {})->mesh.is_filled.empty());
 }
 
 TEST(GlbModel, DracoComesBackToo) {
