@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <filesystem>
 #include <utility>
 #include <variant>
 
@@ -84,6 +85,22 @@ Result<std::unique_ptr<JobFrames>> ScanJob::open_source() {
   return recorded_frames(*std::move(recording), std::move(request));
 }
 
+// What the disk has room for beside the upload itself and what must stay free, now and at best.
+Result<UnpackLimits> ScanJob::unpack_limits(const std::string& upload) const {
+  const Result<std::uint64_t> free = world_.data.free_disk_bytes();
+  if (!free.ok()) return free.error();
+  const Result<std::uint64_t> capacity = world_.data.disk_capacity_bytes();
+  if (!capacity.ok()) return capacity.error();
+  std::error_code error;
+  const std::uintmax_t packed_bytes = std::filesystem::file_size(upload, error);
+  if (error) return Error{ErrorCode::kIo, "asking for the size of the upload: " + error.message()};
+  const auto without = [](std::uint64_t bytes, std::uint64_t taken) { return bytes - std::min(bytes, taken); };
+  UnpackLimits limits = world_.limits;
+  limits.room_bytes = without(*free, world_.min_free_disk_bytes);
+  limits.capacity_bytes = without(without(*capacity, world_.min_free_disk_bytes), packed_bytes);
+  return limits;
+}
+
 // The upload as it is, or the folder that it was unpacked into.
 Result<std::string> ScanJob::recording_path() {
   const std::string upload = world_.data.upload_path(row_.source_id);
@@ -91,15 +108,10 @@ Result<std::string> ScanJob::recording_path() {
   report({"unpacking"});
   if (const Status status = world_.data.create_job_folder(row_.id); !status.ok()) return status.error();
   const std::string folder = world_.data.job_folder(row_.id) + "/recording";
-  UnpackLimits limits = world_.limits;
-  const Result<std::uint64_t> free = world_.data.free_disk_bytes();
-  if (!free.ok()) return free.error();
-  const std::uint64_t room_bytes = *free - std::min(*free, world_.min_free_disk_bytes);
-  limits.output_bytes = std::min(limits.output_bytes, room_bytes);
+  const Result<UnpackLimits> limits = unpack_limits(upload);
+  if (!limits.ok()) return limits.error();
   auto told_at = std::chrono::steady_clock::now();
-  std::uint64_t needed_bytes = 0;
-  const Result<UnpackSummary> unpacked = unpack_archive(upload, folder, limits, [&](std::uint64_t output_bytes) {
-    needed_bytes = output_bytes;
+  const Result<UnpackSummary> unpacked = unpack_archive(upload, folder, *limits, [&](std::uint64_t output_bytes) {
     const auto now = std::chrono::steady_clock::now();
     if (now - told_at >= kReportPeriod) {
       told_at = now;
@@ -107,11 +119,7 @@ Result<std::string> ScanJob::recording_path() {
     }
     return !is_stopped();
   });
-  if (!unpacked.ok() && room_bytes == limits.output_bytes && needed_bytes > room_bytes) {
-    upload_lacks_room_ = true;
-    return Error{ErrorCode::kTooLarge,
-                 "the disk has room for " + std::to_string(room_bytes / 1'000'000) + " MB of what it unpacks to, and that is more"};
-  }
+  upload_lacks_room_ = !unpacked.ok() && unpacked.error().code == ErrorCode::kBusy;
   if (!unpacked.ok())
     return Error{unpacked.error().code, without_path(unpacked.error().message, upload, row_.title.empty() ? "the upload" : row_.title)};
   on_network([this, words = unpacked->kind + ": " + std::to_string(unpacked->file_count) + " files unpacked, " +

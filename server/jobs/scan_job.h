@@ -56,6 +56,7 @@ class ScanJob : public JobWork {
   // On the thread.
   void run();
   Result<std::unique_ptr<JobFrames>> open_source();
+  Result<UnpackLimits> unpack_limits(const std::string& upload) const;
   Result<std::string> recording_path();
   Result<Recording> open_upload(const std::string& path, const wire::StartScan& request) const;
   Status feed(JobFrames& source);
@@ -88,7 +89,7 @@ class ScanJob : public JobWork {
   bool cancelled_ = false;
   bool stopping_ = false;
   bool went_away_ = false;
-  std::atomic<bool> upload_lacks_room_ = false;  // the disk had none for what it unpacks to
+  std::atomic<bool> upload_lacks_room_ = false;  // the disk has none now for what it unpacks to
   bool scan_over_ = false;
   bool thread_over_ = false;
   bool ended_ = false;
