@@ -128,7 +128,7 @@ export class ScanScene {
   // What faces whoever clicks there, in pixels of the page, is the floor from now on; null: nothing is there.
   floorAt(x_px: number, y_px: number): Direction | null {
     const middle = this.pick(x_px, y_px);
-    if (!middle) return null;
+    if (!middle || middle.normal.lengthSq() === 0) return null;
     const normal = middle.normal.clone();
     for (let i = 0; i < 8; ++i) {
       const [dx, dy] = [Math.cos((i * Math.PI) / 4), Math.sin((i * Math.PI) / 4)];
