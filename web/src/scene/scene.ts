@@ -174,6 +174,11 @@ export class ScanScene {
     this.renderer.dispose();
   }
 
+  // Nothing moves, and all that has come is drawn.
+  get isResting(): boolean {
+    return this.frameRequest === 0 && this.pause === undefined;
+  }
+
   private requestDraw(): void {
     clearTimeout(this.pause);
     this.pause = undefined; // first: a pause that has run out must not look like one that still runs
