@@ -29,8 +29,8 @@ Status check_simplification(const TriangleMesh& mesh, const SimplifyOptions& opt
   return check_mesh(mesh);
 }
 
-// Collapses edges until `least` triangles are left or no edge remains whose collapse moves the surface by at most `most_error`, a share of
-// the mesh's extent. The error that it has made.
+// Collapses edges until `least` triangles are left or no more edge can be collapsed within `most_error`, a fraction of the mesh's extent.
+// Returns the error that this caused, as the same fraction.
 float simplify_pass(TriangleMesh& mesh, std::size_t least, float most_error) {
   const std::vector<TriangleCorners> before = mesh.triangles;
   float error = 0;
@@ -63,7 +63,7 @@ Result<TriangleMesh> simplified(const TriangleMesh& mesh, const SimplifyOptions&
   if (!goes_on(done)) return Error{ErrorCode::kBusy, "simplifying was stopped"};
   if (error_left > 0 && result.triangles.size() > least) simplify_pass(result, least, error_left);
   if (result.triangles.empty()) return result;
-  // What has collapsed may meet what it did not meet before.
+  // Collapses may bring parts of the surface into contact.
   split_touching_fans(result);
   remove_unused_vertices(result);
   return result;
