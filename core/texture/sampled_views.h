@@ -16,7 +16,7 @@
 
 namespace hermite {
 
-// Of points on the surface: one for each spacing_m squared, at most max_count; a view counts where it sees one at least edge_px from an
+// How densely the surface is sampled: one point per spacing_m squared, at most max_count. A view sees a point only at least edge_px from an
 // edge of the surface.
 struct SampleDensity {
   double spacing_m = 0.01;
@@ -24,7 +24,7 @@ struct SampleDensity {
   float edge_px = 0;
 };
 
-// The last guest_count views have no say in the brightness of the points; with any, only they are changed.
+// The last guest_count views do not contribute to the brightness of the points; if there are any, only they are changed.
 struct AdjustedViews {
   std::vector<TextureView>& views;
   std::size_t guest_count = 0;

@@ -19,8 +19,8 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr SampleDensity kAlignDensity{0.01, 200'000, 4};         // the pose may move by some pixels
-constexpr int kRoundsOfLevel[kBrightnessLevels] = {15, 12, 12};  // images of a quarter, of half and of the whole size
-// What the pose of the track weighs: as many points of the usual difference, at this distance from it.
+constexpr int kRoundsOfLevel[kBrightnessLevels] = {15, 12, 12};  // images of a quarter, half and full size
+// The prior towards the tracked pose: at this distance from it, it weighs as much as so many points with the usual difference.
 constexpr double kPriorPoints = 100, kPriorMove_m = 0.01, kPriorTurn_rad = 0.006;
 constexpr std::size_t kFewestPoints = 300;
 
@@ -64,7 +64,7 @@ class ViewAligner {
     seen_.find_points([&](std::size_t i, std::uint32_t sample) { return look(level, i, seen_.views[i], sample); });
   }
 
-  // Of camera_from_world, by a twist on its left.
+  // One Gauss-Newton step of camera_from_world, by a twist on its left.
   void step(const BrightnessLevel& level, std::size_t i) {
     TextureView& view = seen_.views[i];
     Matrix6d matrix = Matrix6d::Zero();
@@ -89,7 +89,7 @@ class ViewAligner {
       ++count;
     }
     if (count < kFewestPoints) return;
-    // The way back to the first pose, as a twist on the left of the present one.
+    // The twist, on the left of the present pose, that leads back to the first pose.
     const Vector6d back = log_se3(inverse(first_poses_[i]) * view.world_from_camera);
     const double unit = kPriorPoints * static_cast<double>(kUsualDifference * kUsualDifference);
     Vector6d prior;
@@ -105,7 +105,7 @@ class ViewAligner {
     double sum = 0;
     std::size_t count = 0;
   };
-  // Of what the view has at that pose against what the others say at theirs; large differences count no more than in the steps.
+  // The robust squared difference between the view at this pose and the other views at theirs.
   Misfit misfit(std::size_t i, const Rigid3& world_from_camera) const {
     TextureView view;
     set_pose(view, world_from_camera);

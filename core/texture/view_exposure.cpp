@@ -15,23 +15,23 @@ namespace {
 constexpr double kLightSpacing_m = 0.03;
 constexpr std::size_t kMaxLightSamples = 40'000;
 constexpr float kLightEdge_px = 4;
-// Values beyond are cut off by the sensor or drowned in its noise, and tell no gain.
+// Values outside this range are saturated or lost in noise.
 constexpr float kDarkest = 12, kBrightest = 245;
 constexpr int kLightRounds = 6;
-// Differences of a logarithm that are taken in full: a tenth of the brightness.
+// Differences of logarithms up to this have at least half weight: a tenth of the brightness.
 constexpr double kLightDifference = 0.1;
-// What a gain of 1 weighs against the points of a usual view. Points of one pair of views are wrong alike, by reflections and the lens's
-// shade: along a chain of views that adds up where nothing holds it.
+// The weight of the prior that a gain is 1, relative to the points of an average view. The points of one pair of views share their errors
+// (reflections, vignetting), which would accumulate along a chain of views without a prior.
 constexpr double kPriorShare = 0.03;
 constexpr double kLargestLog = 1.3862943611198906;  // of 4
 
-// What one view has of one sample, by channel.
+// The light of one sample in one view, by channel.
 struct Light {
   std::uint32_t sample = 0;
   std::array<float, 3> log_linear{};
 };
 
-// Mean of 3 x 3 places about the pixel: a view that is off by a pixel tells the same.
+// The mean over 3 x 3 pixels, which tolerates a view that is off by a pixel.
 std::optional<Light> light_of(const TextureView& view, const Seen& seen, std::uint32_t sample) {
   const int x = static_cast<int>(std::lround(seen.u)), y = static_cast<int>(std::lround(seen.v));
   if (x < 1 || y < 1 || x + 1 >= view.color.width || y + 1 >= view.color.height) return std::nullopt;
@@ -52,7 +52,7 @@ struct Mean {
   double weight = 0, sum = 0;
 };
 
-// Gains' logarithms of one channel. Points are eliminated: each is the weighted mean of what its views say.
+// Solves for the log gains of one channel. Points are eliminated: each is the weighted mean over its views.
 class ChannelSolver {
  public:
   ChannelSolver(const std::vector<std::vector<Light>>& lights, std::size_t sample_count, std::size_t channel, const TextureOptions& options)
@@ -79,7 +79,7 @@ class ChannelSolver {
     const double off = (value(view, light) - points_[light.sample].sum) / kLightDifference;
     return 1 / (1 + off * off);
   }
-  // Of each sample the mean of what its views say of it; `sum` is that mean afterwards.
+  // Computes the mean of each sample over its views; afterwards `sum` holds the mean.
   void find_points(bool is_first) {
     std::vector<Mean> means(points_.size());
     for (std::size_t view = 0; view < lights_.size(); ++view)
@@ -92,7 +92,7 @@ class ChannelSolver {
       if (mean.weight > 0) mean.sum /= mean.weight;
     points_ = std::move(means);
   }
-  // Sum over points of w_i w_j / W (g_i - g_j)^2: the matrix is dense, a row for each view.
+  // Minimises the sum over points of w_i w_j / W (g_i - g_j)^2: a dense matrix with one row per view.
   void step(bool is_first) {
     const auto count = static_cast<Eigen::Index>(lights_.size());
     std::vector<std::vector<std::array<double, 3>>> of_point(points_.size());  // view, weight, value without its gain

@@ -17,7 +17,7 @@ using Eigen::Vector2f;
 
 constexpr SampleDensity kWarpDensity{0.015, 100'000, 2};
 constexpr int kWarpRounds[kBrightnessLevels] = {0, 6, 6};
-// Two neighbours of the lattice that differ by a pixel weigh as many points of the usual difference do; a node that is a pixel off too.
+// Regularisation: the weights, in points with the usual difference, of one pixel between adjacent nodes and of one pixel of offset.
 constexpr double kSpringPoints = 20, kHoldPoints = 0.5;
 
 class ViewWarper {
@@ -39,7 +39,7 @@ class ViewWarper {
     Vector2f pixel = Vector2f::Zero();
     float depth_m = 0;
   };
-  // Where the sample would be without a warp.
+  // The projection of the sample without a warp.
   Place place_of(const TextureView& view, std::uint32_t sample) const {
     const Eigen::Vector3f point = view.rotation * seen_.samples[sample].position_m + view.translation_m;
     return {{static_cast<float>(seen_.camera.fx) * point.x() / point.z() + static_cast<float>(seen_.camera.cx),
@@ -57,7 +57,7 @@ class ViewWarper {
     return {brightness->value, std::max(seen_.samples[sample].normal.dot(way) / way.norm(), 0.05f) / (place.depth_m * place.depth_m)};
   }
 
-  // Springs between the nodes and to 0, in px^2; their pull at the present offsets.
+  // Adds the springs between nodes and to 0, in px^2, linearised at the present offsets.
   static void add_springs(const ViewWarp& warp, Eigen::MatrixXd& matrix, Eigen::VectorXd& right) {
     const double unit = static_cast<double>(kUsualDifference * kUsualDifference);
     const auto tie = [&](std::size_t a, std::size_t b) {
