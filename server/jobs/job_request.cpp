@@ -50,9 +50,9 @@ Status check_settings(const std::map<std::string, std::string>& settings) {
 
 Result<std::map<std::string, std::string>> parse_settings(const Json& json) {
   std::map<std::string, std::string> settings;
-  if (!json.is_object()) return invalid("settings is no JSON object of texts");
+  if (!json.is_object()) return invalid("settings must be a JSON object of strings");
   for (const auto& [key, value] : json.items()) {
-    if (!value.is_string()) return invalid("settings has a value that is no text");
+    if (!value.is_string()) return invalid("settings has a value that is not a string");
     settings[key] = value.get<std::string>();
   }
   if (Status status = check_settings(settings); !status.ok()) return status.error();
@@ -63,7 +63,7 @@ Result<int> parse_priority(const std::string& text) {
   int priority = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), priority);
   if (error != std::errc() || stop != text.data() + text.size() || priority < kLowestPriority || priority > kHighestPriority)
-    return invalid("priority is no whole number from " + std::to_string(kLowestPriority) + " to " + std::to_string(kHighestPriority));
+    return invalid("priority must be a whole number from " + std::to_string(kLowestPriority) + " to " + std::to_string(kHighestPriority));
   return priority;
 }
 
@@ -157,7 +157,7 @@ Result<JobRow> job_of_upload(const UploadRow& upload) {
 
 Result<JobRow> job_of_request(const std::string& body) {
   const Json json = Json::parse(body, nullptr, false);
-  if (!json.is_object()) return invalid("the request is no JSON object");
+  if (!json.is_object()) return invalid("the request is not a JSON object");
   JobRow job;
   job.source = JobSource::kScan;
   for (const auto& [key, value] : json.items()) {

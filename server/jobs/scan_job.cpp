@@ -311,7 +311,7 @@ JobEnd ScanJob::verdict() {
   // A scan without result leaves nothing behind.
   world_.scans.remove_unwanted(row_.scan_id);
   if (cancelled_) return {JobState::kCancelled, {}};
-  const std::string words = failure_ ? failure_->message : last_state_ ? last_state_->words : "the scan ended without a word";
+  const std::string words = failure_ ? failure_->message : last_state_ ? last_state_->words : "the scan ended without giving a reason";
   if (again) return {JobState::kQueued, words, true};
   return {JobState::kFailed, words};
 }

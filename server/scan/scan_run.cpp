@@ -140,7 +140,7 @@ PastFrames ScanRun::past_frames() {
     spdlog::warn("scan {}: its camera cannot be corrected, since its frames are not on disk yet", setup_.scan_id);
     return nullptr;
   }
-  events_.says("the camera's calibration is off: the scan is worked through again with a better one, hold the camera still");
+  events_.says("the camera's calibration is off: the scan is processed again with a better one, hold the camera still");
   return frames_by_time(setup_, taken_count_ + kRecordsBeforeFrames);
 }
 

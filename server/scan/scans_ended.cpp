@@ -70,7 +70,7 @@ Result<std::shared_ptr<Audience>> Scans::watch(const std::string& scan_id) {
   const Result<ScanRow> row = find(scan_id);
   if (!row.ok()) return row.error();
   if (row->phase == ScanPhase::kRunning)
-    return Error{ErrorCode::kBusy, "the scan does not run again yet after a start of the server; try again later"};
+    return Error{ErrorCode::kBusy, "the scan has not been resumed yet after a restart of the server; try again later"};
   if (!being_read_.contains(scan_id)) {
     being_read_[scan_id];
     background_([this, scan_id] {

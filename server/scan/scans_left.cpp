@@ -55,7 +55,7 @@ Status Scans::run_left(LeftScan left) {
 
 void Scans::interrupt_left(ScanRow row, const Error& why) {
   row.phase = ScanPhase::kInterrupted;
-  row.words = "the server ended during the scan, and it cannot be gone on with: " + why.message;
+  row.words = "the server ended during the scan, and cannot be continued: " + why.message;
   row.finished_at_ms = unix_now_ms();
   row.to_be_rebuilt = row.to_be_rebuilt && why.code == ErrorCode::kIo;  // with other errors its frames are unusable
   log_with({row.id}, spdlog::level::warn, fmt::format("scan {}: {}", row.id, row.words));
