@@ -3,6 +3,7 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -56,7 +57,8 @@ Result<TriangleMesh> simplified(const TriangleMesh& mesh, const SimplifyOptions&
   for (bool halved = true; halved && result.triangles.size() > last;) {
     if (!goes_on(done)) return Error{ErrorCode::kBusy, "simplifying was stopped"};
     const std::size_t before = result.triangles.size(), half = std::max(before / 2, least);
-    error_left -= simplify_pass(result, half, error_left);
+    const float error = simplify_pass(result, half, error_left);
+    error_left = std::sqrt(std::max(0.0f, error_left * error_left - error * error));  // quadrics add up squared distances
     halved = error_left > 0 && half > least && result.triangles.size() <= half + half / 16;
     done += (1 - done) / 2;
   }

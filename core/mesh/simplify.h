@@ -13,9 +13,9 @@ namespace hermite {
 struct SimplifyOptions {
   double most_error_m = 0.001;       // how far the surface may move by the simplifier's own measure, 0.00001 to 1
   std::int64_t least_triangles = 0;  // it stops at this many, 0 to 2^30
-  // A larger mesh is halved in passes, which share most_error_m, until it has no more than this; then one pass does the rest. Half a
-  // million take about half a second. At least 2.
-  std::int64_t triangles_of_last_pass = 500'000;
+  // A larger mesh is first halved in passes until it has no more than this. Passes can be stopped in between, but leave more triangles than
+  // a single one (measured: up to a third more for each pass). Two million take some seconds. At least 2.
+  std::int64_t triangles_of_last_pass = 2'000'000;
 };
 
 // Vertices of the result are vertices of `mesh`, in its order. Separate parts of the mesh stay separate, and no edge gets more than two

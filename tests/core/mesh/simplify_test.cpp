@@ -57,7 +57,7 @@ TEST(Simplify, StopsAtACount) {
 TEST(Simplify, PassesShareTheErrorAndCanBeStoppedBetween) {
   const float radius_m = 0.2f;
   const TriangleMesh fine = fine_mesh_of(sphere(radius_m, 5000));
-  SimplifyOptions options{0.002, 0, 2000};
+  const SimplifyOptions options{0.002, 0, 2000};
   ASSERT_GT(fine.triangles.size(), 8000u);
   std::vector<double> told;
   const TriangleMesh coarse = *simplified(fine, options, [&](double done) {
