@@ -50,7 +50,7 @@ TEST(JobRequest, WhatIsWrongIsNamed) {
   EXPECT_THAT(words({{"priority", "101"}}), HasSubstr("priority must be a whole number from -100 to 100"));
   EXPECT_THAT(words({{"priority", "NaN"}}), HasSubstr("priority"));
   EXPECT_THAT(words({{"settings", "[1]"}}), HasSubstr("settings must be a JSON object of strings"));
-  EXPECT_THAT(words({{"settings", R"({"a": 1})"}}), HasSubstr("no text"));
+  EXPECT_THAT(words({{"settings", R"({"a": 1})"}}), HasSubstr("not a string"));
   EXPECT_THAT(words({{"settings", R"({"no.such": "1"})"}}), HasSubstr("no.such"));
   EXPECT_THAT(words({{"settings", R"({"up": "x"})"}}), HasSubstr("settings: up must be y, z or -y"));
   EXPECT_EQ(words({{"settings", R"({"up": "y", "scale": "0.001"})"}}), "well") << "of an import";
