@@ -141,6 +141,8 @@ const char* refused_type(archive_entry* entry) {
   return nullptr;
 }
 
+std::string megabytes(std::uint64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
+
 class Unpacking {
  public:
   Unpacking(Reader reader, const FreshFolder& folder, const UnpackLimits& limits, std::uint64_t packed_bytes, const UnpackWatch& watch)
@@ -155,7 +157,7 @@ class Unpacking {
     for (std::int64_t entry_count = 0;; ++entry_count) {
       archive_entry* entry = nullptr;
       const int status = archive_read_next_header(reader_.get(), &entry);
-      if (status == ARCHIVE_EOF) return summary_;
+      if (status == ARCHIVE_EOF) return lacks_room() ? Result<UnpackSummary>(no_room()) : summary_;
       if (status < ARCHIVE_WARN) return archive_error(reader_);
       // "None" counts as one.
       if (archive_filter_count(reader_.get()) > 2) return Error{ErrorCode::kInvalidArgument, "it is compressed more than once"};
@@ -176,15 +178,23 @@ class Unpacking {
     if (!parts.ok()) return parts.error();
     if (const char* refused = refused_type(entry))
       return Error{ErrorCode::kInvalidArgument, std::string("is ") + refused + "; only regular files are unpacked"};
-    if (archive_entry_filetype(entry) == AE_IFDIR) return folder_.make_folder(*parts);
+    const bool is_folder = archive_entry_filetype(entry) == AE_IFDIR;
+    if (is_folder) return lacks_room() ? Status(Done{}) : folder_.make_folder(*parts);
     if (parts->empty()) return Error{ErrorCode::kInvalidArgument, "is a file without a name"};
-    const Result<OpenFile> file = folder_.create(*parts);
-    if (!file.ok()) return file.error();
     ++summary_.file_count;
-    return write_contents(*file);
+    if (lacks_room()) return read_contents(nullptr);
+    const Result<OpenFile> file = folder_.create(*parts);
+    return file.ok() ? read_contents(&*file) : file.error();
   }
 
-  Status write_contents(const OpenFile& file) {
+  bool lacks_room() const { return summary_.output_bytes > limits_.room_bytes; }
+  Error no_room() const {
+    return {ErrorCode::kBusy,
+            "unpacked it has " + megabytes(summary_.output_bytes) + ", the disk has room for " + megabytes(limits_.room_bytes) + " now"};
+  }
+
+  // Without a file the bytes are only counted.
+  Status read_contents(const OpenFile* file) {
     for (bool first = true;; first = false) {
       const Result<std::size_t> filled = fill();
       if (!filled.ok()) return filled.error();
@@ -195,7 +205,12 @@ class Unpacking {
       summary_.output_bytes += block.size();
       if (watch_ && !watch_(summary_.output_bytes)) return Error{ErrorCode::kIo, "unpacking was stopped"};
       if (const Status status = check_output(); !status.ok()) return status;
-      if (const Status status = file.write(block); !status.ok()) return status;
+      if (file && lacks_room()) {
+        folder_.clear();  // others want the room meanwhile
+        file = nullptr;
+      }
+      if (!file) continue;
+      if (const Status status = file->write(block); !status.ok()) return status;
     }
   }
 
@@ -222,6 +237,9 @@ class Unpacking {
     const std::uint64_t bytes = summary_.output_bytes;
     if (bytes > limits_.output_bytes)
       return Error{ErrorCode::kTooLarge, "unpacked it has more than " + std::to_string(limits_.output_bytes) + " bytes"};
+    if (bytes > limits_.capacity_bytes)
+      return Error{ErrorCode::kTooLarge,
+                   "unpacked it has more than " + megabytes(limits_.capacity_bytes) + ", all that the disk could have room for"};
     if (bytes > limits_.ratio_free_bytes && bytes / limits_.ratio > packed_bytes_)
       return Error{ErrorCode::kTooLarge,
                    "unpacked it has more than " + std::to_string(limits_.ratio) + " times its " + std::to_string(packed_bytes_) + " bytes"};

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 
 #include "core/base/result.h"
@@ -19,9 +20,11 @@ struct UnpackLimits {
   // Of unpacked to packed bytes. Images are compressed already, depth as raw numbers shrinks 10 times.
   std::uint64_t ratio = 200;
   std::uint64_t ratio_free_bytes = std::uint64_t{64} << 20;  // as much is never called a bomb
+  // Of the disk that the folder is on: what there is room for now, and what there could ever be room for.
+  std::uint64_t room_bytes = std::numeric_limits<std::uint64_t>::max(), capacity_bytes = std::numeric_limits<std::uint64_t>::max();
 };
 
-// Told now and then how much there is to write, before it is held against the limits; false ends the unpacking with kIo. Must not block.
+// Called now and then with the number of bytes that have been unpacked; false ends the unpacking with kIo. Must not block.
 using UnpackWatch = std::function<bool(std::uint64_t output_bytes)>;
 
 struct UnpackSummary {
@@ -34,9 +37,11 @@ struct UnpackSummary {
 // cannot be read.
 bool is_archive(const std::string& path);
 
-// Into `folder`, which is made if need be and must be empty. kNotFound, kIo; kCorruptData: cut or damaged; kTooLarge: a limit;
-// kUnsupported: no such archive; kInvalidArgument: an entry that is refused, or a folder that is not empty. Memory: under 256 MiB, of which
-// zstd may ask for 128. Thread-safe for different folders.
+// Into `folder`, which is made if need be and must be empty. An archive beyond room_bytes is read to its end without being written, so that
+// one that is refused for what it is never gets kBusy. kNotFound, kIo; kCorruptData: cut or damaged; kTooLarge: a limit that will be the
+// same tomorrow; kBusy: nothing is wrong with it, but the disk has no room for it now; kUnsupported: no such archive; kInvalidArgument: an
+// entry that is refused, or a folder that is not empty. Memory: under 256 MiB, of which zstd may ask for 128. Thread-safe for different
+// folders.
 Result<UnpackSummary> unpack_archive(const std::string& path, const std::string& folder, const UnpackLimits& limits = {},
                                      const UnpackWatch& watch = {});
 

@@ -53,7 +53,7 @@ Result<Json> parse_json(std::string_view text) {
     return !too_deep;
   };
   Json json = Json::parse(text, depth_of, false);
-  if (too_deep) return glb_error("the JSON has brackets inside of brackets, more than " + std::to_string(kMaxGlbDepth));
+  if (too_deep) return glb_error("the JSON is nested deeper than " + std::to_string(kMaxGlbDepth));
   if (!json.is_object()) return glb_error("the JSON is no object, or damaged");
   return json;
 }

@@ -232,6 +232,11 @@ class MeshAssembly {
     append(mesh_.normals, primitive.normals);
     append(mesh_.texture_coordinates, primitive.texture_coordinates);
     for (const auto& [a, b, c] : primitive.triangles) mesh_.triangles.push_back({first + a, first + b, first + c});
+    // Marks are kept from the first filled primitive on: a mesh without any has none.
+    if (primitive.material.is_filled || !mesh_.is_filled.empty()) {
+      mesh_.is_filled.resize(mesh_.triangles.size() - primitive.triangles.size(), 0);
+      mesh_.is_filled.resize(mesh_.triangles.size(), primitive.material.is_filled ? 1 : 0);
+    }
     primitive = {};  // its memory is wanted
   }
 

@@ -1,4 +1,4 @@
-// The scene of a GLB as one mesh, or as points where it has no triangles. Pure.
+// Reads the scene of a GLB as one mesh, or as points if it has no triangles. Pure.
 #pragma once
 
 #include <string_view>
@@ -7,7 +7,7 @@
 
 namespace hermite {
 
-// As read_model, without what that looks at for all formats: numbers may be none, and the extent any.
+// As read_model, without its checks for all formats: numbers may be not finite, and the extent is not limited.
 Result<ImportedModel> read_glb_model(std::string_view bytes, const ImportOptions& options);
 
 }  // namespace hermite

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/import/glb_values.h"
+#include "core/output/glb.h"
 #include "core/output/glb_draco_decode.h"
 
 namespace hermite {
@@ -56,6 +57,17 @@ Status read_texture(const GlbDocument& document, const Json& info, const std::st
   return Done{};
 }
 
+bool is_text(const Json& object, const char* key, const char* text) {
+  const auto member = object.find(key);
+  return member != object.end() && member->is_string() && member->get_ref<const std::string&>() == text;
+}
+
+// A material of another program may have the same name by chance.
+bool is_filled_material(const GlbDocument& document, const Json& material) {
+  const Json* asset = glb_member(document.json(), "asset");
+  return asset && is_text(*asset, "generator", kGlbGenerator) && is_text(material, "name", kFilledMaterial);
+}
+
 Result<GlbMaterial> read_material(const GlbDocument& document, const Json& primitive, const std::string& where) {
   GlbMaterial material;
   const auto index = glb_index(primitive, "material", where);
@@ -63,6 +75,7 @@ Result<GlbMaterial> read_material(const GlbDocument& document, const Json& primi
   if (!*index) return material;
   const Result<const Json*> object = document.object("materials", **index);
   if (!object.ok()) return object.error();
+  material.is_filled = is_filled_material(document, **object);
   const std::string name = "materials[" + std::to_string(**index) + "].pbrMetallicRoughness";
   const Json* metallic = glb_member(**object, "pbrMetallicRoughness");
   if (!metallic) return material;

@@ -1,4 +1,4 @@
-// What one primitive of a glTF is made of, and its material as far as colours go. Pure.
+// Reads one primitive of a glTF, and the base colour of its material. Pure.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,32 +12,33 @@
 
 namespace hermite {
 
-// Of a material: the colour that all is multiplied with, linear, and its picture.
+// The base colour of a material: a linear factor, and a texture.
 struct GlbMaterial {
   Eigen::Vector3f factor = Eigen::Vector3f::Ones();
   std::optional<std::uint64_t> image;
   std::uint64_t coordinates = 0;  // TEXCOORD_0, _1, ...
   Eigen::Matrix<float, 2, 3> image_from_uv = (Eigen::Matrix<float, 2, 3>() << 1, 0, 0, 0, 1, 0).finished();
-  bool is_plain = true;  // the picture lies by TEXCOORD_0 as it is
+  bool is_plain = true;    // the texture uses TEXCOORD_0 without a transform
+  bool is_filled = false;  // written by this program for triangles across filled holes (core/output/glb.h)
 };
 
-// In its own frame. Arrays by vertex are empty where it has none; texture coordinates are those of the picture.
+// In the frame of its mesh. Arrays by vertex are empty if the attribute is missing; texture coordinates are already transformed.
 struct GlbPrimitive {
   GlbMaterial material;
   bool is_points = false;
   std::vector<Eigen::Vector3f> positions, normals;
   std::vector<Eigen::Vector3f> colors;  // linear
   std::vector<Eigen::Vector2f> texture_coordinates;
-  std::vector<TriangleCorners> triangles;  // of vertices that are there
+  std::vector<TriangleCorners> triangles;  // indices are in range
 };
 
-// How much may still come.
+// What is left of the limits for the whole file.
 struct GlbBudget {
   std::uint64_t vertices = 0, triangles = 0;
 };
 
-// An entry of meshes[].primitives; `where` is what it is called. What it has is taken from the budget. kCorruptData, naming the field: what
-// it names is not there, arrays of different lengths; kTooLarge: beyond the budget; kUnsupported: lines, sparse accessors.
+// Reads an entry of meshes[].primitives, called `where` in messages, and subtracts its size from the budget. kCorruptData, naming the
+// field: a missing reference, or arrays of different lengths; kTooLarge: beyond the budget; kUnsupported: lines, sparse accessors.
 Result<GlbPrimitive> read_glb_primitive(const GlbDocument& document, const nlohmann::json& primitive, const std::string& where,
                                         GlbBudget& budget);
 

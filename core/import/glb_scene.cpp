@@ -77,8 +77,7 @@ class Walk {
   explicit Walk(std::size_t node_count) : seen_(node_count, false) {}
 
   Status add(const std::vector<std::uint64_t>& nodes, std::size_t depth, const Eigen::Matrix4d& world_from_parent) {
-    if (!nodes.empty() && depth > kMaxGlbNodeDepth)
-      return glb_error("nodes are deeper below each other than " + std::to_string(kMaxGlbNodeDepth));
+    if (!nodes.empty() && depth > kMaxGlbNodeDepth) return glb_error("nodes are nested deeper than " + std::to_string(kMaxGlbNodeDepth));
     for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
       if (*node >= seen_.size()) return glb_error("there is no " + name_of_node(*node) + ", there are " + std::to_string(seen_.size()));
       if (seen_[static_cast<std::size_t>(*node)]) return glb_error(name_of_node(*node) + " is below itself, or below two others");

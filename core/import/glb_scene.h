@@ -1,4 +1,4 @@
-// Where the meshes of a glTF stand. Pure.
+// The placements of the meshes of a glTF scene. Pure.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,9 +16,9 @@ struct GlbPlacement {
 
 inline constexpr std::size_t kMaxGlbNodeDepth = 1000;
 
-// Of the scene that the file names, else the first, else of all nodes that nobody has as a child; in the order of the nodes, parents before
-// children. kCorruptData: a node that is not there, that is below itself or below two others, a matrix that is none, deeper than
-// kMaxGlbNodeDepth; no mesh at all.
+// The meshes of the default scene, else of the first scene, else of all root nodes; in the order of the nodes, parents before children.
+// kCorruptData: a missing node, a node that is its own ancestor or has two parents, an invalid matrix, nesting deeper than
+// kMaxGlbNodeDepth, or no mesh at all.
 Result<std::vector<GlbPlacement>> glb_placements(const GlbDocument& document);
 
 }  // namespace hermite

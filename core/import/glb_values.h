@@ -1,4 +1,4 @@
-// The numbers of an accessor of a glTF. Pure.
+// Reads the values of a glTF accessor. Pure.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +14,16 @@ struct GlbValues {
   std::size_t count() const { return numbers.size() / static_cast<std::size_t>(components); }
 };
 
-// Strides, every component type and normalisation. kCorruptData, naming the field: it leaves its bufferView, other numbers of components
-// than these; kTooLarge: more than `most` elements; kUnsupported: sparse, matrices.
+// Handles strides, all component types and normalisation. kCorruptData, naming the field: the accessor exceeds its bufferView, or has
+// another number of components; kTooLarge: more than `most` elements; kUnsupported: sparse accessors, matrices.
 Result<GlbValues> read_glb_values(const GlbDocument& document, std::uint64_t accessor, int least_components, int most_components,
                                   std::uint64_t most);
 
-// Whole numbers below `end`. Errors as above.
+// Indices below `end`. Errors as above.
 Result<std::vector<std::uint32_t>> read_glb_indices(const GlbDocument& document, std::uint64_t accessor, std::uint64_t end,
                                                     std::uint64_t most);
 
-// What an accessor says of how many elements it has, for one that has no bytes of its own. Errors as above.
+// The element count of an accessor without data of its own (Draco). Errors as above.
 Result<std::uint64_t> glb_element_count(const GlbDocument& document, std::uint64_t accessor, std::uint64_t most);
 
 }  // namespace hermite

@@ -150,11 +150,11 @@ Result<ImportOptions> parse_import_options(const std::map<std::string, std::stri
     if (key == "scale") {
       const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), options.scale);
       if (error != std::errc() || end != value.data() + value.size() || !(options.scale > 0 && options.scale <= kMostScale))
-        return Error{ErrorCode::kInvalidArgument, "scale is no number above 0 and at most 1000000"};
+        return Error{ErrorCode::kInvalidArgument, "scale must be a number above 0 and at most 1000000"};
     } else if (key == "up") {
       for (const UpAxis axis : {UpAxis::kY, UpAxis::kZ, UpAxis::kMinusY})
         if (value == name_of(axis)) options.up = axis;
-      if (!options.up) return Error{ErrorCode::kInvalidArgument, "up is none of y, z and -y"};
+      if (!options.up) return Error{ErrorCode::kInvalidArgument, "up must be y, z or -y"};
     } else {
       return Error{ErrorCode::kInvalidArgument, "'" + key.substr(0, 40) + "' is no setting of an import; known are scale and up"};
     }

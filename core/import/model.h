@@ -1,4 +1,4 @@
-// A cloud or a mesh of another program, from the bytes of its file into the world of a scan: x right, y down, z forward, metres.
+// Reads a point cloud or mesh of another program into the world frame of a scan: x right, y down, z forward, metres.
 // Pure but for is_model_file.
 #pragma once
 
@@ -19,47 +19,47 @@ namespace hermite {
 
 inline constexpr std::uint64_t kMaxModel_bytes = std::uint64_t{1} << 30;
 inline constexpr std::uint64_t kMaxModelVertices = 20'000'000, kMaxModelTriangles = 30'000'000;
-inline constexpr std::int64_t kMaxModelPixels = std::int64_t{1} << 28;  // of all images of a file together: 16 of 4096 x 4096
+inline constexpr std::int64_t kMaxModelPixels = std::int64_t{1} << 28;  // of all images of a file together: as many as 16 of 4096 x 4096
 inline constexpr double kMaxModelExtent_m = 20'000;
 
 enum class UpAxis { kY, kZ, kMinusY };
 const char* name_of(UpAxis axis);  // "y", "z", "-y"
 
 struct ImportOptions {
-  double scale = 1;          // metres of a unit of the file
-  std::optional<UpAxis> up;  // of the file; none: as its format says, else z, but -y of what this program has written
+  double scale = 1;          // metres per unit of the file
+  std::optional<UpAxis> up;  // the up axis of the file; none: the one of its format, otherwise z, and -y for files of this program
   bool operator==(const ImportOptions&) const = default;
 };
 
-// From texts: "scale" (above 0, at most 1e6) and "up" (y, z or -y). kInvalidArgument: what is wrong, or a key that is none of these.
+// Parses "scale" (above 0, at most 1e6) and "up" (y, z or -y). kInvalidArgument: an invalid value or an unknown key.
 Result<ImportOptions> parse_import_options(const std::map<std::string, std::string>& texts);
 bool is_import_option(std::string_view key);
 
-// A mesh or a cloud, the other one is empty. All numbers are finite, all colours and normals there; a point without a normal has 0.
+// A mesh or a cloud; the other is empty. All numbers are finite, and every vertex has a colour and a normal, which is 0 if unknown.
 struct ImportedModel {
   const char* format = "";  // "PLY", "GLB"
   TriangleMesh mesh;
   Cloud cloud;
   UpAxis up = UpAxis::kZ;
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // what was subtracted from the file's positions, in its axes and unit
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // subtracted from the positions of the file, in its axes and unit
   Eigen::Vector3f low_m = Eigen::Vector3f::Zero(), high_m = Eigen::Vector3f::Zero();
-  std::uint64_t left_out_vertices = 0, left_out_triangles = 0;  // with numbers that are none
-  bool unchanged = false;                                       // a GLB that says the same as this: it can be shown as it is
+  std::uint64_t left_out_vertices = 0, left_out_triangles = 0;  // with values that are not finite
+  bool unchanged = false;                                       // the file is a GLB with the same content and can be used as it is
 
   bool is_mesh() const { return !mesh.triangles.empty(); }
   bool has_normals() const;
 };
 
-// By the first bytes: PLY or GLB.
+// Whether the file begins as a PLY or GLB.
 bool is_model(std::string_view first_bytes);
 
-// kCorruptData, kUnsupported and kTooLarge, in words that name the field and the limit; kCorruptData also for no points at all.
+// kCorruptData, kUnsupported, kTooLarge: messages name the field and the limit. A file without points is kCorruptData.
 Result<ImportedModel> read_model(std::string_view bytes, const ImportOptions& options);
 
 // kNotFound.
 Result<bool> is_model_file(const std::string& path);
 
-// What a person should know of it: size, what is odd, what was changed. Whole sentences.
+// Sentences for the user: its size, anything suspicious, and what was changed.
 std::vector<std::string> words_about(const ImportedModel& model, const ImportOptions& options);
 
 }  // namespace hermite

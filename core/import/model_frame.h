@@ -1,4 +1,4 @@
-// From the axes, the unit and the place of a file to the world of a scan. Pure.
+// Converts the axes, unit and origin of a file to the world frame of a scan. Pure.
 #pragma once
 
 #include <Eigen/Core>

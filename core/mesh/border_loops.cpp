@@ -11,10 +11,10 @@ namespace hermite {
 namespace {
 
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
-// Of the loop's area as a vector, the share along the surface's normal: 1 in a plane, 0.6 around a corner of a room, 0 at the end of a
+// The cosine between the loop's area vector and the mean surface normal: 1 in a plane, 0.6 around the corner of a room, 0 at the end of a
 // tube.
 constexpr double kLeastFacing = 0.4;
-// A slit has no area to speak of, whose direction would say something; as a share of a circle's of the same length.
+// A slit has too little area to have a direction. As a fraction of the area of a circle of equal perimeter.
 constexpr double kSlit = 0.01;
 
 Eigen::Vector3f face_normal(const TriangleMesh& mesh, std::uint32_t triangle) {
@@ -24,12 +24,12 @@ Eigen::Vector3f face_normal(const TriangleMesh& mesh, std::uint32_t triangle) {
   return length > 0 ? Eigen::Vector3f(across / length) : Eigen::Vector3f(Eigen::Vector3f::Zero());
 }
 
-// A step along a border, to the next vertex of who walks there with the surface on the right.
+// A step along a boundary to its next vertex, with the surface on the right.
 struct BorderStep {
   std::uint32_t to = kNoVertex;
   std::uint32_t triangle = 0;
-  int begun = 0, ended = 0;  // edges of the border that begin and end at this vertex
-  bool is_odd = false;       // more than two triangles have an edge here, or two run through it in the same direction
+  int begun = 0, ended = 0;  // boundary edges that begin and end at this vertex
+  bool is_odd = false;       // an edge here has more than two triangles, or two that traverse it in the same direction
 };
 
 class BorderSteps {
@@ -41,7 +41,7 @@ class BorderSteps {
   const std::vector<BorderStep>& steps() const { return steps_; }
 
  private:
-  // The edge that runs from this corner on.
+  // The edge that starts at this corner.
   void look_at(const TriangleMesh& mesh, const VertexCorners& corners, std::uint32_t from, std::uint32_t corner) {
     const std::uint32_t to = vertex_at(mesh, next_corner(corner));
     int along = 0, against = 0;
@@ -51,7 +51,7 @@ class BorderSteps {
     }
     if (along > 1 || against > 1) steps_[from].is_odd = steps_[to].is_odd = true;
     if (against > 0) return;
-    steps_[to].to = from;  // what fills it runs against the surface's own edges
+    steps_[to].to = from;  // a filling triangle traverses the edge in the opposite direction to the surface
     steps_[to].triangle = corner / 3;
     ++steps_[to].begun;
     ++steps_[from].ended;

@@ -1,4 +1,4 @@
-// Where a mesh ends: its borders, and which of them go round a hole. Pure functions.
+// The boundary loops of a mesh, and which of them surround a hole. Pure functions.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,24 +11,24 @@
 
 namespace hermite {
 
-// A border that passes no vertex twice.
+// A boundary loop that passes through no vertex twice.
 struct BorderLoop {
-  std::vector<std::uint32_t> vertices;        // in the order in which a triangle that fills it has them; at least 3
-  std::vector<Eigen::Vector3f> face_normals;  // by vertex, of the triangle at the edge to the next one: unit, or 0 without an area
+  std::vector<std::uint32_t> vertices;        // in the winding order of a triangle that fills the loop; at least 3
+  std::vector<Eigen::Vector3f> face_normals;  // by vertex, of the triangle at the edge to the next: unit, or 0 without an area
 };
 
 struct Borders {
-  std::vector<BorderLoop> loops;  // each from its lowest vertex on, in the order of those
-  std::size_t tangled = 0;        // others: they touch themselves or each other, or triangles there do not agree which side is outside
+  std::vector<BorderLoop> loops;  // each starts at its lowest vertex index; sorted by that index
+  std::size_t tangled = 0;        // loops that touch themselves or each other, or whose triangles are not oriented alike
 };
 
 Borders borders_of(const TriangleMesh& mesh, const VertexCorners& corners);
 
-// Whether two of the loop's vertices are farther apart than that.
+// Whether any two vertices of the loop are farther apart than this.
 bool is_wider(const TriangleMesh& mesh, const BorderLoop& loop, double width_m);
 
-// A hole has the surface around it, where a piece of surface ends its border has it within: seen along the surface's normal the two run
-// round the other way. The end of a tube, where normals point everywhere, is no hole.
+// A hole is surrounded by surface; the outer boundary of a piece of surface encloses it. Seen along the surface normal the two wind in
+// opposite directions. The open end of a tube, where normals point in all directions, is not a hole.
 bool is_hole(const TriangleMesh& mesh, const BorderLoop& loop);
 
 }  // namespace hermite

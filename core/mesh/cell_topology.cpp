@@ -7,7 +7,7 @@
 namespace hermite {
 namespace {
 
-// Of a face, in turn: its corners, and the edges from each to the next.
+// The corners of a face in cyclic order, and the edges from each to the next.
 struct Face {
   std::array<int, 4> corners{}, edges{};
 };
@@ -38,7 +38,7 @@ bool corners_alternate(std::uint8_t inside, const Face& face) {
   return at(0) == at(2) && at(1) == at(3) && at(0) != at(1);
 }
 
-// Twelve edges, each in the piece of its root.
+// Union-find over the twelve edges.
 class Pieces {
  public:
   Pieces() { std::iota(root_.begin(), root_.end(), 0); }

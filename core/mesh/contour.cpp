@@ -17,7 +17,7 @@
 namespace hermite {
 namespace {
 
-// That are kept before they are welded: enough for all processors, and little memory.
+// Cubes contoured before they are welded together: enough work for all processors in little memory.
 constexpr std::size_t kCubesAtOnce = 256;
 
 struct CubeOrder {
@@ -26,7 +26,7 @@ struct CubeOrder {
   }
 };
 
-// That a support reaches.
+// Cubes that the support of a surfel can reach.
 std::vector<Eigen::Vector3i> cubes_of(const SurfelField& field) {
   std::set<Eigen::Vector3i, CubeOrder> cubes;
   const auto reach_cells = static_cast<int>(std::ceil(static_cast<double>(field.reach_m()) / field.cell_m()));
@@ -40,8 +40,8 @@ std::vector<Eigen::Vector3i> cubes_of(const SurfelField& field) {
   return {cubes.begin(), cubes.end()};
 }
 
-// Surfaces of cubes become one mesh, in the order of the cubes. A cube names vertices of itself and of cubes next to it that came before:
-// what lies more than a layer of cubes back is forgotten.
+// Welds the surfaces of cubes into one mesh, in the order of the cubes. A cube refers to its own vertices and to those of adjacent cubes
+// that came before it, so only the vertices of the last layer of cubes are kept.
 class Welder {
  public:
   void weld(const Eigen::Vector3i& cube, const CubeSurface& surface) {
@@ -103,7 +103,7 @@ Result<TriangleMesh> contour(Cloud&& cloud, const ContourOptions& options, const
   Result<TriangleMesh> mesh = welded_cubes(**field, progress);
   if (!mesh.ok()) return mesh;
   ContourStatistics counts{(*field)->cell_m(), (*field)->rejected_count()};
-  field.reset();  // its memory is needed now
+  field.reset();  // frees its memory for what follows
   counts.folded = unfold(*mesh);
   counts.split_vertices = split_touching_fans(*mesh);
   counts.removed_parts = remove_small_parts(*mesh, options.least_part_m2);

@@ -9,29 +9,29 @@
 namespace hermite {
 namespace {
 
-// Quads need the pieces of the cells below, and these the crossings of the cells around them.
+// Quads need the pieces of the adjacent lower cells, and these need the crossings of the cells around them.
 constexpr int kMargin = kCubeMargin;
-constexpr int kSide = kCubeCells + 2 * kMargin;  // corners along an axis: cells -2 to 32 and one more
+constexpr int kSide = kCubeCells + 2 * kMargin;  // corners along an axis: those of cells -2 to 32
 constexpr std::size_t kCorners = std::size_t{kSide} * kSide * kSide;
 
-// Below this the surface is not there but made up of what lies around: a quarter is a corner of a sheet, half its border. Half a cell
-// beyond the outermost surfels of a sheet the kernels lean by a quarter of their support, which leaves the mesh as wide as the cloud.
+// With less coverage than this the surface is extrapolated and left out: coverage is a half on the border of a sheet and a quarter at its
+// corner. Half a cell beyond the outermost surfels kernels lean by a quarter of their support: the mesh is as wide as the cloud.
 constexpr float kLeastCoverage = 0.2f, kMostLean = 0.25f;
 constexpr int kLeastKernels = 4;
-// What lies two cells from all surfels is made up, too, unless surfels lie so far apart there: three of their distances are a support. A
-// little less, for folds that are laid flat afterwards.
+// A surface two cells or more from all surfels is extrapolated, too, unless the surfels are that far apart: a support is three times their
+// distance. A little less than two, since folds are flattened afterwards.
 constexpr float kFarthest_cells = 1.9f, kFarthest_supports = 0.45f;
-// Vertices stay off the border of their cell, or two of them could be one point.
+// Vertices keep this distance from the faces of their cell, so that no two of them coincide.
 constexpr float kInset_cells = 0.01f;
-// Steps along an edge towards the surface; each is by planes and all but ends after two.
+// Newton steps along an edge towards the surface; two nearly suffice.
 constexpr int kSteps = 3;
 constexpr float kLeastSlope = 0.1f;
-// Where normals point apart by more than this a corner's own sheet is asked for: the cosine of a few degrees' mean.
+// Below this length of the mean normal (a few degrees of spread) the field of a corner is evaluated robustly.
 constexpr float kOneSheet = 0.97f;
 // Plain sums are off by 0.07 radius^2 x mean curvature (core/math/hrbf.h): a quarter of a cell for a ball of 10 cm in cells of 1 cm.
 constexpr float kBias_cells = 0.25f;
 
-// The field at the corners of the grid, as plain sums.
+// The field at the corners of the grid, as plain weighted sums.
 struct CornerSums {
   float weights = 0, distances_m = 0;
   Eigen::Vector3f normals = Eigen::Vector3f::Zero();
@@ -51,7 +51,7 @@ class CubeContour {
         first_cell_(cube * kCubeCells - Eigen::Vector3i::Constant(kMargin)),
         window_(field, first_cell_, first_cell_ + Eigen::Vector3i::Constant(kSide)) {}
 
-  // With the vertices of so many cells below the cube.
+  // With the vertices of this many layers of cells below the cube.
   CubeSurface contour(int cells_below) {
     if (window_.empty()) return {};
     add_kernels();
@@ -105,7 +105,7 @@ class CubeContour {
   std::vector<Crossing> crossings_;
   std::vector<std::array<std::int32_t, 3>> crossing_by_edge_;  // by corner and axis; -1: none
   struct Cell {
-    std::uint16_t crossed = 0;  // 0: the rest says nothing
+    std::uint16_t crossed = 0;  // 0: the other members are not set
     std::uint8_t inside = 0, joined = 0;
     CellPieces pieces;
   };
@@ -117,7 +117,7 @@ void CubeContour::add_kernels() {
   window_.for_each_kernel([this](const FieldKernel& kernel) { add_kernel(kernel); });
 }
 
-// To all corners within its support.
+// Adds a kernel to all corners within its support.
 void CubeContour::add_kernel(const FieldKernel& kernel) {
   const auto cell_m = static_cast<float>(field_.cell_m());
   const Eigen::Vector3f middle = (kernel.position_m.cast<double>() / field_.cell_m() - first_cell_.cast<double>()).cast<float>();
@@ -205,7 +205,7 @@ int CubeContour::crossing_of(const Eigen::Vector3i& cell, int edge) const {
   return crossing_by_edge_[at(cell + Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2))][static_cast<std::size_t>(edge / 4)];
 }
 
-// In the four cells around the edge.
+// The vertices in the four cells around the edge.
 void CubeContour::mark_crossed(const Eigen::Vector3i& corner, int axis) {
   const int at_b = (axis + 1) % 3, at_c = (axis + 2) % 3;
   for (int around = 0; around < 4; ++around) {

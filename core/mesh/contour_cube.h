@@ -1,5 +1,5 @@
-// The surface within a cube of kCubeCells^3 cells, by dual contouring of the field. Cubes can be contoured in any order and alone: what two
-// neighbours need of each other both compute, to the same bits.
+// The surface within a cube of kCubeCells^3 cells, by dual contouring of the field. Cubes can be contoured independently and in any order:
+// where two cubes adjoin, both compute the vertices that they share, to the same bits.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,37 +14,37 @@ namespace hermite {
 
 inline constexpr int kCubeCells = 32;
 
-// Cell and piece of surface that a vertex is of; ordered by z, y, x, piece.
+// The cell of a vertex and the piece of surface within it; ordered by z, y, x, piece.
 using VertexKey = std::uint64_t;
 VertexKey vertex_key(const Eigen::Vector3i& cell, int piece);
 Eigen::Vector3i cell_of(VertexKey key);
 
-Eigen::Vector3i cube_of(const Eigen::Vector3i& cell);  // that the cell is of
+Eigen::Vector3i cube_of(const Eigen::Vector3i& cell);  // the cube that contains the cell
 
 struct CubeVertex {
   VertexKey key = 0;
   Eigen::Vector3f position_m = Eigen::Vector3f::Zero();
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit
   Rgb8 color;
-  bool is_supported = true;  // false: no surfel is near, and there should be no surface
-  bool is_smooth = true;     // false: on an edge or corner, where the normal is a mean
+  bool is_supported = true;  // false: no surfel is near enough to support a surface here
+  bool is_smooth = true;     // false: on a sharp edge or corner, where the normal is a mean of several
 };
 
 // Counter-clockwise seen from outside.
 using CubeQuad = std::array<VertexKey, 4>;
 
 struct CubeSurface {
-  std::vector<CubeVertex> vertices;  // of the cube's own cells, in the order of their keys
-  std::vector<CubeQuad> quads;       // of edges that begin in the cube's own cells; vertices of cells below them may be another cube's
+  std::vector<CubeVertex> vertices;  // of the cells of the cube, ordered by key
+  std::vector<CubeQuad> quads;       // of edges that start in the cells of the cube; their vertices may lie in the adjacent lower cubes
 };
 
-// `cube` spans the cells from kCubeCells * cube on. Thread-safe.
+// `cube` spans the cells from kCubeCells * cube up to, not including, kCubeCells * (cube + 1). Thread-safe.
 CubeSurface contour_cube(const SurfelField& field, const Eigen::Vector3i& cube);
 
-// The same with the vertices of the cells next below, as the cubes there have them: all that its quads need.
+// The same, with the vertices of the adjacent lower cells too: all vertices that its quads refer to.
 CubeSurface contour_whole_cube(const SurfelField& field, const Eigen::Vector3i& cube);
 
-// The cells around a cube that its surface depends on.
+// How many cells around a cube its surface depends on.
 inline constexpr int kCubeMargin = 2;
 
 }  // namespace hermite

@@ -1,4 +1,4 @@
-// Where the planes of a piece of surface meet: the vertex of dual contouring (Ju, Losasso, Schaefer, Warren 2002, section 2.3).
+// The point where the planes of a piece of surface meet: the vertex of dual contouring (Ju, Losasso, Schaefer, Warren 2002, section 2.3).
 #pragma once
 
 #include <Eigen/Core>
@@ -16,8 +16,8 @@ struct EdgeVertex {
   int rank = 0;  // 1: the planes are one surface, 2: they meet in an edge, 3: in a corner
 };
 
-// The point with the least sum of squared distances to the planes, of all such points the one nearest to the mean of theirs; directions
-// that the planes hardly tell are taken for untold. Not clamped. `planes` has at least one (CHECK).
+// The point with the least sum of squared distances to the planes; of several the one nearest to the centroid of their points. Directions
+// that the planes hardly constrain are left free. Not clamped. `planes` has at least one (CHECK).
 EdgeVertex meet(std::span<const SurfacePlane> planes);
 
 }  // namespace hermite

@@ -22,11 +22,11 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-// Of a patch that goes on as the surface around does, from the middle of its border, in its farthest points: beyond that the surface around
-// was too rough to say where it goes.
+// The farthest that a patch may reach from the middle of its boundary, relative to the boundary: a patch that goes farther continues a
+// surface that is too rough to tell its curvature.
 constexpr double kMostReach = 1.2;
 
-// What fills one hole. Triangles name first the points of the loop, then those within.
+// The filling of one hole. Its triangles index the points of the loop first, then the inner points.
 struct Filling {
   Patch patch;
   std::vector<Eigen::Vector3f> normals;  // of all points
@@ -44,9 +44,9 @@ class HoleFiller {
   HoleFiller(const TriangleMesh& mesh, const VertexCorners& corners, const BorderLoop& loop)
       : mesh_(mesh), corners_(corners), loop_(loop) {}
 
-  // As the surface around goes on, or where that folds, flatter. None: every way has a fold, or edges are in the way.
+  // Continues the curvature around the hole, or is flatter where that would fold. None: every attempt folds, or existing edges prevent it.
   std::optional<Filling> bent();
-  // Stretched across the border. None: edges are in the way.
+  // A minimal surface across the boundary. None: existing edges prevent it.
   std::optional<Filling> stretched();
 
  private:
@@ -80,7 +80,7 @@ std::optional<Patch> HoleFiller::flat() const {
     patch.points_m.push_back(mesh_.positions_m[loop_.vertices[i]].cast<double>());
     face_normals.push_back(loop_.face_normals[i].cast<double>());
   }
-  // Three points with a triangle already would get its back.
+  // On three points that already have a triangle the filling would be its back side.
   if (patch.border_count == 3 && corners_.at(loop_.vertices[0]).size() == 1) return std::nullopt;
   std::optional<std::vector<TriangleCorners>> triangles =
       triangulated({patch.points_m, face_normals, [this](std::size_t i, std::size_t k) { return is_taken(i, k); }});
@@ -89,10 +89,10 @@ std::optional<Patch> HoleFiller::flat() const {
   return patch;
 }
 
-// Of the border's vertices all triangles: `points_m` in the order in which they are met.
+// All triangles at the vertices of the boundary; `points_m` in the order in which they are found.
 PatchSurroundings HoleFiller::surroundings() const {
   PatchSurroundings around;
-  std::unordered_map<std::uint32_t, std::uint32_t> place;  // by vertex, first those of the border, then the others; asked, not walked
+  std::unordered_map<std::uint32_t, std::uint32_t> place;  // by vertex, boundary first; only for look-up, never iterated
   for (std::uint32_t i = 0; i < loop_.vertices.size(); ++i) place[loop_.vertices[i]] = i;
   for (std::uint32_t i = 0; i < loop_.vertices.size(); ++i)
     for (const std::uint32_t corner : corners_.at(loop_.vertices[i])) {
@@ -106,7 +106,7 @@ PatchSurroundings HoleFiller::surroundings() const {
         t[k] = found->second;
         if (t[k] < loop_.vertices.size()) first = std::min(first, t[k]);
       }
-      if (first == i) around.triangles.push_back(t);  // met from the first of its vertices on the border, once
+      if (first == i) around.triangles.push_back(t);  // added once, by the first of its boundary vertices
     }
   return around;
 }
@@ -196,7 +196,7 @@ std::optional<Filling> HoleFiller::stretched() {
   return filling;
 }
 
-// Where a filling turns away from the surface at its border.
+// The sharpest angle between a filling and the surface along its boundary.
 void HoleFiller::mean_border_normals(Filling& filling) const {
   std::vector<Vector3d> sums(filling.patch.border_count, Vector3d::Zero());
   for (const TriangleCorners& t : filling.patch.triangles)

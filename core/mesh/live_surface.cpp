@@ -18,20 +18,20 @@ namespace {
 constexpr double kCellPerSpacing = 1.25, kLeastLiveCell_m = 0.01, kMostLiveCell_m = 0.04;
 constexpr std::size_t kLeastSurfels = 200;
 
-// The distance of surfels is taken from how many lie so near: a count that comes and goes with them, and needs no search. 30 where surfels
-// are a cell apart.
+// The distance of surfels is estimated from how many lie within this radius: a count that is cheap to update as surfels come and go. It is
+// 30 where surfels are one cell apart.
 constexpr float kNeighbourhood_cells = 3;
 // As FieldOptions has it.
 constexpr double kSupport_spacings = 3;
 
-// A surfel counts as it was until it differs by more than this. The tenth of a cell is a millimetre, less than what the mesh of a finished
-// scan is off by; confidence counts as a weight.
+// A surfel is updated only when it differs by more than this. A tenth of a cell is a millimetre, less than the error of a finished mesh;
+// confidences are compared as the weights that they give.
 constexpr double kAlike_cells = 0.1;
 constexpr float kAlikeNormals = 0.9945f;  // 6 degrees
 constexpr int kAlikeColors = 8;
 constexpr float kAlikeConfidence = 2;
 
-// A cube of which an eighth came or went shows something else.
+// A cube has much new surface when an eighth of its surfels were added or removed.
 constexpr std::int32_t kFreshShare = 8;
 
 Eigen::Vector3i index_of(const SurfaceCube& cube) { return {cube.x, cube.y, cube.z}; }
@@ -78,7 +78,7 @@ bool LiveSurface::looks_alike(const Entry& a, const Entry& b) {
          b.confidence < kAlikeConfidence * a.confidence;
 }
 
-// Cubes are counted in 16 bits, cells in 20; around the farthest there are others.
+// Cube indices have 16 bits, cell indices 20; one cube is left free around the farthest ones.
 bool LiveSurface::is_in_reach(const Eigen::Vector3f& world_m) const {
   static_assert(kMostCell / kCubeCells <= std::numeric_limits<std::int16_t>::max());
   const double most_m = (kMostCell - 4 * kCubeCells) * cell_m_;
@@ -113,7 +113,7 @@ LiveSurface::Cube& LiveSurface::cube_around(std::uint32_t slot) {
                  static_cast<std::int16_t>(index.z())}];
 }
 
-// All cubes whose surface depends on what is within `reach_m` of there.
+// All cubes whose surface depends on points within `reach_m` of this one.
 void LiveSurface::touch(std::uint32_t part, const Eigen::Vector3f& world_m, float reach_m, Time now) {
   const double reach_cells = static_cast<double>(reach_m) / cell_m_ + kCubeMargin + 1;
   const Eigen::Vector3d middle = world_m.cast<double>() / cell_m_;
@@ -127,7 +127,7 @@ void LiveSurface::touch(std::uint32_t part, const Eigen::Vector3f& world_m, floa
       }
 }
 
-// Of all around the surfel, itself too; what their supports reach before or after is touched.
+// Updates the neighbour counts around the surfel and its own, and marks all cubes that their supports reached before or reach now.
 void LiveSurface::count_neighbour(std::uint32_t slot, int by, Time now) {
   const float near_m = kNeighbourhood_cells * static_cast<float>(cell_m_);
   const Eigen::Vector3f world_m = entries_[slot].world_m, around_m = Eigen::Vector3f::Constant(near_m);
@@ -165,7 +165,7 @@ void LiveSurface::remove(std::uint32_t slot, Time now) {
   --surfel_count_;
 }
 
-// Of a surfel that stays where it is held.
+// Updates a surfel that keeps its held position.
 void LiveSurface::repaint(std::uint32_t slot, const Entry& as, Time now) {
   Entry& entry = entries_[slot];
   entry.normal = as.normal;
@@ -254,7 +254,7 @@ std::optional<SurfaceCube> LiveSurface::next(const Eigen::Vector3f& eye_m, Time 
   return best ? std::optional(std::get<SurfaceCube>(*best)) : std::nullopt;
 }
 
-// And the submap that most of what lies in the cube is of, or else of what reaches it.
+// Also finds the submap that most surfels in the cube belong to, or, if there are none, most of those whose support reaches it.
 std::vector<FieldKernel> LiveSurface::kernels_around(const SurfaceCube& cube, std::uint32_t& submap) const {
   std::vector<FieldKernel> kernels;
   const auto grid = grid_of_part_.find(cube.part);

@@ -1,20 +1,20 @@
-// The surface of a growing model, cube by cube: what has changed is contoured anew, the rest stays as it is.
+// The surface of a growing model, cube by cube: only cubes whose surfels changed are contoured again.
 //
 //   LiveSurface surface(*cell_for(surfels));
 //   surface.place(submaps, now);
 //   surface.apply(changes, now);
 //   while (std::optional<SurfaceCube> cube = surface.next(eye_m, now)) if (auto mesh = surface.contour(*cube, now)) show(*mesh);
 //
-// Cubes of kCubeCells cells lie in the world, one grid for each part of the map, and are made of the surfels of all submaps there, so that
-// one surface comes out where submaps overlap. The mesh of a cube is in the frame of the submap that most of it is of, and moves with that
-// when the map is corrected. A cube is a function of the surfels that are held and of the poses at which they are: the way they came
-// about, and which cubes were made before, change no bit of it. Neighbours that are made of the same surfels fit without a gap.
+// Cubes of kCubeCells cells lie in a world grid, one for each part of the map, and contain the surfels of all submaps there, so that
+// overlapping submaps give one surface. The mesh of a cube is in the frame of the submap that most of its surfels belong to, and moves with
+// that submap when the map is corrected. It depends only on the surfels and submap poses that are held here, bit for bit, not on their
+// history or on which cubes were made before. Adjacent cubes that are made from the same surfels fit without a gap.
 //
-// What differs from what is held by less than can be seen is not taken over (kAlike... in the .cpp), and a submap stays where it was held
-// until it has moved by more than kMoved_cells. So the mesh is as far from that of the model as it is now.
+// Changes of a surfel that would not be visible are ignored (the kAlike constants in the .cpp), and a submap keeps its held pose until it
+// has moved by more than kMoved_cells. The mesh may differ from the present model by that much.
 //
-// Memory: 64 bytes a slot up to the highest one used and 20 a surfel; beyond kMostLiveSurfels, or twice as many slots, whoever owns it lets
-// it go: 0.3 GB at most. One owner, one thread at a time.
+// Memory: 64 bytes per slot up to the highest one used and 20 per surfel; beyond kMostLiveSurfels, or twice as many slots, is_full() is
+// true and the owner destroys it: 0.3 GB at most. One owner, one thread at a time.
 #pragma once
 
 #include <Eigen/Core>
@@ -37,18 +37,18 @@
 namespace hermite {
 
 inline constexpr std::size_t kMostLiveSurfels = 2'000'000;
-// Of the cells in which a submap may stand elsewhere than its surfels are held: less than half their distance, which cells follow.
+// How far a submap may move, in cells, before its surfels are placed again: less than half their distance.
 inline constexpr double kMoved_cells = 0.4;
-// A surface that changes a little all the time, as one in view does, is made anew no more often.
+// A cube that changes slightly all the time, as those in view do, is contoured again no sooner than this after the last time.
 inline constexpr std::chrono::milliseconds kCubeRest(1000);
 
-// Of a live surface: 1.25 times the median distance of the surfels, within 1 and 4 cm. Finer ones take two processors more time than there
-// is between frames. None: fewer than 200 surfels tell no distance.
+// The cell size of a live surface: 1.25 times the median distance of the surfels, clamped to 1 to 4 cm. With finer cells two processors do
+// not keep up with the frames. None: fewer than 200 surfels are too few to measure their distance.
 std::optional<double> live_cell_m(std::span<const SlotChange> surfels);
 
 struct PlacedSubmap {
   Rigid3 world_from_submap;
-  std::uint32_t part = 0;  // submaps of different parts say nothing about each other's place
+  std::uint32_t part = 0;  // the relative pose of submaps of different parts is unknown
 };
 
 struct SurfaceCube {
@@ -60,8 +60,8 @@ struct SurfaceCube {
 struct CubeMesh {
   SurfaceCube cube;
   std::uint32_t submap = 0;
-  TriangleMesh mesh;                            // in the frame of the submap; without triangles: the cube is empty now
-  std::chrono::steady_clock::time_point since;  // of the oldest change that was not shown before
+  TriangleMesh mesh;                            // in the frame of the submap; without triangles: the cube has become empty
+  std::chrono::steady_clock::time_point since;  // the time of the oldest change that the previous mesh did not show
 };
 
 class LiveSurface {
@@ -73,25 +73,25 @@ class LiveSurface {
 
   double cell_m() const { return cell_m_; }
 
-  // Where the submaps are, by number: all that the changes from now on are of. Of others that there were, surfels stay until they are told
-  // to be gone.
+  // The poses of the submaps, by number; later changes refer to these. Surfels of submaps that are no longer listed stay until a change
+  // removes them.
   void place(std::span<const PlacedSubmap> submaps, Time now);
 
-  // Surfels that are no numbers, have no direction or no confidence, or are too far from the origin for cells to be counted, are none.
-  // CHECK: a submap that was placed. `now`: since when the changes are there, for CubeMesh::since.
+  // Surfels that are not finite, have a zero normal or no confidence, or are too far from the origin for the cell index, count as removed.
+  // CHECK: the submap was placed. `now`: when the changes arrived, for CubeMesh::since.
   void apply(std::span<const SlotChange> changes, Time now);
 
   std::size_t surfel_count() const { return surfel_count_; }
   bool is_full() const { return surfel_count_ > most_surfels_ || entries_.size() > 2 * kMostLiveSurfels; }
   std::size_t dirty_count() const { return dirty_.size(); }
 
-  // What to make next: where much is new comes first, nearest to `eye_m`; then what has waited longest. None: nothing that is due.
+  // The cube to contour next: those with much new surface first, by distance to `eye_m`; then the longest waiting. None: none is due.
   std::optional<SurfaceCube> next(const Eigen::Vector3f& eye_m, Time now) const;
 
-  // None: it was empty and still is.
+  // None: the cube was empty and still is.
   std::optional<CubeMesh> contour(const SurfaceCube& cube, Time now);
 
-  // All cubes that were told of and not as empty.
+  // All cubes whose last mesh was not empty.
   std::vector<SurfaceCube> shown() const;
 
  private:
@@ -104,13 +104,13 @@ class LiveSurface {
     std::int32_t neighbours = 0;  // within kNeighbourhood_cells, itself among them
   };
   struct Submap {
-    PlacedSubmap placed;                                                                // as its surfels are held
-    Eigen::Vector3f low_m = Eigen::Vector3f::Zero(), high_m = Eigen::Vector3f::Zero();  // of its surfels, in itself
+    PlacedSubmap placed;                                                                // the pose that its surfels are placed with
+    Eigen::Vector3f low_m = Eigen::Vector3f::Zero(), high_m = Eigen::Vector3f::Zero();  // bounds of its surfels in its own frame
     bool is_used = false;
   };
   struct Cube {
     std::int32_t surfels = 0;       // within it
-    std::int32_t came_or_went = 0;  // of these, since it was made
+    std::int32_t came_or_went = 0;  // surfels added or removed since it was last contoured
     bool was_made = false, is_shown = false;
     Time since, made;
   };

@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector3d;
 
 struct PolygonWeight {
-  double fold = 0;  // 1 - cosine of the sharpest
+  double fold = 0;  // 1 - cosine of the sharpest fold
   double area_m2 = 0;
 
   bool operator<(const PolygonWeight& other) const { return fold != other.fold ? fold < other.fold : area_m2 < other.area_m2; }
@@ -18,7 +18,7 @@ struct PolygonWeight {
 };
 
 constexpr PolygonWeight kImpossible{std::numeric_limits<double>::infinity(), 0};
-// Folds that are less sharp than this (some ten degrees) are noise of the border, and the smaller area counts.
+// Differences of folds below this (about ten degrees) are noise of the boundary: then the smaller area wins.
 constexpr double kSmooth = 0.015;
 
 double fold_between(const Vector3d& a, const Vector3d& b) {
@@ -40,7 +40,7 @@ class PolygonFiller {
  private:
   struct Span {
     PolygonWeight weight = kImpossible;
-    std::size_t middle = 0;              // of the triangle at the edge from its first to its last point
+    std::size_t middle = 0;              // the third vertex of the triangle at the edge from the first to the last point
     Vector3d normal = Vector3d::Zero();  // of that triangle
   };
 
@@ -58,7 +58,7 @@ class PolygonFiller {
   std::vector<TriangleCorners> triangles_;
 };
 
-// Of the border between two points of it, or the mean along it.
+// The normal across the boundary between two of its points, or the mean along it.
 Vector3d PolygonFiller::normal_beyond(std::size_t from, std::size_t to) const {
   Vector3d sum = Vector3d::Zero();
   for (std::size_t i = from; i < to; ++i) sum += loop_.face_normals[i];
@@ -66,7 +66,7 @@ Vector3d PolygonFiller::normal_beyond(std::size_t from, std::size_t to) const {
   return length > 0 ? Vector3d(sum / length) : Vector3d(Vector3d::Zero());
 }
 
-// At most kMostPolygonPoints of its points, both ends among them, with no edge between them that is taken.
+// Selects at most kMostPolygonPoints of the points, including both ends, without an edge between them that is taken.
 std::vector<std::size_t> PolygonFiller::coarse(const std::vector<std::size_t>& polygon) const {
   const std::size_t step = (polygon.size() - 1 + kMostPolygonPoints - 2) / (kMostPolygonPoints - 1);
   std::vector<std::size_t> few{0};
@@ -78,7 +78,7 @@ std::vector<std::size_t> PolygonFiller::coarse(const std::vector<std::size_t>& p
   return few;
 }
 
-// `polygon` has places in the loop, in its order; beyond the edge from its last to its first point there is this normal.
+// `polygon` holds ascending indices into the loop; the normal is that of the triangle across the edge from its last to its first point.
 bool PolygonFiller::fill_polygon(const std::vector<std::size_t>& polygon, const Vector3d& closing_normal) {
   if (polygon.size() <= kMostPolygonPoints) return fill_small_polygon(polygon, closing_normal);
   const std::vector<std::size_t> few = coarse(polygon);

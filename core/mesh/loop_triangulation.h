@@ -1,4 +1,4 @@
-// A loop of points in space filled with triangles between them, by dynamic programming (Liepa 2003, Filling holes in meshes, section 3;
+// Triangulates a closed loop of points in space by dynamic programming (Liepa 2003, Filling holes in meshes, section 3;
 // Barequet, Sharir 1995). Pure.
 #pragma once
 
@@ -13,18 +13,18 @@
 
 namespace hermite {
 
-// Of a polygon; longer ones are cut into polygons of so many points first.
+// The most points of one dynamic programme; longer loops are first cut into polygons of this size.
 inline constexpr std::size_t kMostPolygonPoints = 100;
 
 struct LoopToFill {
-  std::span<const Eigen::Vector3d> points_m;               // at least 3
-  std::span<const Eigen::Vector3d> face_normals;           // by point, of the surface beyond the edge to the next: unit, or 0 where unknown
-  std::function<bool(std::size_t, std::size_t)> is_taken;  // whether an edge between these two points is the surface's already
+  std::span<const Eigen::Vector3d> points_m;      // at least 3
+  std::span<const Eigen::Vector3d> face_normals;  // by point, of the triangle across the edge to the next point: unit, or 0 where unknown
+  std::function<bool(std::size_t, std::size_t)> is_taken;  // whether the surface already has an edge between these two points
 };
 
-// points - 2 triangles of the loop's points and direction. Of all that do it those whose sharpest fold, with each other and the surface
-// around, is the least; of those the smallest. None: edges that are taken are in the way. Time: cubic up to kMostPolygonPoints, then
-// linear.
+// Returns points - 2 triangles in the loop's winding order. Of all triangulations, one whose sharpest fold, including those against the
+// surface around, is least; among equal ones the one of least area. None: edges that are taken prevent it. Time: cubic up to
+// kMostPolygonPoints, linear beyond.
 std::optional<std::vector<TriangleCorners>> triangulated(const LoopToFill& loop);
 
 }  // namespace hermite

@@ -14,7 +14,7 @@
 namespace hermite {
 namespace {
 
-// A fold is a cell or two wide: what twenty steps do not take out of it will not go.
+// A fold is one or two cells wide: what twenty smoothing steps do not flatten will stay.
 constexpr int kMostUnfoldings = 20;
 
 bool is_folded(const TriangleMesh& mesh, const TriangleCorners& triangle) {
@@ -23,8 +23,8 @@ bool is_folded(const TriangleMesh& mesh, const TriangleCorners& triangle) {
   return !(across.dot(mesh.normals[a] + mesh.normals[b] + mesh.normals[c]) > 0);
 }
 
-// Moves these vertices half-way to the middle of those that they have edges to, since all the way neighbours would pass each other, and
-// turns their normals alike.
+// Laplacian smoothing of these vertices and their normals by half: with full steps neighbours would overshoot each
+// other.
 void relax(TriangleMesh& mesh, const std::vector<bool>& is_moving) {
   struct Around {
     Eigen::Vector3f positions_m = Eigen::Vector3f::Zero(), normals = Eigen::Vector3f::Zero();
@@ -48,14 +48,14 @@ void relax(TriangleMesh& mesh, const std::vector<bool>& is_moving) {
   }
 }
 
-// A corner whose fan gets a vertex of its own.
+// A corner whose fan gets its own copy of the vertex.
 struct MovedCorner {
   std::uint32_t first_of_fan = 0, corner = 0;
   bool operator<(const MovedCorner& other) const { return std::tie(first_of_fan, corner) < std::tie(other.first_of_fan, other.corner); }
 };
 
-// Of the corners at one vertex, in ascending order, those that are not of the first one's fan. Two are of one fan when an edge lies between
-// them that no third triangle has, and that they run through in opposite directions: else they are two surfaces, back to back.
+// Of the corners at one vertex, in ascending order, those that are not in the fan of the first. Two triangles are in one fan when they
+// share an edge that no third triangle has and traverse it in opposite directions; otherwise they are two surfaces, back to back.
 void find_other_fans(const TriangleMesh& mesh, std::span<const std::uint32_t> corners, std::vector<MovedCorner>& moved) {
   constexpr std::uint32_t kNone = ~0u;
   DisjointSets fans(corners.size());

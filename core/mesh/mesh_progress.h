@@ -1,4 +1,4 @@
-// How what works on a mesh tells how far it is, and is stopped.
+// How long-running work on a mesh reports its progress and is stopped.
 #pragma once
 
 #include <atomic>
@@ -8,10 +8,10 @@
 
 namespace hermite {
 
-// Called from time to time with the share that is done, on any of the threads that work, one at a time; false: stop.
+// Called from time to time with the fraction that is done, 0 to 1, by any working thread, one at a time. Returns false to stop the work.
 using MeshProgress = std::function<bool(double done)>;
 
-// Counts pieces of work that are done and tells it; after a "stop" no more. Thread-safe.
+// Counts finished pieces of work and reports them; after a stop nothing more is reported. Thread-safe.
 class ToldProgress {
  public:
   ToldProgress(const MeshProgress& progress, std::size_t count) : progress_(progress), count_(count) {}

@@ -13,7 +13,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Sparse = Eigen::SparseMatrix<double>;
 
-// Half the cotangent of an angle. Weights stay positive, so that what is in between of a border stays between, whatever the triangles.
+// Half the cotangent of an angle. Kept positive, so that inner values stay within the range of the boundary for any triangles.
 constexpr double kLeastWeight = 0.02, kMostWeight = 10;
 
 double cotangent_weight(const Vector3d& corner_m, const Vector3d& a_m, const Vector3d& b_m) {
@@ -22,7 +22,7 @@ double cotangent_weight(const Vector3d& corner_m, const Vector3d& a_m, const Vec
   return sine > 0 ? std::clamp(0.5 * cosine / sine, kLeastWeight, kMostWeight) : kLeastWeight;
 }
 
-// Sums over the triangles, for all points or those of the patch alone: entries of the Laplacian, and a third of the areas.
+// Sums over triangles, of all points or of the patch only: entries of the Laplacian, and a third of each area per vertex.
 class LaplacianSums {
  public:
   explicit LaplacianSums(std::size_t count) : areas_m2_(count, 0.0) {}
@@ -50,7 +50,7 @@ class LaplacianSums {
     sums.setFromTriplets(entries_.begin(), entries_.end());
     return sums;
   }
-  // One over the areas, in their mean.
+  // The inverse areas, relative to their mean.
   Eigen::VectorXd inverse_areas() const {
     double mean = 0;
     for (const double area_m2 : areas_m2_) mean += area_m2 / static_cast<double>(areas_m2_.size());
@@ -89,7 +89,7 @@ bool bend_least(Patch& patch, const PatchSurroundings& around) {
   for (Index i = 0; i < all; ++i)
     if (i < border || i >= own) fixed_m.row(i) = position_m(static_cast<std::size_t>(i)).transpose();
   const Eigen::VectorXd inverse_areas = sums.inverse_areas();
-  const Sparse laplacian = Sparse(sums.matrix().topRows(own));  // outer points have neighbours that are not known here
+  const Sparse laplacian = Sparse(sums.matrix().topRows(own));  // the neighbourhoods of outer points are incomplete
   const Sparse weighted = Sparse(inverse_areas.head(own).asDiagonal() * laplacian);
   const Sparse to_inner = Sparse(laplacian.middleCols(border, inner)), weighted_to_inner = Sparse(weighted.middleCols(border, inner));
   MatrixXd values_m;

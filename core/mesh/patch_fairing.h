@@ -1,4 +1,4 @@
-// The inner points of a patch moved to where the surface around asks for them. Pure.
+// Moves the inner points of a patch so that it continues the surface around it (fairing). Pure.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,18 +8,18 @@
 
 namespace hermite {
 
-// What lies around a patch: triangles that have a point of its border.
+// The surroundings of a patch: triangles that have a vertex on its boundary.
 struct PatchSurroundings {
-  std::vector<Eigen::Vector3d> points_m;   // behind those of the patch, in numbers
+  std::vector<Eigen::Vector3d> points_m;   // indexed after those of the patch
   std::vector<TriangleCorners> triangles;  // of points of the patch and of these
 };
 
-// The way of least bending (bi-Laplacian with cotangent weights; Botsch et al. 2010, Polygon mesh processing, section 4.3): it goes on as
-// the surface around does. False, and nothing moves: no solution.
+// Minimises bending (bi-Laplacian with cotangent weights; Botsch et al. 2010, Polygon mesh processing, section 4.3): the patch continues
+// the curvature around it. Returns false, and moves nothing, when the system has no solution.
 bool bend_least(Patch& patch, const PatchSurroundings& around);
 
-// By point, values that are the mean of those around them (Laplacian with cotangent weights), from those of the border: `border` has a row
-// a point of it. Empty: no solution.
+// Interpolates values of the boundary to all points (Laplacian with cotangent weights). `border` has one row per boundary point, the result
+// one per point. Empty: no solution.
 Eigen::MatrixXd spread_from_border(const Patch& patch, const Eigen::MatrixXd& border);
 
 }  // namespace hermite

@@ -12,12 +12,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Liepa's density control, by which a triangle is cut that is larger than what its corners ask for.
+// Liepa's density control factor: triangles larger than the edge lengths at their corners by this are split.
 const double kSplit = std::sqrt(2.0);
-// Edges may be longer by this with every point inwards.
+// Edge lengths grow by this factor with every ring inwards.
 constexpr double kGrowth = 1.15;
 constexpr int kMostRounds = 40, kMostTurnings = 10;
-// A hole as wide as a building, with a border of millimetres, still ends.
+// Bounds the work for a very wide hole with very short boundary edges.
 constexpr std::size_t kMostPatchPoints = 200'000;
 
 class PatchRefiner {
@@ -58,11 +58,12 @@ class PatchRefiner {
 
   Patch& patch_;
   const std::function<bool(std::size_t, std::size_t)>& is_taken_;
-  std::vector<double> edge_m_;                                         // by point: as long as edges should be there
-  std::unordered_map<std::uint64_t, std::uint32_t> triangle_of_edge_;  // by its two points in the triangle's direction; asked, not walked
+  std::vector<double> edge_m_;  // by point: the wanted edge length
+  std::unordered_map<std::uint64_t, std::uint32_t>
+      triangle_of_edge_;  // by its two points in winding order; only for look-up, never iterated
 };
 
-// At their middles. Returns how many.
+// Splits triangles at their centroids. Returns how many.
 std::size_t PatchRefiner::split_large() {
   const std::size_t count = patch_.triangles.size();
   std::size_t split = 0;
@@ -95,15 +96,15 @@ bool PatchRefiner::turn_edges_once() {
   return is_any;
 }
 
-// Whether the edge a-b between the triangles a, b, c and b, a, d is better one from c to d: the two angles at c and d are more than two
-// right ones together, and both new triangles look the same way as the old ones.
+// Whether the edge a-b of the triangles a, b, c and b, a, d should be flipped to c-d (Delaunay): the angles at c and d add up to more than
+// 180 degrees, and both new triangles face as the old ones.
 bool PatchRefiner::turns_well(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
   const auto& p = patch_.points_m;
   const auto angle_rad = [&](std::uint32_t at) {
     const Vector3d to_a = p[a] - p[at], to_b = p[b] - p[at];
     return std::atan2(to_a.cross(to_b).norm(), to_a.dot(to_b));
   };
-  constexpr double kMargin_rad = 1e-6;  // or four points on a circle would be turned for ever
+  constexpr double kMargin_rad = 1e-6;  // else the edges of four points on a circle would be flipped for ever
   if (!(angle_rad(c) + angle_rad(d) > std::numbers::pi + kMargin_rad)) return false;
   const Vector3d mean = across(a, b, c) + across(b, a, d);
   return across(a, d, c).dot(mean) > 0 && across(d, b, c).dot(mean) > 0;

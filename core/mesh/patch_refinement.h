@@ -1,5 +1,5 @@
-// Triangles across a hole become about as small as those around it, and evenly shaped (Liepa 2003, Filling holes in meshes, section 4).
-// Pure.
+// Refines the triangulation of a hole to the triangle size around it, with evenly shaped triangles (Liepa 2003, Filling holes in meshes,
+// section 4). Pure.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,15 +11,15 @@
 
 namespace hermite {
 
-// A disc of triangles. The first `border_count` points are its border and stay.
+// A triangulated disc. The first `border_count` points are its boundary and stay fixed.
 struct Patch {
   std::vector<Eigen::Vector3d> points_m;
   std::vector<TriangleCorners> triangles;
   std::size_t border_count = 0;
 };
 
-// Adds points within it and turns edges. Edges grow from the border inwards, so that a large patch takes few points. `is_taken`: of two
-// points of the border, whether an edge between them is the surface's already; none such is made.
+// Inserts points and flips edges. Edge lengths grow from the boundary inwards, so that a large patch needs few points. `is_taken`: whether
+// the surface already has an edge between two boundary points; no such edge is made again.
 void refine(Patch& patch, const std::function<bool(std::size_t, std::size_t)>& is_taken);
 
 }  // namespace hermite

@@ -30,7 +30,7 @@ void QuadMesh::add_vertices(const std::vector<CubeVertex>& vertices) {
   }
 }
 
-// How well a triangle goes with the normals at its corners; those on edges are of no side.
+// How well a triangle fits the normals at its corners; corners on sharp edges do not count.
 float QuadMesh::fit(const TriangleCorners& triangle) const {
   const auto& p = mesh_.positions_m;
   const Eigen::Vector3f across = (p[triangle[1]] - p[triangle[0]]).cross(p[triangle[2]] - p[triangle[0]]);

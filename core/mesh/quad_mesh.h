@@ -1,4 +1,4 @@
-// Quads of dual contouring become triangles, on the diagonal that goes better with the normals. What is not supported is left out.
+// Splits the quads of dual contouring into triangles along the diagonal that fits the normals better. Unsupported quads are left out.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ class QuadMesh {
  public:
   void add_vertices(const std::vector<CubeVertex>& vertices);
   std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(mesh_.positions_m.size()); }
-  void add(const std::array<std::uint32_t, 4>& corners);  // numbers of vertices that were added
+  void add(const std::array<std::uint32_t, 4>& corners);  // indices of vertices that were added before
   TriangleMesh take() { return std::move(mesh_); }
 
  private:
@@ -24,10 +24,10 @@ class QuadMesh {
   TriangleMesh mesh_;
 };
 
-// Of a surface with all its vertices (contour_whole_cube), those that no triangle has left out.
+// The mesh of a surface with all of its vertices (contour_whole_cube), without unused vertices.
 TriangleMesh mesh_of(const CubeSurface& surface);
 
-// The place of that key in vertices in the order of their keys, or in the keys alone; CHECK: it is there.
+// The index of the key in vertices or keys that are sorted by key. CHECK: it is there.
 std::uint32_t index_of(VertexKey key, const std::vector<CubeVertex>& vertices);
 std::uint32_t index_of(VertexKey key, const std::vector<VertexKey>& keys);
 

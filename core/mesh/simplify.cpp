@@ -2,6 +2,8 @@
 
 #include <meshoptimizer.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -20,26 +22,50 @@ Status check_simplification(const TriangleMesh& mesh, const SimplifyOptions& opt
     return Error{ErrorCode::kInvalidArgument, "error of " + std::to_string(options.most_error_m) + " m: expected 0.00001 to 1"};
   if (options.least_triangles < 0 || options.least_triangles > kMostTriangles)
     return Error{ErrorCode::kInvalidArgument, std::to_string(options.least_triangles) + " triangles: expected 0 to 2^30"};
+  if (options.triangles_of_last_pass < 2)
+    return Error{ErrorCode::kInvalidArgument,
+                 "a last pass of " + std::to_string(options.triangles_of_last_pass) + " triangles: expected 2 at least"};
   if (!mesh.pages.empty())
     return Error{ErrorCode::kInvalidArgument, "a mesh is simplified before it is textured: its texture would not fit any more"};
   return check_mesh(mesh);
 }
 
+// Collapses edges until `least` triangles are left or no more edge can be collapsed within `most_error`, a fraction of the mesh's extent.
+// Returns the error that this caused, as the same fraction.
+float simplify_pass(TriangleMesh& mesh, std::size_t least, float most_error) {
+  const std::vector<TriangleCorners> before = mesh.triangles;
+  float error = 0;
+  const std::size_t left =
+      meshopt_simplify(mesh.triangles.front().data(), before.front().data(), 3 * before.size(), mesh.positions_m.front().data(),
+                       mesh.positions_m.size(), sizeof(Eigen::Vector3f), 3 * least, most_error, 0, &error);
+  mesh.triangles.resize(left / 3);
+  return error;
+}
+
 }  // namespace
 
-Result<TriangleMesh> simplified(const TriangleMesh& mesh, const SimplifyOptions& options) {
+Result<TriangleMesh> simplified(const TriangleMesh& mesh, const SimplifyOptions& options, const MeshProgress& progress) {
   if (const Status status = check_simplification(mesh, options); !status.ok()) return status.error();
   TriangleMesh result = mesh;
   if (mesh.triangles.empty()) return result;
-  const float* const positions_m = mesh.positions_m.front().data();
-  const std::size_t count = mesh.positions_m.size(), indices = 3 * mesh.triangles.size();
-  const float extent_m = meshopt_simplifyScale(positions_m, count, sizeof(Eigen::Vector3f));
+  const float extent_m = meshopt_simplifyScale(mesh.positions_m.front().data(), mesh.positions_m.size(), sizeof(Eigen::Vector3f));
   if (!(extent_m > 0)) return result;
-  const std::size_t left = meshopt_simplify(result.triangles.front().data(), mesh.triangles.front().data(), indices, positions_m, count,
-                                            sizeof(Eigen::Vector3f), 3 * static_cast<std::size_t>(options.least_triangles),
-                                            static_cast<float>(options.most_error_m) / extent_m, 0, nullptr);
-  result.triangles.resize(left / 3);
-  // What has collapsed may meet what it did not meet before.
+  const auto goes_on = [&](double done) { return !progress || progress(done); };
+  const auto least = static_cast<std::size_t>(options.least_triangles), last = static_cast<std::size_t>(options.triangles_of_last_pass);
+  float error_left = static_cast<float>(options.most_error_m) / extent_m;
+  double done = 0;
+  for (bool halved = true; halved && result.triangles.size() > last;) {
+    if (!goes_on(done)) return Error{ErrorCode::kBusy, "simplifying was stopped"};
+    const std::size_t before = result.triangles.size(), half = std::max(before / 2, least);
+    const float error = simplify_pass(result, half, error_left);
+    error_left = std::sqrt(std::max(0.0f, error_left * error_left - error * error));  // quadrics add up squared distances
+    halved = error_left > 0 && half > least && result.triangles.size() <= half + half / 16;
+    done += (1 - done) / 2;
+  }
+  if (!goes_on(done)) return Error{ErrorCode::kBusy, "simplifying was stopped"};
+  if (error_left > 0 && result.triangles.size() > least) simplify_pass(result, least, error_left);
+  if (result.triangles.empty()) return result;
+  // Collapses may bring parts of the surface into contact.
   split_touching_fans(result);
   remove_unused_vertices(result);
   return result;

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/base/result.h"
+#include "core/mesh/mesh_progress.h"
 #include "core/output/triangle_mesh.h"
 
 namespace hermite {
@@ -12,11 +13,15 @@ namespace hermite {
 struct SimplifyOptions {
   double most_error_m = 0.001;       // how far the surface may move by the simplifier's own measure, 0.00001 to 1
   std::int64_t least_triangles = 0;  // it stops at this many, 0 to 2^30
+  // A larger mesh is first halved in passes until it has no more than this. Passes can be stopped in between, but leave more triangles than
+  // a single one (measured: up to a third more for each pass). Two million take some seconds. At least 2.
+  std::int64_t triangles_of_last_pass = 2'000'000;
 };
 
-// Vertices of the result are vertices of `mesh`, in its order; parts stay parts, and no edge gets more than two triangles. Before a mesh is
-// textured: colours of vertices that go are lost. Deterministic, pure. kInvalidArgument: options, or a mesh with a texture or a triangle
-// without its vertex.
-Result<TriangleMesh> simplified(const TriangleMesh& mesh, const SimplifyOptions& options);
+// Vertices of the result are vertices of `mesh`, in its order. Separate parts of the mesh stay separate, and no edge gets more than two
+// triangles. Call it before a mesh is textured: the colours of removed vertices are lost. `progress` is called before each pass.
+// Deterministic, pure. kInvalidArgument: options, or a mesh with a texture or with a triangle without its vertex; kBusy: stopped by
+// `progress`.
+Result<TriangleMesh> simplified(const TriangleMesh& mesh, const SimplifyOptions& options, const MeshProgress& progress = {});
 
 }  // namespace hermite

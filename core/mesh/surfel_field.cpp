@@ -13,17 +13,17 @@
 namespace hermite {
 namespace {
 
-// A cell follows the surfels: finer ones show nothing more, coarser ones lose what is there.
+// The cell size follows the distance of the surfels: finer cells show nothing more, coarser ones lose detail.
 constexpr double kLeastOwnCell_m = 0.005, kMostOwnCell_m = 0.04;
-// Corners of a cell that the surface passes lie within a cell's edge of it: supports reach twice as far, so that some kernels have weight
-// there. A lone surfel must not reach over half the room.
+// The corners of a cell that the surface passes are within one cell edge of it: supports are at least twice as large, so that some kernels
+// have weight there. The upper bound keeps a lone surfel from reaching across the room.
 constexpr double kLeastSupport_cells = 2, kMostSupport_cells = 8;
 // The integral of (1 - d / r)^3 over a disc of radius r, in r^2.
 constexpr double kSupportOfPlane = std::numbers::pi / 10;
-// Around the farthest cells there are others that are asked for, and bins.
+// Leaves room for the cells and bins around the farthest ones.
 constexpr int kSpareCells = 128;
 // How much normals may differ within one sheet (Oztireli, Guennebaud, Gross 2009, Eq. 14, where 0.5 to 1.5 is advised). Their weight by
-// distance, too, changes nothing here that could be measured.
+// distance as well made no measurable difference.
 constexpr float kNormalSpread = 0.7f;
 constexpr int kSheetSteps = 3;
 
@@ -36,7 +36,7 @@ std::uint64_t key_of(const Eigen::Vector3i& bin) {
   return part(bin.z()) << 40 | part(bin.y()) << 20 | part(bin.x());
 }
 
-// By kernel, the mean distance of neighbours.
+// By kernel, the mean distance to its neighbours.
 std::vector<float> spacings_of(const std::vector<FieldKernel>& kernels) {
   std::vector<Eigen::Vector3f> positions_m;
   positions_m.reserve(kernels.size());
@@ -50,7 +50,7 @@ float median_of(std::vector<float> values) {
   return *middle;
 }
 
-// Of a cloud that says nothing of confidence every point counts alike.
+// In a cloud without confidences all points count alike.
 std::vector<FieldKernel> kernels_of(const Cloud& cloud) {
   const bool is_known = std::any_of(cloud.begin(), cloud.end(), [](const CloudPoint& point) { return point.confidence > 0; });
   std::vector<FieldKernel> kernels;
@@ -172,7 +172,7 @@ void FieldWindow::add_if_near(const FieldKernel& kernel, const Eigen::Vector3f& 
 const std::vector<const FieldKernel*>& FieldWindow::reaching(const Eigen::Vector3i& box) {
   Reaching& reaching = reaching_[static_cast<std::size_t>((box.z() * box_counts_.y() + box.y()) * box_counts_.x() + box.x())];
   if (std::exchange(reaching.is_made, true)) return reaching.kernels;
-  // A little wider than it is: rounding must not lose one.
+  // Slightly wider, so that rounding loses no kernel.
   const double spare_m = 0.01 * field_.cell_m();
   const auto corner_m = [&](const Eigen::Vector3i& at, double beyond_m) -> Eigen::Vector3f {
     return ((first_box_ + at).cast<double>() * (kBoxCells * field_.cell_m()) + Eigen::Vector3d::Constant(beyond_m)).cast<float>();
@@ -201,7 +201,7 @@ void FieldWindow::find_near(const Eigen::Vector3f& point_m) {
   }
 }
 
-// The paper's field: its value by the sum of weights, and the direction of the mean normal.
+// The field of the paper: its value divided by the sum of weights, and the direction of the mean normal.
 void FieldWindow::begin(FieldSample& sample) const {
   float weights = 0, distances_m = 0, color_weights = 0, nearest2_m2 = std::numeric_limits<float>::max();
   Eigen::Vector3f normals = Eigen::Vector3f::Zero(), aside = Eigen::Vector3f::Zero();
@@ -231,7 +231,7 @@ void FieldWindow::begin(FieldSample& sample) const {
 }
 
 // Robust implicit moving least squares (Oztireli et al. 2009): kernels whose plane or normal contradicts the others count for less, so that
-// each side of an edge is a surface of its own. Planes are taken half-way between both normals, which takes the bias off curved surfaces
+// each side of a sharp edge keeps its own surface. Planes use the mean of both normals, which removes the bias on curved surfaces
 // (core/math/hrbf.h, correct_bias).
 void FieldWindow::keep_to_one_sheet(FieldSample& sample) const {
   const float by_normal = field_.options().keep_edges ? 1 / (kNormalSpread * kNormalSpread) : 0;
@@ -242,7 +242,7 @@ void FieldWindow::keep_to_one_sheet(FieldSample& sample) const {
       const FieldKernel& kernel = *near.kernel;
       const Eigen::Vector3f between = kernel.normal + sample.normal;
       const float along = between.dot(sample.normal);
-      if (!(along > 0.1f)) continue;  // it looks the other way
+      if (!(along > 0.1f)) continue;  // it faces the other way
       const float distance_m = between.dot(near.from_kernel_m) / along;
       const float weight = near.weight * std::exp(-by_normal * (kernel.normal - sample.normal).squaredNorm());
       weights += weight;

@@ -1,9 +1,9 @@
 // The implicit surface of a finished cloud: the closed-form Hermite RBF (core/math/hrbf.h; paper Eq. 2 and 3) of all its surfels, in the
-// world. Each surfel is a kernel whose support goes by the distance to its neighbours, so that the surface is closed between them and ends
-// where they end.
+// world frame. Each surfel is a kernel whose support radius follows the distance to its neighbours, so that the surface is closed between
+// surfels and ends where they end.
 //
-// Outside, as everywhere but in the map: normals point to where the surface was seen from; the value is positive there and negative behind
-// it. Built once; then const and thread-safe.
+// Normals point to the side that the surface was seen from; the value is positive there and negative behind the surface. Built once; then
+// const and thread-safe.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,14 +18,14 @@
 
 namespace hermite {
 
-// Of the grid that a field is contoured with: supports and bins are multiples of it.
+// The cell size of the grid that contours the field; supports and bins are multiples of it.
 inline constexpr double kLeastCell_m = 0.002, kMostCell_m = 0.1;
-// Cells are counted in 20 bits an axis.
+// Cell indices have 20 bits per axis.
 inline constexpr int kMostCell = 1 << 19;
 
 struct FieldOptions {
-  double cell_m = 0;            // 0: the median distance of neighbouring surfels, within 5 mm and 4 cm
-  double support_spacings = 3;  // radius of a kernel's support, in distances to its neighbours
+  double cell_m = 0;            // 0: the median distance of neighbouring surfels, clamped to 5 mm to 4 cm
+  double support_spacings = 3;  // support radius of a kernel, as a multiple of the distance to its neighbours
   bool keep_edges = true;       // surfels across an edge count for less (robust implicit moving least squares)
 };
 
@@ -34,50 +34,50 @@ struct FieldKernel {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   float radius_m = 0;  // of the support
   float weight = 0;    // 1 / radius^2
-  float area = 0;      // that the surfel stands for, in supports of a plane: they sum to 1 in the middle of one
+  float area = 0;      // area that the surfel represents, scaled so that the kernels in the middle of a plane add up to 1
   Rgb8 color;
 };
 
-// A kernel counts by how well its surfel is known. Beyond three times what makes one stable (map.stable_confidence) nothing is gained, and
-// an old one must not outweigh all around it.
+// Kernels are weighted by the confidence of their surfels, up to this: three times what makes a surfel stable (map.stable_confidence). More
+// would not help, and old surfels must not outweigh all others around them.
 inline constexpr float kMostConfidence = 10;
 
-// Radius, weight and area of a kernel whose `weight` is its confidence yet, from the distance to its neighbours.
+// Sets radius, weight and area of a kernel from the distance to its neighbours. On entry `weight` holds the confidence.
 void spread(FieldKernel& kernel, float spacing_m, double support_spacings, double cell_m);
 
-// The field at a point. `value_m` and `normal` belong to the sheet of surface that is nearest to the point.
+// The field at a point. `value_m` and `normal` are those of the nearest sheet of surface.
 struct FieldSample {
-  float value_m = 0;                                 // signed distance to the surface, by planes
+  float value_m = 0;                                 // signed distance to the surface, from the tangent planes of the kernels
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit
   float coverage = 0;                                // 1: within a surface, 1/2: on its border, 0: nothing is near
-  float lean = 0;                                    // how far aside the kernels lie, in supports: 0 within a surface, 0.2 on its border
-  Eigen::Vector3f color = Eigen::Vector3f::Zero();   // 0 to 255
-  float nearest_m = 0, nearest_support_m = 0;        // distance to the nearest kernel, and the radius of its support
-  int kernel_count = 0;                              // 0: all else says nothing
+  float lean = 0;  // offset of the centroid of the kernels, in supports: 0 within a surface, 0.2 on its border
+  Eigen::Vector3f color = Eigen::Vector3f::Zero();  // 0 to 255
+  float nearest_m = 0, nearest_support_m = 0;       // distance to the nearest kernel, and the radius of its support
+  int kernel_count = 0;                             // 0: no other member is set
 };
 
 class SurfelField {
  public:
-  // Leaves out points whose position or normal is no number, whose normal has no direction, or that have no confidence where others have.
-  // kInvalidArgument: no point left, or a cell outside kLeastCell_m to kMostCell_m, or points so far apart that cells cannot be counted.
-  // A cloud that is handed over is gone as soon as its kernels are known.
+  // Ignores points whose position or normal is not finite, whose normal is zero, or that have no confidence while others do.
+  // kInvalidArgument: no point is left, a cell outside kLeastCell_m to kMostCell_m, or an extent beyond the range of the cell index.
+  // A cloud that is moved in is freed as soon as its kernels are made.
   static Result<SurfelField> create(const Cloud& cloud, const FieldOptions& options);
   static Result<SurfelField> create(Cloud&& cloud, const FieldOptions& options);
 
-  // Of kernels that are made already, whose order within a bin stays. Their positions are within kMostCell cells (CHECK).
+  // From kernels that are already made; their order within a bin is kept. Their positions are within kMostCell cells (CHECK).
   static SurfelField of(std::vector<FieldKernel> kernels, double cell_m);
 
   double cell_m() const { return cell_m_; }
-  float reach_m() const { return reach_m_; }  // of the widest support
+  float reach_m() const { return reach_m_; }  // the largest support radius
   std::span<const FieldKernel> kernels() const { return kernels_; }
   std::size_t rejected_count() const { return rejected_count_; }
 
-  // Kernels of the bin (x, y, z), which spans kBinCells cells from x * kBinCells on; empty where there are none.
+  // The kernels of bin (x, y, z), which spans kBinCells cells from x * kBinCells on; may be empty.
   static constexpr int kBinCells = 4;
   std::span<const FieldKernel> bin(const Eigen::Vector3i& index) const;
   Eigen::Vector3i bin_of(const Eigen::Vector3f& point_m) const;
 
-  // Bins that hold kernels, by z, y, x.
+  // The bins that hold kernels, ordered by z, y, x.
   std::span<const Eigen::Vector3i> bins() const { return bins_; }
 
   const FieldOptions& options() const { return options_; }
@@ -94,15 +94,15 @@ class SurfelField {
   double cell_m_ = 0;
   float reach_m_ = 0;
   std::size_t rejected_count_ = 0;
-  std::vector<FieldKernel> kernels_;  // by bin, within one as in the cloud
+  std::vector<FieldKernel> kernels_;  // sorted by bin, within a bin in the order of the cloud
   std::vector<Eigen::Vector3i> bins_;
   std::unordered_map<std::uint64_t, Range> range_by_bin_;
 };
 
-// A box of the field, prepared to be asked often. The answer at a point does not depend on the box.
+// A box of the field, prepared for many evaluations. The value at a point does not depend on the box.
 class FieldWindow {
  public:
-  // Points within the cells from `first_cell` to before `last_cell` may be asked for.
+  // Points within the cells from `first_cell` up to, not including, `last_cell` may be evaluated.
   FieldWindow(const SurfelField& field, const Eigen::Vector3i& first_cell, const Eigen::Vector3i& last_cell);
 
   bool empty() const { return kernel_count_ == 0; }
@@ -117,7 +117,7 @@ class FieldWindow {
   FieldSample sample(const Eigen::Vector3f& point_m);
 
  private:
-  // What a kernel is to the point that is asked for.
+  // A kernel relative to the point that is evaluated.
   struct Near {
     const FieldKernel* kernel = nullptr;
     Eigen::Vector3f from_kernel_m = Eigen::Vector3f::Zero();
@@ -135,7 +135,7 @@ class FieldWindow {
   std::size_t kernel_count_ = 0;
   std::vector<Near> near_;  // of the last point
 
-  // Kernels whose support reaches a box of kBoxCells cells, in the field's order; made when a point in the box is asked for.
+  // Kernels whose support reaches a box of kBoxCells cells, in the field's order; made when the first point in the box is evaluated.
   static constexpr int kBoxCells = 2;
   struct Reaching {
     bool is_made = false;

@@ -6,7 +6,7 @@
 
 namespace hermite {
 
-// Bins are fewer than 2^20 from the origin: SurfelField allows no more cells.
+// Bin indices have less than 20 bits, since SurfelField limits cell indices to that.
 std::uint64_t SurfelGrid::key_of(const Eigen::Vector3i& bin) {
   const auto part = [](int value) { return static_cast<std::uint64_t>(value + (1 << 20)); };
   return part(bin.z()) << 42 | part(bin.y()) << 21 | part(bin.x());

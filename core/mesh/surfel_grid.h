@@ -1,4 +1,4 @@
-// Slots of surfels by where they lie, in bins as SurfelField has them. Not thread-safe; one owner.
+// Slots of surfels by position, in the same bins as SurfelField. Not thread-safe; one owner.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@ class SurfelGrid {
   void insert(std::uint32_t slot, const Eigen::Vector3f& position_m);
   void remove(std::uint32_t slot, const Eigen::Vector3f& position_m);  // CHECK: it is there
 
-  // Calls use(slot) for all of the bins that the box touches: by z, y and x of the bin, then by slot.
+  // Calls use(slot) for all slots in bins that the box touches, ordered by z, y and x of the bin, then by slot.
   template <class Use>
   void for_each(const Eigen::Vector3f& low_m, const Eigen::Vector3f& high_m, const Use& use) const {
     const Eigen::Vector3i first = bin_of(low_m), last = bin_of(high_m);
@@ -37,7 +37,7 @@ class SurfelGrid {
   }
 
   double bin_m_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> slots_by_bin_;  // in order; none is empty
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> slots_by_bin_;  // sorted; no entry is empty
 };
 
 }  // namespace hermite

@@ -1,4 +1,4 @@
-// Which corners of triangles lie at a vertex. Corners are numbered 3 * triangle + place in it; the edge of one runs to the next.
+// The triangle corners at each vertex. Corner 3 * t + k is vertex k of triangle t; its edge runs to the next corner of the triangle.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ inline std::uint32_t next_corner(std::uint32_t corner) { return corner % 3 == 2 
 inline std::uint32_t previous_corner(std::uint32_t corner) { return corner % 3 == 0 ? corner + 2 : corner - 1; }
 inline std::uint32_t vertex_at(const TriangleMesh& mesh, std::uint32_t corner) { return mesh.triangles[corner / 3][corner % 3]; }
 
-// Of a mesh whose triangles are in range and do not change meanwhile. Four bytes a corner and a vertex. Const and thread-safe.
+// For a mesh whose triangles are in range and do not change meanwhile. Four bytes per corner and per vertex. Const and thread-safe.
 class VertexCorners {
  public:
   explicit VertexCorners(const TriangleMesh& mesh) : first_(mesh.positions_m.size() + 1), corners_(3 * mesh.triangles.size()) {

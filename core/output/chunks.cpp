@@ -55,7 +55,7 @@ std::uint32_t morton_code(const Eigen::Vector3f& position_m, std::uint8_t level)
 
 // The points of one chunk as Draco takes them.
 struct Columns {
-  std::vector<std::array<float, 3>> positions_m, normals;
+  std::vector<std::array<float, 3>> positions_m, normals;  // normals may be empty: no point has one
   std::vector<Rgb8> colors;
   std::vector<std::uint8_t> confidences;
 };
@@ -98,7 +98,7 @@ Result<std::string> encode_draco(const Columns& columns, const Grid& grid) {
   builder.Start(static_cast<draco::PointIndex::ValueType>(columns.positions_m.size()));
   add_attribute(builder, draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, columns.positions_m);
   add_attribute(builder, draco::GeometryAttribute::COLOR, draco::DT_UINT8, columns.colors);
-  add_attribute(builder, draco::GeometryAttribute::NORMAL, draco::DT_FLOAT32, columns.normals);
+  if (!columns.normals.empty()) add_attribute(builder, draco::GeometryAttribute::NORMAL, draco::DT_FLOAT32, columns.normals);
   add_attribute(builder, draco::GeometryAttribute::GENERIC, draco::DT_UINT8, columns.confidences);
   const std::unique_ptr<draco::PointCloud> cloud = builder.Finalize(false);
   if (!cloud) return refused("no point cloud");
@@ -243,13 +243,17 @@ Result<EncodedChunk> ChunkedModel::encode(const ChunkKey& key) const {
   const std::vector<Candidate> points = visible_points(chunks_[found->second]);
   const Grid grid(key);
   Columns columns;
+  bool has_normals = false;
   for (const Candidate& candidate : points) {
     const Entry& entry = entries_[candidate.slot];
     columns.positions_m.push_back(grid.clamped(entry.position_m));
     columns.colors.push_back(entry.color);
     columns.normals.push_back({entry.normal[0] / kNormalScale, entry.normal[1] / kNormalScale, entry.normal[2] / kNormalScale});
+    has_normals |= entry.normal != std::array<std::int16_t, 3>{};
     columns.confidences.push_back(static_cast<std::uint8_t>(std::clamp(std::round(entry.confidence * kConfidenceScale), 0.0f, 255.0f)));
   }
+  // An octahedral code cannot say "none": zeros would come back as some direction.
+  if (!has_normals) columns.normals.clear();
   try {  // Draco allocates by what it finds in the data and throws from there
     Result<std::string> draco = encode_draco(columns, grid);
     if (!draco.ok()) return draco.error();

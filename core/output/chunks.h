@@ -36,7 +36,7 @@ struct ChunkKey {
 };
 
 // Draco, sequential, Morton order: POSITION float x3 (on a grid of 1/8 voxel: within 1/16 voxel of the truth on each axis), COLOR u8 x3,
-// NORMAL float x3 (octahedral, 8 bit), GENERIC u8 (confidence times 8, rounded, at most 255).
+// NORMAL float x3 (octahedral, 8 bit; left out when no point of the chunk has one), GENERIC u8 (confidence times 8, rounded, at most 255).
 struct EncodedChunk {
   ChunkKey key;
   std::uint32_t point_count = 0;  // 0: the chunk is now empty and `draco` too

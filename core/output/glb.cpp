@@ -20,7 +20,7 @@ constexpr int kPointsMode = 0, kTrianglesMode = 4;
 constexpr int kLinearFilter = 9729, kClampToEdge = 33071, kRepeat = 10497;
 
 void begin_glb(GlbContainer& container, const char* name) {
-  container.json["asset"] = {{"version", "2.0"}, {"generator", "Hermite"}};
+  container.json["asset"] = {{"version", "2.0"}, {"generator", kGlbGenerator}};
   container.json["scene"] = 0;
   container.json["scenes"] = Json::array({Json{{"nodes", {0}}}});
   container.json["nodes"] = Json::array({Json{{"mesh", 0}, {"name", name}}});
@@ -98,7 +98,7 @@ Status add_materials(const TriangleMesh& mesh, const std::vector<GlbPart>& parts
   Json& json = container.json;
   std::size_t textures = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    Json material = glb_material(parts[i].is_filled ? "filled" : mesh.pages.empty() ? "vertex colours" : "texture");
+    Json material = glb_material(parts[i].is_filled ? kFilledMaterial : mesh.pages.empty() ? "vertex colours" : "texture");
     if (!mesh.pages.empty()) {
       if (i == 0 || parts[i].page != parts[i - 1].page) {
         const Result<std::string> jpeg = texture_jpeg(mesh.pages[parts[i].page].image);

@@ -4,7 +4,8 @@
 // The light of the room is in the colours already, so materials ask not to be lit (KHR_materials_unlit), and are as rough as can be and no
 // metal where a program lights them anyway. They have one side. Without a texture, COLOR_0 is linear, as glTF has it. With one there is no
 // COLOR_0, which would be multiplied with it; each page is a primitive with a material and a JPEG of its own.
-// What is filled is a primitive beside it, whose material is named "filled". Deterministic, pure.
+// Triangles across filled holes are a primitive of their own, whose material is named kFilledMaterial: what reads the file again can tell
+// them. Deterministic, pure.
 #pragma once
 
 #include <string>
@@ -14,6 +15,8 @@
 #include "core/output/triangle_mesh.h"
 
 namespace hermite {
+
+inline constexpr const char *kGlbGenerator = "Hermite", *kFilledMaterial = "filled";
 
 enum class GlbCompression {
   kNone,

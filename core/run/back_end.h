@@ -1,11 +1,11 @@
-// What a pipeline takes from others, as the server and `hermite reconstruct` give it.
+// The parts that a pipeline is given by its caller, the same in the server and in `hermite reconstruct`.
 #pragma once
 
 #include "core/pipeline/pipeline.h"
 
 namespace hermite {
 
-// Mapping as the options have it, and a watch over the camera. Past frames are for the caller to add.
+// Mapping as configured by the options, and the camera calibration watch. The caller adds access to past frames.
 BackEnd make_back_end(const Options& options, CorrectionTime time);
 
 }  // namespace hermite

@@ -1,4 +1,4 @@
-// What comes of a run: the same for a scan on the server and for `hermite reconstruct`, so that their hashes can be compared.
+// The results of a run, the same for a scan on the server and for `hermite reconstruct`, so that their hashes can be compared.
 #pragma once
 
 #include <array>
@@ -14,22 +14,22 @@ namespace hermite {
 
 struct RunResults {
   std::string cloud_ply;
-  std::string surfels_ply;      // Pipeline::surfels(): what a mesh is made of
+  std::string surfels_ply;      // Pipeline::surfels(), from which the mesh is made
   std::string trajectory_text;  // TUM
   std::string report_json;
 };
 
-// `groundtruth` may be empty. kDevice. On the thread that owns `pipeline`.
+// `groundtruth` may be empty. kDevice. Call it on the thread that owns `pipeline`.
 Result<RunResults> results_of(Pipeline& pipeline, const Options& options, const Trajectory& groundtruth);
 
-// As they are stored, in this order: where there is a report there is all of it.
+// In the order in which they are stored: the report comes last, so that with it the results are complete.
 struct ResultFile {
   const char* name;  // cloud.ply, surfels.ply, trajectory.txt, report.json
   const std::string& bytes;
 };
 std::array<ResultFile, 4> files_of(const RunResults& results);
 
-// Bytes that must be free on a disk for these files and the chunks of a map of so many surfels.
+// The disk space that these files and the chunks take for a map of this many surfels.
 std::uint64_t room_for_results(std::uint64_t surfel_count, std::uint64_t frame_count);
 
 }  // namespace hermite

@@ -1,4 +1,4 @@
-// Rectangles on pages. Pure functions.
+// Packs rectangles onto pages. Pure functions.
 #pragma once
 
 #include <cstddef>
@@ -19,11 +19,11 @@ struct RectanglePlace {
 
 struct Packing {
   std::vector<RectanglePlace> places;  // in the order of the rectangles
-  std::vector<RectangleSize> pages;    // just as large as they need to be, in steps of 16, at most the side that was asked for
+  std::vector<RectangleSize> pages;    // as large as needed, in steps of 16, at most the requested side
 };
 
-// Highest first, each where its lower edge comes highest above what lies there already (skyline, bottom left: Jylanki 2010), on the first
-// page where it fits. None: they need more than `max_pages`. CHECK: a rectangle is larger than a page.
+// Places the tallest first, on the first page where it fits, by the skyline bottom-left heuristic (Jylanki 2010). None: more than
+// `max_pages` would be needed. CHECK: no rectangle is larger than a page.
 std::optional<Packing> packed(const std::vector<RectangleSize>& rectangles, int page_side, int max_pages);
 
 }  // namespace hermite

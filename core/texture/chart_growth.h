@@ -1,4 +1,4 @@
-// A mesh cut into charts: pieces that can be laid flat by looking at them along one direction. Pure functions, metres.
+// Divides a mesh into charts: pieces that can be flattened by projection along one direction. Pure functions, metres.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,20 +11,20 @@
 namespace hermite {
 
 struct Chart {
-  std::vector<std::uint32_t> triangles;  // in the order in which it grew
+  std::vector<std::uint32_t> triangles;  // in the order in which they were added
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
 };
 
-// Triangles on the other side of the three edges, in the order of the corners they start from; kNoNeighbour at a border of the mesh and
-// where more than two triangles meet. `mesh` has fewer than 2^31 triangles.
+// The triangles across the three edges of each triangle, in the order of the corners that the edges start from; kNoNeighbour at a boundary
+// and at an edge of more than two triangles. `mesh` has fewer than 2^31 triangles.
 inline constexpr std::uint32_t kNoNeighbour = 0xffffffff;
 std::vector<std::array<std::uint32_t, 3>> neighbours_of(const TriangleMesh& mesh);
 
-// Grows charts over neighbours for as long as
-//   - the smoothed normal stays within 45 degrees of the chart's mean, and the triangle's own within 75: noise of the surface cuts nothing,
-//   - the chart stays within a square of `max_side_m`, seen along its first normal; one triangle alone may be larger.
-// Small charts are then given to large ones beside them that can see their triangles at no more than 75 degrees.
-// Each triangle of `candidates` is in exactly one chart afterwards. Deterministic: grows from the lowest triangle left, breadth first.
+// Grows charts over adjacent triangles while
+//   - the smoothed normal stays within 45 degrees of the chart's mean, and the triangle's own within 75: noise ends no chart,
+//   - the chart stays within a square of `max_side_m`, projected along its first normal; a single triangle may be larger.
+// Small charts are then merged into adjacent large ones whose normals are within 75 degrees of their triangles.
+// Each triangle of `candidates` is then in exactly one chart. Deterministic: grows breadth first from the lowest triangle that is left.
 class ChartGrower {
  public:
   ChartGrower(const TriangleMesh& mesh, double max_side_m);

@@ -1,4 +1,4 @@
-// A chart laid flat on a raster of texels. Pure functions.
+// A chart projected onto a raster of texels. Pure functions.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,7 @@
 
 namespace hermite {
 
-// Texels around a chart that belong to it: a viewer that takes the mean of two by two texels, or of four by four, sees no other chart.
+// The gutter of a chart: texels around it that repeat its colours, so that its first two mipmaps do not mix in another chart.
 inline constexpr int kGutter_texels = 4;
 
 // Texel (x, y) has its centre at (x + 0.5, y + 0.5).
@@ -25,25 +25,25 @@ struct FlatChart {
   Eigen::Vector2f at(const Eigen::Vector3f& point) const { return texels_from_world * point + offset; }
 };
 
-// Looks along the chart's normal, turned so that the chart fills the smallest rectangle. Texels are of `texel_m`, larger where the chart
-// would be wider or higher than `max_side_texels`, gutter included.
+// Projects along the chart's normal, rotated so that the chart has the smallest bounding rectangle. Texels have the size `texel_m`, or more
+// where the chart would exceed `max_side_texels` in width or height, gutter included.
 FlatChart flattened(const TriangleMesh& mesh, const Chart& chart, double texel_m, int max_side_texels);
 
-// By texel the triangle whose colour it has: the one its centre is in, or the nearest within kReach_texels, so that a mean of four texels
-// anywhere on the chart is one of this chart's; else kNoTexel.
+// By texel the triangle that it takes its colour from: the one that contains its centre, or else the nearest within kReach_texels, so that
+// bilinear sampling on the chart never reaches a texel without colour; otherwise kNoTexel.
 inline constexpr float kReach_texels = 1.6f;
 inline constexpr std::uint32_t kNoTexel = 0xffffffff;
 struct ChartRaster {
   Image<std::uint32_t> triangle;
-  std::vector<std::uint32_t> overlapping;  // triangles that lie on earlier ones of the chart, or are seen from behind
+  std::vector<std::uint32_t> overlapping;  // triangles that overlap earlier ones of the chart, or face backwards
 };
 ChartRaster raster_of(const TriangleMesh& mesh, const FlatChart& chart);
 
-// What the texel shows of that triangle. Beside the triangle the place goes on from its border within the plane of the chart.
+// The point of that triangle at the centre of the texel. Outside of the triangle it is extrapolated in the plane of the chart.
 struct SurfacePoint {
   Eigen::Vector3f position_m = Eigen::Vector3f::Zero();
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit; of the mesh's normals, which are smooth
-  Eigen::Vector3f color = Eigen::Vector3f::Zero();   // 0 to 255, of the vertices
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit; interpolated from the vertex normals
+  Eigen::Vector3f color = Eigen::Vector3f::Zero();   // 0 to 255, interpolated from the vertices
 };
 SurfacePoint point_at(const TriangleMesh& mesh, const FlatChart& chart, std::uint32_t triangle, int x, int y);
 

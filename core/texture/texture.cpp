@@ -102,7 +102,7 @@ Result<std::vector<TextureView>> agreed_views(const TriangleMesh& mesh, const Te
                                               const TextureProgress& progress, TextureStatistics& statistics) {
   Result<std::vector<TextureView>> views = loaded_views(mesh, frames, view_frames, options, progress);
   if (!views.ok()) return views;
-  if (options.solves_exposure) solve_exposure(mesh, frames.camera, options.thread_count, *views);
+  if (options.solves_exposure) solve_exposure(mesh, frames.camera, options, *views);
   if (!goes_on(progress, kLoaded)) return kTexturingStopped;
   Alignment alignment;
   if (options.refines_poses) {

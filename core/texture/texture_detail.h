@@ -1,4 +1,4 @@
-// How finely the views have seen a mesh: how large a texel there should be. Pure, thread-safe.
+// The resolution at which the views have seen a mesh, which decides the texel size. Pure, thread-safe.
 #pragma once
 
 #include <vector>
@@ -8,11 +8,11 @@
 
 namespace hermite {
 
-// Of a vertex that no view sees.
+// The value of a vertex that no view sees.
 inline constexpr float kNeverSeen_m = 1e9f;
 
-// By vertex what one pixel covers there at its longer side [m], in the view where that is least. The same for any number of threads.
-// Of `options` those of work: thread_count and is_stopped.
+// By vertex the longer side of a pixel's footprint on the surface [m], in the view where it is smallest. Deterministic.
+// Uses thread_count and is_stopped of `options`.
 std::vector<float> finest_pixels_m(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
                                    const TextureOptions& options);
 

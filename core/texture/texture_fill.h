@@ -1,4 +1,4 @@
-// Colours where there are none, from those around. Pure functions.
+// Fills pixels without a value from those around them. Pure functions.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,8 +8,8 @@
 
 namespace hermite {
 
-// Every pixel that has no value gets a smooth one from those around it, near ones counting most (pull-push: means over 2 x 2 pixels, again
-// and again, and back). 0 everywhere when no pixel has a value. Of one size.
+// Pull-push interpolation: pixels without a value get a smooth one from those around, near ones counting most (a pyramid of means over
+// 2 x 2 pixels, and back). 0 everywhere when no pixel has a value. Both images have the same size.
 void fill_smoothly(Image<Eigen::Vector3f>& values, const Image<std::uint8_t>& has_value);
 
 }  // namespace hermite

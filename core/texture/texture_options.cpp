@@ -39,8 +39,7 @@ Status validate(const TextureOptions& options) {
 Status validate(const TextureFrames& frames) {
   if (Status camera = validate(frames.camera); !camera.ok()) return camera;
   if (!(rectified(frames.camera) == frames.camera))
-    return Error{ErrorCode::kInvalidArgument,
-                 "the camera of the frames has a distortion or a camera for the colour alone: straighten them"};
+    return Error{ErrorCode::kInvalidArgument, "the frames have lens distortion or a separate colour camera: rectify them first"};
   if (!frames.read) return Error{ErrorCode::kInvalidArgument, "the frames have no function that reads them"};
   const Image<std::uint8_t>& seen = frames.is_seen;
   if (!seen.pixels.empty() && (seen.width != frames.camera.width || seen.height != frames.camera.height))

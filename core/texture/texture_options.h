@@ -1,4 +1,4 @@
-// What texturing a mesh starts from and how it goes about it. Plain values.
+// The inputs and options of texturing a mesh. Plain values.
 #pragma once
 
 #include <cstddef>
@@ -13,32 +13,32 @@
 
 namespace hermite {
 
-// The colour images of a recording. Frames are read again and again rather than kept.
+// The colour images of a recording. Frames are read whenever they are needed rather than kept in memory.
 struct TextureFrames {
-  Camera camera;                                         // of the straight images: no distortion, no camera for the colour alone
+  Camera camera;                                         // of the undistorted images, without a separate colour camera
   std::vector<std::optional<Rigid3>> world_from_camera;  // by frame, in order of time; none: the frame was lost
-  // The straight image of a frame, of the camera's size. Called by several threads at once. A frame that cannot be read is passed over.
+  // The undistorted image of a frame, of the camera's size. Called by several threads at once. A frame that cannot be read is skipped.
   std::function<Result<ColorImage>(std::size_t frame)> read;
-  // By pixel, 0: beyond the lens's image, no colour there in any frame. Empty: all pixels have one.
+  // By pixel, 0: outside the lens's image, without colour in every frame. Empty: all pixels have colour.
   Image<std::uint8_t> is_seen;
 };
 
 struct TextureOptions {
-  double texel_m = 0.002;    // largest side of a texel on the surface, 0.0002 to 0.1; larger where the surface would not fit the pages
+  double texel_m = 0.002;    // largest texel side on the surface, 0.0002 to 0.1; larger if the surface would not fit the pages
   int page_px = 4096;        // side of a page of the texture, 256 to 8192
   int max_pages = 8;         // 1 to 64: bounds memory
-  int max_views = 200;       // 1 to 1000 frames that colour is taken from; their images are in memory at the same time
-  double view_step_m = 0.1;  // of two views less than this and less than view_turn_deg apart, only the sharper is used
+  int max_views = 200;       // 1 to 1000 frames to take colour from; all their images are in memory at once
+  double view_step_m = 0.1;  // of two views that are closer than this and than view_turn_deg, only the sharper is used
   double view_turn_deg = 10;
-  int blended_views = 4;        // 1 to 8: of a texel
-  bool solves_exposure = true;  // gains of the views
-  bool refines_poses = true;    // photometrically, against the surface; and bends the images by what no pose explains
-  int thread_count = 0;         // 0: as many as the processor has
-  // Asked by all threads, far more often than the progress is told: true, what is made is thrown away and not finished. Empty: never.
+  int blended_views = 4;        // 1 to 8 views per texel
+  bool solves_exposure = true;  // estimate a gain for each view
+  bool refines_poses = true;    // photometric pose refinement, and warps of the images for what poses cannot explain
+  int thread_count = 0;         // 0: one per processor
+  // Called by all threads, far more often than the progress is reported. Returns true to abandon the work. Empty: never.
   std::function<bool()> is_stopped;
 };
 
-// Told the share that is done, 0 to 1, by the calling thread, some times a second on usual machines. False: stop.
+// Called by the calling thread with the fraction that is done, 0 to 1, usually several times a second. Returns false to stop.
 using TextureProgress = std::function<bool(double share)>;
 
 inline bool is_stopped(const TextureOptions& options) { return options.is_stopped && options.is_stopped(); }

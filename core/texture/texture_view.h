@@ -1,4 +1,4 @@
-// A frame that a texture takes colour from: its image, what it sees of the mesh, and how good its colour of a point is.
+// A view is a frame that a texture takes colour from: its image, the depth of the mesh, and how well it sees a point.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,9 +16,10 @@
 
 namespace hermite {
 
-using ColorTable = std::array<std::array<float, 256>, 3>;  // by channel: a corrected value, 0 to 255 and above, for each value of the image
+using ColorTable =
+    std::array<std::array<float, 256>, 3>;  // by channel: the corrected value, 0 to 255 or above, for each value of the image
 
-// A lattice over an image, bilinear between its nodes: where in the image is what the pose puts at a pixel. Without nodes: there.
+// A lattice of pixel offsets over an image, interpolated bilinearly, between projection by the pose and image. No nodes: 0.
 struct WarpNode {
   std::size_t index = 0;
   float weight = 0;
@@ -46,8 +47,8 @@ struct TextureView {
   ColorImage color;
   Image<float> inverse_depth_per_m;                // of the mesh
   Image<std::uint8_t> distance_from_edge_px;       // view_raster.h; 0 too where the lens has no image
-  float blur_px = 0;                               // by how far the image moved during a frame
-  Eigen::Vector3f gain = Eigen::Vector3f::Ones();  // by channel: the image is so many times as bright as the mean of all, in linear light
+  float blur_px = 0;                               // how far the image moved within one frame
+  Eigen::Vector3f gain = Eigen::Vector3f::Ones();  // by channel: brightness relative to the mean of all views, in linear light
   ViewWarp warp;
   ColorTable corrected{};  // sRGB of the image to sRGB of the mean exposure
 };
@@ -55,30 +56,30 @@ struct TextureView {
 void set_pose(TextureView& view, const Rigid3& world_from_camera);
 void set_gain(TextureView& view, const Eigen::Vector3f& gain);
 
-// The image and the mesh's depth under it. Fails as the frame does, kCorruptData for an image of another size.
+// Loads the image and renders the depth of the mesh. Errors are those of reading the frame; kCorruptData: an image of another size.
 Result<TextureView> load_view(const TriangleMesh& mesh, const TextureFrames& frames, std::size_t frame);
-// Anew, for the pose that the view has now.
+// Renders the depth again, for the present pose of the view.
 void see_mesh(TextureView& view, const TriangleMesh& mesh, const TextureFrames& frames);
 
-// sRGB byte or value to linear light and back; 0 to 255, above goes on.
+// sRGB values, 0 to 255, to linear light and back; larger values are extrapolated.
 float linear_from_srgb_byte(float value);
 float srgb_byte_from_linear(float linear);
 
 struct Seen {
   float u = 0, v = 0, depth_m = 0;  // pixel
-  float cosine = 0;                 // between the normal and the way to the camera
-  float edge_px = 0;                // between the four pixels around
+  float cosine = 0;                 // between the normal and the direction to the camera
+  float edge_px = 0;                // distance from an edge, interpolated
 };
-// Where the view sees the point; none: not in its image, from behind, hidden by the mesh, or nearer than `least_edge_px` to an edge.
-// Hidden is what lies deeper than the mesh by more than a hundredth and a texel or two.
+// Where the view sees the point. None: outside its image, facing away, hidden by the mesh, or nearer than `least_edge_px` to an edge. A
+// point is hidden when it is deeper than the mesh by more than a hundredth and a texel or two.
 std::optional<Seen> seen_at(const TextureView& view, const Camera& camera, const Eigen::Vector3f& position_m, const Eigen::Vector3f& normal,
                             float least_edge_px);
 
-// What the view has there after its warp, between the sixteen pixels around, corrected; beside steps up to a tenth of the step beyond them.
+// The corrected colour there after the warp, by bicubic interpolation, which may overshoot a step by up to a tenth of it.
 Eigen::Vector3f color_at(const TextureView& view, float u, float v);
 
-// How well the view sees a texel of this size there, 0 to 1: the pixels it has for it, at a slant fewer; less near edges and where the
-// image was blurred by the camera's way. Changes smoothly from texel to texel.
+// How well the view sees a texel of this size, 0 to 1: more for more pixels per texel, less at a slant, near edges and with motion blur.
+// Varies smoothly from texel to texel.
 float quality_of(const TextureView& view, const Camera& camera, const Seen& seen, float texel_m);
 
 }  // namespace hermite

@@ -9,8 +9,7 @@
 #include <optional>
 
 #include "core/base/parallel.h"
-#include "core/texture/view_brightness.h"
-#include "core/texture/view_samples.h"
+#include "core/texture/sampled_views.h"
 
 namespace hermite {
 
@@ -19,38 +18,25 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr double kAlignSpacing_m = 0.01;
-constexpr std::size_t kMaxAlignSamples = 200'000;
-constexpr float kAlignEdge_px = 4;                               // the pose may move by some pixels
-constexpr int kRoundsOfLevel[kBrightnessLevels] = {15, 12, 12};  // images of a quarter, of half and of the whole size
-// What the pose of the track weighs: as many points of the usual difference, at this distance from it.
+constexpr SampleDensity kAlignDensity{0.01, 200'000, 4};         // the pose may move by some pixels
+constexpr int kRoundsOfLevel[kBrightnessLevels] = {15, 12, 12};  // images of a quarter, half and full size
+// The prior towards the tracked pose: at this distance from it, it weighs as much as so many points with the usual difference.
 constexpr double kPriorPoints = 100, kPriorMove_m = 0.01, kPriorTurn_rad = 0.006;
 constexpr std::size_t kFewestPoints = 300;
 
 class ViewAligner {
  public:
-  ViewAligner(const TriangleMesh& mesh, const Camera& camera, const TextureOptions& options, std::vector<TextureView>& views,
-              std::size_t guest_count)
-      : camera_(camera),
-        options_(options),
-        thread_count_(options.thread_count),
-        views_(views),
-        first_guest_(views.size() - guest_count),
-        first_moving_(guest_count > 0 ? first_guest_ : 0),
-        samples_(samples_of(mesh, kAlignSpacing_m, kMaxAlignSamples)),
-        levels_(brightness_levels(views, thread_count_)) {
-    sights_ = sights_of(samples_, views, camera, kAlignEdge_px, thread_count_);
-    for (const TextureView& view : views) first_poses_.push_back(view.world_from_camera);
+  explicit ViewAligner(SampledViews& seen) : seen_(seen) {
+    for (const TextureView& view : seen_.views) first_poses_.push_back(view.world_from_camera);
   }
 
   Alignment align() {
     for (std::size_t l = 0; l < std::size(kRoundsOfLevel); ++l)
-      for (int round = 0; round < kRoundsOfLevel[l] && !is_stopped(options_); ++round) {
-        const BrightnessLevel& level = levels_[l];
-        find_points(level);
-        in_parallel(views_.size() - first_moving_, thread_count_, [&](std::size_t i) { step(level, first_moving_ + i); });
+      for (int round = 0; round < kRoundsOfLevel[l] && !is_stopped(seen_.options); ++round) {
+        find_points(seen_.levels[l]);
+        seen_.for_each_moving([&](std::size_t i) { step(seen_.levels[l], i); });
       }
-    find_points(levels_.back());
+    find_points(seen_.levels.back());
     return keep_the_better();
   }
 
@@ -59,58 +45,40 @@ class ViewAligner {
     return view.rotation * sample.position_m + view.translation_m;
   }
   Eigen::Vector2f pixel_of(const Vector3f& point) const {
-    return {static_cast<float>(camera_.fx) * point.x() / point.z() + static_cast<float>(camera_.cx),
-            static_cast<float>(camera_.fy) * point.y() / point.z() + static_cast<float>(camera_.cy)};
+    return {static_cast<float>(seen_.camera.fx) * point.x() / point.z() + static_cast<float>(seen_.camera.cx),
+            static_cast<float>(seen_.camera.fy) * point.y() / point.z() + static_cast<float>(seen_.camera.cy)};
   }
 
   Look look(const BrightnessLevel& level, std::size_t i, const TextureView& view, std::uint32_t sample) const {
-    const Vector3f point = in_camera(view, samples_[sample]);
+    const Vector3f point = in_camera(view, seen_.samples[sample]);
     if (!(point.z() > 0.05f)) return {};
     const Eigen::Vector2f pixel = pixel_of(point);
     const std::optional<Brightness> brightness = level.at(i, pixel.x(), pixel.y());
     if (!brightness) return {};
-    const Vector3f way = view.place_m - samples_[sample].position_m;
-    const float cosine = std::max(samples_[sample].normal.dot(way) / way.norm(), 0.05f);
+    const Vector3f way = view.place_m - seen_.samples[sample].position_m;
+    const float cosine = std::max(seen_.samples[sample].normal.dot(way) / way.norm(), 0.05f);
     return {brightness->value, cosine / (point.z() * point.z())};
   }
 
-  // Looks by view at once, sums one view after the other.
   void find_points(const BrightnessLevel& level) {
-    looks_.resize(views_.size());
-    in_parallel(views_.size(), thread_count_, [&](std::size_t i) {
-      looks_[i].resize(sights_[i].size());
-      for (std::size_t k = 0; k < sights_[i].size(); ++k) looks_[i][k] = look(level, i, views_[i], sights_[i][k]);
-    });
-    points_.assign(samples_.size(), {});
-    for (std::size_t i = 0; i < first_guest_; ++i)
-      for (std::size_t k = 0; k < sights_[i].size(); ++k) {
-        PointMean& mean = points_[sights_[i][k]];
-        mean.weight += static_cast<double>(looks_[i][k].weight);
-        mean.sum += static_cast<double>(looks_[i][k].weight) * static_cast<double>(looks_[i][k].value);
-      }
+    seen_.find_points([&](std::size_t i, std::uint32_t sample) { return look(level, i, seen_.views[i], sample); });
   }
 
-  // The point's brightness in the other views; none where no other sees it.
-  std::optional<float> others_say(std::size_t i, std::size_t k) const {
-    if (looks_[i][k].weight <= 0) return std::nullopt;
-    return points_[sights_[i][k]].without(i < first_guest_ ? looks_[i][k] : Look());
-  }
-
-  // Of camera_from_world, by a twist on its left.
+  // One Gauss-Newton step of camera_from_world, by a twist on its left.
   void step(const BrightnessLevel& level, std::size_t i) {
-    TextureView& view = views_[i];
+    TextureView& view = seen_.views[i];
     Matrix6d matrix = Matrix6d::Zero();
     Vector6d right = Vector6d::Zero();
     std::size_t count = 0;
-    for (std::size_t k = 0; k < sights_[i].size(); ++k) {
-      const std::optional<float> others = others_say(i, k);
+    for (std::size_t k = 0; k < seen_.sights[i].size(); ++k) {
+      const std::optional<float> others = seen_.others_say(i, k);
       if (!others) continue;
-      const Vector3f point = in_camera(view, samples_[sights_[i][k]]);
+      const Vector3f point = in_camera(view, seen_.samples[seen_.sights[i][k]]);
       const Eigen::Vector2f pixel = pixel_of(point);
       const std::optional<Brightness> here = level.at(i, pixel.x(), pixel.y());
       if (!here) continue;
-      const float iz = 1 / point.z(), du = here->du * static_cast<float>(camera_.fx) * iz,
-                  dv = here->dv * static_cast<float>(camera_.fy) * iz;
+      const float iz = 1 / point.z(), du = here->du * static_cast<float>(seen_.camera.fx) * iz,
+                  dv = here->dv * static_cast<float>(seen_.camera.fy) * iz;
       const Vector3f by_point(du, dv, -(du * point.x() + dv * point.y()) * iz);
       Vector6d row;
       row << by_point.cast<double>(), point.cross(by_point).cast<double>();
@@ -121,7 +89,7 @@ class ViewAligner {
       ++count;
     }
     if (count < kFewestPoints) return;
-    // The way back to the first pose, as a twist on the left of the present one.
+    // The twist, on the left of the present pose, that leads back to the first pose.
     const Vector6d back = log_se3(inverse(first_poses_[i]) * view.world_from_camera);
     const double unit = kPriorPoints * static_cast<double>(kUsualDifference * kUsualDifference);
     Vector6d prior;
@@ -137,15 +105,15 @@ class ViewAligner {
     double sum = 0;
     std::size_t count = 0;
   };
-  // Of what the view has at that pose against what the others say at theirs; large differences count no more than in the steps.
+  // The robust squared difference between the view at this pose and the other views at theirs.
   Misfit misfit(std::size_t i, const Rigid3& world_from_camera) const {
     TextureView view;
     set_pose(view, world_from_camera);
     Misfit misfit;
-    for (std::size_t k = 0; k < sights_[i].size(); ++k) {
-      const std::optional<float> others = others_say(i, k);
+    for (std::size_t k = 0; k < seen_.sights[i].size(); ++k) {
+      const std::optional<float> others = seen_.others_say(i, k);
       if (!others) continue;
-      const Look here = look(levels_.back(), i, view, sights_[i][k]);
+      const Look here = look(seen_.levels.back(), i, view, seen_.sights[i][k]);
       if (here.weight <= 0) continue;
       const float difference = here.value - *others;
       misfit.sum += static_cast<double>(robust_weight(difference) * difference * difference);
@@ -159,12 +127,11 @@ class ViewAligner {
       Misfit before, after;
       bool is_kept = false;
     };
-    std::vector<Judged> judged(views_.size());
-    in_parallel(views_.size() - first_moving_, thread_count_, [&](std::size_t guest) {
-      const std::size_t i = first_moving_ + guest;
-      const Rigid3 move = inverse(first_poses_[i]) * views_[i].world_from_camera;
+    std::vector<Judged> judged(seen_.views.size());
+    seen_.for_each_moving([&](std::size_t i) {
+      const Rigid3 move = inverse(first_poses_[i]) * seen_.views[i].world_from_camera;
       judged[i].before = misfit(i, first_poses_[i]);
-      judged[i].after = misfit(i, views_[i].world_from_camera);
+      judged[i].after = misfit(i, seen_.views[i].world_from_camera);
       const Misfit &before = judged[i].before, &after = judged[i].after;
       judged[i].is_kept =
           move.translation.norm() <= kFarthestMove_m && angle_rad(move.rotation) <= kFarthestTurn_rad && after.count >= kFewestPoints &&
@@ -173,11 +140,11 @@ class ViewAligner {
     });
     Alignment alignment;
     Misfit before, after;
-    for (std::size_t i = first_moving_; i < views_.size(); ++i) {
-      if (judged[i].is_kept && !(views_[i].world_from_camera.matrix() == first_poses_[i].matrix()))
+    for (std::size_t i = seen_.first_moving; i < seen_.views.size(); ++i) {
+      if (judged[i].is_kept && !(seen_.views[i].world_from_camera.matrix() == first_poses_[i].matrix()))
         ++alignment.moved_count;
       else
-        set_pose(views_[i], first_poses_[i]);
+        set_pose(seen_.views[i], first_poses_[i]);
       const Misfit& kept = judged[i].is_kept ? judged[i].after : judged[i].before;
       before.sum += judged[i].before.sum;
       before.count += judged[i].before.count;
@@ -189,24 +156,16 @@ class ViewAligner {
     return alignment;
   }
 
-  const Camera& camera_;
-  const TextureOptions& options_;
-  const int thread_count_;
-  std::vector<TextureView>& views_;
-  const std::size_t first_guest_, first_moving_;
-  const std::vector<MeshSample> samples_;
-  std::vector<std::vector<std::uint32_t>> sights_;
+  SampledViews& seen_;
   std::vector<Rigid3> first_poses_;
-  const std::array<BrightnessLevel, kBrightnessLevels> levels_;
-  std::vector<std::vector<Look>> looks_;
-  std::vector<PointMean> points_;
 };
 
 }  // namespace
 
 Alignment align_views(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options, std::vector<TextureView>& views,
                       std::size_t guest_count) {
-  const Alignment alignment = ViewAligner(mesh, frames.camera, options, views, guest_count).align();
+  SampledViews seen(mesh, frames.camera, options, {views, guest_count}, kAlignDensity);
+  const Alignment alignment = ViewAligner(seen).align();
   in_parallel(views.size(), options.thread_count, [&](std::size_t i) {
     if (!is_stopped(options)) see_mesh(views[i], mesh, frames);
   });

@@ -15,23 +15,23 @@ namespace {
 constexpr double kLightSpacing_m = 0.03;
 constexpr std::size_t kMaxLightSamples = 40'000;
 constexpr float kLightEdge_px = 4;
-// Values beyond are cut off by the sensor or drowned in its noise, and tell no gain.
+// Values outside this range are saturated or lost in noise.
 constexpr float kDarkest = 12, kBrightest = 245;
 constexpr int kLightRounds = 6;
-// Differences of a logarithm that are taken in full: a tenth of the brightness.
+// Differences of logarithms up to this have at least half weight: a tenth of the brightness.
 constexpr double kLightDifference = 0.1;
-// What a gain of 1 weighs against the points of a usual view. Points of one pair of views are wrong alike, by reflections and the lens's
-// shade: along a chain of views that adds up where nothing holds it.
+// The weight of the prior that a gain is 1, relative to the points of an average view. The points of one pair of views share their errors
+// (reflections, vignetting), which would accumulate along a chain of views without a prior.
 constexpr double kPriorShare = 0.03;
 constexpr double kLargestLog = 1.3862943611198906;  // of 4
 
-// What one view has of one sample, by channel.
+// The light of one sample in one view, by channel.
 struct Light {
   std::uint32_t sample = 0;
   std::array<float, 3> log_linear{};
 };
 
-// Mean of 3 x 3 places about the pixel: a view that is off by a pixel tells the same.
+// The mean over 3 x 3 pixels, which tolerates a view that is off by a pixel.
 std::optional<Light> light_of(const TextureView& view, const Seen& seen, std::uint32_t sample) {
   const int x = static_cast<int>(std::lround(seen.u)), y = static_cast<int>(std::lround(seen.v));
   if (x < 1 || y < 1 || x + 1 >= view.color.width || y + 1 >= view.color.height) return std::nullopt;
@@ -52,17 +52,18 @@ struct Mean {
   double weight = 0, sum = 0;
 };
 
-// Gains' logarithms of one channel. Points are eliminated: each is the weighted mean of what its views say.
+// Solves for the log gains of one channel. Points are eliminated: each is the weighted mean over its views.
 class ChannelSolver {
  public:
-  ChannelSolver(const std::vector<std::vector<Light>>& lights, std::size_t sample_count, std::size_t channel)
+  ChannelSolver(const std::vector<std::vector<Light>>& lights, std::size_t sample_count, std::size_t channel, const TextureOptions& options)
       : lights_(lights),
+        options_(options),
         channel_(channel),
         points_(sample_count),
         gains_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(lights.size()))) {}
 
   Eigen::VectorXd solved() {
-    for (int round = 0; round < kLightRounds; ++round) {
+    for (int round = 0; round < kLightRounds && !is_stopped(options_); ++round) {
       find_points(round == 0);
       step(round == 0);
     }
@@ -78,7 +79,7 @@ class ChannelSolver {
     const double off = (value(view, light) - points_[light.sample].sum) / kLightDifference;
     return 1 / (1 + off * off);
   }
-  // Of each sample the mean of what its views say of it; `sum` is that mean afterwards.
+  // Computes the mean of each sample over its views; afterwards `sum` holds the mean.
   void find_points(bool is_first) {
     std::vector<Mean> means(points_.size());
     for (std::size_t view = 0; view < lights_.size(); ++view)
@@ -91,7 +92,7 @@ class ChannelSolver {
       if (mean.weight > 0) mean.sum /= mean.weight;
     points_ = std::move(means);
   }
-  // Sum over points of w_i w_j / W (g_i - g_j)^2: the matrix is dense, a row for each view.
+  // Minimises the sum over points of w_i w_j / W (g_i - g_j)^2: a dense matrix with one row per view.
   void step(bool is_first) {
     const auto count = static_cast<Eigen::Index>(lights_.size());
     std::vector<std::vector<std::array<double, 3>>> of_point(points_.size());  // view, weight, value without its gain
@@ -122,6 +123,7 @@ class ChannelSolver {
   }
 
   const std::vector<std::vector<Light>>& lights_;
+  const TextureOptions& options_;
   const std::size_t channel_;
   std::vector<Mean> points_;
   Eigen::VectorXd gains_;  // logarithms
@@ -129,16 +131,19 @@ class ChannelSolver {
 
 }  // namespace
 
-void solve_exposure(const TriangleMesh& mesh, const Camera& camera, int thread_count, std::vector<TextureView>& views) {
+void solve_exposure(const TriangleMesh& mesh, const Camera& camera, const TextureOptions& options, std::vector<TextureView>& views) {
   const std::vector<MeshSample> samples = samples_of(mesh, kLightSpacing_m, kMaxLightSamples);
   std::vector<std::vector<Light>> lights(views.size());
-  in_parallel(views.size(), thread_count, [&](std::size_t i) {
+  in_parallel(views.size(), options.thread_count, [&](std::size_t i) {
+    if (is_stopped(options)) return;
     for (std::uint32_t k = 0; k < samples.size(); ++k)
       if (const std::optional<Seen> seen = seen_at(views[i], camera, samples[k].position_m, samples[k].normal, kLightEdge_px))
         if (const std::optional<Light> light = light_of(views[i], *seen, k)) lights[i].push_back(*light);
   });
   std::array<Eigen::VectorXd, 3> logs;
-  in_parallel(3, thread_count, [&](std::size_t channel) { logs[channel] = ChannelSolver(lights, samples.size(), channel).solved(); });
+  in_parallel(3, options.thread_count,
+              [&](std::size_t channel) { logs[channel] = ChannelSolver(lights, samples.size(), channel, options).solved(); });
+  if (is_stopped(options)) return;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     set_gain(views[i], Eigen::Vector3d(std::exp(logs[0][row]), std::exp(logs[1][row]), std::exp(logs[2][row])).cast<float>());

@@ -1,4 +1,4 @@
-// Exposure and white balance of the views against each other.
+// Estimates the relative exposure and white balance of the views.
 #pragma once
 
 #include <vector>
@@ -8,10 +8,11 @@
 
 namespace hermite {
 
-// Finds the gains of the views (TextureView::gain) from the points of the mesh that two and more of them see: by channel the logarithm of a
-// point's linear light in a view is that of the view's gain and that of the point added up; least squares, reweighted so that reflections
-// and what moved count little. The mean logarithm is 0. A view that shares nothing with others keeps 1, and none is farther than a factor
-// of 4 from 1. Deterministic for any number of threads.
-void solve_exposure(const TriangleMesh& mesh, const Camera& camera, int thread_count, std::vector<TextureView>& views);
+// Finds the gains of the views (TextureView::gain) from points of the mesh that two or more of them see. By channel, the logarithm of a
+// point's linear light in a view is modelled as log gain of the view plus log light of the point; solved by least squares, reweighted so
+// that reflections and moving things count little. The mean logarithm is 0. A view without common points keeps 1; gains are limited to
+// 1/4 to 4. When stopped by options.is_stopped the gains stay as they were. Deterministic for any number of threads.
+// Uses thread_count and is_stopped of `options`.
+void solve_exposure(const TriangleMesh& mesh, const Camera& camera, const TextureOptions& options, std::vector<TextureView>& views);
 
 }  // namespace hermite

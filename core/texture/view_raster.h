@@ -1,4 +1,4 @@
-// What a camera sees of a mesh: a depth buffer in software. Pure functions, thread-safe.
+// A software rasteriser with a depth buffer: the visible part of a mesh in a camera. Pure functions, thread-safe.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,26 +12,26 @@
 namespace hermite {
 
 inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
-// What is nearer to the lens is not drawn.
+// Geometry nearer than this is not drawn.
 inline constexpr double kNearestDrawn_m = 0.05;
 
 struct ViewRaster {
-  Image<float> inverse_depth_per_m;  // of the nearest triangle, whichever its side; 0: none
+  Image<float> inverse_depth_per_m;  // of the nearest triangle, front or back; 0: none
   Image<std::uint32_t> triangle;     // kNoTriangle: none
 };
 
-// At the pixel centres of a camera without distortion. Of two triangles at one depth the first is kept. Triangles that are not finite are
-// not drawn. Indices are in range (a CHECK of the caller's: textured() has looked).
+// Sampled at the pixel centres of a camera without distortion. Of two triangles at equal depth the first wins. Triangles that are not
+// finite are not drawn. The caller has checked that indices are in range, as textured() does.
 ViewRaster rasterised(const TriangleMesh& mesh, const Camera& camera, const Rigid3& world_from_camera);
 
-// By pixel: how far it is from where another surface begins, where the mesh ends, or from the border of the image [px], cut off at
-// kFarFromEdge_px; 0 where there is no surface. Another surface begins where the inverse depth, which is linear over a plane, bends by more
-// than kEdgeBend of itself: planes seen at a slant have none.
+// By pixel the distance [px] to the nearest depth discontinuity, to the end of the mesh or to the border of the image, at most
+// kFarFromEdge_px; 0 where there is no surface. A discontinuity is where the second difference of the inverse depth, which is linear over a
+// plane, exceeds kEdgeBend of its value: slanted planes have none.
 inline constexpr int kFarFromEdge_px = 24;
 inline constexpr float kEdgeBend = 0.01f;
 Image<std::uint8_t> distance_from_edges_px(const Image<float>& inverse_depth_per_m);
 
-// Barycentric weights of what a pixel sees of a triangle, perspective-correct; camera_from_world of the same view.
+// The perspective-correct barycentric weights of a triangle at a pixel; camera_from_world of the same view.
 Eigen::Vector3f weights_in_triangle(const TriangleMesh& mesh, std::uint32_t triangle, const Rigid3& camera_from_world,
                                     const Eigen::Vector3d& ray_in_camera);
 

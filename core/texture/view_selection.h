@@ -1,4 +1,4 @@
-// Which frames a texture takes colour from: sharp ones, no two of almost the same view, spread over the surface.
+// Selects the frames that a texture takes colour from: sharp ones from different viewpoints that cover the surface.
 #pragma once
 
 #include <cstddef>
@@ -10,16 +10,16 @@
 
 namespace hermite {
 
-// Variance of the Laplacian of the green channel over the whole image: of images of one scene the sharper has more.
+// Variance of the Laplacian of the green channel over the whole image: the sharper of two images of a scene has more.
 double laplacian_variance(const ColorImage& image);
 
-// By which way a pixel in the middle of the image moves in a frame, from the poses of the neighbours at 2 m [px].
+// How far the image centre moves during one frame at a depth of 2 m [px], from the poses of the adjacent frames.
 double blur_px(const TextureFrames& frames, std::size_t frame);
 
-// In order of time. Wherever the camera has moved by options.view_step_m or turned by options.view_turn_deg a new window begins; the
-// slowest frames of each are read and the sharpest is taken. Of two that are nearer than that to each other, later laps included, one
-// stays. Of more than options.max_views those are kept one after the other that add most to what is seen of the surface, what nobody has
-// seen before counting most.
+// In order of time. A new window begins whenever the camera has moved by options.view_step_m or turned by options.view_turn_deg; of the
+// slowest frames of each window the sharpest is taken. Of two that are closer than that to each other, also from a later lap, one is
+// kept. If more than options.max_views remain, they are selected greedily by how much they add to the coverage of the surface, parts
+// that no selected view sees counting most.
 std::vector<std::size_t> selected_views(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options);
 
 }  // namespace hermite

@@ -24,14 +24,19 @@ namespace hermite {
 namespace {
 
 constexpr const char* kCloud = "cloud.ply";
-constexpr const char* kSurfels = "surfels.ply";  // what meshes are made of; scans of older servers have none
+constexpr const char* kSurfels = "surfels.ply";  // the source of meshes; scans of older servers have none
 constexpr const char* kTrajectory = "trajectory.txt";
 constexpr const char* kReport = "report.json";
-// Of the time that a mesh with a texture and its file take. Without a texture what would be its time is the mesh's.
+// Fractions of the total time at which the steps end. Without a texture, meshing takes the share of texturing too.
 constexpr double kContouring = 0.35, kShaping = 0.4, kTexturing = 0.9, kWritten = 0.99;
-// Of a texture's views: the server has other scans. A pixel of one is colour, depth and distances (core/texture/texture_view.h).
+// Memory for the views of a texture, and bytes per pixel of a view: colour, depth and edge distance (core/texture/texture_view.h).
 constexpr double kViews_bytes = 256e6, kViewPixel_bytes = 8.2;
 constexpr int kLeastViews = 8, kMostViews = 100;
+
+// Maps the progress of one step to its range of the whole work.
+MeshProgress step_of(const BuildProgress& progress, double from, double to) {
+  return [&progress, from, to](double done) { return progress(from + (to - from) * done); };
+}
 
 int view_count_for(const Camera& camera) {
   const double fitting = kViews_bytes / (kViewPixel_bytes * camera.width * camera.height);
@@ -65,7 +70,7 @@ Result<Trajectory> ExportBuilder::read_path(const std::string& scan_id) {
   return path.ok() ? std::move(path) : in_context(kTrajectory, path.error());
 }
 
-// What nobody has scanned has its texture, or has none.
+// An imported mesh keeps its own texture, if it has one.
 Status ExportBuilder::read_imported(const std::string& scan_id) {
   const Result<std::string> version = blobs_.version(scan_id, std::string(kImportedMeshFile));
   if (!version.ok()) return version.error();
@@ -122,11 +127,16 @@ Status ExportBuilder::make_shape(const MeshShape& shape, double from, double to,
   mesh_->shaped.reset();
   mesh_->textured.reset();
   if (!progress(from)) return Error{ErrorCode::kBusy, "stopped"};
+  const bool fills = shape.fill_mm > 0 || shape.closes;
+  const double simplified_at = fills ? (from + to) / 2 : to;
+  SimplifyOptions simplify;
+  simplify.most_error_m = 1e-6 * static_cast<double>(shape.simplify_um);
+  simplify.least_triangles = shape.triangles;
   Result<TriangleMesh> mesh =
-      shape.simplify_um > 0 ? simplified(mesh_->mesh, {1e-6 * static_cast<double>(shape.simplify_um), shape.triangles}) : mesh_->mesh;
-  if (mesh.ok() && (shape.fill_mm > 0 || shape.closes))
+      shape.simplify_um > 0 ? simplified(mesh_->mesh, simplify, step_of(progress, from, simplified_at)) : mesh_->mesh;
+  if (mesh.ok() && fills)
     mesh = holes_filled(*mesh, {1e-3 * static_cast<double>(shape.fill_mm), shape.closes},
-                        [&](double done) { return progress(from + (to - from) * done); });
+                        step_of(progress, shape.simplify_um > 0 ? simplified_at : from, to));
   if (!mesh.ok()) return mesh.error();
   if (!shape.is_plain()) mesh_->shaped = *std::move(mesh);
   mesh_->shape = shape;
@@ -152,7 +162,7 @@ Result<TriangleMesh> ExportBuilder::texture(const std::string& scan_id, const Bu
   });
 }
 
-// Without frames, or with frames that show nothing of it, a mesh has the colours that it has.
+// Without frames, or when no frame shows the mesh, it keeps its vertex colours.
 Status ExportBuilder::make_texture(const std::string& scan_id, const BuildProgress& progress) {
   if (mesh_->textured || !mesh_->mesh.pages.empty()) return Done{};
   Result<TriangleMesh> mesh = texture(scan_id, progress);
@@ -188,9 +198,9 @@ Result<NamedFiles> ExportBuilder::files_of(const ExportFormat& format, const Exp
   return progress(kTexturing) ? format.of_cloud(*cloud) : stopped;
 }
 
-// Files that belong together go as one.
+// Formats of several files are sent as one archive.
 Result<std::string> ExportBuilder::build(const ExportSpec& spec, const std::string& scan_id, const BuildProgress& told) {
-  std::atomic<bool> stopped = false;  // who has said so once is not asked again, and no frame that was not read for it is missing
+  std::atomic<bool> stopped = false;  // once stopped, progress is not asked again, and unread frames do not count as errors
   const BuildProgress progress = [&](double done) {
     if (!stopped && !told(done)) stopped = true;
     return !stopped;

@@ -1,4 +1,4 @@
-// Makes the bytes of an export out of the results of a scan: the work of a thread that nobody waits for.
+// Makes the bytes of an export from the results of a scan, on a background thread.
 #pragma once
 
 #include <cstdint>
@@ -22,41 +22,41 @@ namespace hermite {
 
 // A cloud of twenty million points.
 inline constexpr std::uint64_t kMaxExportCloud_bytes = std::uint64_t{1} << 30;
-// What meshes are made of: some ten million surfels, of which a mesh is made within 2 GiB (tests/bench/README.md).
+// The largest cloud that is meshed: about ten million surfels, which takes less than 2 GiB (tests/bench/README.md).
 inline constexpr std::uint64_t kMaxMeshedCloud_bytes = std::uint64_t{480} << 20;
-// Memory that a mesh takes, in bytes of its surfels' file; a machine that has less of it free makes none.
+// The memory that meshing takes, as a multiple of the size of the surfels' file. With less free memory no mesh is made.
 inline constexpr double kMeshMemory = 4.4;
 
-// Memory that can be had without swapping (Linux' MemAvailable); 0: unknown.
+// Memory that is available without swapping (MemAvailable of Linux); 0: unknown.
 using FreeMemory = std::function<std::uint64_t()>;
 std::uint64_t free_memory_bytes();
 
-// Called from time to time with the share that is done, by any thread; false: stop.
+// Called from time to time with the fraction that is done, by any thread. Returns false to stop.
 using BuildProgress = std::function<bool(double done)>;
 
-// The frames of a scan that has ended, as they came. kNotFound: they were removed. Any thread.
+// The recorded frames of a scan that has ended. kNotFound: they were removed. Callable from any thread.
 using OpenFrames = std::function<Result<std::unique_ptr<Sequence>>(const std::string& scan_id)>;
 
-// Keeps the mesh that it has made last: who wants one format of a scan often wants another. One thread at a time.
+// Keeps the last mesh, since several formats of one scan are often requested together. One thread at a time.
 class ExportBuilder {
  public:
   ExportBuilder(Blobs& blobs, OpenFrames open_frames, FreeMemory free_memory = free_memory_bytes)
       : blobs_(blobs), open_frames_(std::move(open_frames)), free_memory_(std::move(free_memory)) {}
 
-  // Meshes have a texture where the format takes one and the scan still has its frames, else the colours of its surfels.
-  // kNotFound: the scan has no cloud, or no trajectory; kInvalidArgument: its cloud has no points, or no surface; kTooLarge: more than
-  // kMaxExportCloud_bytes, or of a mesh more than kMaxMeshedCloud_bytes or than memory is free for; kBusy: stopped; kCorruptData, kIo.
+  // Meshes have a texture if the format supports one and the scan still has its frames, otherwise the colours of the surfels.
+  // kNotFound: the scan has no cloud or no trajectory; kInvalidArgument: its cloud has no points or makes no surface; kTooLarge: more than
+  // kMaxExportCloud_bytes, or for meshes more than kMaxMeshedCloud_bytes or the free memory; kBusy: stopped; kCorruptData, kIo.
   Result<std::string> build(const ExportSpec& spec, const std::string& scan_id, const BuildProgress& progress);
 
-  void forget() { mesh_.reset(); }  // gives the memory back
+  void forget() { mesh_.reset(); }  // frees the memory of the mesh
 
  private:
   struct KnownMesh {
     std::string scan_id, source_version;
     TriangleMesh mesh;
     MeshShape shape;
-    std::optional<TriangleMesh> shaped;    // of that shape, where it is not plain
-    std::optional<TriangleMesh> textured;  // of that shape, where a format has asked for it and there were frames
+    std::optional<TriangleMesh> shaped;    // with `shape`, if that is not plain
+    std::optional<TriangleMesh> textured;  // with `shape`, once a format has needed it and there were frames
     const TriangleMesh& finished() const { return shaped ? *shaped : mesh; }
   };
   Result<Cloud> read_points(const std::string& scan_id, const std::string& name);

@@ -1,5 +1,5 @@
-// What this server offers of a scan that has ended: of the formats of core/export those that are made of its results, each with a file
-// that it is kept as, and results that are there already.
+// The exports that this server offers for a scan that has ended: the formats of core/export that can be made from its results, each with
+// the name of its file, and results that are offered as they are.
 #pragma once
 
 #include <span>
@@ -11,21 +11,21 @@ enum class ExportKind { kMesh, kCloud, kPath };
 const char* name_of(ExportKind kind);  // "mesh", "cloud", "path"
 
 struct ExportOffer {
-  std::string_view name;  // in requests, and of the format: "glb"
-  std::string_view file;  // what it is called: "mesh.glb"
+  std::string_view name;  // of the format, in requests: "glb"
+  std::string_view file;  // name of the file: "mesh.glb"
   const char* content_type;
-  std::string_view words;  // for people, beside others of its kind: "GLB"
+  std::string_view words;  // label for people: "GLB"
   ExportKind kind;
-  bool is_result = false;  // the scan has left it
+  bool is_result = false;  // a result of the scan: offered as it is
 };
 
-// What a mesh was brought along as that nobody has scanned: in metres, y up. There is nothing else that its other formats are made of.
+// The mesh of an imported scan, in metres, y up. All other mesh formats of the scan are made from it.
 inline constexpr std::string_view kImportedMesh = "imported", kImportedMeshFile = "imported.glb";
 
-// The mesh of a scan that the viewer shows: small, and quick to be read. Of an imported one it shows that.
+// The format that the viewer shows, which is small and quick to decode. For an imported mesh it shows kImportedMesh.
 inline constexpr std::string_view kViewerMesh = "glb-draco";
 
-std::span<const ExportOffer> export_offers();                 // in the order in which people are shown them
-const ExportOffer* find_export_offer(std::string_view name);  // null: there is none
+std::span<const ExportOffer> export_offers();                 // in the order in which they are listed
+const ExportOffer* find_export_offer(std::string_view name);  // null: no such offer
 
 }  // namespace hermite

@@ -17,7 +17,7 @@ Error no_such_format(std::string_view name) {
   return {ErrorCode::kNotFound, "there is no format '" + std::string(name) + "'; known are " + known};
 }
 
-// "_s1000_t50000_f100_c"; empty of a plain one.
+// "_s1000_t50000_f100_c"; empty without options.
 std::string suffix_of(const MeshShape& shape) {
   std::string suffix;
   if (shape.simplify_um > 0) suffix += "_s" + std::to_string(shape.simplify_um);
@@ -27,7 +27,7 @@ std::string suffix_of(const MeshShape& shape) {
   return suffix;
 }
 
-// None: it is no suffix as suffix_of makes it.
+// None: not a suffix that suffix_of makes.
 std::optional<MeshShape> shape_of_suffix(std::string_view suffix) {
   MeshShape shape;
   for (std::string_view rest = suffix; !rest.empty();) {

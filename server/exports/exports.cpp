@@ -18,11 +18,11 @@ namespace {
 
 constexpr const char* kCloudName = "cloud.ply";
 constexpr const char* kTrajectoryName = "trajectory.txt";
-constexpr std::chrono::seconds kFirstRoomPause(5), kLongestRoomPause(3600);  // as of scans that are made again (scans_disk.cpp)
-constexpr std::chrono::minutes kKeepMesh(2);                                 // in memory, for another format of it
-constexpr std::chrono::seconds kSweepPeriod(5);  // of what waits for scans that are gone: each is asked for when its turn comes, too
+constexpr std::chrono::seconds kFirstRoomPause(5), kLongestRoomPause(3600);  // as for scans whose results are made again (scans_disk.cpp)
+constexpr std::chrono::minutes kKeepMesh(2);                                 // how long the last mesh stays in memory for another format
+constexpr std::chrono::seconds kSweepPeriod(5);                              // how often queued exports of deleted scans are removed
 
-// What a format is made of, the first of these that there is: names of blobs.
+// The blobs that a format can be made from; the first one that exists is used.
 std::vector<std::string> sources_of(const ExportOffer& format) {
   if (format.is_result) return {std::string(format.file)};
   switch (format.kind) {
@@ -47,7 +47,7 @@ const char* name_of(ExportPhase phase) {
 }
 
 Exports::Exports(Blobs& blobs, Hooks hooks) : blobs_(blobs), hooks_(std::move(hooks)), builder_(blobs, hooks_.open_frames) {
-  hooks_.making([] { step_back(); });  // and with that thread those that it starts
+  hooks_.making([] { step_back(); });  // threads that it starts inherit the priority
 }
 
 Exports::~Exports() = default;
@@ -80,7 +80,7 @@ ExportState Exports::state_of(const std::string& scan_id, const ExportSpec& spec
   return state;
 }
 
-// That there are, wait, are made or have failed.
+// Exports with options that are ready, queued, running or failed.
 std::vector<ExportSpec> Exports::shaped_exports(const std::string& scan_id, const std::vector<BlobInfo>& blobs) const {
   std::map<std::string, ExportSpec> found;
   const auto add_named = [&](const Key& key) {
@@ -216,14 +216,14 @@ Status Exports::remove(const std::string& scan_id, const std::string& name) {
   return now->phase == ExportPhase::kReady ? blobs_.remove(scan_id, spec.file()) : Status(Done{});
 }
 
-// A scan that was removed, or runs again to make its results anew, has none of those that an export was asked of.
+// False when the scan was deleted, or is running again to make its results anew.
 bool Exports::is_still_wanted(const Key& key, const Work& work) const {
   const Result<ScanRow> row = hooks_.find(key.first);
   if (!row.ok()) return row.error().code != ErrorCode::kNotFound;
   return row->phase != ScanPhase::kRunning && row->finished_at_ms == work.ended_at_ms;
 }
 
-// What people have asked for first, then of the token whose last turn is the longest ago the oldest.
+// Requests of people first; among these, the oldest of the token whose last turn is longest ago.
 std::map<Exports::Key, Exports::Work>::iterator Exports::next_of() {
   const auto rank = [this](const Work& work) {
     const auto turn = last_turn_.find(work.token_id);
@@ -245,10 +245,10 @@ void Exports::begin_next() {
 }
 
 void Exports::begin(const Key& key, Work work) {
-  if (last_turn_.size() > kMaxFailedExports) last_turn_.clear();  // tokens that were
+  if (last_turn_.size() > kMaxFailedExports) last_turn_.clear();  // most of these tokens no longer exist
   last_turn_[work.token_id] = ++count_;
   running_.emplace(Running{key, std::move(work)});
-  // About as large as what it is made of: more is seen when its bytes are known.
+  // The export is about as large as its source; it is checked again when its size is known.
   const Result<std::uint64_t> of_bytes = source_bytes(key.first, *running_->work.spec.offer);
   if (!of_bytes.ok()) return fail(of_bytes.error());
   if (const Status room = hooks_.check_disk(*of_bytes); !room.ok()) return wait_for_room(room.error());
@@ -285,7 +285,7 @@ void Exports::stored(const Status& put, std::uint64_t size_bytes) {
   const auto& [scan_id, name] = running_->key;
   const Result<ScanRow> row = hooks_.find(scan_id);
   if (!row.ok() && row.error().code == ErrorCode::kNotFound) {
-    hooks_.remove_files_of_scan(scan_id);  // the scan was removed while this was written: its folder has come back
+    hooks_.remove_files_of_scan(scan_id);  // the scan was deleted while this was written, which created its folder again
   } else if (running_->unwanted || !is_still_wanted(running_->key, running_->work)) {
     if (const Status removed = blobs_.remove(scan_id, running_->work.spec.file()); !removed.ok())
       spdlog::warn("scan {}: {}", scan_id, removed.error().message);
@@ -298,7 +298,7 @@ void Exports::stored(const Status& put, std::uint64_t size_bytes) {
   end_running();
 }
 
-// A disk is full for a while.
+// A full disk is temporary: the export is retried.
 void Exports::wait_for_room(const Error& why) {
   Work work = std::move(running_->work);
   work.words = why.message + "; it is tried again when there is room";
@@ -313,7 +313,7 @@ void Exports::wait_for_room(const Error& why) {
 
 void Exports::fail(const Error& why) {
   spdlog::warn("scan {}: {} cannot be made: {}", running_->key.first, running_->key.second, why.message);
-  // Of what nobody has asked for it is no failure that there is nothing to make it of.
+  // For an export that nobody requested, a missing source is not a failure.
   const bool nothing_to_make = why.code == ErrorCode::kInvalidArgument && !running_->work.asked_for;
   if (!nothing_to_make) failed_[running_->key] = {why.message, ++count_};
   if (failed_.size() > kMaxFailedExports)
@@ -322,7 +322,7 @@ void Exports::fail(const Error& why) {
   end_running();
 }
 
-// The next one begins with a tick.
+// The next tick starts the next export.
 void Exports::end_running() {
   idle_since_ = now_;
   running_.reset();

@@ -1,8 +1,8 @@
-// The exports of all scans: what there is, what is being made, what waits and what has failed, and why. A format of a scan that is ready is
-// a blob of that scan and stays over restarts; what waits or runs is forgotten with the server, and asked for again.
+// The exports of all scans: which are ready, queued, running or failed, and why. A finished export is a blob of its scan and survives
+// restarts; queued and running ones are lost when the server ends and have to be requested again.
 //
-// One is made at a time, by a thread that steps back behind all others. The mesh of a scan that has finished comes behind what people
-// have asked for; of these tokens take turns. A disk without room, or one that takes nothing, is waited for. Belongs to the network thread.
+// One export is made at a time, by a thread of low priority. Exports that people requested come before meshes that are made automatically;
+// among them tokens take turns. When the disk is full or cannot be written, the export waits and is retried. Belongs to the network thread.
 #pragma once
 
 #include <atomic>
@@ -27,41 +27,41 @@
 
 namespace hermite {
 
-// That wait or are made. All formats of a scan are about a dozen.
+// Limits of queued and running exports. A scan has about a dozen formats.
 inline constexpr Share kExportShare{64, 16, 8};
-inline constexpr std::size_t kMaxFailedExports = 1000;  // of which is known why; of more the oldest are forgotten
+inline constexpr std::size_t kMaxFailedExports = 1000;  // whose errors are kept; the oldest are dropped
 
 enum class ExportPhase { kMissing, kQueued, kRunning, kReady, kFailed };
 const char* name_of(ExportPhase phase);  // "missing", "queued", ...
 
 struct ExportState {
   const ExportOffer* format = nullptr;
-  MeshShape shape;  // what is done to the mesh before
+  MeshShape shape;  // how the mesh is processed first
   ExportPhase phase = ExportPhase::kMissing;
-  std::uint64_t size_bytes = 0;  // of one that is ready
-  double done = 0;               // share, of one that is made
-  std::string words;             // why it has failed, or still waits
+  std::uint64_t size_bytes = 0;  // when ready
+  double done = 0;               // fraction, while running
+  std::string words;             // why it failed, or still waits
 };
 
 struct ExportRequest {
   std::string scan_id;
   std::string format;  // ExportSpec::name
   std::string token_id;
-  bool is_admin = false;  // held to the limit for all alone
+  bool is_admin = false;  // only the limit for all tokens together applies
 };
 
 class Exports {
  public:
   using Clock = std::chrono::steady_clock;
   struct Hooks {
-    // Run a function soon: on the network thread, and on the one that makes exports. What was posted there ends before this does, or never
-    // begins. Callable from every thread.
+    // Run a function soon, on the network thread and on the thread that makes exports. Functions posted to the latter end before this
+    // object does, or never begin. Callable from every thread.
     std::function<void(std::function<void()>)> network, making;
     std::function<Result<ScanRow>(const std::string& scan_id)> find;  // kNotFound
     OpenFrames open_frames;
-    std::function<Status(std::uint64_t bytes)> check_disk;                 // kBusy, in words: there is no room for so much
-    std::function<void()> stored;                                          // there is one more
-    std::function<void(const std::string& scan_id)> remove_files_of_scan;  // of one that is gone, whatever has come since
+    std::function<Status(std::uint64_t bytes)> check_disk;                 // kBusy: there is no room for this many bytes
+    std::function<void()> stored;                                          // an export was stored
+    std::function<void(const std::string& scan_id)> remove_files_of_scan;  // removes files that were written after the scan was deleted
   };
 
   // `blobs` outlives this.
@@ -70,34 +70,34 @@ class Exports {
   Exports(const Exports&) = delete;
   Exports& operator=(const Exports&) = delete;
 
-  // Of every format that the scan has or has something to make it of, in the order of the table, and behind them those with options that
-  // there are. kNotFound: no such scan. kBusy: it is
+  // Every format that the scan has or can be exported to, in the order of the table, followed by its exports with options.
+  // kNotFound: no such scan. kBusy: it is
   // running. kIo.
   Result<std::vector<ExportState>> list(const std::string& scan_id);
 
-  // As above; kNotFound also: there is no such format; kInvalidArgument: its options.
+  // One export. Errors as above, and kNotFound: no such format; kInvalidArgument: its options.
   Result<ExportState> state(const std::string& scan_id, const std::string& format);
 
-  // Makes it, unless it is there, waits or is being made; one that has failed is tried again. Errors as of state(), and kNotFound: the scan
-  // has nothing to make it of; kInvalidArgument: its cloud has no points; kBusy: too many wait, the server stops, or
-  // the scan has kMaxShapedExports with options already.
+  // Queues the export unless it is ready, queued or running; one that failed is tried again. Errors as of state(), and kNotFound: the scan
+  // lacks the files that it is made from; kInvalidArgument: its cloud has no points; kBusy: too many are queued, the server stops, or
+  // the scan already has kMaxShapedExports exports with options.
   Status request(const ExportRequest& request);
 
-  // Of a scan that has just finished: its mesh for the viewer, if it has points and there is room to wait.
+  // Queues the viewer's mesh of a scan that has just finished, if it has points and the queue is not full.
   void make_mesh(const ScanRow& scan);
 
-  // Takes it from those that wait, stops it, or removes what there is. Errors as of state(); kInvalidArgument also: it is no export, but a
-  // result of the scan; kNotFound also: there is nothing of it.
+  // Removes the export from the queue, stops it, or deletes its file. Errors as of state(), and kInvalidArgument: it is a result of the
+  // scan rather than an export; kNotFound: there is no such export.
   Status remove(const std::string& scan_id, const std::string& format);
 
-  void tick(Clock::time_point now);  // now and then: stops what is for a scan that is gone, and begins what waits
-  void stop();                       // begins nothing any more, and stops what is made
+  void tick(Clock::time_point now);  // called periodically: stops exports of deleted scans and starts queued ones
+  void stop();                       // starts no more exports, and stops the running one
   std::size_t running_count() const { return running_ ? 1 : 0; }
   std::size_t waiting_count() const { return waiting_.size(); }
 
  private:
   using Key = std::pair<std::string, std::string>;  // scan, name of the export
-  // What the thread that makes an export and this one both look at.
+  // Shared by the network thread and the thread that makes the export.
   struct Progress {
     std::atomic<bool> stopped = false;
     std::atomic<double> done = 0;
@@ -105,9 +105,9 @@ class Exports {
   struct Work {
     ExportSpec spec;
     std::string token_id;          // whose turn it is
-    bool asked_for = false;        // by somebody
-    std::int64_t ended_at_ms = 0;  // of the scan: another one when its results are others
-    std::uint64_t number = 0;      // the older, the smaller
+    bool asked_for = false;        // by a person
+    std::int64_t ended_at_ms = 0;  // of the scan; changes when its results are made again
+    std::uint64_t number = 0;      // increases with every request
     std::string words;
     Clock::time_point begin_at;
     std::chrono::seconds pause{0};
@@ -116,7 +116,7 @@ class Exports {
     Key key;
     Work work;
     std::shared_ptr<Progress> progress = std::make_shared<Progress>();
-    bool unwanted = false;  // also when it is stored already
+    bool unwanted = false;  // removed meanwhile; applies even after it was stored
   };
   struct Failed {
     std::string words;
@@ -143,7 +143,7 @@ class Exports {
 
   Blobs& blobs_;
   const Hooks hooks_;
-  ExportBuilder builder_;  // of the thread that makes exports
+  ExportBuilder builder_;  // used by the thread that makes exports
   std::map<Key, Work> waiting_;
   std::optional<Running> running_;
   std::map<Key, Failed> failed_;
@@ -151,7 +151,7 @@ class Exports {
   std::uint64_t count_ = 0;
   Clock::time_point now_;  // of the last tick
   Clock::time_point idle_since_, swept_at_;
-  bool builder_keeps_ = false;  // a mesh that may be wanted again
+  bool builder_keeps_ = false;  // it keeps a mesh in memory
   bool stopping_ = false;
 };
 

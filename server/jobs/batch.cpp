@@ -13,9 +13,9 @@ namespace hermite {
 
 namespace {
 
-constexpr std::chrono::minutes kSweepPeriod(1);  // of uploads, which expire after hours
+constexpr std::chrono::minutes kSweepPeriod(1);  // how often expired uploads are removed
 
-// Of a job that has ended.
+// Removes the unfinished scan of a job that has ended.
 void remove_unfinished_scan(const Storage& storage, const std::string& id) {
   const Result<ScanRow> scan = storage.store.find(id);
   if (!scan.ok() || scan->phase == ScanPhase::kFinished) return;
@@ -50,7 +50,7 @@ LocalExecutor::Hooks Batch::executor_hooks(const Scans::Post& post) {
           [this](const JobRow& row) { job_ended(row); }, unix_now_ms, new_scan_id, post};
 }
 
-// An upload that is whole becomes a job, once: one that failed is tried again when somebody says so.
+// A complete upload becomes a job once; a failed job is retried only on request.
 Status Batch::submit(const UploadRow& row) {
   if (store_.job(row.id).ok()) return Done{};
   Result<JobRow> job = job_of_upload(row);

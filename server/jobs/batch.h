@@ -1,4 +1,4 @@
-// Batch work put together: uploads that become jobs, jobs that become scans. Belongs to the network thread.
+// Batch processing: uploads become jobs, and jobs become scans. Belongs to the network thread.
 #pragma once
 
 #include <chrono>
@@ -13,20 +13,20 @@
 
 namespace hermite {
 
-// What becomes of the jobs of a server that died, and of their scans. Before there are Scans. kIo.
+// Recovers the jobs of a server that died, and their scans. Called before Scans exists. kIo.
 Status recover_batch(const Storage& storage);
 
 class Batch {
  public:
-  // What is in `storage`, and `scans`, outlive this. Throws SetupError.
+  // The members of `storage`, and `scans`, outlive this. Throws SetupError.
   Batch(int worker_count, const UploadLimits& limits, const Storage& storage, Scans& scans, const Scans::Post& post);
 
   Uploads& uploads() { return uploads_; }
   Executor& executor() { return executor_; }
 
-  void tick(std::chrono::steady_clock::time_point now, std::int64_t retention_now_ms);  // now and then
+  void tick(std::chrono::steady_clock::time_point now, std::int64_t retention_now_ms);  // called periodically
   void refuse_new() { executor_.refuse_new(); }
-  void stop() { executor_.stop(); }  // before Scans::stop()
+  void stop() { executor_.stop(); }  // call before Scans::stop()
   std::size_t running_count() const { return executor_.running_count(); }
 
  private:
@@ -39,7 +39,7 @@ class Batch {
   const ScanJobWorld job_world_;
   LocalExecutor executor_;
   Uploads uploads_;
-  std::chrono::steady_clock::time_point sweep_at_{};  // at once
+  std::chrono::steady_clock::time_point sweep_at_{};  // at the first tick
 };
 
 }  // namespace hermite

@@ -1,5 +1,5 @@
-// Who does jobs: this process (local_executor.h) or, some day, an engine that places them on other machines. What every implementation
-// keeps is in tests/server/jobs/executor_contract.h.
+// The interface of whatever runs jobs: this process (local_executor.h), or another implementation that uses other machines. The contract
+// of every implementation is tests/server/jobs/executor_contract.h.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace hermite {
 
-// What a running job is at. A job that does not run has no stage.
+// The stage of a running job; other jobs have none.
 struct JobStage {
   std::string name;  // "unpacking", "waiting for a free place", "reading the frame log", "tracking", "finishing"
   std::int64_t done = 0;
@@ -23,20 +23,20 @@ struct JobStatus {
   JobStage stage;
 };
 
-// Belongs to the network thread. Failures of where jobs are kept are kIo.
+// Belongs to the network thread. Errors of the job storage are kIo.
 class Executor {
  public:
   virtual ~Executor() = default;
 
-  // Takes a job with state kQueued. The id is its key: a job that waits, runs or has finished is not done a second time, one that has
-  // failed or was cancelled is tried again as it was first submitted. What is submitted survives the server and ends once, well or not.
-  // kBusy: too many wait.
+  // Submits a job with state kQueued. The id is its key: a job that is queued, running or finished is not run again; one that failed or was
+  // cancelled is tried again as it was first submitted. A submitted job survives the server and ends exactly once.
+  // kBusy: too many are queued.
   virtual Status submit(const JobRow& job) = 0;
 
   virtual Result<JobStatus> status(const std::string& id) = 0;  // kNotFound
 
-  // The job is cancelled from here on, whatever becomes of the work; so is one that has failed: somebody has seen it. kNotFound; kBusy: it
-  // has finished or was cancelled already.
+  // Cancels the job immediately, even if its work takes a while to stop. Also dismisses a failed job. kNotFound; kBusy: it has finished or
+  // was cancelled already.
   virtual Status cancel(const std::string& id) = 0;
 
   virtual Result<std::vector<JobStatus>> list() = 0;                    // newest first, at most kMaxListedJobs

@@ -15,7 +15,7 @@ namespace hermite {
 
 namespace {
 
-// Of an upload: a point may have 12 bytes there, and has 51 in cloud.ply, and what viewers are shown of it.
+// Results in bytes of the upload: a point may take 12 bytes there, and takes 51 in cloud.ply plus its part of the viewer's chunks.
 constexpr std::uint64_t kResultsOfUpload = 5;
 
 std::string one_text(const std::vector<std::string>& sentences) {
@@ -34,7 +34,7 @@ bool is_import(const DataDirectory& data, const JobRow& row) {
 
 ImportJob::ImportJob(const ScanJobWorld& world, JobRow row, JobEvents events)
     : world_(world), row_(std::move(row)), events_(std::move(events)) {
-  world_.scans.remove_unwanted(row_.scan_id);  // of an attempt that ended with its server
+  world_.scans.remove_unwanted(row_.scan_id);  // remains of an attempt that ended with its server
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(world_.data.upload_path(row_.source_id), error);
   room_bytes_ = error ? 0 : kResultsOfUpload * bytes;
@@ -63,13 +63,13 @@ void ImportJob::run(const Status& room) {
   try {
     summary = room.ok() ? import() : Result<Summary>(room.error());
   } catch (const std::exception& error) {
-    // Out of memory, most likely: this job is over, the server is not.
+    // Most likely out of memory: only this job fails.
     summary = Error{ErrorCode::kIo, std::string("the job failed: ") + error.what()};
   }
   on_network([this, summary = std::move(summary)] { thread_ended(summary); });
 }
 
-// The scan has all of its files when this returns well.
+// On success the scan has all of its files.
 Result<ImportJob::Summary> ImportJob::import() {
   report("reading");
   const Result<ImportOptions> options = parse_import_options(settings_of(row_));

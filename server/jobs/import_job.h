@@ -1,7 +1,7 @@
-// A job whose upload is no recording but a cloud or a mesh: it becomes a finished scan with nothing behind it but its results.
+// A job that imports an uploaded cloud or mesh: it becomes a finished scan that has results but no frames.
 //
-// A thread of its own reads it and makes the files; everything else belongs to the network thread. The scan gets its row when all of its
-// files are there: whoever dies before leaves nothing that anybody sees, and the job begins again.
+// A separate thread reads the upload and makes the files; everything else belongs to the network thread. The scan gets its database row
+// once all of its files exist: if the server dies before, nothing is visible, and the job starts again.
 #pragma once
 
 #include <atomic>
@@ -19,9 +19,9 @@ namespace hermite {
 
 class ImportJob : public JobWork {
  public:
-  // Begins to work. `row` is of an upload, and has the id of the scan. `world` outlives this.
+  // Starts working. `row` refers to an upload and has the id of the new scan. `world` outlives this.
   ImportJob(const ScanJobWorld& world, JobRow row, JobEvents events);
-  ~ImportJob() override;  // waits for what the thread is at
+  ~ImportJob() override;  // waits for the thread
   ImportJob(const ImportJob&) = delete;
   ImportJob& operator=(const ImportJob&) = delete;
 
@@ -47,14 +47,14 @@ class ImportJob : public JobWork {
   const ScanJobWorld& world_;
   const JobRow row_;
   const JobEvents events_;
-  const std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // what was posted for a job that is gone does nothing
+  const std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // functions posted for a destroyed job do nothing
   std::atomic<bool> stopped_ = false;
-  std::uint64_t room_bytes_ = 0;  // that it needs on the disk
+  std::uint64_t room_bytes_ = 0;  // needed on the disk
   bool cancelled_ = false;
   std::thread thread_;  // last: it uses the others
 };
 
-// Whether the bytes of an upload are those of a cloud or a mesh. False, too, when they cannot be read: the job says why.
+// Whether an upload is a cloud or a mesh, by its first bytes. False if it cannot be read; the job then reports the error.
 bool is_import(const DataDirectory& data, const JobRow& row);
 
 }  // namespace hermite

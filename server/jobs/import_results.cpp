@@ -45,7 +45,7 @@ std::uint8_t level_for(const Cloud& cloud) {
   return level;
 }
 
-// What viewers see as points of a mesh.
+// The vertices of a mesh as points, for viewers.
 Cloud vertices_of(const TriangleMesh& mesh) {
   Cloud cloud(mesh.positions_m.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {

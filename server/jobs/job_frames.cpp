@@ -15,7 +15,7 @@ class FramesOfRecording : public JobFrames {
  public:
   FramesOfRecording(Recording recording, wire::StartScan request) : recording_(std::move(recording)), request_(std::move(request)) {
     const Sequence& sequence = *recording_.sequence;
-    // The codec that needs no trial: what is lossless makes no difference to the result, and nothing goes over a network.
+    // Any lossless codec gives the same result, and nothing is sent over a network: take the one that needs no trial.
     request_.depth_codecs = {wire::DepthCodec::kRvlZstd};
     request_.color_codecs = {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng};
     request_.mode = wire::Mode::kBatch;
@@ -74,7 +74,7 @@ class FramesOfLog : public JobFrames {
       if ((*record)->type != RecordType::kFrame) continue;
       Result<wire::Frame> frame = wire::parse_frame_message((*record)->payload, kMaxRecordBytes);
       if (!frame.ok()) return in_context("a record of the frame log", frame.error());
-      // Refused frames of the old scan leave no gap.
+      // Frames that the old scan refused leave no gap in the numbering.
       frame->sequence = sequence_++;
       return std::optional<wire::Frame>(*std::move(frame));
     }

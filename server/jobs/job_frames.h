@@ -1,4 +1,4 @@
-// Where a job's frames come from: a recording that somebody has uploaded, or the frame log of a scan. They are what a camera would send.
+// The source of a job's frames: an uploaded recording, or the frame log of a scan. Frames are messages as a camera would send them.
 #pragma once
 
 #include <cstdint>
@@ -20,18 +20,18 @@ class JobFrames {
   virtual ~JobFrames() = default;
   virtual const wire::StartScan& request() const = 0;
 
-  // Numbered 0, 1, 2, ... None: that was the last one.
+  // The next frame, numbered 0, 1, 2, ... None: the end.
   virtual Result<std::optional<wire::Frame>> next() = 0;
   virtual Status skip(std::uint64_t frame_count) = 0;
 
-  // What there is to say about the frames so far; taken with it.
+  // Returns and clears remarks about the frames so far.
   virtual std::vector<std::string> take_remarks() = 0;
 };
 
-// As `hermite-client stream` sends them: the same bits for the pipeline.
+// The frames of a recording, as `hermite-client stream` sends them: the pipeline gets the same bits.
 std::unique_ptr<JobFrames> recorded_frames(Recording recording, wire::StartScan request);
 
-// Of a scan that has ended, `frame_count` for its progress; `settings` instead of those that it had. kNotFound: there is no log any more.
+// The frames of a scan that has ended; `frame_count` is for progress; `request` replaces its settings. kNotFound: the log was removed.
 Result<std::unique_ptr<JobFrames>> logged_frames(const std::string& log_folder, std::uint64_t frame_count, const wire::StartScan& request);
 
 }  // namespace hermite

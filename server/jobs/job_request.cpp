@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 
 Error invalid(const std::string& words) { return {ErrorCode::kInvalidArgument, words}; }
 
-// "kitchen" of "kitchen.tar.zst".
+// "kitchen" for "kitchen.tar.zst".
 std::string without_ending(std::string name) {
   const std::size_t slash = name.find_last_of("/\\");
   if (slash != std::string::npos) name.erase(0, slash + 1);
@@ -34,7 +34,7 @@ std::string without_ending(std::string name) {
   return name;
 }
 
-// Known ones with values that they may have: of a reconstruction, or of an import. Which of them it will be the bytes say later.
+// Checks names and values: settings of a reconstruction or of an import, since which of them it is depends on the uploaded bytes.
 Status check_settings(const std::map<std::string, std::string>& settings) {
   if (settings.size() > static_cast<std::size_t>(wire::kMaxSettings))
     return invalid("settings has " + std::to_string(settings.size()) + " entries, allowed are " + std::to_string(wire::kMaxSettings));
@@ -50,9 +50,9 @@ Status check_settings(const std::map<std::string, std::string>& settings) {
 
 Result<std::map<std::string, std::string>> parse_settings(const Json& json) {
   std::map<std::string, std::string> settings;
-  if (!json.is_object()) return invalid("settings is no JSON object of texts");
+  if (!json.is_object()) return invalid("settings must be a JSON object of strings");
   for (const auto& [key, value] : json.items()) {
-    if (!value.is_string()) return invalid("settings has a value that is no text");
+    if (!value.is_string()) return invalid("settings has a value that is not a string");
     settings[key] = value.get<std::string>();
   }
   if (Status status = check_settings(settings); !status.ok()) return status.error();
@@ -63,7 +63,7 @@ Result<int> parse_priority(const std::string& text) {
   int priority = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), priority);
   if (error != std::errc() || stop != text.data() + text.size() || priority < kLowestPriority || priority > kHighestPriority)
-    return invalid("priority is no whole number from " + std::to_string(kLowestPriority) + " to " + std::to_string(kHighestPriority));
+    return invalid("priority must be a whole number from " + std::to_string(kLowestPriority) + " to " + std::to_string(kHighestPriority));
   return priority;
 }
 
@@ -86,7 +86,7 @@ Json row_json(const JobStatus& job) {
   return json;
 }
 
-// Bytes of the character at `at`, 0 when that is none.
+// The length in bytes of the UTF-8 character at `at`; 0: invalid.
 std::size_t utf8_length(const std::string& text, std::size_t at) {
   const auto byte = [&text](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
   const unsigned int first = byte(at);
@@ -97,7 +97,7 @@ std::size_t utf8_length(const std::string& text, std::size_t at) {
                                                              : 0;
   for (std::size_t i = 1; i < length; ++i)
     if ((byte(at + i) & 0xc0) != 0x80) return 0;
-  // Too long a form, a surrogate, beyond the last character.
+  // An overlong encoding, a surrogate, or beyond the last code point.
   const unsigned int second = byte(at + 1);
   const bool odd = (first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) || (first == 0xf0 && second < 0x90) ||
                    (first == 0xf4 && second > 0x8f);
@@ -111,7 +111,7 @@ std::string clean_title(const std::string& text) {
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t length = utf8_length(text, at);
     const auto first = static_cast<unsigned char>(text[at]);
-    // Also the control characters of two bytes.
+    // Including the two-byte control characters.
     const bool control = first < 0x20 || first == 0x7f || (first == 0xc2 && length == 2 && static_cast<unsigned char>(text[at + 1]) < 0xa0);
     const std::string piece = length == 0 || control ? "?" : text.substr(at, length);
     if (title.size() + piece.size() > wire::kMaxTitleBytes) break;
@@ -157,7 +157,7 @@ Result<JobRow> job_of_upload(const UploadRow& upload) {
 
 Result<JobRow> job_of_request(const std::string& body) {
   const Json json = Json::parse(body, nullptr, false);
-  if (!json.is_object()) return invalid("the request is no JSON object");
+  if (!json.is_object()) return invalid("the request is not a JSON object");
   JobRow job;
   job.source = JobSource::kScan;
   for (const auto& [key, value] : json.items()) {

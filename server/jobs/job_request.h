@@ -1,4 +1,4 @@
-// What people ask of a job, in texts, and what they are told of it. Pure functions.
+// Parses job requests and formats job status as JSON. Pure functions.
 #pragma once
 
 #include <map>
@@ -13,32 +13,32 @@
 
 namespace hermite {
 
-// From the metadata of an upload (tus.h); every key may be missing, others are left alone:
-//   "title"     of the scan, else that of "filename" without its ending
-//   "camera"    as in camera.json, or one of the names that camera_file.h knows
-//   "settings"  a JSON object of texts: of the reconstruction, as a camera sends them
-//   "priority"  -100 to 100; above 0 only of a token that may administer (check_priority)
+// From the metadata of an upload (tus.h). All keys are optional, unknown keys are ignored:
+//   "title"     of the scan; by default "filename" without its extension
+//   "camera"    JSON as in camera.json, or a name that camera_file.h knows
+//   "settings"  a JSON object of strings: settings of the reconstruction, as a camera sends them
+//   "priority"  -100 to 100; above 0 only for administrators (check_priority)
 // kInvalidArgument, naming the key.
 Result<JobRow> job_of_upload(const UploadRow& upload);
 
-// From the body of a request, a JSON object: "scan" is the id of the one to be made anew, "title", "settings" and "priority" as above.
-// An id of its own is not in it yet.
+// From the body of a request, a JSON object: "scan" is the id of the scan to reprocess; "title", "settings" and "priority" as above. The
+// caller sets the id of the job.
 Result<JobRow> job_of_request(const std::string& body);
 
-// Only administrators put themselves before others. kUnauthorized.
+// kUnauthorized: only administrators may use a priority above 0.
 Status check_priority(const JobRow& job, bool is_admin);
 
-// Of a row that came out of the above. A corrupt one has none.
+// The settings of a row that the functions above have made; none if the row is corrupt.
 std::map<std::string, std::string> settings_of(const JobRow& job);
 
-// The camera that the job names or describes, none where it leaves that to the recording. kInvalidArgument, kCorruptData, as
+// The camera that the job names or describes; none if it comes from the recording. kInvalidArgument, kCorruptData: as
 // parse_camera_json.
 Result<std::optional<Camera>> camera_of(const JobRow& job);
 
-// UTF-8 without control characters, as long as a title may be; what is neither becomes "?".
+// Makes text valid UTF-8 without control characters, cut to the length of a title; invalid parts become "?".
 std::string clean_title(const std::string& text);
 
-// {"jobs": [...]}, and one with its log.
+// {"jobs": [...]}, and a single job with its log.
 std::string jobs_json(const std::vector<JobStatus>& jobs);
 std::string job_json(const JobStatus& job, const std::vector<JobLine>& log);
 

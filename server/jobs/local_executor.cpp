@@ -30,7 +30,7 @@ Status LocalExecutor::submit(const JobRow& job) {
   if (known.ok()) {
     const bool again = known->state == JobState::kFailed || known->state == JobState::kCancelled;
     if (!again) return Done{};
-    // A cancelled one may still be at its end.
+    // A cancelled job may not have stopped yet.
     if (running_.contains(job.id)) return Error{ErrorCode::kBusy, "job " + job.id + " is just being ended; try again in a moment"};
     known->state = JobState::kQueued;
     known->words.clear();
@@ -76,7 +76,7 @@ Status LocalExecutor::cancel(const std::string& id) {
   if (!row.ok()) return row.error();
   if (row->state == JobState::kFailed) return put_away(*std::move(row));
   if (has_ended(row->state)) return Error{ErrorCode::kBusy, "job " + id + " has ended: it is " + name_of(row->state)};
-  // At once, so that it stays cancelled when the server dies now.
+  // Stored at once, so that it stays cancelled even if the server dies now.
   row->state = JobState::kCancelled;
   row->words = "cancelled";
   row->finished_at_ms = hooks_.now_ms();
@@ -93,7 +93,7 @@ Status LocalExecutor::cancel(const std::string& id) {
   return Done{};
 }
 
-// What it failed of stays to be read, and it may be tried again.
+// The log with its error is kept, and the job may be retried.
 Status LocalExecutor::put_away(JobRow row) {
   row.state = JobState::kCancelled;
   if (Status status = store_.update_job(row); !status.ok()) return status;
@@ -107,7 +107,7 @@ void LocalExecutor::start(JobRow row) {
   ++row.attempt_count;
   row.started_at_ms = hooks_.now_ms();
   if (row.scan_id.empty()) row.scan_id = hooks_.new_scan_id();
-  // On disk before there is anything to find after a crash.
+  // Stored before the work creates anything that a crash could leave behind.
   if (Status status = store_.update_job(row); !status.ok()) {
     spdlog::error("job {} cannot start: {}", row.id, status.error().message);
     return;
@@ -128,13 +128,13 @@ void LocalExecutor::ended(const std::string& id, const JobEnd& end) {
   const auto running = running_.find(id);
   CHECK(running != running_.end(), "a job ends once");
   JobRow row = running->second.row;
-  // Not at once: this is called by the work itself.
+  // Destroyed later, since the work itself calls this.
   hooks_.post([work = std::shared_ptr<JobWork>(std::move(running->second.work))] {});
   running_.erase(running);
   if (row.state != JobState::kCancelled) {
     row.state = end.state;
     row.words = end.words;
-    if (end.state == JobState::kQueued) --row.attempt_count;  // it is not the job's fault
+    if (end.state == JobState::kQueued) --row.attempt_count;  // an interruption is no failed attempt
     row.finished_at_ms = has_ended(end.state) ? hooks_.now_ms() : 0;
     if (Status status = store_.update_job(row); !status.ok()) spdlog::error("job {}: {}", id, status.error().message);
     if (end.lacked_room) return put_off(id, row.words);
@@ -172,8 +172,8 @@ void LocalExecutor::tick() {
   }
 }
 
-// Of the highest priority: of the token that had its last turn longest ago the oldest, so that who submits a hundred keeps nobody waiting
-// for a hundred. `waiting` is in the order of the store.
+// Selects by priority; then the token whose last turn is longest ago, so that a token with many jobs does not delay others; then the oldest
+// job. `waiting` is in the order of the store.
 std::size_t LocalExecutor::next_of(const std::vector<JobRow>& waiting) const {
   const auto last_start = [this](const JobRow& row) {
     const auto found = last_start_.find(row.token_id);

@@ -1,6 +1,5 @@
-// Jobs done by this process: so many at once, the highest priority first, then the oldest. They are rows of the store, so that they wait
-// for the next server when this one ends. One that ran when its server died is tried again, kMaxAttempts times in all.
-// Belongs to the network thread.
+// Runs jobs in this process: a limited number at once, by priority, then by age. Jobs are rows of the store, so that queued ones survive
+// the server. A job that was running when its server died is retried, kMaxAttempts attempts in all. Belongs to the network thread.
 #pragma once
 
 #include <cstdint>
@@ -16,40 +15,40 @@
 
 namespace hermite {
 
-inline constexpr int kMaxAttempts = 3;  // a job that ends its server would end it for ever
-inline constexpr std::int64_t kFirstRoomPause_ms = 5000, kLongestRoomPause_ms = 3'600'000;  // what fits never costs a scan each time
+inline constexpr int kMaxAttempts = 3;  // a job that crashes its server must not do so for ever
+inline constexpr std::int64_t kFirstRoomPause_ms = 5000, kLongestRoomPause_ms = 3'600'000;  // a retry costs a whole scan
 inline constexpr std::int64_t kForgetJobsAfter_ms = 90 * kDay_ms;
 
 struct JobEnd {
-  JobState state = JobState::kFinished;  // queued: the server stops, the job goes on when there is one again
+  JobState state = JobState::kFinished;  // queued: the server stops, and the next server continues the job
   std::string words;
-  bool lacked_room = false;  // queued: the disk had no room for it; it is tried again by itself, later and later
+  bool lacked_room = false;  // queued: the disk had no room; it is retried with growing pauses
 };
 
-// What a job tells, on the network thread.
+// Events of a job, on the network thread.
 struct JobEvents {
   std::function<void(JobStage)> progress;
   std::function<void(const std::string&)> log;
-  std::function<void(JobEnd)> ended;  // once, last, and never from inside a call of JobWork
+  std::function<void(JobEnd)> ended;  // exactly once, as the last event, never from inside a call of JobWork
 };
 
-// A job that runs. Destroyed on the network thread, at the latest when it has ended.
+// A running job. Destroyed on the network thread, at the latest after it has ended.
 class JobWork {
  public:
   virtual ~JobWork() = default;
-  virtual void cancel() = 0;  // soon it ends, without leaving anything behind
-  virtual void stop() = 0;    // soon it ends as queued, or as it would have
-  virtual void tick() = 0;    // now and then
+  virtual void cancel() = 0;  // ends soon and leaves nothing behind
+  virtual void stop() = 0;    // ends soon, as queued or finished
+  virtual void tick() = 0;    // called periodically
 };
 
 class LocalExecutor : public Executor {
  public:
   struct Hooks {
     std::function<std::unique_ptr<JobWork>(const JobRow&, JobEvents)> start;
-    std::function<void(const JobRow&)> ended;  // for good
+    std::function<void(const JobRow&)> ended;  // will not be retried
     std::function<std::int64_t()> now_ms;
     std::function<std::string()> new_scan_id;
-    std::function<void(std::function<void()>)> post;  // runs it on this thread, soon
+    std::function<void(std::function<void()>)> post;  // runs a function on this thread soon
   };
 
   // `store` outlives this.
@@ -62,9 +61,9 @@ class LocalExecutor : public Executor {
   Result<std::vector<JobStatus>> list() override;
   Result<std::vector<JobLine>> log(const std::string& id) override;
 
-  void tick();        // now and then: starts what waits
-  void refuse_new();  // starts nothing any more
-  void stop();        // ends what runs; it goes on with the next server
+  void tick();        // called periodically: starts queued jobs
+  void refuse_new();  // starts no more jobs
+  void stop();        // stops running jobs; the next server continues them
   std::size_t running_count() const { return running_.size(); }
 
  private:
@@ -90,14 +89,14 @@ class LocalExecutor : public Executor {
     std::int64_t length_ms = 0;
     std::int64_t until_ms = 0;
   };
-  std::map<std::string, Pause> pauses_;              // by id, of jobs that the disk had no room for
-  std::map<std::string, std::uint64_t> last_start_;  // by token: the number of the start of its newest job
+  std::map<std::string, Pause> pauses_;              // by id, for jobs that the disk had no room for
+  std::map<std::string, std::uint64_t> last_start_;  // by token: the sequence number of its last start
   std::uint64_t start_count_ = 0;
   bool stopping_ = false;
 };
 
-// What becomes of the jobs of a server that died, before anything is done with their scans: those that ran wait again, or have failed when
-// they were tried often enough. `is_finished` and `remove_scan` are asked with the id of a job's scan. kIo.
+// Recovers the jobs of a server that died, before their scans are touched: running jobs are queued again, or fail after kMaxAttempts
+// attempts. `is_finished` and `remove_scan` are called with the id of a job's scan. kIo.
 struct JobScans {
   std::function<bool(const std::string&)> is_finished;
   std::function<void(const std::string&)> remove_unfinished;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <filesystem>
 #include <utility>
 #include <variant>
 
@@ -16,10 +17,10 @@ namespace hermite {
 
 namespace {
 
-constexpr std::chrono::milliseconds kReportPeriod(100);  // of what has been unpacked
+constexpr std::chrono::milliseconds kReportPeriod(100);  // of the unpacking progress
 constexpr const char* kTracking = "tracking";
 
-// Paths of this machine are nobody's business.
+// Error messages must not reveal paths of the server.
 std::string without_path(std::string words, const std::string& path, const std::string& instead) {
   for (std::size_t at = 0; (at = words.find(path, at)) != std::string::npos; at += instead.size()) words.replace(at, path.size(), instead);
   return words;
@@ -61,7 +62,7 @@ void ScanJob::run() {
     Result<std::unique_ptr<JobFrames>> source = open_source();
     fed = source.ok() ? feed(**source) : Status(source.error());
   } catch (const std::exception& error) {
-    // Out of memory, most likely: this job is over, the server is not.
+    // Most likely out of memory: only this job fails.
     fed = Error{ErrorCode::kIo, std::string("the job failed: ") + error.what()};
   }
   if (const Status removed = world_.data.remove_job_folder(row_.id); !removed.ok()) spdlog::warn("{}", removed.error().message);
@@ -84,22 +85,33 @@ Result<std::unique_ptr<JobFrames>> ScanJob::open_source() {
   return recorded_frames(*std::move(recording), std::move(request));
 }
 
-// The upload as it is, or the folder that it was unpacked into.
+// What the disk has room for, now and if it were empty, beside the upload and the space that must stay free.
+Result<UnpackLimits> ScanJob::unpack_limits(const std::string& upload) const {
+  const Result<std::uint64_t> free = world_.data.free_disk_bytes();
+  if (!free.ok()) return free.error();
+  const Result<std::uint64_t> capacity = world_.data.disk_capacity_bytes();
+  if (!capacity.ok()) return capacity.error();
+  std::error_code error;
+  const std::uintmax_t packed_bytes = std::filesystem::file_size(upload, error);
+  if (error) return Error{ErrorCode::kIo, "asking for the size of the upload: " + error.message()};
+  const auto without = [](std::uint64_t bytes, std::uint64_t taken) { return bytes - std::min(bytes, taken); };
+  UnpackLimits limits = world_.limits;
+  limits.room_bytes = without(*free, world_.min_free_disk_bytes);
+  limits.capacity_bytes = without(without(*capacity, world_.min_free_disk_bytes), packed_bytes);
+  return limits;
+}
+
+// The uploaded file itself, or the folder that it was unpacked into.
 Result<std::string> ScanJob::recording_path() {
   const std::string upload = world_.data.upload_path(row_.source_id);
   if (!is_archive(upload)) return upload;
   report({"unpacking"});
   if (const Status status = world_.data.create_job_folder(row_.id); !status.ok()) return status.error();
   const std::string folder = world_.data.job_folder(row_.id) + "/recording";
-  UnpackLimits limits = world_.limits;
-  const Result<std::uint64_t> free = world_.data.free_disk_bytes();
-  if (!free.ok()) return free.error();
-  const std::uint64_t room_bytes = *free - std::min(*free, world_.min_free_disk_bytes);
-  limits.output_bytes = std::min(limits.output_bytes, room_bytes);
+  const Result<UnpackLimits> limits = unpack_limits(upload);
+  if (!limits.ok()) return limits.error();
   auto told_at = std::chrono::steady_clock::now();
-  std::uint64_t needed_bytes = 0;
-  const Result<UnpackSummary> unpacked = unpack_archive(upload, folder, limits, [&](std::uint64_t output_bytes) {
-    needed_bytes = output_bytes;
+  const Result<UnpackSummary> unpacked = unpack_archive(upload, folder, *limits, [&](std::uint64_t output_bytes) {
     const auto now = std::chrono::steady_clock::now();
     if (now - told_at >= kReportPeriod) {
       told_at = now;
@@ -107,11 +119,7 @@ Result<std::string> ScanJob::recording_path() {
     }
     return !is_stopped();
   });
-  if (!unpacked.ok() && room_bytes == limits.output_bytes && needed_bytes > room_bytes) {
-    upload_lacks_room_ = true;
-    return Error{ErrorCode::kTooLarge,
-                 "the disk has room for " + std::to_string(room_bytes / 1'000'000) + " MB of what it unpacks to, and that is more"};
-  }
+  upload_lacks_room_ = !unpacked.ok() && unpacked.error().code == ErrorCode::kBusy;
   if (!unpacked.ok())
     return Error{unpacked.error().code, without_path(unpacked.error().message, upload, row_.title.empty() ? "the upload" : row_.title)};
   on_network([this, words = unpacked->kind + ": " + std::to_string(unpacked->file_count) + " files unpacked, " +
@@ -124,7 +132,7 @@ Result<Recording> ScanJob::open_upload(const std::string& path, const wire::Star
   if (!camera.ok()) return camera.error();
   Result<Recording> recording = open_recording(path, *camera);
   if (recording.ok() || *camera) return recording;
-  // Names of folders say which camera of a benchmark it was. Here the title is all that is left of the name.
+  // The folder name of a benchmark recording tells its camera. Of an upload only the title is left of that name.
   const std::optional<Camera> mentioned = camera_mentioned_in(request.title);
   if (!mentioned) return recording;
   Result<Recording> again = open_recording(path, mentioned);
@@ -214,7 +222,7 @@ void ScanJob::begin_scan() {
 }
 
 CameraLink ScanJob::link() {
-  // Called from inside the scan, which must outlive the call: what follows is done later.
+  // Called from inside the scan, which must outlive the call, so everything that follows is posted.
   const std::weak_ptr<bool> alive = alive_;
   const auto later = [this, alive](bool away) {
     if (!alive.lock()) return;
@@ -263,7 +271,7 @@ void ScanJob::cancel() {
   if (scan_ && !scan_over_) scan_->discard();
 }
 
-// A scan that runs is told by Scans, which knows when.
+// Scans stops a running scan itself, at the right time.
 void ScanJob::stop() {
   stopping_ = true;
   if (!scan_) stop_thread();
@@ -271,7 +279,7 @@ void ScanJob::stop() {
 
 void ScanJob::tick() { begin_scan(); }
 
-// Its last word: the source is used up, was stopped, or is no good.
+// The thread has ended: the source is exhausted, was stopped, or failed.
 void ScanJob::thread_ended(const Status& fed) {
   thread_over_ = true;
   if (!fed.ok() && !failure_) failure_ = fed.error();
@@ -279,7 +287,7 @@ void ScanJob::thread_ended(const Status& fed) {
   conclude();
 }
 
-// When both the thread and the scan are at their end.
+// Ends the job once both the thread and the scan have ended.
 void ScanJob::conclude() {
   stop_thread();
   if (ended_ || !thread_over_ || (scan_ && !scan_over_)) return;
@@ -287,7 +295,7 @@ void ScanJob::conclude() {
   events_.ended(verdict());
 }
 
-// Rather than it was no good: then it is worth another try when there is some.
+// Whether it failed for lack of disk space, so that it should be retried, rather than because of its content.
 bool ScanJob::lacked_room() const {
   if (upload_lacks_room_ || (scan_ && scan_->lacked_room())) return true;
   const bool of_disk = failure_ ? failure_->code == ErrorCode::kIo : scan_ && last_state_;
@@ -299,11 +307,11 @@ JobEnd ScanJob::verdict() {
   if (postponed && !cancelled_) return {JobState::kQueued, {}};
   const bool finished = last_state_ && last_state_->phase == wire::ScanPhase::kFinished;
   if (!cancelled_ && !failure_ && finished) return {JobState::kFinished, last_state_->words};
-  const bool again = lacked_room();  // before there is, since this has ended
-  // Nothing is left of a scan that nobody gets.
+  const bool again = lacked_room();  // asked now, before removing the scan frees space
+  // A scan without result leaves nothing behind.
   world_.scans.remove_unwanted(row_.scan_id);
   if (cancelled_) return {JobState::kCancelled, {}};
-  const std::string words = failure_ ? failure_->message : last_state_ ? last_state_->words : "the scan ended without a word";
+  const std::string words = failure_ ? failure_->message : last_state_ ? last_state_->words : "the scan ended without giving a reason";
   if (again) return {JobState::kQueued, words, true};
   return {JobState::kFailed, words};
 }

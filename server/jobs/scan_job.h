@@ -1,7 +1,7 @@
-// A job as this process does it: unpacks an upload, or opens the frame log of a scan, and streams the frames into a scan of its own, as a
-// camera would. So the result is that of streaming, viewers see the scan grow, and after a crash it goes on where its log ends.
+// A reconstruction job: unpacks an upload, or opens the frame log of a scan, and streams the frames into a new scan as a camera would. So
+// the result equals that of streaming, viewers see the scan grow, and after a crash it continues where its log ends.
 //
-// A thread of its own reads and encodes; everything else belongs to the network thread.
+// A separate thread reads and encodes; everything else belongs to the network thread.
 #pragma once
 
 #include <atomic>
@@ -22,20 +22,20 @@
 
 namespace hermite {
 
-// What all jobs share. Outlives them.
+// Shared by all jobs, and outlives them.
 struct ScanJobWorld {
   Scans& scans;
   const DataDirectory& data;
-  std::function<void(std::function<void()>)> post;  // runs it on the network thread, soon; from any thread
+  std::function<void(std::function<void()>)> post;  // runs a function on the network thread soon; callable from any thread
   UnpackLimits limits;
   std::uint64_t min_free_disk_bytes = 0;
 };
 
 class ScanJob : public JobWork {
  public:
-  // Begins to work. `row` has the id of the scan.
+  // Starts working. `row` has the id of the new scan.
   ScanJob(const ScanJobWorld& world, JobRow row, JobEvents events);
-  ~ScanJob() override;  // waits for the frame in work
+  ~ScanJob() override;  // waits for the current frame
   ScanJob(const ScanJob&) = delete;
   ScanJob& operator=(const ScanJob&) = delete;
 
@@ -44,18 +44,19 @@ class ScanJob : public JobWork {
   void tick() override;
 
  private:
-  // What the thread may do: guarded by mutex_.
+  // Instructions for the thread, guarded by mutex_.
   struct Feed {
     bool begun = false;
     bool stopped = false;
     std::uint64_t next_sequence = 0;
-    std::uint64_t granted = 0;  // frames in all
+    std::uint64_t granted = 0;  // total credit in frames
     std::size_t max_message_bytes = 0;
   };
 
   // On the thread.
   void run();
   Result<std::unique_ptr<JobFrames>> open_source();
+  Result<UnpackLimits> unpack_limits(const std::string& upload) const;
   Result<std::string> recording_path();
   Result<Recording> open_upload(const std::string& path, const wire::StartScan& request) const;
   Status feed(JobFrames& source);
@@ -78,17 +79,17 @@ class ScanJob : public JobWork {
   const ScanJobWorld& world_;
   const JobRow row_;
   const JobEvents events_;
-  std::uint64_t logged_frame_count_ = 0;                              // of the scan that is made anew
-  const std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // what was posted for a job that is gone does nothing
+  std::uint64_t logged_frame_count_ = 0;                              // of the scan that is reprocessed
+  const std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // functions posted for a destroyed job do nothing
 
-  std::optional<wire::StartScan> waiting_;  // the source is open, and there was no room for its scan yet
+  std::optional<wire::StartScan> waiting_;  // the source is open, but its scan has no place yet
   std::shared_ptr<LiveScan> scan_;
   std::optional<wire::ScanState> last_state_;
   std::optional<Error> failure_;
   bool cancelled_ = false;
   bool stopping_ = false;
   bool went_away_ = false;
-  std::atomic<bool> upload_lacks_room_ = false;  // the disk had none for what it unpacks to
+  std::atomic<bool> upload_lacks_room_ = false;  // the disk has no room now for the unpacked files
   bool scan_over_ = false;
   bool thread_over_ = false;
   bool ended_ = false;
@@ -97,7 +98,7 @@ class ScanJob : public JobWork {
   std::mutex mutex_;
   std::condition_variable changed_;
   Feed feed_;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last member: the thread uses the others
 };
 
 }  // namespace hermite

@@ -33,7 +33,7 @@ void Audience::add_position(const wire::PoseInSubmap& where) {
 
 void Audience::show_past(const std::vector<wire::PoseInSubmap>& poses) {
   for (const wire::PoseInSubmap& pose : poses) add_position(pose);
-  // Who is there already has been told of no past, or of another one.
+  // Viewers that are already connected have no past positions, or other ones.
   for (Viewer* viewer : viewers_) viewer->trajectory_ = shared(trajectory());
   wake_all();
 }
@@ -142,7 +142,7 @@ void Viewer::watch(const wire::Watch& watch) {
   audience_->ask_for_mesh();
 }
 
-// The surface of a scan that has ended is an export; until somebody has that there are the points.
+// The surface of an ended scan is an export; until a viewer has loaded that it shows points.
 bool Viewer::sees_points() const { return watch_.points || audience_->closed_ || audience_->mesh_ended_; }
 
 SharedBytes Viewer::counted(SharedBytes message) {

@@ -1,8 +1,8 @@
-// What viewers of one scan see, and who they are. Every viewer has a set of chunks it does not have yet instead of a queue: one that is
-// slow skips versions, one that joins late starts with every chunk in the set, and memory is bounded by the model's size. What a viewer
-// does not want to see stays in its set, so that it gets what it lacks when it changes its mind.
+// The viewers of one scan and what they are sent. Instead of a queue each viewer has a set of chunks that it lacks: a slow viewer skips
+// versions, a late one starts with all chunks in the set, and memory is bounded by the size of the model. Chunks that a viewer does not
+// want to see stay in its set, so that it gets them when it changes its mind.
 //
-// Messages are formatted once and shared. All of it belongs to the network thread.
+// Messages are formatted once and shared. Everything belongs to the network thread.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@
 
 namespace hermite {
 
-// Of one scan. A share link is one token, however many open it: half of all places are for one link.
+// Viewers of one scan. A share link counts as one token however many people open it: one link may take half of the places.
 inline constexpr Share kViewerShare{32, 16, 4};
 inline constexpr std::uint64_t kMaxUnackedBytes = 4 * 1024 * 1024;
 
@@ -34,19 +34,19 @@ struct SceneInfo {
   Camera camera;
 };
 
-// With what a viewer came in.
+// The credentials of a viewer.
 struct ViewerToken {
   std::string token_id;
   bool is_admin = false;
 };
 
-// A message ready to be sent, of the newest version of a chunk of points or of a piece of the surface.
+// The formatted message of the newest version of a chunk of points or a piece of the surface.
 struct ShownPart {
   SharedBytes message;
   bool empty = false;
 };
 
-// Of one kind of parts, what a viewer does not have yet.
+// The parts of one kind that a viewer lacks.
 template <class Key>
 class MissingParts {
  public:
@@ -60,9 +60,9 @@ class MissingParts {
 
   void add(const Key& key) { missing_.insert(key); }
   bool empty() const { return missing_.empty(); }
-  bool has_snapshot() const { return snapshot_.empty(); }  // all that there was when the viewer came is sent
+  bool has_snapshot() const { return snapshot_.empty(); }  // everything that existed when the viewer came has been sent
 
-  // Round and round rather than always from the front: parts that change all the time must not keep the others back. Not empty.
+  // In rotation rather than always from the front, so that parts that change all the time do not starve the others. Not empty.
   Key next() const {
     auto chosen = last_ ? missing_.upper_bound(*last_) : missing_.begin();
     return chosen == missing_.end() ? *missing_.begin() : *chosen;
@@ -87,28 +87,28 @@ class Audience {
   Audience& operator=(const Audience&) = delete;
 
   const SceneInfo& info() const { return info_; }
-  void rename(const std::string& title) { info_.title = title; }  // for those who come from now on
+  void rename(const std::string& title) { info_.title = title; }  // for viewers that come later
 
   void show_state(const wire::ScanState& state);
   void show_result(const wire::FrameResult& result);                   // and adds its position to the trajectory
-  void show_past(const std::vector<wire::PoseInSubmap>& poses);        // of frames whose results nobody told: they come before all others
-  void show_other_past(const std::vector<wire::PoseInSubmap>& poses);  // instead of all positions so far: the map was made anew
+  void show_past(const std::vector<wire::PoseInSubmap>& poses);        // of frames without reported results; they precede all others
+  void show_other_past(const std::vector<wire::PoseInSubmap>& poses);  // replaces all positions so far, when the map was rebuilt
   void show_poses(wire::SubmapPoses poses);
   void show_model(ModelUpdate update);
-  void show_mesh(MeshUpdate update);  // when it has ended, all see points
+  void show_mesh(MeshUpdate update);  // when the surface has ended, all viewers see points
 
-  // Told at once and whenever it changes whether anybody wants to see a surface; nullptr: nobody wants to know.
+  // Called at once and on every change with whether any viewer wants a surface; nullptr: no callback.
   void tell_mesh_wanted(std::function<void(bool)> tell);
 
-  // Of a scan that is over: in the world, where nothing moves any more.
+  // For a scan that has ended: positions in the world, which no longer change.
   void set_positions(std::vector<float> positions_m) { final_positions_m_ = std::move(positions_m); }
 
-  // The scan has ended and its last state and model were shown: viewers may leave once they have everything.
+  // The scan has ended and its final state and model were set: viewers are done once they have everything.
   void close();
 
   std::size_t viewer_count() const { return viewers_.size(); }
 
-  // `wake` is called when the viewer may have something to send. kBusy: the share of the token is used up.
+  // `wake` is called when there may be something to send to the viewer. kBusy: the token has its share of viewers already.
   static Result<std::unique_ptr<Viewer>> join(const std::shared_ptr<Audience>& audience, const ViewerToken& token, const wire::Watch& watch,
                                               std::function<void()> wake);
 
@@ -122,11 +122,11 @@ class Audience {
   SceneInfo info_;
   SharedBytes state_, poses_, result_;
   std::map<ChunkKey, ShownPart> chunks_;
-  std::map<SurfaceCube, ShownPart> pieces_;  // of the surface
+  std::map<SurfaceCube, ShownPart> pieces_;  // pieces of the surface
   bool mesh_ended_ = false;
   bool mesh_wanted_ = false;
   std::function<void(bool)> tell_mesh_wanted_;
-  // Of every result, in the frame of its submap: what is corrected later moves with it.
+  // The position of every result, in the frame of its submap, so that corrections move it.
   std::vector<float> positions_in_submaps_m_;  // x y z
   std::vector<std::uint32_t> submaps_;
   std::map<std::uint32_t, Rigid3> world_from_submap_;
@@ -135,7 +135,7 @@ class Audience {
   std::set<Viewer*> viewers_;
 };
 
-// One viewer's share of an audience: what to send next. The audience outlives it.
+// One viewer: decides what it is sent next. The audience outlives it.
 class Viewer {
  public:
   Viewer(std::shared_ptr<Audience> audience, std::string token_id, const wire::Watch& watch, std::function<void()> wake);
@@ -143,19 +143,19 @@ class Viewer {
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
 
-  // The next message, to be called when the socket is free; none when there is nothing, or when more than kMaxUnackedBytes are under way.
+  // The next message; call it when the socket is free. None: nothing to send, or more than kMaxUnackedBytes are not acknowledged.
   SharedBytes next();
 
-  // What it wants to see from now on, while the scan runs.
+  // What the viewer wants to see from now on, while the scan runs.
   void watch(const wire::Watch& watch);
 
-  // kInvalidArgument: more than was sent.
+  // Acknowledged bytes. kInvalidArgument: more than was sent.
   Status acknowledge(std::uint64_t bytes);
 
-  // The scan has ended and all of it was sent.
+  // The scan has ended and everything was sent.
   bool complete() const;
 
-  // Bytes of a message that reached the viewer another way (Welcome, Pong): they count, since the viewer counts them.
+  // Counts the bytes of a message that was sent elsewhere (Welcome, Pong), since the viewer acknowledges them too.
   void count_sent(std::size_t bytes) { sent_bytes_ += bytes; }
 
  private:
@@ -169,8 +169,8 @@ class Viewer {
   const std::shared_ptr<Audience> audience_;
   const std::string token_id_;
   const std::function<void()> wake_;
-  SharedBytes state_, poses_, result_, trajectory_;  // newest not yet sent
-  SharedBytes event_;                                // the newest result with an event, sent although there is a newer one without
+  SharedBytes state_, poses_, result_, trajectory_;  // the newest, if not sent yet
+  SharedBytes event_;                                // the newest result with an event, sent even if a newer one has none
   wire::Watch watch_;
   MissingParts<ChunkKey> chunks_;
   MissingParts<SurfaceCube> pieces_;

@@ -1,5 +1,5 @@
-// What a scan has come to, on disk, so that a server that comes after this one need not work through all of its frames again. It can always
-// be thrown away: the frame log is the truth. Little endian:
+// The checkpoint of a scan on disk, so that the next server need not process all of its frames again. It can always be discarded, since it
+// can be made again from the frame log. Little endian:
 //
 //   "HRMSCNK1", u32 CRC-32C of all that follows, one zstd frame of:
 //   text scan id, u64 record_count, flag and u64 sequence, f64 time of the last tracked frame, bytes of the pipeline (byte_stream.h)
@@ -18,16 +18,16 @@
 
 namespace hermite {
 
-inline constexpr const char* kCheckpointName = "checkpoint.bin";  // of the blob
+inline constexpr const char* kCheckpointName = "checkpoint.bin";  // name of the blob
 
-// The largest map (65,535 blocks) has 0.7 GB on the device; what is longer is none of ours and must not take all memory.
+// The largest map (65,535 blocks) takes 0.7 GB on the device. A longer file is invalid and must not exhaust the memory.
 inline constexpr std::size_t kMaxCheckpointBytes = std::size_t{4} * 1024 * 1024 * 1024;
 
-inline constexpr std::uint64_t kRecordsBeforeFrames = 2;  // of a frame log
+inline constexpr std::uint64_t kRecordsBeforeFrames = 2;  // records of a frame log that precede the frames
 
 struct ScanCheckpoint {
   std::string scan_id;
-  std::uint64_t record_count = 0;  // the first so many of the frame log are in it
+  std::uint64_t record_count = 0;  // how many records of the frame log it includes
   std::optional<wire::TrackedFrame> last_tracked;
   std::string pipeline;  // Pipeline::save()
 };
@@ -37,8 +37,8 @@ std::string format_checkpoint(const ScanCheckpoint& checkpoint);
 // kCorruptData or kTooLarge, in words.
 Result<ScanCheckpoint> parse_checkpoint(std::string_view bytes);
 
-// That of the scan, whose frame log has so many records; waits for where it is kept. kNotFound: there is none. kCorruptData, also when it
-// is of another scan or of more records than there are. kTooLarge, kIo.
+// Reads the checkpoint of a scan whose frame log has `record_count` records; blocks on storage. kNotFound: there is none. kCorruptData:
+// also when it belongs to another scan or includes more records than the log has. kTooLarge, kIo.
 Result<ScanCheckpoint> read_checkpoint(Blobs& blobs, const std::string& scan_id, std::uint64_t log_record_count);
 
 }  // namespace hermite

@@ -10,10 +10,10 @@ namespace hermite {
 
 namespace {
 
-// A scan gives one part of its time in so many to its checkpoints.
+// Checkpoints may take one part in this many of a scan's time.
 constexpr int kWorkPerCheckpoint = 50;
 
-// The log is synced ten times a second: a disk that takes so much longer has other troubles.
+// The log is synced ten times a second: a disk that takes this long is failing.
 constexpr std::chrono::seconds kDurablePatience(10);
 
 }  // namespace
@@ -54,7 +54,7 @@ void CheckpointWriter::write(ScanCheckpoint checkpoint, Clock::time_point began)
   });
 }
 
-// How many bytes it has.
+// Returns the size in bytes.
 Result<std::size_t> CheckpointWriter::store(const ScanCheckpoint& checkpoint, std::uint64_t frames) try {
   const std::string bytes = format_checkpoint(checkpoint);
   if (!durable_.wait_for(frames, kDurablePatience)) return Error{ErrorCode::kBusy, "its frames are not on disk yet"};

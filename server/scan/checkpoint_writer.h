@@ -1,5 +1,5 @@
-// Writes the checkpoints of one scan beside its work: when one is due, and compressing and storing it on another thread. At most one is
-// under way. Whatever goes wrong is a line in the log and no more: the frame log has everything.
+// Writes the checkpoints of one scan while it runs: decides when one is due, and compresses and stores it on another thread, one at a time.
+// Errors are only logged, since the frame log has everything.
 #pragma once
 
 #include <chrono>
@@ -15,12 +15,12 @@
 
 namespace hermite {
 
-// How many frames of a scan are on disk, told by one thread and awaited by another.
+// The number of frames that are on disk, set by one thread and awaited by another.
 class DurableFrames {
  public:
   explicit DurableFrames(std::uint64_t count) : count_(count) {}
   void advance(std::uint64_t count);
-  bool wait_for(std::uint64_t count, std::chrono::milliseconds patience);  // false: they were not in time
+  bool wait_for(std::uint64_t count, std::chrono::milliseconds patience);  // false: timed out
 
  private:
   std::mutex mutex_;
@@ -28,7 +28,7 @@ class DurableFrames {
   std::uint64_t count_;
 };
 
-// Call from one thread, that of the scan.
+// Used by one thread, that of the scan.
 class CheckpointWriter {
  public:
   using Clock = std::chrono::steady_clock;
@@ -38,13 +38,13 @@ class CheckpointWriter {
 
   bool is_on() const { return period_.count() > 0; }
 
-  // The period has passed, and so much time that what the last one took of this thread is a small part of it; none is under way.
+  // Whether the period has passed, the last checkpoint took only a small part of this thread's time since, and none is being written.
   bool is_due(Clock::time_point now) const;
 
-  // Stores it once its records are durable. `began`: when this thread started to make it. Waits for one that is under way.
+  // Stores it once its records are durable. `began`: when this thread started to make it. Waits for a write in progress.
   void write(ScanCheckpoint checkpoint, Clock::time_point began);
 
-  void wait();  // for what is under way
+  void wait();  // for a write in progress
 
  private:
   Result<std::size_t> store(const ScanCheckpoint& checkpoint, std::uint64_t frames);
@@ -54,7 +54,7 @@ class CheckpointWriter {
   const std::chrono::milliseconds period_;
   DurableFrames& durable_;
   Clock::time_point next_;
-  std::future<void> writing_;  // last: its destructor waits for what uses the others
+  std::future<void> writing_;  // last member: its destructor waits for the task, which uses the others
 };
 
 }  // namespace hermite

@@ -1,4 +1,4 @@
-// The cloud of a running scan as its viewers get it: chunks that have changed are encoded anew on a thread beside the scan's own.
+// Encodes the cloud of a running scan for its viewers: changed chunks are encoded on a thread beside the scan's own.
 //
 // Owned by the scan's worker; one thread.
 #pragma once
@@ -16,28 +16,28 @@ namespace hermite {
 
 class ChunkEncoder {
  public:
-  // Points of less confidence are not shown.
+  // Points with less confidence are not shown.
   explicit ChunkEncoder(double least_confidence) : model_(0, least_confidence) {}
 
-  // CHECK: the update before was taken.
+  // CHECK: the previous update was taken.
   void start(std::vector<SlotChange> changes);
 
   bool is_busy() const { return encoding_.valid(); }
-  bool is_done() const;  // take() does not wait
+  bool is_done() const;  // take() would not block
 
-  // Waits for what was started: chunks alone, and how long they took. CHECK: is_busy(). kTooLarge, kCorruptData: as chunks.h.
+  // Waits for the started encoding; returns only chunks and the time they took. CHECK: is_busy(). Errors as of chunks.h.
   Result<ModelUpdate> take();
 
-  // All that there are now. CHECK: not is_busy().
+  // All present chunks. CHECK: not is_busy().
   Result<std::vector<EncodedChunk>> all();
 
  private:
   Result<ModelUpdate> encode(const std::vector<SlotChange>& changes);
 
   ChunkedModel model_;
-  std::set<ChunkKey> filled_;                  // chunks that have points
-  std::uint64_t version_ = 0;                  // of the chunks, one count for all
-  std::future<Result<ModelUpdate>> encoding_;  // last: its destructor waits for what uses the others
+  std::set<ChunkKey> filled_;                  // keys of chunks with points
+  std::uint64_t version_ = 0;                  // of chunks, one counter for all
+  std::future<Result<ModelUpdate>> encoding_;  // last member: its destructor waits for the task, which uses the others
 };
 
 }  // namespace hermite

@@ -17,7 +17,7 @@ struct FrameQueue::Impl {
   const std::size_t capacity;
   std::mutex mutex;
   std::condition_variable changed;
-  std::deque<Waiting> frames;  // guarded by mutex, as what follows
+  std::deque<Waiting> frames;  // guarded by mutex, like the members below
   std::size_t bytes = 0;
   bool closed = false;
   bool discarded = false;

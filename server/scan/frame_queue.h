@@ -1,5 +1,5 @@
-// Frames on their way from the network thread to the worker of their scan. Bounded by a count; what a frame may weigh is bounded by the
-// connection's message limit.
+// The queue of frames from the network thread to the worker of a scan. Bounded by a count; the size of a frame is bounded by the message
+// limit of the connection.
 #pragma once
 
 #include <chrono>
@@ -18,23 +18,23 @@ class FrameQueue {
   FrameQueue(const FrameQueue&) = delete;
   FrameQueue& operator=(const FrameQueue&) = delete;
 
-  // Never blocks. When the queue is full the oldest frame makes room and is returned; after close() the frame itself is.
+  // Never blocks. When the queue is full the oldest frame is removed and returned; after close() the new frame is returned.
   std::optional<wire::Frame> push(wire::Frame frame);
 
-  // No frames any more; `discard` drops those that wait. May be called again, to discard after all.
+  // Accepts no more frames; `discard` also drops the waiting ones. May be called again to discard later.
   void close(bool discard);
 
   bool discarded() const;  // close(true) was called
 
   struct Popped {
     std::optional<wire::Frame> frame;
-    bool closed = false;                            // and empty: there will never be another frame
+    bool closed = false;                            // closed and empty: there will be no more frames
     std::chrono::steady_clock::time_point since{};  // when the frame was pushed
   };
-  // Blocks until there is a frame or the end, at most for `patience`.
+  // Blocks until a frame or the end, at most for `patience`.
   Popped pop(std::chrono::milliseconds patience);
 
-  std::size_t waiting_bytes() const;  // of the images
+  std::size_t waiting_bytes() const;  // of the images of waiting frames
 
  private:
   struct Impl;

@@ -19,16 +19,16 @@ namespace hermite {
 
 namespace {
 
-// Changes that wait: more of them than twice the surfels that there may be are of a map that is too large.
+// The most waiting changes: more than twice the allowed number of surfels means that the map is too large.
 constexpr std::size_t kMostWaitingChanges = 2 * kMostLiveSurfels;
-// Cubes that rest become due without anybody saying so.
+// How often the thread looks for cubes whose pause (kCubeRest) has ended, which no event reports.
 constexpr std::chrono::milliseconds kLongestSleep(200);
 
-// A surfel is looked at a few times before it is sure. Taking changes costs the worker time: at most a twenty-fifth of it.
+// Surfels need several observations to be stable. Taking changes costs the worker at most a twenty-fifth of its time.
 constexpr std::chrono::milliseconds kLeastFeedPeriod(150), kMostFeedPeriod(kMsPerUpdate);
 constexpr int kFeedShare = 25;
 
-// Where the camera looks: a surface of a room is mostly about so far away.
+// The point of interest is this far in front of the camera, a typical distance to surfaces of a room.
 constexpr double kLooksAt_m = 1.5;
 
 }  // namespace
@@ -38,13 +38,13 @@ struct LiveMesher::Impl {
   const std::size_t most_surfels;
   std::mutex mutex;
   std::condition_variable changed;
-  Model waiting;            // guarded by mutex, as the next three
-  bool is_waiting = false;  // there is something in it
+  Model waiting;            // guarded by mutex, like the next three
+  bool is_waiting = false;  // `waiting` holds changes
   bool is_paused = false;
   bool is_ending = false;
-  std::optional<LiveSurface> surface;  // as all below for the thread only
+  std::optional<LiveSurface> surface;  // like all below used by the thread only
   Eigen::Vector3f eye_m = Eigen::Vector3f::Zero();
-  std::vector<SlotChange> first_changes;  // until there are enough to choose a cell by
+  std::vector<SlotChange> first_changes;  // until there are enough to choose the cell size
   std::uint64_t version = 0;
   std::thread thread;
 
@@ -68,7 +68,7 @@ struct LiveMesher::Impl {
     }
   }
 
-  // False: it is too large.
+  // Returns false when the map is too large.
   bool take(Model model) {
     if (model.changes.size() > kMostWaitingChanges) return false;
     eye_m = model.eye_m;
@@ -84,7 +84,7 @@ struct LiveMesher::Impl {
     return !surface->is_full();
   }
 
-  // False: nothing is due.
+  // Returns false when no cube is due.
   bool contour_one() {
     const Clock::time_point start = Clock::now();
     const std::optional<SurfaceCube> cube = surface ? surface->next(eye_m, start) : std::nullopt;

@@ -35,7 +35,7 @@ void LiveScan::start(std::unique_ptr<ScanWorker> worker, std::unique_ptr<FrameLo
 }
 
 std::uint64_t LiveScan::attach_camera(CameraLink camera) {
-  // The old link is none any more when it is told: what it answers means nothing here.
+  // The old link is detached before it is notified, so that its reactions have no effect here.
   const std::optional<CameraLink> superseded = std::exchange(camera_, std::move(camera));
   ++camera_number_;
   waiting_since_.reset();
@@ -75,8 +75,8 @@ void LiveScan::show_state() {
   send(now);
 }
 
-// Every frame that was taken care of, in whatever way, and is on disk makes room for another one. So the camera, which keeps a frame until
-// it is durable, keeps no more of them than its window has.
+// Every frame that was handled in any way and is on disk returns one credit. So the camera, which keeps frames until they are durable,
+// never keeps more than its window.
 std::uint64_t LiveScan::granted() const { return std::min(counts_.processed + counts_.dropped, durable_) + terms_.credit_window; }
 
 void LiveScan::grant() { send(wire::Credit{granted(), durable_}); }
@@ -85,7 +85,7 @@ void LiveScan::refuse(std::uint64_t sequence, const Error& error) {
   send(wire::ErrorMessage{name_of(error.code), error.message, true, sequence});
 }
 
-// A disk that says no ends the scan, but breaks no rule of the camera's.
+// A disk error ends the scan, but is not a protocol violation of the camera.
 Status LiveScan::log_record(RecordType type, std::string_view message) {
   const Status logged = log_->append(type, std::string(message));
   if (!logged.ok()) log_failed(logged.error());
@@ -93,7 +93,7 @@ Status LiveScan::log_record(RecordType type, std::string_view message) {
 }
 
 Status LiveScan::receive(wire::Frame frame, std::string_view message) {
-  if (no_more_frames()) return Done{};  // it was under way when the scan ended
+  if (no_more_frames()) return Done{};  // the frame was in transit when the scan ended
   if (finishing_) return broken_rule("frame " + std::to_string(frame.sequence) + " came after finish");
   if (frame.sequence != counts_.received)
     return broken_rule("frame.sequence is " + std::to_string(frame.sequence) + ", expected is " + std::to_string(counts_.received) +
@@ -110,7 +110,7 @@ Status LiveScan::receive(wire::Frame frame, std::string_view message) {
   const double time_s = frame.timestamp_s;
   const bool usable = std::isfinite(time_s) && std::abs(time_s) <= kMaxTimestamp_s;
   if (!usable || (last_timestamp_s_ && time_s <= *last_timestamp_s_)) {
-    // Without a time of its own it can have no line in the trajectory.
+    // A frame without a unique timestamp cannot be in the trajectory.
     refuse(frame.sequence, broken_rule(!usable ? "frame.timestamp_s is not a finite number of at most 1e11 s"
                                                : "frame.timestamp_s is " + std::to_string(time_s) + ", not after " +
                                                      std::to_string(*last_timestamp_s_) + " of the frame before"));
@@ -169,7 +169,7 @@ void LiveScan::wait_for_camera(const Error& why) {
   show_state();
 }
 
-// Who holds a place and uses it for nothing lets it go. Who has no credit waits for us.
+// Ends scans whose camera has credit but sends nothing, since they occupy a place. A camera without credit is waiting for the server.
 void LiveScan::end_silence(Clock::time_point now) {
   const bool could_send = camera_ && !finishing_ && !no_more_frames() && counts_.received < granted();
   if (!could_send) return silent_since_.reset();
@@ -192,7 +192,7 @@ void LiveScan::stop() {
   const Error why{ErrorCode::kBusy, "the server was stopped during the scan"};
   if (!worker_ || discarded_) return;
   if (!resumable()) return worker_->interrupt(why, true);
-  // The frames are on disk and the camera can come back: nothing has to end.
+  // The frames are on disk and the camera can reconnect: the scan need not end.
   ending_ = true;
   why_waiting_ = why;
   worker_->abandon(Abandon::kToGoOn);
@@ -265,8 +265,8 @@ void LiveScan::worker_says(const std::string& words) {
 
 void LiveScan::ended(ScanEnd end) {
   audience_->tell_mesh_wanted(nullptr);
-  worker_.reset();  // its thread is at its end: this was its last word
-  log_.reset();     // all of it is on disk from here on
+  worker_.reset();  // its thread has ended: this was its last event
+  log_.reset();     // from here on everything is on disk
   if (discarded_) end = {wire::ScanPhase::kInterrupted, {ErrorCode::kNotFound, kDiscarded}, {}, kDiscarded, true};
   ending_ = true;
   waiting_since_.reset();
@@ -274,7 +274,7 @@ void LiveScan::ended(ScanEnd end) {
   lacked_room_ = lacked_room_ || end.results_missing;
   on_ended_(end);
   if (phase_ == wire::ScanPhase::kRunning) {
-    // Viewers are not told either: they will find it running.
+    // Viewers are not notified either: to them the scan is still running.
     if (camera_) camera_->go_away();
     return;
   }

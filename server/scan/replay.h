@@ -1,4 +1,4 @@
-// The frames of a frame log again, for the worker that rebuilds a scan from them.
+// Reads the frames of a frame log, for a worker that rebuilds the scan.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,16 @@
 
 namespace hermite {
 
-// Call from one thread.
+// Used by one thread.
 class Replay {
  public:
-  // The frames among the first `record_count` records; more may be written behind them meanwhile. 0: none, and the folder is not looked at.
+  // The frames among the first `record_count` records; more may be appended meanwhile. With 0 there are none and the folder is not opened.
   Replay(std::string log_folder, std::uint64_t record_count) : reader_(std::move(log_folder)), record_count_(record_count) {}
 
-  // In order, without those that were refused. None: that was the last one. kIo or kCorruptData: the log is not any more what it was.
+  // The next frame in order, without refused ones. None: the end. kIo, kCorruptData: the log was damaged meanwhile.
   Result<std::optional<wire::Frame>> next();
 
-  // Leaves out the first `record_count` records; before next(). How many refused frames were among them. Errors as of next().
+  // Skips the first `record_count` records; call it before next(). Returns how many refused frames were among them. Errors as of next().
   Result<std::uint64_t> skip(std::uint64_t record_count);
 
  private:

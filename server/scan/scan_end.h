@@ -1,4 +1,4 @@
-// How a scan ends without results. Functions without state.
+// How a scan ends without results. Stateless functions.
 #pragma once
 
 #include <optional>
@@ -12,8 +12,8 @@ namespace hermite {
 
 ScanEnd failed_scan(const Error& error);
 
-// The disk did not take the results, for `why`; `reason`: why the scan ended early, if it did. The frames are there, so that they can be
-// made again; what of them was stored is removed.
+// The results could not be stored, because of `why`; `reason`: why the scan ended early, if it did. The results can be made again from the
+// frames; the part that was stored is removed.
 ScanEnd not_stored(Blobs& blobs, const std::string& scan_id, const std::optional<Error>& reason, const Error& why);
 
 }  // namespace hermite

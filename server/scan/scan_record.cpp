@@ -47,7 +47,8 @@ Result<ScanRecord> parse_scan_record(const std::string& terms, const std::string
   Result<wire::ClientMessage> message = wire::parse_client_message(start, wire::kMaxBytesBeforeWelcome);
   if (!message.ok()) return in_context("the record of the scan", message.error());
   wire::Hello* const hello = std::get_if<wire::Hello>(&*message);
-  if (!hello || !std::holds_alternative<wire::StartScan>(hello->role)) return corrupt("the start is no hello of a camera");
+  if (!hello || !std::holds_alternative<wire::StartScan>(hello->role))
+    return corrupt("the first record is not the Hello message of a camera");
   record.request = std::get<wire::StartScan>(std::move(hello->role));
   return record;
 }

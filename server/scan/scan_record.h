@@ -1,5 +1,5 @@
-// What the first two records of a frame log hold: all that is needed, besides the frames, to go on with a scan after the death of its
-// server. Pure functions.
+// The first two records of a frame log: all that is needed, besides the frames, to continue a scan after its server died. Pure
+// functions.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 namespace hermite {
 
 struct ScanRecord {
-  std::string resume_token_sha256;   // hex; empty: the camera cannot come back
-  int gpu_memory_mb = 0;             // its share when it began: the next server may have another one
+  std::string resume_token_sha256;   // hex; empty: the camera cannot reconnect
+  int gpu_memory_mb = 0;             // its share when it started; the next server may have another
   std::uint32_t credit_window = 16;  // frames
   wire::StartScan request;
 };
@@ -22,15 +22,15 @@ struct ScanRecord {
 inline constexpr int kResumeTokenBytes = 16;
 
 std::string format_terms(const ScanRecord& record);  // JSON
-std::string format_start(const ScanRecord& record);  // a Hello without its token
+std::string format_start(const ScanRecord& record);  // a Hello message without its token
 
-// kCorruptData or what parse_client_message says.
+// kCorruptData, or the errors of parse_client_message.
 Result<ScanRecord> parse_scan_record(const std::string& terms, const std::string& start);
 
-// Whether that is the token whose hash the scan has. kUnauthorized, also where the camera cannot come back.
+// Checks a resume token against the stored hash. kUnauthorized: another token, or the camera cannot reconnect.
 Status check_resume_token(const std::string& token, const std::string& resume_token_sha256);
 
-// Settings and share of memory together. kInvalidArgument: a setting.
+// The pipeline options from the settings and the memory share. kInvalidArgument: a setting.
 Result<Options> options_of(const ScanRecord& record);
 
 }  // namespace hermite

@@ -18,20 +18,20 @@ namespace hermite {
 namespace {
 
 constexpr std::chrono::milliseconds kUpdatePeriod(kMsPerUpdate);
-// Without frames to wait for, viewers are told within so long after an update is encoded.
+// When no frames arrive, viewers get an encoded update within this time.
 constexpr std::chrono::milliseconds kEncodingPatience(20);
 
-// A person who scans holds still for so long, and the frames of that time are not seen.
+// How long a live scan may stop to process past frames again: the frames of that time are dropped.
 constexpr double kLongestPause_ms = 10'000;
 
-// The log is synced ten times a second: a disk that takes so much longer has other troubles.
+// The log is synced ten times a second: a disk that takes this long is failing.
 constexpr std::chrono::seconds kLogPatience(10);
 
 double ms_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-// Of a log, each asked for by its time, and times grow: those that lie between were dropped.
+// Finds frames of a log by timestamp, in ascending order; frames in between were dropped.
 PastFrames frames_by_time(const ScanSetup& setup, std::uint64_t record_count) {
   const auto log = std::make_shared<Replay>(setup.log_folder, record_count);
   return [log, codec = setup.depth_codec, camera = setup.camera](std::int64_t, double timestamp_s) -> Result<RgbdFrame> {
@@ -122,7 +122,7 @@ void ScanRun::leave() {
 
 void ScanRun::begin() {
   replay_.emplace(setup_.log_folder, setup_.replayed_record_count);
-  pipeline_.reset();  // its memory first
+  pipeline_.reset();  // frees its memory first
   BackEnd back_end = make_back_end(setup_.options, setup_.correction_time);
   if (!setup_.log_folder.empty()) back_end.past_frames = [this] { return past_frames(); };
   pipeline_ = std::make_unique<Pipeline>(setup_.device, setup_.camera, setup_.options, std::move(back_end), &timeline_);
@@ -140,7 +140,7 @@ PastFrames ScanRun::past_frames() {
     spdlog::warn("scan {}: its camera cannot be corrected, since its frames are not on disk yet", setup_.scan_id);
     return nullptr;
   }
-  events_.says("the camera's calibration is off: the scan is worked through again with a better one, hold the camera still");
+  events_.says("the camera's calibration is off: the scan is processed again with a better one, hold the camera still");
   return frames_by_time(setup_, taken_count_ + kRecordsBeforeFrames);
 }
 
@@ -169,7 +169,7 @@ Result<RestoredScan> ScanRun::take(const ScanCheckpoint& checkpoint) {
   last_tracked_ = checkpoint.last_tracked;
   record_count_ = saved_record_count_ = checkpoint.record_count;
   taken_count_ = checkpoint.record_count - kRecordsBeforeFrames;
-  // Viewers are new to this server.
+  // Viewers of this server have received nothing yet.
   pipeline_->forget_taken_changes();
   frames_since_update_ = kFramesPerUpdate;
   return restored;
@@ -224,7 +224,7 @@ Status ScanRun::take_frame(Decoding& decoding) {
   mesh_.frame_taken(decoding.queued.start);
   Result<PreparedFrame> prepared = decoding.images.get();
   if (!prepared.ok()) outcome.bad_images = prepared.error();
-  // A frame that cannot be read counts as one that shows nothing, as in `hermite reconstruct`: every frame has its pose.
+  // A frame that cannot be read is processed as an empty one, as in `hermite reconstruct`, so that every frame has a pose.
   Result<FrameResult> result =
       prepared.ok() ? pipeline_->process(*prepared) : pipeline_->process(wire::empty_frame(frame.timestamp_s, setup_.camera));
   if (!result.ok()) return result.error();
@@ -241,7 +241,7 @@ Status ScanRun::take_frame(Decoding& decoding) {
   if (!same_poses(poses, told_poses_)) outcome.poses = told_poses_ = std::move(poses);
   if (result->event == MapEvent::kRecalibrated) {
     outcome.past = wire_past(*pipeline_);
-    outcome.past->pop_back();  // this one
+    outcome.past->pop_back();  // without the current frame
     events_.says("");
   }
   events_.frame_done(std::move(outcome));
@@ -270,7 +270,7 @@ Status ScanRun::tell_viewers() {
   if (!chunks_.is_busy()) return Done{};
   Result<ModelUpdate> update = chunks_.take();
   if (!update.ok()) return update.error();
-  // As they are now: viewers may have been told of newer ones than there were when the encoding began.
+  // The present poses: viewers may already have newer ones than at the start of the encoding.
   update->poses = told_poses_ = wire_poses(*pipeline_);
   if (std::exchange(is_past_new_, false)) update->past = wire_past(*pipeline_);
   measure(pipeline_->statistics(), *update);

@@ -1,4 +1,4 @@
-// One scan from the first frame to its files: what the worker's thread (scan_worker.h) does.
+// Processes one scan from the first frame to its result files, on the worker's thread (scan_worker.h).
 #pragma once
 
 #include <atomic>
@@ -21,25 +21,25 @@
 
 namespace hermite {
 
-// On one thread. What it is given outlives it. Errors are those that end a scan: kDevice, kIo.
+// Used by one thread. Its arguments outlive it. Errors end the scan: kDevice, kIo.
 class ScanRun {
  public:
-  // Throws SetupError: the device, the camera.
+  // Throws SetupError for the device or the camera.
   ScanRun(const ScanSetup& setup, const ScanEvents& events, FrameQueue& queue, DurableFrames& durable, const std::atomic<bool>& wants_mesh);
 
-  // Where an earlier server was with the scan, as far as there is a checkpoint of it; the rest is worked through again.
+  // Restores the last checkpoint of an earlier server, if any; later frames are processed again.
   void go_on();
 
-  // While the GPU works on a frame, other threads decode and prepare the next one and encode what the last ones have changed.
+  // While the GPU processes a frame, other threads decode and prepare the next one and encode earlier changes.
   Status take_frames();
 
-  // After the last frame: the files of the result, and the last news for viewers.
+  // After the last frame: writes the result files and sends viewers the final update.
   Result<wire::Finished> write();
 
-  // The next server goes on from here. Whatever goes wrong: it has the frame log.
+  // Stores a checkpoint for the next server. Errors are only logged: the frame log has everything.
   void leave();
 
-  // What whoever scanned should know of the map, once it is written; empty: nothing.
+  // A remark about the map for the user, after the results are written; may be empty.
   std::string last_words() const;
 
  private:
@@ -48,39 +48,39 @@ class ScanRun {
   struct Decoding {
     wire::Frame frame;
     Timeline::Stage queued;
-    Timeline::Stage decoded;                    // written by the other thread
-    std::future<Result<PreparedFrame>> images;  // its destructor waits, and the others live longer
+    Timeline::Stage decoded;                    // written by the decoding thread
+    std::future<Result<PreparedFrame>> images;  // declared last: its destructor waits for the task
   };
   using DecodingFrame = std::unique_ptr<Decoding>;
 
   void begin();
 
-  // All up to the one in work, from the log. None, and the camera stays as it is: they are too many for a live scan, or not there in time.
+  // All frames up to the current one, from the log. None, and the camera is kept: too many for a live scan, or not in time.
   PastFrames past_frames();
 
-  // kNotFound: there is no checkpoint. After any error the scan is at its beginning.
+  // kNotFound: there is no checkpoint. After any error the scan starts from the beginning.
   Result<RestoredScan> restore();
 
-  // After an error or a throw it may have been taken in part.
+  // After an error or exception the state may be partly restored.
   Result<RestoredScan> take(const ScanCheckpoint& checkpoint);
 
-  // Of all frames so far. An error is the device's, with which the scan ends; without memory it goes on without a checkpoint.
+  // A checkpoint of all frames so far. Device errors end the scan; if memory is short the scan continues without a checkpoint.
   Status write_checkpoint();
 
   DecodingFrame decode(FrameQueue::Popped popped) const;
 
-  // The next frame, if it is there already.
+  // The next frame, if it is available already.
   Result<DecodingFrame> decode_waiting();
 
-  // From the log, as long as there is something in it to be done again, then from the queue.
+  // From the log while it has frames to be replayed, then from the queue.
   Result<FrameQueue::Popped> pop(std::chrono::milliseconds patience);
 
   Status take_frame(Decoding& decoding);
 
-  // Ends the update before this one.
+  // Finishes the previous update.
   Status start_update();
 
-  // For the surface at once, for the chunks until they are encoded next.
+  // Passes changes to the surface at once, and keeps them for the next encoding of chunks.
   Status take_changes();
 
   Status tell_viewers();
@@ -95,18 +95,18 @@ class ScanRun {
   DurableFrames& durable_;
   const std::atomic<bool>& wants_mesh_;
   MeshFeed mesh_;
-  std::uint64_t taken_count_ = 0;  // frames of the log up to the one in work
+  std::uint64_t taken_count_ = 0;  // frames of the log up to the current one
   std::optional<Replay> replay_;
-  Timeline timeline_;  // of the frame in work
+  Timeline timeline_;  // of the current frame
   std::unique_ptr<Pipeline> pipeline_;
-  std::vector<SlotChange> changes_;  // that are not encoded yet
+  std::vector<SlotChange> changes_;  // not encoded yet
   ChunkEncoder chunks_;
   bool is_past_new_ = false;
   int frames_since_update_ = 0;
   Clock::time_point updated_at_ = Clock::now();
   std::optional<wire::TrackedFrame> last_tracked_;
   wire::SubmapPoses told_poses_;
-  std::uint64_t record_count_ = 0, saved_record_count_ = 0;  // of the frame log: that the pipeline has, and the last checkpoint
+  std::uint64_t record_count_ = 0, saved_record_count_ = 0;  // records of the frame log that the pipeline, and the last checkpoint, include
   CheckpointWriter checkpoints_;
 };
 

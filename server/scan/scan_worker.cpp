@@ -40,7 +40,7 @@ struct ScanWorker::Impl {
     return abandoned;
   }
 
-  // Nobody goes on with a scan that has ended.
+  // An ended scan needs no checkpoint.
   void remove_checkpoint() const {
     if (const Status removed = setup.blobs->remove(setup.scan_id, kCheckpointName); !removed.ok())
       spdlog::warn("scan {}: its checkpoint is left: {}", setup.scan_id, removed.error().message);
@@ -63,7 +63,7 @@ struct ScanWorker::Impl {
   } catch (const SetupError& error) {
     return failed_scan(error.error());
   } catch (const std::exception& error) {
-    // Out of memory and what libraries throw: this scan is over, the others are not.
+    // Out of memory, or an exception of a library: only this scan fails.
     return failed_scan({ErrorCode::kDevice, std::string("the scan failed: ") + error.what()});
   }
 };
@@ -72,7 +72,7 @@ ScanWorker::ScanWorker(ScanSetup setup, ScanEvents events) : impl_(std::make_uni
   impl_->thread = std::thread([impl = impl_.get()] {
     ScanEnd end = impl->run();
     if (end.phase != wire::ScanPhase::kRunning) impl->remove_checkpoint();
-    // From here on nobody takes frames: they must not pile up.
+    // Frames are no longer taken and must not accumulate.
     impl->queue.close(true);
     impl->events.ended(std::move(end));
   });

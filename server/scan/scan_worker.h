@@ -1,7 +1,7 @@
-// The thread that owns one scan's pipeline: takes frames from a bounded queue, reconstructs, and tells what came of it.
+// The thread that owns the pipeline of one scan: takes frames from a bounded queue, reconstructs, and reports the results.
 //
-// The pipeline is made, used and destroyed on that thread. Nothing here touches a socket or the store; what happens is told through
-// ScanEvents, which are called on the worker's thread and are expected to hand over to another one.
+// The pipeline is created, used and destroyed on that thread. Nothing here touches a socket or the store; results are reported through
+// ScanEvents, which are called on the worker's thread and are expected to post to another thread.
 #pragma once
 
 #include <chrono>
@@ -24,7 +24,7 @@
 
 namespace hermite {
 
-// Viewers are told of a changed model after this many frames or this much time, whichever comes first. It has no influence on poses or
+// Viewers get updates of the model after this many frames or this much time, whichever comes first. This does not influence poses or the
 // cloud.
 inline constexpr int kFramesPerUpdate = 15;
 inline constexpr int kMsPerUpdate = 500;
@@ -40,34 +40,34 @@ struct ScanSetup {
   std::string scan_id;
   Blobs* blobs = nullptr;  // for the results; outlives the worker
   CorrectionTime correction_time = CorrectionTime::kByFrames;
-  // Where all that is pushed is logged too, and is read again when the camera turns out to be off. Empty: nowhere.
+  // The folder of the frame log, which is read again after a recalibration. Empty: none.
   std::string log_folder;
-  // Of a scan that a server before this one began: the first so many records of its frame log come before all that is pushed.
+  // For a scan that an earlier server began: this many records of its frame log are processed before pushed frames.
   std::uint64_t replayed_record_count = 0;
-  std::uint64_t replayed_frame_count = 0;          // among these, with the refused ones
-  std::chrono::milliseconds checkpoint_period{0};  // so often what the scan has come to is stored (checkpoint_file.h); 0: never
+  std::uint64_t replayed_frame_count = 0;          // frames among these, including refused ones
+  std::chrono::milliseconds checkpoint_period{0};  // of checkpoints (checkpoint_file.h); 0: none
 };
 
-// What a checkpoint had of such a scan: frames that are not told of one by one.
+// What was restored from a checkpoint: frames without individual events.
 struct RestoredScan {
-  std::uint64_t processed = 0;           // by the pipeline of an earlier server; 0: all frames are worked through again
-  std::uint64_t dropped = 0;             // of those before the last of them, beside the refused ones
-  std::vector<wire::PoseInSubmap> past;  // where the camera was
+  std::uint64_t processed = 0;           // frames that an earlier server processed; 0: all frames are processed again
+  std::uint64_t dropped = 0;             // dropped frames before the last of these, without refused ones
+  std::vector<wire::PoseInSubmap> past;  // poses of the camera
   wire::SubmapPoses poses;
-  std::string why_not;  // a checkpoint that is there cannot be used: in words
+  std::string why_not;  // why an existing checkpoint cannot be used
 };
 
 struct FrameOutcome {
   wire::FrameResult result;
-  std::optional<wire::SubmapPoses> poses;  // when submaps came or moved: told before the result, so that all of it moves at once
-  std::optional<std::vector<wire::PoseInSubmap>> past;  // when the map was made anew: where the camera was in the frames before
-  Timeline::Clock::time_point arrived;                  // when it began to wait in the queue
-  double work_ms = 0;                                   // from the end of its waiting on
-  std::vector<Timeline::Stage> stages;                  // in the order of time: the queue, decoding, those of the pipeline
-  std::optional<Error> bad_images;                      // why the pipeline got an empty frame instead of this one's images
+  std::optional<wire::SubmapPoses> poses;  // when submaps were added or moved; sent before the result, so that everything moves together
+  std::optional<std::vector<wire::PoseInSubmap>> past;  // when the map was rebuilt: the poses of earlier frames
+  Timeline::Clock::time_point arrived;                  // when it entered the queue
+  double work_ms = 0;                                   // without the time in the queue
+  std::vector<Timeline::Stage> stages;                  // in order: queue, decoding, stages of the pipeline
+  std::optional<Error> bad_images;                      // why the pipeline got an empty frame instead of these images
 };
 
-// A chunk message ready to be sent, made once for all viewers.
+// A formatted chunk message, shared by all viewers.
 struct ChunkUpdate {
   ChunkKey key;
   bool empty = false;
@@ -77,14 +77,14 @@ struct ChunkUpdate {
 struct ModelUpdate {
   std::vector<ChunkUpdate> chunks;
   wire::SubmapPoses poses;
-  std::optional<std::vector<wire::PoseInSubmap>> past;  // as in FrameOutcome, but of all frames
+  std::optional<std::vector<wire::PoseInSubmap>> past;  // as in FrameOutcome, for all frames
   std::uint64_t keyframes = 0, loops = 0;               // so far
   std::uint64_t gpu_memory_bytes = 0;                   // of the scan
-  std::uint64_t device_memory_bytes = 0;                // that there is for all of them; 0: nobody knows
+  std::uint64_t device_memory_bytes = 0;                // total memory of the device; 0: unknown
   Timeline::Stage encoding;                             // of `chunks`
 };
 
-// As ChunkUpdate, of the surface.
+// Like ChunkUpdate, for the surface.
 struct MeshPiece {
   SurfaceCube cube;
   bool empty = false;
@@ -93,57 +93,57 @@ struct MeshPiece {
 
 struct MeshUpdate {
   std::vector<MeshPiece> pieces;
-  bool ended = false;                           // the map is too large: nothing more comes, and all pieces are empty
+  bool ended = false;                           // the map is too large: the surface ends and all pieces are empty
   Timeline::Stage work;                         // on the pieces
-  std::chrono::steady_clock::duration delay{};  // since the first frame with a change that they show came to the server
+  std::chrono::steady_clock::duration delay{};  // since the arrival of the first frame whose changes they show
 };
 
 struct ScanEnd {
   wire::ScanPhase phase = wire::ScanPhase::kFinished;  // running: abandoned
   Error error;                                         // when failed, or why it was interrupted
   wire::Finished results;                              // when not failed
-  std::string words;                                   // for a person: the error's, or what is left to say about the map
-  bool discarded = false;                              // nothing of it is to be kept
-  bool results_missing = false;                        // interrupted: the disk did not take them, and its frames are there
+  std::string words;                                   // for the user: the error, or a remark about the map
+  bool discarded = false;                              // nothing is kept
+  bool results_missing = false;                        // interrupted: the results could not be stored, but the frames exist
 };
 
-// The last event is `ended`, always and once.
+// `ended` is always the last event and comes exactly once.
 struct ScanEvents {
-  std::function<void(RestoredScan)> restored;    // of a scan that an earlier server began: once, before all others
+  std::function<void(RestoredScan)> restored;    // for a scan that an earlier server began: once, before all other events
   std::function<void(FrameOutcome)> frame_done;  // once for every frame taken from the queue, in order
   std::function<void(ModelUpdate)> model_changed;
-  std::function<void(MeshUpdate)> mesh_changed;  // on a thread of its own; none after `ended`
-  std::function<void(std::string)> says;         // why nothing comes for seconds; empty: it goes on
+  std::function<void(MeshUpdate)> mesh_changed;  // on another thread; never after `ended`
+  std::function<void(std::string)> says;         // why there are no results for some seconds; empty: they continue
   std::function<void(ScanEnd)> ended;
 };
 
-enum class Abandon { kForGood, kToGoOn };  // another worker goes on from what this one stores
+enum class Abandon { kForGood, kToGoOn };  // kToGoOn: another worker continues from what this one stores
 
-// Call from one thread.
+// Used by one thread.
 class ScanWorker {
  public:
   ScanWorker(ScanSetup setup, ScanEvents events);  // starts the thread
-  ~ScanWorker();                                   // ends it: drops waiting frames and waits for the one in work
+  ~ScanWorker();                                   // ends the thread: drops waiting frames and waits for the current one
   ScanWorker(const ScanWorker&) = delete;
   ScanWorker& operator=(const ScanWorker&) = delete;
 
-  // Never blocks. Returns the frame that had to make room: the oldest in the queue.
+  // Never blocks. Returns the oldest queued frame if it was dropped to make room.
   std::optional<wire::Frame> push(wire::Frame frame);
 
-  // All frames have come: the worker takes those in the queue, writes the results and ends as finished.
+  // No more frames: the worker processes the queue, writes the results and ends as finished.
   void finish();
 
-  // As finish(), but ends as interrupted for the reason given. With `discard` frames in the queue are dropped.
-  // After finish() only a discard has an effect.
+  // Like finish(), but ends as interrupted for the given reason. `discard` drops the frames in the queue.
+  // After finish() this has an effect only with `discard`.
   void interrupt(const Error& reason, bool discard);
 
-  // Ends after the frame in work, without results: the phase that is told is `running`.
+  // Ends after the current frame, without results; the reported phase is `running`.
   void abandon(Abandon how);
 
-  void want_mesh(bool wanted);  // does anybody watch a surface? Nobody does to begin with
+  void want_mesh(bool wanted);  // whether any viewer shows a surface; initially false
 
-  void frames_durable(std::uint64_t count);  // so many are: what is stored of the scan rests on no others
-  std::size_t waiting_bytes() const;         // of frames in the queue
+  void frames_durable(std::uint64_t count);  // this many are on disk; checkpoints include no others
+  std::size_t waiting_bytes() const;         // of queued frames
 
  private:
   struct Impl;

@@ -19,12 +19,12 @@ namespace hermite {
 
 namespace {
 
-constexpr std::size_t kLiveQueueFrames = 4;  // older ones are not worth waiting for
-// Those who wait hear of it so often: they give up when they hear nothing for longer.
+constexpr std::size_t kLiveQueueFrames = 4;  // older frames of a live scan are dropped
+// How often waiting cameras get a message: they give up when they hear nothing for longer.
 constexpr std::chrono::seconds kWaitingPeriod(5);
 
 constexpr std::chrono::hours kOldLogsPeriod(1);
-// At 5 MB a second of each of many scans far less than the room to begin (scans_disk.cpp) is gone meanwhile.
+// Even many scans of 5 MB/s each use far less meanwhile than the room needed to start one (scans_disk.cpp).
 constexpr std::chrono::seconds kRoomPeriod(1);
 
 ScanPhase stored_phase(wire::ScanPhase phase) {
@@ -52,7 +52,7 @@ Scans::Scans(ScansOptions options, const Storage& storage, Metrics& metrics, con
       logs_(threads, [this](std::size_t reading_count) {
         return running_.size() + reading_count < static_cast<std::size_t>(options_.places.max_running);
       }) {
-  old_logs_removed_at_ = LiveScan::Clock::now() - kOldLogsPeriod;  // with the first tick
+  old_logs_removed_at_ = LiveScan::Clock::now() - kOldLogsPeriod;  // due at the first tick
   const Result<std::vector<ScanRow>> left = store_.running();
   if (!left.ok()) throw SetupError(left.error());
   for (const ScanRow& row : *left)
@@ -69,7 +69,7 @@ PlaceRequest place_request_of(const Grant& grant, wire::Mode mode) {
 template <class Tell>
 void Scans::deliver(const Launch& launch, Tell tell) const {
   post_([self = launch.self, tell = std::move(tell)]() mutable {
-    // Weak: an event that is still under way must not keep a scan alive, nor its worker.
+    // Weak: a pending event must not keep a scan or its worker alive.
     if (const std::shared_ptr<LiveScan> target = self->lock()) tell(*target);
   });
 }
@@ -90,7 +90,7 @@ ScanEvents Scans::worker_events(const Launch& launch, const ScanPast& past) {
     metrics_.frame_done(outcome.stages, latency_s, outcome.bad_images.has_value(), outcome.result.event == wire::MapEvent::kLost);
     deliver(launch, [this, id = launch.row.id, outcome = std::move(outcome)](LiveScan& target) {
       traces_.add(id, outcome.result.sequence, outcome.stages);
-      if (outcome.result.event != wire::MapEvent::kRecalibrated) places_.frame_done(outcome.work_ms / 1000);  // else of all before, too
+      if (outcome.result.event != wire::MapEvent::kRecalibrated) places_.frame_done(outcome.work_ms / 1000);  // not of all frames again
       target.frame_done(outcome);
     });
   };
@@ -144,7 +144,7 @@ Result<Scans::Launch> Scans::launch_of(const std::string& scan_id, const wire::S
   return launch;
 }
 
-// Folder, log and row, in this order: a scan that is listed has a log.
+// Creates folder, log and row in this order, so that a listed scan always has a log.
 Result<std::shared_ptr<LiveScan>> Scans::begin(const Launch& launch) {
   const ScanRow& row = launch.row;
   if (Status status = data_.create_scan_folder(row.id); !status.ok()) return status.error();
@@ -188,7 +188,7 @@ Result<StartedScan> Scans::start(const wire::StartScan& request, const Grant& gr
   return StartedScan{*std::move(scan), std::move(welcome)};
 }
 
-// A camera may ask for less than there is for everybody, not for more.
+// A camera may request a smaller limit than the server's, not a larger one.
 std::chrono::milliseconds Scans::frame_patience_of(const wire::StartScan& request) const {
   const std::chrono::milliseconds asked = std::chrono::seconds(request.frame_patience_s);
   return asked.count() == 0 ? options_.frame_patience : std::min(asked, options_.frame_patience);
@@ -244,7 +244,7 @@ Result<std::optional<ResumedScan>> Scans::resume(const wire::ResumeScan& request
 void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   ScanRow row = as_it_is(started);
   const auto running = running_.find(row.id);
-  // Not at once: this is called by the scan itself. What it held in arenas of threads that are gone is nobody's until it is given back.
+  // Destroyed later, since the scan itself calls this. Then memory in malloc arenas of ended threads is returned to the system.
   post_([this, scan = running->second] {
     background_([] {
 #ifdef __GLIBC__
@@ -285,7 +285,7 @@ void Scans::ended(const ScanRow& started, const ScanEnd& end) {
   if (Status status = remove(row.id); !status.ok()) spdlog::error("scan {}: {}", row.id, status.error().message);
 }
 
-// A row of the store with what that does not know.
+// A row of the store, completed with what only this object knows.
 ScanRow Scans::as_it_is(ScanRow row) const {
   const auto running = running_.find(row.id);
   if (running == running_.end()) {

@@ -1,5 +1,5 @@
-// The part of Scans that is about a disk or a storage that becomes full: room is kept back for results, and what could not be stored is
-// made again.
+// The part of Scans for full disks and storage quotas: room is reserved for results, and results that could not be stored are made
+// again.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -12,9 +12,9 @@ namespace hermite {
 
 namespace {
 
-// One segment of a frame log: who could not write one would end as soon as it began. With less than that people are warned.
+// One segment of a frame log, the least that a scan needs to start. With less, users are warned.
 constexpr std::uint64_t kRoomToBegin_bytes = kMaxSegmentBytes;
-// A disk that takes no results costs the GPU a whole scan each time.
+// Each attempt that fails to store its results costs a whole reconstruction.
 constexpr std::chrono::seconds kFirstRebuildPause(5), kLongestRebuildPause(3600);
 
 std::string in_megabytes(std::uint64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
@@ -53,7 +53,7 @@ Scans::Room Scans::room_on_disk() const {
   return {{}, "the server's disk is nearly full: " + in_megabytes(left_bytes) + " are left for frames"};
 }
 
-// Of a camera's scan. What a job makes of an upload takes the place of that, which was counted when it came.
+// For scans of cameras. The scan of a job replaces its upload, which was counted when it arrived.
 Scans::Room Scans::room_in_storage(const std::string& scan_id) const {
   const std::optional<PlaceRequest> place = places_.request_of(scan_id);
   if (!storage_.quota.has_limit() || !place || place->token_id.empty()) return {};
@@ -70,7 +70,7 @@ Scans::Room Scans::room_in_storage(const std::string& scan_id) const {
   return {{}, "the storage is nearly used up: less than " + in_megabytes(kRoomToBegin_bytes) + " are left for frames"};
 }
 
-// While there is still room for the results of all scans these end, and have their results; a disk that is full has room for none.
+// Ends scans while there is still room for the results of all of them; on a full disk no results could be stored.
 void Scans::watch_room() {
   if (running_.empty()) return;
   const Room disk = room_on_disk();
@@ -84,7 +84,7 @@ void Scans::watch_room() {
   }
 }
 
-// Behind everybody who waits for a place, and with as much room as a new scan needs; what needs more is tried again.
+// After everyone who waits for a place, and only with the room that a new scan needs; otherwise it is retried.
 void Scans::rebuild_next(LiveScan::Clock::time_point now) {
   if (stopping_ || now < rebuild_at_ || !rebuilding_.empty() || !unstored_ends_.empty()) return;
   const Result<std::optional<ScanRow>> found = store_.next_to_rebuild();

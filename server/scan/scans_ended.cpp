@@ -1,4 +1,4 @@
-// The part of Scans that is about scans which have ended: what is still told of them, and how they go.
+// The part of Scans for ended scans: how they are shown and removed.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace hermite {
 
 namespace {
 
-// In an hour: as many as a busy day leaves are gone in one.
+// Frame logs that are removed per hour at most: this many, or this part of all.
 constexpr std::size_t kMinLogsRemoved = 10, kPartOfLogsRemoved = 10;
 
 wire::ScanPhase wire_phase(ScanPhase phase) {
@@ -31,7 +31,7 @@ wire::ScanPhase wire_phase(ScanPhase phase) {
 
 }  // namespace
 
-// For a camera that was away when its scan ended. In the background: of this, it uses what any thread may.
+// For a camera that was disconnected when its scan ended. Runs in the background and uses only thread-safe members.
 Scans::LastWords Scans::last_words(const ScanRow& row, const wire::ResumeScan& request) const {
   FrameLogReader log(data_.log_folder(row.id));
   const Result<std::optional<LogRecord>> terms = log.next(), start = log.next();
@@ -54,7 +54,7 @@ Scans::Ticket Scans::when_told(const wire::ResumeScan& request, std::function<vo
   const Ticket ticket = next_ticket_++;
   to_be_told_[ticket] = std::move(then);
   background_([this, ticket, row = find(request.scan_id), request] {
-    // Functions that are posted are copied; what was read need not be.
+    // Posted functions are copied; the shared pointer avoids copying the results.
     const auto words = std::make_shared<LastWords>(row.ok() ? last_words(*row, request) : row.error());
     post_([this, ticket, words] {
       if (auto waiting = to_be_told_.extract(ticket); !waiting.empty()) waiting.mapped()(std::move(*words));
@@ -70,7 +70,7 @@ Result<std::shared_ptr<Audience>> Scans::watch(const std::string& scan_id) {
   const Result<ScanRow> row = find(scan_id);
   if (!row.ok()) return row.error();
   if (row->phase == ScanPhase::kRunning)
-    return Error{ErrorCode::kBusy, "the scan does not run again yet after a start of the server; try again later"};
+    return Error{ErrorCode::kBusy, "the scan has not been resumed yet after a restart of the server; try again later"};
   if (!being_read_.contains(scan_id)) {
     being_read_[scan_id];
     background_([this, scan_id] {
@@ -94,8 +94,8 @@ void Scans::forget(Ticket ticket) {
 }
 
 void Scans::show(const std::string& scan_id, StoredScan stored) {
-  std::shared_ptr<Audience> audience;  // until those who wait are there
-  // Removed meanwhile: they will be told when they ask again.
+  std::shared_ptr<Audience> audience;  // kept until the waiting viewers have it
+  // The scan was removed meanwhile: those who wait get the error when they ask again.
   if (const Result<ScanRow> row = find(scan_id); row.ok() && row->phase != ScanPhase::kRunning) {
     audience = std::make_shared<Audience>(SceneInfo{row->id, row->title, row->camera});
     if (!stored.positions_m.empty()) audience->set_positions(std::move(stored.positions_m));
@@ -110,12 +110,12 @@ void Scans::show(const std::string& scan_id, StoredScan stored) {
     audience->close();
     read_again_[scan_id] = audience;
   }
-  // What one of them does may take others away.
+  // A callback may remove others from the map.
   for (auto& waiting = being_read_[scan_id]; !waiting.empty();) waiting.extract(waiting.begin()).mapped()();
   being_read_.erase(scan_id);
 }
 
-// A disk that takes nothing does not make a scan run that has ended. There are no more of these than could run: none begins without a row.
+// Ends that the store could not record, kept so that an ended scan is not listed as running. Bounded, since no scan starts without a row.
 void Scans::store_end(const ScanRow& row) {
   const Status stored = store_.update(row);
   if (stored.ok()) return;
@@ -127,7 +127,7 @@ void Scans::store_ends_again() {
   while (!unstored_ends_.empty()) {
     const auto entry = unstored_ends_.begin();
     const Status stored = store_.update(entry->second);
-    if (!stored.ok() && stored.error().code != ErrorCode::kNotFound) return;  // the others would fail, too, and each takes its time
+    if (!stored.ok() && stored.error().code != ErrorCode::kNotFound) return;  // the others would fail too, and each attempt takes time
     spdlog::info("scan {}: that it has ended is stored now", entry->first);
     unstored_ends_.erase(entry);
   }
@@ -146,7 +146,7 @@ Status Scans::remove(const std::string& scan_id) {
   return removed;
 }
 
-// Whoever looks at it finds the new title when they come again.
+// Present viewers see the new title when they reconnect.
 Status Scans::rename(const std::string& scan_id, const std::string& title) {
   if (Status renamed = store_.rename(scan_id, title); !renamed.ok()) return renamed;
   if (const auto ended = unstored_ends_.find(scan_id); ended != unstored_ends_.end()) ended->second.title = title;
@@ -177,7 +177,7 @@ Result<std::uint64_t> Scans::size_of_result(const std::string& scan_id, const st
   return Error{ErrorCode::kNotFound, "scan " + scan_id + " has no " + name + (running ? " yet" : "")};
 }
 
-// Of every folder and not of every row: the store lists the newest scans only.
+// Looks at every folder rather than every row, since the store lists only the newest scans.
 void Scans::remove_old_logs(std::int64_t now_ms) {
   old_logs_removed_at_ = LiveScan::Clock::now();
   if (options_.keep_log_days == 0) return;
@@ -188,7 +188,7 @@ void Scans::remove_old_logs(std::int64_t now_ms) {
   });
 }
 
-// Never all at once: whatever was wrong with a clock or a setting, there is time to notice.
+// Removes a limited number per hour, so that a wrong clock or setting can be noticed in time.
 void Scans::remove_old_logs_of(const std::vector<std::string>& scan_ids, std::int64_t now_ms) {
   std::size_t room = std::max<std::size_t>(kMinLogsRemoved, scan_ids.size() / kPartOfLogsRemoved);
   const std::int64_t oldest_ms = now_ms - options_.keep_log_days * kDay_ms;

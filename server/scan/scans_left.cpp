@@ -1,4 +1,4 @@
-// The part of Scans that is about scans which an earlier server left.
+// The part of Scans for scans that an earlier server left running.
 #include <spdlog/spdlog.h>
 
 #include <utility>
@@ -10,13 +10,13 @@
 
 namespace hermite {
 
-// It counts for its token, as before the start.
+// It counts for its token, as before the restart.
 PlaceRequest Scans::place_of_left(const ScanRow& row) const {
   const ScanOwner owner = owner_of(row.token_id);
   return {owner.token_id, owner.is_admin, false};
 }
 
-// The scan has its place from here on: it was there before everybody who comes now.
+// The scan takes its place before any new camera.
 void Scans::read_log(const ScanRow& row, const PlaceRequest& place, std::function<void(LeftScan)> then) {
   Launch launch;
   launch.row = row;
@@ -37,7 +37,7 @@ Status Scans::run_left(LeftScan left) {
   Result<ScanRecord> record = parse_scan_record(contents.terms, contents.start);
   if (!record.ok()) return record.error();
   launch.record = *std::move(record);
-  launch.row.camera = launch.record.request.camera;  // the row has no lens
+  launch.row.camera = launch.record.request.camera;  // the row lacks the lens distortion
   Result<Options> options = options_of(launch.record);
   if (!options.ok()) return options.error();
   launch.options = *options;
@@ -45,7 +45,7 @@ Status Scans::run_left(LeftScan left) {
   const std::shared_ptr<LiveScan> scan = run(launch, *std::move(left.opened));
   spdlog::info("scan {} goes on: {} frames in its log{}{}", launch.row.id, contents.frame_count,
                contents.cut.empty() ? "" : "; cut: ", contents.cut);
-  // Its camera was told that it is over.
+  // Its camera was already told that it has ended.
   if (!contents.finished && launch.row.to_be_rebuilt)
     scan->end_with({ErrorCode::kIo, "the server's disk took no more frames"});
   else if (!contents.finished)
@@ -55,9 +55,9 @@ Status Scans::run_left(LeftScan left) {
 
 void Scans::interrupt_left(ScanRow row, const Error& why) {
   row.phase = ScanPhase::kInterrupted;
-  row.words = "the server ended during the scan, and it cannot be gone on with: " + why.message;
+  row.words = "the server ended during the scan, and cannot be continued: " + why.message;
   row.finished_at_ms = unix_now_ms();
-  row.to_be_rebuilt = row.to_be_rebuilt && why.code == ErrorCode::kIo;  // else its frames are no good
+  row.to_be_rebuilt = row.to_be_rebuilt && why.code == ErrorCode::kIo;  // with other errors its frames are unusable
   log_with({row.id}, spdlog::level::warn, fmt::format("scan {}: {}", row.id, row.words));
   store_end(row);
   rebuild_ended(row);
@@ -66,7 +66,7 @@ void Scans::interrupt_left(ScanRow row, const Error& why) {
   places_.serve();
 }
 
-// Nobody wants it any more, and it does not run.
+// The scan is no longer wanted and not running.
 void Scans::drop_left(const std::string& scan_id) {
   logs_.drop(scan_id);
   left_for_jobs_.erase(scan_id);

@@ -1,4 +1,4 @@
-// The part of Scans that is about scans which jobs feed, and about room for one more.
+// The part of Scans for scans of jobs, and for admission.
 #include <spdlog/spdlog.h>
 
 #include "core/base/check.h"
@@ -28,7 +28,7 @@ Status Scans::check_storage_of(const std::string& scan_id) {
   return row.ok() ? check_storage(owner_of(row->token_id), "", {}) : Status(row.error());
 }
 
-// Behind the cameras that wait, and not where it would take frames from a live one. What was left has its place already.
+// After waiting cameras, and not when it would slow down a live scan. A scan left by an earlier server has its place already.
 bool Scans::has_room_for(const std::string& scan_id) const {
   if (stopping_) return false;
   return logs_.is_waited_for(scan_id) || left_for_jobs_.contains(scan_id) || (places_.check_for_newcomer({}).ok() && check_disk().ok());
@@ -46,12 +46,12 @@ Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, co
     return std::optional<JobScan>();
   }
   if (read.empty() || !run_left(std::move(read.mapped())).ok()) {
-    // Of a start that came no further than its folder, or of a scan that failed with the server.
+    // Remains of a start that only created its folder, or of a scan that failed with the server.
     places_.ended(scan_id);
     if (Status status = remove_files_of_scan(storage_, scan_id); !status.ok()) return status.error();
     if (row.ok())
       if (Status status = store_.remove(scan_id); !status.ok()) return status.error();
-    // Nobody has this token, but what can be resumed is left running for the next server.
+    // Nobody knows this token; it only makes the scan resumable, so that it stays running for the next server.
     const Result<Launch> launch = launch_of(scan_id, request, random_hex(kResumeTokenBytes), owner, {});
     if (!launch.ok()) return launch.error();
     if (const Result<std::shared_ptr<LiveScan>> scan = begin(*launch); !scan.ok()) return scan.error();

@@ -14,7 +14,7 @@ namespace hermite {
 
 namespace {
 
-// Far above what a scan of kMaxFramesPerScan frames leaves; what is longer is none of ours and must not take all memory.
+// Far above the results of kMaxFramesPerScan frames. A longer file is invalid and must not exhaust the memory.
 constexpr std::size_t kMaxResultBytes = std::size_t{2} * 1024 * 1024 * 1024;
 
 ModelUpdate model_of(StoredChunks stored) {

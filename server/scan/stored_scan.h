@@ -1,4 +1,4 @@
-// The results of a scan that has ended, for those who look at it. Waits for where they are kept.
+// Reads the results of an ended scan for its viewers. Blocks on storage.
 #pragma once
 
 #include <optional>
@@ -12,19 +12,19 @@
 
 namespace hermite {
 
-// What Finished says. kNotFound, kIo.
+// The contents of a Finished message. kNotFound, kIo.
 Result<wire::Finished> read_results(Blobs& blobs, const std::string& scan_id);
 
-// What the report says about the map; 0 where there is none.
+// The counts of the map from the report; 0 without a report.
 void read_map_counts(Blobs& blobs, const std::string& scan_id, wire::ScanState& state);
 
 struct StoredScan {
-  std::vector<float> positions_m;  // x y z, x y z, ... of the camera
+  std::vector<float> positions_m;  // x y z, x y z, ... of the camera in the world
   std::optional<ModelUpdate> model;
-  wire::ScanState map_counts;  // nothing but those
+  wire::ScanState map_counts;  // only the counts
 };
 
-// What is there: a scan that failed has no results, and that is no error of the viewer.
+// Whatever exists: that a failed scan has no results is no error for the viewer.
 StoredScan read_stored_scan(Blobs& blobs, const std::string& scan_id);
 
 }  // namespace hermite

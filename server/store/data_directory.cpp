@@ -328,6 +328,13 @@ Status DataDirectory::remove_job_folder(const std::string& job_id) const {
 
 Result<std::uint64_t> DataDirectory::free_disk_bytes() const { return free_bytes(path_); }
 
+Result<std::uint64_t> DataDirectory::disk_capacity_bytes() const {
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(path_, error);
+  if (error) return Error{ErrorCode::kIo, "asking for the size of the disk of " + path_ + ": " + error.message()};
+  return static_cast<std::uint64_t>(space.capacity - (space.free - space.available));  // what is reserved for root is not for us
+}
+
 Result<PublishedServer> published_server(const std::string& path) {
   constexpr std::size_t kMaxUrlBytes = 256;
   const OwnedDescriptor lock(open((path + "/lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));

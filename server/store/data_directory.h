@@ -93,6 +93,8 @@ class DataDirectory {
 
   // Bytes free for us in the file system of this folder. kIo.
   Result<std::uint64_t> free_disk_bytes() const;
+  // Bytes that it would have free for us if nothing were stored in it. kIo.
+  Result<std::uint64_t> disk_capacity_bytes() const;
 
  private:
   Result<std::string> discard(const std::string& path) const;

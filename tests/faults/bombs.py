@@ -9,7 +9,6 @@ code, no growth is beyond what the thing may take, and the server lives and serv
 import io
 import json
 import os
-import signal
 import socket
 import struct
 import subprocess
@@ -20,7 +19,7 @@ import time
 import zipfile
 import zlib
 
-from programs import PATIENCE_S, Camera, Server, argument_parser, check, failures
+from programs import PATIENCE_S, Camera, Server, argument_parser, check, verdict
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "server"))
 from independent_client import (ERROR, FRAME, HELLO, RESULT, WELCOME, BytesMessage, Client, field, fields, frame, hello_camera, text)  # noqa: E402
@@ -263,11 +262,8 @@ def main():
             print(f"| {words} | {sent} | {answer[:150]} | {growth_mb:.1f} |", flush=True)
             check(growth_mb <= limit_mb, f"{words} takes {growth_mb:.0f} MB, more than {limit_mb}")
         check(Camera(arguments.client, server.url).result() == undisturbed, "a scan afterwards has the result of one before")
-        check(server.end(signal.SIGTERM) == 0, "the server ends well")
-        if failures:
-            print(server.tail())
-    print("FAILED" if failures else "passed")
-    return 1 if failures else 0
+        server.end_well()
+    return verdict()
 
 
 if __name__ == "__main__":

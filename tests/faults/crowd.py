@@ -9,14 +9,13 @@ and go (AddressSanitizer keeps up to 256 MB of freed memory); what leaks grows e
 Exit status 77 (skipped) without python3-wsproto.
 """
 import os
-import signal
 import socket
 import struct
 import sys
 import tempfile
 import time
 
-from programs import Camera, Server, argument_parser, check, failures, open_files, resident_mb
+from programs import Camera, Server, argument_parser, check, open_files, resident_mb, verdict
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "server"))
 from independent_client import Client, hello_viewer  # noqa: E402
@@ -85,6 +84,20 @@ def state_of(process):
     return count, resident_mb(process)
 
 
+def check_flat(server, count, scan_id):
+    """Rounds of connections, until one leaves the memory as it was."""
+    come_and_go(server, 60, scan_id)  # what is made once and kept
+    for _ in range(ROUNDS):
+        files_before, mb_before = state_of(server.process)
+        come_and_go(server, count, scan_id)
+        files, mb = state_of(server.process)
+        print(f"{count} connections: open files {files_before} -> {files}, memory {mb_before:.1f} -> {mb:.1f} MB", flush=True)
+        check(files <= files_before, "no open file is left")
+        if mb - mb_before < ROUND_GROWTH_MB:
+            return
+    check(False, f"memory is flat in one of {ROUNDS} rounds")
+
+
 def main():
     parser = argument_parser()
     parser.add_argument("--cameras", type=int, default=8)
@@ -95,25 +108,10 @@ def main():
         server = Server(arguments.hermite, os.path.join(folder, "data"), settings=[
             "--max-scans", str(PLACES), "--requests-per-second", "10000", "--connections-per-address", "1000"])
         crowd_of_cameras(server, arguments.client, arguments.cameras)
-        scan_id = server.scans()[0]["id"]
-        come_and_go(server, 60, scan_id)  # what is made once and kept
-        flat = False
-        for _ in range(ROUNDS):
-            before = state_of(server.process)
-            come_and_go(server, arguments.connects, scan_id)
-            after = state_of(server.process)
-            print(f"{arguments.connects} connections: open files {before[0]} -> {after[0]}, memory {before[1]:.1f} -> {after[1]:.1f} MB", flush=True)
-            check(after[0] <= before[0], "no open file is left")
-            flat = after[1] - before[1] < ROUND_GROWTH_MB
-            if flat:
-                break
-        check(flat, f"memory is flat in one of {ROUNDS} rounds")
+        check_flat(server, arguments.connects, server.scans()[0]["id"])
         check(server.process.poll() is None, "the server lives")
-        if failures:
-            print(server.tail())
-        check(server.end(signal.SIGTERM) == 0, "the server ends well")
-    print("FAILED" if failures else "passed")
-    return 1 if failures else 0
+        server.end_well()
+    return verdict()
 
 
 if __name__ == "__main__":

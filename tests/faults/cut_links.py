@@ -9,7 +9,6 @@ hashes of an undisturbed run, and the server has as many open files afterwards a
 """
 import os
 import random
-import signal
 import socket
 import struct
 import sys
@@ -102,9 +101,7 @@ def main():
             proxy.listener.close()
         check(cuts >= arguments.scans, f"only {cuts} cuts: nothing was tested")
         check(settled(server.process, before) <= before, f"{open_files(server.process)} open files, {before} before")
-        if failures:
-            print(server.tail())
-        check(server.end(signal.SIGTERM) == 0, "the server ends well")
+        server.end_well()
         print(f"{cuts} cuts in {arguments.scans} scans of {FRAMES} frames, {time.monotonic() - started:.0f} s, seed {arguments.seed}: "
               f"{'FAILED' if failures else 'nothing lost, all results the same'}")
     return 1 if failures else 0

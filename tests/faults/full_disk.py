@@ -169,9 +169,7 @@ def look_at(disk, data, program, client):
 
         result = Camera(client, server.url).result()
         check(result is not None and result[0] == FRAMES, f"a scan on a disk with room: {result}")
-        if failures:
-            print(server.tail())
-        check(server.end(signal.SIGTERM) == 0, "the server ends well")
+        server.end_well()
         print(f"disk full with {frames} frames in the log; scan {row['state']}: {row['words']}; rebuilt: "
               f"{'FAILED' if failures else 'as it should be'}")
     finally:

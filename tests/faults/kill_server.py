@@ -97,9 +97,7 @@ def main():
             scans += 1
             resumed += sum("connected again" in line for line in camera.lines)
             longest = max(longest, done)
-        if failures:
-            print(server.tail())
-        check(server.end(signal.SIGTERM) == 0, "the server ends well")
+        server.end_well()
         restored = [int(count) for count in re.findall(r"rebuilt: (\d+) frames from a checkpoint", server.all_of_log())]
         check(any(restored) or kills < 10, "no scan was rebuilt from a checkpoint")
         unusable = server.all_of_log().count("checkpoint cannot be used")

@@ -126,9 +126,7 @@ def main():
             print(f"{name}: {arguments.mb} MB through 2 kills, the same bytes, {time.monotonic() - begun:.1f} s", flush=True)
         check(len(server.ask("jobs")["jobs"]) == len(clients), "each upload has one job")
         curl_works(server, folder, source)
-        if failures:
-            print(server.tail())
-        check(server.end(signal.SIGTERM) == 0, "the server ends well")
+        server.end_well()
     print(f"{time.monotonic() - started:.0f} s: {'FAILED' if failures else 'all well'}")
     return 1 if failures else 0
 

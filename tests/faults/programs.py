@@ -4,6 +4,7 @@ import glob
 import json
 import os
 import re
+import signal
 import socket
 import subprocess
 import sys
@@ -55,6 +56,12 @@ class Server:
         status = self.process.wait(PATIENCE_S)
         self.process.stdout.close()
         return status
+
+    def end_well(self):
+        """As the last check of a test; with its last words where something has failed before."""
+        if failures:
+            print(self.tail())
+        check(self.end(signal.SIGTERM) == 0, "the server ends well")
 
     def all_of_log(self):
         self.log.seek(0)
@@ -180,6 +187,12 @@ def resident_mb(process):
 def durable_said(lines):
     """What the client was told to be durable, each time that it lost its connection."""
     return [int(found[1]) for line in lines if (found := re.search(r"connection lost with (\d+) frames durable", line))]
+
+
+def verdict():
+    """Said, and as an exit status."""
+    print("FAILED" if failures else "passed")
+    return 1 if failures else 0
 
 
 failures = []

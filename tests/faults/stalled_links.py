@@ -248,9 +248,7 @@ def main():
               f"{open_files(server.process)} open files, {before} before")
         for words, took_s in report.items():
             print(f"{words} {'never' if took_s is None else f'{took_s:.1f} s'}")
-        if failures:
-            print(server.tail())
-        check(server.end(signal.SIGTERM) == 0, "the server ends well")
+        server.end_well()
         print(f"{time.monotonic() - started:.0f} s: {'FAILED' if failures else 'all let go, all came back, all results the same'}")
     return 1 if failures else 0
 

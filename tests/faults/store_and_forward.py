@@ -180,9 +180,7 @@ def main():
         killed_client(arguments.hermite, arguments.client, folder)
         full_disk(arguments.client, server, folder)
         keys(arguments.client, server, folder)
-        if failures:
-            print(server.tail())
-        check(server.end(signal.SIGTERM) == 0, "the server ends well")
+        server.end_well()
         verdict = "FAILED" if failures else "nothing lost, all results the same"
         print(f"{arguments.frames} frames, the server away for a third of them, {time.monotonic() - started:.0f} s: {verdict}")
     return 1 if failures else 0

@@ -9,11 +9,13 @@ const { chromium } = require('playwright-core');
 const axe = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
 
 // WebGL 2 comes from SwiftShader: no graphics card needed.
-const flags = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-background-networking', '--disable-component-update'];
+const flags = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-background-networking', '--disable-component-update', '--webgl-antialiasing-mode=none'];
 
 export async function openBrowser() {
   const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: flags });
-  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, acceptDownloads: true, colorScheme: 'dark' });
+  // A small window without glides: pictures are drawn by the processor, which also makes the scan.
+  const viewport = { width: 1024, height: 640 };
+  const context = await browser.newContext({ viewport, acceptDownloads: true, colorScheme: 'dark', reducedMotion: 'reduce' });
   return { browser, context, close: () => browser.close() };
 }
 
@@ -49,25 +51,34 @@ export async function untilScan(page, words, limit_ms, condition) {
   }
 }
 
-// Of the middle of the picture, where no panel is: what `look` makes of its pixels.
-async function inPixels(context, page, look) {
-  const png = await page.screenshot({ clip: { x: 60, y: 90, width: 940, height: 560 } });
-  const canvas = await context.newPage();
-  try {
-    return await canvas.evaluate(
-      async ([base64, body]) => {
-        const image = new Image();
-        image.src = `data:image/png;base64,${base64}`;
-        await image.decode();
-        const drawing = Object.assign(document.createElement('canvas'), { width: image.width, height: image.height }).getContext('2d');
-        drawing.drawImage(image, 0, 0);
-        return new Function('data', `return (${body})(data)`)(drawing.getImageData(0, 0, image.width, image.height));
-      },
-      [png.toString('base64'), look.toString()],
-    );
-  } finally {
-    await canvas.close();
+// Until nothing moves in the picture, and for a moment longer nothing begins to.
+export async function untilResting(page, limit_ms = 30_000) {
+  const end_ms = Date.now() + limit_ms;
+  for (let quiet = 0; quiet < 3; ) {
+    if (Date.now() > end_ms) throw new Error(`after ${limit_ms} ms something still moves`);
+    await page.waitForTimeout(100);
+    quiet = (await page.evaluate(() => window.hermite.isResting())) ? quiet + 1 : 0;
   }
+}
+
+const canvases = new WeakMap(); // by context: an empty page that decodes pictures
+
+// Of the middle of the resting picture, where no panel is: what `look` makes of its pixels.
+async function inPixels(context, page, look) {
+  await untilResting(page);
+  const png = await page.screenshot({ clip: { x: 60, y: 90, width: 684, height: 400 } });
+  if (!canvases.has(context)) canvases.set(context, await context.newPage());
+  return canvases.get(context).evaluate(
+    async ([base64, body]) => {
+      const image = new Image();
+      image.src = `data:image/png;base64,${base64}`;
+      await image.decode();
+      const drawing = Object.assign(document.createElement('canvas'), { width: image.width, height: image.height }).getContext('2d');
+      drawing.drawImage(image, 0, 0);
+      return new Function('data', `return (${body})(data)`)(drawing.getImageData(0, 0, image.width, image.height));
+    },
+    [png.toString('base64'), look.toString()],
+  );
 }
 
 // Share of pixels brighter than the ground, number of different colours, and one number for all of it.

@@ -11,7 +11,7 @@ import { openBrowser, openPage } from './browser.mjs';
 import { startServer } from './programs.mjs';
 
 const size_bytes = 40 * 1024 * 1024; // three pieces
-const link_bytes_per_s = 4_000_000; // so that there is time to break it
+const link_bytes_per_s = 8_000_000; // so that there is time to break it
 const sent_ms = 3 * 60_000;
 
 let folder, server, browser, viewer;

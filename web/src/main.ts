@@ -2,14 +2,12 @@
 import { readFragment, storedToken, storeToken } from './connection/token';
 import type { Panel } from './panels/dom';
 import { listPage } from './panels/list_page';
-import { scanPage } from './panels/scan_page';
-import type { LiveScan } from './state/live_scan';
+import { scanPage, type ScanPage } from './panels/scan_page';
 import { routeOf } from './state/route';
 
 const app = document.getElementById('app')!;
 let page: Panel | null = null;
-let scan: (() => LiveScan) | null = null;
-let drawCalls = (): number => 0;
+let opened: ScanPage | null = null;
 
 function takeToken(): void {
   const fragment = readFragment(location.hash);
@@ -22,18 +20,16 @@ function show(): void {
   const route = routeOf(location.hash);
   page?.dispose();
   if (route.page === 'scan') {
-    const opened = scanPage(route.scanId, storedToken(sessionStorage));
-    scan = () => opened.scan.get();
-    drawCalls = opened.drawCalls;
-    page = opened;
+    page = opened = scanPage(route.scanId, storedToken(sessionStorage));
   } else {
-    scan = null;
+    opened = null;
     page = listPage({ token: () => storedToken(sessionStorage), setToken: (token) => storeToken(sessionStorage, token) });
   }
   app.replaceChildren(page.element);
 }
 
 // For tests and the curious: what the page shows, to read only.
-Object.defineProperty(window, 'hermite', { value: Object.freeze({ scan: () => scan?.() ?? null, drawCalls: () => drawCalls() }) });
+const shown = { scan: () => opened?.scan.get() ?? null, drawCalls: () => opened?.drawCalls() ?? 0, isResting: () => opened?.isResting() ?? true };
+Object.defineProperty(window, 'hermite', { value: Object.freeze(shown) });
 window.addEventListener('hashchange', show);
 show();

@@ -107,6 +107,24 @@ TEST_F(Unpack, BombsEndAtTheLimitWhateverHeadersSay) {
   EXPECT_THAT(refusal(test::zstd_bytes(test::tar_bytes(many)), limits), HasSubstr("more than 1048576 bytes"));
 }
 
+TEST_F(Unpack, WhatHasNoRoomNowIsBusyAndWhatIsRefusedIsNot) {
+  UnpackLimits limits;
+  limits.room_bytes = 50'000;
+  limits.capacity_bytes = 1'000'000;
+  for (const std::string& bytes : {test::tar_bytes(kTwoFiles), test::zstd_bytes(test::tar_bytes(kTwoFiles)), test::zip_bytes(kTwoFiles)}) {
+    EXPECT_EQ(unpack(bytes, limits).error().code, ErrorCode::kBusy);
+    EXPECT_THAT(refusal(bytes, limits), HasSubstr("unpacked it has 0 MB, the disk has room for 0 MB now"));
+  }
+  std::vector<ArchiveEntry> bad = kTwoFiles;
+  bad.push_back({"../out", "x"});
+  EXPECT_EQ(unpack(test::tar_bytes(bad), limits).error().code, ErrorCode::kInvalidArgument) << "behind what there is no room for, too";
+  const std::string large = test::zstd_bytes(test::tar_bytes({{"a", std::string(1'000'001, 'a')}}));
+  EXPECT_EQ(unpack(large, limits).error().code, ErrorCode::kTooLarge);
+  EXPECT_THAT(refusal(large, limits), HasSubstr("more than 1 MB, all that the disk could have room for"));
+  limits.room_bytes = 100'006;
+  EXPECT_TRUE(unpack(test::tar_bytes(kTwoFiles), limits).ok()) << "exactly as much as there is room for";
+}
+
 TEST_F(Unpack, SizesThatLieAreErrors) {
   EXPECT_NE(refusal(test::tar_bytes({{"a", "x", '0', "", std::uint64_t{1} << 32}})), "unpacked") << "says more than there is";
   EXPECT_NE(refusal(test::tar_bytes({{"a", std::string(3000, 'x'), '0', "", 10}})), "unpacked") << "says less";

@@ -50,7 +50,7 @@ TEST(GlbDocument, WhatIsWrongIsNamed) {
   EXPECT_THAT(why_no_document(changed("/nodes", "many")), HasSubstr("nodes is no array"));
   EXPECT_THAT(why_no_document(changed("/nodes/0", 7)), HasSubstr("nodes[0] is no object"));
   const std::string deep(1000, '[');
-  EXPECT_THAT(why_no_document(glb_of("{\"a\":" + deep, "")), HasSubstr("brackets"));
+  EXPECT_THAT(why_no_document(glb_of("{\"a\":" + deep, "")), HasSubstr("nested deeper than"));
   std::string version = glb_of(triangle_json().dump(), triangle_binary());
   version[4] = 1;
   EXPECT_THAT(why_no_document(version), HasSubstr("version 1, known is 2"));

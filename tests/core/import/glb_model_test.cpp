@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
+
 #include "core/image/image_codec.h"
 #include "core/output/glb.h"
 #include "tests/support/analytic_mesh.h"
@@ -31,6 +34,34 @@ TEST(GlbModel, WhatWeWriteComesBackInTheWorldOfTheScan) {
       EXPECT_EQ(model->mesh.colors[here], sphere.colors[there]) << "linear and back";
       EXPECT_LT((model->mesh.normals[here] - sphere.normals[there]).norm(), 1e-5f);
     }
+}
+
+float area_of(const TriangleMesh& mesh, std::size_t triangle) {
+  const auto& [a, b, c] = mesh.triangles[triangle];
+  return (mesh.positions_m[b] - mesh.positions_m[a]).cross(mesh.positions_m[c] - mesh.positions_m[a]).norm() / 2;
+}
+
+TEST(GlbModel, MarksOfWhatIsFilledComeBackFromOurFilesAlone) {
+  TriangleMesh sphere = test::sphere_mesh(6, 8);
+  sphere.is_filled.assign(sphere.triangles.size(), 0);
+  std::fill_n(sphere.is_filled.begin(), 5, std::uint8_t{1});
+  for (const GlbCompression compression : {GlbCompression::kNone, GlbCompression::kDraco}) {
+    const auto model = read_glb_model(glb(sphere, compression), {});
+    ASSERT_TRUE(model.ok()) << model.error().message;
+    const std::vector<std::uint8_t>& marks = model->mesh.is_filled;
+    ASSERT_EQ(marks.size(), model->mesh.triangles.size());
+    EXPECT_EQ(std::count(marks.begin(), marks.end(), 1), 5);
+    float area_m2 = 0, filled_m2 = 0;  // the triangles may have another order
+    for (std::size_t i = 0; i < marks.size(); ++i) area_m2 += marks[i] != 0 ? area_of(model->mesh, i) : 0;
+    for (std::size_t i = 0; i < 5; ++i) filled_m2 += area_of(sphere, i);
+    EXPECT_NEAR(area_m2, filled_m2, 1e-3f * filled_m2);
+  }
+  std::string foreign = glb(sphere);
+  const std::size_t name = foreign.find("Hermite");
+  foreign.replace(name, 7, "Blender");
+  EXPECT_TRUE(read_glb_model(foreign, {})->mesh.is_filled.empty());
+  sphere.is_filled.clear();
+  EXPECT_TRUE(read_glb_model(glb(sphere), {})->mesh.is_filled.empty());
 }
 
 TEST(GlbModel, DracoComesBackToo) {

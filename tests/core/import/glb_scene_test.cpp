@@ -50,7 +50,7 @@ TEST(GlbScene, CirclesAndSharedChildrenAreErrors) {
   EXPECT_THAT(placements_of(R"([{"mesh": 0, "matrix": [1]}])").error().message, HasSubstr("is not 16 finite numbers"));
   std::string deep = "[";
   for (int i = 0; i < 1100; ++i) deep += "{\"children\": [" + std::to_string(i + 1) + "]},";
-  EXPECT_THAT(placements_of((deep + "{\"mesh\": 0}]").c_str()).error().message, HasSubstr("deeper below each other than 1000"));
+  EXPECT_THAT(placements_of((deep + "{\"mesh\": 0}]").c_str()).error().message, HasSubstr("nested deeper than 1000"));
 }
 
 }  // namespace

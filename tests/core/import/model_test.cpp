@@ -108,7 +108,7 @@ TEST(Model, OptionsAreTexts) {
   EXPECT_EQ(*parse_import_options({}), ImportOptions());
   EXPECT_EQ(*parse_import_options({{"scale", "0.001"}, {"up", "-y"}}), (ImportOptions{0.001, UpAxis::kMinusY}));
   for (const char* scale : {"0", "-1", "nan", "inf", "1e7", "1m", ""}) EXPECT_FALSE(parse_import_options({{"scale", scale}}).ok()) << scale;
-  EXPECT_THAT(parse_import_options({{"up", "x"}}).error().message, HasSubstr("y, z and -y"));
+  EXPECT_THAT(parse_import_options({{"up", "x"}}).error().message, HasSubstr("y, z or -y"));
   EXPECT_THAT(parse_import_options({{"icp.levels", "3"}}).error().message, HasSubstr("no setting of an import"));
   EXPECT_TRUE(is_import_option("up"));
   EXPECT_FALSE(is_import_option("icp.levels"));

@@ -14,6 +14,7 @@
 #include "core/mesh/mesh_parts.h"
 #include "core/mesh/quad_mesh.h"
 #include "core/output/mesh_ply.h"
+#include "tests/core/mesh/expect_sound.h"
 #include "tests/core/mesh/mesh_shapes.h"
 
 namespace hermite {
@@ -35,20 +36,10 @@ double greatest(const TriangleMesh& mesh, const std::function<double(const Eigen
   return worst_m;
 }
 
-void expect_clean(const TriangleMesh& mesh) {
-  const MeshValidity validity = mesh_validity(mesh);
-  EXPECT_EQ(validity.overfull_edges, 0);
-  EXPECT_EQ(validity.disagreeing_edges, 0);
-  EXPECT_EQ(validity.flipped_faces, 0);
-  EXPECT_EQ(validity.degenerate_faces, 0);
-  EXPECT_EQ(validity.not_finite_vertices, 0);
-  EXPECT_EQ(validity.pinched_vertices, 0);
-}
-
 TEST(Contour, ASphereIsClosedAndRound) {
   const float radius_m = 0.2f;
   const TriangleMesh mesh = mesh_of_cloud(sphere(radius_m, 5000));
-  expect_clean(mesh);
+  expect_sound(mesh);
   EXPECT_EQ(mesh_validity(mesh).border_edges, 0);
   EXPECT_EQ(mesh_validity(mesh).components, 1);
   EXPECT_LT(greatest(mesh, [&](const Eigen::Vector3f& p) { return static_cast<double>(p.norm() - radius_m); }), 2e-4);
@@ -60,7 +51,7 @@ TEST(Contour, ASphereIsClosedAndRound) {
 // Across the border of cubes, too: the sphere lies in eight of them.
 TEST(Contour, HasNoCrackBetweenCubes) {
   const TriangleMesh mesh = mesh_of_cloud(sphere(0.35f, 9000), 0.02);
-  expect_clean(mesh);
+  expect_sound(mesh);
   EXPECT_EQ(mesh_validity(mesh).border_edges, 0);
 }
 
@@ -101,7 +92,7 @@ TEST(Contour, ForgettingLayersOfCubesChangesNoByte) {
 TEST(Contour, EdgesStayEdges) {
   const float side_m = 0.306f;
   const TriangleMesh mesh = mesh_of_cloud(cube(side_m, 0.009f));
-  expect_clean(mesh);
+  expect_sound(mesh);
   EXPECT_EQ(mesh_validity(mesh).border_edges, 0);
   const auto off_m = [&](const Eigen::Vector3f& p) { return static_cast<double>(p.cwiseAbs().maxCoeff() - side_m / 2); };
   EXPECT_LT(greatest(mesh, off_m), 1e-3);
@@ -115,7 +106,7 @@ TEST(Contour, ASquareIsOpenAndAsWideAsItsPoints) {
   Cloud cloud;
   append_square(cloud, 0.4f, 0.01f, 0.0031f);
   const TriangleMesh mesh = mesh_of_cloud(cloud);
-  expect_clean(mesh);
+  expect_sound(mesh);
   EXPECT_EQ(mesh_validity(mesh).components, 1);
   EXPECT_LT(greatest(mesh, [](const Eigen::Vector3f& p) { return static_cast<double>(p.z() - 0.0031f); }), 1e-5);
   double widest_m = 0;
@@ -136,8 +127,8 @@ TEST(Contour, TwoSheetsFarApartAreTwoAndNearOnesAreOne) {
   Cloud far, near;
   for (const float z_m : {0.0f, 0.08f}) append_square(far, 0.3f, 0.01f, z_m);
   for (const float z_m : {0.0f, 0.006f}) append_square(near, 0.3f, 0.01f, z_m);
-  expect_clean(mesh_of_cloud(far));
-  expect_clean(mesh_of_cloud(near));
+  expect_sound(mesh_of_cloud(far));
+  expect_sound(mesh_of_cloud(near));
   EXPECT_EQ(mesh_validity(mesh_of_cloud(far)).components, 2);
   EXPECT_EQ(mesh_validity(mesh_of_cloud(near)).components, 1);
   EXPECT_LT(greatest(mesh_of_cloud(near), [](const Eigen::Vector3f& p) { return static_cast<double>(p.z() - 0.003f); }), 1e-3);
@@ -152,7 +143,7 @@ TEST(Contour, AThinBoardHasTwoSides) {
   for (CloudPoint& point : back) point.normal = -point.normal;
   cloud.insert(cloud.end(), back.begin(), back.end());
   const TriangleMesh mesh = mesh_of_cloud(cloud, 0.006);
-  expect_clean(mesh);
+  expect_sound(mesh);
   EXPECT_EQ(mesh_validity(mesh).components, 2);
   EXPECT_LT(
       greatest(mesh, [](const Eigen::Vector3f& p) { return static_cast<double>(std::min(std::abs(p.z()), std::abs(p.z() - 0.03f))); }),
@@ -170,7 +161,7 @@ TEST(Contour, NoiseMakesNoFoldsAndNoDoubleEdges) {
     point.position_m += 0.004f * noise() * point.normal;
     point.normal = (point.normal + 0.5f * Eigen::Vector3f(noise(), noise(), noise())).normalized();
   }
-  expect_clean(mesh_of_cloud(cloud, 0.006));
+  expect_sound(mesh_of_cloud(cloud, 0.006));
 }
 
 TEST(Contour, TheSameCloudGivesTheSameBytes) {

@@ -8,22 +8,13 @@
 
 #include "core/evaluate/mesh_validity.h"
 #include "core/output/mesh_ply.h"
+#include "tests/core/mesh/expect_sound.h"
 #include "tests/core/mesh/grid_mesh.h"
 
 namespace hermite {
 namespace {
 
 using testing::HasSubstr;
-
-void expect_sound(const TriangleMesh& mesh) {
-  const MeshValidity validity = mesh_validity(mesh);
-  EXPECT_EQ(validity.overfull_edges, 0);
-  EXPECT_EQ(validity.disagreeing_edges, 0);
-  EXPECT_EQ(validity.flipped_faces, 0);
-  EXPECT_EQ(validity.repeated_faces, 0);
-  EXPECT_EQ(validity.pinched_vertices, 0);
-  EXPECT_EQ(validity.loose_vertices, 0);
-}
 
 TEST(HoleFill, GoesOnAsTheSurfaceAroundAndLeavesItsEndOpen) {
   const auto bowl = [](float x_m, float y_m) { return -2 * ((x_m - 0.1f) * (x_m - 0.1f) + (y_m - 0.1f) * (y_m - 0.1f)); };

@@ -58,12 +58,12 @@ Decoded decode(const EncodedChunk& chunk) {
   if (!result.ok()) return decoded;
   const std::unique_ptr<draco::PointCloud> cloud = std::move(result).value();
   EXPECT_EQ(cloud->num_points(), chunk.point_count);
-  EXPECT_EQ(cloud->num_attributes(), 4);
   const auto* positions = cloud->GetNamedAttribute(draco::GeometryAttribute::POSITION);
   const auto* normals = cloud->GetNamedAttribute(draco::GeometryAttribute::NORMAL);
   const auto* colors = cloud->GetNamedAttribute(draco::GeometryAttribute::COLOR);
   const auto* confidences = cloud->GetNamedAttribute(draco::GeometryAttribute::GENERIC);
-  if (!positions || !normals || !colors || !confidences) {
+  EXPECT_EQ(cloud->num_attributes(), normals ? 4 : 3);
+  if (!positions || !colors || !confidences) {
     ADD_FAILURE() << "an attribute is missing";
     return decoded;
   }
@@ -73,10 +73,10 @@ Decoded decode(const EncodedChunk& chunk) {
   EXPECT_EQ(confidences->data_type(), draco::DT_UINT8);
   EXPECT_EQ(confidences->num_components(), 1);
   for (std::uint32_t i = 0; i < cloud->num_points(); ++i) {
-    const auto position = read<float, 3>(*positions, i), normal = read<float, 3>(*normals, i);
+    const auto position = read<float, 3>(*positions, i);
     const auto color = read<std::uint8_t, 3>(*colors, i);
     decoded.positions_m.emplace_back(position[0], position[1], position[2]);
-    decoded.normals.emplace_back(normal[0], normal[1], normal[2]);
+    if (normals) decoded.normals.emplace_back(read<float, 3>(*normals, i).data());
     decoded.colors.push_back({color[0], color[1], color[2]});
     decoded.confidences.push_back(read<std::uint8_t, 1>(*confidences, i)[0]);
   }
@@ -273,6 +273,16 @@ TEST(ChunkedModel, OddNormalsAndConfidencesAreTakenIntoRange) {
   EXPECT_THAT(decoded.confidences, ::testing::UnorderedElementsAre(0, 255));
   const std::size_t upward = decoded.confidences[0] == 0 ? 0 : 1;
   EXPECT_GT(decoded.normals[upward].z(), 0.999f);
+}
+
+TEST(ChunkedModel, PointsWithoutNormalsHaveNoneWhenDecoded) {
+  ChunkedModel model;
+  CloudPoint point = point_at({0.1f, 0.1f, 0.1f});
+  point.normal.setZero();
+  apply_changes(model, {set(0, point)});
+  EXPECT_THAT(decode(encoded(model, ChunkKey{})).normals, IsEmpty());
+  apply_changes(model, {set(1, point_at({0.2f, 0.1f, 0.1f}))});
+  EXPECT_EQ(decode(encoded(model, ChunkKey{})).normals.size(), 2u);
 }
 
 TEST(ChunkedModel, EqualContentGivesEqualBytesWhateverTheWay) {

@@ -82,7 +82,16 @@ TEST(Exposure, PlantedGainsComeBack) {
   for (std::size_t i = 0; i < poses.size(); ++i) gains.push_back(0.8 + 0.4 * static_cast<double>((i * 5) % 12) / 11);
   const TriangleMesh wall = test::wall_mesh();
   std::vector<TextureView> views = views_of(wall, test::wall_frames(poses, poses, gains));
-  solve_exposure(wall, test::small_camera(), 2, views);
+  TextureOptions two_threads;
+  two_threads.thread_count = 2;
+  int questions = 0;
+  TextureOptions stopped;
+  stopped.thread_count = 1;
+  stopped.is_stopped = [&questions] { return ++questions > 20; };  // after the views, between the rounds of the solver
+  solve_exposure(wall, test::small_camera(), stopped, views);
+  EXPECT_LT(questions, 30) << "it does not go on";
+  for (const TextureView& view : views) EXPECT_EQ(view.gain, Eigen::Vector3f::Ones());
+  solve_exposure(wall, test::small_camera(), two_threads, views);
   double mean_log = 0;
   for (const double gain : gains) mean_log += std::log(gain) / static_cast<double>(gains.size());
   for (std::size_t i = 0; i < views.size(); ++i) EXPECT_NEAR(views[i].gain.y(), gains[i] / std::exp(mean_log), 0.02) << "view " << i;

@@ -47,12 +47,12 @@ TEST(JobRequest, AnUploadsJobHasItsIdAndWhatItsMetadataSays) {
 TEST(JobRequest, NothingHasToBeSaid) { EXPECT_EQ(words({}), "well"); }
 
 TEST(JobRequest, WhatIsWrongIsNamed) {
-  EXPECT_THAT(words({{"priority", "101"}}), HasSubstr("priority is no whole number from -100 to 100"));
+  EXPECT_THAT(words({{"priority", "101"}}), HasSubstr("priority must be a whole number from -100 to 100"));
   EXPECT_THAT(words({{"priority", "NaN"}}), HasSubstr("priority"));
-  EXPECT_THAT(words({{"settings", "[1]"}}), HasSubstr("settings is no JSON object of texts"));
-  EXPECT_THAT(words({{"settings", R"({"a": 1})"}}), HasSubstr("no text"));
+  EXPECT_THAT(words({{"settings", "[1]"}}), HasSubstr("settings must be a JSON object of strings"));
+  EXPECT_THAT(words({{"settings", R"({"a": 1})"}}), HasSubstr("not a string"));
   EXPECT_THAT(words({{"settings", R"({"no.such": "1"})"}}), HasSubstr("no.such"));
-  EXPECT_THAT(words({{"settings", R"({"up": "x"})"}}), HasSubstr("settings: up is none of y, z and -y"));
+  EXPECT_THAT(words({{"settings", R"({"up": "x"})"}}), HasSubstr("settings: up must be y, z or -y"));
   EXPECT_EQ(words({{"settings", R"({"up": "y", "scale": "0.001"})"}}), "well") << "of an import";
   EXPECT_THAT(words({{"camera", "fr9"}}), HasSubstr("camera"));
   EXPECT_THAT(words({{"camera", R"({"width": 640})"}}), HasSubstr("height"));

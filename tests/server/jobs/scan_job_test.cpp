@@ -185,7 +185,8 @@ TEST_F(ScanJobTest, OneThatTheDiskHasNoRoomForWaitsAndIsDoneWhenThereIsSome) {
   ASSERT_TRUE(runs(job, 1));
   server_.reset();
   std::filesystem::remove_all(folder_ / "data/scans/" + SqliteStore(folder_ / "data/hermite.db").job(job)->scan_id);
-  start(0, 1'000'000'000);
+  const auto free_mb = static_cast<int>(std::filesystem::space(folder_ / "data").available / 1'000'000);
+  start(0, free_mb + 500);  // other files take more than that: if they went there would be room
   JobReport report;
   for (int i = 0; i < 500 && report.words.empty(); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -196,6 +197,18 @@ TEST_F(ScanJobTest, OneThatTheDiskHasNoRoomForWaitsAndIsDoneWhenThereIsSome) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/jobs"));
   start();
   EXPECT_EQ(end_of(job).state, "finished");
+}
+
+TEST_F(ScanJobTest, OneThatNoDiskOfThisSizeHasRoomForFailsAtOnce) {
+  const std::string job = send(recording(20));
+  ASSERT_TRUE(runs(job, 1));
+  server_.reset();
+  std::filesystem::remove_all(folder_ / "data/scans/" + SqliteStore(folder_ / "data/hermite.db").job(job)->scan_id);
+  start(0, 1'000'000'000);  // more must stay free than the disk has
+  const JobReport report = end_of(job);
+  EXPECT_EQ(report.state, "failed");
+  EXPECT_THAT(report.words, HasSubstr("all that the disk could have room for"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "data/jobs"));
 }
 
 TEST_F(ScanJobTest, AServerThatStopsIsFollowedByOneThatGoesOnWithTheSameScan) {

@@ -15,16 +15,12 @@
 #include <thread>
 
 #include "core/image/image_codec.h"
-#include "core/pipeline/doctor.h"
 #include "core/run/results.h"
 #include "proto/wire/frame_payload.h"
 #include "server/store/chunk_file.h"
 #include "server/store/scan_id.h"
 #include "server/store/sqlite_store.h"
-#include "tests/support/raw_client.h"
-#include "tests/support/room_frames.h"
-#include "tests/support/running_server.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/scan_server_test.h"
 
 namespace hermite {
 namespace {
@@ -44,33 +40,23 @@ std::string bytes_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-class ScansTest : public testing::Test {
+class ScansTest : public test::ScanServerTest {
  protected:
-  void SetUp() override {
-    static const std::vector<std::string> problems = examine_device("").problems;
-    if (!problems.empty()) GTEST_SKIP() << "no fit GPU here: " << problems.front();
-    serve([](ServiceOptions&) {});
-  }
-
-  void serve(const std::function<void(ServiceOptions&)>& change) {
-    server_.reset();
-    ServiceOptions options = test::test_options(folder_ / "data");
-    change(options);
-    server_ = std::make_unique<test::RunningServer>(options);
-  }
-
   // A camera whose hello was accepted.
   struct Camera {
     std::unique_ptr<RawClient> client;
     wire::Welcome welcome;
   };
   Camera start(wire::Mode mode = wire::Mode::kBatch, const std::map<std::string, std::string>& settings = kSettings) {
-    Camera camera{std::make_unique<RawClient>(server_->port()), {}};
-    EXPECT_TRUE(camera.client->upgrade());
-    wire::StartScan request{
-        "a test", room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng}, mode,
-        settings, kFrameCount};
-    camera.client->send_message(wire::Hello{0, "test", server_->token(), request});
+    Camera camera{hello(wire::StartScan{"a test",
+                                        room().camera(),
+                                        {wire::DepthCodec::kRvlZstd},
+                                        {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng},
+                                        mode,
+                                        settings,
+                                        kFrameCount},
+                        0),
+                  {}};
     const auto welcome = camera.client->read<wire::Welcome>();
     EXPECT_TRUE(welcome);
     if (welcome) camera.welcome = *welcome;
@@ -78,21 +64,18 @@ class ScansTest : public testing::Test {
   }
   // A camera that asks for a scan and says for how long it may send nothing.
   Camera start_with_patience(std::uint32_t frame_patience_s) {
-    Camera camera{std::make_unique<RawClient>(server_->port()), {}};
-    EXPECT_TRUE(camera.client->upgrade());
-    wire::StartScan request{"", room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {},
-                            0,  frame_patience_s};
-    camera.client->send_message(wire::Hello{wire::kProtocolMinor, "test", server_->token(), request});
+    Camera camera{
+        hello(wire::StartScan{
+            "", room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0, frame_patience_s}),
+        {}};
     if (const auto welcome = camera.client->read<wire::Welcome>()) camera.welcome = *welcome;
     return camera;
   }
   // A camera that asks for a scan; the answer is the test's business.
   std::unique_ptr<RawClient> ask(const std::string& title = "", std::uint32_t protocol_minor = wire::kProtocolMinor) {
-    auto client = std::make_unique<RawClient>(server_->port());
-    EXPECT_TRUE(client->upgrade());
-    wire::StartScan request{title, room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0};
-    client->send_message(wire::Hello{protocol_minor, "test", server_->token(), request});
-    return client;
+    return hello(
+        wire::StartScan{title, room().camera(), {wire::DepthCodec::kRvlZstd}, {wire::ColorCodec::kJpeg}, wire::Mode::kBatch, {}, 0},
+        protocol_minor);
   }
   // Sends the frames of the room within the credit and asks for the result.
   static std::optional<wire::Finished> stream(Camera& camera) {
@@ -128,9 +111,6 @@ class ScansTest : public testing::Test {
     }
     return "running for a minute";
   }
-
-  const test::TemporaryFolder folder_;
-  std::unique_ptr<test::RunningServer> server_;
 };
 
 // What `hermite reconstruct` makes of the same frames.

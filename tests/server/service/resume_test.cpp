@@ -13,7 +13,6 @@
 #include "core/digest/sha256.h"
 #include "core/log/frame_log.h"
 #include "core/log/frame_log_format.h"
-#include "core/pipeline/doctor.h"
 #include "server/disk/log_readers.h"
 #include "server/scan/checkpoint_file.h"
 #include "server/scan/scan_record.h"
@@ -22,10 +21,7 @@
 #include "server/store/secret.h"
 #include "server/store/sqlite_store.h"
 #include "tests/support/file_bytes.h"
-#include "tests/support/raw_client.h"
-#include "tests/support/room_frames.h"
-#include "tests/support/running_server.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/scan_server_test.h"
 
 namespace hermite {
 namespace {
@@ -54,33 +50,22 @@ std::string read_file(const std::string& path) {
 
 void write_file(const std::string& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
 
-class ResumeTest : public testing::Test {
+class ResumeTest : public test::ScanServerTest {
  protected:
   void SetUp() override {
-    static const std::vector<std::string> problems = examine_device("").problems;
-    if (!problems.empty()) GTEST_SKIP() << "no fit GPU here: " << problems.front();
-    serve(120);
+    ScanServerTest::SetUp();
+    if (!IsSkipped()) serve(120);
   }
 
   void serve(int resume_window_s, int max_scans = 4, int checkpoint_period_ms = 0) {
-    server_.reset();
-    ServiceOptions options = test::test_options(folder_ / "data");
-    options.resume_window_s = resume_window_s;
-    options.checkpoint_period_ms = checkpoint_period_ms;
-    options.max_scans = max_scans;
-    options.admin_listen = "127.0.0.1:0";
-    server_ = std::make_unique<test::RunningServer>(options);
+    ScanServerTest::serve([&](ServiceOptions& options) {
+      options.resume_window_s = resume_window_s;
+      options.checkpoint_period_ms = checkpoint_period_ms;
+      options.max_scans = max_scans;
+      options.admin_listen = "127.0.0.1:0";
+    });
   }
 
-  std::unique_ptr<RawClient> hello(const std::variant<wire::StartScan, wire::ViewScan, wire::ResumeScan>& role) {
-    return hello(role, server_->token());
-  }
-  std::unique_ptr<RawClient> hello(const std::variant<wire::StartScan, wire::ViewScan, wire::ResumeScan>& role, const std::string& token) {
-    auto client = std::make_unique<RawClient>(server_->port());
-    EXPECT_TRUE(client->upgrade());
-    client->send_message(wire::Hello{wire::kProtocolMinor, "test", token, role});
-    return client;
-  }
   std::unique_ptr<RawClient> start() {
     auto client = hello(request());
     const auto welcome = client->read<wire::Welcome>();
@@ -157,8 +142,6 @@ class ResumeTest : public testing::Test {
   std::string chunks_of(const std::string& scan_id) const { return read_file(folder_ / "data/scans/" + scan_id + "/" + kChunksName); }
   std::string log_folder() const { return folder_ / "data/scans/" + welcome_.scan_id + "/log"; }
 
-  const test::TemporaryFolder folder_;
-  std::unique_ptr<test::RunningServer> server_;
   wire::Welcome welcome_;
   Json undisturbed_;
 };
@@ -467,7 +450,7 @@ TEST_F(ResumeTest, ARevokedTokenEndsTheConnectionAndAnotherTokenGoesOnWithTheSca
     add("viewer", {true, false, false});
   }
   serve(120);
-  auto camera = hello(request(), "camera");
+  auto camera = hello_with("camera", request());
   const auto welcome = camera->read<wire::Welcome>();
   ASSERT_TRUE(welcome);
   welcome_ = *welcome;
@@ -479,10 +462,10 @@ TEST_F(ResumeTest, ARevokedTokenEndsTheConnectionAndAnotherTokenGoesOnWithTheSca
   EXPECT_THAT(administrator.read_to_end(), HasSubstr(" 200 "));
   EXPECT_EQ(camera->close_code(), 4001);
   const wire::ResumeScan back{welcome_.scan_id, welcome_.resume_token, 2};
-  EXPECT_EQ(hello(back, "camera")->close_code(), 4001);
-  EXPECT_EQ(hello(back, "viewer")->close_code(), 4003);
-  EXPECT_EQ(hello(wire::ResumeScan{welcome_.scan_id, "wrong", 2}, "spare")->close_code(), 4001);
-  camera = hello(back, "spare");
+  EXPECT_EQ(hello_with("camera", back)->close_code(), 4001);
+  EXPECT_EQ(hello_with("viewer", back)->close_code(), 4003);
+  EXPECT_EQ(hello_with("spare", wire::ResumeScan{welcome_.scan_id, "wrong", 2})->close_code(), 4001);
+  camera = hello_with("spare", back);
   const auto resumed = camera->read<wire::Resumed>();
   ASSERT_TRUE(resumed);
   EXPECT_EQ(resumed->next_sequence, 2u);

@@ -1,6 +1,6 @@
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import { ApiError } from './api';
-import { asItIs, fetchExport, finishedAs, parseExports, requestExport, shownMesh } from './exports';
+import { asItIs, fetchExport, finishedAs, parseExports, removeExport, requestExport, shownMesh } from './exports';
 
 afterEach(() => vi.unstubAllGlobals());
 
@@ -69,6 +69,18 @@ describe('requestExport', () => {
     await expect(requestExport('a', 'glb', 't')).rejects.toMatchObject({ passing: true });
     vi.stubGlobal('fetch', async () => new Response('', { status: 403 }));
     await expect(requestExport('a', 'glb', 't')).rejects.toMatchObject({ passing: false, unauthorized: true });
+  });
+});
+
+describe('removeExport', () => {
+  it('names the export with its options', async () => {
+    const asked: string[] = [];
+    vi.stubGlobal('fetch', async (url: string, init: RequestInit) => {
+      asked.push(`${init.method} ${url}`);
+      return new Response('{}');
+    });
+    await removeExport('a', 'stl_s1000_c', 't');
+    expect(asked).toEqual(['DELETE api/v1/scans/a/exports/stl_s1000_c']);
   });
 });
 

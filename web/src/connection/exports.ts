@@ -43,6 +43,11 @@ export function isAlike(a: MeshFinish, b: MeshFinish): boolean {
   return a.simplify_um === b.simplify_um && a.triangles === b.triangles && a.fill_holes_mm === b.fill_holes_mm && a.close === b.close;
 }
 
+// With options, beside the export of its format as it is.
+export function isMade(one: ScanExport): boolean {
+  return one.format !== one.of_format;
+}
+
 // What `plain` is with its mesh finished so; one that nobody has asked for is missing and has no format of its own yet.
 export function finishedAs(exports: readonly ScanExport[], plain: ScanExport, finish: MeshFinish): ScanExport {
   const there = exports.find((one) => one.of_format === plain.of_format && isAlike(one.finish, finish));
@@ -63,6 +68,11 @@ export async function requestExport(scanId: string, format: string, token: strin
   const json: unknown = await response.json();
   if (!isRecord(json)) throw new ApiError('The server’s answer cannot be read.', false);
   return exportOf(json);
+}
+
+// Stops it where it is being made. Exports of the scan with options count against a limit of the server until they are removed.
+export async function removeExport(scanId: string, format: string, token: string): Promise<void> {
+  await request(`${pathOf(scanId)}/${encodeURIComponent(format)}`, token, { limit_ms, method: 'DELETE' });
 }
 
 // `progress` is told the bytes that have come.

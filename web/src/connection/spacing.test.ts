@@ -44,6 +44,17 @@ test.each([
   expect(sorted[Math.floor(sorted.length / 2)]).toBeLessThan(Math.max(1.3 * step_m * rows, 0.0045));
 });
 
+test.each([
+  [0, 1, 2],
+  [1, 2, 0],
+  [2, 0, 1],
+])('without normals discs leave no gap in a floor or a wall either: axes %d %d %d', (...axes) => {
+  const positions_m = plane(0.008, 2, 20);
+  const turned_m = positions_m.map((_, i) => positions_m[3 * Math.floor(i / 3) + axes[i % 3]!]!);
+  const radii_m = radiiOf(turned_m, facing(positions_m, 0), 0);
+  expect(covered(positions_m, radii_m, 20 * 2 * 0.008)).toBeGreaterThan(0.99);
+});
+
 test('another surface close behind is none of theirs', () => {
   const near = plane(0.005, 1, 20);
   const both = Float32Array.from([...near, ...near.map((value, i) => (i % 3 === 2 ? 0.006 : value))]);

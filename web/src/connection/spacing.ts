@@ -86,9 +86,10 @@ function furthestSide_m(): number {
 function look(positions_m: Float32Array, normals: Int8Array, i: number, around: readonly (readonly number[])[]): boolean {
   const [px, py, pz] = [positions_m[3 * i]!, positions_m[3 * i + 1]!, positions_m[3 * i + 2]!];
   const [nx, ny, nz] = [normals[4 * i]! / 127, normals[4 * i + 1]! / 127, normals[4 * i + 2]! / 127];
-  // Two directions along the surface; any where there is no normal.
-  const [ux, uy, uz] = Math.abs(nx) > 0.7 ? [-ny, nx, 0] : nx === 0 && ny === 0 && nz === 0 ? [1, 0, 0] : [0, nz, -ny];
-  const [vx, vy, vz] = nx === 0 && ny === 0 && nz === 0 ? [0, 1, 0] : [ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux];
+  // Two directions along the surface. Where there is no normal they are oblique to all axes, so that floors and walls have points on all four sides.
+  const isKnown = nx !== 0 || ny !== 0 || nz !== 0;
+  const [ux, uy, uz] = !isKnown ? [1, 0.5, 0.25] : Math.abs(nx) > 0.7 ? [-ny, nx, 0] : [0, nz, -ny];
+  const [vx, vy, vz] = !isKnown ? [0.25, 1, -0.5] : [ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux];
   sides.fill(Infinity);
   for (const there of around) {
     const end = Math.min(there.length, lookedAt);

@@ -1,31 +1,33 @@
 // Everything that a finished scan can be taken away as. What is not there yet is made by the server first; who has asked for it gets it when it is ready.
 import { ApiError, fileNameOf, saveAs } from '../connection/api';
-import { asItIs, fetchExport, fetchExports, finishedAs, importedMesh, requestExport, type MeshFinish, type ScanExport } from '../connection/exports';
+import { asItIs, fetchExport, fetchExports, finishedAs, importedMesh, isMade, removeExport, requestExport, type MeshFinish, type ScanExport } from '../connection/exports';
+import { fetchAccess } from '../connection/scans';
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
-import { exportWords, kindWords, sizeWords } from '../state/words';
+import { exportWords, kindWords } from '../state/words';
 import { element, setText, type Panel } from './dom';
+import { downloadRow, type DownloadRow } from './download_row';
+import { madeExports } from './made_exports';
 
 const pollEvery_ms = 1_500;
-
-interface Row {
-  readonly element: HTMLButtonElement;
-  show(one: ScanExport): void;
-}
 
 export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel {
   const button = element('button', { type: 'button', class: 'button', 'aria-expanded': 'false', 'aria-controls': 'downloads' }, 'Download');
   const words = element('p', { class: 'notice', role: 'status' });
   const list = element('div', { class: 'download-list' });
   const close = element('button', { type: 'button', class: 'button close', 'aria-label': 'Close the downloads' }, 'Close');
-  const menu = element('section', { id: 'downloads', class: 'card downloads', 'aria-label': 'Downloads' }, element('h2', {}, 'Download'), close, words, list);
+  const wordsOf = (one: ScanExport): string => exportWords(one, loaded_bytes.get(one.format) ?? null);
+  const find = (format: string): ScanExport | undefined => exports.find((one) => one.format === format);
+  const made = madeExports({ take: (format) => void take(() => find(format)), remove: (format) => void remove(format), wordsOf });
+  const menu = element('section', { id: 'downloads', class: 'card downloads', 'aria-label': 'Downloads' }, element('h2', {}, 'Download'), close, words, list, made.element);
   const node = element('div', { class: 'download' }, button, menu);
   const { scanId } = scan.get();
-  const rows = new Map<string, Row>();
+  const rows = new Map<string, DownloadRow>();
   const wanted = new Set<string>(); // formats that are taken as soon as they are ready
   const loaded_bytes = new Map<string, number>(); // of those that are just taken
   let finish = asItIs; // of meshes
   let exports: readonly ScanExport[] = [];
+  let mayRemove = false;
   let timer: ReturnType<typeof setTimeout> | undefined;
   let disposed = false;
   menu.hidden = true;
@@ -35,11 +37,12 @@ export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel
     setText(words, text);
   };
   // A row for each format; of a mesh it says how far that is which has the chosen finish.
-  const formats = (): ScanExport[] => exports.filter((one) => one.format === one.of_format);
+  const formats = (): ScanExport[] => exports.filter((one) => !isMade(one));
   const chosen = (one: ScanExport): ScanExport => (isFinished(one) ? finishedAs(exports, one, finish) : one);
   const show = (): void => {
     if (formats().some((one) => !rows.has(one.format))) build();
     for (const one of formats()) rows.get(one.format)?.show(chosen(one));
+    made.show(exports, mayRemove);
   };
   const choices = finishChoices((now) => {
     finish = now;
@@ -55,8 +58,12 @@ export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel
       }),
     );
   };
-  const addRow = (one: ScanExport): Row => {
-    const row = rowOf(one.label, () => void take(one.format), (now) => exportWords(now, loaded_bytes.get(now.format) ?? null));
+  const addRow = (one: ScanExport): DownloadRow => {
+    const asChosen = (): ScanExport | undefined => {
+      const plain = find(one.format);
+      return plain && chosen(plain);
+    };
+    const row = downloadRow(one.label, () => void take(asChosen), wordsOf);
     rows.set(one.format, row);
     return row;
   };
@@ -72,17 +79,22 @@ export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel
     const isThere = exports.some((old) => old.format === one.format);
     exports = isThere ? exports.map((old) => (old.format === one.format ? one : old)) : [...exports, one];
   };
-  const take = (format: string): Promise<void> =>
+  const take = (wantedNow: () => ScanExport | undefined): Promise<void> =>
     attempt(async () => {
       say('');
-      const plain = exports.find((other) => other.format === format);
-      if (!plain) return;
-      let one = chosen(plain);
-      if (loaded_bytes.has(one.format)) return;
+      let one = wantedNow();
+      if (!one || loaded_bytes.has(one.format)) return;
       if (one.state === 'ready') return save(one);
-      if (one.state === 'missing' || one.state === 'failed') put((one = await requestExport(scanId, format, token, one.finish)));
+      if (one.state === 'missing' || one.state === 'failed') put((one = await requestExport(scanId, one.of_format, token, one.finish)));
       wanted.add(one.format);
       poll();
+    });
+  const remove = (format: string): Promise<void> =>
+    attempt(async () => {
+      say('');
+      await removeExport(scanId, format, token);
+      wanted.delete(format);
+      await refresh();
     });
   const save = async (one: ScanExport): Promise<void> => {
     wanted.delete(one.format);
@@ -121,6 +133,13 @@ export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel
     button.setAttribute('aria-expanded', String(on));
     if (!on) return;
     if (exports.length === 0) say('Loading.');
+    fetchAccess(token).then(
+      (access) => {
+        mayRemove = access.scan;
+        if (!disposed) show();
+      },
+      () => {}, // what may not be removed cannot be known
+    );
     void attempt(async () => {
       await refresh();
       say('');
@@ -180,20 +199,6 @@ function finishChoices(choose: (finish: MeshFinish) => void): HTMLElement {
   const tell = (): void => choose({ ...asItIs, ...triangleChoices[triangles.selectedIndex]?.[1], ...holeChoices[holes.selectedIndex]?.[1] });
   for (const one of [triangles, holes]) one.addEventListener('change', tell);
   return element('div', { class: 'download-finish' }, element('label', {}, 'Triangles', triangles), element('label', {}, 'Holes', holes));
-}
-
-function rowOf(label: string, choose: () => void, wordsOf: (one: ScanExport) => string): Row {
-  const state = element('span', { class: 'download-state' });
-  const node = element('button', { type: 'button', class: 'download-row' }, element('span', {}, label), state);
-  node.addEventListener('click', choose);
-  return {
-    element: node,
-    show(one) {
-      node.dataset['state'] = one.state;
-      setText(state, wordsOf(one));
-      node.title = one.state === 'ready' ? `${one.file}, ${sizeWords(one.size_bytes)}` : one.words;
-    },
-  };
 }
 
 // "Kitchen-mesh.glb".

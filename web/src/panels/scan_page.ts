@@ -28,6 +28,7 @@ type OptionsStore = Store<ViewOptions, Partial<ViewOptions>>;
 
 export interface ScanPage extends Panel {
   drawCalls(): number; // of the newest picture
+  isResting(): boolean; // nothing moves in it
   readonly scan: ScanStore;
 }
 
@@ -68,6 +69,7 @@ export function scanPage(scanId: string, token: string): ScanPage {
     element: node,
     scan,
     drawCalls: () => scene?.drawCalls ?? 0,
+    isResting: () => scene?.isResting ?? true,
     dispose() {
       document.removeEventListener('keydown', onKey);
       mesh?.dispose();

@@ -81,7 +81,7 @@ export class PointsLayer implements Layer {
     }
   }
 
-  // The nearest disc that the ray meets from the front; `ray` in the world.
+  // The nearest disc that the ray meets from the front; `ray` in the world. The normal is 0 where a point has none: its disc faces whoever looks.
   pick(ray: Ray): Hit | null {
     let best: Hit | null = null;
     const [center, normal] = [new Vector3(), new Vector3()];

@@ -128,7 +128,7 @@ export class ScanScene {
   // What faces whoever clicks there, in pixels of the page, is the floor from now on; null: nothing is there.
   floorAt(x_px: number, y_px: number): Direction | null {
     const middle = this.pick(x_px, y_px);
-    if (!middle) return null;
+    if (!middle || middle.normal.lengthSq() === 0) return null;
     const normal = middle.normal.clone();
     for (let i = 0; i < 8; ++i) {
       const [dx, dy] = [Math.cos((i * Math.PI) / 4), Math.sin((i * Math.PI) / 4)];
@@ -172,6 +172,11 @@ export class ScanScene {
     for (const layer of this.layers) layer.dispose();
     this.rig.dispose();
     this.renderer.dispose();
+  }
+
+  // Nothing moves, and all that has come is drawn.
+  get isResting(): boolean {
+    return this.frameRequest === 0 && this.pause === undefined;
   }
 
   private requestDraw(): void {

@@ -1,6 +1,6 @@
 // States and quantities in the words that a person reads. One word per thing: scan, frame, submap, point.
 import type { FrameEvent } from '../connection/events';
-import type { ScanExport } from '../connection/exports';
+import type { MeshFinish, ScanExport } from '../connection/exports';
 import type { Job } from '../connection/jobs';
 import type { Progress } from '../connection/upload';
 import type { LiveScan } from './live_scan';
@@ -199,6 +199,15 @@ export function sizeWords(size_bytes: number): string {
   if (size_bytes < 1000) return `${size_bytes} bytes`;
   if (size_bytes < 999_500) return `${Math.round(size_bytes / 1000)} kB`;
   return `${(size_bytes / 1e6).toFixed(size_bytes < 9_950_000 ? 1 : 0)} MB`;
+}
+
+// How a mesh was finished before it was written.
+export function finishWords({ simplify_um, triangles, fill_holes_mm, close }: MeshFinish): string {
+  return [
+    ...(simplify_um > 0 ? [`simplified within ${simplify_um / 1000} mm`] : []),
+    ...(triangles > 0 ? [`at least ${count(triangles)} triangles`] : []),
+    ...(close ? ['all holes closed'] : fill_holes_mm > 0 ? [`holes up to ${fill_holes_mm / 10} cm filled`] : []),
+  ].join(', ');
 }
 
 // Behind the name of an export. `loaded_bytes`: how much of it has come, null when it is not being taken.

@@ -1,0 +1,72 @@
+// Views of a recording, points of the surface that they see, and the brightness that the views agree on at these points: what poses
+// (view_alignment.h) and warps (view_warp.h) of the views are found from.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/base/parallel.h"
+#include "core/output/triangle_mesh.h"
+#include "core/texture/texture_view.h"
+#include "core/texture/view_brightness.h"
+#include "core/texture/view_samples.h"
+
+namespace hermite {
+
+// How densely the surface is sampled: one point per spacing_m squared, at most max_count. A view sees a point only at least edge_px from an
+// edge of the surface.
+struct SampleDensity {
+  double spacing_m = 0.01;
+  std::size_t max_count = 0;
+  float edge_px = 0;
+};
+
+// The last guest_count views do not contribute to the brightness of the points; if there are any, only they are changed.
+struct AdjustedViews {
+  std::vector<TextureView>& views;
+  std::size_t guest_count = 0;
+};
+
+// Refers to the views, camera and options that it is made of. Deterministic for any number of threads. Not thread-safe, but others_say().
+struct SampledViews {
+  SampledViews(const TriangleMesh& mesh, const Camera& of_views, const TextureOptions& how, const AdjustedViews& adjusted,
+               const SampleDensity& density);
+
+  // Sets `looks` by look(view, sample), views in parallel, and from those of all views but guests the brightness of the points.
+  template <class LookAt>
+  void find_points(const LookAt& look) {
+    looks.resize(views.size());
+    in_parallel(views.size(), options.thread_count, [&](std::size_t i) {
+      looks[i].resize(sights[i].size());
+      for (std::size_t k = 0; k < sights[i].size(); ++k) looks[i][k] = look(i, sights[i][k]);
+    });
+    add_looks();
+  }
+
+  // Calls step(view) for each view that is to be changed, in parallel.
+  template <class Step>
+  void for_each_moving(const Step& step) const {
+    in_parallel(views.size() - first_moving, options.thread_count, [&](std::size_t i) { step(first_moving + i); });
+  }
+
+  // The brightness of the k-th point that a view sees, in the other views; none where no other sees it.
+  std::optional<float> others_say(std::size_t view, std::size_t k) const;
+
+  const Camera& camera;
+  const TextureOptions& options;
+  std::vector<TextureView>& views;
+  const std::size_t first_guest, first_moving;
+  const std::vector<MeshSample> samples;
+  const std::array<BrightnessLevel, kBrightnessLevels> levels;
+  const std::vector<std::vector<std::uint32_t>> sights;  // by view the numbers of the samples that it sees
+  std::vector<std::vector<Look>> looks;                  // by view, for each of its sights
+  std::vector<PointMean> points;                         // by sample
+
+ private:
+  void add_looks();
+};
+
+}  // namespace hermite

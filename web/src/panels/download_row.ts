@@ -1,0 +1,23 @@
+// One line of the downloads: what it is, and how far the server is with it.
+import type { ScanExport } from '../connection/exports';
+import { sizeWords } from '../state/words';
+import { element, setText } from './dom';
+
+export interface DownloadRow {
+  readonly element: HTMLButtonElement;
+  show(one: ScanExport): void;
+}
+
+export function downloadRow(label: string, choose: () => void, wordsOf: (one: ScanExport) => string): DownloadRow {
+  const state = element('span', { class: 'download-state' });
+  const node = element('button', { type: 'button', class: 'download-row' }, element('span', {}, label), state);
+  node.addEventListener('click', choose);
+  return {
+    element: node,
+    show(one) {
+      node.dataset['state'] = one.state;
+      setText(state, wordsOf(one));
+      node.title = one.state === 'ready' ? `${one.file}, ${sizeWords(one.size_bytes)}` : one.words;
+    },
+  };
+}
