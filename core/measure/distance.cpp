@@ -12,7 +12,7 @@ constexpr double kDeviationsOf95 = 1.96;
 
 // Of the poses: what is left between places that one camera has seen, the share of the distance, and what grows with the root of the way.
 // Measured.
-constexpr double kPoseFloor_m = 0.0001, kOfDistance = 0.0004, kOfWay_m = 0.0005;
+constexpr double kPoseFloor_m = 0.00015, kOfDistance = 0.0004, kOfWay_m = 0.0005;
 
 // What is left of the focal length's error in a camera that was corrected (kFittingFocal of core/calibrate/camera_watch.h), as a share.
 constexpr double kOfCorrectedCamera = 0.0015;

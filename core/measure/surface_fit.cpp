@@ -25,7 +25,7 @@ constexpr double kOutlierDeviations = 3, kLeastDeviation_m = 0.0005;
 constexpr int kRounds = 5;
 
 // Of a point's standard deviation: factors of the spread and of the bend, and what is left where both are nothing. Measured.
-constexpr double kOfNoise = 7.6, kOfBend = 4.2, kLeastSigma_m = 0.0002;
+constexpr double kOfNoise = 7.6, kOfBend = 4.2, kLeastSigma_m = 0.0004;
 
 struct Neighbour {
   Vector3d position_m, normal;

@@ -98,6 +98,7 @@ std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
       {"the surfels of a scan that meshes are made of",
        std::to_string(kMaxMeshedCloud_bytes >> 20) + " MiB, and 4.4 times of them free in memory", "the export fails"},
       {"exports of a scan with options", std::to_string(kMaxShapedExports), "HTTP 503"},
+      {"measurements of a scan that are kept", std::to_string(kMaxMeasurementsPerScan), "HTTP 409"},
       {"ended tokens and links that a list keeps, of one maker", std::to_string(kMaxEndedLinksPerToken) + ", for 90 days",
        "the oldest are forgotten"},
       {"ended jobs that a list keeps, of one token", std::to_string(kMaxEndedJobsPerToken) + ", for 90 days", "the oldest are forgotten"},

@@ -81,7 +81,7 @@ const std::vector<Layer> kLayers{
      {"core/import", "core/output", "core/dataset", "core/archive", "core/log", "core/math", "core/base", "proto/wire", "server/client",
       "server/exports", "server/uploads", "server/scan", "server/disk", "server/operations", "server/store"}},
     {"server/routes",
-     {"core/pipeline/options.h", "core/pipeline/doctor.h", "core/base", "proto/wire", "server/jobs", "server/exports", "server/uploads",
+     {"core/measure", "core/pipeline/options.h", "core/pipeline/doctor.h", "core/base", "proto/wire", "server/jobs", "server/exports", "server/uploads",
       "server/scan", "server/access", "server/disk", "server/operations", "server/store"}},
     {"server/connections",
      {"core/base", "proto/wire", "server/routes", "server/scan", "server/access", "server/operations", "server/net", "server/store"}},
