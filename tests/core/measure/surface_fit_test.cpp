@@ -28,15 +28,15 @@ Cloud floor_up_to(float end, float noise_m) {
 }
 
 TEST(SurfaceFit, ThePickIsBroughtToThePlaneAndNoiseAveragesOut) {
-  const Cloud cloud = floor_up_to(1, 0.001f);
+  const Cloud cloud = floor_up_to(1, 0.003f);
   const Result<SurfacePoint> found = fit_surface_point(cloud, {0.003, 0.004, -0.005});
   ASSERT_TRUE(found.ok()) << found.error().message;
-  EXPECT_NEAR(found->position_m.x(), 0.003, 0.0005);
-  EXPECT_NEAR(found->position_m.y(), 0.004, 0.0005);
-  EXPECT_NEAR(found->position_m.z(), 0, 0.0004);
+  EXPECT_NEAR(found->position_m.x(), 0.003, 0.001);
+  EXPECT_NEAR(found->position_m.y(), 0.004, 0.001);
+  EXPECT_NEAR(found->position_m.z(), 0, 0.001);
   EXPECT_LT(found->normal.z(), -0.99);
   EXPECT_GE(found->normal_sigma_m, std::abs(found->position_m.z()));
-  EXPECT_LT(found->normal_sigma_m, 0.004);
+  EXPECT_LT(found->normal_sigma_m, 0.01);
   const Result<SurfacePoint> clean = fit_surface_point(floor_up_to(1, 0), {0.003, 0.004, -0.005});
   ASSERT_TRUE(clean.ok());
   EXPECT_LT(clean->normal_sigma_m, 0.5 * found->normal_sigma_m) << "less noise is known better";
