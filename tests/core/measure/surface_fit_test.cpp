@@ -5,20 +5,22 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 namespace hermite {
 namespace surface_fit_test {
 
 using ::testing::HasSubstr;
 
-// A centimetre apart, z = 0 for x < `end`, with a deterministic noise of about `noise_m`.
+// A centimetre apart, z = 0 for x up to `end`, with a uniform noise of that standard deviation, the same each time.
 Cloud floor_up_to(float end, float noise_m) {
   Cloud cloud;
+  std::minstd_rand random(1);
   for (int i = -12; i <= 12; ++i)
     for (int j = -12; j <= 12; ++j) {
       CloudPoint point;
-      point.position_m = {0.01f * static_cast<float>(i), 0.01f * static_cast<float>(j),
-                          noise_m * 1.5f * std::sin(static_cast<float>(37 * i + 101 * j))};
+      const float noise = static_cast<float>(random()) / static_cast<float>(std::minstd_rand::max()) - 0.5f;
+      point.position_m = {0.01f * static_cast<float>(i), 0.01f * static_cast<float>(j), noise_m * std::sqrt(12.0f) * noise};
       if (point.position_m.x() > end) continue;
       point.normal = {0, 0, -1};
       point.confidence = 5;
@@ -28,7 +30,7 @@ Cloud floor_up_to(float end, float noise_m) {
 }
 
 TEST(SurfaceFit, ThePickIsBroughtToThePlaneAndNoiseAveragesOut) {
-  const Cloud cloud = floor_up_to(1, 0.003f);
+  const Cloud cloud = floor_up_to(1, 0.002f);
   const Result<SurfacePoint> found = fit_surface_point(cloud, {0.003, 0.004, -0.005});
   ASSERT_TRUE(found.ok()) << found.error().message;
   EXPECT_NEAR(found->position_m.x(), 0.003, 0.001);
