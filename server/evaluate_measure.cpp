@@ -117,15 +117,15 @@ Json evaluate_measure(const MeasureJudging& judging) {
   const Surfels surfels(cloud_of(read_ply_file(judging.result + "/surfels.ply")));
   const std::vector<std::optional<JudgedPoint>> judged = judged_points(points, surfels, judging.seed);
   std::vector<JudgedPair> pairs;
-  for (std::size_t i = 1; i < judged.size() && pairs.size() < wanted; i += 2) {
+  std::size_t tried = 0;
+  for (std::size_t i = 1; i < judged.size() && pairs.size() < wanted; i += 2, ++tried) {
     if (!judged[i - 1] || !judged[i]) continue;
     const Result<Distance> distance = distance_between(judged[i - 1]->found, judged[i]->found, map);
     if (distance.ok()) pairs.push_back({(judged[i - 1]->truth.true_m - judged[i]->truth.true_m).norm(), *distance});
   }
   Json json = summary_of(pairs, 0, std::numeric_limits<double>::infinity());
-  json["points"] = judged.size();
-  json["refused"] = static_cast<double>(std::count_if(judged.begin(), judged.end(), [](const auto& point) { return !point; })) /
-                    static_cast<double>(std::max<std::size_t>(1, judged.size()));
+  json["tried"] = tried;
+  json["refused"] = 1 - static_cast<double>(pairs.size()) / static_cast<double>(std::max<std::size_t>(1, tried));
   json["half_width_at_1m_m"] = summary_of(pairs, 0.9, 1.1).value("median_half_width_m", 0.0);
   for (std::size_t i = 1; i < kClassBounds_m.size(); ++i) {
     Json one = summary_of(pairs, kClassBounds_m[i - 1], kClassBounds_m[i]);

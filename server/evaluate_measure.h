@@ -15,8 +15,8 @@ struct MeasureJudging {
   std::string csv;  // every pair goes there; empty: nowhere
 };
 
-// Of random pairs of points (core/evaluate/true_points.h), whose picks lie off the surface as those on a mesh do. Keys: points, refused
-// (share of them that nothing could be measured at), pairs, inside (share of the true distances within the interval), classes (the same by
+// Of random pairs of points (core/evaluate/true_points.h), whose picks lie off the surface as those on a mesh do. Keys: tried, refused
+// (share of these that could not be measured), pairs, inside (share of the true distances within the interval), classes (the same by
 // the true distance) and half_width_at_1m_m (median of those from 0.9 to 1.1 m). SetupError.
 nlohmann::ordered_json evaluate_measure(const MeasureJudging& judging);
 

@@ -15,7 +15,7 @@ class CameraWay {
   explicit CameraWay(const Trajectory& trajectory);
 
   // The least way [m] along the path between a camera that may have seen one place and one that may have seen the other; 0: one has seen
-  // both. A camera may have seen a place that lies within 30 degrees of where it looks, in front of it at 0.3 to 5 m, whose `normal`
+  // both. A camera may have seen a place that lies within 38 degrees of where it looks, in front of it at 0.3 to 5 m, whose `normal`
   // points towards it; what stands between is not known here. Infinite: no camera has seen one of them.
   double between_m(const Eigen::Vector3d& place, const Eigen::Vector3d& normal, const Eigen::Vector3d& other_place,
                    const Eigen::Vector3d& other_normal) const;

@@ -1,6 +1,7 @@
 #include "server/routes/measure_routes.h"
 
 #include <array>
+#include <atomic>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -22,6 +23,22 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMaxMeasureBodyBytes = 4 * 1024;
 // A day of 30 poses a second is 250 MB, and no scan has as many.
 constexpr std::size_t kMaxTrajectoryBytes = std::size_t{64} << 20, kMaxReportBytes = std::size_t{1} << 20;
+
+constexpr std::int64_t kMeasureRetry_ms = 1000;
+
+// One of those that may measure at once, while it lives.
+class MeasuringTurn {
+ public:
+  bool is_mine() const { return before_ < kMaxMeasuringAtOnce; }
+  MeasuringTurn() : before_(under_way_.fetch_add(1)) {}
+  ~MeasuringTurn() { under_way_.fetch_sub(1); }
+  MeasuringTurn(const MeasuringTurn&) = delete;
+  MeasuringTurn& operator=(const MeasuringTurn&) = delete;
+
+ private:
+  inline static std::atomic<int> under_way_ = 0;
+  const int before_;
+};
 
 struct MeasureRequest {
   std::string name;  // of one that is kept
@@ -100,11 +117,14 @@ class MeasureBody : public BodySink {
       return;
     }
     name_ = request->name;
-    measured_ = measure(*request);
+    const MeasuringTurn turn;
+    is_turned_away_ = !turn.is_mine();
+    if (turn.is_mine()) measured_ = measure(*request);
   }
   bool wanted() const override { return world_.gate.holds(grant_, unix_now_ms()); }
   void on_unwanted(std::function<void()>) override {}
   HttpAnswer answer() override {
+    if (is_turned_away_) return wait_answer(503, "others are measuring: try again in a moment", kMeasureRetry_ms);
     if (!measured_.ok()) {
       // What is wrong with a point is not that there is nothing at the path.
       const Error& error = measured_.error();
@@ -146,6 +166,7 @@ class MeasureBody : public BodySink {
   const std::string surfels_name_;
   const bool is_kept_;
   std::string body_, name_;
+  bool is_turned_away_ = false;
   Result<Measurement> measured_ = Error{ErrorCode::kInvalidArgument, "the body did not come whole"};
 };
 

@@ -23,7 +23,7 @@ TEST(CameraWay, PlacesThatOneCameraHasSeenHaveNoneBetweenThem) {
 
 TEST(CameraWay, ItIsTheLeastBetweenThoseThatHaveSeenEither) {
   const CameraWay way(along_x());
-  const double half_view_m = 2 * std::tan(M_PI / 6);
+  const double half_view_m = 2 * std::tan(38 * M_PI / 180);
   const double expected_m = 6 - 2 * half_view_m;
   EXPECT_NEAR(way.between_m({2, 0, 2}, kTowardsCamera, {8, 0, 2}, kTowardsCamera), expected_m, 0.2);
   EXPECT_NEAR(way.between_m({8, 0, 2}, kTowardsCamera, {2, 0, 2}, kTowardsCamera), expected_m, 0.2);
