@@ -41,7 +41,8 @@ export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, sca
     surface.element,
     colors.element,
     slider,
-    element('div', { class: 'buttons' }, inside, follow, frame, ...more),
+    element('div', { class: 'buttons' }, inside, follow, frame),
+    ...more,
   );
   const refresh = (): void => {
     const state = options.get();
