@@ -35,7 +35,7 @@ class Surfels {
     for (std::size_t i = 0; i < cloud_.size(); ++i) grid_.insert(static_cast<std::uint32_t>(i), cloud_[i].position_m);
   }
 
-  Result<SurfacePoint> fit(const Eigen::Vector3d& pick) const {
+  Result<MeasuredPlace> fit(const Eigen::Vector3d& pick) const {
     std::vector<CloudPoint> around;
     const Eigen::Vector3f reach = Eigen::Vector3f::Constant(static_cast<float>(kFitReach_m));
     grid_.for_each(pick.cast<float>() - reach, pick.cast<float>() + reach, [&](std::uint32_t slot) { around.push_back(cloud_[slot]); });
@@ -49,7 +49,7 @@ class Surfels {
 
 struct JudgedPoint {
   TruePoint truth;
-  SurfacePoint found;
+  MeasuredPlace found;
 };
 
 struct JudgedPair {
@@ -63,10 +63,10 @@ std::vector<std::optional<JudgedPoint>> judged_points(const std::vector<TruePoin
   std::vector<std::optional<JudgedPoint>> judged;
   for (std::size_t i = 0; i < points.size(); ++i) {
     judged.emplace_back();
-    const Result<SurfacePoint> there = surfels.fit(points[i].estimated_m);
+    const Result<MeasuredPlace> there = surfels.fit(points[i].estimated_m);
     if (!there.ok()) continue;
     const double off_m = kPickDeviation_m * normal_pair(frame_key(seed, -1), i).a;
-    const Result<SurfacePoint> found = surfels.fit(points[i].estimated_m + off_m * there->normal);
+    const Result<MeasuredPlace> found = surfels.fit(points[i].estimated_m + off_m * there->normal);
     if (found.ok()) judged.back() = JudgedPoint{points[i], *found};
   }
   return judged;

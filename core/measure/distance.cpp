@@ -19,7 +19,7 @@ constexpr double kOfCorrectedCamera = 0.0015;
 
 }  // namespace
 
-Result<Distance> distance_between(const SurfacePoint& from, const SurfacePoint& to, const MapKnowledge& map) {
+Result<Distance> distance_between(const MeasuredPlace& from, const MeasuredPlace& to, const MapKnowledge& map) {
   const Eigen::Vector3d between_m = to.position_m - from.position_m;
   Distance found;
   found.distance_m = between_m.norm();

@@ -34,7 +34,7 @@ struct Distance {
 inline constexpr double kLeastDistance_m = 0.005;
 
 // kInvalidArgument, in words: both are one place; they lie in different parts of the map; no camera of the path can have seen one of them.
-Result<Distance> distance_between(const SurfacePoint& from, const SurfacePoint& to, const MapKnowledge& map);
+Result<Distance> distance_between(const MeasuredPlace& from, const MeasuredPlace& to, const MapKnowledge& map);
 
 // "1.234 m ± 0.003 m (95 %)": in millimetres, the half-width rounded up.
 std::string words_of(const Distance& distance);

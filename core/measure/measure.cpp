@@ -48,7 +48,7 @@ Result<Measurement> measure_distance(const MeasuredResult& result, const Eigen::
     around_to.add(point);
   });
   if (!read.ok()) return read.error();
-  const Result<SurfacePoint> from_fit = fit_surface_point(around_from.points, from), to_fit = fit_surface_point(around_to.points, to);
+  const Result<MeasuredPlace> from_fit = fit_surface_point(around_from.points, from), to_fit = fit_surface_point(around_to.points, to);
   if (!from_fit.ok()) return in_context("from", from_fit.error());
   if (!to_fit.ok()) return in_context("to", to_fit.error());
   const Result<Distance> distance = distance_between(*from_fit, *to_fit, result.map);

@@ -21,7 +21,7 @@ struct MeasuredResult {
 Result<MapKnowledge> map_knowledge_of(const std::string& trajectory_text, const std::string& report_json);
 
 struct Measurement {
-  SurfacePoint from, to;
+  MeasuredPlace from, to;
   Distance distance;
 };
 

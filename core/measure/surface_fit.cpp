@@ -102,7 +102,7 @@ std::optional<Plane> refitted(const Plane& plane, const std::vector<Neighbour>& 
 
 }  // namespace
 
-Result<SurfacePoint> fit_surface_point(std::span<const CloudPoint> points, const Vector3d& pick) {
+Result<MeasuredPlace> fit_surface_point(std::span<const CloudPoint> points, const Vector3d& pick) {
   if (!pick.allFinite()) return Error{ErrorCode::kInvalidArgument, "the point is not finite"};
   const Error nothing{ErrorCode::kNotFound, "no surface was seen within 6 cm of the point"};
   const std::vector<Neighbour> neighbours = neighbours_of(points, pick);
@@ -114,7 +114,7 @@ Result<SurfacePoint> fit_surface_point(std::span<const CloudPoint> points, const
     if (!fitted) return Error{ErrorCode::kNotFound, "the surface is too broken around the point to be measured"};
     plane = *fitted;
   }
-  SurfacePoint found;
+  MeasuredPlace found;
   found.position_m = pick - plane.normal * plane.normal.dot(pick - plane.centre_m);
   found.normal = plane.normal;
   found.noise_m = plane.deviation_m / std::sqrt(plane.effective_count);

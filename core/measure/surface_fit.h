@@ -18,7 +18,7 @@ namespace hermite {
 // Surfels farther than that from a pick say nothing about it.
 inline constexpr double kFitReach_m = 0.06;
 
-struct SurfacePoint {
+struct MeasuredPlace {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  // in the world of the scan, on the plane, straight below the pick
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();      // unit, towards the camera that saw it
   double normal_sigma_m = 0;                             // standard deviation of the place along its normal
@@ -28,6 +28,6 @@ struct SurfacePoint {
 
 // `points` are those of a result that lie around `pick`, in any order; what is farther than kFitReach_m is not looked at.
 // kInvalidArgument: the pick is not finite. kNotFound, in words: no surface there.
-Result<SurfacePoint> fit_surface_point(std::span<const CloudPoint> points, const Eigen::Vector3d& pick);
+Result<MeasuredPlace> fit_surface_point(std::span<const CloudPoint> points, const Eigen::Vector3d& pick);
 
 }  // namespace hermite

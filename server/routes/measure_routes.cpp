@@ -185,7 +185,7 @@ Result<std::string> surfels_of(const HttpWorld& world, const std::string& scan_i
   return Error{ErrorCode::kBusy, "scan " + scan_id + " has no points"};
 }
 
-HttpAnswer receive(const HttpWorld& world, const Call& call, bool is_kept) {
+HttpAnswer receive_points(const HttpWorld& world, const Call& call, bool is_kept) {
   if (call.request.body_bytes == 0 || call.request.body_bytes > kMaxMeasureBodyBytes)
     return error_answer(call.request.body_bytes == 0 ? 400 : 413,
                         {ErrorCode::kInvalidArgument, "the body has " + std::to_string(call.request.body_bytes) +
@@ -199,11 +199,11 @@ HttpAnswer receive(const HttpWorld& world, const Call& call, bool is_kept) {
 
 }  // namespace
 
-HttpAnswer measure_scan(const HttpWorld& world, const Call& call) { return receive(world, call, false); }
+HttpAnswer measure_scan(const HttpWorld& world, const Call& call) { return receive_points(world, call, false); }
 
 HttpAnswer keep_measurement(const HttpWorld& world, const Call& call) {
   if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);
-  return receive(world, call, true);
+  return receive_points(world, call, true);
 }
 
 HttpAnswer list_measurements(const HttpWorld& world, const Call& call) {

@@ -9,8 +9,8 @@ namespace distance_test {
 using ::testing::HasSubstr;
 
 // Seen by a camera at the origin, its error along z.
-SurfacePoint point_at(double x, double z, double sigma_m = 0.001) {
-  SurfacePoint point;
+MeasuredPlace point_at(double x, double z, double sigma_m = 0.001) {
+  MeasuredPlace point;
   point.position_m = {x, 0, z};
   point.normal = {0, 0, -1};
   point.normal_sigma_m = sigma_m;
@@ -24,7 +24,7 @@ MapKnowledge seen_from(std::initializer_list<double> xs) {
   return {CameraWay(trajectory), 1, false};
 }
 
-double half_width_m(const SurfacePoint& from, const SurfacePoint& to, const MapKnowledge& map) {
+double half_width_m(const MeasuredPlace& from, const MeasuredPlace& to, const MapKnowledge& map) {
   const Result<Distance> found = distance_between(from, to, map);
   EXPECT_TRUE(found.ok()) << found.error().message;
   return found.ok() ? found->half_width_m : -1;
@@ -58,13 +58,13 @@ TEST(Distance, ACorrectedCameraIsKnownToItsDeviation) {
 
 TEST(Distance, WhatCannotBeMeasuredIsSaidInWords) {
   MapKnowledge map = seen_from({0});
-  const auto words = [&](const SurfacePoint& from, const SurfacePoint& to) {
+  const auto words = [&](const MeasuredPlace& from, const MeasuredPlace& to) {
     const Result<Distance> found = distance_between(from, to, map);
     return found.ok() ? std::string() : found.error().message;
   };
   EXPECT_THAT(words(point_at(0, 2), point_at(0, 2)), HasSubstr("same place"));
   EXPECT_THAT(words(point_at(0, 2), point_at(0, 9)), HasSubstr("no camera"));
-  SurfacePoint elsewhere = point_at(0, 3);
+  MeasuredPlace elsewhere = point_at(0, 3);
   elsewhere.submap = 1;
   EXPECT_EQ(words(point_at(0, 2), elsewhere), "") << "a scan of one part";
   map.part_count = 2;

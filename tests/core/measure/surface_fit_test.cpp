@@ -31,7 +31,7 @@ Cloud floor_up_to(float end, float noise_m) {
 
 TEST(SurfaceFit, ThePickIsBroughtToThePlaneAndNoiseAveragesOut) {
   const Cloud cloud = floor_up_to(1, 0.002f);
-  const Result<SurfacePoint> found = fit_surface_point(cloud, {0.003, 0.004, -0.005});
+  const Result<MeasuredPlace> found = fit_surface_point(cloud, {0.003, 0.004, -0.005});
   ASSERT_TRUE(found.ok()) << found.error().message;
   EXPECT_NEAR(found->position_m.x(), 0.003, 0.001);
   EXPECT_NEAR(found->position_m.y(), 0.004, 0.001);
@@ -39,7 +39,7 @@ TEST(SurfaceFit, ThePickIsBroughtToThePlaneAndNoiseAveragesOut) {
   EXPECT_LT(found->normal.z(), -0.99);
   EXPECT_GE(found->normal_sigma_m, std::abs(found->position_m.z()));
   EXPECT_LT(found->normal_sigma_m, 0.01);
-  const Result<SurfacePoint> clean = fit_surface_point(floor_up_to(1, 0), {0.003, 0.004, -0.005});
+  const Result<MeasuredPlace> clean = fit_surface_point(floor_up_to(1, 0), {0.003, 0.004, -0.005});
   ASSERT_TRUE(clean.ok());
   EXPECT_LT(clean->normal_sigma_m, 0.5 * found->normal_sigma_m) << "less noise is known better";
 }
@@ -56,7 +56,7 @@ TEST(SurfaceFit, WhereTheSurfaceBendsLittleIsSaidToBeKnown) {
       point.confidence = 5;
       cloud.push_back(point);
     }
-  const Result<SurfacePoint> at_edge = fit_surface_point(cloud, {0.008, 0, 0.001}), beside = fit_surface_point(cloud, {-0.06, 0, 0});
+  const Result<MeasuredPlace> at_edge = fit_surface_point(cloud, {0.008, 0, 0.001}), beside = fit_surface_point(cloud, {-0.06, 0, 0});
   ASSERT_TRUE(at_edge.ok() && beside.ok());
   EXPECT_LT(beside->normal_sigma_m, 0.0005);
   EXPECT_GT(at_edge->normal_sigma_m, 4 * beside->normal_sigma_m);
@@ -71,19 +71,19 @@ TEST(SurfaceFit, TheOtherSideOfAPanelDoesNotCount) {
     point.normal = -point.normal;
     cloud.push_back(point);
   }
-  const Result<SurfacePoint> found = fit_surface_point(cloud, {0, 0, -0.002});
+  const Result<MeasuredPlace> found = fit_surface_point(cloud, {0, 0, -0.002});
   ASSERT_TRUE(found.ok());
   EXPECT_NEAR(found->position_m.z(), 0, 1e-4);
 }
 
 TEST(SurfaceFit, WhereThereIsNothingItSaysSo) {
   const Cloud cloud = floor_up_to(1, 0);
-  const Result<SurfacePoint> far = fit_surface_point(cloud, {0, 0, 0.5});
+  const Result<MeasuredPlace> far = fit_surface_point(cloud, {0, 0, 0.5});
   ASSERT_FALSE(far.ok());
   EXPECT_EQ(far.error().code, ErrorCode::kNotFound);
   EXPECT_THAT(far.error().message, HasSubstr("6 cm"));
   EXPECT_FALSE(fit_surface_point({}, {0, 0, 0}).ok());
-  const Result<SurfacePoint> no_number = fit_surface_point(cloud, {0, std::numeric_limits<double>::quiet_NaN(), 0});
+  const Result<MeasuredPlace> no_number = fit_surface_point(cloud, {0, std::numeric_limits<double>::quiet_NaN(), 0});
   ASSERT_FALSE(no_number.ok());
   EXPECT_EQ(no_number.error().code, ErrorCode::kInvalidArgument);
 }
@@ -99,7 +99,7 @@ TEST(SurfaceFit, PointsThatAreNoNumbersAreLeftOut) {
   broken = cloud[300];
   broken.confidence = std::numeric_limits<float>::quiet_NaN();
   cloud.push_back(broken);
-  const Result<SurfacePoint> found = fit_surface_point(cloud, {0, 0, 0});
+  const Result<MeasuredPlace> found = fit_surface_point(cloud, {0, 0, 0});
   ASSERT_TRUE(found.ok());
   EXPECT_TRUE(found->position_m.allFinite());
   EXPECT_TRUE(std::isfinite(found->normal_sigma_m));
