@@ -14,6 +14,7 @@
 #include "core/evaluate/true_surface.h"
 #include "core/output/ply.h"
 #include "server/commands.h"
+#include "server/evaluate_measure.h"
 #include "server/evaluate_texture.h"
 #include "server/ply_file.h"
 
@@ -29,6 +30,7 @@ struct EvaluateArguments {
   double cell_m = 0.01;
   bool layers = false;
   TextureJudging texture;
+  MeasureJudging measure;
   std::vector<std::int64_t> spacings = ConsistencyOptions().spacings;
 };
 
@@ -218,14 +220,14 @@ int run_evaluate(const EvaluateArguments& arguments) {
   if (!arguments.estimate.empty() && !arguments.groundtruth.empty()) json.update(evaluate_trajectory(arguments));
   if (!arguments.consistency.empty()) json.update(evaluate_consistency(arguments));
   if (!arguments.texture.recording.empty()) json.update(judge_texture(arguments));
+  if (!arguments.measure.result.empty()) json["measure"] = evaluate_measure(arguments.measure);
   if (!arguments.meshes.empty() && arguments.texture.recording.empty()) json.update(evaluate_meshes(arguments));
   if (!arguments.cloud.empty() && !arguments.surface.empty() && arguments.meshes.empty()) json.update(evaluate_surface(arguments));
   if (arguments.layers) json.update(evaluate_layers(arguments));
   if (json.empty())
-    throw SetupError(
-        {ErrorCode::kInvalidArgument,
-         "nothing to compare: give --estimate and --groundtruth, --estimate and --consistency, --cloud and --surface, --mesh, or "
-         "--cloud and --layers"});
+    throw SetupError({ErrorCode::kInvalidArgument,
+                      "nothing to compare: give --estimate and --groundtruth, --estimate and --consistency, --cloud and --surface, --mesh, "
+                      "--measure and --truth, or --cloud and --layers"});
   std::cout << json.dump(2) << "\n";
   return 0;
 }
@@ -244,6 +246,19 @@ void add_texture_options(CLI::App& evaluate, TextureJudging& judging, CLI::Optio
   evaluate.add_option("--blend", judging.blended_views, "Views a texel is made from at the most")->needs(texture)->capture_default_str();
   evaluate.add_flag("--keep-exposure", judging.keeps_exposure, "Take the views for equally exposed")->needs(texture);
   evaluate.add_flag("--keep-poses", judging.keeps_poses, "Neither refine the poses of the views nor bend their images")->needs(texture);
+}
+
+void add_measure_options(CLI::App& evaluate, MeasureJudging& judging) {
+  CLI::Option* measure =
+      evaluate.add_option("--measure", judging.result,
+                          "Folder as hermite reconstruct writes it: distances between random pairs of places in it against those of "
+                          "--truth. Keys: the share of "
+                          "true distances inside the interval, in all and by the distance, medians of half-widths and errors");
+  CLI::Option* truth = evaluate.add_option("--truth", judging.sequence, "Sequence with true poses and depth without noise")->needs(measure);
+  measure->needs(truth);
+  evaluate.add_option("--pairs", judging.pairs, "How many")->needs(measure)->check(CLI::Range(1, 1'000'000))->capture_default_str();
+  evaluate.add_option("--seed", judging.seed, "Other pairs for each")->needs(measure)->capture_default_str();
+  evaluate.add_option("--pairs-csv", judging.csv, "Write all of them here")->needs(measure);
 }
 
 }  // namespace
@@ -288,6 +303,7 @@ Command add_evaluate_command(CLI::App& app) {
   evaluate.add_option("--surfels", arguments->surfels,
                       "What the mesh was made of, PLY: vertices are to lie near to it (default: the cloud)");
   add_texture_options(evaluate, arguments->texture, estimate);
+  add_measure_options(evaluate, arguments->measure);
   evaluate.add_option("--cell", arguments->cell_m, "Side of a cell of the mesh [m]")->capture_default_str()->check(CLI::Range(1e-4, 1.0));
   evaluate
       .add_flag("--layers", arguments->layers,

@@ -4,15 +4,19 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <system_error>
 #include <utility>
 
 #include "core/base/sync_path.h"
+#include "core/output/ply_points.h"
 
 namespace hermite {
 namespace {
@@ -34,6 +38,30 @@ void append(std::string& bytes, const Values&... values) {
 
 Error io_error(const std::string& what, const std::string& path) {
   return {ErrorCode::kIo, "cannot " + what + " " + path + ": " + std::generic_category().message(errno)};
+}
+
+std::string header_of(std::uint64_t count) {
+  return "ply\nformat binary_little_endian 1.0\ncomment Hermite: metres, 1/metres, normals towards the camera\nelement vertex " +
+         std::to_string(count) + "\n" + kProperties + "end_header\n";
+}
+
+template <class Value>
+void take(const char*& at, Value& value) {
+  std::memcpy(&value, at, sizeof value);
+  at += sizeof value;
+}
+
+CloudPoint point_at(const char* at) {
+  CloudPoint point;
+  for (int axis = 0; axis < 3; ++axis) take(at, point.position_m[axis]);
+  for (int axis = 0; axis < 3; ++axis) take(at, point.normal[axis]);
+  take(at, point.color);
+  take(at, point.confidence);
+  take(at, point.curvature_max_per_m);
+  take(at, point.curvature_min_per_m);
+  take(at, point.radius_m);
+  take(at, point.submap);
+  return point;
 }
 
 class FileDescriptor {
@@ -76,9 +104,7 @@ Status write_and_sync(const std::string& path, const std::string& bytes) {
 }  // namespace
 
 std::string format_ply(const Cloud& cloud) {
-  std::string bytes =
-      "ply\nformat binary_little_endian 1.0\ncomment Hermite: metres, 1/metres, normals towards the camera\nelement vertex " +
-      std::to_string(cloud.size()) + "\n" + kProperties + "end_header\n";
+  std::string bytes = header_of(cloud.size());
   bytes.reserve(bytes.size() + cloud.size() * kVertex_bytes);
   for (const CloudPoint& point : cloud) {
     append(bytes, point.position_m.x(), point.position_m.y(), point.position_m.z(), point.normal.x(), point.normal.y(), point.normal.z());
@@ -86,6 +112,26 @@ std::string format_ply(const Cloud& cloud) {
     append(bytes, point.confidence, point.curvature_max_per_m, point.curvature_min_per_m, point.radius_m, point.submap);
   }
   return bytes;
+}
+
+Status for_each_ply_point(const ReadPart& read, const std::function<void(const CloudPoint&)>& use) {
+  constexpr std::size_t kPieceVertices = 65536;
+  static const std::string kBeforeCount = header_of(0).substr(0, header_of(0).find("vertex ") + 7);
+  Result<std::string> head = read(0, header_of(std::numeric_limits<std::uint64_t>::max()).size());
+  if (!head.ok()) return head.error();
+  const bool begins_well = head->starts_with(kBeforeCount);
+  const std::uint64_t count = begins_well ? std::strtoull(head->c_str() + kBeforeCount.size(), nullptr, 10) : 0;
+  const std::string header = header_of(count);
+  if (!begins_well || !head->starts_with(header)) return Error{ErrorCode::kUnsupported, "this is no cloud that Hermite has written"};
+  for (std::uint64_t i = 0; i < count;) {
+    const std::size_t wanted = static_cast<std::size_t>(std::min<std::uint64_t>(kPieceVertices, count - i));
+    const Result<std::string> piece = read(header.size() + i * kVertex_bytes, wanted * kVertex_bytes);
+    if (!piece.ok()) return piece.error();
+    if (piece->size() < wanted * kVertex_bytes) return Error{ErrorCode::kCorruptData, "the cloud is cut: it has fewer points than it says"};
+    for (std::size_t k = 0; k < wanted; ++k) use(point_at(piece->data() + k * kVertex_bytes));
+    i += wanted;
+  }
+  return Done{};
 }
 
 Status write_file_atomically(const std::string& path, const std::string& bytes) {

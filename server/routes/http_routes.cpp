@@ -17,6 +17,7 @@
 #include "server/routes/byte_range.h"
 #include "server/routes/export_routes.h"
 #include "server/routes/job_routes.h"
+#include "server/routes/measure_routes.h"
 #include "server/routes/scan_routes.h"
 #include "server/routes/upload_routes.h"
 
@@ -145,7 +146,7 @@ struct ApiRoute {
 };
 constexpr std::string_view kScanPath = "/api/v1/scans/";
 constexpr std::string_view kUploadsPath = "/api/v1/uploads/", kJobsPath = "/api/v1/jobs/";
-constexpr std::array<ApiRoute, 32> kApi = {{
+constexpr std::array<ApiRoute, 37> kApi = {{
     {"GET", "access", "/api/v1/access", "", false, Needs::kNothing, show_access},
     {"GET", "scans", "/api/v1/scans", "", false, Needs::kView, list_scans},
     {"GET", "scan", kScanPath, "", true, Needs::kView, show_scan},
@@ -159,6 +160,11 @@ constexpr std::array<ApiRoute, 32> kApi = {{
     {"POST", "exports", kScanPath, "/exports", true, Needs::kView, create_export},
     {"GET", "export", kScanPath, "/exports/", true, Needs::kView, send_export, false, true},
     {"DELETE", "export", kScanPath, "/exports/", true, Needs::kViewAndScan, remove_export, false, true},
+    {"POST", "measure", kScanPath, "/measure", true, Needs::kView, measure_scan, true},
+    {"GET", "measurements", kScanPath, "/measurements", true, Needs::kView, list_measurements},
+    {"POST", "measurements", kScanPath, "/measurements", true, Needs::kViewAndScan, keep_measurement, true},
+    {"GET", "measurements.csv", kScanPath, "/measurements.csv", true, Needs::kView, send_measurements},
+    {"DELETE", "measurement", kScanPath, "/measurements/", true, Needs::kViewAndScan, remove_measurement, false, true},
     {"GET", "shares", kScanPath, "/shares", true, Needs::kViewAndScan, list_scans_shares},
     {"POST", "shares", kScanPath, "/shares", true, Needs::kViewAndScan, share_scan},
     {"GET", "shares", "/api/v1/shares", "", false, Needs::kViewAndScan, list_all_shares},
@@ -259,7 +265,8 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
       // Who changed what; paths of the routes hold ids and no secrets.
       const bool looks = method == "GET" || method == "HEAD" || answer.body_sink || answer.ask_again;
       const bool takes_results = method == "GET" && answer.stored.has_value();
-      if ((!looks && !answer.ask_again) || answer.body_sink || takes_results)
+      const bool is_begun = answer.body_sink && route.handle != measure_scan;
+      if ((!looks && !answer.ask_again) || is_begun || takes_results)
         note(world, request, grant, route.name, id.empty() ? made_id(answer) : id,
              answer.body_sink ? "begun" : std::to_string(answer.status));
       if (!looks) spdlog::info("{} {} by token {}: {}", method, request.path, grant.token_id, answer.status);

@@ -14,7 +14,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The scan, for whoever may change it; else the answer.
+Result<std::string> title_in(const std::string& body) {
+  const Json json = Json::parse(body, nullptr, false);
+  if (!json.is_object() || json.size() != 1 || !json.contains("title") || !json["title"].is_string())
+    return Error{ErrorCode::kInvalidArgument, "the request is no JSON object with a \"title\" that is text, and nothing else"};
+  std::string title = json["title"];
+  if (const Status status = check_title("title", title); !status.ok()) return status.error();
+  return title;
+}
+
+}  // namespace
+
 std::optional<HttpAnswer> keep_out(const HttpWorld& world, const Call& call) {
   const Result<ScanRow> row = world.scans.find(call.id);
   if (!row.ok()) return refused(row.error());
@@ -22,20 +32,14 @@ std::optional<HttpAnswer> keep_out(const HttpWorld& world, const Call& call) {
   return error_answer(403, {ErrorCode::kUnauthorized, "this scan is another token's; admin is needed"});
 }
 
-Result<std::string> title_in(const std::string& body) {
-  const Json json = Json::parse(body, nullptr, false);
-  if (!json.is_object() || json.size() != 1 || !json.contains("title") || !json["title"].is_string())
-    return Error{ErrorCode::kInvalidArgument, "the request is no JSON object with a \"title\" that is text, and nothing else"};
-  std::string title = json["title"];
-  if (title.empty() || title.size() > wire::kMaxTitleBytes)
+Status check_title(const std::string& field, const std::string& text) {
+  if (text.empty() || text.size() > wire::kMaxTitleBytes)
     return Error{ErrorCode::kInvalidArgument,
-                 "title has " + std::to_string(title.size()) + " bytes, allowed are 1 to " + std::to_string(wire::kMaxTitleBytes)};
+                 field + " has " + std::to_string(text.size()) + " bytes, allowed are 1 to " + std::to_string(wire::kMaxTitleBytes)};
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
-  if (std::any_of(title.begin(), title.end(), is_control)) return Error{ErrorCode::kInvalidArgument, "title has a control character"};
-  return title;
+  if (std::any_of(text.begin(), text.end(), is_control)) return Error{ErrorCode::kInvalidArgument, field + " has a control character"};
+  return Done{};
 }
-
-}  // namespace
 
 HttpAnswer show_access(const HttpWorld&, const Call& call) {
   Json json = {{"scopes", Json::array()}, {"scan", call.grant.scan_id.empty() ? Json() : Json(call.grant.scan_id)}};

@@ -9,10 +9,12 @@
 #include "server/connections/http_connection.h"
 #include "server/disk/storage_quota.h"
 #include "server/exports/exports.h"
+#include "server/routes/measure_routes.h"
 #include "server/scan/audience.h"
 #include "server/scan/live_scan.h"
 #include "server/service/service_setup.h"
 #include "server/store/job_row.h"
+#include "server/store/measurement_row.h"
 
 namespace hermite {
 
@@ -98,6 +100,8 @@ std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
       {"the surfels of a scan that meshes are made of",
        std::to_string(kMaxMeshedCloud_bytes >> 20) + " MiB, and 4.4 times of them free in memory", "the export fails"},
       {"exports of a scan with options", std::to_string(kMaxShapedExports), "HTTP 503"},
+      {"distances that are measured at once", std::to_string(kMaxMeasuringAtOnce), "HTTP 503"},
+      {"measurements of a scan that are kept", std::to_string(kMaxMeasurementsPerScan), "HTTP 409"},
       {"ended tokens and links that a list keeps, of one maker", std::to_string(kMaxEndedLinksPerToken) + ", for 90 days",
        "the oldest are forgotten"},
       {"ended jobs that a list keeps, of one token", std::to_string(kMaxEndedJobsPerToken) + ", for 90 days", "the oldest are forgotten"},

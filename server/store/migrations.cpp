@@ -17,7 +17,7 @@ namespace {
 constexpr int kApplicationId = 0x48524246;  // "HRBF"
 
 // Migration N brings user_version from N to N + 1. Never edit one that was released: add one.
-constexpr std::array<std::string_view, 4> kMigrations = {
+constexpr std::array<std::string_view, 5> kMigrations = {
     R"sql(
 CREATE TABLE scans(
   id TEXT PRIMARY KEY NOT NULL,
@@ -98,6 +98,19 @@ ALTER TABLE tokens ADD COLUMN made_by TEXT NOT NULL DEFAULT '';
 CREATE INDEX scans_to_rebuild ON scans(created_at_ms, id) WHERE to_be_rebuilt = 1;
 CREATE INDEX scans_by_token ON scans(token_id);
 CREATE INDEX tokens_by_maker ON tokens(made_by);
+)sql",
+    R"sql(
+CREATE TABLE measurements(
+  id TEXT PRIMARY KEY NOT NULL,
+  scan_id TEXT NOT NULL REFERENCES scans(id) ON DELETE CASCADE,
+  name TEXT NOT NULL,
+  from_x REAL NOT NULL, from_y REAL NOT NULL, from_z REAL NOT NULL,
+  to_x REAL NOT NULL, to_y REAL NOT NULL, to_z REAL NOT NULL,
+  distance_m REAL NOT NULL,
+  half_width_m REAL NOT NULL,
+  created_at_ms INTEGER NOT NULL
+) STRICT;
+CREATE INDEX measurements_by_scan ON measurements(scan_id, created_at_ms, id);
 )sql"};
 
 int pragma(SQLite::Database& database, const std::string& name) { return database.execAndGet("PRAGMA " + name).getInt(); }

@@ -52,6 +52,11 @@ class SqliteStore : public Store {
   Result<std::vector<UploadRow>> list_uploads() override;
   Status remove_upload(const std::string& id) override;
 
+  // sqlite_store_measurements.cpp
+  Status add_measurement(const MeasurementRow& row) override;
+  Result<std::vector<MeasurementRow>> list_measurements(const std::string& scan_id) override;
+  Status remove_measurement(const std::string& scan_id, const std::string& id) override;
+
   // sqlite_store_jobs.cpp
   Status add_job(const JobRow& row) override;
   Status update_job(const JobRow& row) override;

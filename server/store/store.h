@@ -23,6 +23,7 @@
 
 #include "core/base/result.h"
 #include "server/store/job_row.h"
+#include "server/store/measurement_row.h"
 #include "server/store/scan_row.h"
 #include "server/store/shares.h"
 #include "server/store/token_row.h"
@@ -49,7 +50,7 @@ class Store {
 
   // kNotFound: no such scan.
   virtual Result<ScanRow> find(const std::string& id) = 0;
-  virtual Status remove(const std::string& id) = 0;  // its share links go with it
+  virtual Status remove(const std::string& id) = 0;  // its share links and measurements go with it
 
   // Newest first, at most kMaxListedScans: the newest, or those next to this one. kNotFound: no such scan.
   virtual Result<std::vector<ScanRow>> list() = 0;
@@ -92,6 +93,12 @@ class Store {
   virtual Result<UploadRow> upload(const std::string& id) = 0;
   virtual Result<std::vector<UploadRow>> list_uploads() = 0;  // oldest first
   virtual Status remove_upload(const std::string& id) = 0;
+
+  // Measurements of a scan, at most kMaxMeasurementsPerScan. kNotFound: no such scan; kBusy: it has as many already; kInvalidArgument: the
+  // id is there already, or a number is none.
+  virtual Status add_measurement(const MeasurementRow& row) = 0;
+  virtual Result<std::vector<MeasurementRow>> list_measurements(const std::string& scan_id) = 0;  // oldest first; empty: it has none
+  virtual Status remove_measurement(const std::string& scan_id, const std::string& id) = 0;       // kNotFound: it has no such one
 
   // Jobs. kBusy: the share of its token is used up, also for one that had ended and is to wait again. kInvalidArgument: the id is there
   // already. kNotFound. Of those that have ended the newest of each token stay.

@@ -211,7 +211,7 @@ test('on a phone everything is within reach of a thumb', { timeout: 120_000 }, a
     assert.ok(box.x >= 0 && box.x + box.width <= 390, `${name} is on the screen: ${JSON.stringify(box)}`);
     assert.ok(box.height >= 44, `${name} is ${box.height} px high`);
   };
-  for (const name of ['More', 'Download', 'See inside', 'Show all']) await inReach(name);
+  for (const name of ['More', 'Download', 'See inside', 'Show all', 'Measure']) await inReach(name);
   assert.deepEqual(await tooSmall(phone.page), []);
   assert.ok((await phone.page.getByRole('heading', { name: title }).boundingBox()).width > 90, 'the title has room');
   const panels = await Promise.all(['.status', '.view'].map((name) => phone.page.locator(name).boundingBox()));
@@ -230,6 +230,29 @@ test('on a phone everything is within reach of a thumb', { timeout: 120_000 }, a
   assert.deepEqual(await tooSmall(phone.page), []);
   assert.deepEqual(phone.complaints, []);
   await context.close();
+});
+
+test('two clicks measure a distance, which is kept with the scan', { timeout: 60_000 }, async () => {
+  const { page } = viewer;
+  await page.getByRole('button', { name: 'Show all' }).click();
+  await page.waitForTimeout(1000);
+  await page.locator('.picture').press('m');
+  await page.getByText('Click on two points.').waitFor();
+  await page.mouse.click(500, 450);
+  await page.getByText('Click on the second point.').waitFor();
+  await page.mouse.click(700, 250);
+  const words = page.locator('.measure-newest').getByText(/^\d+\.\d{3} m ± 0\.\d{3} m \(95 %\)$/);
+  await words.waitFor();
+  const said = await words.textContent();
+  await page.getByRole('textbox', { name: 'Name of the distance' }).fill('Across');
+  await page.getByRole('button', { name: 'Keep' }).click();
+  await page.locator('.measure-list').getByText(said, { exact: true }).waitFor();
+  assert.deepEqual(await barriers(page), []);
+  await picture('measured');
+  await page.getByRole('button', { name: 'Remove Across' }).click();
+  await page.locator('.measure-list').getByText(said).waitFor({ state: 'detached' });
+  await page.keyboard.press('Escape');
+  await page.getByText('Click on two points.').waitFor({ state: 'hidden' });
 });
 
 test('the floor is set by a click, keys have their sheet, and the page is light where the system is', async () => {

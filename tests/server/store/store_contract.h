@@ -291,6 +291,34 @@ TYPED_TEST_P(StoreContract, AShareLinkIsOfAScanThatIsThereAndGoesWithIt) {
   EXPECT_EQ(this->store().token("s").error().code, ErrorCode::kNotFound);
 }
 
+TYPED_TEST_P(StoreContract, MeasurementsAreOfAScanThatIsThereAndGoWithIt) {
+  MeasurementRow row{"m", "scan", "a 'door'", {0.1, 1e-9, -3}, {4, 5, 6}, 1.25, 0.003, 7};
+  EXPECT_EQ(this->store().add_measurement(row).error().code, ErrorCode::kNotFound);
+  ASSERT_TRUE(this->store().add(scan_row("scan")).ok());
+  ASSERT_TRUE(this->store().add_measurement(row).ok());
+  EXPECT_EQ(this->store().add_measurement(row).error().code, ErrorCode::kInvalidArgument);
+  this->world_.restart();
+  const auto rows = this->store().list_measurements("scan");
+  ASSERT_EQ(rows->size(), 1u);
+  EXPECT_EQ((*rows)[0].name, row.name);
+  EXPECT_EQ((*rows)[0].from, row.from);
+  EXPECT_EQ((*rows)[0].to, row.to);
+  EXPECT_EQ((*rows)[0].distance_m, row.distance_m);
+  EXPECT_EQ((*rows)[0].half_width_m, row.half_width_m);
+  EXPECT_EQ((*rows)[0].created_at_ms, row.created_at_ms);
+  for (int i = 1; i < kMaxMeasurementsPerScan; ++i) {
+    row.id = std::to_string(i);
+    ASSERT_TRUE(this->store().add_measurement(row).ok());
+  }
+  row.id = "one more";
+  EXPECT_EQ(this->store().add_measurement(row).error().code, ErrorCode::kBusy);
+  EXPECT_EQ(this->store().remove_measurement("another", "1").error().code, ErrorCode::kNotFound);
+  ASSERT_TRUE(this->store().remove_measurement("scan", "1").ok());
+  EXPECT_TRUE(this->store().add_measurement(row).ok());
+  ASSERT_TRUE(this->store().remove("scan").ok());
+  EXPECT_TRUE(this->store().list_measurements("scan")->empty());
+}
+
 TYPED_TEST_P(StoreContract, AShareLinkMayOnlyLook) {
   ASSERT_TRUE(this->store().add(scan_row("scan")).ok());
   TokenRow row = share_row("s", "scan");
@@ -493,10 +521,11 @@ REGISTER_TYPED_TEST_SUITE_P(StoreContract, AScanComesBackAsItWasOverARestart, AS
                             ScansThatADeadServerLeftRunningAreFoundOldestFirst, AScanOfAJobIsNoneThatTheServerGoesOnWith,
                             SaysThatItTakesChangesAndIsWhole, ATokenIsFoundByItsHash, ASecretThatIsNoHashIsNoToken,
                             ARevocationStaysAsItWasFirst, ATokenKnowsItsLastUse, TokensAreListedNewestFirst,
-                            AShareLinkIsOfAScanThatIsThereAndGoesWithIt, AShareLinkMayOnlyLook, TokensThatEndedLongAgoAreForgotten,
-                            AJobComesBackAsItWasOverARestart, TheNextJobIsTheHighestAndThenTheOldest, JobsAreCountedByState,
-                            TheLogOfAJobIsBounded, OldJobsAreForgottenWithTheirLogs, AnUploadComesBackAsItWasOverARestart,
-                            ThereAreOnlySoManyUploads, ThereAreOnlySoManyJobsThatHaveNotEnded, ShareLinksThatHaveEndedCountForNothing,
-                            OfWhatHasEndedTheNewestStay, AScanKnowsItsTokenAndWhetherItIsToBeRebuilt);
+                            AShareLinkIsOfAScanThatIsThereAndGoesWithIt, MeasurementsAreOfAScanThatIsThereAndGoWithIt,
+                            AShareLinkMayOnlyLook, TokensThatEndedLongAgoAreForgotten, AJobComesBackAsItWasOverARestart,
+                            TheNextJobIsTheHighestAndThenTheOldest, JobsAreCountedByState, TheLogOfAJobIsBounded,
+                            OldJobsAreForgottenWithTheirLogs, AnUploadComesBackAsItWasOverARestart, ThereAreOnlySoManyUploads,
+                            ThereAreOnlySoManyJobsThatHaveNotEnded, ShareLinksThatHaveEndedCountForNothing, OfWhatHasEndedTheNewestStay,
+                            AScanKnowsItsTokenAndWhetherItIsToBeRebuilt);
 
 }  // namespace hermite::test

@@ -43,6 +43,7 @@ const keys: readonly (readonly [string, string])[] = [
   ['F', 'Show the whole scan'],
   ['S', 'Surface or points'],
   ['I', 'See inside'],
+  ['M', 'Measure the distance of two points'],
   ['C', 'Follow the camera, while it scans'],
   ['?', 'This help'],
   ['Esc', 'Close what is open'],

@@ -1,7 +1,6 @@
 // Asks for one click on the floor.
 import { element, type Panel } from './dom';
-
-const farthest_px = 6; // a click that moves further turns the view
+import { onTap } from './tap';
 
 export interface FloorPicker extends Panel {
   begin(): void;
@@ -12,24 +11,17 @@ export function floorPicker(canvas: HTMLCanvasElement, choose: (x_px: number, y_
   const cancel = element('button', { type: 'button', class: 'button' }, 'Cancel');
   const node = element('div', { class: 'card asking', role: 'status' }, element('span', {}, 'Click on the floor, or on anything that lies level.'), cancel);
   node.hidden = true;
-  let down: readonly [number, number] | null = null;
   const ask = (on: boolean): void => {
     node.hidden = !on;
     canvas.classList.toggle('picking', on);
-  };
-  const onDown = (event: PointerEvent): void => {
-    down = [event.clientX, event.clientY];
-  };
-  const onClick = (event: MouseEvent): void => {
-    if (node.hidden || !down || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > farthest_px) return;
-    if (choose(event.clientX, event.clientY)) ask(false);
   };
   const onKey = (event: KeyboardEvent): void => {
     if (event.key === 'Escape') ask(false);
   };
   cancel.addEventListener('click', () => ask(false));
-  canvas.addEventListener('pointerdown', onDown);
-  canvas.addEventListener('click', onClick);
+  onTap(canvas, (x_px, y_px) => {
+    if (!node.hidden && choose(x_px, y_px)) ask(false);
+  });
   document.addEventListener('keydown', onKey);
   return {
     element: node,

@@ -16,6 +16,7 @@ import { element, setText, type Panel } from './dom';
 import { downloadMenu } from './download_menu';
 import { floorPicker, type FloorPicker } from './floor_picker';
 import { statusMark } from './mark';
+import { measurePanel, type MeasurePanel } from './measure_panel';
 import { menu, type MenuItem } from './menu';
 import { watchMesh } from './mesh_watch';
 import { deleteSoon, rename } from './scan_actions';
@@ -46,9 +47,11 @@ export function scanPage(scanId: string, token: string): ScanPage {
   const panels: Panel[] = [bar];
   const node = element('main', { class: 'scan-page' }, stage, empty, note, bar.element);
   if (floor) node.append(floor.element);
+  let tape: MeasurePanel | null = null;
   if (scene) {
     panels.push(statusPanel(scan, () => scene.framesPerSecond()));
-    panels.push(viewPanel(options, scan, () => frameAll(scene, options)));
+    tape = measurePanel({ canvas, scene, scan, token });
+    panels.push(viewPanel(options, scan, () => frameAll(scene, options), tape.button), tape);
     for (const panel of panels.slice(1)) node.append(panel.element);
   }
   const unsubscribers = [
@@ -62,7 +65,7 @@ export function scanPage(scanId: string, token: string): ScanPage {
   unsubscribers.push(options.subscribe((state) => link?.watch(watchOf(state))));
   const mesh = scene && watchMesh(scan, scene, token);
   const stopReport = watchReport(scan, token);
-  const onKey = (event: KeyboardEvent): void => shortcut(event, scene, options);
+  const onKey = (event: KeyboardEvent): void => shortcut(event, { scene, options, tape });
   document.addEventListener('keydown', onKey);
   canvas.addEventListener('dblclick', (event) => scene?.pivotAt(event.clientX, event.clientY));
   return {
@@ -207,7 +210,13 @@ function showEmpty(node: HTMLElement, words: string | null): void {
   if (words !== null) setText(node, words);
 }
 
-function shortcut(event: KeyboardEvent, scene: ScanScene | null, options: OptionsStore): void {
+interface Shortcuts {
+  readonly scene: ScanScene | null;
+  readonly options: OptionsStore;
+  readonly tape: MeasurePanel | null;
+}
+
+function shortcut(event: KeyboardEvent, { scene, options, tape }: Shortcuts): void {
   const typing = event.target instanceof HTMLInputElement && event.target.type !== 'radio';
   if (typing || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === 'f' && scene) frameAll(scene, options);
@@ -215,5 +224,6 @@ function shortcut(event: KeyboardEvent, scene: ScanScene | null, options: Option
   if (event.key === 'c') options.dispatch({ follow: !now.follow });
   if (event.key === 's') options.dispatch({ show: now.show === 'surface' ? 'points' : 'surface' });
   if (event.key === 'i') options.dispatch({ hideBacks: !now.hideBacks });
+  if (event.key === 'm') tape?.toggle();
   if (event.key === '?') showHelp();
 }

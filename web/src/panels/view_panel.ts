@@ -18,7 +18,8 @@ const showLabels: Record<Show, string> = { surface: 'Surface', points: 'Points' 
 const colorLabels: Record<ColorMode, string> = { shaded: 'Shaded', rgb: 'Colour', normal: 'Normals', confidence: 'Confidence' };
 const meshColorLabels: Record<MeshColor, string> = { shaded: 'Shaded', rgb: 'Colour', normal: 'Normals' };
 
-export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, scan: Store<LiveScan, never>, frameAll: () => void): Panel {
+// `more`: buttons of others.
+export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, scan: Store<LiveScan, never>, frameAll: () => void, ...more: HTMLElement[]): Panel {
   const show = segments('show', 'What is shown', shows, showLabels, (chosen) => options.dispatch({ show: chosen }));
   const colors = segments('color', 'Colour of the points', colorModes, colorLabels, (color) => options.dispatch({ color }));
   const surface = segments('mesh-color', 'Colour of the surface', meshColors, meshColorLabels, (meshColor) => options.dispatch({ meshColor }));
@@ -41,6 +42,7 @@ export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, sca
     colors.element,
     slider,
     element('div', { class: 'buttons' }, inside, follow, frame),
+    ...more,
   );
   const refresh = (): void => {
     const state = options.get();

@@ -1,6 +1,7 @@
 // The picture of one scan. Draws only when something changed: an idle page costs nothing.
 import { Matrix4, Mesh, Ray, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Object3D } from 'three';
 import type { ScanEvent } from '../connection/events';
+import type { Measured, Place } from '../connection/measurements';
 import type { ViewOptions } from '../state/view_options';
 import { CameraRig } from './camera_rig';
 import { framingOf, type Box } from './framing';
@@ -9,6 +10,7 @@ import { floorHeight_m, type Direction } from './gravity';
 import { GridLayer } from './grid_layer';
 import type { Hit, Layer, ViewSize } from './layer';
 import { LiveMeshLayer } from './live_mesh_layer';
+import { MeasureLayer } from './measure_layer';
 import { MeshLayer } from './mesh_layer';
 import { PointsLayer } from './points_layer';
 import { SampleCollector } from './samples';
@@ -34,9 +36,10 @@ export class ScanScene {
   private readonly live = new LiveMeshLayer(this.submaps);
   private readonly mesh = new MeshLayer();
   private readonly frustum = new FrustumLayer();
+  private readonly measured = new MeasureLayer();
   private readonly grid = new GridLayer();
   // What hangs on the submaps comes behind them.
-  private readonly layers: readonly Layer[] = [this.grid, this.submaps, this.points, this.live, this.mesh, new TrajectoryLayer(this.submaps), this.frustum];
+  private readonly layers: readonly Layer[] = [this.grid, this.submaps, this.points, this.live, this.mesh, new TrajectoryLayer(this.submaps), this.frustum, this.measured];
   private readonly stillness = matchMedia('(prefers-reduced-motion: reduce)');
   private readonly unwatchTheme: () => void;
   private readonly resizeObserver: ResizeObserver;
@@ -145,6 +148,16 @@ export class ScanScene {
     const hit = this.pick(x_px, y_px);
     if (hit) this.rig.pivot(hit.point_m.applyMatrix4(this.upright.object.matrix));
     return hit !== null;
+  }
+
+  // Where somebody has clicked, in the world of the scan; null: nothing is there.
+  placeAt(x_px: number, y_px: number): Place | null {
+    return this.pick(x_px, y_px)?.point_m.toArray() ?? null;
+  }
+
+  showMeasured(measured: readonly Measured[], first: Place | null): void {
+    this.measured.show(measured, first);
+    this.requestDraw();
   }
 
   // In one picture.

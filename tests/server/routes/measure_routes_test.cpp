@@ -1,0 +1,146 @@
+// Measuring over HTTP, of a real server. What comes of points is in tests/core/measure.
+#include "server/routes/measure_routes.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/output/ply.h"
+#include "server/store/scan_id.h"
+#include "server/store/sqlite_store.h"
+#include "tests/support/raw_client.h"
+#include "tests/support/running_server.h"
+#include "tests/support/temporary_folder.h"
+
+namespace hermite {
+namespace measure_routes_test {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+// Two walls, 1.5 m apart, before a camera that sees both.
+Cloud walls() {
+  Cloud cloud;
+  for (const float z : {1.0f, 2.5f})
+    for (int i = -10; i <= 10; ++i)
+      for (int j = -10; j <= 10; ++j) {
+        CloudPoint point;
+        point.position_m = {0.01f * static_cast<float>(i), 0.01f * static_cast<float>(j), z};
+        point.normal = {0, 0, -1};
+        point.confidence = 5;
+        cloud.push_back(point);
+      }
+  return cloud;
+}
+
+class MeasureRoutesTest : public testing::Test {
+ protected:
+  MeasureRoutesTest() {
+    std::filesystem::create_directories(folder_ / "data");
+    SqliteStore store(folder_ / "data/hermite.db");
+    for (const std::string& id : {id_, imported_id_}) {
+      ScanRow row;
+      row.id = id;
+      row.phase = ScanPhase::kFinished;
+      row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
+      EXPECT_TRUE(store.add(row).ok());
+      std::filesystem::create_directories(folder_ / "data/scans/" + id);
+    }
+    put(id_, "surfels.ply", format_ply(walls()));
+    put(id_, "trajectory.txt", "0.0 0 0 0 0 0 0 1\n");
+    put(id_, "report.json", "{}");
+    put(imported_id_, "cloud.ply", format_ply(walls()));
+  }
+  void put(const std::string& id, const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder_ / "data/scans/" + id + "/" + name, std::ios::binary) << bytes;
+  }
+  void start() { server_ = std::make_unique<test::RunningServer>(test::test_options(folder_ / "data")); }
+  struct Answer {
+    int status = 0;
+    std::string header, body;
+    Json json() const { return Json::parse(body, nullptr, false); }
+    std::string words() const { return json()["error"]["message"]; }
+  };
+  Answer ask(const std::string& method, const std::string& path, const std::string& body = "", const std::string& token = "") {
+    test::RawClient client(server_->port());
+    client.send(method + " /api/v1/scans/" + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
+                (token.empty() ? server_->token() : token) + "\r\n" +
+                (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" + body);
+    const std::string answer = client.read_to_end();
+    const std::size_t end = answer.find("\r\n\r\n");
+    if (end == std::string::npos) return {};
+    return {std::stoi(answer.substr(9, 3)), answer.substr(0, end + 2), answer.substr(end + 4)};
+  }
+
+  const test::TemporaryFolder folder_;
+  const std::string id_ = new_scan_id(), imported_id_ = new_scan_id();
+  std::unique_ptr<test::RunningServer> server_;
+};
+
+TEST_F(MeasureRoutesTest, ADistanceIsMeasuredKeptTakenAndRemoved) {
+  start();
+  const Answer measured = ask("POST", id_ + "/measure", R"({"from": [0, 0, 1.003], "to": [0, 0, 2.499]})");
+  ASSERT_EQ(measured.status, 200) << measured.body;
+  EXPECT_NEAR(measured.json()["distance_m"].get<double>(), 1.5, 1e-4);
+  EXPECT_THAT(measured.body, HasSubstr("1.500 m ± 0.00"));
+  EXPECT_EQ(ask("GET", id_ + "/measurements").json()["measurements"].size(), 0u) << "it was not kept";
+
+  const Answer kept = ask("POST", id_ + "/measurements", R"({"name": "=a \"door\"", "from": [0, 0, 1], "to": [0, 0, 2.5]})");
+  ASSERT_EQ(kept.status, 201) << kept.body;
+  const Json list = ask("GET", id_ + "/measurements").json()["measurements"];
+  ASSERT_EQ(list.size(), 1u);
+  EXPECT_EQ(list[0], kept.json());
+  EXPECT_EQ(list[0]["name"], "=a \"door\"");
+  EXPECT_EQ(list[0]["words"], measured.json()["words"]);
+  const Answer csv = ask("GET", id_ + "/measurements.csv");
+  EXPECT_THAT(csv.header, HasSubstr("text/csv"));
+  EXPECT_THAT(csv.body, HasSubstr("name,distance_m,half_width_95_m,"));
+  EXPECT_THAT(csv.body, HasSubstr("\r\n\"'=a \"\"door\"\"\",1.5000,0.00"));
+
+  const std::string one = id_ + "/measurements/" + list[0]["id"].get<std::string>();
+  EXPECT_EQ(ask("DELETE", one).status, 200);
+  EXPECT_EQ(ask("DELETE", one).status, 404);
+  EXPECT_EQ(ask("GET", id_ + "/measurements").json()["measurements"].size(), 0u);
+}
+
+TEST_F(MeasureRoutesTest, WhatCannotBeMeasuredIsSaidInWords) {
+  put(id_, "surfels.ply", format_ply(walls()).substr(0, 9000));
+  start();
+  const auto words = [&](const std::string& body) {
+    const Answer answer = ask("POST", id_ + "/measure", body);
+    EXPECT_EQ(answer.status, 400) << body;
+    return answer.words();
+  };
+  EXPECT_THAT(words("nonsense"), HasSubstr("JSON object"));
+  EXPECT_THAT(words("{}"), HasSubstr("\"from\" and \"to\""));
+  EXPECT_THAT(words(R"({"from": [0, 0], "to": [0, 0, 1]})"), HasSubstr("from must be three numbers"));
+  EXPECT_THAT(words(R"({"from": [0, 0, 1], "to": [0, 0, "1"]})"), HasSubstr("to must be three numbers"));
+  EXPECT_THAT(words(R"({"from": [0, 0, 1], "to": [0, 0, 1e999]})"), HasSubstr("JSON"));
+  EXPECT_THAT(words(R"({"from": [0, 0, 1], "to": [0, 0, 2], "and": 1})"), HasSubstr("nothing else"));
+  EXPECT_EQ(ask("POST", id_ + "/measure").status, 400);
+  EXPECT_EQ(ask("POST", id_ + "/measure", std::string(5000, ' ')).status, 413);
+  EXPECT_EQ(ask("POST", id_ + "/measure", R"({"from": [0, 0, 1], "to": [0, 0, 2.5]})").status, 500) << "the file is cut";
+  EXPECT_EQ(ask("POST", new_scan_id() + "/measure", R"({"from": [0, 0, 1], "to": [0, 0, 2.5]})").status, 404);
+  const Answer imported = ask("POST", imported_id_ + "/measure", R"({"from": [0, 0, 1], "to": [0, 0, 2.5]})");
+  EXPECT_EQ(imported.status, 409);
+  EXPECT_THAT(imported.words(), HasSubstr("has no trajectory.txt"));
+  const std::string long_name(201, 'n');
+  EXPECT_THAT(ask("POST", id_ + "/measurements", R"({"name": ")" + long_name + R"(", "from": [0, 0, 1], "to": [0, 0, 2.5]})").words(),
+              HasSubstr("name has 201 bytes"));
+}
+
+TEST_F(MeasureRoutesTest, AShareLinkMeasuresAndKeepsNothing) {
+  start();
+  const std::string share = ask("POST", id_ + "/shares").json()["secret"];
+  const std::string points = R"("from": [0, 0, 1], "to": [0, 0, 2.5]})";
+  EXPECT_EQ(ask("POST", id_ + "/measure", "{" + points, share).status, 200);
+  EXPECT_EQ(ask("POST", id_ + "/measurements", R"({"name": "a", )" + points, share).status, 403);
+  EXPECT_EQ(ask("GET", id_ + "/measurements", "", share).status, 200);
+  EXPECT_EQ(ask("POST", imported_id_ + "/measure", "{" + points, share).status, 404);
+}
+
+}  // namespace measure_routes_test
+}  // namespace hermite
