@@ -97,7 +97,7 @@ HttpAnswer create_export(const HttpWorld& world, const Call& call) {
 }
 
 HttpAnswer send_export(const HttpWorld& world, const Call& call) {
-  const Result<ExportState> state = world.exports.state(call.id, call.format);
+  const Result<ExportState> state = world.exports.state(call.id, call.last_part);
   if (!state.ok()) return refused(state.error());
   const std::string file = ExportSpec{state->format, state->shape}.file();
   if (state->phase == ExportPhase::kReady) return send_file(world, call, file, state->format->content_type);
@@ -107,8 +107,8 @@ HttpAnswer send_export(const HttpWorld& world, const Call& call) {
 }
 
 HttpAnswer remove_export(const HttpWorld& world, const Call& call) {
-  const Status removed = world.exports.remove(call.id, call.format);
-  return removed.ok() ? made(json_text({{"removed", call.format}})) : refused(removed.error());
+  const Status removed = world.exports.remove(call.id, call.last_part);
+  return removed.ok() ? made(json_text({{"removed", call.last_part}})) : refused(removed.error());
 }
 
 }  // namespace hermite

@@ -142,7 +142,7 @@ struct ApiRoute {
   Needs needs;
   HttpAnswer (*handle)(const HttpWorld&, const Call&);
   bool long_body = false;
-  bool has_format = false;  // a format ends the path
+  std::string_view last_part = {};  // name of what ends the path; empty: after_id does
 };
 constexpr std::string_view kScanPath = "/api/v1/scans/";
 constexpr std::string_view kUploadsPath = "/api/v1/uploads/", kJobsPath = "/api/v1/jobs/";
@@ -158,13 +158,13 @@ constexpr std::array<ApiRoute, 37> kApi = {{
     {"GET", "report.json", kScanPath, "/report.json", true, Needs::kView, send_report},
     {"GET", "exports", kScanPath, "/exports", true, Needs::kView, list_exports},
     {"POST", "exports", kScanPath, "/exports", true, Needs::kView, create_export},
-    {"GET", "export", kScanPath, "/exports/", true, Needs::kView, send_export, false, true},
-    {"DELETE", "export", kScanPath, "/exports/", true, Needs::kViewAndScan, remove_export, false, true},
+    {"GET", "export", kScanPath, "/exports/", true, Needs::kView, send_export, false, "format"},
+    {"DELETE", "export", kScanPath, "/exports/", true, Needs::kViewAndScan, remove_export, false, "format"},
     {"POST", "measure", kScanPath, "/measure", true, Needs::kView, measure_scan, true},
     {"GET", "measurements", kScanPath, "/measurements", true, Needs::kView, list_measurements},
     {"POST", "measurements", kScanPath, "/measurements", true, Needs::kViewAndScan, keep_measurement, true},
     {"GET", "measurements.csv", kScanPath, "/measurements.csv", true, Needs::kView, send_measurements},
-    {"DELETE", "measurement", kScanPath, "/measurements/", true, Needs::kViewAndScan, remove_measurement, false, true},
+    {"DELETE", "measurement", kScanPath, "/measurements/", true, Needs::kViewAndScan, remove_measurement, false, "measurement"},
     {"GET", "shares", kScanPath, "/shares", true, Needs::kViewAndScan, list_scans_shares},
     {"POST", "shares", kScanPath, "/shares", true, Needs::kViewAndScan, share_scan},
     {"GET", "shares", "/api/v1/shares", "", false, Needs::kViewAndScan, list_all_shares},
@@ -197,7 +197,7 @@ std::optional<Scope> lacking(const Grant& grant, Needs needs) {
 
 // What a path has of a route's own.
 struct PathParts {
-  std::string id, format;  // empty for a route without
+  std::string id, last_part;  // empty for a route without
 };
 
 // Nothing when the route is for other paths.
@@ -208,9 +208,9 @@ std::optional<PathParts> match(const ApiRoute& route, std::string_view path) {
   const std::size_t id_end = std::min(path.find('/'), path.size());
   const std::string_view id = path.substr(0, id_end), rest = path.substr(id_end);
   if (id.empty() || !rest.starts_with(route.after_id)) return std::nullopt;
-  const std::string_view format = rest.substr(route.after_id.size());
-  if (format.empty() == route.has_format || format.find('/') != std::string_view::npos) return std::nullopt;
-  return PathParts{std::string(id), std::string(format)};
+  const std::string_view last_part = rest.substr(route.after_id.size());
+  if (last_part.empty() != route.last_part.empty() || last_part.find('/') != std::string_view::npos) return std::nullopt;
+  return PathParts{std::string(id), std::string(last_part)};
 }
 
 // The grant of whoever asks, or the answer to somebody who has none.
@@ -261,7 +261,7 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
       // A share link knows of no other scan, not even that it exists.
       if (route.before_id == kScanPath && !may_see(grant, id))
         return on_route(route.name, refused({ErrorCode::kNotFound, "there is no scan " + id}));
-      HttpAnswer answer = on_route(route.name, route.handle(world, {request, grant, id, parts->format}));
+      HttpAnswer answer = on_route(route.name, route.handle(world, {request, grant, id, parts->last_part}));
       // Who changed what; paths of the routes hold ids and no secrets.
       const bool looks = method == "GET" || method == "HEAD" || answer.body_sink || answer.ask_again;
       const bool takes_results = method == "GET" && answer.stored.has_value();
@@ -345,7 +345,7 @@ std::vector<std::string> api_routes() {
   std::vector<std::string> routes;
   for (const ApiRoute& route : kApi)
     routes.push_back(std::string(route.method) + " " + std::string(route.before_id) + (route.has_id ? "{id}" : "") +
-                     std::string(route.after_id) + (route.has_format ? "{format}" : ""));
+                     std::string(route.after_id) + (route.last_part.empty() ? "" : "{" + std::string(route.last_part) + "}"));
   return routes;
 }
 

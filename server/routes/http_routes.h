@@ -116,8 +116,8 @@ struct HttpWorld {
 struct Call {
   const HttpRequest& request;
   const Grant& grant;
-  std::string id;      // inside the path, for a route that has one
-  std::string format;  // behind it, the same
+  std::string id;         // inside the path, for a route that has one
+  std::string last_part;  // behind it, the same
 };
 
 // Whether the body of such a request may be long, so that only its answer says where it goes.

@@ -231,8 +231,8 @@ HttpAnswer send_measurements(const HttpWorld& world, const Call& call) {
 
 HttpAnswer remove_measurement(const HttpWorld& world, const Call& call) {
   if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);
-  const Status removed = world.store.remove_measurement(call.id, call.format);
-  return removed.ok() ? made(json_text({{"removed", call.format}})) : refused(removed.error());
+  const Status removed = world.store.remove_measurement(call.id, call.last_part);
+  return removed.ok() ? made(json_text({{"removed", call.last_part}})) : refused(removed.error());
 }
 
 }  // namespace hermite
