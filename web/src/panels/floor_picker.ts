@@ -20,7 +20,9 @@ export function floorPicker(canvas: HTMLCanvasElement, choose: (x_px: number, y_
   };
   cancel.addEventListener('click', () => ask(false));
   onTap(canvas, (x_px, y_px) => {
-    if (!node.hidden && choose(x_px, y_px)) ask(false);
+    const isAsking = !node.hidden;
+    if (isAsking && choose(x_px, y_px)) ask(false);
+    return isAsking;
   });
   document.addEventListener('keydown', onKey);
   return {
