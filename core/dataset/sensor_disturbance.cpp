@@ -239,10 +239,10 @@ Opened with_frozen(std::unique_ptr<Sequence> sequence, const std::string& option
 }
 
 Opened with_misregistered(std::unique_ptr<Sequence> sequence, const std::string& options) {
-  int right_px = 4, down_px = 0;
-  const Status status = apply_key_values(options, {whole_rule("right_px", -40, 40, [&](std::int64_t v) { right_px = static_cast<int>(v); }),
-                                                   whole_rule("down_px", -40, 40, [&](std::int64_t v) { down_px = static_cast<int>(v); })});
-  return when_ok<Misregistered>(status, "misregistered", std::move(sequence), right_px, down_px);
+  double right_px = 4, down_px = 0;
+  const Status status = apply_key_values(options, {number_rule("right_px", -40, 40, right_px), number_rule("down_px", -40, 40, down_px)});
+  return when_ok<Misregistered>(status, "misregistered", std::move(sequence), static_cast<int>(std::lround(right_px)),
+                                static_cast<int>(std::lround(down_px)));
 }
 
 Opened with_banding(std::unique_ptr<Sequence> sequence, const std::string& options) {

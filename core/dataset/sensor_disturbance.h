@@ -13,7 +13,7 @@
 //     every         2 to 1000 (15)
 //     count         1 to 999 (3), less than `every`
 //   +misregistered  the colour image is shifted against depth, as with a wrong pose of the colour camera
-//     right_px      -40 to 40 (4)
+//     right_px      -40 to 40 (4)   whole pixels
 //     down_px       -40 to 40 (0)
 //   +banding        lamps at the mains and a rolling shutter: bands of brightness that wander through the colour image
 //     amplitude     0 to 0.9 (0.15)

@@ -223,7 +223,7 @@ TEST_F(OdometryTest, PicturesOfNoiseSayNothing) {
   EXPECT_EQ(blind.witnesses.picture.system.hessian.norm(), 0);
   EXPECT_LT(blind.observability, 1e-5) << "a bare wall";
   set_frame(model);  // the same noise is a texture
-  EXPECT_GT(track(TrackOptions{}).witnesses.picture.unit, 0);
+  EXPECT_GT(track(TrackOptions{}).witnesses.picture.system.hessian.norm(), 0);
 }
 
 TEST_F(OdometryTest, PairsBeyondTheGatesDoNotCount) {
