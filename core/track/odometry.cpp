@@ -30,7 +30,7 @@ constexpr double kConverged_m = 3e-5, kConverged_rad = 3e-5;
 
 // Share of the frame's gradients that the map shows (odometry_sums.h): a black or dark picture of noise has -0.03 to 0.09, recordings of a
 // Kinect with its rolling shutter 0.23 to 0.75, rendered rooms 0.57 and more.
-constexpr double kNoiseShare = 0.1, kPictureShare = 0.2, kFewPairs = 0.02;
+constexpr double kNoiseShare = 0.1, kPictureShare = 0.2;
 
 // The smallest image gradient that says where a pixel is, in grey values per pixel and level.
 constexpr float kGradientMin[kPyramidLevels] = {5, 3, 1};
@@ -159,10 +159,9 @@ double Odometry::weight_of_corners(const OdometrySums& sums) {
   return kCornerWeight * fade * (sums.geometric_count > 0 ? sums.geometric_unit() : 1);
 }
 
-// What the picture counts: gradients of noise say that the camera stands still, or send it anywhere. Coarse pictures are means, and hardly
-// aligned at first: there noise is told by how few of its gradients count.
-double Odometry::share_of_picture(const OdometrySums& sums, int level) {
-  if (level > 0 && sums.photometric_count > kFewPairs * sums.geometric_count) return 1;
+// What the picture counts as a witness where the camera has ended: gradients of noise say with certainty that it stands still. Before, a
+// picture that is not aligned yet may look like noise, so all steps believe it.
+double Odometry::share_of_picture(const OdometrySums& sums) {
   return std::clamp((sums.gradient_share - kNoiseShare) / (kPictureShare - kNoiseShare), 0.0, 1.0);
 }
 
@@ -216,11 +215,12 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
                  : linearise(frame, reference, {&result.reference_from_camera, 1}, static_cast<std::size_t>(level), gates, believed)[0];
       ++result.iteration_count;
       if (options_.discount_normal_noise) sums.geometric = discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement);
-      const double picture_counts = share_of_picture(sums, level);
       NormalEquations photometric = without_brightness(sums.photometric, believed.brightness);
-      photometric.hessian *= picture_counts;
-      photometric.right_hand_side *= picture_counts;
-      result.witnesses = {{sums.geometric, sums.geometric_unit()}, {photometric, picture_counts * sums.photometric_unit()}, {}, 0};
+      const double shared = share_of_picture(sums);
+      result.witnesses = {{sums.geometric, sums.geometric_unit()},
+                          {{shared * photometric.hessian, shared * photometric.right_hand_side}, shared * sums.photometric_unit()},
+                          {},
+                          0};
       if (features) {
         result.witnesses.corners = {feature_terms(*features, result.reference_from_camera), 1};
         result.witnesses.corner_weight = weight_of_corners(sums);
@@ -229,7 +229,8 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
       }
       const Vector6d proposed = solve(sums.geometric, photometric, sums.displacement);
       if (!proposed.allFinite()) return result;
-      const Vector6d step = accelerator.next(proposed, sums.displacement);
+      // Coarse levels are cheap, and where steps are great nothing can be foreseen: on bare walls one ended 35 cm off.
+      const Vector6d step = level == 0 ? accelerator.next(proposed, sums.displacement) : proposed;
       believed = believed_after(believed, sums, step);
       result.reference_from_camera = exp_se3(step) * result.reference_from_camera;
       const bool converged = proposed.head<3>().norm() < scale * kConverged_m && proposed.tail<3>().norm() < scale * kConverged_rad;
@@ -244,7 +245,7 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
   result.inlier_ratio = sums.surface_count > 0 ? sums.geometric_count / sums.surface_count : 0;
   result.residual_rms_m = sums.geometric_count > 0 ? std::sqrt(sums.geometric_error_m2 / sums.geometric_count) : 0;
   result.observability =
-      observability(sums.geometric.hessian + share_of_picture(sums, 0) * without_brightness(sums.photometric, believed.brightness).hessian,
+      observability(sums.geometric.hessian + share_of_picture(sums) * without_brightness(sums.photometric, believed.brightness).hessian,
                     sums.displacement);
   result.brightness = believed.brightness;
   result.geometric_scale = believed.geometric_scale;

@@ -67,7 +67,7 @@ class Odometry {
   struct Start;
   Gates gates_within(double reach) const;
   static double weight_of_corners(const OdometrySums& sums);
-  static double share_of_picture(const OdometrySums& sums, int level);
+  static double share_of_picture(const OdometrySums& sums);
   static Believed believed_at_first(double reach);
   static Believed believed_after(const Believed& before, const OdometrySums& sums, const Vector6d& step);
   std::vector<OdometrySums> linearise(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses,

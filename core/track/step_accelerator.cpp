@@ -10,14 +10,14 @@ constexpr double kFarthest = 3;
 }  // namespace
 
 Vector6d StepAccelerator::next(const Vector6d& proposed, const Matrix6d& displacement) {
+  const auto square = [&displacement](const Vector6d& x) { return x.dot(displacement * x); };
   Vector6d taken = proposed;
-  if (has_last_) {
-    const Vector6d change = proposed - last_proposed_, weighed = displacement * change;
-    const double change2 = change.dot(weighed);
-    const double share = change2 > 0 ? proposed.dot(weighed) / change2 : 0;
+  if (has_last_ && square(proposed) < square(last_proposed_)) {
+    const Vector6d change = proposed - last_proposed_;
+    const double change2 = square(change);
+    const double share = change2 > 0 ? proposed.dot(displacement * change) / change2 : 0;
     const Vector6d foreseen = proposed - share * (last_taken_ + change);
-    const double foreseen2 = foreseen.dot(displacement * foreseen), proposed2 = proposed.dot(displacement * proposed);
-    if (foreseen.allFinite() && foreseen2 <= kFarthest * kFarthest * proposed2) taken = foreseen;
+    if (foreseen.allFinite() && square(foreseen) <= kFarthest * kFarthest * square(proposed)) taken = foreseen;
   }
   has_last_ = true;
   last_proposed_ = proposed;

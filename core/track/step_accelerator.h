@@ -12,7 +12,7 @@ namespace hermite {
 class StepAccelerator {
  public:
   // The step to take where Gauss-Newton proposes `proposed`. `displacement`: of a twist x, x^T displacement x is how far it moves the
-  // points, squared. At most thrice as far as is proposed; else, and after reset(), what is proposed.
+  // points, squared. At most thrice as far as is proposed; else, where steps do not shrink, and after reset(), what is proposed.
   Vector6d next(const Vector6d& proposed, const Matrix6d& displacement);
 
   // What follows is another problem: another level, other gates.

@@ -179,16 +179,14 @@ void add_photometry(vec2 uv, SurfacePoint shown, vec3 s, uint i) {
   float residual = grey - (m.gain * known + m.offset);
   vec2 scaled = g * vec2(p.camera.fx, p.camera.fy) / s.z;
   vec3 a = -vec3(scaled, -dot(scaled, s.xy) / s.z), r = cross(s, a);
-  // Noise has gradients, too, and would say that the camera stands still. But the map's noise is another one: what both show is there. A
-  // map is blurred, so half of the frame's gradient is enough.
+  // Noise has gradients, too, and would say that the camera stands still. But the map's noise is another one: what both show is there.
   vec2 shown_g = m.gain * vec2(mix(i10 - i00, i11 - i01, f.y), mix(i01 - i00, i11 - i10, f.x));
-  float alike = clamp(2.0 * dot(g, shown_g) / dot(g, g), 0.0, 1.0);
   gradients += vec2(dot(g, shown_g), dot(g, g));
   // A surfel that has hardly been seen says as little about its colour as about its place.
   float maturity = min(1.0, shown.weight * shown.depth_m * shown.depth_m / m.mature_confidence);
   // Across an edge a fraction of a pixel makes more of a difference than the noise of grey values.
   float expected2 = 1.0 + dot(g, g) * (kBlur * kBlur), spread2 = residual * residual / expected2;
-  float base = alike * maturity / (p.photometric_sigma * p.photometric_sigma);
+  float base = maturity / (p.photometric_sigma * p.photometric_sigma);
   float weight = base / expected2 * robust(sqrt(spread2) / m.photometric_scale);
   add_row(photometric, a, r, residual, weight);
   gain_t -= weight * known * a;

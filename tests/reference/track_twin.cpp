@@ -67,38 +67,30 @@ bool add_geometry(TrackStep& sums, const SurfaceImage& reference, const Vector3d
   return std::abs(residual_in_scales) < options.photometric_gate;
 }
 
-struct Shown {
-  double grey = 0;
-  Vector2d gradient = Vector2d::Zero();
-};
-
-// The reference's grey value between four pixels, and how it changes there, where all of them have one and the nearest lies on the same
-// surface.
-std::optional<Shown> shown_at(const SurfaceImage& reference, const Vector2d& uv, double depth_m, double depth_gate_m) {
+// The reference's grey value between four pixels, where all of them have one and the nearest lies on the same surface.
+std::optional<double> grey_at(const SurfaceImage& reference, const Vector2d& uv, double depth_m, double depth_gate_m) {
   const int x = static_cast<int>(std::floor(uv.x())), y = static_cast<int>(std::floor(uv.y()));
   if (x < 0 || y < 0 || x + 1 >= static_cast<int>(reference.camera.width) || y + 1 >= static_cast<int>(reference.camera.height))
     return std::nullopt;
-  Shown shown;
+  double grey = 0;
   for (int v = 0; v < 2; ++v)
     for (int u = 0; u < 2; ++u) {
       const double value = reference.intensity[reference.index(x + u, y + v)];
       if (value < 0) return std::nullopt;
-      const double along = 1 - std::abs(uv.x() - x - u), down = 1 - std::abs(uv.y() - y - v);
-      shown.grey += value * along * down;
-      shown.gradient += value * Vector2d(u == 0 ? -down : down, v == 0 ? -along : along);
+      grey += value * (1 - std::abs(uv.x() - x - u)) * (1 - std::abs(uv.y() - y - v));
     }
   const double z = reference.depth_m[reference.index(static_cast<int>(std::lround(uv.x())), static_cast<int>(std::lround(uv.y())))];
   if (z <= 0 || std::abs(z - depth_m) > depth_gate_m) return std::nullopt;
-  return shown;
+  return grey;
 }
 
 void add_photometry(TrackStep& sums, const SurfaceImage& reference, const Vector3d& s, double intensity, const Vector2d& gradient,
                     const TrackOptions& options, const BelievedResiduals& believed) {
   constexpr double kSaturated = 250;
   const Vector2d uv = project(reference.camera, s);
-  const auto shown = shown_at(reference, uv, s.z(), options.photometric_depth_gate_m);
-  if (!shown || intensity > kSaturated) return;
-  const double residual = intensity - shown->grey;
+  const auto grey = grey_at(reference, uv, s.z(), options.photometric_depth_gate_m);
+  if (!grey || intensity > kSaturated) return;
+  const double residual = intensity - *grey;
   // The reference changes along the motion as the frame does around its pixel.
   const Vector6d row = derivative(s, [&](const Vector3d& point) { return -gradient.dot(project(reference.camera, point)); });
   const std::size_t nearest = reference.index(static_cast<int>(std::floor(uv.x() + 0.5)), static_cast<int>(std::floor(uv.y() + 0.5)));
@@ -106,12 +98,10 @@ void add_photometry(TrackStep& sums, const SurfaceImage& reference, const Vector
   // Meant at a spread of 4 grey values; across an edge 0.3 pixels more.
   const double sigma = options.photometric_sigma * believed.photometric_scale / 4;
   const double expected2 = 1 + gradient.squaredNorm() * 0.075 * 0.075;
-  // What the map's gradient confirms; it is blurred, so half is enough.
-  const double alike = std::clamp(2 * gradient.dot(shown->gradient) / gradient.squaredNorm(), 0.0, 1.0);
-  const double weight = alike * std::min(1.0, confidence / options.mature_confidence) / (sigma * sigma * expected2) *
+  const double weight = std::min(1.0, confidence / options.mature_confidence) / (sigma * sigma * expected2) *
                         likelihood(residual / std::sqrt(expected2) / believed.photometric_scale);
   add_row(sums.photometric.motion, row, residual, weight);
-  const Eigen::Vector2d brightness(-shown->grey, -1);  // derivative by gain and offset
+  const Eigen::Vector2d brightness(-*grey, -1);  // derivative by gain and offset
   sums.photometric.mixed += weight * row * brightness.transpose();
   sums.photometric.hessian += weight * brightness * brightness.transpose();
   sums.photometric.right_hand_side -= weight * residual * brightness;
