@@ -217,7 +217,7 @@ TEST(Checkpoint, SubmapsOnTheHostComeBack) {
 
 TEST(Checkpoint, AFullMapIsFullAsLongAfterwards) {
   const Options options = with_little_memory();
-  const std::vector<std::size_t> frames = range(0, 26);
+  const std::vector<std::size_t> frames = range(0, 32);
   Scan scan(frames, make_pipeline(options));
   const std::size_t fits = 4 * std::size_t(walk().camera.width * walk().camera.height) - 512;
   ASSERT_TRUE(scan.pipeline->insert(test::surfels_behind(fits)).ok());
@@ -230,7 +230,7 @@ TEST(Checkpoint, AFullMapIsFullAsLongAfterwards) {
     undisturbed.states[i + 1] = *scan.pipeline->save();
   }
   undisturbed.end = told_at_the_end(*scan.pipeline);
-  ASSERT_TRUE(full.size() > 3 && full.size() + 3 < frames.size()) << "the scan is not the one that this test is about";
+  ASSERT_TRUE(full.size() > 3 && full.size() + 3 < frames.size()) << "the scan is not the one that this test is about: " << full.size();
   for (const std::size_t i : {full[0], full[full.size() / 2], full.back()})
     expect_same_from(frames, make_pipeline(options), undisturbed, i + 1);
 }

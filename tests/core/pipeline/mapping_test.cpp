@@ -158,7 +158,7 @@ TEST(PipelineMapping, AFullMapIsTrackedAgainstAndGrowsAgainWhenThereIsRoom) {
     surfels = result.surfel_count;
   }
   EXPECT_GE(full_count, 3u);
-  for (; next < walk().frames.size(); ++next) {
+  for (++next; next < walk().frames.size(); ++next) {
     const FrameResult result = process(pipeline, next);
     EXPECT_EQ(result.status, TrackingStatus::kTracked) << "frame " << next << ": " << result.reason;
   }

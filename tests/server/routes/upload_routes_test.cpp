@@ -158,7 +158,7 @@ TEST_F(UploadRoutesTest, WhatIsNoTusIsRefusedInWords) {
   EXPECT_EQ(tus("POST", "/api/v1/uploads", "Upload-Length: 1000000001\r\n").status, 413);
   EXPECT_EQ(tus("POST", "/api/v1/uploads", "Upload-Length: -1\r\n").status, 400);
   EXPECT_THAT(tus("POST", "/api/v1/uploads", "Upload-Length: 5\r\nUpload-Metadata: priority OTk5\r\n").body,
-              HasSubstr("priority is no whole"));
+              HasSubstr("priority must be a whole"));
   const std::string first = "Upload-Length: 5\r\nUpload-Metadata: priority MQ==\r\n";
   EXPECT_EQ(tus("POST", "/api/v1/uploads", first, "", make_token(R"(["view", "scan"])")).status, 403) << "that is for administrators";
   EXPECT_EQ(tus("POST", "/api/v1/uploads", first).status, 201);
