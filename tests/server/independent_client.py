@@ -107,7 +107,7 @@ def png(bit_depth, color_type, rows):
 
 def frame(sequence):
     """A camera that stands still before the inside of a pyramid, painted as a checkerboard."""
-    depth = png(16, 0, [struct.pack(f">{WIDTH}H", *(1500 + 4 * abs(x - 40) + 6 * abs(y - 30) for x in range(WIDTH))) for y in range(HEIGHT)])
+    depth = png(16, 0, [struct.pack(f">{WIDTH}H", *(1500 + sequence % 2 + 4 * abs(x - 40) + 6 * abs(y - 30) for x in range(WIDTH))) for y in range(HEIGHT)])
     color = png(8, 2, [b"".join(bytes([80 + 100 * ((x // 8 + y // 8) % 2), 2 * x, 3 * y]) for x in range(WIDTH)) for y in range(HEIGHT)])
     return field(FRAME, field(1, sequence) + field(2, 100 + sequence / 30) + field(3, depth) + field(4, color))
 
