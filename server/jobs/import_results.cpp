@@ -35,6 +35,10 @@ std::size_t count_cells(const Cloud& cloud, double edge_m) {
   return static_cast<std::size_t>(std::unique(cells.begin(), cells.end()) - cells.begin());
 }
 
+// Chunks cost a viewer about as much as hundreds of points: of a sparse cloud each would hold one or two.
+constexpr std::size_t kManyChunks = 2000;
+constexpr double kKeptShare = 0.99;
+
 std::uint8_t level_for(const Cloud& cloud) {
   std::uint8_t level = 0;
   for (; level < kCoarsestLevel; ++level) {
@@ -42,6 +46,10 @@ std::uint8_t level_for(const Cloud& cloud) {
     const bool few_points = cloud.size() <= kMostShownPoints || count_cells(cloud, voxel_m) <= kMostShownPoints;
     if (few_points && count_cells(cloud, voxel_m * (1 << kVoxelsPerChunk_bits)) <= kMostShownChunks) break;
   }
+  const auto points_at = [&cloud](int at) { return count_cells(cloud, static_cast<double>(kVoxelEdge_m) * (1 << at)); };
+  while (level < kCoarsestLevel && points_at(level + kVoxelsPerChunk_bits) > kManyChunks &&
+         static_cast<double>(points_at(level + 1)) >= kKeptShare * static_cast<double>(points_at(level)))
+    ++level;
   return level;
 }
 

@@ -63,8 +63,9 @@ export async function startServer(dataFolder, port = 0, more = []) {
   };
 }
 
-export function startStream(server, { sequence, title }) {
-  const client = start('hermite-client', ['stream', sequence, '--server', server.origin, '--title', title], { HERMITE_TOKEN: server.token });
+// `rate`: frames per second.
+export function startStream(server, { sequence, title, rate = 'max' }) {
+  const client = start('hermite-client', ['stream', sequence, '--server', server.origin, '--title', title, '--rate', rate], { HERMITE_TOKEN: server.token });
   return {
     output: client.output,
     end: (limit_ms) => within(limit_ms, client.ended, () => `hermite-client is not done after ${limit_ms} ms:\n${client.output()}`),
