@@ -14,7 +14,8 @@ RgbdFrame take_frame(const Camera& camera, int number) {
     for (int u = 0; u < camera.width; ++u) {
       const double distance_m = 1.5, x_m = (u - camera.cx) / camera.fx * distance_m + 0.005 * number;
       const bool bright = (static_cast<int>(x_m / 0.1 + 1000) + v / 24) % 2 == 0;
-      frame.depth.at(u, v) = static_cast<std::uint16_t>(distance_m * camera.depth_units_per_metre);
+      const int noise_mm = (7 * u + 13 * v + 5 * number) % 3 - 1;  // no sensor measures the same twice
+      frame.depth.at(u, v) = static_cast<std::uint16_t>((distance_m + 0.001 * noise_mm) * camera.depth_units_per_metre);
       frame.color.at(u, v) = bright ? Rgb8{200, 180, 90} : Rgb8{60, 80, 120};
     }
   return frame;
