@@ -65,7 +65,7 @@ std::uint32_t threads_for(std::uint32_t pixel_count, std::uint32_t pixels_per_th
   return HERMITE_ODOMETRY_GROUP_SIZE * std::clamp((pixel_count + pixels_per_group - 1) / pixels_per_group, 1u, kMaxGroups);
 }
 
-// OdometrySums of all workgroups of a dispatch, in order.
+// Sums of all workgroups of a dispatch, in order.
 template <shared::uint N>
 std::array<double, N> total(std::span<const float> partial_sums, std::uint32_t threads, std::size_t first_group = 0) {
   std::array<double, N> sums{};

@@ -14,27 +14,13 @@
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/two_walls.h"
 
 namespace hermite {
 namespace measure_routes_test {
 
 using Json = nlohmann::json;
 using testing::HasSubstr;
-
-// Two walls, 1.5 m apart, before a camera that sees both.
-Cloud walls() {
-  Cloud cloud;
-  for (const float z : {1.0f, 2.5f})
-    for (int i = -10; i <= 10; ++i)
-      for (int j = -10; j <= 10; ++j) {
-        CloudPoint point;
-        point.position_m = {0.01f * static_cast<float>(i), 0.01f * static_cast<float>(j), z};
-        point.normal = {0, 0, -1};
-        point.confidence = 5;
-        cloud.push_back(point);
-      }
-  return cloud;
-}
 
 class MeasureRoutesTest : public testing::Test {
  protected:
@@ -49,10 +35,10 @@ class MeasureRoutesTest : public testing::Test {
       EXPECT_TRUE(store.add(row).ok());
       std::filesystem::create_directories(folder_ / "data/scans/" + id);
     }
-    put(id_, "surfels.ply", format_ply(walls()));
+    put(id_, "surfels.ply", format_ply(test::two_walls()));
     put(id_, "trajectory.txt", "0.0 0 0 0 0 0 0 1\n");
     put(id_, "report.json", "{}");
-    put(imported_id_, "cloud.ply", format_ply(walls()));
+    put(imported_id_, "cloud.ply", format_ply(test::two_walls()));
   }
   void put(const std::string& id, const std::string& name, const std::string& bytes) const {
     std::ofstream(folder_ / "data/scans/" + id + "/" + name, std::ios::binary) << bytes;
@@ -107,7 +93,7 @@ TEST_F(MeasureRoutesTest, ADistanceIsMeasuredKeptTakenAndRemoved) {
 }
 
 TEST_F(MeasureRoutesTest, WhatCannotBeMeasuredIsSaidInWords) {
-  put(id_, "surfels.ply", format_ply(walls()).substr(0, 9000));
+  put(id_, "surfels.ply", format_ply(test::two_walls()).substr(0, 9000));
   start();
   const auto words = [&](const std::string& body) {
     const Answer answer = ask("POST", id_ + "/measure", body);
