@@ -103,9 +103,7 @@ Opened with_exposure(std::unique_ptr<Sequence> sequence, const std::string& opti
 
 Opened with_flicker(std::unique_ptr<Sequence> sequence, const std::string& options) {
   FlickerOptions flicker;
-  const Status status = apply_key_values(
-      options, {number_rule("amplitude", 0, kMaxAmplitude, flicker.amplitude),
-                whole_rule("seed", 0, INT64_MAX, [&](std::int64_t value) { flicker.seed = static_cast<std::uint64_t>(value); })});
+  const Status status = apply_key_values(options, {number_rule("amplitude", 0, kMaxAmplitude, flicker.amplitude), seed_rule(flicker.seed)});
   if (!status.ok()) return in_context("flicker", status.error());
   return std::unique_ptr<Sequence>(std::make_unique<Flickering>(std::move(sequence), flicker));
 }

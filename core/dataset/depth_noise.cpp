@@ -121,8 +121,7 @@ Result<NoiseOptions> parse_noise(const std::string& text) {
   else if (model != "none")
     return Error{ErrorCode::kInvalidArgument, "noise is \"" + model + "\", allowed is none, gaussian, kinect or kinect-white"};
   double sigma_mm = options.sigma_m * 1000;
-  std::vector<KeyValueRule> rules = {
-      whole_rule("seed", 0, INT64_MAX, [&](std::int64_t value) { options.seed = static_cast<std::uint64_t>(value); })};
+  std::vector<KeyValueRule> rules = {seed_rule(options.seed)};
   if (options.model == NoiseModel::kGaussian) rules.push_back(number_rule("sigma_mm", 0, kMaxSigma_mm, sigma_mm));
   const Status status = apply_key_values(std::string_view(text).substr(std::min(comma + 1, text.size())), rules);
   if (!status.ok()) return in_context("noise " + model, status.error());

@@ -65,4 +65,8 @@ KeyValueRule whole_rule(const std::string& key, std::int64_t low, std::int64_t h
           }};
 }
 
+KeyValueRule seed_rule(std::uint64_t& target) {
+  return whole_rule("seed", 0, INT64_MAX, [&target](std::int64_t value) { target = static_cast<std::uint64_t>(value); });
+}
+
 }  // namespace hermite

@@ -1,6 +1,7 @@
 // "key=value,key=value": how users write options behind a source. Pure functions.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -24,5 +25,7 @@ Status apply_key_values(std::string_view text, const std::vector<KeyValueRule>& 
 // Rules for numbers; the range is inclusive and becomes the rule's words.
 KeyValueRule number_rule(const std::string& key, double low, double high, double& target);
 KeyValueRule whole_rule(const std::string& key, std::int64_t low, std::int64_t high, const std::function<void(std::int64_t)>& take);
+// "seed", any whole number from 0.
+KeyValueRule seed_rule(std::uint64_t& target);
 
 }  // namespace hermite

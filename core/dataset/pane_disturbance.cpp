@@ -165,7 +165,7 @@ Result<PaneOptions> parse_glass(const std::string& text) {
   std::vector<KeyValueRule> rules = pane_rules(pane);
   rules.push_back(number_rule("holes", 0, 1, pane.holes));
   rules.push_back(number_rule("specks", 0, 1, pane.specks));
-  rules.push_back(whole_rule("seed", 0, INT64_MAX, [&pane](std::int64_t value) { pane.seed = static_cast<std::uint64_t>(value); }));
+  rules.push_back(seed_rule(pane.seed));
   const Status status = apply_key_values(text, rules);
   if (!status.ok()) return in_context(kGlass, status.error());
   return pane;

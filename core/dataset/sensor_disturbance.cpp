@@ -197,10 +197,6 @@ class Dark : public RedrawnSequence {
   const DarkOptions options_;
 };
 
-KeyValueRule seed_rule(std::uint64_t& seed) {
-  return whole_rule("seed", 0, INT64_MAX, [&seed](std::int64_t value) { seed = static_cast<std::uint64_t>(value); });
-}
-
 template <class Disturbed, class... Options>
 Opened when_ok(const Status& status, const char* name, std::unique_ptr<Sequence> sequence, const Options&... options) {
   if (!status.ok()) return in_context(name, status.error());
