@@ -105,7 +105,15 @@ step_service_threads() {
 
 step_fuzz() { tests/fuzz/run; }
 
-step_browser() { npm --prefix web run --silent test:browser; }
+step_browser() {
+  local results=$PWD/build/browser_tests.tap
+  rm -f "$failed_tests"
+  npm --prefix web run --silent test:browser -- --test-reporter=spec --test-reporter-destination=stdout --test-reporter=tap \
+    --test-reporter-destination="$results" || {
+    sed -n 's/^ *not ok [0-9]* - \(.*\)/\1;/p' "$results" | tr '\n' ' ' >"$failed_tests"
+    return 1
+  }
+}
 
 step_demo() {
   rm -rf build/test-demo
