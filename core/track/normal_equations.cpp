@@ -13,6 +13,9 @@ namespace {
 // the map's blur for a gain above 1, fuses with it, and so fades the map from frame to frame (to 1.4 within four frames of sparse depth).
 constexpr double kGainShare = 1e-3, kOffsetShare = 1, kOffsetOverGain = 20 / 0.5;
 
+// What a camera between two frames may do at most.
+constexpr double kMost_m = 0.3, kMost_rad = 0.5;
+
 struct BrightnessSystem {
   Eigen::Matrix2d hessian;
   Eigen::Vector2d right_hand_side;
@@ -55,6 +58,12 @@ Vector6d solve(const NormalEquations& geometric, const NormalEquations& photomet
   // A millionth of what the points would move by: nothing beside any knowledge, all where there is none.
   const Matrix6d hessian = geometric.hessian + photometric.hessian + 1e-6 * displacement;
   return hessian.ldlt().solve(geometric.right_hand_side + photometric.right_hand_side);
+}
+
+NormalEquations motion_prior(double unit, const Vector6d& beyond_expected) {
+  Vector6d information;
+  information << Eigen::Vector3d::Constant(unit / (kMost_m * kMost_m)), Eigen::Vector3d::Constant(unit / (kMost_rad * kMost_rad));
+  return {information.asDiagonal(), -information.cwiseProduct(beyond_expected)};
 }
 
 double observability(const Matrix6d& hessian, const Matrix6d& displacement) {

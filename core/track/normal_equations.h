@@ -13,7 +13,8 @@ struct NormalEquations {
 };
 
 // The geometric system without the knowledge it only pretends to have. `displacement` is the weighted sum over the same points of A^T A
-// with A = [1, -[s]x], `disagreement` the weighted mean squared sine between the normals of frame and model. The share mu = (x^T H x) /
+// with A = [1, -[s]x], `disagreement` the mean squared sine between the normals of frame and model, also of pairs whose normals
+// are too far apart to be used: those that are used are alike because they were chosen so. The share mu = (x^T H x) /
 // (x^T displacement x) of a motion x is the mean squared cosine between the points' movement and their normals: on a bare wall 0 along the
 // wall. Noise of the normals by sigma rad makes it sigma^2, and that pretended knowledge holds the camera still, because the noise of depth
 // moves with the camera. So in every principal motion the model's sigma^2 is taken off. Frame and model disagree by 2 (sigma_frame^2 +
@@ -37,6 +38,10 @@ Brightness brightness_after(const PhotometricSystem& system, const Brightness& a
 
 // The Gauss-Newton step of both together; motions about which neither knows anything stay out of it. Not finite only when the input is not.
 Vector6d solve(const NormalEquations& geometric, const NormalEquations& photometric, const Matrix6d& displacement);
+
+// The system of a camera's motion between two frames before anything is seen of it, whose residuals count `unit`: it stays within 0.3 m and
+// 0.5 rad of what is expected. `beyond_expected`: the twist from the expected motion to where the system is linearised.
+NormalEquations motion_prior(double unit, const Vector6d& beyond_expected);
 
 // What is known about the least-known motion, as a share of what full knowledge of how far it moves the points would be: 0 where it is
 // free, as along a bare wall; 1/3 on average where surfaces face all ways.

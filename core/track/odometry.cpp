@@ -32,6 +32,10 @@ constexpr double kConverged_m = 3e-5, kConverged_rad = 3e-5;
 // Kinect with its rolling shutter 0.23 to 0.75, rendered rooms 0.57 and more.
 constexpr double kNoiseShare = 0.1, kPictureShare = 0.2;
 
+// Gradients that have nothing in common have a share of 0 with a deviation of at most 1 over the root of their number: one within so many
+// deviations says nothing.
+constexpr double kSurelyShared = 2;
+
 // The smallest image gradient that says where a pixel is, in grey values per pixel and level.
 constexpr float kGradientMin[kPyramidLevels] = {5, 3, 1};
 
@@ -110,6 +114,7 @@ Odometry::Gates Odometry::gates_within(double reach) const {
 struct Odometry::Start {
   Rigid3 guess;
   std::optional<OdometrySums> sums;
+  bool with_image = true;  // or by depth and corners alone, near the guess where these leave a direction free
 };
 
 // At each of the guesses, at most kGuessesAtOnce, in one submission.
@@ -221,6 +226,8 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
                           {{shared * photometric.hessian, shared * photometric.right_hand_side}, shared * sums.photometric_unit()},
                           {},
                           0};
+      if (!start.with_image)
+        photometric = motion_prior(sums.geometric_unit(), log_se3(result.reference_from_camera * inverse(start.guess)));
       if (features) {
         result.witnesses.corners = {feature_terms(*features, result.reference_from_camera), 1};
         result.witnesses.corner_weight = weight_of_corners(sums);
@@ -241,6 +248,7 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
     }
   }
   result.inlier_count = static_cast<std::int64_t>(sums.geometric_count);
+  result.gradient_share = sums.gradient_share;
   result.photometric_count = static_cast<std::int64_t>(sums.photometric_count);
   result.inlier_ratio = sums.surface_count > 0 ? sums.geometric_count / sums.surface_count : 0;
   result.residual_rms_m = sums.geometric_count > 0 ? std::sqrt(sums.geometric_error_m2 / sums.geometric_count) : 0;
@@ -256,7 +264,13 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
 
 OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses,
                                const FeatureMotion* features) {
-  return refine(frame, reference, by_misfit(guesses, frame, reference, 1.0).front(), 1.0, features);
+  const Start start = by_misfit(guesses, frame, reference, 1.0).front();
+  const OdometryResult found = refine(frame, reference, start, 1.0, features);
+  // Noise leads anywhere in the directions that depth leaves free. But an image that is not aligned yet may look like noise, so it takes
+  // part until it is seen to be noise where it has led.
+  const double count = static_cast<double>(found.photometric_count);
+  if (count == 0 || found.gradient_share > kSurelyShared / std::sqrt(count)) return found;
+  return refine(frame, reference, {start.guess, start.sums, false}, 1.0, features);
 }
 
 OdometryResult Odometry::search(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses) {

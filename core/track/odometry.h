@@ -25,6 +25,7 @@ struct OdometryResult {
   double inlier_ratio = 0;        // of the pixels looked at that have a surface
   double residual_rms_m = 0;      // point to plane, over the inliers
   std::int64_t photometric_count = 0;
+  double gradient_share = 0;  // see core/track/odometry_sums.h
   int iteration_count = 0;
   double observability = 0;  // see core/track/normal_equations.h
   Brightness brightness;     // of the frame's picture beside the map's

@@ -13,15 +13,6 @@ namespace {
 // Residuals that err alike, by witness: so many count as one.
 constexpr double kAlikeDepth = 6, kAlikePicture = 6, kAlikeCorners = 1;
 
-// What a camera between two frames may do at most.
-constexpr double kMost_m = 0.3, kMost_rad = 0.5;
-
-Matrix6d prior() {
-  Vector6d information;
-  information << Eigen::Vector3d::Constant(1 / (kMost_m * kMost_m)), Eigen::Vector3d::Constant(1 / (kMost_rad * kMost_rad));
-  return information.asDiagonal();
-}
-
 struct Alone {
   const char* name;
   Matrix6d information;
@@ -32,9 +23,10 @@ struct Alone {
 
 Matrix6d step_covariance(const StepWitnesses& w) {
   const double unit = std::max({w.depth.unit, w.picture.unit, 1e-300});
-  const Matrix6d hessian = w.depth.system.hessian + w.picture.system.hessian + w.corner_weight * w.corners.system.hessian + unit * prior();
+  const Matrix6d prior = motion_prior(1, Vector6d::Zero()).hessian;
+  const Matrix6d hessian = w.depth.system.hessian + w.picture.system.hessian + w.corner_weight * w.corners.system.hessian + unit * prior;
   const Matrix6d scores = kAlikeDepth * w.depth.unit * w.depth.system.hessian + kAlikePicture * w.picture.unit * w.picture.system.hessian +
-                          kAlikeCorners * w.corner_weight * w.corner_weight * w.corners.system.hessian + unit * unit * prior();
+                          kAlikeCorners * w.corner_weight * w.corner_weight * w.corners.system.hessian + unit * unit * prior;
   const Eigen::LDLT<Matrix6d> solver(hessian);
   const Matrix6d half = solver.solve(scores);
   const Matrix6d covariance = solver.solve(half.transpose());
@@ -48,12 +40,13 @@ Contradiction contradiction(const StepWitnesses& w) {
   };
   const std::array<Alone, 3> all{alone("depth", w.depth, kAlikeDepth), alone("picture", w.picture, kAlikePicture),
                                  alone("corners", w.corners, kAlikeCorners)};
+  const Matrix6d prior = motion_prior(1, Vector6d::Zero()).hessian;
   Contradiction worst;
   for (std::size_t i = 0; i < all.size(); ++i)
     for (std::size_t j = i + 1; j < all.size(); ++j) {
       if (!(all[i].information.trace() > 0) || !(all[j].information.trace() > 0)) continue;
-      const Matrix6d first = (all[i].information + prior()).ldlt().solve(Matrix6d::Identity());
-      const Matrix6d second = (all[j].information + prior()).ldlt().solve(Matrix6d::Identity());
+      const Matrix6d first = (all[i].information + prior).ldlt().solve(Matrix6d::Identity());
+      const Matrix6d second = (all[j].information + prior).ldlt().solve(Matrix6d::Identity());
       const Vector6d apart = first * all[i].pull - second * all[j].pull;
       const double sigmas = std::sqrt(std::max(0.0, apart.dot((first + second).ldlt().solve(apart))));
       if (sigmas <= worst.sigmas) continue;

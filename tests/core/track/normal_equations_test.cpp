@@ -106,6 +106,17 @@ TEST(NormalEquations, TheOptimumOfGeometryAloneStaysWhereItWas) {
   EXPECT_LT((step - expected).norm(), 0.01 * expected.norm());
 }
 
+TEST(NormalEquations, ThePriorLeadsBackToWhatIsExpectedAlongAWallAndNowhereElse) {
+  const Sums sums = sums_of(wall(0));
+  const Vector6d beyond_expected = (Vector6d() << 0.04, -0.02, 0.03, 0, 0, 0.01).finished();
+  const NormalEquations kept = discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement);
+  const double unit = 1e-4 * sums.displacement(0, 0);
+  const Vector6d step = solve(kept, motion_prior(unit, beyond_expected), sums.displacement);
+  EXPECT_NEAR(step[0], -0.04, 1e-3);
+  EXPECT_NEAR(step[1], 0.02, 1e-3);
+  EXPECT_NEAR(step[2], 0.01, 1e-3) << "towards the wall its points say more";
+}
+
 TEST(NormalEquations, WithoutPairsTheStepIsNone) {
   const NormalEquations kept = discount_normal_noise({}, Matrix6d::Zero(), 0);
   EXPECT_EQ(kept.hessian.norm(), 0);

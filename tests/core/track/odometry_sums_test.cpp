@@ -37,6 +37,15 @@ TEST(OdometrySums, ATwistMovesThePointsByItsDisplacement) {
   EXPECT_NEAR(twist.dot(OdometrySums(terms, 1).displacement * twist), moved2, 1e-12);
 }
 
+// Most pairs of noisy normals do not pass the gate of angles: the mean is over all that are near each other.
+TEST(OdometrySums, NormalsDisagreeByTheMeanOverAllPairsThatAreNear) {
+  OdometryTerms terms{};
+  terms[shared::kMomentSums] = 2;
+  terms[shared::kDisagreementSums] = 3;
+  terms[shared::kDisagreementSums + 1] = 12;
+  EXPECT_EQ(OdometrySums(terms, 1).disagreement, 0.25);
+}
+
 TEST(OdometrySums, NothingSeenIsNothingKnown) {
   const OdometrySums sums(OdometryTerms{}, 100);
   EXPECT_EQ(sums.geometric_unit(), 0);
