@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array<char, 8> kMagic{'H', 'R', 'M', 'C', 'K', 'P', 'T', '1'};
 
-// The shortest that reads back as the same numbers.
+// Writes numbers as the shortest texts that read back as the same numbers.
 std::string in_words(std::initializer_list<double> values) {
   std::string words;
   for (const double value : values) {
@@ -44,7 +44,7 @@ std::string in_words(const Camera& camera) {
               : " depth " + in_words({camera.depth_correction.bend, camera.depth_correction.inverse_offset_per_m}));
 }
 
-// The note of type NT_GNU_BUILD_ID among those of one segment; empty when it is not there.
+// Returns the content of the note NT_GNU_BUILD_ID of one segment, or an empty string.
 std::string build_id_among(const char* notes, std::size_t size) {
   const auto padded = [](std::size_t bytes) { return (bytes + 3) / 4 * 4; };
   for (std::size_t at = 0; at + sizeof(ElfW(Nhdr)) <= size;) {
@@ -62,7 +62,7 @@ std::string build_id_among(const char* notes, std::size_t size) {
   return {};
 }
 
-// Of the object listed first: the program itself.
+// Takes the build id of the first object listed, which is the program itself.
 int take_build_id(dl_phdr_info* object, std::size_t, void* id) {
   for (std::size_t i = 0; i < object->dlpi_phnum; ++i) {
     const ElfW(Phdr)& segment = object->dlpi_phdr[i];
@@ -102,7 +102,7 @@ void write_head(ByteWriter& bytes, const Conditions& conditions) {
 Status read_head(ByteReader& bytes, const Conditions& conditions) {
   std::array<char, 8> magic{};
   bytes.number(magic);
-  if (bytes.ok() && magic != kMagic) return Error{ErrorCode::kUnsupported, "a checkpoint of another format"};
+  if (bytes.ok() && magic != kMagic) return Error{ErrorCode::kUnsupported, "the checkpoint has another format"};
   Conditions found;
   bytes.list(found, [](ByteReader& from, auto& condition) {
     from.text(condition.first);
@@ -111,11 +111,12 @@ Status read_head(ByteReader& bytes, const Conditions& conditions) {
   if (!bytes.ok()) return bytes.status();
   for (std::size_t i = 0; i < std::min(found.size(), conditions.size()); ++i) {
     const auto& [name, value] = conditions[i];
-    if (found[i].first != name) return Error{ErrorCode::kUnsupported, "a checkpoint without " + name};
+    if (found[i].first != name) return Error{ErrorCode::kUnsupported, "the checkpoint lacks " + name};
     if (found[i].second != value)
-      return Error{ErrorCode::kUnsupported, "a checkpoint where " + name + " is '" + found[i].second + "', here it is '" + value + "'"};
+      return Error{ErrorCode::kUnsupported,
+                   "the checkpoint was made where " + name + " is '" + found[i].second + "', but here it is '" + value + "'"};
   }
-  if (found.size() != conditions.size()) return Error{ErrorCode::kUnsupported, "a checkpoint with other settings"};
+  if (found.size() != conditions.size()) return Error{ErrorCode::kUnsupported, "the checkpoint was made with other settings"};
   return Done{};
 }
 
