@@ -81,7 +81,7 @@ Result<ExportFormat> export_format_named(std::string_view name) {
 
 Status write_export(const ExportFormat& format, const NamedFiles& files, const std::string& path) {
   if (!format.is_folder) {
-    CHECK(files.size() == 1, "a format of one file");
+    CHECK(files.size() == 1, "the format must have exactly one file");
     return write_file_atomically(path, files.front().bytes);
   }
   Result<WholeFolder> folder = WholeFolder::make(path);
