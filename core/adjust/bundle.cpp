@@ -45,7 +45,7 @@ Appraisal appraise(const BundleProblem& problem, const BundleState& state) {
 
 // Selects from `usable` the observations of landmarks that they determine: two or more
 // observations, with a depth or from two keyframes.
-std::vector<bool> of_held_landmarks(const BundleProblem& problem, const std::vector<bool>& usable) {
+std::vector<bool> observations_of_determined_landmarks(const BundleProblem& problem, const std::vector<bool>& usable) {
   struct Support {
     int count = 0;
     std::uint32_t first_keyframe = 0;
@@ -89,7 +89,7 @@ void carry_landmarks(const BundleProblem& problem, const std::vector<bool>& used
 // determine. Submaps that these no longer connect to a fixed one are held.
 StageOutcome run_stage(const BundleProblem& problem, const std::vector<bool>& usable, BundleStage stage, std::stop_token stop,
                        BundleState& state) {
-  stage.observation_is_used = of_held_landmarks(problem, usable);
+  stage.observation_is_used = observations_of_determined_landmarks(problem, usable);
   stage.submap_is_held = tied_to_fixed(problem, stage.observation_is_used);
   for (std::size_t i = 0; i < problem.is_fixed.size(); ++i) stage.submap_is_held[i] = problem.is_fixed[i] || !stage.submap_is_held[i];
   const BundleState before = state;

@@ -23,19 +23,19 @@ constexpr double kUnitTolerance = 1e-6;
 constexpr double kInformationTolerance = 1e-9;
 constexpr int kMostIterations = 1000;
 
-Error bad(const std::string& list, std::size_t index, const std::string& words) {
-  return {ErrorCode::kInvalidArgument, list + "[" + std::to_string(index) + "]" + words};
+Error bad(const std::string& list, std::size_t index, const std::string& message) {
+  return {ErrorCode::kInvalidArgument, list + "[" + std::to_string(index) + "]" + message};
 }
 
 // Returns what is wrong with the pose, or nullopt.
-std::optional<std::string> objection(const Rigid3& pose) {
+std::optional<std::string> problem_with(const Rigid3& pose) {
   if (!is_finite(pose)) return " is not finite";
   if (std::abs(pose.rotation.norm() - 1) > kUnitTolerance) return " is not a rotation: its quaternion does not have length 1";
   if (pose.translation.cwiseAbs().maxCoeff() > kFarthest_m) return " lies more than 1e6 m away";
   return std::nullopt;
 }
 
-std::optional<std::string> objection(const Matrix6d& information) {
+std::optional<std::string> problem_with(const Matrix6d& information) {
   if (!information.allFinite()) return " is not finite";
   const double largest = information.cwiseAbs().maxCoeff();
   if (largest > kLargestInformation) return " is above 1e18";
@@ -53,13 +53,14 @@ Status validate_lists(const BundleProblem& problem) {
     return Error{ErrorCode::kInvalidArgument, "is_fixed has " + std::to_string(problem.is_fixed.size()) + " entries for " +
                                                   std::to_string(problem.world_from_submap.size()) + " submaps"};
   for (std::size_t i = 0; i < problem.world_from_submap.size(); ++i)
-    if (const auto words = objection(problem.world_from_submap[i])) return bad("world_from_submap", i, *words);
+    if (const auto message = problem_with(problem.world_from_submap[i])) return bad("world_from_submap", i, *message);
   for (std::size_t i = 0; i < problem.keyframes.size(); ++i) {
     if (problem.keyframes[i].submap >= problem.world_from_submap.size())
       return bad("keyframes", i,
                  ".submap is " + std::to_string(problem.keyframes[i].submap) + ", but there are " +
                      std::to_string(problem.world_from_submap.size()) + " submaps");
-    if (const auto words = objection(problem.keyframes[i].submap_from_camera)) return bad("keyframes", i, ".submap_from_camera" + *words);
+    if (const auto message = problem_with(problem.keyframes[i].submap_from_camera))
+      return bad("keyframes", i, ".submap_from_camera" + *message);
     const double weight = problem.keyframes[i].weight;
     if (!(weight > 0 && weight <= 1))
       return bad("keyframes", i, ".weight is " + std::to_string(weight) + ", allowed is above 0 and at most 1");
@@ -99,8 +100,8 @@ Status validate_links(const BundleProblem& problem) {
                  " joins submaps " + std::to_string(link.from) + " and " + std::to_string(link.to) + ", but there are " +
                      std::to_string(submap_count));
     if (link.from == link.to) return bad("links", i, " joins submap " + std::to_string(link.from) + " with itself");
-    if (const auto words = objection(link.from_from_to)) return bad("links", i, ".from_from_to" + *words);
-    if (const auto words = objection(link.information)) return bad("links", i, ".information" + *words);
+    if (const auto message = problem_with(link.from_from_to)) return bad("links", i, ".from_from_to" + *message);
+    if (const auto message = problem_with(link.information)) return bad("links", i, ".information" + *message);
   }
   return Done{};
 }

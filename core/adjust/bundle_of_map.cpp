@@ -14,7 +14,7 @@ constexpr std::uint32_t kOutside = 0xffffffffu;
 constexpr double kMedianOfNormal = 0.6745;  // median of the absolute value of a normal variable, in standard deviations
 
 // Returns for each index of the map its index in the problem.
-std::vector<std::uint32_t> places_of(const std::vector<std::uint32_t>& members, std::size_t count) {
+std::vector<std::uint32_t> problem_indices_of(const std::vector<std::uint32_t>& members, std::size_t count) {
   std::vector<std::uint32_t> places(count, kOutside);
   for (std::size_t i = 0; i < members.size(); ++i) places[members[i]] = static_cast<std::uint32_t>(i);
   return places;
@@ -60,7 +60,7 @@ std::vector<std::uint32_t> landmarks_seen_by(const SparseMap& map, const std::ve
 }
 
 void add_observations(const SparseMap& map, BundleOfMap& bundle) {
-  const std::vector<std::uint32_t> place_of_submap = places_of(bundle.scope.submaps, map.world_from_submap.size());
+  const std::vector<std::uint32_t> place_of_submap = problem_indices_of(bundle.scope.submaps, map.world_from_submap.size());
   std::vector<std::uint32_t> place_of_keyframe(map.keyframes.size(), kOutside);
   BundleProblem& problem = bundle.problem;
   for (std::uint32_t landmark = 0; landmark < bundle.scope.landmarks.size(); ++landmark) {
@@ -123,13 +123,13 @@ BundleOfMap pose_graph_of(const SparseMap& map, const SubmapGraph& graph, const 
     bundle.problem.world_from_submap.push_back(map.world_from_submap[submap]);
     bundle.problem.is_fixed.push_back(submap == fixed);
   }
-  add_links(graph, places_of(submaps, map.world_from_submap.size()), false, 1, bundle.problem);
+  add_links(graph, problem_indices_of(submaps, map.world_from_submap.size()), false, 1, bundle.problem);
   return bundle;
 }
 
 BundleOfMap bundle_of(const SparseMap& map, const SubmapGraph& graph, const std::vector<std::uint32_t>& free) {
   BundleOfMap bundle;
-  const std::vector<std::uint32_t> place_of_free = places_of(free, map.world_from_submap.size());
+  const std::vector<std::uint32_t> place_of_free = problem_indices_of(free, map.world_from_submap.size());
   bundle.scope.landmarks = landmarks_seen_by(map, place_of_free);
   std::vector<bool> takes_part(map.world_from_submap.size(), false);
   for (const std::uint32_t landmark : bundle.scope.landmarks)
@@ -143,7 +143,7 @@ BundleOfMap bundle_of(const SparseMap& map, const SubmapGraph& graph, const std:
     bundle.problem.is_fixed.push_back(i >= free.size());
   }
   if (bundle.scope.submaps.size() == free.size()) bundle.problem.is_fixed[0] = true;
-  const std::vector<std::uint32_t> place_of_submap = places_of(bundle.scope.submaps, map.world_from_submap.size());
+  const std::vector<std::uint32_t> place_of_submap = problem_indices_of(bundle.scope.submaps, map.world_from_submap.size());
   add_links(graph, place_of_submap, true, variance_of_tracking(map, graph, place_of_submap), bundle.problem);
   add_observations(map, bundle);
   const double factor = misfit(bundle.problem);

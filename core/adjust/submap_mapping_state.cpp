@@ -85,7 +85,7 @@ bool all_below(const std::vector<std::uint32_t>& indices, std::size_t count) {
 }
 
 // Sets the landmark of each feature from the observations; a feature may occur only once.
-void name_landmarks(ByteReader& bytes, SparseMap& map) {
+void assign_landmarks(ByteReader& bytes, SparseMap& map) {
   for (Keyframe& keyframe : map.keyframes) keyframe.landmark_of_feature.assign(keyframe.features.size(), kNoLandmark);
   for (std::size_t landmark = 0; landmark < map.landmarks.size(); ++landmark) {
     std::int64_t last_keyframe = -1;
@@ -190,7 +190,7 @@ void SubmapMapping::restore(ByteReader& bytes) {
   check_map(bytes, map_);
   check_graph(bytes, graph_, submaps, component_count_);
   bytes.require(layout_.is_active.size() == submaps && layout_.current < submaps, "the current submap is out of range");
-  if (bytes.ok()) name_landmarks(bytes, map_);
+  if (bytes.ok()) assign_landmarks(bytes, map_);
   index_.restore(bytes, map_.landmarks.size());
   for (const MappingCountName& named : kMappingCountNames) bytes.number(counts_.*named.count);
   bool is_pending = false, is_running = false;

@@ -50,7 +50,11 @@ Result<NamedFiles> trajectory_as_log(const Trajectory& trajectory) {
 const std::vector<ExportFormat>& export_formats() {
   static const std::vector<ExportFormat> table{
       {.name = "glb", .words = "mesh as binary glTF 2.0", .is_folder = false, .takes_texture = true, .of_mesh = mesh_as_glb},
-      {.name = "glb-draco", .words = "the same, compressed with Draco", .is_folder = false, .takes_texture = true, .of_mesh = mesh_as_draco},
+      {.name = "glb-draco",
+       .words = "the same, compressed with Draco",
+       .is_folder = false,
+       .takes_texture = true,
+       .of_mesh = mesh_as_draco},
       {.name = "obj",
        .words = "mesh as a folder with OBJ, MTL and images",
        .is_folder = true,

@@ -118,7 +118,7 @@ void SensorNoise::restore(ByteReader& bytes) {
 }
 
 // Noise that correlates over some pixels is only averaged out by a wider spatial window, and only
-// if the filter admits neighbours whose errors differ: the width in depth doubles.
+// if the filter admits neighbours whose errors differ: with such noise the width in depth doubles.
 FilterWidths filter_widths(const FrameOptions& options, const SensorNoise& noise) {
   if (!options.measure_noise) return {options.bilateral_sigma_space_px, options.bilateral_noise_sigmas};
   const double correlation = noise.correlation();

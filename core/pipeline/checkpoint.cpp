@@ -16,32 +16,32 @@ namespace {
 constexpr std::array<char, 8> kMagic{'H', 'R', 'M', 'C', 'K', 'P', 'T', '1'};
 
 // Writes numbers as the shortest texts that read back as the same numbers.
-std::string in_words(std::initializer_list<double> values) {
-  std::string words;
+std::string text_of(std::initializer_list<double> values) {
+  std::string text_list;
   for (const double value : values) {
     std::array<char, 32> text{};
     char* const end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-    words += (words.empty() ? "" : " ") + std::string(text.data(), end);
+    text_list += (words.empty() ? "" : " ") + std::string(text.data(), end);
   }
-  return words;
+  return text_list;
 }
 
-std::string in_words(const Distortion& lens) { return in_words({lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}); }
+std::string text_of(const Distortion& lens) { return text_of({lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}); }
 
-std::string in_words(const ColorCamera& color) {
+std::string text_of(const ColorCamera& color) {
   const Eigen::Quaterniond& q = color.color_from_depth.rotation;
   const Eigen::Vector3d& t = color.color_from_depth.translation;
-  return in_words({color.fx, color.fy, color.cx, color.cy}) + " " + in_words(color.distortion) + " " +
-         in_words({q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()});
+  return text_of({color.fx, color.fy, color.cx, color.cy}) + " " + text_of(color.distortion) + " " +
+         text_of({q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()});
 }
 
-std::string in_words(const Camera& camera) {
+std::string text_of(const Camera& camera) {
   return std::to_string(camera.width) + "x" + std::to_string(camera.height) + " " +
-         in_words({camera.fx, camera.fy, camera.cx, camera.cy, camera.depth_units_per_metre}) + " " + in_words(camera.distortion) +
-         (camera.color ? " " + in_words(*camera.color) : "") +
+         text_of({camera.fx, camera.fy, camera.cx, camera.cy, camera.depth_units_per_metre}) + " " + text_of(camera.distortion) +
+         (camera.color ? " " + text_of(*camera.color) : "") +
          (camera.depth_correction == DepthCorrection{}
               ? ""
-              : " depth " + in_words({camera.depth_correction.bend, camera.depth_correction.inverse_offset_per_m}));
+              : " depth " + text_of({camera.depth_correction.bend, camera.depth_correction.inverse_offset_per_m}));
 }
 
 // Returns the content of the note NT_GNU_BUILD_ID of one segment, or an empty string.
@@ -85,7 +85,7 @@ Conditions conditions_of(const gpu::DeviceInfo& device, const Camera& camera, co
   Conditions conditions{{"device", device.name},
                         {"driver", device.driver},
                         {"program", program_identity()},
-                        {"camera", in_words(camera)},
+                        {"camera", text_of(camera)},
                         {"mapping", with_mapping ? "yes" : "no"}};
   for (const Setting& setting : list_settings(options)) conditions.emplace_back(setting.key, setting.value);
   return conditions;

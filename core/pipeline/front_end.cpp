@@ -32,7 +32,7 @@ constexpr std::size_t kTellingCorners = 30;
 constexpr double kClearly_px = 10, kMostOfTheWay = 0.75;
 
 // Half a percent of the view can rotate the result if the rest constrains it poorly.
-bool is_worth_another_look(const CoarseMask& expected, const CoarseMask& moving) {
+bool needs_realignment(const CoarseMask& expected, const CoarseMask& moving) {
   std::size_t unexpected = 0;
   for (std::size_t i = 0; i < moving.size(); ++i) unexpected += moving[i] != 0 && expected[i] == 0 ? 1 : 0;
   return 200 * unexpected > moving.size();
@@ -95,7 +95,7 @@ std::uint32_t FrontEnd::max_slots() const {
 
 // Ensures that these submaps are on the device with room for another frame, by moving others to the host. Returns false
 // if they are too many.
-bool FrontEnd::bring(const SubmapSet& needed, const MapLayout& layout) {
+bool FrontEnd::ensure_on_device(const SubmapSet& needed, const MapLayout& layout) {
   bool is_there = store.has_room_for(fuser_.new_slots_bound());
   for (std::uint32_t submap = 0; submap < needed.size(); ++submap) is_there = is_there && (!needed[submap] || store.is_on_device(submap));
   if (is_there) return true;
@@ -193,7 +193,7 @@ void FrontEnd::hide(const CoarseMask& mask) {
 
 // Returns the mask of everything but the object. Its motion is detected in the frame of the room, in which resting
 // corners are followed.
-CoarseMask FrontEnd::beside_object(const CornerVerdict& seen) {
+CoarseMask FrontEnd::background_of_object(const CornerVerdict& seen) {
   CoarseMask object = regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
   if (seen.last_from_frame) room_from_camera_ = room_from_camera_ * *seen.last_from_frame;
   if (seen.last_from_frame && seen.moves_now) object = moving_.contradicted(view_, room_from_camera_, object);
@@ -209,7 +209,7 @@ bool FrontEnd::waits_for_object(const CornerVerdict& seen) const {
 
 // Returns the mask of the last preprocessed frame before its pose is known.
 CoarseMask FrontEnd::hidden_by_corners(const CornerVerdict& seen) {
-  return options_.track.object ? beside_object(seen) : regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
+  return options_.track.object ? background_of_object(seen) : regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
 }
 
 // Aligns the frame with the prediction and masks its moving regions.
@@ -230,7 +230,7 @@ OdometryResult FrontEnd::align(const std::vector<Rigid3>& starts, const FeatureM
     // Moving regions follow from the pose, and the pose from the static rest: align once more if many unexpected pixels
     // move.
     moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, hidden);
-    if (is_worth_another_look(expected, moving_mask_)) {
+    if (needs_realignment(expected, moving_mask_)) {
       hide(moving_mask_);
       found = odometry_.track(maps, reference, std::array{found.reference_from_camera}, corners);
       moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, hidden);
@@ -284,7 +284,7 @@ Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& featu
 }
 
 // Records the prediction of these submaps alone.
-void FrontEnd::show(const Rigid3& world_from_camera, const SubmapSet& submaps) {
+void FrontEnd::predict_from(const Rigid3& world_from_camera, const SubmapSet& submaps) {
   const FrameMaps& maps = preprocessor_.maps();
   store.set_camera(world_from_camera, submaps);
   visible_.list(commands, store, maps.camera(), frame_number);
@@ -297,8 +297,8 @@ std::optional<LoopVerification> FrontEnd::verify(const LoopCandidate& candidate,
   store.set_submaps(layout.world_from_submap);
   SubmapSet submaps = candidate.submaps;
   submaps.resize(layout.world_from_submap.size(), false);
-  if (!bring(submaps, layout)) return std::nullopt;  // no memory for the candidate besides the active submaps
-  show(candidate.world_from_camera, submaps);
+  if (!ensure_on_device(submaps, layout)) return std::nullopt;  // no memory for the candidate besides the active submaps
+  predict_from(candidate.world_from_camera, submaps);
   commands.submit_and_wait();
   const std::vector<Rigid3> start{Rigid3{}};
   const OdometryResult found = odometry_.search(preprocessor_.maps(), predictor_.surface(), start);
@@ -311,7 +311,7 @@ std::optional<LoopVerification> FrontEnd::verify(const LoopCandidate& candidate,
 bool FrontEnd::make_room(const MapLayout& layout) {
   if (layout.current != submap_) store.begin_block();
   if (store.is_sparse()) store.compact(frame_number);
-  if (!bring(layout.is_active, layout) || !store.has_room_for(fuser_.new_slots_bound())) return false;
+  if (!ensure_on_device(layout.is_active, layout) || !store.has_room_for(fuser_.new_slots_bound())) return false;
   try {
     store.reserve(fuser_.new_slots_bound());
   } catch (const gpu::DeviceError&) {  // less memory than assumed; a lost device reports its error again
@@ -328,7 +328,7 @@ bool FrontEnd::has_room(const MapLayout& layout) {
   return made;
 }
 
-bool FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, const PictureUse& picture) {
+bool FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, const ColorUse& color) {
   const FrameMaps& maps = preprocessor_.maps();
   ++frame_number;
   const bool add_new = has_room(layout);
@@ -337,24 +337,24 @@ bool FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, co
   visible_.list(commands, store, maps.camera(), frame_number);
   index_.build(commands, store, maps.camera(), 0);
   index_.describe(commands, store, maps.camera());
-  fuser_.fuse(commands, maps, store, index_, {frame_number, picture.is_good, submap_, add_new, picture.brightness});
+  fuser_.fuse(commands, maps, store, index_, {frame_number, color.is_good, submap_, add_new, color.brightness});
   return add_new;
 }
 
-void FrontEnd::clean_and_predict(const PictureUse& picture) {
+void FrontEnd::clean_and_predict(const ColorUse& color) {
   const FrameMaps& maps = preprocessor_.maps();
   visible_.list(commands, store, maps.camera(), frame_number);
   index_.build(commands, store, maps.camera(), options_.map.stable_confidence);
-  fuser_.clean(commands, maps, store, index_, {frame_number, picture.is_good, submap_});
-  predictor_.run(commands, store, index_, maps, picture.is_good ? FillIn::kSurfaceAndColor : FillIn::kSurface, picture.brightness);
+  fuser_.clean(commands, maps, store, index_, {frame_number, color.is_good, submap_});
+  predictor_.run(commands, store, index_, maps, color.is_good ? FillIn::kSurfaceAndColor : FillIn::kSurface, color.brightness);
   downsample(commands, preprocessor_.downsample_kernel(), predictor_.surface(), 0.5 * options_.frame.depth_gate_m);
   odometry_.remember(commands, maps);
 }
 
 void FrontEnd::predict(const Rigid3& world_from_camera, const MapLayout& layout) {
   store.set_submaps(layout.world_from_submap);
-  bring(layout.is_active, layout);  // submaps that do not fit are not predicted
-  show(world_from_camera, layout.is_active);
+  ensure_on_device(layout.is_active, layout);  // submaps that do not fit are not predicted
+  predict_from(world_from_camera, layout.is_active);
 }
 
 void FrontEnd::save(ByteWriter& bytes) const {

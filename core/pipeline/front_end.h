@@ -31,7 +31,7 @@
 namespace hermite {
 
 // How a frame's colour image is used in the map.
-struct PictureUse {
+struct ColorUse {
   bool is_good = true;
   Brightness brightness;
 };
@@ -85,10 +85,10 @@ class FrontEnd {
 
   // Records the fusion of the last preprocessed frame, at `world_from_camera`, into the active submaps; new surfels go
   // to the current one. Returns false if the map is full and no surfels were added.
-  bool fuse(const Rigid3& world_from_camera, const MapLayout& layout, const PictureUse& picture);
+  bool fuse(const Rigid3& world_from_camera, const MapLayout& layout, const ColorUse& color);
 
   // Records the cleaning of the map and the prediction of its surface at the pose of the last fuse().
-  void clean_and_predict(const PictureUse& picture);
+  void clean_and_predict(const ColorUse& color);
 
   // Records the prediction of the active submaps at `world_from_camera`, against which a lost camera is tracked.
   void predict(const Rigid3& world_from_camera, const MapLayout& layout);
@@ -104,12 +104,12 @@ class FrontEnd {
 
  private:
   std::uint32_t max_slots() const;
-  bool bring(const SubmapSet& needed, const MapLayout& layout);
+  bool ensure_on_device(const SubmapSet& needed, const MapLayout& layout);
   bool has_room(const MapLayout& layout);
   bool make_room(const MapLayout& layout);
   Eigen::Quaterniond turn_since_last(const std::optional<FeatureMotion>& followed);
   std::vector<Rigid3> guesses(const Rigid3& turned, const Rigid3& last_motion, const FeatureMotion* corners) const;
-  CoarseMask beside_object(const CornerVerdict& seen);
+  CoarseMask background_of_object(const CornerVerdict& seen);
   bool is_in(const CoarseMask& mask, const Eigen::Vector2d& pixel) const;
   bool waits_for_object(const CornerVerdict& seen) const;
   CoarseMask hidden_by_corners(const CornerVerdict& seen);
@@ -118,7 +118,7 @@ class FrontEnd {
   void remember_corners(const PictureFeatures& features, const DepthImage& depth);
   void use_shading();
   void hide(const CoarseMask& mask);
-  void show(const Rigid3& world_from_camera, const SubmapSet& submaps);
+  void predict_from(const Rigid3& world_from_camera, const SubmapSet& submaps);
 
   const Options options_;
   const Camera camera_;

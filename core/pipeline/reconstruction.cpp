@@ -81,7 +81,7 @@ MapEvent Reconstruction::relocalise(const RgbdFrame& frame, const FrameContent& 
 }
 
 // Computes the uncertainty of the frame's pose and lowers its status if that is too large.
-void Reconstruction::weigh(Motion& motion, FrameResult& result) {
+void Reconstruction::judge_uncertainty(Motion& motion, FrameResult& result) {
   if (result.event == MapEvent::kNewPart) front_end.begin_component();
   uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, layout());
   result.uncertainty = uncertainty;
@@ -97,7 +97,7 @@ bool Reconstruction::is_repeated(const FrameContent& content) const {
 
 // Keeps the last pose for a repeated depth image. The camera may have continued its motion, so the uncertainty grows by
 // that.
-void Reconstruction::stand_still(FrameResult& result) {
+void Reconstruction::hold_last_pose(FrameResult& result) {
   ++repeated_count;
   const Vector6d motion = repeated_count * log_se3(last_motion);
   PoseUncertainty here = uncertainty;
@@ -111,7 +111,7 @@ void Reconstruction::stand_still(FrameResult& result) {
 }
 
 // Offers a frame that is not lost to the camera watch.
-void Reconstruction::show_to_watch(const RgbdFrame& frame, MapEvent event) {
+void Reconstruction::offer_to_watch(const RgbdFrame& frame, MapEvent event) {
   if (event == MapEvent::kNewPart) watch->begin_component();
   if (watch->wants(world_from_camera)) watch->view(without_moving(frame, front_end), world_from_camera);
 }
@@ -148,7 +148,7 @@ FrameResult Reconstruction::process(const PreparedFrame& prepared) {
   result.timestamp_s = frame.timestamp_s;
   result.surfel_count = front_end.store.surfel_count();
   if (is_repeated(content)) {
-    stand_still(result);
+    hold_last_pose(result);
     remember(frame.timestamp_s);
     describe_pose(result);
     return result;
@@ -171,16 +171,16 @@ FrameResult Reconstruction::process(const PreparedFrame& prepared) {
     result.event = lost ? MapEvent::kLost : MapEvent::kFoundAgain;
   result.correction_m = farthest_correction_m(poses_before, layout());
   if (lost || result.event != MapEvent::kNone || result.correction_m > kCorrectionThatMovesViews_m) front_end.forget_views();
-  if (!lost) weigh(motion, result);
+  if (!lost) judge_uncertainty(motion, result);
   if (!lost) front_end.remember_view(world_from_camera, motion.odometry.reference_from_camera, prepared);
   lost_count = lost ? lost_count + 1 : 0;
   if (!lost) {
     last_motion = motion.odometry.reference_from_camera;
-    const PictureUse picture{motion.judgement.picture_is_good, motion.odometry.brightness};
+    const ColorUse color{motion.judgement.picture_is_good, motion.odometry.brightness};
     bool is_full = false;
-    timed("fuse", [&] { is_full = !front_end.fuse(world_from_camera, layout(), picture); });
+    timed("fuse", [&] { is_full = !front_end.fuse(world_from_camera, layout(), color); });
     if (is_full) motion.judgement = of_full_map(std::move(motion.judgement));
-    timed("predict", [&] { front_end.clean_and_predict(picture); });
+    timed("predict", [&] { front_end.clean_and_predict(color); });
     ++tracked_frame_count;
     weak_frame_count += motion.judgement.status == TrackingStatus::kWeak ? 1 : 0;
   }
@@ -191,7 +191,7 @@ FrameResult Reconstruction::process(const PreparedFrame& prepared) {
   result.inlier_ratio = motion.odometry.inlier_ratio;
   result.residual_rms_m = motion.odometry.residual_rms_m;
   result.surfel_count = front_end.store.surfel_count();
-  if (watch && !lost) show_to_watch(frame, result.event);
+  if (watch && !lost) offer_to_watch(frame, result.event);
   remember(frame.timestamp_s);
   describe_pose(result);
   ++timed_frame_count;

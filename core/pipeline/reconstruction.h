@@ -50,10 +50,10 @@ struct Reconstruction {
   MapEvent observe(const RgbdFrame& frame, const Rigid3& tracked);
   MapEvent relocalise(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
   void describe_pose(FrameResult& result) const;
-  void weigh(Motion& motion, FrameResult& result);
+  void judge_uncertainty(Motion& motion, FrameResult& result);
   bool is_repeated(const FrameContent& content) const;
-  void stand_still(FrameResult& result);
-  void show_to_watch(const RgbdFrame& frame, MapEvent event);
+  void hold_last_pose(FrameResult& result);
+  void offer_to_watch(const RgbdFrame& frame, MapEvent event);
   void remember(double timestamp_s);
   void follow_corrections();
 
