@@ -17,7 +17,7 @@ constexpr int kStepShare = 160, kRadiusShare = 160;
 // of a pixel, as in depth_planes.cpp.
 constexpr double kFlat = 1.5;
 
-// Of the angle between the plane's normal and the ray to it, 72 degrees.
+// Cosine of the largest angle between the plane's normal and the ray to it, 72 degrees.
 constexpr float kSteepestCosine = 0.3f;
 
 Patch patch_at(const Image<float>& inverse, int u, int v, int radius) {

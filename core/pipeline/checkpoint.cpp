@@ -16,32 +16,32 @@ namespace {
 constexpr std::array<char, 8> kMagic{'H', 'R', 'M', 'C', 'K', 'P', 'T', '1'};
 
 // Writes numbers as the shortest texts that read back as the same numbers.
-std::string text_of(std::initializer_list<double> values) {
-  std::string text_list;
+std::string condition_text(std::initializer_list<double> values) {
+  std::string joined;
   for (const double value : values) {
     std::array<char, 32> text{};
     char* const end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-    text_list += (words.empty() ? "" : " ") + std::string(text.data(), end);
+    joined += (joined.empty() ? "" : " ") + std::string(text.data(), end);
   }
-  return text_list;
+  return joined;
 }
 
-std::string text_of(const Distortion& lens) { return text_of({lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}); }
+std::string condition_text(const Distortion& lens) { return condition_text({lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}); }
 
-std::string text_of(const ColorCamera& color) {
+std::string condition_text(const ColorCamera& color) {
   const Eigen::Quaterniond& q = color.color_from_depth.rotation;
   const Eigen::Vector3d& t = color.color_from_depth.translation;
-  return text_of({color.fx, color.fy, color.cx, color.cy}) + " " + text_of(color.distortion) + " " +
-         text_of({q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()});
+  return condition_text({color.fx, color.fy, color.cx, color.cy}) + " " + condition_text(color.distortion) + " " +
+         condition_text({q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()});
 }
 
-std::string text_of(const Camera& camera) {
+std::string condition_text(const Camera& camera) {
   return std::to_string(camera.width) + "x" + std::to_string(camera.height) + " " +
-         text_of({camera.fx, camera.fy, camera.cx, camera.cy, camera.depth_units_per_metre}) + " " + text_of(camera.distortion) +
-         (camera.color ? " " + text_of(*camera.color) : "") +
+         condition_text({camera.fx, camera.fy, camera.cx, camera.cy, camera.depth_units_per_metre}) + " " + condition_text(camera.distortion) +
+         (camera.color ? " " + condition_text(*camera.color) : "") +
          (camera.depth_correction == DepthCorrection{}
               ? ""
-              : " depth " + text_of({camera.depth_correction.bend, camera.depth_correction.inverse_offset_per_m}));
+              : " depth " + condition_text({camera.depth_correction.bend, camera.depth_correction.inverse_offset_per_m}));
 }
 
 // Returns the content of the note NT_GNU_BUILD_ID of one segment, or an empty string.
@@ -85,7 +85,7 @@ Conditions conditions_of(const gpu::DeviceInfo& device, const Camera& camera, co
   Conditions conditions{{"device", device.name},
                         {"driver", device.driver},
                         {"program", program_identity()},
-                        {"camera", text_of(camera)},
+                        {"camera", condition_text(camera)},
                         {"mapping", with_mapping ? "yes" : "no"}};
   for (const Setting& setting : list_settings(options)) conditions.emplace_back(setting.key, setting.value);
   return conditions;

@@ -40,7 +40,7 @@ struct FrameResult {
   double correction_m = 0;               // how far this frame's correction moved the origin of an active submap, at most
   std::int64_t last_tracked_frame = -1;  // index of this frame, or while lost of the frame of the pose; -1: none was tracked yet
   double last_tracked_timestamp_s = 0;   // of that frame
-  // Of world_from_camera as in this result; later corrections are not included. nullopt while lost.
+  // Uncertainty of world_from_camera as in this result; later corrections are not included. nullopt while lost.
   std::optional<PoseUncertainty> uncertainty;
 };
 
