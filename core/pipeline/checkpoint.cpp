@@ -37,8 +37,8 @@ std::string condition_text(const ColorCamera& color) {
 
 std::string condition_text(const Camera& camera) {
   return std::to_string(camera.width) + "x" + std::to_string(camera.height) + " " +
-         condition_text({camera.fx, camera.fy, camera.cx, camera.cy, camera.depth_units_per_metre}) + " " + condition_text(camera.distortion) +
-         (camera.color ? " " + condition_text(*camera.color) : "") +
+         condition_text({camera.fx, camera.fy, camera.cx, camera.cy, camera.depth_units_per_metre}) + " " +
+         condition_text(camera.distortion) + (camera.color ? " " + condition_text(*camera.color) : "") +
          (camera.depth_correction == DepthCorrection{}
               ? ""
               : " depth " + condition_text({camera.depth_correction.bend, camera.depth_correction.inverse_offset_per_m}));
