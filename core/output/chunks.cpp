@@ -257,7 +257,7 @@ Result<EncodedChunk> ChunkedModel::encode(const ChunkKey& key) const {
   }
   // An octahedral code has no value for "none", so zeros would decode to some direction.
   if (!has_normals) columns.normals.clear();
-  try {  // Draco throws when its allocations fail
+  try {  // Draco allocates by sizes in the data and may throw
     Result<std::string> draco = encode_draco(columns, grid);
     if (!draco.ok()) return draco.error();
     encoded.draco = *std::move(draco);

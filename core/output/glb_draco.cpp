@@ -72,7 +72,7 @@ DracoGrid draco_grid_of(const std::vector<GlbPart>& parts) {
 }
 
 Result<DracoPart> encode_draco_part(const GlbPart& part, const DracoGrid& grid, int texture_edge_px) {
-  try {  // Draco throws when its allocations fail
+  try {  // Draco allocates by sizes in the data and may throw
     return encode_part(part, grid, texture_edge_px);
   } catch (const std::exception& exception) {
     return draco_refused(exception.what());

@@ -62,7 +62,7 @@ Result<DracoMesh> decode(std::string_view bytes, const DracoIds& ids, std::uint6
 }  // namespace
 
 Result<DracoMesh> decode_draco_mesh(std::string_view bytes, const DracoIds& ids, std::uint64_t vertex_count, std::uint64_t triangle_count) {
-  try {  // Draco throws when its allocations fail
+  try {  // Draco allocates by sizes in the data and may throw
     return decode(bytes, ids, vertex_count, triangle_count);
   } catch (const std::exception& exception) {
     return damaged_draco(exception.what());

@@ -69,7 +69,7 @@ Result<EncodedMesh> encode_mesh_chunk(const TriangleMesh& mesh, double cell_m) {
                                            std::to_string(kMaxTrianglesPerChunk)};
   const StepGrid grid(mesh, kMeshChunkStep_cells * cell_m);
   if (grid.bits > kMostChunk_bits) return Error{ErrorCode::kTooLarge, "a piece of the mesh is larger than its grid"};
-  try {  // Draco throws when its allocations fail
+  try {  // Draco allocates by sizes in the data and may throw
     return encode(mesh, grid);
   } catch (const std::exception& exception) {
     return mesh_chunk_refused(exception.what());
