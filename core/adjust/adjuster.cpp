@@ -10,7 +10,7 @@ void Adjuster::start(BundleProblem problem, const BundleOptions& options) {
   std::packaged_task<Result<BundleSolution>(std::stop_token)> job(
       [problem = std::move(problem), options](std::stop_token stop) { return adjust(problem, options, std::move(stop)); });
   result_ = job.get_future();
-  // Joins the last job's thread, which has nothing left to do.
+  // The assignment joins the previous job's thread, which has already finished its work.
   worker_ = std::jthread([job = std::move(job)](std::stop_token stop) mutable { job(std::move(stop)); });
 }
 
@@ -20,7 +20,7 @@ std::optional<Result<BundleSolution>> Adjuster::poll() {
 }
 
 Result<BundleSolution> Adjuster::wait() {
-  CHECK(busy(), "nothing to wait for: no adjustment was started");
+  CHECK(busy(), "wait() was called without a running adjustment");
   return result_.get();
 }
 

@@ -1,10 +1,11 @@
-// Bundle adjustment beside the scan: a helper thread that gets values and returns one value, one job at a time.
+// Runs bundle adjustment on a helper thread, one job at a time: it takes a problem by value and
+// returns a solution by value.
 //
 //   adjuster.start(problem, options);
 //   ... frames go on ...
 //   if (auto result = adjuster.poll()) apply(*result);
 //
-// Call all of it from one thread, that of the scan. The helper thread lives as long as its job.
+// All calls come from one thread, the scan's. The helper thread lives as long as its job.
 #pragma once
 
 #include <future>
@@ -18,22 +19,24 @@ namespace hermite {
 class Adjuster {
  public:
   Adjuster() = default;
-  // Tells a running job to give up, which it sees once an iteration, and waits for its thread.
+  // Asks a running job to stop, which it checks once per iteration, and joins its thread.
   ~Adjuster() = default;
   Adjuster(const Adjuster&) = delete;
   Adjuster& operator=(const Adjuster&) = delete;
 
   // A CHECK fails while a job is busy.
   void start(BundleProblem problem, const BundleOptions& options);
-  // From start() until poll() or wait() has handed the result over.
+  // True from start() until poll() or wait() has returned the result.
   bool busy() const { return result_.valid(); }
-  // The result once it is there, and only once; nothing before that, or when no job was started. Never waits.
+  // Returns the result once, as soon as it is ready; nullopt before that or without a job. Never
+  // blocks.
   std::optional<Result<BundleSolution>> poll();
-  // The result; waits for it. It comes after at most the iterations of the options. A CHECK fails when there is no job.
+  // Blocks until the result is ready. The iteration limits of the options bound the wait. A CHECK
+  // fails without a job.
   Result<BundleSolution> wait();
 
  private:
-  // In this order: the worker stops and joins before the result that it writes to goes.
+  // Order matters: the worker stops and joins before the future it writes to is destroyed.
   std::future<Result<BundleSolution>> result_;
   std::jthread worker_;
 };

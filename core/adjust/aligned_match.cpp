@@ -3,9 +3,10 @@
 namespace hermite {
 namespace {
 
-// Right matches are off by a pixel of their octave, seldom by two; what is within three is right or a neighbour that does no harm.
+// Correct matches are off by one pixel of their octave, seldom by two. Within three pixels, a match
+// is correct or a neighbour that does no harm.
 constexpr double kCloseRadius_px = 3;
-// Within the close radius half of the matches beyond are wrong.
+// Within the close radius, half of the matches with a larger Hamming distance are wrong.
 constexpr int kMaxCloseDistance = 80;
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Matching by projection when the guess of the pose is off by some pixels: once widely, then closely around the pose that the first matches
-// have in common.
+// Matching by projection when the guessed pose is off by some pixels: first in a wide radius, then
+// in a small one around the pose on which the first matches agree.
 #pragma once
 
 #include <vector>
@@ -10,16 +10,18 @@
 
 namespace hermite {
 
-// Pairs of the matches whose feature has depth; the other matches are taken out of `matches`.
+// Returns a point pair for each match whose feature has depth; all other matches are removed from
+// `matches`.
 std::vector<PointPair> point_pairs(const SparseMap& map, const std::vector<Feature>& features, std::vector<LandmarkMatch>& matches);
 
 struct AlignedMatches {
   Rigid3 world_from_camera;            // the guess when fewer than kLeastAlignedInliers matches agree on a better pose
-  std::vector<LandmarkMatch> matches;  // as match_projected has them
+  std::vector<LandmarkMatch> matches;  // as returned by match_projected
 };
 
-// Measured on rendered rooms with Kinect noise and 3 mm, 0.2 degrees of error in the guess: against one pass of 7 px and 100 bits as many
-// right matches, and 3.5 to 7 % wrong ones in place of 17 to 27 %. `radius_px` is that of the first pass.
+// Measured on rendered rooms with Kinect noise and an error of 3 mm and 0.2 degrees in the guess:
+// compared with one pass of 7 px and 100 bits, it finds as many correct matches, and 3.5 to 7 % of
+// the matches are wrong instead of 17 to 27 %. `radius_px` is the radius of the first pass.
 inline constexpr std::size_t kLeastAlignedInliers = 15;
 AlignedMatches match_aligned(const SparseMap& map, const std::vector<std::uint32_t>& landmarks, const std::vector<Feature>& features,
                              const Rigid3& world_from_camera_guess, double radius_px = ProjectionOptions{}.radius_px);

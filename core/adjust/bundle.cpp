@@ -13,11 +13,11 @@ namespace hermite {
 
 namespace {
 
-// How the problem looks from a state.
+// The cost and the inliers of the problem at a given state.
 struct Appraisal {
   double cost = 0;
   std::vector<bool> is_in_front;
-  std::vector<bool> is_inlier;  // and in front
+  std::vector<bool> is_inlier;  // implies is_in_front
   std::vector<double> link_chi2;
 };
 
@@ -43,8 +43,9 @@ Appraisal appraise(const BundleProblem& problem, const BundleState& state) {
   return appraisal;
 }
 
-// Of `usable`, those whose landmark they hold: two or more, with a depth or from two keyframes.
-std::vector<bool> of_held_landmarks(const BundleProblem& problem, const std::vector<bool>& usable) {
+// Selects from `usable` the observations of landmarks that they determine: two or more
+// observations, with a depth or from two keyframes.
+std::vector<bool> observations_of_determined_landmarks(const BundleProblem& problem, const std::vector<bool>& usable) {
   struct Support {
     int count = 0;
     std::uint32_t first_keyframe = 0;
@@ -68,7 +69,8 @@ std::vector<bool> of_held_landmarks(const BundleProblem& problem, const std::vec
   return used;
 }
 
-// Landmarks that were not solved for follow the submap of their first observation from `before` to `state`.
+// Moves landmarks that were not solved for rigidly with the submap of their first observation, from
+// `before` to `state`.
 void carry_landmarks(const BundleProblem& problem, const std::vector<bool>& used, const BundleState& before, BundleState& state) {
   std::vector<bool> is_done(problem.landmarks_in_world.size(), false);
   for (std::size_t i = 0; i < used.size(); ++i)
@@ -83,11 +85,11 @@ void carry_landmarks(const BundleProblem& problem, const std::vector<bool>& used
   }
 }
 
-// One stage with those of the usable observations that hold their landmarks; `stage` says how. A submap that these no longer tie to a fixed
-// one is held.
+// Runs one stage, as `stage` says, with those of the usable observations whose landmarks they
+// determine. Submaps that these no longer connect to a fixed one are held.
 StageOutcome run_stage(const BundleProblem& problem, const std::vector<bool>& usable, BundleStage stage, std::stop_token stop,
                        BundleState& state) {
-  stage.observation_is_used = of_held_landmarks(problem, usable);
+  stage.observation_is_used = observations_of_determined_landmarks(problem, usable);
   stage.submap_is_held = tied_to_fixed(problem, stage.observation_is_used);
   for (std::size_t i = 0; i < problem.is_fixed.size(); ++i) stage.submap_is_held[i] = problem.is_fixed[i] || !stage.submap_is_held[i];
   const BundleState before = state;
@@ -101,7 +103,7 @@ Status validate_ties(const BundleProblem& problem) {
   const auto loose = std::find(tied.begin(), tied.end(), false);
   if (loose == tied.end()) return Done{};
   return Error{ErrorCode::kInvalidArgument, "world_from_submap[" + std::to_string(loose - tied.begin()) +
-                                                "] is tied to no fixed submap, neither by links nor by landmarks"};
+                                                "] is connected to no fixed submap, neither by links nor by landmarks"};
 }
 
 }  // namespace
@@ -109,7 +111,7 @@ Status validate_ties(const BundleProblem& problem) {
 Result<BundleSolution> adjust(const BundleProblem& problem, const BundleOptions& options, std::stop_token stop) {
   if (const Status status = validate(problem, options); !status.ok()) return status.error();
   if (const Status status = validate_ties(problem); !status.ok()) return status.error();
-  const Error given_up{ErrorCode::kBusy, "the adjustment was told to give up"};
+  const Error given_up{ErrorCode::kBusy, "the bundle adjustment was cancelled"};
 
   BundleSolution solution;
   BundleState state{problem.world_from_submap, problem.landmarks_in_world};

@@ -10,30 +10,32 @@ namespace hermite {
 
 namespace {
 
-// Bounds of what still is a scan, far beyond any: they keep every square finite.
+// Bounds far beyond any real scan, which keep every square finite.
 constexpr double kFarthest_m = 1e6;
 constexpr double kLargestPixel_px = 1e6;
 constexpr double kLeastScale = 1e-3, kLargestScale = 1e3;
-constexpr double kLargestInformation = 1e18;  // a nanometre, a nanoradian
-// A pose that was composed in double precision is a unit quaternion to 1e-15; one that went through single precision to 1e-7.
+constexpr double kLargestInformation = 1e18;  // corresponds to a nanometre or a nanoradian
+// Quaternions of poses composed in double precision have unit length to 1e-15; those that went
+// through single precision, to 1e-7.
 constexpr double kUnitTolerance = 1e-6;
-// Of the largest entry or eigenvalue: an information summed or inverted in double precision is that symmetric and that definite.
+// Relative to the largest entry or eigenvalue: how symmetric and definite an information matrix is
+// after sums and inverses in double precision.
 constexpr double kInformationTolerance = 1e-9;
 constexpr int kMostIterations = 1000;
 
-Error bad(const std::string& list, std::size_t index, const std::string& words) {
-  return {ErrorCode::kInvalidArgument, list + "[" + std::to_string(index) + "]" + words};
+Error bad(const std::string& list, std::size_t index, const std::string& message) {
+  return {ErrorCode::kInvalidArgument, list + "[" + std::to_string(index) + "]" + message};
 }
 
-// Words of what is wrong with that pose, if anything.
-std::optional<std::string> objection(const Rigid3& pose) {
+// Returns what is wrong with the pose, or nullopt.
+std::optional<std::string> problem_with(const Rigid3& pose) {
   if (!is_finite(pose)) return " is not finite";
-  if (std::abs(pose.rotation.norm() - 1) > kUnitTolerance) return " is no rotation: its quaternion is not of length 1";
+  if (std::abs(pose.rotation.norm() - 1) > kUnitTolerance) return " is not a rotation: its quaternion does not have length 1";
   if (pose.translation.cwiseAbs().maxCoeff() > kFarthest_m) return " lies more than 1e6 m away";
   return std::nullopt;
 }
 
-std::optional<std::string> objection(const Matrix6d& information) {
+std::optional<std::string> problem_with(const Matrix6d& information) {
   if (!information.allFinite()) return " is not finite";
   const double largest = information.cwiseAbs().maxCoeff();
   if (largest > kLargestInformation) return " is above 1e18";
@@ -51,15 +53,17 @@ Status validate_lists(const BundleProblem& problem) {
     return Error{ErrorCode::kInvalidArgument, "is_fixed has " + std::to_string(problem.is_fixed.size()) + " entries for " +
                                                   std::to_string(problem.world_from_submap.size()) + " submaps"};
   for (std::size_t i = 0; i < problem.world_from_submap.size(); ++i)
-    if (const auto words = objection(problem.world_from_submap[i])) return bad("world_from_submap", i, *words);
+    if (const auto message = problem_with(problem.world_from_submap[i])) return bad("world_from_submap", i, *message);
   for (std::size_t i = 0; i < problem.keyframes.size(); ++i) {
     if (problem.keyframes[i].submap >= problem.world_from_submap.size())
       return bad("keyframes", i,
-                 ".submap is " + std::to_string(problem.keyframes[i].submap) + ", there are " +
+                 ".submap is " + std::to_string(problem.keyframes[i].submap) + ", but there are " +
                      std::to_string(problem.world_from_submap.size()) + " submaps");
-    if (const auto words = objection(problem.keyframes[i].submap_from_camera)) return bad("keyframes", i, ".submap_from_camera" + *words);
+    if (const auto message = problem_with(problem.keyframes[i].submap_from_camera))
+      return bad("keyframes", i, ".submap_from_camera" + *message);
     const double weight = problem.keyframes[i].weight;
-    if (!(weight > 0 && weight <= 1)) return bad("keyframes", i, ".weight is " + std::to_string(weight) + ", allowed is more than 0 to 1");
+    if (!(weight > 0 && weight <= 1))
+      return bad("keyframes", i, ".weight is " + std::to_string(weight) + ", allowed is above 0 and at most 1");
   }
   for (std::size_t i = 0; i < problem.landmarks_in_world.size(); ++i)
     if (!(problem.landmarks_in_world[i].cwiseAbs().maxCoeff() <= kFarthest_m) || !problem.landmarks_in_world[i].allFinite())
@@ -72,14 +76,15 @@ Status validate_observations(const BundleProblem& problem) {
     const BundleObservation& observation = problem.observations[i];
     if (observation.keyframe >= problem.keyframes.size())
       return bad("observations", i,
-                 ".keyframe is " + std::to_string(observation.keyframe) + ", there are " + std::to_string(problem.keyframes.size()) +
+                 ".keyframe is " + std::to_string(observation.keyframe) + ", but there are " + std::to_string(problem.keyframes.size()) +
                      " keyframes");
     if (observation.landmark >= problem.landmarks_in_world.size())
       return bad("observations", i,
-                 ".landmark is " + std::to_string(observation.landmark) + ", there are " +
+                 ".landmark is " + std::to_string(observation.landmark) + ", but there are " +
                      std::to_string(problem.landmarks_in_world.size()) + " landmarks");
     for (const double pixel : {observation.pixel_px.x(), observation.pixel_px.y()})
-      if (!within(pixel, -kLargestPixel_px, kLargestPixel_px)) return bad("observations", i, ".pixel_px is not finite or above 1e6");
+      if (!within(pixel, -kLargestPixel_px, kLargestPixel_px))
+        return bad("observations", i, ".pixel_px is not finite or its magnitude is above 1e6");
     if (!within(observation.depth_m, 0, kFarthest_m)) return bad("observations", i, ".depth_m is outside [0, 1e6]");
     if (!within(observation.scale, kLeastScale, kLargestScale)) return bad("observations", i, ".scale is outside [0.001, 1000]");
   }
@@ -92,11 +97,11 @@ Status validate_links(const BundleProblem& problem) {
     const BundleLink& link = problem.links[i];
     if (link.from >= submap_count || link.to >= submap_count)
       return bad("links", i,
-                 " joins submaps " + std::to_string(link.from) + " and " + std::to_string(link.to) + ", there are " +
+                 " joins submaps " + std::to_string(link.from) + " and " + std::to_string(link.to) + ", but there are " +
                      std::to_string(submap_count));
     if (link.from == link.to) return bad("links", i, " joins submap " + std::to_string(link.from) + " with itself");
-    if (const auto words = objection(link.from_from_to)) return bad("links", i, ".from_from_to" + *words);
-    if (const auto words = objection(link.information)) return bad("links", i, ".information" + *words);
+    if (const auto message = problem_with(link.from_from_to)) return bad("links", i, ".from_from_to" + *message);
+    if (const auto message = problem_with(link.information)) return bad("links", i, ".information" + *message);
   }
   return Done{};
 }
@@ -104,12 +109,13 @@ Status validate_links(const BundleProblem& problem) {
 Status validate_options(const BundleOptions& options) {
   for (const int count : {options.robust_iterations, options.iterations})
     if (count < 0 || count > kMostIterations)
-      return Error{ErrorCode::kInvalidArgument, "iterations of an adjustment: " + std::to_string(count) + ", allowed is 0 to 1000"};
-  if (!within(options.least_progress, 0, 1)) return Error{ErrorCode::kInvalidArgument, "least_progress of an adjustment is outside [0, 1]"};
+      return Error{ErrorCode::kInvalidArgument, "iterations of a bundle adjustment: " + std::to_string(count) + ", allowed is 0 to 1000"};
+  if (!within(options.least_progress, 0, 1))
+    return Error{ErrorCode::kInvalidArgument, "least_progress of a bundle adjustment is outside [0, 1]"};
   return Done{};
 }
 
-// Sets of submaps, each known by its lowest member: union by smaller index, halving paths.
+// A union-find over submaps: the lowest index is the root, and paths are halved.
 std::size_t root_of(std::vector<std::size_t>& parent, std::size_t submap) {
   while (parent[submap] != submap) submap = parent[submap] = parent[parent[submap]];
   return submap;

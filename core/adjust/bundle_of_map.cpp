@@ -11,16 +11,16 @@ namespace hermite {
 namespace {
 
 constexpr std::uint32_t kOutside = 0xffffffffu;
-constexpr double kMedianOfNormal = 0.6745;  // of the absolute value, in standard deviations
+constexpr double kMedianOfNormal = 0.6745;  // median of the absolute value of a normal variable, in standard deviations
 
-// From an index of the map to one of the problem.
-std::vector<std::uint32_t> places_of(const std::vector<std::uint32_t>& members, std::size_t count) {
+// Returns for each index of the map its index in the problem.
+std::vector<std::uint32_t> problem_indices_of(const std::vector<std::uint32_t>& members, std::size_t count) {
   std::vector<std::uint32_t> places(count, kOutside);
   for (std::size_t i = 0; i < members.size(); ++i) places[members[i]] = static_cast<std::uint32_t>(i);
   return places;
 }
 
-// Tracked links have `tracked_variance` times that which information_of() says.
+// Tracked links get `tracked_variance` times the variance that information_of() states.
 void add_links(const SubmapGraph& graph, const std::vector<std::uint32_t>& place_of_submap, bool loops_may_be_wrong,
                double tracked_variance, BundleProblem& problem) {
   for (const SubmapLink& link : graph.links) {
@@ -31,8 +31,9 @@ void add_links(const SubmapGraph& graph, const std::vector<std::uint32_t>& place
   }
 }
 
-// How well this scan was tracked: what the loops have left of the links where everything lies now, after a pose graph. Each loop says six
-// numbers; one more stands for what information_of() says. Never worse than that.
+// Estimates the variance of this scan's tracking as the chi-square that the tracked links have at
+// the current layout, after a pose graph. Each loop contributes six degrees of freedom; one more
+// stands for the prior of information_of(), which is also the upper bound.
 double variance_of_tracking(const SparseMap& map, const SubmapGraph& graph, const std::vector<std::uint32_t>& place_of_submap) {
   double chi2 = 0;
   int loop_count = 0;
@@ -46,7 +47,7 @@ double variance_of_tracking(const SparseMap& map, const SubmapGraph& graph, cons
   return std::min(1.0, (chi2 + 1) / (6 * loop_count + 1));
 }
 
-// Landmarks that at least two keyframes see, one of them of a submap in `free`.
+// Returns landmarks seen by at least two keyframes, one of them of a submap in `free`.
 std::vector<std::uint32_t> landmarks_seen_by(const SparseMap& map, const std::vector<std::uint32_t>& place_of_free) {
   std::vector<std::uint32_t> landmarks;
   for (std::uint32_t i = 0; i < map.landmarks.size(); ++i) {
@@ -59,7 +60,7 @@ std::vector<std::uint32_t> landmarks_seen_by(const SparseMap& map, const std::ve
 }
 
 void add_observations(const SparseMap& map, BundleOfMap& bundle) {
-  const std::vector<std::uint32_t> place_of_submap = places_of(bundle.scope.submaps, map.world_from_submap.size());
+  const std::vector<std::uint32_t> place_of_submap = problem_indices_of(bundle.scope.submaps, map.world_from_submap.size());
   std::vector<std::uint32_t> place_of_keyframe(map.keyframes.size(), kOutside);
   BundleProblem& problem = bundle.problem;
   for (std::uint32_t landmark = 0; landmark < bundle.scope.landmarks.size(); ++landmark) {
@@ -80,9 +81,9 @@ void add_observations(const SparseMap& map, BundleOfMap& bundle) {
   }
 }
 
-// What the observations' pixels are off by where everything lies now, over what they are said to be: a robust standard deviation, at
-// least 1. Cameras whose colour and depth are not well registered see landmarks beside where they are, the same way in every frame; then
-// tracking by depth, which the links tell of, knows better.
+// Returns the robust standard deviation of the whitened pixel residuals at the current layout, at
+// least 1. Cameras with badly registered colour and depth see landmarks displaced, in the same way
+// in every frame; then tracking by depth, which the links represent, is more accurate.
 double misfit(const BundleProblem& problem) {
   std::vector<double> off;
   const std::vector<KeyframeView> views = views_of(problem);
@@ -105,7 +106,8 @@ void weigh_keyframes(BundleProblem& problem) {
   for (std::size_t i = 0; i < counts.size(); ++i) problem.keyframes[i].weight = weight_of_observation(counts[i], problem.camera.fx);
 }
 
-// Still one of several of its landmark: the map may have changed since the problem was made.
+// Whether the landmark still has this observation among several; the map may have changed since the
+// problem was made.
 bool can_be_taken_back(const SparseMap& map, const BundleScope::Sighting& sighting) {
   const std::vector<Observation>& observations = map.landmarks[sighting.landmark].observations;
   return observations.size() > 1 && std::find(observations.begin(), observations.end(), sighting.observation) != observations.end();
@@ -121,13 +123,13 @@ BundleOfMap pose_graph_of(const SparseMap& map, const SubmapGraph& graph, const 
     bundle.problem.world_from_submap.push_back(map.world_from_submap[submap]);
     bundle.problem.is_fixed.push_back(submap == fixed);
   }
-  add_links(graph, places_of(submaps, map.world_from_submap.size()), false, 1, bundle.problem);
+  add_links(graph, problem_indices_of(submaps, map.world_from_submap.size()), false, 1, bundle.problem);
   return bundle;
 }
 
 BundleOfMap bundle_of(const SparseMap& map, const SubmapGraph& graph, const std::vector<std::uint32_t>& free) {
   BundleOfMap bundle;
-  const std::vector<std::uint32_t> place_of_free = places_of(free, map.world_from_submap.size());
+  const std::vector<std::uint32_t> place_of_free = problem_indices_of(free, map.world_from_submap.size());
   bundle.scope.landmarks = landmarks_seen_by(map, place_of_free);
   std::vector<bool> takes_part(map.world_from_submap.size(), false);
   for (const std::uint32_t landmark : bundle.scope.landmarks)
@@ -141,7 +143,7 @@ BundleOfMap bundle_of(const SparseMap& map, const SubmapGraph& graph, const std:
     bundle.problem.is_fixed.push_back(i >= free.size());
   }
   if (bundle.scope.submaps.size() == free.size()) bundle.problem.is_fixed[0] = true;
-  const std::vector<std::uint32_t> place_of_submap = places_of(bundle.scope.submaps, map.world_from_submap.size());
+  const std::vector<std::uint32_t> place_of_submap = problem_indices_of(bundle.scope.submaps, map.world_from_submap.size());
   add_links(graph, place_of_submap, true, variance_of_tracking(map, graph, place_of_submap), bundle.problem);
   add_observations(map, bundle);
   const double factor = misfit(bundle.problem);

@@ -1,4 +1,4 @@
-// From submaps, keyframes and landmarks to a bundle problem, and its solution back into them.
+// Conversion of submaps, keyframes and landmarks to a bundle problem, and of its solution back.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace hermite {
 
-// Which of the map's things a problem holds: indices of the map, in the order of the problem.
+// The map elements that a problem contains: indices into the map, in the order of the problem.
 struct BundleScope {
   struct Sighting {
     std::uint32_t landmark = 0;
@@ -24,17 +24,21 @@ struct BundleOfMap {
   BundleProblem problem;
 };
 
-// Links between the submaps only: a pose graph. The submap `fixed` stays. Loops are taken at their word, so that the map comes to where
-// they say, however far it is; whether the other links can bear that is for the caller to see.
+// Builds a pose graph: only the links between the submaps. The submap `fixed` is held. Loops are
+// not robust here, so the map moves to where they say, however far; the caller must check whether
+// the other links agree.
 BundleOfMap pose_graph_of(const SparseMap& map, const SubmapGraph& graph, const std::vector<std::uint32_t>& submaps, std::uint32_t fixed);
 
-// Also the landmarks that two keyframes of these submaps see. `free` move; other submaps whose keyframes see their landmarks take part as
-// they are. When there are none, the first of `free` stays. Where everything lies tells how well it was tracked: after a pose graph,
-// tracked links count as much more than information_of() says as their loops had less to correct.
+// Builds a problem that also has the landmarks seen by at least two keyframes of these submaps.
+// `free` submaps move; other submaps whose keyframes see these landmarks take part as fixed. If
+// there are none, the first of `free` is fixed. The current layout shows how accurate tracking was:
+// after a pose graph, tracked links gain information over information_of() by as much as the loops
+// had less to correct.
 BundleOfMap bundle_of(const SparseMap& map, const SubmapGraph& graph, const std::vector<std::uint32_t>& free);
 
-// What became of the map since the problem was made stays: landmarks that were moved to another one, keyframes that came. Observations that
-// turned out wrong are taken out of their landmarks. Submaps outside the scope do not move.
+// Applies a solution. Changes to the map since the problem was made are kept: merged landmarks and
+// new keyframes. Outlier observations are removed from their landmarks. Submaps outside the scope
+// do not move.
 void apply(const BundleSolution& solution, const BundleScope& scope, SparseMap& map);
 
 }  // namespace hermite

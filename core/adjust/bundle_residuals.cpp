@@ -10,8 +10,9 @@ namespace hermite {
 
 namespace {
 
-// The coefficients of the left Jacobians below as functions of the angle. Under `kSeries_rad` by their series to the fourth power, whose
-// next term is below 1e-10 of them there; above it the closed forms lose less than that to cancellation.
+// Coefficients of the left Jacobians below, as functions of the angle. Below `kSeries_rad` they are
+// series to the fourth power, whose next term is a factor of less than 1e-10; above it, the closed
+// forms lose less than that to cancellation.
 struct AngleCoefficients {
   double inverse;     // (1 - (a/2) cot(a/2)) / a^2
   double q1, q2, q3;  // (a - sin a) / a^3, (a^2 + 2 cos a - 2) / (2 a^4), (2 a - 3 sin a + a cos a) / (2 a^5)
@@ -27,8 +28,8 @@ AngleCoefficients coefficients_at(double angle) {
           (2 * a - 3 * sine + a * cosine) / (2 * a4 * a)};
 }
 
-// Inverse of the left Jacobian of SE(3): log(exp(d) exp(twist)) = twist + J^-1 d to first order (Barfoot, State Estimation for Robotics,
-// 2017, equations 7.40, 7.85 and 7.86).
+// Returns the inverse of the left Jacobian of SE(3): log(exp(d) exp(twist)) = twist + J^-1 d to
+// first order (Barfoot, State Estimation for Robotics, 2017, equations 7.40, 7.85 and 7.86).
 Matrix6d inverse_left_jacobian(const Vector6d& twist) {
   const Eigen::Matrix3d w = skew(twist.tail<3>()), v = skew(twist.head<3>());
   const AngleCoefficients c = coefficients_at(twist.tail<3>().norm());
@@ -90,8 +91,9 @@ Vector6d link_residual(const Rigid3& from_from_to, const Rigid3& world_from_from
   const Rigid3 estimated = inverse(world_from_from) * world_from_to;
   const Vector6d residual = log_se3(inverse(from_from_to) * estimated);
   if (derivatives != nullptr) {
-    // log(E exp(d)) = log(E) + (right Jacobian)^-1 d, and the right Jacobian at a twist is the left one at its negative. A twist of `from`
-    // enters as exp(-d) in front of `estimated`, which is exp(-adjoint(estimated^-1) d) behind it.
+    // log(E exp(d)) = log(E) + (right Jacobian)^-1 d, and the right Jacobian at a twist is the left
+    // one at its negative. A twist of `from` enters as exp(-d) in front of `estimated`, which
+    // equals exp(-adjoint(estimated^-1) d) behind it.
     derivatives->by_to = inverse_left_jacobian(-residual);
     derivatives->by_from.noalias() = -derivatives->by_to * adjoint(inverse(estimated));
   }

@@ -27,8 +27,9 @@ Rigid3 pose_of(const double* block) {
   return {Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(block)), Eigen::Map<const Eigen::Vector3d>(block + 4)};
 }
 
-// Poses vary by a twist on the right. Our cost functions write derivatives by the twist into the first six of a pose's seven columns, so
-// what Ceres multiplies them with is the identity: the chain rule through a quaternion is never needed.
+// Poses are perturbed by a twist on the right. The cost functions write derivatives by the twist
+// into the first six of a pose's seven columns, so the Jacobian that Ceres multiplies with is the
+// identity, and the chain rule through a quaternion is not needed.
 class TwistManifold final : public ceres::Manifold {
  public:
   int AmbientSize() const override { return 7; }
@@ -97,7 +98,7 @@ class LinkCost final : public ceres::SizedCostFunction<6, 7, 7> {
   Matrix6d root_;
 };
 
-// Of the observations of one keyframe.
+// The losses for the observations of one keyframe.
 struct KeyframeLosses {
   KeyframeLosses(double weight, bool robust)
       : with_depth(robust ? new ceres::CauchyLoss(std::sqrt(kPixelAndDepthChi2)) : nullptr, weight, ceres::TAKE_OWNERSHIP),
@@ -117,8 +118,9 @@ class StopWhenAsked final : public ceres::IterationCallback {
   std::stop_token stop_;
 };
 
-// All that a Ceres problem points to. Blocks lie in arrays, so that Ceres, which orders some of its work by address, always finds the same
-// order. Stays where it was made.
+// Owns everything that a Ceres problem points to. Blocks lie in arrays, because Ceres orders some
+// of its work by address and must always find the same order. For the same reason the object does
+// not move.
 class StageProblem {
  public:
   StageProblem(const BundleProblem& problem, const BundleStage& stage, const BundleState& state) : landmarks_(state.landmarks_in_world) {
@@ -128,7 +130,7 @@ class StageProblem {
     options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    options.disable_all_safety_checks = true;  // ours are in bundle_check.h
+    options.disable_all_safety_checks = true;  // validated in bundle_check.h
     ceres_ = std::make_unique<ceres::Problem>(options);
     add_observations(problem, stage);
     add_links(problem);
@@ -146,7 +148,7 @@ class StageProblem {
   bool has_landmarks() const { return !observation_costs_.empty(); }
   ceres::Problem& ceres() { return *ceres_; }
 
-  // Landmarks are eliminated first.
+  // Landmarks are eliminated first (Schur complement).
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering() {
     auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
     for (Eigen::Vector3d& landmark : landmarks_)
@@ -188,13 +190,13 @@ class StageProblem {
   std::vector<PoseBlock> poses_;
   std::vector<Eigen::Vector3d> landmarks_;
   std::vector<KeyframeView> views_;
-  // Deques: they grow without moving what they hold.
+  // Deques grow without moving their elements.
   std::deque<ObservationCost> observation_costs_;
   std::deque<KeyframeLosses> losses_;
   std::deque<LinkCost> link_costs_;
   TwistManifold manifold_;
   ceres::CauchyLoss cauchy_of_link_{std::sqrt(kPoseChi2)};
-  std::unique_ptr<ceres::Problem> ceres_;  // last: goes before what it points to
+  std::unique_ptr<ceres::Problem> ceres_;  // last, so that it is destroyed before what it points to
 };
 
 }  // namespace
@@ -202,7 +204,7 @@ class StageProblem {
 StageOutcome solve_stage(const BundleProblem& problem, const BundleStage& stage, std::stop_token stop, BundleState& state) {
   StageProblem stage_problem(problem, stage, state);
   ceres::Solver::Options options;
-  options.num_threads = 1;  // sums in a fixed order
+  options.num_threads = 1;  // sums are made in a fixed order
   options.logging_type = ceres::SILENT;
   options.max_num_iterations = stage.iterations;
   options.function_tolerance = stage.least_progress;
@@ -218,7 +220,8 @@ StageOutcome solve_stage(const BundleProblem& problem, const BundleStage& stage,
   ceres::Solver::Summary summary;
   ceres::Solve(options, &stage_problem.ceres(), &summary);
   if (summary.IsSolutionUsable()) stage_problem.write_to(state);
-  const int evaluation_count = static_cast<int>(summary.iterations.size());  // with that of the start; none when nothing is free
+  const int evaluation_count =
+      static_cast<int>(summary.iterations.size());  // includes the evaluation at the start; zero when nothing is free
   return {std::max(0, evaluation_count - 1), summary.termination_type == ceres::CONVERGENCE,
           summary.termination_type == ceres::USER_SUCCESS};
 }

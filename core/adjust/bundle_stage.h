@@ -1,4 +1,5 @@
-// One run of the solver: which observations take part and who is held is decided before. The part of bundle adjustment that is Ceres.
+// One run of the Ceres solver. Which observations take part and which submaps are held has been
+// decided before.
 #pragma once
 
 #include <stop_token>
@@ -15,23 +16,24 @@ struct BundleState {
 
 struct BundleStage {
   std::vector<bool> submap_is_held{};
-  std::vector<bool> observation_is_used{};  // those of landmarks that are solved for
-  bool robust = false;                      // Cauchy's loss on observations; robust links have it anyhow
-  int iterations = 0;                       // at most
+  std::vector<bool> observation_is_used{};  // only of landmarks that are solved for
+  bool robust = false;                      // Cauchy's loss on observations; robust links always have it
+  int iterations = 0;                       // upper limit
   double least_progress = 0;
 };
 
 struct StageOutcome {
   int iteration_count = 0;
-  bool converged = false;  // true too when there was nothing to solve
-  bool stopped = false;    // `stop` asked; the state is that of the last good step then
+  bool converged = false;  // also true when there was nothing to solve
+  bool stopped = false;    // `stop` was requested; the state is that of the last successful step
 };
 
-// Moves `state` to a minimum of the used observations and all links. Landmarks without a used observation and held submaps keep their bits.
-// Where no step succeeds, nothing moves. The problem must be valid.
+// Moves `state` to a minimum over the used observations and all links. Landmarks without a used
+// observation and held submaps keep their bits. If no step succeeds, nothing moves. The problem
+// must be valid.
 StageOutcome solve_stage(const BundleProblem& problem, const BundleStage& stage, std::stop_token stop, BundleState& state);
 
-// Half of Cauchy's loss of a chi-square whose right values end at `bound`, as the solver has it.
+// Returns half of Cauchy's loss of a chi-square, with scale `bound`, as the solver computes it.
 double cauchy_cost(double chi2, double bound);
 
 }  // namespace hermite

@@ -12,25 +12,26 @@ namespace hermite {
 
 namespace {
 
-// A point is of a surface that it is so near to, along the normal and, twice as far, along the ray, and that faces as its own.
+// A point matches a surface that lies within kNear_m along the normal and twice that along the ray,
+// and whose normal agrees with its own.
 constexpr double kNear_m = 0.04, kAlikeCosine = 0.8;
 
-// Keyframes farther apart, or turned by more, share little.
+// Keyframes farther apart, or rotated by more, share little.
 constexpr double kMaxApart_m = 2.5, kFacingCosine = 0.3;
 constexpr std::size_t kMostOthers = 40;
 
-// Two keyframes overlap when so many points are on a surface of the other, so large a share of all, and so large a share of those that have
-// a surface of the other before or behind them.
+// Two keyframes overlap if enough points lie on a surface of the other: in number, as a share of
+// all points, and as a share of those that have a surface of the other in front of or behind them.
 constexpr int kLeastPoints = 300;
 constexpr double kLeastShare = 0.15, kLeastAgreement = 0.5;
 
-// Directions with less information than this share of the best have none: it would be rounding.
+// Directions with less information than this share of the best have none: the rest is rounding.
 constexpr double kNoInformation = 1e-6;
 
 // The 95 % quantile of chi-square, one degree of freedom.
 constexpr double kDistanceChi2 = 3.841;
 
-// Half of the information's quadratic form plus the gradient, by a twist.
+// Information matrix and gradient of a cost by a twist; the cost is half the quadratic form.
 struct Quadratic {
   Matrix6d information = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
@@ -38,13 +39,15 @@ struct Quadratic {
 
 Eigen::Vector3d vector_of(const DepthPlane& plane) { return {plane[0], plane[1], plane[2]}; }
 
-// A point on a plane: the mean of a cell's pixels, with what tracking adds.
+// Standard deviation [m] of a point on a plane: the mean of a cell's pixels, plus the error of
+// tracking.
 double deviation_m(double depth_m) { return kTracked_m + depth_deviation_m(depth_m) / 2; }
 
-// How the points of one keyframe lie to the planes of another, by a twist of the target's camera frame that moves the points. False: they
-// do not overlap. A point's distance is that from the target's plane, but its derivative has the source's normal. With the normal that the
-// distance comes from, the noise of both would go together and pull sideways: a cell's normal is off by some 7 degrees, and points lie
-// beside its middle.
+// Adds the point-to-plane cost of one keyframe's points against another's planes, by a twist in the
+// target's camera frame that moves the points. Returns false if they do not overlap. The distance
+// is to the target's plane, but its derivative uses the source's normal. With the target's normal
+// in both, their noise would correlate and pull sideways: a cell's normal is off by about 7
+// degrees, and points lie beside the cell's centre.
 bool measure(const std::vector<DepthPlane>& source, const std::vector<DepthPlane>& target, const Rigid3& target_from_source,
              const Camera& camera, const DepthGrid& grid, Quadratic& sum) {
   const Eigen::Matrix3d rotation = target_from_source.rotation.toRotationMatrix();
@@ -61,7 +64,7 @@ bool measure(const std::vector<DepthPlane>& source, const std::vector<DepthPlane
       const Eigen::Vector2d cell = (camera.project(point).array() - grid.center_px(0)) / grid.cell_px + 0.5;
       if (!(cell.x() >= 0 && cell.y() >= 0 && cell.x() < grid.columns && cell.y() < grid.rows)) continue;
       const Eigen::Vector3d other = vector_of(target[grid.index(static_cast<int>(cell.x()), static_cast<int>(cell.y()))]);
-      const double over_plane = other.dot(point);  // the point's depth over the plane's
+      const double over_plane = other.dot(point);  // ratio of the point's depth to the plane's
       if (!(over_plane > 0)) continue;
       ++opposite;
       const Eigen::Vector3d normal = (rotation * own).normalized();
@@ -79,7 +82,8 @@ bool measure(const std::vector<DepthPlane>& source, const std::vector<DepthPlane
   return on_surface >= kLeastPoints && on_surface >= kLeastShare * all && on_surface >= kLeastAgreement * opposite;
 }
 
-// Keyframes of other submaps with a place that may see what this one sees, spread over time where they are many.
+// Returns keyframes of other submaps in the problem that may see what this one sees; if there are
+// too many, an even selection over time.
 std::vector<std::uint32_t> others_of(const SparseMap& map, const std::vector<Rigid3>& world_from_camera, std::uint32_t keyframe,
                                      const std::vector<std::int64_t>& place_of_submap) {
   std::vector<std::uint32_t> others;
@@ -96,7 +100,8 @@ std::vector<std::uint32_t> others_of(const SparseMap& map, const std::vector<Rig
   return spread;
 }
 
-// By the submaps `from` < `to`, of a twist of `to`.
+// Accumulates the costs of keyframes by pair of submaps `from` < `to`, as a function of a twist of
+// `to`.
 std::map<std::pair<std::uint32_t, std::uint32_t>, Quadratic> measure_submaps(const SparseMap& map,
                                                                              const std::vector<std::int64_t>& place_of_submap) {
   const DepthGrid grid = depth_grid_of(map.camera);
@@ -117,7 +122,7 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, Quadratic> measure_submaps(con
       const Matrix6d twist_of_target = adjoint(target_from_world * map.world_from_submap[to]);
       Quadratic& sum = sums[{from, to}];
       sum.information += twist_of_target.transpose() * measured.information * twist_of_target;
-      // The points of `to` move with it; those of `from` move against it, as `to` sees them.
+      // Points of `to` move with the twist; points of `from` move against it, as seen from `to`.
       sum.gradient += (source_submap == to ? 1 : -1) * twist_of_target.transpose() * measured.gradient;
     }
   }

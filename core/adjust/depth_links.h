@@ -1,5 +1,6 @@
-// How submaps lie to each other by the depth of their keyframes: points of one against planes of another, wherever they overlap. It tells
-// more than landmarks do where there are few, and more than tracking does of views that lie apart in time.
+// Relative poses of submaps from the depth of their keyframes: points of one against planes of the
+// other, wherever they overlap. This adds information where there are few landmarks, and between
+// views that are far apart in time.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +11,17 @@
 
 namespace hermite {
 
-// Of these submaps, every two whose keyframes overlap; `from` and `to` are places in `submaps`. The link is the step of Gauss and Newton
-// from where the two lie now, with the information that it has: along what is flat only what the noise of normals pretends, a hundredth. It
-// is good as far as depth may be off its surface for a point to be taken for a point of it, 4 cm: landmarks or loops come first. Call it
-// again from where it has led to; three times do.
+// Returns a link for every two of these submaps whose keyframes overlap; `from` and `to` are
+// indices into `submaps`. A link is one Gauss-Newton step from the current relative pose, with the
+// information of that step. Along directions in which the surfaces are flat, its information is
+// only an artefact of normal noise, a hundredth of the rest. The step is valid as long as surfaces
+// are at most 4 cm apart: close loops or adjust landmarks first. Call it again from the new poses;
+// three rounds suffice.
 //
-// What the links are off by together where everything lies now, beyond what noise explains, lowers the information of all: sensors with
-// warped depth contradict themselves. Pure; takes some 0.4 ms for two keyframes that overlap, and each is compared with at most 40.
+// The disagreement of the links at the current layout, beyond what noise explains, lowers the
+// information of all of them, because sensors with warped depth contradict themselves. Pure
+// function. It takes about 0.4 ms per two keyframes that overlap, and compares each with at most 40
+// others.
 std::vector<BundleLink> depth_links(const SparseMap& map, const std::vector<std::uint32_t>& submaps);
 
 }  // namespace hermite

@@ -14,14 +14,15 @@ namespace {
 
 constexpr int kColumns = 80;
 
-// In standard deviations of a pixel's inverse depth: how far the pixels of a cell may be off its plane (root mean square), and how high a
-// ridge or deep a valley may be, as a template of unit length finds it. Loops and redkitchen come out alike from 1 to 1.5 and from 2 to 3
-// (tests/accuracy/LAB.md).
+// Bounds in standard deviations of a pixel's inverse depth: of the root mean square of the
+// distances of a cell's pixels from its plane, and of the height of a ridge or depth of a valley,
+// as a template of unit length measures it. The results on the loop scenes and on redkitchen do not
+// change from 1 to 1.5 and from 2 to 3 (tests/accuracy/LAB.md).
 constexpr double kFlat = 1.5, kCreased = 2.5;
 
 constexpr double kSteepestCosine = 0.3;  // of the angle between the plane's normal and the ray to it
 
-// Inverse depth, which is linear over the image of a plane. 0: none that could be trusted.
+// Inverse depth is linear over the image of a plane. 0: no depth in the trusted range.
 using InverseDepth = Image<float>;  // [1/m]
 
 InverseDepth inverse_of(const DepthImage& depth, const Camera& camera) {
@@ -37,7 +38,8 @@ double deviation_per_m(double inverse_depth_per_m) {
   return depth_deviation_m(1 / inverse_depth_per_m) * inverse_depth_per_m * inverse_depth_per_m;
 }
 
-// By pixel of a square, row major: ridges through its middle in four directions, of unit length and with nothing of a plane in them.
+// Returns templates of ridges through the centre of a square in four directions, per pixel, row
+// major. Each has unit length and zero mean.
 std::vector<std::array<double, 4>> ridges_of(int half_px) {
   std::vector<std::array<double, 4>> ridges;
   for (int y = -half_px; y <= half_px; ++y)
@@ -57,7 +59,8 @@ std::vector<std::array<double, 4>> ridges_of(int half_px) {
   return ridges;
 }
 
-// Least squares of inverse depth over the square around (u, v). Zero: none.
+// Fits a plane to inverse depth over the square around (u, v) by least squares. Returns zero if
+// there is none.
 Eigen::Vector3d plane_at(const InverseDepth& inverse, const Camera& camera, int u, int v, int half_px) {
   double sum = 0, squares = 0, by_x = 0, by_y = 0, xx = 0;
   for (int y = -half_px; y <= half_px; ++y)
@@ -79,7 +82,7 @@ Eigen::Vector3d plane_at(const InverseDepth& inverse, const Camera& camera, int 
   return plane.dot(ray) < kSteepestCosine * plane.norm() * ray.norm() ? Eigen::Vector3d::Zero() : plane;
 }
 
-// Something around (u, v) has no depth, or is creased.
+// Returns true if a pixel around (u, v) has no depth, or if there is a crease.
 bool is_broken(const InverseDepth& inverse, int u, int v, int half_px, const std::vector<std::array<double, 4>>& ridges) {
   std::array<double, 4> heights{};
   auto ridge = ridges.begin();

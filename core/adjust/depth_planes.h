@@ -1,5 +1,5 @@
-// What of a keyframe's depth is kept when its image is gone: a grid of small planes, by which keyframes are measured against each other
-// (depth_links.h).
+// A keyframe's depth, kept as a grid of small planes when its image is gone. Keyframes are aligned
+// with each other by them (depth_links.h).
 #pragma once
 
 #include <array>
@@ -10,10 +10,10 @@
 
 namespace hermite {
 
-// Cells of the image, as many across it whatever its size: 80x60 of one of 4:3. They begin at the top left; what is left over at the right
-// and at the bottom has none.
+// Cells of the image. Their number across is the same for every image size: 80x60 for an image of
+// 4:3. The grid begins at the top left; the remainder at the right and at the bottom has no cells.
 struct DepthGrid {
-  int cell_px = 0;  // a side
+  int cell_px = 0;  // side length
   int columns = 0, rows = 0;
 
   std::size_t count() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
@@ -24,13 +24,15 @@ struct DepthGrid {
 };
 DepthGrid depth_grid_of(const Camera& camera);
 
-// The points of the plane, in the camera, are those with plane . point = 1 [1/m]: its normal over its distance. Zero: no plane that could
-// be trusted.
+// Plane in the camera frame as the normal over its distance: its points satisfy plane . point = 1
+// [1/m]. Zero means that no reliable plane was found.
 using DepthPlane = std::array<float, 3>;
 
-// One a cell, row major. `depth` is rectified and of the camera's size. A cell has a plane where all pixels in and around it have depth in
-// the trusted range (features.h), those in it lie in a plane that is seen under 72 degrees at most, and nothing in or around it is creased:
-// the mean of a corner lies off the corner, to the side that more is seen of, and so not at the same place from two views. Thread-safe.
+// Returns one plane per cell, row major. `depth` is rectified and has the camera's size. A cell has
+// a plane if all pixels in and around it have depth in the trusted range (features.h), its pixels
+// lie in a plane seen at less than 72 degrees from its normal, and there is no crease in or around
+// it: the mean of a corner lies off the corner, towards the side of which more is seen, and so
+// differs between views. Thread-safe.
 std::vector<DepthPlane> fit_depth_planes(const DepthImage& depth, const Camera& camera);
 
 }  // namespace hermite

@@ -1,4 +1,4 @@
-// Binary descriptors of 256 bits (ORB). Plain values, pure functions.
+// Binary 256-bit descriptors (ORB). Plain values and pure functions.
 #pragma once
 
 #include <array>
@@ -10,9 +10,10 @@ namespace hermite {
 using Descriptor = std::array<std::uint64_t, 4>;
 inline constexpr int kDescriptorBits = 256;
 
-// Number of bits that differ, 0 to 256. Unrelated ORB descriptors differ in 128 bits or so, two views of one point in 20 to 60.
-// std::popcount is a call of the library's on processors of the base kind and takes four times as long (14 against 3.6 ns): here the four
-// words are counted together, first in pairs of bits, then in fours, in bytes (32 at most) and in 16 bits.
+// Returns the Hamming distance, 0 to 256 bits. Unrelated ORB descriptors differ in about 128 bits,
+// two views of one point in 20 to 60. On the baseline x86-64 instruction set std::popcount is a
+// library call that takes four times as long (14 against 3.6 ns), so the four words are counted
+// together: first in pairs of bits, then in fours, in bytes (at most 32) and in 16 bits.
 inline int hamming(const Descriptor& a, const Descriptor& b) {
   constexpr std::uint64_t kPairs = 0x5555555555555555, kFours = 0x3333333333333333, kBytes = 0x0f0f0f0f0f0f0f0f;
   std::uint64_t counts = 0;
@@ -27,8 +28,8 @@ inline int hamming(const Descriptor& a, const Descriptor& b) {
   return static_cast<int>((counts * kSum) >> 48);
 }
 
-// The index of the one whose median distance to all of them is least, the earlier of equals. `descriptors` must not be empty; takes time
-// quadratic in their count.
+// Returns the index of the descriptor whose median distance to all of them is least, the first one
+// if several are equal. `descriptors` must not be empty. The time is quadratic in their number.
 std::size_t medoid(const std::vector<Descriptor>& descriptors);
 
 }  // namespace hermite

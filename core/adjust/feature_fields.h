@@ -1,4 +1,4 @@
-// A feature in a format of our own (core/base/byte_stream.h).
+// Serialises a feature in our own byte format (core/base/byte_stream.h).
 #pragma once
 
 #include <cmath>
@@ -19,7 +19,7 @@ void feature_fields(Bytes& bytes, Saved& feature) {
   bytes.require(feature.pixel_px.allFinite() && feature.pixel_px.cwiseAbs().maxCoeff() <= 2 * kMaxImageSide_px && feature.depth_m >= 0 &&
                     feature.depth_m <= static_cast<float>(kMaxFeatureDepth_m) && feature.octave < kOctaveCount &&
                     std::isfinite(feature.angle_rad),
-                "a feature that is none");
+                "a field of a feature is out of range");
 }
 
 }  // namespace hermite

@@ -13,14 +13,15 @@
 namespace hermite {
 namespace {
 
-// A corner's score is the largest threshold at which it still is one. Corners of the strict threshold are repeatable; where a cell has
-// none, the lenient one still finds something (thresholds of ORB-SLAM and of the authors' program).
+// A corner's score is the largest threshold at which it is still detected. Corners of the strict
+// threshold are repeatable; in a cell without any, the lenient one still finds some (thresholds of
+// ORB-SLAM and of the authors' program).
 constexpr int kStrictThreshold = 20;
 constexpr int kLenientThreshold = 7;
-constexpr int kPatchRadius_px = 15;    // of the orientation, and half the side of the descriptor's patch
-constexpr int kBorder_px = 19;         // the patch's tests stay inside the image in every orientation
-constexpr int kFastRadius_px = 3;      // the circle that makes a corner
-constexpr int kLeastInnerSide_px = 8;  // of an octave worth searching
+constexpr int kPatchRadius_px = 15;    // of the orientation; also half the side of the descriptor's patch
+constexpr int kBorder_px = 19;         // keeps the descriptor's tests inside the image in every orientation
+constexpr int kFastRadius_px = 3;      // of the circle of the FAST corner test
+constexpr int kLeastInnerSide_px = 8;  // smaller octaves are not searched
 constexpr double kReferenceArea_px = 640.0 * 480.0;
 
 struct Corner {
@@ -28,7 +29,7 @@ struct Corner {
   int score;
 };
 
-// The lenient corners of one octave, by rows.
+// Returns the lenient corners of one octave, row by row.
 std::vector<Corner> find_corners(const cv::Mat& image) {
   const int margin = kBorder_px - kFastRadius_px;
   const cv::Mat inner = image(cv::Rect(margin, margin, image.cols - 2 * margin, image.rows - 2 * margin));
@@ -41,14 +42,15 @@ std::vector<Corner> find_corners(const cv::Mat& image) {
   return corners;
 }
 
-// The stronger first; equals by place, so that the order is one.
+// Orders stronger corners first; equal ones by position, so that the order is unique.
 bool precedes(const Corner& a, const Corner& b) {
   if (a.score != b.score) return a.score > b.score;
   return a.y != b.y ? a.y < b.y : a.x < b.x;
 }
 
-// As many cells as corners are wanted, the strongest corner of every cell first, then the second strongest and so on: a texture in one
-// corner of the image cannot take what a wall with one poster needs. In the order of cells.
+// Divides the image into as many cells as corners are wanted and takes the strongest corner of
+// every cell first, then the second strongest and so on, so that one textured region does not use
+// up the count. Returns them in the order of cells.
 std::vector<Corner> spread(const std::vector<Corner>& corners, const cv::Size& size, std::size_t wanted) {
   const double inner_area = static_cast<double>(size.width - 2 * kBorder_px) * (size.height - 2 * kBorder_px);
   const double side_px = std::max(1.0, std::sqrt(inner_area / static_cast<double>(wanted)));
@@ -83,7 +85,7 @@ std::vector<Corner> spread(const std::vector<Corner>& corners, const cv::Size& s
   return chosen;
 }
 
-// Half the width of the patch's disc, by row.
+// Returns half the width of the patch's disc, by row.
 std::array<int, kPatchRadius_px + 1> disc_half_widths() {
   std::array<int, kPatchRadius_px + 1> widths{};
   for (int y = 0; y <= kPatchRadius_px; ++y)
@@ -91,7 +93,8 @@ std::array<int, kPatchRadius_px + 1> disc_half_widths() {
   return widths;
 }
 
-// The direction from the corner to the centroid of intensity of the disc around it (Rublee et al. 2011, Eq. 1 to 3).
+// Returns the direction from the corner to the intensity centroid of the disc around it (Rublee et
+// al. 2011, Eq. 1 to 3).
 float orientation_rad(const cv::Mat& image, const Corner& corner) {
   static const std::array<int, kPatchRadius_px + 1> half_widths = disc_half_widths();
   int moment_x = 0, moment_y = 0;
@@ -108,7 +111,8 @@ float orientation_rad(const cv::Mat& image, const Corner& corner) {
   return std::atan2(static_cast<float>(moment_y), static_cast<float>(moment_x));
 }
 
-// Each octave's image is a pyramid of one level to OpenCV, so that its ORB does not build ours again.
+// OpenCV gets each octave's image as a pyramid of one level, so that its ORB does not build our
+// pyramid again.
 std::vector<Descriptor> describe(const cv::Mat& image, const std::vector<Corner>& corners, const std::vector<float>& angles_rad) {
   std::vector<cv::KeyPoint> points;
   points.reserve(corners.size());
@@ -118,7 +122,7 @@ std::vector<Descriptor> describe(const cv::Mat& image, const std::vector<Corner>
   const cv::Ptr<cv::ORB> orb = cv::ORB::create(kMaxFeatureCount, static_cast<float>(kOctaveScale), 1, kBorder_px);
   cv::Mat rows;
   orb->compute(image, points, rows);
-  CHECK(points.size() == corners.size() && static_cast<std::size_t>(rows.rows) == corners.size(), "ORB left out corners inside the border");
+  CHECK(points.size() == corners.size() && static_cast<std::size_t>(rows.rows) == corners.size(), "ORB dropped corners inside the border");
   std::vector<Descriptor> descriptors(corners.size());
   static_assert(sizeof(Descriptor) == kDescriptorBits / 8);
   for (std::size_t i = 0; i < corners.size(); ++i) std::memcpy(&descriptors[i], rows.ptr(static_cast<int>(i)), sizeof(Descriptor));
@@ -130,7 +134,8 @@ std::size_t wanted_count(const Camera& camera, const FeatureOptions& options) {
   return static_cast<std::size_t>(std::clamp(wanted, 1.0, static_cast<double>(kMaxFeatureCount)));
 }
 
-// The octave's part of what is still wanted, when the octaves share as their side lengths do.
+// Returns this octave's share of the features still wanted, in proportion to the side lengths of
+// the octaves.
 std::size_t share(std::size_t wanted, int octave) {
   const double ratio = 1 / kOctaveScale;
   const double part = (1 - ratio) / (1 - std::pow(ratio, kOctaveCount - octave));
@@ -145,7 +150,8 @@ void append_octave(const cv::Mat& image, int octave, std::size_t wanted, const R
   angles_rad.reserve(corners.size());
   for (const Corner& corner : corners) angles_rad.push_back(orientation_rad(image, corner));
   const std::vector<Descriptor> descriptors = describe(image, corners, angles_rad);
-  // Where the centre of a scaled pixel lies in the full image; images of whole pixels are not scaled by exactly 1.2^octave.
+  // Position of a scaled pixel's centre in the full image. Image sizes are integers, so the scale
+  // is not exactly 1.2^octave.
   const Eigen::Vector2d scale(static_cast<double>(camera.width) / image.cols, static_cast<double>(camera.height) / image.rows);
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Eigen::Vector2d pixel_px = (Eigen::Array2d(corners[i].x, corners[i].y) + 0.5) * scale.array() - 0.5;
@@ -159,7 +165,7 @@ void append_octave(const cv::Mat& image, int octave, std::size_t wanted, const R
 double octave_scale(int octave) { return std::pow(kOctaveScale, octave); }
 
 float depth_at(const DepthImage& depth, const Camera& camera, const Eigen::Vector2f& pixel_px) {
-  constexpr int kLeastCount = 5;  // of nine: on a smooth surface holes are rare, on its rim they are half the window
+  constexpr int kLeastCount = 5;  // of nine; holes are rare on a smooth surface, but half of the window at its boundary
   if (!(pixel_px.array() >= 0).all() || !(pixel_px.x() <= static_cast<float>(depth.width - 1)) ||
       !(pixel_px.y() <= static_cast<float>(depth.height - 1)))
     return 0;
@@ -173,15 +179,16 @@ float depth_at(const DepthImage& depth, const Camera& camera, const Eigen::Vecto
   std::sort(values.begin(), values.begin() + count);
   const double depth_m = values[static_cast<std::size_t>(count / 2)] / camera.depth_units_per_metre;
   const double span_m = (values[static_cast<std::size_t>(count - 1)] - values[0]) / camera.depth_units_per_metre;
-  // What noise spreads, and two pixels of a surface tilted by 60 degrees. A smaller step is an error the matching tolerates.
+  // The spread of noise, plus two pixels of a surface tilted by 60 degrees. Matching tolerates
+  // smaller depth steps.
   const double allowed_m = 3 * depth_deviation_m(depth_m) + 2 * depth_m / camera.fx * std::tan(M_PI / 3);
   if (span_m > allowed_m || depth_m < kMinFeatureDepth_m || depth_m > kMaxFeatureDepth_m) return 0;
   return static_cast<float>(depth_m);
 }
 
 std::vector<Feature> detect_features(const RgbdFrame& frame, const Camera& camera, const FeatureOptions& options) {
-  CHECK(frame.color.width == camera.width && frame.color.height == camera.height, "colour is of the camera's size");
-  CHECK(frame.depth.width == camera.width && frame.depth.height == camera.height, "depth is of the camera's size");
+  CHECK(frame.color.width == camera.width && frame.color.height == camera.height, "the colour image must have the camera's size");
+  CHECK(frame.depth.width == camera.width && frame.depth.height == camera.height, "the depth image must have the camera's size");
   const cv::Mat rgb(camera.height, camera.width, CV_8UC3, const_cast<Rgb8*>(frame.color.pixels.data()));  // only read
   cv::Mat image;
   cv::cvtColor(rgb, image, cv::COLOR_RGB2GRAY);
@@ -193,7 +200,7 @@ std::vector<Feature> detect_features(const RgbdFrame& frame, const Camera& camer
     if (octave > 0) {
       const double scale = octave_scale(octave);
       cv::Mat smaller;
-      // The exact kind is the same on every machine.
+      // INTER_LINEAR_EXACT gives the same bits on every machine.
       cv::resize(image, smaller, cv::Size(cvRound(camera.width / scale), cvRound(camera.height / scale)), 0, 0, cv::INTER_LINEAR_EXACT);
       image = smaller;
     }

@@ -8,9 +8,9 @@
 namespace hermite {
 namespace {
 
-constexpr std::size_t kLastKeyframes = 3;      // a blurred one between them is bridged
-constexpr std::size_t kMaxNearKeyframes = 30;  // bounds the time: about as many as see one place in a slow pass
-constexpr std::size_t kFewMatches = 20;        // fewer: the pose is worse than usual, so look twice as far (the authors' rule)
+constexpr std::size_t kLastKeyframes = 3;      // so that a blurred one does not interrupt the tracks
+constexpr std::size_t kMaxNearKeyframes = 30;  // bounds the time; about as many see one place in a slow pass
+constexpr std::size_t kFewMatches = 20;  // with fewer, the pose is worse than usual, so the radius is doubled (as in the authors' program)
 constexpr double kWideRadius = 2;
 
 void append_once(std::vector<std::uint32_t>& keyframes, std::uint32_t keyframe) {
@@ -18,7 +18,8 @@ void append_once(std::vector<std::uint32_t>& keyframes, std::uint32_t keyframe) 
     keyframes.push_back(keyframe);
 }
 
-// The last, then those asked for, then the covisible ones: first the bound leaves out what shares least.
+// Returns the last keyframes, then the requested ones, then the covisible ones, so that the limit
+// drops those that share least.
 std::vector<std::uint32_t> near_keyframes(const SparseMap& map, const std::vector<std::uint32_t>& also) {
   std::vector<std::uint32_t> near;
   const auto count = static_cast<std::uint32_t>(map.keyframes.size());
@@ -35,8 +36,8 @@ std::vector<std::uint32_t> near_keyframes(const SparseMap& map, const std::vecto
 }  // namespace
 
 InsertResult insert_keyframe(SparseMap& map, Keyframe keyframe, const std::vector<std::uint32_t>& also) {
-  CHECK(keyframe.submap < map.world_from_submap.size(), "a keyframe is of a submap of the map");
-  CHECK(is_finite(keyframe.submap_from_camera), "a keyframe has a pose");
+  CHECK(keyframe.submap < map.world_from_submap.size(), "the keyframe's submap is not in the map");
+  CHECK(is_finite(keyframe.submap_from_camera), "the keyframe's pose is not finite");
   const std::vector<std::uint32_t> near = landmarks_of(map, near_keyframes(map, also));
   const Rigid3 pose = world_from_camera(map, keyframe);
   std::vector<LandmarkMatch> matches = match_aligned(map, near, keyframe.features, pose).matches;

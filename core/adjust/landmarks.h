@@ -1,4 +1,5 @@
-// A keyframe joins the map: its features find the landmarks they are, the others with depth become new ones.
+// Insertion of a keyframe into the map: its features are matched with landmarks, and unmatched ones
+// with depth become new landmarks.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +11,16 @@ namespace hermite {
 
 struct InsertResult {
   std::uint32_t keyframe = 0;           // its index in the map
-  int matched_count = 0;                // features that are landmarks of before
-  std::vector<std::uint32_t> created;   // landmarks that this keyframe is the first to see, ascending
-  std::vector<std::uint32_t> repeated;  // landmarks that it is the second to see, ascending: those worth remembering (place_index.h)
+  int matched_count = 0;                // features matched with existing landmarks
+  std::vector<std::uint32_t> created;   // landmarks first seen by this keyframe, ascending
+  std::vector<std::uint32_t> repeated;  // landmarks now seen by a second keyframe, ascending: those worth indexing (place_index.h)
 };
 
-// `keyframe` has its pose from dense tracking, good to some pixels, a submap of the map, and features; its landmark_of_feature is replaced.
-// Looked for are the landmarks of the map's last keyframes, of those covisible with them and of the keyframes in `also` (a place found
-// again), 30 keyframes at most. Keyframes come in the order of time. A pose that is not finite, or a submap the map does not have, is our
-// own mistake.
+// Inserts `keyframe`, which has a pose from dense tracking (accurate to some pixels), a submap of
+// the map, and features; its landmark_of_feature is replaced. Matching searches the landmarks of
+// the map's last keyframes, of those covisible with them and of the keyframes in `also` (a
+// revisited place), at most 30 keyframes. Keyframes come in the order of time. A CHECK fails if the
+// pose is not finite or the map has no such submap.
 InsertResult insert_keyframe(SparseMap& map, Keyframe keyframe, const std::vector<std::uint32_t>& also = {});
 
 }  // namespace hermite

@@ -1,4 +1,4 @@
-// What a back end has come to and done so far, and the name of each count in reports.
+// Counts of the back end, and the name of each in reports.
 #pragma once
 
 #include <array>
@@ -8,15 +8,16 @@
 namespace hermite {
 
 struct MappingCounts {
-  // There are now:
+  // Present numbers:
   std::int64_t submaps = 0, keyframes = 0, landmarks = 0;
   std::int64_t components = 0;  // of submaps whose poses are known relative to each other
   // Since the first frame:
   std::int64_t local_adjustments = 0, global_adjustments = 0, failed_adjustments = 0;
-  std::int64_t loops_by_appearance = 0, loops_by_nearness = 0;  // closed
+  std::int64_t loops_by_appearance = 0, loops_by_nearness = 0;  // closed loops
   std::int64_t joined_components = 0;
   std::int64_t relocalisations = 0;
-  // Refused: farther than the camera can have drifted, like more than one place, seen once and not again, against what else is known.
+  // Rejected candidates and loops: beyond the possible drift, like more than one place, never
+  // verified again, contradicting other links.
   std::int64_t impossible_places = 0, ambiguous_places = 0, impossible_loops = 0, unrepeated_loops = 0, contradicting_loops = 0;
 
   std::int64_t loops() const { return loops_by_appearance + loops_by_nearness; }

@@ -7,9 +7,10 @@ namespace hermite {
 namespace {
 
 constexpr std::uint32_t kEnd = std::numeric_limits<std::uint32_t>::max();
-constexpr int kMaxPlaceDistance = 64;      // as in a match by projection
-constexpr std::size_t kMaxSimilar = 32;    // landmarks of one feature: with more it votes for nothing
-constexpr std::size_t kMaxCandidates = 5;  // measured: the true place is the first of 8 in 10, among three nearly always
+constexpr int kMaxPlaceDistance = 64;    // [bits], as for matching by projection
+constexpr std::size_t kMaxSimilar = 32;  // a feature with more similar landmarks has no vote
+constexpr std::size_t kMaxCandidates =
+    5;  // measured: the true place is the first in 8 of 10 cases, and nearly always among the first three
 constexpr std::size_t kMaxPlaceKeyframes = 10;
 
 std::size_t piece(const Descriptor& descriptor, std::size_t table) { return (descriptor[table / 4] >> (16 * (table % 4))) & 0xffff; }
@@ -21,7 +22,7 @@ std::vector<bool> mask(std::size_t count, const std::vector<std::uint32_t>& memb
   return is_member;
 }
 
-// By keyframe. `similar` has the landmarks of a feature one after the other.
+// Returns votes by keyframe. In `similar`, the landmarks of each feature are consecutive.
 std::vector<double> votes_of(const std::vector<LandmarkMatch>& similar, const SparseMap& map) {
   std::vector<double> votes(map.keyframes.size(), 0);
   for (std::size_t begin = 0, end = 0; begin < similar.size(); begin = end) {
@@ -38,7 +39,7 @@ std::vector<double> votes_of(const std::vector<LandmarkMatch>& similar, const Sp
 PlaceIndex::PlaceIndex() : heads_(kTables * kBuckets, kEnd), counts_(kTables * kBuckets, 0) {}
 
 void PlaceIndex::add(std::uint32_t landmark, const Descriptor& descriptor) {
-  CHECK(entries_.size() < kEnd, "more landmarks than an index can have");
+  CHECK(entries_.size() < kEnd, "the place index is full");
   const auto index = static_cast<std::uint32_t>(entries_.size());
   Entry entry{descriptor, landmark, {}};
   for (std::size_t table = 0; table < kTables; ++table) {
@@ -64,7 +65,7 @@ void PlaceIndex::restore(ByteReader& bytes, std::size_t landmark_count) {
   bytes.list(added, [landmark_count](ByteReader& from, Entry& entry) {
     from.number(entry.landmark);
     from.number(entry.descriptor);
-    from.require(entry.landmark < landmark_count, "a landmark of the index");
+    from.require(entry.landmark < landmark_count, "the place index has a landmark that the map lacks");
   });
   if (!bytes.ok()) return;
   for (const Entry& entry : added) add(entry.landmark, entry.descriptor);
@@ -76,7 +77,7 @@ std::size_t PlaceIndex::memory_bytes() const {
 
 std::vector<LandmarkMatch> PlaceIndex::similar(const std::vector<Feature>& features, const SparseMap& map) const {
   std::vector<LandmarkMatch> found;
-  std::vector<std::uint32_t> last_feature(entries_.size(), kEnd);  // that has looked at the entry
+  std::vector<std::uint32_t> last_feature(entries_.size(), kEnd);  // the last feature that has visited the entry
   for (std::uint32_t feature = 0; feature < features.size(); ++feature) {
     const std::size_t begin = found.size();
     for (std::size_t table = 0; table < kTables; ++table) {

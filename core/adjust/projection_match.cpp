@@ -11,12 +11,12 @@ namespace hermite {
 namespace {
 
 constexpr double kMaxTurn_rad = M_PI / 6;
-constexpr double kMaxOctaveDifference = 1.5;  // one octave, and the rounding of both
+constexpr double kMaxOctaveDifference = 1.5;  // one octave, plus the rounding of both
 constexpr double kLeastCosine = 0.5;          // 60 degrees
 constexpr double kDepthSigmas = 3;
 constexpr double kLeastDepthGate_m = 0.03;
 
-// Features by squares of the image, so that a landmark looks at its neighbours only.
+// Features in a grid of image cells, so that a landmark is only compared with its neighbours.
 class FeatureGrid {
  public:
   FeatureGrid(const std::vector<Feature>& features, const Camera& camera)
@@ -33,7 +33,7 @@ class FeatureGrid {
     for (std::uint32_t i = 0; i < features.size(); ++i) indices_[next[cell_of[i]]++] = i;
   }
 
-  // Calls `visit` with the index of every feature in the squares that the circle touches.
+  // Calls `visit` with the index of every feature in the cells that the circle touches.
   template <class Visit>
   void visit_around(const Eigen::Vector2d& center_px, double radius_px, const Visit& visit) const {
     for (int y = row(center_px.y() - radius_px); y <= row(center_px.y() + radius_px); ++y)
@@ -44,18 +44,18 @@ class FeatureGrid {
   }
 
  private:
-  static constexpr int kSide_px = 16;  // about the radius of the middle octaves
+  static constexpr int kSide_px = 16;  // about the radius in the middle octaves
   static int square(double coordinate_px, int count) {
-    return coordinate_px > 0 ? static_cast<int>(std::min(coordinate_px / kSide_px, static_cast<double>(count - 1))) : 0;  // NaN: 0
+    return coordinate_px > 0 ? static_cast<int>(std::min(coordinate_px / kSide_px, static_cast<double>(count - 1))) : 0;  // NaN gives 0
   }
   int column(double x_px) const { return square(x_px, columns_); }
   int row(double y_px) const { return square(y_px, rows_); }
 
   int columns_, rows_;
-  std::vector<std::uint32_t> starts_, indices_;  // by cell: where its indices begin
+  std::vector<std::uint32_t> starts_, indices_;  // starts_: where the indices of each cell begin
 };
 
-// How a landmark should look from the camera.
+// The expected appearance of a landmark from the camera.
 struct Expectation {
   Eigen::Vector2d pixel_px;
   double depth_m, depth_sigma_m;
@@ -65,7 +65,8 @@ struct Expectation {
 
 double wrapped_rad(double angle_rad) { return std::remainder(angle_rad, 2 * M_PI); }
 
-// The direction `angle_rad` of the image at a point, as another camera sees it: a direction square to the line of sight, turned along.
+// Returns the image orientation `angle_rad` at a point as another camera sees it: the direction,
+// perpendicular to the line of sight, is rotated into that camera.
 double angle_seen_rad(double angle_rad, const Eigen::Matrix3d& to_from_camera, const Eigen::Vector3d& point_in_to) {
   const Eigen::Vector3d direction = to_from_camera * Eigen::Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0);
   const double along_x = direction.x() * point_in_to.z() - direction.z() * point_in_to.x();
@@ -73,7 +74,7 @@ double angle_seen_rad(double angle_rad, const Eigen::Matrix3d& to_from_camera, c
   return std::atan2(along_y, along_x);
 }
 
-// False when the landmark cannot be seen from there.
+// Returns false if the landmark cannot be seen from there.
 bool expect(const SparseMap& map, const Landmark& landmark, const Rigid3& camera_from_world, Expectation& expectation) {
   const Eigen::Vector3d in_world = position_in_world_m(map, landmark), in_camera = camera_from_world * in_world;
   if (!(in_camera.z() > 0) || !in_camera.allFinite()) return false;
@@ -108,7 +109,8 @@ bool fits(const Feature& feature, const Expectation& expected, double radius_px)
   return std::abs(feature.depth_m - expected.depth_m) <= gate_m;
 }
 
-// The nearest descriptor around the landmark, feature_count when there is none that is near enough and alone.
+// Returns the feature with the nearest descriptor around the landmark; feature_count if none is
+// near and distinctive enough.
 LandmarkMatch nearest(const Landmark& landmark, const Expectation& expected, const std::vector<Feature>& features, const FeatureGrid& grid,
                       const ProjectionOptions& options) {
   const auto none = static_cast<std::uint32_t>(features.size());

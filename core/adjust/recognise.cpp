@@ -8,11 +8,12 @@
 namespace hermite {
 namespace {
 
-constexpr std::size_t kLeastSeedInliers = 8;  // of the matches by descriptor alone; the guided ones decide
+constexpr std::size_t kLeastSeedInliers = 8;  // of the matches by descriptor alone; the guided matches decide
 constexpr double kSamePlace_m = 0.5;
 constexpr double kSamePlace_rad = M_PI / 6;
 
-// The keyframe of the place that sees most of these landmarks, the first of equals.
+// Returns the keyframe of the place that sees most of these landmarks; the first one if several are
+// equal.
 std::uint32_t most_shared(const SparseMap& map, const std::vector<std::uint32_t>& keyframes, const std::vector<LandmarkMatch>& matches) {
   std::vector<int> counts(map.keyframes.size(), 0);
   for (const LandmarkMatch& match : matches)

@@ -1,5 +1,6 @@
-// Where in the map an image was taken, without a guess: for loops and for a lost camera. What it returns fits the landmarks geometrically;
-// identical rooms do so too, hence the runner-up, and the caller checks the dense surface before it believes a place.
+// Place recognition with geometric verification, without a guess of the pose: for loops and for
+// relocalisation. Identical rooms pass the geometric test as well; hence the runner-up is returned,
+// and the caller verifies the dense surface before it accepts a place.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +13,21 @@
 namespace hermite {
 
 struct PlaceMatch {
-  std::uint32_t keyframe = 0;  // the map's that shares most matches with the image
-  std::uint32_t submap = 0;    // that keyframe's
+  std::uint32_t keyframe = 0;  // of the map; shares most matches with the image
+  std::uint32_t submap = 0;    // the submap of that keyframe
   Rigid3 submap_from_camera;
-  std::vector<LandmarkMatch> matches;  // the inliers, ascending features, all with depth
+  std::vector<LandmarkMatch> matches;  // the inliers, in ascending order of features, all with depth
 };
 
-// By descending number of inliers, each at least kLeastPlaceInliers. Poses within 0.5 m and 30 degrees of each other in the world are one
-// place, of which the better is listed; the second entry is therefore the best place elsewhere. `excluded` keyframes are not looked at: for
-// a loop those of the last seconds. Deterministic. Thread-safe.
+// Returns places in descending number of inliers, each with at least kLeastPlaceInliers. Poses
+// within 0.5 m and 30 degrees of each other in the world are one place, of which the better pose is
+// listed, so the second entry is the best place elsewhere. `excluded` keyframes are skipped; for a
+// loop these are the ones of the last seconds. Deterministic. Thread-safe.
 //
-// Measured: images of other scenes get at most 4 inliers, right places 30 to 700, fewer where little overlaps. But two equal sofas got up
-// to 47, in rooms where the true place was not in the map: there is no runner-up then, and only the dense surface tells. Submaps that have
-// drifted apart and show the same place are listed as two places until a correction has joined them.
+// Measured: images of other scenes get at most 4 inliers, correct places 30 to 700, fewer where the
+// overlap is small. But two equal sofas got up to 47, in rooms whose true place was not in the map;
+// then there is no runner-up, and only the dense surface can tell. Submaps that have drifted apart
+// and show the same place are listed as two places until a correction joins them.
 inline constexpr std::size_t kLeastPlaceInliers = 15;
 std::vector<PlaceMatch> recognise(const SparseMap& map, const PlaceIndex& index, const std::vector<Feature>& features,
                                   const std::vector<std::uint32_t>& excluded = {});

@@ -13,12 +13,12 @@ namespace hermite {
 namespace {
 
 constexpr double kGateSigmas = 3;
-constexpr double kMissedChance = 0.001;  // of ending before a sample without a wrong pair was drawn
+constexpr double kMissedChance = 0.001;  // probability of stopping before a sample of inliers alone was drawn
 constexpr std::size_t kSampleSize = 3;
-constexpr int kMaxRefits = 10;        // the inliers stay after 2 or 3
-constexpr int kGaussNewtonSteps = 3;  // from a pose right to some pixels the third step is below a micrometre
+constexpr int kMaxRefits = 10;        // the inliers are stable after 2 or 3
+constexpr int kGaussNewtonSteps = 3;  // from a pose accurate to some pixels, the third step is below a micrometre
 
-// A pair with what the tests need of it.
+// A pair with precomputed values for the inlier tests.
 struct Measurement {
   Eigen::Vector3d in_camera, in_world;
   Eigen::Vector2d pixel_px;
@@ -42,8 +42,9 @@ std::vector<Measurement> usable(const std::vector<PointPair>& pairs, const Camer
   return measurements;
 }
 
-// World points that a pose may not move: their distances are the camera's, within noise, and they span a triangle wide enough that noise
-// does not turn it about its longest side.
+// Returns whether the sample can determine a rigid pose: the distances of its world points agree
+// with those in the camera within noise, and they span a triangle wide enough that noise does not
+// rotate it about its longest side.
 bool fits_rigidly(const Sample& sample) {
   double longest_m = 0, sigma_m = 0;
   for (std::size_t i = 0; i < kSampleSize; ++i) {
@@ -58,7 +59,7 @@ bool fits_rigidly(const Sample& sample) {
   return height_m > kGateSigmas * sigma_m;
 }
 
-// Umeyama 1991 without scale, on three points.
+// Umeyama 1991 without scale, for three points.
 Rigid3 world_from_sample(const Sample& sample) {
   Eigen::Vector3d camera_mean = Eigen::Vector3d::Zero(), world_mean = Eigen::Vector3d::Zero();
   for (const Measurement* measurement : sample) {
@@ -74,7 +75,7 @@ Rigid3 world_from_sample(const Sample& sample) {
   return {Eigen::Quaterniond(rotation).normalized(), world_mean - rotation * camera_mean};
 }
 
-// Variances of a measurement against the map's point seen at `depth_m`.
+// Variances of a measurement relative to the map point, seen at `depth_m`.
 struct Variances {
   double pixel_px2, depth_m2;
 };
@@ -101,7 +102,8 @@ std::vector<std::uint32_t> inliers_of(const std::vector<Measurement>& measuremen
   return inliers;
 }
 
-// Gauss-Newton on the residuals in pixels and depth, each over its standard deviation; the twist acts on points in the camera.
+// Gauss-Newton on the residuals in pixels and depth, each over its standard deviation. The twist
+// acts on points in the camera frame.
 Rigid3 fit(const std::vector<Measurement>& measurements, const std::vector<std::uint32_t>& inliers, const Camera& camera,
            const Rigid3& guess) {
   Rigid3 camera_from_world = inverse(guess);
@@ -113,7 +115,7 @@ Rigid3 fit(const std::vector<Measurement>& measurements, const std::vector<std::
       const Eigen::Vector3d p = camera_from_world * measurement.in_world;
       if (!(p.z() > 0)) continue;
       const Variances variance = variances(measurement, camera, p.z());
-      Eigen::Matrix3d by_point;  // of (u, v, z)
+      Eigen::Matrix3d by_point;  // d (u, v, z) / d point
       by_point << camera.fx / p.z(), 0, -camera.fx * p.x() / (p.z() * p.z()), 0, camera.fy / p.z(), -camera.fy * p.y() / (p.z() * p.z()), 0,
           0, 1;
       Eigen::Matrix<double, 3, 6> by_twist;
@@ -148,7 +150,8 @@ std::optional<RigidMatch> refine(const std::vector<Measurement>& measurements, c
   return RigidMatch{pose, std::move(inliers)};
 }
 
-// Draws after which a sample of inliers alone was missed with kMissedChance.
+// Returns the number of draws after which a sample of inliers alone was missed with probability
+// kMissedChance.
 double needed_draws(std::size_t inlier_count, std::size_t count) {
   const double inlier_share = static_cast<double>(inlier_count) / static_cast<double>(count);
   const double chance = std::min(inlier_share * inlier_share * inlier_share, 1 - 1e-9);
@@ -161,7 +164,8 @@ std::optional<RigidMatch> match_rigidly(const std::vector<PointPair>& pairs, con
   const std::vector<Measurement> measurements = usable(pairs, camera);
   if (measurements.size() < std::max(options.least_inliers, kSampleSize)) return std::nullopt;
   std::mt19937 random(options.seed);
-  // A mapping of our own: the standard's distributions differ from library to library.
+  // Maps random bits to an index without std::uniform_int_distribution, which differs between
+  // standard libraries.
   const auto any = [&] { return static_cast<std::size_t>((static_cast<std::uint64_t>(random()) * measurements.size()) >> 32); };
 
   Rigid3 best_pose;
@@ -175,7 +179,8 @@ std::optional<RigidMatch> match_rigidly(const std::vector<PointPair>& pairs, con
     if (inliers.size() <= best_count) continue;
     best_count = inliers.size();
     best_pose = pose;
-    // Three noisy points make a noisy pose: one fit to what agrees with it finds most of the others (locally optimised RANSAC).
+    // Three noisy points give a noisy pose; one fit to its inliers finds most of the others
+    // (locally optimised RANSAC).
     if (inliers.size() > kSampleSize) {
       const Rigid3 fitted = fit(measurements, inliers, camera, pose);
       inliers = inliers_of(measurements, camera, fitted);

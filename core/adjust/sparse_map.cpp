@@ -8,7 +8,8 @@
 namespace hermite {
 namespace {
 
-// The medoid takes quadratic time: of longer tracks only so many observations count, spread evenly from the first to the last.
+// The medoid takes quadratic time, so for longer tracks it uses this many observations, evenly
+// spread from the first to the last.
 constexpr std::size_t kMaxMedoidCount = 16;
 
 const Feature& feature_of(const SparseMap& map, const Observation& observation) {
@@ -71,10 +72,10 @@ std::vector<std::uint32_t> landmarks_of(const SparseMap& map, const std::vector<
 
 void add_observation(SparseMap& map, std::uint32_t landmark, const Observation& observation) {
   std::int32_t& of_feature = map.keyframes[observation.keyframe].landmark_of_feature[observation.feature];
-  CHECK(of_feature == kNoLandmark, "a feature is of one landmark");
+  CHECK(of_feature == kNoLandmark, "the feature already has a landmark");
   auto& observations = map.landmarks[landmark].observations;
   const auto place = std::lower_bound(observations.begin(), observations.end(), observation, earlier);
-  CHECK(place == observations.end() || place->keyframe != observation.keyframe, "a keyframe sees a landmark once");
+  CHECK(place == observations.end() || place->keyframe != observation.keyframe, "the keyframe already sees the landmark");
   observations.insert(place, observation);
   of_feature = static_cast<std::int32_t>(landmark);
   update_descriptor(map, map.landmarks[landmark]);
@@ -83,7 +84,7 @@ void add_observation(SparseMap& map, std::uint32_t landmark, const Observation& 
 void merge_landmarks(SparseMap& map, std::uint32_t from, std::uint32_t into) {
   CHECK(from != into, "a landmark cannot be merged with itself");
   Landmark& target = map.landmarks[into];
-  CHECK(!target.observations.empty(), "a tombstone cannot be merged into");
+  CHECK(!target.observations.empty(), "a landmark cannot be merged into a tombstone");
   for (const Observation& observation : map.landmarks[from].observations) {
     std::int32_t& of_feature = map.keyframes[observation.keyframe].landmark_of_feature[observation.feature];
     const auto place = std::lower_bound(target.observations.begin(), target.observations.end(), observation, earlier);
@@ -96,7 +97,7 @@ void merge_landmarks(SparseMap& map, std::uint32_t from, std::uint32_t into) {
 }
 
 void remove_observation(SparseMap& map, std::uint32_t landmark, const Observation& observation) {
-  CHECK(std::erase(map.landmarks[landmark].observations, observation) == 1, "only what was seen can be taken back");
+  CHECK(std::erase(map.landmarks[landmark].observations, observation) == 1, "the landmark has no such observation");
   map.keyframes[observation.keyframe].landmark_of_feature[observation.feature] = kNoLandmark;
   if (!map.landmarks[landmark].observations.empty()) update_descriptor(map, map.landmarks[landmark]);
 }

@@ -1,5 +1,6 @@
-// Keyframes and the landmarks they see: what bundle adjustment moves and what a lost camera is found in. Plain data, no copies of images.
-// Landmarks and keyframes live in the frame of a submap, which moves rigidly: a correction changes world_from_submap alone.
+// The sparse map: keyframes and the landmarks they see. Bundle adjustment corrects it, and a lost
+// camera is relocalised in it. Plain data without images. Landmarks and keyframes live in the frame
+// of a submap, so a rigid correction changes only world_from_submap.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,8 +20,8 @@ struct Keyframe {
   std::uint32_t submap = 0;
   Rigid3 submap_from_camera;
   std::vector<Feature> features;
-  std::vector<std::int32_t> landmark_of_feature;  // one per feature, kNoLandmark: none
-  std::vector<DepthPlane> planes{};               // of depth_grid_of(the map's camera); empty: it has none
+  std::vector<std::int32_t> landmark_of_feature;  // one per feature; kNoLandmark: none
+  std::vector<DepthPlane> planes{};               // one per cell of depth_grid_of(the map's camera); empty if not computed
 };
 
 struct Observation {
@@ -32,12 +33,12 @@ struct Observation {
 struct Landmark {
   std::uint32_t submap = 0;
   Eigen::Vector3d position_in_submap_m = Eigen::Vector3d::Zero();
-  Descriptor descriptor{};                // the medoid of its observations'
-  std::vector<Observation> observations;  // ascending keyframes, one each; none: a tombstone, which keeps its index for ever
+  Descriptor descriptor{};                // the medoid of the descriptors of its observations
+  std::vector<Observation> observations;  // ascending keyframes, one each; empty: a tombstone, whose index is never reused
 };
 
-// Indices are those of the vectors and never change: nothing is ever taken out. A landmark lists an observation exactly when that feature
-// names the landmark.
+// Indices into these vectors never change: nothing is ever removed. A landmark lists an observation
+// exactly if that feature refers to the landmark.
 struct SparseMap {
   Camera camera;
   std::vector<Keyframe> keyframes;
@@ -48,36 +49,40 @@ struct SparseMap {
 Rigid3 world_from_camera(const SparseMap& map, const Keyframe& keyframe);
 Eigen::Vector3d position_in_world_m(const SparseMap& map, const Landmark& landmark);
 
-// Standard deviation of the landmark's position [m]: that of the depth from where it was seen nearest; 0 when no observation has depth.
+// Returns the standard deviation [m] of the landmark's position: that of the depth at the nearest
+// observation; 0 if no observation has depth.
 double position_sigma_m(const SparseMap& map, const Landmark& landmark);
 
 struct Covisible {
   std::uint32_t keyframe = 0;
-  int shared_count = 0;  // landmarks that both see
+  int shared_count = 0;  // landmarks seen by both
   bool operator==(const Covisible&) const = default;
 };
 
-// The other keyframes that share at least `least_shared` landmarks with this one, most first, the older of equals first.
-// 15 is the authors' (and ORB-SLAM's) number: fewer shared landmarks do not fix a pose well.
+// Returns the other keyframes that share at least `least_shared` landmarks with this one, most
+// first, older ones first if equal. The authors and ORB-SLAM use 15: fewer shared landmarks do not
+// determine a pose well.
 inline constexpr int kLeastShared = 15;
 std::vector<Covisible> covisible(const SparseMap& map, std::uint32_t keyframe, int least_shared = kLeastShared);
 
-// The landmarks that any of these keyframes sees, ascending, each once.
+// Returns the landmarks seen by any of these keyframes, ascending, without duplicates.
 std::vector<std::uint32_t> landmarks_of(const SparseMap& map, const std::vector<std::uint32_t>& keyframes);
 
-// `feature` of `keyframe` is one more observation of the landmark, whose descriptor follows. The feature has no landmark yet, and the
-// landmark no observation by that keyframe.
+// Adds an observation of the landmark by `feature` of `keyframe` and updates the landmark's
+// descriptor. The feature must have no landmark yet, and the landmark no observation by that
+// keyframe.
 void add_observation(SparseMap& map, std::uint32_t landmark, const Observation& observation);
 
-// They are one point of the world: the observations of `from` move to `into`, whose position stays, and `from` becomes a tombstone. Where a
-// keyframe sees both, it keeps its observation of `into` and its other feature loses its landmark.
+// Merges two landmarks that are one point: the observations of `from` move to `into`, whose
+// position does not change, and `from` becomes a tombstone. Where a keyframe sees both, it keeps
+// its observation of `into`, and its other feature loses its landmark.
 void merge_landmarks(SparseMap& map, std::uint32_t from, std::uint32_t into);
 
-// The keyframe does not see the landmark after all (an outlier of an adjustment); it has to be one of its observations. Without any left
-// the landmark is a tombstone.
+// Removes an observation of the landmark, which must exist (an outlier of an adjustment). A
+// landmark without observations becomes a tombstone.
 void remove_observation(SparseMap& map, std::uint32_t landmark, const Observation& observation);
 
-// All of them at once.
+// Removes all observations of the landmark, which becomes a tombstone.
 void bury_landmark(SparseMap& map, std::uint32_t landmark);
 
 }  // namespace hermite

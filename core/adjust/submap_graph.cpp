@@ -13,12 +13,13 @@ namespace {
 
 constexpr double kMetresPerRadian = 0.5;
 
-// From one submap to the next the dense tracking is off by half a per cent of the way besides; a loop by what two views of one place with
-// the noise of a Kinect differ by (tests/accuracy/LAB.md).
+// Standard deviations: dense tracking from one submap to the next also drifts by half a per cent of
+// the path; a loop is off by the difference of two views of one place with a Kinect's noise
+// (tests/accuracy/LAB.md).
 constexpr double kGrowth = 0.005;
 constexpr double kLoop_m = 0.003, kLoop_rad = 0.002;
 
-// Several times what good tracking drifts by, and what any view may be off by.
+// Several times the drift of good tracking, plus the error of any single view.
 constexpr double kDriftFloor_m = 0.1, kDriftGrowth = 0.03;
 constexpr double kDriftFloor_rad = 0.05, kDriftGrowth_rad_per_m = 0.02;
 

@@ -13,27 +13,29 @@ namespace {
 
 constexpr double kRadians = M_PI / 180;
 
-// So near an old submap the camera goes back into it, before it would open a new one: well inside, so that it does not change to and fro.
+// The camera returns to an old submap if it is within this share of the submap's reach. It is well
+// below 1 so that the camera does not alternate between two submaps.
 constexpr double kBackShare = 0.7;
 
-// A view so near shows much of the same.
+// Two views this close show much of the same surface.
 constexpr double kNearView_m = 1.0, kNearView_rad = 40 * kRadians;
 
-// Keyframes around the camera whose landmarks are looked for beside those of the last ones.
+// The landmarks of this many keyframes around the camera are searched in addition to those of the
+// last keyframes.
 constexpr std::size_t kNearKeyframes = 10;
 
-// A new submap is tied to so many others that were tracked against as well.
+// A new submap is linked to this many other active submaps besides the previous one.
 constexpr std::size_t kTies = 3;
 
-// Submaps around the camera that local adjustment moves.
+// Local adjustment moves this many submaps around the camera.
 constexpr std::size_t kLocalSubmaps = 10;
 
-// Depth is compared from where landmarks have led to, and again from where it has led to itself: a fourth time moves hundredths of a
-// millimetre.
+// Rounds of alignment by depth: the first starts from the landmarks' result, each other one from
+// the last. A fourth round moves submaps by hundredths of a millimetre.
 constexpr int kDepthRounds = 3;
 
-// Adjustment gets so many frames, and one more for so many observations: a core adjusts 46 of them a millisecond (148,000 in 3.2 s), and a
-// camera of 30 Hz gives it 33 ms a frame.
+// The result of an adjustment is due after this many frames, plus one for so many observations: a
+// core adjusts 46 of them per millisecond (148,000 in 3.2 s), and at 30 Hz a frame leaves it 33 ms.
 constexpr std::int64_t kDelayFrames = 5;
 constexpr std::size_t kObservationsPerFrame = 2000;
 
@@ -54,7 +56,8 @@ std::uint32_t SubmapMapping::open_submap(const Rigid3& world_from_submap, std::u
   return submap;
 }
 
-// Which submaps are tracked against: those over a way so short that tracking has not drifted.
+// Marks the submaps that the camera is tracked against: those within a path so short that tracking
+// has not drifted.
 void SubmapMapping::update_active() {
   const std::vector<double> way_m = distances_m(graph_, layout_.current);
   for (std::size_t submap = 0; submap < way_m.size(); ++submap) {
@@ -69,7 +72,8 @@ void SubmapMapping::go_on_in(std::uint32_t submap, const Rigid3& world_from_came
   update_active();
 }
 
-// Beyond the reach of the current submap the camera goes on in one that is there, or opens another.
+// When the camera leaves the reach of the current submap, it continues in an existing one or opens
+// a new one.
 void SubmapMapping::choose_submap() {
   const double reach_m = options_.submap_distance_m, reach_rad = options_.submap_turn_deg * kRadians;
   if (is_within(submap_from_camera_, reach_m, reach_rad)) return;
@@ -105,7 +109,8 @@ std::vector<std::uint32_t> SubmapMapping::submaps_of(std::uint32_t component) co
   return submaps;
 }
 
-// Of those in active submaps, or of the others of this component: nearest first.
+// Returns keyframes near the camera, nearest first: those in active submaps of this component, or
+// those in inactive ones.
 std::vector<std::uint32_t> SubmapMapping::keyframes_near(double distance_m, double turn_rad, bool active) const {
   const Rigid3 camera_from_world = inverse(world_from_camera());
   std::vector<std::pair<double, std::uint32_t>> near;
@@ -187,8 +192,8 @@ void SubmapMapping::adjust_locally() {
   start({bundle_of(map_, graph_, free), map_.world_from_submap.size(), frame_ + kDelayFrames, false, {}});
 }
 
-// One that runs for loops before goes on, or a camera that closes one after the other would never see the end of any. The next one is of
-// all loops that have closed by then.
+// An adjustment that is running for loops continues; otherwise a camera that closes one loop after
+// the other would never get a result. The next adjustment covers all loops closed by then.
 void SubmapMapping::adjust_globally() {
   if (running_ && running_->is_global) {
     running_->loop_since = layout_.current;
@@ -219,7 +224,8 @@ void SubmapMapping::apply_due() {
   const std::optional<Result<BundleSolution>> ready =
       time_ == CorrectionTime::kByFrames ? std::optional(adjuster_->wait()) : adjuster_->poll();
   if (!ready) return;
-  // Of the map as it lies before the result, bent by loops alone: from there bundle_of() tells how well it was tracked.
+  // The next problem is taken from the map before this result is applied, bent by loops alone:
+  // bundle_of() estimates the accuracy of tracking from it.
   std::optional<Running> next;
   if (running_->loop_since) next = global_adjustment(graph_.component[*running_->loop_since]);
   apply_result(*ready);
@@ -234,13 +240,14 @@ void SubmapMapping::apply_result(const Result<BundleSolution>& result) {
   }
   const std::vector<Rigid3> before = map_.world_from_submap;
   apply(*result, done.bundle.scope, map_);
-  // As loops since it began have bent the map, so they bend what it says.
+  // Loops closed since the adjustment began have bent the map; the same motion is applied to the
+  // result.
   for (std::size_t i = 0; done.loop_since && i < done.bundle.scope.submaps.size(); ++i) {
     const std::uint32_t submap = done.bundle.scope.submaps[i];
     const Rigid3 bent = before[submap] * inverse(done.bundle.problem.world_from_submap[i]);
     map_.world_from_submap[submap] = bent * map_.world_from_submap[submap];
   }
-  // Submaps that came since follow the one they were opened from.
+  // Submaps opened since then follow the submap they were opened from.
   for (std::size_t submap = done.submap_count; submap < before.size(); ++submap) {
     const std::uint32_t parent = graph_.parent[submap];
     if (parent != submap) map_.world_from_submap[submap] = map_.world_from_submap[parent] * inverse(before[parent]) * before[submap];
@@ -251,9 +258,9 @@ void SubmapMapping::apply_result(const Result<BundleSolution>& result) {
 
 void SubmapMapping::finish() {
   if (pending_) close(*std::exchange(pending_, std::nullopt));
-  if (running_ && running_->loop_since) give_up();  // all that it could say is said anew below
+  if (running_ && running_->loop_since) give_up();  // the adjustment below replaces it
   if (running_) apply_result(adjuster_->wait());
-  // Without a loop there is nothing that dense tracking does not know better than landmarks do (tests/accuracy/LAB.md).
+  // Without a loop, dense tracking is more accurate than landmarks (tests/accuracy/LAB.md).
   const auto closes = [](const SubmapLink& link) { return link.is_loop; };
   if (std::none_of(graph_.links.begin(), graph_.links.end(), closes)) return;
   const std::vector<std::uint32_t> submaps = submaps_of(graph_.component[layout_.current]);
@@ -264,7 +271,7 @@ void SubmapMapping::finish() {
   if (options_.depth_links) straighten(submaps);
 }
 
-// Where loops and landmarks have brought the submaps, depth can tell the rest.
+// Aligns submaps by depth, from where loops and landmarks have placed them.
 void SubmapMapping::straighten(const std::vector<std::uint32_t>& submaps) {
   for (int round = 0; round < kDepthRounds; ++round) {
     BundleOfMap bundle = bundle_of(map_, graph_, submaps);

@@ -1,5 +1,6 @@
-// The one implementation of Mapping: submaps that open as the camera goes, keyframes with ORB landmarks, loops by nearness and by
-// appearance, bundle adjustment behind the camera's back. For core/adjust and its tests; others call make_mapping().
+// The implementation of Mapping: submaps that are opened as the camera moves, keyframes with ORB
+// landmarks, loop candidates by nearness and by appearance, and bundle adjustment in the
+// background. Only for core/adjust and its tests; others call make_mapping().
 #pragma once
 
 #include <memory>
@@ -32,21 +33,22 @@ class SubmapMapping final : public Mapping {
 
  private:
   struct Running {
-    BundleOfMap bundle;              // what the adjuster works on: to be begun anew by who goes on from save()
-    std::uint64_t submap_count = 0;  // when it began
+    BundleOfMap bundle;              // the adjuster's problem; restore() starts it again
+    std::uint64_t submap_count = 0;  // number of submaps when it began
     std::int64_t due_frame = 0;
     bool is_global = false;
-    // Where the camera was when the last loop closed since it began. The map has been bent meanwhile, and is adjusted again afterwards.
+    // The current submap when the last loop closed since this adjustment began. The map has been
+    // bent meanwhile and must be adjusted again afterwards.
     std::optional<std::uint32_t> loop_since;
   };
 
-  // A loop that is measured again as long as the camera sees more of the place.
+  // A loop that is verified again as long as the camera sees more of the place.
   struct PendingLoop {
-    SubmapLink link;  // by the verification that saw most
+    SubmapLink link;  // by the verification with the largest overlap
     double overlap = 0;
-    std::int64_t frame = 0, keyframe = 0;  // of that verification, how many there were
+    std::int64_t frame = 0, keyframe = 0;  // of that verification: the frame, and the number of keyframes then
     bool by_appearance = false;
-    std::uint32_t later_verifications = 0;  // that fitted too
+    std::uint32_t later_verifications = 0;  // later successful verifications
   };
 
   Rigid3 world_from_camera() const { return map_.world_from_submap[layout_.current] * submap_from_camera_; }
@@ -70,7 +72,7 @@ class SubmapMapping final : public Mapping {
   void apply_result(const Result<BundleSolution>& result);
   void publish();
   void publish_correction();
-  // submap_mapping_loops.cpp
+  // Defined in submap_mapping_loops.cpp.
   std::vector<LoopCandidate> recognised(const std::vector<Feature>& features);
   std::vector<LoopCandidate> near_inactive();
   std::vector<bool> submaps_in_view(const Rigid3& world_from_camera, std::uint32_t component) const;
@@ -83,7 +85,7 @@ class SubmapMapping final : public Mapping {
   void join(const SubmapLink& loop);
   bool close(const PendingLoop& loop);
   void close_when_seen();
-  // submap_mapping_state.cpp
+  // Defined in submap_mapping_state.cpp.
   template <class Bytes, class Saved>
   static void fields(Bytes& bytes, Saved& saved);
   template <class Bytes, class Saved>
@@ -98,10 +100,10 @@ class SubmapMapping final : public Mapping {
   SubmapGraph graph_;
   PlaceIndex index_;
   MapLayout layout_;
-  Rigid3 submap_from_camera_;  // of the frame observed last, in the current submap
-  std::int64_t frame_ = -1;    // observed last
+  Rigid3 submap_from_camera_;  // pose of the last observed frame in the current submap
+  std::int64_t frame_ = -1;    // index of the last observed frame
   std::uint32_t component_count_ = 1;
-  std::int64_t offered_at_keyframe_ = -1000;  // when near submaps were last offered
+  std::int64_t offered_at_keyframe_ = -1000;  // number of keyframes when near submaps were last candidates
   std::unique_ptr<Adjuster> adjuster_;
   std::optional<Running> running_;
   std::optional<PendingLoop> pending_;

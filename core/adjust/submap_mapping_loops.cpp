@@ -1,4 +1,5 @@
-// SubmapMapping and the places it has come back to: which may be in view, how a loop is measured, believed, and closed.
+// Loop closure of SubmapMapping: which places may be in view, and how a loop is verified, accepted
+// and closed.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,23 +11,27 @@ namespace hermite {
 
 namespace {
 
-// Near submaps are candidates every so many keyframes: a verification costs as much as a frame.
+// Near submaps are candidates once per this many keyframes, because a verification costs as much as
+// a frame.
 constexpr std::int64_t kNearInterval = 4;
 
-// As far as a depth camera sees, and as wide as it turns without losing all of a view.
+// The range of a depth camera, and the largest rotation at which two views still overlap.
 constexpr double kInView_m = 3.0, kInView_rad = M_PI / 2;
 
-// A verification whose frame shares so much of its view with the place closes the loop at once; before that it is repeated at every
-// keyframe, until so many keyframes or frames have not seen more. Coming back to a place by a corridor, an alignment over 31 % of the view
-// was off by 5.8 mm, over 41 % by 2.8, over 54 % by 1.4, and from 60 % on by 0.4 to 1 (tests/accuracy/LAB.md).
+// A verification with at least this overlap closes the loop at once. With less, it is repeated at
+// every keyframe until the overlap has not grown for kPatientKeyframes keyframes or kPatientFrames
+// frames. When the camera came back to a place along a corridor, an alignment with an overlap of 31
+// % was off by 5.8 mm, with 41 % by 2.8, with 54 % by 1.4, and from 60 % on by 0.4 to 1
+// (tests/accuracy/LAB.md).
 constexpr double kSeenWell = 0.6;
 constexpr std::int64_t kPatientKeyframes = 3, kPatientFrames = 45;
 constexpr std::uint32_t kMostVerifications = 15;
 
-// One place is meant when the next best has fewer inliers than this share: identical rooms have nearly as many.
+// A place is unambiguous if the runner-up has fewer than this share of its inliers: identical rooms
+// have nearly as many.
 constexpr double kAmbiguous = 0.7;
 
-// So many recognised places are candidates.
+// The largest number of recognised places that become candidates.
 constexpr std::size_t kPlaces = 2;
 
 // A correction smaller than the noise of tracking is not worth another prediction.
@@ -34,14 +39,15 @@ constexpr double kSmall_m = 0.001, kSmall_rad = 0.0005;
 
 bool is_small(const Rigid3& motion) { return motion.translation.norm() < kSmall_m && angle_rad(motion.rotation) < kSmall_rad; }
 
-// Best first: does the first look like no other place?
+// Returns whether the first place is unambiguous; `places` are best first.
 bool is_unmistakable(const std::vector<PlaceMatch>& places) {
   return places.size() < 2 || static_cast<double>(places[1].matches.size()) < kAmbiguous * static_cast<double>(places[0].matches.size());
 }
 
 }  // namespace
 
-// Those of the component with a keyframe whose view is near that of a camera there.
+// Returns the submaps of the component with a keyframe whose view is near that of a camera at this
+// pose.
 std::vector<bool> SubmapMapping::submaps_in_view(const Rigid3& world_from_camera, std::uint32_t component) const {
   std::vector<bool> submaps(graph_.component.size(), false);
   const Rigid3 camera_from_world = inverse(world_from_camera);
@@ -52,7 +58,8 @@ std::vector<bool> SubmapMapping::submaps_in_view(const Rigid3& world_from_camera
   return submaps;
 }
 
-// What a camera there could see of the component of `submap`, without what is active.
+// Returns a candidate with the inactive submaps of the component of `submap` that a camera at this
+// pose could see.
 LoopCandidate SubmapMapping::candidate_at(const Rigid3& world_from_camera, std::uint32_t submap, bool by_appearance) const {
   LoopCandidate candidate{world_from_camera, submaps_in_view(world_from_camera, graph_.component[submap]), by_appearance};
   for (std::size_t i = 0; i < graph_.component.size(); ++i)
@@ -60,7 +67,8 @@ LoopCandidate SubmapMapping::candidate_at(const Rigid3& world_from_camera, std::
   return candidate;
 }
 
-// Places among the inactive submaps that show what the features show, as far as the camera can have come there.
+// Returns candidates in inactive submaps that look like the features, if the camera can have
+// drifted that far.
 std::vector<LoopCandidate> SubmapMapping::recognised(const std::vector<Feature>& features) {
   std::vector<std::uint32_t> excluded;
   for (std::uint32_t i = 0; i < map_.keyframes.size(); ++i)
@@ -72,7 +80,7 @@ std::vector<LoopCandidate> SubmapMapping::recognised(const std::vector<Feature>&
   for (const PlaceMatch& place : places) {
     const Rigid3 there = map_.world_from_submap[place.submap] * place.submap_from_camera;
     const bool same_component = graph_.component[place.submap] == graph_.component[layout_.current];
-    // Of another component only the appearance is known: then it must look like nothing else.
+    // For another component only the appearance is known, so it must be unambiguous.
     const bool possible =
         same_component ? is_possible_drift(inverse(world_from_camera()) * there, way_m[place.submap]) : is_unmistakable(places);
     if (!possible) ++counts_.impossible_places;
@@ -82,7 +90,7 @@ std::vector<LoopCandidate> SubmapMapping::recognised(const std::vector<Feature>&
   return candidates;
 }
 
-// Inactive submaps that the camera should see if it has not drifted.
+// Returns as a candidate the inactive submaps that the camera should see if it has not drifted.
 std::vector<LoopCandidate> SubmapMapping::near_inactive() {
   const auto keyframe = static_cast<std::int64_t>(map_.keyframes.size());
   if (keyframe < offered_at_keyframe_ + kNearInterval) return {};
@@ -104,7 +112,7 @@ std::uint32_t SubmapMapping::nearest_submap(const std::vector<bool>& among, cons
   return nearest;
 }
 
-// Where in the world the loop says that the submap it starts from stands.
+// Returns the world pose of the submap where the loop starts, according to the loop.
 Rigid3 SubmapMapping::placed_by(const SubmapLink& loop) const { return map_.world_from_submap[loop.to] * inverse(loop.from_from_to); }
 
 bool SubmapMapping::is_of_another_component(const LoopCandidate& candidate) const {
@@ -113,7 +121,7 @@ bool SubmapMapping::is_of_another_component(const LoopCandidate& candidate) cons
          graph_.component[static_cast<std::size_t>(seen - candidate.submaps.begin())] != graph_.component[layout_.current];
 }
 
-// The place of the pending loop, from where the camera is if the loop is right.
+// Returns the place of the pending loop as a candidate, at the camera's pose if the loop is right.
 std::vector<LoopCandidate> SubmapMapping::pending_candidate() const {
   const SubmapLink& loop = pending_->link;
   if (graph_.component[loop.from] != graph_.component[layout_.current]) return {};
@@ -121,7 +129,7 @@ std::vector<LoopCandidate> SubmapMapping::pending_candidate() const {
   return {candidate_at(placed_by(loop) * from_from_camera, loop.to, pending_->by_appearance)};
 }
 
-// The older of the two components stays, the other one comes to where the camera sees both.
+// Joins two components: the older one stays, the other one moves to where the camera sees both.
 void SubmapMapping::join(const SubmapLink& loop) {
   const std::uint32_t from_component = graph_.component[loop.from], to_component = graph_.component[loop.to];
   const Rigid3 there_from_here = placed_by(loop) * inverse(map_.world_from_submap[loop.from]);
@@ -134,7 +142,8 @@ void SubmapMapping::join(const SubmapLink& loop) {
   }
 }
 
-// Submaps move so that the loop closes (a pose graph). No: something else would have to give way too much, and nothing has moved.
+// Moves submaps so that the loop closes (a pose graph). Returns false, with nothing moved, if
+// another link would contradict it.
 bool SubmapMapping::bend(const SubmapLink& loop) {
   graph_.links.push_back(loop);
   const std::vector<std::uint32_t> submaps = submaps_of(graph_.component[loop.to]);
@@ -163,7 +172,8 @@ bool SubmapMapping::confirm(const LoopCandidate& candidate, const LoopVerificati
   const auto keyframe = static_cast<std::int64_t>(map_.keyframes.size());
   const PendingLoop loop{link,     verified.overlap,        frame_,
                          keyframe, candidate.by_appearance, pending_ ? pending_->later_verifications + 1 : 0};
-  // Components are joined at once: a camera in a new one cannot tell how long it will see the old one.
+  // Components are joined at once, because it is unknown how long a camera in a new component will
+  // see the old one.
   if (verified.overlap >= kSeenWell || !same_component || is_small(drift)) {
     pending_.reset();
     return close(loop);
@@ -173,7 +183,8 @@ bool SubmapMapping::confirm(const LoopCandidate& candidate, const LoopVerificati
   return true;
 }
 
-// When the camera does not see more of the place, the loop is closed; but not if no later verification succeeded.
+// Closes the pending loop when the camera no longer sees more of the place, unless no later
+// verification succeeded.
 void SubmapMapping::close_when_seen() {
   if (!pending_) return;
   const bool was_verified_again = static_cast<std::int64_t>(map_.keyframes.size()) >= pending_->keyframe + kPatientKeyframes ||
@@ -186,7 +197,8 @@ void SubmapMapping::close_when_seen() {
     close(loop);
 }
 
-// The map is bent so that the loop closes. No: it contradicts what else is known, and nothing has moved.
+// Bends the map so that the loop closes. Returns false, with nothing moved, if it contradicts other
+// links.
 bool SubmapMapping::close(const PendingLoop& loop) {
   const std::vector<std::uint32_t> components_before = graph_.component;
   const std::vector<Rigid3> poses_before = map_.world_from_submap;

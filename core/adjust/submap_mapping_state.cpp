@@ -1,5 +1,5 @@
-// SubmapMapping as bytes and back. What follows from the rest is left out: which landmark a feature is, the tables of the index, and the
-// result of an adjustment that is running, which its problem gives again.
+// Serialisation of SubmapMapping. Derived values are left out: the landmark of each feature, the
+// tables of the place index, and the result of a running adjustment, which its problem gives again.
 #include <algorithm>
 #include <cmath>
 
@@ -11,9 +11,9 @@ namespace hermite {
 
 namespace {
 
-// No frame or keyframe comes so late: sums with what is allowed here do not overflow.
+// No frame or keyframe index is this large; sums of allowed values do not overflow.
 constexpr std::int64_t kMaxIndex = std::int64_t{1} << 40;
-constexpr std::size_t kMaxSubmaps = 1u << 16;  // as the surfels have bits for
+constexpr std::size_t kMaxSubmaps = 1u << 16;  // the submap index of a surfel has 16 bits
 
 bool is_index(std::int64_t index) { return index >= -kMaxIndex && index <= kMaxIndex; }
 
@@ -33,7 +33,7 @@ void landmark_fields(Bytes& bytes, Saved& landmark) {
   bytes.numbers(landmark.position_in_submap_m.data(), 3);
   bytes.number(landmark.descriptor);
   bytes.numbers(landmark.observations);
-  bytes.require(is_near(landmark.position_in_submap_m), "a landmark that is nowhere");
+  bytes.require(is_near(landmark.position_in_submap_m), "a landmark's position is out of range");
 }
 
 template <class Bytes, class Saved>
@@ -43,10 +43,10 @@ void link_fields(Bytes& bytes, Saved& link) {
   rigid3_fields(bytes, link.from_from_to);
   bytes.number(link.length_m);
   bytes.flag(link.is_loop);
-  bytes.require(link.length_m >= 0 && std::isfinite(link.length_m), "the length of a link");
+  bytes.require(link.length_m >= 0 && std::isfinite(link.length_m), "the length of a link is out of range");
 }
 
-// adjust() says itself what is wrong with a problem.
+// adjust() validates the problem itself.
 template <class Bytes, class Saved>
 void problem_fields(Bytes& bytes, Saved& problem) {
   bytes.list(problem.world_from_submap, [](auto& to, auto& pose) { rigid3_fields(to, pose); });
@@ -84,8 +84,8 @@ bool all_below(const std::vector<std::uint32_t>& indices, std::size_t count) {
   return std::all_of(indices.begin(), indices.end(), [count](std::uint32_t index) { return index < count; });
 }
 
-// Observations are those of landmarks; each feature is at most one.
-void name_landmarks(ByteReader& bytes, SparseMap& map) {
+// Sets the landmark of each feature from the observations; a feature may occur only once.
+void assign_landmarks(ByteReader& bytes, SparseMap& map) {
   for (Keyframe& keyframe : map.keyframes) keyframe.landmark_of_feature.assign(keyframe.features.size(), kNoLandmark);
   for (std::size_t landmark = 0; landmark < map.landmarks.size(); ++landmark) {
     std::int64_t last_keyframe = -1;
@@ -93,7 +93,7 @@ void name_landmarks(ByteReader& bytes, SparseMap& map) {
       const bool is_there = observation.keyframe < map.keyframes.size() && observation.keyframe > last_keyframe &&
                             observation.feature < map.keyframes[observation.keyframe].features.size() &&
                             map.keyframes[observation.keyframe].landmark_of_feature[observation.feature] == kNoLandmark;
-      bytes.require(is_there, "an observation of a landmark");
+      bytes.require(is_there, "an observation of a landmark is invalid");
       if (!bytes.ok()) return;
       map.keyframes[observation.keyframe].landmark_of_feature[observation.feature] = static_cast<std::int32_t>(landmark);
       last_keyframe = observation.keyframe;
@@ -103,20 +103,22 @@ void name_landmarks(ByteReader& bytes, SparseMap& map) {
 
 void check_map(ByteReader& bytes, const SparseMap& map) {
   const std::size_t submaps = map.world_from_submap.size();
-  bytes.require(submaps >= 1 && submaps <= kMaxSubmaps, "the number of submaps");
+  bytes.require(submaps >= 1 && submaps <= kMaxSubmaps, "the number of submaps is out of range");
   const std::size_t planes = depth_grid_of(map.camera).count();
   for (const Keyframe& keyframe : map.keyframes) {
-    bytes.require(keyframe.submap < submaps && keyframe.features.size() <= static_cast<std::size_t>(kMaxFeatureCount), "a keyframe");
-    bytes.require(keyframe.planes.empty() || keyframe.planes.size() == planes, "the planes of a keyframe");
+    bytes.require(keyframe.submap < submaps && keyframe.features.size() <= static_cast<std::size_t>(kMaxFeatureCount),
+                  "a keyframe has an invalid submap or too many features");
+    bytes.require(keyframe.planes.empty() || keyframe.planes.size() == planes, "a keyframe has a wrong number of depth planes");
   }
-  for (const Landmark& landmark : map.landmarks) bytes.require(landmark.submap < submaps, "the submap of a landmark");
+  for (const Landmark& landmark : map.landmarks) bytes.require(landmark.submap < submaps, "the submap of a landmark is out of range");
 }
 
 void check_graph(ByteReader& bytes, const SubmapGraph& graph, std::size_t submaps, std::uint32_t component_count) {
   bytes.require(graph.component.size() == submaps && graph.parent.size() == submaps && component_count <= submaps,
-                "the graph of the submaps");
-  bytes.require(all_below(graph.component, component_count) && all_below(graph.parent, submaps), "a submap of the graph");
-  for (const SubmapLink& link : graph.links) bytes.require(link.from < submaps && link.to < submaps, "the ends of a link");
+                "the graph of submaps has a wrong size");
+  bytes.require(all_below(graph.component, component_count) && all_below(graph.parent, submaps),
+                "an entry of the submap graph is out of range");
+  for (const SubmapLink& link : graph.links) bytes.require(link.from < submaps && link.to < submaps, "the ends of a link are out of range");
 }
 
 }  // namespace
@@ -137,8 +139,9 @@ void SubmapMapping::fields(Bytes& bytes, Saved& saved) {
   bytes.number(saved.frame_);
   bytes.number(saved.component_count_);
   bytes.number(saved.offered_at_keyframe_);
-  bytes.require(is_index(saved.frame_) && is_index(saved.offered_at_keyframe_), "the number of a frame");
-  for (auto& keyframe : saved.map_.keyframes) bytes.numbers(keyframe.planes);  // most of the bytes, and of any value: after what is not
+  bytes.require(is_index(saved.frame_) && is_index(saved.offered_at_keyframe_), "a frame index is out of range");
+  for (auto& keyframe : saved.map_.keyframes)
+    bytes.numbers(keyframe.planes);  // the largest share of the bytes; any value is valid, so they come last
 }
 
 template <class Bytes, class Saved>
@@ -149,7 +152,8 @@ void SubmapMapping::pending_fields(Bytes& bytes, Saved& pending) {
   bytes.number(pending.keyframe);
   bytes.flag(pending.by_appearance);
   bytes.number(pending.later_verifications);
-  bytes.require(pending.overlap >= 0 && pending.overlap <= 1 && is_index(pending.frame) && is_index(pending.keyframe), "a loop that waits");
+  bytes.require(pending.overlap >= 0 && pending.overlap <= 1 && is_index(pending.frame) && is_index(pending.keyframe),
+                "the pending loop is invalid");
 }
 
 template <class Bytes, class Saved>
@@ -180,13 +184,13 @@ void SubmapMapping::save(ByteWriter& bytes) const {
 void SubmapMapping::restore(ByteReader& bytes) {
   bool by_frames = false;
   bytes.flag(by_frames);
-  bytes.require(by_frames == (time_ == CorrectionTime::kByFrames), "of a scan whose corrections come at another time");
+  bytes.require(by_frames == (time_ == CorrectionTime::kByFrames), "the state was saved in another mode, live or batch");
   fields(bytes, *this);
   const std::size_t submaps = map_.world_from_submap.size();
   check_map(bytes, map_);
   check_graph(bytes, graph_, submaps, component_count_);
-  bytes.require(layout_.is_active.size() == submaps && layout_.current < submaps, "the current submap");
-  if (bytes.ok()) name_landmarks(bytes, map_);
+  bytes.require(layout_.is_active.size() == submaps && layout_.current < submaps, "the current submap is out of range");
+  if (bytes.ok()) assign_landmarks(bytes, map_);
   index_.restore(bytes, map_.landmarks.size());
   for (const MappingCountName& named : kMappingCountNames) bytes.number(counts_.*named.count);
   bool is_pending = false, is_running = false;
@@ -194,7 +198,7 @@ void SubmapMapping::restore(ByteReader& bytes) {
   if (is_pending) {
     PendingLoop pending;
     pending_fields(bytes, pending);
-    bytes.require(pending.link.from < submaps && pending.link.to < submaps, "the ends of a loop");
+    bytes.require(pending.link.from < submaps && pending.link.to < submaps, "the ends of the pending loop are out of range");
     pending_ = pending;
   }
   bytes.flag(is_running);
@@ -210,13 +214,13 @@ void SubmapMapping::restore_running(ByteReader& bytes) {
   const std::size_t submaps = map_.world_from_submap.size(), landmarks = map_.landmarks.size();
   bytes.require(scope.submaps.size() == problem.world_from_submap.size() && scope.landmarks.size() == problem.landmarks_in_world.size() &&
                     scope.sightings.size() == problem.observations.size(),
-                "an adjustment of something else");
+                "a running adjustment does not fit the map");
   bytes.require(all_below(scope.submaps, submaps) && all_below(scope.landmarks, landmarks) && running.submap_count <= submaps &&
                     std::all_of(scope.sightings.begin(), scope.sightings.end(),
                                 [landmarks](const BundleScope::Sighting& sighting) { return sighting.landmark < landmarks; }),
-                "what is adjusted");
-  bytes.require(!running.loop_since || *running.loop_since < submaps, "where a loop has closed");
-  bytes.require(is_index(running.due_frame), "when an adjustment is due");
+                "the scope of a running adjustment is out of range");
+  bytes.require(!running.loop_since || *running.loop_since < submaps, "the submap of a closed loop is out of range");
+  bytes.require(is_index(running.due_frame), "the frame at which an adjustment is due is out of range");
   if (!bytes.ok()) return;
   running.bundle.problem.camera = map_.camera;
   start(std::move(running));

@@ -17,15 +17,17 @@ namespace {
 using Json = nlohmann::ordered_json;
 using FreeNumbers = std::array<bool, kCameraNumberCount>;
 
-// Of an image of 640 pixels across, where a number is in pixels.
+// Values in pixels are for an image 640 pixels wide.
 struct NumberRule {
   const char* name;
-  // By how much cameras are off the number that is taken for theirs. TUM's three Kinects have focal lengths from 517 to 535 where 525 is
-  // taken for all, and centres some pixels off the middle. A bend is of the order of TUM's factors for their depth, 0 to 3.5 %.
+  // Prior standard deviation: the usual difference between a camera's parameter and its nominal
+  // value. TUM's three Kinects have focal lengths from 517 to 535 with a nominal 525, and principal
+  // points some pixels off the centre. Bends are of the order of TUM's depth factors, 0 to 3.5 %.
   // Half a pixel of a Kinect's disparity (525 pixels, 75 mm) is 0.013 per metre.
   double deviation;
-  // Less is left: what comes of noise alone stays below 0.1 % of focal length, half a pixel, 0.02 % of bend and 0.0004 per metre in the
-  // rendered scenes, and what moves a camera by a few millimetres is above it (accuracy tests: 2 to 3 mm per 0.1 % of focal length, 5 to 6
+  // The least change that is applied. Noise alone causes less than 0.1 % of focal length, half a
+  // pixel, 0.02 % of bend and 0.0004 per metre in the rendered scenes; errors that move a camera by
+  // a few millimetres are larger (accuracy tests: 2 to 3 mm per 0.1 % of focal length, 5 to 6 mm
   // per 0.1 % of bend).
   double least;
 };
@@ -40,17 +42,19 @@ constexpr double kRuleWidth_px = 640;
 
 constexpr double kMostPriorDeviations = 3, kLeastDeviations = 3;
 
-// By how much pairs that were held back have to agree better, with all that is applied and with each number of it. Their points are off
-// together: the RMS of the pairs fitted and of those held back differs by 1 to 2 % in the rendered scenes. One number more or less does not
-// change which pairs they are.
+// The least relative decrease of the held-out pairs' RMS, for all applied parameters together and
+// for each one. Errors of points within a pair are correlated: in the rendered scenes the RMS of
+// fitted and held-out pairs differs by 1 to 2 %. Changing one parameter does not change which pairs
+// these are.
 constexpr double kLeastGain = 0.02, kLeastGainOfOne = 0.005;
 
-// A camera is the same from beginning to end. What one half of the recording says of a number may be off what all of it says by half of
-// that, or by what is not significant in the half. Redkitchen's first 400 frames say an offset of 0.028 per metre, its frames 500 to 900
-// say 0.008, each with a deviation of 0.001: it stands for something else.
+// A camera does not change during a recording. A half of it may differ from the whole by this share
+// of the parameter, or by what is not significant in that half. The first 400 frames of redkitchen
+// give an offset of 0.028 per metre and its frames 500 to 900 give 0.008, each with a deviation of
+// 0.001, so it compensates for something else.
 constexpr double kMostApartOfHalves = 0.5;
 
-// Fewer say nothing about the world beyond themselves.
+// Results from fewer views or pairs do not generalise.
 constexpr std::size_t kLeastViews = 8, kLeastFittedPairs = 16, kLeastHeldBackPairs = 4;
 
 double pixels_of(std::size_t number, const Camera& camera) {
@@ -63,7 +67,7 @@ struct Trial {
   double relative_rms() const { return held_back.rms_m / held_back.mean_depth_m; }
 };
 
-// A number that has no right to be free, and why.
+// A parameter that must not stay free, and why.
 struct Objection {
   std::size_t number = 0;
   std::string reason;
@@ -82,8 +86,8 @@ class Search {
     return trial;
   }
 
-  // A number that the first or the second half of the views sees otherwise, the one that is most apart; none when both agree with `start`,
-  // or are too little.
+  // Returns the parameter in which the first or second half of the views differs most from `start`;
+  // nullopt if both agree or are too small.
   std::optional<Objection> halves_objection(const FreeNumbers& is_free, const Trial& start) const {
     std::optional<Objection> worst;
     double most_apart = 1;
@@ -119,7 +123,7 @@ class Search {
   const ChosenPairs pairs_;
 };
 
-// The number that has the least right to be free; none when all may stay.
+// Returns the parameter with the strongest objection; nullopt if all may stay free.
 std::optional<Objection> objection_to(const JointSolution& solution, const FreeNumbers& is_free, const Camera& camera) {
   std::optional<Objection> worst;
   double most_beyond = 1;
@@ -130,7 +134,7 @@ std::optional<Objection> objection_to(const JointSolution& solution, const FreeN
   };
   const auto size_of = [&](std::size_t k) { return std::abs(solution.change[static_cast<Eigen::Index>(k)]) / pixels_of(k, camera); };
   for (std::size_t k = 0; k < kCameraNumberCount; ++k)
-    if (is_free[k]) object(k, size_of(k) / (kMostPriorDeviations * kRules[k].deviation), "more than a camera can be off by");
+    if (is_free[k]) object(k, size_of(k) / (kMostPriorDeviations * kRules[k].deviation), "larger than a camera's plausible error");
   if (worst) return worst;
   for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
     if (!is_free[k]) continue;
@@ -154,7 +158,7 @@ void record(const JointSolution& solution, std::size_t number, FoundNumber& foun
   found.deviation = solution.deviation[static_cast<Eigen::Index>(number)];
 }
 
-// Whether what was found is applied, by what pairs that were held back say of it.
+// Decides whether the result is applied, by the agreement of the held-out pairs.
 void conclude(Calibration& result, const Camera& camera, const Trial& as_it_was, const Trial& best, const FreeNumbers& is_free) {
   const bool is_any_free = std::any_of(is_free.begin(), is_free.end(), [](bool is) { return is; });
   const bool agrees_better =
@@ -162,12 +166,12 @@ void conclude(Calibration& result, const Camera& camera, const Trial& as_it_was,
       best.held_back.median_m * as_it_was.held_back.mean_depth_m <= as_it_was.held_back.median_m * best.held_back.mean_depth_m;
   const Camera corrected = changed(camera, best.solution.change);
   result.is_applied = is_any_free && agrees_better && validate(corrected).ok();
-  if (!is_any_free) result.reason = "no number of the camera is off, or none in a way that is to be believed: each says why";
+  if (!is_any_free) result.reason = "no parameter of the camera is off, or none reliably so; see the reason of each";
   for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
     if (!is_free[k]) continue;
     record(best.solution, k, result.numbers[k]);
     result.numbers[k].is_applied = result.is_applied;
-    if (!result.is_applied) result.numbers[k].reason = result.reason = "pairs that were held back do not agree better with what was found";
+    if (!result.is_applied) result.numbers[k].reason = result.reason = "the held-out pairs of views do not agree better with the result";
   }
   if (!result.is_applied) return;
   result.camera = corrected;
@@ -178,7 +182,7 @@ void conclude(Calibration& result, const Camera& camera, const Trial& as_it_was,
 
 Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& camera, const CalibrateOptions& options) {
   Camera straight = rectified(camera);
-  straight.depth_correction = camera.depth_correction;  // of patches, which are as measured
+  straight.depth_correction = camera.depth_correction;  // patches have depth as measured, so this correction applies to them
   const Search search(views, straight, options);
   Calibration result;
   result.camera = camera;
@@ -186,7 +190,7 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
   result.fitted_pair_count = search.pairs().fitted.size();
   result.held_back_pair_count = search.pairs().held_back.size();
   if (views.size() < kLeastViews || result.fitted_pair_count < kLeastFittedPairs || result.held_back_pair_count < kLeastHeldBackPairs) {
-    result.reason = "too few views that overlap: the camera has to turn and move more, and to see some places from several sides";
+    result.reason = "too few overlapping views: the camera must rotate and move more, and see some places from several sides";
     return result;
   }
   result.numbers.resize(kCameraNumberCount);
@@ -218,7 +222,7 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
     without[k] = false;
     Trial trial = search.try_with(without, &best);
     if (trial.relative_rms() * (1 - kLeastGainOfOne) > best.relative_rms()) continue;
-    take_back({k, "pairs that were held back agree as well without it"});
+    take_back({k, "the held-out pairs of views agree as well without it"});
     best = std::move(trial);
     settle();
   }
@@ -228,8 +232,9 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
 }
 
 Calibration calibrate(const Sequence& sequence, FrameRange range, const Trajectory& trajectory, const CalibrateOptions& options) {
-  CHECK(options.max_view_count >= 2 && options.thread_count >= 1, "no views or no thread");
-  // The door as the pipeline has it, but for depth, which patches want as measured.
+  CHECK(options.max_view_count >= 2 && options.thread_count >= 1, "calibration needs at least two views and one thread");
+  // Rectifies as the pipeline does, except for the depth correction, because patches need depth as
+  // measured.
   Camera lenses = sequence.camera();
   lenses.depth_correction = {};
   const std::optional<Rectifier> rectifier = rectifier_of(lenses);

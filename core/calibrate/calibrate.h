@@ -1,19 +1,25 @@
-// What is wrong with the camera of a recording, found in the recording itself: focal length, centre, and what DepthCorrection has. A camera
-// that is wrong bends what it sees, otherwise from each place; views that lie apart then contradict each other, whatever their poses.
+// Self-calibration: finds errors of a recording's camera in the recording itself, namely of focal
+// length, principal point and the parameters of DepthCorrection. A wrong camera distorts surfaces
+// differently from each viewpoint, so views from different places contradict each other, whatever
+// their poses.
 //
-// Not to be found: a factor of all depths. It is the scale of the world, and all views agree in any. Nor whatever is alike in all views
-// that were chosen, since the camera did not turn or come nearer: that number is then not significant.
+// A factor of all depths cannot be found: it is the scale of the world, and all views agree at any
+// scale. Nor can any error whose effect is the same in all chosen views, because the camera did not
+// rotate or approach; that parameter is then not significant.
 //
-// Views are chosen along the way, some of their pairs are held back, and poses and camera are adjusted together (joint_adjustment.h) to the
-// rest. Of the numbers that were free, one after the other is taken back and the rest adjusted anew, until each that is left
-//   is believable: a camera can be off by so much. Else it stands for something that no camera is: a rolling shutter, frames out of step,
-//   is significant, and large enough to matter,
-//   is what either half of the recording says too, as far as it says anything,
-//   makes the pairs that were held back agree better than they do without it,
-// and together they agree better than with the camera as it was, with poses adjusted to that. Otherwise the camera is left as it was.
+// Views are chosen along the trajectory, some pairs of them are held out, and poses and camera are
+// adjusted jointly to the rest (joint_adjustment.h). Parameters are fixed one after another and the
+// rest is adjusted again, until each remaining parameter
+//   is plausible: cameras can be off by that much. Otherwise it compensates for something else, such as a
+//   rolling shutter or unsynchronised images;
+//   is significant, and large enough to matter;
+//   is confirmed by each half of the recording, as far as that half determines it;
+//   makes the held-out pairs agree better than without it;
+// and until all together agree better than the given camera with poses adjusted to it. Otherwise
+// the camera is not changed.
 //
-// Pure: the same frames and poses give the same numbers, bit for bit, whatever the number of threads. Takes some 50 MB, and 5 to 15 s of a
-// processor whatever the length of the recording.
+// Pure: the same frames and poses give the same parameters, bit for bit, for any number of threads.
+// Takes about 50 MB and 5 to 15 s of CPU time, whatever the length of the recording.
 #pragma once
 
 #include <string>
@@ -27,30 +33,31 @@ namespace hermite {
 
 struct FoundNumber {
   std::string name;  // "focal_factor", "cx_px", "cy_px", "bend", "inverse_offset_per_m"
-  double value = 0;  // of the camera that was given it is the change; of a factor what is beyond 1
+  double value = 0;  // the change of the given camera's parameter; of a factor, the part beyond 1
   double deviation = 0;
   bool is_applied = false;
-  std::string reason;  // in words, why not
+  std::string reason;  // why it is not applied, as text
 };
 
 struct Calibration {
-  Camera camera;  // the one given, with what is applied
+  Camera camera;  // the given camera with the applied parameters
   bool is_applied = false;
-  std::string reason;                // in words, why nothing is
-  std::vector<FoundNumber> numbers;  // all, in the order of CameraNumber; empty where there was too little to look at
+  std::string reason;                // why nothing is applied, as text
+  std::vector<FoundNumber> numbers;  // all, in the order of CameraNumber; empty if there was too little data
   std::size_t view_count = 0, fitted_pair_count = 0, held_back_pair_count = 0;
-  PairAgreement before, after;  // of the pairs held back: poses adjusted with the camera as it was, and with what is applied
+  PairAgreement before, after;  // of the held-out pairs: with the given camera and with the result, each with poses adjusted to it
 };
 
 struct CalibrateOptions {
   std::size_t max_view_count = 48;  // at least 2
-  unsigned thread_count = 2;        // at least 1; changes nothing but the time
+  unsigned thread_count = 2;        // at least 1; does not affect the result
 };
 
-// `trajectory` has poses of tracked frames only, at their times; others are passed over. Frames that cannot be read are too.
+// Calibrates from a recording. `trajectory` has poses of tracked frames only, at their timestamps.
+// Other frames, and frames that cannot be read, are skipped.
 Calibration calibrate(const Sequence& sequence, FrameRange range, const Trajectory& trajectory, const CalibrateOptions& options = {});
 
-// The same of views that were chosen already, in the order of time. `camera` as frames arrive.
+// Calibrates from chosen views, in the order of time. `camera` is that of the unrectified frames.
 Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& camera, const CalibrateOptions& options = {});
 
 // {"applied", "reason", "views", "pairs_fitted", "pairs_held_back", "numbers": {name: {"value", "deviation", "applied", "reason"}},

@@ -9,24 +9,28 @@
 namespace hermite {
 namespace {
 
-// What is asked, with what is known of it beforehand, with what must be known of it for an answer, and from where on it is off.
-// Cameras are off by as much as calibrate.cpp has it. Kinect noise in rendered scenes leaves deviations of 0.02 to 0.07 % of the focal
-// length and 0.01 to 0.03 % of bend at 12 to 40 views, and numbers up to 0.21 and 0.09 % where nothing is off; where something else is
-// wrong, as with redkitchen's sensor or fr1's shutter, deviations are 0.25 to 1.6 and 0.04 to 0.6 %.
+// A tested parameter: its usual error, the standard deviation needed for a verdict, and the error
+// from which on it counts as off. Usual errors are those of calibrate.cpp. In rendered scenes with
+// Kinect noise, 12 to 40 views give deviations of 0.02 to 0.07 % of focal length and 0.01 to 0.03 %
+// of bend, and values up to 0.21 and 0.09 % if nothing is off. If something else is wrong, as with
+// redkitchen's sensor or fr1's shutter, the deviations are 0.25 to 1.6 % and 0.04 to 0.6 %.
 struct Asked {
   CameraNumber number;
   double usual, known, off;
 };
 constexpr std::array<Asked, 2> kAsked{{{kFocal, 0.010, 0.0015, 0.004}, {kBend, 0.015, 0.0005, 0.003}}};
 
-// Of what is off: so many deviations. And so many of what is usual are not a camera's any more.
+// An error must be this many standard deviations, and at most this many usual errors; beyond that
+// it is not the camera's.
 constexpr double kSignificant = 5, kMostUsual = 3;
 
-// A half of the views may be off what all say by half of that, or by what is not significant in it.
+// A half of the views may differ from the whole by half of the value, or by what is not significant
+// in that half.
 constexpr double kMostApart = 0.5, kMostApartDeviations = 3;
 
-// Pairs that were held back: the mean of what their squared distances lose, as a share, and how many standard errors that is.
-// 1 % of focal length: 2.4 to 9 % at 16 views and more, at 4 to 12 errors; undisturbed: -0.4 to 0.3 %.
+// For the held-out pairs, the least mean relative decrease of squared distances, and how many
+// standard errors it must be. An error of 1 % of focal length gives 2.4 to 9 % with 16 views and
+// more, at 4 to 12 standard errors; an undisturbed camera gives -0.4 to 0.3 %.
 constexpr double kLeastMeanGain = 0.01, kLeastMeanGainErrors = 3;
 
 constexpr std::size_t kLeastPairs = 24, kLeastPairsOfHalf = 12, kLeastPairsHeldBack = 6;
@@ -76,7 +80,7 @@ bool halves_agree(const Question& question, const FreeNumbers& is_free, const Jo
   return true;
 }
 
-// Of depth, so that a camera that makes everything smaller is no better for it.
+// Squared distances relative to depth, so that a camera that shrinks everything gains nothing.
 std::vector<double> squares_of(const Question& question, const JointSolution& solution) {
   std::vector<double> squares;
   for (const PairAgreement& agreement :

@@ -1,4 +1,4 @@
-// The question of camera_watch.h, of views that were chosen already. A pure function.
+// The check behind camera_watch.h, for views that were chosen already. A pure function.
 #pragma once
 
 #include <vector>
@@ -8,9 +8,11 @@
 
 namespace hermite {
 
-// kIsOff: focal length or bend is off by more than noise and by more than matters, each half of the views says so too, and pairs of views
-// that were held back agree better with it. kFits: both are known and neither is off. `camera` is that of the views' depth, straight, whose
-// DepthCorrection is not applied to them. Takes 0.3 s of a processor for 12 views and 0.6 for 16, three times that where the camera is off.
+// Returns kIsOff when focal length or bend is off by more than noise and by more than matters, each
+// half of the views confirms it, and held-out pairs of views agree better with it; kFits when both
+// are known well and neither is off. `camera` is the rectified camera of the views' depth, to which
+// its DepthCorrection was not applied. Takes 0.3 s of CPU time for 12 views and 0.6 s for 16, and
+// three times that if the camera is off.
 CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera& camera);
 
 }  // namespace hermite

@@ -17,12 +17,13 @@
 namespace hermite {
 namespace {
 
-// Asked from so many views on. 1 % of focal length and 1.5 % of bend are found between the first two (tests/accuracy/README.md, "A
-// camera that is wrong"); who is still unknown after the last, 24 times as much work, has something else that is wrong.
+// The numbers of views at which the camera is checked. Errors of 1 % of focal length and 1.5 % of
+// bend are found at the first two (tests/accuracy/README.md, "A camera that is wrong"). A camera
+// that is still unknown at the last one, which takes 24 times as much work, has another error.
 constexpr std::array<std::size_t, 4> kAsksAt{12, 16, 24, 36};
 
-// The answer comes so many frames later, a second or two of a processor that has to track meanwhile. It waits for an answer that takes
-// longer, so that what follows depends on the frames alone.
+// The verdict is due after this many frames: a second or two of a CPU that also tracks. A late
+// verdict is waited for, so that the results depend on the frames alone.
 constexpr int kFramesToAnswer = 20;
 
 using SharedView = std::shared_future<CalibrationView>;
@@ -100,9 +101,9 @@ class Watch : public CameraWatch {
         const Image<Patch>& nodes = view.patches.nodes;
         from.require(view.patches.step_px == grid_.step_px && nodes.width == grid_.nodes.width && nodes.height == grid_.nodes.height &&
                          nodes.pixels.size() == grid_.nodes.pixels.size(),
-                     "the patches of a view");
+                     "the patches of a view have a wrong size");
       });
-      bytes.require(read.size() <= kAsksAt.back() + kFramesToAnswer, "the views that the camera is asked after by");
+      bytes.require(read.size() <= kAsksAt.back() + kFramesToAnswer, "there are too many views of the camera check");
       for (CalibrationView& view : read)
         views.push_back(std::async(std::launch::deferred, [view = std::move(view)] { return view; }).share());
     };
@@ -112,7 +113,7 @@ class Watch : public CameraWatch {
     std::uint64_t next_ask = 0;
     bytes.number(next_ask);
     bytes.number(frames_to_answer_);
-    bytes.require(next_ask <= kAsksAt.size() && frames_to_answer_ <= kFramesToAnswer, "when the camera is asked after");
+    bytes.require(next_ask <= kAsksAt.size() && frames_to_answer_ <= kFramesToAnswer, "the schedule of the camera check is out of range");
     if (!bytes.ok()) return;
     next_ask_ = next_ask;
     if (!asked_views_.empty()) ask(std::exchange(asked_views_, {}));
@@ -129,12 +130,12 @@ class Watch : public CameraWatch {
   }
 
   const Camera straight_;
-  const PatchGrid grid_;  // of no depth: how one of this camera looks
+  const PatchGrid grid_;  // without depth; used to check sizes
   std::vector<SharedView> views_, asked_views_;
   Rigid3 last_world_from_camera_;
   std::size_t next_ask_ = 0;
   int frames_to_answer_ = 0;
-  std::future<CameraCheck> answer_;  // last: its destructor waits for what uses the others
+  std::future<CameraCheck> answer_;  // last: its destructor waits for tasks that use the other members
 };
 
 }  // namespace

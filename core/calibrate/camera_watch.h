@@ -1,8 +1,10 @@
-// Does the camera of a scan fit what it sees? Asked while the scan goes on, from few views, and so warier than calibrate.h: of the focal
-// length and the bend of depth alone, which lead a camera astray the most, and with an answer only where the views agree as well as those
-// of a camera do that nothing else is wrong with.
+// Checks during a scan whether its camera's calibration fits its views. It has fewer views than
+// calibrate.h and is therefore more cautious: it only tests focal length and depth bend, which harm
+// tracking most, and it only gives a verdict if the views agree as well as those of a camera
+// without other errors.
 //
-// One thread at a time. Views are prepared and looked at on threads of their own; what comes of it depends on the frames alone.
+// One thread at a time. Views are prepared and checked on helper threads; the results depend on the
+// frames alone.
 #pragma once
 
 #include <cmath>
@@ -21,8 +23,8 @@ enum class CameraVerdict { kUnknown, kFits, kIsOff };
 
 struct CameraCheck {
   CameraVerdict verdict = CameraVerdict::kUnknown;
-  // Of a camera that is off, what makes it right: the logarithm of a factor of its focal length, and what is added to
-  // DepthCorrection::bend. 0: not off in this way.
+  // The correction of a camera that is off: the logarithm of a factor of its focal length, and an
+  // addition to DepthCorrection::bend. 0: this parameter is not off.
   double focal = 0, bend = 0;
 };
 
@@ -33,38 +35,41 @@ inline Camera corrected(Camera camera, const CameraCheck& check) {
   return camera;
 }
 
-// What is left of either in a camera that fits, as standard deviations: what was left of 1 % and 1.5 % after a correction by 12 to 16 views
-// with the noise of a Kinect (tests/accuracy/README.md, "A camera that is wrong").
+// The standard deviations of the remaining errors of a camera that fits: what remained of 1 % and
+// 1.5 % after a correction from 12 to 16 views with a Kinect's noise (tests/accuracy/README.md, "A
+// camera that is wrong").
 inline constexpr double kFittingFocal = 0.0015, kFittingBend = 0.001;
 
 class CameraWatch {
  public:
   virtual ~CameraWatch() = default;
 
-  // Of every frame that was not lost, whether view() would keep it.
+  // Call it for every frame that is not lost; returns whether view() would keep the frame.
   virtual bool wants(const Rigid3& world_from_camera) const = 0;
 
-  // A frame of rectified(camera), without depth where something moves.
+  // Takes a frame of rectified(camera), without depth in moving regions.
   virtual void view(RgbdFrame frame, const Rigid3& world_from_camera) = 0;
 
-  // The map goes on in a part of its own: views of before say nothing beside those to come.
+  // The map continues in a new component; earlier views cannot be compared with later ones.
   virtual void begin_component() = 0;
 
-  // Once a frame: the answer, so many frames after enough views were there, at most kMostAnswers in all and none after one that knows.
-  // Waits for it when it is late.
+  // Call it once per frame. Returns a verdict a fixed number of frames after enough views were
+  // taken, at most four times (kAsksAt) and never after a definite one. Waits for the verdict when
+  // it is late.
   virtual std::optional<CameraCheck> answer() = 0;
 
-  // No frame follows: an answer that is under way. Waits for it.
+  // Call it after the last frame. Waits for a check that is running and returns its verdict.
   virtual std::optional<CameraCheck> last_answer() = 0;
 
-  // All of it, between frames; waits for views that are being prepared.
+  // Saves everything between frames; waits for views that are being prepared.
   virtual void save(ByteWriter& bytes) const = 0;
 
-  // Of a watch of the same camera that has seen no frame. After a failure of the reader it is of no use any more.
+  // Restores into a watch of the same camera that has seen no frame. After a failure of the reader
+  // it must not be used.
   virtual void restore(ByteReader& bytes) = 0;
 };
 
-// `camera` is that of frames as they arrive.
+// `camera` is that of the unrectified frames.
 std::unique_ptr<CameraWatch> make_camera_watch(const Camera& camera);
 
 }  // namespace hermite

@@ -12,7 +12,8 @@ namespace {
 
 constexpr int kMostOctavesApart = 2;
 
-// Behind it a point is not seen, and near it everything is everywhere.
+// Points behind the camera are not visible, and the projection of points near it is too sensitive
+// to errors.
 constexpr double kNearestCorner_m = 0.2;
 
 struct Nearest {
@@ -34,7 +35,7 @@ std::vector<LandmarkMatch> match_corners(const std::vector<Feature>& source, con
   const ProjectionOptions bounds;
   std::vector<std::optional<Eigen::Vector3d>> target_points;
   for (const Feature& feature : target) target_points.push_back(point_of(feature, camera));
-  // From top to bottom, so that only those of the right rows are looked at.
+  // Sorts by row, so that only features of nearby rows are compared.
   std::vector<std::uint32_t> by_row(target.size());
   std::iota(by_row.begin(), by_row.end(), 0u);
   const auto row_of = [&target](std::uint32_t j) { return target[j].pixel_px.y(); };

@@ -1,4 +1,4 @@
-// Corners of the picture that two views have in common.
+// Matching of image corners between two views.
 #pragma once
 
 #include <optional>
@@ -11,12 +11,15 @@
 
 namespace hermite {
 
-// Where the feature lies, in its camera [m], by the camera's correction of depth; none without depth.
+// Returns the position of the feature in its camera frame [m], with the camera's depth correction;
+// nullopt without depth.
 std::optional<Eigen::Vector3d> point_of(const Feature& feature, const Camera& camera);
 
-// Of each feature of the source with depth that one of the target, within `gate_px` of where the poses put it, whose descriptor is nearest,
-// with the bounds of ProjectionOptions; not where both depths are farther apart than twice `gate_m` and noise. LandmarkMatch::landmark is
-// the index in the source. Each feature at most once. `camera` has no lens distortion. Pure; any thread.
+// Matches each feature of the source that has depth with the one of the target, within `gate_px` of
+// its projection, whose descriptor is nearest, within the bounds of ProjectionOptions. Rejects
+// pairs whose depths differ by more than twice `gate_m` and noise. LandmarkMatch::landmark is the
+// index in the source. Each feature is used at most once. `camera` has no lens distortion. Pure;
+// any thread.
 std::vector<LandmarkMatch> match_corners(const std::vector<Feature>& source, const std::vector<Feature>& target,
                                          const Rigid3& target_from_source, const Camera& camera, double gate_px, double gate_m);
 

@@ -14,21 +14,21 @@
 namespace hermite {
 namespace {
 
-// A bend of 1.5 % leads a camera 7 to 9 cm and some 10 pixels astray within a few seconds; what is left after a stage is well below the
-// next one's gate. The last gates are those of depth_links.h and of features with the error of a bad registration.
+// A bend of 1.5 % moves a camera by 7 to 9 cm and some 10 pixels within a few seconds; the error after a stage is well below the next
+// stage's gate. The last gates are those of depth_links.h and of features with badly registered colour.
 struct Stage {
   double gate_m, gate_px;
   int step_count;
 };
 constexpr Stage kStages[] = {{0.10, 30, 3}, {0.07, 20, 3}, {0.05, 12, 3}, {0.035, 8, 3}, {0.025, 6, 6}};
 constexpr std::size_t kFirstStageOfStarted = 2;
-// A stage is over before its count when no pose moves by more [m, rad] and no number of the camera by more of its deviation.
+// A stage ends early when no pose moves by more [m, rad] and no camera parameter by a larger share of its deviation.
 constexpr double kSettled = 1e-4, kSettledShare = 0.05;
 
-// Of a view's nodes each way: 12 pixels of 640, so that neighbouring windows hardly overlap.
+// The step between a view's nodes in each direction: 12 pixels of 640, so that neighbouring windows hardly overlap.
 constexpr int kEveryNode = 3;
 
-// The scale of Cauchy's loss is a third of the gate: what lies at the gate has a tenth of its weight.
+// The scale of Cauchy's loss is a third of the gate, so a residual at the gate has a tenth of its weight.
 constexpr double kGateOverScale = 3;
 // A residual that noise explains is inside the gate, however narrow that is.
 constexpr double kGateSigmas = 3;
@@ -37,18 +37,17 @@ constexpr double kLeastScale_px = 2;
 constexpr float kAlikeCosine = 0.8f;  // of the normals of both sides, as in depth_links.cpp
 constexpr float kBehind_m = 0.2f;
 
-// Poses are held a little where they were: along bare walls nothing else does. Beside the rest it is nothing: 1 m, 1 rad, and a ten
-// thousandth of what is known.
+// A weak prior holds poses where bare walls leave them undetermined: 1 m, 1 rad, and a ten thousandth of their information.
 constexpr double kHeld = 1, kHeldShare = 1e-4;
 
-// What a pair measures: a twist of the view that the point is of, in its own camera, and the camera's numbers.
+// Parameters of one side of a pair: a twist of the point's view in its own camera frame, and the camera's parameters.
 constexpr Eigen::Index kSideNumberCount = 6 + kCameraNumberCount;
 using SideVector = Eigen::Matrix<double, kSideNumberCount, 1>;
 
-// Half of the information's quadratic form plus the gradient, of the points of one view on another.
+// Information matrix and gradient of the cost of one view's points against another view; the cost is half the quadratic form.
 struct Quadratic {
   Eigen::Matrix<double, kSideNumberCount, kSideNumberCount> information =
-      Eigen::Matrix<double, kSideNumberCount, kSideNumberCount>::Zero();  // its lower half
+      Eigen::Matrix<double, kSideNumberCount, kSideNumberCount>::Zero();  // only the lower half is set
   SideVector gradient = SideVector::Zero();
 };
 
@@ -57,19 +56,19 @@ using PairVector = Eigen::Matrix<double, kPairNumberCount, 1>;
 using PairMatrix = Eigen::Matrix<double, kPairNumberCount, kPairNumberCount>;
 using PointByCamera = Eigen::Matrix<double, 3, kCameraNumberCount>;
 
-// Of a pair, both ways.
+// The cost of a pair, both ways.
 struct PairQuadratic {
   PairMatrix information = PairMatrix::Zero();
   PairVector gradient = PairVector::Zero();
 };
 
-// Where a pair's numbers of the source and of the target begin.
-struct Places {
+// Offsets of the twists of source and target among a pair's parameters.
+struct TwistOffsets {
   Eigen::Index source = 0, target = 6;
 };
 
-// Only how the views lie to each other is measured: what a twist of the source does, one of the target, seen from there, undoes.
-void add_side(const Quadratic& side, const Rigid3& target_from_source, Places at, PairQuadratic& sum) {
+// Only the relative pose matters, so a twist of the target, expressed in the source, has the opposite effect of one of the source.
+void add_side(const Quadratic& side, const Rigid3& target_from_source, TwistOffsets at, PairQuadratic& sum) {
   const Eigen::Matrix3d source_from_target = target_from_source.rotation.conjugate().toRotationMatrix();
   Eigen::Matrix<double, 6, 6> by_target = Eigen::Matrix<double, 6, 6>::Zero();  // of the source's twist: the adjoint of source_from_target
   by_target.topLeftCorner<3, 3>() = by_target.bottomRightCorner<3, 3>() = -source_from_target;
@@ -83,7 +82,7 @@ void add_side(const Quadratic& side, const Rigid3& target_from_source, Places at
   sum.gradient += spread.transpose() * side.gradient;
 }
 
-// work(i) for every i; thread t takes t, t + thread_count, ...
+// Calls work(i) for every i; thread t takes t, t + thread_count, ...
 template <class Work>
 void for_all(std::size_t count, unsigned thread_count, const Work& work) {
   std::vector<std::jthread> threads;
@@ -93,10 +92,10 @@ void for_all(std::size_t count, unsigned thread_count, const Work& work) {
     });
 }
 
-// A point on a plane: the mean of a window's pixels, with what tracking adds; as in depth_links.cpp.
+// Standard deviation [m] of a point on a plane, as in depth_links.cpp: the mean of a window's pixels, plus the error of tracking.
 double deviation_m(double depth_m) { return kTracked_m + depth_deviation_m(depth_m) / 2; }
 
-// Of a point that is measured at a pixel.
+// Returns the derivative of a point measured at a pixel by the camera's parameters.
 PointByCamera derivative_by_camera(const Eigen::Vector3d& point_m, const Eigen::Vector2d& pixel_px, const Camera& camera) {
   const double rho2 = camera.rho2(pixel_px.x(), pixel_px.y()), offset_per_m = camera.depth_correction.inverse_offset_per_m;
   const double scale = 1 + offset_per_m * kUndistortedDepth_m;
@@ -110,7 +109,7 @@ PointByCamera derivative_by_camera(const Eigen::Vector3d& point_m, const Eigen::
 }
 
 // A point of the source that lies on a surface of the target.
-struct Meeting {
+struct Correspondence {
   Eigen::Vector3d in_source_m, in_target_m;
   Eigen::Vector2d source_px, target_px;
   Eigen::Vector3d normal_in_target;  // the source's
@@ -118,9 +117,9 @@ struct Meeting {
   double sigma_m, gate_m;
 };
 
-// Between the surfaces of pairs.
+// Distances between the surfaces of pairs.
 struct Distances {
-  std::vector<double> distances_m;  // absolute, cut
+  std::vector<double> distances_m;  // absolute and clipped
   double squares = 0, depths_m = 0;
 };
 
@@ -133,7 +132,7 @@ PairAgreement agreement_of(Distances distances) {
           static_cast<std::int64_t>(distances.distances_m.size())};
 }
 
-// What all views show with one camera.
+// All views with one trial camera.
 class Measurement {
  public:
   Measurement(const std::vector<CalibrationView>& views, const Camera& camera, unsigned thread_count)
@@ -141,10 +140,10 @@ class Measurement {
     for_all(views.size(), thread_count, [this](std::size_t i) { facets_[i] = facets_of(views_[i].patches, camera_); });
   }
 
-  // Some nodes of the source against all of the target.
+  // Visits correspondences of some nodes of the source with all nodes of the target.
   template <class Visit>
-  void visit_meetings(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source, double gate_m,
-                      const Visit& visit) const {
+  void visit_correspondences(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source, double gate_m,
+                             const Visit& visit) const {
     const PatchGrid &from = views_[source].patches, &to = views_[target].patches;
     const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
     const Eigen::Vector3f translation = target_from_source.translation.cast<float>();
@@ -172,19 +171,19 @@ class Measurement {
         if (std::abs(distance_m) > near_m || std::abs(behind_m) > 2 * near_m) continue;
         const Eigen::Vector3f normal = rotation * facet.plane_per_m.normalized();
         if (normal.dot(there.plane_per_m) < kAlikeCosine * length_per_m) continue;
-        visit(Meeting{facet.point_m.cast<double>(), point.cast<double>(), Eigen::Vector2d(from.pixel_of(column), from.pixel_of(row)),
-                      at.matrix().cast<double>(), normal.cast<double>(), distance_m, sigma_m, near_m});
+        visit(Correspondence{facet.point_m.cast<double>(), point.cast<double>(), Eigen::Vector2d(from.pixel_of(column), from.pixel_of(row)),
+                             at.matrix().cast<double>(), normal.cast<double>(), distance_m, sigma_m, near_m});
       }
   }
 
   void add_surfaces(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source, double gate_m, Quadratic& sum) const {
     const Eigen::Matrix3d source_from_target = target_from_source.rotation.conjugate().toRotationMatrix();
-    visit_meetings(source, target, target_from_source, gate_m, [&](const Meeting& m) {
+    visit_correspondences(source, target, target_from_source, gate_m, [&](const Correspondence& m) {
       const Eigen::Vector3d normal_in_source = source_from_target * m.normal_in_target;
       SideVector derivative;
       derivative.segment<3>(0) = normal_in_source;
       derivative.segment<3>(3) = m.in_source_m.cross(normal_in_source);
-      // The camera moves the point, and the surface that is seen at its pixel.
+      // The camera moves both the point and the surface seen at its pixel.
       derivative.tail<kCameraNumberCount>() = derivative_by_camera(m.in_source_m, m.source_px, camera_).transpose() * normal_in_source -
                                               derivative_by_camera(m.in_target_m, m.target_px, camera_).transpose() * m.normal_in_target;
       const double off = m.distance_m * kGateOverScale / m.gate_m;
@@ -195,22 +194,22 @@ class Measurement {
   }
 
   void add_distances(const ViewPair& pair, const std::vector<Rigid3>& world_from_camera, Distances& sum) const {
-    const auto visit = [&sum](const Meeting& meeting) {
-      const double distance_m = std::min(std::abs(meeting.distance_m), kMostCounted_m);
+    const auto visit = [&sum](const Correspondence& correspondence) {
+      const double distance_m = std::min(std::abs(correspondence.distance_m), kMostCounted_m);
       sum.distances_m.push_back(distance_m);
       sum.squares += distance_m * distance_m;
-      sum.depths_m += meeting.in_target_m.z();
+      sum.depths_m += correspondence.in_target_m.z();
     };
     const Rigid3 second_from_first = inverse(world_from_camera[pair.second]) * world_from_camera[pair.first];
-    visit_meetings(pair.first, pair.second, second_from_first, kMostApart_m, visit);
-    visit_meetings(pair.second, pair.first, inverse(second_from_first), kMostApart_m, visit);
+    visit_correspondences(pair.first, pair.second, second_from_first, kMostApart_m, visit);
+    visit_correspondences(pair.second, pair.first, inverse(second_from_first), kMostApart_m, visit);
   }
 
   std::vector<LandmarkMatch> match(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source, const Stage& stage) const {
     return match_corners(views_[source].features, views_[target].features, target_from_source, camera_, stage.gate_px, stage.gate_m);
   }
 
-  // Where the target sees a corner of the source, beside where it should.
+  // Adds the reprojection error of a corner of the source in the target.
   void add_corner(const Feature& seen, const Feature& there, const Rigid3& target_from_source, double gate_px, Quadratic& sum) const {
     const std::optional<Eigen::Vector3d> own = point_of(seen, camera_);
     if (!own) return;
@@ -243,7 +242,7 @@ class Measurement {
   std::vector<std::vector<Facet>> facets_;  // by view
 };
 
-// All pairs in one system: six numbers a view, then the camera's.
+// The system of all pairs: six parameters per view, then the camera's.
 struct System {
   Eigen::MatrixXd information;
   Eigen::VectorXd gradient;
@@ -284,8 +283,8 @@ System system_of(const std::vector<PairQuadratic>& measured, const std::vector<V
   return system;
 }
 
-// See JointSolution::deviation. Sums of products over pairs with a view in common: by view, less the pairs themselves, which both of their
-// views have counted. Not below the scatter of pairs alone.
+// See JointSolution::deviation. The sum of products over pairs with a common view is taken by view, minus the pairs themselves, which
+// both of their views count. It is at least the scatter of single pairs.
 CameraVector deviation_of(const std::vector<PairQuadratic>& measured, const std::vector<ViewPair>& pairs, std::size_t view_count,
                           const Eigen::LDLT<Eigen::MatrixXd>& factor, const JointOptions& options) {
   const auto camera_at = static_cast<Eigen::Index>(6 * view_count);
@@ -325,7 +324,8 @@ Camera changed(const Camera& camera, const CameraVector& change) {
 
 JointSolution adjust_jointly(const std::vector<CalibrationView>& views, const std::vector<ViewPair>& pairs, const Camera& camera,
                              const JointOptions& options, const JointSolution* start) {
-  for (const auto& [first, second] : pairs) CHECK(first < views.size() && second < views.size(), "a pair of views that are not there");
+  for (const auto& [first, second] : pairs)
+    CHECK(first < views.size() && second < views.size(), "a pair refers to a view that does not exist");
   JointSolution solution;
   for (const CalibrationView& view : views) solution.world_from_camera.push_back(view.world_from_camera);
   if (start != nullptr) {

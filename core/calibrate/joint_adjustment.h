@@ -1,12 +1,14 @@
-// Poses of views and the numbers of their camera at once, by Gauss and Newton: points of one view on planes of another, and corners of the
-// picture that both see. What was associated with what at first is not believed: it is done anew before each step, with gates that begin as
-// wide as poses bent by a wrong camera are off, and narrow.
+// Joint adjustment of view poses and camera parameters by Gauss-Newton, with distances of points of
+// one view to planes of another, and with image corners seen in both. Correspondences are renewed
+// with decreasing gates; the first gates are as wide as the errors of poses that a wrong camera has
+// bent.
 //
-// Points and planes both have noise. Where a residual and its derivative have the same, a fit shrinks towards doing nothing (errors in
-// variables): a distance is taken along the target's normal, its derivative along the source's, so that at the end what has noise in common
-// is not multiplied.
+// Points and planes both have noise. If a residual and its derivative share the same noise, the
+// estimate is biased towards zero (errors in variables). Therefore the distance is taken along the
+// target's normal and its derivative along the source's normal, so that no common noise is
+// multiplied.
 //
-// Deterministic whatever the number of threads: pairs are measured one by one and added in their order.
+// Deterministic for any number of threads: pairs are evaluated separately and added in their order.
 #pragma once
 
 #include <array>
@@ -20,9 +22,9 @@
 
 namespace hermite {
 
-// What may change of a camera, in the order of every vector and matrix here.
+// The camera parameters that may change, in the order of all vectors and matrices here.
 enum CameraNumber : std::size_t {
-  kFocal,          // logarithm of a factor of fx and fy alike
+  kFocal,          // logarithm of a common factor of fx and fy
   kCenterX,        // added to cx [px]
   kCenterY,        // added to cy [px]
   kBend,           // added to DepthCorrection::bend
@@ -37,46 +39,50 @@ Camera changed(const Camera& camera, const CameraVector& change);
 struct CalibrationView {
   Rigid3 world_from_camera;
   PatchGrid patches;
-  std::vector<Feature> features;  // their depth as measured
+  std::vector<Feature> features;  // with depth as measured
 };
 
-// Indices of views, not the same.
+// Indices of two different views.
 struct ViewPair {
   std::uint32_t first = 0, second = 0;
 };
 
 struct JointOptions {
   std::array<bool, kCameraNumberCount> is_free{};
-  CameraVector prior_deviation = CameraVector::Ones();  // of the change, whose mean is 0 beforehand
-  unsigned thread_count = 1;                            // at least 1; changes nothing but the time
+  CameraVector prior_deviation = CameraVector::Ones();  // of the change, whose prior mean is 0
+  unsigned thread_count = 1;                            // at least 1; does not affect the result
 };
 
 struct JointSolution {
-  std::vector<Rigid3> world_from_camera;  // by view; the first and those in no pair stay where they are
+  std::vector<Rigid3> world_from_camera;  // by view; the first view and views without pairs do not move
   CameraVector change = CameraVector::Zero();
-  // Of the change. Residuals of one pair are off together, and pairs that share a view are too: what counts as independent is how the
-  // gradients of whole pairs scatter, those with a view in common taken together (the dyadic sandwich of Aronow, Samii, Assenova 2015).
+  // Standard deviation of the change. Residuals within a pair are correlated, as are pairs with a
+  // common view. It is therefore estimated from the scatter of whole pairs' gradients, with pairs
+  // that share a view taken together (the dyadic sandwich estimator of Aronow, Samii, Assenova
+  // 2015).
   CameraVector deviation = CameraVector::Zero();
 };
 
-// `camera` is that of straight frames, with the correction of depth from which the change begins. `start` is a solution of the same with
-// other numbers free, from where the widest gates are not needed any more. Some 0.1 s of processor a step for 40 views and 300 pairs; 5 to
-// 15 steps. CHECK: an index of a pair beyond the views.
+// Adjusts poses and the free parameters. `camera` is that of the rectified frames, with the depth
+// correction from which the change starts. `start` is a solution of the same problem with other
+// free parameters, from which the widest gates are not needed. Takes about 0.1 s of CPU time per
+// step for 40 views and 300 pairs, and 5 to 15 steps. A CHECK fails if an index of a pair is out of
+// range.
 JointSolution adjust_jointly(const std::vector<CalibrationView>& views, const std::vector<ViewPair>& pairs, const Camera& camera,
                              const JointOptions& options, const JointSolution* start = nullptr);
 
-// How far the surfaces of pairs are apart: the distances of points to the planes of the other view, both ways. Up to kMostApart_m they are
-// of one surface, and are cut to kMostCounted_m, as in depth_consistency.h.
+// The distances of points to the planes of the other view, both ways. Up to kMostApart_m they count
+// as the same surface, and they are clipped to kMostCounted_m, as in depth_consistency.h.
 inline constexpr double kMostApart_m = 0.10, kMostCounted_m = 0.05;
 struct PairAgreement {
   double median_m = 0, rms_m = 0;
-  double mean_depth_m = 0;  // a camera that makes everything smaller makes distances smaller too, and is no better for it
+  double mean_depth_m = 0;  // for normalisation: a camera that shrinks everything also shrinks distances
   std::int64_t point_count = 0;
 };
 PairAgreement agreement_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera,
                            const std::vector<ViewPair>& pairs, const Camera& camera);
 
-// The same of each pair alone.
+// The same for each pair separately.
 std::vector<PairAgreement> agreements_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera,
                                          const std::vector<ViewPair>& pairs, const Camera& camera);
 

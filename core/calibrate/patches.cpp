@@ -8,14 +8,16 @@
 namespace hermite {
 namespace {
 
-// Of an image's width: a node every 4 pixels and a window of 9 at 640, some 3 cm at 2 m. The noise of a Kinect tilts such a window by 3 to
-// 5 degrees, half as much as the cells of depth_planes.h.
+// Shares of the image's width: at 640 pixels a node every 4 pixels and a window of 9, about 3 cm at
+// 2 m. A Kinect's noise tilts the plane of such a window by 3 to 5 degrees, half as much as that of
+// the cells of depth_planes.h.
 constexpr int kStepShare = 160, kRadiusShare = 160;
 
-// The root mean square of a window's pixels about their plane, in standard deviations of a pixel: flat as in depth_planes.cpp.
+// The bound of the root mean square of a window's pixels about their plane, in standard deviations
+// of a pixel, as in depth_planes.cpp.
 constexpr double kFlat = 1.5;
 
-// Of the angle between the plane's normal and the ray to it: 72 degrees.
+// Cosine of the largest angle between the plane's normal and the ray to it, 72 degrees.
 constexpr float kSteepestCosine = 0.3f;
 
 Patch patch_at(const Image<float>& inverse, int u, int v, int radius) {
@@ -26,7 +28,7 @@ Patch patch_at(const Image<float>& inverse, int u, int v, int radius) {
     for (int x = -radius; x <= radius; ++x) {
       const double value = static_cast<double>(inverse.at(u + x, v + y));
       if (value == 0) return {};
-      const double off = value - static_cast<double>(middle);  // small numbers, so that the squares keep their digits
+      const double off = value - static_cast<double>(middle);  // relative to the centre, so that the squares do not lose digits
       sum += off;
       squares += off * off;
       by_x += off * x;

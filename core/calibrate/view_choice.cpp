@@ -9,17 +9,18 @@ namespace {
 
 constexpr double kStep_rad = 8 * std::numbers::pi / 180, kStep_m = 0.15;
 
-// A trajectory's times are rounded to microseconds in its file.
+// Timestamps in a trajectory file are rounded to microseconds.
 constexpr double kSameTime_s = 1e-4;
 
 constexpr double kLeastOverlap = 0.25;
-// What a point may be beside a surface and still be of it: more than poses bent by a wrong camera are off.
+// The largest distance of a point from a surface it belongs to, above the errors of poses that a
+// wrong camera has bent.
 constexpr double kNear_m = 0.15;
 constexpr int kLeastPoints = 50;
-constexpr int kOverlapNode = 8;  // each way, of a patch's grid: 300 points
+constexpr int kOverlapNode = 8;  // step in each direction of a patch grid: 300 points
 constexpr std::uint32_t kHeldBackShare = 5;
 
-// Of the points of one view the share that is on a surface of the other.
+// Returns the share of one view's points that lie on a surface of the other.
 double overlap_of(const PatchGrid& grid, const std::vector<Facet>& of_first, const std::vector<Facet>& of_second,
                   const Rigid3& second_from_first, const Camera& camera) {
   int all = 0, met = 0;
@@ -72,7 +73,7 @@ ChosenPairs choose_pairs(const std::vector<CalibrationView>& views, const Camera
     const std::size_t count = std::min(kMostEarlierViews, overlapping.size());
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint32_t first = overlapping[count < 2 ? 0 : i * (overlapping.size() - 1) / (count - 1)];
-      // Of every spacing a fifth: 3 first + 2 spacing runs through all remainders.
+      // Holds out a fifth of the pairs of every spacing: 3 first + 2 spacing takes all remainders.
       const bool is_held_back = second - first > 1 && (first + 2 * second) % kHeldBackShare == 0;
       (is_held_back ? pairs.held_back : pairs.fitted).push_back({first, second});
     }

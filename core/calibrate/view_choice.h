@@ -1,4 +1,4 @@
-// Which frames of a recording calibration looks at, and which of them beside which. Pure functions.
+// Choice of the frames and of the pairs of views that calibration uses. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -15,24 +15,27 @@ struct ChosenFrame {
   Rigid3 world_from_camera;
 };
 
-// Whether the camera has turned by 8 degrees or moved by 15 cm, or both by half: neighbours share most of what they see.
+// Returns whether the camera has rotated by 8 degrees or moved by 15 cm, or half of both; closer
+// views show nearly the same.
 bool is_another_view(const Rigid3& world_from_earlier, const Rigid3& world_from_camera);
 
-// A frame wherever there is another view since the one before. Where that would be more than `max_count`, the first so many: farther apart
-// they would not hang together. Frames without a pose at their time are passed over. Ascending.
+// Chooses a frame whenever it is another view than the last one, in ascending order. If there are
+// more than `max_count`, it takes the first ones, because views farther apart would not overlap.
+// Frames without a pose at their timestamp are skipped.
 std::vector<ChosenFrame> choose_frames(const Sequence& sequence, FrameRange range, const Trajectory& trajectory, std::size_t max_count);
 
-// first < second in each.
+// In each pair, first < second.
 struct ChosenPairs {
   std::vector<ViewPair> fitted, held_back;
 };
 
-// Each view beside at most kMostEarlierViews before it that see a quarter of the same surface, spread evenly over those: near ones, which
-// hang together, and far ones, which tell. A fifth is held back, never of neighbours.
+// Pairs each view with at most kMostEarlierViews earlier ones that share at least a quarter of the
+// surface, evenly spread: near ones overlap most and far ones are most informative. A fifth of the
+// pairs is held out, but never neighbours.
 inline constexpr std::size_t kMostEarlierViews = 12;
 ChosenPairs choose_pairs(const std::vector<CalibrationView>& views, const Camera& camera);
 
-// Those whose views both are of the first half of so many, or of the second.
+// Returns the pairs with both views in the first half of `view_count` views, or in the second.
 std::vector<ViewPair> pairs_of_half(const std::vector<ViewPair>& pairs, std::size_t view_count, bool is_second);
 
 }  // namespace hermite

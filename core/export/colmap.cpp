@@ -37,7 +37,7 @@ std::string format_colmap_images(const std::vector<ColmapImage>& images, const s
 }
 
 std::string format_colmap_points(const Cloud& points, const std::vector<std::vector<Sighting>>& tracks) {
-  std::vector<std::size_t> places;  // by picture: how many of its points there were before
+  std::vector<std::size_t> places;  // by image: the number of its points so far
   std::string text = "# POINT3D_ID X Y Z R G B ERROR, then IMAGE_ID POINT2D_INDEX of each image that sees it\n";
   for (std::size_t i = 0; i < points.size(); ++i) {
     const CloudPoint& point = points[i];

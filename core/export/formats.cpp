@@ -50,7 +50,11 @@ Result<NamedFiles> trajectory_as_log(const Trajectory& trajectory) {
 const std::vector<ExportFormat>& export_formats() {
   static const std::vector<ExportFormat> table{
       {.name = "glb", .words = "mesh as binary glTF 2.0", .is_folder = false, .takes_texture = true, .of_mesh = mesh_as_glb},
-      {.name = "glb-draco", .words = "the same, compressed by Draco", .is_folder = false, .takes_texture = true, .of_mesh = mesh_as_draco},
+      {.name = "glb-draco",
+       .words = "the same, compressed with Draco",
+       .is_folder = false,
+       .takes_texture = true,
+       .of_mesh = mesh_as_draco},
       {.name = "obj",
        .words = "mesh as a folder with OBJ, MTL and images",
        .is_folder = true,
@@ -61,9 +65,9 @@ const std::vector<ExportFormat>& export_formats() {
       {.name = "las", .words = "cloud as LAS 1.4", .is_folder = false, .of_cloud = cloud_as_las},
       {.name = "points-glb", .words = "cloud as binary glTF 2.0", .is_folder = false, .of_cloud = cloud_as_glb},
       {.name = "splats", .words = "cloud as 3D Gaussians, PLY", .is_folder = false, .of_cloud = cloud_as_splats},
-      {.name = "tum", .words = "trajectory as TUM has it", .is_folder = false, .of_trajectory = trajectory_as_tum},
-      {.name = "kitti", .words = "trajectory as KITTI has it", .is_folder = false, .of_trajectory = trajectory_as_kitti},
-      {.name = "log", .words = "trajectory as Redwood and Open3D have it", .is_folder = false, .of_trajectory = trajectory_as_log},
+      {.name = "tum", .words = "trajectory in TUM format", .is_folder = false, .of_trajectory = trajectory_as_tum},
+      {.name = "kitti", .words = "trajectory in KITTI format", .is_folder = false, .of_trajectory = trajectory_as_kitti},
+      {.name = "log", .words = "trajectory in Redwood and Open3D format", .is_folder = false, .of_trajectory = trajectory_as_log},
       {.name = "colmap", .words = "keyframes, poses and points as a COLMAP model", .is_folder = true, .of_pictures = write_colmap},
       {.name = "nerfstudio", .words = "keyframes, poses and points for nerfstudio", .is_folder = true, .of_pictures = write_nerfstudio},
   };
@@ -81,7 +85,7 @@ Result<ExportFormat> export_format_named(std::string_view name) {
 
 Status write_export(const ExportFormat& format, const NamedFiles& files, const std::string& path) {
   if (!format.is_folder) {
-    CHECK(files.size() == 1, "a format of one file");
+    CHECK(files.size() == 1, "the format must have exactly one file");
     return write_file_atomically(path, files.front().bytes);
   }
   Result<WholeFolder> folder = WholeFolder::make(path);

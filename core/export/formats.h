@@ -1,4 +1,4 @@
-// What a scan can be exported as: one table for the command line and whoever else asks.
+// The table of export formats, for the command line and the server.
 #pragma once
 
 #include <string>
@@ -14,11 +14,11 @@
 
 namespace hermite {
 
-// Just one of the functions is there: it says what the format is made of.
+// Exactly one of the functions is set; it shows what the format is made from.
 struct ExportFormat {
   const char* name;
-  const char* words;  // for people: what it is
-  bool is_folder;     // else the one file that comes of it is the export
+  const char* words;  // a description for users
+  bool is_folder;     // false: the export is a single file
   bool takes_texture = false;
   Result<NamedFiles> (*of_mesh)(const TriangleMesh& mesh) = nullptr;
   Result<NamedFiles> (*of_cloud)(const Cloud& cloud) = nullptr;
@@ -27,13 +27,14 @@ struct ExportFormat {
                                       const ExportProgress& progress) = nullptr;
 };
 
-// In the order in which they are shown.
+// In the order in which they are listed to users.
 const std::vector<ExportFormat>& export_formats();
 
-// kInvalidArgument, naming those that there are.
+// Returns kInvalidArgument with the list of names for an unknown one.
 Result<ExportFormat> export_format_named(std::string_view name);
 
-// One file (write_file_atomically: what was there is replaced), or a new folder (WholeFolder). Their errors.
+// Writes one file (write_file_atomically, replacing a previous one) or a new folder (WholeFolder).
+// Returns their errors.
 Status write_export(const ExportFormat& format, const NamedFiles& files, const std::string& path);
 
 }  // namespace hermite

@@ -8,7 +8,7 @@
 namespace hermite {
 namespace {
 
-constexpr double kSameTime_s = 1e-4;  // trajectories have six decimals
+constexpr double kSameTime_s = 1e-4;  // trajectory files have six decimals
 constexpr double kSpacingGrowth = 1.25;
 constexpr int kMostGrowths = 60;  // to 70 km
 
@@ -40,7 +40,7 @@ double sharpness(const ColorImage& image) {
   if (image.width < 3 || image.height < 3) return 0;
   const auto brightness = [&image](int x, int y) {
     const Rgb8& pixel = image.at(x, y);
-    return 299 * pixel.r + 587 * pixel.g + 114 * pixel.b;  // Rec. 601, times 1000
+    return 299 * pixel.r + 587 * pixel.g + 114 * pixel.b;  // luma of Rec. 601, times 1000
   };
   double sum = 0, square_sum = 0;
   for (int y = 1; y + 1 < image.height; ++y)
@@ -81,7 +81,7 @@ Result<std::vector<SeenFrame>> frames_with_poses(const Sequence& sequence, const
   if (frames.empty())
     return Error{ErrorCode::kNotFound, "none of the " + std::to_string(sequence.frame_count()) + " frames of " + sequence.name() +
                                            " has one of the trajectory's " + std::to_string(trajectory.size()) +
-                                           " poses: they must have the same time stamps within 0.1 ms"};
+                                           " poses: their timestamps must agree within 0.1 ms"};
   return frames;
 }
 
@@ -100,10 +100,10 @@ Result<std::vector<SeenFrame>> find_keyframes(const Sequence& sequence, std::vec
     frames[i].sharpness = sharpness(frame->color);
     readable.push_back(frames[i]);
   }
-  if (readable.empty()) return Error{ErrorCode::kNotFound, "not one frame that has a pose could be read: " + problem};
+  if (readable.empty()) return Error{ErrorCode::kNotFound, "none of the frames with a pose could be read: " + problem};
   return choose_keyframes(readable, options);
 }
 
-Error ended_early() { return {ErrorCode::kBusy, "the export was ended before it was complete"}; }
+Error ended_early() { return {ErrorCode::kBusy, "the export was stopped before it was complete"}; }
 
 }  // namespace hermite

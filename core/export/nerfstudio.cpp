@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kMmPerMetre_nerf = 1000, kMostMm = 65535;
 
-// Turned by half a turn about x: y up, looking along -z.
+// Returns the pose with the axes rotated by half a turn about x: y up, looking along -z.
 Json opengl_matrix(const Rigid3& world_from_camera) {
   Eigen::Matrix4d matrix = world_from_camera.matrix();
   matrix.col(1) *= -1;

@@ -1,4 +1,5 @@
-// Keyframes of a scan as pictures without distortion, with poses and points: what photogrammetry and splat programs begin with.
+// Undistorted keyframes of a scan with poses and points, as input for photogrammetry and splat
+// programs.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +16,9 @@
 
 namespace hermite {
 
-// What is exported; the caller keeps it alive. The cloud lies in the world of the trajectory. The sequence's camera is the one that the
-// scan was made with at last (RecalibratedSequence), and poses are those of its depth image, into which colour is brought.
+// The data to export, which the caller keeps alive. The cloud is in the world of the trajectory.
+// The sequence has the final camera of the scan (RecalibratedSequence), and poses are those of its
+// depth image, to which colour is registered.
 struct PhotoSource {
   const Sequence& sequence;
   const Trajectory& trajectory;
@@ -25,26 +27,26 @@ struct PhotoSource {
 
 struct PhotoOptions {
   KeyframeOptions keyframes{};
-  std::size_t most_points = 100'000;  // what splat programs begin with at most; they make more where they need them
+  std::size_t most_points = 100'000;  // the most that splat programs start with; they add points where needed
 };
 
 struct PhotoSummary {
   std::size_t frame_count = 0;    // of the sequence
-  std::size_t tracked_count = 0;  // of these, with a pose
-  std::size_t picture_count = 0;  // written
-  std::size_t point_count = 0;    // written
+  std::size_t tracked_count = 0;  // of these, frames with a pose
+  std::size_t picture_count = 0;  // images written
+  std::size_t point_count = 0;    // points written
 };
 
-// A keyframe as it is written: seen by one pinhole, rectified(camera).
+// A keyframe as it is written, seen by the pinhole camera rectified(camera).
 struct Picture {
-  RgbdFrame frame;                        // straight, colour registered to depth
-  std::vector<std::uint8_t> color_bytes;  // the recording's own where it was straight already, else PNG: nothing is lost
-  std::string name;                       // "frame_000123.jpg" by its place in the sequence, or .png
+  RgbdFrame frame;                        // rectified, colour registered to depth
+  std::vector<std::uint8_t> color_bytes;  // the recorded bytes if the image needed no rectification, else lossless PNG
+  std::string name;                       // "frame_000123.jpg" or .png, by its index in the sequence
 };
 class PictureReader {
  public:
   explicit PictureReader(const Sequence& sequence);
-  // As Sequence::read.
+  // Reads a keyframe; errors as Sequence::read.
   Result<Picture> read(std::int64_t index) const;
 
  private:

@@ -11,7 +11,7 @@ Result<PhotoSummary> PhotoWalk::write(const WritePicture& write_picture, const W
   if (!folder.ok()) return folder.error();
   const Result<std::vector<SeenFrame>> seen = frames_with_poses(source.sequence, source.trajectory);
   if (!seen.ok()) return seen.error();
-  // Looking at all frames is most of the work; the keyframes are read once more.
+  // Measuring the sharpness of all frames is most of the work; keyframes are read again later.
   const Result<std::vector<SeenFrame>> keyframes = find_keyframes(source.sequence, *seen, options.keyframes, progress);
   if (!keyframes.ok()) return keyframes.error();
   const Cloud points = thinned(source.cloud, options.most_points);

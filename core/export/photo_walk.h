@@ -1,5 +1,5 @@
-// What the writers of folders with pictures have in common: the keyframes are found, read and written one after the other, and the folder
-// is there as a whole or not at all.
+// The common part of the writers of folders with images: it finds, reads and writes keyframes one
+// after another. The folder is written completely or not at all.
 #pragma once
 
 #include <functional>
@@ -20,8 +20,8 @@ struct PhotoWalk {
   const std::string& path;
   const ExportProgress& progress;
 
-  // `picture` gets each keyframe (at least one), `rest` is called once behind them; both get the cloud thinned to
-  // options.most_points, the same object each time. Errors: write_colmap.
+  // Calls `picture` for each keyframe (at least one) and then `rest` once; both get the same cloud,
+  // thinned to options.most_points. Returns errors as write_colmap.
   Result<PhotoSummary> write(const WritePicture& picture, const WriteRest& rest) const;
 };
 

@@ -1,4 +1,4 @@
-// The frames of a scan as its camera turned out to be.
+// The recording of a scan with its final, possibly corrected, camera.
 #pragma once
 
 #include <memory>
@@ -11,11 +11,13 @@
 
 namespace hermite {
 
-// The camera that a scan was made with at last, where its report.json says so (`corrected_camera`, else `camera`). kCorruptData,
-// kInvalidArgument: what stands there is no camera.
+// Returns the final camera of a scan from its report.json (`corrected_camera`, else `camera`), or
+// nullopt when it has neither. Returns kCorruptData or kInvalidArgument when the entry is not a
+// valid camera.
 Result<std::optional<Camera>> camera_of_report(const std::string& report_json);
 
-// The recording with that camera, where there is one. Errors as above; kInvalidArgument: it has another size.
+// Returns the recording with that camera, if there is one. Errors as above; kInvalidArgument also
+// when the camera has another size.
 Result<std::unique_ptr<Sequence>> as_scanned(std::unique_ptr<Sequence> recording, const std::string& report_json);
 
 }  // namespace hermite

@@ -1,4 +1,5 @@
-// In which pictures a point of the cloud is seen, and where: the tracks that photogrammetry finds by features, known here from depth.
+// Finds the images in which a point of the cloud is visible: the tracks that photogrammetry gets
+// from features follow from depth here.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,26 +18,27 @@ struct Sighting {
   float u_px = 0, v_px = 0;   // pixel centres are integers
 };
 
-// One thread. Memory: at most 2 kMostSightings for a point.
+// One thread. Memory: at most 2 kMostSightings per point.
 class Sightings {
  public:
-  // Of a point: of more, every second, fourth, ... is kept, so that they stay spread over the scan.
+  // The limit per point. When it is exceeded, every second, fourth, ... sighting is kept, so that
+  // they stay spread over the scan.
   static constexpr std::size_t kMostSightings = 12;
 
-  // `cloud` must stay.
+  // `cloud` must outlive this object.
   explicit Sightings(const Cloud& cloud) : cloud_(cloud), tracks_(cloud.size()) {}
 
-  // A point is seen where it falls into the picture, faces the camera, and the depth measured there is its own within 2 % and 2 cm.
-  // `camera` is rectified, `depth` of its size.
+  // Adds an image. A point is visible in it if its projection is inside, it faces the camera, and
+  // the measured depth is its own within 2 % and 2 cm. `camera` is rectified, `depth` has its size.
   void look(const Camera& camera, const Rigid3& world_from_camera, const DepthImage& depth);
 
-  // By point, pictures ascending; at most kMostSightings.
+  // Returns at most kMostSightings by point, in ascending order of images.
   std::vector<std::vector<Sighting>> tracks() const;
 
  private:
   struct Track {
     std::vector<Sighting> kept;
-    std::uint32_t seen = 0, step = 1;  // every `step`-th is kept
+    std::uint32_t seen = 0, step = 1;  // every `step`-th sighting is kept
   };
   const Cloud& cloud_;
   std::vector<Track> tracks_;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSameTime_s = 1e-4;
 
-// What took the colour, as a camera of its own.
+// Returns the camera that took the colour images.
 Camera color_camera_of(const Camera& camera) {
   Camera color = camera;
   color.depth_correction = {};
@@ -28,7 +28,7 @@ Camera color_camera_of(const Camera& camera) {
   return color;
 }
 
-// 0 where the straight image has nothing, because the lens's ended there.
+// Returns 0 for pixels of the rectified image that are outside the original image.
 Image<std::uint8_t> seen_pixels(const Camera& color_camera) {
   if (color_camera.distortion == Distortion{}) return {};
   Image<std::uint8_t> is_seen(color_camera.width, color_camera.height);
@@ -40,7 +40,7 @@ Image<std::uint8_t> seen_pixels(const Camera& color_camera) {
   return is_seen;
 }
 
-// Lost frames stand in a trajectory with the last pose before them.
+// Removes lost frames, which have the last pose before them in a trajectory.
 Trajectory without_lost(const Trajectory& trajectory) {
   const std::vector<bool> is_tracked = tracked_frames(trajectory);
   Trajectory tracked;

@@ -1,4 +1,4 @@
-// A recording and a trajectory as what a texture is made from.
+// Frames of a recording with a trajectory, as input for texturing.
 #pragma once
 
 #include "core/dataset/sequence.h"
@@ -7,8 +7,9 @@
 
 namespace hermite {
 
-// Images are straightened in the camera that took them: where colour has a camera of its own, that one with its pose, so that no colour
-// goes through the depth image. A frame without a pose at its time, to 0.1 ms, was lost. `sequence` must outlive the result.
+// Images are rectified in the camera that took them: a separate colour camera keeps its own
+// intrinsics and pose, so that colours are not resampled through the depth image. A frame without a
+// pose within 0.1 ms is lost. `sequence` must outlive the result.
 TextureFrames texture_frames_of(const Sequence& sequence, const Trajectory& trajectory);
 
 }  // namespace hermite

@@ -1,9 +1,10 @@
-// How bright a frame's picture is beside the map's. Header only.
+// Brightness of a frame's colour image relative to the map. Header only.
 #pragma once
 
 namespace hermite {
 
-// Grey values and colours, 0 to 255: of the frame = gain * of the map + offset (exposure, light, veiling glare).
+// Frame value = gain * map value + offset, for grey values and colours from 0 to 255 (exposure,
+// light, veiling glare).
 struct Brightness {
   double gain = 1, offset = 0;
 };

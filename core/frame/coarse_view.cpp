@@ -7,7 +7,7 @@ namespace hermite {
 
 namespace {
 
-// As shaders/lib/geometry.glsl packs it: x and y as 2 x snorm16, z is not negative.
+// Unpacks as shaders/lib/geometry.glsl: x and y as 2 x snorm16, z is not negative.
 Eigen::Vector3f unpack_normal(shared::uint packed) {
   const auto number = [](shared::uint bits) { return static_cast<float>(static_cast<std::int16_t>(bits & 0xffffu)) / 32767.0f; };
   const float x = number(packed), y = number(packed >> 16);
@@ -57,7 +57,7 @@ void restore(ByteReader& bytes, CoarseView& view) {
   bytes.numbers(view.grey);
   const std::uint64_t pixels = std::uint64_t{view.camera.width} * view.camera.height;
   const bool fits = view.depth_m.size() == pixels && normals.size() == 3 * pixels && view.grey.size() == pixels;
-  bytes.require(fits, "the pixels of a coarse view");
+  bytes.require(fits, "the pixels of a coarse view are inconsistent");
   if (!fits) return;
   view.normals.resize(static_cast<std::size_t>(pixels));
   for (std::size_t i = 0; i < normals.size(); ++i) view.normals[i / 3][static_cast<Eigen::Index>(i % 3)] = normals[i];

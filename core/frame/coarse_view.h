@@ -1,4 +1,5 @@
-// What a frame shows at its coarsest resolution, on the host: for questions that need no detail but more than one frame.
+// A frame at its coarsest resolution on the host, for comparisons over several frames that need no
+// detail.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,11 +10,11 @@
 
 namespace hermite {
 
-// Row major, camera.width * camera.height entries each; camera coordinates, metres.
+// Row major, camera.width * camera.height entries each; camera frame, metres.
 struct CoarseView {
   shared::Intrinsics camera{};
   std::vector<float> depth_m;            // 0: no surface
-  std::vector<Eigen::Vector3f> normals;  // unit, away from the camera; zero where there is no surface
+  std::vector<Eigen::Vector3f> normals;  // unit length, away from the camera; zero without a surface
   std::vector<float> grey;               // 0 to 255
 
   bool empty() const { return depth_m.empty(); }
@@ -22,19 +23,19 @@ struct CoarseView {
   bool contains(int x, int y) const {
     return x >= 0 && y >= 0 && x < static_cast<int>(camera.width) && y < static_cast<int>(camera.height);
   }
-  // Of the pixel's centre, where it has a surface.
+  // Returns the point at the pixel's centre, which must have a surface.
   Eigen::Vector3d point(int x, int y) const;
   Eigen::Vector2d project(const Eigen::Vector3d& point) const;
 };
 
-// Of the coarsest level. Blocks until it is copied; the passes that fill it must have run.
+// Copies the coarsest level. Blocks until it is copied; the passes that fill it must have run.
 CoarseView coarse_view(const SurfacePyramid& surface);
 
-// Pixels of a coarse view, 1: belongs to the region.
+// Pixels of a coarse view; 1: belongs to the region.
 using CoarseMask = std::vector<shared::uint>;
 
 void save(ByteWriter& bytes, const CoarseView& view);
-// kCorrupt by the reader when the numbers of pixels do not fit each other.
+// The reader fails when the numbers of pixels are inconsistent.
 void restore(ByteReader& bytes, CoarseView& view);
 
 }  // namespace hermite

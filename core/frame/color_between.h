@@ -1,4 +1,4 @@
-// A colour between pixels.
+// Bilinear interpolation of colours.
 #pragma once
 
 #include <cstdint>
@@ -7,15 +7,16 @@
 
 namespace hermite {
 
-// Three channels in one number, with eight bits to spare each; `pixel` has four bytes, of which the lowest are red, green and blue.
+// Packs three channels into one number, with eight spare bits each; the lowest bytes of `pixel` are
+// red, green and blue.
 inline std::uint64_t spread(std::uint32_t pixel) { return (pixel & 0xff00ffu) | (std::uint64_t{pixel & 0xff00u} << 24); }
 
-// Between two such, `share` in 256ths.
+// Interpolates between two packed colours, with `share` in 256ths.
 inline std::uint64_t mix(std::uint64_t a, std::uint64_t b, std::uint64_t share) {
   return ((a * (256 - share) + b * share + 0x8000800080u) >> 8) & 0xff00ff00ffu;
 }
 
-// Between two neighbours of a row.
+// Interpolates between two neighbours in a row.
 inline std::uint64_t mix(const Rgb8* pair, std::uint64_t share) {
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(pair);
   const auto four = [bytes](int first) {
@@ -25,8 +26,8 @@ inline std::uint64_t mix(const Rgb8* pair, std::uint64_t share) {
   return mix(spread(four(0)), spread(four(2) >> 8), share);
 }
 
-// Bilinear between the four pixels around (x, y), which counts to a 256th of a pixel; black unless all four are in the image. Off by at
-// most one level.
+// Interpolates bilinearly between the four pixels around (x, y), with positions rounded to a 256th
+// of a pixel; returns black unless all four are in the image. The error is at most one level.
 inline Rgb8 color_between(const ColorImage& color, float x, float y) {
   if (!(x >= 0 && y >= 0)) return {0, 0, 0};
   const int left = static_cast<int>(x), top = static_cast<int>(y);

@@ -14,13 +14,14 @@ namespace {
 
 using InverseDepths = Image<float>;  // 1/m
 
-// Farther than everything: a block that has any depth never keeps it.
+// Farther than everything, so that a block with any depth never keeps it.
 constexpr float kUnknown = std::numeric_limits<float>::infinity();
-// Below this inverse depth in the colour camera (or behind it) a point has no place in its image: 1 km, or a lens bent backwards.
+// A point with a smaller inverse depth in the colour camera, or behind it, has no projection: it is
+// beyond 1 km, or the lens model is invalid there.
 constexpr float kLeastForward = 1e-3f;
 
 const ColorCamera& color_of(const Camera& camera) {
-  CHECK(camera.color.has_value(), "colour that is registered already");
+  CHECK(camera.color.has_value(), "the camera has no separate colour camera");
   return *camera.color;
 }
 
@@ -31,7 +32,7 @@ Eigen::Matrix3f ray_from_pixel(const Camera& camera) {
   return (rotation * pixel_from_ray.inverse()).cast<float>();
 }
 
-// Half as many rows and columns, rounded up; of four the farthest that is known.
+// Halves rows and columns, rounding up; keeps the farthest known depth of four.
 InverseDepths halved(const InverseDepths& fine) {
   InverseDepths coarse((fine.width + 1) / 2, (fine.height + 1) / 2);
   for (int y = 0; y < coarse.height; ++y)
@@ -43,7 +44,7 @@ InverseDepths halved(const InverseDepths& fine) {
   return coarse;
 }
 
-// Known everywhere; 0, infinitely far, where the whole image knows nothing.
+// Fills all unknown pixels; 0, infinitely far, if the whole image is unknown.
 void fill(InverseDepths& fine) {
   if (fine.width == 1 && fine.height == 1) {
     if (fine.pixels[0] == kUnknown) fine.pixels[0] = 0;
@@ -64,15 +65,17 @@ InverseDepths filled_inverse_depths(const DepthImage& depth, float metres_per_de
   return inverse_depths;
 }
 
-// Outside by as much as any place may be: casts to int stay in range.
+// Clamps projections outside the image, so that casts to int stay in range.
 constexpr float kOutside_px = 2;
 
-// Half the distance to the next pixel's place, and the half that rounding takes, so that no column of a surface stays open.
+// Half the distance between neighbouring projections plus half a pixel for rounding, so that a
+// surface leaves no column uncovered.
 int reach_px(const Camera& camera) { return static_cast<int>(std::ceil(0.5 * camera.color->fx / camera.fx + 0.5)); }
 
-// Beside something near, on the side where it hides nothing, the two columns of a point may be covered by it too. The two were a pixel of
-// the depth image or more apart before parallax, so only a parallax that differs by all that two columns and the reach span hides. Without
-// parallax nothing does: infinity.
+// Returns the least inverse-depth difference of an occlusion. Beside a near object, on the side
+// where it occludes nothing, its own columns may cover those of a point. Their pixels were at least
+// one apart before parallax, so only a parallax difference larger than two columns plus the reach
+// is an occlusion. Without parallax it is infinite.
 float hiding_per_m(const ColorCamera& color, int reach_px) {
   return static_cast<float>((reach_px + 2) / (color.fx * std::abs(color.color_from_depth.translation.x())));
 }
@@ -115,7 +118,8 @@ void ColorRegistration::find_places(const InverseDepths& inverse_depths, int y, 
     if (!(forward[x] > kLeastForward)) row.u[x] = row.v[x] = -kOutside_px;
 }
 
-// Only what was measured hides, and only what is in the colour image is hidden.
+// Finds occluded pixels of a row: only measured depth occludes, and only points in the colour image
+// are tested.
 void ColorRegistration::find_hidden(const InverseDepths& inverse_depths, const DepthImage& depth, int y, Row& row) const {
   constexpr int kOutside = static_cast<int>(kOutside_px);
   const std::uint16_t* measured = &depth.at(0, y);
@@ -137,7 +141,7 @@ void ColorRegistration::find_hidden(const InverseDepths& inverse_depths, const D
   }
 }
 
-// Hidden stretches of a row get the colour of their farther end.
+// Gives occluded stretches of a row the colour of their farther end.
 void ColorRegistration::uncover(const InverseDepths& inverse_depths, int y, const Row& row, ColorImage& registered) const {
   const auto nearness = [&](int x) { return x < 0 || x == width_ ? kUnknown : inverse_depths.at(x, y); };
   for (int begin = 0, end = 0; begin < width_; begin = end + 1) {

@@ -1,11 +1,14 @@
-// Colour as the depth camera would see it, where another camera took it (Camera::color).
+// Registers the image of a separate colour camera (Camera::color) to the depth image.
 //
-// Each pixel of the depth image is a point; its colour is between the four pixels of the colour image where that point lies.
-//   - A pixel without depth takes the farthest depth of the smallest block around it (sides of 2, 4, 8, ... pixels) that has any: what has
-//     no depth is mostly the projector's shadow of something near on something far, or too far to be measured.
-//   - Where something nearer hides the point from the colour camera, the colour comes from the farther end of the hidden stretch of its
-//     row: the near thing's colour would be wrong, and black would stay in the map as a colour. Found row by row: the lenses of known
-//     devices sit side by side, so that what hides a point lies in its row. Of lenses one above the other, near colours leak.
+// Each pixel of the depth image is a point; its colour is interpolated between the four pixels of
+// the colour image around the point's projection.
+//  - A pixel without depth gets the farthest depth of the smallest block around it (sides of 2, 4, 8, ...
+//    pixels) that has any, because missing depth is mostly the projector's shadow of a near object on a far
+//    one, or out of range.
+//  - If something nearer occludes the point in the colour camera, its colour is taken from the farther end of
+//    the occluded stretch of its row: the near object's colour would be wrong, and black would stay in the
+//    map. Occlusion is only found within rows, because the lenses of known devices are side by side; for
+//    lenses above each other, near colours leak.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,18 +23,19 @@ namespace hermite {
 // Const functions are thread-safe.
 class ColorRegistration {
  public:
-  // CHECK: the camera has a colour camera of its own.
+  // A CHECK fails unless the camera has a separate colour camera.
   explicit ColorRegistration(const Camera& camera);
 
-  // `straight_depth` is of a lens without distortion, `color` as it arrived; both of the camera's size. Black beyond the colour image.
+  // Returns the registered colour image, black where the colour image ends. `straight_depth` is
+  // rectified and `color` is as recorded; both have the camera's size.
   ColorImage apply(const ColorImage& color, const DepthImage& straight_depth) const;
 
  private:
   using InverseDepths = Image<float>;  // 1/m
   struct Row {
-    Eigen::ArrayXf u, v;            // where the pixels' points lie in the colour image [px]
-    Eigen::ArrayXf nearest_per_m;   // by column of the colour image, with margins: inverse depth of the nearest thing measured there
-    Eigen::ArrayXf covering_per_m;  // by column: the same of all that may cover it or the next
+    Eigen::ArrayXf u, v;            // projections of the pixels' points in the colour image [px]
+    Eigen::ArrayXf nearest_per_m;   // by column of the colour image, with margins: inverse depth of the nearest point there
+    Eigen::ArrayXf covering_per_m;  // by column: the maximum over all points that may cover this column or the next
     std::vector<std::uint8_t> is_hidden;
   };
   void find_places(const InverseDepths& inverse_depths, int y, Row& row) const;
@@ -43,12 +47,12 @@ class ColorRegistration {
   const Distortion distortion_;  // of the colour lens
   const bool is_distorted_;
   const float fx_, fy_, cx_, cy_;         // of the colour camera [px]
-  const Eigen::Matrix3f ray_from_pixel_;  // of the depth image; the ray is in the colour camera's frame, its length of no meaning
+  const Eigen::Matrix3f ray_from_pixel_;  // from the depth image to a ray in the colour camera's frame, of arbitrary length
   const Eigen::Vector3f depth_camera_m_;  // in the colour camera's frame
   const Eigen::ArrayXf columns_;          // 0, 1, 2, ... of a row
-  const int reach_px_;                    // how far a pixel of the depth image covers the colour image to either side of its place
-  const int margin_px_;                   // beside the columns of the colour image: what lies there may reach into it
-  const float hiding_per_m_;              // what hides a point is nearer by at least so much, in inverse depth
+  const int reach_px_;                    // half the width of a depth pixel in the colour image
+  const int margin_px_;                   // columns beside the colour image whose points may reach into it
+  const float hiding_per_m_;              // least difference of inverse depth for an occlusion
 };
 
 }  // namespace hermite

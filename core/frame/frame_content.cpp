@@ -13,7 +13,7 @@ constexpr int kStep_px = 4;
 
 int grey(Rgb8 c) { return (299 * c.r + 587 * c.g + 114 * c.b + 500) / 1000; }
 
-// FNV-1a, by pixel in place of by byte.
+// FNV-1a, applied per pixel instead of per byte.
 std::uint64_t digest_of(const DepthImage& depth) {
   std::uint64_t digest = 0xcbf29ce484222325u;
   bool is_measured = false;

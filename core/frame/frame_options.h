@@ -1,4 +1,5 @@
-// How a depth frame becomes surface maps. Values; each has its key and reason in core/pipeline/options.cpp.
+// Options of frame preprocessing. The key and the reason of each default are in
+// core/pipeline/options.cpp.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +21,7 @@ struct FrameOptions {
   double bilateral_correlated_space_px = 4.0;
   double bilateral_noise_sigmas = 2.0;
   bool measure_noise = true;
-  // Of a Kinect v1 until it is measured.
+  // Those of a Kinect v1, until the noise is measured.
   double noise_floor_m = kKinectNoiseFloor_m;
   double noise_growth_per_m = kKinectNoiseGrowth_per_m;
   double support_radius_scale = 2.5;

@@ -7,14 +7,15 @@ namespace hermite {
 
 namespace {
 
-// Motions are told to a tenth of a pixel of an image this wide; larger ones are halved.
+// Motion is measured to a tenth of a pixel of an image this wide; larger images are halved.
 constexpr int kEnough_px = 480;
 
-// A picture of fewer pixels than this in a direction shows no more than its mean.
+// A level with fewer pixels in a direction would show no more than its mean.
 constexpr int kLeastSide_px = 15;
 
-// One corner for each cell, away from the edge of the image by the window that it is followed by. The smaller eigenvalue of the structure
-// tensor (Shi, Tomasi 1994), as the mean over the window in grey values squared: thrice the noise of a picture.
+// The strongest corner of each cell, at a distance from the image border for its tracking window.
+// The score is the smaller eigenvalue of the structure tensor (Shi, Tomasi 1994), as a mean over
+// the window in squared grey values; the threshold is three times an image's noise.
 constexpr int kCell_px = 16, kMargin_px = 6, kWindow_px = 2;
 constexpr float kLeastCorner = 10;
 
@@ -46,7 +47,7 @@ GreyImage halved(const GreyImage& fine) {
   return image;
 }
 
-// Products of the gradients, summed over the window.
+// Products of gradients, summed over the window.
 struct Tensor {
   float xx = 0, xy = 0, yy = 0;
   void operator+=(const Tensor& other) { xx += other.xx, xy += other.xy, yy += other.yy; }
@@ -55,7 +56,7 @@ struct Tensor {
 
 std::vector<Corner> corners_of(const GreyImage& image) {
   const auto width = static_cast<std::size_t>(image.width);
-  std::vector<Tensor> rows(image.pixels.size());  // summed along the row
+  std::vector<Tensor> rows(image.pixels.size());  // sums along the row
   for (int y = 1; y + 1 < image.height; ++y)
     for (int x = 1 + kWindow_px; x + 1 + kWindow_px < image.width; ++x)
       for (int dx = -kWindow_px; dx <= kWindow_px; ++dx) {
@@ -84,7 +85,7 @@ std::vector<Corner> corners_of(const GreyImage& image) {
   return corners;
 }
 
-// Coarser and coarser, behind the first.
+// Appends coarser levels.
 void add_levels(std::vector<GreyImage>& levels) {
   while (std::min(levels.back().width, levels.back().height) >= 2 * kLeastSide_px) levels.push_back(halved(levels.back()));
 }
@@ -117,7 +118,7 @@ PictureFeatures features_of(const RgbdFrame& frame, double depth_units_per_metre
   return features;
 }
 
-// The coarser levels come from the first.
+// Only the finest level is saved; the coarser levels follow from it.
 void save(ByteWriter& bytes, const PictureFeatures& features) {
   const GreyImage none, &finest = features.levels.empty() ? none : features.levels[0];
   bytes.number(features.image_px);
@@ -143,7 +144,7 @@ void restore(ByteReader& bytes, PictureFeatures& features) {
   };
   bytes.require(fits && (features.image_px == 1 || features.image_px == 2) &&
                     std::all_of(features.corners.begin(), features.corners.end(), is_inside),
-                "the last picture's corners");
+                "the image features are inconsistent");
   if (!bytes.ok() || finest.pixels.empty()) return;
   features.levels.push_back(std::move(finest));
   add_levels(features.levels);

@@ -1,4 +1,5 @@
-// What the motion between two pictures is told by: a pyramid of grey values, and corners with their depth. Host only, no GPU.
+// Features for image motion: a pyramid of grey images, and corners with their depth. Runs on the
+// host.
 #pragma once
 
 #include <cstdint>
@@ -20,24 +21,25 @@ struct GreyImage {
 };
 
 struct Corner {
-  float x = 0, y = 0;  // pixels of levels[0], centres are integers
+  float x = 0, y = 0;  // pixels of levels[0]; centres are integers
   float depth_m = 0;   // 0: unknown
 };
 
 struct PictureFeatures {
-  int image_px = 1;               // so many pixels of the image, in each direction, are one of levels[0]
-  std::vector<GreyImage> levels;  // each of half the size of the one before
-  std::vector<Corner> corners;    // at most one for 16x16 pixels of levels[0]
+  int image_px = 1;               // image pixels per pixel of levels[0], in each direction
+  std::vector<GreyImage> levels;  // each has half the size of the one before
+  std::vector<Corner> corners;    // at most one per 16x16 pixels of levels[0]
 };
 
-// Depths are within the options' range. Some 3 ms for 640x480. Any thread.
+// Detects features; depths are within the options' range. Takes about 3 ms for 640x480. Any thread.
 PictureFeatures features_of(const RgbdFrame& frame, double depth_units_per_metre, const FrameOptions& options);
 
-// The median of what is measured in 3x3 pixels around one [m]; 0 where that is less than half, or out of the options' range.
+// Returns the median depth [m] of the 3x3 pixels around a pixel; 0 if less than half of them have a
+// depth in the options' range.
 float depth_around(const DepthImage& depth, int x, int y, double units_per_metre, const FrameOptions& options);
 
 void save(ByteWriter& bytes, const PictureFeatures& features);
-// kCorrupt by the reader when the numbers of pixels do not fit each other.
+// The reader fails when the numbers of pixels are inconsistent.
 void restore(ByteReader& bytes, PictureFeatures& features);
 
 }  // namespace hermite

@@ -1,4 +1,5 @@
-// A frame that waits for its turn on the device: all that can be done with it before is done. Plain value.
+// A frame prepared for processing on the GPU: everything that can be done before is done. Plain
+// value.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +13,12 @@
 namespace hermite {
 
 struct PreparedFrame {
-  RgbdFrame frame;                      // of rectified(camera): straight, colour registered to depth
-  std::optional<RgbdFrame> as_it_came;  // where that is another one
-  FrameContent content;                 // of the frame as it came
-  NoiseSample noise;                    // of its depth as it came
+  RgbdFrame frame;                      // of rectified(camera): rectified, colour registered to depth
+  std::optional<RgbdFrame> as_it_came;  // set when it differs from `frame`
+  FrameContent content;                 // of the frame as recorded
+  NoiseSample noise;                    // of the depth as recorded
   PictureFeatures features;
-  std::uint32_t camera_number = 0;  // of those that the pipeline has had so far (core/pipeline/frame_preparer.h)
+  std::uint32_t camera_number = 0;  // index among the cameras that the pipeline has had (core/pipeline/frame_preparer.h)
 };
 
 }  // namespace hermite

@@ -7,8 +7,9 @@ namespace hermite {
 
 namespace {
 
-// The paper's epsilon "reflects the resolution" of a Kinect v1. The gradient falls with the pixels' footprint, so epsilon follows the focal
-// length: otherwise the same surface would be worth less to a coarser camera, and a small image would never make a stable surfel.
+// The paper's epsilon "reflects the resolution" of a Kinect v1. The gradient decreases with the
+// footprint of pixels, so epsilon scales with the focal length; otherwise the same surface would
+// get less confidence from a coarser camera, and a small image would never produce stable surfels.
 constexpr double kKinectFocalLength_px = 525;
 
 FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera, int step) {
@@ -25,7 +26,7 @@ FrameMaps make_frame_maps(gpu::Device& device, const Camera& camera, int step) {
   return maps;
 }
 
-// With its margin.
+// Returns the number of pixels of the depth image with its margin.
 std::size_t depth_image_size(const Camera& camera) {
   return static_cast<std::size_t>(HERMITE_DEPTH_STRIDE(camera.width)) * static_cast<std::size_t>(camera.height + 2 * HERMITE_DEPTH_MARGIN);
 }
@@ -37,7 +38,8 @@ Rgb8 brightened(const Rgb8& color, float darkening) {
   return {bright(color.r), bright(color.g), bright(color.b)};
 }
 
-// The window ends where the Gaussian has fallen to about 0.4 (radius 6 for 4.5 px, as in the authors' program).
+// The window ends where the Gaussian has fallen to about 0.4 (radius 6 for 4.5 px, as in the
+// authors' program).
 std::uint32_t window_radius(const FrameOptions& options) {
   const double correlated_px = options.measure_noise ? options.bilateral_correlated_space_px : 0;
   return static_cast<std::uint32_t>(std::lround(std::max(options.bilateral_sigma_space_px, correlated_px) * 4.0 / 3.0));
@@ -102,7 +104,7 @@ const FrameMaps& Preprocessor::run(gpu::Commands& commands, const RgbdFrame& fra
   SurfaceLevel& surface = maps_.surface.levels[0];
   const float depth_gate_m = static_cast<float>(options_.depth_gate_m);
 
-  const gpu::Threads fours{(camera.width + 3) / 4, camera.height};  // four pixels an invocation
+  const gpu::Threads fours{(camera.width + 3) / 4, camera.height};  // four pixels per invocation
   const auto texels = static_cast<shared::uint>(units_.count());
   commands.dispatch(inverse_depth_, {texels},
                     shared::InverseDepthParams{texels, static_cast<float>(1.0 / camera_.depth_units_per_metre),

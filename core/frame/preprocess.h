@@ -1,5 +1,5 @@
-// From a sensor frame to frame maps: filtered depth, the HRBF surface with normals, curvatures and confidence, and grey images
-// (paper section 3.2 to 3.4).
+// Computes frame maps from a sensor frame: filtered depth, the HRBF surface with normals,
+// curvatures and confidence, and grey images (paper section 3.2 to 3.4).
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@
 
 namespace hermite {
 
-// All of the sampled pixels only.
+// All maps have the sampled pixels only.
 struct FrameMaps {
-  gpu::Buffer<float> raw_depth_m;       // as measured, inside the range
+  gpu::Buffer<float> raw_depth_m;       // as measured, within the range
   gpu::Buffer<float> filtered_depth_m;  // after the bilateral filter
-  gpu::Buffer<shared::uvec4> kernels;   // of the HRBF, with a margin: depth, normal from central differences
+  gpu::Buffer<shared::uvec4> kernels;   // of the HRBF, with a margin: depth, and normal from central differences
   gpu::Buffer<shared::uint> color;      // r | g << 8 | b << 16
   SurfacePyramid surface;               // weight is the confidence c = c_r c_d
   std::array<gpu::Buffer<shared::GreyAndGradient>, kPyramidLevels> pictures;
@@ -24,23 +24,24 @@ struct FrameMaps {
   const shared::Intrinsics& camera() const { return surface.levels[0].camera; }
 };
 
-// Owns the maps of the current frame. One thread at a time: the device's.
+// Owns the maps of the current frame. One thread at a time, the device's.
 class Preprocessor {
  public:
   Preprocessor(gpu::Device& device, const Camera& camera, const FrameOptions& options);
 
-  // Colours of the frames to come are divided by this, by pixel of the whole image (none: by 1).
+  // Sets the lens shading by which the following frames' colours are divided, per pixel of the
+  // whole image; empty: no division.
   void set_shading(std::vector<float> darkening) { darkening_ = std::move(darkening); }
 
-  // Of the frames to come.
+  // Sets the filter for the following frames.
   void set_filter(const FilterWidths& widths) { filter_ = widths; }
 
-  // Uploads the frame (same size as the camera, checked by the caller) and records the passes; the maps are valid once `commands` has run.
-  // `frame_index` decides which pixels are sampled.
+  // Uploads the frame (whose size the caller has checked) and records the passes; the maps are
+  // valid once `commands` has run. `frame_index` determines the sampled pixels.
   const FrameMaps& run(gpu::Commands& commands, const RgbdFrame& frame, std::int64_t frame_index);
 
-  // Records: neither odometry nor fusion looks at the masked pixels of the frame preprocessed last, at any level. Uploads the mask, which
-  // is of the coarsest level.
+  // Records the masking of pixels of the last preprocessed frame at all levels; odometry and fusion
+  // ignore them. Uploads the mask, which has the size of the coarsest level.
   void mask(gpu::Commands& commands, const CoarseMask& mask);
 
   const FrameMaps& maps() const { return maps_; }
@@ -55,11 +56,11 @@ class Preprocessor {
   FilterWidths filter_;
   gpu::Kernel inverse_depth_, bilateral_, normals_, surface_, intensity_, gradient_, downsample_, mask_;
   std::vector<float> darkening_;
-  // Of the whole image; with a margin, and eight and four pixels an element:
+  // Buffers of the whole image with a margin; their elements are eight and four pixels:
   std::vector<std::uint16_t> staged_units_;
   gpu::Buffer<shared::uvec4> units_;
   gpu::Buffer<shared::vec4> inverse_depth_per_m_;
-  // and without:
+  // Buffers without a margin:
   std::vector<shared::uint> staged_color_;
   gpu::Buffer<shared::uint> color_;
   gpu::Buffer<shared::uint> mask_pixels_;

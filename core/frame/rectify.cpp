@@ -14,7 +14,7 @@ Rectifier::Rectifier(const Camera& camera) : camera_(camera) {
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       const Eigen::Vector2d at = camera.distort(x, y);
-      // Far outside is outside: the cast below stays in range.
+      // Clamps positions far outside, so that the cast below stays in range.
       const auto pixel = [](double value, int side) { return static_cast<float>(std::clamp(value, -2.0, side + 1.0)); };
       const float source_x = pixel(at.x(), camera.width), source_y = pixel(at.y(), camera.height);
       const int column = static_cast<int>(std::lround(source_x)), row = static_cast<int>(std::lround(source_y));

@@ -1,5 +1,5 @@
-// The door of a frame: straightens the images of distorted lenses, corrects depth and brings colour into the depth camera, so that
-// everything behind can take the camera for one pinhole with registered images, rectified(camera).
+// Rectifies incoming frames: removes lens distortion, corrects depth, and registers colour to the
+// depth camera. All further code can assume one pinhole with registered images, rectified(camera).
 #pragma once
 
 #include <cstdint>
@@ -12,22 +12,24 @@
 
 namespace hermite {
 
-// Where depth is registered to colour (no Camera::color), both images came through one lens and are straightened alike. Else depth is
-// straightened by the distortion of its camera, and colour, looked up for the straight depth, by that of its own. Depth is corrected
-// (Camera::depth_correction) once it is straight, rounded to the sensor's units.
-// Const functions are thread-safe.
+// If depth is registered to colour (no Camera::color), both images have the same lens and are
+// rectified alike. Otherwise depth is rectified with its camera's distortion, and colour is sampled
+// at the rectified depth's points with its own distortion. Depth is corrected
+// (Camera::depth_correction) after rectification and rounded to sensor units. Const functions are
+// thread-safe.
 class Rectifier {
  public:
   explicit Rectifier(const Camera& camera);
 
-  // Depth of the nearest pixel, colour between four; no depth and black beyond the image. The frame has the camera's size.
+  // Takes depth from the nearest pixel and colour between four pixels; outside the image, depth is
+  // 0 and colour black. The frame has the camera's size.
   RgbdFrame apply(const RgbdFrame& frame) const;
 
  private:
-  // Where a pixel of the straight images lies in the distorted ones.
+  // Position of a rectified pixel in the distorted image.
   struct Source {
     float x = 0, y = 0;         // pixels
-    std::int32_t nearest = -1;  // index of the pixel nearest to it; -1: outside
+    std::int32_t nearest = -1;  // index of the nearest pixel; -1: outside
   };
   DepthImage straight(const DepthImage& depth) const;
   ColorImage straight(const ColorImage& color) const;
@@ -35,11 +37,11 @@ class Rectifier {
 
   const Camera camera_;
 
-  std::vector<Source> sources_;  // empty: they are straight as they arrive
+  std::vector<Source> sources_;  // empty: the images need no rectification
   std::optional<ColorRegistration> registration_;
 };
 
-// None for a camera whose frames are right as they arrive.
+// Returns nullopt for a camera whose frames need no processing.
 std::optional<Rectifier> rectifier_of(const Camera& camera);
 
 }  // namespace hermite

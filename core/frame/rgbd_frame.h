@@ -1,5 +1,5 @@
-// One RGB-D pair as a sensor or a recording gives it: same size, depth registered to colour unless the camera has a Camera::color.
-// Plain value.
+// An RGB-D pair from a sensor or a recording. Both images have the same size, and depth is
+// registered to colour unless the camera has a Camera::color. Plain value.
 #pragma once
 
 #include "core/base/image.h"
@@ -7,7 +7,7 @@
 namespace hermite {
 
 struct RgbdFrame {
-  double timestamp_s = 0;  // the recording's own clock
+  double timestamp_s = 0;  // in the clock of the recording
   DepthImage depth;        // sensor units, see Camera::depth_units_per_metre
   ColorImage color;
 };

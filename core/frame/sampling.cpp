@@ -6,7 +6,7 @@ namespace hermite {
 
 namespace {
 
-// Diagonal neighbours first, so that two frames already cover a checkerboard.
+// Diagonal neighbours come first, so that two frames already cover a checkerboard.
 constexpr std::array<std::array<shared::uint, 2>, 4> kQuarters{{{0, 0}, {1, 1}, {1, 0}, {0, 1}}};
 
 constexpr int kEnoughPixels = 320 * 240;

@@ -8,28 +8,33 @@ namespace hermite {
 
 namespace {
 
-// Pixels so far apart: near ones share most of a Kinect's noise, far ones none of it.
+// Pixel distances: near pixels share most of a Kinect's noise, far ones none of it.
 constexpr int kNear_px = 2, kFar_px = 6, kFarthest_px = 8;
 
-// Every fourth pixel is asked, each way, or so many in a row: thousands tell a deviation to one or two per cent.
+// Samples every fourth pixel in both directions, or at most this many per row: thousands determine
+// a deviation to one or two per cent.
 constexpr int kLeastEvery_px = 4, kInARow = 80;
 constexpr std::size_t kLeastCount = 500;
 
-// Of the smallest three fifths of normal deviates the mean size; a second difference of independent ones has six times their variance.
+// The share of smallest normal deviates that is kept, and their mean size. A second difference of
+// independent values has six times their variance.
 constexpr double kKept = 0.6, kMeanOfKept = 0.3965;
 
-// After so many frames the sensor is known; later ones replace what earlier ones said.
+// The number of frames in the running mean; after that, later frames replace earlier ones.
 constexpr double kFrames = 100;
 
-// Shares of the far variance that the near one lacks: of white noise, where what is not flat adds to the far one, and of the Kinect's noise
-// that sequences are disturbed by (0.20 and 0.76 on the rendered room). Real Kinects have 0.85 (fr1) and 0.88 (redkitchen).
+// Relative decrease from the far to the near variance: of white noise, where curved surfaces add to
+// the far one, and of the Kinect noise that sequences are disturbed with (0.20 and 0.76 on the
+// rendered room). Real Kinects have 0.85 (fr1) and 0.88 (redkitchen).
 constexpr double kWhite = 0.20, kKinect = 0.76, kMostCorrelation = 1.25;
 
-// What is flat and clean has no noise, but surfaces that are not flat need some of the filter's width: with a quarter the rendered room
-// ends 0.19 mm off instead of 0.37, but small images with half of their depth 12 mm instead of 9.
+// Noise-free depth has no noise, but curved surfaces still need some filter width: with a quarter,
+// the error on the rendered room is 0.19 mm instead of 0.37, but on small images with half of their
+// depth it is 12 mm instead of 9.
 constexpr double kLeastScale = 0.5, kMostScale = 4;
 
-// Of the size of second differences over `lag` pixels each way, in deviations of the model.
+// Size of second differences over `lag` pixels in both directions, in standard deviations of the
+// model.
 class Differences {
  public:
   Differences(const DepthImage& depth, double units_per_metre, const FrameOptions& options)
@@ -46,7 +51,7 @@ class Differences {
     if (sizes_.size() < kLeastCount) return -1;
     const auto kept = sizes_.begin() + static_cast<std::ptrdiff_t>(kKept * static_cast<double>(sizes_.size()));
     std::nth_element(sizes_.begin(), kept, sizes_.end());
-    std::sort(sizes_.begin(), kept);  // so that the sum has one order
+    std::sort(sizes_.begin(), kept);  // fixes the order of the sum
     double sum = 0;
     for (auto size = sizes_.begin(); size != kept; ++size) sum += double{*size};
     return sum / static_cast<double>(kept - sizes_.begin()) / kMeanOfKept / std::sqrt(6.0);
@@ -82,7 +87,7 @@ NoiseSample measure_noise(const DepthImage& depth, double units_per_metre, const
   Differences differences(depth, units_per_metre, options);
   const double near = differences.deviation(kNear_px), far = differences.deviation(kFar_px), farthest = differences.deviation(kFarthest_px);
   if (std::min({near, far, farthest}) < 0) return {};
-  // What surfaces bend by grows with the square of the distance, noise does not any more.
+  // The part caused by curvature grows with the square of the distance, noise does not.
   constexpr double kGrowth = (kFarthest_px * kFarthest_px) / double{kFar_px * kFar_px};
   const double bent2 = (farthest * farthest - far * far) / (kGrowth * kGrowth - 1);
   return {true, near, std::sqrt(std::max(far * far - bent2, near * near))};
@@ -108,11 +113,12 @@ double SensorNoise::correlation() const {
 void SensorNoise::restore(ByteReader& bytes) {
   bytes.number(sums_);
   const auto is_sum = [](double value) { return std::isfinite(value) && value >= 0; };
-  bytes.require(is_sum(sums_.frames) && sums_.frames <= kFrames && is_sum(sums_.near2) && is_sum(sums_.far2), "the sensor's noise");
+  bytes.require(is_sum(sums_.frames) && sums_.frames <= kFrames && is_sum(sums_.near2) && is_sum(sums_.far2),
+                "the sensor's noise is out of range");
 }
 
-// Noise that goes together over some pixels is averaged away only over more of them, and only where the filter lets neighbours in that err
-// differently: twice as far from each other.
+// Noise that correlates over some pixels is only averaged out by a wider spatial window, and only
+// if the filter admits neighbours whose errors differ: with such noise the width in depth doubles.
 FilterWidths filter_widths(const FrameOptions& options, const SensorNoise& noise) {
   if (!options.measure_noise) return {options.bilateral_sigma_space_px, options.bilateral_noise_sigmas};
   const double correlation = noise.correlation();

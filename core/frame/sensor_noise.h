@@ -1,8 +1,7 @@
-// The noise of a depth sensor, measured on the frames themselves: how much it is beside what the options say, and how far neighbouring
-// pixels err alike. Both differ between sensors by more than a filter can overlook: the noise of a Kinect v1 goes together over three
-// pixels and more, that of a rendered image is none.
-//
-// Host only, no GPU.
+// The noise of a depth sensor, measured from its frames: its size relative to the options' model,
+// and the distance over which errors of neighbouring pixels correlate. Both differ too much between
+// sensors for a fixed filter: a Kinect v1's noise correlates over three pixels and more, that of a
+// rendered image not at all. Runs on the host.
 #pragma once
 
 #include "core/base/byte_stream.h"
@@ -11,30 +10,33 @@
 
 namespace hermite {
 
-// The standard deviation of a measurement as the options' model has it, which is that of a Kinect v1 (Nguyen, Izadi, Lovell 2012).
+// Returns the standard deviation of a measurement in the options' model, which is that of a Kinect
+// v1 (Nguyen, Izadi, Lovell 2012).
 double model_deviation_m(const FrameOptions& options, double depth_m);
 
-// Of one frame: standard deviations of the noise in those of the options' model, as they show between pixels that are two and eight apart,
-// where surfaces are flat.
+// Noise of one frame: standard deviations of differences between pixels two and eight apart on flat
+// surfaces, in units of the options' model.
 struct NoiseSample {
-  bool is_known = false;  // there was enough surface
+  bool is_known = false;  // false if there was too little surface
   double near = 0, far = 0;
 };
 
-// Second differences of inverse depth, which are zero on planes. The larger two fifths are left out: edges, and what is not flat. Below a
-// millisecond for 640x480. Any thread.
+// Measures second differences of inverse depth, which are zero on planes. The largest two fifths
+// are dropped, as edges and curved surfaces. Takes below a millisecond for 640x480. Any thread.
 NoiseSample measure_noise(const DepthImage& depth, double units_per_metre, const FrameOptions& options);
 
-// What the frames so far say together. One thread at a time.
+// Accumulates the noise of all frames so far. One thread at a time.
 class SensorNoise {
  public:
   void add(const NoiseSample& sample);
 
-  // The standard deviation of a measurement over that of the options' model; 1 before anything is known.
+  // Returns the standard deviation of a measurement relative to the options' model; 1 before it is
+  // known.
   double scale() const;
 
-  // 0 where pixels err independently of each other, 1 where they do as in the Kinect's noise that sequences are disturbed by, more where
-  // they err alike over a larger distance; 0 before anything is known.
+  // Returns 0 if the errors of pixels are independent, 1 if they correlate as in the Kinect noise
+  // that sequences are disturbed with, and more if they correlate over larger distances; 0 before
+  // it is known.
   double correlation() const;
 
   void save(ByteWriter& bytes) const { bytes.number(sums_); }
@@ -46,7 +48,8 @@ class SensorNoise {
   } sums_;
 };
 
-// Of the bilateral filter: over the image, and over depth in standard deviations of the options' model.
+// Widths of the bilateral filter: in the image, and in depth in standard deviations of the options'
+// model.
 struct FilterWidths {
   double space_px = 0, depth_deviations = 0;
 };

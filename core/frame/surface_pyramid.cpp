@@ -48,7 +48,7 @@ void restore(ByteReader& bytes, SurfacePyramid& pyramid) {
   bytes.number(camera);
   bytes.require(camera.width == own.width && camera.height == own.height && std::isfinite(camera.fx) && std::isfinite(camera.fy) &&
                     std::isfinite(camera.cx) && std::isfinite(camera.cy),
-                "the camera of a surface");
+                "the camera of a surface is invalid or has another size");
   if (bytes.ok()) set_camera(pyramid, camera);
   for_each_buffer(pyramid, [&bytes](auto& buffer) { gpu::restore(bytes, buffer); });
 }

@@ -1,4 +1,5 @@
-// A surface as seen from one pose, at three resolutions: what the odometry compares, of a frame or of the map's prediction.
+// A surface seen from one pose at three resolutions, of a frame or of the map's prediction, as
+// odometry compares them.
 #pragma once
 
 #include <array>
@@ -28,16 +29,16 @@ struct SurfacePyramid {
 
 SurfacePyramid make_surface_pyramid(gpu::Device& device, const shared::Intrinsics& finest, const std::string& purpose);
 
-// Another camera of the same size, as when other pixels are sampled.
+// Sets another camera of the same size, as when other pixels are sampled.
 void set_camera(SurfacePyramid& pyramid, const shared::Intrinsics& finest);
 
-// All levels as they are; between submissions.
+// Saves all levels between submissions.
 void save(ByteWriter& bytes, const SurfacePyramid& pyramid);
 
-// Into a pyramid of the same size, as the reader requires.
+// Restores into a pyramid of the same size; the reader fails otherwise.
 void restore(ByteReader& bytes, SurfacePyramid& pyramid);
 
-// Records the passes that fill levels 1 and 2 from level 0.
+// Records the passes that compute levels 1 and 2 from level 0.
 void downsample(gpu::Commands& commands, const gpu::Kernel& kernel, SurfacePyramid& pyramid, double depth_gate_m);
 
 }  // namespace hermite

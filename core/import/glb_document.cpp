@@ -13,7 +13,8 @@ using Json = nlohmann::json;
 constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJsonKind = 0x4E4F534A, kBinaryKind = 0x004E4942;
 constexpr std::size_t kHeader_bytes = 12, kChunkHeader_bytes = 8;
 constexpr std::array kKinds = {"scenes", "nodes", "meshes", "accessors", "bufferViews", "buffers", "materials", "textures", "images"};
-// What the viewer and this reader know, besides materials, which change how a surface looks and not where it is.
+// Extensions that the viewer and this reader support. Material extensions are accepted as well,
+// because they change how a surface looks and not where it is.
 constexpr std::array kKnownExtensions = {"KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_texture_transform"};
 constexpr std::string_view kMaterials = "KHR_materials_";
 
@@ -32,7 +33,7 @@ std::string printable(std::string text) {
   return text;
 }
 
-// The chunk that begins there, of that kind.
+// Returns the chunk that begins at `at`, which must be of the given kind.
 Result<std::string_view> chunk_at(std::string_view bytes, std::size_t at, std::uint32_t kind, const char* name) {
   if (bytes.size() - at < kChunkHeader_bytes) return glb_error(std::string("the header of the ") + name + " chunk is cut");
   const std::uint32_t length = word_at(bytes, at);
@@ -54,7 +55,7 @@ Result<Json> parse_json(std::string_view text) {
   };
   Json json = Json::parse(text, depth_of, false);
   if (too_deep) return glb_error("the JSON is nested deeper than " + std::to_string(kMaxGlbDepth));
-  if (!json.is_object()) return glb_error("the JSON is no object, or damaged");
+  if (!json.is_object()) return glb_error("the JSON is not an object or is damaged");
   return json;
 }
 
@@ -62,12 +63,12 @@ Status check_arrays(const Json& json) {
   for (const char* kind : kKinds) {
     const auto found = json.find(kind);
     if (found == json.end()) continue;
-    if (!found->is_array()) return glb_error(std::string(kind) + " is no array");
+    if (!found->is_array()) return glb_error(std::string(kind) + " is not an array");
     if (found->size() > kMaxGlbObjects)
       return Error{ErrorCode::kTooLarge, std::string("GLB: ") + kind + " has " + std::to_string(found->size()) + " entries, the limit is " +
                                              std::to_string(kMaxGlbObjects)};
     for (std::size_t i = 0; i < found->size(); ++i)
-      if (!(*found)[i].is_object()) return glb_error(std::string(kind) + "[" + std::to_string(i) + "] is no object");
+      if (!(*found)[i].is_object()) return glb_error(std::string(kind) + "[" + std::to_string(i) + "] is not an object");
   }
   return Done{};
 }
@@ -75,7 +76,7 @@ Status check_arrays(const Json& json) {
 Status check_extensions(const Json& json) {
   const auto required = json.find("extensionsRequired");
   if (required == json.end()) return Done{};
-  if (!required->is_array()) return glb_error("extensionsRequired is no array");
+  if (!required->is_array()) return glb_error("extensionsRequired is not an array");
   for (const Json& name : *required) {
     const std::string text = name.is_string() ? name.get<std::string>() : "";
     if (text.starts_with(kMaterials) || std::find(kKnownExtensions.begin(), kKnownExtensions.end(), text) != kKnownExtensions.end())
@@ -169,7 +170,7 @@ Result<std::optional<std::uint64_t>> glb_index(const Json& object, const char* k
   const bool whole =
       found->is_number_unsigned() || (found->is_number_float() && found->get<double>() >= 0 && found->get<double>() <= 9e15 &&
                                       std::floor(found->get<double>()) == found->get<double>());
-  if (!whole) return glb_error(where + "." + key + " is no whole number");
+  if (!whole) return glb_error(where + "." + key + " is not a whole number");
   const auto value = found->is_number_unsigned() ? found->get<std::uint64_t>() : static_cast<std::uint64_t>(found->get<double>());
   if (value > most) return glb_error(where + "." + key + " is " + std::to_string(value) + ", the limit is " + std::to_string(most));
   return std::optional<std::uint64_t>(value);

@@ -1,5 +1,6 @@
-// The container of an untrusted binary glTF 2.0: its JSON and the byte ranges that the JSON refers to, all of which are checked before use.
-// Refers to the bytes that it was parsed from. Pure; const functions are thread-safe.
+// The container of an untrusted binary glTF 2.0 file: its JSON and the byte ranges that the JSON
+// refers to, all checked before use. It refers to the bytes it was parsed from, which must outlive
+// it. Pure; const functions are thread-safe.
 // https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html
 #pragma once
 
@@ -22,17 +23,19 @@ class GlbDocument {
  public:
   using Json = nlohmann::json;
 
-  // kCorruptData, naming the field: an invalid container or JSON, or an array that is too long or not an array; kUnsupported: another
-  // version, an unknown required extension, or data outside of the file (a `uri`).
+  // Returns kCorruptData naming the field when the container or JSON is invalid, or an array is too
+  // long or not an array; kUnsupported for another version, an unknown required extension, or data
+  // outside the file (a `uri`).
   static Result<GlbDocument> parse(std::string_view bytes);
 
   const Json& json() const { return json_; }
 
-  // How many objects of a kind ("nodes") there are, and one of them. kCorruptData: there is no such object.
+  // Return the number of objects of a kind ("nodes"), and one of them; kCorruptData when there is
+  // no such object.
   std::size_t count(const char* kind) const;
   Result<const Json*> object(const char* kind, std::uint64_t index) const;
 
-  // The bytes of a bufferView. kCorruptData: it exceeds the binary chunk.
+  // Returns the bytes of a bufferView; kCorruptData when they exceed the binary chunk.
   Result<std::string_view> view(std::uint64_t index) const;
 
  private:
@@ -42,15 +45,17 @@ class GlbDocument {
 
 Error glb_error(const std::string& words);  // kCorruptData, "GLB: ..."
 
-// A member that is an index; none when it is missing. kCorruptData: not an integer from 0 to `most`. `where` is used in the message.
+// Returns a member that is an index, or nullopt when it is missing; kCorruptData when it is not an
+// integer from 0 to `most`. `where` names the object in messages.
 Result<std::optional<std::uint64_t>> glb_index(const nlohmann::json& object, const char* key, const std::string& where,
                                                std::uint64_t most = 0xffffffff);
 
-// A member that is an array of `count` finite numbers; none when it is missing. kCorruptData: anything else.
+// Returns a member that is an array of `count` finite numbers, or nullopt when it is missing;
+// kCorruptData for anything else.
 Result<std::optional<std::vector<double>>> glb_numbers(const nlohmann::json& object, const char* key, std::size_t count,
                                                        const std::string& where);
 
-// A member that is an object; null when it is missing or not an object.
+// Returns a member that is an object; null when it is missing or not an object.
 const nlohmann::json* glb_member(const nlohmann::json& object, const char* key);
 
 }  // namespace hermite

@@ -19,10 +19,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kSwatch_px = 8;  // a JPEG mixes colours within blocks of this edge
+constexpr int kSwatch_px = 8;  // side length; a JPEG mixes colours within blocks of this size
 constexpr std::size_t kMostSwatches = kMaxImageEdge_px / kSwatch_px;
 
-// IEC 61966-2-1.
+// The sRGB transfer function (IEC 61966-2-1).
 std::uint8_t srgb_of(float linear) {
   const double value = std::isfinite(linear) ? std::clamp(static_cast<double>(linear), 0.0, 1.0) : 0.0;
   return static_cast<std::uint8_t>(std::lround(255 * (value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1 / 2.4) - 0.055)));
@@ -44,7 +44,7 @@ Result<std::string_view> image_bytes(const GlbDocument& document, std::uint64_t 
   return document.view(**view);
 }
 
-// A browser decodes all of them, whatever they are for.
+// A browser decodes all images of a file, whether they are used or not, so all of them count.
 Status check_images(const GlbDocument& document) {
   std::int64_t pixels = 0;
   for (std::size_t i = 0; i < document.count("images"); ++i) {
@@ -90,13 +90,13 @@ class SceneReader {
     if (!mesh.ok()) return mesh.error();
     const std::string where = "meshes[" + std::to_string(placement.mesh) + "].primitives";
     const auto list = (*mesh)->find("primitives");
-    if (list == (*mesh)->end() || !list->is_array() || list->empty()) return glb_error(where + " is no array with entries");
+    if (list == (*mesh)->end() || !list->is_array() || list->empty()) return glb_error(where + " is not an array with entries");
     for (std::size_t i = 0; i < list->size(); ++i) {
-      // Every one that is read costs, also one without a vertex that is left.
+      // Every primitive that is read costs time, even one without a valid vertex.
       if (primitives_.size() >= kMaxGlbObjects)
         return Error{ErrorCode::kTooLarge, "GLB: more than " + std::to_string(kMaxGlbObjects) + " primitives in the scene"};
       const std::string name = where + "[" + std::to_string(i) + "]";
-      if (!(*list)[i].is_object()) return glb_error(name + " is no object");
+      if (!(*list)[i].is_object()) return glb_error(name + " is not an object");
       Result<GlbPrimitive> primitive = read_glb_primitive(document_, (*list)[i], name, budget_);
       if (!primitive.ok()) return primitive.error();
       is_plain_ = is_plain_ && primitive->material.is_plain && !primitive->is_points;
@@ -117,7 +117,8 @@ class SceneReader {
       }
       position = turned_from(model_.up, ((in_file - model_.origin) * options_.scale).cast<float>());
     }
-    // Of the inverse transposed matrix what turns; where there is none the surface has no thickness there, and no normal.
+    // Normals transform by the inverse transpose; a singular matrix has none, and the surface has
+    // no thickness and no normal.
     const double volume = linear.determinant();
     const Eigen::Matrix3d turn = std::abs(volume) > 0 ? Eigen::Matrix3d(linear.inverse().transpose()) : Eigen::Matrix3d::Identity();
     for (Eigen::Vector3f& normal : primitive.normals)
@@ -139,7 +140,7 @@ Rgb8 vertex_color(const GlbPrimitive& primitive, std::size_t i) {
   return srgb_of(primitive.colors.empty() ? factor : Eigen::Vector3f(factor.cwiseProduct(primitive.colors[i])));
 }
 
-// Of a picture that repeats itself.
+// Returns the texel at `uv` of an image that repeats in both directions.
 Rgb8 texel(const ColorImage& image, const Eigen::Vector2f& uv) {
   const auto along = [](float coordinate, int edge) {
     const double share = std::isfinite(coordinate) ? coordinate - std::floor(static_cast<double>(coordinate)) : 0;
@@ -156,7 +157,8 @@ ColorImage swatches_of(const std::vector<Rgb8>& colors) {
   return image;
 }
 
-// Puts primitives together, those of one picture behind each other; what has no picture in a model of pictures has its material's colour.
+// Joins primitives into one mesh, grouped by their image. In a model with images, primitives
+// without one get a swatch of their material's colour.
 class MeshAssembly {
  public:
   MeshAssembly(const GlbDocument& document, std::vector<GlbPrimitive>& primitives, TriangleMesh& mesh)
@@ -204,7 +206,7 @@ class MeshAssembly {
       swatch.push_back(static_cast<std::size_t>(found - colors.begin()));
       if (found == colors.end()) colors.push_back(color);
       if (colors.size() > kMostSwatches)
-        return Error{ErrorCode::kTooLarge, "GLB: more than " + std::to_string(kMostSwatches) + " colours of materials beside pictures"};
+        return Error{ErrorCode::kTooLarge, "GLB: more than " + std::to_string(kMostSwatches) + " material colours in a model with images"};
     }
     for (std::size_t k = 0; k < which.size(); ++k) {
       GlbPrimitive& primitive = primitives_[which[k]];
@@ -232,12 +234,13 @@ class MeshAssembly {
     append(mesh_.normals, primitive.normals);
     append(mesh_.texture_coordinates, primitive.texture_coordinates);
     for (const auto& [a, b, c] : primitive.triangles) mesh_.triangles.push_back({first + a, first + b, first + c});
-    // Marks are kept from the first filled primitive on: a mesh without any has none.
+    // Filled marks are kept from the first filled primitive on; a mesh without any has an empty
+    // list.
     if (primitive.material.is_filled || !mesh_.is_filled.empty()) {
       mesh_.is_filled.resize(mesh_.triangles.size() - primitive.triangles.size(), 0);
       mesh_.is_filled.resize(mesh_.triangles.size(), primitive.material.is_filled ? 1 : 0);
     }
-    primitive = {};  // its memory is wanted
+    primitive = {};  // frees its memory early
   }
 
   const GlbDocument& document_;

@@ -7,7 +7,8 @@
 
 namespace hermite {
 
-// As read_model, without its checks for all formats: numbers may be not finite, and the extent is not limited.
+// Like read_model, without its checks that apply to all formats: values may be not finite, and the
+// extent is not limited.
 Result<ImportedModel> read_glb_model(std::string_view bytes, const ImportOptions& options);
 
 }  // namespace hermite

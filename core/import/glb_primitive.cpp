@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 constexpr std::uint64_t kPoints = 0, kTriangles = 4, kStrip = 5, kFan = 6;
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 
-// KHR_texture_transform.
+// Reads the KHR_texture_transform extension.
 Status read_transform(const Json& transform, const std::string& where, GlbMaterial& material) {
   const auto offset = glb_numbers(transform, "offset", 2, where), scale = glb_numbers(transform, "scale", 2, where);
   if (!offset.ok()) return offset.error();
@@ -50,8 +50,8 @@ Status read_texture(const GlbDocument& document, const Json& info, const std::st
   const auto image = glb_index(**object, "source", "textures[" + std::to_string(**texture) + "]");
   if (!image.ok()) return image.error();
   if (!*image)
-    return Error{ErrorCode::kUnsupported,
-                 "GLB: textures[" + std::to_string(**texture) + "] has no source: its image is of a kind that only an extension knows"};
+    return Error{ErrorCode::kUnsupported, "GLB: textures[" + std::to_string(**texture) +
+                                              "] has no source: its image has a format that needs an unsupported extension"};
   if (const Result<const Json*> there = document.object("images", **image); !there.ok()) return there.error();
   material.image = **image;
   return Done{};
@@ -62,7 +62,7 @@ bool is_text(const Json& object, const char* key, const char* text) {
   return member != object.end() && member->is_string() && member->get_ref<const std::string&>() == text;
 }
 
-// A material of another program may have the same name by chance.
+// Checks the generator too, since a material of another program may have the same name by chance.
 bool is_filled_material(const GlbDocument& document, const Json& material) {
   const Json* asset = glb_member(document.json(), "asset");
   return asset && is_text(*asset, "generator", kGlbGenerator) && is_text(material, "name", kFilledMaterial);
@@ -96,7 +96,7 @@ std::vector<Eigen::Matrix<float, kComponents, 1>> rows_of(const GlbValues& value
   return rows;
 }
 
-// Reads an attribute where there is one: of as many vertices as there are positions.
+// Reads optional vertex attributes and checks that each has as many entries as there are positions.
 class Attributes {
  public:
   Attributes(const GlbDocument& document, const Json& attributes, std::string where)
@@ -143,7 +143,7 @@ Status read_vertices(const GlbDocument& document, const Json& attributes, const 
   return all.read<2>(coordinates_name(read.material), 2, most, read.texture_coordinates);
 }
 
-// Corners in order, as the mode has them.
+// Appends triangles from a list of corners, as the primitive's mode groups them.
 void append_triangles(const std::vector<std::uint32_t>& corners, std::uint64_t mode, std::vector<TriangleCorners>& triangles) {
   const std::size_t step = mode == kTriangles ? 3 : 1;
   for (std::size_t i = 0; i + 2 < corners.size(); i += step) {

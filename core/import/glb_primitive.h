@@ -1,4 +1,4 @@
-// Reads one primitive of a glTF, and the base colour of its material. Pure.
+// Reads one primitive of a glTF file, and the base colour of its material. Pure.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@
 
 namespace hermite {
 
-// The base colour of a material: a linear factor, and a texture.
+// The base colour of a material: a linear factor and an optional texture.
 struct GlbMaterial {
   Eigen::Vector3f factor = Eigen::Vector3f::Ones();
   std::optional<std::uint64_t> image;
@@ -22,7 +22,8 @@ struct GlbMaterial {
   bool is_filled = false;  // written by this program for triangles across filled holes (core/output/glb.h)
 };
 
-// In the frame of its mesh. Arrays by vertex are empty if the attribute is missing; texture coordinates are already transformed.
+// A primitive in the frame of its mesh. Per-vertex arrays are empty if the attribute is missing;
+// texture coordinates are already transformed.
 struct GlbPrimitive {
   GlbMaterial material;
   bool is_points = false;
@@ -32,13 +33,14 @@ struct GlbPrimitive {
   std::vector<TriangleCorners> triangles;  // indices are in range
 };
 
-// What is left of the limits for the whole file.
+// What remains of the limits for the whole file.
 struct GlbBudget {
   std::uint64_t vertices = 0, triangles = 0;
 };
 
-// Reads an entry of meshes[].primitives, called `where` in messages, and subtracts its size from the budget. kCorruptData, naming the
-// field: a missing reference, or arrays of different lengths; kTooLarge: beyond the budget; kUnsupported: lines, sparse accessors.
+// Reads an entry of meshes[].primitives, called `where` in messages, and subtracts its size from
+// the budget. Returns kCorruptData naming the field for a missing reference or arrays of different
+// lengths, kTooLarge beyond the budget, kUnsupported for lines and sparse accessors.
 Result<GlbPrimitive> read_glb_primitive(const GlbDocument& document, const nlohmann::json& primitive, const std::string& where,
                                         GlbBudget& budget);
 

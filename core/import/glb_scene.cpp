@@ -17,14 +17,14 @@ struct Visit {
 
 std::string name_of_node(std::uint64_t index) { return "nodes[" + std::to_string(index) + "]"; }
 
-// An array of indices of nodes.
+// Reads an array of node indices.
 Result<std::vector<std::uint64_t>> node_list(const Json& object, const char* key, const std::string& where) {
   std::vector<std::uint64_t> nodes;
   const auto found = object.find(key);
   if (found == object.end()) return nodes;
-  if (!found->is_array() || found->size() > kMaxGlbObjects) return glb_error(where + "." + key + " is no array of nodes");
+  if (!found->is_array() || found->size() > kMaxGlbObjects) return glb_error(where + "." + key + " is not an array of nodes");
   for (const Json& node : *found) {
-    if (!node.is_number_unsigned()) return glb_error(where + "." + key + " has what is no node");
+    if (!node.is_number_unsigned()) return glb_error(where + "." + key + " has an entry that is not a node index");
     nodes.push_back(node.get<std::uint64_t>());
   }
   return nodes;
@@ -43,7 +43,7 @@ Result<Eigen::Matrix4d> parent_from_node(const Json& node, const std::string& wh
   }
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
   if (*rotation) turn = Eigen::Quaterniond((**rotation)[3], (**rotation)[0], (**rotation)[1], (**rotation)[2]);
-  if (!(turn.norm() > 1e-6)) return glb_error(where + ".rotation has no length");
+  if (!(turn.norm() > 1e-6)) return glb_error(where + ".rotation is a quaternion of length 0");
   result.topLeftCorner<3, 3>() = turn.normalized().toRotationMatrix();
   if (*scale) result.topLeftCorner<3, 3>() *= Eigen::Map<const Eigen::Vector3d>((*scale)->data()).asDiagonal();
   if (*translation) result.topRightCorner<3, 1>() = Eigen::Map<const Eigen::Vector3d>((*translation)->data());
@@ -71,7 +71,7 @@ Result<std::vector<std::uint64_t>> root_nodes(const GlbDocument& document) {
   return roots;
 }
 
-// The nodes that are still to be looked at; each comes once.
+// The nodes still to be visited; each is visited once.
 class Walk {
  public:
   explicit Walk(std::size_t node_count) : seen_(node_count, false) {}
@@ -104,7 +104,7 @@ Status look_at(const GlbDocument& document, const Visit& at, Walk& walk, std::ve
   const Result<Eigen::Matrix4d> own = parent_from_node(node, where);
   if (!own.ok()) return own.error();
   const Eigen::Matrix4d world_from_node = at.world_from_parent * *own;
-  if (!world_from_node.allFinite()) return glb_error(where + " stands where no number reaches");
+  if (!world_from_node.allFinite()) return glb_error(where + " has a transform that is not finite");
   const auto mesh = glb_index(node, "mesh", where);
   if (!mesh.ok()) return mesh.error();
   if (*mesh) placements.push_back({**mesh, world_from_node});

@@ -1,4 +1,4 @@
-// The placements of the meshes of a glTF scene. Pure.
+// The mesh placements of a glTF scene. Pure.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,9 +16,10 @@ struct GlbPlacement {
 
 inline constexpr std::size_t kMaxGlbNodeDepth = 1000;
 
-// The meshes of the default scene, else of the first scene, else of all root nodes; in the order of the nodes, parents before children.
-// kCorruptData: a missing node, a node that is its own ancestor or has two parents, an invalid matrix, nesting deeper than
-// kMaxGlbNodeDepth, or no mesh at all.
+// Returns the meshes of the default scene, else of the first scene, else of all root nodes, in the
+// order of nodes with parents before children. Returns kCorruptData for a missing node, a node that
+// is its own ancestor or has two parents, an invalid matrix, nesting deeper than kMaxGlbNodeDepth,
+// or no mesh at all.
 Result<std::vector<GlbPlacement>> glb_placements(const GlbDocument& document);
 
 }  // namespace hermite

@@ -35,7 +35,7 @@ int components_of(const Json& accessor) {
 
 std::string name_of_accessor(std::uint64_t index) { return "accessors[" + std::to_string(index) + "]"; }
 
-// An accessor whose bytes are known to be there.
+// An accessor whose bytes were checked to be inside its bufferView.
 struct Layout {
   std::string_view bytes;  // from its first element on
   std::uint64_t count = 0, stride = 0, component = 0;
@@ -54,7 +54,7 @@ Result<Fields> fields_of(const Json& accessor, const std::string& where) {
   for (const auto* field : {&view, &offset, &component})
     if (!field->ok()) return field->error();
   if (!*view) return glb_error(where + ".bufferView is missing");
-  if (!*component || bytes_of(**component) == 0) return glb_error(where + ".componentType is none");
+  if (!*component || bytes_of(**component) == 0) return glb_error(where + ".componentType is missing or unknown");
   return Fields{**view, offset->value_or(0), **component};
 }
 
@@ -68,7 +68,7 @@ Result<Layout> layout_of(const GlbDocument& document, std::uint64_t index, std::
   const Result<std::string_view> bytes = document.view(fields->view);
   if (!bytes.ok()) return bytes.error();
   Layout layout{{}, *count, 0, fields->component, components_of(accessor)};
-  if (layout.components == 0) return Error{ErrorCode::kUnsupported, "GLB: " + where + ".type is none of SCALAR, VEC2, VEC3 and VEC4"};
+  if (layout.components == 0) return Error{ErrorCode::kUnsupported, "GLB: " + where + ".type is not SCALAR, VEC2, VEC3 or VEC4"};
   const auto normalized = accessor.find("normalized");
   layout.normalized = normalized != accessor.end() && *normalized == true;
   const std::uint64_t element = bytes_of(layout.component) * static_cast<std::uint64_t>(layout.components);
@@ -77,7 +77,7 @@ Result<Layout> layout_of(const GlbDocument& document, std::uint64_t index, std::
   if (!stride.ok()) return stride.error();
   layout.stride = stride->value_or(element);
   if (layout.stride < element)
-    return glb_error(where + " has elements of " + std::to_string(element) + " bytes, every " + std::to_string(layout.stride));
+    return glb_error(where + " has elements of " + std::to_string(element) + " bytes with a stride of " + std::to_string(layout.stride));
   const std::uint64_t size = *count == 0 ? 0 : layout.stride * (*count - 1) + element;
   if (fields->offset > bytes->size() || size > bytes->size() - fields->offset)
     return glb_error(where + " has " + std::to_string(*count) + " elements in bytes " + std::to_string(fields->offset) + " to " +
@@ -155,7 +155,7 @@ Result<std::vector<std::uint32_t>> read_glb_indices(const GlbDocument& document,
     case kUint8: append_indices<std::uint8_t>(*layout, indices); break;
     case kUint16: append_indices<std::uint16_t>(*layout, indices); break;
     case kUint32: append_indices<std::uint32_t>(*layout, indices); break;
-    default: return glb_error(name_of_accessor(accessor) + ".componentType is not that of indices");
+    default: return glb_error(name_of_accessor(accessor) + ".componentType is not a type of indices");
   }
   for (std::size_t i = 0; i < indices.size(); ++i)
     if (indices[i] >= end)

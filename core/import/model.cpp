@@ -15,7 +15,8 @@ namespace hermite {
 namespace {
 
 constexpr double kMostScale = 1e6;
-// A room in millimetres spans thousands of metres, one in metres tens; a site or a village hundreds.
+// A room spans tens of metres, or thousands if its millimetres are taken for metres; a site or a
+// village spans hundreds.
 constexpr double kLarge_m = 1000, kSmall_m = 0.02;
 
 bool is_ply(std::string_view bytes) { return bytes.starts_with("ply\n") || bytes.starts_with("ply\r"); }
@@ -56,7 +57,7 @@ Result<ImportedModel> read_ply_model(std::string_view bytes, const ImportOptions
   return model;
 }
 
-// Curvatures and confidences are of use only where they are numbers.
+// Curvatures and confidences are only kept if they are finite.
 void make_finite(CloudPoint& point) {
   point.normal = unit_or_zero(point.normal);
   for (float* number : {&point.confidence, &point.radius_m, &point.curvature_max_per_m, &point.curvature_min_per_m})
@@ -71,7 +72,8 @@ void leave_out_bad_points(ImportedModel& model) {
   }
 }
 
-// Vertices stay where they are numbered, and those that are none go to where others are; no triangle has them.
+// Vertices keep their indices. Invalid ones move to the position of a valid one, and triangles that
+// use them are removed.
 void leave_out_bad_triangles(ImportedModel& model) {
   TriangleMesh& mesh = model.mesh;
   std::vector<bool> is_bad(mesh.positions_m.size(), false);
@@ -128,7 +130,7 @@ Status check_extent(ImportedModel& model) {
   const double farthest_m = std::max(model.high_m.cwiseAbs().maxCoeff(), model.low_m.cwiseAbs().maxCoeff());
   if (extent_m.maxCoeff() <= kMaxModelExtent_m && farthest_m <= 2 * kMaxModelExtent_m) return Done{};
   return Error{ErrorCode::kTooLarge, std::string(model.format) + ": it spans " + three(extent_m.cast<float>()) + ", the limit is " +
-                                         metres(kMaxModelExtent_m) + "; of a file in millimetres the scale is 0.001 (--scale)"};
+                                         metres(kMaxModelExtent_m) + "; for a file in millimetres use the scale 0.001 (--scale)"};
 }
 
 }  // namespace
@@ -156,7 +158,7 @@ Result<ImportOptions> parse_import_options(const std::map<std::string, std::stri
         if (value == name_of(axis)) options.up = axis;
       if (!options.up) return Error{ErrorCode::kInvalidArgument, "up must be y, z or -y"};
     } else {
-      return Error{ErrorCode::kInvalidArgument, "'" + key.substr(0, 40) + "' is no setting of an import; known are scale and up"};
+      return Error{ErrorCode::kInvalidArgument, "'" + key.substr(0, 40) + "' is not an import setting; known are scale and up"};
     }
   }
   return options;
@@ -211,10 +213,10 @@ std::vector<std::string> words_about(const ImportedModel& model, const ImportOpt
   const double longest_m = static_cast<double>(extent_m.maxCoeff());
   if (longest_m > kLarge_m && options.scale == 1)
     words.push_back("It spans " + metres(longest_m) +
-                    ", taken as metres: if the file counts in millimetres, import it with the scale 0.001 (--scale 0.001).");
+                    ", taken as metres: if the file is in millimetres, import it with the scale 0.001 (--scale 0.001).");
   if (longest_m < kSmall_m && options.scale == 1)
     words.push_back("It spans " + metres(longest_m) +
-                    ", taken as metres: if the file counts in another unit, import it with a scale (--scale 1000 for kilometres).");
+                    ", taken as metres: if the file is in another unit, import it with a scale (--scale 1000 for kilometres).");
   if (!model.origin.isZero()) {
     char text[160];
     std::snprintf(text, sizeof text,

@@ -1,5 +1,5 @@
-// Reads a point cloud or mesh of another program into the world frame of a scan: x right, y down, z forward, metres.
-// Pure but for is_model_file.
+// Reads a point cloud or mesh of another program into the world frame of a scan: x right, y down, z
+// forward, metres. All functions are pure except is_model_file.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,7 +19,8 @@ namespace hermite {
 
 inline constexpr std::uint64_t kMaxModel_bytes = std::uint64_t{1} << 30;
 inline constexpr std::uint64_t kMaxModelVertices = 20'000'000, kMaxModelTriangles = 30'000'000;
-inline constexpr std::int64_t kMaxModelPixels = std::int64_t{1} << 28;  // of all images of a file together: as many as 16 of 4096 x 4096
+inline constexpr std::int64_t kMaxModelPixels = std::int64_t{1}
+                                                << 28;  // of all images of a file together: as many as in 16 images of 4096 x 4096
 inline constexpr double kMaxModelExtent_m = 20'000;
 
 enum class UpAxis { kY, kZ, kMinusY };
@@ -27,15 +28,17 @@ const char* name_of(UpAxis axis);  // "y", "z", "-y"
 
 struct ImportOptions {
   double scale = 1;          // metres per unit of the file
-  std::optional<UpAxis> up;  // the up axis of the file; none: the one of its format, otherwise z, and -y for files of this program
+  std::optional<UpAxis> up;  // the up axis of the file; nullopt: the one of its format, otherwise z, and -y for files of this program
   bool operator==(const ImportOptions&) const = default;
 };
 
-// Parses "scale" (above 0, at most 1e6) and "up" (y, z or -y). kInvalidArgument: an invalid value or an unknown key.
+// Parses "scale" (above 0, at most 1e6) and "up" (y, z or -y). Returns kInvalidArgument for an
+// invalid value or an unknown key.
 Result<ImportOptions> parse_import_options(const std::map<std::string, std::string>& texts);
 bool is_import_option(std::string_view key);
 
-// A mesh or a cloud; the other is empty. All numbers are finite, and every vertex has a colour and a normal, which is 0 if unknown.
+// A mesh or a cloud; the other one is empty. All numbers are finite, and every vertex has a colour
+// and a normal, which is 0 if unknown.
 struct ImportedModel {
   const char* format = "";  // "PLY", "GLB"
   TriangleMesh mesh;
@@ -43,23 +46,24 @@ struct ImportedModel {
   UpAxis up = UpAxis::kZ;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // subtracted from the positions of the file, in its axes and unit
   Eigen::Vector3f low_m = Eigen::Vector3f::Zero(), high_m = Eigen::Vector3f::Zero();
-  std::uint64_t left_out_vertices = 0, left_out_triangles = 0;  // with values that are not finite
+  std::uint64_t left_out_vertices = 0, left_out_triangles = 0;  // dropped because of values that are not finite
   bool unchanged = false;                                       // the file is a GLB with the same content and can be used as it is
 
   bool is_mesh() const { return !mesh.triangles.empty(); }
   bool has_normals() const;
 };
 
-// Whether the file begins as a PLY or GLB.
+// Returns whether the file begins like a PLY or GLB.
 bool is_model(std::string_view first_bytes);
 
-// kCorruptData, kUnsupported, kTooLarge: messages name the field and the limit. A file without points is kCorruptData.
+// Returns kCorruptData, kUnsupported or kTooLarge, with messages that name the field and the limit.
+// A file without points is kCorruptData.
 Result<ImportedModel> read_model(std::string_view bytes, const ImportOptions& options);
 
-// kNotFound.
+// Returns kNotFound when the file cannot be opened.
 Result<bool> is_model_file(const std::string& path);
 
-// Sentences for the user: its size, anything suspicious, and what was changed.
+// Returns sentences for the user: its size, what looks suspicious, and what was changed.
 std::vector<std::string> words_about(const ImportedModel& model, const ImportOptions& options);
 
 }  // namespace hermite

@@ -1,4 +1,4 @@
-// Converts the axes, unit and origin of a file to the world frame of a scan. Pure.
+// Converts from the axes, unit and origin of a file to the world frame of a scan. Pure.
 #pragma once
 
 #include <Eigen/Core>

@@ -31,7 +31,7 @@ void add_to(LogContents& contents, LogRecord record) {
   if (record.type == RecordType::kFrame) contents.last_frame = std::move(record.payload);
 }
 
-// Whether a record of that type may be number `number`.
+// Returns whether a record of this type may have this number.
 bool in_place(RecordType type, std::uint64_t number) {
   return (type == RecordType::kTerms) == (number == 0) && (type == RecordType::kStart) == (number == 1);
 }
@@ -41,7 +41,7 @@ struct Survey {
   LogEnd end;
 };
 
-// What the good part of a log holds, and where it ends.
+// Reads the valid part of a log and finds its end.
 Result<Survey> survey(const std::string& folder) {
   FrameLogReader reader(folder);
   Survey found;
@@ -50,14 +50,14 @@ Result<Survey> survey(const std::string& folder) {
     if (!record.ok()) return record.error();
     if (!*record) break;
     if (!in_place((*record)->type, (*record)->number))
-      return Error{ErrorCode::kCorruptData, "the log in " + folder + " does not begin with terms and start"};
+      return Error{ErrorCode::kCorruptData, "the log in " + folder + " does not begin with the records terms and start"};
     add_to(found.contents, **std::move(record));
   }
   found.end = reader.end();
   found.contents.record_count = found.end.record_count;
   found.contents.cut = found.end.words;
   if (found.end.record_count < 2)
-    return Error{ErrorCode::kCorruptData, "the log in " + folder + " has lost its beginning: " + found.end.words};
+    return Error{ErrorCode::kCorruptData, "the log in " + folder + " has no valid beginning: " + found.end.words};
   return found;
 }
 
@@ -66,14 +66,14 @@ Result<Survey> survey(const std::string& folder) {
 struct FrameLog::Impl {
   const FrameLogEvents events;
   const FrameLogOptions options;
-  LogSegments segments;           // after the start only the thread's, as the next two
+  LogSegments segments;           // this and the next two belong to the thread after the start
   std::uint64_t frame_count = 0;  // written
   std::size_t unsynced_bytes = 0;
 
   std::mutex mutex;
   std::condition_variable changed;
-  std::deque<Waiting> waiting;    // guarded by mutex, as all below
-  std::size_t waiting_bytes = 0;  // with those of the batch that is being written
+  std::deque<Waiting> waiting;    // this and all members below are guarded by mutex
+  std::size_t waiting_bytes = 0;  // including the batch that is being written
   bool stopping = false;
   std::optional<Error> failure;
   std::thread thread;

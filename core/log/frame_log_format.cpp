@@ -9,16 +9,17 @@ namespace hermite {
 
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "numbers are written in the byte order of the CPU");
 
 constexpr std::string_view kSegmentMagic = "HRMFLOG1";
 constexpr std::uint32_t kRecordMagic = 0x524d5248;  // "HRMR"
 constexpr std::size_t kCrcOffset = 4, kCoveredOffset = 8;
 
-// Eight bytes a step: table k is the CRC of a byte with k zero bytes behind it. About 1.5 GB/s; a byte a step would make a third of it.
+// Processes eight bytes per step; table k is the CRC of a byte followed by k zero bytes. It reaches
+// about 1.5 GB/s; one byte per step would reach a third of that.
 using CrcTables = std::array<std::array<std::uint32_t, 256>, 8>;
 constexpr CrcTables make_tables() {
-  constexpr std::uint32_t kPolynomial = 0x82f63b78;  // Castagnoli, bits reversed
+  constexpr std::uint32_t kPolynomial = 0x82f63b78;  // Castagnoli polynomial, reflected
   CrcTables tables{};
   for (std::uint32_t byte = 0; byte < 256; ++byte) {
     std::uint32_t crc = byte;

@@ -1,4 +1,4 @@
-// The bytes of a frame log: frame_log.md has the format in words. Pure functions.
+// The binary format of a frame log; frame_log.md describes it. Pure functions.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace hermite {
 inline constexpr std::size_t kSegmentHeaderBytes = 16;
 inline constexpr std::size_t kRecordHeaderBytes = 24;
 inline constexpr std::uint64_t kMaxSegmentBytes = 64 * 1024 * 1024;
-inline constexpr std::size_t kMaxRecordBytes = 40 * 1024 * 1024;  // payload: the longest frame message (2048 x 2048) has 33.6 MB
+inline constexpr std::size_t kMaxRecordBytes = 40 * 1024 * 1024;  // of the payload; the longest frame message (2048 x 2048) has 33.6 MB
 
 enum class RecordType : std::uint32_t { kTerms = 1, kStart = 2, kFrame = 3, kRefusedFrame = 4, kFinish = 5 };
 
@@ -23,17 +23,18 @@ struct RecordHeader {
   std::uint64_t number = 0;
 };
 
-// CRC-32C of `bytes`, going on from `crc`, that of the bytes before them.
+// Returns the CRC-32C of `bytes`, continuing from `crc` of the bytes before them.
 std::uint32_t crc32c(std::string_view bytes, std::uint32_t crc = 0);
 
 std::string segment_name(std::uint32_t segment);
 std::string format_segment_header(std::uint32_t segment);
 std::string format_record_header(RecordType type, std::uint64_t number, std::string_view payload);
 
-// Nothing when these kRecordHeaderBytes are no header, or name an unknown type or a payload that is too long.
+// Returns nullopt if these kRecordHeaderBytes are not a header, the type is unknown, or the payload
+// is too long.
 std::optional<RecordHeader> parse_record_header(std::string_view bytes);
 
-// Whether header and payload are what was written.
+// Returns whether the checksum in the header matches header and payload.
 bool crc_fits(std::string_view header, std::string_view payload);
 
 }  // namespace hermite

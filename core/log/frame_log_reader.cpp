@@ -20,7 +20,7 @@ Error read_failure(const std::string& what) { return {ErrorCode::kIo, what + ": 
 struct FrameLogReader::File {
   const std::string path;
   const int descriptor;
-  std::uint64_t offset = 0, size = 0;  // bytes; the size when it was last asked for
+  std::uint64_t offset = 0, size = 0;  // bytes; the size at the last query
 
   File(std::string file_path, int opened) : path(std::move(file_path)), descriptor(opened) {}
   ~File() { close(descriptor); }
@@ -34,7 +34,7 @@ struct FrameLogReader::File {
     return Done{};
   }
 
-  // As many bytes as there are, at most `count`.
+  // Returns the available bytes, at most `count`.
   Result<std::string> read(std::size_t count) {
     if (count > size - offset)
       if (Status status = ask_size(); !status.ok()) return status.error();
@@ -60,7 +60,7 @@ std::optional<LogRecord> FrameLogReader::stop(std::string words) {
   return std::nullopt;
 }
 
-// False: there is no such segment.
+// Returns false when there is no such segment.
 Result<bool> FrameLogReader::open_segment(std::uint32_t segment) {
   file_.reset();
   const std::string path = folder_ + "/" + segment_name(segment);
@@ -86,7 +86,7 @@ Result<std::optional<LogRecord>> FrameLogReader::next() {
     end_.offset = 0;
     const Result<std::string> header = file_->read(kSegmentHeaderBytes);
     if (!header.ok()) return header.error();
-    if (*header != format_segment_header(segment)) return stop(segment_name(segment) + " has no good header");
+    if (*header != format_segment_header(segment)) return stop(segment_name(segment) + " has no valid header");
     end_.offset = file_->offset;
     if (file_->offset == file_->size) return next();
   }
@@ -94,13 +94,13 @@ Result<std::optional<LogRecord>> FrameLogReader::next() {
   if (!bytes.ok()) return bytes.error();
   const std::string where = segment_name(end_.segment) + " at byte " + std::to_string(end_.offset);
   const std::optional<RecordHeader> header = parse_record_header(*bytes);
-  if (!header) return stop(where + ": no header of a record");
+  if (!header) return stop(where + ": there is no valid record header");
   if (header->number != end_.record_count)
-    return stop(where + ": record " + std::to_string(header->number) + " instead of " + std::to_string(end_.record_count));
+    return stop(where + ": found record " + std::to_string(header->number) + " instead of " + std::to_string(end_.record_count));
   Result<std::string> payload = file_->read(header->length);
   if (!payload.ok()) return payload.error();
-  if (payload->size() != header->length) return stop(where + ": cut inside a record");
-  if (!crc_fits(*bytes, *payload)) return stop(where + ": the checksum is another one");
+  if (payload->size() != header->length) return stop(where + ": cut within a record");
+  if (!crc_fits(*bytes, *payload)) return stop(where + ": the checksum does not match");
   end_.offset = file_->offset;
   ++end_.record_count;
   return std::optional<LogRecord>(LogRecord{header->type, header->number, *std::move(payload)});

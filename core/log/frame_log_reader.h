@@ -1,5 +1,5 @@
-// Reads a frame log from its beginning (format: frame_log.md). Holds one record at a time. Of a log that is still written it may be asked
-// for those records that are durable: what is behind them may be half there.
+// Reads a frame log from its beginning (format: frame_log.md), with one record in memory at a time.
+// While a log is being written, only its durable records may be read; later ones may be incomplete.
 #pragma once
 
 #include <cstdint>
@@ -18,15 +18,15 @@ struct LogRecord {
   std::string payload;
 };
 
-// Where the good part of a log ends.
+// The end of the valid part of a log.
 struct LogEnd {
   std::uint32_t segment = 0;
-  std::uint64_t offset = 0;  // bytes in that segment; 0: not even its header is good
+  std::uint64_t offset = 0;  // bytes in that segment; 0: even its header is invalid
   std::uint64_t record_count = 0;
-  std::string words;  // what is there instead of a record, when it is not just the end
+  std::string words;  // what is there instead of a record; empty at a regular end
 };
 
-// Call from one thread.
+// Call it from one thread.
 class FrameLogReader {
  public:
   explicit FrameLogReader(std::string folder);
@@ -34,10 +34,11 @@ class FrameLogReader {
   FrameLogReader(const FrameLogReader&) = delete;
   FrameLogReader& operator=(const FrameLogReader&) = delete;
 
-  // The next record; none at the end of the good part. kIo: the disk says no. kNotFound: there is no log in the folder.
+  // Returns the next record, or nullopt at the end of the valid part. Returns kIo when the disk
+  // fails, and kNotFound when the folder has no log.
   Result<std::optional<LogRecord>> next();
 
-  // Behind the last record that next() gave.
+  // The position after the last record from next().
   const LogEnd& end() const { return end_; }
 
  private:

@@ -33,7 +33,8 @@ Status LogSegments::create() {
   const std::string scan_folder = std::filesystem::path(folder_).parent_path();
   const std::string scans_folder = std::filesystem::path(scan_folder).parent_path();
   if (Status status = sync_path(scan_folder); !status.ok()) return status;
-  // Who may not read that one has not just made the other in it.
+  // The scan's folder may be new as well. A process that cannot read the folder of all scans has not
+  // just created one in it.
   if (access(scans_folder.c_str(), R_OK) == 0)
     if (Status status = sync_path(scans_folder); !status.ok()) return status;
   return begin_segment(0);
@@ -55,7 +56,7 @@ Status LogSegments::begin_segment(std::uint32_t segment) {
 }
 
 Status LogSegments::remove_segments_after(std::uint32_t segment) {
-  // By what is there, not by counting on: a gap must not hide what lies behind it.
+  // Lists the folder instead of counting, because a gap must not hide segments after it.
   std::error_code error;
   std::vector<std::filesystem::path> later;
   for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
@@ -64,7 +65,7 @@ Status LogSegments::remove_segments_after(std::uint32_t segment) {
   }
   for (const std::filesystem::path& path : later)
     if (!error) std::filesystem::remove(path, error);
-  if (error) return Error{ErrorCode::kIo, "removing what lies behind the end of the log in " + folder_ + ": " + error.message()};
+  if (error) return Error{ErrorCode::kIo, "removing the segments after the end of the log in " + folder_ + ": " + error.message()};
   return Done{};
 }
 
@@ -86,7 +87,7 @@ Status LogSegments::continue_at(const LogEnd& end) {
 }
 
 Status LogSegments::append(RecordType type, std::string_view payload) {
-  CHECK(payload.size() <= kMaxRecordBytes, "a record longer than the format allows");
+  CHECK(payload.size() <= kMaxRecordBytes, "a record exceeds the size limit of the format");
   const std::uint64_t length = kRecordHeaderBytes + payload.size();
   if (offset_ > kSegmentHeaderBytes && offset_ + length > options_.segment_bytes)
     if (Status status = begin_segment(segment_ + 1); !status.ok()) return status;

@@ -1,4 +1,5 @@
-// Appends records to the segments of a frame log and makes them durable. Blocks on the disk; only for frame_log.cpp.
+// Appends records to the segments of a frame log and makes them durable. Blocks on the disk. Only
+// for frame_log.cpp.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +11,8 @@
 
 namespace hermite {
 
-// Call from one thread at a time. After an error nothing may be called any more: what of the last record is on disk is not known.
+// Call it from one thread at a time. After an error it must not be used, because it is unknown how
+// much of the last record is on disk.
 class LogSegments {
  public:
   LogSegments(std::string folder, FrameLogOptions options);
@@ -18,8 +20,8 @@ class LogSegments {
   LogSegments(const LogSegments&) = delete;
   LogSegments& operator=(const LogSegments&) = delete;
 
-  Status create();                        // the folder, and its first segment
-  Status continue_at(const LogEnd& end);  // cuts there
+  Status create();                        // creates the folder and its first segment
+  Status continue_at(const LogEnd& end);  // truncates there
   Status append(RecordType type, std::string_view payload);
   Status sync();
 

@@ -7,7 +7,7 @@ namespace hermite {
 
 namespace {
 
-// One workgroup is one tile of 16 x 16 pixels: see shaders/lib/blocks.glsl.
+// A workgroup processes a tile of 16 x 16 pixels; see shaders/lib/blocks.glsl.
 std::uint32_t tile_count(const shared::Intrinsics& camera) { return ((camera.width + 15) / 16) * ((camera.height + 15) / 16); }
 
 }  // namespace

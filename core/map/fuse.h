@@ -9,11 +9,11 @@
 namespace hermite {
 
 struct FusedFrame {
-  std::uint32_t number = 0;  // of the frames fused, the first is 1
-  bool with_color = true;    // surfels that exist take on its colours
-  std::uint32_t submap = 0;  // new surfels belong to it
-  bool add_new = true;       // no: only surfels that exist are continued
-  Brightness brightness{};   // of the frame; the map keeps its own
+  std::uint32_t number = 0;  // index among the fused frames, from 1
+  bool with_color = true;    // whether existing surfels are updated with its colours
+  std::uint32_t submap = 0;  // the submap of new surfels
+  bool add_new = true;       // false: only existing surfels are updated
+  Brightness brightness{};   // of the frame relative to the map, which keeps its own brightness
 };
 
 class Fuser {
@@ -21,15 +21,18 @@ class Fuser {
   // `camera` has the size of all frames.
   Fuser(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options, const FrameOptions& frame_options);
 
-  // Records: the frame's pixels are merged into the surfels of `all`, a described index map of every surfel, or appended. The store must be
-  // set to the frame's pose and, if new ones are added, have room for new_slots_bound() more.
+  // Records the fusion of the frame's pixels into the surfels of `all`, an index map of every
+  // surfel after describe(); pixels without a match are appended as new surfels. The store must be
+  // set to the frame's pose and, if surfels are added, have room for new_slots_bound() more.
   void fuse(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& all, FusedFrame fused);
 
-  // Records: contradicted and forgotten surfels among those in turn are removed and free slots listed, in the store's visible blocks.
-  // `stable` is an index map of stable surfels after fusing `frame`, seen from where it was. Brings the store's counters up to date.
+  // Records the cleaning of the store's visible blocks: contradicted surfels and those unstable for
+  // too long are removed, in the blocks whose turn it is, and free slots are listed. `stable` is an
+  // index map of stable surfels after the fusion of `frame`, at its pose. Updates the store's
+  // counters.
   void clean(gpu::Commands& commands, const FrameMaps& frame, SurfelStore& store, const IndexMap& stable, FusedFrame fused);
 
-  // Slots that one frame can add at most.
+  // Returns the largest number of slots that one frame can add.
   std::uint32_t new_slots_bound() const { return static_cast<std::uint32_t>(candidates_.count()); }
 
  private:
@@ -38,9 +41,9 @@ class Fuser {
   const MapOptions options_;
   const double curvature_limit_per_m_, radius_scale_;
   gpu::Kernel associate_, merge_, scan_, append_, index_times_, clean_, count_free_, free_list_;
-  gpu::Buffer<shared::uint> candidates_;  // by pixel
-  gpu::Buffer<shared::uint> claims_;      // by pixel of the index map
-  gpu::Buffer<shared::uvec4> seen_;       // by pixel of the index map of stable surfels
+  gpu::Buffer<shared::uint> candidates_;  // per pixel
+  gpu::Buffer<shared::uint> claims_;      // per pixel of the index map
+  gpu::Buffer<shared::uvec4> seen_;       // per pixel of the index map of stable surfels
   gpu::Buffer<shared::uint> new_by_tile_;
 };
 

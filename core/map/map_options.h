@@ -1,4 +1,5 @@
-// How the map predicts, fuses and forgets. Values; each has its key and reason in core/pipeline/options.cpp.
+// Options of prediction, fusion and cleaning. The key and the reason of each default are in
+// core/pipeline/options.cpp.
 #pragma once
 
 namespace hermite {

@@ -6,7 +6,8 @@ namespace hermite {
 
 namespace {
 
-// A lambda that no curvature comes near (frame.curvature_limit_per_m is 1e4 at most).
+// A lambda far above every curvature (frame.curvature_limit_per_m is at most 1e4), so that all
+// surface counts as flat.
 constexpr float kNothingIsCurved_per_m = 1e6f;
 
 }  // namespace
@@ -36,7 +37,7 @@ void Predictor::run(gpu::Commands& commands, const SurfelStore& store, const Ind
                      {"nearest", stable.nearest()},
                      {"kernels", kernels_}});
   commands.fill(covered_pixel_count_, 0);
-  commands.dispatch(predict_, {(out.camera.width + 3) / 4, out.camera.height},  // four pixels an invocation
+  commands.dispatch(predict_, {(out.camera.width + 3) / 4, out.camera.height},  // four pixels per invocation
                     shared::PredictParams{out.camera, lambda_per_m, confidence_scale, static_cast<shared::uint>(options_.min_support),
                                           static_cast<shared::uint>(options_.max_iterations), options_.correct_bias ? 1u : 0u,
                                           options_.hrbf_prediction ? 1u : 0u},

@@ -1,4 +1,4 @@
-// The surface that the map predicts for a pose, with a pyramid for the odometry (paper section 3.1).
+// Prediction of the map's surface for a pose, as a pyramid for odometry (paper section 3.1).
 #pragma once
 
 #include "core/frame/brightness.h"
@@ -8,7 +8,8 @@
 
 namespace hermite {
 
-// What stands in where the map covers too little of the view: nothing, or the surface of a frame seen from the same pose.
+// What fills the prediction where the map covers too little of the view: nothing, or the surface of
+// a frame at the same pose.
 enum class FillIn { kNothing, kSurface, kSurfaceAndColor };
 
 class Predictor {
@@ -16,19 +17,21 @@ class Predictor {
   // `camera` has the size of all frames.
   Predictor(gpu::Device& device, const shared::Intrinsics& camera, const MapOptions& options);
 
-  // Records the prediction from an index map of stable surfels, for the camera the store was set to and the pixels of `frame`, which may
-  // stand in where the map covers less than options.fill_in_below of the view, at the brightness of the map.
+  // Records the prediction from an index map of stable surfels, for the camera that the store was
+  // set to. Where the map covers less than options.fill_in_below of the view, the pixels of `frame`
+  // fill it, at the brightness of the map.
   void run(gpu::Commands& commands, const SurfelStore& store, const IndexMap& stable, const FrameMaps& frame,
            FillIn fill_in = FillIn::kSurfaceAndColor, const Brightness& brightness = {});
 
-  // weight is the tracking weight; intensity -1 where there is no colour. `downsample` must be recorded by the caller for levels 1 and 2.
+  // Its weight is the tracking weight; its intensity is -1 without colour. The caller must record
+  // `downsample` for levels 1 and 2.
   SurfacePyramid& surface() { return surface_; }
   const SurfacePyramid& surface() const { return surface_; }
 
  private:
   const MapOptions options_;
   gpu::Kernel describe_, predict_, fill_in_;
-  gpu::Buffer<shared::uvec4> kernels_;  // by pixel, with a margin
+  gpu::Buffer<shared::uvec4> kernels_;  // per pixel, with a margin
   gpu::Buffer<shared::uint> covered_pixel_count_;
   SurfacePyramid surface_;
 };

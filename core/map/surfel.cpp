@@ -13,7 +13,7 @@ float half_to_float(std::uint32_t half) {
 }
 std::uint32_t float_to_half(float value) { return Eigen::numext::bit_cast<std::uint16_t>(Eigen::half(value)); }
 
-// The octahedral code of shaders/lib/geometry.glsl.
+// The same octahedral encoding as in shaders/lib/geometry.glsl.
 Eigen::Vector3f unpack_unit(std::uint32_t packed) {
   const auto snorm = [](std::uint32_t bits) {
     return std::clamp(static_cast<float>(static_cast<std::int16_t>(bits & 0xffffu)) / 32767.0f, -1.0f, 1.0f);
@@ -37,7 +37,7 @@ std::uint32_t pack_unit(const Eigen::Vector3f& n) {
   return snorm(p.x()) | (snorm(p.y()) << 16);
 }
 
-// As shaders/lib/surfel.glsl.
+// The same encoding as in shaders/lib/surfel.glsl.
 std::uint32_t pack_color(float r, float g, float b) {
   const auto steps = [](float value, float per_one) {
     return static_cast<std::uint32_t>(std::lround(std::clamp(value, 0.0f, 255.0f) * per_one));
@@ -45,7 +45,7 @@ std::uint32_t pack_color(float r, float g, float b) {
   return steps(r, 8) | (steps(g, 8) << 11) | (steps(b, 4) << 22);
 }
 
-// As shaders/lib/blocks.glsl orders numbers.
+// Maps floats to integers of the same order, as in shaders/lib/blocks.glsl.
 std::uint32_t ordered(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;

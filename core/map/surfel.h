@@ -1,4 +1,4 @@
-// A surfel as values, and as it lies in GPU memory (shaders/shared/map.h).
+// A surfel as plain values, and its conversion to and from the GPU layout (shaders/shared/map.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,7 @@ inline constexpr std::uint32_t kSlotsPerBlock = 256;
 
 struct Surfel {
   Eigen::Vector3f position_in_submap_m;
-  Eigen::Vector3f normal_in_submap;  // unit, away from the camera that saw it
+  Eigen::Vector3f normal_in_submap;  // unit length, away from the camera that saw it
   float radius_m = 0;
   float confidence = 0;  // 0: the slot is free
   float curvature_max_per_m = 0, curvature_min_per_m = 0;
@@ -23,11 +23,12 @@ struct Surfel {
   std::uint32_t created_frame = 0, observed_frame = 0;
 };
 
-// Everything but position, confidence and times.
+// Packs everything except position, confidence and times.
 shared::SurfelAttributes pack_attributes(const Surfel& surfel);
 Surfel unpack(const shared::vec4& position_confidence, const shared::SurfelAttributes& attributes, const shared::uvec2& times);
 
-// Of surfels in slots from the beginning of a block on; those without confidence do not count.
+// Returns the bounds of each block of surfels, where the first surfel begins a block; surfels
+// without confidence do not count.
 std::vector<shared::BlockBounds> bounds_of(std::span<const Surfel> surfels);
 
 }  // namespace hermite

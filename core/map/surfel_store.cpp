@@ -16,13 +16,14 @@ namespace {
 
 constexpr std::uint32_t kFirstCapacity = 1u << 19;
 
-// So many slots more than there must be are no reason yet to copy the map: 3 MB.
+// Up to this many slots in excess (3 MB), copying the map is not worth while.
 constexpr std::uint32_t kCompactedSlots = 1u << 16;
 
-// Takes every point to z = -1 m, where no pass sees it.
+// Moves every point to z = -1 m, where no pass sees it.
 constexpr shared::Transform kBehindTheCamera{{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, -1}};
 
-// Along a curve through cells of 2 cm (Morton's), which keeps neighbours together.
+// Returns the position's index along a Morton curve through cells of 2 cm, which keeps neighbours
+// together.
 std::uint32_t cell_of(const shared::vec4& position) {
   constexpr float kCell_m = 0.02f;
   constexpr int kBits = 10;  // an axis: 20 m around the submap's origin
@@ -37,7 +38,7 @@ std::uint32_t cell_of(const shared::vec4& position) {
   return cell;
 }
 
-// A larger buffer with the old content in front.
+// Replaces a buffer by a larger one that begins with the old content.
 template <class T>
 void grow(gpu::Device& device, gpu::Buffer<T>& buffer, std::size_t count) {
   gpu::Buffer<T> larger(device, count, "map");
@@ -74,7 +75,7 @@ void SurfelStore::reserve(std::uint32_t additional) {
   if (wanted <= capacity_) return;
   const std::uint32_t block_count =
       (std::min(std::max(wanted, capacity_ + capacity_ / 2), max_slots_) + kSlotsPerBlock - 1) / kSlotsPerBlock;
-  const std::uint32_t capacity = block_count * kSlotsPerBlock;  // whole blocks, so that a pass may look at all slots of one
+  const std::uint32_t capacity = block_count * kSlotsPerBlock;  // whole blocks, so that a pass may access all slots of one
   grow(device_, positions, capacity);
   grow(device_, attributes, capacity);
   grow(device_, times, capacity);
@@ -87,7 +88,8 @@ void SurfelStore::reserve(std::uint32_t additional) {
 }
 
 void SurfelStore::set_submaps(std::span<const Rigid3> world_from_submap) {
-  CHECK(world_from_submap.size() >= world_from_submap_.size() && world_from_submap.size() <= kMaxSubmaps, "submaps do not go, or too many");
+  CHECK(world_from_submap.size() >= world_from_submap_.size() && world_from_submap.size() <= kMaxSubmaps,
+        "submaps cannot be removed, and at most kMaxSubmaps can exist");
   world_from_submap_.assign(world_from_submap.begin(), world_from_submap.end());
   if (camera_from_submap.count() < world_from_submap_.size())
     camera_from_submap = gpu::Buffer<shared::Transform>(device_, std::bit_ceil(world_from_submap_.size()), "map");
@@ -96,7 +98,7 @@ void SurfelStore::set_submaps(std::span<const Rigid3> world_from_submap) {
 void SurfelStore::set_camera(const Rigid3& world_from_camera) { set_camera(world_from_camera, SubmapSet(world_from_submap_.size(), true)); }
 
 void SurfelStore::set_camera(const Rigid3& world_from_camera, const SubmapSet& seen) {
-  CHECK(seen.size() == world_from_submap_.size(), "a set of other submaps");
+  CHECK(seen.size() == world_from_submap_.size(), "the set of visible submaps must have an entry for every submap");
   const Rigid3 camera_from_world = inverse(world_from_camera);
   std::vector<shared::Transform> transforms;
   for (std::size_t submap = 0; submap < seen.size(); ++submap)
@@ -152,7 +154,8 @@ SurfelStore::Name SurfelStore::name_of(std::uint32_t block) const {
   return block < names_.size() ? names_[block] : Name{next_number_ + block - static_cast<std::uint32_t>(names_.size())};
 }
 
-// Behind those in `blocks`. One transfer an array, however many blocks: each costs a round trip to a device with memory of its own.
+// Appends downloaded blocks to `blocks`. One transfer per array, however many blocks, because each
+// costs a round trip to a device with its own memory.
 void SurfelStore::download_blocks(std::uint32_t first, std::uint32_t count, std::vector<Block>& blocks) const {
   const std::size_t slots = std::size_t{count} * kSlotsPerBlock, first_slot = std::size_t{first} * kSlotsPerBlock;
   const std::vector<shared::vec4> p = positions.download(slots, first_slot);
@@ -176,7 +179,7 @@ void SurfelStore::download_blocks(std::uint32_t first, std::uint32_t count, std:
   }
 }
 
-// From the first on.
+// Uploads blocks to the device, from the first block on.
 void SurfelStore::upload_blocks(std::span<const Block> blocks) {
   std::vector<shared::vec4> p;
   std::vector<shared::SurfelAttributes> a;
@@ -206,12 +209,12 @@ void SurfelStore::clear_blocks(std::uint32_t first, std::uint32_t count) {
   changed_frames.upload(std::vector<shared::uint>(count), first);
 }
 
-// From now on exactly these are on the device.
+// Replaces the blocks on the device by these.
 void SurfelStore::replace_blocks(std::span<const Block> blocks) {
   const std::uint32_t count_before = block_count();
   const auto count = static_cast<std::uint32_t>(blocks.size());
   shared::MapState after{};
-  state.upload(std::vector{after});  // empty, so that there is room for what comes
+  state.upload(std::vector{after});  // empty, so that reserve() has room for the new blocks
   reserve(count * kSlotsPerBlock);
   upload_blocks(blocks);
   if (count < count_before) clear_blocks(count, count_before - count);
@@ -224,7 +227,7 @@ void SurfelStore::replace_blocks(std::span<const Block> blocks) {
   state.upload(std::vector{after});
 }
 
-// Those on the device, each with its name.
+// Returns the blocks on the device with their numbers.
 std::vector<SurfelStore::Block> SurfelStore::take_blocks() {
   std::vector<Block> all;
   download_blocks(0, block_count(), all);
@@ -233,7 +236,8 @@ std::vector<SurfelStore::Block> SurfelStore::take_blocks() {
 }
 
 bool SurfelStore::keep(const SubmapSet& submaps) {
-  // What has died in an empty block may still have to be told.
+  // Empty blocks stay on the device, since changed_blocks() may still have to report the removal of
+  // their surfels.
   const auto stays = [&submaps](const Block& block) { return block.alive_count == 0 || submaps[block.submap]; };
   std::vector<Block> on_device = take_blocks();
   auto block_count = static_cast<std::size_t>(std::count_if(on_device.begin(), on_device.end(), stays));
@@ -270,7 +274,7 @@ void SurfelStore::compact(std::uint32_t frame_number) {
   replace_blocks(kept);
 }
 
-// The surfels of these blocks in as few new ones as there can be.
+// Returns the surfels of these blocks in the smallest possible number of new blocks.
 std::vector<SurfelStore::Block> SurfelStore::regrouped(const std::vector<Block>& sparse, std::uint32_t frame_number) {
   struct Place {
     std::uint32_t submap, cell;
@@ -299,7 +303,7 @@ std::vector<SurfelStore::Block> SurfelStore::regrouped(const std::vector<Block>&
   return blocks;
 }
 
-// Nobody is in it any more, or not yet.
+// Returns a block without surfels.
 SurfelStore::Block SurfelStore::empty_block(const Name& name) {
   return {name.number,
           std::vector<shared::vec4>(kSlotsPerBlock),

@@ -1,9 +1,11 @@
-// The surfels of a map in GPU memory: three arrays of 40 bytes a slot in all, a list of free slots, bounds of blocks of slots, and the
-// poses of submaps. Submaps that are not needed for now may wait in the host's memory.
+// The surfels of a map in GPU memory: three arrays with 40 bytes per slot, a list of free slots,
+// bounds of blocks of slots, and submap poses. Submaps that are currently not needed may be moved
+// to host memory.
 //
-// A surfel's position and normal are in the frame of its submap. All surfels of a block are of one submap. A block has a number of its own,
-// which it keeps wherever it lies; a surfel keeps its place in its block while it lives, and the place is used again afterwards. Only
-// compact() puts surfels into other blocks. One thread at a time: the device's.
+// A surfel's position and normal are in the frame of its submap, and all surfels of a block belong
+// to one submap. A block has a fixed number, wherever it is stored. A surfel keeps its slot within
+// its block while it lives; then the slot is reused. Only compact() moves surfels to other blocks.
+// One thread at a time, the device's.
 #pragma once
 
 #include <cstdint>
@@ -20,57 +22,64 @@
 
 namespace hermite {
 
-// As many blocks as every device can dispatch at once.
+// The number of blocks that every device can dispatch at once.
 inline constexpr std::uint32_t kMaxStoreSlots = 65535 * kSlotsPerBlock;
-// Of all buffers that grow with the map: the surfel itself, its place in the list of free slots, its share of what is kept for a block.
+// Memory of all buffers that grow with the map: the surfel, its entry in the list of free slots,
+// its share of the data per block.
 inline constexpr std::int64_t kBytesPerSlot = 45;
-inline constexpr std::uint32_t kMaxSubmaps = 1u << 16;  // a surfel has 16 bits for its own
+inline constexpr std::uint32_t kMaxSubmaps = 1u << 16;  // a surfel has 16 bits for its submap
 
-// By submap: is it one of them?
+// Membership by submap.
 using SubmapSet = std::vector<bool>;
 
 shared::Transform to_shared(const Rigid3& target_from_source);
 
-// Of a map with its numbers, in ascending order: block number * kSlotsPerBlock + place in the block.
+// A surfel with its number, block number * kSlotsPerBlock + slot in the block. Lists are in
+// ascending order.
 struct NumberedSurfel {
   std::uint32_t number = 0;
-  Surfel surfel;                    // without confidence: none is there
-  std::uint32_t changed_frame = 0;  // when it was last observed, went, or came here from another block
+  Surfel surfel;                    // with confidence 0: the slot is free
+  std::uint32_t changed_frame = 0;  // the frame when it was last observed, removed, or moved here from another block
 };
 
 class SurfelStore {
  public:
-  // Never more than `max_slots` on the device.
+  // Never uses more than `max_slots` on the device.
   explicit SurfelStore(gpu::Device& device, std::uint32_t max_slots = kMaxStoreSlots);
 
-  // Room for `additional` more slots; grows by half, keeping the content. Throws gpu::DeviceError when the device has no more, or beyond
-  // the most there may be.
+  // Makes room for `additional` more slots, growing by half and keeping the content. Throws
+  // gpu::DeviceError when the device has no memory or the limit is exceeded.
   void reserve(std::uint32_t additional);
   bool has_room_for(std::uint32_t additional) const { return additional <= max_slots_ && slot_count() <= max_slots_ - additional; }
 
-  // Leaves on the device the blocks of these submaps, with those that were on the host, and sends the others there. Between frames; takes
-  // time like copying the map. False: there may not be so many slots, and everything is where it was. Throws as reserve() does.
+  // Keeps only the blocks of these submaps on the device: fetches them from the host and moves
+  // others there. Call it between frames; it takes as long as copying the map. Returns false, with
+  // nothing changed, when the slots would exceed the limit. Throws as reserve() does.
   bool keep(const SubmapSet& submaps);
   bool is_on_device(std::uint32_t submap) const { return !host_blocks_.contains(submap); }
 
-  // Places that died stay with the block that they are in, and few are where the camera needs some: a camera that comes back again and
-  // again leaves ever more of them behind. True when there are many times more slots than surfels; not for long after compact().
+  // Free slots stay with their block, and the camera often needs new ones elsewhere, so a camera
+  // that returns to the same places leaves ever more of them. Returns true when there are many
+  // times more slots than surfels; false for a while after compact().
   bool is_sparse() const;
 
-  // Surfels of blocks less than half full come together in new blocks, neighbours of a submap with neighbours, and all their old blocks go.
-  // Leaves at most twice as many slots as surfels, and a block for each submap. Between frames, like keep(); whoever asks for changes since
-  // a frame before `frame_number` is told.
+  // Moves the surfels of blocks less than half full to new blocks, neighbours together, and removes
+  // the old blocks. Afterwards there are at most twice as many slots as surfels, plus a block per
+  // submap. Call it between frames, like keep(); changed_blocks() reports the moves as changes of
+  // `frame_number`.
   void compact(std::uint32_t frame_number);
 
-  // From now on: one pose for every submap, those there were and new ones. To begin with there is submap 0, where the world is.
-  // CHECK: none is taken away, at most kMaxSubmaps.
+  // Sets one pose per submap, of existing and new ones. At first there is only submap 0, in the
+  // world frame. A CHECK fails when a submap is removed or there are more than kMaxSubmaps.
   void set_submaps(std::span<const Rigid3> world_from_submap);
 
-  // Where the next passes see the submaps from. What is not in `seen` is in no view; without it all are.
+  // Sets the camera pose for the next passes. Submaps that are not in `seen` are invisible; without
+  // `seen`, all are visible.
   void set_camera(const Rigid3& world_from_camera);
   void set_camera(const Rigid3& world_from_camera, const SubmapSet& seen);
 
-  // The next new surfels are of another submap than those before: they get slots in a block of their own. Between frames.
+  // The next new surfels belong to another submap and get slots in a block of their own. Call it
+  // between frames.
   void begin_block();
 
   std::uint32_t slot_count() const { return counters().slot_count; }
@@ -78,23 +87,25 @@ class SurfelStore {
   std::uint32_t capacity() const { return capacity_; }
   const std::vector<Rigid3>& world_from_submap() const { return world_from_submap_; }
 
-  // Behind all slots, from the next whole block on: surfels that are neighbours in `surfels` stay so. All of them alive; between frames.
-  // Throws as reserve() does.
+  // Appends live surfels after all slots, from the next whole block on, and keeps their order. Call
+  // it between frames. Throws as reserve() does.
   void append(std::span<const Surfel> surfels);
 
-  // Slots below slot_count(), free ones too.
+  // Returns all slots below slot_count(), including free ones.
   std::vector<Surfel> download() const;
 
-  // On device and host, those of blocks that have changed after frame `since` (0: all that hold something).
+  // Returns the slots of all blocks on device and host that changed after frame `since`; 0: of all
+  // blocks in use.
   std::vector<NumberedSurfel> changed_blocks(std::uint32_t since) const;
 
-  // All of it, between frames; takes time like copying the map.
+  // Saves everything between frames; takes as long as copying the map.
   void save(ByteWriter& bytes) const;
 
-  // Of a store that nothing has happened to. After a failure of the reader, or a throw as of reserve(), this is of no use any more.
+  // Restores into a new store. After a failure of the reader, or an exception as in reserve(), it
+  // must not be used.
   void restore(ByteReader& bytes);
 
-  // On device and host together.
+  // On the device and the host together.
   std::int64_t surfel_count() const;
   std::int64_t host_bytes() const;
 
@@ -102,15 +113,15 @@ class SurfelStore {
   gpu::Buffer<shared::SurfelAttributes> attributes;
   gpu::Buffer<shared::uvec2> times;
   gpu::Buffer<shared::uint> free_slots;
-  gpu::Buffer<shared::uint> group_counts;    // scratch of the prefix sums, one entry for every block
-  gpu::Buffer<shared::BlockBounds> bounds;   // by block of 256 slots
-  gpu::Buffer<shared::uint> changed_frames;  // by block: the last frame that changed one of its surfels
-  gpu::Buffer<shared::uint> visible_blocks;  // shared::VisibleHead, then the list of VisibleBlocks
+  gpu::Buffer<shared::uint> group_counts;    // scratch memory of the prefix sums, one entry per block
+  gpu::Buffer<shared::BlockBounds> bounds;   // per block of 256 slots
+  gpu::Buffer<shared::uint> changed_frames;  // per block: the last frame that changed one of its surfels
+  gpu::Buffer<shared::uint> visible_blocks;  // shared::VisibleHead, then the list of visible blocks
   gpu::Buffer<shared::MapState> state;       // valid on the host between frames
   gpu::Buffer<shared::Transform> camera_from_submap;
 
  private:
-  // As it lies in memory.
+  // A block as it is stored.
   struct Block {
     std::uint32_t number = 0;
     std::vector<shared::vec4> positions;
@@ -118,11 +129,11 @@ class SurfelStore {
     std::vector<shared::uvec2> times;
     shared::BlockBounds bounds;
     std::uint32_t changed_frame = 0;
-    std::uint32_t moved_frame = 0;  // compact() has made or emptied it before that frame
+    std::uint32_t moved_frame = 0;  // the frame before which compact() filled or emptied it
     std::uint32_t alive_count = 0;
-    std::uint32_t submap = 0;  // of those alive
+    std::uint32_t submap = 0;  // of its live surfels
   };
-  // What a block is called, wherever it lies.
+  // Identifies a block, wherever it is stored.
   struct Name {
     std::uint32_t number = 0, moved_frame = 0;
   };
@@ -137,7 +148,7 @@ class SurfelStore {
   void download_blocks(std::uint32_t first, std::uint32_t count, std::vector<Block>& blocks) const;
   void upload_blocks(std::span<const Block> blocks);
   void clear_blocks(std::uint32_t first, std::uint32_t count);
-  // surfel_store_state.cpp
+  // Defined in surfel_store_state.cpp.
   struct OnDevice;
   template <class Bytes, class Saved>
   static void block_fields(Bytes& bytes, Saved& block);
@@ -151,10 +162,11 @@ class SurfelStore {
   gpu::Device& device_;
   const std::uint32_t max_slots_;
   std::uint32_t capacity_ = 0;
-  // By block on the device; those behind them, which have come since the map was rearranged, have next_number_ and so on.
+  // For each block on the device. Blocks after these are new since the last rearrangement; their
+  // numbers follow from next_number_.
   std::vector<Name> names_;
   std::uint32_t next_number_ = 0;
-  std::vector<Name> gone_blocks_;                            // their surfels are elsewhere since
+  std::vector<Name> gone_blocks_;                            // blocks whose surfels compact() has moved
   std::map<std::uint32_t, std::vector<Block>> host_blocks_;  // by submap
   std::vector<Rigid3> world_from_submap_;
 };

@@ -4,7 +4,8 @@ namespace hermite {
 
 namespace {
 
-// Out of view nothing changes but age: a block is looked at once while its turn in view comes so many times.
+// Out of view only the age of surfels changes, so a block is cleaned this many times less often
+// than in view.
 constexpr int kTurnsOutOfView = 16;
 
 }  // namespace

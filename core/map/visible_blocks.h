@@ -1,5 +1,5 @@
-// Which blocks of the map's slots a view can show: what the passes over the map look at, so that a frame costs what it sees and not what
-// has been scanned before.
+// The blocks of the map that a view can show. Only these are processed, so the cost of a frame
+// depends on its view and not on the size of the map.
 #pragma once
 
 #include "core/gpu/kernel.h"
@@ -13,9 +13,10 @@ class VisibleBlocks {
  public:
   VisibleBlocks(gpu::Device& device, const MapOptions& options);
 
-  // Records: lists in store.visible_blocks all blocks that may have surfels in view of the camera that the store was set to (up to
-  // kFarthest_m), those that fusion has just appended to included, and one in so many of the others, another one in each frame. Those whose
-  // turn for cleaning has come are first.
+  // Records the listing, in store.visible_blocks, of all blocks that may have surfels in view of
+  // the camera that the store was set to (up to kFarthest_m), including those just appended by
+  // fusion, and of one in several of the others, a different one in each frame. Blocks whose turn
+  // for cleaning has come are first.
   void list(gpu::Commands& commands, const SurfelStore& store, const shared::Intrinsics& camera, std::uint32_t frame_number);
 
  private:

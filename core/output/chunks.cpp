@@ -13,7 +13,7 @@ namespace hermite {
 namespace {
 
 constexpr int kVoxelsPerEdge = 64;
-constexpr int kPositionBits = 9;  // 8 steps a voxel
+constexpr int kPositionBits = 9;  // 8 steps per voxel
 constexpr int kNormalBits = 8;
 constexpr int kSpeed = 7;
 constexpr float kConfidenceScale = 8.0f;
@@ -23,19 +23,20 @@ static_assert(kVoxelsPerEdge * kVoxelsPerEdge * kVoxelsPerEdge == kMaxPointsPerC
 
 double scale_of(std::uint8_t level) { return static_cast<double>(1u << level); }
 
-// Which voxel of the submap a coordinate lies in. Double: a float would round points across the border.
+// Returns the index of the submap's voxel that contains a coordinate, in double precision, since
+// float rounding would move points across the border.
 std::int64_t voxel_of(float coordinate_m, std::uint8_t level) {
   return static_cast<std::int64_t>(std::floor(static_cast<double>(coordinate_m) / (static_cast<double>(kVoxelEdge_m) * scale_of(level))));
 }
 
-std::int64_t chunk_of_voxel(std::int64_t voxel) { return voxel >> 6; }  // arithmetic shift: rounds down for negative voxels too
+std::int64_t chunk_of_voxel(std::int64_t voxel) { return voxel >> 6; }  // arithmetic shift, which also rounds down for negative voxels
 
 std::optional<ChunkKey> key_of(const CloudPoint& point, std::uint8_t level) {
   const double reach_m = 32768.0 * static_cast<double>(kChunkEdge_m) * scale_of(level);
   std::array<std::int16_t, 3> cell{};
   for (int axis = 0; axis < 3; ++axis) {
     const float coordinate_m = point.position_m[axis];
-    if (!(std::abs(static_cast<double>(coordinate_m)) <= reach_m)) return std::nullopt;  // NaN too
+    if (!(std::abs(static_cast<double>(coordinate_m)) <= reach_m)) return std::nullopt;  // also true for NaN
     const std::int64_t chunk = chunk_of_voxel(voxel_of(coordinate_m, level));
     if (chunk < std::numeric_limits<std::int16_t>::min() || chunk > std::numeric_limits<std::int16_t>::max()) return std::nullopt;
     cell[static_cast<std::size_t>(axis)] = static_cast<std::int16_t>(chunk);
@@ -43,7 +44,8 @@ std::optional<ChunkKey> key_of(const CloudPoint& point, std::uint8_t level) {
   return ChunkKey{point.submap, level, cell[0], cell[1], cell[2]};
 }
 
-// Bits of three numbers below 64, interleaved: neighbours in space become neighbours in the stream, where Draco stores differences.
+// Interleaves the bits of three numbers below 64: spatial neighbours become neighbours in the
+// stream, in which Draco stores differences.
 std::uint32_t morton_code(const Eigen::Vector3f& position_m, std::uint8_t level) {
   std::uint32_t code = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -53,9 +55,9 @@ std::uint32_t morton_code(const Eigen::Vector3f& position_m, std::uint8_t level)
   return code;
 }
 
-// The points of one chunk as Draco takes them.
+// The points of one chunk as arrays for Draco.
 struct Columns {
-  std::vector<std::array<float, 3>> positions_m, normals;  // normals may be empty: no point has one
+  std::vector<std::array<float, 3>> positions_m, normals;  // normals is empty if no point has one
   std::vector<Rgb8> colors;
   std::vector<std::uint8_t> confidences;
 };
@@ -68,11 +70,12 @@ void add_attribute(draco::PointCloudBuilder& builder, draco::GeometryAttribute::
   builder.SetAttributeValuesForAllPoints(id, rows.data(), sizeof(Row));
 }
 
-// The grid: cell i of an axis covers i to i+1 steps from the chunk's corner and decodes to its middle. So all chunks share one grid of 1/8
-// voxel, no point is off by more than half a step, and the last cell stays within 9 bits.
+// The quantisation grid: cell i of an axis spans steps i to i+1 from the chunk's corner and decodes
+// to its centre. So all chunks share one grid of 1/8 voxel, the error is at most half a step, and
+// the last cell fits 9 bits.
 struct Grid {
-  std::array<float, 3> first_m{};  // middle of cell 0
-  float range_m = 0;               // from there to the middle of the last cell
+  std::array<float, 3> first_m{};  // centre of cell 0
+  float range_m = 0;               // from there to the centre of the last cell
 
   explicit Grid(const ChunkKey& key) {
     const double edge_m = static_cast<double>(kChunkEdge_m) * scale_of(key.level), step_m = edge_m / (1 << kPositionBits);
@@ -81,7 +84,7 @@ struct Grid {
     range_m = static_cast<float>(step_m * ((1 << kPositionBits) - 1));
   }
 
-  // Inside what Draco quantises; the half steps at either end belong to the outer cells.
+  // Clamps to the range that Draco quantises; the outer half steps belong to the outer cells.
   std::array<float, 3> clamped(const Eigen::Vector3f& position_m) const {
     std::array<float, 3> result{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -91,7 +94,7 @@ struct Grid {
   }
 };
 
-Error refused(const std::string& words) { return {ErrorCode::kUnsupported, "Draco refused a chunk: " + words}; }
+Error refused(const std::string& words) { return {ErrorCode::kUnsupported, "Draco failed to encode a chunk: " + words}; }
 
 Result<std::string> encode_draco(const Columns& columns, const Grid& grid) {
   draco::PointCloudBuilder builder;
@@ -121,7 +124,7 @@ ChunkedModel::ChunkedModel(std::uint8_t level, double least_confidence) : level_
 }
 
 std::size_t ChunkedModel::KeyHash::operator()(const ChunkKey& key) const {
-  // Multiplicative mixing of the 88 bits.
+  // Multiplicative hash of the key's 88 bits.
   constexpr std::uint64_t kOdd = 0x9e3779b97f4a7c15ull;
   const std::uint64_t cell = (std::uint64_t{static_cast<std::uint16_t>(key.x)} << 32) |
                              (std::uint64_t{static_cast<std::uint16_t>(key.y)} << 16) | std::uint64_t{static_cast<std::uint16_t>(key.z)};
@@ -252,9 +255,9 @@ Result<EncodedChunk> ChunkedModel::encode(const ChunkKey& key) const {
     has_normals |= entry.normal != std::array<std::int16_t, 3>{};
     columns.confidences.push_back(static_cast<std::uint8_t>(std::clamp(std::round(entry.confidence * kConfidenceScale), 0.0f, 255.0f)));
   }
-  // An octahedral code cannot say "none": zeros would come back as some direction.
+  // An octahedral code has no value for "none", so zeros would decode to some direction.
   if (!has_normals) columns.normals.clear();
-  try {  // Draco allocates by what it finds in the data and throws from there
+  try {  // Draco allocates by sizes in the data and may throw
     Result<std::string> draco = encode_draco(columns, grid);
     if (!draco.ok()) return draco.error();
     encoded.draco = *std::move(draco);

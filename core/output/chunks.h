@@ -1,9 +1,12 @@
-// Cuts a growing model into chunks that a viewer can replace one by one, and encodes them with Draco.
+// Cuts a growing model into chunks that a viewer can replace one by one, and encodes them with
+// Draco.
 //
-// A chunk is the part of one submap inside a cube of kChunkEdge_m, in the submap's frame: chunk (x, y, z) spans x * kChunkEdge_m up to, not
-// including, (x + 1) * kChunkEdge_m. It keeps at most one point (the most confident, then the lowest slot) per voxel of kVoxelEdge_m.
-// At level L all of these lengths are 2^L times as long: for what is larger than a scan.
-// Memory: about 40 bytes a slot, up to the highest slot ever used. Not thread-safe; one owner.
+// A chunk contains the points of one submap inside a cube of kChunkEdge_m, in the submap's frame:
+// chunk (x, y, z) spans from x * kChunkEdge_m to (x + 1) * kChunkEdge_m, exclusive. It keeps at
+// most one point per voxel of kVoxelEdge_m: the most confident one, then the one with the lowest
+// slot. At level L, which is for models larger than a scan, all these lengths are 2^L times as
+// long.
+// Memory: about 40 bytes per slot, up to the highest slot ever used. Not thread-safe; one owner.
 #pragma once
 
 #include <array>
@@ -35,8 +38,10 @@ struct ChunkKey {
   auto operator<=>(const ChunkKey&) const = default;
 };
 
-// Draco, sequential, Morton order: POSITION float x3 (on a grid of 1/8 voxel: within 1/16 voxel of the truth on each axis), COLOR u8 x3,
-// NORMAL float x3 (octahedral, 8 bit; left out when no point of the chunk has one), GENERIC u8 (confidence times 8, rounded, at most 255).
+// Draco with sequential encoding in Morton order: POSITION float x3 (on a grid of 1/8 voxel, so
+// within 1/16 voxel of the true position on each axis), COLOR u8 x3, NORMAL float x3 (octahedral, 8
+// bit; absent if no point of the chunk has one), GENERIC u8 (8 times the confidence, rounded, at
+// most 255).
 struct EncodedChunk {
   ChunkKey key;
   std::uint32_t point_count = 0;  // 0: the chunk is now empty and `draco` too
@@ -45,24 +50,28 @@ struct EncodedChunk {
 
 class ChunkedModel {
  public:
-  // `level`: at most kCoarsestLevel (CHECK). Points of less confidence than `least_confidence` are none.
+  // `level` is at most kCoarsestLevel (CHECK). Points with less confidence than `least_confidence`
+  // are ignored.
   explicit ChunkedModel(std::uint8_t level = 0, double least_confidence = std::numeric_limits<double>::lowest());
 
-  // Points that are not finite (position, normal, confidence) or lie beyond the range of the key are left out and counted; what their slot
-  // held before is gone. Slots must be below kMaxModelSlots (CHECK).
+  // Applies changes. Points with values that are not finite (position, normal, confidence) or
+  // beyond the range of the key are dropped and counted, and their slot becomes empty. Slots must
+  // be below kMaxModelSlots (CHECK).
   void apply(std::span<const SlotChange> changes);
 
-  // Keys touched since the last call, in order. A slot that is set to what it already holds touches nothing.
+  // Returns the keys changed since the last call, in order. Setting a slot to its present content
+  // changes nothing.
   std::vector<ChunkKey> take_dirty();
 
-  // Deterministic: equal content gives equal bytes, whatever the way it came about. A key without points gives an empty chunk.
-  // kUnsupported in words when Draco refuses.
+  // Encodes a chunk; a key without points gives an empty one. Deterministic: equal content gives
+  // equal bytes, whatever its history. Returns kUnsupported with Draco's message when Draco fails.
   Result<EncodedChunk> encode(const ChunkKey& key) const;
 
   std::uint64_t rejected_point_count() const { return rejected_point_count_; }
 
  private:
-  // What a chunk shows of a point. `place` is its index among the slots of its chunk.
+  // The attributes of a point that its chunk contains. `place` is its index among the slots of the
+  // chunk.
   struct Entry {
     Eigen::Vector3f position_m = Eigen::Vector3f::Zero();
     float confidence = 0;
@@ -74,7 +83,7 @@ class ChunkedModel {
   };
   struct Chunk {
     ChunkKey key;
-    std::vector<std::uint32_t> slots;  // in no order
+    std::vector<std::uint32_t> slots;  // unordered
     bool dirty = false;
   };
   struct KeyHash {
@@ -95,9 +104,9 @@ class ChunkedModel {
   const std::uint8_t level_;
   const double least_confidence_;
   std::vector<Entry> entries_;                                         // by slot
-  std::vector<Chunk> chunks_;                                          // also those that are empty by now
-  std::unordered_map<ChunkKey, std::uint32_t, KeyHash> chunk_by_key_;  // into chunks_
-  std::vector<std::uint32_t> dirty_;                                   // into chunks_
+  std::vector<Chunk> chunks_;                                          // includes chunks that are now empty
+  std::unordered_map<ChunkKey, std::uint32_t, KeyHash> chunk_by_key_;  // indices into chunks_
+  std::vector<std::uint32_t> dirty_;                                   // indices into chunks_
   std::uint64_t rejected_point_count_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// The reconstructed model as points, for files and viewers. Plain values.
+// The reconstructed model as points. Plain values.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +12,20 @@ namespace hermite {
 
 struct CloudPoint {
   Eigen::Vector3f position_m = Eigen::Vector3f::Zero();
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit, towards the camera that saw it
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit length, towards the camera that saw it
   Rgb8 color;
   float confidence = 0;
   float curvature_max_per_m = 0, curvature_min_per_m = 0;
   float radius_m = 0;
   std::uint32_t submap = 0;
 };
-using Cloud = std::vector<CloudPoint>;  // in the order of the model's slots: the same run gives the same order
+using Cloud = std::vector<CloudPoint>;  // in the order of the model's slots, which is the same in every run
 
-// One slot of the model that changed. Slots keep their number for as long as their surfel lives and are used again afterwards.
+// A changed slot of the model. A slot keeps its number while its surfel lives and is reused
+// afterwards.
 struct SlotChange {
   std::uint32_t slot = 0;
-  bool alive = false;  // false: the surfel is gone and `point` is meaningless
+  bool alive = false;  // false: the surfel was removed, and `point` has no meaning
   CloudPoint point;    // in the frame of its submap
 };
 

@@ -6,7 +6,7 @@
 namespace hermite {
 
 Status check_cloud_with_points(const Cloud& cloud) {
-  if (cloud.empty()) return Error{ErrorCode::kInvalidArgument, "cloud: there is no point in it"};
+  if (cloud.empty()) return Error{ErrorCode::kInvalidArgument, "cloud: it has no points"};
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const CloudPoint& point = cloud[i];
     const bool is_finite = point.position_m.allFinite() && point.normal.allFinite() && std::isfinite(point.confidence) &&
@@ -14,7 +14,7 @@ Status check_cloud_with_points(const Cloud& cloud) {
                            std::isfinite(point.radius_m);
     if (!is_finite)
       return Error{ErrorCode::kInvalidArgument,
-                   "cloud: a number of point " + std::to_string(i) + " of " + std::to_string(cloud.size()) + " is not finite"};
+                   "cloud: a value of point " + std::to_string(i) + " of " + std::to_string(cloud.size()) + " is not finite"};
   }
   return Done{};
 }

@@ -1,4 +1,4 @@
-// What every writer of a cloud relies on. Pure.
+// The preconditions of every cloud writer. Pure.
 #pragma once
 
 #include "core/base/result.h"
@@ -6,7 +6,8 @@
 
 namespace hermite {
 
-// kInvalidArgument, naming the point: a position, normal, confidence, curvature or radius that is not finite; a cloud without a point.
+// Returns kInvalidArgument, naming the point, when a position, normal, confidence, curvature or
+// radius is not finite, or when the cloud is empty.
 Status check_cloud_with_points(const Cloud& cloud);
 
 }  // namespace hermite

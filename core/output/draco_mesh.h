@@ -1,4 +1,4 @@
-// Plain arrays as Draco takes them. For the sources of core/output.
+// Conversion of plain arrays to a Draco mesh, for the sources of core/output.
 #pragma once
 
 #include <draco/mesh/mesh.h>
@@ -9,10 +9,11 @@
 
 namespace hermite {
 
-// Of a mesh without attributes.
+// Sets the faces of a mesh that has no attributes yet.
 void set_triangles(draco::Mesh& mesh, std::size_t vertex_count, const std::vector<TriangleCorners>& triangles);
 
-// Adds an attribute whose values are of vertices, and returns its id in the mesh. A row may be longer than its components.
+// Adds a per-vertex attribute and returns its id in the mesh. A row may be longer than its
+// components.
 template <class Row>
 int add_vertex_attribute(draco::Mesh& mesh, draco::GeometryAttribute::Type type, draco::DataType data_type, int components, bool normalized,
                          const std::vector<Row>& rows) {

@@ -16,7 +16,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kPointsMode = 0, kTrianglesMode = 4;
-// Between the pixels of a page as they are: smaller pictures of it would mix charts that only lie beside each other.
+// Interpolates between the page's pixels without mipmaps, which would mix charts that are only
+// neighbours in the page.
 constexpr int kLinearFilter = 9729, kClampToEdge = 33071, kRepeat = 10497;
 
 void begin_glb(GlbContainer& container, const char* name) {
@@ -87,13 +88,14 @@ Result<Json> draco_primitive(const GlbPart& part, const DracoGrid& grid, int tex
               {"extensions", {{"KHR_draco_mesh_compression", extension}}}};
 }
 
-// Beyond its border the page of an atlas ends; a picture that somebody has laid side by side, as that of bricks, repeats itself.
+// Pages of an atlas are clamped at their border; an image that repeats, such as a pattern of
+// bricks, is wrapped.
 int wrap_of(const TriangleMesh& mesh) {
   const auto is_inside = [](const Eigen::Vector2f& uv) { return uv.minCoeff() >= -1e-3f && uv.maxCoeff() <= 1.001f; };
   return std::all_of(mesh.texture_coordinates.begin(), mesh.texture_coordinates.end(), is_inside) ? kClampToEdge : kRepeat;
 }
 
-// A material for each part; an image and texture for each page that has a part.
+// Adds a material per part, and an image and a texture per page that has a part.
 Status add_materials(const TriangleMesh& mesh, const std::vector<GlbPart>& parts, GlbContainer& container) {
   Json& json = container.json;
   std::size_t textures = 0;

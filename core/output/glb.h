@@ -1,11 +1,12 @@
-// Binary glTF 2.0, which everything opens: metres, y up (axes.h). Numbers of vertices are turned, no node is: programs that read nothing
-// but the geometry see it upright too.
+// Binary glTF 2.0 in metres with y up (axes.h). The coordinates themselves are converted, without a
+// node transform, so programs that read only the geometry also show it upright.
 //
-// The light of the room is in the colours already, so materials ask not to be lit (KHR_materials_unlit), and are as rough as can be and no
-// metal where a program lights them anyway. They have one side. Without a texture, COLOR_0 is linear, as glTF has it. With one there is no
-// COLOR_0, which would be multiplied with it; each page is a primitive with a material and a JPEG of its own.
-// Triangles across filled holes are a primitive of their own, whose material is named kFilledMaterial: what reads the file again can tell
-// them. Deterministic, pure.
+// Colours already contain the light of the room, so materials are unlit (KHR_materials_unlit), and
+// fully rough and non-metallic for programs that light them anyway. They are single-sided. Without
+// a texture, COLOR_0 is linear, as glTF requires. With a texture there is no COLOR_0, which would
+// be multiplied with it; each page is a primitive with its own material and JPEG. Triangles across
+// filled holes are a separate primitive, whose material is named kFilledMaterial, so that a reader
+// can recognise them. Deterministic, pure.
 #pragma once
 
 #include <string>
@@ -20,13 +21,15 @@ inline constexpr const char *kGlbGenerator = "Hermite", *kFilledMaterial = "fill
 
 enum class GlbCompression {
   kNone,
-  kDraco,  // KHR_draco_mesh_compression, which the reader must know: positions are within 0.1 mm, other values see glb_draco.cpp
+  kDraco,  // KHR_draco_mesh_compression, which the reader must support; positions are within 0.1 mm, see glb_draco.cpp for other values
 };
 
-// kInvalidArgument: check_mesh_with_triangles. kTooLarge: more than 4 GiB. kUnsupported: Draco's words.
+// Returns kInvalidArgument as check_mesh_with_triangles, kTooLarge above 4 GiB, and kUnsupported
+// with Draco's message when Draco fails.
 Result<std::string> format_mesh_glb(const TriangleMesh& mesh, GlbCompression compression);
 
-// Points (mode 0) with normals and linear colours. kInvalidArgument: a position or normal that is not finite, no point. kTooLarge.
+// Writes points (mode 0) with normals and linear colours. Returns kInvalidArgument for a position
+// or normal that is not finite or an empty cloud, and kTooLarge above 4 GiB.
 Result<std::string> format_cloud_glb(const Cloud& cloud);
 
 }  // namespace hermite

@@ -12,7 +12,7 @@ namespace {
 
 Error damaged_draco(const std::string& words) { return {ErrorCode::kCorruptData, "Draco: " + words}; }
 
-// Of every vertex; well, too, when there is no such attribute.
+// Reads an attribute of every vertex; succeeds without rows if the attribute is absent.
 template <int kComponents>
 Status read_attribute(const draco::Mesh& mesh, std::int64_t id, std::vector<Eigen::Matrix<float, kComponents, 1>>& rows) {
   if (id < 0) return Done{};
@@ -25,7 +25,7 @@ Status read_attribute(const draco::Mesh& mesh, std::int64_t id, std::vector<Eige
     const draco::AttributeValueIndex value = attribute->mapped_index(draco::PointIndex(i));
     Eigen::Matrix<float, kComponents, 1> row;
     if (value.value() >= attribute->size() || !attribute->ConvertValue<float>(value, static_cast<std::int8_t>(kComponents), row.data()))
-      return damaged_draco("a value of attribute " + std::to_string(id) + " is not there");
+      return damaged_draco("attribute " + std::to_string(id) + " lacks a value");
     rows.push_back(row);
   }
   return Done{};
@@ -35,7 +35,7 @@ Result<DracoMesh> decode(std::string_view bytes, const DracoIds& ids, std::uint6
   draco::DecoderBuffer buffer;
   buffer.Init(bytes.data(), bytes.size());
   const auto type = draco::Decoder::GetEncodedGeometryType(&buffer);
-  if (!type.ok() || type.value() != draco::TRIANGULAR_MESH) return damaged_draco("the bytes are no mesh");
+  if (!type.ok() || type.value() != draco::TRIANGULAR_MESH) return damaged_draco("the bytes are not a mesh");
   draco::Decoder decoder;
   auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
   if (!decoded.ok()) return damaged_draco(decoded.status().error_msg_string());
@@ -62,7 +62,7 @@ Result<DracoMesh> decode(std::string_view bytes, const DracoIds& ids, std::uint6
 }  // namespace
 
 Result<DracoMesh> decode_draco_mesh(std::string_view bytes, const DracoIds& ids, std::uint64_t vertex_count, std::uint64_t triangle_count) {
-  try {  // Draco allocates by what it finds in the data and throws from there
+  try {  // Draco allocates by sizes in the data and may throw
     return decode(bytes, ids, vertex_count, triangle_count);
   } catch (const std::exception& exception) {
     return damaged_draco(exception.what());

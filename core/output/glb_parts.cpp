@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t kNotYet = std::numeric_limits<std::uint32_t>::max();
 
-// IEC 61966-2-1, of all 256 values.
+// Tabulates the sRGB transfer function (IEC 61966-2-1) for all 256 values.
 std::array<std::uint16_t, 256> linear_table() {
   std::array<std::uint16_t, 256> table{};
   for (std::size_t i = 0; i < table.size(); ++i) {
@@ -22,7 +22,7 @@ std::array<std::uint16_t, 256> linear_table() {
   return table;
 }
 
-// The triangles from `first` to before `last` that are filled, or those that are not.
+// Returns the part with those triangles of [first, last) that are filled, or those that are not.
 GlbPart part_of(const TriangleMesh& mesh, std::size_t first, std::size_t last, bool is_filled,
                 std::vector<std::uint32_t>& place_of_vertex) {
   GlbPart part;

@@ -17,7 +17,7 @@ constexpr double kLasStep_m = 0.0001, kLasReach_m = 200'000;
 constexpr std::uint16_t kLasHeader_bytes = 375;
 constexpr std::uint8_t kLasPointFormat = 7;
 constexpr std::uint16_t kLasPoint_bytes = 36, kLasExtra_bytes = 7 * sizeof(float) + sizeof(std::uint32_t);
-constexpr std::uint16_t kCoordinatesAreWkt = 1 << 4;  // of the global encoding: asked for by formats 6 to 10
+constexpr std::uint16_t kCoordinatesAreWkt = 1 << 4;  // bit of the global encoding, required by formats 6 to 10
 constexpr std::uint8_t kLasFloat = 9, kLasUnsignedLong = 5;
 constexpr const char* kLasWkt =
     "LOCAL_CS[\"Hermite scan\",LOCAL_DATUM[\"first camera\",0],UNIT[\"metre\",1],AXIS[\"right\",EAST],AXIS[\"forward\",NORTH],AXIS[\"up\","
@@ -25,7 +25,7 @@ constexpr const char* kLasWkt =
 
 struct LasColumn {
   const char* name;
-  const char* description;  // at most 31 letters
+  const char* description;  // at most 31 characters
   std::uint8_t type;
 };
 constexpr std::array<LasColumn, 8> kLasColumns{{{"NormalX", "unit, towards the camera", kLasFloat},
@@ -37,7 +37,7 @@ constexpr std::array<LasColumn, 8> kLasColumns{{{"NormalX", "unit, towards the c
                                                 {"Radius", "m, reach of the surfel", kLasFloat},
                                                 {"Submap", "part that moves as one", kLasUnsignedLong}}};
 
-// `text` in a field of so many bytes, the rest zero.
+// Appends `text` as a field of this size, padded with zeros.
 void append_field(ByteWriter& bytes, std::string_view text, std::size_t size) {
   std::string field(text.substr(0, size));
   field.resize(size, '\0');
@@ -58,7 +58,7 @@ std::string extra_bytes_descriptors() {
   for (const LasColumn& column : kLasColumns) {
     bytes.number(std::uint16_t{0});
     bytes.number(column.type);
-    bytes.number(std::uint8_t{0});  // neither extremes, nor scale, nor offset are given
+    bytes.number(std::uint8_t{0});  // no extremes, scale or offset
     append_field(bytes, column.name, 32);
     append_field(bytes, "", 4 + 5 * 3 * 8);  // unused; no data, min, max, scale, offset
     append_field(bytes, column.description, 32);
@@ -73,9 +73,9 @@ std::string variable_length_records() {
   return bytes.take();
 }
 
-// How coordinates become steps: those of the box's lowest corner are about 0.
+// Conversion of coordinates to integer steps, relative to the lowest corner of the box.
 struct LasGrid {
-  Eigen::Vector3d offset_m, low_m, high_m;  // low and high as they read back
+  Eigen::Vector3d offset_m, low_m, high_m;  // low and high as decoded
 
   explicit LasGrid(const Cloud& cloud) {
     Eigen::AlignedBox3d box;
@@ -99,20 +99,20 @@ void append_header(ByteWriter& bytes, const LasGrid& grid, std::uint64_t count, 
   bytes.number(std::uint8_t{4});
   append_field(bytes, "Hermite", 32);
   append_field(bytes, "Hermite", 32);
-  bytes.number(std::uint32_t{0});  // day and year
+  bytes.number(std::uint32_t{0});  // day and year of creation
   bytes.number(kLasHeader_bytes);
   bytes.number(static_cast<std::uint32_t>(kLasHeader_bytes + records_bytes));
-  bytes.number(std::uint32_t{2});  // records
+  bytes.number(std::uint32_t{2});  // number of records
   bytes.number(kLasPointFormat);
   bytes.number(static_cast<std::uint16_t>(kLasPoint_bytes + kLasExtra_bytes));
-  append_field(bytes, "", 6 * 4);  // the counts of old: zero for this format
+  append_field(bytes, "", 6 * 4);  // legacy counts, zero for this format
   for (int axis = 0; axis < 3; ++axis) bytes.number(kLasStep_m);
   for (int axis = 0; axis < 3; ++axis) bytes.number(grid.offset_m[axis]);
   for (int axis = 0; axis < 3; ++axis) {
     bytes.number(grid.high_m[axis]);
     bytes.number(grid.low_m[axis]);
   }
-  append_field(bytes, "", 8 + 8 + 4);  // no waveforms, no records behind the points
+  append_field(bytes, "", 8 + 8 + 4);  // no waveforms, no records after the points
   bytes.number(count);
   bytes.number(count);  // first returns
   append_field(bytes, "", 14 * 8);

@@ -1,4 +1,4 @@
-// Normals for a mesh that has none. Pure.
+// Computes normals for a mesh without normals. Pure.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,8 +8,8 @@
 
 namespace hermite {
 
-// By vertex the mean of those of the triangles around it, by area, unit; 0 where there is no triangle with an area. Corners are of
-// positions that are there.
+// Returns for each vertex the area-weighted mean of the normals of its triangles, of unit length; 0
+// if no triangle has an area. Corner indices must be in range.
 std::vector<Eigen::Vector3f> mean_normals(const std::vector<Eigen::Vector3f>& positions, const std::vector<TriangleCorners>& triangles);
 
 }  // namespace hermite

@@ -14,7 +14,7 @@ Status check_lengths(const TriangleMesh& mesh) {
                  "mesh: " + std::to_string(count) + " vertices, at most " + std::to_string(kMaxMeshVertices) + " can be written"};
   if (mesh.normals.size() != count || mesh.colors.size() != count)
     return wrong_mesh(std::to_string(count) + " positions, " + std::to_string(mesh.normals.size()) + " normals and " +
-                      std::to_string(mesh.colors.size()) + " colours: there must be as many of each");
+                      std::to_string(mesh.colors.size()) + " colours: their numbers must be equal");
   const bool is_textured = !mesh.pages.empty();
   if (mesh.texture_coordinates.size() != (is_textured ? count : 0))
     return wrong_mesh(std::to_string(mesh.texture_coordinates.size()) + " texture coordinates for " + std::to_string(count) +
@@ -35,12 +35,11 @@ Status check_vertices(const TriangleMesh& mesh) {
 
 Status check_triangles(const TriangleMesh& mesh) {
   if (!mesh.is_filled.empty() && mesh.is_filled.size() != mesh.triangles.size())
-    return wrong_mesh(std::to_string(mesh.is_filled.size()) + " marks of what is filled for " + std::to_string(mesh.triangles.size()) +
-                      " triangles");
+    return wrong_mesh(std::to_string(mesh.is_filled.size()) + " filled marks for " + std::to_string(mesh.triangles.size()) + " triangles");
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     for (const std::uint32_t corner : mesh.triangles[i])
       if (corner >= mesh.positions_m.size())
-        return wrong_mesh("triangle " + std::to_string(i) + " names vertex " + std::to_string(corner) + " of " +
+        return wrong_mesh("triangle " + std::to_string(i) + " refers to vertex " + std::to_string(corner) + " of " +
                           std::to_string(mesh.positions_m.size()));
   return Done{};
 }
@@ -51,7 +50,7 @@ Status check_pages(const TriangleMesh& mesh) {
     const TexturePage& page = mesh.pages[i];
     const std::string name = "page " + std::to_string(i);
     if (page.first_triangle != covered)
-      return wrong_mesh(name + " begins with triangle " + std::to_string(page.first_triangle) + " instead of " + std::to_string(covered));
+      return wrong_mesh(name + " starts at triangle " + std::to_string(page.first_triangle) + " instead of " + std::to_string(covered));
     covered += page.triangle_count;
     const ColorImage& image = page.image;
     if (image.width < 1 || image.height < 1 ||
@@ -73,7 +72,7 @@ Status check_mesh(const TriangleMesh& mesh) {
 }
 
 Status check_mesh_with_triangles(const TriangleMesh& mesh) {
-  if (mesh.triangles.empty()) return wrong_mesh("there is no triangle in it");
+  if (mesh.triangles.empty()) return wrong_mesh("it has no triangles");
   return check_mesh(mesh);
 }
 

@@ -1,4 +1,4 @@
-// What every writer of a mesh relies on. Pure.
+// The preconditions of every mesh writer. Pure.
 #pragma once
 
 #include "core/base/result.h"
@@ -6,15 +6,18 @@
 
 namespace hermite {
 
-// Indices are 32 bits in every format, and PLY's readers take them for signed.
+// Indices are 32 bits in every format, and PLY readers interpret them as signed.
 inline constexpr std::size_t kMaxMeshVertices = 0x7fffffff;
 
-// kInvalidArgument, naming the vertex, triangle or page: arrays by vertex of different lengths, a position, normal or texture coordinate
-// that is not finite, a triangle without its vertex, marks of another number than triangles, pages that do not follow each other or leave
-// triangles out, a page whose image is none. kTooLarge: more than kMaxMeshVertices. A mesh without a triangle is one.
+// Returns kInvalidArgument, naming the vertex, triangle or page, when per-vertex arrays differ in
+// length, a position, normal or texture coordinate is not finite, a triangle refers to a missing
+// vertex, the number of filled marks is not that of triangles, pages are not consecutive or do not
+// cover all triangles, or the image of a page is invalid; kTooLarge above kMaxMeshVertices. A mesh
+// without triangles is valid.
 Status check_mesh(const TriangleMesh& mesh);
 
-// The same, and kInvalidArgument for a mesh without a triangle: for formats that cannot say nothing.
+// The same, and kInvalidArgument for a mesh without triangles, for formats that cannot represent
+// it.
 Status check_mesh_with_triangles(const TriangleMesh& mesh);
 
 }  // namespace hermite

@@ -18,9 +18,11 @@ constexpr int kChunkNormal_bits = 8;
 constexpr int kMostChunk_bits = 20;
 constexpr int kMeshChunkSpeed = 7;
 
-Error mesh_chunk_refused(const std::string& words) { return {ErrorCode::kUnsupported, "Draco refused a piece of the mesh: " + words}; }
+Error mesh_chunk_refused(const std::string& words) {
+  return {ErrorCode::kUnsupported, "Draco failed to encode a piece of the mesh: " + words};
+}
 
-// The corner of the grid that is next below all positions, and how far it has to reach.
+// The grid corner next below all positions, and the edge length that covers them.
 struct StepGrid {
   std::array<float, 3> corner_m{};
   float edge_m = 0;
@@ -63,11 +65,11 @@ Result<EncodedMesh> encode(const TriangleMesh& mesh, const StepGrid& grid) {
 Result<EncodedMesh> encode_mesh_chunk(const TriangleMesh& mesh, double cell_m) {
   if (mesh.triangles.empty()) return EncodedMesh{};
   if (mesh.triangles.size() > kMaxTrianglesPerChunk)
-    return Error{ErrorCode::kTooLarge, "a piece of the mesh has " + std::to_string(mesh.triangles.size()) + " triangles, allowed are " +
+    return Error{ErrorCode::kTooLarge, "a piece of the mesh has " + std::to_string(mesh.triangles.size()) + " triangles, the limit is " +
                                            std::to_string(kMaxTrianglesPerChunk)};
   const StepGrid grid(mesh, kMeshChunkStep_cells * cell_m);
   if (grid.bits > kMostChunk_bits) return Error{ErrorCode::kTooLarge, "a piece of the mesh is larger than its grid"};
-  try {  // Draco allocates by what it finds in the data and throws from there
+  try {  // Draco allocates by sizes in the data and may throw
     return encode(mesh, grid);
   } catch (const std::exception& exception) {
     return mesh_chunk_refused(exception.what());

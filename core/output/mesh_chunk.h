@@ -1,4 +1,4 @@
-// A piece of a growing surface, small and soon made, for viewers. Deterministic, pure.
+// Encodes a piece of a growing surface for viewers, small and fast. Deterministic, pure.
 #pragma once
 
 #include <cstdint>
@@ -9,19 +9,21 @@
 
 namespace hermite {
 
-// What a viewer takes of one piece. A cube of 32^3 cells that surface runs through in every cell has as many triangles.
+// The largest piece that a viewer accepts: the number of triangles of a cube of 32^3 cells with
+// surface in every cell.
 inline constexpr std::uint32_t kMaxTrianglesPerChunk = 262144;
 
-// Draco: POSITION float x3, NORMAL float x3 (octahedral, 8 bit), COLOR u8 x3. Positions lie on a grid through the origin whose steps are
-// kMeshChunkStep_cells of a cell: a vertex that two pieces in one frame share is the same in both, to a rounding of float.
+// Draco: POSITION float x3, NORMAL float x3 (octahedral, 8 bit), COLOR u8 x3. Positions lie on a
+// grid through the origin with steps of kMeshChunkStep_cells of a cell, so a vertex shared by two
+// pieces in one frame is the same in both, up to float rounding.
 struct EncodedMesh {
-  std::uint32_t triangle_count = 0;  // 0: nothing is left, and `draco` is empty
+  std::uint32_t triangle_count = 0;  // 0: the piece is now empty, and so is `draco`
   std::string draco;
 };
 inline constexpr double kMeshChunkStep_cells = 1.0 / 32;
 
-// Of a mesh without a texture, of any size up to 2^20 steps. kTooLarge: beyond that or kMaxTrianglesPerChunk; kUnsupported in Draco's
-// words.
+// Encodes a mesh without a texture. Returns kTooLarge above 2^20 steps or kMaxTrianglesPerChunk,
+// and kUnsupported with Draco's message when Draco fails.
 Result<EncodedMesh> encode_mesh_chunk(const TriangleMesh& mesh, double cell_m);
 
 }  // namespace hermite

@@ -7,9 +7,9 @@ namespace hermite {
 
 std::string format_mesh_ply(const TriangleMesh& mesh) {
   const std::size_t count = mesh.positions_m.size();
-  CHECK(mesh.normals.size() == count && mesh.colors.size() == count, "arrays by vertex of different lengths");
-  CHECK(mesh.is_filled.empty() || mesh.is_filled.size() == mesh.triangles.size(), "marks of another number than triangles");
-  CHECK(count <= kMaxMeshVertices, "more vertices than an int can count");
+  CHECK(mesh.normals.size() == count && mesh.colors.size() == count, "per-vertex arrays differ in length");
+  CHECK(mesh.is_filled.empty() || mesh.is_filled.size() == mesh.triangles.size(), "the number of filled marks is not that of triangles");
+  CHECK(count <= kMaxMeshVertices, "the number of vertices exceeds an int");
   std::string bytes =
       "ply\nformat binary_little_endian 1.0\ncomment Hermite: metres, normals out of the surface, counter-clockwise from outside\n"
       "element vertex " +

@@ -1,4 +1,4 @@
-// A file of a format that takes several, by its name in their folder. Plain value.
+// A file of a format that has several, by its name in their folder. Plain value.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 namespace hermite {
 
 struct NamedFile {
-  std::string name;  // letters, digits, '.', '_' and '-': other programs split at blanks
+  std::string name;  // letters, digits, '.', '_' and '-', because other programs split at spaces
   std::string bytes;
 };
 using NamedFiles = std::vector<NamedFile>;

@@ -9,7 +9,7 @@
 namespace hermite {
 namespace {
 
-// As short as reads back as the same number, whatever the locale.
+// Appends the shortest text that reads back as the same number, independent of the locale.
 template <class Number>
 void append_number(std::string& text, Number value) {
   char digits[64];

@@ -1,5 +1,6 @@
-// Wavefront OBJ: metres, y up (axes.h), v with colours behind the position where there is no texture (which MeshLab, Blender and others
-// read, and the rest skip), vt with (0, 0) in the lower left corner, vn. Numbers read back as the same floats. Deterministic, pure.
+// Wavefront OBJ: metres, y up (axes.h), vt with (0, 0) at the lower left corner, vn. Without a
+// texture, v has a colour after the position, which MeshLab, Blender and others read and the rest
+// ignore. Numbers read back as the same floats. Deterministic, pure.
 #pragma once
 
 #include "core/base/result.h"
@@ -8,7 +9,8 @@
 
 namespace hermite {
 
-// mesh.obj; with a texture also mesh.mtl and texture_0.jpg, texture_1.jpg, ... of the pages. kInvalidArgument: check_mesh_with_triangles.
+// Returns mesh.obj, and with a texture also mesh.mtl and texture_0.jpg, texture_1.jpg, ... of the
+// pages. Returns kInvalidArgument as check_mesh_with_triangles.
 Result<NamedFiles> format_obj(const TriangleMesh& mesh);
 
 }  // namespace hermite

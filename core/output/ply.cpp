@@ -21,7 +21,7 @@
 namespace hermite {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "values are copied as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "values are written in the byte order of the CPU");
 
 constexpr const char* kProperties =
     "property float x\nproperty float y\nproperty float z\n"
@@ -122,12 +122,13 @@ Status for_each_ply_point(const ReadPart& read, const std::function<void(const C
   const bool begins_well = head->starts_with(kBeforeCount);
   const std::uint64_t count = begins_well ? std::strtoull(head->c_str() + kBeforeCount.size(), nullptr, 10) : 0;
   const std::string header = header_of(count);
-  if (!begins_well || !head->starts_with(header)) return Error{ErrorCode::kUnsupported, "this is no cloud that Hermite has written"};
+  if (!begins_well || !head->starts_with(header)) return Error{ErrorCode::kUnsupported, "the file is not a cloud written by Hermite"};
   for (std::uint64_t i = 0; i < count;) {
     const std::size_t wanted = static_cast<std::size_t>(std::min<std::uint64_t>(kPieceVertices, count - i));
     const Result<std::string> piece = read(header.size() + i * kVertex_bytes, wanted * kVertex_bytes);
     if (!piece.ok()) return piece.error();
-    if (piece->size() < wanted * kVertex_bytes) return Error{ErrorCode::kCorruptData, "the cloud is cut: it has fewer points than it says"};
+    if (piece->size() < wanted * kVertex_bytes)
+      return Error{ErrorCode::kCorruptData, "the cloud is cut: it has fewer points than its header states"};
     for (std::size_t k = 0; k < wanted; ++k) use(point_at(piece->data() + k * kVertex_bytes));
     i += wanted;
   }
@@ -135,7 +136,7 @@ Status for_each_ply_point(const ReadPart& read, const std::function<void(const C
 }
 
 Status write_file_atomically(const std::string& path, const std::string& bytes) {
-  static std::atomic<std::uint64_t> count = 0;  // two threads of one process must not meet in one temporary file
+  static std::atomic<std::uint64_t> count = 0;  // so that two threads never use the same temporary file
   const std::size_t slash = path.rfind('/');
   const std::string folder = slash == std::string::npos ? "." : slash == 0 ? "/" : path.substr(0, slash);
   const std::string temporary = path + "." + std::to_string(::getpid()) + "-" + std::to_string(count++) + ".tmp";

@@ -11,8 +11,9 @@ namespace hermite {
 
 std::string format_ply(const Cloud& cloud);
 
-// Writes beside `path`, syncs, renames: after a crash the file is whole, or what it was before. kIo with the system's words; nothing is
-// left behind.
+// Writes a temporary file beside `path`, syncs and renames it: after a crash, the file is either
+// complete or the previous one. Returns kIo with the system's message, and leaves no temporary
+// file.
 Status write_file_atomically(const std::string& path, const std::string& bytes);
 
 }  // namespace hermite

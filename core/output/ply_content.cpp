@@ -1,4 +1,4 @@
-// What a PLY file is a file of.
+// Conversion of a PLY file to a cloud or a mesh.
 #include "core/output/mean_normals.h"
 #include "core/output/ply_reader.h"
 

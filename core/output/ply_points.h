@@ -1,4 +1,5 @@
-// The points of a file that format_ply has written, one after the other, in little memory: for who wants a few of many.
+// Streams the points of a file written by format_ply in little memory, for callers that need a few
+// of many.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +12,12 @@
 
 namespace hermite {
 
-// At most `max_bytes` from `offset` on: less where the file ends, nothing behind its end.
+// Returns at most `max_bytes` from `offset` on; fewer at the end of the file, and none after it.
 using ReadPart = std::function<Result<std::string>(std::uint64_t offset, std::size_t max_bytes)>;
 
-// Calls use(point) in the file's order; holds some megabytes of it at a time. kUnsupported: a PLY that is not as format_ply writes them.
-// kCorruptData: cut. What `read` answers.
+// Calls use(point) in the file's order, with some megabytes of the file in memory at a time.
+// Returns kUnsupported for a PLY that format_ply did not write, kCorruptData when it is cut, and
+// the errors of `read`.
 Status for_each_ply_point(const ReadPart& read, const std::function<void(const CloudPoint&)>& use);
 
 }  // namespace hermite

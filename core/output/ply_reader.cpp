@@ -18,7 +18,7 @@ enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDoub
 struct Property {
   std::string name;
   Type type = Type::kFloat;
-  std::optional<Type> count_type;  // of a list
+  std::optional<Type> count_type;  // set for a list
 };
 
 struct Element {
@@ -60,16 +60,17 @@ Result<Property> parse_property(std::istringstream& words) {
   if (type == "list") {
     words >> count_type >> type;
     property.count_type = type_named(count_type);
-    if (!property.count_type) return corrupt("a list counts in '" + count_type + "'");
+    if (!property.count_type) return corrupt("a list has the invalid count type '" + count_type + "'");
   }
   const std::optional<Type> known = type_named(type);
-  if (!known) return corrupt("there is no type '" + type + "'");
+  if (!known) return corrupt("unknown type '" + type + "'");
   property.type = *known;
   words >> property.name;
   return property;
 }
 
-// Columns of vertices are as long as each other, and whoever counts comes to an end: each element is declared once and reads something.
+// Checks that each element is declared once, so that columns of vertices have equal lengths, and
+// has properties, so that reading consumes bytes and ends.
 Status check_elements(const std::vector<Element>& elements) {
   for (auto element = elements.begin(); element != elements.end(); ++element) {
     const auto has_its_name = [&](const Element& other) { return other.name == element->name; };
@@ -106,7 +107,7 @@ Result<Header> parse_header(std::string_view bytes) {
       header.elements.push_back(element);
     }
     if (keyword == "property") {
-      if (header.elements.empty()) return corrupt("a property before the first element");
+      if (header.elements.empty()) return corrupt("a property is declared before the first element");
       Result<Property> property = parse_property(words);
       if (!property.ok()) return property.error();
       header.elements.back().properties.push_back(*std::move(property));
@@ -117,13 +118,14 @@ Result<Header> parse_header(std::string_view bytes) {
   else if (format == "binary_big_endian")
     header.encoding = Encoding::kBigEndian;
   else if (format != "ascii")
-    return Error{ErrorCode::kUnsupported, "PLY: format '" + format + "', known are ascii, binary_little_endian and binary_big_endian"};
+    return Error{ErrorCode::kUnsupported,
+                 "PLY: format '" + format + "' is unknown; known are ascii, binary_little_endian and binary_big_endian"};
   const Status elements = check_elements(header.elements);
   if (!elements.ok()) return elements.error();
   return header;
 }
 
-// Reads numbers one after the other; `failed` once one is missing.
+// Reads consecutive numbers; `failed` becomes true when one is missing.
 class Numbers {
  public:
   Numbers(std::string_view bytes, Encoding encoding) : bytes_(bytes), encoding_(encoding) {}
@@ -174,13 +176,13 @@ class Numbers {
   bool failed_ = false;
 };
 
-// Which property of an element has this name, or -1.
+// Returns the index of the element's property with this name, or -1.
 std::ptrdiff_t place_of(const Element& element, const char* name) {
   const auto found = std::find_if(element.properties.begin(), element.properties.end(), [&](const Property& p) { return p.name == name; });
   return found == element.properties.end() ? -1 : found - element.properties.begin();
 }
 
-// Some properties of an element that belong together, of which none counts without the others.
+// Properties of an element that are only used if all of them exist.
 template <std::size_t N>
 class PlyColumns {
  public:
@@ -201,10 +203,10 @@ class PlyColumns {
   bool all_there_ = false;
 };
 
-// Of a whole number of 0 to `most`; 0 for any other.
+// Returns a whole number from 0 to `most`; 0 for any other value.
 std::uint32_t whole(double value, double most) { return value >= 0 && value <= most ? static_cast<std::uint32_t>(value) : 0; }
 
-// Of one of a colour's channels.
+// Converts one channel of a colour.
 std::uint8_t byte_of(double value, Type type) {
   const double scale = type == Type::kUint16 ? 1.0 / 257 : type == Type::kFloat || type == Type::kDouble ? 255.0 : 1.0;
   return static_cast<std::uint8_t>(whole(value * scale + 0.5, 255.5));
@@ -259,15 +261,15 @@ Status read_vertices(Numbers& numbers, const Element& element, const PlyOptions&
   const VertexColumns columns(element);
   if (shape.positions.size() + element.count > options.most_vertices) return too_many("vertices", options.most_vertices);
   std::vector<double> row(element.properties.size());
-  // What is promised, as far as there are bytes for it.
+  // Reserves the announced count, as far as there are bytes for it.
   columns.reserve(std::min<std::size_t>(element.count, numbers.bytes_left() / std::max<std::size_t>(row.size(), 1)), shape);
   bool origin_known = !options.subtract_origin;
   for (std::uint64_t i = 0; i < element.count; ++i) {
     for (std::size_t k = 0; k < row.size(); ++k) {
-      if (element.properties[k].count_type) return Error{ErrorCode::kUnsupported, "PLY: a vertex with a list"};
+      if (element.properties[k].count_type) return Error{ErrorCode::kUnsupported, "PLY: vertices have a list property"};
       row[k] = numbers.next(element.properties[k].type);
     }
-    if (!columns.position.all_there()) return corrupt("vertices without x, y and z");
+    if (!columns.position.all_there()) return corrupt("vertices lack x, y and z");
     if (numbers.failed()) return corrupt("cut at vertex " + std::to_string(i) + " of " + std::to_string(element.count));
     if (!origin_known && columns.position_of(row).allFinite()) {
       shape.origin = origin_near(columns.position_of(row));
@@ -278,7 +280,8 @@ Status read_vertices(Numbers& numbers, const Element& element, const PlyOptions&
   return Done{};
 }
 
-// Faces and whatever else; the indices of a list named vertex_indices or vertex_index become triangles.
+// Reads faces and other elements; the indices of a list named vertex_indices or vertex_index become
+// triangles.
 Status read_others(Numbers& numbers, const Element& element, const PlyOptions& options, PlyShape& shape) {
   const bool is_face = element.name == "face", has_marks = is_face && place_of(element, "filled") >= 0;
   std::vector<double> values;
@@ -326,7 +329,7 @@ Result<PlyShape> parse_ply(std::string_view bytes, const PlyOptions& options) {
     if (!read.ok()) return read.error();
     has_vertices = has_vertices || element.name == "vertex";
   }
-  if (!has_vertices) return corrupt("no vertices");
+  if (!has_vertices) return corrupt("there are no vertices");
   return shape;
 }
 

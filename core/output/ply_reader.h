@@ -1,4 +1,4 @@
-// A PLY file, as we or other programs write it: positions and faces, and what else vertices have.
+// Reads a PLY file of this or another program: positions, faces and further vertex properties.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +15,7 @@
 
 namespace hermite {
 
-// Each but those of triangles is as many as positions, or none where vertices do not have all of its properties.
+// Each per-vertex array is as long as positions, or empty if vertices lack one of its properties.
 struct PlyShape {
   std::vector<Eigen::Vector3f> positions;
   std::vector<Eigen::Vector3f> normals;              // nx, ny, nz
@@ -23,34 +23,40 @@ struct PlyShape {
   std::vector<float> radii;                          // radius
   std::vector<float> confidences;                    // confidence
   std::vector<Eigen::Vector2f> curvatures;           // curvature_max, curvature_min
-  std::vector<std::uint32_t> submaps;                // submap; what is no such number is 0
-  std::vector<TriangleCorners> triangles;            // larger faces are cut into fans; empty for a cloud
-  std::vector<std::uint8_t> is_filled;               // filled, of faces: by triangle, 0 or 1; empty where faces have none
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // what was subtracted from all positions, see PlyOptions
+  std::vector<std::uint32_t> submaps;                // submap; other values than whole numbers become 0
+  std::vector<TriangleCorners> triangles;            // larger faces are split into fans; empty for a cloud
+  std::vector<std::uint8_t> is_filled;               // filled, a property of faces: per triangle, 0 or 1; empty if faces lack it
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // subtracted from all positions, see PlyOptions
   std::vector<std::string> comments;                 // of the header
 };
 
 struct PlyOptions {
-  // A file whose first vertex with finite coordinates lies beyond kFarOff gets its positions relative to a round number near it: a float
-  // has 24 bits, which are half a metre of the millions of metres of a map projection.
+  // If the first vertex with finite coordinates lies beyond kFarOff, positions become relative to a
+  // round number near it: a float has 24 bits, which resolve only half a metre in the millions of
+  // metres of a map projection.
   bool subtract_origin = false;
   std::uint64_t most_vertices = 200'000'000, most_triangles = 400'000'000;
 };
 
 inline constexpr double kFarOff = 1000, kOriginStep = 100;  // in the file's unit
 
-// The number that is subtracted when this is the first position: 0 unless it lies beyond kFarOff. Finite.
+// Returns the origin to subtract for this first position, which must be finite: 0 unless it lies
+// beyond kFarOff.
 Eigen::Vector3d origin_near(const Eigen::Vector3d& position);
 
-// ASCII or binary; other elements and properties are skipped. kCorruptData, in words: cut, no x y z, a face that names a vertex that is not
-// there, numbers that are none, a header of more than 64 KiB; kTooLarge: more than the options allow; kUnsupported: lists as positions.
+// Parses ASCII or binary; other elements and properties are skipped. Returns kCorruptData with a
+// message when the file is cut, lacks x y z, has a face with a missing vertex, invalid numbers or a
+// header above 64 KiB; kTooLarge above the limits of the options; kUnsupported for lists as
+// positions.
 Result<PlyShape> parse_ply(std::string_view bytes, const PlyOptions& options = {});
 
-// What format_ply has written; of another program's file what it lacks is 0, and its points are white. Metres.
+// Converts a file of format_ply. In a file of another program, missing values are 0 and points
+// without colour are white. Metres.
 Cloud cloud_of(const PlyShape& shape);
 
-// What format_mesh_ply has written. Another program's file may lack normals, which then are means of those of the triangles around, by
-// area, and colours, which then are white. Metres. kNotFound: there are no faces.
+// Converts a file of format_mesh_ply. In a file of another program, missing normals are
+// area-weighted means of those of adjacent triangles, and missing colours are white. Metres.
+// Returns kNotFound when there are no faces.
 Result<TriangleMesh> mesh_of(PlyShape shape);
 
 }  // namespace hermite

@@ -31,13 +31,13 @@ std::vector<float> spacings_of_positions_m(const std::vector<Eigen::Vector3f>& p
   using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, TreePoints>, TreePoints, 3, std::uint32_t>;
   std::vector<float> spacings(positions_m.size(), 0);
   if (positions_m.size() < 2) return spacings;
-  for (const Eigen::Vector3f& position_m : positions_m) CHECK(position_m.allFinite(), "a position that is not finite");
+  for (const Eigen::Vector3f& position_m : positions_m) CHECK(position_m.allFinite(), "a position is not finite");
   const TreePoints points{positions_m};
   const Tree tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafPoints));
   const std::size_t neighbours = std::min(kSpacingNeighbours, positions_m.size() - 1);
   const float edge_per_reach = std::sqrt(std::numbers::pi_v<float> / static_cast<float>(neighbours));
   in_parallel((positions_m.size() + kSpacingsAtOnce - 1) / kSpacingsAtOnce, [&](std::size_t piece) {
-    std::array<std::uint32_t, kSpacingNeighbours + 1> found{};  // it is one of them itself
+    std::array<std::uint32_t, kSpacingNeighbours + 1> found{};  // includes the point itself
     std::array<float, kSpacingNeighbours + 1> squares{};
     for (std::size_t i = piece * kSpacingsAtOnce; i < std::min((piece + 1) * kSpacingsAtOnce, positions_m.size()); ++i) {
       tree.knnSearch(positions_m[i].data(), neighbours + 1, found.data(), squares.data());

@@ -13,13 +13,13 @@ namespace {
 
 constexpr float kHarmonic0 = 0.28209479f;  // 1 / (2 sqrt(pi))
 constexpr float kSplatOpacity = 0.95f;
-constexpr float kThinnest = 0.1f;          // of the other two axes
-constexpr float kSmallestSplat_m = 1e-4f;  // of points in one place; its logarithm has to be a number
-constexpr float kLoneSplat_m = 0.005f;     // of a point that knows neither neighbour nor radius
+constexpr float kThinnest = 0.1f;          // relative to the other two axes
+constexpr float kSmallestSplat_m = 1e-4f;  // of coincident points; keeps its logarithm finite
+constexpr float kLoneSplat_m = 0.005f;     // of a point without neighbours and radius
 constexpr float kShortestNormal = 0.5f;
 constexpr std::size_t kSplatFloats = 17;
 
-// Standard deviations along the surface and across it [m].
+// Standard deviations along the surface and perpendicular to it [m].
 struct SplatSize {
   float along = 0, across = 0;
 };

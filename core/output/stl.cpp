@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kMmPerMetre = 1000;
 constexpr std::size_t kStlHeader_bytes = 80, kStlTriangle_bytes = 50;
-// Not "solid", by which programs tell text.
+// It must not start with "solid", by which programs recognise text files.
 constexpr const char* kStlHeader = "Hermite: millimetres, z up";
 
 }  // namespace
@@ -34,7 +34,7 @@ Result<std::string> format_stl(const TriangleMesh& mesh) {
     normal.stableNormalize();
     append(normal.data(), 3 * sizeof(float));
     for (const Eigen::Vector3f& point : at_mm) append(point.data(), 3 * sizeof(float));
-    bytes.append(2, '\0');  // "attributes", which nobody agrees on
+    bytes.append(2, '\0');  // "attribute byte count", whose meaning is not standardised
   }
   return bytes;
 }

@@ -1,4 +1,5 @@
-// Binary STL: triangles alone, z up (axes.h). Millimetres, since the format has no unit and what prints takes it for those. Pure.
+// Binary STL: only triangles, z up (axes.h). Millimetres, because the format has no unit and
+// slicers assume them. Pure.
 #pragma once
 
 #include <string>
@@ -8,8 +9,8 @@
 
 namespace hermite {
 
-// Normals are those of the triangles; of one without an area, zero. kInvalidArgument: check_mesh_with_triangles. kTooLarge: more triangles
-// than 32 bits count.
+// Normals are those of the triangles, or zero for one without area. Returns kInvalidArgument as
+// check_mesh_with_triangles, and kTooLarge when the number of triangles exceeds 32 bits.
 Result<std::string> format_stl(const TriangleMesh& mesh);
 
 }  // namespace hermite

@@ -5,7 +5,7 @@
 namespace hermite {
 namespace {
 
-constexpr int kTextureQuality = 92;  // blocks of 8 pixels do not show at it, and letters keep their edges
+constexpr int kTextureQuality = 92;  // block artefacts are not visible, and text stays sharp
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// A page of a texture as bytes of a file. Pure.
+// Encodes a texture page as JPEG. Pure.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace hermite {
 
-// sRGB, 4:4:4: charts lie side by side in a page, and half of the colour's resolution would carry one's into the other. kInvalidArgument:
-// larger than kMaxImageEdge_px.
+// Encodes sRGB with 4:4:4, because charts are neighbours in a page and chroma subsampling would mix
+// their colours. Returns kInvalidArgument above kMaxImageEdge_px.
 Result<std::string> texture_jpeg(const ColorImage& image);
 
 }  // namespace hermite

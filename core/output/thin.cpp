@@ -28,7 +28,8 @@ Cube cube_of(const Eigen::Vector3f& position_m, double edge_m) {
   return {static_cast<std::int64_t>(cell.x()), static_cast<std::int64_t>(cell.y()), static_cast<std::int64_t>(cell.z())};
 }
 
-// The place of the most confident point of each cube, of the first of several; empty when there are more than `most`.
+// Returns the index of the most confident point of each cube, the first if several are equal; empty
+// when there are more than `most`.
 std::vector<std::size_t> best_of_cubes(const Cloud& cloud, double edge_m, std::size_t most) {
   std::unordered_map<Cube, std::size_t, CubeHash> best;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -45,18 +46,18 @@ std::vector<std::size_t> best_of_cubes(const Cloud& cloud, double edge_m, std::s
 }  // namespace
 
 Cloud thinned(const Cloud& cloud, std::size_t most) {
-  CHECK(most >= 1, "a cloud without a point");
+  CHECK(most >= 1, "thinned() cannot return zero points");
   if (cloud.size() <= most) return cloud;
   double farthest_m = 0;
   for (const CloudPoint& point : cloud) {
-    CHECK(point.position_m.allFinite(), "a position that is not finite");
+    CHECK(point.position_m.allFinite(), "a position is not finite");
     farthest_m = std::max(farthest_m, static_cast<double>(point.position_m.cwiseAbs().maxCoeff()));
   }
-  // Cubes are counted with 64 bits.
+  // Keeps cube indices within 64 bits.
   double edge_m = std::max(kFinestCube_m, farthest_m * 1e-15);
   std::vector<std::size_t> places;
   for (; places.empty() && edge_m <= 4 * farthest_m; edge_m *= kCubeGrowth) places = best_of_cubes(cloud, edge_m, most);
-  if (places.empty()) places = {0};  // around the origin eight cubes are the fewest
+  if (places.empty()) places = {0};  // the cubes around the origin are at least eight
   Cloud thin;
   for (const std::size_t place : places) thin.push_back(cloud[place]);
   return thin;

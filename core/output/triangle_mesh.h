@@ -1,5 +1,5 @@
-// A surface of triangles, for files and viewers. Plain values, in metres, in the world of the scan (the first camera: x right, y down,
-// z forward).
+// A triangle mesh. Plain values in metres, in the world frame of the scan (the first camera: x
+// right, y down, z forward).
 #pragma once
 
 #include <Eigen/Core>
@@ -11,26 +11,27 @@
 
 namespace hermite {
 
-using TriangleCorners = std::array<std::uint32_t, 3>;  // into the vertices; counter-clockwise seen from outside
+using TriangleCorners = std::array<std::uint32_t, 3>;  // vertex indices, counter-clockwise seen from outside
 
-// An image that a run of triangles takes its colour from.
+// An image that textures a range of triangles.
 struct TexturePage {
   ColorImage image;
   std::uint32_t first_triangle = 0, triangle_count = 0;
 };
 
-// Arrays by vertex are of one length. A vertex where the surface has an edge has one normal, a mean; a vertex on the border of two charts
-// of the texture exists once for each.
+// Per-vertex arrays have equal length. A vertex on an edge of the surface has one normal, a mean; a
+// vertex on the border of two texture charts exists once per chart.
 struct TriangleMesh {
   std::vector<Eigen::Vector3f> positions_m;
-  std::vector<Eigen::Vector3f> normals;  // unit, out of the surface, to where it was seen from
+  std::vector<Eigen::Vector3f> normals;  // unit length, out of the surface towards the observer
   std::vector<Rgb8> colors;
   std::vector<TriangleCorners> triangles;
-  // By triangle, 1: nobody has seen it, it was made up across a hole. Empty: there is none.
+  // Per triangle, 1 if it fills a hole and was not observed. Empty if there are none.
   std::vector<std::uint8_t> is_filled;
 
-  // With a texture only: by vertex, (0, 0) is the upper left corner of the image and (1, 1) the lower right one; pages in the order of
-  // their triangles, all triangles in one of them. Without: both empty.
+  // Only with a texture: coordinates per vertex, where (0, 0) is the upper left corner of the image
+  // and (1, 1) the lower right one, and pages in the order of their triangles, which together cover
+  // all triangles. Both are empty otherwise.
   std::vector<Eigen::Vector2f> texture_coordinates;
   std::vector<TexturePage> pages;
 };

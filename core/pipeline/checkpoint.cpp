@@ -15,36 +15,36 @@ namespace {
 
 constexpr std::array<char, 8> kMagic{'H', 'R', 'M', 'C', 'K', 'P', 'T', '1'};
 
-// The shortest that reads back as the same numbers.
-std::string in_words(std::initializer_list<double> values) {
-  std::string words;
+// Writes numbers as the shortest texts that read back as the same numbers.
+std::string condition_text(std::initializer_list<double> values) {
+  std::string joined;
   for (const double value : values) {
     std::array<char, 32> text{};
     char* const end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-    words += (words.empty() ? "" : " ") + std::string(text.data(), end);
+    joined += (joined.empty() ? "" : " ") + std::string(text.data(), end);
   }
-  return words;
+  return joined;
 }
 
-std::string in_words(const Distortion& lens) { return in_words({lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}); }
+std::string condition_text(const Distortion& lens) { return condition_text({lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}); }
 
-std::string in_words(const ColorCamera& color) {
+std::string condition_text(const ColorCamera& color) {
   const Eigen::Quaterniond& q = color.color_from_depth.rotation;
   const Eigen::Vector3d& t = color.color_from_depth.translation;
-  return in_words({color.fx, color.fy, color.cx, color.cy}) + " " + in_words(color.distortion) + " " +
-         in_words({q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()});
+  return condition_text({color.fx, color.fy, color.cx, color.cy}) + " " + condition_text(color.distortion) + " " +
+         condition_text({q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()});
 }
 
-std::string in_words(const Camera& camera) {
+std::string condition_text(const Camera& camera) {
   return std::to_string(camera.width) + "x" + std::to_string(camera.height) + " " +
-         in_words({camera.fx, camera.fy, camera.cx, camera.cy, camera.depth_units_per_metre}) + " " + in_words(camera.distortion) +
-         (camera.color ? " " + in_words(*camera.color) : "") +
+         condition_text({camera.fx, camera.fy, camera.cx, camera.cy, camera.depth_units_per_metre}) + " " +
+         condition_text(camera.distortion) + (camera.color ? " " + condition_text(*camera.color) : "") +
          (camera.depth_correction == DepthCorrection{}
               ? ""
-              : " depth " + in_words({camera.depth_correction.bend, camera.depth_correction.inverse_offset_per_m}));
+              : " depth " + condition_text({camera.depth_correction.bend, camera.depth_correction.inverse_offset_per_m}));
 }
 
-// The note of type NT_GNU_BUILD_ID among those of one segment; empty when it is not there.
+// Returns the content of the note NT_GNU_BUILD_ID of one segment, or an empty string.
 std::string build_id_among(const char* notes, std::size_t size) {
   const auto padded = [](std::size_t bytes) { return (bytes + 3) / 4 * 4; };
   for (std::size_t at = 0; at + sizeof(ElfW(Nhdr)) <= size;) {
@@ -62,7 +62,7 @@ std::string build_id_among(const char* notes, std::size_t size) {
   return {};
 }
 
-// Of the object listed first: the program itself.
+// Takes the build id of the first object listed, which is the program itself.
 int take_build_id(dl_phdr_info* object, std::size_t, void* id) {
   for (std::size_t i = 0; i < object->dlpi_phnum; ++i) {
     const ElfW(Phdr)& segment = object->dlpi_phdr[i];
@@ -85,7 +85,7 @@ Conditions conditions_of(const gpu::DeviceInfo& device, const Camera& camera, co
   Conditions conditions{{"device", device.name},
                         {"driver", device.driver},
                         {"program", program_identity()},
-                        {"camera", in_words(camera)},
+                        {"camera", condition_text(camera)},
                         {"mapping", with_mapping ? "yes" : "no"}};
   for (const Setting& setting : list_settings(options)) conditions.emplace_back(setting.key, setting.value);
   return conditions;
@@ -102,7 +102,7 @@ void write_head(ByteWriter& bytes, const Conditions& conditions) {
 Status read_head(ByteReader& bytes, const Conditions& conditions) {
   std::array<char, 8> magic{};
   bytes.number(magic);
-  if (bytes.ok() && magic != kMagic) return Error{ErrorCode::kUnsupported, "a checkpoint of another format"};
+  if (bytes.ok() && magic != kMagic) return Error{ErrorCode::kUnsupported, "the checkpoint has another format"};
   Conditions found;
   bytes.list(found, [](ByteReader& from, auto& condition) {
     from.text(condition.first);
@@ -111,11 +111,12 @@ Status read_head(ByteReader& bytes, const Conditions& conditions) {
   if (!bytes.ok()) return bytes.status();
   for (std::size_t i = 0; i < std::min(found.size(), conditions.size()); ++i) {
     const auto& [name, value] = conditions[i];
-    if (found[i].first != name) return Error{ErrorCode::kUnsupported, "a checkpoint without " + name};
+    if (found[i].first != name) return Error{ErrorCode::kUnsupported, "the checkpoint lacks " + name};
     if (found[i].second != value)
-      return Error{ErrorCode::kUnsupported, "a checkpoint where " + name + " is '" + found[i].second + "', here it is '" + value + "'"};
+      return Error{ErrorCode::kUnsupported,
+                   "the checkpoint was made where " + name + " is '" + found[i].second + "', but here it is '" + value + "'"};
   }
-  if (found.size() != conditions.size()) return Error{ErrorCode::kUnsupported, "a checkpoint with other settings"};
+  if (found.size() != conditions.size()) return Error{ErrorCode::kUnsupported, "the checkpoint was made with other settings"};
   return Done{};
 }
 

@@ -1,10 +1,11 @@
-// The head of a checkpoint (Pipeline::save): what has to be the same where it is gone on from, in words. Pure functions, but for
-// program_identity().
+// The header of a checkpoint (Pipeline::save): the conditions under which it was written, as text. Pure functions,
+// except program_identity().
 //
 //   "HRMCKPT1", u64 count, then for each condition two texts: its name and its value (core/base/byte_stream.h)
 //
-// and behind it what the pipeline, its front end and its mapping write. There is no checksum: whoever keeps a checkpoint adds one. What is
-// read is checked so far that nothing in it leads out of memory or to a CHECK, whatever it is.
+// The state of the pipeline, its front end and its mapping follows. There is no checksum; whoever stores a checkpoint
+// adds one. Reading validates the content so far that no bytes, whatever they are, lead to an access out of bounds or
+// to a failing CHECK.
 #pragma once
 
 #include <string>
@@ -20,15 +21,16 @@ namespace hermite {
 
 using Conditions = std::vector<std::pair<std::string, std::string>>;  // name, value
 
-// Device and driver, program, camera and every setting.
+// Returns device and driver, program, camera and every setting.
 Conditions conditions_of(const gpu::DeviceInfo& device, const Camera& camera, const Options& options, bool with_mapping);
 
-// What tells this build of the program from every other one: the id that the linker gives it, as hex.
+// Returns the linker's build id as hex, which distinguishes this build of the program from every other one.
 std::string program_identity();
 
 void write_head(ByteWriter& bytes, const Conditions& conditions);
 
-// kCorruptData: no head. kUnsupported: of another format or under other conditions, naming the first that differs.
+// Returns kCorruptData when there is no header, and kUnsupported for another format or other conditions, naming the
+// first one that differs.
 Status read_head(ByteReader& bytes, const Conditions& conditions);
 
 }  // namespace hermite

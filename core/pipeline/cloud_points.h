@@ -1,4 +1,5 @@
-// Surfels as points of a cloud and back. Inside, normals point away from the camera; outside, everybody expects them towards it.
+// Conversion between surfels and cloud points. Surfel normals point away from the camera; the normals of clouds point
+// towards it, as other programs expect.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@ namespace hermite {
 
 CloudPoint to_cloud_point(const Surfel& surfel, const Rigid3& target_from_submap);
 
-// Of submap 0, as if first seen in that frame.
+// Returns a surfel of submap 0, as if first seen in that frame.
 Surfel to_surfel(const CloudPoint& point, std::uint32_t frame_number);
 
 }  // namespace hermite

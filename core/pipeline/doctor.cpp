@@ -30,7 +30,7 @@ void describe(const gpu::DeviceCheck& check, DeviceReport& report) {
   double compile_ms = 0;
   for (const gpu::DeviceCheck::Compiled& kernel : check.kernels) compile_ms += kernel.compile_ms;
   report.facts.push_back(std::to_string(check.kernels.size()) + " shaders compiled in " + rounded(compile_ms / 1000) + " s");
-  report.facts.push_back(std::string("time stamps: ") + (check.has_timestamps ? "yes" : "no: times per pass will be missing"));
+  report.facts.push_back(std::string("timestamps: ") + (check.has_timestamps ? "yes" : "no: times per pass will be missing"));
   report.problems.insert(report.problems.end(), check.problems.begin(), check.problems.end());
 }
 

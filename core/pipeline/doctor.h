@@ -1,4 +1,4 @@
-// Is the GPU fit for scanning? What `hermite doctor` says about it, in words for a person.
+// Checks whether the GPU is suitable for scanning, for `hermite doctor`; the report is text for people.
 #pragma once
 
 #include <string>
@@ -9,16 +9,16 @@
 namespace hermite {
 
 struct DeviceReport {
-  std::vector<std::string> facts;     // lines
-  std::vector<std::string> problems;  // lines; empty when scans can run
+  std::vector<std::string> facts;     // one line each
+  std::vector<std::string> problems;  // one line each; empty when scans can run
 };
 
-// Lists the devices, opens the one that `device` selects (as for Pipeline), compiles every shader and copies some memory: a few seconds.
-// Never throws: what is wrong is a problem. Any thread.
+// Lists the devices, opens the one that `device` selects (as for Pipeline), compiles every shader and copies some
+// memory, which takes a few seconds. Never throws: failures become problems. Any thread.
 DeviceReport examine_device(const std::string& device);
 
-// Opens the device that scans would use, and closes it: its name. Some milliseconds, more where a driver has to start. kDevice in words.
-// Any thread.
+// Opens the device that scans would use, closes it and returns its name. Takes some milliseconds, more if a driver has
+// to start. Returns kDevice when it cannot be opened. Any thread.
 Result<std::string> open_device(const std::string& device);
 
 }  // namespace hermite

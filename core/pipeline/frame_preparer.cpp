@@ -13,7 +13,7 @@ Status FramePreparer::check(const RgbdFrame& frame) const {
   if (fits(frame.depth.width, frame.depth.height) && fits(frame.color.width, frame.color.height)) return Done{};
   const auto size = [](int width, int height) { return std::to_string(width) + "x" + std::to_string(height); };
   return Error{ErrorCode::kInvalidArgument, "the frame is " + size(frame.depth.width, frame.depth.height) + " depth and " +
-                                                size(frame.color.width, frame.color.height) + " colour, the camera " +
+                                                size(frame.color.width, frame.color.height) + " colour, but the camera is " +
                                                 size(camera_.width, camera_.height)};
 }
 

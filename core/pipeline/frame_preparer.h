@@ -1,4 +1,4 @@
-// What is done with a frame before its turn on the device, for one camera. Const functions are thread-safe.
+// Preparation of frames for one camera before the GPU processes them. Const functions are thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -14,29 +14,29 @@ namespace hermite {
 
 class FramePreparer {
  public:
-  // `number` tells the cameras of one pipeline apart.
+  // `number` identifies the camera within one pipeline.
   FramePreparer(const Camera& camera, const Options& options, std::uint32_t number);
 
   const Camera& camera() const { return camera_; }
   std::uint32_t number() const { return number_; }
 
-  // kInvalidArgument: of another size than the camera's.
+  // Returns kInvalidArgument when the frame has another size than the camera.
   Status check(const RgbdFrame& frame) const;
 
-  // Straightened and registered, with what can be seen in it. The frame has the camera's size.
+  // Rectifies and registers the frame and detects its features. The frame has the camera's size.
   PreparedFrame prepare(RgbdFrame frame) const;
 
-  // One that was prepared for another camera.
+  // Prepares a frame again that was prepared for another camera.
   PreparedFrame prepare_again(const PreparedFrame& prepared) const;
 
-  // That shows nothing.
+  // Returns a prepared frame without any content.
   PreparedFrame empty(double timestamp_s) const;
 
  private:
   const Camera camera_;
   const Options options_;
   const std::uint32_t number_;
-  const std::optional<Rectifier> rectifier_;  // when frames do not arrive straight and registered
+  const std::optional<Rectifier> rectifier_;  // set when frames do not arrive rectified and registered
 };
 
 }  // namespace hermite

@@ -11,10 +11,11 @@ namespace hermite {
 
 namespace {
 
-// A map that is full is asked again after so many frames: to find out takes time like copying it.
+// After the map was full, memory is requested again only after this many frames, because that takes as long as copying
+// the map.
 constexpr std::uint32_t kFullFrames = 8;
 
-// A lost camera may also have turned away by a third of a usual field of view to all sides.
+// Adds rotations by up to a third of a usual field of view in all directions, for a camera that is lost.
 std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
   for (const double pitch_deg : {-12.0, 0.0, 12.0})
     for (const double yaw_deg : {-18.0, -9.0, 0.0, 9.0, 18.0})
@@ -22,22 +23,23 @@ std::vector<Rigid3> with_turns(std::vector<Rigid3> guesses) {
   return guesses;
 }
 
-// The map of an object begins when so many corners are seen to move together: enough for a motion.
+// The map of an object starts once this many corners move together, which is enough to determine a motion.
 constexpr std::size_t kLeastObjectCorners = 20;
 
-// So many corners tell, if most of them are off by this, in pixels of the image, and by this share of their way.
+// The minimum number of corners for a contradiction. Most of them must be off by both this many pixels of the image and
+// this share of their displacement.
 constexpr std::size_t kTellingCorners = 30;
 constexpr double kClearly_px = 10, kMostOfTheWay = 0.75;
 
-// Half a percent of the view can turn a camera that sees little else to hold on to.
-bool is_worth_another_look(const CoarseMask& expected, const CoarseMask& moving) {
+// Half a percent of the view can rotate the result if the rest constrains it poorly.
+bool needs_realignment(const CoarseMask& expected, const CoarseMask& moving) {
   std::size_t unexpected = 0;
   for (std::size_t i = 0; i < moving.size(); ++i) unexpected += moving[i] != 0 && expected[i] == 0 ? 1 : 0;
   return 200 * unexpected > moving.size();
 }
 
-// What is followed through the pictures has gone another way than the camera is said to: by nearly all that they moved. Shutters,
-// and pictures that come late, make up to half of it.
+// Returns whether most followed corners contradict the camera's motion: they are off by nearly their whole
+// displacement. Rolling shutters and delayed colour images cause up to half of it.
 bool is_contradicted(const std::vector<FollowedCorner>& corners, const Camera& camera, const Rigid3& last_from_frame) {
   if (corners.size() < kTellingCorners) return false;
   const Rigid3 frame_from_last = inverse(last_from_frame);
@@ -51,7 +53,7 @@ bool is_contradicted(const std::vector<FollowedCorner>& corners, const Camera& c
   return 2 * against > corners.size();
 }
 
-// A corner that moves is one of its surroundings.
+// Returns whether the pixel is near a moving corner.
 bool is_near_what_moves(const std::vector<SeenCorner>& corners, const Eigen::Vector2d& pixel) {
   constexpr double kSurroundings_px = 16;
   return std::any_of(corners.begin(), corners.end(), [&pixel](const SeenCorner& corner) {
@@ -76,7 +78,7 @@ FrontEnd::FrontEnd(const std::string& device_choice, const Camera& camera, const
       predictor_(device, preprocessor_.maps().camera(), options.map),
       store(device, max_slots()) {}
 
-// As many as the memory that may be used has room for, beside all that does not grow.
+// Returns the number of surfels for which the allowed memory has room, besides all allocations of fixed size.
 std::uint32_t FrontEnd::max_slots() const {
   if (options_.map.gpu_memory_mb == 0) return kMaxStoreSlots;
   constexpr std::int64_t kMegabyte = 1'000'000;
@@ -91,8 +93,9 @@ std::uint32_t FrontEnd::max_slots() const {
   return static_cast<std::uint32_t>(std::min<std::int64_t>(slots, kMaxStoreSlots));
 }
 
-// These submaps are on the device, and there is room for another frame: if need be others wait on the host. No: they are too many.
-bool FrontEnd::bring(const SubmapSet& needed, const MapLayout& layout) {
+// Ensures that these submaps are on the device with room for another frame, by moving others to the host. Returns false
+// if they are too many.
+bool FrontEnd::ensure_on_device(const SubmapSet& needed, const MapLayout& layout) {
   bool is_there = store.has_room_for(fuser_.new_slots_bound());
   for (std::uint32_t submap = 0; submap < needed.size(); ++submap) is_there = is_there && (!needed[submap] || store.is_on_device(submap));
   if (is_there) return true;
@@ -107,13 +110,15 @@ void FrontEnd::preprocess(const PreparedFrame& frame, std::int64_t frame_index) 
   preprocessor_.run(commands, frame.frame, frame_index);
 }
 
-// From the corners that were followed; where there are few, from the pictures as they are.
+// Returns the rotation since the last frame, from the followed corners, or from direct image alignment if there are too
+// few.
 Eigen::Quaterniond FrontEnd::turn_since_last(const std::optional<FeatureMotion>& followed) {
   if (followed) return followed->earlier_from_frame.rotation;
   return options_.track.rotation_prealignment ? odometry_.align_rotation(preprocessor_.maps()).conjugate() : Eigen::Quaterniond::Identity();
 }
 
-// Where the camera may be, seen from where it was: where corners say, or turned as the pictures say; or moving on as before.
+// Returns initial guesses of reference_from_camera: from the corners or the image rotation, and the last motion
+// continued.
 std::vector<Rigid3> FrontEnd::guesses(const Rigid3& turned, const Rigid3& last_motion, const FeatureMotion* corners) const {
   std::vector<Rigid3> result{corners ? corners->earlier_from_frame : turned};
   if (options_.track.constant_velocity) {
@@ -170,7 +175,7 @@ PoseUncertainty FrontEnd::uncertainty_at(const Rigid3& world_from_camera, const 
                             {layout.world_from_submap, layout.is_active, layout.current, layout.closure_count});
 }
 
-// What was learned of the lens, for the frames to come.
+// Applies the learned lens shading to the following frames.
 void FrontEnd::use_shading() {
   const shared::Intrinsics whole = intrinsics_of(camera_);
   std::vector<float> darkening;
@@ -179,15 +184,16 @@ void FrontEnd::use_shading() {
   preprocessor_.set_shading(std::move(darkening));
 }
 
-// Of the frame preprocessed last.
+// Masks pixels of the last preprocessed frame.
 void FrontEnd::hide(const CoarseMask& mask) {
   if (std::find(mask.begin(), mask.end(), 1u) == mask.end()) return;
   preprocessor_.mask(commands, mask);
   commands.submit_and_wait();
 }
 
-// All but the object. What moves is told in the frame of the room, which corners that rest are followed in.
-CoarseMask FrontEnd::beside_object(const CornerVerdict& seen) {
+// Returns the mask of everything but the object. Its motion is detected in the frame of the room, in which resting
+// corners are followed.
+CoarseMask FrontEnd::background_of_object(const CornerVerdict& seen) {
   CoarseMask object = regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
   if (seen.last_from_frame) room_from_camera_ = room_from_camera_ * *seen.last_from_frame;
   if (seen.last_from_frame && seen.moves_now) object = moving_.contradicted(view_, room_from_camera_, object);
@@ -201,12 +207,12 @@ bool FrontEnd::waits_for_object(const CornerVerdict& seen) const {
   return options_.track.object && frame_number == 0 && seen.moving.size() < kLeastObjectCorners;
 }
 
-// Of the frame preprocessed last, before its pose is known.
+// Returns the mask of the last preprocessed frame before its pose is known.
 CoarseMask FrontEnd::hidden_by_corners(const CornerVerdict& seen) {
-  return options_.track.object ? beside_object(seen) : regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
+  return options_.track.object ? background_of_object(seen) : regions_of_corners(view_, surfaces_of(view_), seen.corners, camera_.width);
 }
 
-// The frame against the prediction, and what moves in it, which is masked in the end.
+// Aligns the frame with the prediction and masks its moving regions.
 OdometryResult FrontEnd::align(const std::vector<Rigid3>& starts, const FeatureMotion* corners, const CoarseMask& hidden,
                                const Rigid3& world_from_reference, int lost_count) {
   CoarseMask expected = options_.track.object ? hidden : moving_.expected(view_);
@@ -220,10 +226,11 @@ OdometryResult FrontEnd::align(const std::vector<Rigid3>& starts, const FeatureM
   if (!is_found()) found = odometry_.search(maps, reference, with_turns(starts));
   if (options_.track.object) {
     moving_mask_ = hidden;
-  } else if (is_found()) {  // a frame that shows another place is not to be believed for what is left of it
-    // What moves is told by the pose, and the pose by what rests: once more where much is found to move that was not expected to.
+  } else if (is_found()) {  // if the frame shows another place, the remainder must not be trusted
+    // Moving regions follow from the pose, and the pose from the static rest: align once more if many unexpected pixels
+    // move.
     moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, hidden);
-    if (is_worth_another_look(expected, moving_mask_)) {
+    if (needs_realignment(expected, moving_mask_)) {
       hide(moving_mask_);
       found = odometry_.track(maps, reference, std::array{found.reference_from_camera}, corners);
       moving_mask_ = moving_.contradicted(view_, world_from_reference * found.reference_from_camera, hidden);
@@ -243,7 +250,7 @@ Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& featu
   if (waits_for_object(seen)) {
     hide(moving_mask_);
     remember_corners(features, depth);
-    return {{}, {TrackingStatus::kLost, "waiting: nothing turns or is moved before the camera yet"}};
+    return {{}, {TrackingStatus::kLost, "waiting: no object moves in front of the camera yet"}};
   }
   const CoarseMask hidden = hidden_by_corners(seen);
   if (frame_number == 0) {
@@ -277,7 +284,7 @@ Motion FrontEnd::track(const FrameContent& content, const PictureFeatures& featu
 }
 
 // Records the prediction of these submaps alone.
-void FrontEnd::show(const Rigid3& world_from_camera, const SubmapSet& submaps) {
+void FrontEnd::predict_from(const Rigid3& world_from_camera, const SubmapSet& submaps) {
   const FrameMaps& maps = preprocessor_.maps();
   store.set_camera(world_from_camera, submaps);
   visible_.list(commands, store, maps.camera(), frame_number);
@@ -290,8 +297,8 @@ std::optional<LoopVerification> FrontEnd::verify(const LoopCandidate& candidate,
   store.set_submaps(layout.world_from_submap);
   SubmapSet submaps = candidate.submaps;
   submaps.resize(layout.world_from_submap.size(), false);
-  if (!bring(submaps, layout)) return std::nullopt;  // there is no memory for the candidate beside what is active
-  show(candidate.world_from_camera, submaps);
+  if (!ensure_on_device(submaps, layout)) return std::nullopt;  // no memory for the candidate besides the active submaps
+  predict_from(candidate.world_from_camera, submaps);
   commands.submit_and_wait();
   const std::vector<Rigid3> start{Rigid3{}};
   const OdometryResult found = odometry_.search(preprocessor_.maps(), predictor_.surface(), start);
@@ -299,14 +306,15 @@ std::optional<LoopVerification> FrontEnd::verify(const LoopCandidate& candidate,
   return LoopVerification{candidate.world_from_camera * found.reference_from_camera, found.agreement.overlap};
 }
 
-// The active submaps are on the device, with memory for what a frame may add to the current one.
+// Ensures that the active submaps are on the device, with memory for the surfels that a frame may add to the current
+// one.
 bool FrontEnd::make_room(const MapLayout& layout) {
   if (layout.current != submap_) store.begin_block();
   if (store.is_sparse()) store.compact(frame_number);
-  if (!bring(layout.is_active, layout) || !store.has_room_for(fuser_.new_slots_bound())) return false;
+  if (!ensure_on_device(layout.is_active, layout) || !store.has_room_for(fuser_.new_slots_bound())) return false;
   try {
     store.reserve(fuser_.new_slots_bound());
-  } catch (const gpu::DeviceError&) {  // there is less than was thought; a device that is lost says so again
+  } catch (const gpu::DeviceError&) {  // less memory than assumed; a lost device reports its error again
     return false;
   }
   submap_ = layout.current;
@@ -320,7 +328,7 @@ bool FrontEnd::has_room(const MapLayout& layout) {
   return made;
 }
 
-bool FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, const PictureUse& picture) {
+bool FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, const ColorUse& color) {
   const FrameMaps& maps = preprocessor_.maps();
   ++frame_number;
   const bool add_new = has_room(layout);
@@ -329,24 +337,24 @@ bool FrontEnd::fuse(const Rigid3& world_from_camera, const MapLayout& layout, co
   visible_.list(commands, store, maps.camera(), frame_number);
   index_.build(commands, store, maps.camera(), 0);
   index_.describe(commands, store, maps.camera());
-  fuser_.fuse(commands, maps, store, index_, {frame_number, picture.is_good, submap_, add_new, picture.brightness});
+  fuser_.fuse(commands, maps, store, index_, {frame_number, color.is_good, submap_, add_new, color.brightness});
   return add_new;
 }
 
-void FrontEnd::clean_and_predict(const PictureUse& picture) {
+void FrontEnd::clean_and_predict(const ColorUse& color) {
   const FrameMaps& maps = preprocessor_.maps();
   visible_.list(commands, store, maps.camera(), frame_number);
   index_.build(commands, store, maps.camera(), options_.map.stable_confidence);
-  fuser_.clean(commands, maps, store, index_, {frame_number, picture.is_good, submap_});
-  predictor_.run(commands, store, index_, maps, picture.is_good ? FillIn::kSurfaceAndColor : FillIn::kSurface, picture.brightness);
+  fuser_.clean(commands, maps, store, index_, {frame_number, color.is_good, submap_});
+  predictor_.run(commands, store, index_, maps, color.is_good ? FillIn::kSurfaceAndColor : FillIn::kSurface, color.brightness);
   downsample(commands, preprocessor_.downsample_kernel(), predictor_.surface(), 0.5 * options_.frame.depth_gate_m);
   odometry_.remember(commands, maps);
 }
 
 void FrontEnd::predict(const Rigid3& world_from_camera, const MapLayout& layout) {
   store.set_submaps(layout.world_from_submap);
-  bring(layout.is_active, layout);  // what does not fit is not shown
-  show(world_from_camera, layout.is_active);
+  ensure_on_device(layout.is_active, layout);  // submaps that do not fit are not predicted
+  predict_from(world_from_camera, layout.is_active);
 }
 
 void FrontEnd::save(ByteWriter& bytes) const {
@@ -384,7 +392,7 @@ void FrontEnd::restore(ByteReader& bytes) {
   certainty_.restore(bytes);
   use_shading();
   store.restore(bytes);
-  bytes.require(submap_ < store.world_from_submap().size(), "the submap of new surfels");
+  bytes.require(submap_ < store.world_from_submap().size(), "the submap of new surfels is out of range");
 }
 
 }  // namespace hermite

@@ -1,6 +1,7 @@
-// The part of a scan that runs on the GPU: frames are tracked against the surface that the map predicts, and fused into it.
+// The GPU part of a scan: frames are tracked against the surface that the map predicts, and fused into it.
 //
-// Every function blocks until the GPU is done, unless it says that it records. One thread at a time: the device's.
+// Every function blocks until the GPU is done, except those that only record commands. One thread at a time, the
+// device's.
 #pragma once
 
 #include <optional>
@@ -29,8 +30,8 @@
 
 namespace hermite {
 
-// What of a frame's picture goes into the map.
-struct PictureUse {
+// How a frame's colour image is used in the map.
+struct ColorUse {
   bool is_good = true;
   Brightness brightness;
 };
@@ -44,54 +45,57 @@ class FrontEnd {
  public:
   FrontEnd(const std::string& device, const Camera& camera, const Options& options, Timeline* timeline);
 
-  // Records.
+  // Records only.
   void preprocess(const PreparedFrame& frame, std::int64_t frame_index);
 
-  // The frame preprocessed last, whose picture has these features, against the prediction; reference_from_camera is relative to where that
-  // is seen from, which is `world_from_reference`. `lost_count`: frames lost just before this one. What moves in the frame is masked from
-  // here on.
+  // Tracks the last preprocessed frame, whose colour image has these features, against the prediction. The resulting
+  // reference_from_camera is relative to the pose of the prediction, `world_from_reference`. `lost_count` is the number
+  // of frames lost just before this one. Moving regions of the frame are masked from here on.
   Motion track(const FrameContent& content, const PictureFeatures& features, const DepthImage& depth, const Rigid3& world_from_reference,
                const Rigid3& last_motion, int lost_count);
 
-  // What moves in the frame tracked last, by coarse pixel, and how much of its surface that is.
+  // The moving regions of the last tracked frame, per coarse pixel, and its coarse surface.
   const CoarseMask& moving() const { return moving_mask_; }
   const CoarseView& coarse_view() const { return view_; }
 
-  // The frame tracked last is where it is: later ones are compared with it to tell what moves, and its corners are followed. Lost frames,
-  // and corrections of the map, leave nothing to compare with; a camera that is found elsewhere, no corners either.
+  // Keeps the last tracked frame, at this pose, as the reference for detecting motion and for following corners. After
+  // a lost frame or a correction of the map forget_views() drops it; after relocalisation, forget_corners() too.
   void remember_view(const Rigid3& world_from_camera, const Rigid3& reference_from_camera, const PreparedFrame& frame);
   void forget_views();
   void forget_corners() { corner_points_.forget(); }
 
-  // How well it is known where the frame tracked last is, on the map as it lies in `layout`. Once for each frame that is not lost.
+  // Returns the uncertainty of the last tracked frame's pose in `layout`. Call it once for each frame that is not lost.
   PoseUncertainty uncertainty_at(const Rigid3& world_from_camera, const OdometryResult& step, const MapLayout& layout);
   CalibrationDoubt calibration_doubt() const { return certainty_.calibration(); }
 
-  // The camera fits what it has seen, up to these deviations of its bend and its focal length; or it does not, by so much.
+  // Report that the camera's calibration fits its views, with these standard deviations of depth bend and focal length,
+  // or that it is off by this much.
   void camera_fits(double bend_deviation, double focal_deviation) { certainty_.camera_fits(bend_deviation, focal_deviation); }
   void camera_is_off(double bend, double focal) { certainty_.camera_is_off(bend, focal); }
 
-  // What follows belongs to a new component of the map.
+  // The following frames belong to a new component of the map.
   void begin_component() { certainty_.begin_component(); }
 
-  // Whether the frame shows enough surface to begin a map, or a component of one.
+  // Returns whether the frame shows enough surface to start a map or a component.
   Judgement judge_start(const FrameContent& content);
 
-  // Aligns the frame preprocessed last with the surface of the candidate's submaps: nothing where they do not fit. Replaces the prediction.
+  // Aligns the last preprocessed frame with the surface of the candidate's submaps; nullopt if they do not fit.
+  // Replaces the prediction.
   std::optional<LoopVerification> verify(const LoopCandidate& candidate, const MapLayout& layout);
 
-  // Records: the frame preprocessed last, seen from `world_from_camera`, is fused into the active submaps, what is new into the current
-  // one. No: the map is full, and nothing new was added.
-  bool fuse(const Rigid3& world_from_camera, const MapLayout& layout, const PictureUse& picture);
+  // Records the fusion of the last preprocessed frame, at `world_from_camera`, into the active submaps; new surfels go
+  // to the current one. Returns false if the map is full and no surfels were added.
+  bool fuse(const Rigid3& world_from_camera, const MapLayout& layout, const ColorUse& color);
 
-  // Records: the surface as seen from where fuse() was last, and what goes on there between frames: cleaning.
-  void clean_and_predict(const PictureUse& picture);
+  // Records the cleaning of the map and the prediction of its surface at the pose of the last fuse().
+  void clean_and_predict(const ColorUse& color);
 
-  // Records: the surface of the active submaps as seen from `world_from_camera`, for a camera that is lost there.
+  // Records the prediction of the active submaps at `world_from_camera`, against which a lost camera is tracked.
   void predict(const Rigid3& world_from_camera, const MapLayout& layout);
 
-  // What goes from one frame to the next, after submit_and_wait(): the map, the prediction and the last picture. restore() is of a front
-  // end that has seen no frame; after a failure of the reader, or a throw of the store, it is of no use any more.
+  // Saves the state between frames, after submit_and_wait(): map, prediction and last colour image. restore() needs a
+  // front end that has seen no frame; after a failure of the reader or an exception of the store, the object must not
+  // be used.
   void save(ByteWriter& bytes) const;
   void restore(ByteReader& bytes);
 
@@ -100,12 +104,12 @@ class FrontEnd {
 
  private:
   std::uint32_t max_slots() const;
-  bool bring(const SubmapSet& needed, const MapLayout& layout);
+  bool ensure_on_device(const SubmapSet& needed, const MapLayout& layout);
   bool has_room(const MapLayout& layout);
   bool make_room(const MapLayout& layout);
   Eigen::Quaterniond turn_since_last(const std::optional<FeatureMotion>& followed);
   std::vector<Rigid3> guesses(const Rigid3& turned, const Rigid3& last_motion, const FeatureMotion* corners) const;
-  CoarseMask beside_object(const CornerVerdict& seen);
+  CoarseMask background_of_object(const CornerVerdict& seen);
   bool is_in(const CoarseMask& mask, const Eigen::Vector2d& pixel) const;
   bool waits_for_object(const CornerVerdict& seen) const;
   CoarseMask hidden_by_corners(const CornerVerdict& seen);
@@ -114,35 +118,35 @@ class FrontEnd {
   void remember_corners(const PictureFeatures& features, const DepthImage& depth);
   void use_shading();
   void hide(const CoarseMask& mask);
-  void show(const Rigid3& world_from_camera, const SubmapSet& submaps);
+  void predict_from(const Rigid3& world_from_camera, const SubmapSet& submaps);
 
   const Options options_;
   const Camera camera_;
-  SensorNoise noise_;  // of the frames so far
+  SensorNoise noise_;  // estimated from the frames so far
   Preprocessor preprocessor_;
   Odometry odometry_;
-  PictureFeatures last_features_;  // of the last frame that was tracked
-  CornerTracks corner_tracks_;     // up to that
-  CornerPoints corner_points_;     // of the same frame
+  PictureFeatures last_features_;  // of the last tracked frame
+  CornerTracks corner_tracks_;     // up to the last tracked frame
+  CornerPoints corner_points_;     // of the last tracked frame
   MovingRegions moving_;
-  EarlierView earlier_;  // that the lens is learned by: as measured
+  EarlierView earlier_;  // as measured, before shading is corrected; lens shading is learned from it
   LensShading shading_;
-  Rigid3 room_from_camera_;  // when an object is scanned: since it was last seen anew
+  Rigid3 room_from_camera_;  // for scans of an object: camera pose since the object was last seen anew
   MapCertainty certainty_;
-  CoarseView view_;         // of the frame preprocessed last
-  CoarseMask moving_mask_;  // of the same
+  CoarseView view_;         // of the last preprocessed frame
+  CoarseMask moving_mask_;  // of the same frame
   VisibleBlocks visible_;
   IndexMap index_;
   Fuser fuser_;
   Predictor predictor_;
 
  public:
-  SurfelStore store;               // the last to be made: it may take what the others leave
-  std::uint32_t frame_number = 0;  // of the map: frames fused so far, the first is 1
+  SurfelStore store;               // constructed last, because it may take the memory that the others leave
+  std::uint32_t frame_number = 0;  // frames fused so far; the first is 1
 
  private:
-  std::uint32_t submap_ = 0;            // of the new surfels that came last
-  std::uint32_t full_until_frame_ = 0;  // of the map: before that one nobody asks again whether there is room
+  std::uint32_t submap_ = 0;            // submap of the latest new surfels
+  std::uint32_t full_until_frame_ = 0;  // frame number before which no memory is requested again
 };
 
 }  // namespace hermite

@@ -1,4 +1,4 @@
-// Settings of the reconstruction. One set of defaults for every sequence.
+// Settings of the reconstruction. All sequences use the same defaults.
 #pragma once
 
 #include <string>
@@ -17,10 +17,10 @@ struct Options {
   TrackOptions track;
   MapOptions map;
   AdjustOptions adjust;
-  bool output_unstable = false;  // export surfels that are not stable too
+  bool output_unstable = false;  // also export surfels that are not stable
 };
 
-// Of the surfels that cloud() has.
+// Returns the least confidence of the surfels in cloud().
 double least_output_confidence(const Options& options);
 
 // One row of `--help`, of report.json's "settings" and of the protocol's settings map.
@@ -31,7 +31,7 @@ struct Setting {
 };
 std::vector<Setting> list_settings(const Options& options);
 
-// kInvalidArgument, naming key and range.
+// Returns kInvalidArgument or kNotFound, naming the key and the range.
 Status apply_setting(Options& options, const std::string& key, const std::string& value);
 
 }  // namespace hermite

@@ -22,10 +22,11 @@ const Camera& checked(const Camera& camera) {
   return camera;
 }
 
-// The one given, and what it is corrected to. Found once with 12 or 16 views, what is left is seen in as many of the corrected ones.
+// The given camera and its corrections. A correction is found with 12 or 16 views; the remaining error shows in as many
+// views of the corrected camera.
 constexpr std::uint32_t kMostCameras = 3;
 
-constexpr std::size_t kFramesAhead = 4;  // while all are worked through again
+constexpr std::size_t kFramesAhead = 4;  // during reprocessing
 
 std::string correction_words(const Camera& given, const Camera& corrected) {
   const auto by = [](const char* what, double share) {
@@ -90,12 +91,12 @@ struct Pipeline::Impl {
   std::unique_ptr<Reconstruction> reconstruction;
   std::uint32_t changes_since = 0;
   std::vector<bool> published;  // by slot: take_changes() has reported it alive
-  bool is_map_new = false;      // since the last take_changes(): of some of these slots nothing is said any more
+  bool is_map_new = false;      // since the last take_changes(): some published slots may not exist any more
 };
 
-// All that follows is of this camera, and of a map without anything in it.
+// Starts over with this camera and an empty map.
 void Pipeline::Impl::begin_with(const Camera& camera) {
-  reconstruction.reset();  // its memory first
+  reconstruction.reset();  // frees its memory first
   const bool is_watched = back_end.camera_watch && options.frame.correct_camera && !takes_camera_as_it_is;
   reconstruction = std::make_unique<Reconstruction>(device, camera, options, back_end.mapping ? back_end.mapping(camera) : nullptr,
                                                     is_watched ? back_end.camera_watch(camera) : nullptr, timeline);
@@ -117,7 +118,8 @@ FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
   return follow(*check).value_or(std::move(result));
 }
 
-// The camera is corrected and nothing is left of the map: the frames to make it anew from. None: the camera stays as it is, and is doubted.
+// Starts over with the corrected camera and returns access to the past frames. Returns an empty function if the camera
+// stays as it is; its calibration is then in doubt.
 PastFrames Pipeline::Impl::correct_camera(const CameraCheck& check) {
   const Camera better = corrected(current_preparer()->camera(), check);
   PastFrames past_frames;
@@ -130,7 +132,7 @@ PastFrames Pipeline::Impl::correct_camera(const CameraCheck& check) {
   return past_frames;
 }
 
-// What is to be done after such an answer. The result of the last frame, if it is another one now.
+// Acts on a result of the camera watch. Returns the new result of the last frame if it was reprocessed.
 std::optional<FrameResult> Pipeline::Impl::follow(const CameraCheck& check) {
   if (check.verdict == CameraVerdict::kFits) reconstruction->front_end.camera_fits(kFittingBend, kFittingFocal);
   if (check.verdict != CameraVerdict::kIsOff) return std::nullopt;
@@ -143,7 +145,8 @@ std::optional<FrameResult> Pipeline::Impl::follow(const CameraCheck& check) {
   return result;
 }
 
-// The frames of these times, with the camera as it is now, or as it turns out to be meanwhile. The result of the last.
+// Reprocesses the frames with these timestamps, correcting the camera again if needed. Returns the result of the last
+// frame.
 FrameResult Pipeline::Impl::reprocess(const Trajectory& given, PastFrames past_frames) {
   FrameResult result;
   while (past_frames) {
@@ -180,7 +183,7 @@ void Pipeline::Impl::change_fields(Bytes& bytes, Saved& saved) {
   bytes.flag(saved.is_map_new);
 }
 
-// Slots of the map before that the new one does not have: those that are not among its changes, which are all of it.
+// Reports slots of the previous map that the new map lacks. `changes` holds all slots of the new map.
 void Pipeline::Impl::report_slots_left(std::vector<SlotChange>& changes) {
   std::vector<bool> is_told(published.size(), false);
   for (const SlotChange& change : changes) is_told[change.slot] = true;
@@ -198,7 +201,7 @@ Status Pipeline::Impl::restore(ByteReader& bytes) {
   Camera camera = given_camera;
   bytes.number(saved_camera_count);
   camera_fields(bytes, camera);
-  bytes.require(saved_camera_count >= 1 && saved_camera_count <= kMostCameras && validate(camera).ok(), "the camera");
+  bytes.require(saved_camera_count >= 1 && saved_camera_count <= kMostCameras && validate(camera).ok(), "the camera is invalid");
   if (!bytes.ok()) return bytes.status();
   if (saved_camera_count > 1) {
     camera_count = saved_camera_count - 1;
@@ -206,7 +209,7 @@ Status Pipeline::Impl::restore(ByteReader& bytes) {
   }
   change_fields(bytes, *this);
   reconstruction->restore(bytes);
-  bytes.require(bytes.at_end(), "more than a checkpoint");
+  bytes.require(bytes.at_end(), "there are bytes after the checkpoint");
   return bytes.status();
 }
 
@@ -271,7 +274,7 @@ Result<std::string> Pipeline::save() const {
 }
 
 Status Pipeline::restore(std::string_view bytes) {
-  CHECK(impl_->reconstruction->trajectory.empty(), "a pipeline that has seen frames cannot go on from others");
+  CHECK(impl_->reconstruction->trajectory.empty(), "restore() was called on a pipeline that has seen frames");
   try {
     ByteReader reader(bytes);
     const Status restored = impl_->restore(reader);

@@ -1,7 +1,8 @@
-// HRBF-Fusion for one scan: frames in, poses and a surfel model out. See `process` in pipeline.cpp for the method in one sentence.
+// HRBF-Fusion for one scan: it takes frames and gives poses and a surfel model. See `process` in pipeline.cpp for the
+// method in one sentence.
 //
-// A pipeline belongs to one thread at a time, but for prepare(). Same frames, options and device: the same poses and cloud, bit for bit.
-// The world is the first tracked frame's camera.
+// A pipeline belongs to one thread at a time, except prepare(). The same frames, options and device give the same poses
+// and cloud, bit for bit. The world frame is the camera frame of the first tracked frame.
 #pragma once
 
 #include <cstdint>
@@ -25,113 +26,121 @@
 
 namespace hermite {
 
-// One observation straight from the front. Of a furnished room with a Kinect's noise, meshes of surfels from here on reach 95.8 % of what
-// was seen within 10 mm, with a mean error of 1.84 mm; of stable ones only (3) 87.2 % and 1.61; of all 97.4 % and 1.97.
+// The confidence of one frontal observation. In a furnished room with a Kinect's noise, meshes of surfels with at least
+// this confidence cover 95.8 % of the observed surface within 10 mm, with a mean error of 1.84 mm; of stable ones only
+// (3), 87.2 % and 1.61; of all, 97.4 % and 1.97.
 inline constexpr float kMeshedConfidence = 1;
 
 struct SubmapPose {
   std::uint32_t submap = 0;
   Rigid3 world_from_submap;
-  std::uint32_t component = 0;  // see MapLayout; the pose relative to submaps of other components says nothing
+  std::uint32_t component = 0;  // see MapLayout; poses are not comparable across components
 };
 
 struct PipelineStatistics {
   std::int64_t frame_count = 0;
-  std::int64_t tracked_frame_count = 0;  // weakly tracked ones included
+  std::int64_t tracked_frame_count = 0;  // includes weakly tracked frames
   std::int64_t weak_frame_count = 0;
   double position_sigma_m = 0, rotation_sigma_rad = 0;  // of the last tracked frame
-  std::string calibration_doubt;                        // in words; empty: the camera fits what it has seen
-  std::string camera_correction;                        // in words; empty: the camera is taken as it was given
-  std::optional<Camera> corrected_camera;               // when it is not
+  std::string calibration_doubt;                        // as text; empty: the camera fits its views
+  std::string camera_correction;                        // as text; empty: the given calibration is in use
+  std::optional<Camera> corrected_camera;               // set when the calibration was corrected
   std::int64_t surfel_count = 0;
   std::int64_t surfel_slot_count = 0;                    // in use or free again
-  std::int64_t surfel_capacity = 0;                      // slots there is memory for
+  std::int64_t surfel_capacity = 0;                      // slots with allocated memory
   double mean_frame_ms = 0;                              // wall clock inside process(); this and the next two since restore()
   std::map<std::string, double> stages_ms;               // mean per frame, by stage
   std::map<std::string, double> gpu_passes_ms;           // mean per frame, by shader; GPU time stamps
   std::map<std::string, std::int64_t> gpu_memory_bytes;  // by purpose
-  std::int64_t device_memory_bytes = 0;                  // that the device has in all; 0: nobody knows, it is a processor
-  std::int64_t host_memory_bytes = 0;                    // of submaps that wait there
-  std::optional<MappingCounts> mapping;                  // none without mapping
+  std::int64_t device_memory_bytes = 0;                  // total memory of the device; 0: unknown, the device is a CPU
+  std::int64_t host_memory_bytes = 0;                    // of submaps moved to the host
+  std::optional<MappingCounts> mapping;                  // nullopt without mapping
   std::string device;
 };
 
-// A frame that was given, as it was; asked for from the first one on, once each, in their order, on any one thread. An error: it counts as
-// one that shows nothing.
+// Returns a past frame exactly as it was given. Called on one thread, once per frame in order, starting with the first.
+// A frame whose read fails is processed as one without content.
 using PastFrames = std::function<Result<RgbdFrame>(std::int64_t frame_index, double timestamp_s)>;
 
-// What a pipeline takes from others, on the thread that calls process() or finish().
+// What a pipeline gets from its caller. The functions are called on the thread that calls process() or finish().
 struct BackEnd {
-  // For a camera: the one given first, then each that it is corrected to. None: there is one submap, no loop is closed and a lost camera is
-  // only searched for where it was last.
+  // Makes a mapping for a camera: the given one, then each corrected one. Empty: there is one submap, no loop is
+  // closed, and a lost camera is only searched for at its last pose.
   std::function<std::unique_ptr<Mapping>(const Camera& camera)> mapping;
-  // None: the camera is taken as it is.
+  // Empty: the camera is used as given.
   std::function<std::unique_ptr<CameraWatch>(const Camera& camera)> camera_watch;
-  // All frames so far. None: a camera that is off is not corrected, and frames are weak.
+  // Gives access to all frames so far. Empty: a camera that is off is not corrected, and frames are weak.
   std::function<PastFrames()> past_frames;
 };
 
 class Pipeline {
  public:
-  // `device` selects the GPU: empty for the best one, an index, or part of a name. Throws SetupError: no such device, too little memory,
-  // bad camera. A `timeline`, which outlives this, gets every stage and every GPU pass.
+  // `device` selects the GPU: empty for the best one, an index, or part of a name. `timeline` must outlive this object;
+  // it gets every stage and every GPU pass. Throws SetupError for an unknown device, too little memory or an invalid
+  // camera.
   Pipeline(const std::string& device, const Camera& camera, const Options& options, BackEnd back_end, Timeline* timeline = nullptr);
 
-  // With one mapping, and so with the camera as it is.
+  // With one given mapping; the camera is used as given.
   Pipeline(const std::string& device, const Camera& camera, const Options& options, std::unique_ptr<Mapping> mapping = nullptr,
            Timeline* timeline = nullptr);
   ~Pipeline();
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
-  // What needs neither the device nor the frames before: straightening, registering. For any thread, while this works on another frame.
-  // kInvalidArgument: of another size than the camera's.
+  // Does the work that needs neither the device nor previous frames: rectification and registration. Any thread, also
+  // while another frame is processed. Returns kInvalidArgument when the frame has another size than the camera.
   Result<PreparedFrame> prepare(RgbdFrame frame) const;
 
-  // Never fails because of what a frame contains: a frame that cannot be used is kLost, with a reason. When the map is full (as
-  // map.gpu_memory_mb has it, or the device), frames are tracked and continue the surfels that exist, and are kWeak. Where the camera turns
-  // out to be off, all frames so far are worked through again with a better one before this returns (MapEvent::kRecalibrated).
-  // `prepared` is of a pipeline with the same camera and options. Error only for a frame of another size (kInvalidArgument) and for the
-  // device (kDevice: lost or out of memory), after which only trajectory() and statistics() may be called.
+  // Processes a frame, prepared by a pipeline with the same camera and options. The content of a frame never causes an
+  // error: a frame that cannot be used is kLost, with a reason. When the map is full (by map.gpu_memory_mb or the
+  // device), frames are still tracked and update existing surfels, and are kWeak. When the calibration turns out to be
+  // off, all frames so far are reprocessed with a better one before this returns (MapEvent::kRecalibrated). Returns
+  // kInvalidArgument for a frame of another size, and kDevice when the device is lost or out of memory; after that only
+  // trajectory() and statistics() may be called.
   Result<FrameResult> process(const PreparedFrame& prepared);
 
-  // Both.
+  // Prepares and processes a frame.
   Result<FrameResult> process(RgbdFrame frame);
 
-  // No frame follows: the map is adjusted for the last time. Throws SetupError: the device.
+  // Call after the last frame: adjusts the map for the last time. Throws SetupError when the device fails.
   void finish();
 
-  // Adds an earlier model, in this scan's world frame: as if all of it were seen in the next frame. Normals towards the camera, as in
-  // cloud(); points without confidence are left out. The camera is taken as it is from then on. kDevice: no room.
+  // Adds an earlier model in this scan's world frame, as if all of it were seen in the next frame. Normals point
+  // towards the camera, as in cloud(); points without confidence are skipped. The calibration is not corrected from
+  // then on. Returns kDevice when there is no memory.
   Status insert(const Cloud& cloud);
 
-  // All that has come of the frames so far, as bytes; takes time like copying the map, and waits for nothing. kDevice.
+  // Returns the complete state as bytes. Takes as long as copying the map; does not wait for a running adjustment.
+  // Returns kDevice when the device fails.
   Result<std::string> save() const;
 
-  // Goes on from where save() was, to the same poses, cloud and changes as if nothing had been between, bit for bit. This has seen no
-  // frame. kUnsupported: saved under other conditions (device, program, camera, options), in words. kCorruptData: not what save() made.
-  // kDevice: no room. After an error this is of no use any more. Damage that leaves the bytes a possible state is not seen: whoever keeps
-  // them adds a checksum.
+  // Continues from a state of save() with the same poses, cloud and changes as an uninterrupted run, bit for bit. This
+  // pipeline must have seen no frame. Returns kUnsupported, naming the difference, when the state was saved under other
+  // conditions (device, program, camera, options); kCorruptData when save() did not write it; kDevice when there is no
+  // memory. After an error this object must not be used. Damage that leaves a valid state is not detected, so whoever
+  // stores the bytes adds a checksum.
   Status restore(std::string_view bytes);
 
-  // One pose for every frame given, lost ones included, with the frame's own time stamp; all as the map lies now.
+  // One pose for every frame given, lost ones included, with the frame's own timestamp, at the current layout of the
+  // map.
   const Trajectory& trajectory() const;
 
-  // Of every frame, the same poses in the frames of their submaps.
+  // The same poses for every frame, in the frames of their submaps.
   std::vector<AnchoredPose> anchored_poses() const;
 
-  // Stable surfels (all of them with options.output_unstable), in the world frame, normals towards the camera.
+  // Returns the stable surfels (all of them with options.output_unstable) in the world frame, with normals towards the
+  // camera.
   Result<Cloud> cloud();
 
-  // The same with those less certain that a mesh is made of (kMeshedConfidence): a surface reaches farther than what each surfel of it is
-  // certain of, since their neighbours say the same.
+  // Returns also the less certain surfels that a mesh is made of (kMeshedConfidence): neighbouring surfels support each
+  // other, so a surface extends beyond its stable surfels.
   Result<Cloud> surfels();
 
-  // Slots that changed since the last call, in slot order, in submap frames: enough to keep a mirror of what surfels() would return, and so
-  // of cloud(), which has those of them with at least least_output_confidence().
+  // Returns the slots changed since the last call, in slot order and submap frames. They suffice to mirror the result
+  // of surfels(), and of cloud(), which has those with at least least_output_confidence().
   Result<std::vector<SlotChange>> take_changes();
 
-  // The next take_changes() is of everything: for a mirror that begins anew.
+  // The next take_changes() returns everything, for a mirror that starts anew.
   void forget_taken_changes();
 
   std::vector<SubmapPose> submap_poses() const;

@@ -10,18 +10,18 @@ namespace hermite {
 
 namespace {
 
-// Of a frame that nothing new was taken from.
+// Returns the judgement of a frame that added nothing because the map is full.
 Judgement of_full_map(Judgement tracked) {
   tracked.status = TrackingStatus::kWeak;
-  tracked.reason += (tracked.reason.empty() ? "" : "; ") +
-                    std::string("the map is full: the device memory that may be used has no room for what is new around the camera");
+  tracked.reason +=
+      (tracked.reason.empty() ? "" : "; ") + std::string("the map is full: the allowed device memory has no room for new surface");
   return tracked;
 }
 
-// A tenth of what tells that something has moved (core/track/moving_regions.cpp).
+// A tenth of the distance from which something counts as moved (core/track/moving_regions.cpp).
 constexpr double kCorrectionThatMovesViews_m = 0.003;
 
-// The frame as the back end gets it: no depth where something moves.
+// Returns the frame without depth in moving regions, as the back end gets it.
 RgbdFrame without_moving(const RgbdFrame& frame, const FrontEnd& front_end) {
   RgbdFrame rest = frame;
   const shared::Intrinsics& coarse = front_end.coarse_view().camera;
@@ -43,7 +43,7 @@ double farthest_correction_m(const std::vector<Rigid3>& before, const MapLayout&
 
 }  // namespace
 
-// What the back end makes of a tracked frame: submaps are opened and moved, loops closed.
+// Passes a tracked frame to the back end, which may open and move submaps and close loops.
 MapEvent Reconstruction::observe(const RgbdFrame& frame, const Rigid3& tracked) {
   const std::uint32_t submap = layout().current;
   const Rigid3 submap_from_camera = inverse(layout().world_from_submap[submap]) * tracked;
@@ -51,14 +51,14 @@ MapEvent Reconstruction::observe(const RgbdFrame& frame, const Rigid3& tracked) 
   const std::uint64_t closures_before = layout().closure_count;
   for (const LoopCandidate& candidate : mapping->observe(without_moving(frame, front_end), tracked)) {
     const std::optional<LoopVerification> verified = front_end.verify(candidate, layout());
-    if (verified && mapping->confirm(candidate, *verified)) break;  // the others were guessed from how the map was before
+    if (verified && mapping->confirm(candidate, *verified)) break;  // the other candidates refer to the layout before this correction
   }
   world_from_camera = layout().world_from_submap[submap] * submap_from_camera;
   if (component_count(layout()) < components_before) return MapEvent::kJoined;
   return layout().closure_count > closures_before ? MapEvent::kLoopClosed : MapEvent::kNone;
 }
 
-// A lost camera is found, or the map goes on in a new part.
+// Relocalises a lost camera, or continues the map in a new component.
 MapEvent Reconstruction::relocalise(const RgbdFrame& frame, const FrameContent& content, Motion& motion) {
   const std::vector<LoopCandidate> candidates = mapping->relocalise(frame);
   for (const LoopCandidate& candidate : candidates) {
@@ -73,15 +73,15 @@ MapEvent Reconstruction::relocalise(const RgbdFrame& frame, const FrameContent& 
   if (lost_count + 1 >= options.adjust.new_part_after_frames && front_end.judge_start(content).status != TrackingStatus::kLost) {
     mapping->begin_component(world_from_camera);
     front_end.forget_corners();
-    motion = {{}, {TrackingStatus::kWeak, "not found: a new part of the map begins, to be joined when the camera sees both"}};
+    motion = {{}, {TrackingStatus::kWeak, "not relocalised: a new part of the map begins and is joined when the camera sees both"}};
     return MapEvent::kNewPart;
   }
-  if (!candidates.empty()) front_end.predict(world_from_camera, layout());  // which verification has overwritten
+  if (!candidates.empty()) front_end.predict(world_from_camera, layout());  // verification has overwritten the prediction
   return MapEvent::kNone;
 }
 
-// What is known of the frame's pose, and whether that is enough to call it tracked.
-void Reconstruction::weigh(Motion& motion, FrameResult& result) {
+// Computes the uncertainty of the frame's pose and lowers its status if that is too large.
+void Reconstruction::judge_uncertainty(Motion& motion, FrameResult& result) {
   if (result.event == MapEvent::kNewPart) front_end.begin_component();
   uncertainty = front_end.uncertainty_at(world_from_camera, motion.odometry, layout());
   result.uncertainty = uncertainty;
@@ -89,13 +89,15 @@ void Reconstruction::weigh(Motion& motion, FrameResult& result) {
       weighed(std::move(motion.judgement), {uncertainty, front_end.calibration_doubt(), contradiction(motion.odometry.witnesses)});
 }
 
-// A sensor does not measure the same twice: its driver has given the last image again. A camera that is lost looks again all the same.
+// Returns whether the depth image repeats the last one: noise makes two measurements differ, so the driver has
+// delivered it again. A lost camera processes it anyway.
 bool Reconstruction::is_repeated(const FrameContent& content) const {
   return lost_count == 0 && tracked_frame_count > 0 && content.depth_digest != 0 && content.depth_digest == last_depth_digest;
 }
 
-// Where the last frame was, and nobody knows better: the camera may have gone on as before.
-void Reconstruction::stand_still(FrameResult& result) {
+// Keeps the last pose for a repeated depth image. The camera may have continued its motion, so the uncertainty grows by
+// that.
+void Reconstruction::hold_last_pose(FrameResult& result) {
   ++repeated_count;
   const Vector6d motion = repeated_count * log_se3(last_motion);
   PoseUncertainty here = uncertainty;
@@ -103,13 +105,13 @@ void Reconstruction::stand_still(FrameResult& result) {
   here.second_moment.diagonal().tail<3>().array() += motion.tail<3>().squaredNorm();
   result.uncertainty = here;
   result.status = TrackingStatus::kWeak;
-  result.reason = "the depth image is the last one once more: the camera or its driver stands still";
+  result.reason = "the depth image repeats the last one: the camera or its driver has stalled";
   ++tracked_frame_count;
   ++weak_frame_count;
 }
 
-// Of a frame that is not lost.
-void Reconstruction::show_to_watch(const RgbdFrame& frame, MapEvent event) {
+// Offers a frame that is not lost to the camera watch.
+void Reconstruction::offer_to_watch(const RgbdFrame& frame, MapEvent event) {
   if (event == MapEvent::kNewPart) watch->begin_component();
   if (watch->wants(world_from_camera)) watch->view(without_moving(frame, front_end), world_from_camera);
 }
@@ -127,7 +129,7 @@ void Reconstruction::follow_corrections() {
     trajectory[i].world_from_camera = layout().world_from_submap[poses[i].submap] * poses[i].submap_from_camera;
 }
 
-// Of the frame that was remembered last.
+// Describes the pose of the last remembered frame.
 void Reconstruction::describe_pose(FrameResult& result) const {
   result.world_from_camera = trajectory.back().world_from_camera;
   result.submap = poses.back().submap;
@@ -146,7 +148,7 @@ FrameResult Reconstruction::process(const PreparedFrame& prepared) {
   result.timestamp_s = frame.timestamp_s;
   result.surfel_count = front_end.store.surfel_count();
   if (is_repeated(content)) {
-    stand_still(result);
+    hold_last_pose(result);
     remember(frame.timestamp_s);
     describe_pose(result);
     return result;
@@ -169,16 +171,16 @@ FrameResult Reconstruction::process(const PreparedFrame& prepared) {
     result.event = lost ? MapEvent::kLost : MapEvent::kFoundAgain;
   result.correction_m = farthest_correction_m(poses_before, layout());
   if (lost || result.event != MapEvent::kNone || result.correction_m > kCorrectionThatMovesViews_m) front_end.forget_views();
-  if (!lost) weigh(motion, result);
+  if (!lost) judge_uncertainty(motion, result);
   if (!lost) front_end.remember_view(world_from_camera, motion.odometry.reference_from_camera, prepared);
   lost_count = lost ? lost_count + 1 : 0;
   if (!lost) {
     last_motion = motion.odometry.reference_from_camera;
-    const PictureUse picture{motion.judgement.picture_is_good, motion.odometry.brightness};
+    const ColorUse color{motion.judgement.picture_is_good, motion.odometry.brightness};
     bool is_full = false;
-    timed("fuse", [&] { is_full = !front_end.fuse(world_from_camera, layout(), picture); });
+    timed("fuse", [&] { is_full = !front_end.fuse(world_from_camera, layout(), color); });
     if (is_full) motion.judgement = of_full_map(std::move(motion.judgement));
-    timed("predict", [&] { front_end.clean_and_predict(picture); });
+    timed("predict", [&] { front_end.clean_and_predict(color); });
     ++tracked_frame_count;
     weak_frame_count += motion.judgement.status == TrackingStatus::kWeak ? 1 : 0;
   }
@@ -189,7 +191,7 @@ FrameResult Reconstruction::process(const PreparedFrame& prepared) {
   result.inlier_ratio = motion.odometry.inlier_ratio;
   result.residual_rms_m = motion.odometry.residual_rms_m;
   result.surfel_count = front_end.store.surfel_count();
-  if (watch && !lost) show_to_watch(frame, result.event);
+  if (watch && !lost) offer_to_watch(frame, result.event);
   remember(frame.timestamp_s);
   describe_pose(result);
   ++timed_frame_count;
@@ -236,10 +238,10 @@ void Reconstruction::restore(ByteReader& bytes) {
   const std::size_t submaps = layout().world_from_submap.size();
   bytes.require(poses.size() == trajectory.size() && tracked_frame_count >= 0 && tracked_frame_count <= frames && weak_frame_count >= 0 &&
                     weak_frame_count <= frames && lost_count >= 0 && lost_count <= frames,
-                "the number of frames");
+                "the number of frames is inconsistent");
   bytes.require(std::all_of(poses.begin(), poses.end(), [submaps](const AnchoredPose& pose) { return pose.submap < submaps; }) &&
                     front_end.store.world_from_submap().size() <= submaps,
-                "the number of submaps");
+                "the number of submaps is inconsistent");
 }
 
 void Reconstruction::finish() {

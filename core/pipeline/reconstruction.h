@@ -1,6 +1,5 @@
-// Frames of one camera become poses and a map. See `process` for the method in one sentence.
-//
-// One thread at a time: the device's.
+// Turns the frames of one camera into poses and a map. See `process` for the method in one sentence. One thread at a
+// time, the device's.
 #pragma once
 
 #include <chrono>
@@ -22,7 +21,7 @@
 
 namespace hermite {
 
-// For Pipeline: what it makes, asks and, when the camera turns out to be off, throws away.
+// Used by Pipeline, which replaces it when the calibration turns out to be off.
 struct Reconstruction {
   Reconstruction(const std::string& device, const Camera& camera, const Options& options_of_scan, std::unique_ptr<Mapping> mapping_of_scan,
                  std::unique_ptr<CameraWatch> watch_of_camera, Timeline* timeline_of_scan)
@@ -34,30 +33,31 @@ struct Reconstruction {
 
   FrameResult process(const PreparedFrame& prepared);
 
-  // No frame follows: the map is adjusted for the last time.
+  // Call after the last frame: adjusts the map for the last time.
   void finish();
 
-  // Between frames. restore() is of one that has seen no frame; after a failure of the reader it is of no use any more.
+  // Call between frames. restore() needs an object that has seen no frame; after a failure of the reader the object
+  // must not be used.
   void save(ByteWriter& bytes) const;
   void restore(ByteReader& bytes);
 
   const MapLayout& layout() const { return mapping ? mapping->layout() : one_submap; }
   bool is_output(const Surfel& surfel) const { return surfel.confidence >= least_output_confidence(options); }
 
-  // Steps of the above.
+  // The steps of the functions above.
   template <class Bytes, class Saved>
   static void fields(Bytes& bytes, Saved& saved);
   MapEvent observe(const RgbdFrame& frame, const Rigid3& tracked);
   MapEvent relocalise(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
   void describe_pose(FrameResult& result) const;
-  void weigh(Motion& motion, FrameResult& result);
+  void judge_uncertainty(Motion& motion, FrameResult& result);
   bool is_repeated(const FrameContent& content) const;
-  void stand_still(FrameResult& result);
-  void show_to_watch(const RgbdFrame& frame, MapEvent event);
+  void hold_last_pose(FrameResult& result);
+  void offer_to_watch(const RgbdFrame& frame, MapEvent event);
   void remember(double timestamp_s);
   void follow_corrections();
 
-  // Runs `work`, waits for the GPU, and books the wall clock time under `stage`.
+  // Runs `work`, waits for the GPU, and adds the wall clock time to `stage`.
   template <class Work>
   void timed(const char* stage, Work work) {
     const auto start = std::chrono::steady_clock::now();
@@ -69,23 +69,23 @@ struct Reconstruction {
   }
 
   const Options options;
-  Timeline* const timeline;                  // of whoever wants one
-  const std::unique_ptr<Mapping> mapping;    // none: one submap, which never moves
-  const std::unique_ptr<CameraWatch> watch;  // none: the camera is taken as it is
+  Timeline* const timeline;                  // may be null
+  const std::unique_ptr<Mapping> mapping;    // null: one submap, which never moves
+  const std::unique_ptr<CameraWatch> watch;  // null: the camera is used as given
   const MapLayout one_submap;
   FrontEnd front_end;
 
-  Rigid3 world_from_camera;     // of the last tracked frame; the prediction is seen from here
+  Rigid3 world_from_camera;     // of the last tracked frame; the pose of the prediction
   Rigid3 last_motion;           // reference_from_camera of the last tracked frame
-  int lost_count = 0;           // frames lost since
+  int lost_count = 0;           // frames lost since the last tracked one
   PoseUncertainty uncertainty;  // of the last tracked frame
   std::uint64_t last_depth_digest = 0;
-  int repeated_count = 0;  // frames since whose depth image is that of the last tracked frame once more
+  int repeated_count = 0;  // number of frames since then that repeat its depth image
   std::vector<AnchoredPose> poses;
-  Trajectory trajectory;  // `poses` in the world, as of correction_count
+  Trajectory trajectory;  // poses in the world, at the layout of correction_count
   std::uint64_t correction_count = 0;
   std::int64_t tracked_frame_count = 0, weak_frame_count = 0;
-  std::int64_t timed_frame_count = 0;  // that the next two are of, and the device's clocks: since restore()
+  std::int64_t timed_frame_count = 0;  // frames counted by the next two and by the device's clocks, since restore()
   double total_ms = 0;
   std::map<std::string, double> stage_total_ms;
 };

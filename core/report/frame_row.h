@@ -1,4 +1,4 @@
-// What became of one frame of a run. A plain value.
+// The result of one frame of a run. A plain value.
 #pragma once
 
 #include "core/pipeline/pipeline.h"

@@ -14,17 +14,17 @@ namespace hermite {
 
 namespace {
 
-using Json = nlohmann::ordered_json;  // a person reads it: in the order in which it is written
+using Json = nlohmann::ordered_json;  // keeps the order of writing, for readers
 
 constexpr double kMegabyte = 1e6;
 
 double peak_rss_mb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) * 1024 / kMegabyte;  // Linux counts KiB
+  return static_cast<double>(usage.ru_maxrss) * 1024 / kMegabyte;  // Linux reports KiB
 }
 
-// A number or a truth value where the text is one, so that readers need no second parser.
+// Converts texts of numbers and booleans, so that readers need no second parser.
 Json setting_value(const std::string& text) {
   Json value = Json::parse(text, nullptr, false);
   return value.is_number() || value.is_boolean() ? value : Json(text);
@@ -44,7 +44,7 @@ std::string format_report_json(const RunReport& run, const Trajectory& estimate,
   report["camera_correction"] = statistics.camera_correction;
   if (statistics.corrected_camera) {
     report["corrected_camera"] = Json::parse(format_camera_json({*statistics.corrected_camera}));
-    report["corrected_camera"].erase("frame_rate_hz");  // which nobody knows here
+    report["corrected_camera"].erase("frame_rate_hz");  // unknown here
   }
   report["surfels"] = statistics.surfel_count;
   report["cloud_points"] = run.cloud_points;

@@ -8,9 +8,10 @@ namespace hermite {
 
 namespace {
 
-constexpr double kMaxGap_s = 0.020;  // as the TUM benchmark's tools have it
+constexpr double kMaxGap_s = 0.020;  // as in the tools of the TUM benchmark
 
-// Where nothing is said to be off, a tenth of a micrometre and microradian: a distance of nothing over nothing is none.
+// The smallest variance, a tenth of a micrometre and microradian squared, which keeps the moment
+// invertible where the stated uncertainty is zero.
 constexpr double kLeast2 = 1e-14;
 
 double mahalanobis(const Eigen::MatrixXd& moment, const Eigen::VectorXd& error) {
@@ -36,7 +37,7 @@ std::vector<std::optional<StatedError>> stated_errors(const std::vector<FrameRow
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const FrameResult& result = rows[i].result;
     if (result.event == MapEvent::kNewPart) world_from_true_world.reset();
-    if (result.event == MapEvent::kJoined) break;  // into a world whose first frame was another
+    if (result.event == MapEvent::kJoined) break;  // joined into a world with another first frame
     const std::optional<Rigid3> true_pose = pose_at(groundtruth, result.timestamp_s, kMaxGap_s);
     if (!result.uncertainty || !true_pose) continue;
     if (world_from_true_world)

@@ -1,4 +1,5 @@
-// Are the poses where they are said to be? Stated uncertainties (core/track/map_certainty.h) against a ground truth. Pure functions.
+// Comparison of stated pose uncertainties (core/track/map_certainty.h) with a ground truth. Pure
+// functions.
 #pragma once
 
 #include <cstdint>
@@ -10,26 +11,29 @@
 
 namespace hermite {
 
-// Of one frame, as it was stated when the frame came: later corrections do not count.
+// The error of one frame, as stated when the frame was processed; later corrections are not
+// included.
 struct StatedError {
   double position_m = 0, rotation_rad = 0;
-  // Mahalanobis distances: of position and rotation together (six numbers), and of the position alone (three).
+  // Mahalanobis distances: of position and rotation together (six dimensions), and of the position
+  // alone (three).
   double pose_sigmas = 0, position_sigmas = 0;
 };
 
-// By row; none: lost, without a true pose within 20 ms, or the first of its part of the map, by which the true world is laid on the
-// estimated one, and which is therefore exact.
+// Returns the error of each row. It is nullopt if the frame is lost, if there is no true pose
+// within 20 ms, or for the first frame of a component, by which the true world is aligned with the
+// estimated one and whose error is therefore zero.
 std::vector<std::optional<StatedError>> stated_errors(const std::vector<FrameRow>& rows, const Trajectory& groundtruth);
 
-// The squared Mahalanobis distance of six numbers is below this in 99 % of all cases.
+// The 99 % quantile of the squared Mahalanobis distance in six dimensions.
 inline constexpr double kRegion99 = 16.812;
-// Frames called tracked must not be farther off, nor farther off than said.
+// A tracked frame counts as wrong if its error exceeds one of these.
 inline constexpr double kWrong_m = 0.05, kWrongSigmas = 5;
 
 struct StatedShare {
-  std::int64_t frame_count = 0, inside_count = 0;            // with an error, and in the stated 99 % region
-  std::int64_t tracked_count = 0, tracked_inside_count = 0;  // the same of frames called tracked
-  std::int64_t tracked_wrong_count = 0;                      // of these more than kWrong_m or kWrongSigmas off
+  std::int64_t frame_count = 0, inside_count = 0;            // frames with an error; of these, those inside the stated 99 % region
+  std::int64_t tracked_count = 0, tracked_inside_count = 0;  // the same for frames of status tracked
+  std::int64_t tracked_wrong_count = 0;                      // of these, those with an error above kWrong_m or kWrongSigmas
 };
 StatedShare share_inside(const std::vector<FrameRow>& rows, const std::vector<std::optional<StatedError>>& errors);
 

@@ -30,8 +30,8 @@ std::array<ResultFile, 4> files_of(const RunResults& results) {
 }
 
 std::uint64_t room_for_results(std::uint64_t surfel_count, std::uint64_t frame_count) {
-  // A surfel has 51 bytes in surfels.ply and as many in cloud.ply, if it is stable, and, measured, 13 in the chunks; a frame 99 in the
-  // trajectory.
+  // A surfel takes 51 bytes in surfels.ply, another 51 in cloud.ply if it is stable, and a measured
+  // 13 in the chunks; a frame takes 99 in the trajectory.
   constexpr std::uint64_t kBytesPerSurfel = 2 * 51 + 13, kBytesPerFrame = 128, kBytesAtLeast = 1'000'000;
   return kBytesAtLeast + kBytesPerSurfel * surfel_count + kBytesPerFrame * frame_count;
 }

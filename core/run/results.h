@@ -19,17 +19,20 @@ struct RunResults {
   std::string report_json;
 };
 
-// `groundtruth` may be empty. kDevice. Call it on the thread that owns `pipeline`.
+// Computes all results; `groundtruth` may be empty. Returns kDevice when the GPU fails. Call it on
+// the thread that owns `pipeline`.
 Result<RunResults> results_of(Pipeline& pipeline, const Options& options, const Trajectory& groundtruth);
 
-// In the order in which they are stored: the report comes last, so that with it the results are complete.
+// The files in the order in which they are stored: the report is last, so that the results are
+// complete once it exists.
 struct ResultFile {
   const char* name;  // cloud.ply, surfels.ply, trajectory.txt, report.json
   const std::string& bytes;
 };
 std::array<ResultFile, 4> files_of(const RunResults& results);
 
-// The disk space that these files and the chunks take for a map of this many surfels.
+// Returns an upper estimate of the disk space [bytes] of these files and the chunks for a map of
+// this size.
 std::uint64_t room_for_results(std::uint64_t surfel_count, std::uint64_t frame_count);
 
 }  // namespace hermite

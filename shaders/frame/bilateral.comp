@@ -1,27 +1,28 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The bilateral filter (paper section 3.2). It works on inverse depth, which is linear over the image of a plane: a mean over the window
-// leaves planes where they are, however tilted, and a triangulating sensor's noise is the same on both sides. Its width over depth follows
-// the sensor's noise at that depth instead of being fixed: 30 mm everywhere, as in the authors' program, rounds off what a Kinect still
-// resolves at 1 m. Two outputs, by sampled pixel: the measured depth, and the filtered one; 0 where nothing was measured inside the range.
-// The filter looks at all pixels. Each invocation answers four neighbouring samples (the components of a vec4): what their windows share is
-// read once.
+// The bilateral filter (paper section 3.2), on inverse depth, which is linear over the image of a
+// plane: a mean over the window keeps planes unchanged, however tilted, and a triangulating
+// sensor's noise is symmetric. The width in depth follows the sensor's noise at that depth; a fixed
+// width of 30 mm, as in the authors' program, would smooth away what a Kinect still resolves at 1
+// m. The outputs, per sampled pixel, are the measured and the filtered depth; 0 where nothing was
+// measured within the range. The filter uses all pixels. Each invocation computes four neighbouring
+// samples (the components of a vec4), so that shared parts of their windows are read once.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 layout(local_size_x = 8, local_size_y = 16) in;
-TEXELS(0, inverse_depth_per_m);  // four pixels a texel, with a margin
+TEXELS(0, inverse_depth_per_m);  // four pixels per texel, with a margin
 layout(scalar, binding = 1) writeonly buffer Raw { float raw_m[]; };
 layout(scalar, binding = 2) writeonly buffer Filtered { float filtered_m[]; };
 PARAMETERS(BilateralParams, p);
 
 layout(constant_id = 0) const int kRadius = 6;  // of the window
 layout(constant_id = 1) const int kStep = 1;    // as in p.sampling
-const int kLeft = (kRadius + 3) / 4;            // texels that the window reaches to the left of the first sample's
+const int kLeft = (kRadius + 3) / 4;            // number of texels that the window extends to the left of the first sample's
 const int kTexels = kLeft + (3 * kStep + kRadius + 1) / 4 + 1;
-float columns[24];                              // of a row, for radii up to 8: from kLeft texels on, less the sampling's offset
+float columns[24];                              // of a row, for radii up to 8: from kLeft texels on, shifted by the sampling's offset
 
 void read_row(int texel) {
   for (int i = 0; i < kTexels; ++i) {
@@ -36,7 +37,7 @@ void read_row(int texel) {
   for (int i = 0; i < 4 * kTexels - 1; ++i) columns[i] = odd ? columns[i + 1] : columns[i];
 }
 
-// The pixels dx beside the four samples.
+// Returns the pixels offset by dx from the four samples.
 vec4 beside(int dx) {
   int first = 4 * kLeft + dx;
   return vec4(columns[first], columns[first + kStep], columns[first + 2 * kStep], columns[first + 3 * kStep]);

@@ -1,8 +1,9 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// One pyramid level of surface maps: the mean of 2x2 pixels, nothing where one of them is missing or lies on another surface.
-// The centre of the coarse pixel is the centre of the four, so the coarse camera has cx' = (cx - 0.5) / 2.
+// Computes one pyramid level of surface maps: the mean of 2x2 pixels, or no surface where one of
+// them is missing or on another surface. The centre of a coarse pixel is the centre of the four, so
+// the coarse camera has cx' = (cx - 0.5) / 2.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -44,5 +45,5 @@ void main() {
   points[index] = valid ? SurfacePoint(0.25 * depth_sum, pack_normal(normalize(normal_sum)), packHalf2x16(0.25 * curvature_sum),
                                        0.25 * weight_sum)
                         : kNoPoint;
-  intensity[index] = grey_low >= 0.0 ? 0.25 * grey_sum : -1.0;  // negative: no colour here (a hole of the prediction)
+  intensity[index] = grey_low >= 0.0 ? 0.25 * grey_sum : -1.0;  // negative: no colour (a hole in the prediction)
 }

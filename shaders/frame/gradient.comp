@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The frame's grey image and its Sobel gradient, grey values per pixel; zero on the border.
+// Packs the frame's grey image and its Sobel gradient in grey values per pixel; zero on the border.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Colours of the sampled pixels; their grey values, 0 to 255, smoothed over 3x3 pixels of the image, and their Sobel gradient in grey
-// values per sample, zero on the border.
+// Computes the colours of the sampled pixels, their grey values (0 to 255) smoothed over 3x3 pixels
+// of the image, and their Sobel gradient in grey values per sample; zero on the border.
 #include "shaders/shared/frame.h"
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
@@ -22,7 +22,7 @@ float grey_at(ivec2 pixel) {
   return grey(vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u));
 }
 
-// (1 2 1) / 4 and (-1 0 1) / 2 along a row.
+// Returns (1 2 1) / 4 and (-1 0 1) / 2 along a row.
 vec2 row(ivec2 pixel) {
   float left = grey_at(pixel - ivec2(1, 0)), middle = grey_at(pixel), right = grey_at(pixel + ivec2(1, 0));
   return vec2(0.25 * (left + 2.0 * middle + right), 0.5 * (right - left));

@@ -1,12 +1,13 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Sensor units to inverse depth, over the whole image with its margin: 0 where nothing was measured inside the range.
+// Converts sensor units to inverse depth, over the whole image with its margin; 0 where nothing was
+// measured within the range.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 layout(local_size_x = 256) in;
-TEXELS(0, units);  // eight pixels a texel
+TEXELS(0, units);  // eight pixels per texel
 layout(scalar, binding = 1) writeonly buffer Inverse { vec4 inverse_depth_per_m[]; };
 PARAMETERS(InverseDepthParams, p);
 

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Takes their weight from the pixels of one level whose coarse pixel is masked: neither the odometry nor fusion looks at these.
+// Sets the weight of pixels of one level to zero if their coarse pixel is masked; odometry and
+// fusion ignore them.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// First normals by central differences of the filtered depth (paper section 3.2), pointing away from the camera: with the depth, the
-// kernels of the frame's own HRBF.
+// Computes initial normals by central differences of the filtered depth (paper section 3.2),
+// pointing away from the camera. With the depth they are the kernels of the frame's own HRBF.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -10,7 +10,7 @@
 #include "shaders/lib/kernels.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 TEXELS(0, depth_m);
-// Depth, normal, its z, inverse radius; zeros where there is none.
+// Depth, normal, its z, inverse radius; zeros without a kernel.
 layout(scalar, binding = 1) writeonly buffer Kernels { uvec4 kernels[]; };
 PARAMETERS(NormalParams, p);
 
@@ -19,7 +19,8 @@ vec3 vertex_at(ivec2 pixel) {
   return pixel_ray(p.camera, vec2(pixel)) * float_at(depth_m, uint(pixel.y) * p.camera.width + uint(pixel.x));
 }
 
-// Difference along one image axis: central where both sides lie on the same surface, else one-sided; zero where neither does.
+// Returns the difference along one image axis: central if both sides are on the same surface, else
+// one-sided; zero if neither is.
 vec3 difference(vec3 centre, ivec2 pixel, ivec2 axis) {
   vec3 behind = vertex_at(pixel - axis), ahead = vertex_at(pixel + axis);
   bool has_behind = behind.z > 0.0 && abs(behind.z - centre.z) < p.depth_gate_m;

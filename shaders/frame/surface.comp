@@ -1,9 +1,10 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The Hermite RBF implicit of the input frame in a 7x7 window (paper Eq. 2-5): moves each vertex along its ray onto the zero set,
-// takes the normal from the gradient, principal curvatures from gradient and Hessian, and the confidence c = c_r c_d.
-// Normals point away from the camera, so surfaces that bulge towards it have positive curvature.
+// Evaluates the Hermite RBF implicit of the frame in a 7x7 window (paper Eq. 2-5): moves each
+// vertex along its ray to the zero set, and computes the normal from the gradient, principal
+// curvatures from gradient and Hessian, and the confidence c = c_r c_d. Normals point away from the
+// camera, so surfaces that bulge towards it have positive curvature.
 #include "shaders/shared/frame.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -12,13 +13,13 @@
 #include "shaders/lib/hermite.glsl"
 #include "shaders/lib/kernels.glsl"
 #include "shaders/lib/surface_point.glsl"
-layout(local_size_x = 8, local_size_y = 16) in;  // four neighbouring pixels an invocation
+layout(local_size_x = 8, local_size_y = 16) in;  // four neighbouring pixels per invocation
 TEXELS(0, kernels);
 layout(scalar, binding = 1) writeonly buffer Points { SurfacePoint points[]; };
 PARAMETERS(SurfaceParams, p);
 
 const int kRadius = 3;
-const uint kMinKernels = 16;  // of 49, as the authors' program has it
+const uint kMinKernels = 16;  // of 49, as in the authors' program
 
 vec2 inverse_focal = 1.0 / vec2(p.camera.fx, p.camera.fy);
 
@@ -28,14 +29,16 @@ struct Field {
   vec4 count;  // kernels that contribute
 };
 
-// `first` is the index of the window's corner for the first pixel, `ray` belongs to its centre.
+// `first` is the index of the window's corner for the first pixel; `ray` belongs to that pixel's
+// centre.
 Kernel kernel_at(int first, int dx, int dy, vec3 ray) {
   uvec4 words = uvec4_at(kernels, uint(first + dy * kernel_stride(p.camera) + dx));
   vec3 position = uintBitsToFloat(words.x) * (ray + vec3(vec2(dx - kRadius, dy - kRadius) * inverse_focal, 0.0));
   return Kernel(position, vec3(unpack_snorm(words.y), uintBitsToFloat(words.z)), inverse_radius_of(words.w));
 }
 
-// 1 where the kernel of column dx is in the window of each pixel and lies on the same surface as its vertex; else 0.
+// Returns 1 where the kernel of column dx is in the pixel's window and on the same surface as its
+// vertex; else 0.
 vec4 admits(int dx, Kernel k, vec4 vertex_z) {
   vec4 near = vec4(lessThan(abs(k.position.z - vertex_z), vec4(p.depth_gate_m)));
   return in_windows(dx, kRadius) * near * (k.inverse_radius < kNoKernel ? 1.0 : 0.0);
@@ -55,7 +58,7 @@ vec4 step_to_surface(int first, Rays4 rays, vec4 vertex_z) {
   return step_to(sums, vertex_z);
 }
 
-// At the points t * ray, which belong to the surface of the pixels' vertices.
+// Evaluates the field at the points t * ray, on the surface of the pixels' vertices.
 Field evaluate(int first, Rays4 rays, vec4 vertex_z, vec4 t) {
   const vec4 kZero = vec4(0.0);
   Field f = Field(Vectors4(kZero, kZero, kZero), Hessian4(kZero, kZero, kZero, kZero, kZero, kZero), kZero);
@@ -74,7 +77,7 @@ Field evaluate(int first, Rays4 rays, vec4 vertex_z, vec4 t) {
   return f;
 }
 
-// c = c_r c_d.
+// The confidence c = c_r c_d.
 float confidence_at(ivec2 pixel, float gradient) {
   vec2 half_size = 0.5 * vec2(p.camera.width, p.camera.height);
   vec2 offset = vec2(pixel) - vec2(p.camera.cx, p.camera.cy);
@@ -85,7 +88,7 @@ float confidence_at(ivec2 pixel, float gradient) {
 void write(ivec2 pixel, float z, vec3 gradient, vec3 diagonal, vec3 mixed, float count, vec3 first_normal) {
   uint index = uint(pixel.y) * p.camera.width + uint(pixel.x);
   vec2 kappa = principal_curvatures(gradient, diagonal, mixed);
-  bool facing = gradient.z > 0.0 && dot(gradient, pixel_ray(p.camera, vec2(pixel))) > 0.0;  // nobody sees a back side
+  bool facing = gradient.z > 0.0 && dot(gradient, pixel_ray(p.camera, vec2(pixel))) > 0.0;  // a back side cannot be visible
   bool valid = z > 0.0 && count >= float(kMinKernels) && facing && abs(kappa.x) < p.curvature_limit_per_m &&
                abs(kappa.y) < p.curvature_limit_per_m;
   float confidence = confidence_at(pixel, abs(dot(gradient, first_normal)));
@@ -104,7 +107,7 @@ void main() {
   vec4 z = vertex_z;
   if (p.project_to_surface != 0u) {
     vec4 moved = step_to_surface(first, rays, vertex_z);
-    // Half a frontal support radius: farther is another surface.
+    // Half a frontal support radius; farther away is another surface.
     vec4 limit = 0.5 * p.radius_scale * 2.8284271 / (p.camera.fx + p.camera.fy) * z;
     z = mix(z, moved, lessThan(abs(moved - z), limit));
   }

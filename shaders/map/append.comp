@@ -1,7 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// New surfels take the free slots of their zone in order, then slots at the end: the same measurement gets the same slot on every run.
+// Appends new surfels in pixel order to the free slots of their zone, then to slots at the end, so
+// that the same measurement gets the same slot in every run.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/texels.glsl"

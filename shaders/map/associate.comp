@@ -1,9 +1,10 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// For every pixel: which surfel does this measurement continue? (Paper section 5.)
-// A 3x3 window of the index map; gates on depth along the ray and on the normal; the surfel nearest to the ray wins.
-// Several pixels may want one surfel: the claim of its cell goes to the closest, then to the lowest pixel, whatever the order of threads.
+// Associates each pixel's measurement with a surfel (paper section 5): in a 3x3 window of the index
+// map, with gates on depth along the ray and on the normal, the surfel nearest to the ray wins. If
+// several pixels match one surfel, the claim of its cell goes to the closest pixel, then to the one
+// with the lowest index, whatever the order of threads.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/texels.glsl"

@@ -1,13 +1,13 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Removes surfels that should not be there (paper section 5) from the blocks in turn, and brings their bounds up to
-// date:
-//   redundant   most neighbours in 5x5 pixels of the index map of stable surfels are older and lie just behind it
-//   doubled     hidden just behind an older stable surfel of another submap that is no coarser: where submaps overlap
-//   free space  stable surfels seen in this very frame lie clearly behind it
-//   refuted     unstable, not seen for a while, and this very frame measures something clearly behind it
-//   unstable    never confirmed for max_unstable_age frames
+// Removes invalid surfels (paper section 5) from the blocks whose turn it is, and updates the
+// blocks' bounds:
+//   redundant   most neighbours in 5x5 pixels of the index map of stable surfels are older and just behind it
+//   doubled     just behind an older stable surfel of another submap that is not coarser: submaps overlap
+//   free space  stable surfels observed in this frame are clearly behind it
+//   refuted     unstable, not observed for a while, and this frame measures something clearly behind it
+//   unstable    not confirmed for max_unstable_age frames
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -17,17 +17,17 @@
 layout(local_size_x = 256) in;
 layout(scalar, binding = 0) writeonly buffer Positions { vec4 position_confidence[]; };
 TEXELS(1, attributes);
-TEXELS(2, times);  // of a slot: created, observed
+TEXELS(2, times);  // per slot: frames of creation and last observation
 TEXELS(3, camera_from_submap);
-TEXELS(4, seen);  // by pixel of the index map of stable surfels: see map/index_times
+TEXELS(4, seen);  // per pixel of the index map of stable surfels; see map/index_times
 layout(scalar, binding = 5) buffer State { MapState state; };
 TEXELS(6, visible_blocks);
 layout(scalar, binding = 7) writeonly buffer Bounds { BlockBounds bounds[]; };
-TEXELS(8, read_position_confidence);  // its own thread alone writes a surfel
-TEXELS(9, raw_depth_m);               // of this frame, by pixel
+TEXELS(8, read_position_confidence);  // a surfel is written by its own thread only
+TEXELS(9, raw_depth_m);               // of this frame, per pixel
 PARAMETERS(CleanParams, p);
-const float kDead = 1e30;  // no coordinate
-const uint kPatience = 10u;  // frames that nobody has seen an unstable surfel for before what is measured behind it counts
+const float kDead = 1e30;  // not a valid coordinate
+const uint kPatience = 10u;  // frames without an observation after which an unstable surfel can be refuted
 shared float position_submap[4u * kBlock];  // by coordinate, the submap last
 
 bool doubled(uint slot, ivec2 pixel, float z, SurfelAttributes a, uint created) {
@@ -37,8 +37,10 @@ bool doubled(uint slot, ivec2 pixel, float z, SurfelAttributes a, uint created) 
   return surfel_submap(b) != surfel_submap(a) && shown.z < created && surfel_radius(b) <= 1.5 * surfel_radius(a);
 }
 
-// Was seen a few times and is looked through now: it was noise, or has moved on. The frame itself is asked, since the surfel hides the
-// stable ones behind it from association, so that they are not seen; and around the pixel too, since at an edge both sides are measured.
+// Returns whether an unstable surfel, once observed, is now seen through: it was noise or has
+// moved. The raw depth is tested, because the surfel hides stable ones behind it from association,
+// so these do not count as observed. It is tested around the pixel too, because at an edge both
+// sides are measured.
 bool refuted(uint slot, ivec2 pixel, float z, float confidence, bool visible) {
   bool doubtful = visible && confidence < p.stable_confidence && p.frame_number - uvec2_at(times, slot).y >= kPatience;
   bool measured = false, behind = true;
@@ -66,7 +68,8 @@ bool contradicted(uint slot, vec4 surfel) {
   uint created = uvec2_at(times, slot).x;
   float normal_z = abs(rotate(t, unpack_unit(a.normal)).z);
   int neighbours = 0, redundant = 0, seen_through = 0;
-  // A loop without a turn is left at once by a whole subgroup; what an `if` skips, software devices execute under a mask.
+  // A whole subgroup leaves an empty loop at once, while software devices execute a skipped `if`
+  // under a mask.
   int last = visible ? 2 : -3;
   for (int dy = -2; dy <= last; ++dy) {
     for (int dx = -2; dx <= 2; ++dx) {
@@ -85,7 +88,7 @@ bool contradicted(uint slot, vec4 surfel) {
   }
   if (visible && doubled(slot, pixel, point.z, a, created)) return true;
   if (refuted(slot, pixel, point.z, surfel.w, visible)) return true;
-  // More than half, or more than a quarter, of those that are there; fewer than three may be the edge of something.
+  // More than half, or more than a quarter, of the neighbours; fewer than three may be an edge.
   return (redundant > 2 && 2 * redundant > neighbours) || (seen_through > 2 && 4 * seen_through > neighbours);
 }
 
@@ -109,13 +112,14 @@ void write_bounds(uint block) {
 
 void main() {
   uint lane = gl_LocalInvocationID.x, block = block_of(listed_block(visible_blocks, gl_WorkGroupID.x)), slot = block * kBlock + lane;
-  // Fusion has appended, but the count is brought up to date after this pass.
+  // Includes surfels appended by fusion; the count itself is updated after this pass.
   bool exists = slot < state.slot_count + state.fresh_count;
   vec4 surfel = exists ? vec4_at(read_position_confidence, slot) : vec4(0.0);
   bool alive = surfel.w > 0.0;
   if (alive && (contradicted(slot, surfel) || outlived(surfel, slot))) {
     alive = false;
-    // map/free_list writes when it went: here its neighbours may still be asking when it was last seen.
+    // map/free_list writes the frame of the removal, because neighbours may still read the last
+    // observation here.
     position_confidence[slot].w = -1.0;
     atomicAdd(state.freed_count, 1u);
   }

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// How many slots of each listed block are free for use. A lane goes along a row of slots: one for each slot would wait longer than it
-// works.
+// Counts the usable free slots of each listed block. A lane processes a row of slots, because one
+// lane per slot would mostly wait.
 #include "shaders/shared/map.h"
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"

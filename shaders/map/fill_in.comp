@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Where the map predicts too little of the view, as in the first frames, the frame's own surface stands in for it.
-// Frame and prediction are seen from the same pose.
+// Where the map covers too little of the view, as in the first frames, the frame's own surface
+// completes the prediction. Frame and prediction have the same pose.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -21,7 +21,7 @@ void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= p.pixel_count || covered_count >= p.covered_below) return;
   SurfacePoint point = point_at(frame_points, i);
-  if (points[i].depth_m > 0.0 || point.depth_m <= 0.0 || point.weight <= 0.0) return;  // known, unknown, or masked: see frame/mask
+  if (points[i].depth_m > 0.0 || point.depth_m <= 0.0 || point.weight <= 0.0) return;  // known, unknown or masked
   point.weight = tracking_weight(unpackHalf2x16(point.curvatures), point.weight * p.confidence_scale, p.curvature_lambda_per_m,
                                  point.depth_m);
   points[i] = point;

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Writes the free slots of the listed blocks, zone by zone. Those that cleaning has just freed (confidence -1) get this frame's number.
-// A lane goes along a row of slots, as in map/count_free.
+// Writes the free slots of the listed blocks, zone by zone. Slots just freed by cleaning
+// (confidence -1) get this frame's number. A lane processes a row of slots, as in map/count_free.
 #include "shaders/shared/map.h"
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
@@ -16,7 +16,7 @@ layout(scalar, binding = 4) writeonly buffer Times { uvec2 times[]; };
 TEXELS(5, visible_blocks);
 layout(scalar, binding = 6) readonly buffer Bounds { BlockBounds bounds[]; };
 layout(scalar, binding = 7) writeonly buffer Changed { uint changed_frame[]; };
-TEXELS(8, read_position_confidence);  // its own thread alone writes a surfel
+TEXELS(8, read_position_confidence);  // a surfel is written by its own thread only
 PARAMETERS(FreeListParams, p);
 const uint kRows = gl_WorkGroupSize.x, kRow = kBlock / kRows;
 shared uint free_in_row[kRows];
@@ -44,6 +44,6 @@ void main() {
     before += i < row ? free_in_row[i] : 0u;
     all += free_in_row[i];
   }
-  if (!has_room(entry, bounds[block], p.submap) && all != kBlock) return;  // as map/count_free has it
+  if (!has_room(entry, bounds[block], p.submap) && all != kBlock) return;  // as in map/count_free
   for (uint at = free_by_group[group] + before; is_free != 0u; is_free &= is_free - 1u) free_slots[at++] = first + findLSB(is_free);
 }

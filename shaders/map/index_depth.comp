@@ -1,7 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// First half of the index map: the depth of the nearest surfel in every pixel, by integer minimum (order cannot change it).
+// First pass of the index map: the depth of the nearest surfel in every pixel, by integer minimum,
+// so that the order does not matter.
 #include "shaders/lib/index_cell.glsl"
 layout(scalar, binding = 3) buffer Nearest { NearestSurfel nearest[]; };
 

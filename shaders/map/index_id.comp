@@ -1,7 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Second half of the index map: which surfel that is; of several at exactly the same depth the lowest slot.
+// Second pass of the index map: the slot of that surfel, the lowest of several at exactly the same
+// depth.
 #include "shaders/lib/index_cell.glsl"
 layout(scalar, binding = 3) buffer Nearest { NearestSurfel nearest[]; };
 

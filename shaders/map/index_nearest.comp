@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
-// The index map where the device has 64-bit atomics: index_depth and index_id in one pass.
+// The index map in one pass, for devices with 64-bit atomics: index_depth and index_id together.
 #include "shaders/lib/index_cell.glsl"
 layout(scalar, binding = 3) buffer Nearest { uint64_t nearest[]; };  // NearestSurfel
 

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// What association asks of the surfel in each pixel of the index map, once instead of by all of its neighbours: where in the pixel it lies
-// and its normal in the camera's frame.
+// Computes, once per pixel of the index map, the surfel data that association reads from all
+// neighbouring pixels: the position within the pixel and the normal in the camera frame.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"

@@ -1,14 +1,15 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// What cleaning asks of the stable surfel in each pixel of the index map, once instead of by all surfels around it.
+// Collects, once per pixel of the index map, the data of its stable surfel that cleaning reads from
+// all surfels around it.
 #include "shaders/shared/map.h"
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/texels.glsl"
 layout(local_size_x = 256) in;
 TEXELS(0, nearest);  // NearestSurfel
 TEXELS(1, times);
-layout(scalar, binding = 2) writeonly buffer Seen { uvec4 seen[]; };  // slot, depth's bits, frames of creation and of the last observation
+layout(scalar, binding = 2) writeonly buffer Seen { uvec4 seen[]; };  // slot, depth bits, frames of creation and last observation
 PARAMETERS(uint, pixel_count);
 
 void main() {

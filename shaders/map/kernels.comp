@@ -1,7 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// What prediction asks of the surfel in each pixel of the index map, once instead of by all rays around it.
+// Computes, once per pixel of the index map, the kernel of its surfel that prediction reads from
+// all rays around it.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Winners of the association update their surfel in place by means weighed by confidence (paper Eq. 11) and fineness;
-// new measurements are counted by workgroup.
+// Pixels that won the association update their surfel in place, by means weighted by confidence
+// (paper Eq. 11) and resolution. New measurements are counted per workgroup.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/texels.glsl"
@@ -12,16 +12,17 @@ layout(local_size_x = 256) in;
 TEXELS(10, cells);  // IndexCell
 TEXELS(11, claims);
 layout(scalar, binding = 12) writeonly buffer Changed { uint changed_frame[]; };
-// A surfel belongs to one thread, which reads it before it writes.
+// A surfel is processed by one thread, which reads it before it writes.
 TEXELS(13, read_position_confidence);
 TEXELS(14, read_attributes);
 #include "shaders/lib/new_in_tile.glsl"
 
-// Three numbers of [0, 1) that look drawn at random, the same on every run: of where the surfel is, whatever its slot, and of the frame.
+// Returns three pseudorandom numbers in [0, 1), the same in every run: a hash of the surfel's
+// position, independent of its slot, and of the frame.
 vec3 drawn(vec3 position) {
   uvec3 bits = floatBitsToUint(position);
   uint h = (bits.x * 73856093u) ^ (bits.y * 19349663u) ^ (bits.z * 83492791u) ^ (p.frame_number * 2654435769u);
-  // lowbias32 of Wellons.
+  // The hash lowbias32 by Wellons.
   h = (h ^ (h >> 16)) * 0x7feb352du;
   h = (h ^ (h >> 15)) * 0x846ca68bu;
   h ^= h >> 16;
@@ -34,24 +35,29 @@ void merge(uint slot, Measurement m) {
   Transform t = transform_at(camera_from_submap, surfel_submap(a));
   float total = surfel.w + m.confidence;
   float radius = surfel_radius(a);
-  // A much coarser measurement (further away or more slanted) confirms the surfel but does not move it.
+  // A much coarser measurement (farther away or more slanted) confirms the surfel but does not move
+  // it.
   if (m.radius_m < 1.5 * radius) {
-    // What filter and kernels round off a corner grows with the pixel's footprint, and so with the radius: an error whose square is as
-    // radius^2, the same from every view at that distance. A mean by confidence alone keeps it long after the corner was seen from nearer.
+    // Filter and kernels round off corners by an amount that grows with the pixel's footprint, and
+    // so with the radius: an error with a square in proportion to radius^2, the same from every
+    // view at that distance. A mean weighted by confidence alone would keep it long after the
+    // corner was seen from nearer.
     float coarser = p.weigh_by_radius != 0u ? m.radius_m / radius : 1.0;
     float gain = m.confidence / (surfel.w * coarser * coarser + m.confidence);
     vec3 normal = normalize(mix(unpack_unit(a.normal), rotate_back(t, m.normal), gain));
-    // Along the normal only: the measurement beside the surfel says nothing about its place within the surface.
+    // Moves the surfel only along its normal, because the measurement contains no information on
+    // its position within the surface.
     surfel.xyz += gain * dot(normal, transform_back(t, m.position) - surfel.xyz) * normal;
     a.normal = pack_unit(normal);
     a.radius_submap = pack_radius_submap(mix(radius, m.radius_m, gain), surfel_submap(a));
-    // The gain of one view is often less than half a step: rounded to the nearest, it would be nothing, for ever.
+    // The gain of one view is often less than half a quantisation step, so rounding to the nearest
+    // would never change the colour; dithering does.
     vec3 color = surfel_color(a);
     a.color = pack_color(color + (p.merge_color != 0u ? gain : 0.0) * (m.color - color), drawn(surfel.xyz));
     a.curvatures = packHalf2x16(mix(unpackHalf2x16(a.curvatures), m.curvatures, gain));
     attributes[slot] = a;
   }
-  // The cap keeps old surfels able to move.
+  // The cap of the confidence keeps old surfels able to move.
   surfel.w = min(total, max(surfel.w, p.max_confidence));
   position_confidence[slot] = surfel;
   times[slot].y = p.frame_number;

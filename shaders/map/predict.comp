@@ -1,10 +1,11 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// The surface seen from a pose (paper section 3.1): each pixel's ray is met with the zero set of the Hermite RBF implicit of the surfels
-// in a window of the index map. Weighted-plane iteration along the ray (core/METHOD.md, "Step along the ray") instead of a bisection.
-// Attributes come from the kernel nearest to the solution. With hrbf == 0: the nearest surfel disc that the ray meets.
-// Each invocation answers four neighbouring pixels.
+// Predicts the surface from a pose (paper section 3.1): it intersects each pixel's ray with the
+// zero set of the Hermite RBF implicit of the surfels in a window of the index map, by
+// weighted-plane steps along the ray (core/METHOD.md, "Step along the ray") instead of bisection.
+// Attributes are those of the kernel nearest to the solution. With hrbf == 0 it takes the nearest
+// surfel disc that the ray hits. Each invocation computes four neighbouring pixels.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -28,7 +29,8 @@ PARAMETERS(PredictParams, p);
 
 vec2 inverse_focal = 1.0 / vec2(p.camera.fx, p.camera.fy);
 
-// `first` is the index of the window's corner for the first pixel, `ray` belongs to its centre.
+// `first` is the index of the window's corner for the first pixel; `ray` belongs to that pixel's
+// centre.
 Kernel kernel_at(int first, int dx, int dy, vec3 ray) {
   uvec4 words = uvec4_at(kernels, uint(first + dy * kernel_stride(p.camera) + dx));
   vec2 offset = vec2(float(dx - kRadius), float(dy - kRadius)) + 0.5 * unpack_snorm(words.y);
@@ -43,7 +45,8 @@ struct Field {
   uvec4 nearest_cell;  // its dx | dy << 8 in the first pixel's window
 };
 
-// One step along the rays from the depths t; 0 where nothing supports the point. The planes' normals are mixed with `mid` by `mid_share`.
+// One step along the rays from the depths t; 0 where no kernel supports the point. Plane normals
+// are interpolated with `mid` by `mid_share`.
 vec4 step_to_surface(int first, Rays4 rays, vec4 t, Vectors4 mid, float mid_share) {
   Step4 sums = Step4(vec4(0.0), vec4(0.0));
   Vectors4 x = points_at(rays, t);
@@ -59,7 +62,7 @@ vec4 step_to_surface(int first, Rays4 rays, vec4 t, Vectors4 mid, float mid_shar
   return step_to(sums, vec4(0.0));
 }
 
-// At the points t * ray.
+// Evaluates the field at the points t * ray.
 Field evaluate(int first, Rays4 rays, vec4 t) {
   const vec4 kZero = vec4(0.0);
   Field f = Field(Vectors4(kZero, kZero, kZero), kZero, vec4(1e9), uvec4(HERMITE_NONE));
@@ -82,7 +85,7 @@ Field evaluate(int first, Rays4 rays, vec4 t) {
 
 float depth_at(int first, int dx, int dy) { return vec4_at(kernels, uint(first + dy * kernel_stride(p.camera) + dx)).x; }
 
-// Depth to start from: of the pixel's own surfel, or the nearest in the window where it has none.
+// Returns the initial depth: of the pixel's own surfel, or else the nearest one in the window.
 float first_guess(int first, int pixel) {
   float depth = depth_at(first, pixel + kRadius, kRadius);
   if (depth > 0.0) return depth;
@@ -95,7 +98,7 @@ float first_guess(int first, int pixel) {
   return nearest < 1e9 ? nearest : 0.0;
 }
 
-// Where the rays meet the zero set; 0 where they do not.
+// Returns the depths where the rays hit the zero set; 0 where they do not.
 vec4 intersect_hrbf(int first, Rays4 rays, out Vectors4 normals, out uvec4 cells) {
   vec4 t;
   for (int i = 0; i < 4; ++i) t[i] = first_guess(first, i);
@@ -106,16 +109,18 @@ vec4 intersect_hrbf(int first, Rays4 rays, out Vectors4 normals, out uvec4 cells
   Field f = evaluate(first, rays, t);
   normals = unit4(f.gradient);
   cells = f.nearest_cell;
-  // The zero set lies off a curved surface by about 0.07 H r^2 (core/math/hrbf.h); planes with the mean of both normals remove that.
+  // The zero set is off a curved surface by about 0.07 H r^2 (core/math/hrbf.h); planes with the
+  // mean of both normals remove that bias.
   vec4 solution = step_to_surface(first, rays, t, normals, p.correct_bias != 0u ? 0.5 : 0.0);
-  // A point that still moves by a millimetre or so has no surface under it: the bias is smaller than that.
+  // A solution that still moves by 0.2 % of its depth has no surface; the bias correction is
+  // smaller than that.
   bvec4 settled = lessThan(abs(solution - t), 0.002 * t);
   bvec4 supported = greaterThanEqual(f.support, vec4(float(p.min_support)));
   bvec4 facing = greaterThan(min(normals.z, dot4(normals, rays)), vec4(0.0));
   return mix(vec4(0.0), solution, bvec4(uvec4(settled) * uvec4(supported) * uvec4(facing)));
 }
 
-// The nearest disc that the ray meets, as Keller et al. 2013 splat them.
+// Returns the depth of the nearest disc that the ray hits, as splatted by Keller et al. 2013.
 float intersect_disc(int first, vec3 ray, out vec3 normal, out uint cell) {
   float t = 1e9;
   normal = vec3(0.0);
@@ -127,7 +132,7 @@ float intersect_disc(int first, vec3 ray, out vec3 normal, out uint cell) {
       if (k.inverse_radius >= kNoKernel || slope <= 0.1) continue;
       float candidate = dot(k.normal, k.position) / slope;
       vec3 v = candidate * ray - k.position;
-      // The support of a kernel spans 2.5 pixel diagonals, a splat one.
+      // The support of a kernel spans 2.5 pixel diagonals, that of a splat one.
       if (candidate < t && dot(v, v) * (k.inverse_radius * k.inverse_radius) < 0.16) {
         t = candidate;
         normal = k.normal;

@@ -1,8 +1,9 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// From the counts of all workgroups to where each of them begins, in place and zone by zone (stable), by one workgroup; what a zone has in
-// all goes into the map's state. The workgroups are tiles of pixels with new surfels, or listed blocks with free slots.
+// Prefix sum of the counts of all workgroups, in place and zone by zone (stable), by one workgroup;
+// the totals of zones go to the map's state. The counted workgroups are tiles of pixels with new
+// surfels, or listed blocks with free slots.
 #include "shaders/shared/map.h"
 #include "shaders/lib/parameters.glsl"
 #include "shaders/lib/blocks.glsl"

@@ -1,8 +1,9 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Lists the blocks of slots whose turn for cleaning has come, then the others that the view may show, each in ascending order: one
-// workgroup, and the sizes of the dispatches that follow. Everything outside costs nothing until the camera turns to it.
+// Lists the blocks whose turn for cleaning it is, then the others that may be visible, each in
+// ascending order, with one workgroup; also writes the sizes of the dispatches that follow. Blocks
+// outside the view cost nothing.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -13,7 +14,7 @@ layout(scalar, binding = 1) readonly buffer Submaps { Transform camera_from_subm
 layout(scalar, binding = 2) readonly buffer State { MapState state; };
 layout(scalar, binding = 3) writeonly buffer Visible { VisibleHead head; uint visible_blocks[]; };
 PARAMETERS(VisibleParams, p);
-shared uvec2 counts[256], total;  // in turn, others
+shared uvec2 counts[256], total;  // whose turn it is, others
 
 struct Box {
   vec3 centre;  // camera frame
@@ -21,12 +22,12 @@ struct Box {
   Transform t;
 };
 
-// Is some of the box where dot(normal, point) + offset >= 0?
+// Returns whether a part of the box is where dot(normal, point) + offset >= 0.
 bool reaches(Box box, vec3 normal, float offset) {
   return dot(normal, box.centre) + dot(abs(rotate_back(box.t, normal)), box.half_size) + offset >= 0.0;
 }
 
-// An entry of the list, with kOutOfView where no surfel of the block can be in view.
+// Returns an entry of the list, with kOutOfView where no surfel of the block can be visible.
 uint look_at(uint block) {
   uint keys[8] = bounds[block].reach;
   if (keys[0] == 0u) return block | kOutOfView;
@@ -36,7 +37,7 @@ uint look_at(uint block) {
   vec3 low = -vec3(unordered(keys[3]), unordered(keys[4]), unordered(keys[5]));
   Transform t = camera_from_submap[submap];
   Box box = Box(transform_point(t, 0.5 * (high + low)), 0.5 * (high - low) + p.margin_m, t);
-  // A pixel more on each side than index_cell asks for makes up for rounding.
+  // One pixel more on each side than index_cell tests compensates for rounding.
   float left = -1.5 - p.camera.cx, right = float(p.camera.width) + 0.5 - p.camera.cx;
   float top = -1.5 - p.camera.cy, bottom = float(p.camera.height) + 0.5 - p.camera.cy;
   bool seen = reaches(box, vec3(0.0, 0.0, 1.0), 0.0) && reaches(box, vec3(0.0, 0.0, -1.0), p.depth_max_m) &&
@@ -46,7 +47,8 @@ uint look_at(uint block) {
   return block | (zone << 16) | (seen ? 0u : kOutOfView);
 }
 
-// How an entry counts: (1, 0) in turn, (0, 1) only seen, (0, 0) neither.
+// Returns how an entry counts: (1, 0) if it is its turn, (0, 1) if it is only visible, (0, 0)
+// otherwise.
 uvec2 kind_of(uint block, uint entry) {
   bool seen = (entry & kOutOfView) == 0u;
   bool in_turn = (block + p.frame_number) % (seen ? p.interval : p.interval_out_of_view) == 0u;

@@ -46,7 +46,7 @@ TEST(BundleCheck, NamesTheFieldThatIsWrong) {
       {"is_fixed has 9 entries for 10", [](BundleProblem& p) { p.is_fixed.pop_back(); }},
       {"world_from_submap[3] is not finite", [](BundleProblem& p) { p.world_from_submap[3].translation.x() = kNan; }},
       {"world_from_submap[3] is not finite", [](BundleProblem& p) { p.world_from_submap[3].rotation.w() = kInfinity; }},
-      {"world_from_submap[3] is no rotation", [](BundleProblem& p) { p.world_from_submap[3].rotation.coeffs() *= 1.01; }},
+      {"world_from_submap[3] is not a rotation", [](BundleProblem& p) { p.world_from_submap[3].rotation.coeffs() *= 1.01; }},
       {"world_from_submap[3] lies more than", [](BundleProblem& p) { p.world_from_submap[3].translation.y() = -1e7; }},
       {"keyframes[7].submap is 10", [](BundleProblem& p) { p.keyframes[7].submap = 10; }},
       {"keyframes[7].submap_from_camera is", [](BundleProblem& p) { p.keyframes[7].submap_from_camera.rotation.coeffs().setZero(); }},

@@ -47,8 +47,8 @@ TEST(GlbDocument, WhatIsWrongIsNamed) {
               HasSubstr("'EXT_meshopt_compression'; known are"));
   EXPECT_EQ(why_no_document(changed("/extensionsRequired", {"KHR_materials_unlit", "KHR_draco_mesh_compression"})), "");
   EXPECT_THAT(why_no_document(changed("/buffers/0/byteLength", 1000000)), HasSubstr("byteLength is 1000000, the binary chunk has 44"));
-  EXPECT_THAT(why_no_document(changed("/nodes", "many")), HasSubstr("nodes is no array"));
-  EXPECT_THAT(why_no_document(changed("/nodes/0", 7)), HasSubstr("nodes[0] is no object"));
+  EXPECT_THAT(why_no_document(changed("/nodes", "many")), HasSubstr("nodes is not an array"));
+  EXPECT_THAT(why_no_document(changed("/nodes/0", 7)), HasSubstr("nodes[0] is not an object"));
   const std::string deep(1000, '[');
   EXPECT_THAT(why_no_document(glb_of("{\"a\":" + deep, "")), HasSubstr("nested deeper than"));
   std::string version = glb_of(triangle_json().dump(), triangle_binary());
@@ -67,7 +67,7 @@ TEST(GlbDocument, NumbersAreWhatTheySay) {
   const json object = {{"a", 3.0}, {"b", -1}, {"c", 1e300}, {"d", {1, 2}}, {"e", {1, nullptr}}};
   EXPECT_EQ(**glb_index(object, "a", "x"), 3u);
   EXPECT_FALSE(glb_index(object, "z", "x")->has_value());
-  EXPECT_EQ(glb_index(object, "b", "x").error().message, "GLB: x.b is no whole number");
+  EXPECT_EQ(glb_index(object, "b", "x").error().message, "GLB: x.b is not a whole number");
   EXPECT_FALSE(glb_index(object, "c", "x").ok());
   EXPECT_THAT(glb_index(object, "a", "x", 2).error().message, HasSubstr("is 3, the limit is 2"));
   EXPECT_EQ((**glb_numbers(object, "d", 2, "x"))[1], 2);

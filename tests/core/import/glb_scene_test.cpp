@@ -44,9 +44,10 @@ TEST(GlbScene, CirclesAndSharedChildrenAreErrors) {
   EXPECT_THAT(placements_of(R"([{"children": [1, 1]}, {"mesh": 0}])").error().message,
               HasSubstr("nodes[1] is below itself, or below two others"));
   EXPECT_THAT(placements_of(R"([{"children": [9]}])").error().message, HasSubstr("no nodes[9], there are 1"));
-  EXPECT_THAT(placements_of(R"([{"children": [-1]}])").error().message, HasSubstr("what is no node"));
+  EXPECT_THAT(placements_of(R"([{"children": [-1]}])").error().message, HasSubstr("is not a node index"));
   EXPECT_THAT(placements_of(R"([{"name": "camera"}])").error().message, HasSubstr("no node of the scene has a mesh"));
-  EXPECT_THAT(placements_of(R"([{"mesh": 0, "rotation": [0, 0, 0, 0]}])").error().message, HasSubstr("rotation has no length"));
+  EXPECT_THAT(placements_of(R"([{"mesh": 0, "rotation": [0, 0, 0, 0]}])").error().message,
+              HasSubstr("rotation is a quaternion of length 0"));
   EXPECT_THAT(placements_of(R"([{"mesh": 0, "matrix": [1]}])").error().message, HasSubstr("is not 16 finite numbers"));
   std::string deep = "[";
   for (int i = 0; i < 1100; ++i) deep += "{\"children\": [" + std::to_string(i + 1) + "]},";

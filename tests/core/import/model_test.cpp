@@ -73,11 +73,11 @@ TEST(Model, CoordinatesOfAMapLoseNoDigits) {
 TEST(Model, MillimetresAreDoubted) {
   const std::string room = ascii_ply(2, "0 0 0\n4200 3000 2400\n");
   EXPECT_THAT(words_about(*read_model(room, {}), {}),
-              testing::Contains(HasSubstr("spans 4200 m, taken as metres: if the file counts in millimetres")));
+              testing::Contains(HasSubstr("spans 4200 m, taken as metres: if the file is in millimetres")));
   const ImportOptions millimetres{0.001, {}};
   EXPECT_EQ(words_about(*read_model(room, millimetres), millimetres).size(), 1u);
   EXPECT_THAT(why_no_model(ascii_ply(2, "0 0 0\n1e30 0 0\n")),
-              HasSubstr("the limit is 20000 m; of a file in millimetres the scale is 0.001"));
+              HasSubstr("the limit is 20000 m; for a file in millimetres use the scale 0.001"));
 }
 
 TEST(Model, WhatIsNotFiniteIsLeftOutAndCounted) {
@@ -109,7 +109,7 @@ TEST(Model, OptionsAreTexts) {
   EXPECT_EQ(*parse_import_options({{"scale", "0.001"}, {"up", "-y"}}), (ImportOptions{0.001, UpAxis::kMinusY}));
   for (const char* scale : {"0", "-1", "nan", "inf", "1e7", "1m", ""}) EXPECT_FALSE(parse_import_options({{"scale", scale}}).ok()) << scale;
   EXPECT_THAT(parse_import_options({{"up", "x"}}).error().message, HasSubstr("y, z or -y"));
-  EXPECT_THAT(parse_import_options({{"icp.levels", "3"}}).error().message, HasSubstr("no setting of an import"));
+  EXPECT_THAT(parse_import_options({{"icp.levels", "3"}}).error().message, HasSubstr("is not an import setting"));
   EXPECT_TRUE(is_import_option("up"));
   EXPECT_FALSE(is_import_option("icp.levels"));
 }

@@ -36,8 +36,8 @@ TEST(MeshCheck, NamesWhatIsWrong) {
   EXPECT_THAT(words_about([](TriangleMesh& mesh) { mesh.positions_m[3].y() = std::nanf(""); }), HasSubstr("position of vertex 3"));
   EXPECT_THAT(words_about([](TriangleMesh& mesh) { mesh.normals[4].x() = INFINITY; }), HasSubstr("normal of vertex 4"));
   EXPECT_THAT(words_about([](TriangleMesh& mesh) { mesh.texture_coordinates[5].x() = INFINITY; }), HasSubstr("coordinate of vertex 5"));
-  EXPECT_THAT(words_about([](TriangleMesh& mesh) { mesh.triangles[2][1] = 16; }), HasSubstr("triangle 2 names vertex 16 of 16"));
-  EXPECT_THAT(words_about([](TriangleMesh& mesh) { mesh.pages[1].first_triangle = 5; }), HasSubstr("page 1 begins with triangle 5"));
+  EXPECT_THAT(words_about([](TriangleMesh& mesh) { mesh.triangles[2][1] = 16; }), HasSubstr("triangle 2 refers to vertex 16 of 16"));
+  EXPECT_THAT(words_about([](TriangleMesh& mesh) { mesh.pages[1].first_triangle = 5; }), HasSubstr("page 1 starts at triangle 5"));
   EXPECT_THAT(words_about([](TriangleMesh& mesh) { mesh.pages[1].triangle_count = 3; }), HasSubstr("7 of 8 triangles"));
   EXPECT_THAT(words_about([](TriangleMesh& mesh) { mesh.pages[0].image = {}; }), HasSubstr("page 0 has no image"));
 }

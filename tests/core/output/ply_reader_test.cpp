@@ -142,7 +142,7 @@ TEST(PlyReader, NamesWhatIsWrong) {
   EXPECT_EQ(parse_ply(with("ascii", "binary_middle_endian")).error().code, ErrorCode::kUnsupported);
   EXPECT_THAT(parse_ply(with("double", "quad")).error().message, HasSubstr("quad"));
   EXPECT_THAT(parse_ply(with("vertex 4", "vertex 999999999999")).error().message, HasSubstr("vertex"));
-  EXPECT_THAT(parse_ply(with("float y", "float u")).error().message, HasSubstr("without x, y and z"));
+  EXPECT_THAT(parse_ply(with("float y", "float u")).error().message, HasSubstr("lack x, y and z"));
   EXPECT_THAT(parse_ply(with("4 0 1 2 3", "4 0 1 2 4")).error().message, HasSubstr("not there"));
   EXPECT_THAT(parse_ply(with("4 0 1 2 3", "-1")).error().message, HasSubstr("face 0"));
   EXPECT_THAT(parse_ply(with("1.5", "up")).error().message, HasSubstr("vertex 2"));

@@ -323,7 +323,7 @@ TEST(Checkpoint, OtherConditionsAreRefusedByName) {
     EXPECT_THAT(error.message, HasSubstr(name));
     EXPECT_THAT(error.message, HasSubstr("checkpoint"));
   }
-  EXPECT_THAT(refusal(make_pipeline(options, CorrectionTime::kWhenReady), some_state()).message, HasSubstr("another time"));
+  EXPECT_THAT(refusal(make_pipeline(options, CorrectionTime::kWhenReady), some_state()).message, HasSubstr("another mode"));
   EXPECT_FALSE(program_identity().empty());
   std::string other_program = some_state();
   other_program[other_program.find(program_identity())] = 'x';
@@ -340,7 +340,7 @@ TEST(Checkpoint, ACutOneIsCorrupt) {
   for (int i = 0; i < 14; ++i) lengths.push_back(random() % state.size());
   for (const std::size_t length : lengths)
     EXPECT_EQ(refusal(make_pipeline(adjusted_often()), std::string_view(state).substr(0, length)).code, ErrorCode::kCorruptData) << length;
-  EXPECT_THAT(refusal(make_pipeline(adjusted_often()), state + "x").message, HasSubstr("more than"));
+  EXPECT_THAT(refusal(make_pipeline(adjusted_often()), state + "x").message, HasSubstr("after the checkpoint"));
 }
 
 // There is no checksum here: what passes for a state is one, and the scan lives on with it.

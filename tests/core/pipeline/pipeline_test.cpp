@@ -202,7 +202,7 @@ TEST(Pipeline, AnImageThatComesOnceMoreIsWeakAndChangesNothing) {
       repeated.timestamp_s += 0.01 * repeat;
       const FrameResult still = process(twice, repeated);
       EXPECT_EQ(still.status, TrackingStatus::kWeak);
-      EXPECT_THAT(still.reason, HasSubstr("once more"));
+      EXPECT_THAT(still.reason, HasSubstr("repeats the last one"));
       EXPECT_TRUE(same_pose(still.world_from_camera, again.world_from_camera));
       EXPECT_EQ(still.surfel_count, again.surfel_count);
       EXPECT_GT(still.uncertainty->position_sigma_m(), last.uncertainty->position_sigma_m()) << "the camera may have gone on";

@@ -131,7 +131,7 @@ TEST(LocalLog, ADiskThatDoesNotGiveBackWhatItTookEndsTheFramesInWords) {
   LocalLogFrames frames(*log);
   EXPECT_EQ(take_all(frames, {.depth = wire::DepthCodec::kRanks}).size(), 3u);
   ASSERT_TRUE(frames.failure());
-  EXPECT_THAT(frames.failure()->message, HasSubstr("the checksum is another one"));
+  EXPECT_THAT(frames.failure()->message, HasSubstr("the checksum does not match"));
 }
 
 }  // namespace
