@@ -15,7 +15,7 @@ namespace hermite::shared {
 const uint kGeometricSums = 0u;                               // a system
 const uint kPhotometricSums = kGeometricSums + 27u;           // a system, of the motion alone
 const uint kMomentSums = kPhotometricSums + 27u;              // of the geometric pairs, weighted: 1, s, upper triangle of s s^T
-const uint kDisagreementSums = kMomentSums + 10u;             // of all pairs near each other: weighted squared sine of their normals, weight
+const uint kDisagreementSums = kMomentSums + 10u;             // of all pairs near each other: weighted squared sine of normals, weight
 const uint kGeometricErrorSums = kDisagreementSums + 2u;      // squared error, count
 const uint kPhotometricErrorSums = kGeometricErrorSums + 2u;  // squared error, count
 const uint kSurfaceCountSum = kPhotometricErrorSums + 2u;     // pixels with a surface
