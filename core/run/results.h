@@ -16,6 +16,7 @@ struct RunResults {
   std::string cloud_ply;
   std::string surfels_ply;      // Pipeline::surfels(), from which the mesh is made
   std::string trajectory_text;  // TUM
+  std::string tracking_text;    // tracking_file.h
   std::string report_json;
 };
 
@@ -24,10 +25,10 @@ Result<RunResults> results_of(Pipeline& pipeline, const Options& options, const 
 
 // In the order in which they are stored: the report comes last, so that with it the results are complete.
 struct ResultFile {
-  const char* name;  // cloud.ply, surfels.ply, trajectory.txt, report.json
+  const char* name;  // cloud.ply, surfels.ply, trajectory.txt, tracking.txt, report.json
   const std::string& bytes;
 };
-std::array<ResultFile, 4> files_of(const RunResults& results);
+std::array<ResultFile, 5> files_of(const RunResults& results);
 
 // The disk space that these files and the chunks take for a map of this many surfels.
 std::uint64_t room_for_results(std::uint64_t surfel_count, std::uint64_t frame_count);
