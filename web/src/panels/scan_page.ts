@@ -15,6 +15,7 @@ import { showHelp } from './dialogs';
 import { element, setText, type Panel } from './dom';
 import { downloadMenu } from './download_menu';
 import { floorPicker, type FloorPicker } from './floor_picker';
+import { framesPanel, type FramesPanel } from './frames_panel';
 import { statusMark } from './mark';
 import { measurePanel, type MeasurePanel } from './measure_panel';
 import { menu, type MenuItem } from './menu';
@@ -48,10 +49,15 @@ export function scanPage(scanId: string, token: string): ScanPage {
   const node = element('main', { class: 'scan-page' }, stage, empty, note, bar.element);
   if (floor) node.append(floor.element);
   let tape: MeasurePanel | null = null;
+  let frames: FramesPanel | null = null;
   if (scene) {
     panels.push(statusPanel(scan, () => scene.framesPerSecond()));
     tape = measurePanel({ canvas, scene, scan, token });
-    panels.push(viewPanel(options, scan, () => frameAll(scene, options), tape.button), tape);
+    const { toggle, button } = tape;
+    // Both stand in the same place.
+    frames = framesPanel({ scene, scan, token, opened: () => node.classList.contains('measuring') && toggle() });
+    button.addEventListener('click', frames.close);
+    panels.push(viewPanel(options, scan, () => frameAll(scene, options), button, frames.button), tape, frames);
     for (const panel of panels.slice(1)) node.append(panel.element);
   }
   const unsubscribers = [
@@ -65,7 +71,7 @@ export function scanPage(scanId: string, token: string): ScanPage {
   unsubscribers.push(options.subscribe((state) => link?.watch(watchOf(state))));
   const mesh = scene && watchMesh(scan, scene, token);
   const stopReport = watchReport(scan, token);
-  const onKey = (event: KeyboardEvent): void => shortcut(event, { scene, options, tape });
+  const onKey = (event: KeyboardEvent): void => shortcut(event, { scene, options, tape, frames });
   document.addEventListener('keydown', onKey);
   canvas.addEventListener('dblclick', (event) => scene?.pivotAt(event.clientX, event.clientY));
   return {
@@ -214,9 +220,10 @@ interface Shortcuts {
   readonly scene: ScanScene | null;
   readonly options: OptionsStore;
   readonly tape: MeasurePanel | null;
+  readonly frames: FramesPanel | null;
 }
 
-function shortcut(event: KeyboardEvent, { scene, options, tape }: Shortcuts): void {
+function shortcut(event: KeyboardEvent, { scene, options, tape, frames }: Shortcuts): void {
   const typing = event.target instanceof HTMLInputElement && event.target.type !== 'radio';
   if (typing || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === 'f' && scene) frameAll(scene, options);
@@ -224,6 +231,10 @@ function shortcut(event: KeyboardEvent, { scene, options, tape }: Shortcuts): vo
   if (event.key === 'c') options.dispatch({ follow: !now.follow });
   if (event.key === 's') options.dispatch({ show: now.show === 'surface' ? 'points' : 'surface' });
   if (event.key === 'i') options.dispatch({ hideBacks: !now.hideBacks });
-  if (event.key === 'm') tape?.toggle();
+  if (event.key === 'm') {
+    frames?.close();
+    tape?.toggle();
+  }
+  if (event.key === 't') frames?.toggle();
   if (event.key === '?') showHelp();
 }
