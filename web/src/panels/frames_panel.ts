@@ -12,8 +12,8 @@ import { framePicture } from './frame_picture';
 import { statusMark } from './mark';
 
 export interface FramesPanel extends Panel {
-  readonly button: HTMLElement; // opens and closes it
-  toggle(): void; // the same; nothing where there are no frames to be seen
+  readonly button: HTMLElement; // opens and closes it; hidden where there are no frames to be seen
+  toggle(): void; // the same
   close(): void;
 }
 
@@ -30,7 +30,7 @@ const pause_ms = 1000; // after a request that did not work
 export function framesPanel({ scene, scan, token, opened }: World): FramesPanel {
   const { scanId } = scan.get();
   const parts = partsOf();
-  const button = element('button', { type: 'button', class: 'button', title: 'What the camera has seen, frame by frame (T)', 'aria-pressed': 'false' }, 'Frames');
+  const button = element('button', { type: 'button', class: 'button frames-button', title: 'What the camera has seen, frame by frame (T)', 'aria-pressed': 'false' }, 'Frames');
   const back = new LookingBack(scanId, token, scene, parts);
   const open = (on: boolean): void => {
     const hadFocus = parts.node.contains(document.activeElement);

@@ -44,7 +44,7 @@ export function scanPage(scanId: string, token: string): ScanPage {
   const note = element('p', { class: 'mesh-note', role: 'status' });
   const floor = scene && floorPicker(canvas, (x_px, y_px) => setFloor(scene, scanId, x_px, y_px));
   scene?.setUp(storedUp(localStorage, scanId));
-  const bar = titleBar(scan, token, () => (scene && floor ? viewActions({ scanId, scene, floor }) : []));
+  const bar = titleBar(scan, token, () => (scene && floor ? viewActions({ scanId, scene, floor, frames }) : []));
   const panels: Panel[] = [bar];
   const node = element('main', { class: 'scan-page' }, stage, empty, note, bar.element);
   if (floor) node.append(floor.element);
@@ -129,15 +129,17 @@ interface ViewWorld {
   readonly scanId: string;
   readonly scene: ScanScene;
   readonly floor: FloorPicker;
+  readonly frames: FramesPanel | null;
 }
 
-function viewActions({ scanId, scene, floor }: ViewWorld): MenuItem[] {
+function viewActions({ scanId, scene, floor, frames }: ViewWorld): MenuItem[] {
   const chosen = storedUp(localStorage, scanId) !== null;
   const again = (): void => {
     storeUp(localStorage, scanId, null);
     scene.setUp(null);
   };
   return [
+    ...(frames && !frames.button.hidden ? [{ label: 'Frames', phoneOnly: true, do: frames.toggle }] : []),
     { label: 'Set the floor', do: () => floor.begin() },
     ...(chosen ? [{ label: 'Find the floor again', do: again }] : []),
     { label: 'Mouse and keyboard', do: showHelp },
