@@ -51,8 +51,8 @@ HttpAnswer later(const HttpWorld& world, const Call& call, Read read, Tell tell)
   const auto turn = std::make_shared<FrameTurn>();
   if (!turn->is_mine()) return wait_answer(503, "others are looking at frames: try again in a moment", kFrameRetry_ms);
   HttpAnswer answer;
-  answer.work = [turn, id = call.id, folder = world.scans.log_folder(call.id), read, tell]() -> HttpAnswer {
-    if (!are_frames_kept(folder)) return error_answer(410, {ErrorCode::kNotFound, "the frames of scan " + id + " are not kept any more"});
+  answer.work = [turn, folder = world.scans.log_folder(call.id), read, tell]() -> HttpAnswer {
+    if (!are_frames_kept(folder)) return error_answer(410, {ErrorCode::kNotFound, "the frames of this scan are not kept any more"});
     const auto found = read(folder);
     return found.ok() ? tell(*found) : refused(found.error());
   };

@@ -65,7 +65,7 @@ export function framesPanel({ scene, scan, token, opened }: World): FramesPanel 
   parts.node.hidden = true;
   button.addEventListener('click', toggle);
   parts.done.addEventListener('click', close);
-  parts.node.addEventListener('keydown', (event) => keyInside(event, back, close));
+  parts.node.addEventListener('keydown', (event) => keyInside(event, back));
   document.addEventListener('keydown', onKey);
   // A share link is for the model.
   fetchAccess(token).then(
@@ -89,12 +89,11 @@ export function framesPanel({ scene, scan, token, opened }: World): FramesPanel 
   };
 }
 
-function keyInside(event: KeyboardEvent, back: LookingBack, close: () => void): void {
+function keyInside(event: KeyboardEvent, back: LookingBack): void {
   const { target, key } = event;
   if (event.ctrlKey || event.metaKey || event.altKey) return;
   const onSlider = target instanceof HTMLInputElement;
-  if (key === 't') close();
-  else if (key === ' ' && onSlider) back.play();
+  if (key === ' ' && onSlider) back.play();
   else if (key === 'ArrowLeft' && !onSlider) back.step(-1);
   else if (key === 'ArrowRight' && !onSlider) back.step(1);
   else return;

@@ -226,7 +226,7 @@ interface Shortcuts {
 }
 
 function shortcut(event: KeyboardEvent, { scene, options, tape, frames }: Shortcuts): void {
-  const typing = event.target instanceof HTMLInputElement && event.target.type !== 'radio';
+  const typing = event.target instanceof HTMLInputElement && !['radio', 'range'].includes(event.target.type);
   if (typing || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === 'f' && scene) frameAll(scene, options);
   const now = options.get();
