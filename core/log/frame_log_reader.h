@@ -12,6 +12,8 @@
 
 namespace hermite {
 
+class SegmentFile;
+
 struct LogRecord {
   RecordType type = RecordType::kFrame;
   std::uint64_t number = 0;
@@ -42,12 +44,11 @@ class FrameLogReader {
   const LogEnd& end() const { return end_; }
 
  private:
-  struct File;
   Result<bool> open_segment(std::uint32_t segment);
   std::optional<LogRecord> stop(std::string words);
 
   const std::string folder_;
-  std::unique_ptr<File> file_;
+  std::unique_ptr<SegmentFile> file_;  // the one that end_ is in
   bool stopped_ = false;
   LogEnd end_;
 };

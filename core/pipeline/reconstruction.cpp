@@ -116,9 +116,10 @@ void Reconstruction::offer_to_watch(const RgbdFrame& frame, MapEvent event) {
   if (watch->wants(world_from_camera)) watch->view(without_moving(frame, front_end), world_from_camera);
 }
 
-void Reconstruction::remember(double timestamp_s) {
-  poses.push_back({timestamp_s, layout().current, inverse(layout().world_from_submap[layout().current]) * world_from_camera});
-  trajectory.push_back({timestamp_s, world_from_camera});
+void Reconstruction::remember(const FrameResult& result) {
+  poses.push_back(
+      {result.timestamp_s, layout().current, inverse(layout().world_from_submap[layout().current]) * world_from_camera, result.status});
+  trajectory.push_back({result.timestamp_s, world_from_camera});
   follow_corrections();
 }
 
@@ -149,7 +150,7 @@ FrameResult Reconstruction::process(const PreparedFrame& prepared) {
   result.surfel_count = front_end.store.surfel_count();
   if (is_repeated(content)) {
     hold_last_pose(result);
-    remember(frame.timestamp_s);
+    remember(result);
     describe_pose(result);
     return result;
   }
@@ -192,7 +193,7 @@ FrameResult Reconstruction::process(const PreparedFrame& prepared) {
   result.residual_rms_m = motion.odometry.residual_rms_m;
   result.surfel_count = front_end.store.surfel_count();
   if (watch && !lost) offer_to_watch(frame, result.event);
-  remember(frame.timestamp_s);
+  remember(result);
   describe_pose(result);
   ++timed_frame_count;
   total_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -212,6 +213,7 @@ void Reconstruction::fields(Bytes& bytes, Saved& saved) {
     to.number(pose.timestamp_s);
     to.number(pose.submap);
     rigid3_fields(to, pose.submap_from_camera);
+    to.number(pose.status);
   });
   bytes.list(saved.trajectory, [](auto& to, auto& pose) {
     to.number(pose.timestamp_s);
@@ -239,6 +241,10 @@ void Reconstruction::restore(ByteReader& bytes) {
   bytes.require(poses.size() == trajectory.size() && tracked_frame_count >= 0 && tracked_frame_count <= frames && weak_frame_count >= 0 &&
                     weak_frame_count <= frames && lost_count >= 0 && lost_count <= frames,
                 "the number of frames is inconsistent");
+  bytes.require(
+      std::all_of(poses.begin(), poses.end(),
+                  [](const AnchoredPose& pose) { return pose.status >= TrackingStatus::kTracked && pose.status <= TrackingStatus::kLost; }),
+      "the tracking status of a frame is unknown");
   bytes.require(std::all_of(poses.begin(), poses.end(), [submaps](const AnchoredPose& pose) { return pose.submap < submaps; }) &&
                     front_end.store.world_from_submap().size() <= submaps,
                 "the number of submaps is inconsistent");

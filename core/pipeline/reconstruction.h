@@ -54,7 +54,7 @@ struct Reconstruction {
   bool is_repeated(const FrameContent& content) const;
   void hold_last_pose(FrameResult& result);
   void offer_to_watch(const RgbdFrame& frame, MapEvent event);
-  void remember(double timestamp_s);
+  void remember(const FrameResult& result);
   void follow_corrections();
 
   // Runs `work`, waits for the GPU, and adds the wall clock time to `stage`.

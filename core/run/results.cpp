@@ -4,6 +4,7 @@
 
 #include "core/output/ply.h"
 #include "core/report/run_report.h"
+#include "core/report/tracking_file.h"
 
 namespace hermite {
 
@@ -19,20 +20,22 @@ Result<RunResults> results_of(Pipeline& pipeline, const Options& options, const 
   run.cloud_ply = format_ply(*cloud);
   run.cloud_points = cloud->size();
   std::string report_json = format_report_json(run, pipeline.trajectory(), groundtruth);
-  return RunResults{std::move(run.cloud_ply), format_ply(*surfels), std::move(run.trajectory_text), std::move(report_json)};
+  return RunResults{std::move(run.cloud_ply), format_ply(*surfels), std::move(run.trajectory_text),
+                    format_tracking(pipeline.anchored_poses()), std::move(report_json)};
 }
 
-std::array<ResultFile, 4> files_of(const RunResults& results) {
+std::array<ResultFile, 5> files_of(const RunResults& results) {
   return {{{"cloud.ply", results.cloud_ply},
            {"surfels.ply", results.surfels_ply},
            {"trajectory.txt", results.trajectory_text},
+           {"tracking.txt", results.tracking_text},
            {"report.json", results.report_json}}};
 }
 
 std::uint64_t room_for_results(std::uint64_t surfel_count, std::uint64_t frame_count) {
-  // A surfel takes 51 bytes in surfels.ply, another 51 in cloud.ply if it is stable, and a measured
-  // 13 in the chunks; a frame takes 99 in the trajectory.
-  constexpr std::uint64_t kBytesPerSurfel = 2 * 51 + 13, kBytesPerFrame = 128, kBytesAtLeast = 1'000'000;
+  // A surfel takes 51 bytes in surfels.ply, another 51 in cloud.ply if it is stable, and a measured 13 in the chunks; a frame takes 99 in
+  // the trajectory and 26 in the file of its tracking status.
+  constexpr std::uint64_t kBytesPerSurfel = 2 * 51 + 13, kBytesPerFrame = 160, kBytesAtLeast = 1'000'000;
   return kBytesAtLeast + kBytesPerSurfel * surfel_count + kBytesPerFrame * frame_count;
 }
 

@@ -1,5 +1,9 @@
 #include "proto/wire/client_message.h"
 
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/wire_format_lite.h>
+
+#include <cstdint>
 #include <utility>
 
 #include "proto/wire/fields.h"
@@ -175,6 +179,25 @@ Result<Frame> parse_frame_message(std::string_view bytes, std::size_t max_bytes)
   Frame* const frame = std::get_if<Frame>(&*message);
   if (!frame) return Error{ErrorCode::kCorruptData, "it is another message than a frame"};
   return std::move(*frame);
+}
+
+std::optional<double> frame_time_in(std::string_view beginning) {
+  using google::protobuf::internal::WireFormatLite;
+  google::protobuf::io::CodedInputStream stream(reinterpret_cast<const std::uint8_t*>(beginning.data()),
+                                                static_cast<int>(beginning.size()));
+  constexpr auto kBody = WireFormatLite::MakeTag(v1::ClientMessage::kFrameFieldNumber, WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
+  constexpr auto kSequence = WireFormatLite::MakeTag(v1::Frame::kSequenceFieldNumber, WireFormatLite::WIRETYPE_VARINT);
+  constexpr auto kTime = WireFormatLite::MakeTag(v1::Frame::kTimestampSFieldNumber, WireFormatLite::WIRETYPE_FIXED64);
+  std::uint32_t body_bytes = 0;
+  std::uint64_t sequence = 0, bits = 0;
+  if (stream.ReadTag() != kBody || !stream.ReadVarint32(&body_bytes)) return std::nullopt;
+  std::uint32_t tag = stream.ReadTag();
+  if (tag == kSequence) {
+    if (!stream.ReadVarint64(&sequence)) return std::nullopt;
+    tag = stream.ReadTag();
+  }
+  if (tag != kTime || !stream.ReadLittleEndian64(&bits)) return std::nullopt;
+  return WireFormatLite::DecodeDouble(bits);
 }
 
 std::string format_client_message(ClientMessage message) {

@@ -284,6 +284,11 @@ asio::awaitable<bool> answer_request(Incoming incoming, const Site& site, std::o
       answer = sink->answer();
       answer.route = named;
       how.keep_alive = how.keep_alive && complete;
+    } else if (const std::function<HttpAnswer()> work = std::exchange(answer.work, nullptr); work && site.disk) {
+      const std::string_view named = answer.route;
+      auto make = [&] { answer = work(); };
+      co_await run_on(*site.disk, make);
+      answer.route = named;
     } else if (long_body && request.body_bytes > 0) {
       how.keep_alive = false;  // what follows is a body that nobody reads
     }

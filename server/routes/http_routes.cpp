@@ -16,6 +16,7 @@
 #include "server/operations/json_time.h"
 #include "server/routes/byte_range.h"
 #include "server/routes/export_routes.h"
+#include "server/routes/frame_routes.h"
 #include "server/routes/job_routes.h"
 #include "server/routes/measure_routes.h"
 #include "server/routes/scan_routes.h"
@@ -146,7 +147,7 @@ struct ApiRoute {
 };
 constexpr std::string_view kScanPath = "/api/v1/scans/";
 constexpr std::string_view kUploadsPath = "/api/v1/uploads/", kJobsPath = "/api/v1/jobs/";
-constexpr std::array<ApiRoute, 37> kApi = {{
+constexpr std::array<ApiRoute, 41> kApi = {{
     {"GET", "access", "/api/v1/access", "", false, Needs::kNothing, show_access},
     {"GET", "scans", "/api/v1/scans", "", false, Needs::kView, list_scans},
     {"GET", "scan", kScanPath, "", true, Needs::kView, show_scan},
@@ -165,6 +166,10 @@ constexpr std::array<ApiRoute, 37> kApi = {{
     {"POST", "measurements", kScanPath, "/measurements", true, Needs::kViewAndScan, keep_measurement, true},
     {"GET", "measurements.csv", kScanPath, "/measurements.csv", true, Needs::kView, send_measurements},
     {"DELETE", "measurement", kScanPath, "/measurements/", true, Needs::kViewAndScan, remove_measurement, false, "measurement"},
+    {"GET", "frames", kScanPath, "/frames", true, Needs::kView, list_scans_frames},
+    {"GET", "frame color", kScanPath, "/frames/color/", true, Needs::kView, send_color, false, "frame"},
+    {"GET", "frame depth", kScanPath, "/frames/depth/", true, Needs::kView, send_depth, false, "frame"},
+    {"GET", "frame depth16", kScanPath, "/frames/depth16/", true, Needs::kView, send_raw_depth, false, "frame"},
     {"GET", "shares", kScanPath, "/shares", true, Needs::kViewAndScan, list_scans_shares},
     {"POST", "shares", kScanPath, "/shares", true, Needs::kViewAndScan, share_scan},
     {"GET", "shares", "/api/v1/shares", "", false, Needs::kViewAndScan, list_all_shares},

@@ -17,6 +17,8 @@
 //   GET    /api/v1/scans/{id}/measurements    view   those that were kept, and as measurements.csv
 //   POST   /api/v1/scans/{id}/measurements    scan   a distance is measured and kept; of its own, or admin (scan and view)
 //   DELETE /api/v1/scans/{id}/measurements/{measurement}  scan  the same
+//   GET    /api/v1/scans/{id}/frames          view   what the camera has sent, of a scan that has ended (frame_routes.h has these); no link
+//   GET    /api/v1/scans/{id}/frames/color/{frame}    view   one of its images, and depth/{frame}, depth16/{frame}
 //   GET    /api/v1/scans/{id}/shares          scan   its share links (scan and view: who cannot see a scan cannot share it)
 //   POST   /api/v1/scans/{id}/shares          scan   a new one (administration.h has the bodies)
 //   GET    /api/v1/shares                     scan   all
@@ -94,6 +96,8 @@ struct HttpAnswer {
   HttpHeaders headers = {};          // besides those that every answer has
   // Instead of all that: the body of the request goes there, and the answer comes from there.
   std::shared_ptr<BodySink> body_sink = nullptr;
+  // Instead of all that: makes the answer on a thread for the disk. What it needs outlives it.
+  std::function<HttpAnswer()> work = nullptr;
   // Somebody else has to let go first; the same request may be made again in a moment. If that does not help, this is the answer.
   bool ask_again = false;
 };

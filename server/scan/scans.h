@@ -135,6 +135,8 @@ class Scans {
   // The bytes of a result of an ended scan. kNotFound: no such scan or result.
   Result<std::uint64_t> size_of_result(const std::string& scan_id, const std::string& name);
   Blobs& blobs() const { return blobs_; }
+  // Where the frames of a scan with that id (is_scan_id) are, or were.
+  std::string log_folder(const std::string& scan_id) const { return data_.log_folder(scan_id); }
 
   // Called periodically: ends scans whose camera timed out, and removes expired data by the given time (retention_clock.h).
   void tick(LiveScan::Clock::time_point now, std::int64_t retention_now_ms);

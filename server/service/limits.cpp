@@ -9,6 +9,7 @@
 #include "server/connections/http_connection.h"
 #include "server/disk/storage_quota.h"
 #include "server/exports/exports.h"
+#include "server/routes/frame_routes.h"
 #include "server/routes/measure_routes.h"
 #include "server/scan/audience.h"
 #include "server/scan/live_scan.h"
@@ -96,6 +97,7 @@ std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
        std::to_string(kMaxModel_bytes >> 20) + " MiB, " + std::to_string(kMaxModelVertices) + " vertices, " +
            std::to_string(kMaxModelTriangles) + " triangles, " + std::to_string(kMaxModelPixels) + " pixels",
        "the job fails"},
+      {"frames that are looked at, at once; two are worked on", std::to_string(kMaxFramesAskedAtOnce), "HTTP 503"},
       {"the cloud of a scan that exports are made of", std::to_string(kMaxExportCloud_bytes >> 20) + " MiB", "the export fails"},
       {"the surfels of a scan that meshes are made of",
        std::to_string(kMaxMeshedCloud_bytes >> 20) + " MiB, and 4.4 times of them free in memory", "the export fails"},

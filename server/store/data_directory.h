@@ -3,7 +3,7 @@
 //   lock          held (flock) for as long as the server runs, so that two programs never share a folder; the server's address is in it
 //   token         the first token: 64 hex digits, mode 0600
 //   hermite.db    scans, tokens, uploads and jobs (sqlite_store.h)
-//   scans/ID/     cloud.ply surfels.ply trajectory.txt report.json chunks.bin of a scan that has ended, and its exports (blobs.h)
+//   scans/ID/     cloud.ply surfels.ply trajectory.txt tracking.txt report.json chunks.bin of an ended scan, and its exports (blobs.h)
 //   scans/ID/log/ its frames as they came (frame_log.h)
 //   scans/ID/checkpoint.bin  of one that runs: what it has come to (checkpoint_file.h)
 //   uploads/ID    the bytes of an upload, as far as they have come

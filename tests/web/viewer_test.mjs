@@ -217,6 +217,13 @@ test('on a phone everything is within reach of a thumb', { timeout: 120_000 }, a
   const panels = await Promise.all(['.status', '.view'].map((name) => phone.page.locator(name).boundingBox()));
   assert.ok(panels[0].height + panels[1].height < 844 / 4, 'the panels leave the picture its room');
   await phone.page.getByRole('button', { name: 'More' }).tap();
+  await phone.page.getByRole('button', { name: 'Frames', exact: true }).tap();
+  await phone.page.locator('.depth-scale').getByText(/ m$/).first().waitFor();
+  await untilResting(phone.page);
+  assert.deepEqual(await tooSmall(phone.page), []);
+  await phone.page.screenshot({ path: path.join(artifacts, 'phone-frames.png') });
+  await phone.page.getByRole('button', { name: 'Close the frames' }).tap();
+  await phone.page.getByRole('button', { name: 'More' }).tap();
   assert.deepEqual(await tooSmall(phone.page), []);
   await phone.page.getByRole('button', { name: 'Share', exact: true }).waitFor();
   await phone.page.keyboard.press('Escape');
@@ -253,6 +260,39 @@ test('two clicks measure a distance, which is kept with the scan', { timeout: 60
   await page.locator('.measure-list').getByText(said).waitFor({ state: 'detached' });
   await page.keyboard.press('Escape');
   await page.getByText('Click on two points.').waitFor({ state: 'hidden' });
+});
+
+test('all frames of a finished scan can be looked back at', { timeout: 60_000 }, async () => {
+  const { page } = viewer;
+  const facts = page.locator('.frame-facts');
+  const slider = page.getByRole('slider', { name: 'Frame' });
+  // Of what is drawn: how many different colours, by kind of image.
+  const colors = () => page.locator('canvas.frame-image:not(.missing)').evaluateAll((all) => all.map((canvas) => new Set(new Uint32Array(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size));
+  await page.locator('.picture').press('t');
+  await facts.getByText('Frame 0 / 35').waitFor();
+  await slider.press('End');
+  await facts.getByText('Frame 35 / 35').waitFor();
+  await slider.press('ArrowLeft');
+  await facts.getByText('Frame 34 / 35').waitFor();
+  await facts.getByText('0:02.267').waitFor();
+  await facts.getByText('Tracked').waitFor();
+  await page.locator('.depth-scale').getByText(/^\d\.\d m$/).first().waitFor(); // its images are there
+  const [color, depth] = await colors();
+  assert.ok(color > 500 && depth > 100, `${color} and ${depth} colours`);
+  assert.deepEqual(await barriers(page), []);
+  await untilResting(page);
+  await picture('frames');
+  const before = await lookAt(browser.context, page);
+  await page.getByRole('button', { name: 'Look through the camera' }).click();
+  assert.notEqual((await lookAt(browser.context, page)).hash, before.hash, 'the view has moved');
+  await picture('looked-through');
+  await slider.press('Home');
+  await slider.press('Space');
+  await facts.getByText(/Frame [1-9]\d* \/ 35/).waitFor();
+  await page.getByRole('button', { name: 'Pause' }).click();
+  await page.keyboard.press('Escape');
+  await facts.waitFor({ state: 'hidden' });
+  await page.getByRole('button', { name: 'Show all' }).click();
 });
 
 test('the floor is set by a click, keys have their sheet, and the page is light where the system is', async () => {
@@ -297,6 +337,7 @@ test('a share link shows this scan and no other', { timeout: 120_000 }, async ()
   await untilScan(guest, 'the shared scan with its surface', 60_000, (scan) => scan.snapshotComplete && scan.points > 0 && scan.mesh.state === 'shown');
   assert.ok(!guest.url().includes('hms_'), 'the secret leaves the address');
   assert.equal(await guest.getByRole('button', { name: 'Share' }).count(), 0);
+  assert.equal(await guest.getByRole('button', { name: 'Frames' }).count(), 0, 'a link shows the model and not what the camera has seen');
   await guest.goto(`${server.origin}/#/`);
   await guest.getByRole('link', { name: title }).waitFor();
   assert.equal(await guest.locator('.scan-row').count(), 1);

@@ -83,11 +83,12 @@ std::string told(const std::vector<SlotChange>& changes) {
   return text;
 }
 
-// Poses, cloud and changes as they are at the end.
+// Poses, tracking, cloud and changes as they are at the end.
 std::string told_at_the_end(Pipeline& pipeline) {
   pipeline.finish();
   std::string text;
   for (const TimedPose& pose : pipeline.trajectory()) append(text, pose.world_from_camera);
+  for (const AnchoredPose& pose : pipeline.anchored_poses()) text += name_of(pose.status);
   for (const SubmapPose& pose : pipeline.submap_poses()) append(text, pose.world_from_submap);
   const Result<Cloud> cloud = pipeline.cloud();
   EXPECT_TRUE(cloud.ok());

@@ -152,6 +152,8 @@ TEST(Pipeline, AFrameThatCannotBeUsedIsLostAndTheNextOneIsNot) {
     const FrameResult after = process(pipeline, room.frames[next]);
     EXPECT_EQ(after.status, TrackingStatus::kTracked) << after.reason;
     EXPECT_EQ(after.frame_index, given_count++);
+    EXPECT_EQ(pipeline.anchored_poses().end()[-2].status, TrackingStatus::kLost);
+    EXPECT_EQ(pipeline.anchored_poses().back().status, TrackingStatus::kTracked);
     const Rigid3 true_motion = inverse(room.groundtruth[next - 1].world_from_camera) * room.groundtruth[next].world_from_camera;
     const Rigid3 motion = inverse(good.world_from_camera) * after.world_from_camera;
     EXPECT_LT((motion.translation - true_motion.translation).norm(), 0.01);

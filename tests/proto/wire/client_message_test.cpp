@@ -253,5 +253,18 @@ TEST(ClientMessage, WhereAFrameIsExpectedNothingElseWillDo) {
   EXPECT_EQ(parse_frame_message("", 100).error().code, ErrorCode::kCorruptData);
 }
 
+TEST(ClientMessage, TheTimeOfAFrameIsFoundInItsBeginning) {
+  const std::string images(100'000, 'x');
+  for (const std::uint64_t sequence : {std::uint64_t{0}, std::uint64_t{17}, ~std::uint64_t{0}}) {
+    const std::string frame = format_client_message(Frame{sequence, 1305031102.175304, images, images});
+    EXPECT_EQ(frame_time_in(std::string_view(frame).substr(0, kFrameTimeBytes)), 1305031102.175304) << sequence;
+  }
+  EXPECT_EQ(frame_time_in(format_client_message(Frame{1, 0, images, images})), std::nullopt) << "a zero is not written";
+  EXPECT_EQ(frame_time_in(format_client_message(Finish{})), std::nullopt);
+  const std::string frame = format_client_message(Frame{17, 2.5, images, images});
+  for (std::size_t length = 0; length < 13; ++length)
+    EXPECT_EQ(frame_time_in(std::string_view(frame).substr(0, length)), std::nullopt) << length;
+}
+
 }  // namespace
 }  // namespace hermite::wire

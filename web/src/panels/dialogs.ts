@@ -44,6 +44,8 @@ const keys: readonly (readonly [string, string])[] = [
   ['S', 'Surface or points'],
   ['I', 'See inside'],
   ['M', 'Measure the distance of two points'],
+  ['T', 'Look back: all frames of the camera'],
+  ['Left, right, space', 'Frame before, next frame, play; on the slider of the frames'],
   ['C', 'Follow the camera, while it scans'],
   ['?', 'This help'],
   ['Esc', 'Close what is open'],

@@ -15,6 +15,7 @@ import { showHelp } from './dialogs';
 import { element, setText, type Panel } from './dom';
 import { downloadMenu } from './download_menu';
 import { floorPicker, type FloorPicker } from './floor_picker';
+import { framesPanel, type FramesPanel } from './frames_panel';
 import { statusMark } from './mark';
 import { measurePanel, type MeasurePanel } from './measure_panel';
 import { menu, type MenuItem } from './menu';
@@ -43,15 +44,20 @@ export function scanPage(scanId: string, token: string): ScanPage {
   const note = element('p', { class: 'mesh-note', role: 'status' });
   const floor = scene && floorPicker(canvas, (x_px, y_px) => setFloor(scene, scanId, x_px, y_px));
   scene?.setUp(storedUp(localStorage, scanId));
-  const bar = titleBar(scan, token, () => (scene && floor ? viewActions({ scanId, scene, floor }) : []));
+  const bar = titleBar(scan, token, () => (scene && floor ? viewActions({ scanId, scene, floor, frames }) : []));
   const panels: Panel[] = [bar];
   const node = element('main', { class: 'scan-page' }, stage, empty, note, bar.element);
   if (floor) node.append(floor.element);
   let tape: MeasurePanel | null = null;
+  let frames: FramesPanel | null = null;
   if (scene) {
     panels.push(statusPanel(scan, () => scene.framesPerSecond()));
     tape = measurePanel({ canvas, scene, scan, token });
-    panels.push(viewPanel(options, scan, () => frameAll(scene, options), tape.button), tape);
+    const { toggle, button } = tape;
+    // Both stand in the same place.
+    frames = framesPanel({ scene, scan, token, opened: () => node.classList.contains('measuring') && toggle() });
+    button.addEventListener('click', frames.close);
+    panels.push(viewPanel(options, scan, () => frameAll(scene, options), button, frames.button), tape, frames);
     for (const panel of panels.slice(1)) node.append(panel.element);
   }
   const unsubscribers = [
@@ -65,7 +71,7 @@ export function scanPage(scanId: string, token: string): ScanPage {
   unsubscribers.push(options.subscribe((state) => link?.watch(watchOf(state))));
   const mesh = scene && watchMesh(scan, scene, token);
   const stopReport = watchReport(scan, token);
-  const onKey = (event: KeyboardEvent): void => shortcut(event, { scene, options, tape });
+  const onKey = (event: KeyboardEvent): void => shortcut(event, { scene, options, tape, frames });
   document.addEventListener('keydown', onKey);
   canvas.addEventListener('dblclick', (event) => scene?.pivotAt(event.clientX, event.clientY));
   return {
@@ -123,15 +129,17 @@ interface ViewWorld {
   readonly scanId: string;
   readonly scene: ScanScene;
   readonly floor: FloorPicker;
+  readonly frames: FramesPanel | null;
 }
 
-function viewActions({ scanId, scene, floor }: ViewWorld): MenuItem[] {
+function viewActions({ scanId, scene, floor, frames }: ViewWorld): MenuItem[] {
   const chosen = storedUp(localStorage, scanId) !== null;
   const again = (): void => {
     storeUp(localStorage, scanId, null);
     scene.setUp(null);
   };
   return [
+    ...(frames && !frames.button.hidden ? [{ label: 'Frames', phoneOnly: true, do: frames.toggle }] : []),
     { label: 'Set the floor', do: () => floor.begin() },
     ...(chosen ? [{ label: 'Find the floor again', do: again }] : []),
     { label: 'Mouse and keyboard', do: showHelp },
@@ -214,16 +222,21 @@ interface Shortcuts {
   readonly scene: ScanScene | null;
   readonly options: OptionsStore;
   readonly tape: MeasurePanel | null;
+  readonly frames: FramesPanel | null;
 }
 
-function shortcut(event: KeyboardEvent, { scene, options, tape }: Shortcuts): void {
-  const typing = event.target instanceof HTMLInputElement && event.target.type !== 'radio';
+function shortcut(event: KeyboardEvent, { scene, options, tape, frames }: Shortcuts): void {
+  const typing = event.target instanceof HTMLInputElement && !['radio', 'range'].includes(event.target.type);
   if (typing || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === 'f' && scene) frameAll(scene, options);
   const now = options.get();
   if (event.key === 'c') options.dispatch({ follow: !now.follow });
   if (event.key === 's') options.dispatch({ show: now.show === 'surface' ? 'points' : 'surface' });
   if (event.key === 'i') options.dispatch({ hideBacks: !now.hideBacks });
-  if (event.key === 'm') tape?.toggle();
+  if (event.key === 'm') {
+    frames?.close();
+    tape?.toggle();
+  }
+  if (event.key === 't') frames?.toggle();
   if (event.key === '?') showHelp();
 }

@@ -90,9 +90,14 @@ export class CameraRig {
 
   // All turns around that point from now on; it comes to the middle of the picture.
   pivot(point: Vector3): void {
+    this.lookFrom(this.camera.position.clone().sub(this.controls.target).add(point), point);
+  }
+
+  // From there to that point.
+  lookFrom(eye: Vector3, target: Vector3): void {
     this.release();
-    this.target.copy(point);
-    this.eye.copy(this.camera.position).sub(this.controls.target).add(point);
+    this.target.copy(target);
+    this.eye.copy(eye);
     this.pivoting = true;
     this.changed();
   }

@@ -81,11 +81,21 @@ export class FrustumLayer implements Layer {
   }
 }
 
+// Of an image pixel, in the camera's frame.
+const pointAt = ({ fx, fy, cx, cy }: CameraIntrinsics, atDepth_m: number) => (u: number, v: number): number[] => [((u - cx) / fx) * atDepth_m, ((v - cy) / fy) * atDepth_m, atDepth_m];
+
+// Of the image, in the camera's frame: the upper left one first, then clockwise as the image has it.
+export function frustumCorners(camera: CameraIntrinsics, atDepth_m: number): number[][] {
+  const { width, height } = camera;
+  const at = pointAt(camera, atDepth_m);
+  return [at(-0.5, -0.5), at(width - 0.5, -0.5), at(width - 0.5, height - 0.5), at(-0.5, height - 0.5)];
+}
+
 // Line segments (pairs of points) in the camera's frame: four rays, the image's border, and a roof that says where up is.
 export function frustumLines(camera: CameraIntrinsics, atDepth_m: number): Float32Array {
-  const { width, height, fx, fy, cx, cy } = camera;
-  const at = (u: number, v: number): number[] => [((u - cx) / fx) * atDepth_m, ((v - cy) / fy) * atDepth_m, atDepth_m];
-  const corners = [at(-0.5, -0.5), at(width - 0.5, -0.5), at(width - 0.5, height - 0.5), at(-0.5, height - 0.5)];
+  const { width, height, fy } = camera;
+  const at = pointAt(camera, atDepth_m);
+  const corners = frustumCorners(camera, atDepth_m);
   const lines = corners.flatMap((corner, i) => [[0, 0, 0], corner, corner, corners[(i + 1) % 4]!]);
   // Of the two horizontal borders the roof stands on the upper one in space: y points down (some recordings have a negative fy).
   const top = fy > 0 ? -0.5 : height - 0.5;

@@ -1,6 +1,6 @@
 // The picture of one scan. Draws only when something changed: an idle page costs nothing.
-import { Matrix4, Mesh, Ray, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Object3D } from 'three';
-import type { ScanEvent } from '../connection/events';
+import { Matrix4, Mesh, Quaternion, Ray, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Object3D } from 'three';
+import type { Pose, ScanEvent } from '../connection/events';
 import type { Measured, Place } from '../connection/measurements';
 import type { ViewOptions } from '../state/view_options';
 import { CameraRig } from './camera_rig';
@@ -12,6 +12,7 @@ import type { Hit, Layer, ViewSize } from './layer';
 import { LiveMeshLayer } from './live_mesh_layer';
 import { MeasureLayer } from './measure_layer';
 import { MeshLayer } from './mesh_layer';
+import { MomentLayer, type Moment } from './moment_layer';
 import { PointsLayer } from './points_layer';
 import { SampleCollector } from './samples';
 import { SubmapsLayer } from './submaps_layer';
@@ -24,6 +25,7 @@ const longestStep_ms = 400; // after an idle time nothing leaps
 const fpsWindow_ms = 2000;
 const slowPicture_ms = 60;
 const longestPause_ms = 1000;
+const ahead_m = 1.5; // what whoever looks through the camera turns around
 const aroundClick_px = 14; // the floor is what most of the surface there faces
 
 export class ScanScene {
@@ -37,9 +39,10 @@ export class ScanScene {
   private readonly mesh = new MeshLayer();
   private readonly frustum = new FrustumLayer();
   private readonly measured = new MeasureLayer();
+  private readonly moment = new MomentLayer();
   private readonly grid = new GridLayer();
   // What hangs on the submaps comes behind them.
-  private readonly layers: readonly Layer[] = [this.grid, this.submaps, this.points, this.live, this.mesh, new TrajectoryLayer(this.submaps), this.frustum, this.measured];
+  private readonly layers: readonly Layer[] = [this.grid, this.submaps, this.points, this.live, this.mesh, new TrajectoryLayer(this.submaps), this.frustum, this.measured, this.moment];
   private readonly stillness = matchMedia('(prefers-reduced-motion: reduce)');
   private readonly unwatchTheme: () => void;
   private readonly resizeObserver: ResizeObserver;
@@ -158,6 +161,18 @@ export class ScanScene {
   showMeasured(measured: readonly Measured[], first: Place | null): void {
     this.measured.show(measured, first);
     this.requestDraw();
+  }
+
+  // Where the camera was at a moment that somebody looks back at; null: nobody does.
+  showMoment(moment: Moment | null): void {
+    this.moment.show(moment);
+    this.requestDraw();
+  }
+
+  // From where the camera was, as it looked.
+  lookThrough({ translation, rotation }: Pose): void {
+    const toWorld = (point_m: Vector3): Vector3 => point_m.applyQuaternion(new Quaternion(...rotation)).add(new Vector3(...translation)).applyMatrix4(this.upright.object.matrix);
+    this.rig.lookFrom(toWorld(new Vector3()), toWorld(new Vector3(0, 0, ahead_m)));
   }
 
   // In one picture.

@@ -1,0 +1,152 @@
+#include "server/routes/frame_routes.h"
+
+#include <atomic>
+#include <charconv>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "server/operations/json_text.h"
+#include "server/scan/stored_frames.h"
+
+namespace hermite {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::int64_t kFrameRetry_ms = 1000;
+constexpr std::int64_t kFarthest_mm = 1'000'000;
+
+// One of those that may be asked for at once, while it lives.
+class FrameTurn {
+ public:
+  FrameTurn() : before_(asked_.fetch_add(1)) {}
+  ~FrameTurn() { asked_.fetch_sub(1); }
+  FrameTurn(const FrameTurn&) = delete;
+  FrameTurn& operator=(const FrameTurn&) = delete;
+  bool is_mine() const { return before_ < kMaxFramesAskedAtOnce; }
+
+ private:
+  inline static std::atomic<int> asked_ = 0;
+  const int before_;
+};
+
+// Why there are no frames to look at, if there are none.
+std::optional<HttpAnswer> no_frames(const HttpWorld& world, const Call& call) {
+  if (!call.grant.scan_id.empty())
+    return error_answer(403, {ErrorCode::kUnauthorized, "a share link shows the model of a scan and not what its camera has sent"});
+  const Result<ScanRow> row = world.scans.find(call.id);
+  if (!row.ok()) return refused(row.error());
+  if (row->phase == ScanPhase::kRunning)
+    return refused({ErrorCode::kBusy, "scan " + call.id + " is running: its frames can be looked at when it has ended"});
+  if (row->camera.width == 0) return refused({ErrorCode::kNotFound, "scan " + call.id + " was imported: no camera has seen it"});
+  return std::nullopt;
+}
+
+// Makes the answer of what `read` finds in the frame log, on a thread for the disk.
+template <class Read, class Tell>
+HttpAnswer later(const HttpWorld& world, const Call& call, Read read, Tell tell) {
+  if (std::optional<HttpAnswer> none = no_frames(world, call)) return *std::move(none);
+  const auto turn = std::make_shared<FrameTurn>();
+  if (!turn->is_mine()) return wait_answer(503, "others are looking at frames: try again in a moment", kFrameRetry_ms);
+  HttpAnswer answer;
+  answer.work = [turn, folder = world.scans.log_folder(call.id), read, tell]() -> HttpAnswer {
+    if (!are_frames_kept(folder)) return error_answer(410, {ErrorCode::kNotFound, "the frames of this scan are not kept any more"});
+    const auto found = read(folder);
+    return found.ok() ? tell(*found) : refused(found.error());
+  };
+  return answer;
+}
+
+HttpAnswer image_answer(const FrameImage& image) {
+  HttpAnswer answer;
+  answer.content_type = image.content_type;
+  answer.body = image.bytes;
+  return answer;
+}
+
+template <class Number>
+bool is_number(std::string_view text, Number& value) {
+  const auto [rest, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return problem == std::errc() && rest == text.data() + text.size() && !text.empty();
+}
+
+Result<std::uint64_t> frame_in(const Call& call) {
+  std::uint64_t sequence = 0;
+  if (is_number(call.last_part, sequence)) return sequence;
+  return Error{ErrorCode::kInvalidArgument, "the path must end with the number of a frame, from 0"};
+}
+
+// None: no range is asked for.
+Result<std::optional<DepthRange_mm>> range_in(std::string_view query) {
+  if (query.empty()) return std::optional<DepthRange_mm>();
+  constexpr std::string_view kFrom = "from_mm=", kTo = "&to_mm=";
+  DepthRange_mm range;
+  const std::size_t behind_from = query.find(kTo);
+  if (!query.starts_with(kFrom) || behind_from == std::string_view::npos ||
+      !is_number(query.substr(kFrom.size(), behind_from - kFrom.size()), range.nearest) ||
+      !is_number(query.substr(behind_from + kTo.size()), range.farthest) || range.nearest < 0 || range.nearest >= range.farthest ||
+      range.farthest > kFarthest_mm)
+    return Error{ErrorCode::kInvalidArgument, "a picture of depth knows ?from_mm=A&to_mm=B with whole numbers, 0 <= A < B <= " +
+                                                  std::to_string(kFarthest_mm) + ", and nothing else"};
+  return std::optional(range);
+}
+
+// Of neighbours that have fared the same there is one entry.
+Json fates_json(const std::vector<ListedFrame>& frames) {
+  Json runs = Json::array();
+  for (std::size_t i = 0, begin = 0; i <= frames.size(); ++i) {
+    if (i < frames.size() && frames[i].fate == frames[begin].fate) continue;
+    if (i > begin) runs.push_back({{"status", name_of(frames[begin].fate)}, {"frames", i - begin}});
+    begin = i;
+  }
+  return runs;
+}
+
+}  // namespace
+
+HttpAnswer list_scans_frames(const HttpWorld& world, const Call& call) {
+  const auto read = [&blobs = world.scans.blobs(), id = call.id](const std::string& folder) { return list_frames(folder, blobs, id); };
+  return later(world, call, read, [](const FrameList& list) {
+    Json times = Json::array();
+    for (const ListedFrame& frame : list.frames) times.push_back(frame.timestamp_s ? Json(*frame.timestamp_s) : Json());
+    return made(json_text(Json{{"width", list.width},
+                               {"height", list.height},
+                               {"depth_units_per_metre", list.depth_units_per_metre},
+                               {"timestamps_s", std::move(times)},
+                               {"statuses", fates_json(list.frames)}}));
+  });
+}
+
+HttpAnswer send_color(const HttpWorld& world, const Call& call) {
+  const Result<std::uint64_t> sequence = frame_in(call);
+  if (!sequence.ok()) return refused(sequence.error());
+  return later(
+      world, call, [sequence = *sequence](const std::string& folder) { return read_color(folder, sequence); }, image_answer);
+}
+
+HttpAnswer send_depth(const HttpWorld& world, const Call& call) {
+  const Result<std::uint64_t> sequence = frame_in(call);
+  if (!sequence.ok()) return refused(sequence.error());
+  const Result<std::optional<DepthRange_mm>> range = range_in(call.request.query);
+  if (!range.ok()) return refused(range.error());
+  const auto read = [sequence = *sequence, range = *range](const std::string& folder) { return read_depth(folder, sequence, range); };
+  return later(world, call, read, [](const DepthView& view) {
+    HttpAnswer answer = image_answer(view.picture);
+    const auto span = [](const DepthRange_mm& mm) { return std::to_string(mm.nearest) + "-" + std::to_string(mm.farthest); };
+    answer.headers = {{"Depth-Shown-Mm", span(view.shown)},
+                      {"Depth-Measured-Mm", span(view.measured)},
+                      {"Depth-Valid-Percent", std::to_string(static_cast<int>(100 * view.valid_share))}};
+    return answer;
+  });
+}
+
+HttpAnswer send_raw_depth(const HttpWorld& world, const Call& call) {
+  const Result<std::uint64_t> sequence = frame_in(call);
+  if (!sequence.ok()) return refused(sequence.error());
+  return later(
+      world, call, [sequence = *sequence](const std::string& folder) { return read_raw_depth(folder, sequence); }, image_answer);
+}
+
+}  // namespace hermite

@@ -1,0 +1,234 @@
+// The frames of a scan over HTTP, of a real server on a frame log of real frames.
+#include "server/routes/frame_routes.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/image/depth_picture.h"
+#include "core/image/image_codec.h"
+#include "core/log/frame_log.h"
+#include "proto/wire/client_message.h"
+#include "server/scan/scan_record.h"
+#include "server/store/scan_id.h"
+#include "server/store/sqlite_store.h"
+#include "tests/support/file_bytes.h"
+#include "tests/support/raw_client.h"
+#include "tests/support/room_frames.h"
+#include "tests/support/running_server.h"
+#include "tests/support/temporary_folder.h"
+
+namespace hermite {
+namespace frame_routes_test {
+
+using Json = nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+// Of these four there are images; frame 2 was refused.
+constexpr int kLogged = 5, kRefused = 2;
+
+class FrameRoutesTest : public testing::Test {
+ protected:
+  FrameRoutesTest() {
+    std::filesystem::create_directories(folder_ / "data");
+    {
+      SqliteStore store(folder_ / "data/hermite.db");
+      for (const std::string& id : {id_, bare_id_, imported_id_}) {
+        ScanRow row;
+        row.id = id;
+        row.phase = ScanPhase::kFinished;
+        if (id != imported_id_) row.camera = test::room().camera();
+        EXPECT_TRUE(store.add(row).ok());
+        std::filesystem::create_directories(folder_ / "data/scans/" + id);
+      }
+    }
+    write_log();
+    // Frame 3 was left out.
+    put("tracking.txt", line(0, "tracked") + line(1, "lost") + line(4, "weak"));
+    start();
+  }
+  void start() {
+    server_.reset();
+    server_ = std::make_unique<test::RunningServer>(test::test_options(folder_ / "data"));
+  }
+  void write_log() const {
+    ScanRecord record;
+    record.request.camera = test::room().camera();
+    record.request.depth_codecs = {wire::DepthCodec::kRvlZstd};
+    record.request.color_codecs = {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng};
+    record.request.mode = wire::Mode::kBatch;
+    FrameLogOptions options;
+    options.segment_bytes = 1;  // one frame each
+    const FrameLogEvents nobody{[](std::uint64_t) {}, [](const Error&) {}};
+    const auto log = FrameLog::create(log_, format_terms(record), format_start(record), nobody, options);
+    ASSERT_TRUE(log.ok()) << log.error().message;
+    for (int i = 0; i < kLogged; ++i)
+      ASSERT_TRUE((*log)
+                      ->append(i == kRefused ? RecordType::kRefusedFrame : RecordType::kFrame,
+                               i == kRefused ? "" : wire::format_client_message(test::room_frame(i)))
+                      .ok());
+    ASSERT_TRUE((*log)->append(RecordType::kFinish, "").ok());
+  }
+  static std::string line(int frame, const char* status) {
+    return std::to_string(test::room_frame(frame).timestamp_s) + " " + status + "\n";
+  }
+  void put(const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder_ / "data/scans/" + id_ + "/" + name, std::ios::binary | std::ios::trunc) << bytes;
+  }
+  struct Answer {
+    int status = 0;
+    std::string header, body;
+    Json json() const { return Json::parse(body, nullptr, false); }
+    std::string words() const { return json()["error"]["message"]; }
+    std::vector<std::uint8_t> bytes() const { return {body.begin(), body.end()}; }
+    std::string field(const std::string& name) const {
+      const std::size_t at = header.find("\r\n" + name + ": ");
+      return at == std::string::npos ? "" : header.substr(at + name.size() + 4, header.find("\r\n", at + 2) - at - name.size() - 4);
+    }
+  };
+  Answer ask(const std::string& path, const std::string& token = "", const std::string& method = "GET") {
+    test::RawClient client(server_->port());
+    client.send(method + " /api/v1/scans/" + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
+                (token.empty() ? server_->token() : token) + "\r\n\r\n");
+    const std::string answer = client.read_to_end();
+    const std::size_t end = answer.find("\r\n\r\n");
+    if (end == std::string::npos) return {};
+    return {std::stoi(answer.substr(9, 3)), answer.substr(0, end + 2), answer.substr(end + 4)};
+  }
+  Answer image(const char* kind, const std::string& frame) { return ask(id_ + "/frames/" + kind + "/" + frame); }
+
+  const test::TemporaryFolder folder_;
+  const std::string id_ = new_scan_id(), bare_id_ = new_scan_id(), imported_id_ = new_scan_id();
+  const std::string log_ = folder_ / "data/scans/" + id_ + "/log";
+  const Camera camera_ = test::room().camera();
+  const ImageSize size_{camera_.width, camera_.height};
+  std::unique_ptr<test::RunningServer> server_;
+};
+
+TEST_F(FrameRoutesTest, TheListHasTheTimeAndTheFateOfEachFrame) {
+  const Answer answer = ask(id_ + "/frames");
+  ASSERT_EQ(answer.status, 200) << answer.body;
+  const Json list = answer.json();
+  EXPECT_EQ(list["width"], camera_.width);
+  EXPECT_EQ(list["depth_units_per_metre"], camera_.depth_units_per_metre);
+  ASSERT_EQ(list["timestamps_s"].size(), static_cast<std::size_t>(kLogged));
+  for (const int i : {0, 1, 3, 4}) EXPECT_EQ(list["timestamps_s"][static_cast<std::size_t>(i)], test::room_frame(i).timestamp_s) << i;
+  EXPECT_TRUE(list["timestamps_s"][kRefused].is_null());
+  std::vector<std::string> runs;
+  for (const Json& run : list["statuses"])
+    runs.push_back(run["status"].get<std::string>() + " " + std::to_string(run["frames"].get<int>()));
+  EXPECT_THAT(runs, ElementsAre("tracked 1", "lost 1", "refused 1", "left_out 1", "weak 1"));
+  EXPECT_THAT(answer.field("Cache-Control"), "no-store");
+}
+
+TEST_F(FrameRoutesTest, WithoutWhatBecameOfThemTheListHasTheirTimes) {
+  std::filesystem::remove(folder_ / "data/scans/" + id_ + "/tracking.txt");
+  const Json none = ask(id_ + "/frames").json();
+  EXPECT_EQ(none["timestamps_s"].size(), static_cast<std::size_t>(kLogged));
+  EXPECT_EQ(none["statuses"][0], (Json{{"status", "unknown"}, {"frames", 2}}));
+  // As older servers have left it.
+  put("trajectory.txt", std::to_string(test::room_frame(0).timestamp_s) + " 0 0 0 0 0 0 1\n");
+  const Json older = ask(id_ + "/frames").json();
+  EXPECT_EQ(older["statuses"][0], (Json{{"status", "unknown"}, {"frames", 1}}));
+  EXPECT_EQ(older["statuses"][1], (Json{{"status", "left_out"}, {"frames", 1}}));
+}
+
+TEST_F(FrameRoutesTest, TheColourImageIsAsItCame) {
+  for (const int i : {4, 0, 3}) {
+    const Answer answer = image("color", std::to_string(i));
+    ASSERT_EQ(answer.status, 200) << answer.body;
+    EXPECT_TRUE(answer.body == test::room_frame(i).color) << i;
+    EXPECT_EQ(answer.field("Content-Type"), *detect_image_format(answer.bytes()) == ImageFormat::kJpeg ? "image/jpeg" : "image/png");
+  }
+  const Answer head = ask(id_ + "/frames/color/0", "", "HEAD");
+  EXPECT_EQ(head.status, 200);
+  EXPECT_TRUE(head.body.empty());
+}
+
+TEST_F(FrameRoutesTest, DepthComesAsNumbersAndAsAPicture) {
+  const DepthImage depth = test::room().read(4)->depth;
+  const Answer raw = image("depth16", "4");
+  ASSERT_EQ(raw.status, 200) << raw.body;
+  EXPECT_TRUE(*decode_depth_png(raw.bytes(), size_) == depth);
+
+  const Answer shown = image("depth", "4");
+  ASSERT_EQ(shown.status, 200) << shown.body;
+  EXPECT_EQ(shown.field("Content-Type"), "image/jpeg");
+  EXPECT_EQ(shown.field("Depth-Shown-Mm"), shown.field("Depth-Measured-Mm"));
+  const DepthExtent extent = extent_of(depth);
+  const double units_per_mm = camera_.depth_units_per_metre / 1000;
+  EXPECT_NEAR(std::stod(shown.field("Depth-Measured-Mm")), extent.range.nearest / units_per_mm, 1);
+  EXPECT_EQ(shown.field("Depth-Valid-Percent"), std::to_string(static_cast<int>(100 * extent.valid_share)));
+  const ColorImage expected = depth_picture(depth, extent.range);
+  const ColorImage picture = *decode_color(shown.bytes(), size_);
+  double error = 0;
+  for (std::size_t i = 0; i < picture.pixels.size(); ++i) error += std::abs(picture.pixels[i].g - expected.pixels[i].g);
+  EXPECT_LT(error / static_cast<double>(picture.pixels.size()), 8) << "it is that picture, but for what a JPEG loses";
+
+  const Answer narrow = image("depth", "4?from_mm=100&to_mm=200");
+  EXPECT_EQ(narrow.field("Depth-Shown-Mm"), "100-200");
+  EXPECT_EQ(narrow.field("Depth-Measured-Mm"), shown.field("Depth-Measured-Mm"));
+  EXPECT_NE(narrow.body, shown.body);
+  for (const char* query : {"?from_mm=1", "?to_mm=1&from_mm=0", "?from_mm=2&to_mm=1", "?from_mm=-1&to_mm=1", "?from_mm=1&to_mm=2x", "?a"})
+    EXPECT_EQ(image("depth", std::string("4") + query).status, 400) << query;
+}
+
+TEST_F(FrameRoutesTest, WhatCannotBeHadSaysWhy) {
+  for (const char* kind : {"color", "depth", "depth16"}) {
+    SCOPED_TRACE(kind);
+    EXPECT_THAT(image(kind, "5").words(), HasSubstr("there is no frame 5: the recording ends before"));
+    EXPECT_EQ(image(kind, "18446744073709551615").status, 404);
+    EXPECT_EQ(image(kind, "18446744073709551616").status, 400);
+    for (const char* none : {"-1", "1x", "0x1", "%31"}) EXPECT_EQ(image(kind, none).status, 400) << none;
+    const Answer refused = image(kind, "2");
+    EXPECT_EQ(refused.status, 404);
+    EXPECT_THAT(refused.words(), HasSubstr("frame 2 was refused"));
+    EXPECT_EQ(ask(new_scan_id() + "/frames/" + kind + "/0").status, 404);
+  }
+  const Answer gone = ask(bare_id_ + "/frames");
+  EXPECT_EQ(gone.status, 410);
+  EXPECT_THAT(gone.words(), HasSubstr("not kept any more"));
+  EXPECT_EQ(ask(bare_id_ + "/frames/color/0").status, 410);
+  const Answer imported = ask(imported_id_ + "/frames");
+  EXPECT_EQ(imported.status, 404);
+  EXPECT_THAT(imported.words(), HasSubstr("was imported"));
+}
+
+TEST_F(FrameRoutesTest, AFrameThatIsDamagedOnTheDiskIsAnErrorOfItsOwn) {
+  // Terms and start are in segments of their own, too.
+  const std::string segment = log_ + "/" + segment_name(3);
+  std::vector<std::uint8_t> bytes = test::file_bytes(segment);
+  bytes.at(bytes.size() / 2) ^= 1;
+  std::ofstream(segment, std::ios::binary | std::ios::trunc)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  const Answer damaged = image("color", "1");
+  EXPECT_EQ(damaged.status, 500);
+  EXPECT_EQ(damaged.json()["error"]["code"], "corrupt_data");
+  EXPECT_THAT(damaged.words(), HasSubstr("frame 1: segment-000003.rlog at byte 16: the checksum is another one"));
+  EXPECT_EQ(image("color", "0").status, 200);
+  EXPECT_EQ(image("depth", "4").status, 200);
+  bytes.at(kSegmentHeaderBytes) ^= 1;  // now its head, too
+  std::ofstream(segment, std::ios::binary | std::ios::trunc)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  EXPECT_EQ(ask(id_ + "/frames").json()["statuses"][1], (Json{{"status", "damaged"}, {"frames", 1}}));
+}
+
+TEST_F(FrameRoutesTest, AShareLinkShowsTheModelAndNotItsFrames) {
+  test::RawClient client(server_->port());
+  client.send("POST /api/v1/scans/" + id_ + "/shares HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
+              server_->token() + "\r\n\r\n");
+  const std::string answer = client.read_to_end();
+  const std::string share = Json::parse(answer.substr(answer.find("\r\n\r\n") + 4))["secret"];
+  EXPECT_EQ(ask(id_, share).status, 200);
+  for (const char* path : {"/frames", "/frames/color/0", "/frames/depth/0", "/frames/depth16/0"}) {
+    EXPECT_EQ(ask(id_ + path, share).status, 403) << path;
+    EXPECT_EQ(ask(bare_id_ + path, share).status, 404) << path;
+  }
+}
+
+}  // namespace frame_routes_test
+}  // namespace hermite

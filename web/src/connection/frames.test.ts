@@ -1,0 +1,22 @@
+import { expect, test } from 'vitest';
+import { parseFrames, parseRange, posesOf } from './frames';
+
+test('runs of statuses become one for each frame', () => {
+  const json = { timestamps_s: [0, 0.1, null, 0.3], statuses: [{ status: 'tracked', frames: 2 }, { status: 'refused', frames: 1 }, { status: 'of tomorrow', frames: 9 }] };
+  expect(parseFrames(json)).toEqual({ timestamps_s: [0, 0.1, null, 0.3], statuses: ['tracked', 'tracked', 'refused', 'unknown'] });
+  expect(parseFrames({ timestamps_s: [0, 1], statuses: [{ frames: 'x' }] }).statuses).toEqual(['unknown', 'unknown']);
+  for (const wrong of [null, {}, { timestamps_s: [0] }, { timestamps_s: 5, statuses: [] }]) expect(() => parseFrames(wrong)).toThrow();
+});
+
+test('a range of depth is read from its header', () => {
+  expect(parseRange('412-3981')).toEqual({ from_mm: 412, to_mm: 3981 });
+  for (const wrong of [null, '', '412', '-1-5', '1-2x']) expect(parseRange(wrong)).toEqual({ from_mm: 0, to_mm: 0 });
+});
+
+test('poses are those of the same time, to the microsecond', () => {
+  const path = '# of a camera\n0.000000 1 0 0 0 0 0 1\n0.066667 2 0 0 0 0 0 1\n0.100000 3 0 0 0 0 1 0\n0.2 x\n';
+  const poses = posesOf(path, [0, 1 / 30, 2 / 30, null, 0.1, 0.2, 5]);
+  expect(poses.map((pose) => pose?.translation[0] ?? null)).toEqual([1, null, 2, null, 3, null, null]);
+  expect(poses[4]!.rotation).toEqual([0, 0, 1, 0]);
+  expect(posesOf('', [0, 1])).toEqual([null, null]);
+});

@@ -1,0 +1,87 @@
+// What the camera of a scan that has ended has sent: the list of its frames, the images of one, and where it was.
+import { ApiError, isRecord, numberOf, request } from './api';
+import type { Pose } from './events';
+
+const list_ms = 60_000; // the server looks at each of hundreds of thousands
+const image_ms = 15_000;
+
+const statuses = ['unknown', 'tracked', 'weak', 'lost', 'left_out', 'refused', 'damaged'] as const;
+export type FrameStatus = (typeof statuses)[number];
+
+// By the number of the frame, from 0.
+export interface FrameList {
+  readonly timestamps_s: readonly (number | null)[]; // null: there is no image
+  readonly statuses: readonly FrameStatus[];
+}
+
+export interface DepthRange {
+  readonly from_mm: number;
+  readonly to_mm: number;
+}
+
+export interface DepthPicture {
+  readonly picture: Blob;
+  readonly shown: DepthRange; // what its colours span
+  readonly measured: DepthRange; // in this frame
+}
+
+const pathOf = (scanId: string): string => `api/v1/scans/${encodeURIComponent(scanId)}`;
+
+export async function fetchFrames(scanId: string, token: string, signal: AbortSignal): Promise<FrameList> {
+  const response = await request(`${pathOf(scanId)}/frames`, token, { limit_ms: list_ms, signal });
+  return parseFrames(await response.json());
+}
+
+export async function fetchColor(scanId: string, token: string, frame: number, signal: AbortSignal): Promise<Blob> {
+  const response = await request(`${pathOf(scanId)}/frames/color/${frame}`, token, { limit_ms: image_ms, signal });
+  return response.blob();
+}
+
+// `range`: what its colours are to span; null: what was measured in this frame.
+export async function fetchDepth(scanId: string, token: string, frame: number, range: DepthRange | null, signal: AbortSignal): Promise<DepthPicture> {
+  const query = range ? `?from_mm=${range.from_mm}&to_mm=${range.to_mm}` : '';
+  const response = await request(`${pathOf(scanId)}/frames/depth/${frame}${query}`, token, { limit_ms: image_ms, signal });
+  const shown = parseRange(response.headers.get('Depth-Shown-Mm'));
+  const measured = parseRange(response.headers.get('Depth-Measured-Mm'));
+  return { picture: await response.blob(), shown, measured };
+}
+
+// trajectory.txt: a line for each frame that was used.
+export async function fetchPath(scanId: string, token: string, signal: AbortSignal): Promise<string> {
+  const response = await request(`${pathOf(scanId)}/trajectory.txt`, token, { limit_ms: list_ms, signal });
+  return response.text();
+}
+
+export function parseFrames(json: unknown): FrameList {
+  const times = isRecord(json) && Array.isArray(json['timestamps_s']) ? json['timestamps_s'].map(numberOf) : null;
+  const runs = isRecord(json) && Array.isArray(json['statuses']) ? json['statuses'].filter(isRecord) : null;
+  if (!times || !runs) throw new ApiError('The server’s list of frames cannot be read.', false);
+  const known: FrameStatus[] = [];
+  for (const run of runs) {
+    const status = statuses.find((name) => name === run['status']) ?? 'unknown';
+    const count = Math.min(numberOf(run['frames']) ?? 0, times.length - known.length);
+    for (let i = 0; i < count; ++i) known.push(status);
+  }
+  while (known.length < times.length) known.push('unknown');
+  return { timestamps_s: times, statuses: known };
+}
+
+export function parseRange(header: string | null): DepthRange {
+  const [, from, to] = /^(\d+)-(\d+)$/.exec(header ?? '') ?? [];
+  return { from_mm: Number(from ?? 0), to_mm: Number(to ?? 0) };
+}
+
+// Where the camera was in each of these frames, by their times; null: nobody knows. `path` is in TUM's format, in the same order.
+export function posesOf(path: string, timestamps_s: readonly (number | null)[]): (Pose | null)[] {
+  const same_s = 1e-6; // the file has so many digits
+  const lines = path.split('\n').filter((line) => line !== '' && !line.startsWith('#'));
+  const timeOf = (line: string): number => Number(line.slice(0, line.indexOf(' ')));
+  let next = 0;
+  return timestamps_s.map((time_s) => {
+    if (time_s === null) return null;
+    while (next < lines.length && timeOf(lines[next]!) < time_s - same_s) ++next;
+    if (next === lines.length || timeOf(lines[next]!) > time_s + same_s) return null;
+    const [, tx, ty, tz, qx, qy, qz, qw] = lines[next++]!.split(' ').map(Number) as [number, number, number, number, number, number, number, number];
+    return [tx, ty, tz, qx, qy, qz, qw].every(Number.isFinite) ? { translation: [tx, ty, tz], rotation: [qx, qy, qz, qw] } : null;
+  });
+}

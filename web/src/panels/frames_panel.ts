@@ -1,0 +1,307 @@
+// Looking back: a slider over all frames of a scan that has ended, with the images of that moment and where the camera was.
+import { ApiError } from '../connection/api';
+import type { Pose } from '../connection/events';
+import { fetchColor, fetchDepth, fetchFrames, fetchPath, posesOf, type DepthRange, type FrameList } from '../connection/frames';
+import { fetchAccess } from '../connection/scans';
+import type { ScanScene } from '../scene/scene';
+import { frameAfter, metres, nextImage, OneAtATime, statusWords, timeWords, widened } from '../state/frames';
+import type { LiveScan } from '../state/live_scan';
+import type { Store } from '../state/store';
+import { element, setText, type Panel } from './dom';
+import { framePicture } from './frame_picture';
+import { statusMark } from './mark';
+
+export interface FramesPanel extends Panel {
+  readonly button: HTMLElement; // opens and closes it; hidden where there are no frames to be seen
+  toggle(): void; // the same
+  close(): void;
+}
+
+interface World {
+  readonly scene: ScanScene;
+  readonly scan: Store<LiveScan, never>;
+  readonly token: string;
+  readonly opened: () => void; // it stands where others may stand
+}
+
+const tick_ms = 66; // two requests a frame: half of what a token may ask for in a second
+const pause_ms = 1000; // after a request that did not work
+
+export function framesPanel({ scene, scan, token, opened }: World): FramesPanel {
+  const { scanId } = scan.get();
+  const parts = partsOf();
+  const button = element('button', { type: 'button', class: 'button frames-button', title: 'What the camera has seen, frame by frame (T)', 'aria-pressed': 'false' }, 'Frames');
+  const back = new LookingBack(scanId, token, scene, parts);
+  const open = (on: boolean): void => {
+    const hadFocus = parts.node.contains(document.activeElement);
+    parts.node.hidden = !on;
+    parts.node.parentElement?.classList.toggle('looking-back', on);
+    button.setAttribute('aria-pressed', String(on));
+    if (!on) {
+      back.close();
+      if (hadFocus) button.focus();
+      return;
+    }
+    opened();
+    back.open();
+    parts.slider.focus();
+  };
+  const close = (): void => {
+    if (!parts.node.hidden) open(false);
+  };
+  const toggle = (): void => {
+    if (!button.hidden) open(parts.node.hidden);
+  };
+  let allowed = false;
+  const showButton = (): void => {
+    const { phase, framesReceived } = scan.get();
+    const ended = phase === 'finished' || phase === 'interrupted' || phase === 'failed';
+    button.hidden = !ended || framesReceived === 0 || !allowed; // no camera has seen what was imported
+    if (button.hidden) close();
+  };
+  const onKey = (event: KeyboardEvent): void => {
+    if (event.key === 'Escape' && !event.defaultPrevented && !document.querySelector('dialog')) close();
+  };
+  parts.node.hidden = true;
+  button.addEventListener('click', toggle);
+  parts.done.addEventListener('click', close);
+  parts.node.addEventListener('keydown', (event) => keyInside(event, back));
+  document.addEventListener('keydown', onKey);
+  // A share link is for the model.
+  fetchAccess(token).then(
+    ({ view, shared }) => {
+      allowed = view && !shared;
+      showButton();
+    },
+    () => {}, // the connection of the scan says what is wrong
+  );
+  const unsubscribe = scan.subscribe(showButton);
+  return {
+    element: parts.node,
+    button,
+    toggle,
+    close,
+    dispose() {
+      document.removeEventListener('keydown', onKey);
+      unsubscribe();
+      back.close();
+    },
+  };
+}
+
+function keyInside(event: KeyboardEvent, back: LookingBack): void {
+  const { target, key } = event;
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  const onSlider = target instanceof HTMLInputElement;
+  if (key === ' ' && onSlider) back.play();
+  else if (key === 'ArrowLeft' && !onSlider) back.step(-1);
+  else if (key === 'ArrowRight' && !onSlider) back.step(1);
+  else return;
+  event.preventDefault();
+  event.stopPropagation(); // one key, one thing
+}
+
+type Parts = ReturnType<typeof partsOf>;
+
+function partsOf() {
+  const act = (text: string, label: string, title = ''): HTMLButtonElement => element('button', { type: 'button', class: 'button', 'aria-label': label, title }, text);
+  const [near, far] = [element('span'), element('span')];
+  const scale = element('span', { class: 'depth-scale' }, near, element('span', { class: 'depth-colors', 'aria-hidden': 'true' }), far);
+  const color = framePicture('Colour image', 'Colour');
+  const depth = framePicture('Depth image: red is near, blue is far', 'Depth', scale);
+  const number = element('strong');
+  const time = element('span', { class: 'frame-time' });
+  const status = statusMark();
+  const facts = element('div', { class: 'frame-facts' }, number, time, status.element);
+  const note = element('p', { class: 'notice', role: 'status' });
+  const slider = element('input', { type: 'range', min: 0, max: 0, step: 1, value: 0, 'aria-label': 'Frame' });
+  const [before, play, after] = [act('‹', 'Frame before'), act('Play', 'Play', 'At the speed of the camera (space, on the slider)'), act('›', 'Next frame')];
+  const through = act('Look through', 'Look through the camera', 'Moves the view to where the camera was');
+  const done = act('Close', 'Close the frames');
+  const found = element('div', { class: 'frames-found' }, element('div', { class: 'frame-pictures' }, color.element, depth.element), facts, slider);
+  const buttons = element('div', { class: 'buttons' }, before, play, after, through);
+  const node = element('section', { class: 'card frames', 'aria-label': 'Frames' }, note, found, element('div', { class: 'frames-foot' }, buttons, done));
+  return { node, note, found, buttons, color, depth, near, far, scale, number, time, status, slider, before, play, after, through, done };
+}
+
+interface DepthShown {
+  readonly image: ImageBitmap;
+  readonly shown: DepthRange;
+  readonly measured: DepthRange;
+}
+
+interface Images {
+  readonly color: ImageBitmap | string; // words: why there is none
+  readonly depth: DepthShown | string;
+}
+
+// What happens while the panel is open.
+class LookingBack {
+  private opened: AbortController | null = null;
+  private recording: { readonly list: FrameList; readonly poses: readonly (Pose | null)[] } | null = null;
+  private frame = 0;
+  private drawn = -1; // the frame whose images are seen
+  private range: DepthRange | null = null; // that the colours of depth span
+  private playing: { readonly from: number; readonly since_ms: number; readonly timer: ReturnType<typeof setInterval> } | null = null;
+  private failed_ms = -Infinity;
+  private readonly images: OneAtATime<Images>;
+
+  constructor(
+    private readonly scanId: string,
+    private readonly token: string,
+    private readonly scene: ScanScene,
+    private readonly parts: Parts,
+  ) {
+    const nothing = (): void => {}; // images say themselves what is wrong
+    this.images = new OneAtATime((frame, signal) => fetchImages(scanId, token, frame, { range: this.range, signal }), (frame, images) => this.got(frame, images), nothing);
+    parts.slider.addEventListener('input', () => this.choose(parts.slider.valueAsNumber));
+    parts.before.addEventListener('click', () => this.step(-1));
+    parts.after.addEventListener('click', () => this.step(1));
+    parts.play.addEventListener('click', () => this.play());
+    parts.through.addEventListener('click', () => this.pose && scene.lookThrough(this.pose));
+  }
+
+  open(): void {
+    const mine = (this.opened = new AbortController());
+    if (this.recording) return this.go(this.frame);
+    this.say('Loading the frames …');
+    const path = fetchPath(this.scanId, this.token, mine.signal).catch(() => ''); // of a scan without results
+    Promise.all([fetchFrames(this.scanId, this.token, mine.signal), path]).then(
+      ([list, text]) => {
+        if (this.opened === mine) this.take(list, posesOf(text, list.timestamps_s));
+      },
+      (error: unknown) => {
+        if (this.opened === mine) this.say(wordsOf(error));
+      },
+    );
+  }
+
+  close(): void {
+    this.opened?.abort();
+    this.opened = null;
+    this.pause();
+    this.images.stop();
+    this.scene.showMoment(null);
+  }
+
+  step(by: 1 | -1): void {
+    this.choose(this.frame + by);
+  }
+
+  // Or stops.
+  play(): void {
+    if (!this.recording) return;
+    if (this.playing) return this.pause();
+    const { list } = this.recording;
+    const from = nextImage(list, this.frame, 1) === this.frame ? Math.max(0, nextImage(list, -1, 1)) : this.frame; // again, at the end
+    this.playing = { from, since_ms: performance.now(), timer: setInterval(() => this.tick(), tick_ms) };
+    this.showPlay();
+    if (from !== this.frame) this.go(from);
+  }
+
+  private get pose(): Pose | null {
+    return this.recording?.poses[this.frame] ?? null;
+  }
+
+  private say(words: string): void {
+    const { note, found, buttons } = this.parts;
+    setText(note, words);
+    note.hidden = words === '';
+    found.hidden = buttons.hidden = words !== '';
+  }
+
+  private take(list: FrameList, poses: readonly (Pose | null)[]): void {
+    const count = list.timestamps_s.length;
+    if (count === 0) return this.say('There is no frame.');
+    this.recording = { list, poses };
+    this.parts.slider.max = String(count - 1);
+    this.say('');
+    this.parts.slider.focus();
+    this.go(Math.max(0, nextImage(list, -1, 1)));
+  }
+
+  private choose(frame: number): void {
+    this.pause();
+    if (this.recording) this.go(Math.min(this.recording.list.timestamps_s.length - 1, Math.max(0, frame)));
+  }
+
+  private go(frame: number): void {
+    const { list } = this.recording!;
+    const { color, depth, slider, number, time, status, before, after, through } = this.parts;
+    this.frame = frame;
+    const last = list.timestamps_s.length - 1;
+    const words = statusWords(list.statuses[frame]!);
+    slider.value = String(frame);
+    slider.setAttribute('aria-valuetext', `Frame ${frame} of ${last}, ${timeWords(list, frame)}, ${words.text}`);
+    setText(number, `Frame ${frame} / ${last}`);
+    setText(time, timeWords(list, frame));
+    time.title = `${list.timestamps_s[frame] ?? 'no time'} s by the camera’s clock`;
+    status.show(words);
+    before.disabled = frame === 0;
+    after.disabled = frame === last;
+    through.disabled = this.pose === null;
+    if (list.timestamps_s[frame] !== null) this.images.want(frame);
+    else for (const picture of [color, depth]) picture.show('There is no image.');
+    if (!this.playing) this.place(); // else with its picture
+  }
+
+  private got(frame: number, { color, depth }: Images): void {
+    const { parts } = this;
+    if (typeof color === 'string' || typeof depth === 'string') this.failed_ms = performance.now();
+    this.drawn = frame;
+    parts.color.show(color);
+    parts.depth.show(typeof depth === 'string' ? depth : depth.image);
+    parts.scale.hidden = typeof depth === 'string' || depth.shown.to_mm === 0;
+    if (typeof depth !== 'string') {
+      setText(parts.near, metres(depth.shown.from_mm));
+      setText(parts.far, metres(depth.shown.to_mm));
+      this.range = widened(this.range, depth.measured);
+    }
+    if (frame === this.frame) this.place();
+  }
+
+  private place(): void {
+    const { color } = this.parts;
+    this.scene.showMoment(this.pose && { worldFromCamera: this.pose, picture: this.drawn === this.frame && color.isThere() ? color.canvas : null });
+  }
+
+  private tick(): void {
+    if (!this.playing || !this.recording) return;
+    const { list } = this.recording;
+    const now_ms = performance.now();
+    const to = frameAfter(list, this.playing.from, (now_ms - this.playing.since_ms) / 1000);
+    if (this.images.isBusy || now_ms - this.failed_ms < pause_ms) return; // frames are left out where the link is slow
+    if (to !== this.frame) this.go(to);
+    else if (nextImage(list, to, 1) === to) this.pause(); // the end
+  }
+
+  private pause(): void {
+    if (this.playing) clearInterval(this.playing.timer);
+    this.playing = null;
+    this.showPlay();
+  }
+
+  private showPlay(): void {
+    const { play } = this.parts;
+    setText(play, this.playing ? 'Pause' : 'Play');
+    play.setAttribute('aria-label', this.playing ? 'Pause' : 'Play');
+  }
+}
+
+interface Wanted {
+  readonly range: DepthRange | null;
+  readonly signal: AbortSignal;
+}
+
+// Both, or why one of them cannot be had. Fails only when nobody wants them any more.
+async function fetchImages(scanId: string, token: string, frame: number, { range, signal }: Wanted): Promise<Images> {
+  const color = fetchColor(scanId, token, frame, signal).then((blob) => createImageBitmap(blob));
+  const depth = fetchDepth(scanId, token, frame, range, signal).then(async ({ picture, ...ranges }) => ({ image: await createImageBitmap(picture), ...ranges }));
+  const [shown, measured] = await Promise.all([color.catch(wordsOf), depth.catch(wordsOf)]);
+  signal.throwIfAborted();
+  return { color: shown, depth: measured };
+}
+
+function wordsOf(error: unknown): string {
+  return error instanceof ApiError ? error.message : 'This image cannot be read.';
+}
