@@ -43,7 +43,7 @@ const keys: readonly (readonly [string, string])[] = [
   ['F', 'Show the whole scan'],
   ['S', 'Surface or points'],
   ['I', 'See inside'],
-  ['M', 'Measure the distance of two points'],
+  ['M', 'Measure distances, heights, angles and areas'],
   ['C', 'Follow the camera, while it scans'],
   ['?', 'This help'],
   ['Esc', 'Close what is open'],
