@@ -249,14 +249,17 @@ void add_texture_options(CLI::App& evaluate, TextureJudging& judging, CLI::Optio
 }
 
 void add_measure_options(CLI::App& evaluate, MeasureJudging& judging) {
-  CLI::Option* measure =
-      evaluate.add_option("--measure", judging.result,
-                          "Folder as hermite reconstruct writes it: distances between random pairs of places in it against those of "
-                          "--truth. Keys: the share of "
-                          "true distances inside the interval, in all and by the distance, medians of half-widths and errors");
+  CLI::Option* measure = evaluate.add_option(
+      "--measure", judging.result,
+      "Folder as hermite reconstruct writes it: what is measured between random places in it against --truth. Keys: the "
+      "share of true distances inside the interval, in all and by the distance, medians of half-widths and errors, "
+      "and the same of the other kinds");
   CLI::Option* truth = evaluate.add_option("--truth", judging.sequence, "Sequence with true poses and depth without noise")->needs(measure);
   measure->needs(truth);
-  evaluate.add_option("--pairs", judging.pairs, "How many")->needs(measure)->check(CLI::Range(1, 1'000'000))->capture_default_str();
+  evaluate.add_option("--pairs", judging.pairs, "How many; of what needs planes a twentieth")
+      ->needs(measure)
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
   evaluate.add_option("--seed", judging.seed, "Other pairs for each")->needs(measure)->capture_default_str();
   evaluate.add_option("--pairs-csv", judging.csv, "Write all of them here")->needs(measure);
 }

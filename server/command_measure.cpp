@@ -1,5 +1,6 @@
 // hermite measure
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -15,27 +16,39 @@ namespace hermite {
 namespace {
 
 struct MeasureArguments {
-  std::string result, from, to;
+  std::string result, kind, up;
+  std::vector<std::string> points;
   bool json = false;
 };
 
-Eigen::Vector3d point_of(const std::string& text, const char* option) {
+Eigen::Vector3d triple_of(const std::string& text, const std::string& option) {
   const std::vector<std::string_view> fields = split_fields(text);
-  Eigen::Vector3d point;
+  Eigen::Vector3d triple;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::optional<double> number = fields.size() == 3 ? parse_finite(fields[axis]) : std::nullopt;
-    if (!number) throw SetupError({ErrorCode::kInvalidArgument, std::string(option) + " " + text + ": not three numbers, x,y,z in metres"});
-    point[static_cast<Eigen::Index>(axis)] = *number;
+    if (!number) throw SetupError({ErrorCode::kInvalidArgument, option + " " + text + ": not three numbers, x,y,z"});
+    triple[static_cast<Eigen::Index>(axis)] = *number;
   }
-  return point;
+  return triple;
+}
+
+MeasureRequest request_of(const MeasureArguments& arguments) {
+  const std::optional<MeasureKind> kind = measure_kind_of(arguments.kind);
+  if (!kind) throw SetupError({ErrorCode::kInvalidArgument, "--kind " + arguments.kind + ": it is one of " + measure_kind_names()});
+  MeasureRequest request{*kind, {}, std::nullopt};
+  for (const std::string& point : arguments.points) request.points.push_back(triple_of(point, "--point"));
+  if (!arguments.up.empty()) request.up = triple_of(arguments.up, "--up");
+  or_throw(check_measure_request(request));
+  return request;
 }
 
 int run_measure(const MeasureArguments& arguments) {
-  const Eigen::Vector3d from = point_of(arguments.from, "--from"), to = point_of(arguments.to, "--to");
+  const MeasureRequest request = request_of(arguments);
   const ResultFiles files = or_throw(read_result_files(arguments.result));
-  const MeasuredResult result{files.surfels, or_throw(map_knowledge_of(files.trajectory_text, files.report_json))};
-  const Measurement measurement = or_throw(measure_distance(result, from, to));
-  std::cout << (arguments.json ? format_measurement_json(measurement) : words_of(measurement.distance)) << '\n';
+  const EachPoint each_point = [&](const std::function<void(const CloudPoint&)>& use) { return for_each_ply_point(files.surfels, use); };
+  const MeasuredResult result{each_point, or_throw(map_knowledge_of(files.trajectory_text, files.report_json))};
+  const Measurement measurement = or_throw(measure(result, request));
+  std::cout << (arguments.json ? format_measurement_json(measurement) : words_of(measurement.quantity)) << '\n';
   return 0;
 }
 
@@ -43,10 +56,17 @@ int run_measure(const MeasureArguments& arguments) {
 
 Command add_measure_command(CLI::App& app) {
   auto arguments = std::make_shared<MeasureArguments>();
-  CLI::App& measure = *app.add_subcommand("measure", "Measure the distance of two places of a result, with the interval of 95 %");
+  CLI::App& measure = *app.add_subcommand("measure", "Measure between places of a result, with the interval of 95 %");
   measure.add_option("RESULT", arguments->result, "Folder as hermite reconstruct writes it")->required();
-  measure.add_option("--from", arguments->from, "A point on or near a surface: x,y,z in the world of the scan [m]")->required();
-  measure.add_option("--to", arguments->to, "Another one")->required();
+  measure
+      .add_option(
+          "--kind", arguments->kind,
+          "distance of two points; plane: of a point from the plane at another one; height of two points along --up; angle that the "
+          "surfaces at two points enclose; area of the polygon of 3 to 64 points")
+      ->default_val(std::string(row_of(MeasureKind::kDistance).name));
+  measure.add_option("--point", arguments->points, "On or near a surface: x,y,z in the world of the scan [m]; once for each, in order")
+      ->required();
+  measure.add_option("--up", arguments->up, "Of a height: which way is up, x,y,z of a unit vector; 0,-1,0 is the first camera's");
   measure.add_flag("--json", arguments->json, "The places on the surface and what the interval is made of, too");
   return {&measure, [arguments] { return run_measure(*arguments); }};
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
@@ -12,7 +13,10 @@
 #include "core/dataset/counted_random.h"
 #include "core/dataset/text_file.h"
 #include "core/evaluate/true_points.h"
+#include "core/measure/area.h"
+#include "core/measure/distance.h"
 #include "core/measure/measure.h"
+#include "core/measure/plane_measures.h"
 #include "core/mesh/surfel_grid.h"
 #include "core/output/ply.h"
 #include "server/ply_file.h"
@@ -22,6 +26,7 @@ namespace hermite {
 
 namespace {
 
+using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 
 // A mesh is off by so much where one clicks on it (tests/accuracy/README.md, "Mesh").
@@ -29,20 +34,29 @@ constexpr double kPickDeviation_m = 0.002;
 
 constexpr std::array kClassBounds_m{0.0, 0.5, 1.0, 2.0, 4.0, std::numeric_limits<double>::infinity()};
 
+// What needs planes takes some hundredths of a second each.
+constexpr std::size_t kPairsForOnePlane = 20;
+constexpr int kMostDrawnCorners = 8;
+
 class Surfels {
  public:
   explicit Surfels(Cloud cloud) : cloud_(std::move(cloud)), grid_(kFitReach_m / SurfelGrid::kBinCells) {
     for (std::size_t i = 0; i < cloud_.size(); ++i) grid_.insert(static_cast<std::uint32_t>(i), cloud_[i].position_m);
   }
 
-  Result<MeasuredPlace> fit(const Eigen::Vector3d& pick) const {
-    std::vector<CloudPoint> around;
-    const Eigen::Vector3f reach = Eigen::Vector3f::Constant(static_cast<float>(kFitReach_m));
-    grid_.for_each(pick.cast<float>() - reach, pick.cast<float>() + reach, [&](std::uint32_t slot) { around.push_back(cloud_[slot]); });
-    return fit_surface_point(around, pick);
+  Result<MeasuredPlace> fit(const Vector3d& pick) const { return fit_surface_point(around(pick, kFitReach_m), pick); }
+  Result<MeasuredPlane> plane(const MeasuredPlace& place, bool one_submap) const {
+    return fit_plane(around(place.position_m, kPlaneReach_m), place, one_submap);
   }
 
  private:
+  Cloud around(const Vector3d& middle, double reach_m) const {
+    Cloud found;
+    const Eigen::Vector3f reach = Eigen::Vector3f::Constant(static_cast<float>(reach_m));
+    grid_.for_each(middle.cast<float>() - reach, middle.cast<float>() + reach, [&](std::uint32_t slot) { found.push_back(cloud_[slot]); });
+    return found;
+  }
+
   Cloud cloud_;
   SurfelGrid grid_;
 };
@@ -52,25 +66,27 @@ struct JudgedPoint {
   MeasuredPlace found;
 };
 
-struct JudgedPair {
-  double true_m = 0;
-  Distance found;
-  bool is_inside() const { return std::abs(found.distance_m - true_m) <= found.half_width_m; }
+struct JudgedPlane {
+  TruePlane truth;
+  MeasuredPlane found;
 };
 
-// None: nothing can be measured there.
-std::vector<std::optional<JudgedPoint>> judged_points(const std::vector<TruePoint>& points, const Surfels& surfels, std::uint64_t seed) {
-  std::vector<std::optional<JudgedPoint>> judged;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    judged.emplace_back();
-    const Result<MeasuredPlace> there = surfels.fit(points[i].estimated_m);
-    if (!there.ok()) continue;
-    const double off_m = kPickDeviation_m * normal_pair(frame_key(seed, -1), i).a;
-    const Result<MeasuredPlace> found = surfels.fit(points[i].estimated_m + off_m * there->normal);
-    if (found.ok()) judged.back() = JudgedPoint{points[i], *found};
+struct Judged {
+  double truth = 0;
+  Quantity found;
+  bool is_inside() const { return std::abs(found.value - truth) <= found.half_width; }
+};
+
+struct JudgedKind {
+  std::vector<Judged> all;
+  std::size_t tried = 0;
+
+  void add(double truth, const Result<Quantity>& found) {
+    ++tried;
+    if (found.ok()) all.push_back({truth, *found});
   }
-  return judged;
-}
+  double refused() const { return 1 - static_cast<double>(all.size()) / static_cast<double>(std::max<std::size_t>(1, tried)); }
+};
 
 double median_of(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -79,28 +95,177 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-Json summary_of(const std::vector<JudgedPair>& pairs, double from_m, double to_m) {
+double angle_deg(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI; }
+
+// Of an outline that lies in one plane.
+double outline_area_m2(const std::vector<Vector3d>& corners) {
+  Vector3d doubled = Vector3d::Zero();
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    doubled += (corners[i] - corners[0]).cross(corners[(i + 1) % corners.size()] - corners[0]);
+  return doubled.norm() / 2;
+}
+
+// A result beside the truth, and random things to measure in it.
+class MeasureJudge {
+ public:
+  MeasureJudge(const MeasureJudging& judging, const TrueSurface& truth, Surfels surfels, MapKnowledge map)
+      : seed_(judging.seed),
+        pairs_(static_cast<std::size_t>(judging.pairs)),
+        truth_(truth),
+        surfels_(std::move(surfels)),
+        map_(std::move(map)) {
+    // A quarter more than are needed, for those that nothing can be measured at.
+    const std::vector<TruePoint> points = truth.points(pairs_ * 5 / 2, seed_);
+    for (std::size_t i = 0; i < points.size(); ++i) points_.push_back(judged(points[i], i));
+  }
+
+  JudgedKind distances() const {
+    JudgedKind kind;
+    for (std::size_t i = 1; i < points_.size() && kind.all.size() < pairs_; i += 2)
+      if (points_[i - 1] && points_[i])
+        kind.add((points_[i - 1]->truth.true_m - points_[i]->truth.true_m).norm(),
+                 distance_between(points_[i - 1]->found, points_[i]->found, map_));
+      else
+        ++kind.tried;
+    return kind;
+  }
+
+  // Up is the true one, turned into the estimate's world and off by as much as one that was found.
+  JudgedKind heights() const {
+    JudgedKind kind;
+    const Vector3d true_up = truth_.true_up(), up = truth_.estimate_from_true() * true_up;
+    for (std::size_t i = 1; i < points_.size() && kind.all.size() < pairs_; i += 2) {
+      if (!points_[i - 1] || !points_[i]) continue;
+      const NormalPair tilt = normal_pair(frame_key(seed_, -2), i);
+      const Vector3d along = up.unitOrthogonal(), across = up.cross(along);
+      const Vector3d found_up = (up + kUpSigma_rad * (tilt.a * along + tilt.b * across)).normalized();
+      kind.add(std::abs(true_up.dot(points_[i - 1]->truth.true_m - points_[i]->truth.true_m)),
+               height_between(points_[i - 1]->found, points_[i]->found, found_up, map_));
+    }
+    return kind;
+  }
+
+  // Where the truth has planes.
+  JudgedKind planes_and_angles(JudgedKind& angles) const {
+    JudgedKind kind;
+    for (std::size_t i = 1; i < points_.size() && kind.tried < pairs_ / kPairsForOnePlane; i += 2) {
+      if (!points_[i - 1] || !points_[i]) continue;
+      const std::optional<TruePlane> true_plane = truth_.plane_at(points_[i]->truth.pixel);
+      if (!true_plane) continue;
+      const Result<MeasuredPlane> plane = surfels_.plane(points_[i]->found, map_.part_count > 1);
+      const JudgedPoint& from = *points_[i - 1];
+      kind.add(std::abs(true_plane->normal.dot(from.truth.true_m - true_plane->centre_m)),
+               plane.ok() ? distance_to_plane(from.found, *plane, map_) : plane.error());
+      const std::optional<TruePlane> other_true = truth_.plane_at(from.truth.pixel);
+      if (!other_true) continue;
+      const Result<MeasuredPlane> other = surfels_.plane(from.found, map_.part_count > 1);
+      angles.add(180 - angle_deg(true_plane->normal, other_true->normal), !plane.ok()   ? plane.error()
+                                                                          : !other.ok() ? other.error()
+                                                                                        : angle_between(*plane, *other, map_));
+    }
+    return kind;
+  }
+
+  // By turns of three points anywhere, and of 3 to 8 points of a plane that the truth has.
+  JudgedKind areas() const {
+    JudgedKind kind;
+    for (std::size_t i = 2; i < points_.size() && kind.tried < pairs_ / kPairsForOnePlane; i += 3) {
+      const std::vector<std::optional<JudgedPoint>> corners = i % 2 == 0 ? std::vector(points_.begin() + static_cast<std::ptrdiff_t>(i) - 2,
+                                                                                       points_.begin() + static_cast<std::ptrdiff_t>(i) + 1)
+                                                                         : corners_in_plane(i);
+      std::vector<Vector3d> true_corners;
+      std::vector<MeasuredPlace> found_corners;
+      for (const std::optional<JudgedPoint>& corner : corners) {
+        if (!corner) continue;
+        true_corners.push_back(corner->truth.true_m);
+        found_corners.push_back(corner->found);
+      }
+      if (true_corners.size() >= 3) kind.add(outline_area_m2(true_corners), area_of(found_corners, map_));
+    }
+    return kind;
+  }
+
+ private:
+  // None: nothing can be measured there.
+  std::optional<JudgedPoint> judged(const TruePoint& point, std::size_t counter) const {
+    const Result<MeasuredPlace> there = surfels_.fit(point.estimated_m);
+    if (!there.ok()) return std::nullopt;
+    const double off_m = kPickDeviation_m * normal_pair(frame_key(seed_, -1), counter).a;
+    const Result<MeasuredPlace> found = surfels_.fit(point.estimated_m + off_m * there->normal);
+    return found.ok() ? std::optional(JudgedPoint{point, *found}) : std::nullopt;
+  }
+
+  // Around the middle, so that the outline does not cross itself.
+  std::vector<std::optional<JudgedPoint>> corners_in_plane(std::size_t index) const {
+    if (!points_[index]) return {};
+    const std::optional<TruePlane> plane = truth_.plane_at(points_[index]->truth.pixel);
+    if (!plane) return {};
+    const std::uint64_t key = frame_key(seed_, -3 - static_cast<std::int64_t>(index));
+    const int count = 3 + static_cast<int>(unit_uniform(key, 0) * (kMostDrawnCorners - 2));
+    std::vector<std::optional<JudgedPoint>> corners;
+    Vector3d middle = Vector3d::Zero();
+    for (int i = 1; i <= count; ++i) {
+      const auto chosen =
+          static_cast<std::size_t>(unit_uniform(key, static_cast<std::uint64_t>(i)) * static_cast<double>(plane->pixels.size()));
+      const std::optional<TruePoint> point = truth_.point_at(plane->pixels[chosen]);
+      std::optional<JudgedPoint> corner =
+          point ? judged(*point, points_.size() + index * kMostDrawnCorners + static_cast<std::size_t>(i)) : std::nullopt;
+      if (!corner) continue;
+      middle += corner->truth.true_m;
+      corners.push_back(std::move(corner));
+    }
+    if (corners.empty()) return {};
+    middle /= static_cast<double>(corners.size());
+    const Vector3d along = plane->normal.unitOrthogonal(), across = plane->normal.cross(along);
+    const auto turn = [&](const std::optional<JudgedPoint>& corner) {
+      return std::atan2((corner->truth.true_m - middle).dot(across), (corner->truth.true_m - middle).dot(along));
+    };
+    std::stable_sort(corners.begin(), corners.end(), [&](const auto& a, const auto& b) { return turn(a) < turn(b); });
+    return corners;
+  }
+
+  const std::uint64_t seed_;
+  const std::size_t pairs_;
+  const TrueSurface& truth_;
+  const Surfels surfels_;
+  const MapKnowledge map_;
+  std::vector<std::optional<JudgedPoint>> points_;
+};
+
+// Of those whose true value is at least one bound and less than the other.
+Json summary_of(const std::vector<Judged>& all, double from, double to, const char* count_key) {
   std::vector<double> half_widths, errors;
   std::size_t inside = 0;
-  for (const JudgedPair& pair : pairs) {
-    if (pair.true_m < from_m || pair.true_m >= to_m) continue;
-    half_widths.push_back(pair.found.half_width_m);
-    errors.push_back(std::abs(pair.found.distance_m - pair.true_m));
-    inside += pair.is_inside();
+  for (const Judged& one : all) {
+    if (one.truth < from || one.truth >= to) continue;
+    half_widths.push_back(one.found.half_width);
+    errors.push_back(std::abs(one.found.value - one.truth));
+    inside += one.is_inside();
   }
-  Json summary{{"pairs", errors.size()}};
+  Json summary{{count_key, errors.size()}};
   if (errors.empty()) return summary;
   summary["inside"] = static_cast<double>(inside) / static_cast<double>(errors.size());
-  summary["median_half_width_m"] = median_of(half_widths);
-  summary["median_error_m"] = median_of(errors);
+  summary["median_half_width"] = median_of(half_widths);
+  summary["median_error"] = median_of(errors);
   return summary;
 }
 
-std::string csv_of(const std::vector<JudgedPair>& pairs) {
-  std::string text = "true_m,measured_m,half_width_m,surface_sigma_m,pose_sigma_m,way_m\n";
-  for (const JudgedPair& pair : pairs)
-    text += printf_text("%.6f,%.6f,%.6f,%.6f,%.6f,%.3f\n", pair.true_m, pair.found.distance_m, pair.found.half_width_m,
-                        pair.found.surface_sigma_m, pair.found.pose_sigma_m, pair.found.way_m);
+constexpr double kEverything = std::numeric_limits<double>::infinity();
+
+Json json_of(const JudgedKind& kind) {
+  Json json = summary_of(kind.all, -kEverything, kEverything, "count");
+  json["tried"] = kind.tried;
+  json["refused"] = kind.refused();
+  return json;
+}
+
+std::string csv_of(const std::vector<const JudgedKind*>& kinds) {
+  std::string text = "kind,true,measured,half_width,surface_sigma,pose_sigma,way_m\n";
+  for (const JudgedKind* kind : kinds)
+    for (const Judged& one : kind->all)
+      text += std::string(row_of(one.found.kind).name) + printf_text(",%.6f,%.6f,%.6f,%.6f,%.6f,%.3f\n", one.truth, one.found.value,
+                                                                     one.found.half_width, one.found.surface_sigma, one.found.pose_sigma,
+                                                                     one.found.way_m);
   return text;
 }
 
@@ -108,31 +273,29 @@ std::string csv_of(const std::vector<JudgedPair>& pairs) {
 
 Json evaluate_measure(const MeasureJudging& judging) {
   const ResultFiles files = or_throw(read_result_files(judging.result));
-  const MapKnowledge map = or_throw(map_knowledge_of(files.trajectory_text, files.report_json));
+  MapKnowledge map = or_throw(map_knowledge_of(files.trajectory_text, files.report_json));
   const std::unique_ptr<Sequence> sequence = or_throw(open_sequence(judging.sequence));
   const Trajectory estimate = or_throw(parse_tum_trajectory(files.trajectory_text));
-  const auto wanted = static_cast<std::size_t>(judging.pairs);
-  // A quarter more than are needed, for those that nothing can be measured at.
-  const std::vector<TruePoint> points = or_throw(true_points(*sequence, estimate, wanted * 5 / 2, judging.seed));
-  const Surfels surfels(cloud_of(read_ply_file(judging.result + "/surfels.ply")));
-  const std::vector<std::optional<JudgedPoint>> judged = judged_points(points, surfels, judging.seed);
-  std::vector<JudgedPair> pairs;
-  std::size_t tried = 0;
-  for (std::size_t i = 1; i < judged.size() && pairs.size() < wanted; i += 2, ++tried) {
-    if (!judged[i - 1] || !judged[i]) continue;
-    const Result<Distance> distance = distance_between(judged[i - 1]->found, judged[i]->found, map);
-    if (distance.ok()) pairs.push_back({(judged[i - 1]->truth.true_m - judged[i]->truth.true_m).norm(), *distance});
-  }
-  Json json = summary_of(pairs, 0, std::numeric_limits<double>::infinity());
-  json["tried"] = tried;
-  json["refused"] = 1 - static_cast<double>(pairs.size()) / static_cast<double>(std::max<std::size_t>(1, tried));
-  json["half_width_at_1m_m"] = summary_of(pairs, 0.9, 1.1).value("median_half_width_m", 0.0);
+  const TrueSurface truth = or_throw(TrueSurface::of(*sequence, estimate));
+  const MeasureJudge judge(judging, truth, Surfels(cloud_of(read_ply_file(judging.result + "/surfels.ply"))), std::move(map));
+  const JudgedKind distances = judge.distances(), heights = judge.heights(), areas = judge.areas();
+  JudgedKind angles;
+  const JudgedKind planes = judge.planes_and_angles(angles);
+  Json json = summary_of(distances.all, 0, kEverything, "pairs");
+  json["tried"] = distances.tried;
+  json["refused"] = distances.refused();
+  json["half_width_at_1m_m"] = summary_of(distances.all, 0.9, 1.1, "pairs").value("median_half_width", 0.0);
   for (std::size_t i = 1; i < kClassBounds_m.size(); ++i) {
-    Json one = summary_of(pairs, kClassBounds_m[i - 1], kClassBounds_m[i]);
+    Json one = summary_of(distances.all, kClassBounds_m[i - 1], kClassBounds_m[i], "pairs");
     one["from_m"] = kClassBounds_m[i - 1];
     json["classes"].push_back(one);
   }
-  if (!judging.csv.empty()) or_throw(write_file_atomically(judging.csv, csv_of(pairs)));
+  const Vector3d up = truth.estimate_from_true() * truth.true_up();
+  json["up"] = {up.x(), up.y(), up.z()};
+  const std::vector<const JudgedKind*> others{&planes, &heights, &angles, &areas};
+  const std::array names{MeasureKind::kPlane, MeasureKind::kHeight, MeasureKind::kAngle, MeasureKind::kArea};
+  for (std::size_t i = 0; i < names.size(); ++i) json["kinds"][std::string(row_of(names[i]).name)] = json_of(*others[i]);
+  if (!judging.csv.empty()) or_throw(write_file_atomically(judging.csv, csv_of({&distances, &planes, &heights, &angles, &areas})));
   return json;
 }
 

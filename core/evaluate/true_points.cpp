@@ -1,5 +1,7 @@
 #include "core/evaluate/true_points.h"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -17,61 +19,144 @@ constexpr std::int64_t kMostViews = 120;
 constexpr double kNearestTruth_m = 0.4, kFarthestTruth_m = 4.5;
 constexpr double kSameDepth_m = 0.01, kSameDepthShare = 0.01;
 
-struct TrueView {
-  DepthImage depth;
-  Rigid3 true_from_camera, estimate_from_camera;
+// Of a plane: depth is rounded to 0.2 mm and more.
+constexpr double kOnPlane_m = 0.0015, kLeastBreadth_m = 0.02;
+constexpr std::size_t kLeastPixels = 400;
+constexpr int kSeedRadius_px = 4, kPlaneRounds = 3;
+
+// Through points, facing `towards`, and how far they spread across their longest direction (standard deviation).
+struct FittedPlane {
+  Vector3d centre_m, normal;
+  double breadth_m = 0;
 };
 
-std::vector<TrueView> views_of(const Sequence& sequence, const Trajectory& estimate) {
-  std::vector<TrueView> views;
+FittedPlane plane_through(const std::vector<Vector3d>& points, const Vector3d& towards) {
+  Vector3d centre = Vector3d::Zero();
+  for (const Vector3d& point : points) centre += point;
+  centre /= static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Vector3d& point : points) spread += (point - centre) * (point - centre).transpose() / static_cast<double>(points.size());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+  const Vector3d normal = axes.eigenvectors().col(0) * (axes.eigenvectors().col(0).dot(towards - centre) < 0 ? -1 : 1);
+  return {centre, normal, std::sqrt(std::max(0.0, axes.eigenvalues()[1]))};
+}
+
+}  // namespace
+
+Result<TrueSurface> TrueSurface::of(const Sequence& sequence, const Trajectory& estimate) {
+  if (sequence.groundtruth().empty()) return Error{ErrorCode::kNotFound, sequence.name() + " has no true poses"};
+  TrueSurface surface(sequence.camera());
   const std::int64_t stride = std::max<std::int64_t>(1, (sequence.frame_count() + kMostViews - 1) / kMostViews);
   for (std::int64_t i = 0; i < sequence.frame_count(); i += stride) {
     const auto truth = pose_at(sequence.groundtruth(), sequence.timestamp_s(i), kMaxAssociationGap_s);
     const auto found = pose_at(estimate, sequence.timestamp_s(i), kMaxAssociationGap_s);
     Result<RecordedFrame> frame = sequence.read(i);
-    if (truth && found && frame.ok()) views.push_back({std::move(frame->depth), *truth, *found});
+    if (truth && found && frame.ok()) surface.views_.push_back({std::move(frame->depth), *truth, *found});
   }
-  return views;
+  if (surface.views_.empty()) return Error{ErrorCode::kNotFound, "the trajectory has no pose at the time of a frame of " + sequence.name()};
+  return surface;
 }
 
-bool sees(const TrueView& view, const Camera& camera, const Vector3d& in_camera) {
+double TrueSurface::depth_m(const TruePixel& pixel) const {
+  return views_[pixel.view].depth.at(pixel.x, pixel.y) / camera_.depth_units_per_metre;
+}
+
+Vector3d TrueSurface::true_m(const TruePixel& pixel) const {
+  return views_[pixel.view].true_from_camera * camera_.unproject(pixel.x, pixel.y, depth_m(pixel));
+}
+
+bool TrueSurface::sees(const View& view, const Vector3d& in_camera) const {
   if (in_camera.z() < kNearestTruth_m) return false;
-  const double x = std::round(camera.fx * in_camera.x() / in_camera.z() + camera.cx);
-  const double y = std::round(camera.fy * in_camera.y() / in_camera.z() + camera.cy);
-  if (x < 0 || y < 0 || x >= camera.width || y >= camera.height) return false;
-  const double depth_m = view.depth.at(static_cast<int>(x), static_cast<int>(y)) / camera.depth_units_per_metre;
-  return std::abs(depth_m - in_camera.z()) <= kSameDepth_m + kSameDepthShare * in_camera.z();
+  const double x = std::round(camera_.fx * in_camera.x() / in_camera.z() + camera_.cx);
+  const double y = std::round(camera_.fy * in_camera.y() / in_camera.z() + camera_.cy);
+  if (x < 0 || y < 0 || x >= camera_.width || y >= camera_.height) return false;
+  const double there_m = view.depth.at(static_cast<int>(x), static_cast<int>(y)) / camera_.depth_units_per_metre;
+  return std::abs(there_m - in_camera.z()) <= kSameDepth_m + kSameDepthShare * in_camera.z();
 }
 
-}  // namespace
-
-Result<std::vector<TruePoint>> true_points(const Sequence& sequence, const Trajectory& estimate, std::size_t count, std::uint64_t seed) {
-  if (sequence.groundtruth().empty()) return Error{ErrorCode::kNotFound, sequence.name() + " has no true poses"};
-  const Camera& camera = sequence.camera();
-  const std::vector<TrueView> views = views_of(sequence, estimate);
-  if (views.empty()) return Error{ErrorCode::kNotFound, "the trajectory has no pose at the time of a frame of " + sequence.name()};
+std::vector<TruePoint> TrueSurface::points(std::size_t count, std::uint64_t seed) const {
   std::vector<TruePoint> points;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint64_t key = frame_key(seed, static_cast<std::int64_t>(i));
     const auto below = [&](int limit, std::uint64_t counter) { return static_cast<int>(unit_uniform(key, counter) * limit); };
-    const TrueView& chosen = views[static_cast<std::size_t>(below(static_cast<int>(views.size()), 0))];
-    const int x = below(camera.width, 1), y = below(camera.height, 2);
-    const double depth_m = chosen.depth.at(x, y) / camera.depth_units_per_metre;
-    if (depth_m < kNearestTruth_m || depth_m > kFarthestTruth_m) continue;
-    TruePoint point;
-    point.true_m = chosen.true_from_camera * camera.unproject(x, y, depth_m);
-    int seen = 0;
-    for (const TrueView& view : views) {
-      const Vector3d in_camera = inverse(view.true_from_camera) * point.true_m;
-      if (!sees(view, camera, in_camera)) continue;
-      point.estimated_m += view.estimate_from_camera * in_camera;
-      ++seen;
-    }
-    if (seen == 0) continue;
-    point.estimated_m /= seen;
-    points.push_back(point);
+    const auto view = static_cast<std::size_t>(below(static_cast<int>(views_.size()), 0));
+    if (const auto point = point_at({view, below(camera_.width, 1), below(camera_.height, 2)})) points.push_back(*point);
   }
   return points;
+}
+
+std::optional<TruePoint> TrueSurface::point_at(const TruePixel& pixel) const {
+  if (depth_m(pixel) < kNearestTruth_m || depth_m(pixel) > kFarthestTruth_m) return std::nullopt;
+  TruePoint point{pixel, true_m(pixel), Vector3d::Zero()};
+  int seen = 0;
+  for (const View& view : views_) {
+    const Vector3d in_camera = inverse(view.true_from_camera) * point.true_m;
+    if (!sees(view, in_camera)) continue;
+    point.estimated_m += view.estimate_from_camera * in_camera;
+    ++seen;
+  }
+  if (seen == 0) return std::nullopt;
+  point.estimated_m /= seen;
+  return point;
+}
+
+std::vector<TruePixel> TrueSurface::connected(const TruePixel& from, const TruePlane& plane) const {
+  std::vector<bool> reached(static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(camera_.height));
+  std::vector<TruePixel> pixels;
+  const auto reach = [&](const TruePixel& pixel) {
+    if (pixel.x < 0 || pixel.y < 0 || pixel.x >= camera_.width || pixel.y >= camera_.height) return;
+    const std::size_t index =
+        static_cast<std::size_t>(pixel.y) * static_cast<std::size_t>(camera_.width) + static_cast<std::size_t>(pixel.x);
+    if (reached[index]) return;
+    reached[index] = true;
+    const double depth = depth_m(pixel);
+    if (depth < kNearestTruth_m || depth > kFarthestTruth_m) return;
+    if (std::abs(plane.normal.dot(true_m(pixel) - plane.centre_m)) <= kOnPlane_m) pixels.push_back(pixel);
+  };
+  reach(from);
+  for (std::size_t next = 0; next < pixels.size(); ++next) {
+    const TruePixel here = pixels[next];
+    for (const auto& [right, down] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) reach({here.view, here.x + right, here.y + down});
+  }
+  return pixels;
+}
+
+std::optional<TruePlane> TrueSurface::plane_at(const TruePixel& pixel) const {
+  const Vector3d camera_m = views_[pixel.view].true_from_camera.translation;
+  TruePlane plane;
+  for (int dy = -kSeedRadius_px; dy <= kSeedRadius_px; ++dy)
+    for (int dx = -kSeedRadius_px; dx <= kSeedRadius_px; ++dx) {
+      const TruePixel beside{pixel.view, pixel.x + dx, pixel.y + dy};
+      if (beside.x < 0 || beside.y < 0 || beside.x >= camera_.width || beside.y >= camera_.height) return std::nullopt;
+      if (std::abs(depth_m(beside) - depth_m(pixel)) < 0.1 * depth_m(pixel)) plane.pixels.push_back(beside);
+    }
+  for (int round = 0; round <= kPlaneRounds; ++round) {
+    if (plane.pixels.size() < 3) return std::nullopt;
+    std::vector<Vector3d> points;
+    for (const TruePixel& one : plane.pixels) points.push_back(true_m(one));
+    const FittedPlane fitted = plane_through(points, camera_m);
+    plane.centre_m = fitted.centre_m;
+    plane.normal = fitted.normal;
+    if (round == kPlaneRounds)
+      return plane.pixels.size() < kLeastPixels || fitted.breadth_m < kLeastBreadth_m ? std::nullopt : std::optional(plane);
+    plane.pixels = connected(pixel, plane);
+  }
+  return std::nullopt;
+}
+
+Vector3d TrueSurface::true_up() const {
+  const Vector3d up = -(views_.front().true_from_camera.rotation * Vector3d::UnitY());
+  Eigen::Index axis = 0;
+  up.cwiseAbs().maxCoeff(&axis);
+  return Vector3d::Unit(axis) * (up[axis] < 0 ? -1 : 1);
+}
+
+Eigen::Quaterniond TrueSurface::estimate_from_true() const {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const View& view : views_)
+    sum += (view.estimate_from_camera.rotation * view.true_from_camera.rotation.conjugate()).toRotationMatrix();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return Eigen::Quaterniond(svd.matrixU() * svd.matrixV().transpose()).normalized();
 }
 
 }  // namespace hermite

@@ -34,10 +34,8 @@ std::vector<bool> CameraWay::seen_from(const Eigen::Vector3d& place, const Eigen
   return seen;
 }
 
-double CameraWay::between_m(const Eigen::Vector3d& place, const Eigen::Vector3d& normal, const Eigen::Vector3d& other_place,
-                            const Eigen::Vector3d& other_normal) const {
+double CameraWay::between_m(const std::vector<bool>& seen, const std::vector<bool>& other_seen) const {
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  const std::vector<bool> seen = seen_from(place, normal), other_seen = seen_from(other_place, other_normal);
   double least_m = kNever, last_m = -kNever, last_other_m = -kNever;
   for (std::size_t i = 0; i < gone_m_.size(); ++i) {
     if (seen[i]) last_m = gone_m_[i];

@@ -19,6 +19,7 @@
 #include "server/routes/frame_routes.h"
 #include "server/routes/job_routes.h"
 #include "server/routes/measure_routes.h"
+#include "server/routes/measuring_cache.h"
 #include "server/routes/scan_routes.h"
 #include "server/routes/upload_routes.h"
 
@@ -86,6 +87,7 @@ HttpAnswer show_scan(const HttpWorld& world, const Call& call) {
 
 HttpAnswer remove_scan(const HttpWorld& world, const Call& call) {
   const Status status = world.scans.remove(call.id);
+  if (status.ok()) world.measuring.forget(call.id);
   return status.ok() ? json_answer({{"removed", call.id}}) : refused(status.error());
 }
 

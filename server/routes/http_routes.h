@@ -13,9 +13,9 @@
 //   POST   /api/v1/scans/{id}/exports         view   {"format": ...} is made
 //   GET    /api/v1/scans/{id}/exports/{format}     view
 //   DELETE /api/v1/scans/{id}/exports/{format}     scan   stopped, or removed (scan and view)
-//   POST   /api/v1/scans/{id}/measure         view   a distance in a scan that has ended (measure_routes.h has these)
+//   POST   /api/v1/scans/{id}/measure         view   a measurement in a scan that has ended (measure_routes.h has these)
 //   GET    /api/v1/scans/{id}/measurements    view   those that were kept, and as measurements.csv
-//   POST   /api/v1/scans/{id}/measurements    scan   a distance is measured and kept; of its own, or admin (scan and view)
+//   POST   /api/v1/scans/{id}/measurements    scan   something is measured and kept; of its own, or admin (scan and view)
 //   DELETE /api/v1/scans/{id}/measurements/{measurement}  scan  the same
 //   GET    /api/v1/scans/{id}/frames          view   what the camera has sent, of a scan that has ended (frame_routes.h has these); no link
 //   GET    /api/v1/scans/{id}/frames/color/{frame}    view   one of its images, and depth/{frame}, depth16/{frame}
@@ -63,6 +63,7 @@
 namespace hermite {
 
 class Exports;
+class MeasuringCache;
 
 struct HttpRequest {
   std::string method;            // "GET", "HEAD", "DELETE", ...
@@ -114,6 +115,7 @@ struct HttpWorld {
   RateLimit& of_a_token;  // requests
   Audit& audit;
   Exports& exports;
+  MeasuringCache& measuring;
 };
 
 // What a route's function gets besides the world.

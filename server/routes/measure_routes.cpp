@@ -1,7 +1,7 @@
 #include "server/routes/measure_routes.h"
 
-#include <array>
 #include <atomic>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -10,6 +10,7 @@
 #include "core/measure/measure.h"
 #include "server/operations/json_text.h"
 #include "server/operations/json_time.h"
+#include "server/routes/measuring_cache.h"
 #include "server/routes/scan_routes.h"
 #include "server/store/scan_id.h"
 #include "server/store/unix_time.h"
@@ -20,9 +21,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMaxMeasureBodyBytes = 4 * 1024;
-// A day of 30 poses a second is 250 MB, and no scan has as many.
-constexpr std::size_t kMaxTrajectoryBytes = std::size_t{64} << 20, kMaxReportBytes = std::size_t{1} << 20;
+// 64 corners of numbers with all their digits are half of it.
+constexpr std::size_t kMaxMeasureBodyBytes = 8 * 1024;
 
 constexpr std::int64_t kMeasureRetry_ms = 1000;
 
@@ -40,32 +40,56 @@ class MeasuringTurn {
   const int before_;
 };
 
-struct MeasureRequest {
+struct NamedRequest {
   std::string name;  // of one that is kept
-  Eigen::Vector3d from, to;
+  MeasureRequest measure;
 };
 
-Result<Eigen::Vector3d> point_in(const Json& json, const char* field) {
-  const Error wrong{ErrorCode::kInvalidArgument, std::string(field) + " must be three numbers, [x, y, z] in metres"};
-  const auto found = json.find(field);
-  if (found == json.end() || !found->is_array() || found->size() != 3) return wrong;
-  Eigen::Vector3d point;
+Result<Eigen::Vector3d> triple_in(const Json& json, const std::string& field, const char* what) {
+  const Error wrong{ErrorCode::kInvalidArgument, field + " must be three numbers, " + what};
+  if (!json.is_array() || json.size() != 3) return wrong;
+  Eigen::Vector3d triple;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (!(*found)[axis].is_number()) return wrong;
-    point[static_cast<Eigen::Index>(axis)] = (*found)[axis].get<double>();
+    if (!json[axis].is_number()) return wrong;
+    triple[static_cast<Eigen::Index>(axis)] = json[axis].get<double>();
   }
-  return point;
+  return triple;
 }
 
-Result<MeasureRequest> request_in(const std::string& body, bool is_kept) {
+Result<MeasureRequest> measure_request_in(const Json& json) {
+  MeasureRequest request;
+  const auto kind = json.find("kind");
+  const std::optional<MeasureKind> known =
+      kind != json.end() && kind->is_string() ? measure_kind_of(kind->get<std::string>()) : std::nullopt;
+  if (!known) return Error{ErrorCode::kInvalidArgument, "kind must be one of " + measure_kind_names()};
+  request.kind = *known;
+  const auto points = json.find("points");
+  if (points == json.end() || !points->is_array() || points->size() > kMostCorners)
+    return Error{ErrorCode::kInvalidArgument, "points must be a list of at most " + std::to_string(kMostCorners) + " points"};
+  for (std::size_t i = 0; i < points->size(); ++i) {
+    const Result<Eigen::Vector3d> point = triple_in((*points)[i], "points[" + std::to_string(i) + "]", "[x, y, z] in metres");
+    if (!point.ok()) return point.error();
+    request.points.push_back(*point);
+  }
+  if (const auto up = json.find("up"); up != json.end()) {
+    const Result<Eigen::Vector3d> direction = triple_in(*up, "up", "[x, y, z] of a unit vector");
+    if (!direction.ok()) return direction.error();
+    request.up = *direction;
+  }
+  if (const Status status = check_measure_request(request); !status.ok()) return status.error();
+  return request;
+}
+
+Result<NamedRequest> request_in(const std::string& body, bool is_kept) {
   const Json json = Json::parse(body, nullptr, false);
-  if (!json.is_object() || json.size() != (is_kept ? 3u : 2u))
-    return Error{ErrorCode::kInvalidArgument, std::string("the body must be a JSON object with ") + (is_kept ? "\"name\", " : "") +
-                                                  "\"from\" and \"to\", and nothing else"};
-  const Result<Eigen::Vector3d> from = point_in(json, "from"), to = point_in(json, "to");
-  if (!from.ok()) return from.error();
-  if (!to.ok()) return to.error();
-  MeasureRequest request{"", *from, *to};
+  if (!json.is_object()) return Error{ErrorCode::kInvalidArgument, "the body must be a JSON object with \"kind\" and \"points\""};
+  for (const auto& [field, value] : json.items())
+    if (field != "kind" && field != "points" && field != "up" && !(is_kept && field == "name"))
+      return Error{ErrorCode::kInvalidArgument,
+                   std::string("the body may have ") + (is_kept ? "\"name\", " : "") + "\"kind\", \"points\" and \"up\", and nothing else"};
+  Result<MeasureRequest> measure = measure_request_in(json);
+  if (!measure.ok()) return measure.error();
+  NamedRequest request{"", *std::move(measure)};
   if (!is_kept) return request;
   const auto name = json.find("name");
   if (name == json.end() || !name->is_string()) return Error{ErrorCode::kInvalidArgument, "name is missing, or no text"};
@@ -74,19 +98,30 @@ Result<MeasureRequest> request_in(const std::string& body, bool is_kept) {
   return request;
 }
 
+// As the row has it. Rows have kinds that this program knows: the database sees to that.
+Quantity quantity_of(const MeasurementRow& row) {
+  Quantity quantity;
+  quantity.kind = measure_kind_of(row.kind).value_or(MeasureKind::kDistance);
+  quantity.value = row.value;
+  quantity.half_width = row.half_width;
+  return quantity;
+}
+
 Json json_of(const MeasurementRow& row) {
-  Distance distance;
-  distance.distance_m = row.distance_m;
-  distance.half_width_m = row.half_width_m;
-  return {{"id", row.id},
-          {"name", row.name},
-          {"distance_m", row.distance_m},
-          {"half_width_m", row.half_width_m},
-          {"confidence", 0.95},
-          {"words", words_of(distance)},
-          {"from", row.from},
-          {"to", row.to},
-          {"created_at", time_json(row.created_at_ms)}};
+  const Quantity quantity = quantity_of(row);
+  Json json = {{"id", row.id},
+               {"name", row.name},
+               {"kind", row.kind},
+               {"value", row.value},
+               {"half_width", row.half_width},
+               {"unit", row_of(quantity.kind).unit},
+               {"confidence", kConfidence},
+               {"words", words_of(quantity)},
+               {"points", row.points},
+               {"normals", row.normals}};
+  if (row.up) json["up"] = *row.up;
+  json["created_at"] = time_json(row.created_at_ms);
+  return json;
 }
 
 // A field of CSV. What a spreadsheet would take for a formula begins with an apostrophe.
@@ -97,7 +132,31 @@ std::string csv_field(const std::string& text) {
   return field + "\"";
 }
 
-std::array<double, 3> array_of(const Eigen::Vector3d& point) { return {point.x(), point.y(), point.z()}; }
+// "0.1000 0.2000 1.9000; 1.2000 0.2000 2.1000"
+std::string csv_points(const std::vector<MeasurementRow::Triple>& points) {
+  std::string text;
+  for (const auto& [x, y, z] : points) text += (text.empty() ? "" : "; ") + printf_text("%.4f %.4f %.4f", x, y, z);
+  return text;
+}
+
+MeasurementRow::Triple array_of(const Eigen::Vector3d& point) { return {point.x(), point.y(), point.z()}; }
+
+MeasurementRow row_of(const Measurement& measurement, const std::string& scan_id, const std::string& name) {
+  MeasurementRow row;
+  row.id = new_scan_id();
+  row.scan_id = scan_id;
+  row.name = name;
+  row.kind = row_of(measurement.quantity.kind).name;
+  for (const MeasuredPlace& place : measurement.places) {
+    row.points.push_back(array_of(place.position_m));
+    row.normals.push_back(array_of(place.normal));
+  }
+  if (measurement.up) row.up = array_of(*measurement.up);
+  row.value = measurement.quantity.value;
+  row.half_width = measurement.quantity.half_width;
+  row.created_at_ms = unix_now_ms();
+  return row;
+}
 
 // The request's body on its way, and what is measured when all of it is there.
 class MeasureBody : public BodySink {
@@ -111,7 +170,7 @@ class MeasureBody : public BodySink {
   }
   void close(bool complete) override {
     if (!complete) return;
-    const Result<MeasureRequest> request = request_in(body_, is_kept_);
+    const Result<NamedRequest> request = request_in(body_, is_kept_);
     if (!request.ok()) {
       measured_ = request.error();
       return;
@@ -119,7 +178,7 @@ class MeasureBody : public BodySink {
     name_ = request->name;
     const MeasuringTurn turn;
     is_turned_away_ = !turn.is_mine();
-    if (turn.is_mine()) measured_ = measure(*request);
+    if (turn.is_mine()) measured_ = measured(request->measure);
   }
   bool wanted() const override { return world_.gate.holds(grant_, unix_now_ms()); }
   void on_unwanted(std::function<void()>) override {}
@@ -134,28 +193,12 @@ class MeasureBody : public BodySink {
   }
 
  private:
-  Result<Measurement> measure(const MeasureRequest& request) const {
-    Blobs& blobs = world_.scans.blobs();
-    const Result<std::string> trajectory = read_blob(blobs, scan_id_, "trajectory.txt", kMaxTrajectoryBytes);
-    const Result<std::string> report = read_blob(blobs, scan_id_, "report.json", kMaxReportBytes);
-    for (const Result<std::string>* text : {&trajectory, &report})
-      if (!text->ok()) return text->error();
-    Result<MapKnowledge> map = map_knowledge_of(*trajectory, *report);
-    if (!map.ok()) return map.error();
-    const ReadPart surfels = [&](std::uint64_t offset, std::size_t max_bytes) {
-      return blobs.read(scan_id_, surfels_name_, offset, max_bytes);
-    };
-    return measure_distance({surfels, *std::move(map)}, request.from, request.to);
+  Result<Measurement> measured(const MeasureRequest& request) const {
+    const Result<std::shared_ptr<const MeasuredResult>> result = world_.measuring.of(world_.scans.blobs(), scan_id_, surfels_name_);
+    return result.ok() ? measure(**result, request) : result.error();
   }
   HttpAnswer kept() const {
-    const MeasurementRow row{new_scan_id(),
-                             scan_id_,
-                             name_,
-                             array_of(measured_->from.position_m),
-                             array_of(measured_->to.position_m),
-                             measured_->distance.distance_m,
-                             measured_->distance.half_width_m,
-                             unix_now_ms()};
+    const MeasurementRow row = row_of(*measured_, scan_id_, name_);
     if (const Status added = world_.store.add_measurement(row); !added.ok()) return refused(added.error());
     return made(json_text(json_of(row)), 201);
   }
@@ -222,10 +265,11 @@ HttpAnswer send_measurements(const HttpWorld& world, const Call& call) {
   HttpAnswer answer;
   answer.content_type = "text/csv; charset=utf-8";
   answer.download_name = call.id + "-measurements.csv";
-  answer.body = "name,distance_m,half_width_95_m,from_x_m,from_y_m,from_z_m,to_x_m,to_y_m,to_z_m\r\n";
+  answer.body = "name,kind,value,unit,half_width_95,points_m\r\n";
   for (const MeasurementRow& row : *rows)
-    answer.body += csv_field(row.name) + printf_text(",%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f\r\n", row.distance_m, row.half_width_m,
-                                                     row.from[0], row.from[1], row.from[2], row.to[0], row.to[1], row.to[2]);
+    answer.body += csv_field(row.name) + "," + row.kind + printf_text(",%.4f,", row.value) +
+                   std::string(row_of(quantity_of(row).kind).unit) + printf_text(",%.4f,", row.half_width) + csv_points(row.points) +
+                   "\r\n";
   return answer;
 }
 

@@ -1,9 +1,10 @@
 // Measuring in a scan that has ended, over HTTP, and what was measured and kept. http_routes.h has the table. On the network thread, but
-// for the reading of surfels, which is done by a thread for the disk while the request waits: a measurement takes about as long as a
-// download of surfels.ply would, and holds some megabytes of it at a time.
+// for the reading of surfels, which is done by a thread for the disk while the request waits: the first measurement in a scan takes about
+// as long as a download of surfels.ply would, the next ones some milliseconds (measuring_cache.h).
 //
-// Body of both POSTs: {"from": [x, y, z], "to": [x, y, z]} in metres in the world of the scan, points on or near surfaces; to keep it also
-// "name", 1 to 200 bytes. What is wrong with a point is said in words that name it (core/measure/measure.h), with 400.
+// Body of both POSTs: {"kind": ..., "points": [[x, y, z], ...]} (core/measure/quantity.h has the kinds), in metres in the world of the
+// scan, points on or near surfaces; of a height also "up", a unit vector; to keep it also "name", 1 to 200 bytes. What is wrong with a
+// point is said in words that name it (core/measure/measure.h), with 400.
 #pragma once
 
 #include "server/routes/http_routes.h"

@@ -11,6 +11,7 @@
 #include "server/exports/exports.h"
 #include "server/routes/frame_routes.h"
 #include "server/routes/measure_routes.h"
+#include "server/routes/measuring_cache.h"
 #include "server/scan/audience.h"
 #include "server/scan/live_scan.h"
 #include "server/service/service_setup.h"
@@ -102,7 +103,11 @@ std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
       {"the surfels of a scan that meshes are made of",
        std::to_string(kMaxMeshedCloud_bytes >> 20) + " MiB, and 4.4 times of them free in memory", "the export fails"},
       {"exports of a scan with options", std::to_string(kMaxShapedExports), "HTTP 503"},
-      {"distances that are measured at once", std::to_string(kMaxMeasuringAtOnce), "HTTP 503"},
+      {"measurements that are made at once", std::to_string(kMaxMeasuringAtOnce), "HTTP 503"},
+      {"scans whose surfels are kept in memory to be measured in",
+       std::to_string(MeasuringCache::kMostScans) + ", " + std::to_string(MeasuringCache::kMost_bytes >> 20) + " MiB together",
+       "they are read again"},
+      {"corners of an area that is measured", std::to_string(kMostCorners), "HTTP 400"},
       {"measurements of a scan that are kept", std::to_string(kMaxMeasurementsPerScan), "HTTP 409"},
       {"ended tokens and links that a list keeps, of one maker", std::to_string(kMaxEndedLinksPerToken) + ", for 90 days",
        "the oldest are forgotten"},

@@ -33,6 +33,7 @@
 #include "server/net/tls.h"
 #include "server/operations/logging.h"
 #include "server/routes/admin.h"
+#include "server/routes/measuring_cache.h"
 #include "server/routes/static_files.h"
 #include "server/scan/scans.h"
 #include "server/service/limits.h"
@@ -92,6 +93,7 @@ struct Service::Impl {
   CountLimit connections, admin_connections{kMaxAdminConnections, kMaxAdminConnections};
   RateLimit requests, requests_of_a_token;
   ShareCount sessions;
+  MeasuringCache measuring;
   std::unique_ptr<Waste> waste;
   std::unique_ptr<StorageQuota> quota;
   std::unique_ptr<Scans> scans;
@@ -150,7 +152,7 @@ struct Service::Impl {
     exports = std::make_unique<Exports>(blobs, export_hooks(threads.network));
     if (!options.mesh_on_demand) scans->when_finished([this](const ScanRow& scan) { exports->make_mesh(scan); });
     world = std::make_unique<HttpWorld>(HttpWorld{*scans, store, gate, files, metrics, batch->uploads(), batch->executor(), sessions,
-                                                  requests_of_a_token, *audit, *exports});
+                                                  requests_of_a_token, *audit, *exports, measuring});
     site = std::make_unique<Site>(Site{[this](const HttpRequest& request) { return answer(*world, request); },
                                        allowed_hosts(options, address), metrics, world.get(), proxies_of(options),
                                        !is_loopback(address) && !tls && !options.insecure_listen, &requests, &disk});

@@ -17,7 +17,7 @@ namespace {
 constexpr int kApplicationId = 0x48524246;  // "HRBF"
 
 // Migration N brings user_version from N to N + 1. Never edit one that was released: add one.
-constexpr std::array<std::string_view, 5> kMigrations = {
+constexpr std::array<std::string_view, 6> kMigrations = {
     R"sql(
 CREATE TABLE scans(
   id TEXT PRIMARY KEY NOT NULL,
@@ -111,6 +111,30 @@ CREATE TABLE measurements(
   created_at_ms INTEGER NOT NULL
 ) STRICT;
 CREATE INDEX measurements_by_scan ON measurements(scan_id, created_at_ms, id);
+)sql",
+    // Other kinds than distances, with as many points as they need. What was kept until now has no normals.
+    R"sql(
+ALTER TABLE measurements ADD COLUMN kind TEXT NOT NULL DEFAULT 'distance' CHECK (kind IN ('distance', 'plane', 'height', 'angle', 'area'));
+ALTER TABLE measurements ADD COLUMN up_x REAL;
+ALTER TABLE measurements ADD COLUMN up_y REAL;
+ALTER TABLE measurements ADD COLUMN up_z REAL;
+ALTER TABLE measurements RENAME COLUMN distance_m TO value;
+ALTER TABLE measurements RENAME COLUMN half_width_m TO half_width;
+CREATE TABLE measurement_points(
+  measurement_id TEXT NOT NULL REFERENCES measurements(id) ON DELETE CASCADE,
+  number INTEGER NOT NULL,
+  x REAL NOT NULL, y REAL NOT NULL, z REAL NOT NULL,
+  normal_x REAL, normal_y REAL, normal_z REAL,
+  PRIMARY KEY (measurement_id, number)
+) STRICT;
+INSERT INTO measurement_points(measurement_id, number, x, y, z)
+  SELECT id, 0, from_x, from_y, from_z FROM measurements UNION ALL SELECT id, 1, to_x, to_y, to_z FROM measurements;
+ALTER TABLE measurements DROP COLUMN from_x;
+ALTER TABLE measurements DROP COLUMN from_y;
+ALTER TABLE measurements DROP COLUMN from_z;
+ALTER TABLE measurements DROP COLUMN to_x;
+ALTER TABLE measurements DROP COLUMN to_y;
+ALTER TABLE measurements DROP COLUMN to_z;
 )sql"};
 
 int pragma(SQLite::Database& database, const std::string& name) { return database.execAndGet("PRAGMA " + name).getInt(); }

@@ -7,41 +7,88 @@ namespace hermite {
 
 namespace {
 
-constexpr const char* kMeasurementColumns =
-    "id, scan_id, name, from_x, from_y, from_z, to_x, to_y, to_z, distance_m, half_width_m, created_at_ms";
+constexpr const char* kMeasurementColumns = "id, scan_id, name, kind, up_x, up_y, up_z, value, half_width, created_at_ms";
 
+// None: the first column has no number.
+std::optional<MeasurementRow::Triple> triple_at(const SQLite::Statement& query, int column) {
+  if (query.getColumn(column).isNull()) return std::nullopt;
+  return MeasurementRow::Triple{query.getColumn(column).getDouble(), query.getColumn(column + 1).getDouble(),
+                                query.getColumn(column + 2).getDouble()};
+}
+
+void bind_triple(SQLite::Statement& statement, int& column, const std::optional<MeasurementRow::Triple>& triple) {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (triple)
+      statement.bind(++column, (*triple)[axis]);
+    else
+      statement.bind(++column);
+}
+
+// Without its points.
 MeasurementRow measurement_row_of(const SQLite::Statement& query) {
   MeasurementRow row;
   row.id = query.getColumn(0).getString();
   row.scan_id = query.getColumn(1).getString();
   row.name = query.getColumn(2).getString();
-  for (int axis = 0; axis < 3; ++axis) {
-    row.from[static_cast<std::size_t>(axis)] = query.getColumn(3 + axis).getDouble();
-    row.to[static_cast<std::size_t>(axis)] = query.getColumn(6 + axis).getDouble();
-  }
-  row.distance_m = query.getColumn(9).getDouble();
-  row.half_width_m = query.getColumn(10).getDouble();
-  row.created_at_ms = query.getColumn(11).getInt64();
+  row.kind = query.getColumn(3).getString();
+  row.up = triple_at(query, 4);
+  row.value = query.getColumn(7).getDouble();
+  row.half_width = query.getColumn(8).getDouble();
+  row.created_at_ms = query.getColumn(9).getInt64();
   return row;
+}
+
+void insert_measurement(SQLite::Database& database, const MeasurementRow& row) {
+  SQLite::Statement insert(database, std::string("INSERT INTO measurements(") + kMeasurementColumns + ") VALUES(?,?,?,?,?,?,?,?,?,?)");
+  int column = 0;
+  for (const std::string& text : {row.id, row.scan_id, row.name, row.kind}) insert.bind(++column, text);
+  bind_triple(insert, column, row.up);
+  for (const double value : {row.value, row.half_width}) insert.bind(++column, value);
+  insert.bind(++column, row.created_at_ms);
+  insert.exec();
+}
+
+void insert_points(SQLite::Database& database, const MeasurementRow& row) {
+  SQLite::Statement insert(database,
+                           "INSERT INTO measurement_points(measurement_id, number, x, y, z, normal_x, normal_y, normal_z) "
+                           "VALUES(?,?,?,?,?,?,?,?)");
+  for (std::size_t i = 0; i < row.points.size(); ++i) {
+    insert.reset();
+    insert.bind(1, row.id);
+    insert.bind(2, static_cast<std::int64_t>(i));
+    int column = 2;
+    bind_triple(insert, column, row.points[i]);
+    bind_triple(insert, column, row.normals.empty() ? std::nullopt : std::optional(row.normals[i]));
+    insert.exec();
+  }
+}
+
+void read_points(SQLite::Database& database, MeasurementRow& row) {
+  SQLite::Statement query(database,
+                          "SELECT x, y, z, normal_x, normal_y, normal_z FROM measurement_points WHERE measurement_id = ? ORDER BY number");
+  query.bind(1, row.id);
+  while (query.executeStep()) {
+    if (const auto point = triple_at(query, 0)) row.points.push_back(*point);
+    if (const auto normal = triple_at(query, 3)) row.normals.push_back(*normal);
+  }
 }
 
 }  // namespace
 
 Status SqliteStore::add_measurement(const MeasurementRow& row) try {
+  if (!row.normals.empty() && row.normals.size() != row.points.size())
+    return Error{ErrorCode::kInvalidArgument, "measurement " + row.id + ": it has not as many normals as points"};
   SQLite::Database& database = impl_->database;
   SQLite::Statement scan(database, "SELECT (SELECT count(*) FROM measurements WHERE scan_id = ?1) FROM scans WHERE id = ?1");
   scan.bind(1, row.scan_id);
   if (!scan.executeStep()) return Error{ErrorCode::kNotFound, "there is no scan " + row.scan_id};
   if (scan.getColumn(0).getInt() >= kMaxMeasurementsPerScan)
     return Error{ErrorCode::kBusy, "a scan may have at most " + std::to_string(kMaxMeasurementsPerScan) + " measurements"};
-  SQLite::Statement insert(database, std::string("INSERT INTO measurements(") + kMeasurementColumns + ") VALUES(?,?,?,?,?,?,?,?,?,?,?,?)");
-  int column = 0;
-  for (const std::string& text : {row.id, row.scan_id, row.name}) insert.bind(++column, text);
-  for (const std::array<double, 3>& place : {row.from, row.to})
-    for (const double value : place) insert.bind(++column, value);
-  for (const double value : {row.distance_m, row.half_width_m}) insert.bind(++column, value);
-  insert.bind(++column, row.created_at_ms);
-  insert.exec();
+  scan.reset();
+  SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+  insert_measurement(database, row);
+  insert_points(database, row);
+  transaction.commit();
   return Done{};
 } catch (const SQLite::Exception& failure) {
   if (failure.getErrorCode() == SQLITE_CONSTRAINT)
@@ -55,6 +102,7 @@ Result<std::vector<MeasurementRow>> SqliteStore::list_measurements(const std::st
   query.bind(1, scan_id);
   std::vector<MeasurementRow> rows;
   while (query.executeStep()) rows.push_back(measurement_row_of(query));
+  for (MeasurementRow& row : rows) read_points(impl_->database, row);
   return rows;
 } catch (const SQLite::Exception& failure) {
   return database_error(failure);

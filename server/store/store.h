@@ -95,7 +95,7 @@ class Store {
   virtual Status remove_upload(const std::string& id) = 0;
 
   // Measurements of a scan, at most kMaxMeasurementsPerScan. kNotFound: no such scan; kBusy: it has as many already; kInvalidArgument: the
-  // id is there already, or a number is none.
+  // id is there already, the kind is none, or a number is none.
   virtual Status add_measurement(const MeasurementRow& row) = 0;
   virtual Result<std::vector<MeasurementRow>> list_measurements(const std::string& scan_id) = 0;  // oldest first; empty: it has none
   virtual Status remove_measurement(const std::string& scan_id, const std::string& id) = 0;       // kNotFound: it has no such one

@@ -216,6 +216,11 @@ test('on a phone everything is within reach of a thumb', { timeout: 120_000 }, a
   assert.ok((await phone.page.getByRole('heading', { name: title }).boundingBox()).width > 90, 'the title has room');
   const panels = await Promise.all(['.status', '.view'].map((name) => phone.page.locator(name).boundingBox()));
   assert.ok(panels[0].height + panels[1].height < 844 / 4, 'the panels leave the picture its room');
+  await phone.page.getByRole('button', { name: 'Measure' }).tap();
+  await phone.page.locator('.measure-kind').getByText('Area', { exact: true }).tap();
+  assert.deepEqual(await tooSmall(phone.page), []);
+  await phone.page.screenshot({ path: path.join(artifacts, 'phone-measure.png') });
+  await phone.page.getByRole('button', { name: 'Close', exact: true }).tap();
   await phone.page.getByRole('button', { name: 'More' }).tap();
   await phone.page.getByRole('button', { name: 'Frames', exact: true }).tap();
   await phone.page.locator('.depth-scale').getByText(/ m$/).first().waitFor();
@@ -239,7 +244,7 @@ test('on a phone everything is within reach of a thumb', { timeout: 120_000 }, a
   await context.close();
 });
 
-test('two clicks measure a distance, which is kept with the scan', { timeout: 60_000 }, async () => {
+test('clicks measure distances, planes, angles and areas, which are kept with the scan', { timeout: 60_000 }, async () => {
   const { page } = viewer;
   await page.getByRole('button', { name: 'Show all' }).click();
   await page.waitForTimeout(1000);
@@ -251,15 +256,41 @@ test('two clicks measure a distance, which is kept with the scan', { timeout: 60
   const words = page.locator('.measure-newest').getByText(/^\d+\.\d{3} m ± 0\.\d{3} m \(95 %\)$/);
   await words.waitFor();
   const said = await words.textContent();
-  await page.getByRole('textbox', { name: 'Name of the distance' }).fill('Across');
+  await page.getByRole('textbox', { name: 'Name of the measurement' }).fill('Across');
   await page.getByRole('button', { name: 'Keep' }).click();
   await page.locator('.measure-list').getByText(said, { exact: true }).waitFor();
   assert.deepEqual(await barriers(page), []);
   await picture('measured');
   await page.getByRole('button', { name: 'Remove Across' }).click();
   await page.locator('.measure-list').getByText(said).waitFor({ state: 'detached' });
+
+  const newest = page.locator('.measure-newest strong');
+  const kind = (name) => page.locator('.measure-kind').getByText(name, { exact: true }).click();
+  for (const [name, pattern] of [
+    ['Angle', /^\d+\.\d\d° ± \d+\.\d\d° \(95 %\)$/],
+    ['Height', /^\d\.\d{3} m ± 0\.\d{3} m \(95 %\)$/],
+    ['To a plane', /^\d\.\d{3} m ± 0\.\d{3} m \(95 %\)$/],
+  ]) {
+    await kind(name);
+    await page.mouse.click(215, 420);
+    await page.mouse.click(560, 230);
+    await newest.getByText(pattern).waitFor();
+  }
+  await picture('measured-plane');
+  await kind('Area');
+  for (const [x, y] of [[520, 200], [620, 200], [700, 380], [620, 260]]) await page.mouse.click(x, y);
+  await page.getByText('4 corners.').waitFor();
+  await page.keyboard.press('Backspace');
+  await page.getByText('3 corners.').waitFor();
+  await page.mouse.click(520, 260);
+  await page.keyboard.press('Backspace');
+  await page.mouse.click(620, 260);
+  await page.mouse.dblclick(520, 260);
+  await newest.getByText(/^\d\.\d{3} m² ± 0\.\d{3} m² \(95 %\)$/).waitFor();
+  assert.deepEqual(await barriers(page), []);
+  await picture('measured-area');
   await page.keyboard.press('Escape');
-  await page.getByText('Click on two points.').waitFor({ state: 'hidden' });
+  await page.getByText('Click for the next one.').waitFor({ state: 'hidden' });
 });
 
 test('all frames of a finished scan can be looked back at', { timeout: 60_000 }, async () => {

@@ -2,27 +2,50 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/dataset/synthetic_camera.h"
 
 namespace hermite {
 namespace true_points_test {
 
-TEST(TruePoints, APointIsWhereItsFramesHaveIt) {
-  const auto sequence = or_throw(open_sequence("synthetic:scene=bare,frames=4,width=64,height=64,rate=4"));
-  // The estimate's world lies elsewhere; nothing else is wrong with it.
-  const Rigid3 estimate_from_true{Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d(1, 2, 3).normalized())), {1, -2, 3}};
+const Rigid3 kEstimateFromTrue{Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d(1, 2, 3).normalized())), {1, -2, 3}};
+
+// The estimate's world lies elsewhere; nothing else is wrong with it.
+TrueSurface surface_of(const Sequence& sequence) {
   Trajectory estimate;
-  for (const TimedPose& pose : sequence->groundtruth()) estimate.push_back({pose.timestamp_s, estimate_from_true * pose.world_from_camera});
-  const auto points = or_throw(true_points(*sequence, estimate, 200, 1));
+  for (const TimedPose& pose : sequence.groundtruth()) estimate.push_back({pose.timestamp_s, kEstimateFromTrue * pose.world_from_camera});
+  return or_throw(TrueSurface::of(sequence, estimate));
+}
+
+TEST(TrueSurface, APointIsWhereItsFramesHaveIt) {
+  const auto sequence = or_throw(open_sequence("synthetic:scene=bare,frames=4,width=64,height=64,rate=4"));
+  const TrueSurface surface = surface_of(*sequence);
+  const auto points = surface.points(200, 1);
   EXPECT_GT(points.size(), 150u);
   const SyntheticRoom room(RoomScene::kBare);
   for (const TruePoint& point : points) {
-    EXPECT_LT((estimate_from_true * point.true_m - point.estimated_m).norm(), 1e-9);
+    EXPECT_LT((kEstimateFromTrue * point.true_m - point.estimated_m).norm(), 1e-9);
     EXPECT_LT(room.surface_distance(point.true_m), 0.001);
   }
-  const auto others = or_throw(true_points(*sequence, estimate, 200, 2));
-  EXPECT_NE(points[0].true_m, others[0].true_m);
-  EXPECT_FALSE(true_points(*sequence, {}, 200, 1).ok());
+  EXPECT_NE(points[0].true_m, surface.points(200, 2)[0].true_m);
+  EXPECT_FALSE(TrueSurface::of(*sequence, {}).ok());
+}
+
+TEST(TrueSurface, WallsOfABareRoomArePlanesAlongItsAxes) {
+  const auto sequence = or_throw(open_sequence("synthetic:scene=bare,frames=4,width=64,height=64,rate=4"));
+  const TrueSurface surface = surface_of(*sequence);
+  EXPECT_LT(surface.estimate_from_true().angularDistance(kEstimateFromTrue.rotation), 1e-6);
+  EXPECT_EQ(surface.true_up().cwiseAbs().sum(), 1);
+  int planes = 0;
+  for (const TruePoint& point : surface.points(40, 1)) {
+    const std::optional<TruePlane> plane = surface.plane_at(point.pixel);
+    if (!plane) continue;
+    ++planes;
+    EXPECT_GT(plane->normal.cwiseAbs().maxCoeff(), 0.99999);
+    EXPECT_LT(std::abs(plane->normal.dot(point.true_m - plane->centre_m)), 0.001);
+  }
+  EXPECT_GT(planes, 20);
 }
 
 }  // namespace true_points_test

@@ -16,24 +16,30 @@ Trajectory along_x() {
   return trajectory;
 }
 
+// The first of the places faces the camera.
+double between_m(const CameraWay& way, const Eigen::Vector3d& place, const Eigen::Vector3d& other_place,
+                 const Eigen::Vector3d& other_normal = kTowardsCamera) {
+  return way.between_m(way.seen_from(place, kTowardsCamera), way.seen_from(other_place, other_normal));
+}
+
 TEST(CameraWay, PlacesThatOneCameraHasSeenHaveNoneBetweenThem) {
   const CameraWay way(along_x());
-  EXPECT_EQ(way.between_m({3, 0, 2}, kTowardsCamera, {4, 0, 2}, kTowardsCamera), 0);
+  EXPECT_EQ(between_m(way, {3, 0, 2}, {4, 0, 2}), 0);
 }
 
 TEST(CameraWay, ItIsTheLeastBetweenThoseThatHaveSeenEither) {
   const CameraWay way(along_x());
   const double half_view_m = 2 * std::tan(38 * M_PI / 180);
   const double expected_m = 6 - 2 * half_view_m;
-  EXPECT_NEAR(way.between_m({2, 0, 2}, kTowardsCamera, {8, 0, 2}, kTowardsCamera), expected_m, 0.2);
-  EXPECT_NEAR(way.between_m({8, 0, 2}, kTowardsCamera, {2, 0, 2}, kTowardsCamera), expected_m, 0.2);
+  EXPECT_NEAR(between_m(way, {2, 0, 2}, {8, 0, 2}), expected_m, 0.2);
+  EXPECT_NEAR(between_m(way, {8, 0, 2}, {2, 0, 2}), expected_m, 0.2);
 }
 
 TEST(CameraWay, WhatNoneHasSeenIsInfinitelyFar) {
   const CameraWay way(along_x());
-  EXPECT_TRUE(std::isinf(way.between_m({2, 0, 2}, kTowardsCamera, {2, 0, -2}, kTowardsCamera))) << "behind";
-  EXPECT_TRUE(std::isinf(way.between_m({2, 0, 2}, kTowardsCamera, {2, 0, 2}, -kTowardsCamera))) << "its back";
-  EXPECT_TRUE(std::isinf(CameraWay({}).between_m({2, 0, 2}, kTowardsCamera, {2, 0, 2}, kTowardsCamera)));
+  EXPECT_TRUE(std::isinf(between_m(way, {2, 0, 2}, {2, 0, -2}))) << "behind";
+  EXPECT_TRUE(std::isinf(between_m(way, {2, 0, 2}, {2, 0, 2}, -kTowardsCamera))) << "its back";
+  EXPECT_TRUE(std::isinf(between_m(CameraWay({}), {2, 0, 2}, {2, 0, 2})));
 }
 
 }  // namespace camera_way_test

@@ -66,30 +66,55 @@ class MeasureRoutesTest : public testing::Test {
   std::unique_ptr<test::RunningServer> server_;
 };
 
+const std::string kTwoPoints = R"("points": [[0, 0, 1], [0, 0, 2.5]]})";
+const std::string kDistance = R"("kind": "distance", )" + kTwoPoints;
+
 TEST_F(MeasureRoutesTest, ADistanceIsMeasuredKeptTakenAndRemoved) {
   start();
-  const Answer measured = ask("POST", id_ + "/measure", R"({"from": [0, 0, 1.003], "to": [0, 0, 2.499]})");
+  const Answer measured = ask("POST", id_ + "/measure", R"({"kind": "distance", "points": [[0, 0, 1.003], [0, 0, 2.499]]})");
   ASSERT_EQ(measured.status, 200) << measured.body;
-  EXPECT_NEAR(measured.json()["distance_m"].get<double>(), 1.5, 1e-4);
+  EXPECT_NEAR(measured.json()["value"].get<double>(), 1.5, 1e-4);
   EXPECT_THAT(measured.body, HasSubstr("1.500 m ± 0.00"));
   EXPECT_EQ(ask("GET", id_ + "/measurements").json()["measurements"].size(), 0u) << "it was not kept";
 
-  const Answer kept = ask("POST", id_ + "/measurements", R"({"name": "=a \"door\"", "from": [0, 0, 1], "to": [0, 0, 2.5]})");
+  const Answer kept = ask("POST", id_ + "/measurements", R"({"name": "=a \"door\"", )" + kDistance);
   ASSERT_EQ(kept.status, 201) << kept.body;
   const Json list = ask("GET", id_ + "/measurements").json()["measurements"];
   ASSERT_EQ(list.size(), 1u);
   EXPECT_EQ(list[0], kept.json());
   EXPECT_EQ(list[0]["name"], "=a \"door\"");
-  EXPECT_EQ(list[0]["words"], measured.json()["words"]);
+  for (const char* same : {"kind", "unit", "confidence", "words"}) EXPECT_EQ(list[0][same], measured.json()[same]) << same;
   const Answer csv = ask("GET", id_ + "/measurements.csv");
   EXPECT_THAT(csv.header, HasSubstr("text/csv"));
-  EXPECT_THAT(csv.body, HasSubstr("name,distance_m,half_width_95_m,"));
-  EXPECT_THAT(csv.body, HasSubstr("\r\n\"'=a \"\"door\"\"\",1.5000,0.00"));
+  EXPECT_THAT(csv.body, HasSubstr("name,kind,value,unit,half_width_95,points_m\r\n"));
+  EXPECT_THAT(csv.body, HasSubstr("\r\n\"'=a \"\"door\"\"\",distance,1.5000,m,0.00"));
+  EXPECT_THAT(csv.body, HasSubstr(",0.0000 0.0000 1.0000; 0.0000 0.0000 2.5000\r\n"));
 
   const std::string one = id_ + "/measurements/" + list[0]["id"].get<std::string>();
   EXPECT_EQ(ask("DELETE", one).status, 200);
   EXPECT_EQ(ask("DELETE", one).status, 404);
   EXPECT_EQ(ask("GET", id_ + "/measurements").json()["measurements"].size(), 0u);
+}
+
+TEST_F(MeasureRoutesTest, OtherKindsAreKeptWithWhatTheyNeed) {
+  start();
+  const auto kept = [&](const std::string& body) {
+    const Answer answer = ask("POST", id_ + "/measurements", R"({"name": "a", )" + body);
+    EXPECT_EQ(answer.status, 201) << answer.body;
+    return answer.json();
+  };
+  EXPECT_NEAR(kept(R"("kind": "plane", )" + kTwoPoints)["value"].get<double>(), 1.5, 1e-3);
+  const Json height = kept(R"("kind": "height", "up": [0, -1, 0], "points": [[0, 0.05, 1], [0, -0.05, 2.5]]})");
+  EXPECT_NEAR(height["value"].get<double>(), 0.1, 1e-5);
+  EXPECT_EQ(height["up"], Json({0.0, -1.0, 0.0}));
+  EXPECT_EQ(kept(R"("kind": "angle", )" + kTwoPoints)["unit"], "deg");
+  const Json area = kept(R"("kind": "area", "points": [[-0.1, -0.1, 1], [0.1, -0.1, 1], [0.1, 0.1, 1]]})");
+  EXPECT_NEAR(area["value"].get<double>(), 0.02, 1e-5);
+  EXPECT_EQ(area["normals"].size(), 3u);
+  EXPECT_THAT(area["words"].get<std::string>(), HasSubstr("0.020 m² ± 0.00"));
+  const Json list = ask("GET", id_ + "/measurements").json()["measurements"];
+  ASSERT_EQ(list.size(), 4u);
+  EXPECT_THAT(ask("GET", id_ + "/measurements.csv").body, HasSubstr(R"("a",area,0.0200,m2,)"));
 }
 
 TEST_F(MeasureRoutesTest, WhatCannotBeMeasuredIsSaidInWords) {
@@ -101,31 +126,44 @@ TEST_F(MeasureRoutesTest, WhatCannotBeMeasuredIsSaidInWords) {
     return answer.words();
   };
   EXPECT_THAT(words("nonsense"), HasSubstr("JSON object"));
-  EXPECT_THAT(words("{}"), HasSubstr("\"from\" and \"to\""));
-  EXPECT_THAT(words(R"({"from": [0, 0], "to": [0, 0, 1]})"), HasSubstr("from must be three numbers"));
-  EXPECT_THAT(words(R"({"from": [0, 0, 1], "to": [0, 0, "1"]})"), HasSubstr("to must be three numbers"));
-  EXPECT_THAT(words(R"({"from": [0, 0, 1], "to": [0, 0, 1e999]})"), HasSubstr("JSON"));
-  EXPECT_THAT(words(R"({"from": [0, 0, 1], "to": [0, 0, 2], "and": 1})"), HasSubstr("nothing else"));
+  EXPECT_THAT(words("{}"), HasSubstr("kind must be one of distance, plane, height, angle, area"));
+  EXPECT_THAT(words(R"({"kind": "weight", )" + kTwoPoints), HasSubstr("kind must be one of"));
+  EXPECT_THAT(words(R"({"kind": "distance"})"), HasSubstr("points must be a list of at most 64"));
+  EXPECT_THAT(words(R"({"kind": "distance", "points": [[0, 0], [0, 0, 1]]})"), HasSubstr("points[0] must be three numbers"));
+  EXPECT_THAT(words(R"({"kind": "distance", "points": [[0, 0, 1], [0, 0, "1"]]})"), HasSubstr("points[1] must be three numbers"));
+  EXPECT_THAT(words(R"({"kind": "distance", "points": [[0, 0, 1]]})"), HasSubstr("points has 1 points"));
+  EXPECT_THAT(words(R"({"kind": "distance", "points": [[0, 0, 1], [0, 0, 1e999]]})"), HasSubstr("JSON"));
+  EXPECT_THAT(words(R"({"and": 1, )" + kDistance), HasSubstr("nothing else"));
+  EXPECT_THAT(words(R"({"kind": "height", "up": [0, -3, 0], )" + kTwoPoints), HasSubstr("its length is 3, allowed are 0.99 to 1.01"));
+  EXPECT_THAT(words(R"({"kind": "height", "up": "up", )" + kTwoPoints), HasSubstr("up must be three numbers"));
+  EXPECT_THAT(words(R"({"up": [0, -1, 0], )" + kDistance), HasSubstr("up belongs to kind height"));
   EXPECT_EQ(ask("POST", id_ + "/measure").status, 400);
-  EXPECT_EQ(ask("POST", id_ + "/measure", std::string(5000, ' ')).status, 413);
-  EXPECT_EQ(ask("POST", id_ + "/measure", R"({"from": [0, 0, 1], "to": [0, 0, 2.5]})").status, 500) << "the file is cut";
-  EXPECT_EQ(ask("POST", new_scan_id() + "/measure", R"({"from": [0, 0, 1], "to": [0, 0, 2.5]})").status, 404);
-  const Answer imported = ask("POST", imported_id_ + "/measure", R"({"from": [0, 0, 1], "to": [0, 0, 2.5]})");
+  EXPECT_EQ(ask("POST", id_ + "/measure", std::string(9000, ' ')).status, 413);
+  EXPECT_EQ(ask("POST", id_ + "/measure", "{" + kDistance).status, 500) << "the file is cut";
+  EXPECT_EQ(ask("POST", new_scan_id() + "/measure", "{" + kDistance).status, 404);
+  const Answer imported = ask("POST", imported_id_ + "/measure", "{" + kDistance);
   EXPECT_EQ(imported.status, 409);
   EXPECT_THAT(imported.words(), HasSubstr("has no trajectory.txt"));
   const std::string long_name(201, 'n');
-  EXPECT_THAT(ask("POST", id_ + "/measurements", R"({"name": ")" + long_name + R"(", "from": [0, 0, 1], "to": [0, 0, 2.5]})").words(),
+  EXPECT_THAT(ask("POST", id_ + "/measurements", R"({"name": ")" + long_name + R"(", )" + kDistance).words(),
               HasSubstr("name has 201 bytes"));
 }
 
 TEST_F(MeasureRoutesTest, AShareLinkMeasuresAndKeepsNothing) {
   start();
   const std::string share = ask("POST", id_ + "/shares").json()["secret"];
-  const std::string points = R"("from": [0, 0, 1], "to": [0, 0, 2.5]})";
-  EXPECT_EQ(ask("POST", id_ + "/measure", "{" + points, share).status, 200);
-  EXPECT_EQ(ask("POST", id_ + "/measurements", R"({"name": "a", )" + points, share).status, 403);
+  EXPECT_EQ(ask("POST", id_ + "/measure", "{" + kDistance, share).status, 200);
+  EXPECT_EQ(ask("POST", id_ + "/measurements", R"({"name": "a", )" + kDistance, share).status, 403);
   EXPECT_EQ(ask("GET", id_ + "/measurements", "", share).status, 200);
-  EXPECT_EQ(ask("POST", imported_id_ + "/measure", "{" + points, share).status, 404);
+  EXPECT_EQ(ask("POST", imported_id_ + "/measure", "{" + kDistance, share).status, 404);
+}
+
+TEST_F(MeasureRoutesTest, AScanThatIsDeletedIsNotMeasuredInAnyMore) {
+  start();
+  EXPECT_EQ(ask("POST", id_ + "/measure", "{" + kDistance).status, 200);
+  EXPECT_EQ(ask("POST", id_ + "/measure", "{" + kDistance).status, 200) << "of what is kept in memory";
+  EXPECT_EQ(ask("DELETE", id_).status, 200);
+  EXPECT_EQ(ask("POST", id_ + "/measure", "{" + kDistance).status, 404);
 }
 
 }  // namespace measure_routes_test

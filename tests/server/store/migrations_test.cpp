@@ -1,4 +1,5 @@
-// Databases of earlier versions, through the door of SqliteStore. golden/schema-N.db was written by the hermite whose schema was N.
+// Databases of earlier versions, through the door of SqliteStore. golden/schema-1.db was written by the hermite whose schema was 1,
+// schema-5.db made of it by the statements of the one whose schema was 5, with two measurements.
 #include "server/store/migrations.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -66,6 +67,25 @@ TEST_F(MigrationsTest, TheFirstVersionsScansAreThereAfterwards) {
     EXPECT_TRUE(store.add_token(share).ok());
   }
   EXPECT_EQ(version_of(path_), schema_version());
+}
+
+TEST_F(MigrationsTest, DistancesThatWereKeptAreThereAfterwards) {
+  take_golden(5);
+  SqliteStore store(path_);
+  const auto rows = store.list_measurements("ieazy7z5rmm64yfukj5s1pwofg");
+  ASSERT_TRUE(rows.ok()) << rows.error().message;
+  ASSERT_EQ(rows->size(), 2u);
+  const MeasurementRow& door = (*rows)[0];
+  EXPECT_EQ(door.name, "Door");
+  EXPECT_EQ(door.kind, "distance");
+  EXPECT_EQ(door.points, (std::vector<MeasurementRow::Triple>{{0.1, -0.20000000000000001, 1.9000000000000001}, {1.2, 1.0 / 3, 2.1}}));
+  EXPECT_TRUE(door.normals.empty());
+  EXPECT_FALSE(door.up.has_value());
+  EXPECT_EQ(door.value, 1.2345678901234567);
+  EXPECT_EQ(door.half_width, 0.0031);
+  EXPECT_EQ((*rows)[1].name, "Table");
+  ASSERT_TRUE(store.remove_measurement("ieazy7z5rmm64yfukj5s1pwofg", door.id).ok());
+  EXPECT_EQ(store.list_measurements("ieazy7z5rmm64yfukj5s1pwofg")->size(), 1u);
 }
 
 TEST_F(MigrationsTest, ABackupIsMadeFirst) {

@@ -292,7 +292,8 @@ TYPED_TEST_P(StoreContract, AShareLinkIsOfAScanThatIsThereAndGoesWithIt) {
 }
 
 TYPED_TEST_P(StoreContract, MeasurementsAreOfAScanThatIsThereAndGoWithIt) {
-  MeasurementRow row{"m", "scan", "a 'door'", {0.1, 1e-9, -3}, {4, 5, 6}, 1.25, 0.003, 7};
+  MeasurementRow row{"m",          "scan", "a 'door'", "height", {{0.1, 1e-9, -3}, {4, 5, 6}}, {{0, 0, -1}, {0.6, 0.8, 0}},
+                     {{0, -1, 0}}, 1.25,   0.003,      7};
   EXPECT_EQ(this->store().add_measurement(row).error().code, ErrorCode::kNotFound);
   ASSERT_TRUE(this->store().add(scan_row("scan")).ok());
   ASSERT_TRUE(this->store().add_measurement(row).ok());
@@ -301,11 +302,19 @@ TYPED_TEST_P(StoreContract, MeasurementsAreOfAScanThatIsThereAndGoWithIt) {
   const auto rows = this->store().list_measurements("scan");
   ASSERT_EQ(rows->size(), 1u);
   EXPECT_EQ((*rows)[0].name, row.name);
-  EXPECT_EQ((*rows)[0].from, row.from);
-  EXPECT_EQ((*rows)[0].to, row.to);
-  EXPECT_EQ((*rows)[0].distance_m, row.distance_m);
-  EXPECT_EQ((*rows)[0].half_width_m, row.half_width_m);
+  EXPECT_EQ((*rows)[0].kind, row.kind);
+  EXPECT_EQ((*rows)[0].points, row.points);
+  EXPECT_EQ((*rows)[0].normals, row.normals);
+  EXPECT_EQ((*rows)[0].up, row.up);
+  EXPECT_EQ((*rows)[0].value, row.value);
+  EXPECT_EQ((*rows)[0].half_width, row.half_width);
   EXPECT_EQ((*rows)[0].created_at_ms, row.created_at_ms);
+  row.id = "of another kind";
+  row.kind = "weight";
+  EXPECT_EQ(this->store().add_measurement(row).error().code, ErrorCode::kInvalidArgument);
+  row.kind = "area";
+  row.normals.clear();
+  row.up.reset();
   for (int i = 1; i < kMaxMeasurementsPerScan; ++i) {
     row.id = std::to_string(i);
     ASSERT_TRUE(this->store().add_measurement(row).ok());

@@ -1,13 +1,21 @@
-// Distances in a scan that has ended: the server fits the surface, says how far two places are apart, and keeps what is worth it.
+// What is measured in a scan that has ended: the server fits the surface, says what lies between places, and keeps what is worth it.
 import { ApiError, isRecord, numberOf, request, textOf } from './api';
 
 const limit_ms = 30_000; // it reads all of a large scan
 
-export type Place = readonly [number, number, number]; // in the world of the scan, metres
+export const measureKinds = ['distance', 'plane', 'height', 'angle', 'area'] as const; // as the server names them
+export type MeasureKind = (typeof measureKinds)[number];
 
-export interface Measured {
-  readonly from: Place; // on the surface
-  readonly to: Place;
+export type Place = readonly [number, number, number]; // in the world of the scan, metres; or a direction in it
+
+export interface Asked {
+  readonly kind: MeasureKind;
+  readonly points: readonly Place[]; // near to surfaces
+  readonly up?: Place; // unit, of a height alone
+}
+
+export interface Measured extends Asked {
+  readonly normals: readonly Place[]; // of the surface at each point; none of what was kept by servers that had none
   readonly words: string; // "1.234 m ± 0.003 m (95 %)"
 }
 
@@ -18,15 +26,16 @@ export interface KeptMeasurement extends Measured {
 
 const pathOf = (scanId: string): string => `api/v1/scans/${encodeURIComponent(scanId)}`;
 const headers = { 'Content-Type': 'application/json' };
+const bodyOf = ({ kind, points, up }: Asked) => ({ kind, points, ...(up ? { up } : {}) });
 
-export async function measure(scanId: string, token: string, from: Place, to: Place): Promise<Measured> {
-  const response = await request(`${pathOf(scanId)}/measure`, token, { limit_ms, method: 'POST', headers, body: JSON.stringify({ from, to }) });
+export async function measure(scanId: string, token: string, asked: Asked): Promise<Measured> {
+  const response = await request(`${pathOf(scanId)}/measure`, token, { limit_ms, method: 'POST', headers, body: JSON.stringify(bodyOf(asked)) });
   return parseMeasured(await response.json());
 }
 
 // Measured again there, and kept with the scan.
-export async function keepMeasurement(scanId: string, token: string, name: string, { from, to }: Measured): Promise<KeptMeasurement> {
-  const response = await request(`${pathOf(scanId)}/measurements`, token, { limit_ms, method: 'POST', headers, body: JSON.stringify({ name, from, to }) });
+export async function keepMeasurement(scanId: string, token: string, name: string, asked: Asked): Promise<KeptMeasurement> {
+  const response = await request(`${pathOf(scanId)}/measurements`, token, { limit_ms, method: 'POST', headers, body: JSON.stringify({ name, ...bodyOf(asked) }) });
   return parseKept(await response.json());
 }
 
@@ -45,11 +54,17 @@ export async function fetchMeasurementsCsv(scanId: string, token: string): Promi
 }
 
 export function parseMeasured(json: unknown): Measured {
-  const from = isRecord(json) ? placeOf(json['from']) : null;
-  const to = isRecord(json) ? placeOf(json['to']) : null;
-  const words = isRecord(json) ? textOf(json['words']) : '';
-  if (!from || !to || words === '') throw new ApiError('The server’s answer cannot be read.', false);
-  return { from, to, words };
+  const unreadable = new ApiError('The server’s answer cannot be read.', false);
+  if (!isRecord(json)) throw unreadable;
+  const kind = measureKinds.find((one) => one === json['kind']);
+  const points = placesOf(json['points']);
+  const normals = placesOf(json['normals']);
+  const up = json['up'] === undefined ? undefined : placeOf(json['up']);
+  const words = textOf(json['words']);
+  if (!kind || !points || points.length < 2 || !normals || up === null || words === '') throw unreadable;
+  if ((kind === 'plane' || kind === 'angle') && normals.length !== points.length) throw unreadable;
+  if ((kind === 'height') !== (up !== undefined)) throw unreadable;
+  return { kind, points, normals, words, ...(up ? { up } : {}) };
 }
 
 // Rows that are none are left out.
@@ -70,6 +85,12 @@ function parseKept(json: unknown): KeptMeasurement {
   const { id, name } = json as Record<string, unknown>;
   if (textOf(id) === '') throw new ApiError('The server’s answer cannot be read.', false);
   return { ...measured, id: textOf(id), name: textOf(name) };
+}
+
+function placesOf(value: unknown): Place[] | null {
+  if (!Array.isArray(value)) return null;
+  const places = value.map(placeOf);
+  return places.some((place) => place === null) ? null : (places as Place[]);
 }
 
 function placeOf(value: unknown): Place | null {

@@ -43,7 +43,7 @@ const keys: readonly (readonly [string, string])[] = [
   ['F', 'Show the whole scan'],
   ['S', 'Surface or points'],
   ['I', 'See inside'],
-  ['M', 'Measure the distance of two points'],
+  ['M', 'Measure distances, heights, angles and areas'],
   ['T', 'Look back: all frames of the camera'],
   ['Left, right, space', 'Frame before, next frame, play; on the slider of the frames'],
   ['C', 'Follow the camera, while it scans'],

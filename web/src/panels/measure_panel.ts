@@ -1,12 +1,23 @@
-// The tape measure: two clicks on the scan, what lies between them with its interval, and those that are kept.
+// The tape measure: clicks on the scan, what lies between them with its interval, and those measurements that are kept.
 import { ApiError, fileNameOf, saveAs } from '../connection/api';
-import { fetchMeasurements, fetchMeasurementsCsv, keepMeasurement, measure, removeMeasurement, type KeptMeasurement, type Measured } from '../connection/measurements';
+import {
+  fetchMeasurements,
+  fetchMeasurementsCsv,
+  keepMeasurement,
+  measure,
+  measureKinds,
+  removeMeasurement,
+  type KeptMeasurement,
+  type Measured,
+  type MeasureKind,
+} from '../connection/measurements';
 import { fetchAccess, noAccess } from '../connection/scans';
 import type { ScanScene } from '../scene/scene';
 import type { LiveScan } from '../state/live_scan';
-import { freeName, initialMeasuring, measuringWords, reduceMeasuring, type Measuring, type MeasuringEvent } from '../state/measuring';
+import { canClose, freeName, initialMeasuring, measureLabels, measuringWords, reduceMeasuring, type Measuring, type MeasuringEvent } from '../state/measuring';
 import { createStore, type Store } from '../state/store';
 import { element, setText, type Panel } from './dom';
+import { segments } from './segments';
 import { onTap } from './tap';
 
 export interface MeasurePanel extends Panel {
@@ -23,16 +34,13 @@ interface World {
 
 type MeasuringStore = Store<Measuring, MeasuringEvent>;
 
+const onFirstCorner_px = 14; // a click as near to it closes the outline
+
 export function measurePanel({ canvas, scene, scan, token }: World): MeasurePanel {
   const store: MeasuringStore = createStore(initialMeasuring, reduceMeasuring);
   const { scanId } = scan.get();
-  const button = element('button', { type: 'button', class: 'button', title: 'Measures the distance of two points (M)', 'aria-pressed': 'false' }, 'Measure');
-  const words = element('p', { class: 'measure-words', role: 'status' });
-  const newest = element('div', { class: 'measure-newest' });
-  const list = element('ul', { class: 'measure-list' });
-  const csv = element('button', { type: 'button', class: 'button' }, 'Download CSV');
-  const done = element('button', { type: 'button', class: 'button' }, 'Close');
-  const node = element('section', { class: 'card measure', 'aria-label': 'Measure' }, words, newest, list, element('div', { class: 'buttons' }, csv, done));
+  const view = panelView((kind) => store.dispatch({ kind: 'wanted', measure: kind }));
+  const { node, button, undo, close, csv, done } = view;
   let access = noAccess;
   const fail = (error: unknown): void => store.dispatch({ kind: 'failed', words: error instanceof ApiError ? error.message : 'That did not work.' });
   const begin = (active: boolean): void => {
@@ -47,35 +55,54 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
   const toggle = (): void => {
     if (!button.hidden) begin(!store.get().active);
   };
+  // The server is asked as soon as nothing is missing.
+  const dispatch = (event: MeasuringEvent): void => {
+    const before = store.get();
+    store.dispatch(event);
+    const { busy, measure: kind, points } = store.get();
+    if (before.busy || !busy) return;
+    measure(scanId, token, { kind, points, ...(kind === 'height' ? { up: scene.up } : {}) }).then((measured) => store.dispatch({ kind: 'measured', measured }), fail);
+  };
   const choose = (x_px: number, y_px: number): void => {
-    const { active, busy, first } = store.get();
-    if (!active || busy) return;
-    const place = scene.placeAt(x_px, y_px);
-    store.dispatch({ kind: 'chosen', place });
-    if (first && place) measure(scanId, token, first, place).then((measured) => store.dispatch({ kind: 'measured', measured }), fail);
+    const state = store.get();
+    if (!state.active || state.busy) return;
+    const start = canClose(state) ? scene.screenOf(state.points[0]!) : null;
+    if (start && Math.hypot(x_px - start[0], y_px - start[1]) <= onFirstCorner_px) dispatch({ kind: 'closed' });
+    else dispatch({ kind: 'chosen', place: scene.placeAt(x_px, y_px) });
   };
   const keep = (name: string, measured: Measured): void => void keepMeasurement(scanId, token, name, measured).then((one) => store.dispatch({ kind: 'kept', one }), fail);
   const remove = ({ id }: KeptMeasurement): void => void removeMeasurement(scanId, token, id).then(() => store.dispatch({ kind: 'removed', id }), fail);
   const show = (): void => {
     const state = store.get();
-    node.hidden = !state.active;
     canvas.classList.toggle('picking', state.active);
     node.parentElement?.classList.toggle('measuring', state.active);
-    button.setAttribute('aria-pressed', String(state.active));
-    setText(words, measuringWords(state));
-    newest.hidden = !state.newest;
-    if (state.newest) newest.replaceChildren(...newestRow(state.newest, state.kept, access.scan ? keep : null));
-    list.hidden = csv.hidden = state.kept.length === 0;
-    list.replaceChildren(...state.kept.map((one) => rowOf(one, access.scan ? remove : null)));
-    scene.showMeasured(state.active ? [...state.kept, ...(state.newest ? [state.newest] : [])] : [], state.first);
+    view.show(state, access.scan ? { keep, remove } : null);
+    scene.showMeasured(state.active ? [...state.kept, ...(state.newest ? [state.newest] : [])] : [], state.points);
   };
   const onKey = (event: KeyboardEvent): void => {
-    if (event.key === 'Escape' && store.get().active && !document.querySelector('dialog')) begin(store.get().first !== null); // first the point, then the tool
+    const state = store.get();
+    if (!state.active || document.querySelector('dialog')) return;
+    if (event.key === 'Escape') begin(state.points.length > 0); // first the points, then the tool
+    if (isForControl(event, button)) return;
+    if (event.key === 'Backspace') dispatch({ kind: 'undone' });
+    if (event.key === 'Enter' && state.points.length > 0) {
+      event.preventDefault(); // the button that began it may still have the focus
+      dispatch({ kind: 'closed' });
+    }
   };
   button.addEventListener('click', toggle);
   done.addEventListener('click', () => begin(false));
+  undo.addEventListener('click', () => dispatch({ kind: 'undone' }));
+  close.addEventListener('click', () => dispatch({ kind: 'closed' }));
   csv.addEventListener('click', () => void fetchMeasurementsCsv(scanId, token).then((file) => saveAs(file, `${fileNameOf(scan.get().title) || 'scan'}-measurements.csv`), fail));
   onTap(canvas, choose);
+  // Its first click was a corner. Nothing else is to come of it.
+  const onDoubleClick = (event: MouseEvent): void => {
+    if (!store.get().active || store.get().measure !== 'area') return;
+    event.stopImmediatePropagation();
+    dispatch({ kind: 'closed' });
+  };
+  canvas.addEventListener('dblclick', onDoubleClick);
   document.addEventListener('keydown', onKey);
   const unsubscribers = [
     store.subscribe(show),
@@ -96,24 +123,65 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
   };
 }
 
-// `keep` is null for whoever may only look.
-function newestRow(measured: Measured, kept: readonly KeptMeasurement[], keep: ((name: string, measured: Measured) => void) | null): HTMLElement[] {
+// Whether a key is meant for what has the focus: text that is written, a button that is pressed.
+function isForControl(event: KeyboardEvent, button: HTMLElement): boolean {
+  const { target } = event;
+  if (target instanceof HTMLInputElement) return target.type !== 'radio';
+  return target instanceof HTMLButtonElement && target !== button;
+}
+
+interface Changes {
+  readonly keep: (name: string, measured: Measured) => void;
+  readonly remove: (one: KeptMeasurement) => void;
+}
+
+// What the panel is made of. Its `show` is given no changes for whoever may only look.
+function panelView(choose: (kind: MeasureKind) => void) {
+  const button = element('button', { type: 'button', class: 'button', title: 'Measures distances, heights, angles and areas (M)', 'aria-pressed': 'false' }, 'Measure');
+  const choice = segments('measure-kind', 'What is measured', measureKinds, measureLabels, choose);
+  const words = element('p', { class: 'measure-words', role: 'status' });
+  const undo = element('button', { type: 'button', class: 'button', title: 'Takes the last point back (Backspace)' }, 'Undo');
+  const close = element('button', { type: 'button', class: 'button primary', title: 'Connects the last corner with the first (Enter)' }, 'Close the outline');
+  const steps = element('div', { class: 'buttons' }, close, undo);
+  const newest = element('div', { class: 'measure-newest' });
+  const list = element('ul', { class: 'measure-list' });
+  const csv = element('button', { type: 'button', class: 'button' }, 'Download CSV');
+  const done = element('button', { type: 'button', class: 'button' }, 'Close');
+  const ends = element('div', { class: 'buttons' }, csv, done);
+  const node = element('section', { class: 'card measure', 'aria-label': 'Measure' }, choice.element, words, steps, newest, list, ends);
+  const show = (state: Measuring, changes: Changes | null): void => {
+    node.hidden = !state.active;
+    button.setAttribute('aria-pressed', String(state.active));
+    choice.check(state.measure);
+    setText(words, measuringWords(state));
+    undo.hidden = state.points.length === 0 || state.busy;
+    close.hidden = !canClose(state);
+    steps.hidden = undo.hidden && close.hidden;
+    newest.hidden = !state.newest;
+    if (state.newest) newest.replaceChildren(...newestRow(state.newest, state.kept, changes));
+    list.hidden = csv.hidden = state.kept.length === 0;
+    list.replaceChildren(...state.kept.map((one) => rowOf(one, changes)));
+  };
+  return { node, button, undo, close, csv, done, show };
+}
+
+function newestRow(measured: Measured, kept: readonly KeptMeasurement[], changes: Changes | null): HTMLElement[] {
   const words = element('strong', {}, measured.words);
-  if (!keep) return [words];
-  const name = element('input', { type: 'text', value: freeName(kept), 'aria-label': 'Name of the distance', maxlength: 200, required: true, autocomplete: 'off' });
+  if (!changes) return [words];
+  const name = element('input', { type: 'text', value: freeName(kept, measured.kind), 'aria-label': 'Name of the measurement', maxlength: 200, required: true, autocomplete: 'off' });
   const form = element('form', {}, name, element('button', { type: 'submit', class: 'button primary' }, 'Keep'));
   form.addEventListener('submit', (event) => {
     event.preventDefault();
-    if (name.value.trim() !== '') keep(name.value.trim(), measured);
+    if (name.value.trim() !== '') changes.keep(name.value.trim(), measured);
   });
   return [words, form];
 }
 
-function rowOf(one: KeptMeasurement, remove: ((one: KeptMeasurement) => void) | null): HTMLElement {
+function rowOf(one: KeptMeasurement, changes: Changes | null): HTMLElement {
   const row = element('li', {}, element('div', {}, element('span', { class: 'measure-name' }, one.name), element('span', {}, one.words)));
-  if (!remove) return row;
+  if (!changes) return row;
   const button = element('button', { type: 'button', class: 'button', 'aria-label': `Remove ${one.name}` }, '×');
-  button.addEventListener('click', () => remove(one));
+  button.addEventListener('click', () => changes.remove(one));
   row.append(button);
   return row;
 }

@@ -13,6 +13,7 @@ import {
   type ViewOptions,
 } from '../state/view_options';
 import { element, setText, type Panel } from './dom';
+import { segments } from './segments';
 
 const showLabels: Record<Show, string> = { surface: 'Surface', points: 'Points' };
 const colorLabels: Record<ColorMode, string> = { shaded: 'Shaded', rgb: 'Colour', normal: 'Normals', confidence: 'Confidence' };
@@ -66,33 +67,6 @@ export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, sca
     element: node,
     dispose() {
       for (const unsubscribe of unsubscribers) unsubscribe();
-    },
-  };
-}
-
-interface Segments<Name extends string> {
-  readonly element: HTMLElement;
-  check(name: Name): void;
-}
-
-// One of a few.
-function segments<Name extends string>(
-  group: string,
-  legend: string,
-  names: readonly Name[],
-  labels: Record<Name, string>,
-  choose: (name: Name) => void,
-): Segments<Name> {
-  const inputs = names.map((name) => {
-    const input = element('input', { type: 'radio', name: group, value: name });
-    input.addEventListener('change', () => choose(name));
-    return input;
-  });
-  const choices = names.map((name, i) => element('label', {}, inputs[i]!, element('span', {}, labels[name])));
-  return {
-    element: element('fieldset', { class: `segments ${group}` }, element('legend', { class: 'unseen' }, legend), ...choices),
-    check(chosen) {
-      names.forEach((name, i) => (inputs[i]!.checked = name === chosen));
     },
   };
 }

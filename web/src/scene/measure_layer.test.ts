@@ -1,22 +1,28 @@
 import { Sprite } from 'three';
 import { expect, test } from 'vitest';
+import type { Measured } from '../connection/measurements';
 import { MeasureLayer } from './measure_layer';
 
-const one = { from: [0, 0, 1], to: [0, 2, 1], words: '2.000 m ± 0.003 m (95 %)' } as const;
+const one: Measured = { kind: 'distance', points: [[0, 0, 1], [0, 2, 1]], normals: [], words: '2.000 m ± 0.003 m (95 %)' };
+const area: Measured = { kind: 'area', points: [[0, 0, 1], [0, 2, 1], [1, 0, 1]], normals: [], words: '1.000 m² ± 0.003 m² (95 %)' };
 
-test('each distance has its line and its words in the middle, and what was chosen first a point', () => {
+test('what was measured has its lines and words, an area its surface, and what was chosen its points and the way along them', () => {
   const said: string[] = [];
   let disposed = 0;
   const layer = new MeasureLayer(() => ({ object: new Sprite(), say: (words) => said.push(words), resize: () => {}, dispose: () => ++disposed }));
-  const [lines, ends] = layer.object.children;
-  expect([lines!.visible, ends!.visible]).toEqual([false, false]);
-  layer.show([], [1, 1, 1]);
-  expect([lines!.visible, ends!.visible]).toEqual([false, true]);
-  layer.show([one], null);
-  expect([lines!.visible, ends!.visible]).toEqual([true, true]);
+  const visible = (): boolean[] => layer.object.children.slice(0, 3).map((child) => child.visible); // lines, ends, patches
+  expect(visible()).toEqual([false, false, false]);
+  layer.show([], [[1, 1, 1]]);
+  expect(visible()).toEqual([false, true, false]);
+  layer.show([], [[1, 1, 1], [1, 2, 1]]);
+  expect(visible()).toEqual([true, true, false]);
+  layer.show([one], []);
+  expect(visible()).toEqual([true, true, false]);
   expect(said).toEqual([one.words]);
-  expect(layer.object.children[2]!.position.toArray()).toEqual([0, 1, 1]);
-  layer.show([], null);
-  expect(layer.object.children).toHaveLength(2);
-  expect(disposed).toBe(1);
+  expect(layer.object.children[3]!.position.toArray()).toEqual([0, 1, 1]);
+  layer.show([area], []);
+  expect(visible()).toEqual([true, true, true]);
+  layer.show([], []);
+  expect(layer.object.children).toHaveLength(3);
+  expect(disposed).toBe(2);
 });

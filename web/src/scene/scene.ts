@@ -158,8 +158,20 @@ export class ScanScene {
     return this.pick(x_px, y_px)?.point_m.toArray() ?? null;
   }
 
-  showMeasured(measured: readonly Measured[], first: Place | null): void {
-    this.measured.show(measured, first);
+  // Where that is in the picture, in pixels of the page; null: behind the viewer.
+  screenOf(place: Place): readonly [number, number] | null {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const { x, y, z } = new Vector3(...place).applyMatrix4(this.upright.object.matrix).project(this.rig.camera);
+    return z > 1 ? null : [left + ((x + 1) / 2) * width, top + ((1 - y) / 2) * height];
+  }
+
+  // In the world of the scan.
+  get up(): Direction {
+    return this.upright.up;
+  }
+
+  showMeasured(measured: readonly Measured[], chosen: readonly Place[]): void {
+    this.measured.show(measured, chosen);
     this.requestDraw();
   }
 

@@ -1,40 +1,74 @@
 import { expect, test } from 'vitest';
-import { freeName, initialMeasuring, measuringWords, reduceMeasuring, type Measuring, type MeasuringEvent } from './measuring';
+import type { KeptMeasurement, Measured } from '../connection/measurements';
+import { canClose, freeName, initialMeasuring, measuringWords, reduceMeasuring, type Measuring, type MeasuringEvent } from './measuring';
 
-const measured = { from: [0, 0, 1], to: [0, 0, 2], words: '1.000 m ± 0.002 m (95 %)' } as const;
-const kept = { ...measured, id: 'a', name: 'Distance 1' };
+const measured: Measured = { kind: 'distance', points: [[0, 0, 1], [0, 0, 2]], normals: [], words: '1.000 m ± 0.002 m (95 %)' };
+const kept: KeptMeasurement = { ...measured, id: 'a', name: 'Distance 1' };
 const after = (...events: MeasuringEvent[]): Measuring => events.reduce(reduceMeasuring, initialMeasuring);
 const begun = { kind: 'active', active: true } as const;
 const click = { kind: 'chosen', place: [0, 0, 1] } as const;
+const area = { kind: 'wanted', measure: 'area' } as const;
+const undo = { kind: 'undone' } as const;
+const close = { kind: 'closed' } as const;
 
 test('two clicks ask the server once, and a third waits for its answer', () => {
-  expect(after(begun, click)).toMatchObject({ first: [0, 0, 1], busy: false });
+  expect(after(begun, click)).toMatchObject({ points: [[0, 0, 1]], busy: false });
   expect(measuringWords(after(begun, click))).toContain('second');
   expect(after(begun, click, click)).toMatchObject({ busy: true });
   expect(after(begun, click, click, click)).toEqual(after(begun, click, click));
-  expect(after(begun, click, click, { kind: 'measured', measured })).toMatchObject({ busy: false, first: null, newest: measured });
+  expect(after(begun, click, click, undo)).toEqual(after(begun, click, click));
+  expect(after(begun, click, click, { kind: 'measured', measured })).toMatchObject({ busy: false, points: [], newest: measured });
 });
 
 test('a click beside everything leaves the first point', () => {
   const state = after(begun, click, { kind: 'chosen', place: null });
-  expect(state.first).toEqual([0, 0, 1]);
+  expect(state.points).toEqual([[0, 0, 1]]);
   expect(measuringWords(state)).toContain('nothing');
 });
 
-test('an answer that comes after the tool was put away is none', () => {
+test('an answer that comes after the tool was put away, or another kind chosen, is none', () => {
   expect(after(begun, click, click, { kind: 'active', active: false }, { kind: 'measured', measured }).newest).toBeNull();
+  expect(after(begun, click, click, area, { kind: 'measured', measured }).newest).toBeNull();
 });
 
-test('what is wrong is said of the point', () => {
-  const state = after(begun, click, click, { kind: 'failed', words: 'The server says: to: no surface was seen within 6 cm of the point.' });
+test('each kind says what to click on', () => {
+  const words = (measure: Measured['kind'], ...events: MeasuringEvent[]): string => measuringWords(after(begun, { kind: 'wanted', measure }, ...events));
+  expect(words('plane')).toContain('then on a plane');
+  expect(words('plane', click)).toBe('Now click on the plane.');
+  expect(words('height')).toContain('higher');
+  expect(words('angle', click)).toContain('second surface');
+});
+
+test('an outline is closed from three corners on, and corners are taken back one by one', () => {
+  expect(after(begun, area, click, click)).toMatchObject({ busy: false });
+  const early = after(begun, area, click, click, close);
+  expect(early.busy).toBe(false);
+  expect(measuringWords(early)).toContain('three corners');
+  const three = after(begun, area, click, click, click);
+  expect(canClose(three)).toBe(true);
+  expect(measuringWords(three)).toMatch(/^3 corners\. .*double click/);
+  expect(after(begun, area, click, click, click, undo).points).toHaveLength(2);
+  expect(after(begun, area, click, click, click, close)).toMatchObject({ busy: true });
+  expect(after(begun, area, close)).toEqual(after(begun, area));
+  expect(after(begun, click, close)).toEqual(after(begun, click)); // a distance has no outline
+  expect(after(begun, area, ...Array<MeasuringEvent>(64).fill(click))).toMatchObject({ busy: true }); // as many as the server takes
+});
+
+test('what is wrong is said of the point, and the corners of an area stay', () => {
+  const state = after(begun, click, click, { kind: 'failed', words: 'The server says: points[1]: no surface was seen within 6 cm of the point.' });
   expect(measuringWords(state)).toBe('Second point: no surface was seen within 6 cm of the point.');
-  expect(state).toMatchObject({ first: null, busy: false });
+  expect(state).toMatchObject({ points: [], busy: false });
+  const outline = after(begun, area, click, click, click, close, { kind: 'failed', words: 'The server says: points[2]: no surface was seen.' });
+  expect(measuringWords(outline)).toBe('Corner 3: no surface was seen.');
+  expect(outline).toMatchObject({ busy: false });
+  expect(outline.points).toHaveLength(3);
 });
 
 test('what is kept is listed until it is removed', () => {
   const state = after(begun, click, click, { kind: 'measured', measured }, { kind: 'kept', one: kept });
   expect(state).toMatchObject({ newest: null, kept: [kept] });
-  expect(freeName(state.kept)).toBe('Distance 2');
-  expect(freeName([{ ...kept, name: 'Distance 2' }])).toBe('Distance 3');
+  expect(freeName(state.kept, 'distance')).toBe('Distance 2');
+  expect(freeName([{ ...kept, name: 'Distance 2' }], 'distance')).toBe('Distance 3');
+  expect(freeName(state.kept, 'area')).toBe('Area 1');
   expect(reduceMeasuring(state, { kind: 'removed', id: 'a' }).kept).toEqual([]);
 });

@@ -1,37 +1,66 @@
-// The tape measure of one page: which points were chosen, what came of them, what is kept. Pure.
-import type { KeptMeasurement, Measured, Place } from '../connection/measurements';
+// The tape measure of one page: what it measures, which points were chosen, what came of them, what is kept. Pure.
+import type { KeptMeasurement, Measured, MeasureKind, Place } from '../connection/measurements';
 
 export interface Measuring {
   readonly active: boolean; // clicks choose points
-  readonly first: Place | null; // of two, while the second is missing
+  readonly measure: MeasureKind;
+  readonly points: readonly Place[]; // that were chosen, while some are missing or the server is asked
   readonly busy: boolean; // the server is asked
   readonly newest: Measured | null; // that is not kept
   readonly kept: readonly KeptMeasurement[];
   readonly problem: string; // in words, or empty
 }
 
-export const initialMeasuring: Measuring = { active: false, first: null, busy: false, newest: null, kept: [], problem: '' };
+export const initialMeasuring: Measuring = { active: false, measure: 'distance', points: [], busy: false, newest: null, kept: [], problem: '' };
 
 export type MeasuringEvent =
   | { readonly kind: 'active'; readonly active: boolean }
+  | { readonly kind: 'wanted'; readonly measure: MeasureKind }
   | { readonly kind: 'chosen'; readonly place: Place | null } // null: nothing was there
+  | { readonly kind: 'undone' } // the last point
+  | { readonly kind: 'closed' } // the outline of an area
   | { readonly kind: 'measured'; readonly measured: Measured }
   | { readonly kind: 'listed'; readonly kept: readonly KeptMeasurement[] }
   | { readonly kind: 'kept'; readonly one: KeptMeasurement }
   | { readonly kind: 'removed'; readonly id: string }
   | { readonly kind: 'failed'; readonly words: string };
 
+export const leastCorners = 3;
+const mostCorners = 64; // the server takes no more
+
+// By the name of it, in front of people.
+export const measureLabels: Record<MeasureKind, string> = { distance: 'Distance', plane: 'To a plane', height: 'Height', angle: 'Angle', area: 'Area' };
+
+const invitations: Record<MeasureKind, string> = {
+  distance: 'Click on two points.',
+  plane: 'Click on a point, then on a plane: a wall, a floor, a table.',
+  height: 'Click on two points: how much higher is one?',
+  angle: 'Click on two surfaces that are flat.',
+  area: 'Click on the corners, one after the other.',
+};
+const seconds: Record<MeasureKind, string> = {
+  distance: 'Click on the second point.',
+  plane: 'Now click on the plane.',
+  height: 'Click on the second point.',
+  angle: 'Click on the second surface.',
+  area: 'Click on the next corner.',
+};
+
 export function reduceMeasuring(state: Measuring, event: MeasuringEvent): Measuring {
   switch (event.kind) {
     case 'active':
-      return { ...state, active: event.active, first: null, busy: false, newest: null, problem: '' };
+      return { ...state, active: event.active, points: [], busy: false, newest: null, problem: '' };
+    case 'wanted':
+      return { ...state, measure: event.measure, points: [], busy: false, newest: null, problem: '' };
     case 'chosen':
-      if (state.busy) return state;
-      if (!event.place) return { ...state, problem: 'There is nothing: click on a surface.' };
-      if (!state.first) return { ...state, first: event.place, newest: null, problem: '' };
-      return { ...state, busy: true, problem: '' }; // the second
+      return chosen(state, event.place);
+    case 'undone':
+      return state.busy ? state : { ...state, points: state.points.slice(0, -1), problem: '' };
+    case 'closed':
+      if (state.busy || state.measure !== 'area' || state.points.length === 0) return state;
+      return state.points.length < leastCorners ? { ...state, problem: 'An area has three corners or more.' } : { ...state, busy: true, problem: '' };
     case 'measured':
-      return state.busy ? { ...state, first: null, busy: false, newest: event.measured } : state;
+      return state.busy ? { ...state, points: [], busy: false, newest: event.measured } : state;
     case 'listed':
       return { ...state, kept: event.kept };
     case 'kept':
@@ -39,26 +68,44 @@ export function reduceMeasuring(state: Measuring, event: MeasuringEvent): Measur
     case 'removed':
       return { ...state, kept: state.kept.filter((one) => one.id !== event.id), problem: '' };
     case 'failed':
-      return { ...state, first: null, busy: false, problem: wordsForPeople(event.words) };
+      // The corners of an area stay, so that the wrong one can be taken back.
+      return { ...state, points: state.measure === 'area' ? state.points : [], busy: false, problem: wordsForPeople(event.words, state.measure) };
   }
+}
+
+function chosen(state: Measuring, place: Place | null): Measuring {
+  if (state.busy) return state;
+  if (!place) return { ...state, problem: 'There is nothing: click on a surface.' };
+  const points = [...state.points, place];
+  return { ...state, points, newest: null, problem: '', busy: points.length === (state.measure === 'area' ? mostCorners : 2) };
+}
+
+export function canClose({ measure, points, busy }: Measuring): boolean {
+  return measure === 'area' && points.length >= leastCorners && !busy;
 }
 
 // What the page asks for now.
 export function measuringWords(state: Measuring): string {
   if (state.problem !== '') return state.problem;
   if (state.busy) return 'Measuring …';
-  return state.first ? 'Click on the second point.' : state.newest ? 'Click for the next one.' : 'Click on two points.';
+  if (canClose(state)) return `${state.points.length} corners. To close the outline click on the first, double click, or press Enter.`;
+  if (state.points.length > 0) return seconds[state.measure];
+  return state.newest ? 'Click for the next one.' : invitations[state.measure];
 }
 
 // A name that no kept one has yet.
-export function freeName(kept: readonly KeptMeasurement[]): string {
+export function freeName(kept: readonly KeptMeasurement[], measure: MeasureKind): string {
   const names = new Set(kept.map((one) => one.name));
-  let number = kept.length + 1;
-  while (names.has(`Distance ${number}`)) ++number;
-  return `Distance ${number}`;
+  const label = measure === 'plane' ? 'Distance to a plane' : measureLabels[measure];
+  let number = kept.filter((one) => one.kind === measure).length + 1;
+  while (names.has(`${label} ${number}`)) ++number;
+  return `${label} ${number}`;
 }
 
 // The server names the fields of the request.
-function wordsForPeople(words: string): string {
-  return words.replace('The server says: from: ', 'First point: ').replace('The server says: to: ', 'Second point: ');
+function wordsForPeople(words: string, measure: MeasureKind): string {
+  return words.replace(/^The server says: points\[(\d+)\]:? /, (_, index) => {
+    const number = Number(index) + 1;
+    return measure === 'area' ? `Corner ${number}: ` : number === 1 ? 'First point: ' : 'Second point: ';
+  });
 }

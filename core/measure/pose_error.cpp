@@ -1,0 +1,50 @@
+#include "core/measure/pose_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "core/base/check.h"
+
+namespace hermite {
+
+namespace {
+
+// What is left between places that one camera has seen, the share of the distance, and what grows with the root of the way. Measured.
+constexpr double kPoseFloor_m = 0.00015, kOfDistance = 0.0004, kOfWay_m = 0.0005;
+
+// What is left of the focal length's error in a camera that was corrected (kFittingFocal of core/calibrate/camera_watch.h), as a share.
+constexpr double kOfCorrectedCamera = 0.0015;
+
+}  // namespace
+
+Result<PoseError> pose_error_of(std::span<const MeasuredPlace> places, std::span<const Eigen::Vector3d> gradients,
+                                const MapKnowledge& map) {
+  CHECK(places.size() == gradients.size(), "a derivative for each place");
+  std::vector<std::vector<bool>> seen;
+  for (const MeasuredPlace& place : places) {
+    if (map.part_count > 1 && place.submap != places.front().submap)
+      return Error{ErrorCode::kInvalidArgument,
+                   "the scan is in " + std::to_string(map.part_count) +
+                       " parts, since the camera was lost between them, and the points need not be in the same one"};
+    seen.push_back(map.way.seen_from(place.position_m, place.normal));
+  }
+  PoseError error;
+  double variance = 0;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const double way_m = map.way.between_m(seen[i], seen[j]);
+      if (!std::isfinite(way_m))
+        return Error{ErrorCode::kInvalidArgument,
+                     "no camera of the scan's path can have seen one of the points: nothing is known of its error"};
+      error.way_m = std::max(error.way_m, way_m);
+      variance -= gradients[i].dot(gradients[j]) * (kPoseFloor_m * kPoseFloor_m + kOfWay_m * kOfWay_m * way_m);
+    }
+  error.sigma = std::sqrt(std::max(0.0, variance));
+  return error;
+}
+
+double length_share_of(const MapKnowledge& map) { return std::hypot(kOfDistance, map.camera_was_corrected ? kOfCorrectedCamera : 0); }
+
+}  // namespace hermite

@@ -1,0 +1,48 @@
+// What measuring needs of the scans that were last measured in, kept in memory: who measures does it several times in one scan.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "core/measure/measure.h"
+#include "server/store/blobs.h"
+
+namespace hermite {
+
+// Thread-safe. A scan whose files were put again is read anew, by Blobs::version; of a scan that is gone nothing is answered.
+class MeasuringCache {
+ public:
+  static constexpr std::size_t kMostScans = 4;
+  static constexpr std::uint64_t kMost_bytes = std::uint64_t{128} << 20;  // of their surfels, in all
+
+  explicit MeasuringCache(std::uint64_t most_bytes = kMost_bytes) : most_bytes_(most_bytes) {}
+
+  // May read for some seconds. `surfels_name` is that of a cloud of the scan. Of one with more surfels than may be kept none are, and they
+  // are read from `blobs`, which outlives the answer, each time that they are gone through. kNotFound: the scan has not the files;
+  // kTooLarge, kIo, and kCorruptData of map_knowledge_of and for_each_ply_point.
+  Result<std::shared_ptr<const MeasuredResult>> of(Blobs& blobs, const std::string& scan_id, const std::string& surfels_name);
+
+  void forget(const std::string& scan_id);
+
+  std::uint64_t kept_bytes() const;
+
+ private:
+  struct Entry {
+    std::string scan_id, version;  // of all its files
+    std::uint64_t bytes = 0;
+    std::shared_ptr<const MeasuredResult> result;
+  };
+
+  std::shared_ptr<const MeasuredResult> found(const std::string& scan_id, const std::string& version);
+  void keep(Entry entry);
+
+  const std::uint64_t most_bytes_;
+  mutable std::mutex mutex_;
+  std::vector<Entry> entries_;  // the last used one last
+};
+
+}  // namespace hermite
