@@ -19,7 +19,9 @@ failed_tests=build/failed_tests.txt
 tests_of() {
   rm -f "$failed_tests"
   ctest --preset "$1" -j "$((jobs + 1))" --no-tests=error || {
-    sed -n 's/^[0-9]*://p' "build/$1/Testing/Temporary/LastTestsFailed.log" | tr '\n' ' ' >"$failed_tests"
+    local logs=build/$1/Testing/Temporary
+    { sed -n 's/^[0-9]*://p' "$logs/LastTestsFailed.log"
+      sed -n 's/^\[  FAILED  \] \([A-Za-z/]*\.[A-Za-z0-9_/]*\).*/\1/p' "$logs/LastTest.log" | sort -u; } | tr '\n' ' ' >"$failed_tests"
     return 1
   }
 }

@@ -108,7 +108,7 @@ double outline_area_m2(const std::vector<Vector3d>& corners) {
 // A result beside the truth, and random things to measure in it.
 class MeasureJudge {
  public:
-  MeasureJudge(const MeasureJudging& judging, const TrueSurface& truth, Surfels surfels, MapKnowledge map)
+  MeasureJudge(const MeasureJudging& judging, const TruePlaces& truth, Surfels surfels, MapKnowledge map)
       : seed_(judging.seed),
         pairs_(static_cast<std::size_t>(judging.pairs)),
         truth_(truth),
@@ -226,7 +226,7 @@ class MeasureJudge {
 
   const std::uint64_t seed_;
   const std::size_t pairs_;
-  const TrueSurface& truth_;
+  const TruePlaces& truth_;
   const Surfels surfels_;
   const MapKnowledge map_;
   std::vector<std::optional<JudgedPoint>> points_;
@@ -276,7 +276,7 @@ Json evaluate_measure(const MeasureJudging& judging) {
   MapKnowledge map = or_throw(map_knowledge_of(files.trajectory_text, files.report_json));
   const std::unique_ptr<Sequence> sequence = or_throw(open_sequence(judging.sequence));
   const Trajectory estimate = or_throw(parse_tum_trajectory(files.trajectory_text));
-  const TrueSurface truth = or_throw(TrueSurface::of(*sequence, estimate));
+  const TruePlaces truth = or_throw(TruePlaces::of(*sequence, estimate));
   const MeasureJudge judge(judging, truth, Surfels(cloud_of(read_ply_file(judging.result + "/surfels.ply"))), std::move(map));
   const JudgedKind distances = judge.distances(), heights = judge.heights(), areas = judge.areas();
   JudgedKind angles;

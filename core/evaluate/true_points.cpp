@@ -43,9 +43,9 @@ FittedPlane plane_through(const std::vector<Vector3d>& points, const Vector3d& t
 
 }  // namespace
 
-Result<TrueSurface> TrueSurface::of(const Sequence& sequence, const Trajectory& estimate) {
+Result<TruePlaces> TruePlaces::of(const Sequence& sequence, const Trajectory& estimate) {
   if (sequence.groundtruth().empty()) return Error{ErrorCode::kNotFound, sequence.name() + " has no true poses"};
-  TrueSurface surface(sequence.camera());
+  TruePlaces surface(sequence.camera());
   const std::int64_t stride = std::max<std::int64_t>(1, (sequence.frame_count() + kMostViews - 1) / kMostViews);
   for (std::int64_t i = 0; i < sequence.frame_count(); i += stride) {
     const auto truth = pose_at(sequence.groundtruth(), sequence.timestamp_s(i), kMaxAssociationGap_s);
@@ -57,15 +57,15 @@ Result<TrueSurface> TrueSurface::of(const Sequence& sequence, const Trajectory& 
   return surface;
 }
 
-double TrueSurface::depth_m(const TruePixel& pixel) const {
+double TruePlaces::depth_m(const TruePixel& pixel) const {
   return views_[pixel.view].depth.at(pixel.x, pixel.y) / camera_.depth_units_per_metre;
 }
 
-Vector3d TrueSurface::true_m(const TruePixel& pixel) const {
+Vector3d TruePlaces::true_m(const TruePixel& pixel) const {
   return views_[pixel.view].true_from_camera * camera_.unproject(pixel.x, pixel.y, depth_m(pixel));
 }
 
-bool TrueSurface::sees(const View& view, const Vector3d& in_camera) const {
+bool TruePlaces::sees(const View& view, const Vector3d& in_camera) const {
   if (in_camera.z() < kNearestTruth_m) return false;
   const double x = std::round(camera_.fx * in_camera.x() / in_camera.z() + camera_.cx);
   const double y = std::round(camera_.fy * in_camera.y() / in_camera.z() + camera_.cy);
@@ -74,7 +74,7 @@ bool TrueSurface::sees(const View& view, const Vector3d& in_camera) const {
   return std::abs(there_m - in_camera.z()) <= kSameDepth_m + kSameDepthShare * in_camera.z();
 }
 
-std::vector<TruePoint> TrueSurface::points(std::size_t count, std::uint64_t seed) const {
+std::vector<TruePoint> TruePlaces::points(std::size_t count, std::uint64_t seed) const {
   std::vector<TruePoint> points;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint64_t key = frame_key(seed, static_cast<std::int64_t>(i));
@@ -85,7 +85,7 @@ std::vector<TruePoint> TrueSurface::points(std::size_t count, std::uint64_t seed
   return points;
 }
 
-std::optional<TruePoint> TrueSurface::point_at(const TruePixel& pixel) const {
+std::optional<TruePoint> TruePlaces::point_at(const TruePixel& pixel) const {
   if (depth_m(pixel) < kNearestTruth_m || depth_m(pixel) > kFarthestTruth_m) return std::nullopt;
   TruePoint point{pixel, true_m(pixel), Vector3d::Zero()};
   int seen = 0;
@@ -100,7 +100,7 @@ std::optional<TruePoint> TrueSurface::point_at(const TruePixel& pixel) const {
   return point;
 }
 
-std::vector<TruePixel> TrueSurface::connected(const TruePixel& from, const TruePlane& plane) const {
+std::vector<TruePixel> TruePlaces::connected(const TruePixel& from, const TruePlane& plane) const {
   std::vector<bool> reached(static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(camera_.height));
   std::vector<TruePixel> pixels;
   const auto reach = [&](const TruePixel& pixel) {
@@ -121,7 +121,7 @@ std::vector<TruePixel> TrueSurface::connected(const TruePixel& from, const TrueP
   return pixels;
 }
 
-std::optional<TruePlane> TrueSurface::plane_at(const TruePixel& pixel) const {
+std::optional<TruePlane> TruePlaces::plane_at(const TruePixel& pixel) const {
   const Vector3d camera_m = views_[pixel.view].true_from_camera.translation;
   TruePlane plane;
   for (int dy = -kSeedRadius_px; dy <= kSeedRadius_px; ++dy)
@@ -144,14 +144,14 @@ std::optional<TruePlane> TrueSurface::plane_at(const TruePixel& pixel) const {
   return std::nullopt;
 }
 
-Vector3d TrueSurface::true_up() const {
+Vector3d TruePlaces::true_up() const {
   const Vector3d up = -(views_.front().true_from_camera.rotation * Vector3d::UnitY());
   Eigen::Index axis = 0;
   up.cwiseAbs().maxCoeff(&axis);
   return Vector3d::Unit(axis) * (up[axis] < 0 ? -1 : 1);
 }
 
-Eigen::Quaterniond TrueSurface::estimate_from_true() const {
+Eigen::Quaterniond TruePlaces::estimate_from_true() const {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const View& view : views_)
     sum += (view.estimate_from_camera.rotation * view.true_from_camera.rotation.conjugate()).toRotationMatrix();

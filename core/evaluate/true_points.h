@@ -31,11 +31,11 @@ struct TruePlane {
 };
 
 // Const and thread-safe once it is made.
-class TrueSurface {
+class TruePlaces {
  public:
   // Of up to 120 frames of `sequence`, spread evenly, whose depth is without noise. kNotFound: no true poses, no pose of the estimate at
   // the time of a frame.
-  static Result<TrueSurface> of(const Sequence& sequence, const Trajectory& estimate);
+  static Result<TruePlaces> of(const Sequence& sequence, const Trajectory& estimate);
 
   // The first `count` random pixels of random frames, the same for the same seed. Those that show nothing 0.4 to 4.5 m deep, or what no
   // frame that has an estimate sees, are left out. A frame sees a point where its depth is the point's, within 1 cm and 1 %. No alignment
@@ -57,7 +57,7 @@ class TrueSurface {
     Rigid3 true_from_camera, estimate_from_camera;
   };
 
-  explicit TrueSurface(const Camera& camera) : camera_(camera) {}
+  explicit TruePlaces(const Camera& camera) : camera_(camera) {}
   double depth_m(const TruePixel& pixel) const;
   Eigen::Vector3d true_m(const TruePixel& pixel) const;
   bool sees(const View& view, const Eigen::Vector3d& in_camera) const;

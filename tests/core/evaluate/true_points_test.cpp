@@ -12,15 +12,15 @@ namespace true_points_test {
 const Rigid3 kEstimateFromTrue{Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d(1, 2, 3).normalized())), {1, -2, 3}};
 
 // The estimate's world lies elsewhere; nothing else is wrong with it.
-TrueSurface surface_of(const Sequence& sequence) {
+TruePlaces surface_of(const Sequence& sequence) {
   Trajectory estimate;
   for (const TimedPose& pose : sequence.groundtruth()) estimate.push_back({pose.timestamp_s, kEstimateFromTrue * pose.world_from_camera});
-  return or_throw(TrueSurface::of(sequence, estimate));
+  return or_throw(TruePlaces::of(sequence, estimate));
 }
 
-TEST(TrueSurface, APointIsWhereItsFramesHaveIt) {
+TEST(TruePlaces, APointIsWhereItsFramesHaveIt) {
   const auto sequence = or_throw(open_sequence("synthetic:scene=bare,frames=4,width=64,height=64,rate=4"));
-  const TrueSurface surface = surface_of(*sequence);
+  const TruePlaces surface = surface_of(*sequence);
   const auto points = surface.points(200, 1);
   EXPECT_GT(points.size(), 150u);
   const SyntheticRoom room(RoomScene::kBare);
@@ -29,12 +29,12 @@ TEST(TrueSurface, APointIsWhereItsFramesHaveIt) {
     EXPECT_LT(room.surface_distance(point.true_m), 0.001);
   }
   EXPECT_NE(points[0].true_m, surface.points(200, 2)[0].true_m);
-  EXPECT_FALSE(TrueSurface::of(*sequence, {}).ok());
+  EXPECT_FALSE(TruePlaces::of(*sequence, {}).ok());
 }
 
-TEST(TrueSurface, WallsOfABareRoomArePlanesAlongItsAxes) {
+TEST(TruePlaces, WallsOfABareRoomArePlanesAlongItsAxes) {
   const auto sequence = or_throw(open_sequence("synthetic:scene=bare,frames=4,width=64,height=64,rate=4"));
-  const TrueSurface surface = surface_of(*sequence);
+  const TruePlaces surface = surface_of(*sequence);
   EXPECT_LT(surface.estimate_from_true().angularDistance(kEstimateFromTrue.rotation), 1e-6);
   EXPECT_EQ(surface.true_up().cwiseAbs().sum(), 1);
   int planes = 0;
