@@ -20,7 +20,7 @@ constexpr double kNearestTruth_m = 0.4, kFarthestTruth_m = 4.5;
 constexpr double kSameDepth_m = 0.01, kSameDepthShare = 0.01;
 
 // Of a plane: depth is rounded to 0.2 mm and more.
-constexpr double kOnPlane_m = 0.0015, kLeastBreadth_m = 0.02;
+constexpr double kOnPlane_m = 0.0015, kBesidePlane_m = 0.0045, kMostBesideShare = 0.2, kLeastBreadth_m = 0.04;
 constexpr std::size_t kLeastPixels = 400;
 constexpr int kSeedRadius_px = 4, kPlaneRounds = 3;
 
@@ -100,7 +100,7 @@ std::optional<TruePoint> TruePlaces::point_at(const TruePixel& pixel) const {
   return point;
 }
 
-std::vector<TruePixel> TruePlaces::connected(const TruePixel& from, const TruePlane& plane) const {
+std::vector<TruePixel> TruePlaces::connected(const TruePixel& from, const TruePlane& plane, double within_m) const {
   std::vector<bool> reached(static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(camera_.height));
   std::vector<TruePixel> pixels;
   const auto reach = [&](const TruePixel& pixel) {
@@ -111,7 +111,7 @@ std::vector<TruePixel> TruePlaces::connected(const TruePixel& from, const TruePl
     reached[index] = true;
     const double depth = depth_m(pixel);
     if (depth < kNearestTruth_m || depth > kFarthestTruth_m) return;
-    if (std::abs(plane.normal.dot(true_m(pixel) - plane.centre_m)) <= kOnPlane_m) pixels.push_back(pixel);
+    if (std::abs(plane.normal.dot(true_m(pixel) - plane.centre_m)) <= within_m) pixels.push_back(pixel);
   };
   reach(from);
   for (std::size_t next = 0; next < pixels.size(); ++next) {
@@ -137,11 +137,12 @@ std::optional<TruePlane> TruePlaces::plane_at(const TruePixel& pixel) const {
     const FittedPlane fitted = plane_through(points, camera_m);
     plane.centre_m = fitted.centre_m;
     plane.normal = fitted.normal;
-    if (round == kPlaneRounds)
-      return plane.pixels.size() < kLeastPixels || fitted.breadth_m < kLeastBreadth_m ? std::nullopt : std::optional(plane);
-    plane.pixels = connected(pixel, plane);
+    if (round < kPlaneRounds) plane.pixels = connected(pixel, plane, kOnPlane_m);
+    const bool is_broad = plane.pixels.size() >= kLeastPixels && fitted.breadth_m >= kLeastBreadth_m;
+    if (round == kPlaneRounds && !is_broad) return std::nullopt;
   }
-  return std::nullopt;
+  const auto beside = static_cast<double>(connected(pixel, plane, kBesidePlane_m).size());
+  return beside > (1 + kMostBesideShare) * static_cast<double>(plane.pixels.size()) ? std::nullopt : std::optional(plane);
 }
 
 Vector3d TruePlaces::true_up() const {

@@ -43,8 +43,8 @@ class TruePlaces {
   std::vector<TruePoint> points(std::size_t count, std::uint64_t seed) const;
   std::optional<TruePoint> point_at(const TruePixel& pixel) const;  // none: left out for such a reason
 
-  // Around a pixel, as far as neighbours of neighbours lie within 1.5 mm of one plane. None: less than 8 cm broad (standard deviation 2
-  // cm), or fewer than 400 pixels.
+  // Around a pixel, as far as neighbours of neighbours lie within 1.5 mm of one plane. None: less than some 14 cm broad (standard deviation
+  // 4 cm), fewer than 400 pixels, or bent: within 4.5 mm of it there are more than a fifth more.
   std::optional<TruePlane> plane_at(const TruePixel& pixel) const;
 
   // What is up in the true world: that of its axes which the first camera's up is nearest to. True worlds stand upright.
@@ -61,7 +61,7 @@ class TruePlaces {
   double depth_m(const TruePixel& pixel) const;
   Eigen::Vector3d true_m(const TruePixel& pixel) const;
   bool sees(const View& view, const Eigen::Vector3d& in_camera) const;
-  std::vector<TruePixel> connected(const TruePixel& from, const TruePlane& plane) const;
+  std::vector<TruePixel> connected(const TruePixel& from, const TruePlane& plane, double within_m) const;
 
   Camera camera_;
   std::vector<View> views_;

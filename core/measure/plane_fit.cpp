@@ -24,9 +24,11 @@ constexpr double kGateDeviations = 3, kLeastGate_m = 0.003, kMostGate_m = 0.012;
 // A plane has some decimetres of surface: less does not say how it lies.
 constexpr int kLeastCells = 6;
 constexpr double kLeastSpread_m = 0.025;
+// Where the surface bends away or has steps, many more surfels lie within a gate that is so many times as wide.
+constexpr double kWiderGate = 3, kMostBeside = 1.5;
 
 // Of the means of cells, and what is left where they all lie in the plane. Measured.
-constexpr double kOfUnevenness = 2.0, kLeastHeightSigma_m = 0.0003, kLeastSlopeSigma_rad = 0.0005;
+constexpr double kOfUnevenness = 3.5, kLeastHeightSigma_m = 0.0003, kLeastSlopeSigma_rad = 0.0007;
 
 struct FlatPoint {
   Eigen::Vector3d position_m;
@@ -103,9 +105,9 @@ class Cells {
 };
 
 // Of those within `reach_m` what is connected with the place.
-std::vector<FlatPoint> members_of(const FlatFit& plane, const std::vector<CloudPoint>& points, const Eigen::Vector3d& place,
-                                  double reach_m) {
-  const double gate_m = std::clamp(kGateDeviations * plane.deviation_m, kLeastGate_m, kMostGate_m);
+std::vector<FlatPoint> members_of(const FlatFit& plane, const std::vector<CloudPoint>& points, const Eigen::Vector3d& place, double reach_m,
+                                  double widen = 1) {
+  const double gate_m = widen * std::clamp(kGateDeviations * plane.deviation_m, kLeastGate_m, kMostGate_m);
   Cells cells(place, plane.normal);
   std::vector<FlatPoint> near;
   for (const CloudPoint& point : points) {
@@ -192,6 +194,9 @@ Result<MeasuredPlane> fit_plane(std::span<const CloudPoint> points, const Measur
   const Evenness evenness = evenness_of(fit, members, place.position_m);
   if (evenness.cell_count < kLeastCells || fit.spread_m[1] < kLeastSpread_m)
     return Error{ErrorCode::kNotFound, "the surface there is too small or too bent for a plane: one needs a decimetre of it to each side"};
+  const std::size_t beside = members_of(fit, candidates, place.position_m, kPlaneReach_m, kWiderGate).size();
+  if (static_cast<double>(beside) > kMostBeside * static_cast<double>(members.size()))
+    return Error{ErrorCode::kNotFound, "the surface there bends or has steps: it is no plane"};
   return measured_plane(fit, evenness, place);
 }
 

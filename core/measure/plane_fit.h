@@ -37,7 +37,8 @@ struct MeasuredPlane {
 bool may_be_of_plane(const CloudPoint& point, const MeasuredPlace& place);
 
 // `place` comes of fit_surface_point; of `points`, in any order, what may_be_of_plane says no to is not looked at. With `one_submap` the
-// surfels of others are left out, too: of a map in parts. kNotFound, in words: no plane there that is large enough.
+// surfels of others are left out, too: of a map in parts. kNotFound, in words: no plane there that is large enough, or a surface that
+// bends or has steps.
 Result<MeasuredPlane> fit_plane(std::span<const CloudPoint> points, const MeasuredPlace& place, bool one_submap);
 
 }  // namespace hermite

@@ -61,9 +61,9 @@ TEST(PlaneFit, ItEndsWhereTheWallDoes) {
 }
 
 TEST(PlaneFit, ABentWallIsKnownWorseThanAFlatOne) {
-  const MeasuredPlane flat = or_throw(fit_plane(wall([](double, double) { return 2; }, 0.001), kMiddle, false));
+  const MeasuredPlane flat = or_throw(fit_plane(wall([](double, double) { return 2; }, 0.0005), kMiddle, false));
   const MeasuredPlane bent =
-      or_throw(fit_plane(wall([](double x_m, double) { return 2 + 0.003 * std::sin(8 * x_m); }, 0.001), kMiddle, false));
+      or_throw(fit_plane(wall([](double x_m, double) { return 2 + 0.0015 * std::sin(8 * x_m); }, 0.0005), kMiddle, false));
   EXPECT_GT(bent.unevenness_m, 3 * flat.unevenness_m);
   EXPECT_GT(bent.slope_sigma[0] + bent.slope_sigma[1], flat.slope_sigma[0] + flat.slope_sigma[1]);
 }
@@ -74,6 +74,7 @@ TEST(PlaneFit, WhatIsNoPlaneIsRefused) {
     return plane.ok() ? std::string() : plane.error().message;
   };
   EXPECT_THAT(words({}), HasSubstr("too broken"));
+  EXPECT_THAT(words(wall([](double x_m, double) { return 2 + 0.5 * x_m * x_m; })), HasSubstr("bends")) << "a column";
   EXPECT_THAT(words(wall([](double x_m, double) { return std::abs(x_m) < 0.03 ? 2 : kNowhere; })), HasSubstr("too small")) << "a slat";
   EXPECT_THAT(words(wall([](double x_m, double y_m) { return std::hypot(x_m, y_m) < 0.04 ? 2 : kNowhere; })), HasSubstr("too small"));
 }

@@ -55,21 +55,7 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
   const toggle = (): void => {
     if (!button.hidden) begin(!store.get().active);
   };
-  // The server is asked as soon as nothing is missing.
-  const dispatch = (event: MeasuringEvent): void => {
-    const before = store.get();
-    store.dispatch(event);
-    const { busy, measure: kind, points } = store.get();
-    if (before.busy || !busy) return;
-    measure(scanId, token, { kind, points, ...(kind === 'height' ? { up: scene.up } : {}) }).then((measured) => store.dispatch({ kind: 'measured', measured }), fail);
-  };
-  const choose = (x_px: number, y_px: number): void => {
-    const state = store.get();
-    if (!state.active || state.busy) return;
-    const start = canClose(state) ? scene.screenOf(state.points[0]!) : null;
-    if (start && Math.hypot(x_px - start[0], y_px - start[1]) <= onFirstCorner_px) dispatch({ kind: 'closed' });
-    else dispatch({ kind: 'chosen', place: scene.placeAt(x_px, y_px) });
-  };
+  const { dispatch, choose, closeBy } = picking({ canvas, scene, scan, token }, store, fail);
   const keep = (name: string, measured: Measured): void => void keepMeasurement(scanId, token, name, measured).then((one) => store.dispatch({ kind: 'kept', one }), fail);
   const remove = ({ id }: KeptMeasurement): void => void removeMeasurement(scanId, token, id).then(() => store.dispatch({ kind: 'removed', id }), fail);
   const show = (): void => {
@@ -96,13 +82,7 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
   close.addEventListener('click', () => dispatch({ kind: 'closed' }));
   csv.addEventListener('click', () => void fetchMeasurementsCsv(scanId, token).then((file) => saveAs(file, `${fileNameOf(scan.get().title) || 'scan'}-measurements.csv`), fail));
   onTap(canvas, choose);
-  // Its first click was a corner. Nothing else is to come of it.
-  const onDoubleClick = (event: MouseEvent): void => {
-    if (!store.get().active || store.get().measure !== 'area') return;
-    event.stopImmediatePropagation();
-    dispatch({ kind: 'closed' });
-  };
-  canvas.addEventListener('dblclick', onDoubleClick);
+  canvas.addEventListener('dblclick', closeBy);
   document.addEventListener('keydown', onKey);
   const unsubscribers = [
     store.subscribe(show),
@@ -121,6 +101,36 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
       for (const unsubscribe of unsubscribers) unsubscribe();
     },
   };
+}
+
+// How clicks on the scan become a measurement.
+function picking({ scene, scan, token }: World, store: MeasuringStore, fail: (error: unknown) => void) {
+  // The server is asked as soon as nothing is missing. What it says of points that are not asked for any more is none.
+  const dispatch = (event: MeasuringEvent): void => {
+    const before = store.get();
+    store.dispatch(event);
+    const { busy, measure: kind, points } = store.get();
+    if (before.busy || !busy) return;
+    const isAsked = (): boolean => store.get().busy && store.get().points === points;
+    measure(scan.get().scanId, token, { kind, points, ...(kind === 'height' ? { up: scene.up } : {}) }).then(
+      (measured) => isAsked() && store.dispatch({ kind: 'measured', measured }),
+      (error) => isAsked() && fail(error),
+    );
+  };
+  const choose = (x_px: number, y_px: number): void => {
+    const state = store.get();
+    if (!state.active || state.busy) return;
+    const start = canClose(state) ? scene.screenOf(state.points[0]!) : null;
+    if (start && Math.hypot(x_px - start[0], y_px - start[1]) <= onFirstCorner_px) dispatch({ kind: 'closed' });
+    else dispatch({ kind: 'chosen', place: scene.placeAt(x_px, y_px) });
+  };
+  // The first click of a double click was a corner. Nothing else is to come of it.
+  const closeBy = (event: MouseEvent): void => {
+    if (!store.get().active || store.get().measure !== 'area') return;
+    event.stopImmediatePropagation();
+    dispatch({ kind: 'closed' });
+  };
+  return { dispatch, choose, closeBy };
 }
 
 // Whether a key is meant for what has the focus: text that is written, a button that is pressed.
