@@ -49,6 +49,9 @@ struct Judgement {
   bool picture_is_good = true;  // the colours may be believed
 };
 
+// Whether frame and map have an image to compare, with contrast in both.
+bool has_picture(const Agreement& agreement);
+
 // Whether the frame shows what the map says where this motion has brought the camera. If not, another start may find a better one.
 bool is_believable(const Agreement& agreement, const Rigid3& reference_from_camera, const TrackOptions& options);
 

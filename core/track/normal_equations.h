@@ -13,8 +13,7 @@ struct NormalEquations {
 };
 
 // The geometric system without the knowledge it only pretends to have. `displacement` is the weighted sum over the same points of A^T A
-// with A = [1, -[s]x], `disagreement` the mean squared sine between the normals of frame and model, also of pairs whose normals
-// are too far apart to be used: those that are used are alike because they were chosen so. The share mu = (x^T H x) /
+// with A = [1, -[s]x], `disagreement` the mean squared sine between the normals of frame and model. The share mu = (x^T H x) /
 // (x^T displacement x) of a motion x is the mean squared cosine between the points' movement and their normals: on a bare wall 0 along the
 // wall. Noise of the normals by sigma rad makes it sigma^2, and that pretended knowledge holds the camera still, because the noise of depth
 // moves with the camera. So in every principal motion the model's sigma^2 is taken off. Frame and model disagree by 2 (sigma_frame^2 +

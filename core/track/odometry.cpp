@@ -32,9 +32,9 @@ constexpr double kConverged_m = 3e-5, kConverged_rad = 3e-5;
 // Kinect with its rolling shutter 0.23 to 0.75, rendered rooms 0.57 and more.
 constexpr double kNoiseShare = 0.1, kPictureShare = 0.2;
 
-// Gradients that have nothing in common have a share of 0 with a deviation of at most 1 over the root of their number: one within so many
-// deviations says nothing.
-constexpr double kSurelyShared = 2;
+// Gradients that have nothing in common have a share of 0, with a deviation of 1 over the root of their number where those of the map are as
+// strong as the frame's. The map's are means of many frames, so that noise is hardly ever beyond one such deviation.
+constexpr double kSurelyShared = 1;
 
 // The smallest image gradient that says where a pixel is, in grey values per pixel and level.
 constexpr float kGradientMin[kPyramidLevels] = {5, 3, 1};
@@ -164,6 +164,12 @@ double Odometry::weight_of_corners(const OdometrySums& sums) {
   return kCornerWeight * fade * (sums.geometric_count > 0 ? sums.geometric_unit() : 1);
 }
 
+// The image holds the camera where normals are noisier than their pairs let on. As a witness, and where the image is left out, depth counts
+// only beyond all of that noise.
+NormalEquations Odometry::known_of_depth(const OdometrySums& sums, double disagreement) const {
+  return options_.discount_normal_noise ? discount_normal_noise(sums.geometric, sums.displacement, disagreement) : sums.geometric;
+}
+
 // What the picture counts as a witness where the camera has ended: gradients of noise say with certainty that it stands still. Before, a
 // picture that is not aligned yet may look like noise, so all steps believe it.
 double Odometry::share_of_picture(const OdometrySums& sums) {
@@ -219,10 +225,11 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
                  ? *start.sums
                  : linearise(frame, reference, {&result.reference_from_camera, 1}, static_cast<std::size_t>(level), gates, believed)[0];
       ++result.iteration_count;
-      if (options_.discount_normal_noise) sums.geometric = discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement);
+      const NormalEquations known = known_of_depth(sums, sums.near_disagreement);
+      const NormalEquations geometric = start.with_image ? known_of_depth(sums, sums.disagreement) : known;
       NormalEquations photometric = without_brightness(sums.photometric, believed.brightness);
       const double shared = share_of_picture(sums);
-      result.witnesses = {{sums.geometric, sums.geometric_unit()},
+      result.witnesses = {{known, sums.geometric_unit()},
                           {{shared * photometric.hessian, shared * photometric.right_hand_side}, shared * sums.photometric_unit()},
                           {},
                           0};
@@ -234,7 +241,7 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
         photometric.hessian += result.witnesses.corner_weight * result.witnesses.corners.system.hessian;
         photometric.right_hand_side += result.witnesses.corner_weight * result.witnesses.corners.system.right_hand_side;
       }
-      const Vector6d proposed = solve(sums.geometric, photometric, sums.displacement);
+      const Vector6d proposed = solve(geometric, photometric, sums.displacement);
       if (!proposed.allFinite()) return result;
       // Coarse levels are cheap, and where steps are great nothing can be foreseen: on bare walls one ended 35 cm off.
       const Vector6d step = level == 0 ? accelerator.next(proposed, sums.displacement) : proposed;
@@ -252,9 +259,9 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
   result.photometric_count = static_cast<std::int64_t>(sums.photometric_count);
   result.inlier_ratio = sums.surface_count > 0 ? sums.geometric_count / sums.surface_count : 0;
   result.residual_rms_m = sums.geometric_count > 0 ? std::sqrt(sums.geometric_error_m2 / sums.geometric_count) : 0;
-  result.observability =
-      observability(sums.geometric.hessian + share_of_picture(sums) * without_brightness(sums.photometric, believed.brightness).hessian,
-                    sums.displacement);
+  result.observability = observability(
+      result.witnesses.depth.system.hessian + share_of_picture(sums) * without_brightness(sums.photometric, believed.brightness).hessian,
+      sums.displacement);
   result.brightness = believed.brightness;
   result.geometric_scale = believed.geometric_scale;
   result.photometric_scale = believed.photometric_scale;
@@ -267,9 +274,10 @@ OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& ref
   const Start start = by_misfit(guesses, frame, reference, 1.0).front();
   const OdometryResult found = refine(frame, reference, start, 1.0, features);
   // Noise leads anywhere in the directions that depth leaves free. But an image that is not aligned yet may look like noise, so it takes
-  // part until it is seen to be noise where it has led.
+  // part until it is seen to be noise where it has led. One with contrast that the map does not share is of another place.
   const double count = static_cast<double>(found.photometric_count);
-  if (count == 0 || found.gradient_share > kSurelyShared / std::sqrt(count)) return found;
+  const bool is_shared = count > 0 && found.gradient_share > kSurelyShared / std::sqrt(count);
+  if (is_shared || has_picture(found.agreement)) return found;
   return refine(frame, reference, {start.guess, start.sums, false}, 1.0, features);
 }
 

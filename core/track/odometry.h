@@ -68,6 +68,7 @@ class Odometry {
   struct Start;
   Gates gates_within(double reach) const;
   static double weight_of_corners(const OdometrySums& sums);
+  NormalEquations known_of_depth(const OdometrySums& sums, double disagreement) const;
   static double share_of_picture(const OdometrySums& sums);
   static Believed believed_at_first(double reach);
   static Believed believed_after(const Believed& before, const OdometrySums& sums, const Vector6d& step);

@@ -42,8 +42,9 @@ OdometrySums::OdometrySums(const OdometryTerms& terms, double all_pixels) : pixe
   geometric = read_system(from_term(shared::kGeometricSums));
   photometric.motion = read_system(from_term(shared::kPhotometricSums));
   displacement = read_displacement(from_term(shared::kMomentSums));
-  const double near_weight = terms[shared::kDisagreementSums + 1];
-  disagreement = near_weight > 0 ? terms[shared::kDisagreementSums] / near_weight : 0;
+  const double weight = terms[shared::kMomentSums], near_weight = terms[shared::kNearSums + 1];
+  disagreement = weight > 0 ? terms[shared::kDisagreementSum] / weight : 0;
+  near_disagreement = near_weight > 0 ? terms[shared::kNearSums] / near_weight : 0;
   geometric_error_m2 = terms[shared::kGeometricErrorSums];
   geometric_count = terms[shared::kGeometricErrorSums + 1];
   photometric_count = terms[shared::kPhotometricErrorSums + 1];

@@ -20,7 +20,9 @@ struct OdometrySums {
   NormalEquations geometric;
   PhotometricSystem photometric;
   Matrix6d displacement = Matrix6d::Zero();  // of the geometric pairs
-  double disagreement = 0;
+  // Mean squared sine between the normals: of the geometric pairs, weighted, and of all pairs near each other. Those that pass the gate of
+  // angles are alike because they do, whatever their noise; those that do not may be edges or blur.
+  double disagreement = 0, near_disagreement = 0;
   double geometric_base = 0;  // sum of the pairs' weights before residuals count
   double geometric_error_m2 = 0, geometric_count = 0, photometric_count = 0, surface_count = 0, pixel_count = 0;
   // Mean squares of the residuals as Student's t distribution has them, in scales squared; nothing where there are no pairs.

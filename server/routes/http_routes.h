@@ -55,6 +55,7 @@
 #include "server/jobs/executor.h"
 #include "server/operations/metrics.h"
 #include "server/routes/body_sink.h"
+#include "server/routes/measuring_cache.h"
 #include "server/routes/static_files.h"
 #include "server/scan/scans.h"
 #include "server/uploads/tus.h"
@@ -63,7 +64,6 @@
 namespace hermite {
 
 class Exports;
-class MeasuringCache;
 
 struct HttpRequest {
   std::string method;            // "GET", "HEAD", "DELETE", ...

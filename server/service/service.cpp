@@ -33,7 +33,6 @@
 #include "server/net/tls.h"
 #include "server/operations/logging.h"
 #include "server/routes/admin.h"
-#include "server/routes/measuring_cache.h"
 #include "server/routes/static_files.h"
 #include "server/scan/scans.h"
 #include "server/service/limits.h"

@@ -15,8 +15,9 @@ namespace hermite::shared {
 const uint kGeometricSums = 0u;                               // a system
 const uint kPhotometricSums = kGeometricSums + 27u;           // a system, of the motion alone
 const uint kMomentSums = kPhotometricSums + 27u;              // of the geometric pairs, weighted: 1, s, upper triangle of s s^T
-const uint kDisagreementSums = kMomentSums + 10u;             // of all pairs near each other: weighted squared sine of normals, weight
-const uint kGeometricErrorSums = kDisagreementSums + 2u;      // squared error, count
+const uint kDisagreementSum = kMomentSums + 10u;              // of the same, weighted: squared sine between the normals
+const uint kNearSums = kDisagreementSum + 1u;                 // of all pairs near each other: the same, and their weight
+const uint kGeometricErrorSums = kNearSums + 2u;              // squared error, count
 const uint kPhotometricErrorSums = kGeometricErrorSums + 2u;  // squared error, count
 const uint kSurfaceCountSum = kPhotometricErrorSums + 2u;     // pixels with a surface
 const uint kMixedSums = kSurfaceCountSum + 1u;                // of the photometric system, by rows: motion x (gain, offset)

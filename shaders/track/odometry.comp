@@ -42,7 +42,8 @@ System geometric = kEmpty, photometric = kEmpty;
 float moment_0 = 0.0;
 vec3 moment_1 = vec3(0.0);
 mat3 moment_2 = mat3(0.0);
-vec2 disagreement = vec2(0.0);  // of all pairs near each other: weighted squared sine between the normals, 1 beyond 90 degrees; weight
+float disagreement = 0.0;          // squared sine between the normals, weighted
+vec2 near_disagreement = vec2(0.0);  // of all pairs near each other: the same, 1 beyond 90 degrees; weight
 vec2 geometric_error = vec2(0.0), photometric_error = vec2(0.0);  // squared error, count
 float surface_count = 0.0;
 // Of the photometric pairs, weighted: (1, grey) of the reference against the motion, against itself, and against the residual.
@@ -150,7 +151,7 @@ bool add_geometry(ivec2 centre, SurfacePoint shown, vec3 s, SurfacePoint point) 
   // The normals of pairs that pass the gate are alike because they do, whatever their noise.
   vec3 apart = s - d, sine = cross(n, normal);
   if (d.z > 0.0 && dot(apart, apart) < p.distance_gate_m * p.distance_gate_m)
-    disagreement += shown.weight * vec2(dot(n, normal) > 0.0 ? dot(sine, sine) : 1.0, 1.0);
+    near_disagreement += shown.weight * vec2(dot(n, normal) > 0.0 ? dot(sine, sine) : 1.0, 1.0);
   if (!agree(s, normal, d, n)) return false;
   float residual = dot(n, s - d), scaled = residual / noise_m(point.depth_m);
   float base = p.geometric_weight * shown.weight, likely = robust(scaled / m.geometric_scale);
@@ -159,6 +160,7 @@ bool add_geometry(ivec2 centre, SurfacePoint shown, vec3 s, SurfacePoint point) 
   moment_0 += weight;
   moment_1 += weight * s;
   moment_2 += outerProduct(s, weight * s);
+  disagreement += weight * dot(sine, sine);
   geometric_error += vec2(residual * residual, 1.0);
   geometric_spread += vec2(base, weight * scaled * scaled);
   return abs(scaled) < m.photometric_gate * m.geometric_scale;
@@ -225,8 +227,9 @@ void main() {
   put_term(moment_0);
   put_vector(moment_1);
   put_upper_triangle(moment_2);
-  put_from(kDisagreementSums);
-  put_pair(disagreement);
+  put_at(kDisagreementSum, disagreement);
+  put_from(kNearSums);
+  put_pair(near_disagreement);
   put_from(kGeometricErrorSums);
   put_pair(geometric_error);
   put_from(kPhotometricErrorSums);

@@ -51,10 +51,8 @@ bool add_geometry(TrackStep& sums, const SurfaceImage& reference, const Vector3d
   const int x = static_cast<int>(std::floor(uv.x() + 0.5)), y = static_cast<int>(std::floor(uv.y() + 0.5));
   const std::size_t j = reference.index(x, y);
   const Vector3d d = reference.vertex(x, y), n = reference.normals[j];
-  if (reference.depth_m[j] <= 0 || (s - d).norm() >= options.distance_gate_m) return false;
-  sums.disagreement += reference.weight[j] * (n.dot(normal) > 0 ? n.cross(normal).squaredNorm() : 1);
-  sums.near_weight += reference.weight[j];
-  if (n.dot(normal) <= 0 || n.cross(normal).norm() >= std::sin(options.normal_gate_deg * M_PI / 180)) return false;
+  if (reference.depth_m[j] <= 0 || (s - d).norm() >= options.distance_gate_m || n.dot(normal) <= 0) return false;
+  if (n.cross(normal).norm() >= std::sin(options.normal_gate_deg * M_PI / 180)) return false;
   const auto distance = [&](const Vector3d& point) { return n.dot(point - d); };
   const double residual_in_scales = distance(s) / (noise_m(depth_m) * believed.geometric_scale);
   const double weight = options.geometric_weight * reference.weight[j] * likelihood(residual_in_scales);
@@ -63,6 +61,7 @@ bool add_geometry(TrackStep& sums, const SurfaceImage& reference, const Vector3d
     const Vector6d moved = derivative(s, [axis](const Vector3d& point) { return point[axis]; });
     sums.displacement += weight * moved * moved.transpose();
   }
+  sums.disagreement += weight * n.cross(normal).squaredNorm();
   sums.geometric_error_m2 += distance(s) * distance(s);
   ++sums.geometric_count;
   return std::abs(residual_in_scales) < options.photometric_gate;
@@ -130,7 +129,8 @@ TrackStep track_step_twin(const SurfaceImage& frame, const std::vector<Vector2d>
       if (same && gradients[i].norm() >= gradient_min)
         add_photometry(sums, reference, s, frame.intensity[i], gradients[i], options, believed);
     }
-  if (sums.near_weight > 0) sums.disagreement /= sums.near_weight;
+  const double weight = sums.displacement(0, 0);
+  if (weight > 0) sums.disagreement /= weight;
   const NormalEquations geometric =
       options.discount_normal_noise ? discount_normal_noise(sums.geometric, sums.displacement, sums.disagreement) : sums.geometric;
   const NormalEquations photometric = without_brightness(sums.photometric, {});

@@ -16,9 +16,8 @@ struct TrackStep {
   NormalEquations geometric;
   PhotometricSystem photometric;
   Matrix6d displacement = Matrix6d::Zero();  // sum of weight A^T A over the geometric pairs, A = d(exp(x) s)/dx
-  // Of all pairs within the gate of distance: the weighted mean squared sine between their normals, 1 beyond 90 degrees; the weight.
-  double disagreement = 0, near_weight = 0;
-  Vector6d step = Vector6d::Zero();  // translation, rotation: guess <- exp(step) guess
+  double disagreement = 0;                   // their weighted mean squared sine between the normals
+  Vector6d step = Vector6d::Zero();          // translation, rotation: guess <- exp(step) guess
   double geometric_error_m2 = 0;
   int geometric_count = 0, photometric_count = 0, surface_count = 0;
 };

@@ -37,13 +37,15 @@ TEST(OdometrySums, ATwistMovesThePointsByItsDisplacement) {
   EXPECT_NEAR(twist.dot(OdometrySums(terms, 1).displacement * twist), moved2, 1e-12);
 }
 
-// Most pairs of noisy normals do not pass the gate of angles: the mean is over all that are near each other.
-TEST(OdometrySums, NormalsDisagreeByTheMeanOverAllPairsThatAreNear) {
+TEST(OdometrySums, NormalsDisagreeByTheMeanOverPairsThatAreUsedAndOverAllThatAreNear) {
   OdometryTerms terms{};
   terms[shared::kMomentSums] = 2;
-  terms[shared::kDisagreementSums] = 3;
-  terms[shared::kDisagreementSums + 1] = 12;
-  EXPECT_EQ(OdometrySums(terms, 1).disagreement, 0.25);
+  terms[shared::kDisagreementSum] = 1;
+  terms[shared::kNearSums] = 3;
+  terms[shared::kNearSums + 1] = 12;
+  const OdometrySums sums(terms, 1);
+  EXPECT_EQ(sums.disagreement, 0.5);
+  EXPECT_EQ(sums.near_disagreement, 0.25);
 }
 
 TEST(OdometrySums, NothingSeenIsNothingKnown) {
@@ -52,6 +54,7 @@ TEST(OdometrySums, NothingSeenIsNothingKnown) {
   EXPECT_EQ(sums.photometric_unit(), 0);
   EXPECT_EQ(sums.geometric_spread2, 0);
   EXPECT_EQ(sums.disagreement, 0);
+  EXPECT_EQ(sums.near_disagreement, 0);
 }
 
 }  // namespace
