@@ -32,8 +32,8 @@ constexpr double kConverged_m = 3e-5, kConverged_rad = 3e-5;
 // Kinect with its rolling shutter 0.23 to 0.75, rendered rooms 0.57 and more.
 constexpr double kNoiseShare = 0.1, kPictureShare = 0.2;
 
-// Gradients that have nothing in common have a share of 0, with a deviation of 1 over the root of their number where those of the map are as
-// strong as the frame's. The map's are means of many frames, so that noise is hardly ever beyond one such deviation.
+// Gradients that have nothing in common have a share of 0, with a deviation of 1 over the root of their number where those of the map are
+// as strong as the frame's. The map's are means of many frames, so that noise is hardly ever beyond one such deviation.
 constexpr double kSurelyShared = 1;
 
 // The smallest image gradient that says where a pixel is, in grey values per pixel and level.
@@ -207,6 +207,21 @@ std::vector<Odometry::Start> Odometry::by_misfit(std::span<const Rigid3> guesses
   return starts;
 }
 
+// What the last linearisation says of the motion found.
+void Odometry::describe(OdometryResult& result, const OdometrySums& sums, const Believed& believed) {
+  result.inlier_count = static_cast<std::int64_t>(sums.geometric_count);
+  result.gradient_share = sums.gradient_share;
+  result.photometric_count = static_cast<std::int64_t>(sums.photometric_count);
+  result.inlier_ratio = sums.surface_count > 0 ? sums.geometric_count / sums.surface_count : 0;
+  result.residual_rms_m = sums.geometric_count > 0 ? std::sqrt(sums.geometric_error_m2 / sums.geometric_count) : 0;
+  result.observability = observability(
+      result.witnesses.depth.system.hessian + share_of_picture(sums) * without_brightness(sums.photometric, believed.brightness).hessian,
+      sums.displacement);
+  result.brightness = believed.brightness;
+  result.geometric_scale = believed.geometric_scale;
+  result.photometric_scale = believed.photometric_scale;
+}
+
 OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& reference, const Start& start, double reach,
                                 const FeatureMotion* features) {
   OdometryResult result;
@@ -254,17 +269,7 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
       gates.search = level == 0 && options_.dissimilarity_search && (converged || gates.search || last_two);
     }
   }
-  result.inlier_count = static_cast<std::int64_t>(sums.geometric_count);
-  result.gradient_share = sums.gradient_share;
-  result.photometric_count = static_cast<std::int64_t>(sums.photometric_count);
-  result.inlier_ratio = sums.surface_count > 0 ? sums.geometric_count / sums.surface_count : 0;
-  result.residual_rms_m = sums.geometric_count > 0 ? std::sqrt(sums.geometric_error_m2 / sums.geometric_count) : 0;
-  result.observability = observability(
-      result.witnesses.depth.system.hessian + share_of_picture(sums) * without_brightness(sums.photometric, believed.brightness).hessian,
-      sums.displacement);
-  result.brightness = believed.brightness;
-  result.geometric_scale = believed.geometric_scale;
-  result.photometric_scale = believed.photometric_scale;
+  describe(result, sums, believed);
   result.agreement = agreement(frame, reference, result.reference_from_camera);
   return result;
 }

@@ -72,6 +72,7 @@ class Odometry {
   static double share_of_picture(const OdometrySums& sums);
   static Believed believed_at_first(double reach);
   static Believed believed_after(const Believed& before, const OdometrySums& sums, const Vector6d& step);
+  static void describe(OdometryResult& result, const OdometrySums& sums, const Believed& believed);
   std::vector<OdometrySums> linearise(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses,
                                       std::size_t level, const Gates& gates, const Believed& believed);
   std::vector<Start> by_misfit(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference, double reach);

@@ -54,8 +54,8 @@ TEST(Disturbances, LightAndLensDoNotCarryTheCameraAway) {
 // depth was sure of a wrong place: 14 cm off with exact depth, 75 cm with a Kinect's.
 TEST(Disturbances, ABlackImageTakesTheCameraNowhere) {
   const std::string black = "+dark=gain=0.01,sigma=4";
-  for (const std::string source : {"synthetic:scene=bare,frames=30,width=160,height=120,rate=20" + black,
-                                   "synthetic:scene=bare,frames=8,rate=10" + black + "+noise=kinect,seed=1"}) {
+  for (const std::string& source : {"synthetic:scene=bare,frames=30,width=160,height=120,rate=20" + black,
+                                    "synthetic:scene=bare,frames=8,rate=10" + black + "+noise=kinect,seed=1"}) {
     const Scanned disturbed = scan(source);
     EXPECT_EQ(disturbed.tracked_wrong, 0) << source;
     EXPECT_LT(disturbed.ate_rmse_m, 0.03) << source;
