@@ -1,5 +1,6 @@
 #include "server/store/sqlite_store.h"
 
+#include <sqlite3.h>
 #include <sys/stat.h>
 
 #include <filesystem>
@@ -67,11 +68,14 @@ void make_files_private(const std::string& path) {
       chmod((path + ending).c_str(), 0600);
 }
 
+SetupError damaged(const std::string& path, const std::string& found) {
+  return SetupError({ErrorCode::kCorruptData, "the database " + path + " is damaged (" + found +
+                                                  "): restore a backup, or move it away; the scans' files are not in it"});
+}
+
 void check_whole(SQLite::Database& database, const std::string& path) {
   const std::string found = database.execAndGet("PRAGMA quick_check(1)").getString();
-  if (found != "ok")
-    throw SetupError({ErrorCode::kCorruptData, "the database " + path + " is damaged (" + found +
-                                                   "): restore a backup, or move it away; the scans' files are not in it"});
+  if (found != "ok") throw damaged(path, found);
 }
 
 }  // namespace
@@ -95,6 +99,7 @@ SqliteStore::SqliteStore(const std::string& path) : path_(path) {
     for (const char* setting : {"journal_mode = WAL", "synchronous = FULL", "journal_size_limit = 67108864"})
       impl_->database.exec(std::string("PRAGMA ") + setting);
   } catch (const SQLite::Exception& failure) {
+    if (failure.getErrorCode() == SQLITE_CORRUPT) throw damaged(path, failure.what());
     throw SetupError({ErrorCode::kIo, "opening the database " + path + ": " + failure.what()});
   }
 }

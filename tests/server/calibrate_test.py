@@ -67,7 +67,7 @@ class Calibrate(unittest.TestCase):
             self.assertEqual(code, 0, error)
             found = json.loads(out)
             self.assertFalse(found["applied"])
-            self.assertIn("too few views", found["reason"])
+            self.assertIn("too few overlapping views", found["reason"])
             with open(camera_file, encoding="utf-8") as camera:
                 self.assertEqual(json.load(camera), found["camera"])
             self.assertNotIn("depth_correction", found["camera"])

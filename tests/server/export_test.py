@@ -163,7 +163,7 @@ class Export(unittest.TestCase):
         for name in ("las", "points-glb", "splats"):
             self.refused(2, "point 0 of 1 is not finite", name)
         write(self.path("cloud.ply"), cloud_ply([]))
-        self.refused(2, "there is no point", "las")
+        self.refused(2, "it has no points", "las")
         write(self.path("cloud.ply"), cloud_ply(POINTS)[:-1])
         self.refused(1, "cut at vertex 39", "splats")
         write(self.path("mesh.ply"), mesh_ply([(0, 0, 1), (1, float("inf"), 1), (1, 1, 1)], [(0, 2, 1)]))

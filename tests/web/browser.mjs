@@ -28,7 +28,8 @@ export async function openPage(context, url) {
     if (outage.on && /ERR_CONNECTION_(REFUSED|RESET|CLOSED)|WebSocket connection to|ERR_EMPTY_RESPONSE/.test(words)) return;
     complaints.push(words);
   };
-  page.on('console', (message) => ['error', 'warning'].includes(message.type()) && complain(`${message.type()}: ${message.text()}`));
+  const isOfSlowDriver = (text) => text.includes('GL Driver Message (OpenGL, Performance'); // WebGL by the processor is slow, and says so
+  page.on('console', (message) => ['error', 'warning'].includes(message.type()) && !isOfSlowDriver(message.text()) && complain(`${message.type()}: ${message.text()}`));
   page.on('pageerror', (error) => complain(`exception: ${error.message}`));
   await page.exposeFunction('reportViolation', (words) => complain(`policy: ${words}`));
   await page.addInitScript(() => {

@@ -65,7 +65,7 @@ TEST_F(ImportJobTest, WhatIsWrongFailsTheJobAndLeavesNothing) {
   EXPECT_EQ(entries("scans"), 0u);
   const JobReport setting = import(format_ply(test::plane_cloud(5)), {{"settings", R"({"map.stable_confidence": "1"})"}});
   EXPECT_EQ(setting.state, "failed");
-  EXPECT_THAT(setting.words, HasSubstr("'map.stable_confidence' is no setting of an import"));
+  EXPECT_THAT(setting.words, HasSubstr("'map.stable_confidence' is not an import setting"));
 }
 
 }  // namespace

@@ -78,7 +78,10 @@ TEST_F(MigrationsTest, DistancesThatWereKeptAreThereAfterwards) {
   const MeasurementRow& door = (*rows)[0];
   EXPECT_EQ(door.name, "Door");
   EXPECT_EQ(door.kind, "distance");
-  EXPECT_EQ(door.points, (std::vector<MeasurementRow::Triple>{{0.1, -0.20000000000000001, 1.9000000000000001}, {1.2, 1.0 / 3, 2.1}}));
+  using ::testing::DoubleEq;
+  using ::testing::ElementsAre;
+  EXPECT_THAT(door.points, ElementsAre(ElementsAre(DoubleEq(0.1), DoubleEq(-0.2), DoubleEq(1.9)),
+                                       ElementsAre(DoubleEq(1.2), DoubleEq(1.0 / 3), DoubleEq(2.1))));
   EXPECT_TRUE(door.normals.empty());
   EXPECT_FALSE(door.up.has_value());
   EXPECT_EQ(door.value, 1.2345678901234567);
