@@ -79,7 +79,7 @@ TEST(AdjusterDeathTest, TakesOneJobAtATime) {
         adjuster.start(small_problem(), {});
       },
       "before its last result was taken");
-  EXPECT_DEATH(Adjuster().wait(), "nothing to wait for");
+  EXPECT_DEATH(Adjuster().wait(), "without a running adjustment");
 }
 
 }  // namespace
