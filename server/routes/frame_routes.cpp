@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/operations/json_text.h"
+#include "server/routes/turn.h"
 #include "server/scan/stored_frames.h"
 
 namespace hermite {
@@ -18,19 +19,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::int64_t kFrameRetry_ms = 1000;
 constexpr std::int64_t kFarthest_mm = 1'000'000;
 
-// One of those that may be asked for at once, while it lives.
-class FrameTurn {
- public:
-  FrameTurn() : before_(asked_.fetch_add(1)) {}
-  ~FrameTurn() { asked_.fetch_sub(1); }
-  FrameTurn(const FrameTurn&) = delete;
-  FrameTurn& operator=(const FrameTurn&) = delete;
-  bool is_mine() const { return before_ < kMaxFramesAskedAtOnce; }
-
- private:
-  inline static std::atomic<int> asked_ = 0;
-  const int before_;
-};
+std::atomic<int> frames_asked = 0;
 
 // Why there are no frames to look at, if there are none.
 std::optional<HttpAnswer> no_frames(const HttpWorld& world, const Call& call) {
@@ -48,7 +37,7 @@ std::optional<HttpAnswer> no_frames(const HttpWorld& world, const Call& call) {
 template <class Read, class Tell>
 HttpAnswer later(const HttpWorld& world, const Call& call, Read read, Tell tell) {
   if (std::optional<HttpAnswer> none = no_frames(world, call)) return *std::move(none);
-  const auto turn = std::make_shared<FrameTurn>();
+  const auto turn = std::make_shared<Turn>(frames_asked, kMaxFramesAskedAtOnce);
   if (!turn->is_mine()) return wait_answer(503, "others are looking at frames: try again in a moment", kFrameRetry_ms);
   HttpAnswer answer;
   answer.work = [turn, folder = world.scans.log_folder(call.id), read, tell]() -> HttpAnswer {

@@ -12,6 +12,7 @@
 #include "server/operations/json_time.h"
 #include "server/routes/measuring_cache.h"
 #include "server/routes/scan_routes.h"
+#include "server/routes/turn.h"
 #include "server/store/scan_id.h"
 #include "server/store/unix_time.h"
 
@@ -26,19 +27,7 @@ constexpr std::size_t kMaxMeasureBodyBytes = 8 * 1024;
 
 constexpr std::int64_t kMeasureRetry_ms = 1000;
 
-// One of those that may measure at once, while it lives.
-class MeasuringTurn {
- public:
-  bool is_mine() const { return before_ < kMaxMeasuringAtOnce; }
-  MeasuringTurn() : before_(under_way_.fetch_add(1)) {}
-  ~MeasuringTurn() { under_way_.fetch_sub(1); }
-  MeasuringTurn(const MeasuringTurn&) = delete;
-  MeasuringTurn& operator=(const MeasuringTurn&) = delete;
-
- private:
-  inline static std::atomic<int> under_way_ = 0;
-  const int before_;
-};
+std::atomic<int> measuring = 0;
 
 struct NamedRequest {
   std::string name;  // of one that is kept
@@ -176,7 +165,7 @@ class MeasureBody : public BodySink {
       return;
     }
     name_ = request->name;
-    const MeasuringTurn turn;
+    const Turn turn(measuring, kMaxMeasuringAtOnce);
     is_turned_away_ = !turn.is_mine();
     if (turn.is_mine()) measured_ = measured(request->measure);
   }
