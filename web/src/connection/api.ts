@@ -53,9 +53,12 @@ export function saveAs(blob: Blob, name: string): void {
   setTimeout(() => URL.revokeObjectURL(url), 60_000);
 }
 
+// Of all that belongs to one scan.
+export const scanPath = (scanId: string): string => `api/v1/scans/${encodeURIComponent(scanId)}`;
+
 // The address of a new share link: whoever has it may look at this scan, and at nothing else, until it expires.
 export async function createShareLink(scanId: string, token: string): Promise<string> {
-  const response = await request(`api/v1/scans/${encodeURIComponent(scanId)}/shares`, token, { limit_ms: listLimit_ms, method: 'POST' });
+  const response = await request(`${scanPath(scanId)}/shares`, token, { limit_ms: listLimit_ms, method: 'POST' });
   return shareLinkOf(await response.json(), location);
 }
 

@@ -1,5 +1,5 @@
 // What a scan that has ended can be taken away as: the list, asking for one, and taking it.
-import { ApiError, isRecord, numberOf, request, textOf } from './api';
+import { ApiError, isRecord, numberOf, request, textOf, scanPath } from './api';
 
 const limit_ms = 10_000;
 const downloadLimit_ms = 30 * 60_000;
@@ -54,7 +54,7 @@ export function finishedAs(exports: readonly ScanExport[], plain: ScanExport, fi
   return there ?? { ...plain, format: '', finish, state: 'missing', size_bytes: 0, done: 0, words: '' };
 }
 
-const pathOf = (scanId: string): string => `api/v1/scans/${encodeURIComponent(scanId)}/exports`;
+const pathOf = (scanId: string): string => `${scanPath(scanId)}/exports`;
 
 export async function fetchExports(scanId: string, token: string): Promise<ScanExport[]> {
   const response = await request(pathOf(scanId), token, { limit_ms });

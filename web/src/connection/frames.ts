@@ -1,5 +1,5 @@
 // What the camera of a scan that has ended has sent: the list of its frames, the images of one, and where it was.
-import { ApiError, isRecord, numberOf, request } from './api';
+import { ApiError, isRecord, numberOf, request, scanPath } from './api';
 import type { Pose } from './events';
 
 const list_ms = 60_000; // the server looks at each of hundreds of thousands
@@ -25,22 +25,21 @@ export interface DepthPicture {
   readonly measured: DepthRange; // in this frame
 }
 
-const pathOf = (scanId: string): string => `api/v1/scans/${encodeURIComponent(scanId)}`;
 
 export async function fetchFrames(scanId: string, token: string, signal: AbortSignal): Promise<FrameList> {
-  const response = await request(`${pathOf(scanId)}/frames`, token, { limit_ms: list_ms, signal });
+  const response = await request(`${scanPath(scanId)}/frames`, token, { limit_ms: list_ms, signal });
   return parseFrames(await response.json());
 }
 
 export async function fetchColor(scanId: string, token: string, frame: number, signal: AbortSignal): Promise<Blob> {
-  const response = await request(`${pathOf(scanId)}/frames/color/${frame}`, token, { limit_ms: image_ms, signal });
+  const response = await request(`${scanPath(scanId)}/frames/color/${frame}`, token, { limit_ms: image_ms, signal });
   return response.blob();
 }
 
 // `range`: what its colours are to span; null: what was measured in this frame.
 export async function fetchDepth(scanId: string, token: string, frame: number, range: DepthRange | null, signal: AbortSignal): Promise<DepthPicture> {
   const query = range ? `?from_mm=${range.from_mm}&to_mm=${range.to_mm}` : '';
-  const response = await request(`${pathOf(scanId)}/frames/depth/${frame}${query}`, token, { limit_ms: image_ms, signal });
+  const response = await request(`${scanPath(scanId)}/frames/depth/${frame}${query}`, token, { limit_ms: image_ms, signal });
   const shown = parseRange(response.headers.get('Depth-Shown-Mm'));
   const measured = parseRange(response.headers.get('Depth-Measured-Mm'));
   return { picture: await response.blob(), shown, measured };
@@ -48,7 +47,7 @@ export async function fetchDepth(scanId: string, token: string, frame: number, r
 
 // trajectory.txt: a line for each frame that was used.
 export async function fetchPath(scanId: string, token: string, signal: AbortSignal): Promise<string> {
-  const response = await request(`${pathOf(scanId)}/trajectory.txt`, token, { limit_ms: list_ms, signal });
+  const response = await request(`${scanPath(scanId)}/trajectory.txt`, token, { limit_ms: list_ms, signal });
   return response.text();
 }
 

@@ -1,5 +1,5 @@
 // What is measured in a scan that has ended: the server fits the surface, says what lies between places, and keeps what is worth it.
-import { ApiError, isRecord, numberOf, request, textOf } from './api';
+import { ApiError, isRecord, numberOf, request, textOf, scanPath } from './api';
 
 const limit_ms = 30_000; // it reads all of a large scan
 
@@ -24,32 +24,31 @@ export interface KeptMeasurement extends Measured {
   readonly name: string;
 }
 
-const pathOf = (scanId: string): string => `api/v1/scans/${encodeURIComponent(scanId)}`;
 const headers = { 'Content-Type': 'application/json' };
 const bodyOf = ({ kind, points, up }: Asked) => ({ kind, points, ...(up ? { up } : {}) });
 
 export async function measure(scanId: string, token: string, asked: Asked): Promise<Measured> {
-  const response = await request(`${pathOf(scanId)}/measure`, token, { limit_ms, method: 'POST', headers, body: JSON.stringify(bodyOf(asked)) });
+  const response = await request(`${scanPath(scanId)}/measure`, token, { limit_ms, method: 'POST', headers, body: JSON.stringify(bodyOf(asked)) });
   return parseMeasured(await response.json());
 }
 
 // Measured again there, and kept with the scan.
 export async function keepMeasurement(scanId: string, token: string, name: string, asked: Asked): Promise<KeptMeasurement> {
-  const response = await request(`${pathOf(scanId)}/measurements`, token, { limit_ms, method: 'POST', headers, body: JSON.stringify({ name, ...bodyOf(asked) }) });
+  const response = await request(`${scanPath(scanId)}/measurements`, token, { limit_ms, method: 'POST', headers, body: JSON.stringify({ name, ...bodyOf(asked) }) });
   return parseKept(await response.json());
 }
 
 export async function fetchMeasurements(scanId: string, token: string): Promise<KeptMeasurement[]> {
-  const response = await request(`${pathOf(scanId)}/measurements`, token, { limit_ms });
+  const response = await request(`${scanPath(scanId)}/measurements`, token, { limit_ms });
   return parseMeasurements(await response.json());
 }
 
 export async function removeMeasurement(scanId: string, token: string, id: string): Promise<void> {
-  await request(`${pathOf(scanId)}/measurements/${encodeURIComponent(id)}`, token, { limit_ms, method: 'DELETE' });
+  await request(`${scanPath(scanId)}/measurements/${encodeURIComponent(id)}`, token, { limit_ms, method: 'DELETE' });
 }
 
 export async function fetchMeasurementsCsv(scanId: string, token: string): Promise<Blob> {
-  const response = await request(`${pathOf(scanId)}/measurements.csv`, token, { limit_ms });
+  const response = await request(`${scanPath(scanId)}/measurements.csv`, token, { limit_ms });
   return response.blob();
 }
 

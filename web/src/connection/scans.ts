@@ -1,5 +1,5 @@
 // What a person changes about scans, what they may change, and what the report says of one that has ended.
-import { ApiError, isRecord, numberOf, request } from './api';
+import { ApiError, isRecord, numberOf, request, scanPath } from './api';
 
 const limit_ms = 10_000;
 
@@ -35,21 +35,20 @@ export function parseAccess(json: unknown): Access {
   return { view, scan, admin, shared: typeof (json as Record<string, unknown>)['scan'] === 'string' };
 }
 
-const pathOf = (scanId: string): string => `api/v1/scans/${encodeURIComponent(scanId)}`;
 
 export async function renameScan(scanId: string, title: string, token: string): Promise<void> {
   const headers = { 'Content-Type': 'application/json' };
-  await request(pathOf(scanId), token, { limit_ms, method: 'PATCH', headers, body: JSON.stringify({ title }) });
+  await request(scanPath(scanId), token, { limit_ms, method: 'PATCH', headers, body: JSON.stringify({ title }) });
 }
 
 // It ends as interrupted, with what it has.
 export async function stopScan(scanId: string, token: string): Promise<void> {
-  await request(`${pathOf(scanId)}/stop`, token, { limit_ms, method: 'POST' });
+  await request(`${scanPath(scanId)}/stop`, token, { limit_ms, method: 'POST' });
 }
 
 // `leaving`: the page goes, and the request must not go with it.
 export async function deleteScan(scanId: string, token: string, leaving = false): Promise<void> {
-  await request(pathOf(scanId), token, { limit_ms, method: 'DELETE', keepalive: leaving });
+  await request(scanPath(scanId), token, { limit_ms, method: 'DELETE', keepalive: leaving });
 }
 
 // Of a scan that has ended.
@@ -59,7 +58,7 @@ export interface Report {
 }
 
 export async function fetchReport(scanId: string, token: string): Promise<Report> {
-  const response = await request(`${pathOf(scanId)}/report.json`, token, { limit_ms });
+  const response = await request(`${scanPath(scanId)}/report.json`, token, { limit_ms });
   return parseReport(await response.json());
 }
 
