@@ -10,6 +10,7 @@
 #include "core/output/ply.h"
 #include "core/pipeline/pipeline.h"
 #include "tests/support/recording.h"
+#include "tests/support/sanitized.h"
 
 namespace hermite::recalibration_test {
 namespace {
@@ -23,13 +24,6 @@ const test::Recording& recording() {
   return made;
 }
 constexpr std::size_t kUnread = 7;
-
-// What goes the same ways through the code as the rest is left out where it takes half a minute.
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool kIsSlow = true;
-#else
-constexpr bool kIsSlow = false;
-#endif
 
 Options exporting_all() {
   Options options;
@@ -133,7 +127,7 @@ TEST(Recalibration, MakesTheScanAnewAsWithTheRightCamera) {
 TEST(Recalibration, GoesOnFromACheckpointWhileTheAnswerIsAwaitedAndAfterIt) {
   const Scanned& scanned = corrected_scan();
   for (const std::size_t broken_off : {std::size_t{30}, std::size_t{50}}) {
-    if (kIsSlow && broken_off == 50) continue;
+    if (test::kIsSanitized && broken_off == 50) continue;
     std::string state;
     {
       const std::unique_ptr<Pipeline> first = make_pipeline();
