@@ -1,6 +1,5 @@
 #include "core/evaluate/true_points.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 
 #include "core/dataset/associate.h"
 #include "core/dataset/counted_random.h"
+#include "core/math/principal_axes.h"
 
 namespace hermite {
 
@@ -31,14 +31,8 @@ struct FittedPlane {
 };
 
 FittedPlane plane_through(const std::vector<Vector3d>& points, const Vector3d& towards) {
-  Vector3d centre = Vector3d::Zero();
-  for (const Vector3d& point : points) centre += point;
-  centre /= static_cast<double>(points.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Vector3d& point : points) spread += (point - centre) * (point - centre).transpose() / static_cast<double>(points.size());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
-  const Vector3d normal = axes.eigenvectors().col(0) * (axes.eigenvectors().col(0).dot(towards - centre) < 0 ? -1 : 1);
-  return {centre, normal, std::sqrt(std::max(0.0, axes.eigenvalues()[1]))};
+  const PrincipalAxes axes = principal_axes(points);
+  return {axes.centre, facing(axes.direction[2], towards - axes.centre), axes.deviation[1]};
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 #include "core/measure/area.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/math/principal_axes.h"
 #include "core/measure/distance.h"
 
 namespace hermite {
@@ -27,18 +27,15 @@ struct FlatOutline {
 };
 
 FlatOutline flat_outline_of(std::span<const MeasuredPlace> corners) {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (const MeasuredPlace& corner : corners) centre += corner.position_m / static_cast<double>(corners.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const MeasuredPlace& corner : corners)
-    spread += (corner.position_m - centre) * (corner.position_m - centre).transpose() / static_cast<double>(corners.size());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+  std::vector<Eigen::Vector3d> positions_m;
+  for (const MeasuredPlace& corner : corners) positions_m.push_back(corner.position_m);
+  const PrincipalAxes axes = principal_axes(positions_m);
   FlatOutline outline;
-  outline.along = axes.eigenvectors().col(2);
-  outline.across = axes.eigenvectors().col(1);
-  outline.breadth_m = std::sqrt(std::max(0.0, axes.eigenvalues()[1]));
-  for (const MeasuredPlace& corner : corners)
-    outline.corners.emplace_back((corner.position_m - centre).dot(outline.along), (corner.position_m - centre).dot(outline.across));
+  outline.along = axes.direction[0];
+  outline.across = axes.direction[1];
+  outline.breadth_m = axes.deviation[1];
+  for (const Eigen::Vector3d& position : positions_m)
+    outline.corners.emplace_back((position - axes.centre).dot(outline.along), (position - axes.centre).dot(outline.across));
   return outline;
 }
 

@@ -1,11 +1,12 @@
 #include "core/measure/plane_fit.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <optional>
 #include <vector>
+
+#include "core/math/principal_axes.h"
 
 namespace hermite {
 
@@ -43,24 +44,18 @@ struct FlatFit {
 };
 
 FlatFit flat_fit_of(const std::vector<FlatPoint>& points, const Eigen::Vector3d& normal) {
-  double sum = 0;
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> positions_m;
+  std::vector<double> weights;
   for (const FlatPoint& point : points) {
-    sum += point.weight;
-    centre += point.weight * point.position_m;
+    positions_m.push_back(point.position_m);
+    weights.push_back(point.weight);
   }
-  centre /= sum;
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const FlatPoint& point : points)
-    spread += point.weight / sum * (point.position_m - centre) * (point.position_m - centre).transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
-  const auto root = [&](int axis) { return std::sqrt(std::max(0.0, solver.eigenvalues()[axis])); };
-  const Eigen::Vector3d across = solver.eigenvectors().col(0);
-  return {centre,
-          across.dot(normal) < 0 ? Eigen::Vector3d(-across) : across,
-          {Eigen::Vector3d(solver.eigenvectors().col(2)), Eigen::Vector3d(solver.eigenvectors().col(1))},
-          {root(2), root(1)},
-          root(0)};
+  const PrincipalAxes axes = principal_axes(positions_m, weights);
+  return {axes.centre,
+          facing(axes.direction[2], normal),
+          {axes.direction[0], axes.direction[1]},
+          {axes.deviation[0], axes.deviation[1]},
+          axes.deviation[2]};
 }
 
 // Cells of a plane around a place, by two directions along it.

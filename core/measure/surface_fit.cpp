@@ -1,17 +1,17 @@
 #include "core/measure/surface_fit.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <optional>
 #include <vector>
 
+#include "core/math/principal_axes.h"
+
 namespace hermite {
 
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // A reach of 3 cm has some 30 surfels of a room that was seen from 2.7 m; where it has fewer than these, it is doubled.
@@ -77,25 +77,18 @@ double weight_in(const Plane& plane, const Neighbour& neighbour, bool is_first) 
 
 // None: too few agree.
 std::optional<Plane> refitted(const Plane& plane, const std::vector<Neighbour>& neighbours, bool is_first) {
+  std::vector<Vector3d> positions_m;
   std::vector<double> weights;
   double sum = 0, squares = 0;
-  Vector3d centre = Vector3d::Zero();
   for (const Neighbour& neighbour : neighbours) {
+    positions_m.push_back(neighbour.position_m);
     weights.push_back(weight_in(plane, neighbour, is_first));
     sum += weights.back();
     squares += weights.back() * weights.back();
-    centre += weights.back() * neighbour.position_m;
   }
   if (static_cast<std::size_t>(std::count_if(weights.begin(), weights.end(), [](double w) { return w > 0; })) < kLeast) return std::nullopt;
-  Plane fitted{centre / sum, plane.normal, 0, sum * sum / squares, 0};
-  Matrix3d spread = Matrix3d::Zero();
-  for (std::size_t i = 0; i < weights.size(); ++i) {
-    const Vector3d from_centre = neighbours[i].position_m - fitted.centre_m;
-    spread += weights[i] / sum * from_centre * from_centre.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(spread);
-  fitted.normal = axes.eigenvectors().col(0) * (axes.eigenvectors().col(0).dot(plane.normal) < 0 ? -1 : 1);
-  fitted.deviation_m = std::sqrt(std::max(0.0, axes.eigenvalues()[0]));
+  const PrincipalAxes axes = principal_axes(positions_m, weights);
+  Plane fitted{axes.centre, facing(axes.direction[2], plane.normal), axes.deviation[2], sum * sum / squares, 0};
   for (std::size_t i = 0; i < weights.size(); ++i) fitted.disagreement += weights[i] / sum * (1 - neighbours[i].normal.dot(fitted.normal));
   return fitted;
 }
