@@ -43,6 +43,17 @@ Result<ServerUrl> server_of(const ServerArguments& arguments) {
   return url;
 }
 
+Result<ApiTarget> api_target_of(const ServerArguments& arguments) {
+  Result<ServerUrl> server = server_of(arguments);
+  if (!server.ok()) return server.error();
+  ApiTarget target{*std::move(server), {}};
+  if (!target.server.tls) return target;
+  Result<TlsContext> tls = client_tls(arguments.ca);
+  if (!tls.ok()) return tls.error();
+  target.tls = *std::move(tls);
+  return target;
+}
+
 Result<std::map<std::string, std::string>> parse_settings(const std::vector<std::string>& texts) {
   std::map<std::string, std::string> settings;
   for (const std::string& text : texts) {
@@ -64,6 +75,16 @@ Result<StreamRequest> make_stream_request(const StreamTarget& target, const std:
   request.settings = *std::move(settings);
   request.title = target.title.value_or(name);
   return request;
+}
+
+int status_of_answer(const Error& error) {
+  switch (error.code) {
+    case ErrorCode::kUnauthorized:
+    case ErrorCode::kBusy:
+    case ErrorCode::kTooLarge:
+    case ErrorCode::kInvalidArgument: return kRefused;
+    default: return kFailed;
+  }
 }
 
 int fail(int exit_status, const std::string& words) {

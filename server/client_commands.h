@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "server/client/scans.h"
 #include "server/client/server_url.h"
 #include "server/client/stream.h"
 #include "server/commands.h"
@@ -40,8 +41,12 @@ CLI::Option* add_stream_options(CLI::App& command, StreamTarget& target);
 
 // kInvalidArgument, naming the option.
 Result<ServerUrl> server_of(const ServerArguments& arguments);
+Result<ApiTarget> api_target_of(const ServerArguments& arguments);  // also kIo: --ca cannot be read
 Result<std::map<std::string, std::string>> parse_settings(const std::vector<std::string>& texts);
 Result<StreamRequest> make_stream_request(const StreamTarget& target, const std::string& name);  // `name`: the title when none is given
+
+// The exit status for what a request came to: kRefused where the server refused it, else kFailed.
+int status_of_answer(const Error& error);
 
 // To stderr; returns `exit_status`.
 int fail(int exit_status, const std::string& words);
@@ -70,5 +75,11 @@ Command add_upload_command(CLI::App& app);
 Command add_import_command(CLI::App& app);
 Command add_jobs_command(CLI::App& app);
 Command add_download_command(CLI::App& app);
+Command add_list_command(CLI::App& app);
+Command add_show_command(CLI::App& app);
+Command add_rename_command(CLI::App& app);
+Command add_stop_command(CLI::App& app);
+Command add_delete_command(CLI::App& app);
+Command add_share_command(CLI::App& app);
 
 }  // namespace hermite

@@ -9,7 +9,6 @@
 
 #include "server/client/download.h"
 #include "server/client_commands.h"
-#include "server/net/tls.h"
 
 namespace hermite {
 
@@ -21,35 +20,23 @@ struct DownloadArguments {
 };
 
 Result<DownloadTarget> download_target(const DownloadArguments& arguments) {
+  Result<ApiTarget> api = api_target_of(arguments.server);
+  if (!api.ok()) return api.error();
   DownloadTarget target;
-  Result<ServerUrl> server = server_of(arguments.server);
-  if (!server.ok()) return server.error();
-  target.server = *std::move(server);
+  target.server = std::move(api->server);
+  target.tls = std::move(api->tls);
   target.scan_id = arguments.scan;
   target.format = arguments.format;
   if (target.scan_id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789") != std::string::npos)
     return Error{ErrorCode::kInvalidArgument, "SCAN is no id of a scan: it has characters of a-z and 0-9 alone"};
   if (target.format.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") != std::string::npos)
     return Error{ErrorCode::kInvalidArgument, "--format has other characters than a-z, 0-9, - and _"};
-  if (!target.server.tls) return target;
-  Result<TlsContext> tls = client_tls(arguments.server.ca);
-  if (!tls.ok()) return tls.error();
-  target.tls = *std::move(tls);
   return target;
-}
-
-int status_of_download(const Error& error) {
-  switch (error.code) {
-    case ErrorCode::kUnauthorized:
-    case ErrorCode::kBusy:
-    case ErrorCode::kInvalidArgument: return kRefused;
-    default: return kFailed;
-  }
 }
 
 int list_formats(const DownloadTarget& target) {
   const Result<std::vector<ExportReport>> reports = export_reports(target);
-  if (!reports.ok()) return fail(status_of_download(reports.error()), reports.error().message);
+  if (!reports.ok()) return fail(status_of_answer(reports.error()), reports.error().message);
   for (const ExportReport& report : *reports)
     std::cout << report.format << "  " << report.label << "  " << report.state
               << (report.size_bytes > 0 ? " " + std::to_string(report.size_bytes) + " bytes" : "")
@@ -89,7 +76,7 @@ int run_download(const DownloadArguments& arguments) {
   observer.interrupted = [&interrupts] { return interrupts.count() > 0; };
   const Status done = download(*target, arguments.out.empty() ? default_name(*target) : arguments.out, observer);
   show("");
-  return done.ok() ? 0 : fail(status_of_download(done.error()), done.error().message);
+  return done.ok() ? 0 : fail(status_of_answer(done.error()), done.error().message);
 }
 
 }  // namespace

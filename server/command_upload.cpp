@@ -18,7 +18,6 @@
 #include "core/import/model.h"
 #include "server/client/upload.h"
 #include "server/client_commands.h"
-#include "server/net/tls.h"
 
 namespace hermite {
 
@@ -54,14 +53,11 @@ struct Outcome {
 };
 
 Result<UploadTarget> target_of(const ServerArguments& arguments) {
+  Result<ApiTarget> api = api_target_of(arguments);
+  if (!api.ok()) return api.error();
   UploadTarget target;
-  Result<ServerUrl> server = server_of(arguments);
-  if (!server.ok()) return server.error();
-  target.server = *std::move(server);
-  if (!target.server.tls) return target;
-  Result<TlsContext> tls = client_tls(arguments.ca);
-  if (!tls.ok()) return tls.error();
-  target.tls = *std::move(tls);
+  target.server = std::move(api->server);
+  target.tls = std::move(api->tls);
   return target;
 }
 
@@ -123,16 +119,6 @@ Result<std::string> settings_json(const std::vector<std::string>& texts) {
   const auto settings = parse_settings(texts);
   if (!settings.ok()) return settings.error();
   return Json(*settings).dump();
-}
-
-int status_of(const Error& error) {
-  switch (error.code) {
-    case ErrorCode::kUnauthorized:
-    case ErrorCode::kBusy:
-    case ErrorCode::kTooLarge:
-    case ErrorCode::kInvalidArgument: return kRefused;
-    default: return kFailed;
-  }
 }
 
 class Uploading {
@@ -229,7 +215,7 @@ class Uploading {
     const Result<std::string> job = upload(*source, *metadata, target_, observer);
     screen_.clear();
     if (!job.ok()) {
-      outcome.exit_status = status_of(job.error());
+      outcome.exit_status = status_of_answer(job.error());
       outcome.words = job.error().message;
       hopeless_ = job.error().code == ErrorCode::kUnauthorized;
       return outcome;
@@ -247,7 +233,7 @@ class Uploading {
     });
     screen_.clear();
     if (!report.ok()) {
-      outcome.exit_status = status_of(report.error());
+      outcome.exit_status = status_of_answer(report.error());
       outcome.words = report.error().message;
       screen_.line("hermite-client: " + outcome.path + ": " + outcome.words);
       return;
@@ -322,7 +308,7 @@ int run_jobs(const JobsArguments& arguments) {
   }
   if (!status.ok()) {
     std::cerr << "hermite-client: " << status.error().message << '\n';
-    return status_of(status.error());
+    return status_of_answer(status.error());
   }
   if (jobs.empty() && !arguments.json) std::cout << "there are no jobs\n";
   for (const JobReport& job : jobs)

@@ -3,20 +3,19 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <system_error>
 #include <thread>
 #include <utility>
 
-#include "server/client/http_exchange.h"
+#include "server/client/json_call.h"
 
 namespace hermite {
 
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 constexpr std::chrono::milliseconds kPollPeriod(500), kAwayPause(2000);
 
@@ -24,14 +23,11 @@ std::string exports_path(const DownloadTarget& target) { return "/api/v1/scans/"
 
 ExportReport report_of(const Json& json) {
   ExportReport report;
-  const auto text = [&json](const char* name) {
-    return json.contains(name) && json[name].is_string() ? json[name].get<std::string>() : "";
-  };
-  report.format = text("format");
-  report.label = text("label");
-  report.file = text("file");
-  report.state = text("state");
-  report.words = text("words");
+  report.format = text_member(json, "format");
+  report.label = text_member(json, "label");
+  report.file = text_member(json, "file");
+  report.state = text_member(json, "state");
+  report.words = text_member(json, "words");
   if (json.contains("done") && json["done"].is_number()) report.done = json["done"].get<double>();
   if (json.contains("bytes") && json["bytes"].is_number_unsigned()) report.size_bytes = json["bytes"].get<std::uint64_t>();
   return report;

@@ -9,7 +9,6 @@
 #include <cstring>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <random>
 #include <thread>
@@ -19,7 +18,7 @@
 #include "core/dataset/text_file.h"
 #include "core/digest/sha256.h"
 #include "server/client/backoff.h"
-#include "server/client/http_exchange.h"
+#include "server/client/json_call.h"
 #include "server/net/base64.h"
 
 namespace hermite {
@@ -27,6 +26,7 @@ namespace hermite {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr const char* kUploads = "/api/v1/uploads";
@@ -219,28 +219,16 @@ class Sender {
   Backoff backoff_;
 };
 
-JobReport report_of(const nlohmann::json& json) {
-  const auto text = [&json](const char* key) {
-    const auto found = json.find(key);
-    return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
-  };
-  const auto number = [&json](const char* key) {
-    const auto found = json.find(key);
-    return found != json.end() && found->is_number_integer() ? found->get<std::int64_t>() : 0;
-  };
-  return {text("id"), text("title"), text("state"), text("stage"), text("words"), text("scan"), number("done"), number("total")};
+JobReport report_of(const Json& json) {
+  return {text_member(json, "id"),    text_member(json, "title"), text_member(json, "state"),   text_member(json, "stage"),
+          text_member(json, "words"), text_member(json, "scan"),  integer_member(json, "done"), integer_member(json, "total")};
 }
 
-Result<nlohmann::json> ask(const UploadTarget& target, const std::string& method, const std::string& path) {
-  const Result<HttpReply> reply = http_exchange(target.server, target.tls, true, {method, path, {}, ""});
-  if (!reply.ok()) return reply.error();
-  if (reply->status >= 300) return refusal(*reply);
-  nlohmann::json json = nlohmann::json::parse(reply->body, nullptr, false);
-  if (!json.is_object()) return Error{ErrorCode::kIo, "the server's answer is no JSON object"};
-  return json;
+Result<Json> ask(const UploadTarget& target, const std::string& method, const std::string& path) {
+  return json_call(target.server, target.tls, {method, path, {}, ""});
 }
 
-Result<JobReport> one_report(const Result<nlohmann::json>& json) {
+Result<JobReport> one_report(const Result<Json>& json) {
   if (!json.ok()) return json.error();
   return report_of(*json);
 }
@@ -267,10 +255,10 @@ Result<JobReport> job_report(const UploadTarget& target, const std::string& id) 
 }
 
 Result<std::vector<JobReport>> job_reports(const UploadTarget& target) {
-  const Result<nlohmann::json> json = ask(target, "GET", kJobs);
+  const Result<Json> json = ask(target, "GET", kJobs);
   if (!json.ok()) return json.error();
   std::vector<JobReport> reports;
-  for (const nlohmann::json& job : json->value("jobs", nlohmann::json::array()))
+  for (const Json& job : json->value("jobs", Json::array()))
     if (job.is_object()) reports.push_back(report_of(job));
   return reports;
 }

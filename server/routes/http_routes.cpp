@@ -13,13 +13,11 @@
 #include "proto/wire/told_words.h"
 #include "server/access/administration.h"
 #include "server/operations/json_text.h"
-#include "server/operations/json_time.h"
 #include "server/routes/byte_range.h"
 #include "server/routes/export_routes.h"
 #include "server/routes/frame_routes.h"
 #include "server/routes/job_routes.h"
 #include "server/routes/measure_routes.h"
-#include "server/routes/measuring_cache.h"
 #include "server/routes/scan_routes.h"
 #include "server/routes/upload_routes.h"
 
@@ -29,66 +27,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-HttpAnswer json_answer(const Json& json) {
-  HttpAnswer answer;
-  answer.content_type = "application/json";
-  answer.body = json_text(json);
-  return answer;
-}
-
 HttpAnswer on_route(std::string_view route, HttpAnswer answer) {
   answer.route = route;
   return answer;
-}
-
-Json row_json(const ScanRow& row) {
-  Json json;
-  json["id"] = row.id;
-  json["title"] = row.title;
-  json["state"] = name_of(row.phase);
-  json["words"] = wire::told_words(row.words);
-  json["to_be_rebuilt"] = row.to_be_rebuilt;
-  json["frames"] = row.frames_processed;
-  json["frames_received"] = row.frames_received;
-  json["frames_processed"] = row.frames_processed;
-  json["frames_dropped"] = row.frames_dropped;
-  json["width"] = row.camera.width;
-  json["height"] = row.camera.height;
-  json["started"] = time_json(row.created_at_ms);
-  json["created_at"] = time_json(row.created_at_ms);
-  json["finished_at"] = time_json(row.finished_at_ms);
-  return json;
-}
-
-// For a share link only its scan, which need not be among the newest.
-Result<std::vector<ScanRow>> scans_for(const HttpWorld& world, const Grant& grant, const std::string& older_than_id) {
-  if (grant.scan_id.empty()) return world.scans.list(older_than_id);
-  Result<ScanRow> row = world.scans.find(grant.scan_id);
-  if (!row.ok()) return row.error();
-  return std::vector<ScanRow>{*std::move(row)};
-}
-
-HttpAnswer list_scans(const HttpWorld& world, const Call& call) {
-  constexpr std::string_view kOlder = "older-than=";
-  const std::string& query = call.request.query;
-  if (!query.empty() && !query.starts_with(kOlder))
-    return refused({ErrorCode::kInvalidArgument, "the list of scans knows ?older-than=ID and nothing else"});
-  const Result<std::vector<ScanRow>> rows = scans_for(world, call.grant, query.empty() ? "" : query.substr(kOlder.size()));
-  if (!rows.ok()) return refused(rows.error());
-  Json json = {{"scans", Json::array()}, {"more", rows->size() == kMaxListedScans}};
-  for (const ScanRow& row : *rows) json["scans"].push_back(row_json(row));
-  return json_answer(json);
-}
-
-HttpAnswer show_scan(const HttpWorld& world, const Call& call) {
-  const Result<ScanRow> row = world.scans.find(call.id);
-  return row.ok() ? json_answer(row_json(*row)) : refused(row.error());
-}
-
-HttpAnswer remove_scan(const HttpWorld& world, const Call& call) {
-  const Status status = world.scans.remove(call.id);
-  if (status.ok()) world.measuring.forget(call.id);
-  return status.ok() ? json_answer({{"removed", call.id}}) : refused(status.error());
 }
 
 HttpAnswer send_cloud(const HttpWorld& world, const Call& call) { return send_file(world, call, "cloud.ply", "application/octet-stream"); }
@@ -318,9 +259,7 @@ HttpAnswer send_file(const HttpWorld& world, const Call& call, const std::string
 }
 
 HttpAnswer error_answer(int status, const Error& error) {
-  HttpAnswer answer = json_answer({{"error", {{"code", name_of(error.code)}, {"message", wire::told_words(error.message)}}}});
-  answer.status = status;
-  return answer;
+  return made(json_text(Json{{"error", {{"code", name_of(error.code)}, {"message", wire::told_words(error.message)}}}}), status);
 }
 
 HttpAnswer refused(const Error& error) {

@@ -6,7 +6,10 @@
 #include <utility>
 
 #include "proto/wire/messages.h"
+#include "proto/wire/told_words.h"
 #include "server/operations/json_text.h"
+#include "server/operations/json_time.h"
+#include "server/routes/measuring_cache.h"
 
 namespace hermite {
 
@@ -21,6 +24,33 @@ Result<std::string> title_in(const std::string& body) {
   std::string title = json["title"];
   if (const Status status = check_title("title", title); !status.ok()) return status.error();
   return title;
+}
+
+Json row_json(const ScanRow& row) {
+  Json json;
+  json["id"] = row.id;
+  json["title"] = row.title;
+  json["state"] = name_of(row.phase);
+  json["words"] = wire::told_words(row.words);
+  json["to_be_rebuilt"] = row.to_be_rebuilt;
+  json["frames"] = row.frames_processed;
+  json["frames_received"] = row.frames_received;
+  json["frames_processed"] = row.frames_processed;
+  json["frames_dropped"] = row.frames_dropped;
+  json["width"] = row.camera.width;
+  json["height"] = row.camera.height;
+  json["started"] = time_json(row.created_at_ms);
+  json["created_at"] = time_json(row.created_at_ms);
+  json["finished_at"] = time_json(row.finished_at_ms);
+  return json;
+}
+
+// For a share link only its scan, which need not be among the newest.
+Result<std::vector<ScanRow>> scans_for(const HttpWorld& world, const Grant& grant, const std::string& older_than_id) {
+  if (grant.scan_id.empty()) return world.scans.list(older_than_id);
+  Result<ScanRow> row = world.scans.find(grant.scan_id);
+  if (!row.ok()) return row.error();
+  return std::vector<ScanRow>{*std::move(row)};
 }
 
 }  // namespace
@@ -48,12 +78,35 @@ HttpAnswer show_access(const HttpWorld&, const Call& call) {
   return made(json_text(json));
 }
 
+HttpAnswer list_scans(const HttpWorld& world, const Call& call) {
+  constexpr std::string_view kOlder = "older-than=";
+  const std::string& query = call.request.query;
+  if (!query.empty() && !query.starts_with(kOlder))
+    return refused({ErrorCode::kInvalidArgument, "the list of scans knows ?older-than=ID and nothing else"});
+  const Result<std::vector<ScanRow>> rows = scans_for(world, call.grant, query.empty() ? "" : query.substr(kOlder.size()));
+  if (!rows.ok()) return refused(rows.error());
+  Json json = {{"scans", Json::array()}, {"more", rows->size() == kMaxListedScans}};
+  for (const ScanRow& row : *rows) json["scans"].push_back(row_json(row));
+  return made(json_text(json));
+}
+
+HttpAnswer show_scan(const HttpWorld& world, const Call& call) {
+  const Result<ScanRow> row = world.scans.find(call.id);
+  return row.ok() ? made(json_text(row_json(*row))) : refused(row.error());
+}
+
+HttpAnswer remove_scan(const HttpWorld& world, const Call& call) {
+  const Status status = world.scans.remove(call.id);
+  if (status.ok()) world.measuring.forget(call.id);
+  return status.ok() ? made(json_text(Json{{"removed", call.id}})) : refused(status.error());
+}
+
 HttpAnswer rename_scan(const HttpWorld& world, const Call& call) {
   if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);
   const Result<std::string> title = title_in(call.request.body);
   if (!title.ok()) return refused(title.error());
   if (Status status = world.scans.rename(call.id, *title); !status.ok()) return refused(status.error());
-  return made(json_text(Json{{"id", call.id}, {"title", *title}}));
+  return show_scan(world, call);
 }
 
 HttpAnswer stop_scan(const HttpWorld& world, const Call& call) {

@@ -11,6 +11,15 @@ namespace hermite {
 // {"scopes": ["view", ...], "scan": id or null}: what whoever asks may do, so that a page need not offer what would be refused.
 HttpAnswer show_access(const HttpWorld& world, const Call& call);
 
+// {"scans": [...], "more"}: the newest first, for a share link its scan alone. ?older-than=ID goes on behind one. 400 for another query.
+HttpAnswer list_scans(const HttpWorld& world, const Call& call);
+
+// One entry of that list. 404.
+HttpAnswer show_scan(const HttpWorld& world, const Call& call);
+
+// {"removed": id}: deleted with its files. 404, 409: it runs.
+HttpAnswer remove_scan(const HttpWorld& world, const Call& call);
+
 // {"title": ...}: of the token that made the scan, or admin. The scan as it is then. 400 naming the field, 403, 404.
 HttpAnswer rename_scan(const HttpWorld& world, const Call& call);
 

@@ -1,0 +1,27 @@
+#include "server/client/json_call.h"
+
+#include <utility>
+
+namespace hermite {
+
+Result<nlohmann::ordered_json> json_call(const ServerUrl& server, const TlsContext& tls, HttpCall call) {
+  if (!call.body.empty()) call.headers.emplace_back("Content-Type", "application/json");
+  const Result<HttpReply> reply = http_exchange(server, tls, true, call);
+  if (!reply.ok()) return reply.error();
+  if (reply->status >= 300) return refusal(*reply);
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(reply->body, nullptr, false);
+  if (!json.is_object()) return Error{ErrorCode::kIo, "the server's answer is no JSON object"};
+  return json;
+}
+
+std::string text_member(const nlohmann::ordered_json& object, const char* name) {
+  const auto found = object.find(name);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+std::int64_t integer_member(const nlohmann::ordered_json& object, const char* name) {
+  const auto found = object.find(name);
+  return found != object.end() && found->is_number_integer() ? found->get<std::int64_t>() : 0;
+}
+
+}  // namespace hermite

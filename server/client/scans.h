@@ -1,0 +1,61 @@
+// The scans of a server, for somebody at a terminal: list, look at, rename, stop, delete and share them. Every function is one request or,
+// for a long list, several; each blocks until the answer is there.
+//
+// Errors of all of them are those of http_exchange() and, in the server's words, those of refusal(); kIo also when the answer is no JSON
+// object with the expected fields.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "server/client/server_url.h"
+#include "server/net/tls.h"
+
+namespace hermite {
+
+struct ApiTarget {
+  ServerUrl server;  // with its token
+  TlsContext tls;    // none: not encrypted
+};
+
+// A scan as the server describes it. Times are UTC texts like "2024-05-01T12:00:00.123Z", empty for never.
+struct ScanSummary {
+  std::string id, title;
+  std::string state;    // running, finished, failed or interrupted
+  std::string message;  // why it ended that way, may be empty
+  std::string created_at, finished_at;
+  std::int64_t frames_received = 0, frames_processed = 0, frames_dropped = 0;
+  std::int64_t width_px = 0, height_px = 0;
+  std::string json;  // the server's object, on one line
+};
+
+struct ShareSummary {
+  std::string id, scan, name;
+  std::string state;  // active, expired or revoked
+  std::string expires_at;
+  std::string json;
+};
+
+// Returns all scans that the token may see, newest first, at most `at_most` of them.
+Result<std::vector<ScanSummary>> list_scans(const ApiTarget& target, std::size_t at_most);
+Result<ScanSummary> show_scan(const ApiTarget& target, const std::string& scan_id);
+
+// Returns the scan with its new title. kInvalidArgument: the server accepts 1 to 200 bytes without control characters.
+Result<ScanSummary> rename_scan(const ApiTarget& target, const std::string& scan_id, const std::string& title);
+
+// Ends a running scan, which keeps what it has. kBusy: it has ended already, or a job makes it.
+Status stop_scan(const ApiTarget& target, const std::string& scan_id);
+
+// Deletes a scan with all of its files, which needs the scope admin.
+Status delete_scan(const ApiTarget& target, const std::string& scan_id);
+
+// Returns the link, which holds the secret: the server tells it this once. `days`: until it expires, 0 for the server's default.
+Result<std::string> share_scan(const ApiTarget& target, const std::string& scan_id, const std::string& name, int days);
+
+// Returns the share links of a scan, or of all scans where `scan_id` is empty.
+Result<std::vector<ShareSummary>> list_shares(const ApiTarget& target, const std::string& scan_id);
+Status revoke_share(const ApiTarget& target, const std::string& share_id);
+
+}  // namespace hermite

@@ -1,0 +1,124 @@
+// Scans are listed, renamed, stopped, deleted and shared through a real server.
+#include "server/client/scans.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "server/store/scan_id.h"
+#include "server/store/sqlite_store.h"
+#include "tests/support/running_server.h"
+#include "tests/support/temporary_folder.h"
+
+namespace hermite::scans_test {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class ScansOfAServer : public testing::Test {
+ protected:
+  // The scans' titles are the numbers from 0 on; the last one is the newest.
+  void serve(int scan_count) {
+    {
+      std::filesystem::create_directories(folder_ / "data");
+      SqliteStore store(folder_ / "data/hermite.db");
+      for (int i = 0; i < scan_count; ++i) {
+        ScanRow row;
+        row.id = new_scan_id();
+        row.title = std::to_string(i);
+        row.phase = i % 2 == 0 ? ScanPhase::kFinished : ScanPhase::kInterrupted;
+        row.words = i % 2 == 0 ? "" : "the camera has gone";
+        row.camera = {640, 480, 525, 525, 319.5, 239.5, 5000};
+        row.frames_received = 12;
+        row.frames_processed = 10;
+        row.frames_dropped = 2;
+        row.created_at_ms = 1'714'564'800'000 + i;
+        row.finished_at_ms = row.created_at_ms + 60'000;
+        ASSERT_TRUE(store.add(row).ok());
+        ids_.push_back(row.id);
+      }
+    }
+    server_ = std::make_unique<test::RunningServer>(test::test_options(folder_ / "data"));
+    target_.server = {"127.0.0.1", static_cast<std::uint16_t>(server_->port()), server_->token(), false};
+  }
+
+  const test::TemporaryFolder folder_;
+  std::vector<std::string> ids_;
+  std::unique_ptr<test::RunningServer> server_;
+  ApiTarget target_;
+};
+
+TEST_F(ScansOfAServer, AreListedNewestFirstAndShown) {
+  serve(3);
+  const Result<std::vector<ScanSummary>> scans = list_scans(target_, 2);
+  ASSERT_TRUE(scans.ok()) << scans.error().message;
+  ASSERT_EQ(scans->size(), 2u);
+  EXPECT_EQ((*scans)[0].title, "2");
+  EXPECT_EQ((*scans)[1].id, ids_[1]);
+  const Result<ScanSummary> scan = show_scan(target_, ids_[1]);
+  ASSERT_TRUE(scan.ok()) << scan.error().message;
+  EXPECT_EQ(scan->state, "interrupted");
+  EXPECT_EQ(scan->message, "the camera has gone");
+  EXPECT_THAT(scan->created_at, StartsWith("2024-05-01T12:00:00"));
+  EXPECT_THAT(scan->finished_at, StartsWith("2024-05-01T12:01:00"));
+  EXPECT_EQ(scan->frames_received, 12);
+  EXPECT_EQ(scan->frames_processed, 10);
+  EXPECT_EQ(scan->frames_dropped, 2);
+  EXPECT_EQ(scan->width_px, 640);
+  EXPECT_EQ(scan->height_px, 480);
+  EXPECT_THAT(scan->json, HasSubstr("\"id\":\"" + ids_[1] + "\""));
+}
+
+// The server lists at most a thousand at once.
+TEST_F(ScansOfAServer, AreAllListedWhereTheyTakeSeveralAnswers) {
+  serve(2001);
+  const Result<std::vector<ScanSummary>> scans = list_scans(target_, 5000);
+  ASSERT_TRUE(scans.ok()) << scans.error().message;
+  ASSERT_EQ(scans->size(), 2001u);
+  for (std::size_t i = 0; i < scans->size(); ++i) ASSERT_EQ((*scans)[i].title, std::to_string(2000 - i));
+}
+
+TEST_F(ScansOfAServer, AreRenamedAndDeleted) {
+  serve(1);
+  const Result<ScanSummary> renamed = rename_scan(target_, ids_[0], "A \"kitchen\", ü");
+  ASSERT_TRUE(renamed.ok()) << renamed.error().message;
+  EXPECT_EQ(show_scan(target_, ids_[0])->title, "A \"kitchen\", ü");
+  const Result<ScanSummary> unnamed = rename_scan(target_, ids_[0], "");
+  ASSERT_FALSE(unnamed.ok());
+  EXPECT_EQ(unnamed.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(unnamed.error().message, HasSubstr("title"));
+  EXPECT_EQ(stop_scan(target_, ids_[0]).error().code, ErrorCode::kBusy) << "it has ended";
+  EXPECT_TRUE(delete_scan(target_, ids_[0]).ok());
+  EXPECT_EQ(delete_scan(target_, ids_[0]).error().code, ErrorCode::kNotFound);
+  EXPECT_TRUE(list_scans(target_, 10)->empty());
+}
+
+TEST_F(ScansOfAServer, AreSharedByALinkThatCanBeRevoked) {
+  serve(2);
+  const Result<std::string> link = share_scan(target_, ids_[0], "The architect", 30);
+  ASSERT_TRUE(link.ok()) << link.error().message;
+  EXPECT_THAT(*link, StartsWith("http://" + target_.server.host_and_port() + "/#"));
+  ASSERT_TRUE(share_scan(target_, ids_[1], "", 0).ok());
+  EXPECT_EQ(list_shares(target_, "")->size(), 2u);
+  const Result<std::vector<ShareSummary>> shares = list_shares(target_, ids_[0]);
+  ASSERT_EQ(shares->size(), 1u);
+  const ShareSummary& share = shares->front();
+  EXPECT_EQ(share.scan, ids_[0]);
+  EXPECT_EQ(share.name, "The architect");
+  EXPECT_EQ(share.state, "active");
+  EXPECT_TRUE(revoke_share(target_, share.id).ok());
+  EXPECT_EQ(list_shares(target_, ids_[0])->front().state, "revoked");
+  EXPECT_EQ(share_scan(target_, new_scan_id(), "", 0).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(ScansOfAServer, AreForNobodyWithoutAToken) {
+  serve(1);
+  target_.server.token = "wrong";
+  EXPECT_EQ(list_scans(target_, 10).error().code, ErrorCode::kUnauthorized);
+  EXPECT_EQ(delete_scan(target_, ids_[0]).error().code, ErrorCode::kUnauthorized);
+}
+
+}  // namespace
+}  // namespace hermite::scans_test
