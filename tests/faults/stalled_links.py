@@ -32,6 +32,8 @@ LET_GO_S = HEARTBEAT_S + 25
 PLACES = 3
 # The camera in the line whose link is silent gets its turn, too, before the server sees that nobody is there: such a scan waits so long.
 RESUME_S = 40
+# Between the undisturbed scans: heartbeats are waited for, and other tests need the processors meanwhile.
+PAUSE_S = 10
 
 
 class SilentProxy(Proxy):
@@ -193,7 +195,7 @@ def waiting(server, program, expected, holders, report):
 
 
 def beside(server, program, expected, over, results):
-    """Scans that nobody disturbs, one after the other, as long as others are."""
+    """Scans that nobody disturbs, again and again with a pause, as long as others are disturbed."""
     while not over.is_set():
         started = time.monotonic()
         camera = Camera(program, server.url)
@@ -201,6 +203,7 @@ def beside(server, program, expected, over, results):
         check(result == expected, f"the undisturbed one: {result} instead of {expected}\n" + "".join(camera.lines[-10:]))
         check(not has_said(camera, "connection lost"), "the undisturbed one keeps its connection")
         results.append(time.monotonic() - started)
+        over.wait(PAUSE_S)
 
 
 def stall_side_by_side(server, program, expected, report):
