@@ -11,6 +11,7 @@
 #include "server/store/scan_id.h"
 #include "server/store/sqlite_store.h"
 #include "server/store/unix_time.h"
+#include "tests/support/openapi_document.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
@@ -58,6 +59,18 @@ TEST_F(AdminTest, SaysThatItIsAliveAndReady) {
   const std::string ready = readiness();
   EXPECT_THAT(ready, StartsWith("HTTP/1.1 200"));
   EXPECT_THAT(ready, HasSubstr("\r\n\r\nready\n"));
+}
+
+TEST_F(AdminTest, TheOpenApiDocumentHasItsRoutes) {
+  serve(options());
+  std::vector<std::string> described;
+  for (const auto& [route, operation] : test::described_operations(test::openapi_document())) {
+    if (route.find(" /api/") != std::string::npos) continue;
+    ASSERT_THAT(route, StartsWith("GET /")) << "in " << test::kOpenApiFile;
+    described.push_back(route.substr(4));
+    EXPECT_THAT(get(described.back()), Not(HasSubstr("here are "))) << test::kOpenApiFile << " describes " << route;
+  }
+  EXPECT_THAT(described, testing::UnorderedElementsAre("/healthz", "/readyz", "/metrics", "/debug/trace")) << test::kOpenApiFile;
 }
 
 TEST_F(AdminTest, SaysInWordsWhatIsMissing) {

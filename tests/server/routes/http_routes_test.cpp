@@ -7,10 +7,13 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
 
 #include "server/store/scan_id.h"
 #include "server/store/sqlite_store.h"
 #include "tests/source_root/source_root.h"
+#include "tests/support/openapi_document.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/running_server.h"
 #include "tests/support/temporary_folder.h"
@@ -133,6 +136,36 @@ TEST_F(HttpRoutesTest, TheReadmeHasEveryRouteAndNoOther) {
     if (line.starts_with("| `") && line.find(" /api/") != std::string::npos) written.push_back(line.substr(3, end - 3));
   }
   EXPECT_THAT(written, testing::UnorderedElementsAreArray(api_routes()));
+}
+
+TEST_F(HttpRoutesTest, TheOpenApiDocumentHasEveryRouteAndNoOther) {
+  const std::map<std::string, Json> described = test::described_operations(test::openapi_document());
+  const std::vector<std::string> list = api_routes();
+  const std::set<std::string> there(list.begin(), list.end());
+  for (const std::string& route : there) EXPECT_TRUE(described.contains(route)) << test::kOpenApiFile << " does not describe " << route;
+  for (const auto& [route, operation] : described) {
+    if (route.find(" /api/") == std::string::npos) continue;  // admin_test.cpp has these
+    EXPECT_TRUE(there.contains(route)) << test::kOpenApiFile << " describes " << route << ", which the server does not have";
+  }
+}
+
+TEST_F(HttpRoutesTest, TheOpenApiDocumentHasTheScopesOfEveryRoute) {
+  const std::string view = make_token(R"(["view"])"), scan = make_token(R"(["scan"])"), both = make_token(R"(["view", "scan"])");
+  for (const auto& [route, operation] : test::described_operations(test::openapi_document())) {
+    if (route.find(" /api/") == std::string::npos) continue;
+    const std::size_t space = route.find(' ');
+    // Nothing has the id x, so only the scopes of a token can be a reason for 403.
+    const std::string path = std::regex_replace(route.substr(space + 1), std::regex("\\{[a-z]+\\}"), "x");
+    const auto is_refused = [&](const std::string& token) { return status(route.substr(0, space), path, token) == 403; };
+    Json needed = Json::array();
+    if (is_refused(both)) {
+      needed.push_back("admin");
+    } else {
+      if (is_refused(scan)) needed.push_back("view");
+      if (is_refused(view)) needed.push_back("scan");
+    }
+    EXPECT_EQ(operation.value("x-scope", Json()), needed) << "x-scope of " << route << " in " << test::kOpenApiFile;
+  }
 }
 
 TEST_F(HttpRoutesTest, EveryWrittenRouteIsThere) {
