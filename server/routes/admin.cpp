@@ -46,7 +46,7 @@ HttpAnswer show_metrics(const AdminWorld& world, const HttpRequest&) {
 HttpAnswer show_trace(const AdminWorld& world, const HttpRequest& request) {
   constexpr std::string_view kKey = "scan=";
   const std::string_view query = request.query;
-  if (!query.starts_with(kKey)) return error_answer(400, {ErrorCode::kInvalidArgument, "which scan? /debug/trace?scan=ID"});
+  if (!query.starts_with(kKey)) return error_answer(400, {ErrorCode::kInvalidArgument, "the scan is missing: debug/trace?scan=ID"});
   Result<std::string> trace = world.scans.traces().chrome_json(std::string(query.substr(kKey.size())));
   if (!trace.ok()) return error_answer(404, trace.error());
   HttpAnswer answer = text_answer(200, *std::move(trace));
@@ -112,7 +112,7 @@ HttpAnswer answer_admin(const AdminWorld& world, const HttpRequest& request) {
     answer.route = route.path;
     return answer;
   }
-  return error_answer(404, {ErrorCode::kNotFound, "here are /healthz, /readyz, /metrics and /debug/trace?scan=ID"});
+  return error_answer(404, {ErrorCode::kNotFound, "here are healthz, readyz, metrics and debug/trace?scan=ID"});
 }
 
 }  // namespace hermite

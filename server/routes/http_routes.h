@@ -27,6 +27,7 @@
 //   POST   /api/v1/tokens                     admin  a new one
 //   DELETE /api/v1/tokens/{id}                admin  revoked
 //   GET    /api/v1/uploads                    scan   its own uploads (upload_routes.h has these)
+//   OPTIONS /api/v1/uploads                   scan   what of tus there is
 //   POST   /api/v1/uploads                    scan   a new one, by tus
 //   PUT    /api/v1/uploads/{name}             scan   a recording in one request
 //   HEAD, PATCH, DELETE /api/v1/uploads/{id}  scan   by tus: how much is there, more of it, away with it

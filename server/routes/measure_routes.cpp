@@ -22,9 +22,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// 64 corners of numbers with all their digits are half of it.
-constexpr std::size_t kMaxMeasureBodyBytes = 8 * 1024;
-
 constexpr std::int64_t kMeasureRetry_ms = 1000;
 
 std::atomic<int> measuring = 0;

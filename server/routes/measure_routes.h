@@ -13,6 +13,8 @@ namespace hermite {
 
 // In this process at once, whoever asks: other requests want the two threads for the disk, too. More are answered with 503.
 inline constexpr int kMaxMeasuringAtOnce = 1;
+// 64 corners of numbers with all their digits are half of it.
+inline constexpr std::size_t kMaxMeasureBodyBytes = 8 * 1024;
 
 HttpAnswer measure_scan(const HttpWorld& world, const Call& call);        // format_measurement_json
 HttpAnswer keep_measurement(const HttpWorld& world, const Call& call);    // 201 with its entry of the list; 409 where there are too many

@@ -100,7 +100,7 @@ HttpAnswer refused_piece(const Error& error) {
 // An answer that reads the body first, or why it is not wanted.
 HttpAnswer receive(const HttpWorld& world, const Call& call, const UploadState& state, const UploadPiece& piece, UploadBody::Say say) {
   Result<std::shared_ptr<UploadWriter>> writer = world.uploads.write(state, piece, call.grant);
-  if (!writer.ok()) return refused_upload(writer.error());
+  if (!writer.ok()) return with_version(refused_upload(writer.error()));
   HttpAnswer answer;
   answer.body_sink = std::make_shared<UploadBody>(world, state, *std::move(writer), call.grant, std::move(say));
   return answer;
@@ -164,8 +164,11 @@ HttpAnswer create_upload(const HttpWorld& world, const Call& call) {
       world.uploads.create(headers->length_bytes.value_or(-1), headers->metadata, call.grant, call.request.caller.now_ms);
   if (!state.ok()) return refuse(state.error());
   const std::string location = kUploadLocation + state->row.id;
-  const auto say = [location](const UploadState& now, const Status& received) {
-    if (!received.ok() && now.offset_bytes == 0) return refused_piece(received.error());
+  const auto say = [&world, location](const UploadState& now, const Status& received) {
+    if (!received.ok() && now.offset_bytes == 0) {
+      world.uploads.forget(now.row.id);  // its Location is not told, so nobody could go on with it
+      return refused_piece(received.error());
+    }
     HttpHeaders all = offset_headers(now);
     all.emplace_back("Location", location);
     return with_headers(201, std::move(all));
@@ -212,10 +215,9 @@ HttpAnswer continue_upload(const HttpWorld& world, const Call& call) {
     if (Status status = world.uploads.set_length(*state, *headers->length_bytes, call.grant); !status.ok()) return refuse(status.error());
   }
   const UploadPiece piece{state->offset_bytes, static_cast<std::int64_t>(call.request.body_bytes), headers->checksum};
-  HttpAnswer answer = receive(world, call, *state, piece, [](const UploadState& now, const Status& received) {
+  return receive(world, call, *state, piece, [](const UploadState& now, const Status& received) {
     return received.ok() ? with_headers(204, offset_headers(now)) : refused_piece(received.error());
   });
-  return answer.body_sink ? std::move(answer) : with_version(std::move(answer));
 }
 
 HttpAnswer remove_upload(const HttpWorld& world, const Call& call) {
@@ -231,11 +233,12 @@ HttpAnswer remove_upload(const HttpWorld& world, const Call& call) {
 
 HttpAnswer put_upload(const HttpWorld& world, const Call& call) {
   if (call.request.body_bytes == 0)
-    return error_answer(411, {ErrorCode::kInvalidArgument, "the recording is the body, and Content-Length says how long it is"});
+    return with_version(
+        error_answer(411, {ErrorCode::kInvalidArgument, "the recording is the body, and Content-Length says how long it is"}));
   const std::string metadata = "filename " + encode_base64(clean_title(decode_percent(call.id)));
   Result<UploadState> state =
       world.uploads.create(static_cast<std::int64_t>(call.request.body_bytes), metadata, call.grant, call.request.caller.now_ms);
-  if (!state.ok()) return refused_upload(state.error());
+  if (!state.ok()) return with_version(refused_upload(state.error()));
   const UploadPiece piece{0, static_cast<std::int64_t>(call.request.body_bytes), std::nullopt, true};
   return receive(world, call, *state, piece, [&world](const UploadState& now, const Status& received) {
     if (now.complete() && !now.job_id.empty()) return made(json_text({{"job", now.job_id}}), 200);

@@ -129,6 +129,15 @@ TEST_F(UploadRoutesTest, TheCreationMayHaveTheFirstPiece) {
   EXPECT_EQ(file_of(made.field("Location")), "hello");
 }
 
+TEST_F(UploadRoutesTest, ACreationWhoseFirstPieceIsDamagedLeavesNothing) {
+  const Answer refused =
+      tus("POST", "/api/v1/uploads", "Upload-Length: 100\r\nUpload-Checksum: sha1 2jmj7l5rSw0yVb/vlWAYkK/YBwk=\r\n", "hello");
+  EXPECT_EQ(refused.status, 460);
+  EXPECT_EQ(refused.field("Tus-Resumable"), "1.0.0");
+  EXPECT_EQ(refused.field("Location"), "none");
+  EXPECT_TRUE(nlohmann::json::parse(ask("GET", "/api/v1/uploads", "").body)["uploads"].empty()) << "it would count until it expires";
+}
+
 TEST_F(UploadRoutesTest, TheLengthMayFollow) {
   const std::string location = create("Upload-Defer-Length: 1\r\n");
   EXPECT_EQ(tus("HEAD", location).field("Upload-Defer-Length"), "1");
