@@ -7,9 +7,9 @@
 // position of p. (10 mm: on one surface a normal that is wrong by 45 degrees gives offsets of no more than that, and a
 // step such as that from book to book on a shelf counts along its edge only.) The q within +-10 mm are p's own layer;
 // those from 10 to 30 mm in front of it and those behind it are candidates for another layer. p is doubled if the mean
-// offset of either differs from that of its own layer by 10 to 30 mm. Means are used because a single p may itself be
-// 10 mm off its layer by noise. Less than 10 mm can be explained by noise and the size of surfels; more than 30 mm may
-// as well be another object.
+// offset of either differs from that of its own layer by 10 to 30 mm and if it has at least a quarter as many points as
+// that. Means are used because a single p may itself be 10 mm off its layer by noise. Less than 10 mm can be explained by
+// noise and the size of surfels; more than 30 mm may as well be another object.
 #pragma once
 
 #include <Eigen/Core>
