@@ -1,12 +1,12 @@
 // Converts numbers to bytes and back, for formats of this program: data written with a ByteWriter is read with a
 // ByteReader by the same calls in the same order. So one function can describe both directions:
 //
-//  template <class Bytes, class Place>  // Place: Thing, or const Thing to be written
-//  void fields(Bytes& bytes, Place& place) {
-//    bytes.number(place.submap);
-//    bytes.numbers(place.pixels_px);
-//    bytes.require(place.submap < 10, "the submap of a place");
-//  }
+//   template <class Bytes, class Place>  // Place: Thing, or const Thing to be written
+//   void fields(Bytes& bytes, Place& place) {
+//     bytes.number(place.submap);
+//     bytes.numbers(place.pixels_px);
+//     bytes.require(place.submap < 10, "the submap of a place");
+//   }
 //
 // Little endian, as in memory; counts have 64 bits. A reader trusts no count: it never allocates memory for more data
 // than there are bytes. Its first failure is kept, and everything afterwards reads as zero or empty. One thread at a

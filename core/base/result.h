@@ -1,8 +1,8 @@
 // Expected failures: corrupt bytes, a missing file, a full disk, a device that runs out of memory.
 //
-//  Result<Image> image = decode_png(bytes, limits);
-//  if (!image.ok()) return image.error();
-//  use(*image);
+//   Result<Image> image = decode_png(bytes, limits);
+//   if (!image.ok()) return image.error();
+//   use(*image);
 //
 // There are three separate kinds of failure: expected ones are a Result; an impossible set-up throws SetupError, which
 // is caught once per scan or in main; programming errors are a CHECK (core/base/check.h). Values: thread-compatible, no
