@@ -27,7 +27,7 @@ void ByteReader::copy(void* to, std::size_t count) {
   rest_.remove_prefix(count);
 }
 
-// How many follow, each of at least so many bytes.
+// Returns the number of items that follow, each of at least `bytes_each` bytes.
 std::size_t ByteReader::count_of(std::size_t bytes_each) {
   std::uint64_t count = 0;
   number(count);

@@ -1,5 +1,5 @@
-// Numbers as bytes and back, for formats of our own: what is written with a ByteWriter is read with a ByteReader by the same calls in the
-// same order. So one function describes a thing both ways:
+// Converts numbers to bytes and back, for formats of this program: data written with a ByteWriter is read with a
+// ByteReader by the same calls in the same order. So one function can describe both directions:
 //
 //   template <class Bytes, class Place>  // Place: Thing, or const Thing to be written
 //   void fields(Bytes& bytes, Place& place) {
@@ -8,8 +8,9 @@
 //     bytes.require(place.submap < 10, "the submap of a place");
 //   }
 //
-// Little endian, as memory lies; counts are 64 bits. A reader believes no count: nothing is allocated for what has no bytes behind it. Its
-// first failure stays; everything then reads as zero or empty. One thread at a time.
+// Little endian, as in memory; counts have 64 bits. A reader trusts no count: it never allocates memory for more data
+// than there are bytes. Its first failure is kept, and everything afterwards reads as zero or empty. One thread at a
+// time.
 #pragma once
 
 #include <bit>
@@ -27,7 +28,8 @@ namespace hermite {
 
 static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
 
-// A number, or a struct of nothing but numbers, without padding. No bool: not every byte is one.
+// Whether a type is a number or a struct of only numbers without padding. bool is excluded, because not every byte is a
+// valid one.
 template <class Value>
 inline constexpr bool kIsPlain = std::is_trivially_copyable_v<Value> && !std::is_same_v<Value, bool> && !std::is_pointer_v<Value>;
 
@@ -48,14 +50,14 @@ class ByteWriter {
     numbers(values.data(), values.size());
   }
   void flag(bool value) { number(static_cast<std::uint8_t>(value ? 1 : 0)); }
-  void flags(const std::vector<bool>& values);  // eight a byte
+  void flags(const std::vector<bool>& values);  // eight per byte
   void text(std::string_view text);
   template <class Item, class Fields>
   void list(const std::vector<Item>& items, Fields fields) {
     number(std::uint64_t{items.size()});
     for (const Item& item : items) fields(*this, item);
   }
-  void require(bool, const char*) {}  // what is written is right
+  void require(bool, const char*) {}  // does nothing: written data is valid
 
   std::string take() { return std::move(bytes_); }
 
@@ -91,12 +93,12 @@ class ByteReader {
     for (std::size_t left = count_of(1); left > 0 && ok(); --left) fields(*this, items.emplace_back());
   }
 
-  // `words` name what is wrong if it is not so.
+  // Fails unless `right`; `words` name what is wrong then.
   void require(bool right, const char* words);
 
   bool ok() const { return wrong_.empty(); }
   bool at_end() const { return rest_.empty(); }
-  Status status() const;  // kCorruptData: "at byte 1234: cut", or the words
+  Status status() const;  // kCorruptData with a text such as "at byte 1234: cut", or the words of require()
 
  private:
   void copy(void* to, std::size_t count);

@@ -1,4 +1,5 @@
-// CHECK(condition, words): our own mistake. Prints file, line and words, then aborts. Never for bad input.
+// CHECK(condition, words) is for programming errors: it prints file, line and words, then aborts. Never for invalid
+// input.
 #pragma once
 
 #include <string>

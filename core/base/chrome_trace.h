@@ -1,5 +1,6 @@
-// A trace that chrome://tracing and ui.perfetto.dev draw: the "JSON Array Format" of Google's trace event format, complete events ("ph":
-// "X") in microseconds. Events of one track that overlap without one lying inside the other are not drawn: give those tracks of their own.
+// A trace that chrome://tracing and ui.perfetto.dev can draw: the "JSON Array Format" of Google's trace event format,
+// with complete events ("ph": "X") in microseconds. Events of one track that overlap without one containing the other
+// are not drawn, so such events need separate tracks.
 #pragma once
 
 #include <ostream>
@@ -18,7 +19,7 @@ struct TraceEvent {
   std::string args = "{}";  // a JSON object
 };
 
-// Writes the head when it is made; finish() writes the end, and nothing may follow.
+// The constructor writes the start and finish() the end, after which nothing may follow.
 class ChromeTrace {
  public:
   ChromeTrace(std::ostream& out, Timeline::Clock::time_point zero);

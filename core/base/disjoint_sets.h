@@ -1,4 +1,4 @@
-// Sets of numbers that grow together.
+// Disjoint sets of numbers that can be joined (union-find).
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace hermite {
 
-// To begin with each number below the count is a set of its own. The root of a set is its lowest member.
+// Initially each number below the count is a set of its own. The root of a set is its lowest member.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }

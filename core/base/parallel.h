@@ -1,4 +1,4 @@
-// Independent pieces of work on all processors.
+// Runs independent pieces of work on all processors.
 #pragma once
 
 #include <algorithm>
@@ -11,12 +11,14 @@
 
 namespace hermite {
 
-// For the pieces of a frame, some milliseconds in all: a thread takes a twentieth of one to start, so more threads do not pay.
+// Number of threads for the pieces of a frame, some milliseconds in total: starting a thread takes a twentieth of a
+// millisecond, so more threads do not pay.
 inline constexpr int kThreadsOfFrame = 4;
 
-// Calls work(i) once for every i below `count`, in no order, on the caller's thread and helpers that end with the call: what `work` writes
-// must be the place of i alone. An exception ends the call when the pieces that have begun are done; of several, the first one caught.
-// At most `thread_count` threads, 0: as many as there are processors.
+// Calls work(i) once for every i below `count`, in no particular order, on the caller's thread and on helper threads
+// that end with the call. `work` may only write data that belongs to i. If it throws, no further pieces are begun and
+// the exception is rethrown when the running ones have ended; of several exceptions, the first one caught. Uses at most
+// `thread_count` threads; 0: one per processor.
 template <class Work>
 void in_parallel(std::size_t count, int thread_count, const Work& work) {
   std::atomic<std::size_t> next = 0;

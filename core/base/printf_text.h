@@ -1,4 +1,4 @@
-// printf into a string, for lines that people read. Header only.
+// printf into a string, for lines of text. Header only.
 #pragma once
 
 #include <cstdarg>
@@ -7,7 +7,7 @@
 
 namespace hermite {
 
-// Cut after 255 bytes: no line of a terminal or table is longer.
+// Truncates after 255 bytes; no line of a terminal or table is longer.
 __attribute__((format(printf, 1, 2))) inline std::string printf_text(const char* pattern, ...) {
   char text[256];
   va_list arguments;

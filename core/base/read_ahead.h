@@ -1,4 +1,4 @@
-// Items made in order by a thread of their own, a few ahead of whoever takes them.
+// Makes items in order on a separate thread, a few ahead of the consumer.
 #pragma once
 
 #include <condition_variable>
@@ -18,12 +18,12 @@ namespace hermite {
 template <class Item>
 class ReadAhead {
  public:
-  // make(begin), ..., make(end - 1), one after the other. At most `ahead` items wait. `make` does not throw, and what it uses outlives
-  // this.
+  // Calls make(begin), ..., make(end - 1) in turn. At most `ahead` items wait. `make` must not throw, and what it uses
+  // must outlive this object.
   ReadAhead(std::int64_t begin, std::int64_t end, std::size_t ahead, std::function<Item(std::int64_t)> make)
       : end_(end), ahead_(ahead), make_(std::move(make)), next_(begin), thread_([this, begin] { make_all(begin); }) {}
 
-  // Waits for the item in work.
+  // Waits for the item that is being made.
   ~ReadAhead() {
     {
       const std::lock_guard lock(mutex_);
@@ -35,7 +35,7 @@ class ReadAhead {
   ReadAhead(const ReadAhead&) = delete;
   ReadAhead& operator=(const ReadAhead&) = delete;
 
-  // In order; nothing after the last. Blocks while the next one is made.
+  // Returns the items in order, std::nullopt after the last. Blocks until the next one is made.
   std::optional<Item> next() {
     std::unique_lock lock(mutex_);
     if (next_ >= end_) return std::nullopt;
@@ -68,10 +68,10 @@ class ReadAhead {
   const std::function<Item(std::int64_t)> make_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Item> items_;  // guarded by mutex_, as the next two
-  std::int64_t next_;       // to be taken
+  std::deque<Item> items_;  // guarded by mutex_, like the next two
+  std::int64_t next_;       // the next item to be taken
   bool stop_ = false;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // declared last because it uses the other members
 };
 
 }  // namespace hermite

@@ -1,12 +1,12 @@
-// Failures that are expected: bad bytes, a missing file, a full disk, a device that runs out of memory.
+// Expected failures: corrupt bytes, a missing file, a full disk, a device that runs out of memory.
 //
 //   Result<Image> image = decode_png(bytes, limits);
 //   if (!image.ok()) return image.error();
 //   use(*image);
 //
-// Three kinds of failure are never mixed: what is expected is a Result; a set-up that is impossible throws
-// SetupError, which is caught once per scan or in main; our own mistake is a CHECK (core/base/check.h).
-// Values: thread-compatible, no hidden sharing.
+// There are three separate kinds of failure: expected ones are a Result; an impossible set-up throws SetupError, which
+// is caught once per scan or in main; programming errors are a CHECK (core/base/check.h). Values: thread-compatible, no
+// hidden sharing.
 #pragma once
 
 #include <stdexcept>
@@ -19,26 +19,26 @@
 namespace hermite {
 
 enum class ErrorCode {
-  kInvalidArgument,  // the caller's value is out of its documented range
+  kInvalidArgument,  // the caller's value is outside its documented range
   kNotFound,
-  kCorruptData,  // bytes that cannot be what they claim to be
+  kCorruptData,  // bytes that are not valid data of their format
   kTooLarge,     // a stated limit would be exceeded
-  kUnsupported,  // understood, but not something this build can do
-  kIo,           // the operating system said no
+  kUnsupported,  // valid, but this build cannot do it
+  kIo,           // the operating system reported an error
   kDevice,       // GPU missing, lost or out of memory
   kUnauthorized,
   kBusy,  // try again later
 };
 
-// One word for logs, JSON and the protocol: "corrupt_data".
+// Returns one word for logs, JSON and the protocol, such as "corrupt_data".
 const char* name_of(ErrorCode code);
 
 struct Error {
   ErrorCode code = ErrorCode::kInvalidArgument;
-  std::string message;  // for a person: names the field, the value and the limit
+  std::string message;  // for people: names the field, the value and the limit
 };
 
-// "words: inner message", keeping the code: adds where it happened while an error travels outwards.
+// Returns the error with the message "words: inner message" and the same code, to add where it happened.
 Error in_context(const std::string& words, const Error& error);
 
 template <class T>
@@ -69,7 +69,7 @@ class [[nodiscard]] Result {
 struct Done {};
 using Status = Result<Done>;
 
-// Set-up impossible: no device, an unreadable sequence, a bad setting. Caught once, in main or by the scan.
+// The set-up is impossible: no device, an unreadable sequence, an invalid setting. Caught once, in main or by the scan.
 class SetupError : public std::runtime_error {
  public:
   explicit SetupError(Error error) : std::runtime_error(error.message), error_(std::move(error)) {}
@@ -79,7 +79,8 @@ class SetupError : public std::runtime_error {
   Error error_;
 };
 
-// The value, or its error as the exception that main puts into words: for programs, which can go on with nothing less.
+// Returns the value, or throws its error as the exception that main reports: for programs that cannot continue without
+// it.
 template <class T>
 T or_throw(Result<T> result) {
   if (!result.ok()) throw SetupError(result.error());

@@ -4,7 +4,7 @@
 
 namespace hermite {
 
-// Linux has priorities by thread, whatever POSIX says; ten steps of 1.25 each.
+// Linux has priorities per thread, unlike POSIX. Each of the ten steps is a factor of 1.25.
 void step_back() { [[maybe_unused]] const int refused = nice(10); }
 
 }  // namespace hermite

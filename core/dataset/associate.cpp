@@ -7,7 +7,8 @@
 namespace hermite {
 namespace {
 
-// A double of today's Unix time in seconds resolves 0.24 us: two stamps exactly a gap apart must not fail by that.
+// A double resolves 0.24 us of today's Unix time in seconds; two stamps exactly a gap apart must not fail because of
+// that.
 constexpr double kClockResolution_s = 1e-6;
 constexpr std::size_t kMaxCandidatesPerEntry = 256;
 

@@ -1,4 +1,4 @@
-// Pairs two clocks: which entry of one list belongs to which of another. Pure functions.
+// Pairs the entries of two lists of times. Pure functions.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace hermite {
 
-// Colour with depth, estimate with ground truth: the gap of the TUM benchmark's tools.
+// The largest gap between colour and depth, and between estimate and ground truth, in the TUM benchmark's tools.
 inline constexpr double kMaxAssociationGap_s = 0.020;
 
 struct IndexPair {
@@ -17,10 +17,10 @@ struct IndexPair {
   bool operator==(const IndexPair&) const = default;
 };
 
-// As the TUM benchmark's associate.py: of all pairs at most `max_gap_s` apart the closest is taken first, then the next closest whose two
-// entries are both free; each entry is used once. Ties go to the earlier entries. Both lists must be ascending. The result ascends in
-// `first`. kTooLarge when entries lie so dense (more than 256 within the gap on average) that the lists cannot be time stamps of images or
-// poses.
+// Pairs entries like the TUM benchmark's associate.py: of all pairs at most `max_gap_s` apart the closest is taken
+// first, then the next closest whose two entries are both free; each entry is used once. Ties go to the earlier
+// entries. Both lists must be ascending. The result ascends in `first`. kTooLarge when entries are so dense (more than
+// 256 within the gap on average) that the lists cannot be time stamps of images or poses.
 Result<std::vector<IndexPair>> associate_by_time(const std::vector<double>& first_times_s, const std::vector<double>& second_times_s,
                                                  double max_gap_s = kMaxAssociationGap_s);
 

@@ -13,7 +13,7 @@ namespace hermite {
 static_assert(std::endian::native == std::endian::little, "fields are read as memory lies");
 
 Result<ByteFile> ByteFile::open(const std::string& path) {
-  // Not blocking: the name may be a FIFO's.
+  // Opened without blocking, because the path may be a FIFO.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0)
     return Error{errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo, "cannot read " + path + ": " + std::strerror(errno)};

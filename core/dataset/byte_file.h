@@ -1,4 +1,5 @@
-// A file of bytes that is read at places the file itself names: every length is checked against the file before anything is allocated.
+// A file of bytes that is read at positions given in the file itself: every length is checked against the file before
+// memory is allocated.
 #pragma once
 
 #include <array>
@@ -19,7 +20,7 @@ struct FilePart {
 // Movable. Const functions are thread-safe.
 class ByteFile {
  public:
-  // kNotFound; kIo, also when it is no regular file.
+  // Returns kNotFound; kIo, also when it is not a regular file.
   static Result<ByteFile> open(const std::string& path);
   ~ByteFile();
   ByteFile(ByteFile&& other) noexcept;
@@ -28,7 +29,7 @@ class ByteFile {
   const std::string& path() const { return path_; }
   std::uint64_t bytes() const { return bytes_; }
 
-  // kCorruptData where the part leaves the file, naming offset and both lengths; kIo.
+  // Return kCorruptData when the part exceeds the file, naming offset and both lengths; kIo.
   Result<std::vector<std::uint8_t>> read(const FilePart& part) const;
   Status read_into(std::uint64_t offset, void* to, std::size_t count) const;
 
@@ -40,7 +41,7 @@ class ByteFile {
   std::uint64_t bytes_;
 };
 
-// Little-endian fields one after the other. Errors say "offset 8: num_frames ...". One thread at a time.
+// Reads consecutive little-endian fields. Errors have the form "offset 8: num_frames ...". One thread at a time.
 class FieldReader {
  public:
   explicit FieldReader(const ByteFile& file) : file_(file) {}
@@ -56,10 +57,10 @@ class FieldReader {
     return value;
   }
 
-  // The next `bytes` bytes, which stay where they are. `length_field` said how many.
+  // Skips the next `bytes` bytes and returns their place in the file. `length_field` is the field that gave the number.
   Result<FilePart> skip(const char* length_field, std::int64_t bytes, std::int64_t min_bytes, std::int64_t max_bytes);
 
-  // "offset 8: field ...", of the field that was read last.
+  // Returns an error "offset 8: field ..." for the field that was read last.
   Error error(const char* field, const std::string& words) const;
 
  private:

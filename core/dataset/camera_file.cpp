@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::size_t kMaxCameraFile_bytes = 64 << 10;
 constexpr double kMinFrameRate_hz = 0.1, kMaxFrameRate_hz = 1000;
-// Of R R^T from the identity: a calibration written with four digits passes, a mirrored or scaled one does not.
+// Tolerance for the difference of R R^T from the identity: a calibration written with four digits passes, a mirrored or
+// scaled one does not.
 constexpr double kRotationTolerance = 1e-3;
 
 struct KnownCamera {
@@ -24,9 +25,9 @@ struct KnownCamera {
   Camera camera;
 };
 
-// The TUM benchmark's own calibration of its three Kinects (the images of the third are undistorted already); its depth files already
-// contain the depth correction factors. ICL-NUIM publishes fy = -480: its reader turns that world so that the camera frame is x right, y
-// down, z forward. Redwood gives the factory's numbers for its PrimeSense.
+// The TUM benchmark's own calibration of its three Kinects (the images of the third are already undistorted); its depth
+// files already contain the depth correction factors. ICL-NUIM publishes fy = -480: its reader reflects that world so
+// that the camera frame is x right, y down, z forward. Redwood gives the factory calibration of its PrimeSense.
 const KnownCamera kKnownCameras[] = {
     {"fr1", "freiburg1", {640, 480, 517.3, 516.5, 318.6, 255.3, 5000, {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}}},
     {"fr2", "freiburg2", {640, 480, 520.9, 521.0, 325.1, 249.7, 5000, {0.2312, -0.7849, -0.0033, -0.0001, 0.9172}}},
@@ -60,7 +61,7 @@ struct NamedNumber {
   double* number;
 };
 
-// All of them have to be there.
+// All of the numbers must be present.
 Status read_numbers(const nlohmann::json& object, const std::vector<NamedNumber>& numbers) {
   for (const auto& [key, number] : numbers) {
     const Result<double> value = number_of(object, key);
@@ -70,7 +71,7 @@ Status read_numbers(const nlohmann::json& object, const std::vector<NamedNumber>
   return Done{};
 }
 
-// Of `object[key]`; none where that is missing.
+// Returns the distortion in `object[key]`; none if that is missing.
 Result<Distortion> distortion_of(const nlohmann::json& object, const std::string& key) {
   Distortion distortion;
   if (!object.contains(key)) return distortion;
@@ -126,7 +127,7 @@ Result<ColorCamera> color_camera_of(const nlohmann::json& object) {
   return color;
 }
 
-// What the optional keys say of lenses and of a colour camera.
+// Reads the optional keys of distortions and of a colour camera.
 Status read_lenses(const nlohmann::json& object, CameraFile& file) {
   const Result<Distortion> of_color = distortion_of(object, "color_distortion"), of_depth = distortion_of(object, "depth_distortion");
   if (!of_color.ok()) return of_color.error();

@@ -1,4 +1,5 @@
-// A sequence made of another one: whatever a class derived from it leaves alone is that one's. Header only.
+// A sequence derived from another one: everything that a derived class does not override is taken from the original.
+// Header only.
 #pragma once
 
 #include <memory>
@@ -26,7 +27,7 @@ class ChangedSequence : public Sequence {
   const std::unique_ptr<Sequence> original_;
 };
 
-// The same frames, said to be of another camera of the same size.
+// The same frames with another camera of the same size.
 class RecalibratedSequence : public ChangedSequence {
  public:
   RecalibratedSequence(std::unique_ptr<Sequence> original, const Camera& camera) : ChangedSequence(std::move(original)), camera_(camera) {}

@@ -16,7 +16,7 @@ constexpr double kMaxAmplitude = 0.9;
 
 std::uint8_t scaled(std::uint8_t byte, double gain) { return static_cast<std::uint8_t>(std::lround(std::clamp(byte * gain, 0.0, 255.0))); }
 
-// A sequence whose colour is multiplied, pixel by pixel.
+// A sequence whose colour is multiplied by a gain per pixel.
 class Gained : public RedrawnSequence {
  public:
   using RedrawnSequence::RedrawnSequence;

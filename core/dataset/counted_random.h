@@ -1,4 +1,5 @@
-// Random numbers made of a key and a counter: they need no state, so frames can be read in any order by any thread. Header only.
+// Random numbers from a key and a counter: they need no state, so frames can be read in any order by any thread. Header
+// only.
 #pragma once
 
 #include <cmath>
@@ -6,7 +7,7 @@
 
 namespace hermite {
 
-// splitmix64's finaliser: counters in, independent bits out.
+// The finaliser of splitmix64: turns counters into independent bits.
 inline std::uint64_t mix_bits(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15u;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -18,12 +19,13 @@ inline std::uint64_t frame_key(std::uint64_t seed, std::int64_t frame_index) {
   return mix_bits(mix_bits(seed) + static_cast<std::uint64_t>(frame_index));
 }
 
-// From 0 inclusive to 1 exclusive.
+// Returns a number from 0 inclusive to 1 exclusive.
 inline double unit_uniform(std::uint64_t key, std::uint64_t counter) {
   return static_cast<double>(mix_bits(key ^ mix_bits(counter)) >> 11) * 0x1p-53;
 }
 
-// Two independent standard normal numbers by Box and Muller; the first uniform is in (0, 1] so that its logarithm is finite.
+// Two independent standard normal numbers by the Box-Muller method; the first uniform is in (0, 1] so that its
+// logarithm is finite.
 struct NormalPair {
   double a, b;
 };

@@ -34,12 +34,13 @@ class Bent : public ChangedSequence {
   const double bend_;
 };
 
-// Of the window that stereo looks for the same place with, each way: a fiftieth of the image's width.
+// Radius of the window that stereo matching compares: a fiftieth of the image width.
 int window_radius(int width) { return std::max(1, width / 50); }
 
 double grey(const Rgb8& color) { return 0.299 * color.r + 0.587 * color.g + 0.114 * color.b; }
 
-// By pixel: how much the grey changes in the window around it. Sums of columns, then of rows.
+// Returns, by pixel, how much the grey value changes in the window around it, from sums over columns and then over
+// rows.
 std::vector<double> texture_of(const ColorImage& color) {
   const int width = color.width, height = color.height, radius = window_radius(width);
   const auto at = [width](int x, int y) {
@@ -108,7 +109,7 @@ class Skipping : public ChangedSequence {
   const std::int64_t every_;
 };
 
-// The one option of a disturbance.
+// The only option of a disturbance.
 struct NumberOption {
   const char* key;
   double low, high, value;

@@ -17,11 +17,12 @@ constexpr double kKinectFocalTimesBaseline_px_m = 525.0 * 0.075;
 constexpr double kKinectLateralSigma_px = 0.5;
 constexpr double kKinectDisparitySigma_px = 1.0 / 18.0;
 constexpr double kKinectDisparitySteps_per_px = 8;
-// Side of the block that one draw is spread over. Means over it are correlated by 1 - lag / side each way.
+// Side of the block of pixels that shares a random number. The means are correlated by 1 - lag / side in each
+// direction.
 constexpr int kKinectBlock_px = 5;
 constexpr double kKinectMinDepth_m = 0.4, kKinectMaxDepth_m = 5.0;
 
-// The depth the sensor's triangulation would report, 0 outside its range.
+// Returns the depth that the sensor's triangulation would report; 0 outside its range.
 double kinect_depth_m(double true_depth_m, double normal) {
   if (true_depth_m <= 0) return 0;
   const double disparity_px = kKinectFocalTimesBaseline_px_m / true_depth_m + kKinectDisparitySigma_px * normal;
@@ -35,7 +36,7 @@ int shifted(int position, double normal, int side) {
   return std::clamp(position + static_cast<int>(std::lround(kKinectLateralSigma_px * normal)), 0, side - 1);
 }
 
-// What is drawn for a pixel of a Kinect's image, each of unit variance.
+// Random numbers for a pixel of a Kinect's image, each of unit variance.
 struct KinectDraws {
   double right = 0, down = 0, disparity = 0;
 
@@ -47,7 +48,7 @@ struct KinectDraws {
   }
 };
 
-// Every draw independent of all others.
+// Returns random numbers that are all independent.
 Image<KinectDraws> white_draws(int width, int height, std::uint64_t key) {
   Image<KinectDraws> draws(width, height);
   for (std::size_t i = 0; i < draws.pixels.size(); ++i) {
@@ -57,7 +58,7 @@ Image<KinectDraws> white_draws(int width, int height, std::uint64_t key) {
   return draws;
 }
 
-// Sums over a block of independent draws, divided by the root of their number.
+// Returns sums over a block of independent random numbers, divided by the square root of their count.
 Image<KinectDraws> block_draws(int width, int height, std::uint64_t key) {
   const Image<KinectDraws> white = white_draws(width + kKinectBlock_px - 1, height + kKinectBlock_px - 1, key);
   Image<KinectDraws> rows(width, white.height), blocks(width, height);

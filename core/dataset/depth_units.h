@@ -1,4 +1,4 @@
-// Depth as a sensor would store it. Header only.
+// Converts depth to the values that a sensor would store. Header only.
 #pragma once
 
 #include <cmath>
@@ -6,7 +6,7 @@
 
 namespace hermite {
 
-// 0, no measurement, for what 16 bits cannot hold.
+// Returns 0, no measurement, for values that 16 bits cannot hold.
 inline std::uint16_t to_depth_units(double depth_m, double units_per_metre) {
   const double units = std::round(depth_m * units_per_metre);
   return units >= 1 && units <= 65535 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};

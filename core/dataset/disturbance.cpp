@@ -11,7 +11,7 @@ namespace hermite {
 namespace {
 
 constexpr int kJpegQuality = 90;
-// A palm against the light: dark, reddish, a little brighter towards one side, without an edge.
+// A palm against the light: dark, reddish, slightly brighter towards one side, without an edge.
 constexpr int kPalm_r = 26, kPalm_g = 14, kPalm_b = 10, kPalmGain = 14;
 
 bool parse_whole(std::string_view text, std::int64_t& value) {

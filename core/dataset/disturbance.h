@@ -1,9 +1,11 @@
-// What goes wrong while somebody scans: a hand before the lens, frames that never arrive. For tests of lost tracking and relocalisation.
+// Interruptions of a scan: a hand in front of the lens, frames that never arrive. For tests of tracking failures and
+// relocalisation.
 //
-// Written behind any source, as often as wanted and applied from left to right; frames are counted from 0 in what stands left of it:
-//   +covered=FROM:COUNT   a hand before the lens: no depth, a dark picture
-//   +missing=FROM:COUNT   these frames are not there: fewer frames, a gap in the time stamps
-// The ground truth stays whole.
+// Appended to any source, any number of times, and applied from left to right; frames are counted from 0 in the
+// sequence to the left:
+//   +covered=FROM:COUNT   a hand in front of the lens: no depth, a dark image
+//   +missing=FROM:COUNT   these frames are missing: fewer frames, a gap in the time stamps
+// The ground truth stays complete.
 #pragma once
 
 #include <cstdint>
@@ -20,13 +22,15 @@ struct FrameSpan {
   bool operator==(const FrameSpan&) const = default;
 };
 
-// "FROM:COUNT", whole numbers, a count of at least 1. kInvalidArgument with the text and what is allowed.
+// Parses "FROM:COUNT", whole numbers, with a count of at least 1. kInvalidArgument with the text and what is allowed.
 Result<FrameSpan> parse_frame_span(const std::string& text);
 
-// The same sequence with those frames covered. kInvalidArgument, naming the frame count: the span leaves the sequence.
+// Returns the same sequence with those frames covered. kInvalidArgument, naming the frame count, when the span exceeds
+// the sequence.
 Result<std::unique_ptr<Sequence>> with_covered(std::unique_ptr<Sequence> sequence, const FrameSpan& span);
 
-// The same sequence without those frames. kInvalidArgument: the span leaves the sequence, or no frame would be left.
+// Returns the same sequence without those frames. kInvalidArgument when the span exceeds the sequence, or no frame
+// would be left.
 Result<std::unique_ptr<Sequence>> with_missing(std::unique_ptr<Sequence> sequence, const FrameSpan& span);
 
 }  // namespace hermite

@@ -85,7 +85,7 @@ bool ascends(const std::vector<std::int64_t>& stamps) {
   return std::adjacent_find(stamps.begin(), stamps.end(), [](std::int64_t a, std::int64_t b) { return a >= b; }) == stamps.end();
 }
 
-// Between whole stamps that ascend; 0 without two of them.
+// Returns the median step between ascending integer stamps; 0 if there are fewer than two.
 double median_step(const std::vector<std::int64_t>& stamps) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < stamps.size(); ++i) steps.push_back(static_cast<double>(stamps[i]) - static_cast<double>(stamps[i - 1]));
@@ -123,7 +123,7 @@ std::vector<double> seconds_of_stamps(const std::vector<std::int64_t>& stamps, d
     for (std::size_t i = 0; i < stamps.size(); ++i) times_s[i] = static_cast<double>(i) / frame_rate_hz;
     return times_s;
   }
-  // Cameras take from 1 to 500 frames a second.
+  // Cameras take 1 to 500 frames per second.
   constexpr double kShortestStep_s = 2e-3, kLongestStep_s = 1;
   double units_per_second = 1e6;
   const double step = median_step(stamps);
@@ -135,7 +135,7 @@ std::vector<double> seconds_of_stamps(const std::vector<std::int64_t>& stamps, d
                      std::to_string(step / 1e6) + " s");
   }
   for (std::size_t i = 0; i < stamps.size(); ++i) times_s[i] = static_cast<double>(stamps[i]) / units_per_second;
-  // Beyond 2^53 neighbouring stamps may round to one number of seconds.
+  // Above 2^53 neighbouring stamps may round to the same number of seconds.
   if (std::adjacent_find(times_s.begin(), times_s.end(), std::greater_equal<>()) != times_s.end())
     return seconds_of_stamps(std::vector<std::int64_t>(stamps.size(), 0), frame_rate_hz, doubts);
   return times_s;

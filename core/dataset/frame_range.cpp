@@ -8,7 +8,7 @@
 namespace hermite {
 namespace {
 
-// The whole of `text` as a number, `missing` when there is no text at all.
+// Returns the number that is the whole of `text`, or `missing` if the text is empty.
 std::optional<std::int64_t> parse_bound(std::string_view text, std::int64_t missing) {
   if (text.empty()) return missing;
   if (text.front() == '-') return std::nullopt;

@@ -1,8 +1,10 @@
-// ICL-NUIM in its "TUM compatible PNG" layout: depth/N.png and rgb/N.png, associations.txt, and <anything>.gt.freiburg with the poses.
-// Times are frame numbers at 30 Hz. associations.txt of other tools, with times in seconds, is read as well.
+// ICL-NUIM in its "TUM compatible PNG" layout: depth/N.png and rgb/N.png, associations.txt, and <anything>.gt.freiburg
+// with the poses. Times are frame numbers at 30 Hz. An associations.txt of other tools, with times in seconds, is read
+// as well.
 //
-// ICL-NUIM's camera has fy = -480: its frame is x right, y up, z forward, which no rotation turns into ours. We read the images with fy =
-// +480, which reflects the camera frame by S = diag(1, -1, 1), and reflect the world along with it so that poses stay rigid: T' = S T S.
+// ICL-NUIM's camera has fy = -480: its frame is x right, y up, z forward, which no rotation turns into ours. We read
+// the images with fy = +480, which reflects the camera frame by S = diag(1, -1, 1), and reflect the world along with it
+// so that poses stay rigid: T' = S T S.
 #include <algorithm>
 #include <cmath>
 
@@ -20,7 +22,7 @@ bool ends_with(std::string_view text, std::string_view ending) {
   return text.size() >= ending.size() && text.substr(text.size() - ending.size()) == ending;
 }
 
-// 12 of "depth/12.png".
+// Returns 12 for "depth/12.png".
 std::optional<std::int64_t> number_of_png(std::string_view path) {
   const std::size_t slash = path.rfind('/');
   std::string_view name = slash == std::string_view::npos ? path : path.substr(slash + 1);
@@ -55,7 +57,7 @@ Status add_association(const std::string& path, const TextLine& line, ImageLists
   return Done{};
 }
 
-// Without associations.txt: equal numbers belong together.
+// Without associations.txt, images with equal numbers are paired.
 Result<ImageLists> list_numbered_images(const std::string& folder) {
   ImageLists lists;
   for (const auto& [name, files] : {std::pair{"depth/", &lists.depths}, std::pair{"rgb/", &lists.colors}}) {
@@ -120,7 +122,7 @@ Result<FolderContents> list_icl_nuim(const std::string& folder) {
   FolderContents contents;
   contents.format = "icl-nuim";
   contents.frames = std::move(*frames);
-  // Images named by a clock come from another sensor than the rendered one.
+  // If images are named by time stamps, they are from another sensor than the rendered one.
   if (lists->numbered) contents.camera = known_camera("icl-nuim");
   contents.camera_source = "ICL-NUIM's published camera, by the layout";
   const std::string truth_file = truth_file_of(folder);

@@ -1,4 +1,4 @@
-// Anybody's folder of images: numbered_images.h, or an associations.txt, and a camera.json.
+// Folders of images in no particular format: numbered_images.h, or an associations.txt, and a camera.json.
 #include "core/dataset/camera_file.h"
 #include "core/dataset/numbered_images.h"
 #include "core/dataset/recorded_folder.h"

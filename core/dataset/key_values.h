@@ -1,4 +1,4 @@
-// "key=value,key=value": how users write options behind a source. Pure functions.
+// "key=value,key=value": the syntax of options that users append to a source. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -11,21 +11,23 @@
 
 namespace hermite {
 
-// One option: its key, what is allowed in words, and what takes a value (false when it is out of range).
+// One option: its key, the allowed values as text, and a function that takes a value and returns false if it is out of
+// range.
 struct KeyValueRule {
   std::string key;
   std::string allowed;
   std::function<bool(std::string_view value)> take;
 };
 
-// Applies every rule that `text` names, once each. kInvalidArgument: an unknown key (naming the known ones), a repeated key,
-// a value its rule does not take (naming what is allowed), text that is no key=value list. Empty text is fine.
+// Applies the rules for all keys in `text`. kInvalidArgument for an unknown key (naming the known ones), a repeated
+// key, a value that its rule rejects (naming what is allowed), and text that is no list of key=value. Empty text is
+// allowed.
 Status apply_key_values(std::string_view text, const std::vector<KeyValueRule>& rules);
 
-// Rules for numbers; the range is inclusive and becomes the rule's words.
+// Rules for numbers; the range is inclusive and is used for the rule's text.
 KeyValueRule number_rule(const std::string& key, double low, double high, double& target);
 KeyValueRule whole_rule(const std::string& key, std::int64_t low, std::int64_t high, const std::function<void(std::int64_t)>& take);
-// "seed", any whole number from 0.
+// A rule for "seed", any whole number from 0.
 KeyValueRule seed_rule(std::uint64_t& target);
 
 }  // namespace hermite

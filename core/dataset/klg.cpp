@@ -1,9 +1,9 @@
-// .klg, the logs of ElasticFusion, Kintinuous and Logger2. Little endian, no magic:
+// .klg, the logs of ElasticFusion, Kintinuous and Logger2. Little endian, no magic number:
 //   i32  num_frames
 //   then each  i64 timestamp [us], i32 depth_size, i32 color_size, depth_size bytes, color_size bytes
-// Depth is millimetres, raw or zlib; colour is raw r, g, b, JPEG, or nothing at all. The file says neither the camera nor the image size:
-// they come from FILE.camera.json or a camera.json beside the file, else from the images and ElasticFusion's default. A trajectory in
-// FILE.groundtruth.txt (TUM format) is the ground truth.
+// Depth is in millimetres, raw or zlib; colour is raw r, g, b, JPEG, or absent. The file contains neither the camera
+// nor the image size: they come from FILE.camera.json or a camera.json beside the file, otherwise from the images and
+// ElasticFusion's default. A trajectory in FILE.groundtruth.txt (TUM format) is the ground truth.
 #include <algorithm>
 #include <array>
 
@@ -15,9 +15,9 @@ namespace hermite {
 namespace {
 
 constexpr std::int64_t kMinFrame_bytes = 8 + 4 + 4 + 1;
-// ElasticFusion runs a log without a calibration file with these.
+// ElasticFusion uses this camera for a log without a calibration file.
 const Camera kElasticFusionCamera{640, 480, 528, 528, 320, 240, 1000};
-// Sizes of sensors whose logs there are, for images that do not say theirs.
+// Image sizes of sensors from which logs exist, for images that do not contain their size.
 constexpr ImageSize kSensorSizes[] = {{640, 480}, {320, 240}, {1280, 720}, {848, 480}, {640, 360}, {960, 540}, {1280, 960}};
 
 struct KlgFrame {
@@ -61,7 +61,7 @@ Result<std::vector<KlgFrame>> read_index(FieldReader& fields, std::uint64_t file
   return frames;
 }
 
-// Are the first bytes of this part a zlib stream, or can they be a raw image?
+// Returns whether this part begins like a zlib stream or can be a raw image.
 bool looks_like_depth(const ByteFile& file, const FilePart& part) {
   std::array<std::uint8_t, 2> start{};
   if (part.bytes < start.size() || !file.read_into(part.offset, start.data(), start.size()).ok()) return false;
@@ -77,7 +77,7 @@ bool looks_like_color(const ByteFile& file, const FilePart& part) {
   return part.bytes >= start.size() && file.read_into(part.offset, start.data(), start.size()).ok() && detect_image_format(start).ok();
 }
 
-// From the first colour image that says it, else from the number of bytes of raw images.
+// Determines the size from the first colour image that contains it, otherwise from the number of bytes of raw images.
 std::optional<ImageSize> size_of_images(const ByteFile& file, const std::vector<KlgFrame>& frames) {
   constexpr std::size_t kEnough = 100;  // frames without colour, or with damaged ones, before giving up
   for (std::size_t i = 0; i < std::min(frames.size(), kEnough); ++i) {

@@ -1,5 +1,5 @@
-// Our own frame logs (core/log/frame_log.md): those of the server, and what `hermite-client scan --record` writes. A log that was cut by a
-// crash is read up to there.
+// Our own frame logs (core/log/frame_log.md): those of the server, and those of `hermite-client scan --record`. A log
+// that was cut off by a crash is read up to there.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -59,7 +59,7 @@ class LoggedSequence : public Sequence {
   const Trajectory none_;
 };
 
-// What one pass over the log finds. All frames of a log have the codec that its start offers first.
+// The result of one pass over the log. All frames of a log use the codec that its start offers first.
 struct LogIndex {
   wire::StartScan start;
   std::vector<LoggedFrame> frames;
@@ -112,7 +112,7 @@ Result<LogIndex> read_index(const std::string& folder) {
   return index;
 }
 
-// By the median step: a log does not say what its camera was to give.
+// Returns the rate from the median step, because a log does not contain the nominal rate.
 double rate_of(const std::vector<LoggedFrame>& frames) {
   std::vector<double> steps_s;
   for (std::size_t i = 1; i < frames.size(); ++i) steps_s.push_back(frames[i].timestamp_s - frames[i - 1].timestamp_s);

@@ -15,12 +15,12 @@ using Eigen::Vector3d;
 
 constexpr int kSteps = 12;
 constexpr double kSettled_m = 1e-5;
-// Of the depth: a ray that still jumps by more goes between two surfaces.
+// As a share of the depth: a ray whose iteration still changes by more lies between two surfaces.
 constexpr double kUnsettled = 0.003;
-// Neighbours whose depths differ by more lie on two surfaces.
+// Ratio of depths above which neighbours lie on two surfaces.
 constexpr double kOneSurface = 1.03;
 
-// The pixel above and left of a place, and how far the place lies beyond it.
+// The pixel above and to the left of a position, and the offset of the position from it.
 struct PixelCell {
   int x = 0, y = 0;
   double right = 0, down = 0;
@@ -32,7 +32,7 @@ PixelCell cell_at(const Vector2d& at_px, int width, int height) {
 
 }  // namespace
 
-// Inverse depth is linear over the image of a plane.
+// In the image, the inverse depth of a plane is linear.
 double MovedView::depth_at_m(const Vector2d& at_px) const {
   const PixelCell cell = cell_at(at_px, depth_.width, depth_.height);
   const std::array<double, 4> units = {static_cast<double>(depth_.at(cell.x, cell.y)), static_cast<double>(depth_.at(cell.x + 1, cell.y)),

@@ -1,7 +1,7 @@
-// What a camera would have seen from a place near the one where a frame was taken, by what that frame shows: its pixels re-projected.
-// Exact where one surface fills the view between the two places, to the rounding of the frame's own depth. What the frame does not show,
-// beyond its border and behind its edges, has no depth; there the colour is that of the nearest pixel that it has. What has no depth is
-// taken to be infinitely far. Things are taken to stand still between the two.
+// The view of a camera from a position near that of a recorded frame, made from the pixels of that frame. Where one
+// surface fills the view between the two positions it is exact to the rounding of the frame's depth. Where the frame
+// shows nothing, beyond its border and behind its edges, there is no depth, and the colour is that of the nearest
+// pixel. Pixels without depth are taken to be infinitely far. Objects are assumed not to move between the two.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,20 +11,20 @@
 
 namespace hermite {
 
-// Where a frame shows what a moved camera sees in a pixel.
+// The position in a frame of what a moved camera sees in a pixel.
 struct SeenPlace {
   Eigen::Vector2d at_px = Eigen::Vector2d::Zero();  // in the frame, inside its image
-  double depth_m = 0;                               // for the moved camera; 0: not known
+  double depth_m = 0;                               // for the moved camera; 0: unknown
 };
 
-// Refers to its arguments. Const functions are thread-safe.
+// Holds references to its arguments. Const functions are thread-safe.
 class MovedView {
  public:
-  // `rays`: rays_of(camera).
+  // `rays` are rays_of(camera).
   MovedView(const Camera& camera, const Image<Eigen::Vector3d>& rays, const DepthImage& depth)
       : camera_(camera), rays_(rays), depth_(depth) {}
 
-  // Of a pixel of the moved camera.
+  // Returns the position for a pixel of the moved camera.
   SeenPlace find(int x, int y, const Rigid3& frame_from_moved) const;
 
  private:
@@ -35,10 +35,10 @@ class MovedView {
   const DepthImage& depth_;
 };
 
-// Between the four pixels around a place inside the image; 0 to 255.
+// Interpolates between the four pixels around a position inside the image; 0 to 255.
 Eigen::Vector3d color_at(const ColorImage& color, const Eigen::Vector2d& at_px);
 
-// Rounded and cut to 0 to 255.
+// Rounds and clamps to 0 to 255.
 Rgb8 rounded(const Eigen::Vector3d& color);
 
 }  // namespace hermite

@@ -40,7 +40,7 @@ Result<Person> person_of(const Sequence& sequence, const Stage& stage, const Per
   return placed(stage, options, *pose, time_s);
 }
 
-// Multiple of `direction` at which a ray from outside enters the person.
+// Returns the multiple of `direction` at which a ray from outside enters the person.
 std::optional<double> enters(const Person& person, const Vector3d& origin, const Vector3d& direction) {
   const Vector3d from_head = origin - person.head_world;
   const double rise = direction.dot(person.up_world), height_m = from_head.dot(person.up_world);

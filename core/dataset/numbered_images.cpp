@@ -62,7 +62,7 @@ void add_image(const std::string& within, const std::string& name, Kind kind, Im
   if (runs.empty() || !has_ending(name, kind)) return;
   ImageName image{within + name, std::nullopt};
   if (runs.size() == 2) image.time_s = static_cast<double>(runs[1]) * 1e-6;
-  images.emplace(runs[0], std::move(image));  // of two with one number the first in the alphabet
+  images.emplace(runs[0], std::move(image));  // of two with the same number the first in alphabetical order
 }
 
 bool times_ascend(const ImageNames& images) {
@@ -77,7 +77,7 @@ bool times_ascend(const ImageNames& images) {
 Result<NumberedImages> pair_images(const ImageNames& colors, const ImageNames& depths, double frame_rate_hz) {
   NumberedImages found;
   found.has_times = times_ascend(depths);
-  if (found.has_times && times_ascend(colors)) {  // two clocks, which need not count alike
+  if (found.has_times && times_ascend(colors)) {  // there may be two unsynchronised clocks
     std::vector<TimedFile> timed_colors, timed_depths;
     for (const auto& [number, image] : colors) timed_colors.push_back({*image.time_s, image.path});
     for (const auto& [number, image] : depths) timed_depths.push_back({*image.time_s, image.path});
@@ -110,7 +110,7 @@ Result<std::vector<std::string>> folder_names(const std::string& folder) {
 }
 
 struct ImageFolders {
-  std::string color, depth;  // with a slash behind
+  std::string color, depth;  // with a trailing slash
 };
 
 // Shorter names first: "depth" before "depth_vis".

@@ -1,6 +1,6 @@
-// .oni, recordings of OpenNI (oni_file.h). The file says how wide depth sees, nothing about lenses: a pinhole camera with the centre in the
-// middle of the image, unless a camera is given or lies in FILE.camera.json or camera.json beside it. Mirrored images, which is how OpenNI
-// records unless told otherwise, are turned back.
+// .oni, recordings of OpenNI (oni_file.h). The file contains the field of view of depth, but no lens parameters: the
+// camera is a pinhole whose principal point is the middle of the image, unless a camera is given or is in
+// FILE.camera.json or camera.json beside it. Mirrored images, which OpenNI records by default, are mirrored back.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -17,7 +17,7 @@
 namespace hermite {
 namespace {
 
-// What a PrimeSense sensor (Kinect v1, Xtion) says of itself where its recording does not.
+// Field of view of a PrimeSense sensor (Kinect v1, Xtion), for recordings that do not contain it.
 constexpr double kPrimeSenseView_rad[] = {1.0144686707507438, 0.78980943449644714};
 constexpr double kMaxFrameRate_hz = 500;
 enum OniPixelFormat : std::int64_t { kDepth1Mm = 100, kDepth100Um = 101, kRgb888 = 200, kOniJpeg = 204 };
@@ -35,7 +35,7 @@ void turn_back(Image<Pixel>& image) {
   for (auto row = image.pixels.begin(); row != image.pixels.end(); row += image.width) std::reverse(row, row + image.width);
 }
 
-// A raw image of exactly `size`.
+// Decodes a raw image of exactly `size`.
 template <class Pixel>
 Result<Image<Pixel>> raw_image(const std::vector<std::uint8_t>& bytes, ImageSize size) {
   Image<Pixel> image(size.width, size.height);
@@ -141,7 +141,7 @@ Result<Camera> camera_of(const OniStream& depth, const std::optional<Camera>& gi
                 says_view ? "the file's field of view (" + view + "), centre in the middle" : "a Kinect's or Xtion's field of view");
 }
 
-// Ascending, in seconds; images that are not after the one before are left out of the stream.
+// Returns ascending times in seconds; images that are not later than the one before are removed from the stream.
 std::vector<double> ascending_times(OniStream& stream, std::size_t& left_out) {
   std::vector<double> times_s;
   std::vector<OniImage> kept;
@@ -156,8 +156,8 @@ std::vector<double> ascending_times(OniStream& stream, std::size_t& left_out) {
   return times_s;
 }
 
-// OpenNI 2 lets the stamps of each stream begin at 0. The one that began later began, as far as the file tells, when the other's latest
-// image came.
+// In OpenNI 2 the stamps of each stream may start at 0. The stream that started later is then taken to start at the
+// time of the other's latest image before it in the file.
 void align_starts(const OniStream& stream, std::vector<double>& times_s, const std::vector<double>& other_s,
                   std::vector<std::string>& doubts) {
   const bool both_from_zero = !times_s.empty() && !other_s.empty() && times_s.front() == 0 && other_s.front() == 0;

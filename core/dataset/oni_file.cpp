@@ -12,7 +12,7 @@ namespace {
 constexpr std::array<char, 4> kFileMagic{'N', 'I', '1', '0'};
 constexpr std::uint32_t kRecordMagic = 0x0052494e;  // "NIR\0"
 constexpr std::int64_t kMaxName_bytes = 256;        // OpenNI2's own limit
-// The longest property is a table of a value for each depth, 20 kB.
+// The longest property is a table with a value for each depth, 20 kB.
 constexpr std::int64_t kMaxFields_bytes = 1 << 20;
 constexpr std::uint32_t kDepthKind = 2, kColorKind = 3;
 
@@ -66,7 +66,7 @@ class Walk {
     return Done{};
   }
 
-  // False at the end record.
+  // Returns false at the end record.
   Result<bool> read_record() {
     const std::uint64_t start = fields_.offset();
     const auto header = fields_.read<RecordHeader>("record header");
@@ -140,7 +140,7 @@ class Walk {
     return nullptr;
   }
 
-  // Properties that are not for us, or have another length than ours have, are passed over.
+  // Properties that are not used here, or have an unexpected length, are skipped.
   Status read_property(std::uint32_t node) {
     const auto name = read_string("bytes of a property's name");
     if (!name.ok()) return name.error();
@@ -158,7 +158,7 @@ class Walk {
       return true;
     };
     std::int64_t number = 0;
-    std::array<std::int32_t, 3> mode{};  // width, height, frames a second
+    std::array<std::int32_t, 3> mode{};  // width, height, frames per second
     if (*name == "xnMapOutputMode" && take(mode)) {
       stream->size = {mode[0], mode[1]};
       stream->frame_rate_hz = mode[2];
@@ -167,7 +167,7 @@ class Walk {
     if (*name == "oniPixelFormat" && take(number)) stream->oni_pixel_format = number;
     if (*name == "xnPixelFormat" && take(number)) stream->pixel_format = number;
     if (*name == "xnMirror" && take(number)) stream->is_mirrored = number != 0;
-    // "Is it on" comes first, as one byte or as four.
+    // The first element says whether it is on, as one byte or as four.
     if (*name == "xnCropping" && !bytes->empty()) stream->is_cropped = bytes->front() != 0;
     return Done{};
   }

@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 
 constexpr const char *kMirror = "mirror", *kGlass = "glass";
 constexpr double kNearestPane_m = 0.3;
-// The room in front of a mirror begins so far from it: what is nearer may be what it hangs on.
+// The room in front of a mirror begins at this distance; nearer surfaces may be those on which it hangs.
 constexpr double kInFront_m = 0.02;
 constexpr Rgb8 kUnseen{28, 30, 32};
 constexpr double kHole_m = 0.04, kSpeck_m = 0.01;
@@ -31,10 +31,10 @@ std::vector<KeyValueRule> pane_rules(PaneOptions& pane) {
           number_rule("distance_m", 0.3, 10, pane.distance_m), number_rule("turn_deg", -80, 80, pane.turn_deg)};
 }
 
-// Where a ray through a pixel meets a pane.
+// Intersection of a ray through a pixel with a pane.
 struct Met {
-  double depth_m = 0;                // 0: it does not
-  Vector2d at_m = Vector2d::Zero();  // from the pane's middle: across and up
+  double depth_m = 0;                // 0: none
+  Vector2d at_m = Vector2d::Zero();  // from the pane's centre: horizontal and up
 };
 
 class PanedSequence : public RedrawnSequence {
@@ -44,7 +44,7 @@ class PanedSequence : public RedrawnSequence {
 
  protected:
   virtual bool has_back() const = 0;
-  // `met` is what the pixels' rays meet of the pane before the scene.
+  // `met` has the intersections of the pixels' rays with the pane where it is in front of the scene.
   virtual void show(const Image<Met>& met, const Rigid3& world_from_camera, DepthImage& depth, ColorImage& color,
                     std::int64_t index) const = 0;
 
@@ -142,7 +142,7 @@ class Glazed : public PanedSequence {
     }
   }
 
-  // A number for each square of the pane.
+  // Returns a different number for each square of the pane.
   static std::uint64_t square_at(const Vector2d& at_m, double side_m) {
     const auto whole = [side_m](double position_m) { return static_cast<std::uint32_t>(std::lround(std::floor(position_m / side_m))); };
     return std::uint64_t{whole(at_m.x())} << 32 | whole(at_m.y());

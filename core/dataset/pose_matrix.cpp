@@ -5,7 +5,7 @@
 namespace hermite {
 
 namespace {
-constexpr double kRotationTolerance = 0.01;  // what is written with three digits passes, what is scaled does not
+constexpr double kRotationTolerance = 0.01;  // matrices written with three digits pass, scaled ones do not
 }
 
 std::optional<Rigid3> rigid_pose(const Eigen::Matrix4d& matrix) {

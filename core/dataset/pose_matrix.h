@@ -1,4 +1,4 @@
-// Poses that data sets write as 4x4 matrices. Pure.
+// Poses that data sets store as 4x4 matrices. Pure.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +8,8 @@
 
 namespace hermite {
 
-// Nothing when a number is not finite, the rotation is none within 1 % or mirrors, or the last row is not 0 0 0 1.
+// Returns std::nullopt when a number is not finite, the upper left block is not a rotation within 1 % or is a
+// reflection, or the last row is not 0 0 0 1.
 std::optional<Rigid3> rigid_pose(const Eigen::Matrix4d& matrix);
 
 }  // namespace hermite

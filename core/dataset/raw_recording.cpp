@@ -1,4 +1,4 @@
-// Our own raw frames, core/raw/raw_frames.h. They are not compressed: colour is handed on as PNG.
+// Our own raw frames, core/raw/raw_frames.h. They are not compressed; colour is passed on as PNG.
 #include <array>
 #include <filesystem>
 #include <mutex>
@@ -41,7 +41,7 @@ class RawSequence : public Sequence {
   const Camera camera_;
   const std::vector<double> times_s_;
   const Trajectory none_;
-  mutable std::mutex reading_;  // the reader has one position in its file
+  mutable std::mutex reading_;  // the reader has a single position in its file
   mutable RawFrameReader reader_;
 };
 

@@ -1,4 +1,4 @@
-// One frame of a sequence, read and decoded.
+// Reads and decodes one frame of a sequence.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@ namespace hermite {
 
 struct ReadFrame {
   std::int64_t index = 0;
-  RgbdFrame frame;      // of the camera's size; without depth and black where it could not be read
-  std::string problem;  // why, in words
+  RgbdFrame frame;      // of the camera's size; black and without depth if it could not be read
+  std::string problem;  // the reason, as text
 };
 
 // Any thread.

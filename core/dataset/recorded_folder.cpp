@@ -70,7 +70,7 @@ class FolderSequence : public Sequence {
   const double frame_rate_hz_;
 };
 
-// associate.py keeps its lists in dictionaries: of two images with the same time the later line counts.
+// associate.py keeps its lists in dictionaries, so of two images with the same time the later line counts.
 void sort_by_time(std::vector<TimedFile>& files) {
   std::stable_sort(files.begin(), files.end(), [](const TimedFile& a, const TimedFile& b) { return a.timestamp_s < b.timestamp_s; });
   const auto same_time = [](const TimedFile& a, const TimedFile& b) { return a.timestamp_s == b.timestamp_s; };
@@ -124,7 +124,7 @@ Result<std::unique_ptr<Sequence>> make_folder_sequence(const std::string& folder
   CHECK(contents.camera.has_value(), "a folder's sequence needs its camera");
   if (contents.frames.empty())
     return Error{ErrorCode::kCorruptData, folder + " (" + contents.format + ") has no depth image with a colour image at most 20 ms away"};
-  // A wrong camera would fail every single frame: say it once, at the first image there is.
+  // With a wrong camera every frame would fail, so this is reported once, for the first readable image.
   for (const FramePaths& frame : contents.frames) {
     const auto image = read_image_of(folder + "/" + frame.depth, *contents.camera);
     if (image.ok()) break;
@@ -144,7 +144,7 @@ Result<Recording> open_folder(const std::string& folder, const std::optional<Cam
   bool says_color_camera = given.has_value();
   if (const std::string path = folder + "/camera.json"; is_file(path)) {
     const Result<CameraFile> file = read_camera_json(path);
-    // A broken file is an error even where the caller brings a camera: its frame rate is wanted too.
+    // An invalid file is an error even if the caller passes a camera, because its frame rate is needed too.
     if (!file.ok()) return file.error();
     frame_rate_hz = file->frame_rate_hz;
     if (!camera) recording.camera_source = "camera.json";

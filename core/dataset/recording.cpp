@@ -34,7 +34,7 @@ constexpr RecordingFormat kFormats[] = {
 };
 
 constexpr int kMaxSearchDepth = 3;
-constexpr std::size_t kMaxSearched = 2000;  // files and folders that are looked at
+constexpr std::size_t kMaxSearched = 2000;  // files and folders that are examined
 
 struct Found {
   std::string path;
@@ -67,7 +67,7 @@ Error not_recognised(const std::string& path) {
   return {ErrorCode::kUnsupported, words};
 }
 
-// At `path`, else the only one on the first level below it that has any.
+// Finds the recording at `path`, or else the only one on the first level below it that has any.
 Result<Found> find_recording(const std::string& path) {
   if (auto found = probe(path)) return *std::move(found);
   std::vector<std::string> folders{path};
@@ -98,7 +98,7 @@ Result<Recording> open_in_place(const std::string& path, const std::optional<Cam
   return recording;
 }
 
-// Keeps the unpacked files for as long as the sequence that reads them.
+// Keeps the unpacked files as long as the sequence that reads them.
 class UnpackedSequence : public Sequence {
  public:
   UnpackedSequence(TemporaryFolder folder, std::string name, std::unique_ptr<Sequence> sequence)
@@ -119,7 +119,7 @@ class UnpackedSequence : public Sequence {
   const std::unique_ptr<Sequence> sequence_;
 };
 
-// "kitchen" of "scans/kitchen.tar.zst".
+// Returns "kitchen" for "scans/kitchen.tar.zst".
 std::string name_of_archive(const std::string& path) {
   fs::path name = fs::path(path).stem();
   if (name.extension() == ".tar") name = name.stem();
@@ -129,7 +129,7 @@ std::string name_of_archive(const std::string& path) {
 Result<Recording> open_archive(const std::string& path, const std::optional<Camera>& camera) {
   Result<TemporaryFolder> folder = TemporaryFolder::make();
   if (!folder.ok()) return folder.error();
-  // By the archive's name: readers look at the folder's for a benchmark's.
+  // The folder is named after the archive, because readers recognise benchmarks by folder names.
   const std::string inside = folder->path() + "/" + name_of_archive(path);
   const Result<UnpackSummary> unpacked = unpack_archive(path, inside);
   if (!unpacked.ok()) return unpacked.error();

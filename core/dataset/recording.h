@@ -1,4 +1,4 @@
-// The one importer: what lies at a path, whatever its format, and how that was found out. Formats are recognised by content.
+// Opens a recording of any format, and says how the format was determined. Formats are recognised by content.
 #pragma once
 
 #include <memory>
@@ -15,20 +15,21 @@ struct Recording {
   std::unique_ptr<Sequence> sequence;
   std::string format_reason;        // "rgb.txt and depth.txt beside each other"
   std::string camera_source;        // "camera.json", "the file's header"
-  std::vector<std::string> doubts;  // what was assumed and may be wrong, in sentences for the user
+  std::vector<std::string> doubts;  // assumptions that may be wrong, as sentences for the user
 };
 
-// `path` is a folder or file of one of the formats in the README's table, a folder that has just one such below it (at most 3 deep), or an
-// archive (core/archive/unpack.h) of either: that is unpacked into a temporary folder, which lives as long as the sequence.
-// The camera: `camera` when given, else camera.json, else the recording's own, else a known name; see the formats. Errors are words that
-// name file, place and what is allowed: kNotFound, kUnsupported when nothing is recognised, kCorruptData, kTooLarge, kIo.
+// Opens `path`: a folder or file of one of the formats in the README's table, a folder with exactly one such below it
+// (at most 3 levels deep), or an archive (core/archive/unpack.h) of either, which is unpacked into a temporary folder
+// that lives as long as the sequence. The camera is `camera` if given, else camera.json, else the recording's own, else
+// one by a well-known name; see the formats. Errors name file, place and what is allowed: kNotFound, kUnsupported when
+// nothing is recognised, kInvalidArgument when there are several recordings, kCorruptData, kTooLarge, kIo.
 Result<Recording> open_recording(const std::string& path, const std::optional<Camera>& camera = std::nullopt);
 
-// A row per format, tried in this order. `probe` reads little and returns why `path` is one, or nothing; `open` may then still find it
-// damaged.
+// One row per format, tried in this order. `probe` reads little and returns why `path` has the format, or std::nullopt;
+// `open` may then still find it damaged.
 struct RecordingFormat {
   const char* name;
-  const char* looks_like;  // for the words when nothing fits
+  const char* looks_like;  // for the message when no format fits
   std::optional<std::string> (*probe)(const std::string& path);
   Result<Recording> (*open)(const std::string& path, const std::optional<Camera>& camera);
 };

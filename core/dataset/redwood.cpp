@@ -1,5 +1,6 @@
-// Redwood's scans and the 3D Scene data of Zhou and Koltun: numbered_images.h, and the poses in a .log (or -traj.txt): three integers, then
-// a 4x4 matrix world_from_camera, for each pose. The first integer is the place of the frame among all, from 0. Millimetres, PrimeSense.
+// Redwood's scans and the 3D Scene data of Zhou and Koltun: numbered_images.h, and the poses in a .log (or -traj.txt):
+// three integers, then a 4x4 matrix world_from_camera, for each pose. The first integer is the index of the frame, from
+// 0. Depth is in millimetres, the camera a PrimeSense.
 #include <algorithm>
 #include <array>
 
@@ -14,14 +15,14 @@ namespace hermite {
 namespace {
 
 constexpr std::size_t kLinesPerPose = 5;
-constexpr std::size_t kMaxCandidates = 20;  // .log and .txt files beside the images that are looked into
+constexpr std::size_t kMaxCandidates = 20;  // .log and .txt files beside the images that are examined
 
 struct LoggedPose {
   std::int64_t frame = 0;
   Rigid3 world_from_camera;
 };
 
-// Of one pose: a line of three integers and four lines of four numbers.
+// Parses one pose: a line of three integers and four lines of four numbers.
 Result<LoggedPose> parse_pose(const std::string& path, const TextLine* lines) {
   const auto head = split_fields(lines[0].text);
   if (head.size() != 3 || !parse_index(head[0]) || !parse_index(head[1]) || !parse_index(head[2]))
@@ -56,7 +57,7 @@ Result<std::vector<LoggedPose>> parse_log(const std::string& path, std::string_v
   return poses;
 }
 
-// Does the file begin with a pose? A matrix takes less than 1 kB.
+// Returns whether the file begins with a pose. A matrix takes less than 1 kB.
 bool begins_as_log(const std::string& path) {
   constexpr std::uint64_t kStart_bytes = 2048;
   const Result<ByteFile> file = ByteFile::open(path);
@@ -68,7 +69,7 @@ bool begins_as_log(const std::string& path) {
   return lines.size() >= kLinesPerPose && parse_pose(path, lines.data()).ok();
 }
 
-// The name of the log in the folder; empty without one.
+// Returns the name of the log in the folder; empty if there is none.
 std::string find_log(const std::string& folder) {
   const auto names = file_names(folder);
   if (!names.ok()) return "";

@@ -1,4 +1,5 @@
-// Remarks about many frames that may all say the same: the first of them in full, then their number. Plain value, header only.
+// Collects remarks about many frames that may be similar: their number and the first of them in full. Plain value,
+// header only.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +17,7 @@ class Remarks {
   }
   std::int64_t count() const { return count_; }
 
-  // None without a remark.
+  // Returns no lines if there are no remarks.
   std::vector<std::string> lines() const {
     if (count_ == 0) return {};
     std::vector<std::string> lines{std::to_string(count_) + " " + about_};
@@ -25,7 +26,7 @@ class Remarks {
   }
 
  private:
-  static constexpr std::int64_t kInFull = 20;  // a screenful
+  static constexpr std::int64_t kInFull = 20;  // one screen
   const std::string about_;
   std::int64_t count_ = 0;
   std::vector<std::string> first_;

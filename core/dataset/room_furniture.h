@@ -1,4 +1,4 @@
-// What stands where in a synthetic scene: every body with its place, size and material, and its light.
+// The contents of a synthetic scene: every body with its position, size and material, and the lights.
 #pragma once
 
 #include <cstddef>
@@ -12,11 +12,11 @@ namespace hermite {
 
 inline constexpr double kRoomLength_m = 4.8;  // x
 inline constexpr double kRoomWidth_m = 3.8;   // y
-inline constexpr double kRoomHeight_m = 2.6;  // z; of every scene
+inline constexpr double kRoomHeight_m = 2.6;  // z; for every scene
 inline constexpr double kHalfLength_m = kRoomLength_m / 2, kHalfWidth_m = kRoomWidth_m / 2;
 
-// A lamp, a tube between two points, and a window light what is nearest to the zone's rectangle and nothing else: light does not pass
-// walls.
+// A lamp, which is a tube between two points, and a window, which light only the surroundings of the zone's rectangle:
+// light does not pass through walls.
 struct LightZone {
   Eigen::Vector2f low_m, high_m;
   Eigen::Vector3f lamp_from_m, lamp_to_m, window_m;
@@ -26,13 +26,14 @@ struct Furniture {
   std::vector<Shape> shapes;  // the first, of kind kRoom, encloses everything and is solid all around
   std::vector<Material> materials;
   std::vector<LightZone> lights;  // at least one
-  std::size_t turning_count = 0;  // the last so many shapes turn about the world's z axis
+  std::size_t turning_count = 0;  // the last ones, this many, turn about the world's z axis
 };
 
-// Always the same for the same scene.
+// Returns the same furniture each time for the same scene.
 Furniture furnish(RoomScene scene);
 
-// The room's six faces carry different materials: floor, ceiling and four walls. Index of the face's material.
+// The room's six faces have different materials: floor, ceiling and four walls. Returns the index of the face's
+// material.
 int room_material_of_face(int face);
 
 }  // namespace hermite

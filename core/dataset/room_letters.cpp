@@ -16,7 +16,7 @@ using Eigen::Vector2f;
 // In twelfths of a capital's height.
 constexpr float kHalfStroke = 0.8f, kBetweenLetters = 3.6f, kBetweenWords = 8.0f;
 
-// Polylines of A to Z: points as two digits from 0 to c, to the right and up.
+// Polylines of A to Z: each point is two digits from 0 to c, to the right and up.
 constexpr std::string_view kStrokes[] = {
     "004c80 2464",                           // A
     "000c5c7b8a87765606 56758482715000",     // B
@@ -50,7 +50,7 @@ struct Segment {
   Vector2f from, to;
 };
 
-// Of one letter or line, from where it begins on the baseline; twelfths of a capital's height.
+// A letter or line, relative to its start on the baseline, in twelfths of a capital's height.
 struct Letter {
   std::vector<Segment> segments;
   float left = 0, right = 0;
@@ -58,7 +58,7 @@ struct Letter {
 
 float digit(char c) { return static_cast<float>(c <= '9' ? c - '0' : c - 'a' + 10); }
 
-// `left` is where the letter begins and, afterwards, the next one.
+// `left` is where the letter begins; on return, where the next one does.
 Letter letter_of(char c, float& left) {
   Letter letter{{}, left, left};
   const std::string_view strokes = kStrokes[c - 'A'];
@@ -75,7 +75,7 @@ Letter letter_of(char c, float& left) {
   return letter;
 }
 
-// Letters from left to right, the middle of the line at 0.
+// Returns the letters from left to right, with the middle of the line at 0.
 std::vector<Letter> letters_of(std::string_view words) {
   std::vector<Letter> letters;
   float left = 0;
@@ -103,7 +103,8 @@ float distance_to_stroke(const Segment& segment, const Vector2f& point) {
   return (segment.from + share * way - point).norm();
 }
 
-// Share of a footprint at this distance from the middle of a stroke that the stroke covers: exact across a straight one.
+// Returns the share of a footprint, at this distance from the middle of a stroke, that the stroke covers; exact across
+// a straight one.
 float share_under_stroke(float distance_from_middle, float footprint) {
   const float half = 0.5f * std::max(footprint, 1e-3f);
   const float low = std::max(distance_from_middle - half, -kHalfStroke), high = std::min(distance_from_middle + half, kHalfStroke);

@@ -1,15 +1,16 @@
-// The words on the poster of the synthetic scenes: capitals of straight strokes. Deterministic, pure functions.
+// The text on the poster of the synthetic scenes: capital letters of straight strokes. Deterministic, pure functions.
 #pragma once
 
 #include "core/dataset/room_textures.h"
 
 namespace hermite {
 
-// Lines from top to bottom, centred on the face. tests/accuracy/legibility.py reads this table too: one line of the poster a line here.
+// Lines from top to bottom, centred on the face. tests/accuracy/legibility.py reads this table too, so each line of the
+// poster must be on a line of its own.
 struct PosterLine {
   const char* words;  // A to Z and spaces
   float cap_height_m;
-  float baseline_m;  // above the middle of the face
+  float baseline_m;  // above the centre of the face
 };
 inline constexpr PosterLine kPosterLines[] = {
     {"THE QUICK BROWN FOX JUMPS OVER", 0.020f, 0.205f},
@@ -20,7 +21,7 @@ inline constexpr PosterLine kPosterLines[] = {
     {"FROM ONE METRE AWAY WITH A DEPTH CAMERA", 0.012f, -0.020f},
 };
 
-// Share of the point's footprint that is ink, 0 to 1.
+// Returns the share of the point's footprint that is ink, 0 to 1.
 float ink_of_poster(const TexturePoint& point);
 
 }  // namespace hermite

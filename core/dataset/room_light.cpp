@@ -42,7 +42,8 @@ Vector3f nearest_on(const Vector3f& from, const Vector3f& to, const Vector3f& po
   return from + std::clamp((point - from).dot(along) / length2, 0.0f, 1.0f) * along;
 }
 
-// Weight of a zone at a place: 0 outside; where zones overlap, the light passes smoothly from one to the other.
+// Returns the weight of a zone at a place: 0 outside it; where zones overlap, the light changes smoothly from one to
+// the other.
 float share_of(const LightZone& zone, const Vector2f& place) {
   const Vector2f from_low = place - zone.low_m, from_high = zone.high_m - place;
   return from_low.minCoeff() > 0 && from_high.minCoeff() > 0 ? from_low.prod() * from_high.prod() : 0.0f;
@@ -52,13 +53,13 @@ float outside2(const LightZone& zone, const Vector2f& place) {
   return (zone.low_m - place).cwiseMax(place - zone.high_m).cwiseMax(0.0f).squaredNorm();
 }
 
-// What reaches a point whose surroundings are open.
+// Returns the light of a zone at a point whose surroundings are open.
 Vector3f light_of(const LightZone& zone, const Vector3f& point, const Vector3f& normal) {
   const Vector3f lamp_color(1.0f, 0.93f, 0.82f), window_color(0.86f, 0.94f, 1.0f);
   const auto from = [&](const Vector3f& source, float half_distance2) {
     const Vector3f way = source - point;
     const float distance2 = way.squaredNorm();
-    // Half Lambert: large lights reach around edges, and no face turns flat black.
+    // Half Lambert: large lights reach around edges, and no face becomes uniformly black.
     const float cosine = 0.5f + 0.5f * normal.dot(way) / std::sqrt(distance2 + 1e-6f);
     return cosine * cosine / (1.0f + distance2 / half_distance2);
   };
@@ -66,7 +67,8 @@ Vector3f light_of(const LightZone& zone, const Vector3f& point, const Vector3f& 
          0.55f * from(zone.window_m, 5.0f) * window_color;
 }
 
-// The bodies that can be nearest to a point within `reach_m` of `middle`: distances change by no more than one walks.
+// Returns the bodies that can be nearest to a point within `reach_m` of `middle`: a distance changes by at most the
+// distance moved.
 Furniture nearest_candidates(const Furniture& furniture, const Vector3d& middle, double reach_m) {
   std::vector<double> distances_m;
   double nearest_m = std::numeric_limits<double>::infinity();
@@ -88,7 +90,8 @@ double signed_distance(const Furniture& furniture, const Vector3d& point_in_worl
   double nearest = std::numeric_limits<double>::infinity();
   for (const Shape& shape : furniture.shapes) {
     const Vector3d offset = point_in_world - shape.center;
-    // The bounding sphere is never further than the body: most bodies need no more than this. The room surrounds everything.
+    // The bounding sphere is never farther than the body, which suffices for most bodies. The room surrounds
+    // everything.
     if (shape.kind != ShapeKind::kRoom && offset.norm() - bounding_half_sides(shape).norm() >= nearest) continue;
     nearest = std::min(nearest, signed_distance(shape, shape.world_from_shape.transpose() * offset));
   }
@@ -164,7 +167,7 @@ Vector3f RoomLight::zones_light(const Vector3f& point, const Vector3f& normal) c
 
 Vector3f RoomLight::at(const Vector3d& point_in_world, const Vector3d& normal_in_world) const {
   const Vector3f point = point_in_world.cast<float>(), normal = normal_in_world.cast<float>();
-  // Free space in front of the surface: little of it in corners and under furniture (Evans 2006).
+  // Free space in front of the surface, which is small in corners and under furniture (Evans 2006).
   const float near = std::min(1.0f, clearance_m(point + 0.10f * normal) / 0.10f),
               far = std::min(1.0f, clearance_m(point + 0.35f * normal) / 0.35f);
   const float open = 0.35f + 0.25f * near + 0.40f * far;

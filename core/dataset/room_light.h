@@ -1,5 +1,5 @@
-// Light in a synthetic scene: of each zone a lamp under the ceiling, a window and the glow of the walls, dimmed in corners. Independent of
-// the viewer.
+// Light in a synthetic scene: for each zone a lamp under the ceiling, a window and the ambient light of the walls,
+// darker in corners. Independent of the viewer.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,15 +10,16 @@
 
 namespace hermite {
 
-// Of the union of all bodies: positive in free space. Exact there, and inside as far as the deepest body around the point.
+// Returns the distance to the union of all bodies, positive in free space. It is exact there, and inside up to the
+// depth of the deepest body around the point.
 double signed_distance(const Furniture& furniture, const Eigen::Vector3d& point_in_world);
 
-// Immutable once made; thread-safe.
+// Immutable after construction; thread-safe.
 class RoomLight {
  public:
   explicit RoomLight(const Furniture& furniture);
 
-  // Light arriving at a surface point with this unit normal, linear RGB; about 1 on a bright wall.
+  // Returns the light at a surface point with this unit normal, linear RGB; about 1 on a bright wall.
   Eigen::Vector3f at(const Eigen::Vector3d& point_in_world, const Eigen::Vector3d& normal_in_world) const;
 
  private:
@@ -33,7 +34,7 @@ class RoomLight {
   std::vector<float> clearance_grid_m_;  // distance to the nearest surface at grid points, x fastest
 };
 
-// 8-bit sRGB, clamped.
+// Returns 8-bit sRGB, clamped.
 Rgb8 srgb_from_linear(const Eigen::Vector3f& linear);
 
 }  // namespace hermite

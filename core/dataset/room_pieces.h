@@ -1,5 +1,5 @@
-// The pieces of the furnished room, each where it stands there: walls at x = +-kRoomLength_m / 2 and y = +-kRoomWidth_m / 2. Other scenes
-// take a piece by moving its group. Bodies stand sunk by kSunk_m into what carries them.
+// The pieces of the furnished room, each at its position there: walls at x = +-kRoomLength_m / 2 and y = +-kRoomWidth_m
+// / 2. Other scenes use a piece by moving its group. Bodies extend by kSunk_m into what carries them.
 #pragma once
 
 #include "core/dataset/room_builder.h"
@@ -13,8 +13,8 @@ void add_floor_lamp(Furnisher& f);  // at (1.35, 1.45)
 void add_sofa(Furnisher& f);        // back to the wall at x = +2.4, middle y = -0.1, 2.0 wide, 0.86 deep
 void add_window(Furnisher& f);      // on the wall at x = +2.4, middle y = -0.1, with curtains
 void add_desk(Furnisher& f);        // back to the wall at y = -1.9, middle x = -0.5, 1.5 wide, 0.64 deep, pictures above
-// A chair whose seat is above (x, y): legs and back posts are rods of 2 cm, the stretchers of 1 cm, the back a panel of 1 cm.
-// Who sits on it looks along +y when the angle is 0.
+// A chair whose seat is above (x, y): legs and back posts are rods of 2 cm, the stretchers of 1 cm, the back a panel of
+// 1 cm. It faces +y if the angle is 0.
 void add_chair(Furnisher& f, double x, double y, double angle_deg);
 void add_door(Furnisher& f);          // closed, on the wall at y = -1.9, middle x = 1.41, 1.02 wide
 void add_plant(Furnisher& f);         // at (-2.0, 0.95)

@@ -12,7 +12,8 @@ using Eigen::Vector3d;
 
 constexpr double kMiss = std::numeric_limits<double>::infinity();
 constexpr double kTorusTolerance_m = 1e-7;
-// A ray that grazes the tube converges slowly; beyond this it passes by within less than the tolerance of a depth unit.
+// A ray that grazes the tube converges slowly; after this many steps it misses by less than the tolerance of a depth
+// unit.
 constexpr int kMaxTorusSteps = 256;
 
 double box_distance(const Vector3d& half, const Vector3d& point) {
@@ -49,12 +50,12 @@ Interval slabs(const Vector3d& half, const Vector3d& origin, const Vector3d& dir
   return inside;
 }
 
-// Where |origin + t direction|^2 <= radius^2, for vectors of two or three dimensions.
+// Returns where |origin + t direction|^2 <= radius^2, for vectors of two or three dimensions.
 template <class Vector>
 Interval ball(double radius, const Vector& origin, const Vector& direction) {
   const double a = direction.squaredNorm();
   const double closest = -origin.dot(direction) / a;
-  // The distance of the ray from the centre, not b^2 - ac: that would cancel for a thin rod far away.
+  // Uses the distance of the ray from the centre rather than b^2 - ac, which would cancel for a thin rod far away.
   const double gap2 = (origin + closest * direction).squaredNorm();
   const double rest = radius * radius - gap2;
   if (!(rest >= 0)) return {kMiss, -kMiss};
@@ -78,7 +79,7 @@ double intersect_cylinder(const Vector3d& size, const Vector3d& origin, const Ve
   return first_of({std::max(inside.enter, center - reach), std::min(inside.leave, center + reach)}, t_min);
 }
 
-// Sphere tracing: the distance is exact, so no step can pass the surface.
+// Sphere tracing: the distance is exact, so no step can pass through the surface.
 double intersect_torus(const Vector3d& size, const Vector3d& origin, const Vector3d& direction, double t_min) {
   const Interval near = ball(size[0] + size[1], origin, direction);
   const Interval flat = slabs({size[0] + size[1], size[0] + size[1], size[1]}, origin, direction);
@@ -107,7 +108,7 @@ SurfacePoint describe_box(const Vector3d& half, const Vector3d& point, double ou
   const double sign = surface.face % 2 == 1 ? 1 : -1;
   surface.normal = Vector3d::Zero();
   surface.normal[axis] = outwards * sign;
-  // The second coordinate is z on upright faces, so that pictures and planks stand.
+  // The second coordinate is z on upright faces, so that pictures and planks are upright.
   const int first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
   surface.position_m = {point[first], point[second]};
   surface.half_size_m = {half[first], half[second]};

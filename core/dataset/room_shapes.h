@@ -1,4 +1,5 @@
-// The bodies of the synthetic room: exact ray intersection and exact signed distance. Plain values, pure functions, double precision.
+// The bodies of the synthetic room: exact ray intersection and exact signed distance. Plain values, pure functions,
+// double precision.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,7 +8,7 @@
 namespace hermite {
 
 enum class ShapeKind : std::uint8_t {
-  kRoom,      // the inside of a box: solid all around it
+  kRoom,      // the inside of a box; everything around it is solid
   kBox,       //
   kSphere,    //
   kCylinder,  // axis z, with flat ends
@@ -24,26 +25,27 @@ struct Shape {
   int material = 0;
 };
 
-// Half side lengths of the box around the shape, along the shape's own axes.
+// Returns half the side lengths of the bounding box along the shape's own axes.
 Eigen::Vector3d bounding_half_sides(const Shape& shape);
 
-// Of a point in the shape's own frame, negative inside the solid; exact on both sides.
+// Returns the distance of a point in the shape's coordinate frame, negative inside the solid; exact on both sides.
 double signed_distance(const Shape& shape, const Eigen::Vector3d& point_in_shape);
 
-// Smallest t > t_min at which origin + t * direction (any length, in the shape's frame) enters the solid; infinity when it does not.
-// The origin must be outside the solid. Tori are found to 1e-7 m, the others to rounding.
+// Returns the smallest t > t_min at which origin + t * direction (any length, in the shape's coordinate frame) enters
+// the solid; infinity if it does not. The origin must be outside the solid. Tori are found to 1e-7 m, other shapes to
+// rounding.
 double intersect(const Shape& shape, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double t_min);
 
-// What a texture and the light need to know of a point on the surface.
+// Properties of a surface point that textures and light need.
 struct SurfacePoint {
-  Eigen::Vector3d normal;       // unit, out of the solid, in the shape's frame
+  Eigen::Vector3d normal;       // unit, out of the solid, in the shape's coordinate frame
   Eigen::Vector2d position_m;   // along the surface
   Eigen::Vector2d half_size_m;  // of the face, around position 0; zero for a torus
   int face = 0;                 // 0 to 5
 };
 SurfacePoint describe(const Shape& shape, const Eigen::Vector3d& point_in_shape);
 
-// The face alone, cheaper.
+// Returns only the face, which is cheaper.
 int face_of(const Shape& shape, const Eigen::Vector3d& point_in_shape);
 
 }  // namespace hermite

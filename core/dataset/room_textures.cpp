@@ -20,8 +20,8 @@ std::uint32_t hash(std::int32_t x, std::int32_t y, std::uint32_t seed) {
 
 float uniform(std::int32_t x, std::int32_t y, std::uint32_t seed) { return static_cast<float>(hash(x, y, seed) >> 8) * 0x1p-24f; }
 
-// Numbers from -1 to 1. A row of a noise lattice is this table from a place that depends on the row: one hash a row instead of one a
-// corner.
+// Numbers from -1 to 1. A row of a noise lattice is this table from a position that depends on the row, which needs one
+// hash per row instead of one per corner.
 constexpr std::uint32_t kTableMask = 4095;
 constexpr std::array<float, kTableMask + 2> kNoiseTable = [] {
   std::array<float, kTableMask + 2> table{};
@@ -52,7 +52,7 @@ float mix(float a, float b, float t) { return a + (b - a) * t; }
 Vector3f mix(const Vector3f& a, const Vector3f& b, float t) { return a + (b - a) * t; }
 float clamp01(float x) { return std::clamp(x, 0.0f, 1.0f); }
 
-// -1 to 1, one lattice cell a unit, continuous with its derivative.
+// Returns noise from -1 to 1, with one lattice cell per unit and a continuous derivative.
 float noise(float x, float y, std::uint32_t seed) {
   const std::int32_t ix = floor_int(x), iy = floor_int(y);
   const float tx = smooth(x - static_cast<float>(ix)), ty = smooth(y - static_cast<float>(iy));
@@ -61,17 +61,19 @@ float noise(float x, float y, std::uint32_t seed) {
   return mix(mix(low[0], low[1], tx), mix(high[0], high[1], tx), ty);
 }
 
-// How much of a pattern of this wavelength a pixel can still show: all from 4 footprints on, nothing below 2 (Nyquist).
+// Returns how much of a pattern of this wavelength a pixel can show: all from 4 footprints on, nothing below 2
+// (Nyquist).
 float visible(float wavelength_m, float footprint_m) { return clamp01(wavelength_m / (2.0f * footprint_m) - 1.0f); }
 
 struct Octaves {
   float longest_m;
   int count;
-  float stretch = 1;  // wavelength across over along
+  float stretch = 1;  // ratio of the wavelengths across and along
   float falloff = 0.6f;
 };
 
-// Octaves of noise, each lattice turned against the one before so that its axes do not show; stretched ones keep their direction.
+// Sums octaves of noise. Each lattice is rotated relative to the one before, to hide its axes; stretched ones keep
+// their direction.
 float fractal(const TexturePoint& p, const Octaves& octaves, std::uint32_t seed) {
   float sum = 0, amplitude = 1, wavelength_m = octaves.longest_m;
   float u_m = p.u_m, v_m = p.v_m * octaves.stretch;
@@ -88,21 +90,21 @@ float fractal(const TexturePoint& p, const Octaves& octaves, std::uint32_t seed)
   return sum;
 }
 
-// 1 inside [low, high], 0 outside, the step as wide as a pixel.
+// Returns 1 inside [low, high] and 0 outside, with steps as wide as a pixel.
 float band(float x, float low, float high, float footprint) {
   const float width = std::max(footprint, 1e-4f);
   return clamp01((x - low) / width + 0.5f) * clamp01((high - x) / width + 0.5f);
 }
 
-// Distance to the nearest multiple of `period`.
+// Returns the distance to the nearest multiple of `period`.
 float to_line(float x, float period) { return std::abs(x - period * std::floor(x / period + 0.5f)); }
 
-// 1 near multiples of the period, as lines of this width.
+// Returns 1 near multiples of the period, as lines of this width.
 float lines(float x, float period, float width, float footprint) {
   return band(to_line(x, period), -1, 0.5f * width, footprint) * visible(2 * period, footprint);
 }
 
-// -1 or 1 in alternating stripes, with edges as wide as a pixel.
+// Returns -1 or 1 in alternating stripes, with edges as wide as a pixel.
 float square_wave(float x, float period, float footprint) {
   const float edge = std::max(footprint, 1e-4f);
   const float nearest = 0.25f * period - to_line(x, period);
@@ -112,7 +114,7 @@ float square_wave(float x, float period, float footprint) {
 Vector3f plaster(const Material& m, const TexturePoint& p) {
   const std::uint32_t seed = m.seed + static_cast<std::uint32_t>(p.face) * 977u;
   const float tone = fractal(p, {0.55f, 6, 1, 0.72f}, seed);
-  // Specks about 2 cm apart; two lattices at an angle, so that they do not line up.
+  // Specks about 2 cm apart, from two lattices at an angle, so that they do not form rows.
   const float x = p.u_m / 0.022f, y = p.v_m / 0.022f;
   const float specks = noise(x, y, seed + 7) + noise(0.8f * x - 0.6f * y, 0.6f * x + 0.8f * y, seed + 8);
   const float speck = visible(0.022f, p.footprint_m) * smooth(clamp01(specks * 2.5f - 1.9f));

@@ -1,5 +1,5 @@
-// Procedural textures of the synthetic room: detail from half a metre down to millimetres, faded out where a pixel would no longer resolve
-// it. Deterministic, pure functions of a place on a face.
+// Procedural textures of the synthetic room: detail from half a metre down to millimetres, faded out where a pixel
+// could not resolve it. Deterministic, pure functions of a position on a face.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,7 +24,7 @@ enum class Pattern : std::uint8_t {
   kMetal,      // brushed
   kSky,        // seen through a window
   kScreen,     // of a computer
-  kPaint,      // almost plain: a tone that hardly changes
+  kPaint,      // almost uniform: a colour that hardly varies
   kLetters,    // the words of room_letters.h, in the second colour on the first
 };
 
@@ -32,21 +32,21 @@ struct Material {
   Pattern pattern = Pattern::kPlaster;
   Eigen::Vector3f first = Eigen::Vector3f::Constant(0.5f);   // linear RGB, 0 to 1
   Eigen::Vector3f second = Eigen::Vector3f::Constant(0.5f);  // the pattern's other colour
-  float glow = 0;                                            // 0: lit by the room; 1: shows its colour by its own light
+  float glow = 0;                                            // 0: lit by the room; 1: emits its own colour
   std::uint32_t seed = 0;
 };
 
 struct TexturePoint {
   float u_m = 0, v_m = 0;                     // along the face, from its centre
   float half_width_m = 1, half_height_m = 1;  // of the face
-  float footprint_m = 0;                      // side of what one pixel covers here
+  float footprint_m = 0;                      // side of the area that one pixel covers here
   int face = 0;                               // opposite faces look different
 };
 
-// Linear RGB, 0 to 1.
+// Returns linear RGB, 0 to 1.
 Eigen::Vector3f texture_color(const Material& material, const TexturePoint& point);
 
-// 0xRRGGBB as sRGB to linear RGB.
+// Converts 0xRRGGBB in sRGB to linear RGB.
 Eigen::Vector3f linear_from_srgb(std::uint32_t rrggbb);
 
 }  // namespace hermite

@@ -48,7 +48,7 @@ void append_seen(const RgbdFrame& frame, const Camera& camera, const Rigid3& wor
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-// What of a point does not hang on the triangle.
+// The part of a point's projection that does not depend on the triangle.
 struct Projected {
   Vector2d at_px = Vector2d::Zero();
   double inverse_depth = 0;  // 0: not in front of the camera
@@ -104,7 +104,7 @@ Image<DrawnPixel> draw(const SeenSurface& surface, const Camera& camera, const I
         const double share_a = cross(pb.at_px - here, pc.at_px - here) / area, share_b = cross(pc.at_px - here, pa.at_px - here) / area;
         const double share_c = 1 - share_a - share_b;
         if (share_a < 0 || share_b < 0 || share_c < 0 || !is_asked.at(x, y)) continue;
-        // Over the image of a plane inverse depth is linear.
+        // In the image, the inverse depth of a plane is linear.
         const double depth_m = 1 / (share_a * pa.inverse_depth + share_b * pb.inverse_depth + share_c * pc.inverse_depth);
         DrawnPixel& pixel = drawn.at(x, y);
         if (pixel.depth_m > 0 && pixel.depth_m <= depth_m) continue;

@@ -1,4 +1,5 @@
-// What the frames of a sequence have seen of its scene, as coloured triangles in the world, and their picture from anywhere.
+// What the frames of a sequence have seen of its scene, as coloured triangles in the world, and its rendering from any
+// viewpoint.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,11 +22,11 @@ struct SeenSurface {
   std::vector<std::array<std::uint32_t, 3>> triangles;  // indices of points
 };
 
-// From up to 24 frames spread over the sequence, at their true poses, every so-many-th pixel such that 160 of them are across; no triangle
-// spans more than 5 % of the depth. Frames that have no pose or cannot be read are left out.
+// Returns the surface from up to 24 frames spread over the sequence, at their true poses, with about 160 samples per
+// image row; no triangle spans more than 5 % of the depth. Frames that have no pose or cannot be read are skipped.
 SeenSurface seen_surface(const Sequence& sequence);
 
-// The nearest of the triangles in every pixel for which it is asked. Their points are in the frame of the camera here.
+// Renders the nearest triangle in every requested pixel. The surface is in the coordinate frame of the camera.
 struct DrawnPixel {
   double depth_m = 0;  // 0: no triangle
   Eigen::Vector3f color = Eigen::Vector3f::Zero();

@@ -1,12 +1,13 @@
 // .sens, ScanNet's container, version 4. Little endian, nothing between the fields:
 //   u32 version (4), u64 length and that many bytes of the sensor's name
 //   f32[16] each, row by row: colour intrinsics, colour extrinsics, depth intrinsics, depth extrinsics
-//   i32 colour coding (0 raw, 1 PNG, 2 JPEG), i32 depth coding (0 raw, 1 zlib; 2 is of the Occipital SDK, which we do not read)
-//   u32 colour width, height, depth width, height; f32 depth units a metre; u64 num_frames
-//   each frame: f32[16] world_from_camera, u64 colour and depth time stamp [us], u64 colour and depth size, colour bytes, depth bytes
-//   u64 number of IMU frames of 128 bytes each, which are left where they are
-// Extrinsics take each camera to a common frame. Colour is brought to the size of depth; where it is seen by the same camera then, to half
-// a pixel, it counts as registered, as in the published scans.
+//   i32 colour coding (0 raw, 1 PNG, 2 JPEG), i32 depth coding (0 raw, 1 zlib; 2 is of the Occipital SDK and unsupported)
+//   u32 colour width, height, depth width, height; f32 depth units per metre; u64 num_frames
+//   each frame: f32[16] world_from_camera, u64 colour and depth time stamp [us], u64 colour and depth size, colour bytes,
+//               depth bytes
+//   u64 number of IMU frames of 128 bytes each, which are ignored
+// Extrinsics transform each camera to a common coordinate frame. Colour is resized to the size of depth; if both then
+// have the same camera within half a pixel, depth counts as registered, as in the published scans.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -41,7 +42,7 @@ struct SensFrame {
   FilePart depth, color;
 };
 
-// The next field into `to`.
+// Reads the next field into `to`.
 template <class Value>
 Status take(FieldReader& fields, const char* name, Value& to) {
   const Result<Value> value = fields.read<Value>(name);
@@ -122,7 +123,7 @@ Eigen::Matrix4d matrix_of(const Matrix& values) {
   return matrix;
 }
 
-// Zeros stand for "not known" in files of other programs.
+// Zeros mean "unknown" in files of other programs.
 Result<Rigid3> extrinsics_of(const Matrix& values, const char* field) {
   const bool is_unknown = std::all_of(values.begin(), values.end(), [](float value) { return value == 0; });
   if (is_unknown) return Rigid3{};
@@ -131,7 +132,8 @@ Result<Rigid3> extrinsics_of(const Matrix& values, const char* field) {
   return *pose;
 }
 
-// How far apart the two cameras see anything at infinity, at the corners of the image.
+// Returns the largest difference between the pixels in which the two cameras see a point at infinity, at the corners of
+// the image.
 double disparity_px(const Camera& depth, const ColorCamera& color) {
   double worst_px = 0;
   for (const double u : {0.0, depth.width - 1.0})
@@ -154,7 +156,7 @@ Result<Camera> camera_of(const Header& header) {
   if (!from_depth.ok()) return from_depth.error();
   color.color_from_depth = inverse(*from_color) * *from_depth;
   const bool same_place = color.color_from_depth.matrix().isIdentity(1e-6);
-  // Some files leave the colour's intrinsics out when there is nothing to say.
+  // Some files omit the intrinsics of colour if they are the same.
   const bool says_color = color_in[0] != 0;
   if (says_color && !(same_place && disparity_px(camera, color) <= kSameCamera_px)) camera.color = color;
   if (const Status status = validate(camera); !status.ok()) return status.error();
@@ -212,7 +214,8 @@ std::optional<std::string> probe_sens(const std::string& path) {
   if (!file.ok()) return std::nullopt;
   FieldReader fields(*file);
   if (!read_name(fields).ok()) return std::nullopt;
-  // Four more bytes would do for a klg of four frames, and black depth for zeros: the last row of each matrix tells.
+  // A .klg file of four frames may begin with the same four bytes, followed by black depth for zeros; the last row of
+  // each matrix distinguishes them.
   const auto calibration = fields.read<std::array<Matrix, 4>>("calibration");
   if (!calibration.ok()) return std::nullopt;
   const auto is_whole_matrix = [](const Matrix& matrix) {

@@ -13,10 +13,10 @@ namespace {
 
 using Opened = Result<std::unique_ptr<Sequence>>;
 
-// Sides of an edge: neighbours whose depths differ by more than this share.
+// Neighbours whose depths differ by at least this share are the two sides of an edge.
 constexpr double kEdgeShare = 0.05;
 
-// A pixel near an edge sees both sides, more of the other one the nearer it is to it.
+// A pixel near an edge sees both sides, with more of the other one the nearer it is to the edge.
 class Flying : public ChangedSequence {
  public:
   Flying(std::unique_ptr<Sequence> original, int width_px) : ChangedSequence(std::move(original)), width_px_(width_px) {}
@@ -62,7 +62,7 @@ class Interpolated : public ChangedSequence {
   }
 
  private:
-  // Of the four measured pixels around, as far as they have a depth; beyond the last of them its own.
+  // Interpolates between those of the four measured pixels around that have a depth.
   std::uint16_t between(const DepthImage& fine, int x, int y) const {
     const int left = x / every_ * every_, top = y / every_ * every_;
     const double a = static_cast<double>(x - left) / every_, b = static_cast<double>(y - top) / every_;
@@ -135,7 +135,7 @@ class Misregistered : public RedrawnSequence {
       : RedrawnSequence(std::move(original)), right_px_(right_px), down_px_(down_px) {}
 
  private:
-  // What leaves the image is the border's.
+  // Pixels beyond the border repeat the border.
   Status redraw(DepthImage& /*depth*/, ColorImage& color, std::int64_t /*index*/) const override {
     const ColorImage right = color;
     for (int y = 0; y < color.height; ++y)
@@ -163,7 +163,7 @@ class Banded : public RedrawnSequence {
 
  private:
   Status redraw(DepthImage& /*depth*/, ColorImage& color, std::int64_t index) const override {
-    constexpr double kWanders = 0.37;  // of a band from frame to frame: mains and camera have no common clock
+    constexpr double kWanders = 0.37;  // of a band per frame: mains and camera are not synchronised
     for (int y = 0; y < color.height; ++y) {
       const double phase = options_.bands * y / color.height + kWanders * static_cast<double>(index);
       const double gain = 1 + options_.amplitude * std::sin(2 * M_PI * phase);

@@ -77,16 +77,16 @@ constexpr SuffixKind kSuffixKinds[] = {{"+noise", noisy},
                                        {"+misregistered", with_misregistered},
                                        {"+banding", with_banding},
                                        {"+dark", with_dark}};
-// Each is a layer around the sequence that every read passes.
+// Each disturbance is a layer around the sequence through which every read passes.
 constexpr std::size_t kMaxSuffixes = 16;
 
 struct Suffix {
-  const SuffixKind* kind = nullptr;  // none: the source ends with no suffix
+  const SuffixKind* kind = nullptr;  // nullptr: the source does not end with a suffix
   std::size_t begin = 0;
-  std::string text;  // behind the "="
+  std::string text;  // after the "="
 };
 
-// Where the last suffix of that kind begins.
+// Returns where the last suffix of that kind begins.
 std::size_t last_of_kind(const std::string& source, std::string_view name) {
   std::size_t begin = source.rfind(name);
   const auto is_whole = [&] {

@@ -1,4 +1,4 @@
-// A recorded (or synthetic) RGB-D sequence, whatever its format.
+// A recorded or synthetic RGB-D sequence of any format.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace hermite {
 
-// A frame as recorded: depth decoded, colour still as the bytes of its file, which is what a client sends.
+// A frame as recorded: depth is decoded, colour is still encoded as in its file, which is what a client sends.
 struct RecordedFrame {
   double timestamp_s = 0;
   DepthImage depth;                       // sensor units
@@ -32,22 +32,26 @@ class Sequence {
   virtual const Camera& camera() const = 0;
   virtual double frame_rate_hz() const = 0;  // nominal
   virtual std::int64_t frame_count() const = 0;
-  // Time stamps are strictly ascending over index.
+  // Time stamps strictly ascend with the index.
   virtual double timestamp_s(std::int64_t index) const = 0;
-  // An unreadable frame is an error of that frame alone: the caller goes on with the next.
+  // An unreadable frame is an error of that frame only; the caller continues with the next.
   virtual Result<RecordedFrame> read(std::int64_t index) const = 0;
-  // world_from_camera at the ground truth's own times; empty when the sequence has none.
+  // Returns world_from_camera at the ground truth's own times; empty if there is none.
   virtual const Trajectory& groundtruth() const = 0;
 };
 
 // `source` is a folder, file or archive (recording.h: the format is detected by content) or "synthetic[:key=value,...]"
 // (synthetic_camera.h).
-// The camera: `camera` when given, else the folder's camera.json, else its own files (7-Scenes camera-intrinsics.txt), else a known name
-// (freiburg1, 2, 3; ICL-NUIM). None of these is an error that says so. The depth camera that 7-Scenes names gets the colour camera of its
-// Kinect, unless `camera` is given or camera.json has a color_camera.
+//
+// The camera is `camera` if given, else the folder's camera.json, else from its own files (7-Scenes
+// camera-intrinsics.txt), else one by a well-known name (freiburg1, 2, 3; ICL-NUIM); none of these is an error that
+// says so. The depth camera that 7-Scenes names gets the colour camera of its Kinect, unless `camera` is given or
+// camera.json has a color_camera.
+//
 // Colour and depth are paired by time, at most 20 ms apart, each image used once.
-// Behind either may stand up to 16 disturbances, applied from left to right; their options are "key=value,...", and where all have a
-// default, the name alone will do:
+//
+// Up to 16 disturbances may be appended to either, applied from left to right; their options are "key=value,...", and
+// if all have a default, the name alone suffices:
 //   +noise=MODEL[,...]                        depth_noise.h
 //   +covered=FROM:COUNT +missing=FROM:COUNT   disturbance.h
 //   +exposure +flicker +vignetting            color_disturbance.h
@@ -55,15 +59,18 @@ class Sequence {
 //   +bend +sparse +focal +skip                depth_disturbance.h
 //   +rolling +clock +blur                     shutter_disturbance.h
 //   +mirror +glass                            pane_disturbance.h
+//   +flying +lowres +speckle +frozen          sensor_disturbance.h
+//   +misregistered +banding +dark             sensor_disturbance.h
 Result<std::unique_ptr<Sequence>> open_sequence(const std::string& source, const std::optional<Camera>& camera = std::nullopt);
 
-// What stands before the first disturbance.
+// Returns the part before the first disturbance.
 std::string source_without_suffixes(const std::string& source);
 
-// camera.json as described in the README, or one of the names fr1, fr2, fr3.
+// Reads a camera.json as described in the README, or returns the camera of one of the names fr1, fr2, fr3, icl-nuim,
+// redwood.
 Result<Camera> read_camera(const std::string& path_or_name);
 
-// Decodes the colour: what the pipeline eats. The same function serves the server's end of the wire.
+// Decodes the colour, as the pipeline needs it. The server uses the same function for received frames.
 Result<RgbdFrame> decode_frame(RecordedFrame recorded);
 
 }  // namespace hermite

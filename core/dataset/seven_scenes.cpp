@@ -1,6 +1,6 @@
-// 7-Scenes: frame-NNNNNN.color.{jpg,png}, .depth.png and .pose.txt in one folder; the camera in camera-intrinsics.txt (3x3).
-// Frame N was taken at N/30 s. Depth is in millimetres; 65535 means "no measurement" as 0 does.
-// The benchmark's own recordings are raw images of a Kinect v1: colour is not registered to depth.
+// 7-Scenes: frame-NNNNNN.color.{jpg,png}, .depth.png and .pose.txt in one folder; the camera in camera-intrinsics.txt
+// (3x3). Frame N was taken at N/30 s. Depth is in millimetres; 65535 means "no measurement" like 0. The benchmark's own
+// recordings are raw images of a Kinect v1: colour is not registered to depth.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -49,7 +49,8 @@ std::map<std::int64_t, FrameFiles> group_by_number(const std::vector<std::string
   return frames;
 }
 
-// `size` lines of `size` numbers. Not finite numbers are kept: 7-Scenes marks lost poses so.
+// Reads `size` lines of `size` numbers. Numbers that are not finite are kept, because 7-Scenes marks lost poses with
+// them.
 Result<Eigen::MatrixXd> read_matrix(const std::string& path, int size) {
   const Result<std::string> text = read_text_file(path, kMaxMatrixFile_bytes);
   if (!text.ok()) return text.error();
@@ -72,7 +73,7 @@ Result<Eigen::MatrixXd> read_matrix(const std::string& path, int size) {
   return matrix;
 }
 
-// Nothing for a pose that the recording itself marks as lost.
+// Returns std::nullopt for a pose that the recording itself marks as lost.
 Result<std::optional<Rigid3>> read_pose(const std::string& path) {
   const auto matrix = read_matrix(path, 4);
   if (!matrix.ok()) return matrix.error();
@@ -82,7 +83,7 @@ Result<std::optional<Rigid3>> read_pose(const std::string& path) {
   return pose;
 }
 
-// The file has no image size: it is that of the first depth image that can be read.
+// The file has no image size; it is that of the first depth image that can be read.
 Result<Camera> read_intrinsics(const std::string& folder, const std::map<std::int64_t, FrameFiles>& frames) {
   const std::string path = folder + "/camera-intrinsics.txt";
   const auto matrix = read_matrix(path, 3);
@@ -101,18 +102,20 @@ Result<Camera> read_intrinsics(const std::string& folder, const std::map<std::in
   return Error{ErrorCode::kCorruptData, folder + ": no depth image can be read, so the camera's size is unknown"};
 }
 
-// The depth camera of the benchmark, for which its KinectFusion made the poses. Another one is of a recording that only has its layout.
+// Returns whether this is the depth camera of the benchmark, with which its KinectFusion estimated the poses. Otherwise
+// the recording only has the layout of the benchmark.
 bool is_the_benchmarks(const Camera& c) {
   return c.width == 640 && c.height == 480 && c.fx == 585 && c.fy == 585 && c.cx == 320 && c.cy == 240;
 }
 
 }  // namespace
 
-// The benchmark gives no calibration of its colour camera. Focal length and pose are those that others register it with (the set-up of
-// DSAC*): the Kinect's nominal 525 pixels, and the pose that LIRIS measured of theirs. The principal point is of redkitchen: grey values of
-// frames 10 and 30 apart, one warped into the other at the benchmark's poses, correlate best with (325.5, 241), steps of depth lie on the
-// strongest grey edges with (325.5, 243), in either half of the recording to a pixel. Correlation, 10 apart: 0.949 as the images are, 0.977
-// with the image's centre, 0.979 so; a fit of all ten numbers gives no more.
+// The benchmark gives no calibration of its colour camera. Focal length and pose are those with which others register
+// it (the set-up of DSAC*): the Kinect's nominal 525 pixels, and the pose that LIRIS measured for theirs. The principal
+// point was estimated from redkitchen: grey values of frames 10 and 30 apart, one warped into the other at the
+// benchmark's poses, correlate best with (325.5, 241); depth steps lie on the strongest grey edges with (325.5, 243);
+// in either half of the recording to a pixel. Correlation, 10 apart: 0.949 for the images as they are, 0.977 with the
+// image centre, 0.979 with this; a fit of all ten numbers is no better.
 std::optional<ColorCamera> seven_scenes_color_camera(const Camera& camera) {
   if (!is_the_benchmarks(camera)) return std::nullopt;
   Eigen::Matrix4d color_from_depth;
@@ -143,7 +146,7 @@ Result<FolderContents> list_seven_scenes(const std::string& folder) {
   for (const auto& [number, files] : frames) {
     if (files.depth.empty() && files.color.empty()) continue;
     const double timestamp_s = static_cast<double>(number) / kFrameRate_hz;
-    // A missing half is an error of that frame when it is read, so that frame numbers stay those of the recording.
+    // A missing half is an error of that frame when it is read, so that frame numbers remain those of the recording.
     std::string stem = files.depth.empty() ? files.color : files.depth;
     stem = stem.substr(0, stem.find('.'));
     contents.frames.push_back({timestamp_s, files.color.empty() ? stem + ".color.jpg" : files.color, stem + ".depth.png"});

@@ -15,17 +15,17 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kMax_ms = 100;
-// Of an exposure; at 100 ms and a hand's speed they are 4 pixels of 640 apart.
+// Number of views per exposure; at 100 ms and the speed of a hand they are 4 pixels of 640 apart.
 constexpr int kBlurViews = 9;
 
-// A sequence whose frames are looked at from where the camera was at other times.
+// A sequence whose frames are seen from the camera's poses at other times.
 class Shuttered : public RedrawnSequence {
  public:
   Shuttered(std::unique_ptr<Sequence> original, const char* name, double duration_ms)
       : RedrawnSequence(std::move(original)), name_(name), duration_s_(duration_ms / 1000), rays_(rays_of(camera())) {}
 
  protected:
-  // Of the camera at one time from the camera at another.
+  // Returns the transform to the camera at one time from the camera at another.
   Result<Rigid3> motion(double to_s, double from_s) const {
     const Result<Rigid3> to = true_pose(*original_, to_s, name_), from = true_pose(*original_, from_s, name_);
     if (!to.ok()) return to.error();
@@ -107,7 +107,7 @@ class Blurred : public Shuttered {
   using Shuttered::Shuttered;
 
  private:
-  // What a pixel shows moves straight from the exposure's beginning to its middle, and on to its end.
+  // The content of a pixel is taken to move linearly from the start of the exposure to its middle, and on to its end.
   Status redraw(DepthImage& depth, ColorImage& color, std::int64_t index) const override {
     const double middle_s = timestamp_s(index);
     const Result<Rigid3> frame_from_first = motion(middle_s, middle_s - duration_s_ / 2),

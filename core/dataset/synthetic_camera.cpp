@@ -15,8 +15,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kLap_s = 10.0;
-constexpr double kTurn_s = 20.0;  // of the turntable
-constexpr double kSway_s = 10.0;  // before the poster
+constexpr double kTurn_s = 20.0;  // of a turn of the turntable
+constexpr double kSway_s = 10.0;  // in front of the poster
 constexpr double kReading_m = 1.0;
 constexpr std::int64_t kMaxFrameCount = 1'000'000;
 constexpr double kFocalOverWidth = 525.0 / 640.0;
@@ -37,7 +37,7 @@ double turned_rad(double time_s, double speed, RoomScene scene) {
   return scene == RoomScene::kTurntable ? 2 * M_PI * speed * time_s / kTurn_s : 0;
 }
 
-// To and fro before the words, which stay in the middle; the first frame looks straight at them.
+// Moves to and fro in front of the poster, whose text stays in the middle; the first frame looks straight at it.
 Rigid3 before_poster(double phase_rad) {
   const double aside = std::sin(phase_rad), up = std::sin(2 * phase_rad), off = std::sin(3 * phase_rad);
   return camera_at({0.25 * aside, kPosterWall_m - kReading_m + 0.03 * off, kPosterHeight_m + 0.08 * up}, kDegree * (90 + 9 * aside),
@@ -68,7 +68,7 @@ class SyntheticSequence : public Sequence {
     CHECK(index >= 0 && index < frame_count(), "frame index outside the sequence");
     const Rigid3& world_from_camera = groundtruth_[static_cast<std::size_t>(index)].world_from_camera;
     const double turned = turned_rad(timestamp_s(index), options_.speed, options_.scene);
-    // Elsewhere the room is the world, to the last bit.
+    // Without a turntable the room is the world, and the pose must not be changed by rounding.
     RoomView view = room_.render(options_.camera, turned == 0 ? world_from_camera : about_z(turned) * world_from_camera, turned);
     auto color = encode_jpeg(view.color, kJpegQuality);
     if (!color.ok()) return color.error();
@@ -140,8 +140,8 @@ Rigid3 synthetic_pose(double time_s, double speed, RoomScene scene) {
     return about_z(-turned_rad(time_s, speed, scene)) * camera_at({0.03, -0.85, 1.30}, kDegree * 92, kDegree * -27, 0);
   if (scene == RoomScene::kPoster) return before_poster(2 * M_PI * speed * time_s / kSway_s);
   if (!is_furnished_room(scene)) return world_pose(scene, speed * time_s / world_lap_s(scene));
-  // Whole multiples of the lap's phase close after one lap. Half of it changes sign between laps: the first looks from higher up and
-  // down at the furniture, the second from lower and up.
+  // Terms with whole multiples of the lap's phase repeat after one lap. Half of the phase changes sign between laps:
+  // the first looks from higher up and down at the furniture, the second from lower and up.
   const double lap = 2 * M_PI * speed * time_s / kLap_s;
   const double alternating = std::sin(0.5 * lap);
   const Vector3d position(0.74 * std::cos(lap) + 0.025 * std::sin(3 * lap + 1.0), 0.64 * std::sin(lap) + 0.020 * std::sin(4 * lap + 2.0),

@@ -21,27 +21,28 @@ using Eigen::Vector3f;
 
 constexpr double kNearest_m = 0.05;
 constexpr int kTile_px = 16;
-constexpr int kMaxThreads = 4;  // a 640x480 frame takes one core about 60 ms, a camera gives it 33 ms
+constexpr int kMaxThreads = 4;  // a 640x480 frame takes about 60 ms on one core, and a camera delivers one every 33 ms
 constexpr int kNothing = -1;
 
-// A shape as seen from one camera: rays start at the same point, so everything but their direction is prepared.
+// A shape as seen from one camera: all rays start at the same point, so everything but their direction is precomputed.
 struct PlacedShape {
   const Shape* shape;
   Matrix3d shape_from_camera;  // rotation
   Vector3d origin_in_shape;    // of all rays
   Vector3d center_in_camera;
   Vector3d half_sides;
-  double nearest_m;  // no part of it has less depth
+  double nearest_m;  // least depth of any part of it
 };
 
-// The first surface along a ray. Rays have z = 1 in the camera, so that `depth_m` is both their parameter and the depth.
+// The first surface along a ray. Rays have z = 1 in the camera frame, so `depth_m` is both their parameter and the
+// depth.
 struct Hit {
   double depth_m = std::numeric_limits<double>::infinity();
   int shape = kNothing;
   int face = 0;
 };
 
-// Rows of tiles share nothing, so helper threads of this call may take them in any order; returns when all are done.
+// Rows of tiles share nothing, so helper threads of this call can process them in any order; returns when all are done.
 void for_each_row(int row_count, const std::function<void(int)>& work) {
   std::atomic<int> next{0};
   const auto take_rows = [&] {
@@ -67,7 +68,7 @@ std::vector<Shape> turned(const Furniture& furniture, double angle_rad) {
   return shapes;
 }
 
-// Where things turn, no shade of theirs stays.
+// Turning objects are left out, so that their shading does not remain at their initial position.
 RoomLight light_of_what_stands(Furniture furniture) {
   furniture.shapes.erase(furniture.shapes.end() - static_cast<std::ptrdiff_t>(furniture.turning_count), furniture.shapes.end());
   return RoomLight(furniture);
@@ -91,8 +92,8 @@ class Renderer {
       placed_.push_back({&shape, shape_from_camera, shape_from_world * (world_from_camera.translation - shape.center), center_in_camera,
                          half_sides, center_in_camera.z() - shape_from_camera.col(2).cwiseAbs().dot(half_sides)});
     }
-    // From near to far, so that a ray can stop at the first body that only begins behind what it has hit. The room goes first: every ray
-    // meets it, and bodies reach into its walls.
+    // From near to far, so that a ray can stop at the first body that begins behind the hit. The room comes first:
+    // every ray meets it, and bodies extend into its walls.
     placed_.front().nearest_m = -std::numeric_limits<double>::infinity();
     std::stable_sort(placed_.begin(), placed_.end(), [](const PlacedShape& a, const PlacedShape& b) { return a.nearest_m < b.nearest_m; });
   }
@@ -103,7 +104,7 @@ class Renderer {
     candidates_.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
     RoomView view{DepthImage(camera_.width, camera_.height), ColorImage(camera_.width, camera_.height)};
     for_each_row(rows, [&](int row) { trace_row(row, columns); });
-    for_each_row(rows, [&](int row) { shade_row(row, columns, view); });  // looks at the neighbours' hits
+    for_each_row(rows, [&](int row) { shade_row(row, columns, view); });  // uses the neighbours' hits
     return view;
   }
 
@@ -120,7 +121,8 @@ class Renderer {
 
   Ray ray(double u, double v) const { return {{(u - camera_.cx) / camera_.fx, (v - camera_.cy) / camera_.fy, 1.0}}; }
 
-  // Shapes whose bounding box is not entirely outside one side of the pyramid through the range, widened by half a pixel for supersampling.
+  // Returns the shapes whose bounding box is not entirely outside one side of the pyramid through the range, widened by
+  // half a pixel for supersampling.
   std::vector<int> shapes_in(const PixelRange& range, const std::vector<int>& among) const {
     const Vector3d low = ray(range.left - 1.0, range.top - 1.0).direction_in_camera,
                    high = ray(range.right, range.bottom).direction_in_camera;
@@ -181,7 +183,7 @@ class Renderer {
     return units >= 1 && units <= 65535 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
   }
 
-  // A pixel beside another body or face: its colour is a mixture.
+  // Returns whether a pixel is beside another body or face, so that its colour is a mixture.
   bool is_edge(int x, int y) const {
     const Hit& here = hits_.at(x, y);
     const auto differs = [&](int other_x, int other_y) {
@@ -225,7 +227,7 @@ class Renderer {
   }
 
   const Furniture& furniture_;
-  const std::vector<Shape> shapes_;  // as they stand now
+  const std::vector<Shape> shapes_;  // in their present position
   const RoomLight& light_;
   const Camera camera_;
   const Matrix3d world_rotation_;  // world_from_camera

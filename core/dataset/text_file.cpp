@@ -8,7 +8,7 @@
 namespace hermite {
 namespace {
 
-// Reads into any contiguous byte container. The size is checked before anything is allocated.
+// Reads into any contiguous byte container. The size is checked before memory is allocated.
 template <class Bytes>
 Result<Bytes> read_file(const std::string& path, std::size_t max_bytes) {
   std::error_code failure;

@@ -79,7 +79,7 @@ std::string format_tum_trajectory(const Trajectory& trajectory) {
   for (const TimedPose& pose : trajectory) {
     const Eigen::Vector3d& t = pose.world_from_camera.translation;
     const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
-    // Any double in %f needs at most 309 digits before the point.
+    // A double in %f needs at most 309 digits before the point.
     std::array<char, 8 * 330> line{};
     const int length = std::snprintf(line.data(), line.size(), "%.6f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", pose.timestamp_s, t.x(), t.y(),
                                      t.z(), q.x(), q.y(), q.z(), q.w());

@@ -9,7 +9,7 @@ std::string matrix_rows(const Rigid3& pose, int rows, const char* between) {
   const Eigen::Matrix4d matrix = pose.matrix();
   std::string text;
   for (int row = 0; row < rows; ++row) {
-    char line[4 * 330];  // any double in %f needs at most 309 digits before the point
+    char line[4 * 330];  // a double in %f needs at most 309 digits before the point
     std::snprintf(line, sizeof line, "%.9f %.9f %.9f %.9f", matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3));
     text += (row > 0 ? between : "") + std::string(line);
   }

@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kMaxPoseGap_s = 0.1;
-// Below it a view is taken to go straight up or down.
+// If the horizontal part is below this, the view is taken to be straight up or down.
 constexpr double kLeastHorizontal = 0.05;
 constexpr int kUndistortSteps = 20;
 

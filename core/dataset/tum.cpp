@@ -1,4 +1,4 @@
-// TUM RGB-D benchmark: rgb.txt and depth.txt with "time file" lines, groundtruth.txt where there is one.
+// TUM RGB-D benchmark: rgb.txt and depth.txt with "time file" lines, and groundtruth.txt if there is one.
 #include <filesystem>
 
 #include "core/dataset/camera_file.h"
@@ -29,7 +29,7 @@ Result<FileList> read_list(const std::string& path) {
   return list;
 }
 
-// The benchmark names its recordings in the comments on top of each list: "# file: 'rgbd_dataset_freiburg1_xyz.bag'".
+// The benchmark names its recordings in comments at the top of each list: "# file: 'rgbd_dataset_freiburg1_xyz.bag'".
 std::string_view head_of(const std::string& text) { return std::string_view(text).substr(0, 1000); }
 
 }  // namespace

@@ -13,20 +13,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Where the camera is and looks: yaw 0 is +x, 90 is +y, counted on over the lap so that its differences are the way it turns; pitch is
-// negative downwards.
+// Position and direction of the camera: yaw 0 is +x, 90 is +y, continued over the lap so that differences are
+// rotations; negative pitch is downwards.
 struct WayPoint {
   double x_m, y_m, yaw_deg, pitch_deg;
 };
 using Control = Eigen::Array4d;  // x, y, yaw, pitch
 
-constexpr double kWalk_m_s = 0.40, kTurn_deg_s = 30, kNod_deg_s = 12;  // between control points: the spline is never faster
+constexpr double kWalk_m_s = 0.40, kTurn_deg_s = 30, kNod_deg_s = 12;  // between control points; the spline is never faster
 constexpr double kKnot_s = 0.5;
 constexpr double kHeight_m = 1.36;  // as in the furnished room
 constexpr double kDegree_rad = M_PI / 180;
 
-// Every kKnot_s a control point on the polygon of way points, and the curve is the uniform quintic B-spline of them: four derivatives are
-// continuous, it stays within the polygon's hull, and being a mean of them its velocities are bounded by those of the control points.
+// There is a control point on the polygon of way points every kKnot_s, and the curve is their uniform quintic B-spline:
+// four derivatives are continuous, it stays within the polygon's hull, and since it is a mean of the control points its
+// velocities do not exceed theirs.
 class Path {
  public:
   explicit Path(const std::vector<WayPoint>& way) {
@@ -71,7 +72,8 @@ class Path {
     return controls_[static_cast<std::size_t>(index - lap * count)] + static_cast<double>(lap) * per_lap_;
   }
 
-  // Weights of six control points for t from 0 to 1: the quintic B-spline's pieces as truncated powers.
+  // Returns the weights of six control points for t from 0 to 1: the pieces of the quintic B-spline as truncated
+  // powers.
   static std::array<double, 6> quintic(double t) {
     constexpr double kBinomial[] = {1, -6, 15, -20, 15, -6};
     std::array<double, 6> weights{};
@@ -93,7 +95,8 @@ const std::vector<WayPoint> kLoopWay{{-1.0, 1.20, 125, -16},  {-1.9, 1.15, 114, 
                                      {3.9, 0.00, 420, -22},   {3.6, 0.60, 440, -20},   {3.0, 1.10, 455, -16},   {2.3, 1.20, 474, -14},
                                      {1.5, 1.20, 510, -20},   {0.7, 1.20, 535, -18},   {-0.2, 1.20, 505, -16}};
 
-// One half: from the middle of the passage through the western room and back. The other half is its copy, turned by 180 degrees.
+// One half: from the middle of the passage through the western room and back. The other half is its copy, rotated by
+// 180 degrees.
 const std::vector<WayPoint> kTwinHalf{{0.0, 0.0, 205, -16},    {-0.8, 0.0, 208, -16},   {-1.5, 0.0, 200, -18},   {-2.1, 0.0, 205, -18},
                                       {-2.8, -0.05, 222, -18}, {-3.6, -0.15, 235, -20}, {-4.4, -0.15, 238, -18}, {-5.1, 0.1, 205, -20},
                                       {-5.3, 0.6, 165, -20},   {-4.9, 1.1, 120, -18},   {-4.2, 1.2, 95, -16},    {-3.5, 1.0, 70, -18},

@@ -100,7 +100,7 @@ void add_rack(Furnisher& f) {
   constexpr double kShelves[] = {0.092, 0.512, 0.932, 1.352};
   int place = 0;
   for (const double z : kShelves) {
-    // Blocks of binders with a gap that wanders from board to board.
+    // Blocks of binders, with a gap at another position on each board.
     for (int slot = 0; slot < 5; ++slot, ++place) {
       if (slot == place % 4) continue;
       const double x = -0.60 + 0.245 * slot;

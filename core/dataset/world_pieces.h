@@ -1,5 +1,5 @@
-// Furniture of the larger scenes. Each piece is made for a north wall: the middle of its back at the origin, its front towards -y;
-// move_group takes it to its place. Bodies stand sunk by kSunk_m into what carries them.
+// Furniture of the larger scenes. Each piece is made for a north wall, with the middle of its back at the origin and
+// its front towards -y; move_group moves it to its place. Bodies extend by kSunk_m into what carries them.
 #pragma once
 
 #include "core/dataset/room_builder.h"

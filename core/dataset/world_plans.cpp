@@ -12,7 +12,7 @@ using Eigen::Vector2d;
 constexpr ShellLook kHomeShell{
     {Pattern::kPlaster, 0xe9e0cf, 0xc4b496}, {Pattern::kPlanks, 0xb58a58, 0x7a5230}, {Pattern::kPlaster, 0xf3f0ea, 0xd3cdc0}};
 
-// Builds a piece and takes it from where it was made to its place.
+// Builds a piece and moves it from where it was made to its place.
 template <class Piece>
 void put(Furnisher& f, const Place& place, const Piece& add_piece) {
   const std::size_t first = f.count();
@@ -20,7 +20,7 @@ void put(Furnisher& f, const Place& place, const Piece& add_piece) {
   move_group(f.out, first, f.count(), place);
 }
 
-// The same piece, materials included, at several places.
+// Puts the same piece, with the same materials, at several places.
 template <class Piece>
 void put_copies(Furnisher& f, const std::vector<Place>& places, const Piece& add_piece) {
   const std::size_t first = f.count();
@@ -30,12 +30,13 @@ void put_copies(Furnisher& f, const std::vector<Place>& places, const Piece& add
   move_group(f.out, first, last, places.front());
 }
 
-// Of a piece whose back's middle was made at `from`, on a wall that lies `made_for` in the order of Side.
+// Returns the place of a piece whose back was made with its middle at `from`, for the wall `made_for` in the order of
+// Side.
 Place to_wall(const Vector2d& from, Side made_for, const Area& area, Side side, double along) {
   return {from, at_wall(area, side, along), static_cast<int>(side) - static_cast<int>(made_for)};
 }
 
-// Of a piece of world_pieces.h.
+// The same for a piece of world_pieces.h.
 Place to_wall(const Area& area, Side side, double along) { return to_wall(Vector2d::Zero(), Side::kNorth, area, side, along); }
 
 const Vector2d kBookshelfBack(-1.5, 1.9), kSideboardBack(0.15, 1.9), kSofaBack(2.4, -0.1), kDeskBack(-0.5, -1.9), kDoorBack(1.41, -1.9);
@@ -111,7 +112,7 @@ void furnish_passage(Furnisher& f, const Area& area) {
   f.box({-1.7, 1.3}, {-0.35, 0.35}, {-kSunk_m, 0.014}, f.material(Pattern::kRug, 0x2f4f6a, 0xc8a868));
 }
 
-// What tells one end of the row from the other, and nothing else does.
+// The only objects that distinguish the two ends of the row.
 void furnish_office_ends(Furnisher& f, const Area& area) {
   const int frame = f.material(Pattern::kMetal, 0x8a8c90, 0x5a5c60);
   add_picture(f, area, Side::kEast, {0.2, 1.45, 1.6, 1.0, frame, f.material(Pattern::kScreen, 0xe8e8e4, 0x2f5a9a)});
@@ -146,7 +147,8 @@ void furnish_loop(Furnisher& f) {
 }
 
 void furnish_twins(Furnisher& f) {
-  // Half the plan's length and width are whole multiples of half a cell of the light's grid, so that the grid too is its own copy.
+  // Half the plan's length and width are whole multiples of half a cell of the light's grid, so that the grid is its
+  // own copy as well.
   const Area room{{-6.10, -2.12}, {-1.4, 2.18}}, copy{{2.12, 6.10}, {-2.18, 1.4}}, passage{{-2.0, 2.0}, {-0.65, 0.65}};
   add_shell(f, {room, copy, passage}, kHomeShell);
   const int white = f.material(Pattern::kWood, 0xf2ede2, 0xd9d0bf), oak = f.material(Pattern::kPlanks, 0xc99a62, 0x8a5a30);
@@ -173,7 +175,7 @@ void furnish_office(Furnisher& f) {
   const int cloth = f.material(Pattern::kFabric, 0x4a6a8a, 0x34506c), screen = f.material(Pattern::kScreen, 0x1c2733, 0x7fd0c0, 0.5f);
   std::vector<Place> workplaces, racks;
   for (const double x : {-2.85, -0.95, 0.95, 2.85}) {
-    // Screens back to back, not one in the other.
+    // Screens are placed back to back without intersecting.
     workplaces.push_back({Vector2d::Zero(), {x, -0.05}, 0});
     workplaces.push_back({Vector2d::Zero(), {x, 0.05}, 2});
     racks.push_back(to_wall(hall, Side::kNorth, x));
@@ -202,7 +204,7 @@ void furnish_blank(Furnisher& f) {
   put_copies(f, {to_wall(plan, Side::kSouth, 1.2), to_wall(plan, Side::kEast, 0.4), to_wall(plan, Side::kNorth, -1.6)}, add_sconce);
   // A grille beside one corner; the opposite corner has none.
   on_wall(f, {plan, Side::kEast}, {-1.30, -1.02}, {-kSunk_m, 0.02}, {0.24, 0.40}, f.material(Pattern::kTiles, 0xc8c8c4, 0x9a9a98));
-  // One tube a leg: they meet in the corners, so that the light does too.
+  // One tube for each leg of the corridor: they meet in the corners, so that the light is continuous.
   light_area(f, {plan.x, {y, kHalfWidth}}, Side::kNorth);
   light_area(f, {plan.x, {-kHalfWidth, -y}}, Side::kSouth);
   light_area(f, {{-kHalfLength, -x}, plan.y}, Side::kWest);

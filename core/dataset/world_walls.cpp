@@ -9,21 +9,21 @@ namespace {
 
 using Eigen::Vector2d;
 
-// A leaf ends this far before the wall's other face, inside the other area's leaf.
+// A leaf ends this far before the other face of the wall, inside the leaf of the other area.
 constexpr double kShort_m = 0.01;
 constexpr double kLeaf_m = kWall_m - kShort_m;
-// Walls and floors reach this far into the shell.
+// Depth by which walls and floors extend into the shell.
 constexpr double kDeep_m = 0.3;
 constexpr double kFloor_m = 0.006;
 constexpr double kLining_m = 0.015, kCasing_m = 0.05;  // of a door frame: thickness in the opening, width beside it
-constexpr float kLamp_m = 2.3f, kWindow_m = 1.7f;      // heights, those of the furnished room
+constexpr float kLamp_m = 2.3f, kWindow_m = 1.7f;      // heights as in the furnished room
 constexpr double kSkirtingDepth_m = 0.016, kCasingDepth_m = 0.02;
 
 bool runs_along_x(Side side) { return side == Side::kNorth || side == Side::kSouth; }
 
 Span along_wall(const Area& area, Side side) { return runs_along_x(side) ? area.x : area.y; }
 
-// The stretches of a wall between its openings, each opening widened by `margin` at both ends.
+// Returns the parts of a wall between its openings, each opening widened by `margin` at both ends.
 std::vector<Span> between_openings(const Area& area, Side side, const std::vector<Opening>& openings, double margin) {
   std::vector<double> middles;
   for (const Opening& opening : openings)
@@ -45,7 +45,7 @@ void add_wall(Furnisher& f, const Area& area, Side side, const AreaLook& look, c
   const Span whole = along_wall(area, side), leaf{-kLeaf_m, 0};
   const Span upright{-kDeep_m, kRoomHeight_m + kDeep_m};
   for (Span span : between_openings(area, side, openings, 0)) {
-    // Leaves of two sides fill the corner.
+    // The leaves of two sides fill the corner.
     if (span.low == whole.low) span.low -= kLeaf_m;
     if (span.high == whole.high) span.high += kLeaf_m;
     on_wall(f, {area, side}, span, leaf, upright, material);
@@ -90,7 +90,7 @@ void add_area(Furnisher& f, const Area& area, const AreaLook& look, const std::v
 void light_area(Furnisher& f, const Area& area, Side window) {
   const Vector2d low(area.x.low, area.y.low), high(area.x.high, area.y.high), middle = (low + high) / 2;
   const Vector2d at = at_wall(area, window, runs_along_x(window) ? middle.x() : middle.y());
-  // As far from the ends as from the sides; a point in a square.
+  // The tube is as far from the ends as from the sides; in a square it is a point.
   const Vector2d reach = (high - low) / 2, tube = (reach.array() - reach.minCoeff()).matrix();
   const auto at_height = [](const Vector2d& place, float z) {
     return Eigen::Vector3f(static_cast<float>(place.x()), static_cast<float>(place.y()), z);

@@ -14,8 +14,8 @@
 namespace hermite {
 namespace {
 
-constexpr wire::DepthCodec kCodec = wire::DepthCodec::kRvlZstd;  // the one that every version and server knows
-constexpr const char* kTerms = "{}";                             // no server has decided anything
+constexpr wire::DepthCodec kCodec = wire::DepthCodec::kRvlZstd;  // supported by every version and server
+constexpr const char* kTerms = "{}";                             // there is no server that could set terms
 constexpr std::chrono::milliseconds kDiskPause(10);
 
 std::string start_message(const Sequence& sequence) {
@@ -27,7 +27,7 @@ std::string start_message(const Sequence& sequence) {
   return wire::format_client_message(wire::Hello{wire::kProtocolMinor, "hermite convert", "", std::move(start)});
 }
 
-// The log never waits for its disk; we do.
+// The log never waits for its disk, so this function does.
 Status append(FrameLog& log, const std::string& payload) {
   for (;;) {
     Status status = log.append(RecordType::kFrame, payload);
@@ -50,7 +50,7 @@ Status append_frame(FrameLog& log, const RecordedFrame& frame, std::int64_t numb
 Result<WriteSummary> write_frame_log(const Sequence& sequence, FrameRange range, const std::string& folder, const WriteProgress& progress) {
   if (std::error_code ignored; std::filesystem::exists(folder, ignored))
     return Error{ErrorCode::kInvalidArgument, folder + " exists already"};
-  std::optional<Error> failure;  // the log's thread writes it; read when that has ended
+  std::optional<Error> failure;  // written by the log's thread, and read when that has ended
   auto log = FrameLog::create(folder, kTerms, start_message(sequence),
                               {.durable = [](std::uint64_t) {}, .failed = [&](const Error& error) { failure = error; }});
   if (!log.ok()) return log.error();
@@ -65,7 +65,7 @@ Result<WriteSummary> write_frame_log(const Sequence& sequence, FrameRange range,
     }
     progress(i - range.begin + 1);
   }
-  static_cast<void>((*log)->append(RecordType::kFinish, {}));  // fails only after the disk has
+  static_cast<void>((*log)->append(RecordType::kFinish, {}));  // fails only after the disk has failed
   log->reset();
   if (failure) return *failure;
   summary.remarks = left_out.lines();

@@ -36,7 +36,7 @@ class KlgWriter {
 
   Status append(RecordedFrame frame) {
     const double stamp_us = std::round(frame.timestamp_s * 1e6);
-    // The largest whole number below which every other is a double.
+    // Larger numbers of microseconds are not all exact as a double.
     if (!(std::abs(stamp_us) < 9e15))
       return Error{ErrorCode::kInvalidArgument, "the time " + std::to_string(frame.timestamp_s) + " s does not fit"};
     rounded_time_ = rounded_time_ || stamp_us / 1e6 != frame.timestamp_s;

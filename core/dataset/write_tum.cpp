@@ -10,9 +10,9 @@
 namespace hermite {
 namespace {
 
-// As short as reads back as the same number, without an exponent.
+// Returns the shortest text that reads back as the same number, without an exponent.
 std::string exact_text(double time_s) {
-  char text[400];  // 1e-308 has so many digits
+  char text[400];  // enough for the digits of 1e-308
   const auto written = std::to_chars(text, text + sizeof text, time_s, std::chars_format::fixed);
   CHECK(written.ec == std::errc(), "a time that does not fit");
   return {text, written.ptr};

@@ -15,10 +15,10 @@ using Eigen::Vector3d;
 constexpr double kRadian_per_deg = M_PI / 180;
 const double kMinSlantCosine = std::cos(kMaxSlant_deg * kRadian_per_deg);
 const double kMinNormalCosine = std::cos(kMaxNormalAngle_deg * kRadian_per_deg);
-// Of an image's width: a window of 9 and every 8th pixel at 640.
+// As fractions of the image width: a window of 9 pixels and every 8th pixel for images 640 pixels wide.
 constexpr int kWindowRadiusShare = 160, kSampleShare = 80;
 
-// Where each pixel of the straight image lies in the recorded one; -1 outside.
+// Index of the recorded pixel for each pixel of the undistorted image; -1 outside.
 using StraightPixels = std::vector<std::ptrdiff_t>;
 
 StraightPixels straight_pixels(const Camera& camera) {
@@ -33,12 +33,12 @@ StraightPixels straight_pixels(const Camera& camera) {
   return sources;
 }
 
-// A point of the surface, and the unit normal there, away from the camera; both in the camera's frame.
+// A point of the surface with its unit normal, away from the camera; both in the camera frame.
 struct Patch {
   Vector3d point, normal;
 };
 
-// What a frame saw.
+// The surface that a frame saw.
 class View {
  public:
   View(const DepthImage& depth, const Camera& camera, const StraightPixels& sources)
@@ -53,7 +53,7 @@ class View {
     }
   }
 
-  // None at edges, on slanted surfaces, without depth and outside the image.
+  // Returns std::nullopt at edges, on slanted surfaces, without depth and outside the image.
   std::optional<Patch> patch(int x, int y) const {
     if (x < radius_ || y < radius_ || x >= camera_.width - radius_ || y >= camera_.height - radius_) return std::nullopt;
     const float middle = inverse_depth_.at(x, y), most = middle * static_cast<float>(kMaxWindowSpread);
@@ -72,14 +72,14 @@ class View {
     return plane(x, y, sum / (side * side), along_x / squares, along_y / squares);
   }
 
-  // Where that point is seen.
+  // Returns the patch at the pixel onto which the point projects.
   std::optional<Patch> patch_at(const Vector3d& point) const {
     const Eigen::Vector2d pixel = camera_.project(point);
     if (!(pixel.x() > 0 && pixel.y() > 0 && pixel.x() < camera_.width && pixel.y() < camera_.height)) return std::nullopt;
     return patch(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y())));
   }
 
-  // Of pixels all over the image.
+  // Returns patches at pixels all over the image.
   std::vector<Patch> samples() const {
     std::vector<Patch> patches;
     const int step = std::max(1, camera_.width / kSampleShare);
@@ -90,7 +90,7 @@ class View {
   }
 
  private:
-  // 1/z = w + a (u - x) + b (v - y); put u = fx X / z + cx in, multiply by z, and it is the plane n.p = 1.
+  // With 1/z = w + a (u - x) + b (v - y), substituting u = fx X / z + cx and multiplying by z gives the plane n.p = 1.
   std::optional<Patch> plane(int x, int y, double w, double a, double b) const {
     const Vector3d scaled(a * camera_.fx, b * camera_.fy, w + a * (camera_.cx - x) + b * (camera_.cy - y));
     const Vector3d point = camera_.unproject(x, y, 1 / w);
@@ -104,7 +104,7 @@ class View {
   Image<float> inverse_depth_;  // 1/m, 0: none
 };
 
-// Of one pair under one trajectory.
+// Distances of one pair under one trajectory.
 struct PairDistances {
   std::vector<double> distances_m;
   double overlap = 0;
@@ -126,10 +126,10 @@ PairDistances pair_distances(const std::vector<Patch>& first, const View& second
   return pair;
 }
 
-// The poses of a frame, one a trajectory; empty when one has none.
+// The poses of a frame, one per trajectory; empty if one has none.
 using FramePoses = std::vector<Rigid3>;
 
-// One entry a trajectory.
+// Returns one entry per trajectory.
 std::vector<PairDistances> all_distances(const std::vector<Patch>& first, const FramePoses& world_from_first, const View& second,
                                          const FramePoses& world_from_second) {
   std::vector<PairDistances> pairs;
@@ -138,10 +138,10 @@ std::vector<PairDistances> all_distances(const std::vector<Patch>& first, const 
   return pairs;
 }
 
-// What one spacing has gathered so far.
+// Intermediate results of one spacing.
 struct Gathered {
   SpacingConsistency result;
-  std::vector<std::vector<double>> distances_m;  // one a trajectory
+  std::vector<std::vector<double>> distances_m;  // by trajectory
   std::vector<double> overlap_sum;
   std::vector<std::int64_t> better_count;
 
@@ -212,7 +212,7 @@ class ViewReader {
 
   const FramePoses& poses(std::int64_t index) const { return poses_[static_cast<std::size_t>(index)]; }
 
-  // None when the frame has no poses or cannot be read: others will do.
+  // Returns std::nullopt if the frame has no poses or cannot be read; the other frames suffice.
   std::optional<View> read(std::int64_t index) const {
     if (poses(index).empty()) return std::nullopt;
     const Camera& camera = sequence_.camera();

@@ -5,7 +5,7 @@
 namespace hermite {
 namespace {
 
-constexpr double kLittleDepth = 0.3;  // share of valid pixels: below, a Kinect looked at a window or was too near
+constexpr double kLittleDepth = 0.3;  // share of valid pixels; below this, a Kinect saw a window or was too near
 constexpr double kNearestSensor_m = 0.2, kFarthestSensor_m = 12;
 
 }  // namespace

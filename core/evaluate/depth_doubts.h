@@ -1,4 +1,4 @@
-// What may be wrong with the depth of a recording or a camera, in sentences for the user. Pure function.
+// Possible problems with the depth of a recording or a camera, as sentences for the user. Pure function.
 #pragma once
 
 #include <optional>
@@ -13,11 +13,11 @@ namespace hermite {
 struct DepthFindings {
   DepthSurvey survey;
   UnitGuess unit;
-  std::optional<RegistrationFit> registration;  // none: not looked at, or too few edges
+  std::optional<RegistrationFit> registration;  // nullopt: not examined, or too few edges
   double units_per_metre = 1000;                // as stated
 };
 
-// Unit, share of valid pixels, range, registration; empty without a doubt.
+// Returns doubts about unit, share of valid pixels, range and registration; empty if there are none.
 std::vector<std::string> depth_doubts(const DepthFindings& found);
 
 }  // namespace hermite

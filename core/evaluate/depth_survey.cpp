@@ -8,7 +8,7 @@ namespace hermite {
 namespace {
 
 constexpr double kNearMedian_m = 0.3, kFarMedian_m = 6;
-// Millimetres first, then what is used most: TUM's, 1/10 mm, RealSense's of close range, 1/256 m, centimetres.
+// Millimetres first, then by frequency of use: TUM's, 1/10 mm, RealSense's at close range, 1/256 m, centimetres.
 constexpr std::array<double, 5> kCommonUnits = {1000, 5000, 10000, 256, 100};
 
 std::string text(double value) {

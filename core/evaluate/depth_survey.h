@@ -1,4 +1,5 @@
-// What the values of depth images say about the sensor and its unit. Plain values; the class is for one thread at a time.
+// Statistics of depth values, and what they say about the sensor and its unit. Plain values; the class is for one
+// thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +14,10 @@ struct DepthSurvey {
   double valid_share = 0;                               // of all pixels
   std::uint16_t nearest = 0, median = 0, farthest = 0;  // sensor units: 1, 50 and 99 % of the valid values are at most these
   std::int64_t distinct_values = 0;
-  std::uint16_t common_divisor = 0;  // of all values; 0 without one
+  std::uint16_t common_divisor = 0;  // of all values; 0 if there are none
 };
 
-// Collects the values of as many images as it is given; 512 KiB.
+// Collects the values of any number of images in 512 KiB.
 class DepthValues {
  public:
   void add(const DepthImage& depth);
@@ -26,12 +27,12 @@ class DepthValues {
   std::vector<std::int64_t> counts_ = std::vector<std::int64_t>(65536);
 };
 
-// The unit that the values make likely, and why. Rooms are seen from 0.3 to 6 m: a stated unit that puts the median there is believed, else
-// the common one that does.
+// The most likely unit, with a reason. Rooms are seen from 0.3 to 6 m: if the stated unit puts the median into this
+// range it is accepted, otherwise the common unit that does.
 struct UnitGuess {
   double units_per_metre = 0;
   std::string reason;
-  bool is_doubtful = false;  // another than stated, or none fits
+  bool is_doubtful = false;  // differs from the stated unit, or no unit fits
 };
 UnitGuess guess_depth_unit(const DepthSurvey& survey, double stated_units_per_metre);
 

@@ -17,11 +17,11 @@ constexpr float kNear_m = 0.010f, kFar_m = 0.030f;
 constexpr float kMostBeside_m = 0.010f, kUnknownRadius_m = 0.005f;
 constexpr int kSparsest = 4;
 constexpr float kSameSide = 0.70710678f;  // cosine of 45 degrees
-// Two cells hold the farthest neighbour: sqrt(30^2 + 10^2) mm = 31.6 mm.
+// Two cells reach the farthest neighbour: sqrt(30^2 + 10^2) mm = 31.6 mm.
 constexpr float kCell_m = 0.016f;
 constexpr int kReach_cells = 2;
 constexpr float kHalfDiagonal_m = 0.8660254f * kCell_m;
-constexpr float kFarthestPoint_m = 10'000;  // cells are then counted within 20 bits a side
+constexpr float kFarthestPoint_m = 10'000;  // cell indices then fit 20 bits per axis
 
 std::uint64_t key_of(const Vector3i& cell) {
   const auto bits = [](int value) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value) & 0x1fffffu); };
@@ -100,7 +100,7 @@ class LayerGrid {
   }
 
   bool is_doubled(const LayerPoint& point, const std::vector<const Cell*>& around) const {
-    Sum own, front, behind;  // the point itself is one of its own
+    Sum own, front, behind;  // the point itself is in its own layer
     for (const Cell* cell : around) {
       if (beside_m(point, cell->middle_m()) > kMostBeside_m + kHalfDiagonal_m) continue;
       for (std::size_t i = cell->first; i < cell->last; ++i) {
@@ -119,7 +119,7 @@ class LayerGrid {
     return is_another(front) || is_another(behind);
   }
 
-  // Distance of a place from the line through the point along its normal.
+  // Returns the distance of a place from the line through the point along its normal.
   static float beside_m(const LayerPoint& point, const Vector3f& place) {
     const Vector3f way = place - point.position_m;
     return (way - point.normal.dot(way) * point.normal).norm();
@@ -127,7 +127,7 @@ class LayerGrid {
 
   std::vector<LayerPoint> points_;
   std::vector<Cell> cells_;
-  std::unordered_map<std::uint64_t, std::size_t> by_key_;  // looked up only: its order never shows
+  std::unordered_map<std::uint64_t, std::size_t> by_key_;  // only for look-up, never iterated
 };
 
 }  // namespace

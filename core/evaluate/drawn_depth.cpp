@@ -31,14 +31,14 @@ void draw_triangle(const std::array<DrawnCorner, 3>& corners, Image<float>& dept
       const double share_a = twice_the_area(b, c, x, y) / area, share_b = twice_the_area(c, a, x, y) / area;
       const double share_c = 1 - share_a - share_b;
       if (share_a < 0 || share_b < 0 || share_c < 0) continue;
-      // Over the image of a plane inverse depth is linear.
+      // In the image, the inverse depth of a plane is linear.
       const auto here_m = static_cast<float>(1 / (share_a * a.inverse_depth + share_b * b.inverse_depth + share_c * c.inverse_depth));
       float& pixel = depth_m.at(x, y);
       if (pixel == 0 || here_m < pixel) pixel = here_m;
     }
 }
 
-// The part of a triangle that is not too near: none, three or four corners. Sutherland and Hodgman, with one plane.
+// Clips a triangle at the near plane (Sutherland and Hodgman): no, three or four corners remain.
 std::size_t clip(const std::array<Vector3d, 3>& corners, std::array<Vector3d, 4>& clipped) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < 3; ++i) {

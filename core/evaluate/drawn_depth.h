@@ -1,4 +1,4 @@
-// The depth image of triangles from anywhere. Pure function.
+// Renders the depth image of triangles from any viewpoint. Pure function.
 #pragma once
 
 #include <vector>
@@ -8,11 +8,12 @@
 
 namespace hermite {
 
-// What lies nearer is not drawn.
+// Nearer surfaces are not drawn.
 inline constexpr double kNearestDrawnDepth_m = 0.05;
 
-// Depth along the optical axis of the nearest triangle at every pixel centre [m], both of its sides seen; 0 where there is none. Triangles
-// that are not finite are left out. The lens of the camera is not drawn: its image is the straight one.
+// Returns, at every pixel centre, the depth along the optical axis of the nearest triangle [m], seen from either side;
+// 0 if there is none. Triangles that are not finite are ignored. The camera's distortion is not applied: the image is
+// the undistorted one.
 Image<float> drawn_depth_m(const std::vector<Triangle>& triangles_in_world, const Camera& camera, const Rigid3& world_from_camera);
 
 }  // namespace hermite

@@ -12,10 +12,10 @@
 namespace hermite {
 namespace {
 
-constexpr double kGap = 1.5;  // medians: one frame is missing
+constexpr double kGap = 1.5;  // in median steps; longer ones mean a missing frame
 constexpr std::size_t kMaxGapsNamed = 5;
-constexpr double kRateTolerance = 0.2;      // of the stated rate
-constexpr double kFastestHand_m_per_s = 5;  // beyond, a pose is wrong
+constexpr double kRateTolerance = 0.2;      // as a share of the stated rate
+constexpr double kFastestHand_m_per_s = 5;  // a faster pose is wrong
 constexpr std::size_t kMaxFilesCounted = 1'000'000;
 
 std::uint64_t bytes_below(const std::string& path) {
@@ -65,7 +65,7 @@ void survey_images(const Sequence& sequence, std::int64_t max_frames, Inspection
   RegistrationCheck registration;
   std::string first_problem;
   for (std::int64_t i = 0; i < count; ++i) {
-    // The middle of each part: the first frames of a recording are often of a hand.
+    // The middle of each part, because the first frames of a recording often show a hand.
     auto recorded = sequence.read((2 * i + 1) * sequence.frame_count() / (2 * count));
     const Result<RgbdFrame> frame = recorded.ok() ? decode_frame(*std::move(recorded)) : Result<RgbdFrame>(recorded.error());
     ++found.frames_looked_at;

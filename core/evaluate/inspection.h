@@ -1,4 +1,4 @@
-// What a recording is and what may be wrong with it, before anybody spends an hour on it: `hermite inspect`.
+// Describes a recording and its possible problems before time is spent on reconstructing it: `hermite inspect`.
 #pragma once
 
 #include <cstdint>
@@ -19,33 +19,34 @@ struct TimeGap {
 
 struct TruthSurvey {
   std::int64_t pose_count = 0;
-  std::int64_t frames_with_pose = 0;  // at most 20 ms away
+  std::int64_t frames_with_pose = 0;  // with a pose at most 20 ms away
   double path_m = 0;
-  double fastest_m_per_s = 0;  // between poses that follow each other
+  double fastest_m_per_s = 0;  // between consecutive poses
 };
 
 struct Inspection {
   std::string name, format, format_reason;
   std::int64_t frame_count = 0;
   double duration_s = 0;
-  double stated_rate_hz = 0, measured_rate_hz = 0;  // measured: by the median step; 0 for one frame
+  double stated_rate_hz = 0, measured_rate_hz = 0;  // measured_rate_hz is from the median step; 0 for one frame
   std::int64_t gap_count = 0;                       // steps of more than 1.5 medians
   std::vector<TimeGap> longest_gaps;                // at most 5
-  std::uint64_t size_bytes = 0;                     // on the disk
+  std::uint64_t size_bytes = 0;                     // on disk
   Camera camera;
   std::string camera_source;
   std::int64_t frames_looked_at = 0, unreadable_count = 0;
   DepthSurvey depth;
   UnitGuess unit;
-  std::optional<RegistrationFit> registration;  // none: known to be another camera's, or too few edges
+  std::optional<RegistrationFit> registration;  // nullopt: depth is known to be that of another camera, or there are too few edges
   TruthSurvey truth;
-  std::vector<std::string> doubts;  // the recording's own and what the looking brought
+  std::vector<std::string> doubts;  // those of the recording itself and those found by the inspection
 };
 
-// Looks at the times of all frames and at `max_frames` images (at least 1), spread evenly. `path` is where the recording lies.
+// Examines the times of all frames and `max_frames` images (at least 1), spread evenly. `path` is the location of the
+// recording.
 Inspection inspect(const Recording& recording, const std::string& path, std::int64_t max_frames = 24);
 
-// For people, and as one JSON object.
+// Return the inspection as text for people, and as one JSON object.
 std::string inspection_text(const Inspection& inspection);
 std::string inspection_json(const Inspection& inspection);
 

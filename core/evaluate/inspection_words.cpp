@@ -1,4 +1,4 @@
-// An inspection as text and as JSON.
+// Formats an inspection as text and as JSON.
 #include <cstdarg>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -8,7 +8,7 @@
 namespace hermite {
 namespace {
 
-// A line of the text: the label, then what printf makes of the rest.
+// Appends a line of the text: the label and the formatted rest.
 __attribute__((format(printf, 3, 4))) void add_line(std::string& text, const char* label, const char* format, ...) {
   char words[400];
   std::va_list values;
@@ -123,7 +123,7 @@ std::string inspection_json(const Inspection& found) {
                            {"frames_with_pose", found.truth.frames_with_pose},
                            {"path_m", found.truth.path_m},
                            {"fastest_m_per_s", found.truth.fastest_m_per_s}};
-  // Names of files need not be UTF-8.
+  // File names need not be UTF-8.
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 

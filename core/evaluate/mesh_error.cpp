@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kAtOnce = 4096;
-// A sample of the truth that is farther from the mesh is missing.
+// A sample of the truth that is farther from the mesh counts as missing.
 constexpr double kMissing_m = 0.010;
 
 double area_m2(const Triangle& t) {
@@ -40,7 +40,7 @@ double share_within(const std::vector<double>& distances_m, double within_m) {
   return static_cast<double>(std::count_if(distances_m.begin(), distances_m.end(), is_within)) / static_cast<double>(distances_m.size());
 }
 
-// Of absolute differences of depth.
+// Absolute differences of depth.
 struct DepthDifferences {
   std::vector<float> both_m;
   std::int64_t missing = 0;
@@ -104,7 +104,7 @@ std::vector<Vector3d> points_on(const std::vector<Triangle>& triangles, std::siz
   for (const Triangle& triangle : triangles) {
     passed_m2 += area_m2(triangle);
     while (points.size() < count && (static_cast<double>(points.size()) + 0.5) / static_cast<double>(count) * total_m2 < passed_m2) {
-      // The additive sequence of the plastic number fills a square evenly; its half beyond the diagonal is folded back.
+      // The additive sequence of the plastic number fills a square evenly; the half beyond the diagonal is folded back.
       const auto i = static_cast<double>(points.size());
       double u = std::fmod(0.5 + 0.7548776662466927 * i, 1.0), v = std::fmod(0.5 + 0.5698402909980532 * i, 1.0);
       if (u + v > 1) u = 1 - u, v = 1 - v;

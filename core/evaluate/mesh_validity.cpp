@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 constexpr double kLeastArea_m2 = 1e-9;
 
-// One side of a face, as an edge from the lesser to the greater vertex.
+// A side of a face, as an edge from the lower to the higher vertex.
 struct FaceSide {
   std::uint32_t low = 0, high = 0;
   std::uint32_t face = 0;
@@ -67,7 +67,7 @@ std::vector<FaceSide> sides_of(const std::vector<TriangleCorners>& triangles) {
   return sides;
 }
 
-// `fans`: corner 3 f + i of face f and its neighbours across edges are one set.
+// In `fans`, corner 3 f + i of face f and its neighbours across edges form one set.
 void judge_edges(const std::vector<TriangleCorners>& triangles, MeshValidity& validity, DisjointSets& fans) {
   const std::vector<FaceSide> sides = sides_of(triangles);
   const auto corner_at = [&](std::uint32_t face, std::uint32_t vertex) {
@@ -85,7 +85,7 @@ void judge_edges(const std::vector<TriangleCorners>& triangles, MeshValidity& va
   }
 }
 
-// Faces are of one part when they share a vertex, of one fan when they share an edge at it.
+// Faces belong to one part if they share a vertex, and to one fan if they also share an edge there.
 void judge_vertices(const TriangleMesh& mesh, const std::vector<TriangleCorners>& triangles, DisjointSets& fans, MeshValidity& validity) {
   std::vector<std::vector<std::uint32_t>> fans_at(mesh.positions_m.size());
   DisjointSets parts(mesh.positions_m.size());

@@ -7,17 +7,17 @@
 namespace hermite {
 namespace {
 
-// A Kinect's two cameras differ by 10 % in focal length and by 25 mm, which is 19 pixels at 0.7 m.
+// The two cameras of a Kinect differ by 10 % in focal length and by 25 mm, which is 19 pixels at 0.7 m.
 constexpr double kScaleStep = 0.02;
 constexpr int kShiftStep_px = 2;
 constexpr double kMinGain = 1.15;  // registered recordings gain up to 1.06 by chance
 constexpr double kMinDisplacement_px = 5;
 constexpr std::int64_t kMinEdges = 2000;
 constexpr std::size_t kMaxEdgesPerFrame = 3000;
-constexpr double kMinInside = 0.7;  // of the edges still inside the image, for a displacement to be compared
-constexpr int kReach_px = 2;        // of the two pixels whose depths are compared
-constexpr double kMinStep = 0.06;   // of the nearer depth: beyond the slope of a floor seen flatly
-constexpr int kMaxGradient = 60;    // of 255: one bright window must not decide
+constexpr double kMinInside = 0.7;  // share of the edges that must remain in the image for a displacement to be compared
+constexpr int kReach_px = 2;        // distance of the two pixels whose depths are compared
+constexpr double kMinStep = 0.06;   // share of the nearer depth: more than the slope of a floor at a grazing angle
+constexpr int kMaxGradient = 60;    // of 255, so that one bright window does not dominate
 constexpr double kNearest_m = 0.3, kFarthest_m = 6;
 
 struct Pixel {
@@ -91,7 +91,7 @@ std::optional<RegistrationFit> RegistrationCheck::fit() const {
   if (edge_count_ < kMinEdges) return std::nullopt;
   const auto mean = [](const Sum& sum) { return sum.gradient / static_cast<double>(sum.count); };
   const std::size_t middle = (static_cast<std::size_t>(kScales / 2) * kShiftsY + kShiftsY / 2) * kShiftsX + kShiftsX / 2;
-  if (!(mean(sums_[middle]) > 0)) return std::nullopt;  // a black picture
+  if (!(mean(sums_[middle]) > 0)) return std::nullopt;  // a black image
   std::size_t best = middle;
   for (std::size_t i = 0; i < sums_.size(); ++i) {
     const bool enough = static_cast<double>(sums_[i].count) >= kMinInside * static_cast<double>(edge_count_);

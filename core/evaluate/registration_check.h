@@ -1,5 +1,5 @@
-// Is depth registered to colour? Edges of depth lie on edges of the picture: where they would lie better on it magnified or shifted, the
-// images come from two cameras. Deterministic; one thread at a time.
+// Checks whether depth is registered to colour. Depth edges lie on image edges; if they fit better when magnified or
+// shifted, the images are from two cameras. Deterministic; one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -11,22 +11,22 @@
 
 namespace hermite {
 
-// How depth would have to be moved to lie on colour: u' = scale (u - cx) + cx + dx, from the middle of the image.
+// The transform of depth that fits colour best: u' = scale (u - cx) + cx + dx, with cx in the middle of the image.
 struct RegistrationFit {
   double scale = 1;
   int dx_px = 0, dy_px = 0;
-  double gain = 1;      // mean picture gradient under the depth edges, as a multiple of that where they are
-  double worst_px = 0;  // the largest displacement that this means at the border of the image
-  // Enough of both to be worth a word to the user.
+  double gain = 1;      // mean image gradient under the transformed depth edges, relative to that without the transform
+  double worst_px = 0;  // the largest resulting displacement at the border of the image
+  // Returns whether gain and displacement are large enough to tell the user.
   bool is_doubtful() const;
 };
 
 class RegistrationCheck {
  public:
-  // Frames of the camera's size.
+  // The frame has the camera's size.
   void add(const RgbdFrame& frame, double depth_units_per_metre);
 
-  // Nothing when there were too few depth edges to tell.
+  // Returns std::nullopt if there were too few depth edges.
   std::optional<RegistrationFit> fit() const;
 
  private:

@@ -22,12 +22,12 @@ using Eigen::Vector3d;
 using Eigen::Vector3i;
 
 constexpr double kSeenCell_m = 0.02;
-// Normals are compared between neighbours of this spacing, at most so far apart.
+// Normals are compared between points of this spacing that are at most this far apart.
 constexpr double kNormalSpacing_m = 0.01, kCreaseReach_m = 0.015;
-// Normals of depth are made over so many pixels to each side.
+// Normals of depth are computed over this many pixels to each side.
 constexpr int kNormalReach_px = 2;
 constexpr double kSameSurfaceShare = 0.03;
-// A face seen at a grazing angle may be the gap between two.
+// A face at a grazing angle may be the gap between two surfaces.
 constexpr double kLeastCosine = 0.25;
 constexpr double kMostMoved_m = 0.15;
 constexpr double kMostTurned_rad = 10 * std::numbers::pi / 180;
@@ -45,9 +45,9 @@ struct PointWithNormal {
   Vector3d normal;  // unit
 };
 
-// The truth as it comes together.
+// The truth while it is being collected.
 struct Gathering {
-  std::shared_ptr<const SyntheticRoom> room;  // none: the depth is the truth
+  std::shared_ptr<const SyntheticRoom> room;  // nullptr: the depth is the truth
   std::vector<Triangle> triangles;            // of the depth
   std::vector<Vector3d> samples;
   std::unordered_set<std::uint64_t> sampled;
@@ -116,7 +116,8 @@ Camera half_of(Camera camera) {
   return camera;
 }
 
-// Halved until the way there leads through nothing.
+// Displaces a camera. The displacement is halved up to three times until the way there stays kSurfaceReach_m away from
+// surfaces; if it still does not, the camera is not displaced.
 Rigid3 moved_aside(const Rigid3& world_from_camera, int view, const SeenTruth& truth) {
   Vector6d twist;
   for (int i = 0; i < 6; ++i)
@@ -167,7 +168,7 @@ void add_views(const Sequence& sequence, const Gathering& gathering, int count, 
     if (view) truth.views.push_back(*std::move(view));
 }
 
-// None for a source that is no synthetic one.
+// Returns nullptr for a source that is not synthetic.
 Result<std::shared_ptr<const SyntheticRoom>> synthetic_room_of(const std::string& source) {
   static const std::string kPrefix = "synthetic";
   const std::string base = source_without_suffixes(source);

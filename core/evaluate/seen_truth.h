@@ -1,5 +1,5 @@
-// All of the true surface that a sequence has seen, to judge a mesh by: more frames than true_surface.h takes, where the surface has
-// creases, and what cameras beside the path would see.
+// The complete true surface that a sequence has seen, to judge a mesh by: from more frames than for true_surface.h,
+// with the creases of the surface, and with views from cameras beside the path.
 #pragma once
 
 #include <functional>
@@ -12,22 +12,23 @@
 
 namespace hermite {
 
-// Samples are one for each cube of this side that a frame has seen.
+// There is one sample for each cube of this side that a frame has seen.
 inline constexpr double kSampleSpacing_m = 0.005;
 
-// What a camera that was moved from the path by up to 15 cm and 10 degrees along and about every axis would see.
+// The view of a camera that was displaced from the path by up to 15 cm and rotated by up to 10 degrees along and about
+// each axis.
 struct BesideView {
   Rigid3 world_from_camera;
-  Image<float> depth_m;  // 0: nothing, or nothing that a frame of the sequence has seen
+  Image<float> depth_m;  // 0: no surface, or one that no frame of the sequence has seen
 };
 
 struct SeenTruth {
   std::function<double(const Eigen::Vector3d&)> distance_m;  // of a point of the true world, at most kSurfaceReach_m (true_surface.h)
   std::vector<Eigen::Vector3d> samples;
-  // Points, a centimetre apart, that have one with a normal 30 to 150 degrees away within 1.5 cm: where the surface bends sharply, not
-  // where it ends or turns its back.
+  // Points, a centimetre apart, that have a neighbour within 1.5 cm whose normal differs by 30 to 150 degrees: where
+  // the surface bends sharply, not where it ends or faces away.
   std::vector<Eigen::Vector3d> creases;
-  Camera view_camera;  // half the sequence's size where that is more than 320 wide
+  Camera view_camera;  // half the sequence's size if that is more than 320 wide
   std::vector<BesideView> views;
 };
 
@@ -36,8 +37,9 @@ struct SeenTruthOptions {
   int view_count = 200;
 };
 
-// From every so-many-th frame, at the poses of the ground truth. Of the synthetic rooms distances and views are exact; else they are
-// those of the depth. Frames that cannot be read or have no pose are left out. kNotFound: no ground truth.
+// Uses every frame_stride-th frame, at the poses of the ground truth. In the synthetic rooms distances and views are
+// exact; otherwise they come from the depth. Frames that cannot be read or have no pose are skipped. kNotFound without
+// ground truth.
 Result<SeenTruth> seen_truth(const Sequence& sequence, const std::string& source, const SeenTruthOptions& options = {});
 
 }  // namespace hermite

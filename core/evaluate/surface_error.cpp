@@ -25,7 +25,7 @@ Result<SurfaceError> surface_error(std::vector<double> distances_m) {
   }
   std::sort(distances_m.begin(), distances_m.end());
   const std::size_t count = distances_m.size(), middle = count / 2;
-  const std::size_t rank95 = (count * 95 + 99) / 100;  // rounded up, from 1
+  const std::size_t rank95 = (count * 95 + 99) / 100;  // rounded up; counts from 1
 
   SurfaceError error;
   error.point_count = static_cast<std::int64_t>(count);

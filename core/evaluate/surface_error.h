@@ -1,4 +1,4 @@
-// How far the points of a reconstruction lie from the true surface. Pure functions.
+// Measures how far the points of a reconstruction are from the true surface. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -18,16 +18,16 @@ struct SurfaceError {
   double max_m = 0;
 };
 
-// `distance_m` gives the unsigned distance [m] of a point of the true world to the true surface (SyntheticRoom::surface_distance);
-// `world_from_cloud` is where the cloud lies in that world, usually the alignment of its trajectory.
-// kInvalidArgument: no points, a point or a distance that is not finite.
+// `distance_m` returns the unsigned distance [m] of a point of the true world from the true surface
+// (SyntheticRoom::surface_distance); `world_from_cloud` is the pose of the cloud in that world, usually the alignment
+// of its trajectory. kInvalidArgument for no points, and for a point or a distance that is not finite.
 Result<SurfaceError> surface_error(const std::vector<Eigen::Vector3d>& points_in_cloud, const Rigid3& world_from_cloud,
                                    const std::function<double(const Eigen::Vector3d&)>& distance_m);
 
-// The same of distances [m] that are known already, in any order.
+// The same for known distances [m] in any order.
 Result<SurfaceError> surface_error(std::vector<double> distances_m);
 
-// Keys: surface_points, surface_{mean,median,rmse,percentile95,max}_m.
+// Returns an object with the keys surface_points, surface_{mean,median,rmse,percentile95,max}_m.
 std::string format_surface_error_json(const SurfaceError& error);
 
 }  // namespace hermite

@@ -128,7 +128,8 @@ Rigid3 align_points(const std::vector<Eigen::Vector3d>& target, const std::vecto
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < target.size(); ++i) covariance += (target[i] - target_mean) * (source[i] - source_mean).transpose();
 
-  // Umeyama 1991, Eq. 40 and 43: the last singular direction is flipped where the best orthogonal matrix would mirror.
+  // Umeyama 1991, Eq. 40 and 43: the last singular direction is flipped if the optimal orthogonal matrix is a
+  // reflection.
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const bool mirrors = svd.matrixU().determinant() * svd.matrixV().determinant() < 0;
   const Eigen::Vector3d signs(1, 1, mirrors ? -1 : 1);
@@ -181,7 +182,7 @@ std::string format_trajectory_error_json(const TrajectoryError& error) {
 
 std::string format_frame_errors_csv(const std::vector<FrameError>& frames) {
   std::string text = "index,timestamp_s,translation_error_m,rotation_error_deg,step_translation_error_m,step_rotation_error_deg\n";
-  // Any double in %f needs at most 309 digits before the point.
+  // A double in %f needs at most 309 digits before the point.
   std::array<char, 4 * 330> line{};
   const auto append = [&](int length) { text.append(line.data(), static_cast<std::size_t>(length)); };
   for (const FrameError& frame : frames) {

@@ -11,7 +11,7 @@ using Eigen::Vector3f;
 using Eigen::Vector3i;
 
 constexpr float kCell_m = 0.02f;
-// Larger triangles are halved: the box around a slanted one would fill a volume of cells.
+// Larger triangles are halved, because the bounding box of a slanted one would fill a volume of cells.
 constexpr float kLongestEdge_m = 4 * kCell_m;
 constexpr int kDeepest = 24;
 
@@ -29,7 +29,8 @@ bool is_finite(const Triangle& t) { return t[0].allFinite() && t[1].allFinite() 
 
 }  // namespace
 
-// Closest point by the region of the triangle's plane that the point projects into (Ericson, Real-Time Collision Detection, 5.1.5).
+// Finds the closest point by the region of the triangle's plane into which the point projects (Ericson, Real-Time
+// Collision Detection, 5.1.5).
 double distance_to_triangle_m(const Vector3f& point, const Triangle& triangle) {
   const auto& [a, b, c] = triangle;
   const Vector3f ab = b - a, ac = c - a, ap = point - a;

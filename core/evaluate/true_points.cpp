@@ -19,12 +19,12 @@ constexpr std::int64_t kMostViews = 120;
 constexpr double kNearestTruth_m = 0.4, kFarthestTruth_m = 4.5;
 constexpr double kSameDepth_m = 0.01, kSameDepthShare = 0.01;
 
-// Of a plane: depth is rounded to 0.2 mm and more.
+// Limits for planes: depth is rounded to 0.2 mm or more.
 constexpr double kOnPlane_m = 0.0015, kBesidePlane_m = 0.0045, kMostBesideShare = 0.2, kLeastBreadth_m = 0.04;
 constexpr std::size_t kLeastPixels = 400;
 constexpr int kSeedRadius_px = 4, kPlaneRounds = 3;
 
-// Through points, facing `towards`, and how far they spread across their longest direction (standard deviation).
+// A plane through points, facing `towards`, with the standard deviation of the points across their longest direction.
 struct FittedPlane {
   Vector3d centre_m, normal;
   double breadth_m = 0;

@@ -1,4 +1,5 @@
-// Points and planes of the true surface, and where a reconstruction has the points: to judge what is measured in a scan.
+// Points and planes of the true surface, and the positions of the points in a reconstruction, to judge measurements in
+// a scan.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,44 +13,46 @@
 
 namespace hermite {
 
-// A pixel of one of the frames that are looked at.
+// A pixel of one of the examined frames.
 struct TruePixel {
   std::size_t view = 0;
   int x = 0, y = 0;
 };
 
 struct TruePoint {
-  TruePixel pixel;                                        // that shows it
-  Eigen::Vector3d true_m = Eigen::Vector3d::Zero();       // in the true world
-  Eigen::Vector3d estimated_m = Eigen::Vector3d::Zero();  // in the estimate's: the mean over frames that see it, each by its own two poses
+  TruePixel pixel;                                   // the pixel that shows it
+  Eigen::Vector3d true_m = Eigen::Vector3d::Zero();  // in the true world
+  // in the world of the estimate: the mean over frames that see it, each transformed by its true and its estimated pose
+  Eigen::Vector3d estimated_m = Eigen::Vector3d::Zero();
 };
 
-// As far as one frame shows it, in the true world.
+// A plane as far as one frame shows it, in the true world.
 struct TruePlane {
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();  // unit, towards the camera
   std::vector<TruePixel> pixels;
 };
 
-// Const and thread-safe once it is made.
+// Const and thread-safe after construction.
 class TruePlaces {
  public:
-  // Of up to 120 frames of `sequence`, spread evenly, whose depth is without noise. kNotFound: no true poses, no pose of the estimate at
-  // the time of a frame.
+  // Uses up to 120 frames of `sequence`, spread evenly, whose depth is without noise. kNotFound when there are no true
+  // poses, or no pose of the estimate at the time of a frame.
   static Result<TruePlaces> of(const Sequence& sequence, const Trajectory& estimate);
 
-  // The first `count` random pixels of random frames, the same for the same seed. Those that show nothing 0.4 to 4.5 m deep, or what no
-  // frame that has an estimate sees, are left out. A frame sees a point where its depth is the point's, within 1 cm and 1 %. No alignment
-  // of the two worlds is needed, and none is made.
+  // Returns the points at the first `count` random pixels of random frames, the same for the same seed. Pixels are
+  // skipped if they show nothing at 0.4 to 4.5 m, or a point that no frame with an estimate sees. A frame sees a point
+  // if its depth is that of the point within 1 cm and 1 %. The two worlds need not be aligned.
   std::vector<TruePoint> points(std::size_t count, std::uint64_t seed) const;
-  std::optional<TruePoint> point_at(const TruePixel& pixel) const;  // none: left out for such a reason
+  std::optional<TruePoint> point_at(const TruePixel& pixel) const;  // nullopt: skipped for one of these reasons
 
-  // Around a pixel, as far as neighbours of neighbours lie within 1.5 mm of one plane. None: less than some 14 cm broad (standard deviation
-  // 4 cm), fewer than 400 pixels, or bent: within 4.5 mm of it there are more than a fifth more.
+  // Returns the plane around a pixel, grown over neighbours within 1.5 mm of it; std::nullopt if it is less than about
+  // 14 cm wide (standard deviation 4 cm), has fewer than 400 pixels, or is bent: more than a fifth more pixels within
+  // 4.5 mm.
   std::optional<TruePlane> plane_at(const TruePixel& pixel) const;
 
-  // What is up in the true world: that of its axes which the first camera's up is nearest to. True worlds stand upright.
+  // Returns the axis of the true world that is nearest to the first camera's up direction. True worlds are upright.
   Eigen::Vector3d true_up() const;
-  Eigen::Quaterniond estimate_from_true() const;  // how the estimate's world is turned: the mean over the frames
+  Eigen::Quaterniond estimate_from_true() const;  // rotation of the estimate's world: the mean over the frames
 
  private:
   struct View {

@@ -39,7 +39,7 @@ Result<TrueSurface> surface_of_sequence(const Sequence& sequence, const std::str
     const std::optional<Rigid3> world_from_camera = pose_at(sequence.groundtruth(), sequence.timestamp_s(i), kMaxAssociationGap_s);
     if (!world_from_camera) continue;
     const Result<RecordedFrame> frame = sequence.read(i);
-    if (!frame.ok()) continue;  // another frame will have seen it
+    if (!frame.ok()) continue;  // the other frames suffice
     append_depth_triangles(frame->depth, sequence.camera(), *world_from_camera, sequence.camera().width > kWideImage_px ? 2 : 1, triangles);
   }
   const std::string base = source_without_suffixes(source);

@@ -1,4 +1,5 @@
-// What a reconstruction is measured against: the depth of a sequence at its true poses, the formulas of the synthetic room, or a mesh.
+// The reference for a reconstruction: the depth of a sequence at its true poses, the formulas of the synthetic room, or
+// a mesh.
 #pragma once
 
 #include <functional>
@@ -12,21 +13,21 @@
 
 namespace hermite {
 
-// Distances are capped here: what lies farther is no part of this surface, and must not decide a mean.
+// Distances are capped at this: farther points do not belong to this surface and must not dominate a mean.
 inline constexpr double kSurfaceReach_m = 0.1;
 
 struct TrueSurface {
   std::function<double(const Eigen::Vector3d&)> distance_m;  // of a point of the true world, at most kSurfaceReach_m
-  std::vector<Eigen::Vector3d> samples;                      // points all over it
+  std::vector<Eigen::Vector3d> samples;                      // points spread over the surface
 };
 
 TrueSurface surface_of_triangles(const std::vector<Triangle>& triangles);
 
-// From up to 24 frames spread over the sequence, at the poses of its ground truth; distances in the synthetic room are exact.
-// kNotFound: no ground truth.
+// Uses up to 24 frames spread over the sequence, at the poses of its ground truth; distances in the synthetic room are
+// exact. kNotFound without ground truth.
 Result<TrueSurface> surface_of_sequence(const Sequence& sequence, const std::string& source);
 
-// The share of the samples that have a point of the cloud within `within_m`. 0 to 1; 0 without samples.
+// Returns the share of the samples that have a point of the cloud within `within_m`, 0 to 1; 0 without samples.
 double completeness(const TrueSurface& surface, const TriangleSurface& cloud_in_world, double within_m);
 
 }  // namespace hermite

@@ -11,11 +11,12 @@ namespace hermite::gpu {
 namespace {
 
 constexpr VkMemoryPropertyFlags kOnGpu = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
-// Coherent, so that no flush or invalidation is ever needed; every device has such memory.
+// Coherent, so that flushing and invalidation are never needed; every device has such memory.
 constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 constexpr VkMemoryPropertyFlags kHostCached = kHost | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 
-// The first memory type that has all of the earliest wish that any type can fulfil; -1 when none can.
+// Returns the first allowed memory type with all properties of the earliest of the `wishes` that any type fulfils; -1
+// if none does.
 int find_memory_type(const VkPhysicalDeviceMemoryProperties& memory, std::uint32_t allowed,
                      std::initializer_list<VkMemoryPropertyFlags> wishes) {
   for (VkMemoryPropertyFlags wish : wishes)
@@ -26,7 +27,8 @@ int find_memory_type(const VkPhysicalDeviceMemoryProperties& memory, std::uint32
 
 int find_memory_type(const Device& device, std::uint32_t allowed, Memory memory) {
   if (memory == Memory::kReadback) return find_memory_type(device.memory(), allowed, {kHostCached, kHost});
-  // Mapping device memory of a discrete card (resizable BAR) would make downloads crawl: uncached reads over the bus.
+  // Mapping the device memory of a discrete card (resizable BAR) would make downloads very slow, because the host would
+  // read uncached memory over the bus.
   const DeviceKind kind = device.info().kind;
   if (kind == DeviceKind::kIntegrated || kind == DeviceKind::kCpu)
     return find_memory_type(device.memory(), allowed, {kOnGpu | kHostCached, kOnGpu, kHost});

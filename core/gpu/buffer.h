@@ -1,10 +1,11 @@
-// Arrays in GPU memory, zero when made. A shader binds one as a storage buffer, or, only to read it, as a texel buffer where the device has
-// large ones (embedded.h has both): a texel is as wide
-// as the array's elements, or as the widest of 4, 8 and 16 bytes that divides them.
+// Arrays in GPU memory, initialised with zeros. A shader binds one as a storage buffer, or as a texel buffer if it only
+// reads it and the device supports large texel buffers (embedded.h has both). A texel has the size of the array's
+// elements, or of the widest of 4, 8 and 16 bytes that divides them.
 //
-// Host access is immediate: it does not wait for commands that are recorded but not yet submitted, and these will see what it wrote.
-// A buffer must die before its device and must not be used by commands after it is gone. Moving is cheap; a moved-from buffer is empty.
-// Throws DeviceError when the device refuses: the words name purpose and size.
+// Host access is immediate: it does not wait for commands that are recorded but not yet submitted, and these will see
+// the data that it wrote. A buffer must be destroyed before its device, and commands must not use it afterwards. Moving
+// is cheap; a moved-from buffer is empty. Throws DeviceError when the device refuses; the message names purpose and
+// size.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -24,14 +25,14 @@ namespace hermite::gpu {
 
 enum class Memory {
   kDevice,    // fast for the GPU; the host copies through a staging buffer, or directly where both share the memory (integrated, CPU)
-  kReadback,  // always mapped and cached for the host; the GPU may read and write it, slowly on discrete devices
+  kReadback,  // always mapped and cached for the host; the GPU can read and write it, slowly on discrete devices
 };
 
-// What a dispatch binds. `bytes` is rounded up to 4 and at least 4.
+// The buffer that a dispatch binds. `bytes` is rounded up to a multiple of 4, and at least 4.
 struct BufferRef {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize bytes = 0;
-  VkBufferView texels = VK_NULL_HANDLE;  // none where no texel is whole, or the device's texel buffers hold fewer
+  VkBufferView texels = VK_NULL_HANDLE;  // none if the size is no multiple of a texel, or above the device's limit for texel buffers
 };
 
 class RawBuffer {
@@ -44,9 +45,9 @@ class RawBuffer {
 
   std::size_t bytes() const { return bytes_; }
   BufferRef ref() const { return {buffer_, allocated_bytes_, texels_}; }
-  void* mapped() const { return mapped_; }  // null where the host cannot see the memory
+  void* mapped() const { return mapped_; }  // nullptr where the host cannot access the memory
 
-  // CHECK: within bytes().
+  // CHECK: the range is within bytes().
   void upload(const void* source, std::size_t bytes, std::size_t first_byte);
   void download(void* target, std::size_t bytes, std::size_t first_byte) const;
 
@@ -84,7 +85,7 @@ class Buffer {
   std::size_t count() const { return count_; }
   std::size_t bytes() const { return raw_.bytes(); }
 
-  // Elements from `first` on. CHECK: within count().
+  // Copy elements from `first` on. CHECK: the range is within count().
   void upload(std::span<const T> values, std::size_t first = 0) { raw_.upload(values.data(), values.size_bytes(), first * sizeof(T)); }
   void download_into(std::span<T> values, std::size_t first = 0) const {
     raw_.download(values.data(), values.size_bytes(), first * sizeof(T));
@@ -97,7 +98,7 @@ class Buffer {
     return values;
   }
 
-  // Direct view, without a copy. CHECK: is_mapped(), which kReadback always is.
+  // Direct view, without a copy. CHECK: is_mapped(), which is always true for kReadback.
   bool is_mapped() const { return raw_.mapped() != nullptr; }
   std::span<const T> mapped() const {
     CHECK(is_mapped(), "mapped() of memory that the host cannot see");
@@ -107,7 +108,7 @@ class Buffer {
   operator BufferRef() const { return raw_.ref(); }
 
  private:
-  // An absurd count stays absurd instead of wrapping round to a small one.
+  // A count too large for the multiplication must not wrap around to a small size.
   static std::size_t bytes_of(std::size_t count) { return count > SIZE_MAX / sizeof(T) ? SIZE_MAX : count * sizeof(T); }
 
   RawBuffer raw_;

@@ -1,4 +1,4 @@
-// What a buffer holds, in a format of our own (core/base/byte_stream.h). Between submissions.
+// Saves the content of a buffer in the format of core/base/byte_stream.h. Between submissions.
 #pragma once
 
 #include <vector>
@@ -13,7 +13,7 @@ void save(ByteWriter& bytes, const Buffer<T>& buffer) {
   bytes.numbers(buffer.download());
 }
 
-// The reader refuses what has another length than the buffer, which then stays as it is.
+// The reader fails if the saved content has another length than the buffer, which then keeps its content.
 template <class T>
 void restore(ByteReader& bytes, Buffer<T>& buffer) {
   std::vector<T> values;

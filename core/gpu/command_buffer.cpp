@@ -47,7 +47,7 @@ void CommandBuffer::destroy() noexcept {
 
 VkCommandBuffer CommandBuffer::vk() {
   if (recording_) return buffer_;
-  device_.throw_if_lost();  // a hung submission still owns the buffer
+  device_.throw_if_lost();  // a hung submission still uses the buffer
   throw_if_failed(vkResetCommandPool(device_.vk(), pool_, 0), "reset a command pool");
   VkCommandBufferBeginInfo begin{};
   begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;

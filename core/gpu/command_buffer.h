@@ -1,4 +1,4 @@
-// A command buffer that is recorded, run to its end and used again. For core/gpu only: passes use Commands.
+// A command buffer that is recorded, run to completion and reused. For core/gpu only; passes use Commands.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -17,11 +17,12 @@ class CommandBuffer {
   CommandBuffer& operator=(const CommandBuffer&) = delete;
 
   bool recording() const { return recording_; }
-  // The buffer to record into; begins it if need be. Throws DeviceError once the device is lost.
+  // Returns the buffer to record into, after beginning it if necessary. Throws DeviceError once the device is lost.
   VkCommandBuffer vk();
-  // Everything recorded before is done and seen by everything recorded after, shaders and transfers alike.
+  // Makes everything recorded before complete and visible to everything recorded after, shaders and transfers alike.
   void barrier();
-  // Ends, runs, waits. What the GPU wrote is then seen by mapped pointers. Throws DeviceError; recorded commands are dropped either way.
+  // Ends the recording, runs it and waits. Afterwards mapped pointers see what the GPU wrote. Throws DeviceError; the
+  // recorded commands are dropped in any case.
   void run(std::chrono::milliseconds limit = kWaitLimit);
 
  private:

@@ -33,7 +33,7 @@ Commands::~Commands() {
 
 VkCommandBuffer Commands::next() {
   const bool first = !commands_.recording();
-  commands_.barrier();  // begins: nothing of what was recorded before runs any more
+  commands_.barrier();  // begins the recording: nothing recorded before is still running
   if (first) sets_.take_back();
   if (first) write_timestamp(0);
   return commands_.vk();
@@ -135,8 +135,8 @@ void Commands::stamp(const Stamped& command) {
   write_timestamp(static_cast<std::uint32_t>(stamped_.size()));
 }
 
-// Stamp i is written when command i is done, so each command's time is the difference to the stamp before: with a barrier between any two
-// commands nothing overlaps.
+// Stamp i is written when command i is done, and the barriers between commands prevent any overlap, so the time of a
+// command is the difference from the stamp before.
 void Commands::write_timestamp(std::uint32_t index) {
   if (device_.timestamp_period_ns() <= 0) return;
   const std::size_t pool = index / kQueriesPerPool;

@@ -1,9 +1,10 @@
-// A list of dispatches, fills and copies, run in order: each sees all that those before it wrote.
+// A list of dispatches, fills and copies that run in order; each sees all writes of those before it.
 //
 //   commands.dispatch(gradient_, {width, height}, params, {{"intensity", intensity_}, {"picture", picture_}});
 //   commands.submit_and_wait();
 //
-// Recording costs a few microseconds and no allocation once warm. Buffers and kernels must live until submit_and_wait() returns.
+// Recording takes a few microseconds and does not allocate memory once lists have reached their usual length. Buffers
+// and kernels must live until submit_and_wait() returns.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -22,18 +23,18 @@
 
 namespace hermite::gpu {
 
-// Invocations wanted. Whole work groups run, so shaders check their bounds. Zero anywhere: nothing runs.
+// Number of invocations. Only whole workgroups run, so shaders check their bounds. If any is zero, nothing runs.
 struct Threads {
   std::uint32_t x = 1, y = 1, z = 1;
 };
 
-// Three words of a buffer that say how many work groups to run along each axis.
+// Three words of a buffer that contain the number of workgroups along each axis.
 struct GroupCounts {
   BufferRef buffer;
   std::uint32_t first_word = 0;
 };
 
-// A buffer under the name that the shader has for it.
+// A buffer with its name in the shader.
 struct NamedBuffer {
   std::string_view name;
   BufferRef buffer;
@@ -46,9 +47,9 @@ class Commands {
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
 
-  // `buffers` in binding order. CHECK: as many as the shader binds, under its names, and sizeof(Params) is the shader's push-constant size
-  // (rounded up to 4). Throws DeviceError when the device has no grid this large or no texel buffer as large as one that is read so, or is
-  // lost.
+  // `buffers` are in binding order. CHECK: they are as many as the shader binds, under its names, and sizeof(Params) is
+  // the shader's push-constant size (rounded up to 4). Throws DeviceError when the grid is too large for the device,
+  // when a buffer is too large for a texel buffer, or when the device is lost.
   template <class Params>
   void dispatch(const Kernel& kernel, Threads threads, const Params& params, std::initializer_list<NamedBuffer> buffers) {
     static_assert(std::is_trivially_copyable_v<Params> && sizeof(Params) % 4 == 0);
@@ -56,7 +57,7 @@ class Commands {
   }
   void dispatch(const Kernel& kernel, Threads threads, std::initializer_list<NamedBuffer> buffers) { record(kernel, threads, {}, buffers); }
 
-  // As many work groups as `groups` says once the commands before have run: at most 65535 along each axis.
+  // Runs as many workgroups as `groups` contains once the commands before have run; at most 65535 along each axis.
   template <class Params>
   void dispatch_indirect(const Kernel& kernel, GroupCounts groups, const Params& params, std::initializer_list<NamedBuffer> buffers) {
     static_assert(std::is_trivially_copyable_v<Params> && sizeof(Params) % 4 == 0);
@@ -67,11 +68,12 @@ class Commands {
   }
 
   void fill(BufferRef buffer, std::uint32_t value);
-  // The first `bytes` of each. CHECK: both are that large, `bytes` is a multiple of 4.
+  // Copies the first `bytes`. CHECK: both buffers are at least that large, and `bytes` is a multiple of 4.
   void copy(BufferRef from, BufferRef to, VkDeviceSize bytes);
 
-  // Blocks until the GPU is done, adds the times to Device::pass_times() and the device's timeline, and is ready for more. Nothing
-  // recorded: returns at once. Throws DeviceError when the device is lost or does not answer within `limit`; what was recorded is dropped.
+  // Blocks until the GPU is done and adds the times to Device::pass_times() and to the device's timeline; then new
+  // commands can be recorded. Returns at once if nothing is recorded. Throws DeviceError when the device is lost or
+  // does not answer within `limit`; the recorded commands are dropped.
   void submit_and_wait(std::chrono::milliseconds limit = kWaitLimit);
 
  private:
@@ -87,7 +89,7 @@ class Commands {
   void bind(const Kernel& kernel, Constants constants, std::initializer_list<NamedBuffer> buffers);
   void record_indirect(const Kernel& kernel, GroupCounts groups, Constants constants, std::initializer_list<NamedBuffer> buffers);
   void bind_buffers(const Kernel& kernel, std::initializer_list<NamedBuffer> buffers);
-  VkCommandBuffer next();              // after a barrier; the first also writes the first time stamp
+  VkCommandBuffer next();              // after a barrier; the first call also writes the first time stamp
   void stamp(const Stamped& command);  // after each command
   void write_timestamp(std::uint32_t index);
   void read_ticks();
@@ -95,10 +97,10 @@ class Commands {
 
   Device& device_;
   CommandBuffer commands_;
-  DescriptorSets sets_;                   // of what is recorded or has just run; none where descriptors are pushed
-  std::vector<VkQueryPool> query_pools_;  // grows to the longest list seen, within a bound
-  std::vector<Stamped> stamped_;          // before each stamp but the first
-  std::vector<std::uint64_t> ticks_;      // read_ticks(): one more than stamped_, fewer where not all are timed
+  DescriptorSets sets_;                   // of the commands that are recorded or have just run; empty where descriptors are pushed
+  std::vector<VkQueryPool> query_pools_;  // grows to the longest list so far, within a limit
+  std::vector<Stamped> stamped_;          // by stamp, without the first stamp
+  std::vector<std::uint64_t> ticks_;      // result of read_ticks(): one more than stamped_; fewer if not all commands are timed
   std::uint32_t fill_slot_ = 0, copy_slot_ = 0;
 };
 

@@ -4,9 +4,9 @@ namespace hermite::gpu {
 
 namespace {
 
-constexpr std::uint32_t kSetsPerPool = 64;  // a frame's longest list of commands fits
+constexpr std::uint32_t kSetsPerPool = 64;  // enough for a frame's longest list of commands
 
-// Room for whatever its sets may hold: it never runs out before they do.
+// The pool has room for all bindings of its sets, so the sets run out first.
 VkDescriptorPool make_pool(const Device& device) {
   const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kSetsPerPool * kMaxBindings},
                                         {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, kSetsPerPool * kMaxBindings}};

@@ -9,7 +9,8 @@ namespace hermite::gpu {
 
 namespace {
 
-// What the shaders may use beyond the core: asked for where present, so that a shader that needs more fails on its own compile, in words.
+// Features beyond the core that the shaders may use. They are enabled where present, so that a shader that needs a
+// missing one fails when it is compiled, with a message.
 struct Features {
   VkPhysicalDeviceVulkan11Features vulkan11{};
   VkPhysicalDeviceVulkan12Features vulkan12{};
@@ -29,7 +30,8 @@ struct Features {
   void keep_what_we_use(const DeviceInfo& info) {
     const VkPhysicalDeviceFeatures has = core.features;
     core.features = {};
-    // A shader must not reach outside its buffers whatever a sensor sends: other scans run in the same process.
+    // A shader must never access memory outside its buffers, whatever a sensor sends: other scans run in the same
+    // process.
     core.features.robustBufferAccess = VK_TRUE;
     core.features.shaderInt16 = has.shaderInt16;
     core.features.shaderInt64 = info.has_64_bit_atomics;
@@ -122,7 +124,7 @@ void Device::read_properties(VkPhysicalDevice physical) {
 Device::~Device() {
   transfer_.reset();
   if (!may_release()) {
-    // Destroying a device that still works is undefined: leak it, and the instance below it.
+    // Destroying a device that is still working is undefined behaviour, so it is leaked together with its instance.
     handle_.device = VK_NULL_HANDLE;
     static_cast<void>(instance_.release());
     return;
@@ -143,7 +145,7 @@ std::vector<Device::PassTime> Device::pass_times() const {
 }
 
 void Device::reset_pass_times() {
-  for (PassTime& pass : pass_times_) pass = {pass.kernel, 0, 0};  // kernels remember their slots
+  for (PassTime& pass : pass_times_) pass = {pass.kernel, 0, 0};  // kernels keep the indices of their slots
 }
 
 void Device::note_memory(const std::string& purpose, std::int64_t change_bytes) {

@@ -1,7 +1,8 @@
-// One GPU, opened for compute. Owns instance, device and queue; buffers, kernels and commands are made from it and must die before it.
+// A GPU opened for compute. Owns instance, device and queue; buffers, kernels and commands are made from it and must be
+// destroyed before it.
 //
-// Everything is synchronous: after any call of core/gpu returns, the GPU is idle. A device and all made from it belong to one thread at a
-// time. A lost or hung device throws DeviceError from then on; a new Device may be made.
+// Everything is synchronous: whenever a call of core/gpu returns, the GPU is idle. A device and all objects made from
+// it belong to one thread at a time. A lost or hung device throws DeviceError from then on; a new Device can be made.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -21,21 +22,24 @@
 
 namespace hermite::gpu {
 
-// Longer than any pass on the slowest machine, shorter than a person waits.
+// Longer than any pass on the slowest machine, shorter than a person would wait.
 inline constexpr std::chrono::milliseconds kWaitLimit = std::chrono::seconds(120);
 
-// Throws SetupError(kDevice) when there is no Vulkan loader or driver.
+// Returns the devices. Throws SetupError(kDevice) when there is no Vulkan loader or driver.
 std::vector<DeviceInfo> list_devices();
 
 class Transfer;
 
 class Device {
  public:
-  // `select` as in choose_device. Throws SetupError(kDevice) in words, listing what there is.
-  // The validation layer is on when built with HERMITE_VALIDATION=1 and installed; the environment's HERMITE_VALIDATION=0 or 1 overrides.
-  // A `timeline`, which outlives this, gets every command that runs.
-  // The environment's HERMITE_GPU_WITHOUT names what not to use though the device has it, so that what stands in for it can be tried:
-  // push-descriptors, texel-buffers, 64-bit-atomics, with commas between several.
+  // `select` as in choose_device. Throws SetupError(kDevice) with a message that lists the available devices.
+  //
+  // The validation layer is active if it is installed and the program was built with HERMITE_VALIDATION=1; the
+  // environment variable HERMITE_VALIDATION=0 or 1 overrides that. A `timeline`, which must outlive this object, gets
+  // every command that runs.
+  //
+  // The environment variable HERMITE_GPU_WITHOUT names features not to use although the device has them, so that their
+  // substitutes can be tested: push-descriptors, texel-buffers, 64-bit-atomics, separated by commas.
   explicit Device(const std::string& select = "", Timeline* timeline = nullptr);
   ~Device();
   Device(const Device&) = delete;
@@ -43,15 +47,15 @@ class Device {
 
   const DeviceInfo& info() const { return info_; }
 
-  // Bytes of live buffers by the purpose they were made for.
+  // Returns the bytes of existing buffers by their purpose.
   std::map<std::string, std::int64_t> memory_by_purpose() const { return memory_by_purpose_; }
 
   struct PassTime {
     std::string kernel;   // "frame/bilateral"; "(fill)" and "(copy)" for those commands
-    double total_ms = 0;  // GPU time stamps; 0 where the device has none
+    double total_ms = 0;  // GPU time stamps; 0 if the device has none
     std::int64_t dispatch_count = 0;
   };
-  // Summed since construction or the last reset, in the order in which they first ran.
+  // Returns times summed since construction or the last reset, in the order in which the passes first ran.
   std::vector<PassTime> pass_times() const;
   void reset_pass_times();
 
@@ -63,11 +67,11 @@ class Device {
   VkQueue queue() const { return queue_; }
   std::uint32_t queue_family() const { return queue_family_; }
   VkPipelineCache pipeline_cache() const { return pipeline_cache_; }
-  PFN_vkCmdPushDescriptorSetKHR push_descriptors() const { return push_descriptors_; }  // null where info() says that it has none
+  PFN_vkCmdPushDescriptorSetKHR push_descriptors() const { return push_descriptors_; }  // nullptr where info() has none
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
   const VkPhysicalDeviceMemoryProperties& memory() const { return memory_; }
-  std::uint32_t max_bindings() const { return max_bindings_; }  // buffers of one kernel
-  // 0 when the queue has no time stamps.
+  std::uint32_t max_bindings() const { return max_bindings_; }  // most buffers of one kernel
+  // Returns 0 if the queue has no time stamps.
   double timestamp_period_ns() const { return timestamp_period_ns_; }
   std::uint64_t timestamp_mask() const { return timestamp_mask_; }
   Transfer& transfer();  // made at first use
@@ -79,13 +83,15 @@ class Device {
   Timeline* timeline() const { return timeline_; }
 
   void throw_if_lost() const;
-  // Submits and waits until the GPU is done, or throws DeviceError; then `fence` is signalled no more and may be used again.
+  // Submits and waits until the GPU is done; throws DeviceError otherwise. Afterwards `fence` is unsignalled and can be
+  // used again.
   void submit_and_wait(VkCommandBuffer commands, VkFence fence, std::chrono::milliseconds limit);
-  // False while the GPU may still use what a timed-out submission referred to: then memory must rather leak than be freed.
+  // Returns false while the GPU may still use objects of a timed-out submission; then memory must be leaked rather than
+  // freed.
   bool may_release() noexcept;
 
  private:
-  struct Handle {  // first to be made, last to go, also when the constructor throws half-way
+  struct Handle {  // first to be made and last to be destroyed, also when the constructor throws
     VkDevice device = VK_NULL_HANDLE;
     ~Handle() { vkDestroyDevice(device, nullptr); }
   };
@@ -108,9 +114,10 @@ class Device {
   std::map<std::string, std::int64_t> memory_by_purpose_;
   std::vector<PassTime> pass_times_;
   Timeline* const timeline_;
-  std::string lost_;                  // why the device cannot be used any more, in words
-  VkFence hung_on_ = VK_NULL_HANDLE;  // what the timed-out submission would signal
-  bool given_up_ = false;             // it never was: everything it may use is leaked, the device too
+  std::string lost_;                  // why the device can no longer be used, as text
+  VkFence hung_on_ = VK_NULL_HANDLE;  // fence of the timed-out submission
+  // the fence was never signalled: everything that the submission may use is leaked, including the device
+  bool given_up_ = false;
 };
 
 }  // namespace hermite::gpu

@@ -12,7 +12,7 @@ namespace hermite::gpu {
 namespace {
 
 constexpr std::size_t kCopyBytes = std::size_t{32} << 20;
-constexpr std::uint64_t kLeastMemoryBytes = std::uint64_t{1} << 30;  // a small room at 5 mm and its frame maps
+constexpr std::uint64_t kLeastMemoryBytes = std::uint64_t{1} << 30;  // a small room at 5 mm with its frame maps
 
 template <class Work>
 double seconds(Work&& work) {
@@ -21,7 +21,7 @@ double seconds(Work&& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// The second run is what counts: the first pays for page faults and staging.
+// Measures the second run, because the first includes page faults and staging.
 template <class Work>
 double warm_gib_per_s(std::size_t bytes, Work&& work) {
   work();

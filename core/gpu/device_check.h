@@ -1,4 +1,4 @@
-// Is this GPU fit for scanning? What `hermite doctor` reports. Nothing here prints.
+// Checks whether a GPU is suitable for scanning, for `hermite doctor`. Prints nothing.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace hermite::gpu {
 struct DeviceCheck {
   DeviceInfo info;
   bool has_timestamps = false;
-  bool host_sees_device_memory = false;  // transfers need no staging copy
+  bool host_sees_device_memory = false;  // transfers need no staging buffer
 
   struct Heap {
     std::uint64_t bytes = 0;
@@ -23,19 +23,19 @@ struct DeviceCheck {
   struct Compiled {
     std::string kernel;
     double compile_ms = 0;
-    std::string error;  // empty when it compiled
+    std::string error;  // empty if it compiled
   };
-  std::vector<Compiled> kernels;  // every embedded shader, but those for 64-bit atomics that the device has not
+  std::vector<Compiled> kernels;  // every embedded shader, except those that need 64-bit atomics if the device has none
 
-  // GiB/s of wall clock for 32 MiB (less where buffers are smaller).
+  // GiB/s of wall-clock time for 32 MiB (less where buffers are smaller).
   double upload_gib_per_s = 0, download_gib_per_s = 0, device_copy_gib_per_s = 0;
-  double submission_us = 0;  // wall clock of one tiny submission, start to end
+  double submission_us = 0;  // wall-clock time of one tiny submission
 
-  std::vector<std::string> problems;  // in words; empty when the device is fit
+  std::vector<std::string> problems;  // as text; empty when the device is suitable
 };
 
-// Opens the device (`select` as for Device), compiles, copies, measures: a second or two. Throws SetupError(kDevice) when it cannot be
-// opened; what fails later is one of `problems`. Blocks; any thread.
+// Opens the device (`select` as for Device), compiles, copies and measures; takes one or two seconds. Throws
+// SetupError(kDevice) when the device cannot be opened; later failures are listed in `problems`. Blocks. Any thread.
 DeviceCheck check_device(const std::string& select);
 
 }  // namespace hermite::gpu

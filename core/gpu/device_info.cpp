@@ -69,7 +69,7 @@ std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::str
     if (!matches(devices[i], select)) continue;
     any_match = true;
     if (!devices[i].unsuitable.empty()) continue;
-    if (!best || devices[i].kind < devices[*best].kind) best = i;  // the enumeration is in order of preference
+    if (!best || devices[i].kind < devices[*best].kind) best = i;  // the enumerators are in order of preference
   }
   if (best) return *best;
   if (select.empty()) refuse(devices, "no usable GPU");

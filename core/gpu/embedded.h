@@ -1,4 +1,5 @@
-// The SPIR-V of every shader, by path without ".comp" ("frame/bilateral"). Generated at build time; lives as long as the program.
+// The SPIR-V of every shader, by path without ".comp" ("frame/bilateral"). Generated at build time; valid as long as
+// the program runs.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +9,10 @@
 
 namespace hermite::gpu {
 
-// How a shader binds the buffers that it only reads.
+// How a shader binds buffers that it only reads.
 enum class ReadAs { kTexels, kStorage };
 
-// The same names in the same order for both.
+// Returns the same names in the same order for both.
 std::span<const std::pair<std::string_view, std::span<const std::uint32_t>>> embedded_kernels(ReadAs read_as = ReadAs::kTexels);
 
 }  // namespace hermite::gpu

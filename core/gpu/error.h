@@ -1,4 +1,5 @@
-// How the GPU says no. Everything in core/gpu that can fail on a working program throws DeviceError; nothing aborts but our own mistakes.
+// GPU errors. Everything in core/gpu that can fail in a correct program throws DeviceError; only programming errors
+// abort.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -10,19 +11,19 @@
 
 namespace hermite::gpu {
 
-// Code kDevice. The words say what was asked for and whether the device is lost, hung or out of memory.
+// Its code is kDevice. The message says what was requested and whether the device is lost, hung or out of memory.
 class DeviceError : public SetupError {
  public:
   explicit DeviceError(const std::string& words) : SetupError(Error{ErrorCode::kDevice, words}) {}
 };
 
-// "the device is lost", "out of GPU memory", or the name of the code: for people.
+// Returns "the device is lost", "out of GPU memory", or the name of the code.
 std::string in_words(VkResult result);
 
 // Throws DeviceError "cannot <action>: <why>" for negative results.
 void throw_if_failed(VkResult result, const char* action);
 
-// "1.5 GiB", "12.0 MiB", "512 bytes".
+// Returns a text such as "1.5 GiB", "12.0 MiB" or "512 bytes".
 std::string bytes_in_words(std::uint64_t bytes);
 
 }  // namespace hermite::gpu

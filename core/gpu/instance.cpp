@@ -17,11 +17,11 @@ namespace hermite::gpu {
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
-// What the shaders count on. Every desktop GPU of the last ten years has more.
+// Limits that the shaders rely on. Every desktop GPU of the last ten years exceeds them.
 constexpr std::uint32_t kMinPushConstantBytes = 128;
 constexpr std::uint32_t kMinSharedMemoryBytes = 32 * 1024;
 constexpr std::uint32_t kMinInvocations = 256;
-constexpr std::uint32_t kMinTexels = 1u << 22;  // the pixels of the largest frames, surfels of a room
+constexpr std::uint32_t kMinTexels = 1u << 22;  // pixels of the largest frames, surfels of a room
 
 template <class T, class Enumerate>
 std::vector<T> enumerate(Enumerate&& call) {
@@ -37,8 +37,9 @@ std::vector<T> enumerate(Enumerate&& call) {
   return items;
 }
 
-// With the last instance the loader unloads the drivers, and what those keep once for the process is lost each time: on AMD processors Mesa
-// leaks its list of their caches. Loading LLVM again costs time, too. So what is loaded stays.
+// When the last instance is destroyed, the loader unloads the drivers, and memory that they allocate once per process
+// is leaked each time (Mesa on AMD processors: the list of their caches). Loading LLVM again takes time, too. So loaded
+// libraries stay loaded.
 void keep_drivers_loaded() {
   std::vector<std::string> paths;
   dl_iterate_phdr(
@@ -72,7 +73,7 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT
                                           const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
   if (severity < VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT) return VK_FALSE;
   auto* instance = static_cast<Instance*>(user);
-  constexpr std::int64_t kMostPrinted = 20;  // one mistake in a loop must not fill a disk
+  constexpr std::int64_t kMostPrinted = 20;  // an error in a loop must not fill the disk
   if (instance->validation_error_count() < kMostPrinted) std::fprintf(stderr, "Vulkan validation: %s\n", data->pMessage);
   instance->note_validation_error();
   return VK_FALSE;

@@ -1,4 +1,4 @@
-// The connection to the Vulkan loader, and what it knows of each physical device. Used by device.cpp; nobody else needs it.
+// The connection to the Vulkan loader, and the properties of each physical device. Used only by device.cpp.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -11,10 +11,10 @@
 
 namespace hermite::gpu {
 
-// Owns the VkInstance and, with validation, the messenger. Not movable: the messenger holds its address.
+// Owns the VkInstance and, with validation, the messenger. Not movable, because the messenger holds its address.
 class Instance {
  public:
-  // Throws SetupError(kDevice) when there is no loader of Vulkan 1.2 or no driver at all.
+  // Throws SetupError(kDevice) when there is no loader of Vulkan 1.2 or no driver.
   Instance();
   ~Instance();
   Instance(const Instance&) = delete;
@@ -38,7 +38,7 @@ class Instance {
   std::atomic<std::int64_t> validation_error_count_ = 0;
 };
 
-// First queue family that computes; -1 when there is none.
+// Returns the first queue family with compute support; -1 if there is none.
 int find_compute_family(VkPhysicalDevice device);
 
 }  // namespace hermite::gpu

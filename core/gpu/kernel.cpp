@@ -17,7 +17,7 @@ std::span<const std::uint32_t> find_embedded(ReadAs read_as, std::string_view na
   return {};
 }
 
-// A shader module only lives while its pipeline is made.
+// A shader module is only needed while its pipeline is created.
 struct Module {
   VkDevice device = VK_NULL_HANDLE;
   VkShaderModule handle = VK_NULL_HANDLE;
@@ -34,7 +34,8 @@ VkDescriptorType descriptor_type(Binding kind) {
 
 Kernel::Kernel(Device& device, std::string_view name, std::vector<std::uint32_t> specialization)
     : Kernel(device, name, find_embedded(device.info().has_texel_buffers ? ReadAs::kTexels : ReadAs::kStorage, name), specialization) {
-  // What is read as texels has four names where it is bound as storage (shaders/lib/texels.glsl).
+  // A buffer read as texels has four names where it is bound as storage (shaders/lib/texels.glsl), so the names come
+  // from the version with texel buffers.
   if (!device.info().has_texel_buffers) interface_.binding_names = read_interface(find_embedded(ReadAs::kTexels, name))->binding_names;
 }
 
@@ -66,7 +67,7 @@ void Kernel::read(std::span<const std::uint32_t> words, const std::vector<std::u
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::uint32_t size = interface_.local_size[axis];
     CHECK(size > 0, "shader '" + name_ + "': a local size of 0");
-    if (size > limits.maxComputeWorkGroupSize[axis]) invocations = UINT32_MAX;  // refused below
+    if (size > limits.maxComputeWorkGroupSize[axis]) invocations = UINT32_MAX;  // rejected below
     invocations *= size;
   }
   if (invocations > limits.maxComputeWorkGroupInvocations)

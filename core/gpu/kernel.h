@@ -1,4 +1,4 @@
-// A shader made ready to run: local size, bindings and push-constant size are read from its SPIR-V.
+// A shader ready to run; local size, bindings and push-constant size are read from its SPIR-V.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -15,24 +15,25 @@
 
 namespace hermite::gpu {
 
-VkDescriptorType descriptor_type(Binding kind);  // of a pipeline's layout and of what is bound to it
+VkDescriptorType descriptor_type(Binding kind);  // for pipeline layouts and for writing descriptors
 
-// Owns a compute pipeline; movable; must die before its device. Immutable, so any number of Commands may dispatch it.
+// Owns a compute pipeline. Movable; must be destroyed before its device. Immutable, so any number of Commands may
+// dispatch it.
 class Kernel {
  public:
-  // `name` as in embedded.h ("frame/bilateral"); element i of `specialization` replaces constant_id i.
-  // Throws DeviceError when the driver refuses the shader. CHECK: the name exists and the shader is one that read_interface understands.
+  // `name` as in embedded.h ("frame/bilateral"); element i of `specialization` replaces constant_id i. Throws
+  // DeviceError when the driver refuses the shader. CHECK: the name exists and read_interface supports the shader.
   Kernel(Device& device, std::string_view name, std::vector<std::uint32_t> specialization = {});
-  // The same for words that are not embedded; `name` is for messages and times.
+  // The same for SPIR-V that is not embedded; `name` is for messages and times.
   Kernel(Device& device, std::string_view name, std::span<const std::uint32_t> words, const std::vector<std::uint32_t>& specialization);
   ~Kernel();
   Kernel(Kernel&& other) noexcept;
   Kernel& operator=(Kernel&& other) noexcept;
 
   const std::string& name() const { return name_; }
-  // Where the device has no large texel buffers, embedded shaders bind storage buffers alone.
+  // Where the device has no large texel buffers, embedded shaders bind only storage buffers.
   const std::vector<Binding>& bindings() const { return interface_.bindings; }
-  const std::vector<std::string>& binding_names() const { return interface_.binding_names; }  // as read from texel buffers
+  const std::vector<std::string>& binding_names() const { return interface_.binding_names; }  // those of the version with texel buffers
   std::uint32_t push_constant_bytes() const { return interface_.push_constant_bytes; }
   const std::array<std::uint32_t, 3>& local_size() const { return interface_.local_size; }  // after specialisation
 

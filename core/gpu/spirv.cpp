@@ -10,7 +10,7 @@ namespace hermite::gpu {
 
 namespace {
 
-constexpr int kMaxNesting = 16;  // of types; a hostile module must not exhaust the stack
+constexpr int kMaxNesting = 16;  // limit for the nesting of types; a malicious module must not exhaust the stack
 constexpr std::uint64_t kMaxTypeBytes = 1u << 20;
 
 class Reader {
@@ -32,7 +32,7 @@ class Reader {
                                       int depth);
 
   const SpirvModule module_;
-  int steps_left_ = 10000;  // structs of structs of structs: what is small in words can be endless to walk
+  int steps_left_ = 10000;  // deeply nested structs can be small in words but take endless time to traverse
 };
 
 Error unsupported(const std::string& words) { return {ErrorCode::kUnsupported, "shader: " + words}; }
@@ -48,7 +48,8 @@ Result<ShaderInterface> Reader::read() {
   return shader;
 }
 
-// In falling precedence: the constant decorated WorkgroupSize (what `local_size_x_id` becomes), LocalSizeId, LocalSize.
+// In decreasing precedence: the constant decorated WorkgroupSize (the result of `local_size_x_id`), LocalSizeId,
+// LocalSize.
 Status Reader::read_local_size(ShaderInterface& shader) const {
   std::vector<std::uint32_t> ids = module_.local_size_ids;
   for (const auto& [id, parts] : module_.composites)
@@ -78,7 +79,7 @@ Result<Binding> Reader::kind_of(const SpirvVariable& variable) const {
   return unsupported("only storage and texel buffers can be bound, no uniforms or images");
 }
 
-// A block without a name of its own goes by its last member.
+// A block without a name of its own is called by its last member.
 std::string Reader::name_of(const SpirvVariable& variable) const {
   if (const auto own = module_.names.find(variable.id); own != module_.names.end() && !own->second.empty()) return own->second;
   const auto pointer = module_.types.find(variable.pointer_type);
@@ -99,7 +100,7 @@ Status Reader::read_bindings(ShaderInterface& shader) const {
     if (!binding) return unsupported("a buffer without a binding");
     if (set.value_or(0) != 0) return unsupported("binding " + std::to_string(*binding) + " is not in set 0");
     names.emplace(*binding, name_of(variable));
-    // Two views of one buffer may share a binding, if they see it alike.
+    // Two variables may share a binding if they have the same kind.
     if (bindings.emplace(*binding, *kind).first->second != *kind)
       return unsupported("binding " + std::to_string(*binding) + " is a storage and a texel buffer");
   }
@@ -124,7 +125,7 @@ Status Reader::read_push_constants(ShaderInterface& shader) {
   return Done{};
 }
 
-// `member` of `parent` is where the type stands: matrices take their layout from there, also through arrays.
+// `member` of `parent` is where the type is used: matrices, also within arrays, get their layout from there.
 Result<std::uint64_t> Reader::size_of(std::uint32_t type, std::optional<std::uint32_t> member, std::uint32_t parent, int depth) {
   if (--steps_left_ < 0) return unsupported("a type of more than 10000 parts");
   if (depth > kMaxNesting) return unsupported("types nested more than 16 deep");

@@ -8,7 +8,7 @@ constexpr std::uint32_t kMagic = 0x07230203;
 constexpr std::uint32_t kHeaderWords = 5;
 constexpr std::uint32_t kMaxModuleWords = 16u << 20;
 
-// Operands that a type has at least, its result among them.
+// Returns the least number of operands of a type instruction, including its result.
 std::size_t words_of_type(std::uint32_t op) {
   switch (op) {
     case kOpTypeStruct: return 1;
@@ -20,7 +20,7 @@ std::size_t words_of_type(std::uint32_t op) {
   }
 }
 
-// Four bytes a word, the lowest first, up to a zero.
+// Decodes four bytes per word, the lowest first, up to a zero.
 std::string text_of(std::span<const std::uint32_t> words) {
   std::string text;
   for (const std::uint32_t word : words)
@@ -41,7 +41,7 @@ void take_name(std::uint32_t op, std::span<const std::uint32_t> operands, SpirvM
 
 Error cut_short(std::uint32_t op) { return corrupt_module("instruction " + std::to_string(op) + " is cut short"); }
 
-// Types, constants and variables. Operands are checked to be there.
+// Reads types, constants and variables. Checks the number of operands.
 Status take_definition(std::uint32_t op, std::span<const std::uint32_t> operands, SpirvModule& module) {
   const auto needs = [&](std::size_t count) { return operands.size() >= count; };
   const Error cut = cut_short(op);
@@ -56,7 +56,7 @@ Status take_definition(std::uint32_t op, std::span<const std::uint32_t> operands
     case kOpTypeStruct:
     case kOpTypePointer: {
       if (!needs(words_of_type(op))) return cut;
-      // Types refer only to types before them, which keeps every walk over them finite.
+      // Types refer only to earlier types, so every traversal is finite.
       if (module.types.contains(operands[0])) return corrupt_module("a type is defined twice");
       module.types[operands[0]] = {op, {operands.begin() + 1, operands.end()}};
       break;
@@ -81,7 +81,7 @@ Status take_definition(std::uint32_t op, std::span<const std::uint32_t> operands
   return Done{};
 }
 
-// Operands are checked to be there.
+// Checks the number of operands.
 Status take(std::uint32_t op, std::span<const std::uint32_t> operands, SpirvModule& module) {
   const auto needs = [&](std::size_t count) { return operands.size() >= count; };
   const Error cut = cut_short(op);

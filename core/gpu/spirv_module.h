@@ -1,4 +1,4 @@
-// The instructions of a SPIR-V module that a pipeline's interface is read from (spirv.h), sorted into tables.
+// The instructions of a SPIR-V module that define a pipeline's interface (spirv.h), sorted into tables.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace hermite::gpu {
 
-// Numbers from the SPIR-V specification, only those read here.
+// Numbers from the SPIR-V specification, only those used here.
 enum SpirvOp : std::uint32_t {
   kOpName = 5,
   kOpMemberName = 6,
@@ -50,7 +50,7 @@ enum SpirvDecoration : std::uint32_t {
   kOffset = 35
 };
 enum SpirvStorageClass : std::uint32_t { kUniformConstant = 0, kUniform = 2, kPushConstant = 9, kStorageBuffer = 12 };
-inline constexpr std::uint32_t kBufferImage = 5, kSampled = 1;  // an image's dimension; how it is used
+inline constexpr std::uint32_t kBufferImage = 5, kSampled = 1;  // the dimension of an image, and how it is used
 inline constexpr std::uint32_t kInt64Atomics = 12;              // a capability
 inline constexpr std::uint32_t kGlCompute = 5, kLocalSize = 17, kLocalSizeId = 38, kWorkgroupSize = 25;
 
@@ -63,8 +63,8 @@ struct SpirvVariable {
 };
 
 struct SpirvModule {
-  std::unordered_map<std::uint32_t, SpirvType> types;  // each refers only to types before it, which keeps every walk over them finite
-  std::unordered_map<std::uint32_t, std::uint32_t> constants;  // 32-bit ones, specialised ones with their defaults
+  std::unordered_map<std::uint32_t, SpirvType> types;          // each refers only to earlier types, so every traversal is finite
+  std::unordered_map<std::uint32_t, std::uint32_t> constants;  // 32-bit constants; specialisation constants with their defaults
   std::set<std::uint32_t> specialised;
   std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> composites;
   std::vector<SpirvVariable> variables;
@@ -83,8 +83,9 @@ struct SpirvModule {
 
 std::uint64_t key_of(std::uint32_t high, std::uint32_t low);
 
-// kCorruptData: no SPIR-V, an instruction that is cut or reaches outside, a type that is defined twice. What instructions refer to is
-// looked up, and may be missing, later. Pure; any words are safe.
+// Returns the tables; kCorruptData for words that are no SPIR-V, for an instruction that is truncated or exceeds the
+// module, and for a type that is defined twice. Ids that instructions refer to are looked up later and may be missing.
+// Pure; safe for any words.
 Result<SpirvModule> scan_module(std::span<const std::uint32_t> words);
 
 Error corrupt_module(const std::string& words);

@@ -9,7 +9,7 @@
 namespace hermite::gpu {
 
 namespace {
-constexpr std::size_t kStagingBytes = std::size_t{8} * 1024 * 1024;  // holds a frame; larger pieces are not faster
+constexpr std::size_t kStagingBytes = std::size_t{8} * 1024 * 1024;  // enough for a frame; larger pieces are not faster
 }  // namespace
 
 Transfer::Transfer(Device& device) : device_(device), commands_(device) {}

@@ -1,4 +1,5 @@
-// Moves bytes between the host and memory that the host cannot see, in pieces through one staging buffer. For core/gpu only.
+// Copies bytes between the host and memory that the host cannot access, in pieces through one staging buffer. For
+// core/gpu only.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -17,7 +18,7 @@ class Transfer {
   explicit Transfer(Device& device);
   ~Transfer();
 
-  // Each runs and waits. Throws DeviceError.
+  // Each call runs and waits. Throws DeviceError.
   void upload(const void* source, VkBuffer target, VkDeviceSize first_byte, std::size_t bytes);
   void download(VkBuffer source, VkDeviceSize first_byte, void* target, std::size_t bytes);
   void fill_with_zero(VkBuffer target);
@@ -27,7 +28,7 @@ class Transfer {
 
   Device& device_;
   CommandBuffer commands_;
-  std::unique_ptr<RawBuffer> staging_;  // made at first use: devices whose memory the host sees never need it
+  std::unique_ptr<RawBuffer> staging_;  // allocated at first use; devices whose memory the host can access never need it
 };
 
 }  // namespace hermite::gpu

@@ -7,7 +7,7 @@ namespace hermite {
 
 namespace {
 
-// Of a quaternion's length: what text with four digits keeps.
+// Tolerance for the length of a quaternion: the precision of text with four digits.
 constexpr double kUnitTolerance = 1e-3;
 
 struct Bound {
@@ -15,7 +15,7 @@ struct Bound {
   double value, low, high;
 };
 
-// Written so that NaN fails too.
+// Written so that NaN fails as well.
 bool is_within(const Bound& bound) { return std::isfinite(bound.value) && bound.value >= bound.low && bound.value <= bound.high; }
 
 // `owner` is "camera." or "camera.color.".

@@ -1,5 +1,5 @@
-// A pinhole camera with depth registered to colour, or with a second one beside it that takes the colour. Pixel centres are integers:
-// u = fx x / z + cx. The camera frame is x right, y down, z forward, in metres. Plain values.
+// A pinhole camera with depth registered to colour, or with a second camera beside it for the colour. Pixel centres are
+// integers: u = fx x / z + cx. The camera frame is x right, y down, z forward, in metres. Plain values.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,15 +10,17 @@
 
 namespace hermite {
 
-// Sizes a camera may have. The lower bound leaves three pyramid levels a useful size, the upper bounds the memory of a scan.
+// Allowed image sizes. The lower bound leaves a useful size for three pyramid levels, the upper one limits the memory
+// of a scan.
 inline constexpr int kMinImageSide_px = 64;
 inline constexpr int kMaxImageSide_px = 2048;
 
-// Of depth that is taken for a calibrated sensor's: a tenth in the corners, and a tenth at 2 m.
+// Limits for the depth of a calibrated sensor: an error of a tenth in the corners, and of a tenth at 2 m.
 inline constexpr double kMaxBend = 0.1;
 inline constexpr double kMaxInverseOffset_per_m = 0.05;
 
-// Of the lens, as OpenCV has it: x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2), y' alike, at z = 1. Zero: none.
+// Lens distortion as in OpenCV: x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2), y' alike, at z =
+// 1. Zero: none.
 struct Distortion {
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
   bool operator==(const Distortion&) const = default;
@@ -29,34 +31,36 @@ struct Distortion {
   }
 };
 
-// A factor for all depths is the scale of the world, which no scan tells: what is distorted is so about this depth, which stays as it is.
-// Rooms are scanned from about there.
+// A factor for all depths is the scale of the world, which cannot be observed in a scan. So the correction leaves this
+// depth unchanged, from which rooms are typically scanned.
 inline constexpr double kUndistortedDepth_m = 2;
 
-// What makes a sensor's depth right, smooth over the image: with b = measured (1 + bend rho^2), where rho is the distance from the middle
-// of the straight image, 1 in its corners, the true depth is b (1 + o kUndistortedDepth_m) / (1 + o b), o being inverse_offset_per_m. The
-// bend is the first term of a lens that is calibrated badly. The offset is one of the disparity, which structured light and stereo measure:
-// the D(x, y) of BAD SLAM (Schoeps et al. 2019), one for all pixels and without its decay. Zero: none.
+// Corrects a sensor's depth, smoothly over the image: with b = measured (1 + bend rho^2), where rho is the distance
+// from the middle of the undistorted image, 1 in its corners, the true depth is b (1 + o kUndistortedDepth_m) / (1 + o
+// b), with o = inverse_offset_per_m. The bend is the first-order error of a badly calibrated lens. The offset is an
+// error of the disparity, which structured light and stereo measure: the D(x, y) of BAD SLAM (Schoeps et al. 2019), but
+// one for all pixels and without its decay. Zero: none.
 struct DepthCorrection {
   double bend = 0;
   double inverse_offset_per_m = 0;
   bool operator==(const DepthCorrection&) const = default;
 
-  // 0 where there is none: measured is 0, or the offset leaves no point before the camera.
+  // Returns 0 if there is no depth: measured is 0, or the offset leaves no point in front of the camera.
   double true_depth_m(double measured_m, double rho2) const {
     const double bent_m = measured_m * (1 + bend * rho2), divisor = 1 + inverse_offset_per_m * bent_m;
     return divisor > 0 ? bent_m * (1 + inverse_offset_per_m * kUndistortedDepth_m) / divisor : 0;
   }
 };
 
-// Colour and depth seen through one housing: no device has its lenses farther apart.
+// The largest distance between the depth and colour cameras of one device.
 inline constexpr double kMaxColorBaseline_m = 0.5;
 
-// What took the colour where depth is not registered to it. Its image has as many pixels as the depth image.
+// The colour camera of a device whose depth is not registered to colour. Its image has as many pixels as the depth
+// image.
 struct ColorCamera {
   double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
-  Distortion distortion{};                // of the colour image as it arrives
-  Rigid3 color_from_depth{};              // the depth camera is "the camera" everywhere else
+  Distortion distortion{};                // of the colour image as received
+  Rigid3 color_from_depth{};              // everywhere else "the camera" is the depth camera
   bool operator==(const ColorCamera& other) const;
 };
 
@@ -64,21 +68,21 @@ struct Camera {
   int width = 0;                          // pixels
   int height = 0;                         // pixels
   double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
-  double depth_units_per_metre = 1000;    // sensor depth value of one metre
-  Distortion distortion{};                // of both images as they arrive; project and unproject are for undistorted pixels
-  std::optional<ColorCamera> color{};     // none: depth is registered to colour. Else all the above is of the depth image alone
-  DepthCorrection depth_correction{};     // of depth as it arrives, by pixel of the straight image
+  double depth_units_per_metre = 1000;    // sensor value for a depth of one metre
+  Distortion distortion{};                // of both images as received; project and unproject are for undistorted pixels
+  std::optional<ColorCamera> color{};     // nullopt: depth is registered to colour. Otherwise all of the above is of the depth image only
+  DepthCorrection depth_correction{};     // of depth as received, by pixel of the undistorted image
   bool operator==(const Camera&) const = default;
 
   Eigen::Vector2d project(const Eigen::Vector3d& point_in_camera) const {
     return {fx * point_in_camera.x() / point_in_camera.z() + cx, fy * point_in_camera.y() / point_in_camera.z() + cy};
   }
-  // Where the lens puts what an undistorted image has at pixel (u, v).
+  // Returns where the distorted image shows what an undistorted image has at pixel (u, v).
   Eigen::Vector2d distort(double u, double v) const {
     const Eigen::Vector2d at = distortion.apply((u - cx) / fx, (v - cy) / fy);
     return {at.x() * fx + cx, at.y() * fy + cy};
   }
-  // Of an undistorted pixel: the square of its distance from the middle of the image, 1 in the corners.
+  // Returns, for an undistorted pixel, the squared distance from the middle of the image, 1 in the corners.
   double rho2(double u, double v) const {
     const double middle_x = 0.5 * (width - 1), middle_y = 0.5 * (height - 1);
     const double dx = u - middle_x, dy = v - middle_y;
@@ -89,14 +93,16 @@ struct Camera {
   }
 };
 
-// The camera of frames that were rectified (core/frame/rectify.h): no distortion of either kind, colour registered.
+// Returns the camera of rectified frames (core/frame/rectify.h): without distortion and depth correction, colour
+// registered.
 Camera rectified(const Camera& camera);
 
-// kInvalidArgument, naming the field and its limits: sizes outside [kMinImageSide_px, kMaxImageSide_px], focal lengths that are
-// not positive and finite or give a field of view outside 10 to 150 degrees, a principal point outside the image, a depth scale outside [1,
-// 1e6], a bend beyond +-kMaxBend, an inverse offset beyond +-kMaxInverseOffset_per_m, a distortion that moves a corner of the image by more
-// than a quarter of its width; the same of the colour camera (fields camera.color.*), and color_from_depth with a quaternion that is not of
-// unit length within 1e-3 or farther than kMaxColorBaseline_m.
+// Returns kInvalidArgument, naming the field and its limits, for sizes outside [kMinImageSide_px, kMaxImageSide_px],
+// focal lengths that are not positive and finite or give a field of view outside 10 to 150 degrees, a principal point
+// outside the image, a depth scale outside [1, 1e6], a bend beyond +-kMaxBend, an inverse offset beyond
+// +-kMaxInverseOffset_per_m, and a distortion that moves a corner of the image by more than a quarter of its width; the
+// same for the colour camera (fields camera.color.*), and for a color_from_depth with a quaternion that is not of unit
+// length within 1e-3 or a translation of more than kMaxColorBaseline_m.
 Status validate(const Camera& camera);
 
 }  // namespace hermite

@@ -32,7 +32,7 @@ void add_kernel(const HrbfKernel& kernel, const Eigen::Vector3d& point_m, bool o
   sample.hessian -= weight * 3 / r2 * (q * (nv + nv.transpose() + u * Eigen::Matrix3d::Identity()) - c * v * v.transpose());
 }
 
-// The classical adjoint of a symmetric matrix.
+// Returns the adjugate of a symmetric matrix.
 Eigen::Matrix3d adjoint(const Eigen::Matrix3d& m) {
   Eigen::Matrix3d result;
   result.row(0) = m.col(1).cross(m.col(2));
@@ -41,8 +41,8 @@ Eigen::Matrix3d adjoint(const Eigen::Matrix3d& m) {
   return result;
 }
 
-// The planes of all kernels that reach t * ray, met with the ray and averaged. `other_normal` is mixed in by `other_share`.
-// Not a number when no kernel reaches.
+// Intersects the ray with the planes of all kernels that reach t * ray and returns the weighted mean, with
+// `other_normal` mixed into their normals by `other_share`. Returns NaN if no kernel reaches the point.
 double step_along_ray(std::span<const HrbfKernel> kernels, const Eigen::Vector3d& ray, double t, const Eigen::Vector3d& other_normal,
                       double other_share) {
   double plane = 0, slope = 0;

@@ -1,4 +1,4 @@
-// The directions in which points spread. Pure function, any thread.
+// The directions in which points spread. Pure function. Any thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,15 +7,15 @@
 
 namespace hermite {
 
-// The longest axis first: the last one is the normal of the plane that fits the points best.
+// The longest axis comes first; the last one is the normal of the best-fitting plane.
 struct PrincipalAxes {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   std::array<Eigen::Vector3d, 3> direction;  // orthonormal, each of either sign
   std::array<double, 3> deviation{};         // standard deviation of the points along it, in their unit
 };
 
-// Returns the axes of at least one point. `weights` are of the same number as the points and not negative, with a positive sum; all points
-// weigh the same when there are none.
+// Returns the axes of at least one point. `weights` are as many as the points, not negative, with a positive sum; if
+// there are none, all points have the same weight.
 PrincipalAxes principal_axes(std::span<const Eigen::Vector3d> points, std::span<const double> weights = {});
 
 // Returns `axis` or its opposite, whichever has the direction of `towards`.

@@ -1,5 +1,5 @@
-// A rigid transform, named target_from_source: p_target = rotation * p_source + translation. Metres.
-// Compose left to right as the names read: a_from_c = a_from_b * b_from_c. Plain value.
+// A rigid transform, named target_from_source: p_target = rotation * p_source + translation. Metres. Composed as the
+// names read from left to right: a_from_c = a_from_b * b_from_c. Plain value.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,10 +22,10 @@ struct Rigid3 {
 Rigid3 operator*(const Rigid3& a_from_b, const Rigid3& b_from_c);
 Rigid3 inverse(const Rigid3& a_from_b);
 
-// The nearest rotation is taken for the upper left block (Gram-Schmidt through a quaternion).
+// Uses the nearest rotation to the upper left block (Gram-Schmidt through a quaternion).
 Rigid3 rigid3_from_matrix(const Eigen::Matrix4d& matrix);
 
-// Exponential of the twist (translation part [m] first, rotation vector [rad] last) and its inverse.
+// Exponential map of the twist (translation part [m] first, rotation vector [rad] last), and its inverse.
 Rigid3 exp_se3(const Vector6d& twist);
 Vector6d log_se3(const Rigid3& transform);
 

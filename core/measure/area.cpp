@@ -15,9 +15,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Of the corners' spread across the line that fits them best: with less they have no area worth to be named.
+// Least standard deviation of the corners across their best-fitting line; below it the area is meaningless.
 constexpr double kLeastBreadth_m = 0.005;
-// A corner that is as near to a side touches it.
+// A corner this close to a side touches it.
 constexpr double kOnLine_m = 1e-6;
 
 struct FlatOutline {
@@ -39,7 +39,7 @@ FlatOutline flat_outline_of(std::span<const MeasuredPlace> corners) {
   return outline;
 }
 
-// 1: `c` lies to the left of the line from `a` to `b`, -1: to the right, 0: on it.
+// Returns 1 if `c` lies to the left of the line from `a` to `b`, -1 to the right, 0 on it.
 int side_of(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   const double off_m = ((b - a).x() * (c - a).y() - (b - a).y() * (c - a).x()) / (b - a).norm();
   return off_m > kOnLine_m ? 1 : off_m < -kOnLine_m ? -1 : 0;
@@ -47,7 +47,7 @@ int side_of(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
 
 bool is_between(const Vector2d& a, const Vector2d& b, const Vector2d& on_line) { return (on_line - a).dot(on_line - b) <= 0; }
 
-// Whether the lines from a to b and from c to d have a point in common.
+// Returns whether the segments from a to b and from c to d have a point in common.
 bool meet(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d) {
   const int of_c = side_of(a, b, c), of_d = side_of(a, b, d), of_a = side_of(c, d, a), of_b = side_of(c, d, b);
   if (of_c * of_d < 0 && of_a * of_b < 0) return true;
@@ -57,7 +57,7 @@ bool meet(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2
 
 std::string corner_number(std::size_t index, std::size_t count) { return std::to_string(index % count + 1); }
 
-// None: nothing is wrong with it.
+// Returns std::nullopt if the outline is valid.
 std::optional<Error> fault_of(const FlatOutline& outline, std::span<const MeasuredPlace> places) {
   const std::vector<Vector2d>& corners = outline.corners;
   const std::size_t count = corners.size();
@@ -92,7 +92,7 @@ Result<Quantity> area_of(std::span<const MeasuredPlace> corners, const MapKnowle
   Quantity found;
   found.kind = MeasureKind::kArea;
   found.value = std::abs(doubled_m2) / 2;
-  std::vector<Eigen::Vector3d> gradients;  // of the area by each corner [m]
+  std::vector<Eigen::Vector3d> gradients;  // derivatives of the area by each corner [m]
   for (std::size_t i = 0; i < count; ++i) {
     const Vector2d beside = outline.corners[(i + 1) % count] - outline.corners[(i + count - 1) % count];
     gradients.push_back((outline.along * beside.y() - outline.across * beside.x()) * (doubled_m2 < 0 ? -0.5 : 0.5));
@@ -100,7 +100,7 @@ Result<Quantity> area_of(std::span<const MeasuredPlace> corners, const MapKnowle
   }
   const Result<PoseError> drift = pose_error_of(corners, gradients, map);
   if (!drift.ok()) return drift.error();
-  found.pose_sigma = std::hypot(drift->sigma, 2 * length_share_of(map) * found.value);  // both its sides are longer by the share
+  found.pose_sigma = std::hypot(drift->sigma, 2 * length_share_of(map) * found.value);  // the share applies to both dimensions of the area
   found.way_m = drift->way_m;
   found.half_width = kDeviationsOfConfidence * std::hypot(found.surface_sigma, found.pose_sigma);
   return found;

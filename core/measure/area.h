@@ -1,4 +1,4 @@
-// The area of a polygon whose corners are places of a result, and how well it is known. Pure function.
+// The area of a polygon whose corners are places of a result, and its uncertainty. Pure function.
 #pragma once
 
 #include <span>
@@ -9,10 +9,11 @@
 
 namespace hermite {
 
-// In the plane that fits the corners best, onto which they are brought straight. `corners` are 3 to kMostCorners, in the order of the
-// outline, either way around; the last one is connected with the first. The error of the area is that of each corner along its normal, as
-// far as that lies in the plane, and that of poses. kInvalidArgument, in words that name the corners from 1 on: two neighbours are one
-// place; all lie on one line; the outline crosses or touches itself; pose_error_of.
+// Returns the area in the best-fitting plane of the corners, onto which they are projected. `corners` are 3 to
+// kMostCorners, in the order of the outline, in either direction; the last one is connected with the first. The error
+// of the area comes from the error of each corner along its normal, as far as that lies in the plane, and from the
+// poses. kInvalidArgument when two neighbouring corners are one place, when all lie on one line or the outline crosses
+// or touches itself (the message counts corners from 1), and as for pose_error_of.
 Result<Quantity> area_of(std::span<const MeasuredPlace> corners, const MapKnowledge& map);
 
 }  // namespace hermite

@@ -9,7 +9,8 @@ namespace hermite {
 
 namespace {
 
-// Depth cameras see 57 to 70 degrees across and 43 to 55 high; into the corners of their images it is 74 to 80.
+// Depth cameras have a field of view of 57 to 70 by 43 to 55 degrees, which is 74 to 80 degrees across the image
+// diagonal.
 constexpr double kHalfView_rad = 38 * std::numbers::pi / 180;
 constexpr double kNearest_m = 0.3, kFarthest_m = 5;
 

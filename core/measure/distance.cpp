@@ -7,7 +7,7 @@ namespace hermite {
 
 namespace {
 
-// Along `direction`, a unit vector, which itself is off by so much.
+// Returns the length along `direction`, a unit vector with this standard deviation.
 Result<Quantity> length_along(const MeasuredPlace& from, const MeasuredPlace& to, const Eigen::Vector3d& direction,
                               double direction_sigma_rad, const MapKnowledge& map) {
   const Eigen::Vector3d between_m = to.position_m - from.position_m;

@@ -16,10 +16,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Around a pick there are some hundreds, and in a plane a hundred thousand; of a cloud that lies denser than any scan the first of the file
-// are taken.
+// Most points kept. There are some hundreds around a point, and a hundred thousand in a plane; of a cloud denser than
+// any scan the first ones of the file are taken.
 constexpr std::size_t kMostAround = 100'000, kMostInPlane = 500'000;
-// How far a direction's length may be from 1.
+// Tolerance for the length of a direction.
 constexpr double kUnitSlack = 0.01;
 
 std::string point_name(std::size_t index) { return "points[" + std::to_string(index) + "]"; }
@@ -48,7 +48,7 @@ Result<std::vector<MeasuredPlace>> places_of(const EachPoint& each_point, const 
   return places;
 }
 
-// At those of the places that mean one; the others' are empty.
+// Fits planes at those places where the kind needs one; the others are empty.
 Result<std::vector<MeasuredPlane>> planes_of(const MeasuredResult& result, MeasureKind kind, const std::vector<MeasuredPlace>& places) {
   std::vector<std::vector<CloudPoint>> candidates(places.size());
   const Status read = result.each_point([&](const CloudPoint& point) {

@@ -1,4 +1,5 @@
-// A tape measure on a finished result: from the files of it to a quantity and its interval. Pure, but for what `points` reads; any thread.
+// Measures in a finished result: from its files to a quantity with its interval. Pure, except for what `points` reads.
+// Any thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,41 +15,43 @@
 
 namespace hermite {
 
-// Calls use(point) for all points of a result, each time in the same order.
+// Calls use(point) for all points of a result, in the same order each time.
 using EachPoint = std::function<Status(const std::function<void(const CloudPoint&)>& use)>;
 
-// What measuring needs of a result.
+// The parts of a result that measuring needs.
 struct MeasuredResult {
   EachPoint each_point;  // of surfels.ply
   MapKnowledge map;
 };
 
-// From the texts of trajectory.txt and report.json. kCorruptData, in words: one of them is not what it should be.
+// Reads the texts of trajectory.txt and report.json. kCorruptData when one of them is invalid.
 Result<MapKnowledge> map_knowledge_of(const std::string& trajectory_text, const std::string& report_json);
 
 struct MeasureRequest {
   MeasureKind kind = MeasureKind::kDistance;
-  std::vector<Eigen::Vector3d> points;  // near to surfaces, in the world of the scan: as many as the kind says (quantity.h)
-  std::optional<Eigen::Vector3d> up;    // of a height and nothing else: about a unit vector
+  std::vector<Eigen::Vector3d> points;  // near surfaces, in the world of the scan: as many as the kind requires (quantity.h)
+  std::optional<Eigen::Vector3d> up;    // only for heights: approximately a unit vector
 };
 
 struct Measurement {
   Quantity quantity;
-  std::vector<MeasuredPlace> places;  // on the surface, one for each point; where a plane is meant, on the plane and with its normal
+  std::vector<MeasuredPlace> places;  // on the surface, one for each point; where the kind needs a plane, on the plane with its normal
   std::optional<Eigen::Vector3d> up;  // unit
 };
 
-// kInvalidArgument, naming the field and the limit: too few or too many points, numbers that are none, a direction up that is missing, of
-// another kind or no unit vector. measure() says the same before it reads anything.
+// Returns kInvalidArgument, naming the field and the limit, for too few or too many points, for numbers that are not
+// finite, and for an up direction that is missing, of another kind or not a unit vector. measure() checks the same
+// before it reads anything.
 Status check_measure_request(const MeasureRequest& request);
 
-// Between the places of the surface that are meant by points near to it. Goes through all points of the result once, where planes are meant
-// twice, and keeps those around: up to 50 MB for two planes, some megabytes otherwise. kInvalidArgument, kNotFound, in
-// words that name the point, as "points[0]: ...": fit_surface_point, fit_plane, and what the kind is made of. What `each_point` answers.
+// Measures between the places of the surface near the given points. Reads all points of the result once, or twice if
+// planes are needed, and keeps those nearby: up to 50 MB for two planes, some megabytes otherwise. kInvalidArgument and
+// kNotFound, with a message that names the point as in "points[0]: ...", as for fit_surface_point, fit_plane and the
+// functions of the kind. Also the errors of `each_point`.
 Result<Measurement> measure(const MeasuredResult& result, const MeasureRequest& request);
 
-// One object: kind, value, half_width, unit, confidence, words, points (the places on the surface), normals, up (of a height),
-// surface_sigma and pose_sigma (in the unit), way_m.
+// Returns one object with kind, value, half_width, unit, confidence, words, points (the places on the surface),
+// normals, up (of a height), surface_sigma and pose_sigma (in the unit), way_m.
 std::string format_measurement_json(const Measurement& measurement);
 
 }  // namespace hermite

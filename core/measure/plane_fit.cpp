@@ -12,28 +12,29 @@ namespace hermite {
 
 namespace {
 
-// The first is what the place's own plane reaches to with certainty; each is gone over twice, since the plane turns.
+// The first reach is covered with certainty by the plane of the place; each is iterated twice, because the plane turns.
 constexpr std::array kReaches_m{0.08, 0.125, 0.25, 0.5, kPlaneReach_m};
 constexpr int kRoundsOfReach = 2;
 constexpr double kCell_m = 0.05;
-constexpr int kCellsToSide = 21;  // of the place's cell
+constexpr int kCellsToSide = 21;  // to either side of the place's cell
 constexpr int kCellsAcross = 2 * kCellsToSide + 1;
-// Of surfels' normals with the plane's, and with the normal of the place, which is not yet the plane's.
+// Least cosines between normals of surfels and that of the plane, and that of the place, which is not yet the plane's.
 constexpr double kMemberCosine = 0.9, kCandidateCosine = 0.8;
-// Surfels within so many deviations of the plane are of it, within these bounds: the noise of a wall at 4 m, and never a shelf's edge.
+// Surfels within this many standard deviations of the plane belong to it, within these bounds: the noise of a wall at 4
+// m, and never the edge of a shelf.
 constexpr double kGateDeviations = 3, kLeastGate_m = 0.003, kMostGate_m = 0.012;
-// A plane has some decimetres of surface: less does not say how it lies.
+// A plane needs some decimetres of surface; less does not determine its direction.
 constexpr int kLeastCells = 6;
 constexpr double kLeastSpread_m = 0.025;
-// Where the surface bends away or has steps, many more surfels lie within a gate that is so many times as wide.
+// Where the surface bends away or has steps, many more surfels lie within a gate that is wider by this factor.
 constexpr double kWiderGate = 3, kMostBeside = 1.5;
 
-// Of the means of cells, and what is left where they all lie in the plane. Measured.
+// Factor for the unevenness of cells, and the uncertainty that remains if all their means lie in the plane. Measured.
 constexpr double kOfUnevenness = 3.5, kLeastHeightSigma_m = 0.0003, kLeastSlopeSigma_rad = 0.0007;
 
 struct FlatPoint {
   Eigen::Vector3d position_m;
-  double weight = 0;  // by its confidence
+  double weight = 0;  // from its confidence
 };
 
 struct FlatFit {
@@ -58,7 +59,7 @@ FlatFit flat_fit_of(const std::vector<FlatPoint>& points, const Eigen::Vector3d&
           axes.deviation[2]};
 }
 
-// Cells of a plane around a place, by two directions along it.
+// A grid of cells on a plane around a place.
 class Cells {
  public:
   Cells(const Eigen::Vector3d& origin, const Eigen::Vector3d& normal)
@@ -70,7 +71,7 @@ class Cells {
   }
   void fill(const Eigen::Vector3d& position) { filled_[cell_of(position)] = true; }
 
-  // Those that are connected with the origin's, which counts as one.
+  // Returns the cells that are connected with that of the origin, which is included.
   std::vector<bool> connected() const {
     std::vector<bool> reached(filled_.size());
     std::vector<std::size_t> next{index_of(kCellsToSide, kCellsToSide)};
@@ -99,7 +100,7 @@ class Cells {
   std::vector<bool> filled_ = std::vector<bool>(kCellsAcross * kCellsAcross);
 };
 
-// Of those within `reach_m` what is connected with the place.
+// Returns the points within `reach_m` that are connected with the place.
 std::vector<FlatPoint> members_of(const FlatFit& plane, const std::vector<CloudPoint>& points, const Eigen::Vector3d& place, double reach_m,
                                   double widen = 1) {
   const double gate_m = widen * std::clamp(kGateDeviations * plane.deviation_m, kLeastGate_m, kMostGate_m);

@@ -11,11 +11,12 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-// What poses turn one plane against the other by: what is left between planes that one camera has seen, and what grows with the root of
-// the way. Measured.
+// Rotation between planes by pose errors: what remains between planes that one camera has seen, and what grows with the
+// square root of the path length. Measured.
 constexpr double kTurnFloor_rad = 0.0003, kTurnOfWay_rad = 0.0003;
 
-// Standard deviation [rad] of the turn of a plane's normal about an axis that lies in the plane, or of the larger turn where there is none.
+// Returns the standard deviation [rad] of the rotation of a plane's normal about an axis in the plane, or of the larger
+// rotation if the axis is not in the plane.
 double turn_sigma_of(const MeasuredPlane& plane, const Eigen::Vector3d& axis) {
   const Eigen::Vector3d along = axis.cross(plane.place.normal);
   if (along.norm() < 1e-6) return std::max(plane.slope_sigma[0], plane.slope_sigma[1]);
@@ -59,7 +60,8 @@ Result<Quantity> angle_between(const MeasuredPlane& from, const MeasuredPlane& t
   found.pose_sigma = kDegrees * std::hypot(kTurnFloor_rad, kTurnOfWay_rad * std::sqrt(drift->way_m));
   found.way_m = drift->way_m;
   const double sigma = std::hypot(found.surface_sigma, found.pose_sigma);
-  // Near to 0 and 180 degrees an error to any side makes the angle larger or smaller: it is that of two dimensions.
+  // Near 0 and 180 degrees an error in any direction changes the angle the same way, so the interval is that of a
+  // two-dimensional error.
   const bool is_folded = std::min(found.value, 180 - found.value) < kDeviationsOfConfidenceIn2d * sigma;
   found.half_width = (is_folded ? kDeviationsOfConfidenceIn2d : kDeviationsOfConfidence) * sigma;
   return found;

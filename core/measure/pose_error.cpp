@@ -11,10 +11,12 @@ namespace hermite {
 
 namespace {
 
-// What is left between places that one camera has seen, the share of the distance, and what grows with the root of the way. Measured.
+// What remains between places that one camera has seen, the share of the distance, and what grows with the square root
+// of the path length. Measured.
 constexpr double kPoseFloor_m = 0.00015, kOfDistance = 0.0004, kOfWay_m = 0.0005;
 
-// What is left of the focal length's error in a camera that was corrected (kFittingFocal of core/calibrate/camera_watch.h), as a share.
+// Remaining error of the focal length of a corrected camera (kFittingFocal of core/calibrate/camera_watch.h), as a
+// share.
 constexpr double kOfCorrectedCamera = 0.0015;
 
 }  // namespace

@@ -1,9 +1,11 @@
-// What the poses from which places were seen add to the error of what is measured between them. Pure function.
+// The contribution of the poses, from which places were seen, to the error of a measurement between the places. Pure
+// function.
 //
-// Poses bring two kinds of error. What every frame has too small the map has too small: some share of every length. And what the camera
-// has drifted on its way from one place to another moves them against each other, in every direction alike, by a variance that grows
-// with the way. Of what is measured only its derivatives by the places count: by their sums over pairs of places, as in a variogram,
-// since moving all places together changes nothing. The factors were measured (tests/accuracy/README.md, "Measuring").
+// Poses cause two kinds of error. A scale error of all frames is a scale error of the map, a share of every length. And
+// the drift of the camera on its path from one place to another moves them relative to each other, equally in all
+// directions, with a variance that grows with the length of the path. The measurement matters only by its derivatives
+// with respect to the places, in sums over pairs of places as in a variogram, because moving all places together
+// changes nothing. The factors were measured (tests/accuracy/README.md, "Measuring").
 #pragma once
 
 #include <Eigen/Core>
@@ -16,23 +18,24 @@
 
 namespace hermite {
 
-// What is known of a result beside its surfels.
+// What is known about a result besides its surfels.
 struct MapKnowledge {
   CameraWay way;
-  std::int64_t part_count = 1;        // of the map, whose places relative to each other nobody knows
-  bool camera_was_corrected = false;  // it is then known as well as camera_watch.h says
+  std::int64_t part_count = 1;        // components of the map, whose relative poses are unknown
+  bool camera_was_corrected = false;  // its accuracy is then that of camera_watch.h
 };
 
 struct PoseError {
-  double sigma = 0;  // standard deviation of what is measured, by drift alone, in its unit
-  double way_m = 0;  // the longest between two of the places
+  double sigma = 0;  // standard deviation of the measurement by drift alone, in its unit
+  double way_m = 0;  // the longest path between two of the places
 };
 
-// `gradients`: derivatives of what is measured by each place, whose sum is nothing. kInvalidArgument, in words: places lie in different
-// parts of the map; no camera of the path can have seen one of them.
+// `gradients` are the derivatives of the measurement by each place, whose sum is zero. kInvalidArgument when the map
+// has several components and the places are not in one submap, and when no camera of the path can have seen one of
+// them.
 Result<PoseError> pose_error_of(std::span<const MeasuredPlace> places, std::span<const Eigen::Vector3d> gradients, const MapKnowledge& map);
 
-// Standard deviation of all lengths, as a share of each.
+// Returns the standard deviation of all lengths as a share of each.
 double length_share_of(const MapKnowledge& map);
 
 }  // namespace hermite

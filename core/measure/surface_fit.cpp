@@ -14,29 +14,31 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A reach of 3 cm has some 30 surfels of a room that was seen from 2.7 m; where it has fewer than these, it is doubled.
+// Within 3 cm there are about 30 surfels of a room that was seen from 2.7 m; if there are fewer than these, the reach
+// is doubled.
 constexpr double kNearReach_m = 0.03;
 constexpr std::size_t kEnough = 16, kLeast = 6;
-constexpr std::size_t kDirectionOf = 5;  // the nearest surfels say which side of a thing is meant
-// Surfels count where their normals are within 37 degrees of the plane's, and fully where they agree.
+constexpr std::size_t kDirectionOf = 5;  // the nearest surfels determine which side of an object is meant
+// Surfels have weight if their normals are within 37 degrees of the plane's, and full weight if they agree.
 constexpr double kLeastCosine = 0.8;
-// Tukey's weight, zero from so many deviations on; the deviation is at least what a still camera's depth is rounded to.
+// Tukey's weight, zero beyond this many standard deviations; the deviation is at least the rounding of depth from a
+// still camera.
 constexpr double kOutlierDeviations = 3, kLeastDeviation_m = 0.0005;
 constexpr int kRounds = 5;
 
-// Of a point's standard deviation: factors of the spread and of the bend, and what is left where both are nothing. Measured.
+// Factors of the spread and of the bend for a point's standard deviation, and what remains if both are zero. Measured.
 constexpr double kOfNoise = 7.6, kOfBend = 4.2, kLeastSigma_m = 0.0004;
 
 struct Neighbour {
   Vector3d position_m, normal;
-  double weight = 0;  // by its nearness and confidence
+  double weight = 0;  // from its distance and confidence
   double distance_m = 0;
   std::uint32_t submap = 0;
 };
 
 struct Plane {
   Vector3d centre_m, normal;
-  double deviation_m = 0;      // of the surfels about it
+  double deviation_m = 0;      // of the surfels from the plane
   double effective_count = 0;  // of surfels
   double disagreement = 0;     // mean of 1 - cosine between their normals and the plane's
 };
@@ -75,7 +77,7 @@ double weight_in(const Plane& plane, const Neighbour& neighbour, bool is_first) 
   return neighbour.weight * agreement * std::pow(std::max(0.0, 1 - off * off), 2);
 }
 
-// None: too few agree.
+// Returns std::nullopt if too few surfels agree.
 std::optional<Plane> refitted(const Plane& plane, const std::vector<Neighbour>& neighbours, bool is_first) {
   std::vector<Vector3d> positions_m;
   std::vector<double> weights;

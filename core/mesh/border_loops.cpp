@@ -41,7 +41,7 @@ class BorderSteps {
   const std::vector<BorderStep>& steps() const { return steps_; }
 
  private:
-  // The edge that starts at this corner.
+  // Examines the edge that starts at this corner.
   void look_at(const TriangleMesh& mesh, const VertexCorners& corners, std::uint32_t from, std::uint32_t corner) {
     const std::uint32_t to = vertex_at(mesh, next_corner(corner));
     int along = 0, against = 0;

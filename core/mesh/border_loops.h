@@ -24,11 +24,11 @@ struct Borders {
 
 Borders borders_of(const TriangleMesh& mesh, const VertexCorners& corners);
 
-// Whether any two vertices of the loop are farther apart than this.
+// Returns whether any two vertices of the loop are farther apart than this.
 bool is_wider(const TriangleMesh& mesh, const BorderLoop& loop, double width_m);
 
-// A hole is surrounded by surface; the outer boundary of a piece of surface encloses it. Seen along the surface normal the two wind in
-// opposite directions. The open end of a tube, where normals point in all directions, is not a hole.
+// Returns whether the loop surrounds a hole rather than enclosing a piece of surface: seen along the surface normal,
+// the two wind in opposite directions. The open end of a tube, where normals point in all directions, is not a hole.
 bool is_hole(const TriangleMesh& mesh, const BorderLoop& loop);
 
 }  // namespace hermite

@@ -20,14 +20,17 @@ struct CellPieces {
   int count = 0;
 };
 
-// `inside`: one bit per corner, set behind the surface. `crossed`: a bit for each edge with a crossing, a subset of those whose ends differ
-// (CHECK). On a face whose corners alternate, corners inside are kept apart, on those of `joined` (a bit for each face) the others.
+// Returns the pieces of a cell. `inside` has one bit per corner, set behind the surface. `crossed` has a bit for each
+// edge with a crossing, a subset of those whose ends differ (CHECK). On an ambiguous face, the corners inside are kept
+// apart; on the faces of `joined` (a bit for each face), the corners outside are.
 CellPieces pieces_of_cell(std::uint8_t inside, std::uint16_t crossed, std::uint8_t joined);
 
-// Whether the signs of the face's corners alternate, so that all four of its edges are crossed (an ambiguous face).
+// Returns whether the signs of the face's corners alternate, so that all four of its edges are crossed (an ambiguous
+// face).
 bool is_ambiguous(std::uint8_t inside, std::uint16_t crossed, int face);
 
-// Whether all four crossings of the face are in one piece. If so in both cells of the face, four quads would share an edge: join the face.
+// Returns whether all four crossings of the face are in one piece. If they are in both cells of the face, four quads
+// would share an edge, so the face must be joined.
 bool face_is_one_piece(const CellPieces& pieces, int face);
 
 }  // namespace hermite

@@ -17,7 +17,7 @@
 namespace hermite {
 namespace {
 
-// Cubes contoured before they are welded together: enough work for all processors in little memory.
+// Number of cubes contoured before they are welded together: enough work for all processors in little memory.
 constexpr std::size_t kCubesAtOnce = 256;
 
 struct CubeOrder {
@@ -26,7 +26,7 @@ struct CubeOrder {
   }
 };
 
-// Cubes that the support of a surfel can reach.
+// Returns the cubes that the support of a surfel can reach.
 std::vector<Eigen::Vector3i> cubes_of(const SurfelField& field) {
   std::set<Eigen::Vector3i, CubeOrder> cubes;
   const auto reach_cells = static_cast<int>(std::ceil(static_cast<double>(field.reach_m()) / field.cell_m()));

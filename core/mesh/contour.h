@@ -25,12 +25,13 @@ struct ContourStatistics {
   std::size_t folded = 0;          // triangles that were removed because they stayed folded over
 };
 
-// Uses all processors; the order of vertices and triangles does not depend on their number. Every edge has one or two triangles, which are
-// oriented alike; the surface is open where no surfel supports it. It may be empty. kInvalidArgument: as SurfelField::create; kBusy:
-// stopped.
+// Returns the mesh. Uses all processors; the order of vertices and triangles does not depend on their number. Every
+// edge has one or two triangles, which are oriented alike; the surface is open where no surfel supports it. It may be
+// empty. kInvalidArgument as for SurfelField::create; kBusy when stopped.
 //
-// Memory: about 60 bytes per vertex of the result, for a while twice, plus either the points (40 bytes each) or an index of the mesh
-// (24 bytes per vertex). A cloud that is moved in is freed once it is read; one passed by reference is copied.
+// Memory: about 60 bytes per vertex of the result, for a while twice that, plus either the points (40 bytes each) or an
+// index of the mesh (24 bytes per vertex). A cloud that is moved in is freed once it is read; one passed by reference
+// is copied.
 Result<TriangleMesh> contour(Cloud&& cloud, const ContourOptions& options, const MeshProgress& progress = {},
                              ContourStatistics* statistics = nullptr);
 Result<TriangleMesh> contour(const Cloud& cloud, const ContourOptions& options, const MeshProgress& progress = {},

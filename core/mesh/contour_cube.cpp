@@ -14,16 +14,17 @@ constexpr int kMargin = kCubeMargin;
 constexpr int kSide = kCubeCells + 2 * kMargin;  // corners along an axis: those of cells -2 to 32
 constexpr std::size_t kCorners = std::size_t{kSide} * kSide * kSide;
 
-// With less coverage than this the surface is extrapolated and left out: coverage is a half on the border of a sheet and a quarter at its
-// corner. Half a cell beyond the outermost surfels kernels lean by a quarter of their support: the mesh is as wide as the cloud.
+// With less coverage than this the surface is extrapolated and left out: coverage is one half on the border of a sheet
+// and one quarter at its corner. Half a cell beyond the outermost surfels, the lean of the kernels is a quarter of
+// their support, so the mesh is as wide as the cloud.
 constexpr float kLeastCoverage = 0.2f, kMostLean = 0.25f;
 constexpr int kLeastKernels = 4;
-// A surface two cells or more from all surfels is extrapolated, too, unless the surfels are that far apart: a support is three times their
-// distance. A little less than two, since folds are flattened afterwards.
+// A surface two cells or more from all surfels is extrapolated as well, unless the surfels are that far apart: a
+// support is three times their distance. The limit is slightly below two, since folds are flattened afterwards.
 constexpr float kFarthest_cells = 1.9f, kFarthest_supports = 0.45f;
 // Vertices keep this distance from the faces of their cell, so that no two of them coincide.
 constexpr float kInset_cells = 0.01f;
-// Newton steps along an edge towards the surface; two nearly suffice.
+// Newton steps along an edge towards the surface; two are nearly sufficient.
 constexpr int kSteps = 3;
 constexpr float kLeastSlope = 0.1f;
 // Below this length of the mean normal (a few degrees of spread) the field of a corner is evaluated robustly.
@@ -51,7 +52,7 @@ class CubeContour {
         first_cell_(cube * kCubeCells - Eigen::Vector3i::Constant(kMargin)),
         window_(field, first_cell_, first_cell_ + Eigen::Vector3i::Constant(kSide)) {}
 
-  // With the vertices of this many layers of cells below the cube.
+  // Also includes the vertices of this many layers of cells below the cube.
   CubeSurface contour(int cells_below) {
     if (window_.empty()) return {};
     add_kernels();
@@ -183,7 +184,7 @@ void CubeContour::find_crossing(const Eigen::Vector3i& corner, int axis) {
     if (std::abs(slope) < kLeastSlope) break;
     t = std::clamp(t - sample.value_m / (slope * length_m), 0.0f, 1.0f);
   }
-  // From inside to outside the surface is passed towards where it is seen from.
+  // From inside to outside, an edge passes through the surface towards the side from which it was seen.
   const bool is_outwards = sides_[at(corner)] == Side::kInside;
   const bool agrees = is_outwards ? sample.normal[axis] > -0.3f : sample.normal[axis] < 0.3f;
   if (sample.coverage < kLeastCoverage || sample.lean > kMostLean || !agrees || std::abs(sample.value_m) > length_m) return;
@@ -205,7 +206,7 @@ int CubeContour::crossing_of(const Eigen::Vector3i& cell, int edge) const {
   return crossing_by_edge_[at(cell + Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2))][static_cast<std::size_t>(edge / 4)];
 }
 
-// The vertices in the four cells around the edge.
+// Marks the crossing in the four cells around the edge.
 void CubeContour::mark_crossed(const Eigen::Vector3i& corner, int axis) {
   const int at_b = (axis + 1) % 3, at_c = (axis + 2) % 3;
   for (int around = 0; around < 4; ++around) {
@@ -298,8 +299,8 @@ void CubeContour::make_quads(CubeSurface& surface) const {
 
 void CubeContour::make_quad(const Eigen::Vector3i& corner, int axis, CubeSurface& surface) const {
   const Eigen::Vector3i b = Eigen::Vector3i::Unit((axis + 1) % 3), c = Eigen::Vector3i::Unit((axis + 2) % 3);
-  // Around the edge, counter-clockwise seen from its upper end; offsets of the cells below along b and c, which are those of the edge in
-  // them.
+  // The cells around the edge, counter-clockwise seen from its upper end, by their offsets below along b and c. The
+  // same offsets give the position of the edge within these cells.
   constexpr std::array<std::array<int, 2>, 4> kAround = {{{1, 1}, {0, 1}, {0, 0}, {1, 0}}};
   CubeQuad quad{};
   for (std::size_t i = 0; i < 4; ++i) {

@@ -38,13 +38,13 @@ struct CubeSurface {
   std::vector<CubeQuad> quads;       // of edges that start in the cells of the cube; their vertices may lie in the adjacent lower cubes
 };
 
-// `cube` spans the cells from kCubeCells * cube up to, not including, kCubeCells * (cube + 1). Thread-safe.
+// Contours the cells from kCubeCells * cube up to, not including, kCubeCells * (cube + 1). Thread-safe.
 CubeSurface contour_cube(const SurfelField& field, const Eigen::Vector3i& cube);
 
-// The same, with the vertices of the adjacent lower cells too: all vertices that its quads refer to.
+// Also returns the vertices of the adjacent lower cells, so that all vertices of its quads are included.
 CubeSurface contour_whole_cube(const SurfelField& field, const Eigen::Vector3i& cube);
 
-// How many cells around a cube its surface depends on.
+// Width of the margin of cells around a cube on which its surface depends.
 inline constexpr int kCubeMargin = 2;
 
 }  // namespace hermite

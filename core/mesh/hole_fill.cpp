@@ -22,8 +22,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-// The farthest that a patch may reach from the middle of its boundary, relative to the boundary: a patch that goes farther continues a
-// surface that is too rough to tell its curvature.
+// The largest distance of a patch from the middle of its boundary, relative to that of the boundary. A patch that
+// reaches farther continues a surface that is too rough to measure its curvature.
 constexpr double kMostReach = 1.2;
 
 // The filling of one hole. Its triangles index the points of the loop first, then the inner points.
@@ -44,9 +44,10 @@ class HoleFiller {
   HoleFiller(const TriangleMesh& mesh, const VertexCorners& corners, const BorderLoop& loop)
       : mesh_(mesh), corners_(corners), loop_(loop) {}
 
-  // Continues the curvature around the hole, or is flatter where that would fold. None: every attempt folds, or existing edges prevent it.
+  // Returns a filling that continues the curvature around the hole, or a flatter one where that would fold;
+  // std::nullopt if every attempt folds or existing edges prevent it.
   std::optional<Filling> bent();
-  // A minimal surface across the boundary. None: existing edges prevent it.
+  // Returns a minimal surface across the boundary; std::nullopt if existing edges prevent it.
   std::optional<Filling> stretched();
 
  private:
@@ -80,7 +81,7 @@ std::optional<Patch> HoleFiller::flat() const {
     patch.points_m.push_back(mesh_.positions_m[loop_.vertices[i]].cast<double>());
     face_normals.push_back(loop_.face_normals[i].cast<double>());
   }
-  // On three points that already have a triangle the filling would be its back side.
+  // If three points already have a triangle, the filling would be its back side.
   if (patch.border_count == 3 && corners_.at(loop_.vertices[0]).size() == 1) return std::nullopt;
   std::optional<std::vector<TriangleCorners>> triangles =
       triangulated({patch.points_m, face_normals, [this](std::size_t i, std::size_t k) { return is_taken(i, k); }});
@@ -89,7 +90,7 @@ std::optional<Patch> HoleFiller::flat() const {
   return patch;
 }
 
-// All triangles at the vertices of the boundary; `points_m` in the order in which they are found.
+// Returns all triangles at the vertices of the boundary; `points_m` are in the order in which they are found.
 PatchSurroundings HoleFiller::surroundings() const {
   PatchSurroundings around;
   std::unordered_map<std::uint32_t, std::uint32_t> place;  // by vertex, boundary first; only for look-up, never iterated
@@ -129,7 +130,7 @@ void HoleFiller::stretch(Patch& patch) const {
   for (Eigen::Index i = 0; i < points_m.rows(); ++i) patch.points_m[static_cast<std::size_t>(i)] = points_m.row(i).transpose();
 }
 
-// With normals and colours.
+// Adds normals and colours.
 std::optional<Filling> HoleFiller::finished(Patch patch) const {
   const std::size_t border = patch.border_count, count = patch.points_m.size();
   MatrixXd border_colors(static_cast<Eigen::Index>(border), 3);
@@ -196,7 +197,7 @@ std::optional<Filling> HoleFiller::stretched() {
   return filling;
 }
 
-// The sharpest angle between a filling and the surface along its boundary.
+// Sets border normals to the mean over the triangles around, of the filling and of the mesh.
 void HoleFiller::mean_border_normals(Filling& filling) const {
   std::vector<Vector3d> sums(filling.patch.border_count, Vector3d::Zero());
   for (const TriangleCorners& t : filling.patch.triangles)
@@ -227,8 +228,8 @@ void append(const BorderLoop& loop, const Filling& filling, TriangleMesh& mesh) 
   }
 }
 
-// Where a closing turns back along the surface the one normal of a border's vertex cannot please all triangles around by being their mean:
-// it turns towards those that it is against.
+// Where a closing surface turns back along the existing one, the mean normal of a boundary vertex does not suit all
+// triangles around it; it is turned towards those that it opposes.
 void turn_border_normals(const std::vector<bool>& is_turning, TriangleMesh& mesh) {
   constexpr int kMostTurns = 50;
   constexpr float kTurn = 0.3f;

@@ -23,13 +23,14 @@ struct HoleFillStatistics {
   double filled_area_m2 = 0, closed_area_m2 = 0;
 };
 
-// Returns the mesh with new triangles appended and marked in is_filled; new vertices have colours interpolated from the boundary. Holes up
-// to width_m continue the curvature of the surface around them; what is closed beyond that is a minimal surface across its boundary, whose
-// normals may change. Edges keep at most two triangles, which are oriented alike, and no filled hole folds over. A filling may pass through
-// other pieces of surface. Each boundary is filled by itself: two are never joined. The result does not depend on the number of
-// threads.
+// Returns the mesh with new triangles appended and marked in is_filled; new vertices have colours interpolated from the
+// boundary. Holes up to width_m continue the curvature of the surface around them; wider holes and outer boundaries that
+// are closed get a minimal surface across the boundary, whose normals may change. Edges keep at most two triangles,
+// which are oriented alike, and no filled hole folds over. A filling may pass through other pieces of surface. Each
+// boundary is filled by itself; two are never joined. The result does not depend on the number of threads.
 //
-// kInvalidArgument: width_m, a mesh with a texture or marks, or what check_mesh refuses; kBusy: stopped.
+// kInvalidArgument for width_m, for a mesh with a texture or marks, and for what check_mesh rejects; kBusy when
+// stopped.
 Result<TriangleMesh> holes_filled(const TriangleMesh& mesh, const HoleFillOptions& options, const MeshProgress& progress = {},
                                   HoleFillStatistics* statistics = nullptr);
 

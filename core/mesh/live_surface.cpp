@@ -21,7 +21,7 @@ constexpr std::size_t kLeastSurfels = 200;
 // The distance of surfels is estimated from how many lie within this radius: a count that is cheap to update as surfels come and go. It is
 // 30 where surfels are one cell apart.
 constexpr float kNeighbourhood_cells = 3;
-// As FieldOptions has it.
+// As in FieldOptions.
 constexpr double kSupport_spacings = 3;
 
 // A surfel is updated only when it differs by more than this. A tenth of a cell is a millimetre, less than the error of a finished mesh;
@@ -78,7 +78,7 @@ bool LiveSurface::looks_alike(const Entry& a, const Entry& b) {
          b.confidence < kAlikeConfidence * a.confidence;
 }
 
-// Cube indices have 16 bits, cell indices 20; one cube is left free around the farthest ones.
+// Cube indices have 16 bits, cell indices 20; one cube is kept free around the farthest ones.
 bool LiveSurface::is_in_reach(const Eigen::Vector3f& world_m) const {
   static_assert(kMostCell / kCubeCells <= std::numeric_limits<std::int16_t>::max());
   const double most_m = (kMostCell - 4 * kCubeCells) * cell_m_;
@@ -113,7 +113,7 @@ LiveSurface::Cube& LiveSurface::cube_around(std::uint32_t slot) {
                  static_cast<std::int16_t>(index.z())}];
 }
 
-// All cubes whose surface depends on points within `reach_m` of this one.
+// Marks all cubes whose surface depends on points within `reach_m` of this one.
 void LiveSurface::touch(std::uint32_t part, const Eigen::Vector3f& world_m, float reach_m, Time now) {
   const double reach_cells = static_cast<double>(reach_m) / cell_m_ + kCubeMargin + 1;
   const Eigen::Vector3d middle = world_m.cast<double>() / cell_m_;
@@ -254,7 +254,8 @@ std::optional<SurfaceCube> LiveSurface::next(const Eigen::Vector3f& eye_m, Time 
   return best ? std::optional(std::get<SurfaceCube>(*best)) : std::nullopt;
 }
 
-// Also finds the submap that most surfels in the cube belong to, or, if there are none, most of those whose support reaches it.
+// Also determines the submap of most surfels in the cube, or, if there are none, of most surfels whose support reaches
+// it.
 std::vector<FieldKernel> LiveSurface::kernels_around(const SurfaceCube& cube, std::uint32_t& submap) const {
   std::vector<FieldKernel> kernels;
   const auto grid = grid_of_part_.find(cube.part);

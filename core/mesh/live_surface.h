@@ -42,8 +42,9 @@ inline constexpr double kMoved_cells = 0.4;
 // A cube that changes slightly all the time, as those in view do, is contoured again no sooner than this after the last time.
 inline constexpr std::chrono::milliseconds kCubeRest(1000);
 
-// The cell size of a live surface: 1.25 times the median distance of the surfels, clamped to 1 to 4 cm. With finer cells two processors do
-// not keep up with the frames. None: fewer than 200 surfels are too few to measure their distance.
+// Returns the cell size of a live surface: 1.25 times the median distance of the surfels, clamped to 1 to 4 cm. With
+// finer cells, two processors do not keep up with the frames. Returns std::nullopt for fewer than 200 surfels, which
+// are too few to measure their distance.
 std::optional<double> live_cell_m(std::span<const SlotChange> surfels);
 
 struct PlacedSubmap {
@@ -73,25 +74,26 @@ class LiveSurface {
 
   double cell_m() const { return cell_m_; }
 
-  // The poses of the submaps, by number; later changes refer to these. Surfels of submaps that are no longer listed stay until a change
-  // removes them.
+  // Sets the poses of the submaps, by number; later changes refer to these. Surfels of submaps that are no longer
+  // listed stay until a change removes them.
   void place(std::span<const PlacedSubmap> submaps, Time now);
 
-  // Surfels that are not finite, have a zero normal or no confidence, or are too far from the origin for the cell index, count as removed.
-  // CHECK: the submap was placed. `now`: when the changes arrived, for CubeMesh::since.
+  // Applies changes that arrived at `now`. Surfels that are not finite, have a zero normal or no confidence, or are too
+  // far from the origin for the cell index, count as removed. CHECK: the submap was placed.
   void apply(std::span<const SlotChange> changes, Time now);
 
   std::size_t surfel_count() const { return surfel_count_; }
   bool is_full() const { return surfel_count_ > most_surfels_ || entries_.size() > 2 * kMostLiveSurfels; }
   std::size_t dirty_count() const { return dirty_.size(); }
 
-  // The cube to contour next: those with much new surface first, by distance to `eye_m`; then the longest waiting. None: none is due.
+  // Returns the cube to contour next: first those with much new surface, by distance to `eye_m`; then the one that has
+  // waited longest. Returns std::nullopt if none is due.
   std::optional<SurfaceCube> next(const Eigen::Vector3f& eye_m, Time now) const;
 
-  // None: the cube was empty and still is.
+  // Returns std::nullopt if the cube was empty and still is.
   std::optional<CubeMesh> contour(const SurfaceCube& cube, Time now);
 
-  // All cubes whose last mesh was not empty.
+  // Returns all cubes whose last mesh was not empty.
   std::vector<SurfaceCube> shown() const;
 
  private:
@@ -101,10 +103,10 @@ class LiveSurface {
     float confidence = 0;  // 0: none
     Rgb8 color;
     std::uint32_t submap = 0;
-    std::int32_t neighbours = 0;  // within kNeighbourhood_cells, itself among them
+    std::int32_t neighbours = 0;  // within kNeighbourhood_cells, including itself
   };
   struct Submap {
-    PlacedSubmap placed;                                                                // the pose that its surfels are placed with
+    PlacedSubmap placed;                                                                // the pose at which its surfels are placed
     Eigen::Vector3f low_m = Eigen::Vector3f::Zero(), high_m = Eigen::Vector3f::Zero();  // bounds of its surfels in its own frame
     bool is_used = false;
   };

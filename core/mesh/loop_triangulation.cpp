@@ -18,7 +18,7 @@ struct PolygonWeight {
 };
 
 constexpr PolygonWeight kImpossible{std::numeric_limits<double>::infinity(), 0};
-// Differences of folds below this (about ten degrees) are noise of the boundary: then the smaller area wins.
+// Smaller differences between folds (below about ten degrees) are noise of the boundary; then the smaller area wins.
 constexpr double kSmooth = 0.015;
 
 double fold_between(const Vector3d& a, const Vector3d& b) {
@@ -58,7 +58,7 @@ class PolygonFiller {
   std::vector<TriangleCorners> triangles_;
 };
 
-// The normal across the boundary between two of its points, or the mean along it.
+// Returns the normal across the boundary between two of its points, or the mean along it.
 Vector3d PolygonFiller::normal_beyond(std::size_t from, std::size_t to) const {
   Vector3d sum = Vector3d::Zero();
   for (std::size_t i = from; i < to; ++i) sum += loop_.face_normals[i];
@@ -66,7 +66,8 @@ Vector3d PolygonFiller::normal_beyond(std::size_t from, std::size_t to) const {
   return length > 0 ? Vector3d(sum / length) : Vector3d(Vector3d::Zero());
 }
 
-// Selects at most kMostPolygonPoints of the points, including both ends, without an edge between them that is taken.
+// Selects at most kMostPolygonPoints of the points, including both ends, so that none of the edges between them exists
+// already.
 std::vector<std::size_t> PolygonFiller::coarse(const std::vector<std::size_t>& polygon) const {
   const std::size_t step = (polygon.size() - 1 + kMostPolygonPoints - 2) / (kMostPolygonPoints - 1);
   std::vector<std::size_t> few{0};

@@ -13,7 +13,7 @@
 
 namespace hermite {
 
-// The most points of one dynamic programme; longer loops are first cut into polygons of this size.
+// The most points for one run of dynamic programming; longer loops are first cut into polygons of this size.
 inline constexpr std::size_t kMostPolygonPoints = 100;
 
 struct LoopToFill {
@@ -22,9 +22,9 @@ struct LoopToFill {
   std::function<bool(std::size_t, std::size_t)> is_taken;  // whether the surface already has an edge between these two points
 };
 
-// Returns points - 2 triangles in the loop's winding order. Of all triangulations, one whose sharpest fold, including those against the
-// surface around, is least; among equal ones the one of least area. None: edges that are taken prevent it. Time: cubic up to
-// kMostPolygonPoints, linear beyond.
+// Returns points - 2 triangles in the loop's winding order: of all triangulations one whose sharpest fold, including
+// those against the surface around, is least; among equal ones the one of least area. Returns std::nullopt if existing
+// edges prevent it. Takes cubic time up to kMostPolygonPoints, linear beyond.
 std::optional<std::vector<TriangleCorners>> triangulated(const LoopToFill& loop);
 
 }  // namespace hermite

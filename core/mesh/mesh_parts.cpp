@@ -14,7 +14,7 @@
 namespace hermite {
 namespace {
 
-// A fold is one or two cells wide: what twenty smoothing steps do not flatten will stay.
+// A fold is one or two cells wide; what twenty smoothing steps do not flatten will stay folded.
 constexpr int kMostUnfoldings = 20;
 
 bool is_folded(const TriangleMesh& mesh, const TriangleCorners& triangle) {
@@ -23,8 +23,8 @@ bool is_folded(const TriangleMesh& mesh, const TriangleCorners& triangle) {
   return !(across.dot(mesh.normals[a] + mesh.normals[b] + mesh.normals[c]) > 0);
 }
 
-// Laplacian smoothing of these vertices and their normals by half: with full steps neighbours would overshoot each
-// other.
+// Moves these vertices and their normals half-way to their neighbours' mean (Laplacian smoothing); with full steps
+// neighbours would overshoot each other.
 void relax(TriangleMesh& mesh, const std::vector<bool>& is_moving) {
   struct Around {
     Eigen::Vector3f positions_m = Eigen::Vector3f::Zero(), normals = Eigen::Vector3f::Zero();
@@ -54,8 +54,9 @@ struct MovedCorner {
   bool operator<(const MovedCorner& other) const { return std::tie(first_of_fan, corner) < std::tie(other.first_of_fan, other.corner); }
 };
 
-// Of the corners at one vertex, in ascending order, those that are not in the fan of the first. Two triangles are in one fan when they
-// share an edge that no third triangle has and traverse it in opposite directions; otherwise they are two surfaces, back to back.
+// Finds those of the corners at one vertex, in ascending order, that are not in the fan of the first. Two triangles are
+// in one fan if they share an edge that no third triangle has and traverse it in opposite directions; otherwise they
+// are two surfaces, back to back.
 void find_other_fans(const TriangleMesh& mesh, std::span<const std::uint32_t> corners, std::vector<MovedCorner>& moved) {
   constexpr std::uint32_t kNone = ~0u;
   DisjointSets fans(corners.size());

@@ -1,4 +1,4 @@
-// How long-running work on a mesh reports its progress and is stopped.
+// How long-running work on a mesh reports its progress and can be stopped.
 #pragma once
 
 #include <atomic>

@@ -13,7 +13,8 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Sparse = Eigen::SparseMatrix<double>;
 
-// Half the cotangent of an angle. Kept positive, so that inner values stay within the range of the boundary for any triangles.
+// Bounds for half the cotangent of an angle. It is kept positive, so that inner values stay within the range of the
+// boundary for any triangles.
 constexpr double kLeastWeight = 0.02, kMostWeight = 10;
 
 double cotangent_weight(const Vector3d& corner_m, const Vector3d& a_m, const Vector3d& b_m) {
@@ -22,7 +23,8 @@ double cotangent_weight(const Vector3d& corner_m, const Vector3d& a_m, const Vec
   return sine > 0 ? std::clamp(0.5 * cosine / sine, kLeastWeight, kMostWeight) : kLeastWeight;
 }
 
-// Sums over triangles, of all points or of the patch only: entries of the Laplacian, and a third of each area per vertex.
+// Sums over triangles, of all points or only of the patch: entries of the Laplacian, and a third of each area per
+// vertex.
 class LaplacianSums {
  public:
   explicit LaplacianSums(std::size_t count) : areas_m2_(count, 0.0) {}
@@ -50,7 +52,7 @@ class LaplacianSums {
     sums.setFromTriplets(entries_.begin(), entries_.end());
     return sums;
   }
-  // The inverse areas, relative to their mean.
+  // Returns the inverse areas, relative to their mean.
   Eigen::VectorXd inverse_areas() const {
     double mean = 0;
     for (const double area_m2 : areas_m2_) mean += area_m2 / static_cast<double>(areas_m2_.size());

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Liepa's density control factor: triangles larger than the edge lengths at their corners by this are split.
+// Liepa's density control factor: triangles that exceed the edge lengths at their corners by this factor are split.
 const double kSplit = std::sqrt(2.0);
 // Edge lengths grow by this factor with every ring inwards.
 constexpr double kGrowth = 1.15;
@@ -63,7 +63,7 @@ class PatchRefiner {
       triangle_of_edge_;  // by its two points in winding order; only for look-up, never iterated
 };
 
-// Splits triangles at their centroids. Returns how many.
+// Splits triangles at their centroids. Returns their number.
 std::size_t PatchRefiner::split_large() {
   const std::size_t count = patch_.triangles.size();
   std::size_t split = 0;
@@ -96,15 +96,15 @@ bool PatchRefiner::turn_edges_once() {
   return is_any;
 }
 
-// Whether the edge a-b of the triangles a, b, c and b, a, d should be flipped to c-d (Delaunay): the angles at c and d add up to more than
-// 180 degrees, and both new triangles face as the old ones.
+// Returns whether the edge a-b of the triangles a, b, c and b, a, d should be flipped to c-d (Delaunay): the angles at
+// c and d add up to more than 180 degrees, and both new triangles face like the old ones.
 bool PatchRefiner::turns_well(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
   const auto& p = patch_.points_m;
   const auto angle_rad = [&](std::uint32_t at) {
     const Vector3d to_a = p[a] - p[at], to_b = p[b] - p[at];
     return std::atan2(to_a.cross(to_b).norm(), to_a.dot(to_b));
   };
-  constexpr double kMargin_rad = 1e-6;  // else the edges of four points on a circle would be flipped for ever
+  constexpr double kMargin_rad = 1e-6;  // otherwise the edges of four points on a circle would be flipped endlessly
   if (!(angle_rad(c) + angle_rad(d) > std::numbers::pi + kMargin_rad)) return false;
   const Vector3d mean = across(a, b, c) + across(b, a, d);
   return across(a, d, c).dot(mean) > 0 && across(d, b, c).dot(mean) > 0;

@@ -30,12 +30,12 @@ void QuadMesh::add_vertices(const std::vector<CubeVertex>& vertices) {
   }
 }
 
-// How well a triangle fits the normals at its corners; corners on sharp edges do not count.
+// Returns how well a triangle fits the normals at its corners; corners on sharp edges are ignored.
 float QuadMesh::fit(const TriangleCorners& triangle) const {
   const auto& p = mesh_.positions_m;
   const Eigen::Vector3f across = (p[triangle[1]] - p[triangle[0]]).cross(p[triangle[2]] - p[triangle[0]]);
   const float length = across.norm();
-  if (!(length > 0)) return -1;  // no triangle
+  if (!(length > 0)) return -1;  // degenerate
   float least = 1;
   for (const std::uint32_t vertex : triangle)
     if (is_smooth_[vertex]) least = std::min(least, across.dot(mesh_.normals[vertex]) / length);

@@ -24,10 +24,10 @@ class QuadMesh {
   TriangleMesh mesh_;
 };
 
-// The mesh of a surface with all of its vertices (contour_whole_cube), without unused vertices.
+// Returns the mesh of a surface with all of its vertices (contour_whole_cube), without unused vertices.
 TriangleMesh mesh_of(const CubeSurface& surface);
 
-// The index of the key in vertices or keys that are sorted by key. CHECK: it is there.
+// Return the index of the key in vertices or keys that are sorted by key. CHECK: it is there.
 std::uint32_t index_of(VertexKey key, const std::vector<CubeVertex>& vertices);
 std::uint32_t index_of(VertexKey key, const std::vector<VertexKey>& keys);
 

@@ -13,15 +13,16 @@ namespace hermite {
 struct SimplifyOptions {
   double most_error_m = 0.001;       // how far the surface may move by the simplifier's own measure, 0.00001 to 1
   std::int64_t least_triangles = 0;  // it stops at this many, 0 to 2^30
-  // A larger mesh is first halved in passes until it has no more than this. Passes can be stopped in between, but leave more triangles than
-  // a single one (measured: up to a third more for each pass). Two million take some seconds. At least 2.
+  // A larger mesh is first halved in passes until it has no more than this. The work can be stopped between passes, but
+  // several passes leave more triangles than a single one (measured: up to a third more for each pass). Two million
+  // take some seconds. At least 2.
   std::int64_t triangles_of_last_pass = 2'000'000;
 };
 
-// Vertices of the result are vertices of `mesh`, in its order. Separate parts of the mesh stay separate, and no edge gets more than two
-// triangles. Call it before a mesh is textured: the colours of removed vertices are lost. `progress` is called before each pass.
-// Deterministic, pure. kInvalidArgument: options, or a mesh with a texture or with a triangle without its vertex; kBusy: stopped by
-// `progress`.
+// Returns the simplified mesh, whose vertices are vertices of `mesh` in its order. Separate parts of the mesh stay
+// separate, and no edge gets more than two triangles. To be called before a mesh is textured, because the colours of
+// removed vertices are lost. `progress` is called before each pass. Deterministic and pure. kInvalidArgument for
+// options, and for a mesh with a texture or with a triangle whose vertex is missing; kBusy when stopped by `progress`.
 Result<TriangleMesh> simplified(const TriangleMesh& mesh, const SimplifyOptions& options, const MeshProgress& progress = {});
 
 }  // namespace hermite

@@ -13,17 +13,17 @@
 namespace hermite {
 namespace {
 
-// The cell size follows the distance of the surfels: finer cells show nothing more, coarser ones lose detail.
+// The cell size follows the distance of the surfels: finer cells add no detail, coarser ones lose it.
 constexpr double kLeastOwnCell_m = 0.005, kMostOwnCell_m = 0.04;
-// The corners of a cell that the surface passes are within one cell edge of it: supports are at least twice as large, so that some kernels
-// have weight there. The upper bound keeps a lone surfel from reaching across the room.
+// The corners of a cell that the surface passes through are within one cell edge of it; supports are at least twice as
+// large, so that some kernels have weight there. The upper bound keeps a lone surfel from reaching across the room.
 constexpr double kLeastSupport_cells = 2, kMostSupport_cells = 8;
 // The integral of (1 - d / r)^3 over a disc of radius r, in r^2.
 constexpr double kSupportOfPlane = std::numbers::pi / 10;
-// Leaves room for the cells and bins around the farthest ones.
+// Room for the cells and bins around the farthest ones.
 constexpr int kSpareCells = 128;
-// How much normals may differ within one sheet (Oztireli, Guennebaud, Gross 2009, Eq. 14, where 0.5 to 1.5 is advised). Their weight by
-// distance as well made no measurable difference.
+// How much normals may differ within one sheet (Oztireli, Guennebaud, Gross 2009, Eq. 14, where 0.5 to 1.5 is
+// recommended). Weighting them by distance as well made no measurable difference.
 constexpr float kNormalSpread = 0.7f;
 constexpr int kSheetSteps = 3;
 
@@ -36,7 +36,7 @@ std::uint64_t key_of(const Eigen::Vector3i& bin) {
   return part(bin.z()) << 40 | part(bin.y()) << 20 | part(bin.x());
 }
 
-// By kernel, the mean distance to its neighbours.
+// Returns the mean distance to the neighbours, by kernel.
 std::vector<float> spacings_of(const std::vector<FieldKernel>& kernels) {
   std::vector<Eigen::Vector3f> positions_m;
   positions_m.reserve(kernels.size());
@@ -50,7 +50,7 @@ float median_of(std::vector<float> values) {
   return *middle;
 }
 
-// In a cloud without confidences all points count alike.
+// In a cloud without confidences all points have the same weight.
 std::vector<FieldKernel> kernels_of(const Cloud& cloud) {
   const bool is_known = std::any_of(cloud.begin(), cloud.end(), [](const CloudPoint& point) { return point.confidence > 0; });
   std::vector<FieldKernel> kernels;
@@ -201,7 +201,7 @@ void FieldWindow::find_near(const Eigen::Vector3f& point_m) {
   }
 }
 
-// The field of the paper: its value divided by the sum of weights, and the direction of the mean normal.
+// Computes the field of the paper: the value divided by the sum of weights, and the direction of the mean normal.
 void FieldWindow::begin(FieldSample& sample) const {
   float weights = 0, distances_m = 0, color_weights = 0, nearest2_m2 = std::numeric_limits<float>::max();
   Eigen::Vector3f normals = Eigen::Vector3f::Zero(), aside = Eigen::Vector3f::Zero();
@@ -230,9 +230,9 @@ void FieldWindow::begin(FieldSample& sample) const {
   sample.color /= color_weights;
 }
 
-// Robust implicit moving least squares (Oztireli et al. 2009): kernels whose plane or normal contradicts the others count for less, so that
-// each side of a sharp edge keeps its own surface. Planes use the mean of both normals, which removes the bias on curved surfaces
-// (core/math/hrbf.h, correct_bias).
+// Robust implicit moving least squares (Oztireli et al. 2009): kernels whose plane or normal contradicts the others
+// have less weight, so that each side of a sharp edge keeps its own surface. Planes use the mean of both normals, which
+// removes the bias on curved surfaces (core/math/hrbf.h, correct_bias).
 void FieldWindow::keep_to_one_sheet(FieldSample& sample) const {
   const float by_normal = field_.options().keep_edges ? 1 / (kNormalSpread * kNormalSpread) : 0;
   for (int step = 0; step < kSheetSteps; ++step) {

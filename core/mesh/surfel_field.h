@@ -38,8 +38,8 @@ struct FieldKernel {
   Rgb8 color;
 };
 
-// Kernels are weighted by the confidence of their surfels, up to this: three times what makes a surfel stable (map.stable_confidence). More
-// would not help, and old surfels must not outweigh all others around them.
+// Kernels are weighted by the confidence of their surfels, up to this limit: three times the confidence of a stable
+// surfel (map.stable_confidence). More would not help, and old surfels must not outweigh all others around them.
 inline constexpr float kMostConfidence = 10;
 
 // Sets radius, weight and area of a kernel from the distance to its neighbours. On entry `weight` holds the confidence.
@@ -58,13 +58,15 @@ struct FieldSample {
 
 class SurfelField {
  public:
-  // Ignores points whose position or normal is not finite, whose normal is zero, or that have no confidence while others do.
-  // kInvalidArgument: no point is left, a cell outside kLeastCell_m to kMostCell_m, or an extent beyond the range of the cell index.
-  // A cloud that is moved in is freed as soon as its kernels are made.
+  // Returns the field. Ignores points whose position or normal is not finite, whose normal is zero, or that have no
+  // confidence while others do. kInvalidArgument when no point is left, for a cell outside kLeastCell_m to kMostCell_m,
+  // and for an extent beyond the range of the cell index. A cloud that is moved in is freed as soon as its kernels are
+  // made.
   static Result<SurfelField> create(const Cloud& cloud, const FieldOptions& options);
   static Result<SurfelField> create(Cloud&& cloud, const FieldOptions& options);
 
-  // From kernels that are already made; their order within a bin is kept. Their positions are within kMostCell cells (CHECK).
+  // Makes a field from existing kernels; their order within a bin is kept. CHECK: their positions are within kMostCell
+  // cells.
   static SurfelField of(std::vector<FieldKernel> kernels, double cell_m);
 
   double cell_m() const { return cell_m_; }
@@ -72,12 +74,12 @@ class SurfelField {
   std::span<const FieldKernel> kernels() const { return kernels_; }
   std::size_t rejected_count() const { return rejected_count_; }
 
-  // The kernels of bin (x, y, z), which spans kBinCells cells from x * kBinCells on; may be empty.
+  // Returns the kernels of bin (x, y, z), which spans kBinCells cells from x * kBinCells on; may be empty.
   static constexpr int kBinCells = 4;
   std::span<const FieldKernel> bin(const Eigen::Vector3i& index) const;
   Eigen::Vector3i bin_of(const Eigen::Vector3f& point_m) const;
 
-  // The bins that hold kernels, ordered by z, y, x.
+  // Returns the bins that contain kernels, ordered by z, y, x.
   std::span<const Eigen::Vector3i> bins() const { return bins_; }
 
   const FieldOptions& options() const { return options_; }
@@ -135,7 +137,8 @@ class FieldWindow {
   std::size_t kernel_count_ = 0;
   std::vector<Near> near_;  // of the last point
 
-  // Kernels whose support reaches a box of kBoxCells cells, in the field's order; made when the first point in the box is evaluated.
+  // Kernels whose support reaches a box of kBoxCells cells, in the field's order; computed when the first point in the
+  // box is evaluated.
   static constexpr int kBoxCells = 2;
   struct Reaching {
     bool is_made = false;

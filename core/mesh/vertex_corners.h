@@ -14,7 +14,8 @@ inline std::uint32_t next_corner(std::uint32_t corner) { return corner % 3 == 2 
 inline std::uint32_t previous_corner(std::uint32_t corner) { return corner % 3 == 0 ? corner + 2 : corner - 1; }
 inline std::uint32_t vertex_at(const TriangleMesh& mesh, std::uint32_t corner) { return mesh.triangles[corner / 3][corner % 3]; }
 
-// For a mesh whose triangles are in range and do not change meanwhile. Four bytes per corner and per vertex. Const and thread-safe.
+// For a mesh whose triangles are in range and do not change in the meantime. Uses four bytes per corner and per vertex.
+// Const and thread-safe.
 class VertexCorners {
  public:
   explicit VertexCorners(const TriangleMesh& mesh) : first_(mesh.positions_m.size() + 1), corners_(3 * mesh.triangles.size()) {
@@ -25,7 +26,7 @@ class VertexCorners {
     for (auto corner = static_cast<std::uint32_t>(corners_.size()); corner-- > 0;) corners_[--first_[vertex_at(mesh, corner)]] = corner;
   }
 
-  // In ascending order.
+  // Returns the corners at a vertex in ascending order.
   std::span<const std::uint32_t> at(std::uint32_t vertex) const {
     return std::span(corners_).subspan(first_[vertex], first_[vertex + 1] - first_[vertex]);
   }

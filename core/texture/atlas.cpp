@@ -12,9 +12,9 @@ namespace hermite {
 
 namespace {
 
-// Charts are cut here: a page is packed better with small ones.
+// The largest side of a chart; smaller charts pack better.
 constexpr int kLongestChart_texels = 1024;
-// After this many rounds what still overlaps is laid out triangle by triangle.
+// After this many rounds, triangles that still overlap become charts of their own.
 constexpr int kOverlapRounds = 8;
 constexpr double kCoarser = 1.1892;  // texels of twice the size after four steps
 
@@ -27,7 +27,7 @@ Chart chart_of_one(const TriangleMesh& mesh, std::uint32_t triangle) {
   return {{triangle}, cross.norm() > 0 ? Eigen::Vector3f(cross.normalized()) : Eigen::Vector3f(Eigen::Vector3f::UnitZ())};
 }
 
-// Of the largest texel, for a chart.
+// Returns the texel size of a chart as a share of the largest texel.
 float share_of_texel(const TriangleMesh& mesh, const Chart& chart, const std::vector<float>& finest_pixel_m, double texel_m) {
   std::vector<float> pixels_m;
   pixels_m.reserve(3 * chart.triangles.size());
@@ -38,7 +38,7 @@ float share_of_texel(const TriangleMesh& mesh, const Chart& chart, const std::ve
   return std::clamp(kTexelsOfPixel * *quarter / static_cast<float>(texel_m), kSmallestShare, 1.0f);
 }
 
-// Flat charts, none of which lies on itself: triangles that would are grown into charts of their own.
+// Returns flattened charts without overlaps: triangles that would overlap others are grown into charts of their own.
 std::vector<FlatChart> flat_charts(const TriangleMesh& mesh, const std::vector<float>& finest_pixel_m, const TextureOptions& options,
                                    double texel_m) {
   const int longest_fine_texels = std::min(2 * longest_chart_texels(options), options.page_px);
@@ -94,7 +94,7 @@ double area_m2(const TriangleMesh& mesh) {
 
 Result<Atlas> atlas_of(const TriangleMesh& mesh, const std::vector<float>& finest_pixel_m, const TextureOptions& options) {
   Atlas atlas;
-  // No packing fills its pages: what would need all of them is not tried.
+  // No packing fills its pages completely, so texel sizes that would need the whole area are not tried.
   const double room = static_cast<double>(options.page_px) * options.page_px * options.max_pages;
   atlas.texel_m = std::max(options.texel_m, std::sqrt(area_m2(mesh) / room));
   for (; atlas.texel_m <= kLargestTexel_m; atlas.texel_m *= kCoarser) {

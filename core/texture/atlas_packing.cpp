@@ -12,12 +12,13 @@ namespace hermite {
 namespace {
 
 constexpr int kPageStep = 16;
-// Of a page's area: what rectangles of charts fill at the least, by which the width of a page is chosen that will not be full.
+// Least share of a page's area that the rectangles of charts fill, from which the width of a page that will not be full
+// is chosen.
 constexpr double kFill = 0.8;
 
 int rounded_up(int side) { return (side + kPageStep - 1) / kPageStep * kPageStep; }
 
-// The lower border of what is placed, as steps from left to right.
+// The border of the placed rectangles, as steps from left to right.
 class Skyline {
  public:
   Skyline(int width, int height) : width_(width), height_(height), steps_{{0, 0}} {}

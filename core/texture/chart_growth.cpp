@@ -15,7 +15,7 @@ using Eigen::Vector3f;
 
 constexpr float kSmoothNormalWithin = 0.70710678f;  // cosine of 45 degrees
 constexpr float kOwnNormalWithin = 0.25881905f;     // cosine of 75 degrees
-// Below this a chart is mostly gutter.
+// Below this number of triangles a chart is mostly gutter.
 constexpr std::size_t kSmallChart = 24;
 constexpr int kSmoothings = 3;
 // States of a triangle that is in no chart.
@@ -56,7 +56,7 @@ std::vector<std::array<std::uint32_t, 3>> neighbours_of(const TriangleMesh& mesh
 
 struct ChartGrower::Frontier {
   std::deque<std::uint32_t> queue;
-  Vector3f normal_sum = Vector3f::Zero();  // by area
+  Vector3f normal_sum = Vector3f::Zero();  // weighted by area
   Eigen::Matrix<float, 2, 3> plane;        // coordinates in the plane of the first triangle
   Eigen::Vector2f low, high;
 
@@ -89,7 +89,7 @@ ChartGrower::ChartGrower(const TriangleMesh& mesh, double max_side_m)
 bool ChartGrower::fits(const Frontier& frontier, std::uint32_t triangle) const {
   const Face& face = faces_[triangle];
   const Vector3f mean = frontier.mean_normal();
-  // A triangle without area goes wherever it is.
+  // A triangle without area fits everywhere.
   if (face.normal.squaredNorm() > 0 && (face.smooth_normal.dot(mean) < kSmoothNormalWithin || face.normal.dot(mean) < kOwnNormalWithin))
     return false;
   Eigen::Vector2f low = frontier.low, high = frontier.high;
@@ -103,7 +103,8 @@ bool ChartGrower::fits(const Frontier& frontier, std::uint32_t triangle) const {
 
 Chart ChartGrower::grow_from(std::uint32_t seed) {
   Frontier frontier;
-  // A triangle that the smoothed normal would show from behind is a chart of its own.
+  // If the smoothed normal would show the triangle from behind or nearly edge-on, its own normal is the chart's first
+  // one.
   const Face& first = faces_[seed];
   Vector3f normal = first.normal.dot(first.smooth_normal) > kOwnNormalWithin ? first.smooth_normal : first.normal;
   if (normal.squaredNorm() == 0) normal = Vector3f::UnitZ();
@@ -113,7 +114,7 @@ Chart ChartGrower::grow_from(std::uint32_t seed) {
   frontier.low = frontier.high = frontier.plane * mesh_.positions_m[mesh_.triangles[seed][0]];
   Chart chart;
   const auto add = [&](std::uint32_t triangle) {
-    chart_of_[triangle] = 0;  // in one; in which, grow() says
+    chart_of_[triangle] = 0;  // in a chart; grow() sets which one
     chart.triangles.push_back(triangle);
     frontier.queue.push_back(triangle);
     frontier.normal_sum += faces_[triangle].area_m2 * (triangle == seed ? normal : faces_[triangle].smooth_normal);
@@ -149,7 +150,7 @@ std::vector<Chart> ChartGrower::grow(const std::vector<std::uint32_t>& candidate
   return charts;
 }
 
-// Triangles of a small chart to whichever large one beside it sees them best, from its border inwards.
+// Moves the triangles of small charts to the adjacent large chart that fits each best, from the border inwards.
 void ChartGrower::give_small_ones_away(std::vector<Chart>& charts) {
   std::vector<bool> is_large(charts.size());
   for (std::size_t i = 0; i < charts.size(); ++i) is_large[i] = charts[i].triangles.size() >= kSmallChart;

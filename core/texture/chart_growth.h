@@ -15,8 +15,8 @@ struct Chart {
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
 };
 
-// The triangles across the three edges of each triangle, in the order of the corners that the edges start from; kNoNeighbour at a boundary
-// and at an edge of more than two triangles. `mesh` has fewer than 2^31 triangles.
+// Returns, for each triangle, the triangles across its three edges, in the order of the corners at which the edges
+// start; kNoNeighbour at a boundary and at an edge of more than two triangles. `mesh` has fewer than 2^31 triangles.
 inline constexpr std::uint32_t kNoNeighbour = 0xffffffff;
 std::vector<std::array<std::uint32_t, 3>> neighbours_of(const TriangleMesh& mesh);
 
@@ -33,7 +33,7 @@ class ChartGrower {
 
  private:
   struct Face {
-    Eigen::Vector3f normal, smooth_normal;  // unit, or 0 where the triangle has no area
+    Eigen::Vector3f normal, smooth_normal;  // unit, or 0 if the triangle has no area
     float area_m2 = 0;
   };
   struct Frontier;

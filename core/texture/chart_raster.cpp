@@ -12,15 +12,15 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-constexpr int kTurns = 30;  // of the rectangle around a chart, within a quarter of a turn
-// A centre is on a triangle and not on the border that it shares with the next.
+constexpr int kTurns = 30;  // rotations of the bounding rectangle that are tried within a quarter turn
+// A centre this far inside a triangle is not on the border that it shares with the next one.
 constexpr float kInside_texels = 0.05f;
-// Cosine of 84 degrees: a triangle that is seen flatter would have a tenth of the texels it needs.
+// Cosine of 84 degrees: a triangle at a flatter angle would have a tenth of the texels that it needs.
 constexpr float kFlattest = 0.1f;
 
 struct FlatTriangle {
   std::array<Vector2f, 3> corners;
-  float doubled_area = 0;  // positive where it is seen from outside
+  float doubled_area = 0;  // positive if it is seen from outside
 };
 
 FlatTriangle flat(const TriangleMesh& mesh, const FlatChart& chart, std::uint32_t triangle) {
@@ -37,7 +37,7 @@ Vector3f weights_of(const FlatTriangle& t, const Vector2f& point) {
   return {1 - b - c, b, c};
 }
 
-// Weights of the point of the triangle that is nearest.
+// Returns the barycentric weights of the nearest point of the triangle.
 Vector3f nearest_weights(const FlatTriangle& t, const Vector2f& point) {
   if (std::abs(t.doubled_area) > 1e-6f) {
     const Vector3f inside = weights_of(t, point);
@@ -64,7 +64,7 @@ Vector2f point_of(const FlatTriangle& t, const Vector3f& weights) {
   return weights[0] * t.corners[0] + weights[1] * t.corners[1] + weights[2] * t.corners[2];
 }
 
-// Distance of a point inside from the nearest side.
+// Returns the distance of a point inside from the nearest side.
 float depth_inside(const FlatTriangle& t, const Vector3f& weights) {
   float depth = 1e9f;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -78,7 +78,7 @@ struct Box {
   int left, right, top, bottom;
 };
 
-// Texels whose centres lie in the rectangle around the triangle, grown by `margin`.
+// Returns the texels whose centres lie in the bounding rectangle of the triangle, extended by `margin`.
 Box box_of(const FlatTriangle& t, float margin, const FlatChart& chart) {
   const Vector2f low = t.corners[0].cwiseMin(t.corners[1]).cwiseMin(t.corners[2]).array() - margin;
   const Vector2f high = t.corners[0].cwiseMax(t.corners[1]).cwiseMax(t.corners[2]).array() + margin;
@@ -89,7 +89,7 @@ Box box_of(const FlatTriangle& t, float margin, const FlatChart& chart) {
 
 Vector2f centre(int x, int y) { return {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f}; }
 
-// Texels whose centre is in a triangle; true where the triangle lies on another.
+// Marks the texels whose centre is in the triangle; returns true if the triangle overlaps another.
 bool cover(const FlatTriangle& t, std::uint32_t triangle, const FlatChart& chart, Image<std::uint32_t>& covered, Image<float>& depth) {
   const Box box = box_of(t, 0, chart);
   for (int y = box.top; y <= box.bottom; ++y)
@@ -170,7 +170,7 @@ FlatChart flattened(const TriangleMesh& mesh, const Chart& chart, double texel_m
 ChartRaster raster_of(const TriangleMesh& mesh, const FlatChart& chart) {
   ChartRaster raster{Image<std::uint32_t>(chart.width, chart.height), {}};
   std::fill(raster.triangle.pixels.begin(), raster.triangle.pixels.end(), kNoTexel);
-  Image<float> measure(chart.width, chart.height);  // how deep in its triangle a centre is, then how far beside one
+  Image<float> measure(chart.width, chart.height);  // how deep a centre is inside its triangle, later how far outside
   for (const std::uint32_t triangle : chart.triangles) {
     const FlatTriangle t = flat(mesh, chart, triangle);
     const Vector3f a = mesh.positions_m[mesh.triangles[triangle][0]];
@@ -199,7 +199,7 @@ SurfacePoint point_at(const TriangleMesh& mesh, const FlatChart& chart, std::uin
     point.normal += weight * mesh.normals[corner];
     point.color += weight * Vector3f(color.r, color.g, color.b);
   }
-  // Rows are directions by 1 / texel size, and orthogonal.
+  // Rows are orthogonal directions divided by the texel size.
   point.position_m += chart.texel_m * chart.texel_m * (chart.texels_from_world.transpose() * beside);
   const float length = point.normal.norm();
   if (length > 0) point.normal /= length;

@@ -13,7 +13,7 @@ SampledViews::SampledViews(const TriangleMesh& mesh, const Camera& of_views, con
       levels(brightness_levels(views, options.thread_count)),
       sights(sights_of(samples, views, camera, density.edge_px, options.thread_count)) {}
 
-// One view after the other, so that the sums do not depend on threads.
+// Adds one view after the other, so that the sums do not depend on the number of threads.
 void SampledViews::add_looks() {
   points.assign(samples.size(), {});
   for (std::size_t i = 0; i < first_guest; ++i)

@@ -1,5 +1,5 @@
-// Views of a recording, points of the surface that they see, and the brightness that the views agree on at these points: what poses
-// (view_alignment.h) and warps (view_warp.h) of the views are found from.
+// Views of a recording, points of the surface that they see, and the brightness on which the views agree at these
+// points; from these, poses (view_alignment.h) and warps (view_warp.h) of the views are estimated.
 #pragma once
 
 #include <array>
@@ -16,8 +16,8 @@
 
 namespace hermite {
 
-// How densely the surface is sampled: one point per spacing_m squared, at most max_count. A view sees a point only at least edge_px from an
-// edge of the surface.
+// The density of surface samples: one point per spacing_m squared, at most max_count. A view sees a point only if it is
+// at least edge_px from an edge of the surface.
 struct SampleDensity {
   double spacing_m = 0.01;
   std::size_t max_count = 0;
@@ -30,12 +30,13 @@ struct AdjustedViews {
   std::size_t guest_count = 0;
 };
 
-// Refers to the views, camera and options that it is made of. Deterministic for any number of threads. Not thread-safe, but others_say().
+// Holds references to its arguments. Deterministic for any number of threads. Not thread-safe, except for others_say().
 struct SampledViews {
   SampledViews(const TriangleMesh& mesh, const Camera& of_views, const TextureOptions& how, const AdjustedViews& adjusted,
                const SampleDensity& density);
 
-  // Sets `looks` by look(view, sample), views in parallel, and from those of all views but guests the brightness of the points.
+  // Sets `looks` by look(view, sample), views in parallel, and computes from those of all views but guests the
+  // brightness of the points.
   template <class LookAt>
   void find_points(const LookAt& look) {
     looks.resize(views.size());
@@ -52,7 +53,8 @@ struct SampledViews {
     in_parallel(views.size() - first_moving, options.thread_count, [&](std::size_t i) { step(first_moving + i); });
   }
 
-  // The brightness of the k-th point that a view sees, in the other views; none where no other sees it.
+  // Returns the brightness, in the other views, of the k-th point that a view sees; std::nullopt if no other view sees
+  // it.
   std::optional<float> others_say(std::size_t view, std::size_t k) const;
 
   const Camera& camera;
@@ -61,7 +63,7 @@ struct SampledViews {
   const std::size_t first_guest, first_moving;
   const std::vector<MeshSample> samples;
   const std::array<BrightnessLevel, kBrightnessLevels> levels;
-  const std::vector<std::vector<std::uint32_t>> sights;  // by view the numbers of the samples that it sees
+  const std::vector<std::vector<std::uint32_t>> sights;  // by view, indices of the samples that it sees
   std::vector<std::vector<Look>> looks;                  // by view, for each of its sights
   std::vector<PointMean> points;                         // by sample
 

@@ -20,9 +20,9 @@ namespace hermite {
 
 namespace {
 
-// Work between two looks whether to stop.
+// Amount of work between two checks whether to stop.
 constexpr std::size_t kViewsAtOnce = 16, kChartsAtOnce = 64;
-// Shares of the time where the steps end, roughly.
+// Approximate shares of the time at which the steps end.
 constexpr double kSelected = 0.15, kLoaded = 0.25, kAligned = 0.5, kCharted = 0.6;
 
 const Error kTexturingStopped{ErrorCode::kBusy, "texturing was stopped"};
@@ -50,7 +50,7 @@ Result<std::vector<TextureView>> loaded_views(const TriangleMesh& mesh, const Te
       if (Result<TextureView> view = load_view(mesh, frames, view_frames[first + i]); view.ok()) some[i] = *std::move(view);
     });
     for (std::optional<TextureView>& view : some) {
-      if (!view) continue;  // others see the same
+      if (!view) continue;  // other frames show the same surface
       const auto sees = [](float inverse_depth) { return inverse_depth > 0; };
       if (!std::any_of(view->inverse_depth_per_m.pixels.begin(), view->inverse_depth_per_m.pixels.end(), sees)) continue;
       view->blur_px = static_cast<float>(blur_px(frames, view->frame));
@@ -64,7 +64,7 @@ Result<std::vector<TextureView>> loaded_views(const TriangleMesh& mesh, const Te
 
 Status paint_pages(const Atlas& atlas, const TexelBlender& blender, const TextureOptions& options, const TextureProgress& progress,
                    TriangleMesh& result) {
-  // The largest first: with them last, one thread would work and the others wait.
+  // Largest charts first; if they came last, one thread would work while the others wait.
   std::vector<std::size_t> order(atlas.charts.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   const auto size = [&](std::size_t i) {

@@ -2,9 +2,9 @@
 //
 //   TriangleMesh mesh = *textured(*contour(field, options), frames, TextureOptions());
 //
-// The sharpest frames become views. Their exposures and poses are adjusted until they agree on the surface; remaining differences are
-// removed by warping the images. The mesh is divided into charts, with finer texels where it was seen from nearer, and each texel takes its
-// colour from the few views that see it best.
+// The sharpest frames become views. Their exposures and poses are adjusted until they agree on the surface; remaining
+// differences are removed by warping the images. The mesh is divided into charts, with finer texels where it was seen
+// from nearer, and each texel takes its colour from the few views that see it best.
 #pragma once
 
 #include <cstddef>
@@ -25,20 +25,21 @@ struct TextureStatistics {
          disagreement_after = 0;  // RMS difference of brightness from the views' mean, before and after refining the poses
 };
 
-// The same surface with texture coordinates and pages; vertices are duplicated for each chart, and triangles are reordered. The result does
-// not depend on the number of threads. Memory: images and depths of the views (about 2.5 MB for each of 640 x 480), the pages, and about
-// 200 bytes per triangle. kInvalidArgument: options, frames, or a mesh with a vertex that is not finite, a triangle without its vertex, no
-// triangle or a texture; kNotFound: no frame with a pose can be read and sees the mesh; kTooLarge: it does not fit the pages; kBusy:
-// stopped.
+// Returns the same surface with texture coordinates and pages; vertices are duplicated for each chart, and triangles
+// are reordered. The result does not depend on the number of threads. Memory: images and depths of the views (about 2.5
+// MB for each of 640 x 480), the pages, and about 200 bytes per triangle. kInvalidArgument for options, frames, and a
+// mesh with a vertex that is not finite, a triangle whose vertex is missing, no triangle or a texture; kNotFound when
+// no frame with a pose can be read and sees the mesh; kTooLarge when it does not fit the pages; kBusy when stopped.
 Result<TriangleMesh> textured(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
                               const TextureProgress& progress = {}, TextureStatistics* statistics = nullptr);
 
 // The two halves of textured(), for callers that use the views in between. Here `statistics` is required.
-// The views of these frames, which must have poses, after exposure, poses and warps were adjusted.
+//
+// Returns the views of these frames, which must have poses, after adjusting exposures, poses and warps.
 Result<std::vector<TextureView>> agreed_views(const TriangleMesh& mesh, const TextureFrames& frames,
                                               const std::vector<std::size_t>& view_frames, const TextureOptions& options,
                                               const TextureProgress& progress, TextureStatistics& statistics);
-// The mesh with a texture from these views.
+// Returns the mesh with a texture from these views.
 Result<TriangleMesh> painted(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
                              const TextureOptions& options, const TextureProgress& progress, TextureStatistics& statistics);
 

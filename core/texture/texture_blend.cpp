@@ -12,14 +12,14 @@ namespace {
 
 using Eigen::Vector3f;
 
-// Texels that are asked together which views see them: some centimetres.
+// Side of a tile of texels for which the candidate views are determined together: some centimetres.
 constexpr int kTile_texels = 16;
-constexpr int kAsked = 8;  // of a tile's texels, evenly
-// Views of a tile of which each texel takes its few.
+constexpr int kAsked = 8;  // texels of a tile, evenly distributed, for which visible views are determined
+// Most candidate views of a tile, from which each texel takes its few.
 constexpr std::size_t kViewsPerTile = 14;
-// Nearer to an edge than this, a pixel has the colour of what lies behind or before.
+// Nearer to an edge than this, a pixel may have the colour of the background or foreground.
 constexpr float kBlendEdge_px = 1.0f;
-// Colours that are so far from the others' mean count half.
+// Colours this far from the mean have half the weight.
 constexpr float kOutlierDifference = 20;
 
 struct TexelCandidate {
@@ -27,7 +27,7 @@ struct TexelCandidate {
   Vector3f color = Vector3f::Zero();
 };
 
-// Weighted mean; colours far off the mean count less the second and third time.
+// Returns the weighted mean; colours far from it get less weight in the second and third iteration.
 Vector3f robust_mean(const std::array<TexelCandidate, kViewsPerTile>& candidates, std::size_t count) {
   Vector3f mean = Vector3f::Zero();
   for (int round = 0; round < 3; ++round) {

@@ -11,8 +11,8 @@ namespace hermite {
 // The value of a vertex that no view sees.
 inline constexpr float kNeverSeen_m = 1e9f;
 
-// By vertex the longer side of a pixel's footprint on the surface [m], in the view where it is smallest. Deterministic.
-// Uses thread_count and is_stopped of `options`.
+// Returns, by vertex, the longer side of a pixel's footprint on the surface [m], in the view where it is smallest.
+// Deterministic. Uses thread_count and is_stopped of `options`.
 std::vector<float> finest_pixels_m(const TriangleMesh& mesh, const Camera& camera, const std::vector<TextureView>& views,
                                    const TextureOptions& options);
 

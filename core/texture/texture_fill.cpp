@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-// Pixels of half the size: the mean of those of the 2 x 2 below that have a value.
+// Returns the image at half the size: the mean of those of the 2 x 2 pixels that have a value.
 std::pair<Image<Vector3f>, Image<std::uint8_t>> halved_values(const Image<Vector3f>& values, const Image<std::uint8_t>& has_value) {
   const int width = (values.width + 1) / 2, height = (values.height + 1) / 2;
   std::pair<Image<Vector3f>, Image<std::uint8_t>> half{{width, height}, {width, height}};
@@ -30,7 +30,7 @@ std::pair<Image<Vector3f>, Image<std::uint8_t>> halved_values(const Image<Vector
   return half;
 }
 
-// Between the four pixels of half the size around it.
+// Interpolates between the four surrounding pixels of the half-size image.
 Vector3f from_half(const Image<Vector3f>& half, int x, int y) {
   const int near_x = x / 2, near_y = y / 2;
   const int far_x = std::clamp(near_x + (x % 2 == 0 ? -1 : 1), 0, half.width - 1);

@@ -51,7 +51,7 @@ Vector3f color_of(const TriangleMesh& mesh, std::uint32_t triangle, const Vector
                                                            weights[2] * mesh.texture_coordinates[t[2]]);
 }
 
-// By channel the factor that brings the picture nearest to the image.
+// Returns, by channel, the factor that fits the rendered image to the frame best.
 Vector3f best_gain(const MeshPicture& picture, const ColorImage& image) {
   Vector3f products = Vector3f::Zero(), squares = Vector3f::Constant(1e-6f);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
@@ -75,7 +75,8 @@ MeshPicture seen_picture(const TriangleMesh& mesh, const TextureFrames& frames, 
   return picture;
 }
 
-// At the pose that the frame has; its image is brought to the brightness of the texture, for whatever aligns it.
+// Evaluates a frame at its present pose. Also scales the view's corrected colours to the brightness of the texture, for
+// a later alignment.
 HeldOutFrame judged(const TriangleMesh& mesh, const TextureFrames& frames, TextureView& view) {
   HeldOutFrame held_out;
   held_out.frame = view.frame;

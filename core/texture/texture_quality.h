@@ -1,4 +1,4 @@
-// Renders a mesh as a viewer would, and compares the pictures with frames that the texture was not made from.
+// Renders a mesh as a viewer would, and compares the result with frames from which the texture was not made.
 #pragma once
 
 #include <cstddef>
@@ -20,17 +20,18 @@ struct MeshPicture {
 
 enum class MeshColor { kTexture, kVertices };
 
-// Unlit: the texture sampled bilinearly, or interpolated vertex colours.
+// Renders unlit: with the texture sampled bilinearly, or with interpolated vertex colours.
 MeshPicture drawn(const TriangleMesh& mesh, const Camera& camera, const Rigid3& world_from_camera, MeshColor color);
 
-// Peak signal-to-noise ratio [dB] over the pixels that the picture covers, of all channels, 99 for no difference.
+// Returns the peak signal-to-noise ratio [dB] over all channels of the pixels that the mesh covers; 99 if there is no
+// difference.
 double psnr_db(const MeshPicture& picture, const ColorImage& image);
 
 struct HeldOutFrame {
   std::size_t frame = 0;
   double covered_share = 0;  // of the pixels
   double texture_db = 0, vertices_db = 0;
-  double texture_gain_db = 0, vertices_gain_db = 0;  // after scaling each channel of the picture to fit the frame best
+  double texture_gain_db = 0, vertices_gain_db = 0;  // after scaling each channel of the rendered image to fit the frame best
   double texture_aligned_db = 0;  // the same, from the pose at which the frame agrees best with the views (view_alignment.h)
   Rigid3 aligned_world_from_camera;
   double texture_warped_db = 0;  // the same, with the frame warped as the views were (view_warp.h)
@@ -42,9 +43,9 @@ struct HeldOutQuality {
          texture_warped_db = 0;  // means over the frames
 };
 
-// Holds out every eighth view that textured() would use, makes the texture from the others, and renders the mesh at the poses of the
-// held-out frames. Errors as of textured(), and kNotFound for fewer than eight views. `result` and `statistics`, if given, receive the mesh
-// with that texture and its statistics.
+// Holds out every eighth view that textured() would use, makes the texture from the others, and renders the mesh at the
+// poses of the held-out frames. Errors as for textured(), and kNotFound for fewer than eight views. `result` and
+// `statistics`, if given, receive the mesh with that texture and its statistics.
 inline constexpr std::size_t kHeldOutOf = 8;
 Result<HeldOutQuality> held_out_quality(const TriangleMesh& mesh, const TextureFrames& frames, const TextureOptions& options,
                                         TriangleMesh* result = nullptr, TextureStatistics* statistics = nullptr);

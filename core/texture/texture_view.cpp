@@ -12,15 +12,16 @@ namespace {
 
 using Eigen::Vector3f;
 
-// What the mesh's depth may be off by: its triangles are chords of the surface, and texels beside a chart lie off it.
+// Tolerance for the mesh's depth: its triangles are chords of the surface, and texels beside a chart lie off it.
 constexpr float kHiddenShare = 0.01f, kHidden_m = 0.004f;
-// Steeper than 80 degrees a pixel is smeared over five and more texels.
+// At more than 80 degrees a pixel is smeared over five or more texels.
 constexpr float kLeastCosine = 0.17f;
-// From an edge of the mesh's depth to where the colour is surely this surface's.
+// Distance from an edge of the mesh's depth at which the colour is certainly that of this surface.
 constexpr float kSurelyInside_px = 10;
 
-// Of the four samples around a place between the middle two (Keys, Cubic Convolution Interpolation for Digital Image Processing, IEEE
-// Transactions on Acoustics, Speech, and Signal Processing 1981): linear ones would blur strokes that are a pixel wide.
+// Weights of four samples for a position between the middle two (Keys, Cubic Convolution Interpolation for Digital
+// Image Processing, IEEE Transactions on Acoustics, Speech, and Signal Processing 1981). Linear interpolation would
+// blur strokes that are one pixel wide.
 std::array<float, 4> cubic_weights(float t) {
   return {t * (-0.5f + t * (1 - 0.5f * t)), 1 + t * t * (-2.5f + 1.5f * t), t * (0.5f + t * (2 - 1.5f * t)), t * t * (-0.5f + 0.5f * t)};
 }
@@ -78,7 +79,7 @@ void see_mesh(TextureView& view, const TriangleMesh& mesh, const TextureFrames& 
     view.distance_from_edge_px = distance_from_edges_px(view.inverse_depth_per_m);
     return;
   }
-  // Where the lens has no image a surface ends for it.
+  // The border of the lens's image counts as an edge.
   Image<float> masked = view.inverse_depth_per_m;
   for (std::size_t i = 0; i < masked.pixels.size(); ++i)
     if (frames.is_seen.pixels[i] == 0) masked.pixels[i] = 0;
@@ -150,7 +151,7 @@ Vector3f color_at(const TextureView& view, float straight_u, float straight_v) {
 
 float quality_of(const TextureView& view, const Camera& camera, const Seen& seen, float texel_m) {
   const float pixels_per_texel = static_cast<float>(camera.fx) * texel_m / seen.depth_m;
-  // More than a pixel for a texel is worth little more.
+  // More than one pixel per texel adds little.
   const float resolution = pixels_per_texel * pixels_per_texel / (0.5f + pixels_per_texel * pixels_per_texel);
   const float inside = std::clamp(seen.edge_px / kSurelyInside_px, 0.0f, 1.0f);
   const float sharpness = 1 / (1 + 0.25f * view.blur_px * view.blur_px);

@@ -20,7 +20,7 @@ using Eigen::Vector3f;
 
 constexpr SampleDensity kAlignDensity{0.01, 200'000, 4};         // the pose may move by some pixels
 constexpr int kRoundsOfLevel[kBrightnessLevels] = {15, 12, 12};  // images of a quarter, half and full size
-// The prior towards the tracked pose: at this distance from it, it weighs as much as so many points with the usual difference.
+// The prior towards the tracked pose: at this distance it weighs as much as this many points with the usual difference.
 constexpr double kPriorPoints = 100, kPriorMove_m = 0.01, kPriorTurn_rad = 0.006;
 constexpr std::size_t kFewestPoints = 300;
 
@@ -89,7 +89,7 @@ class ViewAligner {
       ++count;
     }
     if (count < kFewestPoints) return;
-    // The twist, on the left of the present pose, that leads back to the first pose.
+    // The twist, to the left of the present pose, that leads back to the first pose.
     const Vector6d back = log_se3(inverse(first_poses_[i]) * view.world_from_camera);
     const double unit = kPriorPoints * static_cast<double>(kUsualDifference * kUsualDifference);
     Vector6d prior;
@@ -105,7 +105,7 @@ class ViewAligner {
     double sum = 0;
     std::size_t count = 0;
   };
-  // The robust squared difference between the view at this pose and the other views at theirs.
+  // Returns the robust squared difference between the view at this pose and the other views at theirs.
   Misfit misfit(std::size_t i, const Rigid3& world_from_camera) const {
     TextureView view;
     set_pose(view, world_from_camera);

@@ -1,4 +1,4 @@
-// Image pyramids of the views' brightness, from which poses and warps of views are found. Pure, thread-safe.
+// Image pyramids of the views' brightness, from which poses and warps of views are estimated. Pure, thread-safe.
 #pragma once
 
 #include <array>
@@ -24,15 +24,16 @@ struct BrightnessLevel {
   std::vector<Image<std::uint8_t>> images;
   float scale = 1;
 
-  // Bilinear, at a position in the full-size image [px]. None: outside.
+  // Returns the bilinear value at a position in the full-size image [px]; std::nullopt outside.
   std::optional<Brightness> at(std::size_t view, float u, float v) const;
 };
 
-// Gain-corrected and smoothed by 3 x 3 (1 2 1). The last level has the full-size images, each level before it half the size of the next.
+// Returns gain-corrected images, smoothed by 3 x 3 (1 2 1). The last level has the full-size images, each level before
+// it half the size of the next.
 inline constexpr std::size_t kBrightnessLevels = 3;
 std::array<BrightnessLevel, kBrightnessLevels> brightness_levels(const std::vector<TextureView>& views, int thread_count);
 
-// 1 up to kUsualDifference, less beyond (Huber).
+// Returns 1 up to kUsualDifference and less beyond (Huber).
 float robust_weight(float difference);
 
 // The brightness of a sample in a view.
@@ -44,7 +45,7 @@ struct Look {
 struct PointMean {
   double weight = 0, sum = 0;
 
-  // The mean without the contribution `own`. None: no other view sees the point.
+  // Returns the mean without the contribution `own`; std::nullopt if no other view sees the point.
   std::optional<float> without(const Look& own) const;
 };
 

@@ -22,7 +22,7 @@ class Painter {
  public:
   Painter(const Camera& camera, ViewRaster& raster) : camera_(camera), raster_(raster) {}
 
-  // Corners in the camera's frame.
+  // `corners` are in the camera frame.
   void draw(const std::array<Vector3f, 3>& corners, std::uint32_t triangle) {
     const auto is_before = [](const Vector3f& corner) { return static_cast<double>(corner.z()) >= kNearestDrawn_m; };
     const int before = static_cast<int>(std::count_if(corners.begin(), corners.end(), is_before));
@@ -83,7 +83,8 @@ ViewRaster rasterised(const TriangleMesh& mesh, const Camera& camera, const Rigi
   const Vector3f translation = camera_from_world.translation.cast<float>();
   std::vector<Vector3f> in_camera(mesh.positions_m.size());
   for (std::size_t i = 0; i < in_camera.size(); ++i) in_camera[i] = rotation * mesh.positions_m[i] + translation;
-  // Planes through the lens and the borders of the image: what lies beyond one of them as a whole is seen nowhere.
+  // Planes through the camera centre and the borders of the image: a triangle entirely beyond one of them is not
+  // visible.
   const auto left = static_cast<float>((-1 - camera.cx) / camera.fx), right = static_cast<float>((camera.width - camera.cx) / camera.fx);
   const auto top = static_cast<float>((-1 - camera.cy) / camera.fy), bottom = static_cast<float>((camera.height - camera.cy) / camera.fy);
   Painter painter(camera, raster);
@@ -112,7 +113,8 @@ Image<std::uint8_t> distance_from_edges_px(const Image<float>& inverse_depth_per
   };
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) distance.at(x, y) = is_edge(x, y) ? std::uint8_t{0} : static_cast<std::uint8_t>(kFarFromEdge_px);
-  // Steps along rows, columns and diagonals, there and back: within a tenth of the true distance where that matters, near the edges.
+  // Steps along rows, columns and diagonals, in two passes: within a tenth of the true distance near the edges, where
+  // it matters.
   const auto lower = [&](int x, int y, int from_x, int from_y) {
     if (from_x < 0 || from_x >= width || from_y < 0 || from_y >= height) return;
     const int further = distance.at(from_x, from_y) + 1;
@@ -132,7 +134,7 @@ Vector3f weights_in_triangle(const TriangleMesh& mesh, std::uint32_t triangle, c
                              const Vector3d& ray_in_camera) {
   std::array<Vector3d, 3> corners;
   for (std::size_t i = 0; i < 3; ++i) corners[i] = camera_from_world * mesh.positions_m[mesh.triangles[triangle][i]].cast<double>();
-  // Volumes spanned by the ray and the sides.
+  // Weights are volumes spanned by the ray and the sides.
   const Vector3d weights(ray_in_camera.dot(corners[1].cross(corners[2])), ray_in_camera.dot(corners[2].cross(corners[0])),
                          ray_in_camera.dot(corners[0].cross(corners[1])));
   const double sum = weights.sum();

@@ -10,7 +10,8 @@ namespace hermite {
 
 namespace {
 
-// Two numbers of 0 to 1 that fill the square evenly (the R2 sequence of Roberts, by powers of the plastic number).
+// Returns two numbers of 0 to 1 that fill the square evenly (the R2 sequence of Roberts, by powers of the plastic
+// number).
 Eigen::Vector2f even_pair(std::uint64_t index) {
   const auto part = [index](double step) {
     const double value = 0.5 + step * static_cast<double>(index % 1'000'003);

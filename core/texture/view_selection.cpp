@@ -11,12 +11,12 @@ namespace hermite {
 
 namespace {
 
-constexpr std::size_t kReadPerWindow = 4, kReadInAll = 6000;  // images, to look how sharp they are
-// The distance at which the way of a pixel is told.
+constexpr std::size_t kReadPerWindow = 4, kReadInAll = 6000;  // images read to measure their sharpness
+// The distance at which image motion is computed.
 constexpr double kUsualDepth_m = 2;
-// Surface that views are spread over is drawn in images of about this width.
+// Approximate width of the images in which coverage is computed.
 constexpr int kCoarseWidth_px = 80;
-constexpr std::size_t kCoarseTriangles = 100'000;  // groups of triangles, by number
+constexpr std::size_t kCoarseTriangles = 100'000;  // by number, in groups of adjacent triangles
 constexpr std::size_t kMaxCandidates = 2000;
 
 struct ViewCandidate {
@@ -29,7 +29,7 @@ bool is_another(const Rigid3& a, const Rigid3& b, const TextureOptions& options)
   return (a.translation - b.translation).norm() >= options.view_step_m || turn_rad >= options.view_turn_deg * std::numbers::pi / 180;
 }
 
-// Runs of frames that see about the same, without the lost ones.
+// Returns runs of frames with about the same view, without lost frames.
 std::vector<std::vector<std::size_t>> windows_of(const TextureFrames& frames, const TextureOptions& options) {
   std::vector<std::vector<std::size_t>> windows;
   for (std::size_t i = 0; i < frames.world_from_camera.size(); ++i) {
@@ -41,7 +41,7 @@ std::vector<std::vector<std::size_t>> windows_of(const TextureFrames& frames, co
   return windows;
 }
 
-// The sharpest of the slowest few; sharpness 0: none could be read.
+// Returns the sharpest of the slowest few; its sharpness is 0 if none could be read.
 ViewCandidate sharpest_of(const std::vector<std::size_t>& window, const TextureFrames& frames, std::size_t most_read) {
   std::vector<std::pair<double, std::size_t>> by_blur;
   for (const std::size_t frame : window) by_blur.emplace_back(blur_px(frames, frame), frame);
@@ -56,7 +56,7 @@ ViewCandidate sharpest_of(const std::vector<std::size_t>& window, const TextureF
   return best;
 }
 
-// The sharper ones first; those that are too near to one that was taken are left out.
+// Returns candidates by decreasing sharpness, without those too close to one that was taken.
 std::vector<ViewCandidate> thinned(std::vector<ViewCandidate> candidates, const TextureFrames& frames, const TextureOptions& options) {
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const ViewCandidate& a, const ViewCandidate& b) { return a.sharpness > b.sharpness; });
@@ -71,7 +71,7 @@ std::vector<ViewCandidate> thinned(std::vector<ViewCandidate> candidates, const 
   return kept;
 }
 
-// Groups of neighbouring triangles that a frame sees in a coarse image, each once, with the share of it that it sees well.
+// Groups of neighbouring triangles that a frame sees in a coarse image, each once, with how well it sees them.
 struct CoarseSight {
   std::vector<std::pair<std::uint32_t, float>> groups;
 };
@@ -92,7 +92,7 @@ CoarseSight coarse_sight(const TriangleMesh& mesh, const TextureFrames& frames, 
     const float near = std::min(1.0f, raster.inverse_depth_per_m.pixels[i]);
     seen.emplace_back(static_cast<std::uint32_t>(raster.triangle.pixels[i] / group_size), near * near);
   }
-  // The best look at a group first, of which there is then one.
+  // Sorts by group with the best value first, and keeps only that.
   std::sort(seen.begin(), seen.end(),
             [](const auto& a, const auto& b) { return a.first != b.first ? a.first < b.first : a.second > b.second; });
   seen.erase(std::unique(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.first == b.first; }), seen.end());

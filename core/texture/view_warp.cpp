@@ -17,7 +17,8 @@ using Eigen::Vector2f;
 
 constexpr SampleDensity kWarpDensity{0.015, 100'000, 2};
 constexpr int kWarpRounds[kBrightnessLevels] = {0, 6, 6};
-// Regularisation: the weights, in points with the usual difference, of one pixel between adjacent nodes and of one pixel of offset.
+// Regularisation: the weights, in points with the usual difference, of a difference of one pixel between adjacent nodes
+// and of an offset of one pixel.
 constexpr double kSpringPoints = 20, kHoldPoints = 0.5;
 
 class ViewWarper {
@@ -39,7 +40,7 @@ class ViewWarper {
     Vector2f pixel = Vector2f::Zero();
     float depth_m = 0;
   };
-  // The projection of the sample without a warp.
+  // Returns the projection of the sample without a warp.
   Place place_of(const TextureView& view, std::uint32_t sample) const {
     const Eigen::Vector3f point = view.rotation * seen_.samples[sample].position_m + view.translation_m;
     return {{static_cast<float>(seen_.camera.fx) * point.x() / point.z() + static_cast<float>(seen_.camera.cx),
@@ -87,7 +88,7 @@ class ViewWarper {
   void step(const BrightnessLevel& level, std::size_t i) {
     ViewWarp& warp = seen_.views[i].warp;
     const auto count = static_cast<Eigen::Index>(2 * warp.nodes_px.size());
-    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(count, count);  // its lower half
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(count, count);  // only its lower half is set
     Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
     for (std::size_t k = 0; k < seen_.sights[i].size(); ++k) {
       const std::optional<float> others = seen_.others_say(i, k);

@@ -12,21 +12,24 @@ namespace hermite {
 
 namespace {
 
-// As many points as an image of the usual size has cells.
+// Size of a grid cell; at most one point is kept per cell.
 constexpr int kCell_px = 16;
 
-// A corner is where the motion of the camera puts it, within this.
+// A corner is consistent with the camera's motion if its reprojection error is at most this.
 constexpr double kAgrees_px = 2;
 
-// Depth measured again is another surface's beyond so many deviations. Measurements of the same corner share what the sensor has against
-// it: ten of them do not tell more than this.
+// A depth that differs by more than this many standard deviations belongs to another surface. Measurements of the same
+// corner share the sensor's systematic error, so their mean is never taken to be better than this share of the noise of
+// one measurement, which about ten measurements reach.
 constexpr double kOtherSurface = 4, kLeastShareOfNoise = 0.3;
 
-// Depth at a corner is that of one side of an edge or the other: beside the sensor's noise it is off by this much of its distance.
+// The depth at a corner is that of one side of an edge or the other; in addition to the sensor's noise it is off by
+// this share of the distance.
 constexpr double kEdgeShare = 0.005;
 
-// Two directions cross well enough when their depth is known to a tenth, and to seven tenths of that when they have to cross there again; a
-// direction is known to half a pixel.
+// A viewing direction is known to half a pixel. The intersection of two directions counts once its relative deviation
+// is at most a tenth, and it is confirmed by an intersection whose deviation is at most seven tenths of the first
+// one's.
 constexpr double kDirection_px = 0.5, kCrossed = 0.1, kFartherApart = 0.7;
 constexpr double kNearest_m = 0.1, kFarthest_m = 20;
 
@@ -75,14 +78,14 @@ void CornerPoints::measure(CornerPoint& point, double depth_m) const {
   point.depth_deviation_m = std::max(std::sqrt(1 - gain) * known, kLeastShareOfNoise * noise);
 }
 
-// From where it was seen at first and from here. What slides along an edge crosses somewhere, too, but elsewhere when the directions are
-// farther apart.
+// Triangulates from the first and the present viewing direction. A corner that slides along an edge gives an
+// intersection too, but another one when the angle between the directions has grown; hence two must agree.
 void CornerPoints::triangulate(CornerPoint& point) const {
   const Eigen::Vector3d now = point.point_m / point.point_m.z(), &first = point.first_direction;
   const Eigen::Vector3d across = now.cross(first);
   const double sine2 = across.squaredNorm() / (now.squaredNorm() * first.squaredNorm());
   const double depth_m = point.first_place_m.cross(first).dot(across) / across.squaredNorm();
-  // A direction that is off by an angle moves the crossing by that over the angle between both.
+  // The relative error of the depth is the angular error over the angle between the two directions.
   const double share = kDirection_px / camera_.fx / std::sqrt(std::max(sine2, 1e-12));
   if (share > kCrossed || !(depth_m > kNearest_m) || depth_m > kFarthest_m) return;
   if (point.crossed_share > 0 && share > kFartherApart * point.crossed_share) return;
@@ -95,7 +98,8 @@ void CornerPoints::triangulate(CornerPoint& point) const {
   point.depth_deviation_m = share * depth_m;
 }
 
-// Into the frame that was followed last, where it is at `pixel`. No: it is not there.
+// Moves the point into the frame that was last followed, where it was found at `pixel`. Returns false if that
+// contradicts the camera's motion.
 bool CornerPoints::carry(CornerPoint& point, const Eigen::Vector2d& pixel, const DepthImage& depth, const Rigid3& camera_from_last) const {
   const Eigen::Vector2d in_image = image_px(pixel);
   point.first_place_m = camera_from_last * point.first_place_m;
@@ -134,7 +138,7 @@ void CornerPoints::remember(const PictureFeatures& frame, const DepthImage& dept
   image_px_ = frame.image_px;
   for (std::size_t i = 0; i < found_.size(); ++i) {
     if (!found_[i] || moves(*found_[i]) || !carry(points_[i], *found_[i], depth, camera_from_last)) continue;
-    if (!taken.insert(cell_of(*found_[i])).second) continue;  // two in a cell are one too many
+    if (!taken.insert(cell_of(*found_[i])).second) continue;  // only one point per cell
     kept.push_back(std::move(points_[i]));
   }
   for (const Corner& corner : frame.corners)
@@ -170,7 +174,7 @@ void fields(Bytes& bytes, Place& point) {
   bytes.numbers(point.patch.pixels);
 }
 
-// What it may have been: no pixel outside, no depth that a camera has not.
+// Validates a restored point: its patch has the expected size, its pixel is in the image and its depth is plausible.
 bool is_possible(const CornerPoint& point, const GreyImage& image) {
   const GreyImage& patch = point.patch;
   const bool is_patch =

@@ -1,8 +1,9 @@
-// Corners of the picture that are followed through many frames, as points of the room. Each stays where it was first seen, so that a camera
-// that is held by them does not drift as long as they are in view, as it would from frame to frame. Depth comes from the frames, as often
-// as they have it, and where none does from two directions that a corner was seen in.
+// Corners of the image that are followed through many frames, as 3D points. The view in which a corner was first seen
+// is kept, so a camera that is localised by these corners does not drift while they are in view, as it would with
+// motion estimated from frame to frame. The depth of a corner is measured again in each frame that has depth there;
+// where no frame has, it is triangulated from two viewing directions.
 //
-// Host only, no GPU. One thread at a time.
+// Runs on the host. One thread at a time.
 #pragma once
 
 #include <functional>
@@ -19,40 +20,42 @@
 
 namespace hermite {
 
-// All in the camera's frame of the frame remembered last, and in pixels of its levels[0].
+// Positions are in the camera frame of the last remembered frame, pixels are those of its levels[0].
 struct CornerPoint {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  // at depth 1 where the depth is unknown
   double depth_deviation_m = 0;                       // 0: the depth is unknown
-  // Where it was seen from at first, and while its depth is unknown, how far from there two directions said that it is, and by which share
-  // of that they may be wrong; 0: they have not yet.
+  // The position from which the corner was first seen, and its direction from there. While the depth is unknown:
+  // distance along that direction at which two viewing directions intersected, and its relative deviation; 0 before
+  // they have intersected.
   Eigen::Vector3d first_place_m = Eigen::Vector3d::Zero(), first_direction = Eigen::Vector3d::UnitZ();
   double crossed_at = 0, crossed_share = 0;
-  GreyImage patch;  // and what it looked like then
+  GreyImage patch;  // image patch around the corner when it was first seen
 };
 
 class CornerPoints {
  public:
-  // `camera` is that of straight frames.
+  // `camera` is that of rectified frames.
   CornerPoints(const Camera& camera, const FrameOptions& options) : camera_(camera), options_(options) {}
 
-  // The camera's motion since `last`, which is the frame remembered last. `is_left_out` tells by pixel of levels[0] of this frame what is
-  // not to be followed, to several threads at once. Nothing: too few corners agree with any motion.
+  // Returns the camera's motion since `last`, which is the last remembered frame; std::nullopt if too few corners agree
+  // with any motion. `is_left_out` returns for a pixel of levels[0] of this frame whether to ignore it; it is called
+  // from several threads at once.
   std::optional<FeatureMotion> follow(const PictureFeatures& last, const PictureFeatures& frame,
                                       const std::function<bool(const Eigen::Vector2d&)>& is_left_out);
 
-  // The frame that was followed last is tracked: where it is beside the one remembered before, and its depth. `moves` tells by pixel of
-  // levels[0] what is not to be followed.
+  // Makes the frame that was last followed the last remembered one, given its pose relative to the one before and its
+  // depth. `moves` returns for a pixel of levels[0] whether corners there are to be dropped.
   void remember(const PictureFeatures& frame, const DepthImage& depth, const Rigid3& last_from_camera,
                 const std::function<bool(const Eigen::Vector2d&)>& moves);
 
-  // The next frame is elsewhere.
+  // Drops all corners, for when the next frame may be seen from elsewhere.
   void forget();
 
   const std::vector<CornerPoint>& all() const { return points_; }
 
   void save(ByteWriter& bytes) const;
-  // Of a frame that has these features.
+  // `last` are the features of the frame that was the last remembered one when saved.
   void restore(ByteReader& bytes, const PictureFeatures& last);
 
  private:
@@ -66,7 +69,7 @@ class CornerPoints {
   const FrameOptions options_;
   int image_px_ = 1;  // PictureFeatures::image_px
   std::vector<CornerPoint> points_;
-  std::vector<std::optional<Eigen::Vector2d>> found_;  // by point, in the frame that was followed last
+  std::vector<std::optional<Eigen::Vector2d>> found_;  // by point, position in the frame that was last followed
 };
 
 }  // namespace hermite

@@ -6,14 +6,17 @@ namespace hermite {
 
 namespace {
 
-// A corner speaks for what is around it on its surface, in coarse pixels: corners are two of these apart.
+// A corner votes for the pixels around it on its surface, with a Gaussian weight of this standard deviation and up to
+// this distance, in coarse pixels; corners are two of these apart.
 constexpr double kSpeaksFor_px = 4;
 constexpr int kHeard_px = 12;
-// Three corners close by, since some are followed wrongly.
+// More than two full votes are needed, so about three corners nearby, since some are followed wrongly.
 constexpr double kLeastVotes = 2;
-// Where a surface is too small to have a number, what lies as near is the same thing.
+// Where a surface is too small to be numbered, pixels nearby whose depth differs by less than this are taken to be the
+// same object.
 constexpr double kSameDepth_m = 0.15;
-// Nearly all corners of a surface speak for all of it, if they are all over it: a plate may turn on a table that has no corners of its own.
+// If nearly all corners of a surface move and they are spread all over it, all of it moves, for example a plate that
+// turns on a table without corners of its own.
 constexpr int kSpeakForAll = 4;
 constexpr double kNearlyAll = 0.75, kAllOver = 0.8, kHeard = 0.1;
 

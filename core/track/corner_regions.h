@@ -1,6 +1,6 @@
-// From corners that move to the pixels around them that do.
+// Computes image regions that move from corners that move.
 //
-// Pure functions, host only, any thread.
+// Pure functions on the host. Any thread.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,8 @@
 
 namespace hermite {
 
-// Pixels of `view`, cut into `surfaces`, that belong to corners that move rather than to those that rest. `image_width` is that of the
-// image whose pixels the corners are given in.
+// Returns the pixels of `view`, segmented into `surfaces`, that belong to moving corners rather than to resting ones.
+// `image_width` is the width of the image in whose pixels the corners are given.
 CoarseMask regions_of_corners(const CoarseView& view, const ViewSurfaces& surfaces, const std::vector<SeenCorner>& corners,
                               int image_width);
 

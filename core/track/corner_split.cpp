@@ -14,16 +14,20 @@ namespace hermite {
 namespace {
 
 constexpr std::size_t kLeastCornersOfMotion = 12;
-// Beyond so many deviations a corner has not gone along; farther away it counts no more, what has been followed wrongly the least.
+// A corner whose error exceeds this many standard deviations does not follow the motion; its cost is constant beyond,
+// so that wrongly followed corners have bounded influence.
 constexpr double kBeyond = 4;
-// And it moves on its own by a share of what the camera has moved it by: along edges corners slide, and shutters and lenses bend that way.
+// To count as moving on its own, its error must also exceed this share of its displacement by the camera's motion,
+// because corners slide along edges, and rolling shutters and lenses shift them in the direction of motion.
 constexpr double kShareOfCamera = 0.4;
 constexpr int kFitSteps = 6, kRounds = 4;
-// The surface that a corner stands for grows with the square of its distance; what is very far is hardly measured.
+// A corner represents a surface area that grows with the square of its distance. The weight is bounded because very far
+// depth is hardly measured.
 constexpr double kNearestWeight_m = 0.5, kFarthestWeight_m = 4;
-// Who has moved a moment ago is not the room now: of his corners so much counts.
+// Weight of corners that moved a moment ago, which are unlikely to belong to the room now.
 constexpr double kMovedBeforeWeight = 0.25;
-// Between two frames a camera moves by decimetres and turns by tenths of a radian: what corners do not hold stays.
+// Prior of the motion between two frames, in effect for directions that the corners do not determine: a camera moves by
+// decimetres and turns by tenths of a radian.
 constexpr double kPriorMove_m = 0.3, kPriorTurn_rad = 0.5;
 constexpr double kInFront_m = 0.05;
 
@@ -41,13 +45,13 @@ struct Problem {
     return (camera.project(p) - corners[i].pixel).norm();
   }
 
-  // How far the image moves the corner if it rests.
+  // Returns how far the camera's motion moves the corner in the image if the corner rests.
   double way_px(std::size_t i, const Rigid3& frame_from_earlier) const {
     const Eigen::Vector3d p = frame_from_earlier * corners[i].point_in_earlier;
     return p.z() < kInFront_m ? 0 : (camera.project(p) - camera.project(corners[i].point_in_earlier)).norm();
   }
 
-  // Gauss and Newton on the chosen corners, robust: beyond `scale_px` a corner counts less and less.
+  // Robust Gauss-Newton fit to the chosen corners; errors beyond `scale_px` are increasingly down-weighted.
   Rigid3 fit(const Chosen& chosen, Rigid3 frame_from_earlier, double scale_px) const {
     for (int step = 0; step < kFitSteps; ++step) {
       NormalEquations system = motion_prior(kPriorMove_m, kPriorTurn_rad);
@@ -72,7 +76,7 @@ struct Problem {
     return result;
   }
 
-  // Least where the motion explains most surface best.
+  // Robust cost of a motion: lowest for the one that explains most surface best.
   double cost(const Rigid3& frame_from_earlier) const {
     double sum = 0;
     for (std::size_t i = 0; i < corners.size(); ++i)
@@ -83,7 +87,8 @@ struct Problem {
 
 std::size_t count(const Chosen& chosen) { return static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), std::uint8_t{1})); }
 
-// Parts of the corners that may be free of what moves: what is farther than something, and what is beside something.
+// Returns subsets of the corners that may be free of moving objects: those beyond a certain depth, and those outside a
+// range of columns or rows.
 std::vector<Chosen> parts_of(const std::vector<FollowedCorner>& corners, const std::vector<std::uint8_t>& moved_before) {
   const std::size_t n = corners.size();
   std::vector<Chosen> parts{Chosen(n, 1)};
@@ -110,9 +115,9 @@ std::vector<Chosen> parts_of(const std::vector<FollowedCorner>& corners, const s
   return parts;
 }
 
-// That the corners of a part have made, and all that go along with them.
+// Returns the motion of a part's corners and of all other corners that follow it.
 Rigid3 motion_of(const Problem& problem, const Chosen& part) {
-  // From tens of pixels to the precision of following.
+  // Fits from coarse to fine: errors of tens of pixels first, then the precision of corner tracking.
   Rigid3 motion = problem.fit(part, problem.fit(part, {}, 20 * problem.precision_px), 3 * problem.precision_px);
   Chosen chosen;
   for (int round = 0; round < kRounds; ++round) {
@@ -124,7 +129,7 @@ Rigid3 motion_of(const Problem& problem, const Chosen& part) {
   return motion;
 }
 
-// Of least cost; of equal ones the first. Nothing: all parts are too small.
+// Returns the motion of least cost, the first of equal ones; std::nullopt if all parts are too small.
 std::optional<Rigid3> best_motion(const Problem& problem, const std::vector<Chosen>& parts) {
   struct Candidate {
     std::optional<Rigid3> motion;

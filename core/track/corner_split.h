@@ -1,8 +1,9 @@
-// Which corners rest and which move on their own between two frames. One rigid motion often fits both nearly: a camera that turns behind
-// somebody who walks ahead sees almost what one sees that goes round him. So several parts of the corners are asked for a motion, and the
-// one that explains most surface to the precision of following wins; the room has more surface than who walks through it.
+// Separates corners that rest from corners that move on their own between two frames. One rigid motion often nearly
+// fits both: a camera that turns behind a person who walks ahead sees almost the same as one that moves around the
+// person. So a motion is fitted to each of several subsets of the corners, and the one that explains most surface to
+// the precision of corner tracking wins; a room has more surface than a person who walks through it.
 //
-// Pure functions, host only, any thread.
+// Pure functions on the host. Any thread.
 #pragma once
 
 #include <optional>
@@ -15,15 +16,16 @@
 namespace hermite {
 
 struct CornerSplit {
-  Rigid3 earlier_from_frame;        // of what rests
-  double deviation_px = 0;          // of the image, of what rests
-  std::vector<double> error_px;     // by corner, of the image: where the frame shows it beside where it would be if it rested
+  Rigid3 earlier_from_frame;        // motion of the camera relative to the resting corners
+  double deviation_px = 0;          // of the resting corners, image pixels
+  std::vector<double> error_px;     // by corner, image pixels: distance between its measured position and where it would be if it rested
   std::vector<std::uint8_t> moves;  // by corner
-  double moving_share = 0;          // of the corners, by surface
+  double moving_share = 0;          // share of the corners that move, weighted by surface area
 };
 
-// Corners with their depth. `moved_before`, by corner, may be empty; `precision_px` is how well corners are followed, a standard deviation
-// in pixels of the image. Nothing: too few corners, or no motion explains half of their surface.
+// Separates corners whose depth is known. `moved_before`, by corner, may be empty; `precision_px` is the standard
+// deviation of corner tracking in image pixels. Returns std::nullopt if there are too few corners, or if no motion
+// explains half of their surface.
 std::optional<CornerSplit> split_corners(const std::vector<FollowedCorner>& corners, const std::vector<std::uint8_t>& moved_before,
                                          const Camera& camera, double precision_px);
 

@@ -10,23 +10,24 @@ namespace hermite {
 
 namespace {
 
-// Corners are followed to this, in pixels of the level that they are followed in.
+// Standard deviation of corner tracking, in pixels of levels[0].
 constexpr double kPrecision_px = 0.15;
-// A corner that is followed for long drifts by so much, in parts of that, for each frame.
+// Growth of that deviation by drift for each further frame, as a share of it.
 constexpr double kDriftPerFrame = 0.1;
-// Compared over so many frames, the longest first that enough corners have lived for.
+// Numbers of frames over which corners are compared, longest first; baselines with too few corners are skipped.
 constexpr std::size_t kBaselines[] = {8, 4, 2, 1};
-// Something moves that has so many corners.
+// The least number of moving corners that counts as motion.
 constexpr std::ptrdiff_t kLeastMoving = 8;
-// Of the surface: when more of it moves nobody knows which part is the room.
+// Share of the surface; if more of it moves, it is unknown which part is the room.
 constexpr double kDividedShare = 0.4;
 constexpr std::size_t kTelling = 4;
 constexpr std::size_t kPast = 9, kLeastOfBaseline = 24;
-// What moved rests again after so many frames in which it has gone with the room over the longest time.
+// A moving corner rests again after this many frames in which it rested relative to the room.
 constexpr std::uint32_t kRestFrames = 30;
-// Of a new corner where something moves so many frames say whether it is a part of that.
+// A new corner in a moving region is taken to move until it has rested for this many frames.
 constexpr std::uint32_t kBirthFrames = 5;
-// One corner for each cell of so many pixels, as they are found (core/frame/picture_features.cpp).
+// At most one corner is followed per cell of this size, the one in which corners are detected
+// (core/frame/picture_features.cpp).
 constexpr int kCell_px = 16;
 
 Eigen::Vector2d image_px(double x, double y, int step) { return {(x + 0.5) * step - 0.5, (y + 0.5) * step - 0.5}; }
@@ -70,7 +71,8 @@ CornerVerdict CornerTracks::follow(const PictureFeatures& last, const PictureFea
   return verdict;
 }
 
-// The longest time that tells is believed; in a shorter one only what moves fast is seen.
+// The verdict of the longest baseline with enough corners holds; shorter ones only add corners that move fast enough to
+// be seen.
 void CornerTracks::label(CornerVerdict& verdict) {
   std::vector<std::uint8_t> told(tracks_.size(), 0);
   bool is_first = true;

@@ -1,7 +1,7 @@
-// Corners followed over many frames, and which of them move on their own. Frame to frame somebody who walks slowly hardly differs from
-// noise; over a third of a second he does.
+// Corners followed over many frames, and which of them move on their own. From one frame to the next, a person who
+// walks slowly hardly differs from noise; over a third of a second the motion is significant.
 //
-// Host only, no GPU. One thread at a time.
+// Runs on the host. One thread at a time.
 #pragma once
 
 #include <functional>
@@ -15,33 +15,34 @@
 
 namespace hermite {
 
-// A corner that is followed, where the frame shows it.
+// Position of a followed corner in the frame.
 struct SeenCorner {
   Eigen::Vector2d pixel;  // of the image
   bool moves = false;     // on its own
 };
 
 struct CornerVerdict {
-  std::vector<SeenCorner> corners;              // whose depth is known
-  std::vector<FollowedCorner> resting, moving;  // since the last frame, of those
-  std::size_t count = 0;                        // of the corners of the last frame, followed or not
-  std::optional<Rigid3> last_from_frame;        // of what rests, only with keeps_moving; nothing: too few corners tell
-  double moving_share = 0;                      // of the surface that corners stand for, 0 to 1, over the longest time that tells
-  bool is_divided = false;                      // over that time no motion explains most of the surface
-  bool moves_now = false;                       // something is seen to move, and does not only bear the name
+  std::vector<SeenCorner> corners;              // those whose depth is known
+  std::vector<FollowedCorner> resting, moving;  // of these, with their points in the last frame
+  std::size_t count = 0;                        // of all corners of the last frame, followed or not
+  std::optional<Rigid3> last_from_frame;        // of the resting corners, only with keeps_moving; std::nullopt: too few corners
+  double moving_share = 0;                      // share of the corners' surface, 0 to 1, over the longest baseline with enough corners
+  bool is_divided = false;                      // over that baseline no motion explains most of the surface
+  bool moves_now = false;                       // motion was measured in this frame, not only carried over from earlier ones
 };
 
 class CornerTracks {
  public:
-  // `camera` is that of straight frames. What has moved rests again once it has rested for a while, or, with `keeps_moving`, only once it
-  // rests while other things move: what is scanned on a turntable is the same thing when the table stops.
+  // `camera` is that of rectified frames. Corners that have moved rest again once they have rested for a while; with
+  // `keeps_moving`, only once they rest while other corners move: an object on a turntable is still the same object
+  // when the turntable stops.
   explicit CornerTracks(const Camera& camera, bool keeps_moving = false) : camera_(camera), keeps_moving_(keeps_moving) {}
 
-  // Where the corners of the last frame are in this one. Changes nothing that remember() does not take up.
+  // Finds the corners of the last frame in this one. The result is kept only if remember() follows.
   CornerVerdict follow(const PictureFeatures& last, const PictureFeatures& frame);
 
-  // The frame that was followed into becomes the last one. `depth_m` is what the frame measures at a pixel of the image, 0: nothing;
-  // `is_moving` says where new corners are taken to move.
+  // Makes the frame that was followed the last one. `depth_m` returns the measured depth at an image pixel, 0 if there
+  // is none; `is_moving` returns whether new corners there are taken to move.
   void remember(const PictureFeatures& frame, const std::function<float(int, int)>& depth_m,
                 const std::function<bool(int, int)>& is_moving);
 
@@ -66,7 +67,7 @@ class CornerTracks {
   Camera camera_;
   bool keeps_moving_;
   std::vector<Track> tracks_;
-  // Of follow(), by track.
+  // Results of follow(), by track.
   std::vector<std::optional<Eigen::Vector2d>> places_;
   std::vector<std::uint8_t> moves_, rests_;
   int image_px_ = 1;

@@ -12,25 +12,28 @@ namespace hermite {
 
 namespace {
 
-// Nine pixels each way are compared, at each level until a step is below what matters.
+// Windows of nine by nine pixels are compared; at each level, steps are made until one is negligible.
 constexpr int kRadius_px = 4, kMaxSteps = 8;
 constexpr double kConverged_px = 0.03;
-// Followed back, a corner is where it was; grey values differ by less than this in the mean.
+// A corner that is followed back must return to within this distance; mean absolute grey difference below this.
 constexpr double kReturns_px = 0.5, kAlike_grey = 12;
-// What a corner slides by from frame to frame adds up to less than this before its first look is found again.
+// Bound for the accumulated drift of a corner from frame to frame, within which its first patch is found again.
 constexpr double kPatchIsNear_px = 1;
 
-// Corners of Student's t distribution as in the odometry; so many must agree within thrice the deviation, which is at most two pixels of
-// the image: half of what is followed wrongly is farther off.
+// Corner errors follow Student's t distribution as in the odometry. A minimum number of corners must agree within three
+// deviations; the deviation is at most two image pixels, because half of the wrongly followed corners are farther off.
 constexpr double kDegreesOfFreedom = 5, kFirstDeviation_px = 8, kLeastDeviation_px = 0.3, kMostDeviation_px = 2;
-// Of a corner that dense terms are joined by: what following is off by between frames, beyond its noise.
+// Standard deviation of a corner combined with dense terms: the error of tracking between frames that exceeds its
+// noise.
 constexpr double kTermDeviation_px = 0.5;
 constexpr double kNearest_m = 0.05;
-// Of the corners, so many must have been followed for a turn alone to be believed: between pictures of other places a few are, by chance.
+// The share of the corners that must have been followed for a motion without translation to be accepted; between images
+// of different places a few corners match by chance.
 constexpr double kFollowedShare = 0.25;
 constexpr int kLeastCorners = 12, kSteps = 12;
 
-// Between two frames a camera moves by decimetres and turns by tenths of a radian: what corners do not hold stays.
+// Prior of the motion between two frames, in effect for directions that the corners do not determine: a camera moves by
+// decimetres and turns by tenths of a radian.
 constexpr double kPriorTranslation_m = 0.3, kNoTranslation_m = 1e-6, kPriorRotation_rad = 0.5;
 
 bool has_window(const GreyImage& image, const Eigen::Vector2d& at, int margin) {
@@ -39,10 +42,11 @@ bool has_window(const GreyImage& image, const Eigen::Vector2d& at, int margin) {
 }
 
 constexpr int kSide = 2 * kRadius_px + 1;
-constexpr int kReach = kRadius_px + 2;  // of a patch: the window, its gradients, and what is between two pixels
+constexpr int kReach = kRadius_px + 2;  // half the size of a patch: window, gradients, and one pixel for interpolation
 using Window = std::array<double, kSide * kSide>;
 
-// Grey values of Side x Side places around one that are a pixel apart, so all lie alike between their four pixels.
+// Returns interpolated grey values at Side x Side positions one pixel apart, centred on `at`; all of them have the same
+// interpolation weights.
 template <int Side>
 std::array<double, Side * Side> sample(const GreyImage& image, const Eigen::Vector2d& at) {
   const double first_x = at.x() - Side / 2, first_y = at.y() - Side / 2;
@@ -62,7 +66,7 @@ std::array<double, Side * Side> sample(const GreyImage& image, const Eigen::Vect
   return result;
 }
 
-// Grey values around a place, less their mean.
+// Returns the grey values of the window around a position, minus their mean.
 Window window_of(const GreyImage& image, const Eigen::Vector2d& at) {
   Window window = sample<kSide>(image, at);
   double sum = 0;
@@ -71,10 +75,11 @@ Window window_of(const GreyImage& image, const Eigen::Vector2d& at) {
   return window;
 }
 
-// `place` goes to where `to` looks like `from` does at `source`. False: it leaves the image, or nothing holds it.
+// Moves `place` to where `to` matches `from` at `source`. Returns false if it leaves the image, or if the window has
+// too little texture.
 bool refine(const GreyImage& from, const GreyImage& to, const Eigen::Vector2d& source, Eigen::Vector2d& place, double& misfit_grey) {
   if (!has_window(from, source, 1)) return false;
-  constexpr int kWide = kSide + 2;  // with the neighbours that gradients are taken from
+  constexpr int kWide = kSide + 2;  // with the neighbours for the gradients
   const std::array<double, kWide* kWide> around = sample<kWide>(from, source);
   Window wanted;
   std::array<Eigen::Vector2d, kSide * kSide> gradient;
@@ -115,12 +120,12 @@ bool refine(const GreyImage& from, const GreyImage& to, const Eigen::Vector2d& s
   return has_window(to, place, 0);
 }
 
-// Without the way back.
+// Follows a corner without the check backwards.
 std::optional<Eigen::Vector2d> lead(const PictureFeatures& from, const PictureFeatures& to, const Eigen::Vector2d& source) {
   Eigen::Vector2d flow = Eigen::Vector2d::Zero();
   double misfit_grey = 0;
   for (std::size_t level = from.levels.size(); level-- > 0;) {
-    // A pixel of a coarse level is the middle of the finer ones.
+    // A pixel of a coarse level is centred on the finer pixels that it covers.
     const double scale = std::ldexp(1.0, static_cast<int>(level));
     const Eigen::Vector2d start = ((source.array() + 0.5) / scale - 0.5).matrix();
     Eigen::Vector2d place = start + flow;
@@ -133,7 +138,7 @@ std::optional<Eigen::Vector2d> lead(const PictureFeatures& from, const PictureFe
   return source + flow;
 }
 
-// Of frame_from_earlier, at first the identity. Turn only: corners are taken to be far away.
+// Solves for frame_from_earlier, starting at the identity. With `turn_only`, corners are taken to be infinitely far.
 std::optional<FeatureMotion> solve(const std::vector<FollowedCorner>& corners, const Camera& camera, bool turn_only) {
   Rigid3 frame_from_earlier;
   double deviation_px = kFirstDeviation_px;
@@ -223,7 +228,7 @@ NormalEquations feature_terms(const FeatureMotion& features, const Rigid3& earli
     const double scaled2 = error.squaredNorm() / (deviation_px * deviation_px), likely = kDegreesOfFreedom / (kDegreesOfFreedom + scaled2);
     add_reprojection(terms, camera, p, error, likely / (deviation_px * deviation_px));
   }
-  // A step exp(x) of earlier_from_frame is one of exp(-Ad x) of its inverse.
+  // A step exp(x) of earlier_from_frame is a step exp(-Ad x) of its inverse.
   const Matrix6d change = -adjoint(frame_from_earlier);
   return {change.transpose() * terms.hessian * change, change.transpose() * terms.right_hand_side};
 }

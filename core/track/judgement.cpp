@@ -7,56 +7,59 @@ namespace hermite {
 
 namespace {
 
-// On frames tracked well, of every recording and kind of noise tried, at least 91 % of the overlap agreed with a correlation of 0.82 and
-// more; on frames of other places, at most 55 % or with a correlation below 0.55 (tests/accuracy/LAB.md).
+// In well tracked frames of every recording and kind of noise that was tried, at least 91 % of the overlap agreed, with
+// a correlation of at least 0.82; in frames of other places, at most 55 % agreed or the correlation was below 0.55
+// (tests/accuracy/LAB.md).
 constexpr double kGoodAgreement = 0.85, kGoodCorrelation = 0.6, kGoodOverlap = 0.4;
 
-// What moves is left out of the comparison. Where three quarters or less agree all the same, the picture must be as good as certain: frames
-// of the same walls with other furniture were once fitted with 77 % and a correlation of 0.73, with 68 % and 0.84.
+// Moving regions are excluded from the comparison. If nevertheless three quarters or less agree, the correlation must
+// be nearly conclusive: frames of the same walls with other furniture were once aligned with 77 % agreeing and a
+// correlation of 0.73, and with 68 % and 0.84.
 constexpr double kDoubtfulAgreement = 0.75, kSameCorrelation = 0.88;
 
-// What can be told from a quarter of a view, if it fits like this.
+// A place can be recognised from a quarter of a view if the overlap fits as well as this.
 constexpr double kLeastOldGround = 0.25, kSureAgreement = 0.95, kSureCorrelation = 0.9;
 
-// Below so many grey values of deviation there is no picture to compare.
+// Standard deviation of grey values below which there is no image to compare.
 constexpr double kFlatPicture = 5;
 
-// Of a white or black image, or one with its lens covered; an ordinary room has 1.7 and more.
+// Texture of a white or black image, or of one with the lens covered; an ordinary room has 1.7 and more.
 constexpr double kNoTexture = 0.5, kDark = 12;
 
-// Good frames of all recordings: 0.88 to 1.5.
+// Least sharpness; good frames of all recordings have 0.88 to 1.5.
 constexpr double kBlurred = 0.6;
 
-// What is known about a motion is mostly noise below this share. Small images of bare walls with a picture have 6.6e-5 and more and end 2.5
-// mm off, blank ones 1.5e-5 in the median and 88 mm.
+// Below this observability, what is known about a motion is mostly noise. Small images of bare walls with texture have
+// at least 6.6e-5 and end 2.5 mm off; blank ones have a median of 1.5e-5 and end 88 mm off.
 constexpr double kBlank = 4e-5;
 
-// And of a place that the map is to be bent to.
+// The same for a place to which the map is to be deformed.
 constexpr double kBlankPlace = 2e-4;
 
-// Rooms give 0.2 and more.
+// Least share of inliers; rooms give 0.2 and more.
 constexpr double kFewInliers = 0.1;
 
-// Few points do as well where the corners of the picture, another witness, have gone the same way: so many, and so large a share.
+// Fewer points suffice if followed corners, as independent evidence, confirm the motion: at least this many, and this
+// share of them.
 constexpr int kHoldingCorners = 20;
 constexpr double kHoldingShare = 0.7;
 
-// Of the pixels: where a frame with less is lost, that is why.
+// Share of the pixels; if a frame with less surface is lost, that is the reason.
 constexpr double kLittleSurface = 0.03;
 
-// Kinect v1 measures from half a metre.
+// A Kinect v1 measures from half a metre.
 constexpr double kTooNear_m = 0.6;
 
 // A fifth of the field of view of most cameras.
 constexpr double kFastTurn_rad = 10 * M_PI / 180;
 
-// Beyond this standard deviation, and this share of the way, the person should know. Undisturbed scans stay below it but for half a second
-// between bare walls, before the camera was seen to fit; where depth is bent, nearly all frames are beyond before they are 5 cm off
-// (tests/accuracy/README.md, "What is stated").
+// Above this standard deviation and this share of the path length, the frame is called weak. Undisturbed scans stay
+// below except for half a second between bare walls, before the camera was found to fit; if depth is bent, nearly all
+// frames exceed it before they are 5 cm off (tests/accuracy/README.md, "What is stated").
 constexpr double kMostUncertain_m = 0.04, kMostDrift = 0.01;
 
-// What depth, picture and corners alone say of a step is up to 15 mm, 0.8 degrees and 25 deviations apart on recordings of a Kinect, up to
-// 30 mm where depth is bent.
+// The motions that depth, image and corners each give alone differ by up to 15 mm, 0.8 degrees and 25 standard
+// deviations on recordings of a Kinect, and by up to 30 mm if depth is bent.
 constexpr double kContradictingSigmas = 8, kContradicting_m = 0.025, kContradicting_rad = 1.5 * M_PI / 180;
 
 std::string percent(double share) { return std::to_string(std::lround(100 * share)) + " %"; }
@@ -107,7 +110,7 @@ std::string why_weak(const TrackingEvidence& e, const TrackOptions& options) {
 }
 
 bool is_like_the_model(const Agreement& a) {
-  if (a.reference_grey_deviation < kFlatPicture) return true;  // nothing to be worse than
+  if (a.reference_grey_deviation < kFlatPicture) return true;  // nothing to compare with
   return a.grey_deviation >= kFlatPicture && a.sharpness >= kBlurred && a.correlation >= kGoodCorrelation;
 }
 
@@ -124,8 +127,9 @@ const char* name_of(TrackingStatus status) {
 
 bool has_picture(const Agreement& a) { return a.grey_deviation > kFlatPicture && a.reference_grey_deviation > kFlatPicture; }
 
-// Geometry alone convinces when nearly all of it agrees; where something has moved the rest must look the same all the more. From far away
-// much may fit by chance: a frame out of order was once believed 13 cm off, where 76 % agreed with a correlation of 0.58.
+// Geometry alone suffices if nearly all of it agrees; if something has moved, the image of the rest must match better.
+// After a large motion much may fit by chance: a frame out of order was once accepted 13 cm off, where 76 % agreed with
+// a correlation of 0.58.
 bool is_believable(const Agreement& a, const Rigid3& reference_from_camera, const TrackOptions& options) {
   if (a.overlap < options.min_overlap || a.agreeing < options.min_agreement) return false;
   if (!has_picture(a)) return a.agreeing >= kGoodAgreement;
@@ -134,8 +138,9 @@ bool is_believable(const Agreement& a, const Rigid3& reference_from_camera, cons
   return a.correlation >= options.min_correlation + (kSameCorrelation - options.min_correlation) * missing;
 }
 
-// Where old and new ground meet only a part of the view is old: the less, the better it must fit. Of 45 revisits in a walk round two rooms
-// that were refused for their overlap alone (0.25 to 0.39) all but one agreed in 96 % and more with a correlation of 0.97 and more.
+// Where old and new ground meet, only a part of the view is old; the smaller that part, the better it must fit. Of 45
+// revisits in a walk around two rooms that were rejected only for their overlap (0.25 to 0.39), all but one agreed in
+// at least 96 % with a correlation of at least 0.97.
 bool is_same_place(const Agreement& a, double observability) {
   if (a.overlap < kLeastOldGround || observability < kBlankPlace) return false;
   const double missing = std::max(0.0, kGoodOverlap - a.overlap) / (kGoodOverlap - kLeastOldGround);
@@ -147,7 +152,7 @@ bool is_same_place(const Agreement& a, double observability) {
 Judgement judge(const TrackingEvidence& e, const TrackOptions& options) {
   if (e.agreement.surface < options.min_surface_ratio) return {TrackingStatus::kLost, too_few_points(e.content)};
   if (!is_believable(e.agreement, e.reference_from_camera, options)) return {TrackingStatus::kLost, why_lost(e, options)};
-  // The longer it was lost the farther it may have gone.
+  // The longer the camera was lost, the farther it may have moved.
   const double jumped_m = step_m(e.reference_from_camera);
   if (jumped_m > options.max_step_m * (1 + e.lost_count))
     return {TrackingStatus::kLost, "too fast: the camera would have jumped " + centimetres(jumped_m)};

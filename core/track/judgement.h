@@ -1,4 +1,5 @@
-// Is a pose to be believed? And if not, why: in words for the person who holds the camera. Pure functions of values.
+// Decides whether a pose is credible, and if not gives the reason in words for the person who holds the camera. Pure
+// functions of values.
 #pragma once
 
 #include <string>
@@ -12,66 +13,69 @@
 
 namespace hermite {
 
-// Weak: the pose is believed and the frame is fused, but little is missing to lose the camera, or the map is full: a warning. Lost: nothing
-// of the frame is used.
+// Weak: the pose is credible and the frame is fused, but the camera is close to being lost, or the map is full; a
+// warning. Lost: nothing of the frame is used.
 enum class TrackingStatus { kTracked, kWeak, kLost };
 const char* name_of(TrackingStatus status);  // "tracked", "weak", "lost"
 
-// The frame's surface beside the predicted one, at the pose found. Shares, 0 to 1.
+// Agreement of the frame's surface with the predicted one at the estimated pose. Shares, 0 to 1.
 struct Agreement {
-  double surface = 0;   // of the frame's pixels: have a surface
-  double overlap = 0;   // of these: fall onto the prediction
-  double agreeing = 0;  // of these: lie on it, within thrice the sensor's noise and what a model may be off by
-  double in_front = 0;  // of those that overlap: clearly nearer than the prediction
-  // Normalised cross correlation of the grey values of those that agree, -1 to 1, and their standard deviations.
+  double surface = 0;   // share of the frame's pixels that have a surface
+  double overlap = 0;   // share of these that project onto the prediction
+  double agreeing = 0;  // share of these that lie on it, within three times the sensor's noise plus a tolerance for the model
+  double in_front = 0;  // share of the overlap that is clearly nearer than the prediction
+  // Normalised cross-correlation of the grey values of the agreeing pixels, -1 to 1, and their standard deviations.
   double correlation = 0;
   double grey_deviation = 0, reference_grey_deviation = 0;
-  double sharpness = 0;  // changes of grey between neighbours, of those in the prediction: falls when the picture is dark or blurred
+  double sharpness = 0;  // grey differences between neighbours over those in the prediction; falls if the image is dark or blurred
 };
 
-// All that is known about one frame's motion.
+// All evidence about one frame's motion.
 struct TrackingEvidence {
   FrameContent content;
   Agreement agreement;
-  Agreement unmoved;  // the same where the camera was before, turned as the pictures say; only needed of a pose that is not believable
-  double inlier_share = 0;       // geometric correspondences, of all pixels
+  Agreement unmoved;             // agreement at the previous position, rotated as the images say; only needed if the pose is not credible
+  double inlier_share = 0;       // geometric correspondences over all pixels
   double observability = 0;      // see core/track/normal_equations.h
-  CornerAgreement corners;       // that were followed from the frame before, at this motion
-  bool is_divided = false;       // large parts of the view move against each other, see core/track/own_motion.h
-  Rigid3 reference_from_camera;  // the motion found
-  double turn_seen_rad = 0;      // of the pictures alone, before tracking
+  CornerAgreement corners;       // of the corners followed from the frame before, at this motion
+  bool is_divided = false;       // large parts of the view move relative to each other, see core/track/own_motion.h
+  Rigid3 reference_from_camera;  // the estimated motion
+  double turn_seen_rad = 0;      // rotation from the images alone, before tracking
   int lost_count = 0;            // frames lost just before this one
 };
 
 struct Judgement {
   TrackingStatus status = TrackingStatus::kLost;
   std::string reason;           // empty when tracked
-  bool picture_is_good = true;  // the colours may be believed
+  bool picture_is_good = true;  // the colours may be fused
 };
 
-// Whether frame and map have an image to compare, with contrast in both.
+// Returns whether frame and map both have an image with contrast, so that they can be compared.
 bool has_picture(const Agreement& agreement);
 
-// Whether the frame shows what the map says where this motion has brought the camera. If not, another start may find a better one.
+// Returns whether the frame shows what the map predicts at the estimated motion. If it does not, another starting point
+// may lead to a better one.
 bool is_believable(const Agreement& agreement, const Rigid3& reference_from_camera, const TrackOptions& options);
 
-// Whether a camera that may be anywhere is here: a stricter question, since the map is bent to the answer.
+// Returns whether a camera that may be anywhere is at this place. This is stricter, because the map is deformed to fit
+// the answer.
 bool is_same_place(const Agreement& agreement, double observability);
 
-// Of a frame that was tracked against the map.
+// Judges a frame that was tracked against the map.
 Judgement judge(const TrackingEvidence& evidence, const TrackOptions& options);
 
-// What is known of the pose beside what the frame shows.
+// What is known about the pose in addition to the frame's agreement.
 struct Doubts {
   PoseUncertainty uncertainty;
   CalibrationDoubt calibration;
-  Contradiction contradiction;  // of the witnesses of the step
+  Contradiction contradiction;  // between the evidence from depth, image and corners
 };
 
-// The judgement of a frame that is believed, in view of that: what is called tracked is known to 4 cm and a percent of the way.
+// Returns the judgement of an accepted frame in view of these doubts: a tracked pose is known to 4 cm and to one
+// percent of the path length.
 Judgement weighed(Judgement judgement, const Doubts& doubts);
 
-// Of a frame that could begin a map: whether it shows enough surface.
+// Judges a frame that could start a map: whether it shows enough surface.
 Judgement judge_start(const TrackingEvidence& evidence, const TrackOptions& options);
 
 }  // namespace hermite

@@ -9,19 +9,22 @@ namespace hermite {
 
 namespace {
 
-// Grey values between which a sensor answers in proportion, and steps of grey to the next pixel beyond which a shift decides.
+// Range of grey values in which a sensor responds proportionally, and the largest grey difference to the next pixel;
+// beyond it a small misalignment dominates.
 constexpr float kDarkest = 20, kBrightest = 240, kSteepest = 12;
 
-// Logarithms of grey differ by this where nothing but noise does; neighbours share their errors, so fifty count as one.
+// Standard deviation of the logarithm of grey values by noise; errors of neighbours are correlated, so fifty pixels
+// count as one.
 constexpr double kDeviation = 0.05, kPixelsThatCountAsOne = 50;
 
-// Before anything is seen, corners are as dark as this in half of all cases (in logarithms): most cameras of phones and Kinects.
+// Prior: before anything is seen, the standard deviation of the corners' darkening, as a logarithm, from experience
+// with most cameras of phones and Kinects.
 constexpr double kPriorDeviation = 0.5;
 
-// What must be known of the corners before it is used, in standard deviations.
+// The shading is used once the darkening of the corners is significant by this many standard deviations.
 constexpr double kSignificant = 4;
 
-// Twenty seconds of full views; what is older counts half, so that a lens that is changed is learned again.
+// Twenty seconds of full views; then the weight of the past is halved, so that the shading of another lens is learned.
 constexpr double kMostWeight = 2e6;
 
 constexpr double kDarkestCorner = 0.2;
@@ -72,7 +75,8 @@ bool LensShading::learn(const CoarseView& now, const EarlierView::Comparison& co
                      std::log(static_cast<double>(grey) / static_cast<double>(earlier_grey))});
   }
   if (pairs.size() < 100) return false;
-  // The exposure of both frames is unknown: only what differs from the mean counts. Then outliers do not.
+  // The exposure of both frames is unknown, so only differences from the robust mean are used. Then outliers have
+  // little influence.
   double exposure = 0;
   for (int round = 0; round < 3; ++round) {
     double weight = 0, sum = 0;
@@ -122,7 +126,7 @@ bool LensShading::update_table() {
   float change = 0;
   for (std::size_t i = 0; i < table.size(); ++i) {
     const double darkening = is_known ? std::exp(coefficients_.dot(basis(static_cast<double>(i) / 255))) : 1;
-    // It gets darker outwards, or stays.
+    // The darkening never decreases outwards.
     darkest = std::clamp(darkening, kDarkestCorner, darkest);
     table[i] = static_cast<float>(darkest);
     change = std::max(change, std::abs(table[i] - table_[i]));

@@ -1,8 +1,9 @@
-// A lens darkens its corners: what a place looks like depends on where in the image it is. Learned from the scan itself, as in online
-// photometric calibration (Bergmann, Wang, Cremers 2018): places seen at two distances from the image's centre, in frames whose poses and
-// depth are known. Used as soon as it is known better than by chance.
+// A lens darkens the corners of its images, so the appearance of a point depends on where in the image it is. The
+// shading is learned from the scan itself, as in online photometric calibration (Bergmann, Wang, Cremers 2018): from
+// points seen at two distances from the image centre, in frames with known pose and depth. It is used as soon as it is
+// significant.
 //
-// Host only, no GPU. One thread at a time.
+// Runs on the host. One thread at a time.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,30 +14,31 @@
 
 namespace hermite {
 
-// Grey values are darker by this factor, 0 to 1, at 256 squared distances from the principal point: the last is the farthest corner.
+// Factors, 0 to 1, by which grey values are darkened, at 256 equidistant squared distances from the principal point;
+// the last one is the farthest corner.
 using ShadingTable = std::array<float, 256>;
 
 class LensShading {
  public:
   LensShading();
 
-  // What frames are to be divided by now.
+  // Returns the factors by which frames are to be divided now.
   const ShadingTable& table() const { return table_; }
 
-  // The view with grey values as the sensor had them, before they were divided by table().
+  // Returns the view with grey values as the sensor measured them, before division by table().
   CoarseView as_measured(CoarseView view) const;
 
-  // From the grey values of two views as measured. Returns whether table() has changed.
+  // Learns from the grey values of two views as measured. Returns whether table() has changed.
   bool learn(const CoarseView& now, const EarlierView::Comparison& comparison);
 
   void save(ByteWriter& bytes) const;
-  // table() is what it was when saved.
+  // Restores table() as well.
   void restore(ByteReader& bytes);
 
  private:
   bool update_table();
 
-  // Normal equations of the logarithm of the darkening, a polynomial without constant in the squared distance.
+  // Normal equations for the logarithm of the darkening, a polynomial of the squared distance without constant term.
   Eigen::Matrix3d information_ = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right_hand_side_ = Eigen::Vector3d::Zero();
   double weight_ = 0;
@@ -44,7 +46,7 @@ class LensShading {
   ShadingTable table_;
 };
 
-// Index into a ShadingTable for a pixel of an image of this camera.
+// Returns the index into a ShadingTable for a pixel of this camera's image.
 std::uint8_t shading_index(const shared::Intrinsics& camera, double x, double y);
 
 }  // namespace hermite

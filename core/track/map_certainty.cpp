@@ -17,60 +17,62 @@ using Matrix62 = Eigen::Matrix<double, 6, 2>;
 
 Eigen::Index state_of(std::size_t view) { return kCameraDoubtCount + 6 * static_cast<Eigen::Index>(view); }
 
-// A view is kept where the camera has moved or turned by so much (or both by half) since the one before, as calibration does
-// (core/calibrate/view_choice.cpp), or where so little of what it sees is known ground.
+// A view is kept if the camera has moved or turned by this much since the last one (or half of both), as for
+// calibration (core/calibrate/view_choice.cpp), or if the share of known surface is below this.
 constexpr double kViewEvery_m = 0.15, kViewEvery_rad = 8 * M_PI / 180, kKnownGround = 0.6;
-// So many: a state of 1000 numbers. Then every second of the older half goes.
+// The most views kept: a state of about 1000 elements. Beyond it, every second view of the older half is dropped.
 constexpr std::size_t kMostViews = 160;
 
-// What the picture adds to what depth says of every direction, as a share.
+// Isotropic information that the image adds, as a share of that of depth along the normal.
 constexpr double kPicture = 0.02;
 
-// What a camera may be off by before anything was seen: depth of a Kinect is bent by 0 to 3.5 % (TUM's factors), which is calibrated to 1 %
-// mostly; focal lengths are within half a percent of what is said.
+// Prior standard deviations of the camera's errors: depth of a Kinect is bent by 0 to 3.5 % (TUM's factors) and mostly
+// calibrated to 1 %; focal lengths are within half a percent of the stated ones.
 constexpr double kBend = 0.010, kFocal = 0.004;
 
-// Of the pixels of all pairs that a new view makes, so many err alike. With it what is found is off the truth by 1.2 deviations (RMS) over
-// five runs in rendered scenes, undisturbed and with depth bent by 1.5 %.
+// Number of pixels with a common error, for all pairs of a new view. With it the estimates are off by 1.2 standard
+// deviations (RMS) over five runs in rendered scenes, undisturbed and with depth bent by 1.5 %.
 constexpr double kAlikePixels = 6;
 
-// And what a view says is off by itself, whatever its noise: edges and corners of surfaces lie elsewhere in a coarse image than they are.
-// Focal lengths are not learned at all: on a walk through doors (scene=loop, 620 frames) views said 3.8 % too great, with a deviation of
-// 0.6.
+// Systematic error of what a view says, in addition to its noise: edges and corners of surfaces are displaced in a
+// coarse image. Focal lengths are not learned at all: on a walk through doors (scene=loop, 620 frames) views gave 3.8 %
+// too much, with a standard deviation of 0.6.
 constexpr double kBendBias = 0.005;
 
-// Of what others have found the camera to be off by.
+// Standard deviation of an error of the camera that is reported as found.
 constexpr double kToldDeviation = 0.001;
 
-// What the ground of a new view is off by beside the noise of the step: tracking is biased by what edges and corners of surfaces do to the
-// map, the same way in each run, and so the more the farther the camera goes. Between the truth of rendered scenes and what calibration
-// does not explain (tests/accuracy/LAB.md, "What is stated").
+// Errors of a new view's surface in addition to the noise of the step: edges and corners of surfaces bias tracking
+// through their effect on the map, the same way in each run, and more the farther the camera moves. Between the ground
+// truth of rendered scenes and what calibration does not explain (tests/accuracy/LAB.md, "What is stated").
 constexpr double kBias_m = 0.0006, kBiasGrowth = 0.004, kBiasTurn_m = 0.004;
 constexpr double kBias_rad = 0.0004, kBiasGrowth_rad_per_m = 0.002, kBiasTurn = 0.003;
 
-// It grows as fewer pixels hold the camera: their errors are those of few surfaces, which do not cancel.
+// The bias grows as fewer pixels constrain the camera: their errors come from few surfaces and do not cancel.
 constexpr double kFullView = 0.5, kMostSparse = 3;
 
-// The directions of an uncertainty are not known exactly either: of its size, so much is said of all of them.
+// The principal directions of an uncertainty are uncertain too: this share of its size is added in all directions.
 constexpr double kAllWays = 0.15;
 
-// Beside any knowledge; all where there is none.
+// Negligible beside any information, decisive where there is none.
 constexpr double kNothing = 1e-6;
 
-// A loop is measured as well as that (links of core/adjust/submap_graph.cpp), and so is where a lost camera was found again.
+// Standard deviations of a loop measurement (links of core/adjust/submap_graph.cpp) and of a relocalisation.
 constexpr double kLoop_m = 0.003, kLoop_rad = 0.002;
 
-// A bend that is said aloud is at least so great, and so many deviations.
+// A bend is reported if it is at least this large and exceeds this many standard deviations.
 constexpr double kLeastBend = 0.008, kDoubtSigmas = 5;
 
-// From a twist about the world's origin to the errors of a camera's position and rotation, and back.
+// Converts a twist about the world's origin to the errors of a camera's position and rotation; the negated position
+// converts back.
 Matrix6d at_camera(const Eigen::Vector3d& position_world) {
   Matrix6d change = Matrix6d::Identity();
   change.topRightCorner<3, 3>() = -skew(position_world);
   return change;
 }
 
-// Of a camera's position and rotation, alike in all directions, as the covariance of a twist about the world's origin.
+// Returns isotropic covariances of a camera's position and rotation as the covariance of a twist about the world's
+// origin.
 Matrix6d isotropic(double deviation_m, double deviation_rad, const Eigen::Vector3d& position_world) {
   Vector6d variances;
   variances << Eigen::Vector3d::Constant(deviation_m * deviation_m), Eigen::Vector3d::Constant(deviation_rad * deviation_rad);
@@ -113,13 +115,13 @@ std::string CalibrationDoubt::reason() const {
   return focal == 0 ? "" : no_fit + "its focal length is" + by_about(focal);
 }
 
-// What holds a frame.
+// The surface that constrains a frame.
 struct MapCertainty::Hold {
-  std::vector<Matrix6d> information;  // by view, of the ground first seen in it: each pixel is the oldest view's that shows it
+  std::vector<Matrix6d> information;  // by view, from the surface first seen in it; each pixel counts for the oldest view that shows it
   Matrix6d whole = Matrix6d::Zero();
-  Matrix62 camera = Matrix62::Zero();  // what the points do when the camera is off, weighted alike
+  Matrix62 camera = Matrix62::Zero();  // weighted displacement of the points by the camera's errors
   std::size_t surface_count = 0;       // pixels with a surface
-  double known_share = 0;              // of these
+  double known_share = 0;              // share of these on known surface
 };
 
 MapCertainty::MapCertainty()
@@ -155,7 +157,8 @@ MapCertainty::Hold MapCertainty::hold_of(const CoarseView& seen, const Rigid3& w
   return hold;
 }
 
-// A frame's error by those of the state, noise apart. What nothing holds goes on from the view kept last.
+// Returns a frame's error as a linear function of the state, without noise. Directions that nothing constrains have the
+// error of the last kept view.
 Eigen::MatrixXd MapCertainty::share_of(const Hold& hold) const {
   Eigen::MatrixXd share = Eigen::MatrixXd::Zero(6, mean_.size());
   if (views_.empty()) return share;
@@ -173,7 +176,7 @@ Eigen::MatrixXd MapCertainty::share_of(const Hold& hold) const {
   return share;
 }
 
-// Kalman's: observed = of_state * state + noise.
+// Kalman update for observed = of_state * state + noise.
 void MapCertainty::update(const Eigen::MatrixXd& of_state, const Eigen::VectorXd& observed, const Eigen::MatrixXd& noise) {
   const Eigen::MatrixXd cross = covariance_ * of_state.transpose();
   const Eigen::MatrixXd innovation = of_state * cross + noise;
@@ -183,7 +186,8 @@ void MapCertainty::update(const Eigen::MatrixXd& of_state, const Eigen::VectorXd
   covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
 }
 
-// The map was bent so that ground which was not tracked against before agrees with the rest. False: none of it holds the frame.
+// Applies the loop closure that deformed the map so that surface which was not tracked against before agrees with the
+// rest. Returns false if none of that surface constrains the frame.
 bool MapCertainty::close_loop(const Hold& hold, const Matrix6d& step_covariance) {
   Matrix6d old = Matrix6d::Zero();
   const auto is_old = [this](std::size_t k) { return views_[k].submap < was_active_.size() && !was_active_[views_[k].submap]; };
@@ -234,7 +238,7 @@ PoseUncertainty MapCertainty::observe(const CoarseView& view, const CoarseMask& 
   return result;
 }
 
-// By a view that is about to be kept, beside those before.
+// Learns from a view that is about to be kept, compared with those before it.
 void MapCertainty::learn_camera(const CoarseView& seen, const Rigid3& world_from_camera, const Ground& ground) {
   CameraTerms all;
   for (const View& view : views_) {
@@ -257,7 +261,8 @@ void MapCertainty::learn_camera(const CoarseView& seen, const Rigid3& world_from
   if (learned_.size() > kMostViews) learned_.erase(learned_.begin());
 }
 
-// What views say scatters more than it should where the camera is wrong in a way that is not asked for: then nothing is known as well.
+// If the camera has errors that are not modelled, the views scatter more than expected; the deviation grows
+// accordingly.
 CalibrationDoubt MapCertainty::calibration() const {
   double squares = 0;
   for (const CameraTerms& terms : learned_) {
@@ -278,7 +283,7 @@ void MapCertainty::camera_is_off(double bend, double focal) {
   focal_off_ = focal;
 }
 
-// Both in the order of CameraDoubt.
+// Both vectors are in the order of CameraDoubt.
 void MapCertainty::observe_camera(const Eigen::Vector2d& doubts, const Eigen::Vector2d& deviations) {
   Eigen::MatrixXd of_state = Eigen::MatrixXd::Zero(kCameraDoubtCount, mean_.size());
   of_state.leftCols<kCameraDoubtCount>().setIdentity();
@@ -301,7 +306,8 @@ void MapCertainty::keep(CoarseView seen, const Rigid3& world_from_camera, const 
   if (views_.size() > kMostViews) drop_some();
 }
 
-// Every second of the older half: what they have taught stays, and their ground counts as that of others.
+// Drops every second view of the older half. What they have taught about the camera is kept, and their surface counts
+// as that of other views.
 void MapCertainty::drop_some() {
   std::vector<View> kept;
   std::vector<Eigen::Index> rows{0, 1};

@@ -1,18 +1,21 @@
-// How well it is known where the camera is in the world, and whether the camera's calibration fits what it sees.
+// The uncertainty of the camera's pose in the world, and whether the camera's calibration fits its measurements.
 //
-// A map is as wrong as the poses it was made from. Views are kept along the way, each with the error of the ground that was first seen in
-// it; a frame that is tracked against that ground shares its error. So all errors are one Gaussian vector (as in filters with cloned poses:
-// Roumeliotis, Burdick 2002, Stochastic cloning): twists xi_k of the views, estimated = exp(xi_k) true, about the world's origin, and c,
-// what is wrong with the camera (its bend of depth and its focal length). Of a frame
+// A map has the errors of the poses from which it was made. Views are kept along the path, each with the error of the
+// surface first seen in it; a frame that is tracked against that surface shares its error. All errors form one Gaussian
+// vector (as in filters with cloned poses: Roumeliotis, Burdick 2002, Stochastic cloning): twists xi_k of the views
+// about the world's origin, estimated = exp(xi_k) true, and c, the error of the camera's calibration (bend of depth and
+// focal length). For a frame
 //   xi = sum_k W_k xi_k + G c + e:
-// W_k is the share of the information about its motion that comes from ground first seen in view k, so that each direction has the error of
-// what holds it; G c is what the points do when the sensor bends them one way in one part of the image and another way in another; e is the
-// noise of the step. Old ground bounds the uncertainty, new ground inherits it, a loop is an observation of the difference of two of them.
+// W_k is the share of the information about its motion that comes from surface first seen in view k, so that each
+// direction has the error of the surface that constrains it; G c is the effect of the sensor bending points differently
+// in different parts of the image; e is the noise of the step. Old surface bounds the uncertainty, new surface inherits
+// it, and a loop is an observation of the difference of two errors.
 //
-// The bend is observed too: two views of the same ground disagree, whatever their poses, as the same bend would have it. Its mean is
-// carried along, and with it what the poses are off by already. The focal length is not; what is found of either elsewhere is told.
+// The bend is also observed: two views of the same surface disagree, whatever their poses, as this bend predicts. Its
+// mean is part of the state, and with it the resulting errors of poses. The focal length is not observed here; results
+// for both that are found elsewhere are passed in.
 //
-// Host only, no GPU. One thread at a time.
+// Runs on the host. One thread at a time.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,25 +29,25 @@
 
 namespace hermite {
 
-// Of world_from_camera, in a world that is the first frame of the part of the map: error of the position in the world's axes [m], then of
-// the rotation, as a vector in the world's axes [rad] (estimated = exp(error) true). The mean of its square: what is known of systematic
-// errors is in it.
+// Uncertainty of world_from_camera, in the world given by the first frame of the component: errors of the position
+// along the world's axes [m], then of the rotation as a vector along the world's axes [rad] (estimated = exp(error)
+// true). It is the second moment, which includes the known systematic errors.
 struct PoseUncertainty {
   Matrix6d second_moment = Matrix6d::Zero();
-  double way_m = 0;  // that the camera has gone since that first frame
+  double way_m = 0;  // path length of the camera since that first frame
 
-  // Along the axis of the greatest error.
+  // Return the standard deviation along the axis of largest error.
   double position_sigma_m() const;
   double rotation_sigma_rad() const;
-  // Unit, in the world: where the position is known least.
+  // Returns the unit vector, in the world, along which the position is least certain.
   Eigen::Vector3d worst_direction() const;
 };
 
-// Whether depth in the corners of the image is too great, as a share of it.
+// Whether depth in the corners of the image is too large, as a share of it.
 struct CalibrationDoubt {
   double bend = 0, deviation = 0;
-  double focal = 0;  // by how much the focal length is said to be too great, when that is beyond doubt
-  // In words, when what is seen contradicts the calibration of depth beyond doubt; else empty.
+  double focal = 0;  // share by which the stated focal length is too large, once that is certain
+  // Returns a text if the measurements certainly contradict the calibration; empty otherwise.
   std::string reason() const;
 };
 
@@ -52,28 +55,29 @@ class MapCertainty {
  public:
   MapCertainty();
 
-  // Where the map lies now.
+  // The present layout of the map.
   struct Ground {
     const std::vector<Rigid3>& world_from_submap;
-    const std::vector<bool>& is_active;  // by submap: tracked against
-    std::uint32_t current = 0;           // submap of what is new
+    const std::vector<bool>& is_active;  // by submap: whether it is tracked against
+    std::uint32_t current = 0;           // submap of new surfels
     std::uint64_t closure_count = 0;     // loops closed so far
   };
 
-  // A frame that was tracked against active ground, with the covariance of its step (step_certainty.h) as a twist about the world's origin.
-  // `moving` pixels do not count. The first frame is the world.
+  // Returns the uncertainty of a frame that was tracked against active submaps, given the covariance of its step
+  // (step_certainty.h) as a twist about the world's origin. `moving` pixels are ignored. The first frame defines the
+  // world.
   PoseUncertainty observe(const CoarseView& view, const CoarseMask& moving, const Rigid3& world_from_camera,
                           const Matrix6d& step_covariance, const Ground& ground);
 
   CalibrationDoubt calibration() const;
 
-  // Somebody else has looked (core/calibrate/camera_watch.h): the camera is right up to these standard deviations, as shares, or off by so
-  // much.
+  // Report results of the camera watch (core/calibrate/camera_watch.h): the camera is correct up to these relative
+  // standard deviations, or off by these shares.
   void camera_fits(double bend_deviation, double focal_deviation);
   void camera_is_off(double bend, double focal);
 
-  // The map goes on in a part of its own: what follows is relative to its first frame, also when the part is joined to others. What is
-  // known of the camera stays.
+  // Starts a new component of the map: what follows is relative to its first frame, even if it is later joined to
+  // others. Knowledge of the camera is kept.
   void begin_component();
 
   void save(ByteWriter& bytes) const;
@@ -81,7 +85,7 @@ class MapCertainty {
 
  private:
   struct View {
-    CoarseView seen;  // thinned, without what moves
+    CoarseView seen;  // thinned, without moving pixels
     std::uint32_t submap = 0;
     Rigid3 submap_from_camera;
   };
@@ -102,18 +106,20 @@ class MapCertainty {
   void update(const Eigen::MatrixXd& of_state, const Eigen::VectorXd& observed, const Eigen::MatrixXd& noise);
 
   std::vector<View> views_;
-  std::vector<CameraTerms> learned_;  // of each view with those before it
-  // Of the state: two numbers of the camera, then six of each view.
+  std::vector<CameraTerms> learned_;  // of each view with the views before it
+  // The state has two elements for the camera, then six for each view.
   Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;
-  Rigid3 kept_world_from_camera_;  // of the view kept last
-  double way_m_ = 0;               // from view to view
-  std::vector<bool> was_active_;   // by submap, in the frame before; of the last frame before a loop that is not yet seen here
+  Rigid3 kept_world_from_camera_;  // of the last kept view
+  double way_m_ = 0;               // sum of distances between consecutive kept views
+  // by submap, in the frame before; in the last frame before a loop, until this class has observed the loop
+  std::vector<bool> was_active_;
   std::uint64_t closure_count_ = 0;
-  double focal_off_ = 0;  // as told
+  double focal_off_ = 0;  // as reported by camera_is_off()
 };
 
-// The covariance of a step that is not one: a lost camera was found again at `world_from_camera`, as a twist about the world's origin.
+// Returns the covariance, as a twist about the world's origin, of a relocalisation at `world_from_camera`, where there
+// is no step from the frame before.
 Matrix6d found_again(const Rigid3& world_from_camera);
 
 }  // namespace hermite

@@ -11,31 +11,32 @@ namespace hermite {
 
 namespace {
 
-// Every fourth frame is kept, eight of them: a second of a camera of 30 Hz. Somebody who walks is his own width farther after half of it.
+// Every fourth frame is kept, eight in all: a second at 30 Hz. A walking person moves by their own width in half of it.
 constexpr std::uint32_t kKeepEvery = 4;
 constexpr std::size_t kKept = 8;
 
-// What surfaces usually disagree by is a mean over about this many frames.
+// The usual disagreement of surfaces is a mean over about this many frames.
 constexpr double kUsualOver = 30;
 
-// Six times the noise of a Kinect v1 (Nguyen, Izadi, Lovell 2012) and 3 cm for poses, as for what is "in front" in the agreement of a
-// frame with the map (shaders/track/agreement.comp).
+// Six times the noise of a Kinect v1 (Nguyen, Izadi, Lovell 2012) plus 3 cm for pose errors, as for Agreement::in_front
+// (shaders/track/agreement.comp).
 constexpr double kClearly_m = 0.03, kClearlyGrowth_per_m = 0.0114;
 
-// Of the pixels: smaller regions are edges and reflections. And of the surface: beyond it is the pose that is wrong.
+// Share of the pixels; smaller regions are edges and reflections. And share of the surface; if more contradicts, the
+// pose is wrong.
 constexpr double kLeastRegion = 0.005, kMostMoving = 0.6;
 
-// In the next frame a region is looked for so far around where it was, in coarse pixels, and so much nearer or farther.
+// A region is searched for in the next frame within this distance in coarse pixels and within this difference in depth.
 constexpr int kReach_px = 2;
 constexpr double kReach_m = 0.25;
 
 double clearly_m(double depth_m) { return kClearly_m + kClearlyGrowth_per_m * depth_m * depth_m; }
 
-// What a view says of a point of another one.
+// What a view says about a point of another one.
 enum class Witness { kNothing, kSame, kFree, kHidden };
 
-// In camera coordinates of `view`. Free: the view looked through the point, whichever of the pixels around it is asked. Hidden: the point
-// lies behind what the view shows.
+// `point` is in the camera frame of `view`. kFree: the view sees through the point at every pixel around it. kHidden:
+// the point lies behind the surface that the view shows.
 Witness ask(const CoarseView& view, const Eigen::Vector3d& point) {
   if (point.z() < 0.05) return Witness::kNothing;
   const Eigen::Vector2d uv = view.project(point);
@@ -60,7 +61,7 @@ Witness ask(const CoarseView& view, const Eigen::Vector3d& point) {
   return hidden == known ? Witness::kHidden : Witness::kNothing;
 }
 
-// By pixel: how many views contradict, and how many show the same surface.
+// By pixel: the number of views that contradict it, and of those that show the same surface.
 struct Votes {
   std::vector<int> against, for_;
   explicit Votes(std::size_t pixels) : against(pixels, 0), for_(pixels, 0) {}
@@ -69,7 +70,7 @@ struct Votes {
   }
 };
 
-// Points of the frame in free space of the view.
+// Votes against points of the frame in free space of the view.
 void appeared(const CoarseView& frame, const CoarseView& view, const Rigid3& view_from_frame, Votes& votes) {
   for (int y = 0; y < static_cast<int>(frame.camera.height); ++y)
     for (int x = 0; x < static_cast<int>(frame.camera.width); ++x) {
@@ -81,7 +82,8 @@ void appeared(const CoarseView& frame, const CoarseView& view, const Rigid3& vie
     }
 }
 
-// Points of the view that the frame looks through: what is seen there now has moved away, or was hidden. But not by what moved then.
+// Votes for points of the view that the frame sees through: what was there has moved away, or the surface behind it was
+// hidden. Points that moved in the view are ignored.
 void vanished(const CoarseView& frame, const CoarseView& view, const CoarseMask& moved, const Rigid3& frame_from_view, Votes& votes) {
   for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
     for (int x = 0; x < static_cast<int>(view.camera.width); ++x) {
@@ -93,7 +95,7 @@ void vanished(const CoarseView& frame, const CoarseView& view, const CoarseMask&
     }
 }
 
-// Every pixel within `reach_px` of one of the mask.
+// Returns all pixels within `reach_px` of a pixel of the mask.
 CoarseMask grown(const CoarseMask& mask, const CoarseView& view, int reach_px) {
   CoarseMask result(mask.size(), 0);
   for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
@@ -104,7 +106,7 @@ CoarseMask grown(const CoarseMask& mask, const CoarseView& view, int reach_px) {
   return result;
 }
 
-// Where the neighbouring frame `other` shows what `mask` says of `view`.
+// Transfers a mask of `view` to the neighbouring frame `other`.
 CoarseMask beside(const CoarseMask& mask, const CoarseView& view, const CoarseView& other) {
   CoarseMask result(other.size(), 0);
   for (int y = 0; y < static_cast<int>(view.camera.height); ++y)
@@ -120,7 +122,8 @@ CoarseMask beside(const CoarseMask& mask, const CoarseView& view, const CoarseVi
   return result;
 }
 
-// Regions of `seeds`, together with `candidates` on the same surface that touch them, each of at least `least_pixels`.
+// Returns the connected regions of `seeds`, extended by adjoining `candidates` on the same surface, that have at least
+// `least_pixels`.
 CoarseMask regions(const CoarseMask& seeds, const CoarseMask& candidates, const CoarseView& view, std::size_t least_pixels) {
   CoarseMask result(seeds.size(), 0), visited(seeds.size(), 0);
   const int width = static_cast<int>(view.camera.width);
@@ -147,7 +150,7 @@ CoarseMask regions(const CoarseMask& seeds, const CoarseMask& candidates, const 
   return result;
 }
 
-// Share of the view's pixels with a surface that belong to the mask, 0 to 1.
+// Returns the share of the view's pixels with a surface that belong to the mask, 0 to 1.
 double share_of_surface(const CoarseMask& mask, const CoarseView& view) {
   std::size_t surface = 0, masked = 0;
   for (std::size_t i = 0; i < mask.size(); ++i) {
@@ -187,7 +190,8 @@ CoarseMask MovingRegions::contradicted(const CoarseView& view, const Rigid3& wor
   return grown(moving, view, 1);
 }
 
-// Asked of a view some frames ago, which tells fast motions, and of the oldest one, which tells slow ones and what has come to rest.
+// Compares with a view some frames ago, which shows fast motion, and with the oldest one, which shows slow motion and
+// what has come to rest.
 CoarseMask MovingRegions::moving_on_their_own(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners) {
   CoarseMask mask(view.size(), 0);
   is_divided_ = false;
@@ -214,7 +218,7 @@ CoarseMask MovingRegions::moving_on_their_own(const CoarseView& view, const Rigi
     else
       all_along = since(seen_.front(), all_along_, moves);
   });
-  // What is found to move lately must not take the camera along there either.
+  // Surfaces found to move recently must not influence the camera's motion in the longer comparison either.
   const std::vector<bool> moves_at_first = moves;
   for (std::size_t surface = 1; surface < moves.size(); ++surface)
     moves[surface] = moves[surface] || lately.of_surface[surface] == OwnMotion::kMoves;
@@ -235,7 +239,7 @@ void MovingRegions::remember(const CoarseView& view, const Rigid3& world_from_ca
   last_view_ = view;
   last_world_from_camera_ = world_from_camera;
   last_moving_ = moving;
-  // What is first seen to move now, moved in the frame before too, in which nothing could yet tell.
+  // What is first seen to move now was already moving in the frame before, in which it could not be detected yet.
   if (frames_since_kept_ == 1 && seen_.back().view.size() == view.size()) {
     const CoarseMask moved = beside(moving, view, seen_.back().view);
     for (std::size_t i = 0; i < moved.size(); ++i) seen_.back().moving[i] |= moved[i];

@@ -1,8 +1,8 @@
-// What moves is not the room. A frame is compared with views of the last second: where it shows a surface in what was free space then, or
-// sees through a surface that was there, something has moved. Connected regions of such pixels are kept out of tracking and out of the map
-// until they have rested for that second.
+// Detects moving regions. A frame is compared with views of the last second: where it shows a surface in what was free
+// space, or sees through a surface that was there, something has moved. Connected regions of such pixels are excluded
+// from tracking and from the map until they have rested for that second.
 //
-// Host only, no GPU. One thread at a time.
+// Runs on the host. One thread at a time.
 #pragma once
 
 #include <deque>
@@ -15,21 +15,23 @@ namespace hermite {
 
 class MovingRegions {
  public:
-  // Where the regions of the last frame should be in this one, before its pose is known: a mask of as many pixels as `view` has, all zero
-  // when nothing moved.
+  // Returns where the moving regions of the last frame are expected in this one, before its pose is known: a mask of
+  // the size of `view`, all zero if nothing moved.
   CoarseMask expected(const CoarseView& view) const;
 
-  // Where the frame contradicts the remembered views, seen from `world_from_camera`, unless most of it does: then it is rather the pose
-  // that is wrong. And what has moved on its own (own_motion.h), or is `by_corners`, of the same size or empty.
+  // Returns where the frame, seen from `world_from_camera`, contradicts the remembered views, unless most of it does,
+  // which rather means that the pose is wrong. Includes surfaces that have moved on their own (own_motion.h) and
+  // `by_corners`, which has the same size or is empty.
   CoarseMask contradicted(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& by_corners = {});
 
-  // Of the frame asked about last: parts of it that are too large to know which is the room move against each other.
+  // Returns whether parts of the frame last passed to contradicted() move relative to each other and are too large to
+  // decide which of them is the room.
   bool is_divided() const { return is_divided_; }
 
-  // The frame's pose and regions are final: it becomes the last frame, and some frames are kept to compare with.
+  // Makes the frame, with its final pose and regions, the last frame; every fourth one is kept for comparison.
   void remember(const CoarseView& view, const Rigid3& world_from_camera, const CoarseMask& moving);
 
-  // The remembered views are of no use any more: the camera was lost, or the map has been corrected.
+  // Drops the remembered views, which are useless after the camera was lost or the map was corrected.
   void forget();
 
   void save(ByteWriter& bytes) const;
@@ -42,7 +44,7 @@ class MovingRegions {
     Vector6d step_before = Vector6d::Zero();  // twist from the frame before it
     CoarseMask moving;
   };
-  // Of surfaces that rest, see OwnMotions.
+  // How much resting surfaces disagree, see OwnMotions.
   struct Disagreement {
     double last = 1, usual = 1;
   };
@@ -52,7 +54,7 @@ class MovingRegions {
   CoarseView last_view_;
   Rigid3 last_world_from_camera_;
   CoarseMask last_moving_;
-  Disagreement lately_, all_along_;  // with a view some frames ago, with the oldest
+  Disagreement lately_, all_along_;  // compared with a view some frames ago, and with the oldest one
   std::uint32_t frames_since_kept_ = 0;
   bool is_divided_ = false;
 };

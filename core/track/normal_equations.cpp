@@ -8,12 +8,14 @@ namespace hermite {
 
 namespace {
 
-// Shares of the picture that say nothing has changed: in gain by half for a thousandth, which decides only where there is no contrast. The
-// offset is hardly free, by 20 grey values for a thousandth of what it is free to: exposure scales what is seen, and a free offset takes
-// the map's blur for a gain above 1, fuses with it, and so fades the map from frame to frame (to 1.4 within four frames of sparse depth).
+// The prior of an unchanged brightness acts like further residuals, in grey values, with these shares of the image's
+// weight. A change of the gain by 0.5 counts as 20 grey values; its share is so small that the prior decides only where
+// there is no contrast. The offset is hardly free: exposure scales grey values, and a free offset would explain the
+// map's blur as a gain above 1, fuse with it, and so fade the map from frame to frame (to 1.4 within four frames of
+// sparse depth).
 constexpr double kGainShare = 1e-3, kOffsetShare = 1, kOffsetOverGain = 20 / 0.5;
 
-// What a camera between two frames may do at most.
+// The largest motion of a camera between two frames.
 constexpr double kMost_m = 0.3, kMost_rad = 0.5;
 
 struct BrightnessSystem {
@@ -55,7 +57,7 @@ NormalEquations discount_normal_noise(const NormalEquations& geometric, const Ma
 }
 
 Vector6d solve(const NormalEquations& geometric, const NormalEquations& photometric, const Matrix6d& displacement) {
-  // A millionth of what the points would move by: nothing beside any knowledge, all where there is none.
+  // A millionth of the points' displacement: negligible beside any information, decisive where there is none.
   const Matrix6d hessian = geometric.hessian + photometric.hessian + 1e-6 * displacement;
   return hessian.ldlt().solve(geometric.right_hand_side + photometric.right_hand_side);
 }

@@ -18,58 +18,61 @@ namespace hermite {
 namespace {
 
 constexpr std::uint32_t kMaxGroups = HERMITE_ODOMETRY_GROUPS;
-// Adding up a group's terms costs as much as several pixels of each of its threads. A processor has no use for more groups than that.
+// Adding up a workgroup's terms costs as much as several pixels of each of its threads. A CPU device gains nothing from
+// more workgroups.
 std::uint32_t pixels_per_thread(const gpu::Device& device) { return device.info().kind == gpu::DeviceKind::kCpu ? 64 : 16; }
 
-// Fine enough for a tenth of a degree, coarse enough for several.
+// Fine enough for a tenth of a degree, coarse enough for several degrees.
 constexpr std::size_t kRotationLevel = 1;
 
-// Smaller steps than this, at full resolution, are far below the noise of any depth camera, and below what a step is off by when pairs
-// change: 0.03 mm and 0.0017 degrees.
+// Steps below this, at full resolution, are far below the noise of any depth camera and below the effect of changed
+// correspondences: 0.03 mm and 0.0017 degrees.
 constexpr double kConverged_m = 3e-5, kConverged_rad = 3e-5;
 
-// Share of the frame's gradients that the map shows (odometry_sums.h): a black or dark picture of noise has -0.03 to 0.09, recordings of a
-// Kinect with its rolling shutter 0.23 to 0.75, rendered rooms 0.57 and more.
+// Share of the frame's gradients that the map shows (odometry_sums.h): a black image, or a dark one of noise, has -0.03
+// to 0.09, recordings of a Kinect with its rolling shutter 0.23 to 0.75, rendered rooms 0.57 and more.
 constexpr double kNoiseShare = 0.1, kPictureShare = 0.2;
 
-// Gradients that have nothing in common have a share of 0, with a deviation of 1 over the root of their number where those of the map are
-// as strong as the frame's. The map's are means of many frames, so that noise is hardly ever beyond one such deviation.
+// Unrelated gradients have a share of 0 with a standard deviation of one over the square root of their number, if those
+// of the map are as strong as the frame's. The map's are means of many frames, so noise hardly ever exceeds one
+// deviation.
 constexpr double kSurelyShared = 1;
 
-// The smallest image gradient that says where a pixel is, in grey values per pixel and level.
+// The smallest gradient that localises a pixel, in grey values per pixel, by level.
 constexpr float kGradientMin[kPyramidLevels] = {5, 3, 1};
 
-// Coarse enough to average noise, fine enough for a picture. What a model may be off by, and thrice the noise of a Kinect v1 (Nguyen,
-// Izadi, Lovell 2012), which other cameras do not exceed.
+// Coarse enough to average noise, fine enough to compare images. The tolerance is that of the model plus three times
+// the noise of a Kinect v1 (Nguyen, Izadi, Lovell 2012), which other cameras do not exceed.
 constexpr std::size_t kAgreementLevel = 1;
 constexpr float kTolerance_m = 0.015f, kToleranceGrowth_per_m = 0.0057f;
 
 constexpr double kFirstGeometricScale = 10, kLeastGeometricScale = 0.25;  // standard deviations of the sensor
-// The spread of grey values on recordings and rendered rooms where nothing moves is 2 to 7: there options.photometric_sigma is meant. Where
-// picture and map agree less the picture says less.
+// On recordings and rendered rooms without motion the spread of grey values is 2 to 7; options.photometric_sigma
+// applies to this value. If image and map agree less, the image has less weight.
 constexpr double kUsualPhotometricScale_grey = 4;
 constexpr double kFirstPhotometricScale_grey = 30, kLeastPhotometricScale_grey = 2;
 
-// Shares of a frame with a surface below which corners count fully, and beyond which they do not: dense terms know better there, since
-// corners hold the camera to the last frame, dense terms to the map. For the same reason a corner counts less than a dense pair of the same
-// deviation: with a tenth of the depth, living_room_part, bare walls and fr1 end 3.1, 5.1 and 18 mm off without corners, 3.1, 2.2 and 17
-// with this weight, 9.1, 2.0 and 18 with 1, 33, 2.4 and 24 with 20.
+// Shares of a frame with a surface below which corners have full weight and above which they have none: dense terms are
+// better there, since they relate the camera to the map, corners only to the last frame. For the same reason a corner
+// counts less than a dense pair of the same deviation: with a tenth of the depth, living_room_part, bare walls and fr1
+// end 3.1, 5.1 and 18 mm off without corners; 3.1, 2.2 and 17 with this weight; 9.1, 2.0 and 18 with a weight of 1; 33,
+// 2.4 and 24 with 20.
 constexpr double kSparse = 0.15, kDense = 0.3, kCornerWeight = 0.3;
 
-// Linearised in one submission; the partial sums have room for so many.
+// Guesses linearised in one submission; the partial sums have room for this many.
 constexpr std::size_t kGuessesAtOnce = 4;
 
-// A lost camera is searched for within thrice the usual gates, and so many ends are compared.
+// A lost camera is searched for with gates three times as wide, and the results of this many starts are compared.
 constexpr double kSearchReach = 3;
 constexpr std::size_t kSearchTries = 3;
 
-// Invocations that share so many pixels: whole workgroups.
+// Returns the number of invocations for this many pixels each, as whole workgroups.
 std::uint32_t threads_for(std::uint32_t pixel_count, std::uint32_t pixels_per_thread) {
   const std::uint32_t pixels_per_group = pixels_per_thread * HERMITE_ODOMETRY_GROUP_SIZE;
   return HERMITE_ODOMETRY_GROUP_SIZE * std::clamp((pixel_count + pixels_per_group - 1) / pixels_per_group, 1u, kMaxGroups);
 }
 
-// Sums of all workgroups of a dispatch, in order.
+// Returns the sums over all workgroups of a dispatch, added in order.
 template <shared::uint N>
 std::array<double, N> total(std::span<const float> partial_sums, std::uint32_t threads, std::size_t first_group = 0) {
   std::array<double, N> sums{};
@@ -80,7 +83,7 @@ std::array<double, N> total(std::span<const float> partial_sums, std::uint32_t t
 
 }  // namespace
 
-// What is believed of residuals before a step.
+// Assumptions about residuals before a step.
 struct Odometry::Believed {
   double geometric_scale = 0;    // standard deviations of the sensor
   double photometric_scale = 0;  // grey values
@@ -100,24 +103,24 @@ Odometry::Odometry(gpu::Device& device, const shared::Intrinsics& finest, const 
       previous_intensity_(device, static_cast<std::size_t>(finest.width >> kRotationLevel) * (finest.height >> kRotationLevel),
                           "odometry") {}
 
-// Beyond these points do not correspond.
+// Points beyond these limits do not correspond.
 struct Odometry::Gates {
   double distance_m = 0, normal_rad = 0;
-  bool search = false;  // a window for the least dissimilar point
+  bool search = false;  // whether to search a window for the least dissimilar point
 };
 
 Odometry::Gates Odometry::gates_within(double reach) const {
   return {reach * options_.distance_gate_m, std::min(reach * options_.normal_gate_deg, 90.0) * M_PI / 180.0, false};
 }
 
-// Where an alignment begins, and the sums there if they are known.
+// Start of an alignment, with the sums there if they are known.
 struct Odometry::Start {
   Rigid3 guess;
   std::optional<OdometrySums> sums;
-  bool with_image = true;  // or by depth and corners alone, near the guess where these leave a direction free
+  bool with_image = true;  // false: depth and corners alone, with a prior at the guess for directions that these leave free
 };
 
-// At each of the guesses, at most kGuessesAtOnce, in one submission.
+// Linearises at each of the guesses, at most kGuessesAtOnce, in one submission.
 std::vector<OdometrySums> Odometry::linearise(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses,
                                               std::size_t level, const Gates& gates, const Believed& believed) {
   const SurfaceLevel& from = frame.surface.levels[level];
@@ -158,28 +161,30 @@ std::vector<OdometrySums> Odometry::linearise(const FrameMaps& frame, const Surf
   return sums;
 }
 
-// What corners count beside the dense terms, in whose units: as far as depth is sparse.
+// Returns the weight of corners relative to the dense terms, in their units; it grows as depth gets sparse.
 double Odometry::weight_of_corners(const OdometrySums& sums) {
   const double fade = std::clamp((kDense - sums.surface_count / sums.pixel_count) / (kDense - kSparse), 0.0, 1.0);
   return kCornerWeight * fade * (sums.geometric_count > 0 ? sums.geometric_unit() : 1);
 }
 
-// The image holds the camera where normals are noisier than their pairs let on. As a witness, and where the image is left out, depth counts
-// only beyond all of that noise.
+// The image constrains the camera where normals are noisier than their accepted pairs suggest. As evidence on its own,
+// and if the image is not used, depth counts only beyond all of that noise.
 NormalEquations Odometry::known_of_depth(const OdometrySums& sums, double disagreement) const {
   return options_.discount_normal_noise ? discount_normal_noise(sums.geometric, sums.displacement, disagreement) : sums.geometric;
 }
 
-// What the picture counts as a witness where the camera has ended: gradients of noise say with certainty that it stands still. Before, a
-// picture that is not aligned yet may look like noise, so all steps believe it.
+// Returns the weight of the image as evidence at the final pose: gradients of noise wrongly say with certainty that the
+// camera stands still. During the alignment the image has full weight in all steps, because one that is not aligned yet
+// may look like noise.
 double Odometry::share_of_picture(const OdometrySums& sums) {
   return std::clamp((sums.gradient_share - kNoiseShare) / (kPictureShare - kNoiseShare), 0.0, 1.0);
 }
 
-// Before the first step the camera may be off by centimetres, and its exposure by a fifth.
+// Before the first step the pose may be off by centimetres, and the exposure by a fifth.
 Odometry::Believed Odometry::believed_at_first(double reach) { return {reach * kFirstGeometricScale, kFirstPhotometricScale_grey, {}}; }
 
-// Scales follow the residuals. They end at what a model is off by and at the steps of grey values: closer agreement is chance.
+// Scales follow the residuals, down to the model's error and the quantisation of grey values; closer agreement is
+// chance.
 Odometry::Believed Odometry::believed_after(const Believed& before, const OdometrySums& sums, const Vector6d& step) {
   Believed after = before;
   if (sums.geometric_spread2 > 0) after.geometric_scale = std::max(std::sqrt(sums.geometric_spread2), kLeastGeometricScale);
@@ -188,7 +193,8 @@ Odometry::Believed Odometry::believed_after(const Believed& before, const Odomet
   return after;
 }
 
-// Ordered by the mean distance at the coarsest level, least first, where what matches nothing counts as far as the gate.
+// Returns the guesses in order of the mean distance at the coarsest level, smallest first; points without a match count
+// with the gate's distance.
 std::vector<Odometry::Start> Odometry::by_misfit(std::span<const Rigid3> guesses, const FrameMaps& frame, const SurfacePyramid& reference,
                                                  double reach) {
   if (guesses.size() == 1) return {{guesses[0], std::nullopt}};
@@ -207,7 +213,7 @@ std::vector<Odometry::Start> Odometry::by_misfit(std::span<const Rigid3> guesses
   return starts;
 }
 
-// What the last linearisation says of the motion found.
+// Describes the found motion by the last linearisation.
 void Odometry::describe(OdometryResult& result, const OdometrySums& sums, const Believed& believed) {
   result.inlier_count = static_cast<std::int64_t>(sums.geometric_count);
   result.gradient_share = sums.gradient_share;
@@ -258,13 +264,14 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
       }
       const Vector6d proposed = solve(geometric, photometric, sums.displacement);
       if (!proposed.allFinite()) return result;
-      // Coarse levels are cheap, and where steps are great nothing can be foreseen: on bare walls one ended 35 cm off.
+      // Coarse levels are cheap, and while steps are large the next one cannot be predicted: on bare walls one
+      // alignment ended 35 cm off.
       const Vector6d step = level == 0 ? accelerator.next(proposed, sums.displacement) : proposed;
       believed = believed_after(believed, sums, step);
       result.reference_from_camera = exp_se3(step) * result.reference_from_camera;
       const bool converged = proposed.head<3>().norm() < scale * kConverged_m && proposed.tail<3>().norm() < scale * kConverged_rad;
       if (converged && (gates.search || level > 0 || !options_.dissimilarity_search)) break;
-      // At full resolution the costly search starts where projection has converged.
+      // At full resolution the costly search starts once projective association has converged.
       const bool last_two = i + 3 >= steps;
       gates.search = level == 0 && options_.dissimilarity_search && (converged || gates.search || last_two);
     }
@@ -278,8 +285,9 @@ OdometryResult Odometry::track(const FrameMaps& frame, const SurfacePyramid& ref
                                const FeatureMotion* features) {
   const Start start = by_misfit(guesses, frame, reference, 1.0).front();
   const OdometryResult found = refine(frame, reference, start, 1.0, features);
-  // Noise leads anywhere in the directions that depth leaves free. But an image that is not aligned yet may look like noise, so it takes
-  // part until it is seen to be noise where it has led. One with contrast that the map does not share is of another place.
+  // Image noise leads anywhere in the directions that depth leaves free. But an image that is not aligned yet may look
+  // like noise, so it is used until it turns out to be noise at the resulting pose. An image with contrast that the map
+  // does not share is of another place.
   const double count = static_cast<double>(found.photometric_count);
   const bool is_shared = count > 0 && found.gradient_share > kSurelyShared / std::sqrt(count);
   if (is_shared || has_picture(found.agreement)) return found;
@@ -343,7 +351,7 @@ Eigen::Quaterniond Odometry::align_rotation(const FrameMaps& frame) {
     commands_.submit_and_wait();
     const auto sums = total<shared::kRotationSumCount>(partial_sums_.mapped(), threads);
     const double count = sums[shared::kRotationErrorSums + 1], error = count > 0 ? sums[shared::kRotationErrorSums] / count : 1e300;
-    if (error >= best_error) break;  // also when it does not fall any more
+    if (error >= best_error) break;  // also if it stopped decreasing
     best_error = error;
     best = current_from_previous;
     const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> system(sums.data() + shared::kRotationSystemSums);  // H | b

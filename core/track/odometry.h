@@ -22,14 +22,14 @@ namespace hermite {
 struct OdometryResult {
   Rigid3 reference_from_camera;
   std::int64_t inlier_count = 0;  // geometric correspondences in the last step, at full resolution
-  double inlier_ratio = 0;        // of the pixels looked at that have a surface
+  double inlier_ratio = 0;        // share of the examined pixels that have a surface
   double residual_rms_m = 0;      // point to plane, over the inliers
   std::int64_t photometric_count = 0;
   double gradient_share = 0;  // see core/track/odometry_sums.h
   int iteration_count = 0;
   double observability = 0;  // see core/track/normal_equations.h
-  Brightness brightness;     // of the frame's picture beside the map's
-  // Robust spread of the residuals: standard deviations of the sensor, grey values.
+  Brightness brightness;     // of the frame's image relative to the map's
+  // Robust spread of the residuals, in standard deviations of the sensor and in grey values.
   double geometric_scale = 0, photometric_scale = 0;
   Agreement agreement;
   StepWitnesses witnesses;
@@ -37,28 +37,30 @@ struct OdometryResult {
 
 class Odometry {
  public:
-  // `finest` is the size of the frames' and the references' finest level; of `noise` the sensor's standard deviation counts.
+  // `finest` gives the size of the finest level of frames and references; of `noise`, only the sensor's standard
+  // deviation is used.
   Odometry(gpu::Device& device, const shared::Intrinsics& finest, const TrackOptions& options, const FrameOptions& noise = {});
 
-  // The frame against the surface predicted from the reference pose, starting at the guess that fits best. Corners that were followed from
-  // there, with their depth, hold a frame that has little depth. Blocks until the GPU is done.
+  // Aligns the frame with the surface predicted from the reference pose, starting at the guess that fits best. Corners
+  // with depth that were followed from there constrain a frame that has little depth. Blocks until the GPU is done.
   OdometryResult track(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses,
                        const FeatureMotion* features = nullptr);
 
-  // The same for a camera that may be far from all guesses: wider gates at first, and several ends of which the one that agrees best wins.
+  // The same for a camera that may be far from all guesses: starts with wider gates and returns the best agreeing of
+  // several results.
   OdometryResult search(const FrameMaps& frame, const SurfacePyramid& reference, std::span<const Rigid3> guesses);
 
-  // current_from_previous, from the grey images of the frame and of the last one remembered; identity when there is none or it does not
-  // fit.
+  // Returns current_from_previous, from the grey images of the frame and of the last remembered one; identity if there
+  // is none or if it does not match.
   Eigen::Quaterniond align_rotation(const FrameMaps& frame);
 
-  // How the frame's surface fits that of the reference at a pose. Either may be empty.
+  // Returns how the frame's surface fits that of the reference at a pose. Either may be empty.
   Agreement agreement(const FrameMaps& frame, const SurfacePyramid& reference, const Rigid3& reference_from_camera);
 
-  // Keeps the frame's grey image for the next align_rotation.
+  // Records keeping the frame's grey image for the next align_rotation().
   void remember(gpu::Commands& commands, const FrameMaps& frame);
 
-  // What is remembered: nothing else goes from one frame to the next. Between submissions.
+  // Save and restore the remembered image, which is the only state between frames. Between submissions.
   void save(ByteWriter& bytes) const;
   void restore(ByteReader& bytes);
 

@@ -6,7 +6,7 @@ namespace hermite {
 
 namespace {
 
-// Of Student's t distribution; as in shaders/track/odometry.comp (Kerl, Sturm, Cremers 2013 found 5 to fit).
+// Of Student's t distribution, as in shaders/track/odometry.comp (Kerl, Sturm, Cremers 2013 found that 5 fits).
 constexpr double kDegreesOfFreedom = 5;
 
 template <class Matrix>
@@ -22,8 +22,8 @@ NormalEquations read_system(const double* sums) {
   return {read_upper_triangle<Matrix6d>(sums), Eigen::Map<const Vector6d>(sums + kUpperTriangle)};
 }
 
-// Of the points s: weighted sum of A^T A with A = [1, -[s]x], what a twist moves them by. `moments`: of 1, s and the upper triangle of s
-// s^T.
+// Returns the weighted sum over points s of A^T A with A = [1, -[s]x], which maps a twist to their displacement.
+// `moments` are the sums of 1, s and the upper triangle of s s^T.
 Matrix6d read_displacement(const double* moments) {
   const Eigen::Vector3d first(moments[1], moments[2], moments[3]);
   const auto second = read_upper_triangle<Eigen::Matrix3d>(moments + 4);

@@ -12,37 +12,42 @@ namespace hermite {
 
 namespace {
 
-// Of what is seen, in square metres: beyond it nobody knows which part is the room. Somebody before the camera may hide most of the view,
-// but a room has more surface than a person.
+// Share of the visible area in square metres; above it, it is unknown which part is the room. A person in front of the
+// camera may cover most of the view, but a room has more surface than a person.
 constexpr double kMostMoving = 0.4;
 
-// Pairs: so near, and facing alike. A decimetre and a half is what a camera turns far surfaces by when it follows the wrong thing.
+// Limits for pairs: distance, and cosine between normals. Following the wrong object turns the camera so that far
+// surfaces move by up to 15 cm.
 constexpr double kNear_m = 0.15, kAlikeCosine = 0.8;
 constexpr int kLeastPairs = 20;
 
-// As in the odometry (shaders/track/odometry.comp): Student's t of both residuals, and what pixels and edges are off by.
+// As in the odometry (shaders/track/odometry.comp): Student's t distribution for both residuals, and errors by pixels
+// and edges.
 constexpr double kDegreesOfFreedom = 5, kSaturated = 250, kBlur2 = 0.15 * 0.15;
-constexpr double kGeometricStart = 3, kPhotometricStart = 10;  // deviations and grey values: robust to what moves, and above any noise
+constexpr double kGeometricStart = 3, kPhotometricStart = 10;  // deviations and grey values: robust to motion, and above any noise
 constexpr double kLeastGeometric = 0.1, kLeastPhotometric = 1;
 
-// Between two views a thing moves by a decimetre or a tenth of a radian: what the pairs do not hold stays.
+// Prior for directions that the pairs do not determine: an object moves by a decimetre or a tenth of a radian between
+// two views.
 constexpr double kPriorInformation = 1 / (0.1 * 0.1);
 
-// Gauss-Newton steps from where tracking has put the frame, and when the room is suspected to be elsewhere.
+// Gauss-Newton steps from the tracked pose, and if the room may have moved differently.
 constexpr int kSteps = 2, kStepsWhenMoving = 6;
 
-// A surface is suspected when its chi-square of 6 degrees of freedom (median 5.35) is beyond any noise, and beyond so many times what
-// surfaces of this scan usually have. To first order it is less than in the end, so less is asked for than for a motion. It moves when what
-// it does alone has a chi-square so many times as large as the other surfaces have in the median: noise goes together over pixels and
-// lenses bend depth, which all suffer alike. And it must do so by a share of what the camera has moved its points by, since rolling
-// shutters and pictures that come late shift what is seen by a part of that. Where nothing moves (250 frames of redkitchen, fr1, the
-// rendered room with depth bent by 1.5 %; views 4 and 30 frames apart) one surface of a thousand has 375 and 0.39, of fr1 637 and 0.25; a
-// person who walks ahead has 490 to 3500 and 0.45 to 0.9 after the first step. What moved rests again when neither is left.
+// A surface is suspicious if its chi-square with 6 degrees of freedom (median 5.35) exceeds any noise, and exceeds this
+// many times the usual value of surfaces of this scan. The first-order value is less than the final one, so the limit
+// is lower than that for a motion. A surface moves if the chi-square of its own motion is this many times the median of
+// the other surfaces: noise is correlated over pixels and lenses bend depth, which affects all of them alike. Its
+// motion must also be this share of its displacement by the camera, since rolling shutters and late images shift what
+// is seen by a part of that. Where nothing moves (250 frames of redkitchen, fr1, the rendered room with depth bent by
+// 1.5 %; views 4 and 30 frames apart) one surface in a thousand has 375 and 0.39, in fr1 637 and 0.25; a person who
+// walks ahead has 490 to 3500 and 0.45 to 0.9 after the first step. A surface that moved rests again once it is below
+// either lower limit.
 constexpr double kMedianChi2 = 5.35, kSuspicious = 60;
 constexpr double kMoves = 400, kStillMoves = 60;
 constexpr double kShareOfCamera = 0.4, kStillShareOfCamera = 0.1;
 
-// The suspects that say most are each left out in turn.
+// The most suspicious surfaces, each of which is left out in turn.
 constexpr std::size_t kTried = 3;
 
 // Half the quadratic form of a twist that moves a surface's points.
@@ -58,13 +63,14 @@ struct System {
   }
 };
 
-// Deviations of the residuals, and the frame's brightness beside the earlier view's: from step to step, of what rests.
+// Scales of the residuals, and the frame's brightness relative to the earlier view's; updated in each step from resting
+// surfaces.
 struct Believed {
   double geometric = kGeometricStart, photometric = kPhotometricStart;
   double gain = 1, offset = 0;
 };
 
-// Before pairs are known: what is seen is bright alike.
+// Before pairs are known, both views are taken to have the same mean brightness.
 Believed believed_at_first(const CoarseView& frame, const CoarseView& earlier) {
   const auto mean = [](const CoarseView& view) {
     double sum = 0;
@@ -81,19 +87,19 @@ struct Sums {
   double deviation() const { return std::sqrt(weighted / count); }
 };
 
-// Of grey = gain * known + offset.
+// Sums for the line grey = gain * known + offset.
 struct Line {
   double one = 0, known = 0, known2 = 0, grey = 0, known_grey = 0;
 };
 
-// A pixel of the frame that can be paired, in what every linearisation asks of it.
+// A pixel of the frame that can be paired, as every linearisation needs it.
 struct FramePixel {
   Eigen::Vector3d point, normal;
-  Eigen::Vector2d uv, gradient;  // of grey values a pixel
-  double grey = -1;              // negative: without a gradient, or saturated
+  Eigen::Vector2d uv, gradient;  // `gradient` in grey values per pixel
+  double grey = -1;              // negative: no gradient, or saturated
 };
 
-// Pixels of the frame by their surface: those of surface `s` are from first_of_surface[s] to first_of_surface[s + 1].
+// Pixels of the frame by surface: those of surface `s` are first_of_surface[s] to first_of_surface[s + 1].
 struct FramePixels {
   std::vector<FramePixel> pixels;
   std::vector<std::size_t> first_of_surface;
@@ -143,7 +149,7 @@ struct EarlierPixels {
       }
   }
 
-  // Bilinear; negative: outside, or a pixel without a surface.
+  // Returns the bilinear grey value; negative if it is outside or touches a pixel without a surface.
   double grey_at(double u, double v) const {
     const int x = static_cast<int>(std::floor(u)), y = static_cast<int>(std::floor(v));
     if (!view.contains(x, y) || !view.contains(x + 1, y + 1)) return -1;
@@ -155,14 +161,14 @@ struct EarlierPixels {
   }
 };
 
-// What one surface does where the others do not take it.
+// The motion of one surface relative to the others.
 struct Apart {
   bool is_known = false;
   double chi2 = 0, share_of_camera = 0;
   bool is_beyond(double least_chi2, double least_share) const { return is_known && chi2 > least_chi2 && share_of_camera > least_share; }
 };
 
-// Robust sums over what rests, for the scales and the brightness of the next step.
+// Robust sums over resting surfaces, for the scales and the brightness of the next step.
 struct Spread {
   Sums geometric, photometric;
   Line line;
@@ -182,7 +188,7 @@ struct Comparison {
   Apart apart(std::size_t surface, const Rigid3& rest_pose, const System& rest, Believed believed) const;
 };
 
-// The pair of the pixel, if it has one.
+// Adds the pair of the pixel, if it has one.
 void Comparison::add(const FramePixel& pixel, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation, const Believed& believed,
                      System& system, Spread& spread) const {
   const shared::Intrinsics& camera = earlier.view.camera;
@@ -227,7 +233,7 @@ void Comparison::add(const FramePixel& pixel, const Eigen::Matrix3d& rotation, c
   line.grey += weight * pixel.grey, line.known_grey += weight * known * pixel.grey;
 }
 
-// By surface, of those that rest.
+// Returns systems by surface; scales and brightness are updated from the resting ones.
 std::vector<System> Comparison::linearise(const Rigid3& earlier_from_frame, const std::vector<bool>& moves, Believed& believed) const {
   std::vector<System> systems(surface_count());
   Spread spread;
@@ -238,7 +244,7 @@ std::vector<System> Comparison::linearise(const Rigid3& earlier_from_frame, cons
       add(frame.pixels[i], rotation, earlier_from_frame.translation, believed, systems[surface], spread);
   }
   const auto& [geometric, photometric, line] = spread;
-  // Scales only fall: what they are at first is wider than any noise.
+  // Scales only decrease: the first ones are wider than any noise.
   if (geometric.count > 0) believed.geometric = std::clamp(geometric.deviation(), kLeastGeometric, believed.geometric);
   if (photometric.count > 0) believed.photometric = std::clamp(photometric.deviation(), kLeastPhotometric, believed.photometric);
   const double spread2 = line.one * line.known2 - line.known * line.known;
@@ -260,7 +266,7 @@ System sum_of_resting(const std::vector<System>& systems, const std::vector<bool
   return sum;
 }
 
-// What does not move is brought together; `systems` are of the end.
+// Aligns the resting surfaces; `systems` are those of the last linearisation.
 Rigid3 Comparison::align(Rigid3 earlier_from_frame, const std::vector<bool>& moves, int steps, Believed& believed,
                          std::vector<System>& systems) const {
   for (int step = 0; step < steps; ++step) {
@@ -271,7 +277,7 @@ Rigid3 Comparison::align(Rigid3 earlier_from_frame, const std::vector<bool>& mov
   return earlier_from_frame;
 }
 
-// By surface, the chi-square of where it would go alone against where the others would, to first order; 0: too few pairs.
+// Returns, by surface, the first-order chi-square of its own motion against that of the others; 0: too few pairs.
 std::vector<double> suspicions(const std::vector<System>& systems, const std::vector<bool>& moves) {
   std::vector<double> chi2(systems.size(), 0);
   const System all = sum_of_resting(systems, moves);
@@ -287,7 +293,7 @@ std::vector<double> suspicions(const std::vector<System>& systems, const std::ve
   return chi2;
 }
 
-// By how much the chi-squares of what rests are larger than those of independent noise.
+// Returns by how much the chi-squares of resting surfaces exceed those of independent noise.
 double disagreement(const std::vector<System>& systems, const std::vector<bool>& moves) {
   std::vector<double> chi2 = suspicions(systems, moves);
   std::erase(chi2, 0);
@@ -307,13 +313,13 @@ Apart Comparison::apart(std::size_t surface, const Rigid3& rest_pose, const Syst
   const Matrix6d prior = kPriorInformation * Matrix6d::Identity();
   const Vector6d twist = log_se3(own_pose * inverse(rest_pose));
   const Matrix6d covariance = (own.hessian + prior).inverse() + rest.hessian.inverse();
-  // How far a twist moves the points, as far as they show it.
+  // Returns how far a twist moves the points, as far as the residuals show it.
   const auto length = [&own](const Vector6d& x) { return std::sqrt(x.dot(own.hessian * x)); };
   const double by_camera = length(log_se3(rest_pose)) + length(motion.step_before_earlier) + length(motion.step_before_frame);
   return {true, twist.dot(covariance.ldlt().solve(twist)), length(twist) / std::max(by_camera, 1e-9)};
 }
 
-// By surface: what a pixel shows grows with the square of its distance.
+// Returns areas by surface: the area that a pixel covers grows with the square of its distance.
 std::vector<double> areas_of(const CoarseView& frame, const ViewSurfaces& surfaces) {
   std::vector<double> areas(surfaces.pixel_count.size(), 0);
   for (std::size_t i = 0; i < frame.size(); ++i) areas[surfaces.of_pixel[i]] += double{frame.depth_m[i]} * double{frame.depth_m[i]};
@@ -350,7 +356,7 @@ OwnMotions own_motions(const CoarseView& frame, const ViewSurfaces& surfaces, co
     apart.chi2 /= std::max(usual_disagreement, disagreement(of.systems, of.moves));
     return apart;
   };
-  // One surface after the other, as long as one is found.
+  // Finds one moving surface after the other.
   bool is_divided = false;
   for (bool found = true; found;) {
     found = is_divided = false;

@@ -1,4 +1,4 @@
-// The terms that followed corners add to a Gauss-Newton system. Pure functions of values, any thread.
+// Terms that followed corners add to a Gauss-Newton system. Pure functions of values. Any thread.
 #pragma once
 
 #include "core/math/camera.h"
@@ -6,8 +6,9 @@
 
 namespace hermite {
 
-// Adds the two rows of one corner to the system of a step frame_from_earlier <- exp(x) frame_from_earlier. `point` is the corner in the
-// frame's camera [m], before the camera; `error_px` its projection less where the frame shows it; `weight` is in 1/px^2.
+// Adds the two rows of one corner to the system of a step frame_from_earlier <- exp(x) frame_from_earlier. `point` is
+// the corner in the frame's camera frame [m], in front of the camera; `error_px` is its projection minus its measured
+// position; `weight` is in 1/px^2.
 inline void add_reprojection(NormalEquations& system, const Camera& camera, const Eigen::Vector3d& point, const Eigen::Vector2d& error_px,
                              double weight) {
   const double per_z = 1 / point.z(), x = point.x() * per_z, y = point.y() * per_z;
@@ -22,7 +23,7 @@ inline void add_reprojection(NormalEquations& system, const Camera& camera, cons
   system.right_hand_side.noalias() -= error_px.y() * weighted_v;
 }
 
-// What is known of a motion before any corner is: independent deviations of its translation [m] and its rotation [rad].
+// Returns the prior of a motion: independent standard deviations of its translation [m] and its rotation [rad].
 inline NormalEquations motion_prior(double translation_m, double rotation_rad) {
   NormalEquations system;
   system.hessian.diagonal().head<3>().setConstant(1 / (translation_m * translation_m));

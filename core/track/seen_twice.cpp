@@ -9,7 +9,8 @@ namespace hermite {
 
 namespace {
 
-// A place is the same within so much: a coarse pixel is two centimetres at 1.5 m, and depth may be bent by a percent or two.
+// Distance up to which two points are the same place: a coarse pixel covers two centimetres at 1.5 m, and depth may be
+// bent by one or two percent.
 constexpr double kSame_m = 0.02, kSameGrowth_per_m = 0.01;
 
 constexpr double kLeastInCommon = 0.4;

@@ -1,6 +1,6 @@
-// Places that two views of a scan show: what a camera's lens and depth can be calibrated by while it scans.
+// Points that two views of a scan show, by which a camera's lens and depth can be calibrated during the scan.
 //
-// Host only, no GPU. One thread at a time.
+// Runs on the host. One thread at a time.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ struct PlaceSeenTwice {
   int now_x, now_y, earlier_x, earlier_y;  // coarse pixels
 };
 
-// The view that frames are compared with: one that still shows two fifths of what they show.
+// The view with which frames are compared: one that shows at least two fifths of what they show.
 class EarlierView {
  public:
   struct Comparison {
@@ -25,11 +25,11 @@ class EarlierView {
     std::vector<PlaceSeenTwice> places;
   };
 
-  // What a frame at that pose shows that the earlier view shows too; pixels of `moving` do not count. Nothing when there is no view. Valid
-  // until the next keep().
+  // Returns what a frame at that pose has in common with the earlier view, ignoring `moving` pixels; std::nullopt if
+  // there is no earlier view. Valid until the next keep().
   std::optional<Comparison> compare(const CoarseView& now, const Rigid3& world_from_camera, const CoarseMask& moving) const;
 
-  // The frame takes the earlier view's place if the comparison with it has found too little.
+  // Replaces the earlier view by the frame if the comparison has found too few common points.
   void keep(const CoarseView& now, const Rigid3& world_from_camera, const CoarseMask& moving, std::size_t places_found);
 
   void forget() { *this = {}; }
@@ -42,7 +42,7 @@ class EarlierView {
   Rigid3 world_from_camera_;
 };
 
-// Squared distance from the principal point over that of the farthest corner, 0 to 1.
+// Returns the squared distance from the principal point over that of the farthest corner, 0 to 1.
 double squared_image_distance(const shared::Intrinsics& camera, double x, double y);
 
 }  // namespace hermite

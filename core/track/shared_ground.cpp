@@ -17,26 +17,27 @@ using PointByCamera = Eigen::Matrix<double, 3, kCameraDoubtCount>;
 
 constexpr std::size_t kMostPixels = 2400;
 
-// Ground is the same within so much: thrice the noise of a Kinect (Nguyen, Izadi, Lovell 2012), and what poses and a bent camera are off
-// by.
+// Distance up to which surfaces are the same: three times the noise of a Kinect (Nguyen, Izadi, Lovell 2012), plus
+// errors of poses and of a bent camera.
 constexpr double kSame_m = 0.03, kSameGrowth_per_m = 0.0114;
 constexpr double kAlikeCosine = 0.8, kNearest_m = 0.05;
 
-// A look at whether views may have anything in common: so many pixels each way, and so far beyond the image, as a share of it.
+// Grid of pixels, this many each way, for the check whether views may have anything in common, and a margin beyond the
+// image as a share of it.
 constexpr int kLooks = 5;
 constexpr double kLookMargin = 0.25;
 
-// A quarter of what a view shows, and so many pixels: fewer say nothing about the camera.
+// A quarter of what a view shows, and at least this many pixels; fewer say nothing about the camera.
 constexpr std::size_t kLeastShare = 4, kLeastMeetings = 100;
 constexpr double kDegreesOfFreedom = 5;  // of Student's t distribution, as in the odometry
-constexpr double kRobustSigmas = 2;      // its scale, wide enough for what a bent camera does
+constexpr double kRobustSigmas = 2;      // its scale, wide enough for the effect of a bent camera
 
 double variance_m2(double z) {
   const double deviation_m = model_deviation_m({}, z);
   return deviation_m * deviation_m;
 }
 
-// A camera whose focal length is said to be too great puts its points too near to the axis.
+// If the stated focal length is too large, points are too close to the optical axis.
 PointByCamera off_by_camera(const CoarseView& view, int x, int y) {
   const Eigen::Vector3d point = view.point(x, y);
   PointByCamera off;
@@ -83,7 +84,7 @@ bool SharedGround::may_meet() const {
     for (int column = 0; column < kLooks; ++column) {
       const int x = (width - 1) * column / (kLooks - 1), y = (height - 1) * row / (kLooks - 1);
       const double depth_m = view_.depth_m[view_.index(x, y)];
-      if (depth_m <= 0) return true;  // nobody knows
+      if (depth_m <= 0) return true;  // no depth, cannot be excluded
       const Eigen::Vector3d in_other = other_from_view_ * view_.point(x, y) + view_in_other_m_;
       if (in_other.z() < kNearest_m) continue;
       const Eigen::Vector2d uv = other_.project(in_other);
@@ -121,8 +122,9 @@ Eigen::Matrix<double, 3, 6> moved_by_twist(const Eigen::Vector3d& point_world) {
   return moved;
 }
 
-// Distances are along the other view's normals, derivatives along the view's own: noise that both have in common would make the camera seem
-// less wrong than it is (errors in variables, as in core/calibrate/joint_adjustment.h). Without it 0.6 of 1.5 % of bend is found.
+// Distances are along the other view's normals, derivatives along the view's own: common noise would make the camera
+// appear better than it is (errors in variables, as in core/calibrate/joint_adjustment.h). Without this, 0.6 of 1.5 %
+// of bend is found.
 CameraTerms camera_terms(const SharedGround& pair) {
   const CoarseView& view = pair.view();
   Matrix8d slope = Matrix8d::Zero(), information = Matrix8d::Zero();  // of the motion between both, then of the camera

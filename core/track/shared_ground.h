@@ -1,4 +1,5 @@
-// Two views of the same ground: where they meet, and what that says of the camera's calibration. Pure functions, host only, any thread.
+// Relates two views of the same surface: where they meet, and what that says about the camera's calibration. Pure
+// functions on the host. Any thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,30 +9,33 @@
 
 namespace hermite {
 
-// A view without the pixels that move, and of so few that it can be kept: 40x30 of a frame of 640x480. Without grey values.
+// Returns a view without moving pixels, reduced to few enough pixels to be kept: 40x30 for a frame of 640x480. It has
+// no grey values.
 CoarseView thinned(const CoarseView& view, const CoarseMask& moving);
 
-// What may be wrong with a camera: depth in the corners of the image is too great by `bend`, falling with the square of the distance from
-// the middle; the focal length that it is said to have is too great by `focal`. Shares, in this order.
+// Possible errors of a camera, as shares, in this order: depth in the corners of the image is too large by `bend`,
+// which falls with the square of the distance from the middle; the stated focal length is too large by `focal`.
 enum CameraDoubt : Eigen::Index { kBendDoubt, kFocalDoubt, kCameraDoubtCount };
 
-// A point of one view on the surface of another, in the world. The normals are unit, away from the cameras.
+// A point of one view on the surface of another, in the world. The normals are unit vectors that point away from the
+// cameras.
 struct GroundMeeting {
-  Eigen::Vector3d point, normal, own_normal;                  // `normal` of the other view
-  double distance_m = 0;                                      // of the point from the other's surface, along its normal
-  double weight = 0;                                          // one over the variance of both measurements [1/m^2]
-  Eigen::Matrix<double, 3, kCameraDoubtCount> off_by_camera;  // of the point less the other's, by what is wrong with the camera [m]
+  Eigen::Vector3d point, normal, own_normal;                  // `normal` is that of the other view
+  double distance_m = 0;                                      // of the point from the other surface, along its normal
+  double weight = 0;                                          // inverse variance of both measurements [1/m^2]
+  Eigen::Matrix<double, 3, kCameraDoubtCount> off_by_camera;  // derivative of the point minus the other's by the camera's errors [m]
 };
 
-// Two views and where they are. Holds references to both.
+// Two views with their poses. Holds references to both views.
 class SharedGround {
  public:
   SharedGround(const CoarseView& view, const Rigid3& world_from_view, const CoarseView& other, const Rigid3& world_from_other);
 
-  // Whether anything of the view may fall into the other's image: a quick look at a few pixels.
+  // Returns whether anything of the view may project into the other's image, from a few pixels.
   bool may_meet() const;
 
-  // Where a pixel of the view, which has a surface, meets the other's. False: it does not lie on the same ground.
+  // Computes where a pixel of the view that has a surface meets the other's. Returns false if it is not on the same
+  // surface.
   bool meet(int x, int y, GroundMeeting& meeting) const;
 
   const CoarseView& view() const { return view_; }
@@ -43,11 +47,11 @@ class SharedGround {
   const Eigen::Vector3d view_in_world_m_, view_in_other_m_;                     // positions
 };
 
-// What a twist about the world's origin moves a point by.
+// Returns the derivative of a point by a twist about the world's origin.
 Eigen::Matrix<double, 3, 6> moved_by_twist(const Eigen::Vector3d& point_world);
 
-// What the pair says of the camera c, whatever the motion between both: gradient = slope * c + noise, whose covariance is `information` if
-// pixels are independent. All zero: too little in common.
+// What the pair says about the camera errors c, whatever the motion between the views: gradient = slope * c + noise,
+// whose covariance is `information` if pixels are independent. All zero if there is too little in common.
 struct CameraTerms {
   Eigen::Matrix2d slope = Eigen::Matrix2d::Zero(), information = Eigen::Matrix2d::Zero();
   Eigen::Vector2d gradient = Eigen::Vector2d::Zero();

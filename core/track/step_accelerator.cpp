@@ -4,7 +4,7 @@ namespace hermite {
 
 namespace {
 
-// Beyond it two steps tell nothing of the next: they hardly differ, or one is chance.
+// A longer extrapolation is unreliable: the last two steps hardly differ, or one of them is chance.
 constexpr double kFarthest = 3;
 
 }  // namespace

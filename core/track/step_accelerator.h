@@ -1,21 +1,22 @@
-// Fewer steps to the same pose. Values, host only, one thread at a time.
+// Acceleration of the alignment's convergence. Values on the host. One thread at a time.
 #pragma once
 
 #include "core/math/rigid3.h"
 
 namespace hermite {
 
-// Steps of a frame's alignment shrink by about the same share each time, since pairs are associated anew and their weights follow the
-// residuals: three of four say what could be foreseen. Anderson acceleration with a memory of one step (Walker, Ni 2011, Anderson
-// Acceleration for Fixed-Point Iterations; for point clouds Pavlov et al. 2018, AA-ICP) goes where the next one would propose nothing more,
-// as far as the last two tell. What it converges to is the same.
+// The steps of a frame's alignment shrink by about the same factor each time, since pairs are associated anew and their
+// weights follow the residuals; three of four steps are predictable. Anderson acceleration with a memory of one step
+// (Walker, Ni 2011, Anderson Acceleration for Fixed-Point Iterations; for point clouds Pavlov et al. 2018, AA-ICP)
+// extrapolates from the last two steps to where the next proposed step would vanish. It converges to the same pose.
 class StepAccelerator {
  public:
-  // The step to take where Gauss-Newton proposes `proposed`. `displacement`: of a twist x, x^T displacement x is how far it moves the
-  // points, squared. At most thrice as far as is proposed; else, where steps do not shrink, and after reset(), what is proposed.
+  // Returns the step to take if Gauss-Newton proposes `proposed`. For a twist x, x^T displacement x is the squared
+  // distance by which it moves the points. The step is at most three times the proposed one; it is the proposed one if
+  // steps do not shrink, if the extrapolation is longer than that, and after reset().
   Vector6d next(const Vector6d& proposed, const Matrix6d& displacement);
 
-  // What follows is another problem: another level, other gates.
+  // Call when the problem changes: another level, other gates.
   void reset() { has_last_ = false; }
 
  private:

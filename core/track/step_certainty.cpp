@@ -10,7 +10,7 @@ namespace hermite {
 
 namespace {
 
-// Residuals that err alike, by witness: so many count as one.
+// Number of residuals with a common error, by kind of residual; so many count as one.
 constexpr double kAlikeDepth = 6, kAlikePicture = 6, kAlikeCorners = 1;
 
 struct Alone {

@@ -1,4 +1,4 @@
-// How the camera is tracked. Values; each has its key and reason in core/pipeline/options.cpp.
+// Options of camera tracking. The key and the reason of each default are in core/pipeline/options.cpp.
 #pragma once
 
 namespace hermite {

@@ -10,10 +10,11 @@ namespace hermite {
 
 namespace {
 
-constexpr double kLeastSurface = 0.01;  // of the pixels; smaller ones are edges, reflections, and too few pairs to tell
+constexpr double kLeastSurface = 0.01;  // share of the pixels; smaller ones are edges or reflections, or have too few pairs
 
-// Two pixels are of one surface when they lie so near to the plane of one of them, in deviations and parts of their distance, and the
-// surface does not bend towards the camera by more than this between them: 30 degrees, four times the noise of a coarse pixel's normal.
+// Two pixels are on one surface if one lies this close to the plane of the other, in standard deviations and as a share
+// of their distance, and if the surface does not bend towards the camera by more than this angle between them: 30
+// degrees, four times the noise of a coarse pixel's normal.
 constexpr double kStep = 3, kSlope = 0.15, kConcaveCosine = 0.87;
 
 bool is_continued(const CoarseView& view, std::size_t from, const Eigen::Vector3d& point, std::size_t to, const Eigen::Vector3d& next) {

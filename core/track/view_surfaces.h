@@ -1,4 +1,4 @@
-// A view cut into surfaces: what may move on its own is one of them. Pure functions, host only, any thread.
+// Segments a view into surfaces, each of which may move on its own. Pure functions on the host. Any thread.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace hermite {
 
-// Cut along steps of depth and concave edges, where one thing stands on or before another.
+// Segmented at depth steps and concave edges, where one object stands on or in front of another.
 struct ViewSurfaces {
   std::vector<std::uint32_t> of_pixel;   // numbers; 0: no surface, or one of less than a hundredth of the view
   std::vector<std::size_t> pixel_count;  // by number

@@ -1,4 +1,4 @@
-// For hermite_bench: how fast this device reads and writes memory that no cache holds.
+// For hermite_bench: measures how fast this device reads and writes memory that does not fit any cache.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 

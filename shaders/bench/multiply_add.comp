@@ -1,11 +1,11 @@
-// For hermite_bench: how fast this device multiplies and adds when nothing else holds it up. Twelve chains that do not wait for each other.
+// For hermite_bench: measures the peak rate of multiply-add instructions, with twelve independent chains.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 
 layout(local_size_x = 128) in;
 layout(scalar, binding = 0) writeonly buffer Result { float result[]; };
 layout(scalar, push_constant) uniform Params {
-  uint rounds;  // of 16 multiply-adds a chain
+  uint rounds;  // of 16 multiply-adds per chain
   float scale, offset;
 } params;
 

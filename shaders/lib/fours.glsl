@@ -1,5 +1,6 @@
-// Four neighbouring pixels of a row at once, one in each component of a vec4: what they share, such as the kernels of overlapping windows,
-// is loaded and unpacked once for all of them, and the vector units of a processor that stands in for a GPU are kept full.
+// Four neighbouring pixels of a row at once, one in each component of a vec4: shared data, such as the kernels of
+// overlapping windows, is loaded and unpacked once for all of them, and the vector units of a CPU that substitutes for
+// a GPU are fully used.
 struct Vectors4 {
   vec4 x, y, z;
 };
@@ -26,7 +27,8 @@ Vectors4 unit4(Vectors4 a) {
 }
 vec3 component(Vectors4 a, int i) { return vec3(a.x[i], a.y[i], a.z[i]); }
 
-// 1 where a column that counts from the first pixel's window lies in the window of each pixel, which has 2 `radius` + 1 columns; else 0.
+// Returns 1 where a column, counted from the first pixel's window, lies in the window of each pixel, which has 2
+// `radius` + 1 columns; else 0.
 vec4 in_windows(int column, int radius) {
   vec4 of_each = float(column) - vec4(0.0, 1.0, 2.0, 3.0);
   return step(0.0, of_each) * step(of_each, vec4(2.0 * radius));

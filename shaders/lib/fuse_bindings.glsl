@@ -1,4 +1,4 @@
-// What the passes of fusion share: the frame maps, the map, and the measurement at a pixel.
+// Shared by the passes of fusion: the frame maps, the map, and the measurement at a pixel.
 #include "shaders/lib/blocks.glsl"
 #include "shaders/lib/surface_point.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -9,14 +9,14 @@ layout(scalar, binding = 3) buffer Positions { vec4 position_confidence[]; };
 layout(scalar, binding = 4) buffer Attributes { SurfelAttributes attributes[]; };
 layout(scalar, binding = 5) buffer Times { uvec2 times[]; };
 TEXELS(6, camera_from_submap);
-// By pixel: a cell of the index map, kNew, or none where there is nothing to fuse.
+// By pixel: a cell of the index map, kNew, or HERMITE_NONE if there is nothing to fuse.
 layout(scalar, binding = 7) buffer Candidates { uint candidates[]; };
 layout(scalar, binding = 8) buffer Tiles { uint new_by_group[]; };
 layout(scalar, binding = 9) buffer State { MapState state; };
 PARAMETERS(FuseParams, p);
 
-const uint kNew = 0xfffffffeu;      // a surface the map does not have yet
-const uint kPixelBits = 22u;        // of a claim: 2048 x 2048 pixels; the distance takes the other bits
+const uint kNew = 0xfffffffeu;      // a surface that is not yet in the map
+const uint kPixelBits = 22u;        // of a claim: 2048 x 2048 pixels; the distance takes the remaining bits
 
 struct Measurement {
   vec3 position;  // camera frame
@@ -27,7 +27,7 @@ struct Measurement {
   float confidence;
 };
 
-// One workgroup is one tile of the image.
+// Each workgroup processes one tile of the image.
 uint pixel_index() {
   uvec2 pixel = pixel_in_tile(p.camera, gl_WorkGroupID.x, gl_LocalInvocationID.x);
   return pixel.x < p.camera.width && pixel.y < p.camera.height ? pixel.y * p.camera.width + pixel.x : HERMITE_NONE;
@@ -36,7 +36,7 @@ ivec2 pixel_of(uint i) { return ivec2(i % p.camera.width, i / p.camera.width); }
 
 float fused_depth_m(SurfacePoint point, uint i) { return p.fuse_surface != 0u ? point.depth_m : float_at(raw_depth_m, i); }
 
-// Without confidence a surfel would count as one, in a slot that counts as free.
+// A surfel without confidence would be counted, although its slot counts as free.
 bool can_be_fused(SurfacePoint point, uint i) { return point.depth_m > 0.0 && float_at(raw_depth_m, i) > 0.0 && point.weight > 0.0; }
 
 Measurement measure(uint i) {

@@ -1,16 +1,16 @@
-// The closed-form Hermite RBF implicit of oriented points (paper section 3), at four points x at once; core/math/hrbf.h is the same in
-// double precision, and tests/core/frame/hermite_test.cpp holds one against the other.
+// The closed-form Hermite RBF implicit function of oriented points (paper section 3), at four points x at once.
+// core/math/hrbf.h is the same in double precision, and tests/core/frame/hermite_test.cpp compares the two.
 //
-// A kernel is a point p with a support of radius r and a unit normal n away from the camera. With v = x - p, rho = |v| / r, s = 1 - rho
-// inside of the support and 0 outside, and u = n . v:
+// A kernel is a point p with a support of radius r and a unit normal n away from the camera. With v = x - p, rho = |v|
+// / r, s = 1 - rho inside the support and 0 outside, and u = n . v:
 //
-//   psi    = s^4 (4 rho + 1),  grad psi = -20 s^3 v / r^2                                         Eq. 2
-//   f      = -sum C n . grad psi = sum a s^3 u,  a = 20 C / r^2                                   Eq. 3, C = 10 for r^2 / (20 + eta r^2)
+//   psi    = s^4 (4 rho + 1),  grad psi = -20 s^3 v / r^2                        Eq. 2
+//   f      = -sum C n . grad psi = sum a s^3 u,  a = 20 C / r^2                  Eq. 3, C = 10 for r^2 / (20 + eta r^2)
 //   grad f = sum a (s^3 n - 3 q u v / r^2),  q = s^2 / rho
 //   Hess f = -sum 3 a / r^2 (q (n v^T + v n^T + u I) - c v v^T),  c = (1 / rho^2 - 1) u / (rho r^2)
 //
-// core/METHOD.md ("Coefficient") says why C is constant. All functions that add take one kernel, and `share` or `weight` of it for each of
-// the four points: 0 leaves it out.
+// core/METHOD.md ("Coefficient") explains why C is constant. Each of the functions that add takes one kernel, and its
+// `share` or `weight` for each of the four points; 0 leaves it out.
 const float kAmplitude = 200.0;  // 20 C
 
 struct Kernel {
@@ -18,7 +18,7 @@ struct Kernel {
   float inverse_radius;
 };
 
-// A kernel seen from the four points.
+// A kernel relative to the four points.
 struct Offset4 {
   Vectors4 v;
   vec4 rho;
@@ -33,7 +33,7 @@ Offset4 offset_from(Kernel k, Vectors4 x) {
   return Offset4(v, sqrt(square4(v)) * k.inverse_radius);
 }
 
-// 1 where the support reaches, else 0.
+// Returns 1 where the support reaches, else 0.
 vec4 reaches(Offset4 o) { return vec4(lessThan(o.rho, vec4(1.0))); }
 
 // Eq. 3.
@@ -42,7 +42,7 @@ void add_value(inout vec4 f, Kernel k, Offset4 o, vec4 share) {
   f += share * (kAmplitude * k.inverse_radius * k.inverse_radius) * reaches(o) * s * s * s * u;
 }
 
-// The kernel's own centre has no direction, and its term no weight there.
+// At the kernel's own centre the direction is undefined, but its term has no weight there.
 vec4 inverse_rho(Offset4 o) { return 1.0 / max(o.rho, 1e-6); }
 
 // The gradient of Eq. 3.
@@ -56,7 +56,8 @@ void add_gradient(inout Vectors4 gradient, Kernel k, Offset4 o, vec4 share) {
   gradient.z += toward_normal * k.normal.z - along * o.v.z;
 }
 
-// The Hessian of Eq. 3. It jumps at the kernel's own centre: leave a point's own kernel out (core/METHOD.md, "Hessian").
+// The Hessian of Eq. 3. It is discontinuous at the kernel's own centre, so a point's own kernel must be left out
+// (core/METHOD.md, "Hessian").
 void add_hessian(inout Hessian4 hessian, Kernel k, Offset4 o, vec4 share) {
   float inverse_r2 = k.inverse_radius * k.inverse_radius;
   vec3 n = k.normal;
@@ -71,8 +72,8 @@ void add_hessian(inout Hessian4 hessian, Kernel k, Offset4 o, vec4 share) {
   hessian.yz += h * (q * (n.y * o.v.z + n.z * o.v.y) - c * o.v.y * o.v.z);
 }
 
-// Step along the ray (core/METHOD.md). Along x = t d, Eq. 3 is a mean of the distances from the kernels' planes, weighed by w = s^3 / r^2:
-// its zero is near t = sum w n.p / sum w n.d.
+// Step along the ray (core/METHOD.md). Along x = t d, Eq. 3 is a mean of the distances from the kernels' planes,
+// weighted by w = s^3 / r^2; its zero is near t = sum w n.p / sum w n.d.
 struct Step4 {
   vec4 plane, slope;
 };
@@ -84,12 +85,12 @@ void add_plane(inout Step4 sums, vec4 weight, vec4 plane, vec4 slope) {
   sums.plane += weight * plane;
   sums.slope += weight * slope;
 }
-// `otherwise` where no kernel reaches.
+// Returns the step, or `otherwise` where no kernel reaches.
 vec4 step_to(Step4 sums, vec4 otherwise) { return mix(otherwise, sums.plane / sums.slope, greaterThan(sums.slope, vec4(0.0))); }
 
-// kappa = H +- sqrt(H^2 - K) of a level set with mean curvature H and Gaussian curvature K (Eq. 4; the paper's K lacks the minus sign
-// before the determinant). g, d and m: gradient, diagonal (xx yy zz) and mixed (xy xz yz) second derivatives. What bulges towards the
-// camera is positive.
+// Returns kappa = H +- sqrt(H^2 - K) of a level set with mean curvature H and Gaussian curvature K (Eq. 4; the paper's
+// K lacks the minus sign before the determinant). g, d and m: gradient, diagonal (xx yy zz) and mixed (xy xz yz) second
+// derivatives. Surfaces that bulge towards the camera have positive curvature.
 vec2 principal_curvatures(vec3 g, vec3 d, vec3 m) {
   float g2 = max(dot(g, g), 1e-30);
   vec3 hg = vec3(d.x * g.x + m.x * g.y + m.y * g.z, m.x * g.x + d.y * g.y + m.z * g.z, m.y * g.x + m.z * g.y + d.z * g.z);
@@ -102,6 +103,6 @@ vec2 principal_curvatures(vec3 g, vec3 d, vec3 m) {
   return vec2(mean + root, mean - root);
 }
 
-// c_r (Eq. 5, with the square root that its constant is made for): how densely and consistently the surface is sampled. `gradient` lies
-// along the normal that the pixel had before.
+// Returns c_r (Eq. 5, with the square root for which its constant is meant): how densely and consistently the surface
+// is sampled. `gradient` is the component along the pixel's previous normal.
 float reconstruction_confidence(float gradient, float epsilon) { return exp(-epsilon * inversesqrt(max(gradient, 1e-6))); }

@@ -1,5 +1,5 @@
-// What the passes that build an index map share: the pixel a surfel falls into and the bits of its depth (positive floats order like their
-// bits). Halves of the index map must agree on both to the last bit: hence `precise`.
+// Shared by the passes that build an index map: the pixel of a surfel and the bits of its depth (positive floats have
+// the order of their bits). The two passes must agree on both to the last bit, hence `precise`.
 #include "shaders/shared/map.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"

@@ -1,6 +1,6 @@
-// Images of kernels: what an HRBF asks of a pixel in one texel. The margin around the image stays zero, which is no kernel, so that windows
-// need no bounds.
-const float kNoKernel = 1e6;  // the inverse radius of a kernel that is none: nothing is within
+// Images of kernels: what an HRBF needs of a pixel, in one texel. The margin around the image stays zero, which is no
+// kernel, so that windows need no bounds checks.
+const float kNoKernel = 1e6;  // inverse radius that marks a pixel without kernel: nothing is within its support
 const int kKernelMargin = HERMITE_KERNEL_MARGIN;
 int kernel_stride(Intrinsics camera) { return HERMITE_KERNEL_STRIDE(int(camera.width)); }
 int kernel_index(Intrinsics camera, ivec2 pixel) { return (pixel.y + kKernelMargin) * kernel_stride(camera) + pixel.x + kKernelMargin; }

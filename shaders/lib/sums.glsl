@@ -1,6 +1,6 @@
-// Sums over all pixels without float atomics: every thread adds its own pixels, then the threads add one term each over
-// the workgroup in order; the host adds the workgroups. Needs kTerms, kGroupSize and partial_sums. What stands where is declared in
-// shaders/shared/track.h.
+// Sums over all pixels without float atomics: every thread adds its own pixels, then each thread adds one term over the
+// workgroup in order; the host adds the workgroups. Needs kTerms, kGroupSize and partial_sums. The order of the terms
+// is declared in shaders/shared/track.h.
 shared float group_terms[kTerms * kGroupSize];
 uint next_term;
 
@@ -15,7 +15,7 @@ void put_at(uint term, float value) {
   put_term(value);
 }
 
-// Behind the sums of `first_group` workgroups.
+// Writes after the sums of `first_group` workgroups.
 void write_group_sums(uint first_group) {
   barrier();
   for (uint term = gl_LocalInvocationID.x; term < kTerms; term += kGroupSize) {

@@ -1,9 +1,10 @@
-// Buffers that a pass only reads are bound as texel buffers: a texel is one element of up to four words (core/gpu/buffer.h). Of a storage
-// buffer, software devices read word by word and lane by lane: four words cost them ten times as much as a texel does.
+// Buffers that a pass only reads are bound as texel buffers: a texel is one element of up to four words
+// (core/gpu/buffer.h). Software devices read a storage buffer word by word and lane by lane: four words cost them ten
+// times as much as a texel.
 //
-// Every shader is compiled a second time with HERMITE_TEXELS_IN_STORAGE, for devices whose texel buffers are too small: then they are bound
-// as storage buffers. Nothing there says how wide an element is, so a shader asks for as many words as the element has: what it calls
-// tells.
+// Every shader is compiled a second time with HERMITE_TEXELS_IN_STORAGE, for devices whose texel buffers are too small;
+// then they are bound as storage buffers. The size of an element is not declared there, so a shader reads as many words
+// as the element has through the function of that size.
 #ifdef HERMITE_TEXELS_IN_STORAGE
 #define TEXELS(number, name)                                                                    \
   layout(scalar, binding = number) readonly buffer name##Ones { uint name##_ones[]; };          \

@@ -8,7 +8,8 @@
 namespace hermite::shared {
 #endif
 
-// The whole depth image has a margin without depth, so that windows of a radius up to it need no bounds, and rows of whole texels.
+// The whole depth image has a margin without depth, so that windows with a radius up to it need no bounds checks and
+// rows consist of whole texels.
 #define HERMITE_DEPTH_MARGIN 8
 #define HERMITE_DEPTH_STRIDE(width) (((width) + 7) / 8 * 8 + 2 * HERMITE_DEPTH_MARGIN)
 
@@ -23,12 +24,12 @@ struct BilateralParams {
   Sampling sampling;
   float inverse_two_sigma_space2;           // 1/px^2
   float noise_floor_m, noise_growth_per_m;  // standard deviation of a measurement: floor + growth (z - 0.4 m)^2
-  float noise_sigmas;                       // sigma over depth, in these
+  float noise_sigmas;                       // sigma over depth, in these deviations
 };
 
 struct NormalParams {
   Intrinsics camera;
-  float depth_gate_m;  // neighbours further apart in depth lie on another surface
+  float depth_gate_m;  // neighbours whose depths differ by more are on another surface
   float radius_scale;  // support radius in pixel diagonals of a frontal surface
 };
 
@@ -37,7 +38,7 @@ struct SurfaceParams {
   float radius_scale;  // as above
   float depth_gate_m;
   float confidence_epsilon;     // paper Eq. 5, in units of sqrt(|gradient|)
-  float curvature_limit_per_m;  // beyond it a curvature says nothing
+  float curvature_limit_per_m;  // larger curvatures are meaningless
   uint use_hrbf_confidence;
   uint project_to_surface;
 };
@@ -53,7 +54,7 @@ struct GradientParams {
 
 struct MaskParams {
   uint width, height;            // of the level
-  uint mask_width, mask_height;  // of the coarsest one
+  uint mask_width, mask_height;  // of the coarsest level
   uint shift;                    // levels between them
 };
 

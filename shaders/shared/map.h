@@ -1,4 +1,4 @@
-// The surfel as it lies in memory (40 bytes, three arrays) and push constants of the passes over the map.
+// The memory layout of surfels (40 bytes in three arrays) and push constants of the passes over the map.
 #ifndef HERMITE_SHARED_MAP_H
 #define HERMITE_SHARED_MAP_H
 
@@ -8,41 +8,42 @@
 namespace hermite::shared {
 #endif
 
-// Array 0: vec4 position in the submap's frame [m] and confidence (0: the slot is free).
-// Array 1: uvec4, see below. Array 2: uvec2, frame numbers of creation and of the last observation.
+// Array 0: vec4 position in the submap's coordinate frame [m] and confidence (0: the slot is free). Array 1: uvec4, see
+// below. Array 2: uvec2, frame numbers of creation and of the last observation.
 struct SurfelAttributes {
-  uint normal;         // octahedral, 2 x snorm16, in the submap's frame, away from the camera
+  uint normal;         // octahedral, 2 x snorm16, in the submap's coordinate frame, away from the camera
   uint radius_submap;  // half float [m] | submap << 16
   uint color;          // r | g << 11 | b << 22: red and green in eighths, blue in quarters of one in 255
   uint curvatures;     // 2 x half float, max then min [1/m]
 };
 
-// Counters of the map, in a buffer of their own.
+// Counters of the map, in a separate buffer.
 #define HERMITE_ZONES 16
 struct ZoneSlots {
   uint free_begin, free_count;  // in the list of free slots
-  uint new_begin;               // of the zone's new surfels, in the order of all
-  uint fresh_begin;             // of those that find no free slot, from slot_count on
+  uint new_begin;               // of the zone's new surfels, in the order of all new surfels
+  uint fresh_begin;             // of those without a free slot, counted from slot_count
 };
 struct MapState {
   uint slot_count;   // slots in use or free below this
-  uint free_count;   // of these, the free ones that are listed for use
+  uint free_count;   // number of these that are free and listed for use
   uint new_count;    // being appended; 0 between frames
-  uint fresh_count;  // of these, those behind slot_count
+  uint fresh_count;  // number of these that are placed after slot_count
   uint alive_count;
   uint freed_count;  // in this frame; 0 between frames
   ZoneSlots zones[HERMITE_ZONES];
 };
 
-// Of 256 neighbouring slots: see shaders/lib/blocks.glsl.
+// Bounds of 256 neighbouring slots, see shaders/lib/blocks.glsl.
 struct BlockBounds {
   uint reach[8];
 };
 
-// At the beginning of the list of blocks that shaders/map/visible.comp makes; the entries (shaders/lib/blocks.glsl) stand behind it.
+// At the beginning of the list of blocks made by shaders/map/visible.comp; the entries (shaders/lib/blocks.glsl) follow
+// it.
 struct VisibleHead {
   uint groups[3];       // workgroups of a dispatch over the whole list
-  uint turn_groups[3];  // over the blocks whose turn for cleaning has come, which are listed first
+  uint turn_groups[3];  // of a dispatch over the blocks whose turn for cleaning it is, which are listed first
 };
 #define HERMITE_VISIBLE_HEAD_WORDS 6
 #ifdef __cplusplus
@@ -52,9 +53,9 @@ static_assert(sizeof(VisibleHead) == HERMITE_VISIBLE_HEAD_WORDS * sizeof(uint));
 struct VisibleParams {
   Intrinsics camera;
   float depth_max_m;
-  float margin_m;  // that a merge may move a surfel by
+  float margin_m;  // the largest distance by which a merge may move a surfel
   uint frame_number;
-  uint interval, interval_out_of_view;  // every so-many-th block has its turn, another one in every frame
+  uint interval, interval_out_of_view;  // it is the turn of every n-th block, a different one in each frame
 };
 
 struct IndexParams {
@@ -63,13 +64,14 @@ struct IndexParams {
   float depth_max_m;
 };
 
-// Of a pixel of the index map. One 64-bit number to the device: the least is the nearest, and of equal ones that of the lowest slot.
+// The nearest surfel of a pixel of the index map. The device treats it as one 64-bit number: the least is the nearest,
+// and of equal ones that of the lowest slot.
 struct NearestSurfel {
-  uint slot;        // kNoSurfel where there is none
+  uint slot;        // kNoSurfel if there is none
   uint depth_bits;  // of a float [m]
 };
 
-// The same with what association asks of the surfel.
+// The same with the surfel data that association needs.
 struct IndexCell {
   uint slot, depth_bits;
   uint offset;  // from the pixel's centre, half pixels, 2 x snorm16
@@ -91,7 +93,7 @@ struct FillInParams {
   float curvature_lambda_per_m;
   float confidence_scale;
   uint covered_below;  // fill only when the prediction covers fewer pixels
-  uint with_color;     // 0: the frame's picture is not to be believed
+  uint with_color;     // 0: the frame's colour must not be used
   float gain, offset;  // as in FuseParams
 };
 
@@ -109,7 +111,7 @@ struct FuseParams {
   float radius_scale;
   uint merge_color;    // 0: surfels keep their colour
   float gain, offset;  // colour of the frame = gain * colour of the map + offset
-  uint add_new;        // 0: only surfels that exist take part
+  uint add_new;        // 0: only existing surfels are updated
 };
 
 struct CleanParams {
@@ -119,7 +121,7 @@ struct CleanParams {
   uint max_unstable_age;  // frames
   float redundancy_depth_m;
   float curvature_limit_per_m;
-  float depth_gate_m;  // what lies closer may be the same surface
+  float depth_gate_m;  // closer surfels may be on the same surface
 };
 
 struct FreeListParams {
@@ -129,7 +131,7 @@ struct FreeListParams {
 
 struct ScanParams {
   Intrinsics camera;
-  uint tile_count;  // the counts are of new surfels by tile; 0: of free slots by listed block, which also brings the counters up to date
+  uint tile_count;  // the counts are of new surfels by tile; 0: of free slots by listed block, which also updates the counters
 };
 
 #ifdef __cplusplus

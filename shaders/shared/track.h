@@ -11,7 +11,7 @@ namespace hermite::shared {
 // Sums of one workgroup; the host adds the groups in order, in double precision.
 #define HERMITE_ODOMETRY_GROUPS 256  // at most
 #define HERMITE_ODOMETRY_GROUP_SIZE 32
-// Where the sums of one step of the odometry stand. A system has the upper triangle of H by rows, then b: 27.
+// Positions of the sums of one step of the odometry. A system has the upper triangle of H by rows, then b: 27.
 const uint kGeometricSums = 0u;                               // a system
 const uint kPhotometricSums = kGeometricSums + 27u;           // a system, of the motion alone
 const uint kMomentSums = kPhotometricSums + 27u;              // of the geometric pairs, weighted: 1, s, upper triangle of s s^T
@@ -22,48 +22,49 @@ const uint kPhotometricErrorSums = kGeometricErrorSums + 2u;  // squared error, 
 const uint kSurfaceCountSum = kPhotometricErrorSums + 2u;     // pixels with a surface
 const uint kMixedSums = kSurfaceCountSum + 1u;                // of the photometric system, by rows: motion x (gain, offset)
 const uint kBrightnessSums = kMixedSums + 12u;                // of the same: upper triangle of H of (gain, offset), then b
-// What the robust scales are estimated from: weights before residuals count, and weighted squared residuals, in standard deviations of the
-// sensor and in grey values.
+// Data from which the robust scales are estimated: weights before robust weighting, and weighted squared residuals, in
+// standard deviations of the sensor and in grey values.
 const uint kGeometricSpreadSums = kBrightnessSums + 5u;
 const uint kPhotometricSpreadSums = kGeometricSpreadSums + 2u;
-const uint kGradientSums = kPhotometricSpreadSums + 2u;  // of the photometric pairs: gradient of the frame by the map's, and squared
+// Of the photometric pairs: gradient of the frame times the map's, and times itself.
+const uint kGradientSums = kPhotometricSpreadSums + 2u;
 const uint kOdometrySumCount = kGradientSums + 2u;
 
-// Of the rotation alone.
+// Sums for the rotation alone.
 const uint kRotationSystemSums = 0u;                        // by rows: three of H and one of b
 const uint kRotationErrorSums = kRotationSystemSums + 12u;  // squared error, count
 const uint kRotationSumCount = kRotationErrorSums + 2u;
 
-// Of the agreement between a frame and the prediction.
+// Sums for the agreement between a frame and the prediction.
 const uint kSurfaceSum = 0u;                    // pixels with a surface
-const uint kOverlapSum = kSurfaceSum + 1u;      // of these on the prediction
-const uint kAgreeingSum = kOverlapSum + 1u;     // of these on its surface
-const uint kInFrontSum = kAgreeingSum + 1u;     // of these in front of it
-const uint kColouredSum = kInFrontSum + 1u;     // of those on its surface, with colour; all below are of these
+const uint kOverlapSum = kSurfaceSum + 1u;      // those of these on the prediction
+const uint kAgreeingSum = kOverlapSum + 1u;     // those of these on its surface
+const uint kInFrontSum = kAgreeingSum + 1u;     // those of the overlap in front of it
+const uint kColouredSum = kInFrontSum + 1u;     // those on its surface with colour, to which all sums below refer
 const uint kGreySums = kColouredSum + 1u;       // grey - 128 of frame and reference
 const uint kGreySquareSums = kGreySums + 2u;    // of both squared, and their product
-const uint kChangeSums = kGreySquareSums + 3u;  // of grey to the next pixels, in frame and reference
+const uint kChangeSums = kGreySquareSums + 3u;  // grey differences to the next pixels, in frame and reference
 const uint kAgreementSumCount = kChangeSums + 2u;
 
 struct OdometryParams {
   Transform reference_from_camera;
   Intrinsics camera, reference;  // of this level
-  float geometric_weight;        // of a squared metre beside a squared grey value
+  float geometric_weight;        // weight of a squared metre relative to a squared grey value
   float distance_gate_m;
   float sine_normal_gate;
-  float photometric_sigma;  // grey values: rows of mature pairs are weighted by 1 / sigma^2, and by how robust they are
+  float photometric_sigma;  // grey values: rows of mature pairs are weighted by 1 / sigma^2 and by their robust weight
   float gradient_min;       // grey values per pixel
   float photometric_depth_gate_m;
   uint search_radius;  // 0: projective association
-  uint first_group;    // where in the partial sums those of this dispatch begin, in workgroups
+  uint first_group;    // first workgroup of this dispatch in the partial sums
 };
 
-// How residuals are believed to be distributed: in a buffer, since push constants of 128 bytes have no room for it.
+// The assumed distribution of residuals. It is in a buffer because it does not fit into 128 bytes of push constants.
 struct ResidualModel {
   float noise_floor_m, noise_growth_per_m;   // standard deviation of a measurement: floor + growth (z - 0.4 m)^2
-  float geometric_scale, photometric_scale;  // of the residuals' spread: standard deviations of a measurement, and grey values
-  float photometric_gate;                    // pairs farther from the surface have no picture in common, in geometric scales
-  float mature_confidence;                   // surfels of less confidence say less about the picture
+  float geometric_scale, photometric_scale;  // spread of the residuals, in standard deviations of a measurement, and in grey values
+  float photometric_gate;                    // pairs farther from the surface have no photometric term, in geometric scales
+  float mature_confidence;                   // surfels of less confidence have less photometric weight
   float gain, offset;                        // grey of the frame = gain * grey of the reference + offset
 };
 

@@ -1,4 +1,4 @@
-// Plain data seen by C++ and GLSL alike, written once. Scalar layout: what C++ lays out, the shader reads.
+// Plain data shared by C++ and GLSL. Scalar layout: the shader reads the layout of C++.
 #ifndef HERMITE_SHARED_TYPES_H
 #define HERMITE_SHARED_TYPES_H
 
@@ -34,8 +34,8 @@ struct Sampling {
   uint x, y;  // offset, below step
 };
 
-// Images of kernels (shaders/lib/kernels.glsl): the margin around them, half the largest window, and from row to row. Invocations of four
-// pixels reach three farther to the right.
+// Images of kernels (shaders/lib/kernels.glsl): the width of the margin around them, half the largest window, and the
+// distance from row to row. Invocations of four pixels reach three pixels farther to the right.
 #define HERMITE_KERNEL_MARGIN 4
 #define HERMITE_KERNEL_STRIDE(width) ((width) + 2 * HERMITE_KERNEL_MARGIN + 3)
 
@@ -47,7 +47,7 @@ struct SurfacePoint {
   float weight;     // of a frame: confidence, 0 to 1; of a prediction: tracking weight
 };
 
-// Of a picture, by pixel.
+// Grey value and gradient of an image pixel.
 struct GreyAndGradient {
   float grey;     // 0 to 255
   uint gradient;  // grey values per pixel, 2 x half float

@@ -1,4 +1,4 @@
-// For tests/core/frame/hermite_test.cpp: all of lib/hermite.glsl at four points an invocation, out of a list of kernels.
+// For tests/core/frame/hermite_test.cpp: all of lib/hermite.glsl at four points per invocation, with a list of kernels.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require

@@ -1,4 +1,4 @@
-// For the tests of core/gpu: takes as long as asked, to see that waits have an end.
+// For the tests of core/gpu: runs as long as requested, to test time-outs.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// How well a frame fits the predicted surface once its pose is known: does it see what the map shows, and does that look the same?
+// Measures how well a frame fits the predicted surface once its pose is known: whether it sees what the map shows, and
+// whether that looks the same.
 #include "shaders/shared/track.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -20,7 +21,7 @@ PARAMETERS(AgreementParams, p);
 
 uint at(Intrinsics camera, ivec2 pixel) { return uint(pixel.y) * camera.width + uint(pixel.x); }
 
-// Changes of grey to the next pixels, of frame and reference; zero where one of them has no neighbours.
+// Returns the grey differences to the next pixels, of frame and reference; zero if one of them has no neighbours.
 vec2 changes(uvec2 frame_pixel, ivec2 pixel) {
   ivec2 f = ivec2(frame_pixel), right = ivec2(1, 0), down = ivec2(0, 1);
   if (!inside(p.camera, f + 1) || !inside(p.reference, pixel + 1)) return vec2(0.0);
@@ -52,13 +53,13 @@ void main() {
     float reference_z = shown.depth_m;
     if (reference_z <= 0.0) continue;
     overlap += 1.0;
-    // Thrice the noise of the sensor, as it grows with distance, beside what the model may be off by.
+    // Three times the noise of the sensor, which grows with distance, plus a tolerance for the model.
     float tolerance = p.tolerance_m + p.tolerance_growth_per_m * z * z;
     vec3 d = pixel_ray(p.reference, vec2(pixel)) * reference_z;
     in_front += reference_z - point.z > 2.0 * tolerance ? 1.0 : 0.0;
     if (abs(dot(unpack_normal(shown.normal), point - d)) > tolerance) continue;
     agreeing += 1.0;
-    // Near zero, so that the sums keep their digits.
+    // Shifted to around zero, so that the sums keep their precision.
     float seen = float_at(intensity, i) - 128.0, known = float_at(reference_intensity, j) - 128.0;
     if (known < -128.0) continue;
     coloured += 1.0;

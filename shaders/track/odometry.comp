@@ -1,12 +1,13 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Normal equations of one Gauss-Newton step: weighted point-to-plane terms against the predicted surface (paper Eq. 6-9) plus
-// photometric terms against its colour (Eq. 10), linearised for reference_from_camera <- exp(x) reference_from_camera,
-// x = (translation, rotation). Both systems apart: the host judges the geometric one before it adds them (core/track/normal_equations.h).
-// Exposure is unknown: the photometric system has a gain and an offset of the frame beside the motion. Residuals of both kinds are taken to
-// follow Student's t distribution, whose scale the host estimates from step to step (Kerl, Sturm, Cremers 2013, Robust odometry estimation
-// for RGB-D cameras): what has moved, or reflects, weighs little.
+// Normal equations of one Gauss-Newton step: weighted point-to-plane terms against the predicted surface (paper Eq.
+// 6-9) plus photometric terms against its colour (Eq. 10), linearised for reference_from_camera <- exp(x)
+// reference_from_camera, x = (translation, rotation). The two systems are separate: the host judges the geometric one
+// before it adds them (core/track/normal_equations.h). Exposure is unknown, so the photometric system has a gain and an
+// offset of the frame in addition to the motion. Residuals of both kinds are assumed to follow Student's t
+// distribution, whose scale the host estimates from step to step (Kerl, Sturm, Cremers 2013, Robust odometry estimation
+// for RGB-D cameras), so that moving objects and reflections have little weight.
 #include "shaders/shared/track.h"
 #include "shaders/lib/geometry.glsl"
 #include "shaders/lib/parameters.glsl"
@@ -28,32 +29,33 @@ ResidualModel model_from(vec4 first, vec4 second) {
 ResidualModel m = model_from(vec4_at(residual_model, 0u), vec4_at(residual_model, 1u));
 #include "shaders/lib/sums.glsl"
 
-const float kSaturated = 250.0;  // brighter greys are cut off
-const float kBlur = 0.075;       // pixels that map and frame are unsharp and off by, 0.3, over the spread of grey values, 4
+const float kSaturated = 250.0;  // brighter grey values are saturated
+const float kBlur = 0.075;       // blur and misalignment of map and frame, 0.3 pixels, divided by the spread of grey values, 4
 
-// Blocks of normal equations H x = b: named registers, since indexed arrays would live in memory.
+// Blocks of normal equations H x = b in named registers, since indexed arrays would be in memory.
 struct System {
   mat3 tt, tr, rr;  // tr: column r, row t
   vec3 t, r;
 };
 const System kEmpty = System(mat3(0.0), mat3(0.0), mat3(0.0), vec3(0.0), vec3(0.0));
 System geometric = kEmpty, photometric = kEmpty;
-// Of the geometric pairs, weighted: how far a motion would move their points.
+// Weighted moments of the geometric pairs, from which follows how far a motion moves their points.
 float moment_0 = 0.0;
 vec3 moment_1 = vec3(0.0);
 mat3 moment_2 = mat3(0.0);
 float disagreement = 0.0;          // squared sine between the normals, weighted
-vec2 near_disagreement = vec2(0.0);  // of all pairs near each other: the same, 1 beyond 90 degrees; weight
+vec2 near_disagreement = vec2(0.0);  // of all pairs near each other: the same, with 1 beyond 90 degrees; weight
 vec2 geometric_error = vec2(0.0), photometric_error = vec2(0.0);  // squared error, count
 float surface_count = 0.0;
-// Of the photometric pairs, weighted: (1, grey) of the reference against the motion, against itself, and against the residual.
+// Weighted products of the photometric pairs: (1, grey) of the reference with the motion, with itself, and with the
+// residual.
 vec3 gain_t = vec3(0.0), gain_r = vec3(0.0), offset_t = vec3(0.0), offset_r = vec3(0.0);
 vec3 brightness = vec3(0.0);  // grey^2, grey, 1
 vec2 brightness_residual = vec2(0.0);
 vec2 geometric_spread = vec2(0.0), photometric_spread = vec2(0.0);  // weight, weight * robust * residual^2
 vec2 gradients = vec2(0.0);
 
-// Weight of a residual in scales, 1 at zero.
+// Returns the weight of a residual in scales, 1 at zero.
 const float kDegreesOfFreedom = 5.0;
 float robust(float residual) { return kDegreesOfFreedom / (kDegreesOfFreedom + residual * residual); }
 
@@ -103,7 +105,8 @@ bool agree(vec3 point, vec3 normal, vec3 vertex, vec3 n) {
          dot(c, c) < p.sine_normal_gate * p.sine_normal_gate;
 }
 
-// The least dissimilar point of the prediction in a window around the projection (paper Eq. 6, 7). R_max is the farthest that agrees.
+// Returns the least dissimilar point of the prediction in a window around the projection (paper Eq. 6, 7). R_max is the
+// farthest one that agrees.
 uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
   int radius = int(p.search_radius);
   float farthest = 1e-9;
@@ -138,7 +141,8 @@ uint search(ivec2 centre, vec3 point, vec3 normal, vec2 kappa) {
   return found;
 }
 
-// `shown` is the prediction at the pixel `centre` that s, seen as `point`, falls into. Returns whether both are the same surface.
+// `shown` is the prediction at the pixel `centre` onto which s, seen as `point`, projects. Returns whether both are the
+// same surface.
 bool add_geometry(ivec2 centre, SurfacePoint shown, vec3 s, SurfacePoint point) {
   vec3 normal = rotate(p.reference_from_camera, unpack_normal(point.normal));
   if (p.search_radius > 0u) {
@@ -148,7 +152,7 @@ bool add_geometry(ivec2 centre, SurfacePoint shown, vec3 s, SurfacePoint point) 
     centre = ivec2(j % p.reference.width, j / p.reference.width);
   }
   vec3 d = reference_vertex(centre, shown), n = unpack_normal(shown.normal);
-  // The normals of pairs that pass the gate are alike because they do, whatever their noise.
+  // Pairs that pass the gate of angles have similar normals by selection, whatever their noise.
   vec3 apart = s - d, sine = cross(n, normal);
   if (d.z > 0.0 && dot(apart, apart) < p.distance_gate_m * p.distance_gate_m)
     near_disagreement += shown.weight * vec2(dot(n, normal) > 0.0 ? dot(sine, sine) : 1.0, 1.0);
@@ -183,12 +187,13 @@ void add_photometry(vec2 uv, SurfacePoint shown, vec3 s, uint i) {
   float residual = grey - (m.gain * known + m.offset);
   vec2 scaled = g * vec2(p.camera.fx, p.camera.fy) / s.z;
   vec3 a = -vec3(scaled, -dot(scaled, s.xy) / s.z), r = cross(s, a);
-  // Noise has gradients, too, and would say that the camera stands still. But the map's noise is another one: what both show is there.
+  // Gradients of noise would suggest that the camera stands still. But the map has other noise, so gradients that both
+  // show are real.
   vec2 shown_g = m.gain * vec2(mix(i10 - i00, i11 - i01, f.y), mix(i01 - i00, i11 - i10, f.x));
   gradients += vec2(dot(g, shown_g), dot(g, g));
-  // A surfel that has hardly been seen says as little about its colour as about its place.
+  // A surfel that was observed only a few times is uncertain in its colour as in its position.
   float maturity = min(1.0, shown.weight * shown.depth_m * shown.depth_m / m.mature_confidence);
-  // Across an edge a fraction of a pixel makes more of a difference than the noise of grey values.
+  // Across an edge, a shift by a fraction of a pixel has more effect than the noise of grey values.
   float expected2 = 1.0 + dot(g, g) * (kBlur * kBlur), spread2 = residual * residual / expected2;
   float base = maturity / (p.photometric_sigma * p.photometric_sigma);
   float weight = base / expected2 * robust(sqrt(spread2) / m.photometric_scale);
