@@ -22,7 +22,8 @@ struct TruePixel {
 struct TruePoint {
   TruePixel pixel;                                   // the pixel that shows it
   Eigen::Vector3d true_m = Eigen::Vector3d::Zero();  // in the true world
-  // in the world of the estimate: the mean over frames that see it, each transformed by its true and its estimated pose
+  // In the world of the estimate: the mean over frames that see it, each transformed by its true and its estimated
+  // pose.
   Eigen::Vector3d estimated_m = Eigen::Vector3d::Zero();
 };
 

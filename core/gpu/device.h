@@ -116,7 +116,7 @@ class Device {
   Timeline* const timeline_;
   std::string lost_;                  // why the device can no longer be used, as text
   VkFence hung_on_ = VK_NULL_HANDLE;  // fence of the timed-out submission
-  // the fence was never signalled: everything that the submission may use is leaked, including the device
+  // The fence was never signalled: everything that the submission may use is leaked, including the device.
   bool given_up_ = false;
 };
 

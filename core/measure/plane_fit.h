@@ -23,7 +23,7 @@ inline constexpr double kPlaneReach_m = 1.0, kPlaneBand_m = 0.1;
 struct MeasuredPlane {
   MeasuredPlace place;                                 // the given place, moved onto the plane, with the plane's normal
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  // of the surfels
-  // unit, in the plane: the direction of largest extent, and the one perpendicular to it
+  // Unit vectors in the plane: the direction of largest extent, and the one perpendicular to it.
   std::array<Eigen::Vector3d, 2> axes;
   std::array<double, 2> slope_sigma{};  // standard deviations of the plane's slope along the axes
   double height_sigma_m = 0;            // of the plane at `centre_m`

@@ -112,7 +112,7 @@ class MapCertainty {
   Eigen::MatrixXd covariance_;
   Rigid3 kept_world_from_camera_;  // of the last kept view
   double way_m_ = 0;               // sum of distances between consecutive kept views
-  // by submap, in the frame before; in the last frame before a loop, until this class has observed the loop
+  // By submap, in the frame before; in the last frame before a loop, until this class has observed the loop.
   std::vector<bool> was_active_;
   std::uint64_t closure_count_ = 0;
   double focal_off_ = 0;  // as reported by camera_is_off()
