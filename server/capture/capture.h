@@ -34,12 +34,12 @@ class Capture {
  public:
   struct Settings {
     std::uint64_t max_frames = 0;              // ends after that many; 0: only when the user ends it
-    std::chrono::milliseconds silence{5'000};  // without a frame for so long, the camera counts as gone
+    std::chrono::milliseconds silence{5'000};  // the camera counts as gone after this time without a frame
   };
 
   // All are called on the camera's thread.
   struct Events {
-    // must not block. Returns whether the frame counts; false while the consumer has not started
+    // Must not block. Returns whether the frame counts; false while the consumer has not started.
     std::function<bool(RgbdFrame)> on_frame;
     std::function<void()> on_end;           // called once
     std::function<CaptureWishes()> wishes;  // called several times per second until this object is destroyed

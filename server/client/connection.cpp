@@ -186,7 +186,7 @@ Result<std::unique_ptr<Connection>> Connection::open(const ServerUrl& url, std::
   }
   bool connected = false;
   std::optional<Error> failure;
-  // declared after the objects that its coroutine refers to, so that it is destroyed first
+  // Declared after the objects that its coroutine refers to, so that it is destroyed first.
   auto impl = std::make_unique<Impl>(std::move(tls));
   impl->server = url.host_and_port();
   prepare(impl->socket, patience);

@@ -59,7 +59,7 @@ struct StreamObserver {
   std::function<void(const std::string& words)> on_link;     // the connection was lost or resumed
   std::function<void(const wire::FrameResult&)> on_event;    // a result with an event
   std::function<int()> interrupt_count;                      // 1: send no more frames and finish. 2: abort
-  std::function<bool()> paused;                              // the user has paused the scan, so no frames come for now; viewers are told
+  std::function<bool()> paused;                              // no frames for now, because the user has paused the scan; viewers are told
 };
 
 struct StreamOutcome {

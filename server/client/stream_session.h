@@ -84,7 +84,7 @@ class StreamSession {
   const StreamObserver& observer_;
 
   Link link_;
-  bool told_paused_ = false;              // over this connection
+  bool told_paused_ = false;              // what the server was told over this connection
   bool link_lost_ = false;                // the error of step() is then no reason to give up the scan
   std::optional<wire::Waiting> waiting_;  // waits for admission by the server
   SteadyTime hello_deadline_;

@@ -55,7 +55,7 @@ struct JobReport {
 // kNotFound, and errors as http_exchange().
 Result<JobReport> job_report(const UploadTarget& target, const std::string& id);
 Result<std::vector<JobReport>> job_reports(const UploadTarget& target);  // newest first
-// retries the job if `retry`, otherwise cancels it
+// Retries the job if `retry`, otherwise cancels it.
 Result<JobReport> change_job(const UploadTarget& target, const std::string& id, bool retry);
 Result<JobReport> wait_for_job(const UploadTarget& target, const std::string& id, const std::function<bool(const JobReport&)>& go_on);
 

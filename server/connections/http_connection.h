@@ -41,7 +41,8 @@ struct Site {
 // the client behind it (address_group). Without `tls` the connection is not encrypted. `site` outlives it.
 boost::asio::awaitable<void> serve_connection(boost::asio::ip::tcp::socket socket, std::string address, TlsContext tls, const Site& site);
 
-// Refuses a connection beyond the limit: sends `answer` without having read a request. Takes at most seven seconds.
+// Refuses a connection beyond the limit: sends `answer` without having read a request. Takes at most seven seconds,
+// apart from sending the answer.
 boost::asio::awaitable<void> refuse_connection(boost::asio::ip::tcp::socket socket, TlsContext tls, HttpAnswer answer);
 
 }  // namespace hermite

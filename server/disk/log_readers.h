@@ -29,8 +29,8 @@ class LogReaders {
   using Post = std::function<void(std::function<void()>)>;
   struct Threads {
     Post network;
-    // one of a few threads that may wait for disks. Posted functions end before this object is destroyed, or never
-    // begin
+    // Runs the function on one of a few threads that may wait for disks. Posted functions end before this object is
+    // destroyed, or never begin.
     Post background;
   };
 

@@ -41,7 +41,7 @@ std::optional<ByteRange> parse_range(std::string_view text, std::uint64_t size_b
   const std::string_view from = text.substr(0, dash), to = text.substr(dash + 1);
   const std::optional<std::uint64_t> first = number_of(from), last = number_of(to);
   if ((!from.empty() && !first) || (!to.empty() && !last) || (from.empty() && to.empty())) return std::nullopt;
-  if (!first) {  // the last so many bytes
+  if (!first) {  // the last bytes, as many as given
     const std::uint64_t count = std::min(*last, size_bytes);
     return ByteRange{size_bytes - count, count};
   }

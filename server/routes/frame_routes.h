@@ -17,7 +17,7 @@ inline constexpr int kMaxFramesAskedAtOnce = 16;
 
 HttpAnswer list_scans_frames(const HttpWorld& world, const Call& call);  // timestamps, and the status of each frame, see server/README.md
 HttpAnswer send_color(const HttpWorld& world, const Call& call);         // JPEG or PNG, as the camera sent it
-// a JPEG for people; ?from_mm=A&to_mm=B is the range of the colour scale
+// Answers with a JPEG for people; ?from_mm=A&to_mm=B is the range of the colour scale.
 HttpAnswer send_depth(const HttpWorld& world, const Call& call);
 HttpAnswer send_raw_depth(const HttpWorld& world, const Call& call);  // 16-bit PNG in sensor units
 

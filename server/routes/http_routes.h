@@ -82,7 +82,7 @@ struct HttpRequest {
 // A long body that is read from storage while it is sent.
 struct StoredBody {
   std::uint64_t size_bytes = 0;  // to be sent
-  // called on another thread; what it uses outlives it
+  // Called on another thread. What it uses outlives it.
   std::function<Result<std::string>(std::uint64_t offset, std::size_t max_bytes)> read;
   std::uint64_t first_byte = 0;
 };

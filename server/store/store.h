@@ -104,7 +104,7 @@ class Store {
   // differ.
   virtual Status add_measurement(const MeasurementRow& row) = 0;
   virtual Result<std::vector<MeasurementRow>> list_measurements(const std::string& scan_id) = 0;  // oldest first; empty if it has none
-  // kNotFound: the scan has no such measurement
+  // Removes a measurement. kNotFound: the scan has no such measurement.
   virtual Status remove_measurement(const std::string& scan_id, const std::string& id) = 0;
 
   // Jobs. kBusy: the share of its token is used up, also when an ended job is queued again. kInvalidArgument: the id

@@ -131,7 +131,7 @@ class Uploads {
   // remembered while this server runs, but not more than 1000.
   std::string job_of(const std::string& id) const;
 
-  // for an upload without a length. Errors as in create()
+  // Sets the length of an upload without one. Errors as in create().
   Status set_length(UploadState& state, std::int64_t length_bytes, const Grant& grant);
   // kNotFound as in find(); kBusy: its job has not ended.
   Status remove(const std::string& id, const Grant& grant, std::int64_t now_ms);
