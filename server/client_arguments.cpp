@@ -12,7 +12,7 @@
 namespace hermite {
 namespace {
 
-// Written by the signal handler only.
+// Changed only by the signal handler.
 std::atomic<int> interrupts{0};
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may touch it");
 

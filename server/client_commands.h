@@ -1,5 +1,6 @@
-// What the subcommands of `hermite-client` share: where the server is, what to tell it, and when somebody wants an end. Exit status: 0
-// well, 1 the scan or the connection failed, 2 usage, and of uploads those below (README.md).
+// What the subcommands of `hermite-client` share: options for the server and for streams, messages, exit statuses and
+// interrupts. Exit status: 0 success, 1 the scan or the connection failed, 2 usage, and for uploads those below
+// (README.md).
 #pragma once
 
 #include <chrono>
@@ -17,9 +18,9 @@
 
 namespace hermite {
 
-inline constexpr int kUnusable = 3;   // a recording was not sent: it is none, or damaged
-inline constexpr int kJobFailed = 4;  // what was sent came to nothing
-inline constexpr int kRefused = 5;    // the server says no: token, limits, room
+inline constexpr int kUnusable = 3;   // a recording was not sent: it is invalid or damaged
+inline constexpr int kJobFailed = 4;  // the job of an upload failed
+inline constexpr int kRefused = 5;    // the server refused: token, limits, space
 
 struct ServerArguments {
   std::string server;
@@ -27,7 +28,7 @@ struct ServerArguments {
   std::string ca;
 };
 
-// A scan that goes to a server frame by frame.
+// A scan that is streamed to a server frame by frame.
 struct StreamTarget {
   ServerArguments server;
   std::string report_path;
@@ -35,7 +36,7 @@ struct StreamTarget {
   std::vector<std::string> settings;
 };
 
-// They return --server, which the caller may require.
+// Return the option --server, which the caller may make mandatory.
 CLI::Option* add_server_options(CLI::App& command, ServerArguments& arguments);
 CLI::Option* add_stream_options(CLI::App& command, StreamTarget& target);
 
@@ -43,22 +44,22 @@ CLI::Option* add_stream_options(CLI::App& command, StreamTarget& target);
 Result<ServerUrl> server_of(const ServerArguments& arguments);
 Result<ApiTarget> api_target_of(const ServerArguments& arguments);  // also kIo: --ca cannot be read
 Result<std::map<std::string, std::string>> parse_settings(const std::vector<std::string>& texts);
-Result<StreamRequest> make_stream_request(const StreamTarget& target, const std::string& name);  // `name`: the title when none is given
+Result<StreamRequest> make_stream_request(const StreamTarget& target, const std::string& name);  // `name`: the title if none is given
 
-// The exit status for what a request came to: kRefused where the server refused it, else kFailed.
+// Returns the exit status for a failed request: kRefused if the server refused it, otherwise kFailed.
 int status_of_answer(const Error& error);
 
-// To stderr; returns `exit_status`.
+// Prints to stderr; returns `exit_status`.
 int fail(int exit_status, const std::string& words);
 
-// The report to stdout and to --report. The exit status.
+// Prints the report to stdout and writes it to --report. Returns the exit status.
 int print_report(const std::string& report_json, const StreamTarget& target);
 
-// From now on SIGINT and SIGTERM are counted instead of ending the program.
+// From now on SIGINT and SIGTERM are counted and do not end the program.
 void count_interrupts();
 
-// 0, 1 or 2: whether somebody wants an end, and then whether somebody insists. Signals within a second of the first are the same wish:
-// wrappers pass on what the terminal has sent to everyone already. Thread-safe.
+// Returns 0, or 1 after an interrupt, or 2 after a further one. Signals within a second of the first count as the same
+// one, since wrappers pass on what the terminal has sent to all processes already. Thread-safe.
 class InterruptCounter {
  public:
   int count();

@@ -53,7 +53,7 @@ Result<std::unique_ptr<CaptureCamera>> open_wanted_camera(const ScanArguments& a
   return open_camera(arguments.camera, *intrinsics);
 }
 
-// What the person at the terminal wants, and what it says to them.
+// The user at the terminal: reads wishes and prints messages.
 class Person {
  public:
   Person() : printer_(std::cerr, isatty(STDERR_FILENO) != 0) { count_interrupts(); }

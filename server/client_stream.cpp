@@ -55,7 +55,7 @@ Result<std::unique_ptr<Sequence>> open_with_camera(const StreamArguments& argume
   return open_sequence(arguments.sequence, *camera);
 }
 
-// The server's report, with the accuracy where the recording knows the truth.
+// Returns the server's report, with the accuracy if the recording has ground truth.
 Result<std::string> complete_report(const StreamOutcome& outcome, const Sequence& sequence) {
   if (sequence.groundtruth().empty()) return outcome.report_json;
   const auto trajectory = parse_tum_trajectory(outcome.trajectory_tum);

@@ -17,14 +17,14 @@ namespace hermite {
 
 namespace {
 
-constexpr std::uint64_t kEnoughDisk_bytes = 5ull << 30;  // a few hundred large scans' results
+constexpr std::uint64_t kEnoughDisk_bytes = 5ull << 30;  // results of a few hundred large scans
 
 struct DoctorArguments {
   std::string device;
   std::string data_folder;
 };
 
-// The folder itself, or the nearest one above it that is there.
+// Returns the folder itself, or its nearest existing parent.
 std::filesystem::path existing_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::path path = std::filesystem::absolute(folder, error);

@@ -44,7 +44,7 @@ int list_formats(const DownloadTarget& target) {
   return 0;
 }
 
-// "SCAN-mesh.glb", and with options, of which there may be none yet, "SCAN-mesh_s1000_c.glb".
+// Returns "SCAN-mesh.glb" or, with options, for which the server may not list a file yet, "SCAN-mesh_s1000_c.glb".
 std::string default_name(const DownloadTarget& target) {
   const std::size_t end = std::min(target.format.find('_'), target.format.size());
   const std::string plain = target.format.substr(0, end), suffix = target.format.substr(end);

@@ -34,10 +34,10 @@ struct EvaluateArguments {
   std::vector<std::int64_t> spacings = ConsistencyOptions().spacings;
 };
 
-// At which the colour of an error is red; none is blue.
+// Errors of this size and more are red; no error is blue.
 constexpr double kReddest_m = 0.02;
 
-// Of a TUM file or of a sequence.
+// Reads ground truth from a TUM file or a sequence.
 Trajectory read_groundtruth(const std::string& source) {
   if (is_file(source)) return or_throw(read_tum_trajectory(source));
   Result<std::unique_ptr<Sequence>> sequence = open_sequence(source);
@@ -57,7 +57,7 @@ std::vector<Triangle> triangles_of(const PlyShape& shape) {
 
 struct Truth {
   TrueSurface surface;
-  Trajectory groundtruth;  // to align with
+  Trajectory groundtruth;  // for alignment
 };
 
 Truth open_truth(const EvaluateArguments& arguments) {
@@ -73,7 +73,7 @@ Truth open_truth(const EvaluateArguments& arguments) {
   return truth;
 }
 
-// From blue over green to red.
+// Maps an error to a colour from blue over green to red.
 Rgb8 color_of(double error_m) {
   const double share = std::min(error_m / kReddest_m, 1.0), green = 1 - std::abs(2 * share - 1);
   const auto byte = [](double value) { return static_cast<std::uint8_t>(255 * value + 0.5); };
@@ -152,7 +152,8 @@ Json judge_mesh(const std::string& path, const PlyShape& surfels, const Evaluate
   return json;
 }
 
-// Of every mesh what is wrong with it and, where there is a truth, how far it is from that; of the cloud the same errors.
+// Returns the defects of every mesh and, if there is ground truth, its distance from that; for the cloud the same
+// errors.
 Json evaluate_meshes(const EvaluateArguments& arguments) {
   const PlyShape cloud = arguments.cloud.empty() ? PlyShape() : read_ply_file(arguments.cloud);
   const PlyShape surfels = arguments.surfels.empty() ? cloud : read_ply_file(arguments.surfels);

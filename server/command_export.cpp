@@ -21,7 +21,7 @@ struct ExportArguments {
   double texel_mm = 1000 * TextureOptions().texel_m;
 };
 
-// Of a result's folder; a PLY file is all that there is itself.
+// Returns the path of a file in the folder of a result; if the result is a PLY file, that file.
 std::string path_in_result(const ExportArguments& arguments, const char* name) {
   if (!is_folder(arguments.result)) {
     if (!is_file(arguments.result))
@@ -60,7 +60,7 @@ std::unique_ptr<Sequence> sequence_to_export(const ExportArguments& arguments) {
   return or_throw(as_scanned(std::move(sequence), or_throw(read_text_file(report))));
 }
 
-// With the colours of the recording, where one is given.
+// Returns the mesh, with the colours of the recording if one is given.
 TriangleMesh textured_mesh_to_export(const ExportArguments& arguments, const ExportFormat& format) {
   TriangleMesh mesh = mesh_to_export(arguments);
   if (arguments.sequence.empty()) return mesh;

@@ -10,7 +10,7 @@ namespace hermite {
 
 namespace {
 
-// How many letters must be put in, taken out or changed to make `b` of `a`.
+// Returns how many letters must be inserted, removed or changed to turn `a` into `b`.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -24,7 +24,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-// Nothing to say of arguments that name a command of ours.
+// Returns a message if the first argument is an unknown command; otherwise an empty text.
 std::string unknown_command(const CLI::App& app, const std::vector<Command>& commands, int argc, const char* const* argv) {
   const std::string word = argc > 1 ? argv[1] : "";
   if (word.empty() || word.front() == '-') return {};
@@ -44,7 +44,7 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
   std::string nearest;
   std::size_t least = kWrongLetters + 1;
   for (const std::string& name : names)
-    // Of a short word hardly anything would be left.
+    // Of a short word hardly any letter would remain.
     if (const std::size_t distance = edit_distance(word, name); distance < std::min(least, word.size())) {
       nearest = name;
       least = distance;

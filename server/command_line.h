@@ -1,4 +1,4 @@
-// What `hermite` and `hermite-client` do with their arguments.
+// Handles the command line of `hermite` and `hermite-client`.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace hermite {
 
-// Parses the arguments and runs the command that they name. What is wrong goes to stderr, in words. The exit status.
+// Parses the arguments and runs the command that they name. Prints errors to stderr, in words. Returns the exit status.
 int run_command_line(CLI::App& app, const std::vector<Command>& commands, int argc, const char* const* argv);
 
-// The name that somebody meant who has typed `word`: the nearest, with at most two letters wrong, or the first that begins with it; empty:
-// none.
+// Returns the name that the user probably meant by `word`: the nearest one, with at most two wrong letters, or the
+// first one that starts with it; empty if there is none.
 std::string nearest_name(std::string_view word, const std::vector<std::string>& names);
 
 }  // namespace hermite

@@ -21,7 +21,8 @@ namespace hermite {
 
 namespace {
 
-// A calibration is of poses that the camera as it was has bent. With the better one the rest shows, and is small.
+// A calibration is based on poses that the wrong intrinsics have distorted. With better intrinsics the remaining error
+// becomes visible, and is small.
 constexpr int kMostCalibrations = 2;
 
 struct ReconstructArguments {
@@ -46,7 +47,8 @@ int dump_raw(const std::string& path, const Sequence& sequence, FrameRange range
   return 0;
 }
 
-// Reconstructs, and again with the camera that was found to be better. `calibrations` gets one object each time.
+// Reconstructs, and repeats that with the camera if calibration finds a better one. Appends an object to `calibrations`
+// each time.
 OfflineRun reconstruct_calibrated(std::unique_ptr<Sequence>& sequence, FrameRange range, const Options& options, const std::string& device,
                                   nlohmann::ordered_json& calibrations) {
   OfflineRun run = reconstruct_frames(*sequence, range, options, device);
@@ -54,14 +56,14 @@ OfflineRun reconstruct_calibrated(std::unique_ptr<Sequence>& sequence, FrameRang
     const Calibration calibration = calibrate(*sequence, range, tracked_poses(run));
     calibrations.push_back(nlohmann::ordered_json::parse(format_calibration_json(calibration)));
     if (!calibration.is_applied) break;
-    run = {};  // its memory is the next one's
+    run = {};  // frees its memory for the next run
     sequence = std::make_unique<RecalibratedSequence>(std::move(sequence), calibration.camera);
     run = reconstruct_frames(*sequence, range, options, device);
   }
   return run;
 }
 
-// How far poses are where they were said to be.
+// Returns how often poses lie within their stated accuracy.
 nlohmann::ordered_json stated_json(const std::vector<FrameRow>& rows, const Trajectory& groundtruth) {
   const StatedShare share = share_inside(rows, stated_errors(rows, groundtruth));
   return {{"frames", share.frame_count},
@@ -95,7 +97,7 @@ int run_reconstruct(const ReconstructArguments& arguments) {
   results.report_json = report.dump(2) + "\n";
   for (const auto& [name, bytes] : files_of(results)) or_throw(write_file_atomically(arguments.out_folder + "/" + name, bytes));
   if (arguments.mesh) {
-    run = {};  // its memory is the mesh's
+    run = {};  // frees its memory for the mesh
     report["mesh"] = make_mesh_file(mesh_source_path(arguments.out_folder), {}, arguments.out_folder + "/mesh.ply");
     results.report_json = report.dump(2) + "\n";
     or_throw(write_file_atomically(arguments.out_folder + "/report.json", results.report_json));

@@ -1,4 +1,4 @@
-// hermite-client list, show, rename, stop, delete and share: the scans of a server from a terminal
+// hermite-client list, show, rename, stop, delete and share
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -24,14 +24,14 @@ struct ScansArguments {
   bool json = false, yes = false, list = false;
 };
 
-// Another person's title could otherwise move the cursor or recolour the terminal.
+// The title of another user could otherwise move the cursor or change the colours of the terminal.
 std::string printable(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
   return text;
 }
 
-// "2024-05-01 12:00 UTC" out of "2024-05-01T12:00:00.123Z".
+// Turns "2024-05-01T12:00:00.123Z" into "2024-05-01 12:00 UTC".
 std::string minute_of(const std::string& utc) { return utc.size() < 16 ? "-" : utc.substr(0, 10) + " " + utc.substr(11, 5) + " UTC"; }
 
 bool contains(const std::string& text, const std::string& part) {
@@ -44,7 +44,7 @@ bool is_asked_for(const ScanSummary& scan, const ScansArguments& arguments) {
 }
 
 int run_list(const ApiTarget& target, const ScansArguments& arguments) {
-  Result<std::vector<ScanSummary>> scans = list_scans(target, arguments.count + 1);  // one more, to know whether these are all
+  Result<std::vector<ScanSummary>> scans = list_scans(target, arguments.count + 1);  // one more, to find out whether these are all
   if (!scans.ok()) return fail(status_of_answer(scans.error()), scans.error().message);
   const bool are_all = scans->size() <= arguments.count;
   if (!are_all) scans->pop_back();
@@ -88,7 +88,7 @@ int print_done(const Status& done, const std::string& message) {
   return 0;
 }
 
-// A deleted scan is gone with its frames, so a person at a terminal is asked, and a script has to say --yes.
+// Deletion includes the frames, so a user at a terminal is asked to confirm, and a script needs --yes.
 int run_delete(const ApiTarget& target, const ScansArguments& arguments) {
   const Result<ScanSummary> scan = show_scan(target, arguments.scan);
   if (!scan.ok()) return fail(status_of_answer(scan.error()), scan.error().message);
@@ -126,7 +126,7 @@ int run_share(const ApiTarget& target, const ScansArguments& arguments) {
 
 using Run = int (*)(const ApiTarget&, const ScansArguments&);
 
-// A command with the options that all of these have.
+// A command with the options common to all of these.
 struct ScansCommand {
   CLI::App* app;
   std::shared_ptr<ScansArguments> arguments;
@@ -138,7 +138,7 @@ ScansCommand add_command(CLI::App& app, const char* name, const char* descriptio
   return command;
 }
 
-// Ids go into paths as they are.
+// Ids are used in paths without escaping.
 CLI::Validator is_id() {
   return CLI::Validator(
       [](std::string& text) {

@@ -29,7 +29,7 @@ struct ServeArguments {
   std::map<std::string, const CLI::Option*> flags;  // by setting
 };
 
-// Beside an installed program, else where the sources were built.
+// Returns the folder next to an installed program, or else the one where the sources were built.
 std::string default_web_folder() {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -42,7 +42,7 @@ void or_usage(const std::string& where, const Status& status) {
   if (!status.ok()) throw SetupError({ErrorCode::kInvalidArgument, in_context(where, status.error()).message});
 }
 
-// The file, then the environment, then the flags: what comes later goes before.
+// Applies the file, then the environment, then the flags: later ones override earlier ones.
 ServiceOptions options_of(const ServeArguments& arguments) {
   ServiceOptions options = arguments.defaults;
   if (!arguments.config.empty())
@@ -56,9 +56,9 @@ ServiceOptions options_of(const ServeArguments& arguments) {
   return options;
 }
 
-// glibc gives every thread an arena of its own, up to eight a processor, and gives none of them back: after some hundred small scans, each
-// with threads of its own, they held three times what was in use (deploy/README.md). Nothing here allocates often enough to feel a lock.
-// MALLOC_ARENA_MAX in the environment says otherwise.
+// glibc gives every thread its own arena, up to eight per processor, and never frees them: after some hundred small
+// scans, each with its own threads, they held three times the memory in use (deploy/README.md). Nothing here allocates
+// often enough for the locks of shared arenas to matter. MALLOC_ARENA_MAX in the environment overrides this.
 void use_few_arenas() {
 #ifdef __GLIBC__
   if (!std::getenv("MALLOC_ARENA_MAX")) mallopt(M_ARENA_MAX, 2);
@@ -73,15 +73,15 @@ int run_serve(const ServeArguments& arguments) {
   }
   const bool json = options.log_format == "json" || (options.log_format == "auto" && isatty(STDERR_FILENO) == 0);
   spdlog::set_default_logger(make_logger(std::cerr, json ? LogFormat::kJson : LogFormat::kText, options.log_level));
-  umask(0077);  // what the server makes is nobody else's, whatever library makes it
+  umask(0077);  // files of the server are private, whichever library creates them
   use_few_arenas();
   Service service(options);
-  // One line, for people to open and for scripts to read.
+  // One line, for users to open and for scripts to read.
   std::cout << service.url() << (service.token_works() ? "/#token=" + service.token() : "/") << std::endl;
   if (!service.token_works()) spdlog::info("the first token was revoked; `hermite token list` shows the others");
   spdlog::info("serving {}, data in {}", service.url(), options.data_folder);
   if (service.run()) return 0;
-  // A worker is still inside the GPU driver and cannot be waited for; results of all others are written.
+  // A worker is still inside the GPU driver and cannot be waited for; the results of all others are written.
   spdlog::shutdown();
   std::_Exit(kFailed);
 }

@@ -1,5 +1,5 @@
-// hermite token, hermite share: who may use a server. On a data folder that no server uses they work on its database; beside a running
-// server they ask that one, because only one program may have the database open.
+// hermite token, hermite share: manage who may use a server. For a data folder that no server uses, they change its
+// database; if a server is running, they send it requests, because only one program may have the database open.
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
@@ -32,14 +32,14 @@ struct TokenOptions {
   std::string name;
   std::vector<std::string> scopes = {"view", "scan"};
   int days = kDefaultTokenDays;
-  std::string id;       // of a token, a share link or a scan
-  std::string address;  // for links
+  std::string id;       // of a token, share link or scan
+  std::string address;  // of the server, for links
 };
 
-// Where tokens are managed: through a running server, or in the store.
+// Manages tokens through a running server, or in the store.
 class Office {
  public:
-  // Throws SetupError when there is neither.
+  // Throws SetupError if neither is available.
   explicit Office(const std::string& data_folder) {
     std::error_code error;
     if (!std::filesystem::is_directory(data_folder, error))
@@ -75,7 +75,7 @@ class Office {
   }
 
  private:
-  // In the audit log, as a server does it.
+  // Writes to the audit log, as a server does.
   Result<std::string> noted(const std::string& did, const std::string& to, Result<std::string> done) const {
     Audit(data_->audit_folder(), unix_now_ms())
         .note({unix_now_ms(), "", "the owner of the data folder", did, to, done.ok() ? "done" : name_of(done.error().code)});
@@ -105,7 +105,7 @@ class Office {
 
 std::string text_or(const Json& value, const std::string& otherwise) { return value.is_string() ? value.get<std::string>() : otherwise; }
 
-// What a row is for: the scopes of a token, the scan of a share link.
+// Returns what a row allows: the scopes of a token, the scan of a share link.
 std::string purpose_of(const Json& row) {
   if (row.contains("scan")) return row["scan"];
   std::string words;
@@ -124,7 +124,7 @@ void print_rows(const Json& rows, const char* purpose) {
          text_or(row["used_at"], "not yet").substr(0, 16), text_or(row["name"], ""));
 }
 
-// The exit status; `print` shows what a person wants to see of an answer.
+// Returns the exit status; `print` prints the answer for people.
 template <class Print>
 int report(const Result<std::string>& answer, bool json, Print print) {
   if (!answer.ok()) {
@@ -158,7 +158,7 @@ int create_share_now(const TokenOptions& options) {
   });
 }
 
-// The three subcommands of `what`; each sets `run` when it was the one.
+// The three subcommands of `what`; the one that was given sets `run`.
 struct Group {
   CLI::App* app;
   std::shared_ptr<TokenOptions> options = std::make_shared<TokenOptions>();

@@ -34,7 +34,7 @@ struct UploadArguments {
   int priority = 0;
   int patience_s = 600;
   bool wait = false, json = false, no_check = false;
-  bool import = false;  // clouds and meshes alone
+  bool import = false;  // only clouds and meshes
 };
 
 struct JobsArguments {
@@ -43,13 +43,13 @@ struct JobsArguments {
   bool json = false;
 };
 
-// What came of one recording.
+// The result for one recording.
 struct Outcome {
   int exit_status = 0;
   std::string path;
   std::string job;
   JobReport report;
-  std::string words;  // why not
+  std::string words;  // why it failed
 };
 
 Result<UploadTarget> target_of(const ServerArguments& arguments) {
@@ -61,7 +61,7 @@ Result<UploadTarget> target_of(const ServerArguments& arguments) {
   return target;
 }
 
-// $XDG_STATE_HOME/hermite/uploads, else ~/.local/state/hermite/uploads.
+// Returns $XDG_STATE_HOME/hermite/uploads, or ~/.local/state/hermite/uploads if that is not set.
 std::string notes_folder() {
   const char* const state = std::getenv("XDG_STATE_HOME");
   if (state && *state) return std::string(state) + "/hermite/uploads";
@@ -69,7 +69,7 @@ std::string notes_folder() {
   return std::string(home && *home ? home : ".") + "/.local/state/hermite/uploads";
 }
 
-// One line that is rewritten on a terminal, a line of its own for what stays.
+// A line that is overwritten on a terminal, and separate lines for lasting messages.
 class Screen {
  public:
   explicit Screen(bool terminal) : terminal_(terminal) {}
@@ -136,7 +136,7 @@ class Uploading {
       outcomes.push_back(send(path));
       if (!outcomes.back().words.empty()) screen_.line("hermite-client: " + path + ": " + outcomes.back().words);
       if (!arguments_.wait) tell(outcomes.back());
-      // The others would fare no better.
+      // The others would fail, too.
       if (interrupts_.count() > 0 || hopeless_) break;
     }
     int exit_status = 0;
@@ -149,7 +149,8 @@ class Uploading {
   }
 
  private:
-  // What it is, before it is sent; its camera, so that the server need not guess from names.
+  // Checks the recording before it is sent, unless --no-check, and adds its camera, so that the server need not guess
+  // from names.
   Result<UploadMetadata> metadata_of(const std::string& path) {
     const std::filesystem::path name = std::filesystem::path(path).lexically_normal();
     const std::string filename = name.has_filename() ? name.filename().string() : name.parent_path().filename().string();
@@ -181,7 +182,7 @@ class Uploading {
     return metadata;
   }
 
-  // As the server will read it, so that what is wrong is said before it is sent.
+  // Reads the model as the server will, so that errors are reported before it is sent.
   Status check_model(const std::string& path) {
     if (arguments_.no_check) return Done{};
     const auto settings = parse_settings(arguments_.settings);

@@ -1,4 +1,5 @@
-// The subcommands of `hermite`: each adds itself to the command line and returns what runs it. Exit status: 0 well, 1 failed, 2 usage.
+// The subcommands of `hermite`: each function adds one to the command line and returns it with the function that runs
+// it. Exit status: 0 success, 1 failure, 2 usage.
 #pragma once
 
 #include <functional>
@@ -16,7 +17,7 @@ namespace hermite {
 inline constexpr int kFailed = 1;
 inline constexpr int kUsage = 2;
 
-// Runs the subcommand after the arguments were parsed. May throw SetupError, which main puts into words.
+// Runs the subcommand after the arguments were parsed. May throw SetupError, which main reports.
 struct Command {
   CLI::App* app = nullptr;
   std::function<int()> run;
@@ -38,7 +39,7 @@ Command add_audit_command(CLI::App& app);
 Command add_token_command(CLI::App& app);
 Command add_share_command(CLI::App& app);
 
-// $XDG_DATA_HOME/hermite, else ~/.local/share/hermite.
+// Returns $XDG_DATA_HOME/hermite, or ~/.local/share/hermite if that is not set.
 std::string default_data_folder();
 
 }  // namespace hermite

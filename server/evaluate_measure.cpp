@@ -29,12 +29,12 @@ namespace {
 using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 
-// A mesh is off by so much where one clicks on it (tests/accuracy/README.md, "Mesh").
+// Deviation of a mesh from the surface where a user clicks on it (tests/accuracy/README.md, "Mesh").
 constexpr double kPickDeviation_m = 0.002;
 
 constexpr std::array kClassBounds_m{0.0, 0.5, 1.0, 2.0, 4.0, std::numeric_limits<double>::infinity()};
 
-// What needs planes takes some hundredths of a second each.
+// Measurements that need planes take some hundredths of a second each.
 constexpr std::size_t kPairsForOnePlane = 20;
 constexpr int kMostDrawnCorners = 8;
 
@@ -97,7 +97,7 @@ double median_of(std::vector<double> values) {
 
 double angle_deg(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI; }
 
-// Of an outline that lies in one plane.
+// The outline must be planar.
 double outline_area_m2(const std::vector<Vector3d>& corners) {
   Vector3d doubled = Vector3d::Zero();
   for (std::size_t i = 0; i < corners.size(); ++i)
@@ -105,7 +105,7 @@ double outline_area_m2(const std::vector<Vector3d>& corners) {
   return doubled.norm() / 2;
 }
 
-// A result beside the truth, and random things to measure in it.
+// Holds a result with its ground truth, and measures random things in it.
 class MeasureJudge {
  public:
   MeasureJudge(const MeasureJudging& judging, const TruePlaces& truth, Surfels surfels, MapKnowledge map)
@@ -114,7 +114,7 @@ class MeasureJudge {
         truth_(truth),
         surfels_(std::move(surfels)),
         map_(std::move(map)) {
-    // A quarter more than are needed, for those that nothing can be measured at.
+    // A quarter more than needed, since some cannot be measured at.
     const std::vector<TruePoint> points = truth.points(pairs_ * 5 / 2, seed_);
     for (std::size_t i = 0; i < points.size(); ++i) points_.push_back(judged(points[i], i));
   }
@@ -130,7 +130,7 @@ class MeasureJudge {
     return kind;
   }
 
-  // Up is the true one, turned into the estimate's world and off by as much as one that was found.
+  // Up is the true one, transformed into the world frame of the estimate, with the error of an estimated one.
   JudgedKind heights() const {
     JudgedKind kind;
     const Vector3d true_up = truth_.true_up(), up = truth_.estimate_from_true() * true_up;
@@ -145,7 +145,7 @@ class MeasureJudge {
     return kind;
   }
 
-  // Where the truth has planes.
+  // Measures where the ground truth has planes.
   JudgedKind planes_and_angles(JudgedKind& angles) const {
     JudgedKind kind;
     for (std::size_t i = 1; i < points_.size() && kind.tried < pairs_ / kPairsForOnePlane; i += 2) {
@@ -166,7 +166,7 @@ class MeasureJudge {
     return kind;
   }
 
-  // By turns of three points anywhere, and of 3 to 8 points of a plane that the truth has.
+  // Alternates between three arbitrary points, and 3 to 8 points of a true plane.
   JudgedKind areas() const {
     JudgedKind kind;
     for (std::size_t i = 2; i < points_.size() && kind.tried < pairs_ / kPairsForOnePlane; i += 3) {
@@ -186,7 +186,7 @@ class MeasureJudge {
   }
 
  private:
-  // None: nothing can be measured there.
+  // Returns std::nullopt if nothing can be measured there.
   std::optional<JudgedPoint> judged(const TruePoint& point, std::size_t counter) const {
     const Result<MeasuredPlace> there = surfels_.fit(point.estimated_m);
     if (!there.ok()) return std::nullopt;
@@ -195,7 +195,7 @@ class MeasureJudge {
     return found.ok() ? std::optional(JudgedPoint{point, *found}) : std::nullopt;
   }
 
-  // Around the middle, so that the outline does not cross itself.
+  // Orders the corners by angle around the centre, so that the outline does not cross itself.
   std::vector<std::optional<JudgedPoint>> corners_in_plane(std::size_t index) const {
     if (!points_[index]) return {};
     const std::optional<TruePlane> plane = truth_.plane_at(points_[index]->truth.pixel);
@@ -232,7 +232,7 @@ class MeasureJudge {
   std::vector<std::optional<JudgedPoint>> points_;
 };
 
-// Of those whose true value is at least one bound and less than the other.
+// Summarises measurements whose true value is at least `from` and less than `to`.
 Json summary_of(const std::vector<Judged>& all, double from, double to, const char* count_key) {
   std::vector<double> half_widths, errors;
   std::size_t inside = 0;

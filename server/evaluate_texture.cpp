@@ -23,7 +23,7 @@ void write_png(const std::string& path, const ColorImage& image) {
   or_throw(write_file_atomically(path, std::string(bytes.begin(), bytes.end())));
 }
 
-// The frame, and below it the mesh with its texture and with the colours of its vertices.
+// Places the frame above renderings of the mesh with its texture and with its vertex colours.
 ColorImage beside_each_other(const ColorImage& frame, const ColorImage& textured, const ColorImage& vertices) {
   ColorImage all(frame.width, 3 * frame.height);
   auto at = std::copy(frame.pixels.begin(), frame.pixels.end(), all.pixels.begin());

@@ -1,4 +1,4 @@
-// What `hermite evaluate --texture` prints.
+// The output of `hermite evaluate --texture`.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -8,13 +8,14 @@ namespace hermite {
 
 struct TextureJudging {
   std::string recording, mesh, trajectory;
-  std::string pictures;  // folder for the pages, and for each frame left out beside the mesh's pictures of it; empty: none
+  std::string pictures;  // folder for the atlas pages, and for each held-out frame next to renderings of the mesh; empty: none
   double texel_mm = 2;
   int max_views = 200, blended_views = 4;
   bool keeps_exposure = false, keeps_poses = false;
 };
 
-// Makes the texture of the mesh without every eighth view, and says how near its pictures come to those. SetupError.
+// Makes the texture of the mesh without every eighth view, and compares renderings of it with those views. Throws
+// SetupError.
 nlohmann::ordered_json evaluate_texture(const TextureJudging& judging);
 
 }  // namespace hermite

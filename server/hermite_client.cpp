@@ -1,5 +1,5 @@
-// hermite-client: streams recordings and cameras to a Hermite server, or uploads recordings, and takes what came of them. Exit status:
-// client_commands.h.
+// hermite-client: streams recordings and cameras to a Hermite server, or uploads recordings, and fetches the results.
+// Exit status: client_commands.h.
 #include <CLI/CLI.hpp>
 
 #include "server/client_commands.h"

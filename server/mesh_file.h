@@ -1,5 +1,5 @@
-// What `hermite mesh` and `hermite reconstruct --mesh` have in common: a mesh is made of a file of points, and written. Failures are
-// SetupErrors.
+// What `hermite mesh` and `hermite reconstruct --mesh` share: makes a mesh from a file of points and writes it. Throws
+// SetupError.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,16 @@ namespace hermite {
 
 struct MeshMaking {
   ContourOptions contour;
-  double simplify_mm = 0;      // 0: not at all
-  std::int64_t triangles = 0;  // with that: not fewer than these
+  double simplify_mm = 0;      // 0: no simplification
+  std::int64_t triangles = 0;  // of the simplified mesh: at least this many
   HoleFillOptions holes;
 };
 
-// Of a result folder what meshes are made of, or at least its cloud; of a file that.
+// Returns for the folder of a result the file from which meshes are made, or else its cloud; for a file that file.
 std::string mesh_source_path(const std::string& result);
 
-// Reads points with normals from a PLY and writes their mesh as one, whole or not at all. Gives back what came of it, for people and
-// programs: counts, areas and seconds.
+// Reads points with normals from a PLY file and writes their mesh as another, completely or not at all. Returns counts,
+// areas and seconds.
 nlohmann::ordered_json make_mesh_file(const std::string& points_path, const MeshMaking& making, const std::string& mesh_path);
 
 }  // namespace hermite

@@ -28,7 +28,7 @@ std::string duration_words(double seconds) {
   return text;
 }
 
-// What is worth a line of its own, or nothing. `said`: the reason of the frame before.
+// Returns what is worth a separate line; empty if nothing is. `said`: the reason of the previous frame.
 std::string remark_on(const FrameResult& result, const std::string& said) {
   constexpr double kShownCorrection_m = 0.001;
   std::string remark = name_of(result.event);

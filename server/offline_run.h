@@ -1,5 +1,5 @@
-// What `hermite reconstruct` and `hermite calibrate` have in common: a recording goes through a pipeline here, without a server. Failures
-// are SetupErrors.
+// What `hermite reconstruct` and `hermite calibrate` share: processing a recording in this process, without a server.
+// Throws SetupError.
 #pragma once
 
 #include <chrono>
@@ -32,10 +32,10 @@ inline constexpr const char* kNoiseHelp = "Add noise to the depth: kinect[,seed=
 
 std::unique_ptr<Sequence> open_source(const OfflineArguments& arguments);
 Options options_of(const OfflineArguments& arguments);
-// For the help: every setting with its default.
+// Returns every setting with its default, for the help.
 std::string settings_table();
 
-// One line that is rewritten, on a terminal only: a log file has no use for it.
+// A line that is overwritten, only on a terminal: in a log file it would be useless.
 class Progress {
  public:
   explicit Progress(std::int64_t frame_count);
@@ -52,8 +52,8 @@ class Progress {
 
 inline constexpr std::size_t kFramesAhead = 4;
 
-// Every frame of the range goes through `prepare` on a second thread, a few ahead, and then to `work`, which returns words for the line of
-// progress: reconstruction waits neither for a PNG nor for a straight image.
+// Passes every frame of the range to `prepare` on a second thread, a few ahead, and then to `work`, which returns text
+// for the progress line. So reconstruction waits neither for decoding nor for rectification.
 template <class Prepare, class Work>
 void for_each_frame(const Sequence& sequence, FrameRange range, Prepare prepare, Work work) {
   struct Ready {
@@ -80,7 +80,7 @@ struct OfflineRun {
 };
 OfflineRun reconstruct_frames(const Sequence& sequence, FrameRange range, const Options& options, const std::string& device);
 
-// Of the frames that were not lost, as the map lies at the end.
+// Returns the poses of the frames that were not lost, in the final map.
 Trajectory tracked_poses(const OfflineRun& run);
 
 }  // namespace hermite

@@ -1,4 +1,4 @@
-// A PLY file that somebody has named on the command line.
+// Reads a PLY file named on the command line.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,9 @@
 
 namespace hermite {
 
-inline constexpr std::size_t kMaxPly_bytes = std::size_t{4} << 30;  // some 90 million of our points
+inline constexpr std::size_t kMaxPly_bytes = std::size_t{4} << 30;  // some 90 million points as written by this program
 
-// Throws SetupError in words that name the path: not there, too large, or no PLY.
+// Throws SetupError, in words that name the path: missing, too large, or not a PLY file.
 PlyShape read_ply_file(const std::string& path);
 
 }  // namespace hermite

@@ -1,4 +1,4 @@
-// The folder of a result, as hermite reconstruct writes it, for what is measured in it.
+// Reads the folder of a result, as written by hermite reconstruct, to measure in it.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace hermite {
 
 struct ResultFiles {
   std::string trajectory_text, report_json;
-  ReadPart surfels;  // of surfels.ply, which stays open
+  ReadPart surfels;  // reads surfels.ply, which stays open
 };
 
 // kNotFound, kIo, kTooLarge (kMaxTextFile_bytes), naming the file.

@@ -20,10 +20,10 @@ std::string lower(std::string_view text) {
 
 struct HostAndPort {
   std::string_view host;  // IPv6 with its brackets
-  std::string_view port;  // digits, maybe none
+  std::string_view port;  // digits, perhaps empty
 };
 
-// Nothing for text that is no "host" or "host:port".
+// Returns std::nullopt if the text is not "host" or "host:port".
 std::optional<HostAndPort> split_host(std::string_view text) {
   std::size_t end = 0;
   if (!text.empty() && text.front() == '[') {

@@ -16,11 +16,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kIdBytes = 6;  // 12 hex digits: short enough to type, and a few thousand share them
+constexpr int kIdBytes = 6;  // 12 hex digits: short enough to type, for a few thousand rows
 
 Error invalid(const std::string& words) { return {ErrorCode::kInvalidArgument, words}; }
 
-// The request's object; an empty text is an empty one. Fields that are not known are refused: a misspelt limit must not be no limit.
+// Parses a request; an empty text is an empty object. Unknown members are refused, so that a misspelt limit does not
+// mean no limit.
 Result<Json> parse_request(const std::string& request, std::initializer_list<const char*> known_fields) {
   Json json = request.empty() ? Json::object() : Json::parse(request, nullptr, false);
   if (!json.is_object()) return invalid("the request is no JSON object");
@@ -74,7 +75,7 @@ Result<int> days_in(const Json& request, const DaysRange& range) {
   return days.get<int>();
 }
 
-// A row that expires in so many days, and the secret that it knows only as a hash.
+// Returns a row that expires in `days`, and its secret, of which the row has only the hash.
 std::pair<TokenRow, std::string> new_row(std::string_view prefix, const std::string& name, int days, std::int64_t now_ms) {
   std::string secret = new_secret(prefix);
   TokenRow row;
@@ -108,7 +109,7 @@ Json row_json(const TokenRow& row, std::int64_t now_ms) {
   return json;
 }
 
-// Those that `wanted` picks, as {name: [...]}.
+// Lists the rows for which `wanted` returns true, as {name: [...]}.
 template <class Wanted>
 Result<std::string> list_rows(Store& store, const char* name, std::int64_t now_ms, Wanted wanted) {
   const Result<std::vector<TokenRow>> rows = store.list_tokens();
@@ -149,7 +150,7 @@ Result<std::string> create_share(Store& store, const std::string& scan_id, const
   row.scopes = {true, false, false};
   row.scan_id = scan_id;
   row.made_by = made_by;
-  // An empty one would make a token of it, which opens every scan.
+  // An empty id would create a token for all scans.
   if (!is_scan_id(scan_id)) return Error{ErrorCode::kNotFound, "there is no such scan: an id has 26 characters of a-z and 0-9"};
   if (Status status = store.add_token(row); !status.ok()) return status.error();
   const std::string path = "/#share=" + secret + "&scan=" + scan_id;

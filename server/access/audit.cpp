@@ -32,9 +32,9 @@ constexpr std::size_t kMaxWaitingEntries = 10'000;  // 3 MB
 constexpr std::int64_t kWrongTokensPeriod_ms = 60'000;
 constexpr std::string_view kHashField = ",\"hash\":\"";
 const std::string kNoEntryBefore(64, '0');
-// What an entry about the end of what was there before says that was done.
+// Values of "did" in entries about what a start found missing.
 constexpr const char *kEntriesMissing = "audit entries missing", *kHeadMissing = "audit head missing";
-constexpr std::size_t kHeadDigits = 16;  // of the digest of a head: against half a write, not against people
+constexpr std::size_t kHeadDigits = 16;  // of the digest of a head: it detects partial writes, not manipulation
 
 std::string file_name(int number) {
   char name[32];
@@ -48,7 +48,7 @@ std::optional<int> number_of(const std::string& name) {
   return number;
 }
 
-// Oldest first.
+// Returns the numbers in ascending order.
 std::vector<int> file_numbers(const std::string& folder) {
   std::vector<int> numbers;
   std::error_code error;
@@ -60,31 +60,31 @@ std::vector<int> file_numbers(const std::string& folder) {
 
 Error audit_error(const std::string& what) { return {ErrorCode::kIo, "the audit log: " + what + ": " + std::strerror(errno)}; }
 
-// The line without its hash, and the hash that it says; nothing when it has none at its end.
+// Returns the line without its hash, and that hash; std::nullopt if it does not end with one.
 std::optional<std::pair<std::string, std::string>> take_hash(const std::string& line) {
   const std::size_t at = line.rfind(kHashField);
   if (at == std::string::npos || line.size() != at + kHashField.size() + 64 + 2) return std::nullopt;
   return std::pair(line.substr(0, at) + "}", line.substr(at + kHashField.size(), 64));
 }
 
-// For the log, which takes what is as long as a token for one.
+// For the log, in which a text as long as a token would be redacted.
 std::string start_of(const std::string& hash) { return hash.substr(0, 16); }
 
-// What is wrong with the line behind that head; nothing when it fits, and then it is the head.
+// Returns what is wrong with the entry that follows `head`; std::nullopt if it is valid, and then it becomes the head.
 std::optional<std::string> follow(const std::string& line, std::string& head, std::uint64_t& count, bool first) {
   const auto parts = take_hash(line);
   if (!parts) return "is no entry";
   const Json json = Json::parse(parts->first, nullptr, false);
   if (!json.is_object() || !json.contains("n") || !json["n"].is_number_unsigned() || !json.contains("prev")) return "is no entry";
   if (sha256_hex(parts->first) != parts->second) return "was changed";
-  // The oldest file may have gone with its entries.
+  // The oldest file and its entries may have been deleted.
   if (!first && (json["prev"] != head || json["n"] != count + 1)) return "does not follow the one before it";
   head = parts->second;
   count = json["n"];
   return std::nullopt;
 }
 
-// Whether this entry, which fits, says of itself that others are missing before it.
+// Checks whether a valid entry says that others are missing before it.
 void look_for_missing(const std::string& line, AuditCheck& check) {
   const Json json = Json::parse(line, nullptr, false);
   if (!json.is_object() || !check.broken.empty()) return;
@@ -93,13 +93,13 @@ void look_for_missing(const std::string& line, AuditCheck& check) {
   if (json.value("did", "") == kHeadMissing) check.remarks.push_back(words);
 }
 
-// The last entry that was surely on the disk.
+// The last entry that is certainly on disk.
 struct Head {
   std::uint64_t count = 0;
   std::string hash;
 };
 
-// One line of always the same length: it is written over the one before, without a moment at which there is none.
+// Returns a line of constant length, which overwrites the previous one, so that the file is never empty.
 std::string head_line(const Head& head) {
   char number[24];
   std::snprintf(number, sizeof number, "%020llu", static_cast<unsigned long long>(head.count));
@@ -107,7 +107,7 @@ std::string head_line(const Head& head) {
   return line + " " + sha256_hex(line).substr(0, kHeadDigits) + "\n";
 }
 
-// Nothing: there is none, or no whole one.
+// Returns std::nullopt if there is no head, or it is damaged.
 std::optional<Head> read_head(const std::string& folder) {
   std::ifstream file(folder + "/" + kAuditHeadName, std::ios::binary);
   Head head;
@@ -116,7 +116,7 @@ std::optional<Head> read_head(const std::string& folder) {
   return head;
 }
 
-// What of the entries up to that head is missing where there are `count`, and number head.count has that hash.
+// Returns which entries up to `head` are missing, if there are `count` entries and entry head.count has `hash_at_head`.
 std::string missing_words(const Head& head, std::uint64_t count, const std::string& hash_at_head) {
   if (head.count > count)
     return std::to_string(head.count - count) + " entries are missing at the end: number " + std::to_string(head.count) + ", " + head.hash +
@@ -157,9 +157,10 @@ void Audit::open_last_file(std::int64_t now_ms) {
   const std::string path = folder_ + "/" + file_name(file_number_);
   file_ = open(path.c_str(), O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW);
   if (file_ < 0) throw SetupError(audit_error("opening " + path));
-  // Of the files before it only the last line is needed where this one is empty; a chain that is broken is check_audit()'s to find.
+  // If this file is empty, the last line of the previous one is needed, but nothing else of earlier files. Broken
+  // chains are left to check_audit().
   std::uint64_t good_bytes = 0;
-  std::string hash_at_head;  // as it is there now
+  std::string hash_at_head;  // of the entry with the number of the head, as it is in the file now
   for (const int number : numbers) {
     if (number != numbers.back() && number != numbers.back() - 1) continue;
     std::ifstream file(folder_ + "/" + file_name(number), std::ios::binary);
@@ -186,14 +187,15 @@ void Audit::open_head(const std::string& hash_at_head, std::int64_t now_ms) {
     note({now_ms, "", "", kEntriesMissing, "", missing_, missing_count});
   else if (!before && count_ > 0)
     note({now_ms, "", "", kHeadMissing, "", "whether entries before this one are missing is not known"});
-  // What says what was missing is on the disk before the head that said it is written over.
+  // An entry about missing ones has to be on disk before the head that revealed it is overwritten.
   if (fdatasync(file_) != 0) throw SetupError(audit_error("syncing"));
   if (waiting_.empty()) keep_head();
   or_throw(sync_path(path));
   or_throw(sync_path(folder_));
 }
 
-// Not synced itself: what a power cut leaves of it is an older head, which fits, too. After the entries, so that it is never ahead of them.
+// Written after the entries, so that it is never ahead of them. Not synced itself: a power failure leaves an older
+// head, which is valid, too.
 void Audit::keep_head() {
   const std::string line = head_line({count_, head_});
   if (pwrite(head_file_, line.data(), line.size(), 0) != static_cast<ssize_t>(line.size()))
@@ -236,7 +238,7 @@ Status Audit::write(const AuditEntry& entry) {
   const ssize_t written = ::write(file_, line.data(), line.size());
   if (written != static_cast<ssize_t>(line.size())) {
     const Error error = audit_error("writing");
-    // Half a line must not stand before the next.
+    // A partial line must not remain before the next one.
     if (written > 0 && ftruncate(file_, static_cast<off_t>(file_bytes_)) != 0) spdlog::error("{}", audit_error("cutting").message);
     return error;
   }
@@ -265,7 +267,7 @@ void Audit::note(AuditEntry entry) {
     ++lost_count_;
   else
     waiting_.push_back(std::move(entry));
-  // While the disk says no, tick() tries again.
+  // While the disk fails, tick() tries again.
   if (waiting_.size() == 1)
     if (const Status written = write_waiting(); !written.ok()) spdlog::error("{}", written.error().message);
 }
@@ -294,7 +296,7 @@ Result<AuditCheck> check_audit(const std::string& folder, const std::function<vo
   AuditCheck check;
   check.head = kNoEntryBefore;
   bool first = true;
-  const std::optional<Head> head = read_head(folder);  // before the files, which may grow meanwhile
+  const std::optional<Head> head = read_head(folder);  // read before the files, which may grow meanwhile
   std::string hash_at_head;
   for (const int number : file_numbers(folder)) {
     const std::string name = file_name(number);
@@ -305,7 +307,7 @@ Result<AuditCheck> check_audit(const std::string& folder, const std::function<vo
       ++line_number;
       each(line);
       if (!check.broken.empty()) continue;
-      // The first file may begin in the middle; file 1 does not.
+      // The first remaining file may begin in the middle of the chain, but file 1 does not.
       if (const auto wrong = follow(line, check.head, check.entry_count, first && number != 1))
         check.broken = name + ", line " + std::to_string(line_number) + ": it " + *wrong;
       first = false;

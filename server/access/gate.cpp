@@ -11,7 +11,7 @@ namespace hermite {
 
 namespace {
 
-constexpr std::int64_t kForgetAfter_ms = 90 * kDay_ms;  // ended tokens stay in the list for as long
+constexpr std::int64_t kForgetAfter_ms = 90 * kDay_ms;  // how long ended tokens stay in the list
 
 std::string words_of(const Scopes& scopes) {
   std::string words;
@@ -65,7 +65,7 @@ Result<Grant> Gate::admit(std::string_view secret, const Caller& caller) {
   const std::string hash = sha256(secret);
   const Result<TokenRow> row = store_.find_token(hash);
   if (!row.ok() && row.error().code != ErrorCode::kNotFound) return row.error();
-  // How long the search takes tells about hashes, which nobody can choose; that they are the same is told in constant time.
+  // The duration of the search depends on hashes, which an attacker cannot choose; the comparison takes constant time.
   if (row.ok() && tokens_equal(row->secret_sha256, hash) && !ended(*row, caller.now_ms)) {
     if (caller.now_ms - row->used_at_ms >= kLastUsePrecision_ms)
       if (const Status noted = store_.touch_token(row->id, caller.now_ms); !noted.ok())

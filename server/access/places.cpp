@@ -8,23 +8,23 @@ namespace hermite {
 
 namespace {
 
-// The mean follows a change of the scene within a second or two of frames.
+// The mean follows a change of the scene within one or two seconds of frames.
 constexpr double kFrameWeight = 1.0 / 16;
-// One large scan among small ones keeps others out for the next few, and not for longer.
+// One large scan among small ones affects the admission of only the next few.
 constexpr double kScanWeight = 1.0 / 4;
 
 Error busy(const std::string& words) { return {ErrorCode::kBusy, words}; }
 
 std::string in_mb(std::uint64_t bytes) { return std::to_string((bytes + 500'000) / 1'000'000) + " MB"; }
 
-// The first is the mean.
+// The first value becomes the mean.
 void add_to_mean(double& mean, double value, double weight) { mean = mean == 0 ? value : mean + weight * (value - mean); }
 
 }  // namespace
 
 Share running_share(const PlaceRules& rules) { return {rules.max_running, rules.max_running_per_token, rules.max_running / 4}; }
 
-// How many of the line, or of the scans that run, are of the same token.
+// Counts the entries of the queue, or the running scans, and those of the same token.
 template <class Held>
 Taken Places::taken_of(const Held& held, const PlaceRequest& request) {
   const auto own =
@@ -45,7 +45,7 @@ Status Places::check_server(const PlaceRequest& request) const {
   return check_memory();
 }
 
-// Scans grow while they run, so each counts for what a scan comes to, or more if it takes more already.
+// Scans grow while they run, so each counts with the expected memory of a scan, or with its own if that is larger.
 Status Places::check_memory() const {
   const std::uint64_t all = gpu_memory_bytes(), one_more = scan_gpu_memory_bytes();
   if (all == 0 || running_.empty()) return Done{};
@@ -58,7 +58,7 @@ Status Places::check_memory() const {
 
 Status Places::check_token(const PlaceRequest& request) const {
   Share share = running_share(rules_);
-  if (request.token_id.empty()) share.per_token = share.in_all;  // nobody's
+  if (request.token_id.empty()) share.per_token = share.in_all;  // belongs to no token
   return check_share(share, taken_of(running_, request), request.is_admin, "scans that run at once");
 }
 
@@ -87,7 +87,7 @@ std::optional<PlaceRequest> Places::request_of(const std::string& scan_id) const
 void Places::ended(const std::string& scan_id) {
   const auto scan = running_.find(scan_id);
   if (scan == running_.end()) return;
-  // One that ended before it was measured says nothing about the next.
+  // A scan that ended before it was measured says nothing about the next one.
   if (const std::uint64_t most = scan->second.most_memory_bytes; most > 0)
     add_to_mean(ended_memory_bytes_, static_cast<double>(most), kScanWeight);
   running_.erase(scan);
@@ -131,8 +131,8 @@ void Places::dismiss() {
 void Places::serve() {
   for (auto entry = line_.begin(); entry != line_.end();) {
     const Ticket ticket = entry->first;
-    // Who waits for his own scans to end, or may not have what is kept for administrators, keeps nobody waiting who may; who waits for the
-    // server's is not passed.
+    // A camera limited by the share of its own token, or by the places reserved for administrators, is skipped and does
+    // not block others. A camera that waits for the server's capacity is not overtaken.
     if (check_token(entry->second.request).ok()) {
       if (!check_server(entry->second.request).ok()) return;
       const Waiter waiter = std::move(entry->second);

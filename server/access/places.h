@@ -1,8 +1,8 @@
-// Who may run a scan now, and who waits for that: first come, first served, within the share of each token (shares.h). Belongs to the
-// network thread.
+// Admission of scans: which may run now, and which wait in a queue, in order of arrival and within the share of each
+// token (shares.h). Belongs to the network thread.
 //
-// Places are counted, and measured: what a frame costs on this device decides how many scans a live one can have beside it, and what a
-// scan takes of the device's memory how many there can be at all.
+// Admission depends on a count and on measurements: the processing time of a frame on this device decides how many
+// scans may run beside a live one, and the device memory of a scan decides how many may run at all.
 #pragma once
 
 #include <cstddef>
@@ -19,21 +19,23 @@
 
 namespace hermite {
 
-// Who may run so many scans may have as many more in line, and a few others find room beside seven who do.
+// Share of the queue: a token may have four cameras in it, and there is room for seven such tokens besides the places
+// reserved for administrators.
 inline constexpr Share kWaitingCameraShare{32, 4, 4};
 
 struct PlaceRules {
   int max_running = 4;
-  int max_running_per_token = 2;       // of tokens that may not administer
-  int live_rate_hz = 5;                // frames a second that a live scan gets at least, or no other runs beside it; 0: whatever is left
+  int max_running_per_token = 2;  // for tokens without the scope admin
+  int live_rate_hz = 5;           // frames per second guaranteed to a live scan, or no other one is admitted beside it; 0: no guarantee
   std::uint64_t gpu_memory_bytes = 0;  // for all scans together; 0: what the device has
 };
 
-// Every fourth place is kept for administrators: with fewer than four there would be too few left for others.
+// Every fourth place is reserved for administrators; with fewer than four none is, since too few would be left for
+// others.
 Share running_share(const PlaceRules& rules);
 
 struct PlaceRequest {
-  std::string token_id;  // empty: nobody's, as of a scan that an earlier server began
+  std::string token_id;  // empty: none, for a scan that an earlier server began
   bool is_admin = false;
   bool is_live = false;
 };
@@ -46,38 +48,39 @@ class Places {
 
   // kBusy, in words: there is no place.
   Status check(const PlaceRequest& request) const;
-  // The same, and nobody is passed who waits and could begin as well.
+  // The same, but also kBusy while a scan waits that could begin as well, since a newcomer must not overtake it.
   Status check_for_newcomer(const PlaceRequest& request) const;
 
   void began(const std::string& scan_id, const PlaceRequest& request) { running_[scan_id] = {request}; }
   void ended(const std::string& scan_id);
-  std::optional<PlaceRequest> request_of(const std::string& scan_id) const;  // of one that runs
+  std::optional<PlaceRequest> request_of(const std::string& scan_id) const;  // of a running scan
 
-  // A frame of one of the scans was in work for so long.
+  // Reports the processing time of a frame of one of the scans.
   void frame_done(double work_s);
 
-  // So much the scan takes of the device's memory, and so much there is for all; 0: nobody knows.
+  // Reports how much device memory a scan uses, and how much the device has for all; 0: unknown.
   void memory_measured(const std::string& scan_id, std::uint64_t taken_bytes, std::uint64_t device_bytes);
 
-  // kBusy: the line is full, or the token's share of it. `tell` is called at once and by tell(); `begin` when the turn has come: the camera
-  // has left the line then.
+  // Enters the queue. kBusy: the queue or the token's share of it is full. `tell` is called at once and by tell().
+  // `begin` is called when the turn has come, at which point the camera has left the queue.
   Result<Ticket> wait(const PlaceRequest& request, std::function<void(const wire::Waiting&)> tell, std::function<void()> begin);
   void leave(Ticket ticket) { line_.erase(ticket); }
 
-  void dismiss();  // there will be no more places: everybody's turn comes, to be told so
-  void serve();    // lets begin whoever can; when a scan has ended
-  // Everybody who waits, how long about. `remaining_s`: until each of the scans that run has ended, infinite where nobody knows.
+  void dismiss();  // for shutdown: calls `begin` of all waiting cameras, so that each is refused
+  void serve();    // calls `begin` of all that can begin; to be called when a scan has ended
+  // Tells all waiting cameras about how long they will wait. `remaining_s`: until each of the running scans ends;
+  // infinite if unknown.
   void tell(std::vector<double> remaining_s) const;
 
   std::size_t waiting_count() const { return line_.size(); }
-  double frame_s() const { return frame_s_; }   // that a frame takes when no other scan runs; 0: none was seen yet
-  std::uint64_t gpu_memory_bytes() const;       // for all scans together; 0: nobody knows, and none is refused for it
-  std::uint64_t scan_gpu_memory_bytes() const;  // that a scan comes to; 0: none was seen yet
+  double frame_s() const { return frame_s_; }   // processing time of a frame if no other scan ran; 0: not measured yet
+  std::uint64_t gpu_memory_bytes() const;       // for all scans together; 0: unknown, and no scan is refused for it
+  std::uint64_t scan_gpu_memory_bytes() const;  // expected for a scan; 0: not measured yet
 
  private:
   struct Running {
     PlaceRequest request;
-    std::uint64_t memory_bytes = 0, most_memory_bytes = 0;  // of the device, now and ever
+    std::uint64_t memory_bytes = 0, most_memory_bytes = 0;  // device memory, current and peak
   };
   struct Waiter {
     PlaceRequest request;
@@ -91,12 +94,12 @@ class Places {
   static Taken taken_of(const Held& held, const PlaceRequest& request);
 
   const PlaceRules rules_;
-  std::map<std::string, Running> running_;  // by scan
+  std::map<std::string, Running> running_;  // by scan id
   std::map<Ticket, Waiter> line_;
   Ticket next_ticket_ = 0;
   double frame_s_ = 0;
   std::uint64_t device_memory_bytes_ = 0;
-  double ended_memory_bytes_ = 0;  // mean of the most that scans took which have ended; 0: none has
+  double ended_memory_bytes_ = 0;  // mean of the peaks of ended scans; 0: none has ended
 };
 
 }  // namespace hermite

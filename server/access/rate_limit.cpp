@@ -9,7 +9,7 @@
 namespace hermite {
 
 namespace {
-constexpr double kRounding = 1e-6;  // of an event: sums of fractions must not lie past the time that was promised
+constexpr double kRounding = 1e-6;  // in events: sums of fractions must not exceed the promised time
 }
 
 RateLimit::RateLimit(double per_second, double burst) : per_ms_(per_second / 1000), burst_(burst) {
@@ -21,7 +21,7 @@ RateLimit::Allowance RateLimit::refilled(const Allowance& allowance, std::int64_
   return {std::min(burst_, allowance.left + passed_ms * per_ms_), now_ms};
 }
 
-// Who has its whole allowance again is as one who never came. Not at every event: it costs a look at all.
+// An address whose allowance is full again needs no entry. Not done for every event, since it looks at all entries.
 void RateLimit::forget_idle(std::int64_t now_ms) {
   constexpr std::int64_t kPause_ms = 1000;
   if (std::abs(now_ms - forgotten_at_ms_) < kPause_ms) return;

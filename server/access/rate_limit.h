@@ -1,4 +1,4 @@
-// So many events a second for each address, and so many at once. Plain values; belongs to one thread; time comes in from outside.
+// Limits the rate of events per address, with bursts. Plain values; belong to one thread; the time is an argument.
 #pragma once
 
 #include <cstddef>
@@ -12,15 +12,16 @@
 
 namespace hermite {
 
-// Addresses that are remembered one by one. With more of them active the rest share one allowance: memory stays bounded.
+// Limit on addresses that are tracked separately. Beyond it the other active ones share one allowance, which bounds
+// memory.
 inline constexpr std::size_t kMaxLimitedAddresses = 4096;
 
 class RateLimit {
  public:
-  // `burst` events at once, and then `per_second`, above 0.
+  // Allows `burst` events at once, then `per_second`, which is above 0.
   RateLimit(double per_second, double burst);
 
-  // Takes one event. 0: it is allowed; else it is not, and in so many milliseconds one will be. `now_ms` may jump.
+  // Takes one event. Returns 0 if it is allowed, otherwise after how many milliseconds one will be. `now_ms` may jump.
   std::int64_t take(const std::string& address, std::int64_t now_ms);
 
   std::size_t remembered_count() const { return allowances_.size(); }
@@ -35,15 +36,16 @@ class RateLimit {
 
   const double per_ms_, burst_;
   std::map<std::string, Allowance> allowances_;
-  std::int64_t forgotten_at_ms_ = 0;  // the last time that the idle were
+  std::int64_t forgotten_at_ms_ = 0;  // when idle addresses were last removed
 };
 
-// How many of something each address has open.
+// Limits how many things each address has open.
 class CountLimit {
  public:
   CountLimit(int in_all, int per_address) : in_all_(in_all), per_address_(per_address) {}
 
-  // False when that would be too many; else leave() follows. The empty address is held to the limit in all only.
+  // Returns false if that would be too many; otherwise leave() must follow. The empty address is subject only to the
+  // total limit.
   bool enter(const std::string& address);
   void leave(const std::string& address);
   int count() const { return count_; }
@@ -54,12 +56,12 @@ class CountLimit {
   std::map<std::string, int> counts_;  // at most in_all_ entries
 };
 
-// How many of something each token has open, within its share (shares.h).
+// Limits how many things each token has open to its share (shares.h).
 class ShareCount {
  public:
   explicit ShareCount(const Share& share) : share_(share) {}
 
-  // Gives itself back when it goes; the count outlives it.
+  // Releases its place when destroyed; the ShareCount outlives it.
   class Place {
    public:
     Place(ShareCount& count, std::string token_id) : count_(count), token_id_(std::move(token_id)) {}
@@ -72,7 +74,7 @@ class ShareCount {
     const std::string token_id_;
   };
 
-  // kBusy, in words with `things`.
+  // kBusy, in words that include `things`.
   Result<std::unique_ptr<Place>> enter(const std::string& token_id, bool is_admin, const std::string& things);
 
  private:
@@ -80,7 +82,7 @@ class ShareCount {
 
   const Share share_;
   std::int64_t count_ = 0;
-  std::map<std::string, std::int64_t> counts_;  // of tokens that have some
+  std::map<std::string, std::int64_t> counts_;  // of tokens that have any open
 };
 
 }  // namespace hermite

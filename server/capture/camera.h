@@ -1,4 +1,5 @@
-// A depth camera that is attached to this machine: what the scanning client asks of any kind. Kinds: camera_kinds.h.
+// The interface of a depth camera attached to this machine, as the scanning client uses it. For the kinds of camera see
+// camera_kinds.h.
 #pragma once
 
 #include <chrono>
@@ -13,26 +14,26 @@
 namespace hermite {
 
 struct CameraDescription {
-  std::string name;           // for a person: "Kinect v1 (1)"
-  Camera camera;              // of the frames that come
-  std::string camera_source;  // "nominal for every Kinect v1", "the device", "camera.json"
+  std::string name;           // display name: "Kinect v1 (1)"
+  Camera camera;              // intrinsics of the frames
+  std::string camera_source;  // origin of the intrinsics: "nominal for every Kinect v1", "the device", "camera.json"
   double frame_rate_hz = 30;  // nominal
 };
 
 struct LeftOut {
-  std::uint64_t unpaired = 0;  // depth images without a colour image at the same time
+  std::uint64_t unpaired = 0;  // depth images without a simultaneous colour image
 };
 
-// Runs from when it was opened until it is destroyed. Everything from one thread, which should ask again within some frames: what nobody
-// fetches is lost, the newest last.
+// Captures from its construction until its destruction. All functions are called on one thread, which should call
+// next() again within a few frames: images that are not fetched are dropped, the oldest first.
 class CaptureCamera {
  public:
   virtual ~CaptureCamera() = default;
   virtual const CameraDescription& description() const = 0;
 
-  // The next frame of the camera's size, depth and colour of the same moment, times in seconds from any start, strictly ascending.
-  // None: nothing came within `patience`. kNotFound: there will be no more (the end of a recording). kDevice, in words: unplugged or
-  // broken.
+  // Returns the next frame: depth and colour of the same moment in the size of the camera, with timestamps in seconds
+  // from an arbitrary start, strictly ascending. std::nullopt: no frame within `patience`. kNotFound: there will be no
+  // more (end of a recording). kDevice, in words: unplugged or broken.
   virtual Result<std::optional<RgbdFrame>> next(std::chrono::milliseconds patience) = 0;
 
   virtual LeftOut left_out() const { return {}; }  // so far

@@ -19,7 +19,7 @@ namespace hermite {
 namespace {
 
 constexpr const char* kRecordingPrefix = "recording:";
-constexpr int kMaxIndex = 99;  // more cameras than any machine has USB controllers for
+constexpr int kMaxIndex = 99;  // more than any machine has USB controllers for
 
 constexpr CameraKind kKinds[] = {
 #if HERMITE_WITH_FREENECT
@@ -58,7 +58,7 @@ Error unknown_kind(const std::string& wish) {
   return {ErrorCode::kInvalidArgument, words + " each with :2 for the second, and " + kRecordingPrefix + "SEQUENCE"};
 }
 
-// `which`: what stands behind the colon of `wish`.
+// `which`: the part of `wish` after the colon.
 Result<std::unique_ptr<CaptureCamera>> open_kind(const CameraKind& kind, const std::string& wish, const std::string& which,
                                                  const std::optional<Camera>& intrinsics) {
   if (!kind.open) return not_built(kind);

@@ -1,4 +1,5 @@
-// Which cameras this build knows, which are attached, and how to open one. A new kind is a file and a row of the table.
+// The kinds of camera that this build supports, which of them are attached, and how to open one. A new kind needs a
+// file and a row in the table.
 #pragma once
 
 #include <memory>
@@ -13,24 +14,24 @@
 namespace hermite {
 
 struct CameraKind {
-  const char* name;   // in --camera
-  const char* words;  // what it is
-  // Null where the library was not there when this was built. As in kinect.h.
+  const char* name;   // as in --camera
+  const char* words;  // description
+  // As in kinect.h. nullptr if the library was not available when this was built.
   std::vector<std::string> (*find)();
   Result<std::unique_ptr<CaptureCamera>> (*open)(int index, const std::optional<Camera>& intrinsics);
-  // By an address of the library's own; also null where it has none.
+  // Opens a camera by an address that the library defines; nullptr also if the library has none.
   Result<std::unique_ptr<CaptureCamera>> (*open_at)(const std::string& address, const std::optional<Camera>& intrinsics);
 };
 
 std::span<const CameraKind> camera_kinds();
 
-// A line a camera, or why there is none, for each kind: what `hermite-client scan --list` prints.
+// Returns for each kind one line per camera, or why there is none: the output of `hermite-client scan --list`.
 std::string list_cameras();
 
-// `wish`: empty: the first that is attached; "kinect", "kinect:2": that kind, the second of it;
-// "openni:ADDRESS": what the library knows by that; "recording:SEQUENCE": recording_camera.h.
-// `intrinsics` instead of the camera's own; of another size than its images: kInvalidArgument. kUnsupported: not in this build. kNotFound:
-// none is attached. kDevice.
+// Opens a camera. `wish` is empty for the first attached one; "kinect" or "kinect:2" for the first or second one of a
+// kind; "openni:ADDRESS" for an address that the library defines; "recording:SEQUENCE" for recording_camera.h.
+// `intrinsics` replace the camera's own. kInvalidArgument: `intrinsics` for another image size. kUnsupported: not in
+// this build. kNotFound: none is attached. kDevice.
 Result<std::unique_ptr<CaptureCamera>> open_camera(const std::string& wish, const std::optional<Camera>& intrinsics);
 
 }  // namespace hermite

@@ -8,7 +8,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kTick(50);  // a key or a signal waits no longer
+constexpr std::chrono::milliseconds kTick(50);  // maximum delay of a key or a signal
 
 double coverage_of(const DepthImage& depth) {
   const auto valid = std::count_if(depth.pixels.begin(), depth.pixels.end(), [](std::uint16_t value) { return value != 0; });
@@ -43,7 +43,7 @@ void Capture::run() {
   if (!ended) end(std::nullopt);
 }
 
-// Waits for a frame. Whether that was the end.
+// Waits for a frame. Returns whether the capture has ended.
 bool Capture::step(const CaptureWishes& wishes) {
   const bool enough = settings_.max_frames > 0 && state().frame_count >= settings_.max_frames;
   if (enough || wishes.interrupt_count > 0) {
@@ -87,7 +87,7 @@ void Capture::end(std::optional<Error> failure) {
   {
     const std::lock_guard lock(mutex_);
     state_.ended = true;
-    // The end of a recording is no failure.
+    // The end of a recording is not a failure.
     if (failure && failure->code != ErrorCode::kNotFound) state_.failure = std::move(failure);
   }
   events_.on_end();

@@ -1,4 +1,4 @@
-// A camera that runs on a thread of its own until it is stopped, and what whoever holds it wishes meanwhile.
+// Runs a camera on its own thread until it is stopped, and polls the wishes of the user meanwhile.
 #pragma once
 
 #include <atomic>
@@ -16,35 +16,36 @@
 namespace hermite {
 
 struct CaptureWishes {
-  bool paused = false;      // frames are thrown away
-  int interrupt_count = 0;  // 1: no more frames. 2: give up everything
+  bool paused = false;      // frames are discarded
+  int interrupt_count = 0;  // 1: no more frames. 2: abort everything
 };
 
 struct CaptureState {
-  std::uint64_t frame_count = 0;     // handed on, and counted
-  double first_s = 0, newest_s = 0;  // their times
-  double rate_hz = 0;                // of the last second of them
-  double coverage = 0;               // share of pixels with depth, of the newest
+  std::uint64_t frame_count = 0;     // passed on and counted
+  double first_s = 0, newest_s = 0;  // their timestamps
+  double rate_hz = 0;                // over the last second of frames
+  double coverage = 0;               // share of pixels with depth, in the newest frame
   bool paused = false;
-  bool ended = false;              // nothing more is handed on
-  std::optional<Error> failure{};  // of the camera, when that is why
+  bool ended = false;              // no more frames are passed on
+  std::optional<Error> failure{};  // of the camera, if that ended the capture
 };
 
 class Capture {
  public:
   struct Settings {
-    std::uint64_t max_frames = 0;              // then it ends; 0: when it is wished
-    std::chrono::milliseconds silence{5'000};  // without a frame the camera is taken to be gone
+    std::uint64_t max_frames = 0;              // ends after that many; 0: only when the user ends it
+    std::chrono::milliseconds silence{5'000};  // the camera counts as gone after this time without a frame
   };
 
-  // All called on the camera's thread.
+  // All are called on the camera's thread.
   struct Events {
-    std::function<bool(RgbdFrame)> on_frame;  // must not block; whether it counts: false while nobody listens yet
-    std::function<void()> on_end;             // once
-    std::function<CaptureWishes()> wishes;    // several times a second until the end of this object
+    // Must not block. Returns whether the frame counts; false while the consumer has not started.
+    std::function<bool(RgbdFrame)> on_frame;
+    std::function<void()> on_end;           // called once
+    std::function<CaptureWishes()> wishes;  // called several times per second until this object is destroyed
   };
 
-  // `camera` must outlive this, and be left alone.
+  // `camera` must outlive this object, which has exclusive use of it.
   Capture(CaptureCamera& camera, const Settings& settings, Events events);
   ~Capture();
   Capture(const Capture&) = delete;
@@ -66,7 +67,7 @@ class Capture {
   std::atomic<int> interrupt_count_{0};
   mutable std::mutex mutex_;
   CaptureState state_;                                   // guarded by mutex_
-  std::chrono::steady_clock::time_point last_frame_at_;  // the camera's thread only, as the next two
+  std::chrono::steady_clock::time_point last_frame_at_;  // only used on the camera's thread, as the next two
   double second_began_s_ = 0;
   std::uint64_t frames_in_second_ = 0;
   std::thread thread_;

@@ -1,4 +1,4 @@
-// The clock of a camera that counts ticks in 32 bits, and starts again when it is full or the camera was reset. A single-threaded value.
+// The clock of a camera with a 32-bit tick counter, which wraps around and may be reset. A single-threaded value.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,13 @@ class DeviceClock {
  public:
   explicit DeviceClock(double ticks_per_s) : ticks_per_s_(ticks_per_s) {}
 
-  // Seconds since the first stamp. `host_s` is any clock of this machine at the stamp's arrival: where the camera's own has jumped, the
-  // time that went by here takes its place. May step back a little, as the stamps of two streams do.
+  // Returns the seconds since the first timestamp. `host_s` is the time of arrival by any clock of this machine: if the
+  // camera's clock jumps, the time that has passed by this clock is used instead. May step back slightly, as the
+  // timestamps of two streams do.
   double seconds_of(std::uint32_t ticks, double host_s);
 
-  static constexpr double kLongestStep_s = 5;        // no camera is silent for so long and then goes on
-  static constexpr double kLongestStepBack_s = 0.2;  // some images: colour and depth do not arrive in the order of their stamps
+  static constexpr double kLongestStep_s = 5;        // no camera pauses for this long and then continues
+  static constexpr double kLongestStepBack_s = 0.2;  // some images: colour and depth do not arrive in the order of their timestamps
 
  private:
   const double ticks_per_s_;

@@ -1,4 +1,4 @@
-// Colour to depth by their time stamps, while both come in. A single-threaded value.
+// Pairs colour with depth images by timestamp as they arrive. A single-threaded value.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,10 @@
 
 namespace hermite {
 
-// Each depth image gets the colour image nearest to it in time, at most `max_gap_s` away; each is used once. A pair is ready as soon as no
-// better one can come: with the first colour image that is not before the depth image, or when another depth image is already that much
-// later. The images of each kind must come in the order of their time; one that does not is dropped.
+// Pairs each depth image with the colour image nearest in time, at most `max_gap_s` away; each image is used once. A
+// pair is available as soon as no better one can arrive: with the first colour image that is not before the depth
+// image, or when another depth image is already that much later. The images of each kind must arrive in order of time;
+// others are dropped.
 class FramePairing {
  public:
   explicit FramePairing(double max_gap_s) : max_gap_s_(max_gap_s) {}
@@ -20,12 +21,12 @@ class FramePairing {
   void add_depth(double time_s, DepthImage depth);
   void add_color(double time_s, ColorImage color);
 
-  // In the order of time, with the depth image's.
+  // Returns pairs in order of time, with the timestamp of the depth image.
   std::optional<RgbdFrame> take();
 
   std::uint64_t unpaired_depth_count() const { return unpaired_depth_count_; }
 
-  static constexpr std::size_t kMaxWaiting = 4;  // of each kind; beyond, the oldest is dropped
+  static constexpr std::size_t kMaxWaiting = 4;  // of each kind; beyond that the oldest is dropped
 
  private:
   template <class Image>

@@ -19,12 +19,12 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kWidth_px = 640, kHeight_px = 480;
 constexpr double kRate_hz = 30;
-constexpr double kTicksPerSecond = 60e6;  // two million a frame
+constexpr double kTicksPerSecond = 60e6;  // two million per frame
 
-// What everybody uses for the colour camera of a Kinect that was not calibrated; single ones differ by some pixels.
+// The usual intrinsics for the colour camera of an uncalibrated Kinect; individual ones differ by some pixels.
 Camera nominal_color_camera() { return {kWidth_px, kHeight_px, 525, 525, 319.5, 239.5, 1000}; }
 
-// The same of the depth camera, with the colour camera beside it.
+// The same for the depth camera, with the colour camera beside it.
 Camera nominal_depth_camera() {
   Camera camera{kWidth_px, kHeight_px, 585, 585, 320, 240, 1000};
   camera.color = seven_scenes_color_camera(camera);
@@ -41,14 +41,14 @@ std::optional<freenect_frame_mode> find_depth_mode(freenect_depth_format format)
 
 double now_s() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
 
-// Opens and closes libfreenect. Its own messages would be written into the display.
+// Opens and closes libfreenect. Silences its messages, which would be written into the progress display.
 class Context {
  public:
   Context() {
     if (freenect_init(&context_, nullptr) < 0) context_ = nullptr;
     if (!context_) return;
     freenect_set_log_level(context_, FREENECT_LOG_FATAL);
-    // The motor needs rights and firmware of its own, and nobody here moves it.
+    // The motor needs its own permissions and firmware, and is not used here.
     freenect_select_subdevices(context_, FREENECT_DEVICE_CAMERA);
   }
   ~Context() {
@@ -80,12 +80,12 @@ class Kinect final : public CaptureCamera {
   LeftOut left_out() const override { return {.unpaired = pairing_.unpaired_depth_count()}; }
 
  private:
-  // Called by libfreenect inside of next().
+  // Called by libfreenect from within next().
   static void on_depth(freenect_device* device, void* data, std::uint32_t ticks);
   static void on_color(freenect_device* device, void* data, std::uint32_t ticks);
   static Kinect& of(freenect_device* device) { return *static_cast<Kinect*>(freenect_get_user(device)); }
 
-  // The library registers depth to colour. fakenect's does not, and gives the sensor's 11 bits.
+  // libfreenect registers depth to colour. fakenect does not, and provides the sensor's 11-bit values.
   const std::optional<freenect_frame_mode> registered_ = find_depth_mode(FREENECT_DEPTH_REGISTERED);
   const CameraDescription description_;
   Context context_;

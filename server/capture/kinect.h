@@ -1,5 +1,6 @@
-// The Kinect v1 (Xbox 360 and "for Windows") through libfreenect: 640x480 at 30 Hz, depth in millimetres as the colour camera sees it; as
-// the depth camera sees it, with Camera::color, where the library does not register (fakenect, which plays dumps of a Kinect).
+// The Kinect v1 (Xbox 360 and "for Windows") through libfreenect: 640x480 at 30 Hz, depth in millimetres, registered to
+// the colour camera. Where the library does not register depth (fakenect, which plays dumps of a Kinect), depth is in
+// the view of the depth camera, with Camera::color.
 #pragma once
 
 #include <memory>
@@ -12,11 +13,11 @@
 
 namespace hermite {
 
-// Names of those attached.
+// Returns the names of attached cameras.
 std::vector<std::string> find_kinects();
 
-// `index` in that list. `intrinsics`: of this very camera where they are known, else the nominal ones.
-// kInvalidArgument: of another size. kDevice: not there, in use, or not allowed.
+// Opens the camera at `index` in that list. `intrinsics`: of this very camera if known; otherwise the nominal ones are
+// used. kInvalidArgument: intrinsics for another size. kDevice: not attached, in use, or no permission.
 Result<std::unique_ptr<CaptureCamera>> open_kinect(int index, const std::optional<Camera>& intrinsics);
 
 }  // namespace hermite

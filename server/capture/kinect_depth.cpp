@@ -7,7 +7,7 @@ namespace hermite {
 namespace {
 
 constexpr std::size_t kRawValues = 2048;
-constexpr double kFarthest_m = 10;  // libfreenect's own limit; a step of the sensor is 30 cm there
+constexpr double kFarthest_m = 10;  // libfreenect's own limit; there the resolution of the sensor is 30 cm
 
 std::array<std::uint16_t, kRawValues> make_table() {
   std::array<std::uint16_t, kRawValues> table{};

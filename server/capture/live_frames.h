@@ -1,4 +1,5 @@
-// The newest frame of a camera as a source to stream from: who is too slow gets fewer, never older ones.
+// A source of frames to stream that holds only the newest frame of a camera: a slow consumer gets fewer frames, never
+// outdated ones.
 #pragma once
 
 #include <condition_variable>
@@ -12,17 +13,17 @@
 
 namespace hermite {
 
-// The captured images as they go on the wire, all but the number. Of a valid camera's size (CHECK).
+// Encodes captured images for the wire, without a sequence number. The size must be that of a valid camera (CHECK).
 wire::Frame encode_captured(const RgbdFrame& frame, wire::DepthCodec depth_codec, int jpeg_quality);
 
 class LiveFrames final : public FrameSource {
  public:
   LiveFrames(const Camera& camera, std::vector<wire::DepthCodec> depth_codecs);
 
-  // From any thread; never waits. One that was not taken before the next comes is dropped. False: nobody has asked for the first one yet,
-  // it is thrown away.
+  // From any thread; never waits. A frame that was not taken before the next one arrives is dropped. Returns false if
+  // the consumer has not asked for the first frame yet; the frame is then discarded.
   bool offer(RgbdFrame frame);
-  void close();  // there will be no more
+  void close();  // there will be no more frames
 
   std::uint64_t dropped_count() const;
 
@@ -34,7 +35,7 @@ class LiveFrames final : public FrameSource {
  private:
   const Camera camera_;
   const std::vector<wire::DepthCodec> depth_codecs_;
-  std::int64_t taken_count_ = 0;  // the taker's thread only
+  std::int64_t taken_count_ = 0;  // only used on the consumer's thread
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

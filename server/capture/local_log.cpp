@@ -16,7 +16,7 @@
 namespace hermite {
 namespace {
 
-// The server decides nothing about a local log.
+// A local log has no settings of a server.
 constexpr const char* kTerms = "{}";
 
 }  // namespace
@@ -32,7 +32,7 @@ struct LocalLog::Impl {
   bool closing = false;
   State state;
 
-  std::unique_ptr<FrameLog> log;  // the encoding thread's, once that runs
+  std::unique_ptr<FrameLog> log;  // used only by the encoding thread once that runs
   std::uint64_t frame_count = 0;  // the same
   std::thread thread;
 
@@ -85,8 +85,8 @@ struct LocalLog::Impl {
         fail(status.error());
       }
     }
-    static_cast<void>(log->append(RecordType::kFinish, {}));  // after a failure it is refused, and that was said already
-    log.reset();                                              // writes what waits, and says so
+    static_cast<void>(log->append(RecordType::kFinish, {}));  // after a failure it is refused, which was reported already
+    log.reset();                                              // writes what is pending, and reports it
     change([&] { state.ended = true; });
   }
 };
@@ -176,7 +176,7 @@ Result<EncodedFrame> LocalLogFrames::read(const WireEncoding& encoding) {
   if (!logged.ok()) return logged.error();
   EncodedFrame frame{.index = static_cast<std::int64_t>(next_), .frame = *std::move(logged), .problem = {}};
   if (encoding.depth == log_.depth_codec()) return frame;
-  // An older server does not know the log's codec.
+  // An older server does not know the codec of the log.
   auto depth = wire::decode_depth_payload(frame.frame.depth, log_.depth_codec(), log_.camera());
   if (!depth.ok()) return depth.error();
   auto payload = wire::encode_depth_payload(*depth, encoding.depth);

@@ -1,5 +1,6 @@
-// What a camera gives, on this machine's disk: a frame log (core/log/frame_log.md) like the server's, which is streamed from while it
-// grows. So nothing is lost while the server is away, and memory stays bounded however long that is.
+// Records the frames of a camera on this machine's disk in a frame log (core/log/frame_log.md) like the server's, from
+// which they are streamed while it grows. So nothing is lost while the server is unreachable, and memory stays bounded
+// however long that takes.
 #pragma once
 
 #include <chrono>
@@ -16,29 +17,30 @@
 
 namespace hermite {
 
-// Encodes on a thread of its own. Const functions and offer() from any thread.
+// Encodes on its own thread. Const functions and offer() may be called from any thread.
 class LocalLog {
  public:
-  // In a new folder. kInvalidArgument: it is there already. kIo.
+  // Creates the log in a new folder. kInvalidArgument: the folder exists already. kIo.
   static Result<std::unique_ptr<LocalLog>> create(const std::string& folder, const std::string& title, const Camera& camera,
                                                   wire::DepthCodec depth_codec);
-  ~LocalLog();  // finishes
+  ~LocalLog();  // calls finish()
   LocalLog(const LocalLog&) = delete;
   LocalLog& operator=(const LocalLog&) = delete;
 
-  // Never waits. Dropped, and counted, when kMaxWaiting frames wait to be encoded; not taken after finish() or a failure.
+  // Never waits. If kMaxWaiting frames wait to be encoded already, the frame is dropped and counted; after finish() or
+  // a failure it is ignored.
   void offer(RgbdFrame frame);
   static constexpr std::size_t kMaxWaiting = 8;
 
-  // Blocks until all that was offered is durable.
+  // Blocks until all offered frames are durable.
   void finish();
 
   struct State {
-    std::uint64_t durable_count = 0;  // frames that are on the disk
+    std::uint64_t durable_count = 0;  // frames on disk
     std::uint64_t dropped_count = 0;
-    std::uint64_t bytes = 0;         // of the frames so far
-    bool ended = false;              // the durable ones are all there will be
-    std::optional<Error> failure{};  // of the disk; what was durable before stays
+    std::uint64_t bytes = 0;         // of all frames so far
+    bool ended = false;              // there will be no more durable frames
+    std::optional<Error> failure{};  // of the disk; frames that were durable before remain
   };
   State state() const;
   State wait_for(std::uint64_t durable_count, std::chrono::milliseconds patience) const;  // or for the end
@@ -53,17 +55,17 @@ class LocalLog {
   std::unique_ptr<Impl> impl_;
 };
 
-// The frames of a local log from its beginning, as far as they are durable, up to its end or to where the disk does not give back what it
-// has taken. `log` must outlive this.
+// Reads the frames of a local log from its beginning as they become durable, up to its end or until the disk fails to
+// read what it has stored. `log` must outlive this.
 class LocalLogFrames final : public FrameSource {
  public:
   explicit LocalLogFrames(const LocalLog& log);
   const Camera& camera() const override { return log_.camera(); }
   std::uint64_t expected_frames() const override { return 0; }
-  std::vector<wire::DepthCodec> depth_codecs() const override;  // the log's own goes out as it is
+  std::vector<wire::DepthCodec> depth_codecs() const override;  // the codec of the log first, in which frames are sent as they are
   Supply next(const WireEncoding& encoding, EncodedFrame& frame) override;
 
-  const std::optional<Error>& failure() const { return failure_; }  // when nobody calls next() any more
+  const std::optional<Error>& failure() const { return failure_; }  // call it only once next() is not called any more
 
  private:
   Result<EncodedFrame> read(const WireEncoding& encoding);

@@ -16,7 +16,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kSecondsPerTick = 1e-6;  // of OpenNI2's time stamps
+constexpr double kSecondsPerTick = 1e-6;  // of OpenNI2's timestamps
 constexpr ImageSize kWantedSize{640, 480};
 constexpr double kWantedRate_hz = 30;
 
@@ -26,14 +26,14 @@ Error failure(ErrorCode code, const std::string& what) {
   return {code, reason.empty() ? what : what + ": " + reason};
 }
 
-// For the whole life of the process: the library counts, and shutting it down crashes with some of its drivers (Debian's 2.2.0.33 with its
-// own virtual device).
+// Initialised once for the lifetime of the process: the library counts references, and shutting it down crashes with
+// some of its drivers (Debian's 2.2.0.33 with its own virtual device).
 bool library_is_there() {
   static const bool there = openni::OpenNI::initialize() == openni::STATUS_OK;
   return there;
 }
 
-// Units per metre of a pixel format; 0: no depth that we take.
+// Returns the units per metre of a pixel format; 0: not a supported depth format.
 double depth_units_of(openni::PixelFormat format) {
   if (format == openni::PIXEL_FORMAT_DEPTH_1_MM) return 1000;
   if (format == openni::PIXEL_FORMAT_DEPTH_100_UM) return 10'000;
@@ -42,7 +42,7 @@ double depth_units_of(openni::PixelFormat format) {
 
 ImageSize size_of(const openni::VideoMode& mode) { return {mode.getResolutionX(), mode.getResolutionY()}; }
 
-// The lower the better: the wanted size, then the wanted rate, then millimetres.
+// Lower is better: compares first the size, then the rate, then prefers millimetres.
 double distance_to_wanted(const openni::VideoMode& mode) {
   const double size = std::abs(static_cast<double>(mode.getResolutionX()) / kWantedSize.width - 1);
   return 100 * size + std::abs(mode.getFps() / kWantedRate_hz - 1) + (depth_units_of(mode.getPixelFormat()) == 10'000 ? 0.01 : 0);
@@ -52,7 +52,7 @@ struct Modes {
   openni::VideoMode depth, color;
 };
 
-// Depth and colour of one size and rate.
+// Chooses depth and colour of the same size and rate.
 std::optional<Modes> choose_modes(openni::Device& device) {
   const openni::SensorInfo* const depth = device.getSensorInfo(openni::SENSOR_DEPTH);
   const openni::SensorInfo* const color = device.getSensorInfo(openni::SENSOR_COLOR);
@@ -107,11 +107,11 @@ Status OpenNiCamera::start(const char* address, const std::optional<Camera>& int
     return Error{ErrorCode::kUnsupported, description_.name + " has no depth in millimetres beside colour of the same size and rate"};
   const bool is_registered = device_.isImageRegistrationModeSupported(openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR) &&
                              device_.setImageRegistrationMode(openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR) == openni::STATUS_OK;
-  device_.setDepthColorSyncEnabled(true);  // not every device can: the stamps decide
+  device_.setDepthColorSyncEnabled(true);  // not every device supports it, so the timestamps decide
   const bool created = depth_.create(device_, openni::SENSOR_DEPTH) == openni::STATUS_OK &&
                        color_.create(device_, openni::SENSOR_COLOR) == openni::STATUS_OK;
   if (!created) return failure(ErrorCode::kDevice, description_.name + " gives no depth and colour at once");
-  depth_.setVideoMode(modes->depth);  // what only has one mode refuses this too: what comes is looked at
+  depth_.setVideoMode(modes->depth);  // a device with only one mode refuses this, too, so the actual images are checked
   color_.setVideoMode(modes->color);
   depth_.setMirroringEnabled(false);
   color_.setMirroringEnabled(false);
@@ -136,7 +136,7 @@ Status OpenNiCamera::describe(const Modes& modes, bool is_registered, const std:
                                                   std::to_string(intrinsics->height) + " pixels, the camera gives " +
                                                   std::to_string(size.width) + "x" + std::to_string(size.height)};
   }
-  // Registered depth is what the colour camera sees.
+  // Registered depth has the view of the colour camera.
   const double angle_rad = (is_registered ? color_ : depth_).getHorizontalFieldOfView();
   const double focal_px = 0.5 * size.width / std::tan(0.5 * angle_rad);
   description_.camera = {size.width,

@@ -1,4 +1,5 @@
-// The space bar of the terminal that this program was started from, pressed without Enter. POSIX terminals.
+// Detects presses of the space bar, without Enter, on the terminal from which this program was started. POSIX
+// terminals.
 #pragma once
 
 #include <termios.h>
@@ -7,8 +8,8 @@
 
 namespace hermite {
 
-// Ctrl-C stays a signal. The terminal is as it was when this goes; where standard input is no terminal, or the program was put into the
-// background, nothing happens at all. One thread at a time.
+// Ctrl-C remains a signal. The destructor restores the terminal. Does nothing if standard input is not a terminal, or
+// the program was put into the background. One thread at a time.
 class PauseKey {
  public:
   PauseKey();
@@ -16,7 +17,7 @@ class PauseKey {
   PauseKey(const PauseKey&) = delete;
   PauseKey& operator=(const PauseKey&) = delete;
 
-  // Never waits. How often it was pressed since the last call.
+  // Never waits. Returns the number of presses since the last call.
   int presses();
 
  private:

@@ -10,15 +10,15 @@
 namespace hermite {
 namespace {
 
-constexpr double kGap = 1.5;              // median steps: one frame is missing
-constexpr double kRateTolerance = 0.2;    // of the nominal rate
-constexpr double kClockTolerance = 0.25;  // of the time that went by here: USB delivers in bursts
+constexpr double kGap = 1.5;              // in median steps: a frame is missing
+constexpr double kRateTolerance = 0.2;    // relative to the nominal rate
+constexpr double kClockTolerance = 0.25;  // relative to the time passed on this machine: USB delivers in bursts
 constexpr double kShortestToCompare_s = 0.5;
-constexpr double kTooNear_m = 0.6;                          // structured light sees nothing within 0.4 to 0.5 m
-constexpr double kDark = 35, kBright = 225;                 // mean grey of 255: beyond, ORB finds next to nothing
-constexpr int kLuma_r = 299, kLuma_g = 587, kLuma_b = 114;  // thousandths, as JPEG weighs them
+constexpr double kTooNear_m = 0.6;                          // structured light measures nothing nearer than 0.4 to 0.5 m
+constexpr double kDark = 35, kBright = 225;                 // mean grey out of 255: beyond these, ORB finds hardly any corners
+constexpr int kLuma_r = 299, kLuma_g = 587, kLuma_b = 114;  // in thousandths, the weights of JPEG
 
-// Of every seventh pixel, a number that no row length shares.
+// Samples every seventh pixel, since 7 divides no usual row length.
 double mean_grey(const ColorImage& color) {
   std::int64_t sum = 0, count = 0;
   for (std::size_t i = 0; i < color.pixels.size(); i += 7, ++count)

@@ -1,4 +1,4 @@
-// Is this camera fit for scanning, and is it held well? Looked at before the scan begins. One thread at a time.
+// Checks before a scan whether the camera is fit for scanning and held well. One thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -11,21 +11,23 @@
 
 namespace hermite {
 
-inline constexpr int kPreflightFrames = 30;  // a second of a Kinect
+inline constexpr int kPreflightFrames = 30;  // one second of a Kinect
 
 class Preflight {
  public:
   explicit Preflight(const CameraDescription& camera);
 
-  // A frame of the camera, in order; `host_s`: any clock of this machine when it arrived. `left_out`: of the camera so far.
+  // Adds a frame of the camera, in order. `host_s`: time of arrival by any clock of this machine. `left_out`: of the
+  // camera so far.
   void add(const RgbdFrame& frame, double host_s, const LeftOut& left_out = {});
   int frame_count() const { return static_cast<int>(frames_.size()); }
 
-  // What is wrong, in sentences for whoever holds the camera, the most important first; empty when all is well. CHECKs frame_count().
-  // Depth: none, little, unit, registration, too near. Times: rate, gaps, the host's clock, colour that is missing. Exposure.
+  // Returns what is wrong, in sentences for the person who holds the camera, the most important first; empty if all is
+  // well. CHECKs frame_count(). Checks depth: none, little, unit, registration, too near; timestamps: rate, gaps, the
+  // host's clock, missing colour; and exposure.
   std::vector<std::string> doubts() const;
 
-  // "30 frames at 29.9 Hz, 81 % of the pixels have depth, 0.62 to 3.40 m"
+  // Returns for example "30 frames at 29.9 Hz, 81 % of the pixels have depth, 0.62 to 3.40 m".
   std::string summary() const;
 
  private:
@@ -33,7 +35,7 @@ class Preflight {
     double time_s, host_s;
     double mean_grey;  // 0 to 255
   };
-  double rate_hz() const;  // by the median step; 0 for one frame
+  double rate_hz() const;  // from the median time step; 0 for one frame
   void add_time_doubts(std::vector<std::string>& doubts) const;
   void add_picture_doubts(std::vector<std::string>& doubts) const;
 

@@ -16,10 +16,10 @@ using Clock = std::chrono::steady_clock;
 
 constexpr ImageSize kSize{640, 480};
 constexpr int kRate_hz = 30;
-constexpr std::chrono::milliseconds kPollPeriod(2);  // far less than between two frames
-constexpr std::chrono::seconds kSilence(2);          // after which the camera is looked for
+constexpr std::chrono::milliseconds kPollPeriod(2);  // much shorter than the time between two frames
+constexpr std::chrono::seconds kSilence(2);          // after which to check whether the camera is still attached
 
-// The library throws: `what` went wrong, as an error. `call` returns a Result.
+// Turns exceptions of the library into errors: `what` says what failed. `call` returns a Result.
 template <class Call>
 auto in_words(const std::string& what, const Call& call) -> decltype(call()) {
   try {
@@ -46,7 +46,8 @@ Result<std::vector<Found>> find_devices(const rs2::context& context) {
   });
 }
 
-// Only what the library calls Brown-Conrady is our lens. Others count as straight: most of the D400 have nothing but zeros there.
+// Only the library's Brown-Conrady model is the same as ours. Other models count as undistorted: most cameras of the
+// D400 series have only zeros there.
 Distortion lens_of(const rs2_intrinsics& intrinsics) {
   if (intrinsics.model != RS2_DISTORTION_BROWN_CONRADY) return {};
   const auto& k = intrinsics.coeffs;
@@ -107,7 +108,7 @@ Status RealSenseCamera::describe(const rs2::pipeline_profile& profile, const std
   }
   const rs2_intrinsics seen = profile.get_stream(RS2_STREAM_COLOR).as<rs2::video_stream_profile>().get_intrinsics();
   const double metres_per_unit = profile.get_device().first<rs2::depth_sensor>().get_depth_scale();
-  // Stored as a float: 0.001 is not one.
+  // The unit is stored as a float, which is not exactly 0.001.
   description_.camera = {kSize.width, kSize.height, seen.fx, seen.fy, seen.ppx, seen.ppy, std::round(1 / metres_per_unit), lens_of(seen)};
   const Status status = validate(description_.camera);
   return status.ok() ? status : in_context("what " + description_.name + " says of itself", status.error());
@@ -124,7 +125,7 @@ Status copy_rows(const rs2::video_frame& from, Image<Pixel>& to) {
   return Done{};
 }
 
-// What is there now; nothing when no pair of images is, or an old one.
+// Returns the available frame; std::nullopt if there is no pair of images, or an old one.
 Result<std::optional<RgbdFrame>> RealSenseCamera::poll() {
   return in_words(description_.name + " does not answer any more", [this]() -> Result<std::optional<RgbdFrame>> {
     rs2::frameset images;
@@ -144,7 +145,7 @@ Result<std::optional<RgbdFrame>> RealSenseCamera::poll() {
   });
 }
 
-// One that was unplugged is silent, nothing else.
+// An unplugged camera is merely silent.
 Status RealSenseCamera::look_for_it() {
   heard_at_ = Clock::now();
   const auto found = find_devices(context_);

@@ -1,4 +1,4 @@
-// A recording played as if its camera were attached: each frame at its time. To try out scanning without a camera.
+// Plays a recording as if its camera were attached, each frame at its time, to try out scanning without a camera.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,8 @@
 
 namespace hermite {
 
-// Waits for nobody, but leaves nothing out either: when frames are fetched late, they come late. Frames that cannot be read are left out.
-// At the end next() is kNotFound.
+// Waits for no consumer, but drops nothing either: frames that are fetched late are late. Frames that cannot be read
+// are skipped. At the end next() returns kNotFound.
 std::unique_ptr<CaptureCamera> play_recording(std::unique_ptr<Sequence> sequence);
 
 }  // namespace hermite

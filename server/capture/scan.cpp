@@ -17,10 +17,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kTick(100);
-// Each costs the server all frames anew: what fails three times will not go well the fourth.
+// Each attempt sends the server all frames again: what fails three times will fail a fourth time.
 constexpr int kMaxScansOfOneLog = 3;
 
-// Waiting does not help against these.
+// Errors that do not go away by waiting.
 bool is_hopeless(ErrorCode code) { return code != ErrorCode::kIo && code != ErrorCode::kBusy; }
 
 class Scan {
@@ -52,10 +52,10 @@ class Scan {
   std::unique_ptr<LocalLog> log_;
   std::optional<LiveFrames> live_;
   std::optional<Clock::time_point> camera_ended_at_;
-  std::optional<Capture> capture_;  // last: it ends before what it feeds
+  std::optional<Capture> capture_;  // last member: destroyed before what it feeds
 };
 
-// The scan in a sentence.
+// The whole scan.
 Result<ScanOutcome> Scan::run() {
   if (Status status = look_first(); !status.ok()) return status.error();
   if (Status status = start_camera(); !status.ok()) return status.error();
@@ -69,13 +69,13 @@ Result<ScanOutcome> Scan::run() {
 
 CaptureWishes Scan::wishes() {
   CaptureWishes wishes = observer_.wishes ? observer_.wishes() : CaptureWishes{};
-  // A camera whose frames cannot be kept need not go on.
+  // If frames cannot be stored, the camera need not continue.
   if (log_ && log_->state().failure) wishes.interrupt_count = std::max(wishes.interrupt_count, 1);
   return wishes;
 }
 
-// The pre-flight: says what is wrong, and finds the codec for what this camera sees. Looks only when all frames are there: a camera that is
-// kept waiting drops some, and the computer would get the blame.
+// The pre-flight check: reports problems, and chooses the codec for this camera. Checks only after all frames have
+// arrived: a camera that has to wait drops frames, for which the computer would be blamed.
 Status Scan::look_first() {
   CHECK(request_.preflight_frames >= kMinPreflightFrames && request_.preflight_frames <= kMaxPreflightFrames, "some frames are looked at");
   struct Arrived {
@@ -143,7 +143,7 @@ Result<std::optional<StreamOutcome>> Scan::stream() {
   return std::optional<StreamOutcome>(*std::move(outcome));
 }
 
-// From the local log, until the server has all of it.
+// Streams from the local log until the server has all of it.
 Result<StreamOutcome> Scan::forward(const StreamRequest& request) {
   Backoff backoff(std::random_device{}());
   for (int scans = 0;;) {
@@ -193,7 +193,7 @@ StreamObserver Scan::stream_observer() {
   };
   observer.on_problem = observer.on_link = [this](const std::string& words) { tell(words); };
   observer.on_event = observer_.on_event;
-  // The first interrupt ends the camera, and with it the frames.
+  // The first interrupt ends the camera, and thereby the frames.
   observer.interrupt_count = [this] { return capture_->interrupt_count() > 1 ? 2 : 0; };
   observer.paused = [this] { return capture_->state().paused; };
   return observer;

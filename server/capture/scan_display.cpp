@@ -9,12 +9,12 @@
 namespace hermite {
 namespace {
 
-constexpr double kShownBehind_s = 0.05;  // less is not noticed
-constexpr double kMinRateTime_s = 0.1;   // a mean over less says nothing
+constexpr double kShownBehind_s = 0.05;  // shorter delays are not noticeable
+constexpr double kMinRateTime_s = 0.1;   // a mean over a shorter time is meaningless
 constexpr double kMaxShown_s = 1e6;
-constexpr std::uint64_t kOnTheirWay_frames = 30;  // a second of most cameras: so many are sent and not yet said to be on the disk
+constexpr std::uint64_t kOnTheirWay_frames = 30;  // one second of most cameras: typically sent but not yet reported durable
 
-// "0:42" since the first frame.
+// Returns for example "0:42", the time since the first frame.
 std::string clock_words(double time_s, const CaptureState& capture) {
   const auto whole = static_cast<long long>(std::clamp(time_s - capture.first_s, 0.0, kMaxShown_s));
   return printf_text("%lld:%02lld", whole / 60, whole % 60);
@@ -27,7 +27,7 @@ std::string tracking_words(const wire::FrameResult& result, const CaptureState& 
   return result.last_tracked ? lost + " - go back to what was seen at " + clock_words(result.last_tracked->timestamp_s, capture) : lost;
 }
 
-// Without a recording a slow link shows in what is sent, with one only here.
+// Without a recording, a slow link shows in the quality that is sent; with a recording, only here.
 std::string log_words(const LocalLog::State& log, const StreamProgress& stream) {
   const std::uint64_t behind = log.durable_count - std::min(log.durable_count, stream.durable_frames);
   std::string text = "  " + std::to_string(log.durable_count) + " recorded, " + std::to_string(stream.durable_frames) + " on the server";

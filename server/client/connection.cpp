@@ -28,9 +28,10 @@ using tcp = asio::ip::tcp;
 using Socket = websocket::stream<Transport>;
 using SteadyTime = std::chrono::steady_clock::time_point;
 
-// A server that answers no ping for so long is gone. Half of it is the interval of the pings, which also keeps proxies from closing (60 s).
+// A server that answers no ping for this long is considered dead. Pings are sent at half this interval, which also
+// keeps proxies from closing the connection (60 s).
 constexpr std::chrono::seconds kSilence(45);
-// Halves the cost of a write against Beast's 4 KiB.
+// Halves the cost of a write compared to Beast's 4 KiB.
 constexpr std::size_t kWriteBuffer_bytes = 65536;
 
 void prepare(Socket& socket, std::chrono::milliseconds patience) {
@@ -60,7 +61,7 @@ Error refusal(const std::string& server, const websocket::response_type& respons
   return {ErrorCode::kUnsupported, server + " is no Hermite server: it answers " + answer};
 }
 
-// What is wrong with the server's certificate, in words.
+// Returns what is wrong with the server's certificate, in words.
 Error distrust(const std::string& server, const beast::error_code& error, Transport::Tls& tls) {
   const long verdict = SSL_get_verify_result(tls.native_handle());
   if (verdict == X509_V_OK) return {ErrorCode::kIo, "TLS with " + server + " failed: " + error.message()};
@@ -68,19 +69,19 @@ Error distrust(const std::string& server, const beast::error_code& error, Transp
                                         " (--ca names a file with the authorities to trust)"};
 }
 
-// TLS with the server that `url` names and no other.
+// Performs the TLS handshake, accepting only the server that `url` names.
 asio::awaitable<void> shake_hands(Transport::Tls& tls, const ServerUrl& url, std::optional<Error>& failure) {
   beast::error_code error;
   asio::ip::make_address(url.host, error);
   const bool is_name = static_cast<bool>(error);
-  // Addresses have no place in the server name that is sent along.
+  // The server name indication (SNI) must not contain an address.
   if (is_name) SSL_set_tlsext_host_name(tls.native_handle(), url.host.c_str());
   tls.set_verify_callback(asio::ssl::host_name_verification(url.host));
   co_await tls.async_handshake(asio::ssl::stream_base::client, asio::redirect_error(asio::use_awaitable, error));
   if (error) failure = distrust(url.host_and_port(), error, tls);
 }
 
-// Resolve, connect, upgrade. Leaves its outcome in `failure` (none: connected).
+// Resolves the name, connects and upgrades to WebSocket. Sets `failure` unless that succeeded.
 asio::awaitable<void> connect(Socket& socket, const ServerUrl& url, std::optional<Error>& failure) {
   const std::string server = url.host_and_port();
   beast::error_code error;
@@ -116,9 +117,9 @@ struct Connection::Impl {
   asio::io_context io{1};
   asio::executor_work_guard<asio::io_context::executor_type> work = asio::make_work_guard(io);
   Socket socket;
-  std::string server;  // for words
+  std::string server;  // for messages
 
-  bool happened = false;  // something that a waiter wants to know
+  bool happened = false;  // an event that wait_until() has to return for
   std::optional<Error> ended;
   beast::flat_buffer incoming;
   std::optional<std::string> received;
@@ -159,7 +160,8 @@ struct Connection::Impl {
     });
   }
 
-  // A failed write ends nothing by itself: the server may have said why before it closed, and the read that is under way tells.
+  // A failed write does not end the connection: the server may have sent the reason before it closed, which the pending
+  // read receives.
   void start_writing() {
     writing = true;
     socket.async_write(asio::buffer(outgoing), [this](const beast::error_code& error, std::size_t) {
@@ -184,7 +186,8 @@ Result<std::unique_ptr<Connection>> Connection::open(const ServerUrl& url, std::
   }
   bool connected = false;
   std::optional<Error> failure;
-  auto impl = std::make_unique<Impl>(std::move(tls));  // after what its coroutine refers to: it goes first
+  // Declared after the objects that its coroutine refers to, so that it is destroyed first.
+  auto impl = std::make_unique<Impl>(std::move(tls));
   impl->server = url.host_and_port();
   prepare(impl->socket, patience);
   asio::co_spawn(impl->io, connect(impl->socket, url, failure),

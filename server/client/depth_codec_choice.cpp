@@ -11,7 +11,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::int64_t kTrialFrames = 3;  // sizes of one sensor's frames differ by less than the codecs do
+constexpr std::int64_t kTrialFrames = 3;  // sizes of frames of the same sensor differ less than those of codecs
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -1,4 +1,5 @@
-// Which depth codec suits a sensor: measured on some of its frames, since nobody knows beforehand how many different depths it gives.
+// Chooses the depth codec for a sensor by measurement on some of its frames, since it is not known beforehand how many
+// different depths a sensor produces.
 #pragma once
 
 #include <cstddef>
@@ -13,18 +14,19 @@ namespace hermite {
 
 struct DepthCodecTrial {
   wire::DepthCodec codec = wire::DepthCodec::kRvlZstd;
-  std::size_t bytes = 0;  // of all frames tried
-  double encode_ms = 0;   // a frame, the median
+  std::size_t bytes = 0;  // of all encoded frames
+  double encode_ms = 0;   // median per frame
 };
 
-// Encodes all `frames` with every codec; 0 bytes and 0 ms without frames. Blocks for that long: some 10 ms a frame of 640x480.
+// Encodes all `frames` with every codec; 0 bytes and 0 ms without frames. Blocks for that long: some 10 ms per frame of
+// 640x480.
 std::vector<DepthCodecTrial> try_depth_codecs(const std::vector<DepthImage>& frames);
 
-// The smallest first among those within the budget, then the fastest first among the others; what is equal stays in its order.
+// Sorts codecs: first those within the budget by size, then the others by time. Equal ones keep their order.
 std::vector<wire::DepthCodec> best_first(std::vector<DepthCodecTrial> trials, double budget_ms);
 
-// The order in which to offer them to a server for these frames of a recording, by a few of them that can be read. A third of the time
-// between two frames may go into depth: colour, reading and the socket share the core.
+// Returns the order in which to offer codecs to a server for a recording, measured on a few of its frames that can be
+// read. The budget is a third of the time between two frames, because colour, reading and the socket share the core.
 std::vector<wire::DepthCodec> depth_codecs_for(const Sequence& sequence, const FrameRange& range);
 
 }  // namespace hermite

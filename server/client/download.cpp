@@ -33,7 +33,7 @@ ExportReport report_of(const Json& json) {
   return report;
 }
 
-// One download; the server is asked again while it is away or full, for as long as its patience lasts.
+// One download. Repeats requests while the server is unreachable or busy, for as long as `patience`.
 class Downloading {
  public:
   Downloading(const DownloadTarget& target, const DownloadObserver& observer) : target_(target), observer_(observer) {}
@@ -47,7 +47,7 @@ class Downloading {
     return json.value("state", "") == "ready" ? Status(Done{}) : wait();
   }
 
-  // Of the version that the first piece is of; another one is begun anew.
+  // Downloads the version to which the first piece belongs; if the version changes, starts again.
   Status take(std::ofstream& file) {
     std::uint64_t come_bytes = 0, total_bytes = 1;
     std::string version;
@@ -88,7 +88,7 @@ class Downloading {
  private:
   bool is_interrupted() const { return observer_.interrupted && observer_.interrupted(); }
 
-  // Until it is neither waiting nor being made; well when it is ready.
+  // Waits until the export is no longer queued or running; succeeds if it is ready.
   Status wait() {
     for (;;) {
       if (is_interrupted()) return Error{ErrorCode::kIo, "interrupted"};

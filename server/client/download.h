@@ -1,5 +1,5 @@
-// Takes an export of a scan from a server: asks for it, waits until it is made, and takes it piece by piece, each over a connection of its
-// own, so that a link that breaks costs a piece. Blocks.
+// Downloads an export of a scan: requests it, waits until it is made, and downloads it piece by piece, each over its
+// own connection, so that an interruption costs only a piece. Blocks.
 #pragma once
 
 #include <chrono>
@@ -16,10 +16,10 @@ namespace hermite {
 
 struct DownloadTarget {
   ServerUrl server;  // with its token
-  TlsContext tls;    // none: not encrypted
+  TlsContext tls;    // nullptr: not encrypted
   std::string scan_id;
   std::string format;
-  std::chrono::milliseconds patience{600'000};  // so long a server that is away or full is asked again
+  std::chrono::milliseconds patience{600'000};  // how long to retry while the server is unreachable or busy
   std::uint64_t piece_bytes = 8 * 1024 * 1024;  // less than kMaxApiAnswerBytes
 };
 
@@ -33,13 +33,14 @@ struct ExportReport {
 struct DownloadObserver {
   std::function<void(const ExportReport&)> on_state;  // while it is made
   std::function<void(std::uint64_t come_bytes, std::uint64_t total_bytes)> on_progress;
-  std::function<bool()> interrupted;  // true: give up
+  std::function<bool()> interrupted;  // true: abort
 };
 
-// As the server lists them. Refusals as refusal() has them; kIo.
+// Returns the exports of the scan as listed by the server. Refusals as refusal(); kIo.
 Result<std::vector<ExportReport>> export_reports(const DownloadTarget& target);
 
-// Writes it to `path`, whole or not at all; what there was is replaced. kIo also: it cannot be made, in the server's words, or interrupted.
+// Writes the export to `path`, completely or not at all, replacing an existing file. kIo also if it cannot be made,
+// with the server's message, or is interrupted.
 Status download(const DownloadTarget& target, const std::string& path, const DownloadObserver& observer);
 
 }  // namespace hermite

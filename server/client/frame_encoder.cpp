@@ -17,8 +17,8 @@ namespace {
 
 std::string as_text(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
 
-// Bytes that may go out as they are and cannot be decoded are left for the server to judge: it decodes with the same functions as a run
-// without a server.
+// Bytes that may be sent as they are but cannot be decoded are left to the server, which decodes with the same
+// functions as a run without a server.
 Result<std::string> encode_color(const std::vector<std::uint8_t>& recorded, ImageSize size, const WireEncoding& encoding) {
   const auto format = detect_image_format(recorded);
   const bool must_change = !encoding.png_color && format.ok() && *format == ImageFormat::kPng;
@@ -44,7 +44,7 @@ Status encode_recording(const Sequence& sequence, const WireEncoding& encoding, 
   return Done{};
 }
 
-// JPEG keeps black exactly, so the server's pipeline gets wire::empty_frame.
+// JPEG preserves black exactly, so the server's pipeline gets wire::empty_frame.
 void encode_black(const Camera& camera, const WireEncoding& encoding, EncodedFrame& encoded) {
   const RgbdFrame black = wire::empty_frame(encoded.frame.timestamp_s, camera);
   auto depth = wire::encode_depth_payload(black.depth, encoding.depth);
@@ -117,12 +117,12 @@ struct FrameEncoder::Worker {
   FrameSource& source;
   const Settings settings;
   const std::function<void()> on_ready;
-  std::atomic<int> jpeg_quality{0};  // 0: none
+  std::atomic<int> jpeg_quality{0};  // 0: unset
 
   std::mutex mutex;
   std::condition_variable room_or_stop;
   std::deque<EncodedFrame> ready;  // guarded by mutex
-  bool at_end = false;             // guarded by mutex: the source has no more
+  bool at_end = false;             // guarded by mutex: the source has no more frames
   bool stopping = false;           // guarded by mutex
   std::thread thread;
 };

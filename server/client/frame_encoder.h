@@ -1,4 +1,4 @@
-// The frames of a source as the bytes that go on the wire, prepared on a thread of their own so that reading and encoding overlap the
+// Encodes the frames of a source for the wire, on a separate thread, so that reading and encoding overlap with the
 // network.
 #pragma once
 
@@ -18,12 +18,12 @@ namespace hermite {
 
 inline constexpr int kJpegQuality = 90;
 
-// Colour bytes go out as they were recorded, but for `encoding`. A frame that cannot be read or encoded becomes one without a measurement
-// (depth 0, black colour) with its `problem`, as in a run without a server: every frame of the sequence gets its line in the trajectory.
-// Thread-safe.
+// Sends colour as recorded, unless `encoding` requires otherwise. A frame that cannot be read or encoded becomes one
+// without a measurement (depth 0, black colour) with its `problem`, as in a run without a server: every frame of the
+// sequence gets its line in the trajectory. Thread-safe.
 EncodedFrame encode_frame(const Sequence& sequence, std::int64_t index, const WireEncoding& encoding);
 
-// A recording, or a part of it. The sequence must outlive it.
+// A recording or a part of it. The sequence must outlive it.
 class RecordedFrames final : public FrameSource {
  public:
   RecordedFrames(const Sequence& sequence, const FrameRange& range) : sequence_(sequence), range_(range), next_(range.begin) {}
@@ -38,8 +38,8 @@ class RecordedFrames final : public FrameSource {
   std::int64_t next_;
 };
 
-// Encodes what the source has, at most `read_ahead` frames before the taker. The source must outlive it. take() and exhausted() from one
-// thread.
+// Encodes the frames of a source, at most `read_ahead` before they are taken. The source must outlive it. Call take()
+// and exhausted() on one thread.
 class FrameEncoder {
  public:
   struct Settings {
@@ -48,14 +48,14 @@ class FrameEncoder {
   };
   // `on_ready` is called on the encoding thread after each frame and at the end; it must not block.
   FrameEncoder(FrameSource& source, const Settings& settings, std::function<void()> on_ready);
-  ~FrameEncoder();  // stops after the frame in work
+  ~FrameEncoder();  // stops after the current frame
   FrameEncoder(const FrameEncoder&) = delete;
   FrameEncoder& operator=(const FrameEncoder&) = delete;
 
-  std::optional<EncodedFrame> take();  // none: not ready yet, or exhausted
+  std::optional<EncodedFrame> take();  // std::nullopt: not ready yet, or exhausted
   bool exhausted() const;              // every frame of the source was taken
 
-  void set_jpeg_quality(std::optional<int> quality);  // of the frames encoded from now on; those read ahead stay as they are
+  void set_jpeg_quality(std::optional<int> quality);  // of frames encoded from now on; those read ahead stay unchanged
 
  private:
   struct Worker;

@@ -1,4 +1,4 @@
-// Where the frames of a stream come from: a recording, a camera, or what of a camera is already in a local log.
+// The source of the frames of a stream: a recording, a camera, or a local log of a camera.
 #pragma once
 
 #include <chrono>
@@ -15,27 +15,28 @@ namespace hermite {
 struct WireEncoding {
   wire::DepthCodec depth = wire::DepthCodec::kRvlZstd;
   bool png_color = true;  // false: PNG colour of a recording is sent as JPEG, which changes pixels
-  // 1 to 100: colour becomes a JPEG of that quality where this makes it smaller. None: as recorded.
+  // 1 to 100: colour is sent as a JPEG of that quality if that is smaller. std::nullopt: as recorded.
   std::optional<int> jpeg_quality = std::nullopt;
 };
 
 struct EncodedFrame {
   std::int64_t index = 0;  // in the recording
-  wire::Frame frame;       // all but its number on the wire, which is known when it leaves
-  std::string problem;     // in words, why the images are black; empty when they are the recording's
+  wire::Frame frame;       // complete except for its sequence number, which is set when it is sent
+  std::string problem;     // why the images are black, in words; empty if they are those of the recording
 };
 
 enum class Supply { kFrame, kNotYet, kEnd };
 
-// What is asked on the taker's thread before the first next() needs no thread but that; next() is called on one other thread.
+// The other functions are called on the taker's thread before the first next(); next() is called on one other thread.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
   virtual const Camera& camera() const = 0;
-  virtual std::uint64_t expected_frames() const = 0;               // 0: nobody knows
+  virtual std::uint64_t expected_frames() const = 0;               // 0: unknown
   virtual std::vector<wire::DepthCodec> depth_codecs() const = 0;  // all that the source can encode, best first
 
-  // The next frame, in order. Waits at most kSupplyPatience for one that is not there yet; after kEnd there is none.
+  // Returns the next frame, in order. Waits at most kSupplyPatience for one that is not available yet; after kEnd there
+  // are no more.
   virtual Supply next(const WireEncoding& encoding, EncodedFrame& frame) = 0;
 };
 

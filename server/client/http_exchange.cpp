@@ -44,7 +44,7 @@ asio::awaitable<error_code> open(Transport& stream, const ServerUrl& server, boo
   if (check_name) {
     error_code no_address;
     asio::ip::make_address(server.host, no_address);
-    // Addresses have no place in the server name that is sent along.
+    // The server name indication (SNI) must not contain an address.
     if (no_address) SSL_set_tlsext_host_name(stream.tls()->native_handle(), server.host.c_str());
     stream.tls()->set_verify_callback(asio::ssl::host_name_verification(server.host), error);
   }
@@ -52,7 +52,8 @@ asio::awaitable<error_code> open(Transport& stream, const ServerUrl& server, boo
   co_return error;
 }
 
-// All that the server sends until it closes. A server that refuses a long request may stop reading it: what it says then counts.
+// Sends the request, then reads until the server closes the connection. A server that refuses a long request may stop
+// reading it; its answer counts all the same.
 asio::awaitable<void> converse(Transport& stream, const ServerUrl& server, bool check_name, const std::string& request, std::string& answer,
                                error_code& error) {
   error = co_await open(stream, server, check_name);
@@ -89,7 +90,7 @@ ErrorCode code_of(int status) {
 }
 
 std::string request_text(const ServerUrl& server, const HttpCall& call) {
-  // A server that listens on all addresses answers for the loopback's name.
+  // A server that listens on all addresses accepts the name of the loopback address.
   const bool any = server.host == "0.0.0.0" || server.host == "::";
   std::string text = call.method + " " + call.path + " HTTP/1.1\r\nHost: " + (any ? "localhost" : server.host_and_port()) +
                      "\r\nConnection: close\r\nAuthorization: Bearer " + server.token + "\r\n";

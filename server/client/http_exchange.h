@@ -1,4 +1,4 @@
-// One HTTP request and its answer, over a connection of its own. Blocks; a minute without progress is an error.
+// One HTTP request and its answer, over its own connection. Blocks; a minute without progress is an error.
 #pragma once
 
 #include <optional>
@@ -23,18 +23,18 @@ struct HttpCall {
 
 struct HttpReply {
   int status = 0;
-  std::string header;  // all of it, with its first line
+  std::string header;  // complete, with the status line
   std::string body;
 
-  std::optional<std::string> field(const std::string& name) const;  // of the header, in any case
+  std::optional<std::string> field(const std::string& name) const;  // of the header; the name is not case-sensitive
 };
 
-// Any answer is well, whatever its status. kIo: no connection, or the answer was cut. Without `tls` nothing is encrypted; with `check_name`
-// the certificate must have the server's name. Words never contain the token.
+// Returns any answer, whatever its status. kIo: no connection, or the answer was incomplete. Without `tls` nothing is
+// encrypted; with `check_name` the certificate must be for the server's name. Messages never contain the token.
 Result<HttpReply> http_exchange(const ServerUrl& server, const TlsContext& tls, bool check_name, const HttpCall& call);
 
-// What a server says that refuses something: its words, as kNotFound (404, 410), kUnauthorized (401, 403), kBusy (409, 423, 429, 503),
-// kTooLarge (413), kInvalidArgument (other 4xx) or kIo.
+// Returns the error for an answer that refuses a request, with the server's message: kNotFound (404, 410),
+// kUnauthorized (401, 403), kBusy (409, 423, 429, 503), kTooLarge (413), kInvalidArgument (other 4xx) or kIo.
 Error refusal(const HttpReply& reply);
 
 }  // namespace hermite

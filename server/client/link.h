@@ -1,4 +1,4 @@
-// The way to the server: one connection after the other. Everything but wake() from one thread.
+// The link to the server: one connection after another. One thread, except wake().
 #pragma once
 
 #include <chrono>
@@ -23,31 +23,31 @@ class Link {
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  // A new connection instead of the one before. Errors as Connection::open; there is none then.
+  // Replaces the connection by a new one. Errors as Connection::open; then there is no connection.
   Status open(std::chrono::milliseconds patience);
   void close(std::chrono::milliseconds patience);
 
-  // After an open() that went well.
+  // Only after open() has succeeded.
   Connection& connection() {
     CHECK(connection_, "there is no connection");
     return *connection_;
   }
 
-  void wake();  // as Connection::wake(), whichever connection there is. From any thread.
+  void wake();  // as Connection::wake(), for the current connection. From any thread.
 
-  std::uint64_t sent_bytes() const;  // over all connections
+  std::uint64_t sent_bytes() const;  // of all connections
 
-  // Sends a ping when one is due and nothing else is being sent.
+  // Sends a ping if one is due and nothing else is being sent.
   void ping(std::chrono::steady_clock::time_point now);
   void answered(const wire::Pong& pong);
-  std::optional<double> round_trip_ms() const { return round_trip_ms_; }  // of the last ping that was answered
+  std::optional<double> round_trip_ms() const { return round_trip_ms_; }  // of the last answered ping
 
  private:
   void replace(std::unique_ptr<Connection> connection);
 
   const ServerUrl& server_;
   const std::string ca_;
-  std::mutex mutex_;  // only for wake(): who replaces the connection, and who wakes it
+  std::mutex mutex_;  // guards replacing the connection against wake()
   std::unique_ptr<Connection> connection_;
   std::uint64_t sent_bytes_before_ = 0;
   std::uint64_t ping_count_ = 0;

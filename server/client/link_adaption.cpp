@@ -8,7 +8,7 @@
 namespace hermite {
 namespace {
 
-// 90 does nothing for a recording that has such JPEGs, but much for one of PNGs.
+// Quality 90 gains nothing for a recording with such JPEGs, but much for one with PNGs.
 constexpr std::array<LinkLevel, kLinkLevels> kLevels{{
     {std::nullopt, 1, 1},
     {90, 1, 1},
@@ -22,7 +22,7 @@ constexpr std::array<LinkLevel, kLinkLevels> kLevels{{
 constexpr int kFirstPatience_s = LinkState{}.patience_s;
 constexpr int kMaxPatience_s = 60;
 constexpr int kTrial_s = 5;
-constexpr std::uint64_t kToleratedDrops = 10;  // one in so many
+constexpr std::uint64_t kToleratedDrops = 10;  // one in this many
 
 }  // namespace
 

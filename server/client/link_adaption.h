@@ -1,5 +1,5 @@
-// What a live camera sends over a link that is too slow for all of it: first worse colour, then fewer frames. Depth stays lossless.
-// A pure function of what was counted in each second; knows no clock and no socket.
+// Reduces what a live camera sends over a link that is too slow for all of it: first the quality of colour, then the
+// number of frames. Depth stays lossless. A pure function of the counts of each second; uses no clock and no socket.
 #pragma once
 
 #include <cstdint>
@@ -9,32 +9,32 @@
 namespace hermite {
 
 struct LinkLevel {
-  std::optional<int> jpeg_quality;  // none: colour as the camera or the recording has it
-  int kept_frames = 1;              // of `of_frames` in a row; the others are not sent and are no loss
+  std::optional<int> jpeg_quality;  // std::nullopt: colour as the camera or the recording provides it
+  int kept_frames = 1;              // of `of_frames` consecutive ones; the others are not sent and do not count as dropped
   int of_frames = 1;
 };
 
-// From all to least; at 30 Hz the frames are 30, 20, 15 and 10 a second. A third of the frames is the least that tracking can live on.
+// From best to worst; at 30 Hz the frame rates are 30, 20, 15 and 10 Hz. Tracking needs at least a third of the frames.
 inline constexpr int kLinkLevels = 7;
 LinkLevel link_level(int level);               // 0 to kLinkLevels - 1 (CHECK)
-std::string in_words(const LinkLevel& level);  // "colour q70, 2 of 3 frames"; empty for the first
+std::string in_words(const LinkLevel& level);  // like "colour q70, 2 of 3 frames"; empty for the first level
 
-// Of the frames of one second that the level did not leave out.
+// Counts of one second, without frames that the level left out.
 struct LinkCounts {
   std::uint64_t due = 0;
-  std::uint64_t dropped = 0;  // of these, for want of the link
+  std::uint64_t dropped = 0;  // of these, because the link was too slow
 };
 
 struct LinkState {
   int level = 0;
-  int calm_s = 0;         // without a drop, on this level
-  int patience_s = 5;     // calm that it takes to try the next better level
-  bool on_trial = false;  // the level was just made better and has not yet proved itself
+  int calm_s = 0;         // seconds without a drop, on this level
+  int patience_s = 5;     // calm_s required to try the next better level
+  bool on_trial = false;  // the level was just raised and has not proved itself yet
 };
 
-// More than a tenth dropped: the next worse level, at once. Nothing dropped for `patience_s`: the next better one. In between nothing
-// changes, so that a link just good enough is left alone. A better level that fails while it is on trial doubles the patience, to a minute
-// at most; one that holds sets it back.
+// If more than a tenth was dropped, switches to the next worse level immediately; if nothing was dropped for
+// `patience_s`, to the next better one. In between nothing changes, so that a link that is just good enough is left
+// alone. A better level that fails while on trial doubles the patience, up to a minute; one that holds resets it.
 LinkState after_a_second(LinkState state, const LinkCounts& counts);
 
 }  // namespace hermite

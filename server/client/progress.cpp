@@ -14,14 +14,14 @@ constexpr double kTerminalInterval_s = 0.2;
 constexpr double kPlainInterval_s = 5;
 constexpr double kMaxShown_s = 100.0 * 3600;
 
-// To centimetres, without a "-0.00".
+// Rounds to centimetres and avoids "-0.00".
 double rounded(double length_m) { return std::round(length_m * 100) / 100 + 0.0; }
 
 std::string count_of(std::uint64_t count, const char* words) {
   return count == 0 ? std::string() : "  " + std::to_string(count) + " " + words;
 }
 
-// A mean over less than this says nothing.
+// A mean over a shorter time is meaningless.
 constexpr double kMinRateTime_s = 0.1;
 
 double per_second(double amount, const StreamProgress& progress) {
@@ -50,7 +50,7 @@ std::string format_summary(const StreamProgress& progress) {
   return progress.last_words.empty() ? text : text + "; " + progress.last_words;
 }
 
-// Empty before anything was seen.
+// Empty before the first tracked frame.
 std::string way_back_words(const wire::FrameResult& result) {
   if (!result.last_tracked) return {};
   return " - go back to what was seen " + format_duration(result.timestamp_s - result.last_tracked->timestamp_s) + " ago";
@@ -68,7 +68,7 @@ std::string tracking_words(const wire::FrameResult& result) {
   return "  LOST: " + result.reason + way_back_words(result);
 }
 
-// Less than this is not worth a word.
+// Smaller corrections are not mentioned.
 constexpr double kShownCorrection_m = 0.005;
 
 std::string correction_words(double correction_m) {

@@ -1,4 +1,5 @@
-// What a person sees while a scan is streamed: one line that is rewritten on a terminal, a plain line every few seconds elsewhere.
+// Shows the progress of a streamed scan: one line that is overwritten on a terminal, otherwise a plain line every few
+// seconds.
 #pragma once
 
 #include <iosfwd>
@@ -9,20 +10,22 @@
 
 namespace hermite {
 
-// "frame 42/1000 (sent 46)  2.1 fps  18.3 Mbit/s  position 0.12 -0.03 1.40 m  tracked +-8 mm  3 dropped  7:36 left". No line feed.
-// Instead of "tracked": "LOST: too fast - go back to what was seen 4 s ago".
+// Returns "frame 42/1000 (sent 46)  2.1 fps  18.3 Mbit/s  position 0.12 -0.03 1.40 m  tracked +-8 mm  3 dropped  7:36
+// left", without a line feed. Instead of "tracked": "LOST: too fast - go back to what was seen 4 s ago".
 std::string format_progress(const StreamProgress& progress);
 
-// How well the camera's position is known, twice the standard deviation: " +-8 mm" or " +-2 cm". Empty when the server does not say.
+// Returns the accuracy of the camera's position as twice the standard deviation: " +-8 mm" or " +-2 cm". Empty if the
+// server does not report it.
 std::string within_words(const wire::FrameResult& result);
 
-// What happened to the map in this frame: "frame 420: loop closed: the map was corrected by up to 3 cm". Empty when nothing did.
+// Returns what happened to the map in this frame: "frame 420: loop closed: the map was corrected by up to 3 cm". Empty
+// if nothing did.
 std::string format_event(const wire::FrameResult& result);
 
-// The last line: "scan 4f is finished: 1000 frames sent in 7:36, 998 tracked, 3 dropped, 18.3 Mbit/s".
+// Returns the last line: "scan 4f is finished: 1000 frames sent in 7:36, 998 tracked, 3 dropped, 18.3 Mbit/s".
 std::string format_summary(const StreamProgress& progress);
 
-// "59 s", "7:36", "2:05:09".
+// Returns for example "59 s", "7:36", "2:05:09".
 std::string format_duration(double seconds);
 
 // Writes to a stream that it does not own. One thread.
@@ -30,11 +33,11 @@ class ProgressPrinter {
  public:
   ProgressPrinter(std::ostream& out, bool is_terminal) : out_(out), is_terminal_(is_terminal) {}
 
-  // At most 5 times a second on a terminal, else every 5 s, by the progress's own clock.
+  // Writes at most 5 times per second on a terminal, otherwise every 5 s, by the clock of `progress`.
   void show(const StreamProgress& progress);
   void show_now(const StreamProgress& progress);
-  void show(double now_s, const std::string& text);  // the same for any line, by a clock of the caller's
-  void line(const std::string& words);               // a line of its own, which the progress does not overwrite
+  void show(double now_s, const std::string& text);  // the same for any line, by a clock of the caller
+  void line(const std::string& words);               // a separate line, which the progress does not overwrite
 
  private:
   bool is_due(double now_s) const;

@@ -51,7 +51,7 @@ Result<ScanSummary> one_scan(const Result<Json>& answer) {
   return scan_of(*answer);
 }
 
-// The objects of the list of that name in an answer.
+// Returns the objects in the list of that name in an answer.
 std::vector<Json> members(const Json& answer, const char* name) {
   std::vector<Json> objects;
   const auto found = answer.find(name);

@@ -1,8 +1,8 @@
-// The scans of a server, for somebody at a terminal: list, look at, rename, stop, delete and share them. Every function is one request or,
-// for a long list, several; each blocks until the answer is there.
+// Manages the scans of a server from a terminal: lists, shows, renames, ends, deletes and shares them. Every function
+// makes one request or, for a long list, several, and blocks until the answer has arrived.
 //
-// Errors of all of them are those of http_exchange() and, in the server's words, those of refusal(); kIo also when the answer is no JSON
-// object with the expected fields.
+// Errors of all functions are those of http_exchange() and, with the server's message, those of refusal(); kIo also if
+// the answer is not a JSON object with the expected members.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +17,14 @@ namespace hermite {
 
 struct ApiTarget {
   ServerUrl server;  // with its token
-  TlsContext tls;    // none: not encrypted
+  TlsContext tls;    // nullptr: not encrypted
 };
 
 // A scan as the server describes it. Times are UTC texts like "2024-05-01T12:00:00.123Z", empty for never.
 struct ScanSummary {
   std::string id, title;
   std::string state;    // running, finished, failed or interrupted
-  std::string message;  // why it ended that way, may be empty
+  std::string message;  // why it ended that way; may be empty
   std::string created_at, finished_at;
   std::int64_t frames_received = 0, frames_processed = 0, frames_dropped = 0;
   std::int64_t width_px = 0, height_px = 0;
@@ -51,10 +51,11 @@ Status stop_scan(const ApiTarget& target, const std::string& scan_id);
 // Deletes a scan with all of its files, which needs the scope admin.
 Status delete_scan(const ApiTarget& target, const std::string& scan_id);
 
-// Returns the link, which holds the secret: the server tells it this once. `days`: until it expires, 0 for the server's default.
+// Returns the link with its secret, which the server reveals only this once. `days`: until it expires, 0 for the
+// server's default.
 Result<std::string> share_scan(const ApiTarget& target, const std::string& scan_id, const std::string& name, int days);
 
-// Returns the share links of a scan, or of all scans where `scan_id` is empty.
+// Returns the share links of a scan, or of all scans if `scan_id` is empty.
 Result<std::vector<ShareSummary>> list_shares(const ApiTarget& target, const std::string& scan_id);
 Status revoke_share(const ApiTarget& target, const std::string& share_id);
 

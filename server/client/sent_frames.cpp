@@ -16,7 +16,7 @@ void SentFrames::sent() {
 }
 
 void SentFrames::durable(std::uint64_t count) {
-  // What was not sent cannot be durable, whatever the server says.
+  // A frame that was not sent cannot be durable, whatever the server says.
   for (; first_kept_ < std::min(count, sent_count_); ++first_kept_) kept_.pop_front();
 }
 

@@ -22,7 +22,7 @@ bool is_host_character(char c) { return std::isalnum(static_cast<unsigned char>(
 
 bool is_ipv6_character(char c) { return std::isxdigit(static_cast<unsigned char>(c)) || c == ':' || c == '.' || c == '%'; }
 
-// "host", "host:port", "[v6]" or "[v6]:port" into `url`; words on failure, empty when well.
+// Parses "host", "host:port", "[v6]" or "[v6]:port" into `url`. Returns what is wrong, empty on success.
 std::string parse_authority(std::string_view authority, ServerUrl& url) {
   std::string_view host, port;
   bool has_port = false;
@@ -52,7 +52,7 @@ std::string parse_authority(std::string_view authority, ServerUrl& url) {
   return {};
 }
 
-// The value of "token" among "a=b&c=d"; empty when there is none.
+// Returns the value of "token" in "a=b&c=d"; empty if there is none.
 std::string token_of(std::string_view fragment) {
   while (!fragment.empty()) {
     const std::size_t end = std::min(fragment.find('&'), fragment.size());
@@ -72,7 +72,7 @@ std::string ServerUrl::host_and_port() const {
 
 Result<ServerUrl> parse_server_url(const std::string& text) {
   const std::size_t hash = std::min(text.find('#'), text.size());
-  const std::string shown = text.substr(0, hash);  // a token never gets into a message
+  const std::string shown = text.substr(0, hash);  // messages must not contain the token
   const auto failure = [&](const std::string& words) -> Result<ServerUrl> {
     return Error{ErrorCode::kInvalidArgument, "server URL \"" + shown + "\": " + words};
   };

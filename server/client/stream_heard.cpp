@@ -1,4 +1,4 @@
-// The part of StreamSession that is about what the server says.
+// The part of StreamSession that handles messages of the server.
 #include <algorithm>
 #include <chrono>
 #include <string>
@@ -57,7 +57,7 @@ void StreamSession::receive(const wire::FrameResult& result) {
 
 void StreamSession::receive(const wire::ScanState& state) {
   progress_.server_dropped_frames = state.frames_dropped;
-  // Results that were told while there was no connection do not come again.
+  // Results that were sent while there was no connection are not sent again.
   progress_.processed_frames = std::max(progress_.processed_frames, state.frames_processed);
   if (state.phase == wire::ScanPhase::kFinished) progress_.last_words = state.words;
   if (state.phase == wire::ScanPhase::kFailed || state.phase == wire::ScanPhase::kInterrupted) {
@@ -70,12 +70,12 @@ void StreamSession::receive(const wire::NotResumed& refused) {
 }
 
 void StreamSession::receive(const wire::GoAway& away) {
-  constexpr std::uint32_t kLongest_ms = 60'000;  // whatever the server thinks, somebody waits here
+  constexpr std::uint32_t kLongest_ms = 60'000;  // limit, since a user is waiting
   stay_away_ = std::chrono::milliseconds(std::min(away.resume_after_ms, kLongest_ms));
 }
 
 void StreamSession::receive(const wire::Waiting& waiting) {
-  // Said when it changes: for people who wait.
+  // Reported when it changes, for users who wait.
   if (!waiting_ || waiting_->before != waiting.before || (waiting_->expected_s == 0 && waiting.expected_s > 0))
     tell_link("no place on the server yet, waiting" + (waiting.before > 0 ? " behind " + std::to_string(waiting.before) + " others" : "") +
               (waiting.expected_s > 0 ? ", about " + std::to_string(waiting.expected_s) + " s" : ""));

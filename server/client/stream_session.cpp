@@ -14,17 +14,18 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// How long an interrupt or a report of progress may have to wait.
+// How long an interrupt or a report of progress may be delayed.
 constexpr std::chrono::milliseconds kTick(100);
 constexpr std::chrono::milliseconds kClosePatience(2000);
-// A server grants no more than its window (at most 256 frames) beyond what is durable; one that does must not take all memory.
+// A server grants no more than its window (at most 256 frames) beyond the durable frames; one that grants more must not
+// exhaust the memory.
 constexpr std::size_t kMaxKeptFrames = 256;
 
 double seconds_between(SteadyTime from, SteadyTime to) { return std::chrono::duration<double>(to - from).count(); }
 
 }  // namespace
 
-// The scan in a sentence: whatever happens to the link, frames and finish are said until the result is here.
+// The whole scan: across lost connections, sends frames and Finish until the result has arrived.
 Status StreamSession::run() {
   if (Status status = begin(); !status.ok()) return status;
   const auto& accepted = welcome_->color_codecs;
@@ -40,7 +41,8 @@ Status StreamSession::run() {
 
 void StreamSession::close() { link_.close(kClosePatience); }
 
-// Whoever waits for a place has nothing on the server that could be lost: without a link he comes again, to the end of the line.
+// A client that waits for admission has nothing on the server that could be lost: after a lost connection it starts
+// again, at the end of the queue.
 Status StreamSession::begin() {
   if (Status status = connect(); !status.ok()) return status;
   Status status = greet();
@@ -91,7 +93,7 @@ Status StreamSession::resume(const Error& lost) {
   return Done{};
 }
 
-// Connects and asks until the server says yes, or that it does not, or lets wait, or patience is at its end.
+// Connects and asks until the server accepts, refuses or queues the request, or `reconnect_patience` has passed.
 Status StreamSession::get_back(const Error& lost, const std::function<Status()>& ask) {
   const SteadyTime deadline = Clock::now() + request_.reconnect_patience;
   Backoff backoff(std::random_device{}());
@@ -151,7 +153,7 @@ Status StreamSession::check_welcome() const {
   return Done{};
 }
 
-// Sends frames again that the server does not have, then new ones, until all were sent.
+// Sends frames again that the server lacks, then new ones, until all were sent.
 Status StreamSession::pump() {
   for (;;) {
     const SteadyTime now = Clock::now();
@@ -165,7 +167,7 @@ Status StreamSession::pump() {
       }
       if (frames_.next()) {
         send_next_frame();
-        continue;  // the next one can get ready while this one is written
+        continue;  // the next frame can be prepared while this one is written
       }
     }
     if (Status status = step(gate_.next_event(now)); !status.ok()) return status;
@@ -209,7 +211,7 @@ Status StreamSession::finish() {
   return Done{};
 }
 
-// Waits for news, at most until `next_event`, and takes in all that came.
+// Waits for an event, at most until `next_event`, and handles all received messages.
 Status StreamSession::step(std::optional<SteadyTime> next_event) {
   const std::uint64_t sent_bytes = link_.connection().sent_bytes();
   link_.connection().wait_until(std::min(next_event.value_or(SteadyTime::max()), Clock::now() + kTick));
@@ -222,7 +224,7 @@ Status StreamSession::step(std::optional<SteadyTime> next_event) {
   if (failure_) return *failure_;
   if (finished_) return Done{};
   if (interrupts() > 1) return Error{ErrorCode::kIo, "given up: interrupted twice"};
-  // One that goes away need not be waited for until it is gone.
+  // There is no need to wait until a server that stops has closed the connection.
   link_lost_ = stay_away_ || link_.connection().ended();
   if (stay_away_) return Error{ErrorCode::kIo, "the server is stopping, or has only just started"};
   if (link_lost_) return *link_.connection().ended();
@@ -240,7 +242,7 @@ bool StreamSession::server_has_work() {
   return !welcome_ || progress_.finishing || !link_.connection().can_send() || credit_.sent() > answered;
 }
 
-// The frame gets its number, and is sent until the server has it.
+// Numbers the frame, and keeps it until the server has it.
 Status StreamSession::number(EncodedFrame encoded) {
   if (!encoded.problem.empty()) tell_problem(encoded.problem);
   encoded.frame.sequence = frames_.numbered_count();
@@ -258,7 +260,7 @@ void StreamSession::send_next_frame() {
   frames_.sent();
   credit_.take();
   progress_.sent_frames = std::max(progress_.sent_frames, frames_.sent_count());
-  // A server that does not let a camera come back never asks for a frame again.
+  // A server that does not support resuming never requests a frame again.
   if (!resumable()) frames_.durable(frames_.sent_count());
 }
 
@@ -271,7 +273,7 @@ void StreamSession::tell_link(const std::string& words) {
   if (observer_.on_link) observer_.on_link(words);
 }
 
-// Not before the last frame has left: a frame ends a pause.
+// Not before the last frame was sent, since a frame ends a pause.
 void StreamSession::tell_pause() {
   const bool paused = observer_.paused && observer_.paused() && !progress_.finishing;
   const bool knows_pauses = welcome_ && welcome_->protocol_minor >= wire::kMinorWithResume;

@@ -1,4 +1,5 @@
-// One scan on its way to a server, for stream_frames(): what is said and what is heard, over one connection after the other.
+// One scan that is streamed to a server, for stream_frames(): the messages sent and received, over one connection after
+// another.
 #pragma once
 
 #include <chrono>
@@ -19,16 +20,16 @@
 
 namespace hermite {
 
-// What one scan knows of itself while it runs, over one connection after the other. Lives on one thread.
+// The state of a scan while it is streamed, over one connection after another. Belongs to one thread.
 class StreamSession {
  public:
   StreamSession(FrameSource& source, const StreamRequest& request, const StreamObserver& observer)
       : source_(source), request_(request), observer_(observer), link_(request.server, request.ca), gate_(request.pacing) {
     progress_.frame_count = static_cast<std::int64_t>(source.expected_frames());
   }
-  Status run();  // as stream_frames() says
+  Status run();  // as stream_frames()
   void close();
-  StreamOutcome outcome() const {  // of a run that ended well
+  StreamOutcome outcome() const {  // only after run() has succeeded
     return {finished_->report_json, finished_->trajectory_tum, progress_};
   }
 
@@ -56,9 +57,9 @@ class StreamSession {
   void tell_progress();
   void tell_pause();
 
-  // stream_heard.cpp
+  // In stream_heard.cpp.
   Status handle(const std::string& bytes);
-  // One overload a body of the protocol.
+  // One overload per message type of the protocol.
   void receive(const wire::Welcome& welcome);
   void receive(const wire::FrameResult& result);
   void receive(const wire::Credit& credit);
@@ -72,7 +73,7 @@ class StreamSession {
   void receive(const wire::Waiting& waiting);
   void receive(const wire::SubmapPoses&) {}
   void receive(const wire::Unknown&) { ++progress_.unknown_messages; }
-  // For viewers; a camera that gets one anyway has no use for it.
+  // Messages for viewers, which a camera ignores.
   void receive(const wire::Chunk&) { ++progress_.unknown_messages; }
   void receive(const wire::SnapshotEnd&) { ++progress_.unknown_messages; }
   void receive(const wire::MeshChunk&) { ++progress_.unknown_messages; }
@@ -83,19 +84,19 @@ class StreamSession {
   const StreamObserver& observer_;
 
   Link link_;
-  bool told_paused_ = false;              // over this connection
-  bool link_lost_ = false;                // what step() says then is no reason to give up the scan
-  std::optional<wire::Waiting> waiting_;  // for a place on the server
+  bool told_paused_ = false;              // what the server was told over this connection
+  bool link_lost_ = false;                // the error of step() is then no reason to give up the scan
+  std::optional<wire::Waiting> waiting_;  // waits for admission by the server
   SteadyTime hello_deadline_;
-  std::optional<std::chrono::milliseconds> stay_away_;  // the server has said that it goes, and for how long
+  std::optional<std::chrono::milliseconds> stay_away_;  // the server has said that it stops, and for how long to stay away
 
   StreamProgress progress_;
   CreditWindow credit_;
   FrameGate gate_;
   SentFrames frames_;
-  std::uint64_t next_result_ = 0;  // the results before have come; a rebuilt scan tells them again
+  std::uint64_t next_result_ = 0;  // earlier results were received; a rebuilt scan sends them again
   LinkState link_state_;
-  LinkCounts counted_;        // when the link was judged last
+  LinkCounts counted_;        // counts when the link was last judged
   SteadyTime judge_link_at_;  // live only
   SteadyTime welcomed_at_;
   SteadyTime last_news_ = std::chrono::steady_clock::now();
@@ -103,7 +104,7 @@ class StreamSession {
   std::optional<wire::Resumed> resumed_;
   std::optional<wire::Finished> finished_;
   std::optional<Error> failure_;         // the server ended the scan
-  std::optional<FrameEncoder> encoder_;  // last: it ends before what it wakes
+  std::optional<FrameEncoder> encoder_;  // last member: destroyed before the link that it wakes
 };
 
 }  // namespace hermite

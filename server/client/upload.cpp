@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kUploads = "/api/v1/uploads";
 constexpr const char* kJobs = "/api/v1/jobs";
-constexpr int kMaxBadPieces = 5;  // in a row, of another checksum there than here
+constexpr int kMaxBadPieces = 5;  // consecutive pieces with a checksum mismatch
 constexpr std::chrono::milliseconds kJobPeriod(1000);
 
 Result<std::string> read_part(int descriptor, const std::string& path, std::int64_t offset, std::int64_t count) {
@@ -60,7 +60,7 @@ Result<ByteSource> open_file(const std::string& path) {
                     }};
 }
 
-// One upload on its way.
+// One upload.
 class Sender {
  public:
   Sender(const ByteSource& source, const UploadMetadata& metadata, const UploadTarget& target, const UploadObserver& observer)
@@ -91,7 +91,7 @@ class Sender {
     return http_exchange(target_.server, target_.tls, true, {method, path, std::move(headers), std::move(body)});
   }
 
-  // False: there is more to do. An error with `fatal_` is final.
+  // Returns false while there is more to do. With `fatal_` an error is final.
   Result<bool> create() {
     const Result<HttpReply> reply =
         call("POST", kUploads, {{"Upload-Length", std::to_string(source_.size_bytes)}, {"Upload-Metadata", metadata_}}, "");
@@ -110,7 +110,7 @@ class Sender {
     const Result<HttpReply> reply = call("HEAD", location_, {}, "");
     if (!reply.ok()) return reply.error();
     if (reply->status == 404 || reply->status == 410) {
-      // It has expired, or the note is of another life of the server.
+      // It has expired, or the stored address is from an earlier data folder of the server.
       location_.clear();
       return false;
     }
@@ -123,7 +123,7 @@ class Sender {
     return false;
   }
 
-  // Nothing more to send is also sent: it makes the server look again whether all is there.
+  // Sends an empty piece if nothing is left, which makes the server check again whether the upload is complete.
   Result<bool> send_piece() {
     Result<std::string> piece = source_.read(*offset_, std::min(target_.piece_bytes, source_.size_bytes - *offset_));
     if (!piece.ok()) return final(piece.error());
@@ -133,7 +133,7 @@ class Sender {
         {{"Upload-Offset", std::to_string(*offset_)}, {"Content-Type", "application/offset+octet-stream"}, {"Upload-Checksum", checksum}},
         *std::move(piece));
     const std::int64_t sent_from = *offset_;
-    offset_.reset();  // whatever went wrong, the server says how much it has
+    offset_.reset();  // whatever went wrong, the server knows how much it has
     if (!reply.ok()) return reply.error();
     if (reply->status == 409 || (reply->status == 460 && ++bad_pieces_ < kMaxBadPieces)) return false;
     if (reply->status != 204) return refused(*reply);
@@ -170,7 +170,7 @@ class Sender {
     backoff_ = Backoff(std::random_device{}());
   }
 
-  // Until it may be tried again; an error when that makes no sense.
+  // Waits until it may be tried again; an error if retrying makes no sense.
   Status wait_after(const Error& error) {
     if (fatal_) return error;
     const auto now = Clock::now();
@@ -191,7 +191,7 @@ class Sender {
     if (note.ok() && note->rfind(std::string(kUploads) + "/", 0) == 0) location_ = note->substr(0, note->find('\n'));
   }
 
-  // Well, too, when it cannot be kept: then another run begins anew.
+  // Succeeds even if the address cannot be stored; then another run starts again.
   Status keep() const {
     if (note_path_.empty()) return Done{};
     std::error_code error;
@@ -211,8 +211,8 @@ class Sender {
   const UploadObserver& observer_;
   std::string metadata_;
   std::string note_path_;
-  std::string location_;                // empty: there is none yet
-  std::optional<std::int64_t> offset_;  // that the server has; none: it has to be asked
+  std::string location_;                // empty: not created yet
+  std::optional<std::int64_t> offset_;  // how much the server has; std::nullopt: it has to be asked
   int bad_pieces_ = 0;
   bool fatal_ = false;
   std::optional<Clock::time_point> away_since_;

@@ -1,5 +1,5 @@
-// Sends a recording to a server by tus, whatever happens to the link or the server meanwhile, and waits for the job that it becomes.
-// Blocks.
+// Uploads a recording to a server by tus, resuming after failures of the link or the server, and waits for the job that
+// it becomes. Blocks.
 #pragma once
 
 #include <chrono>
@@ -15,33 +15,34 @@
 
 namespace hermite {
 
-// What is sent: a file as it is, or a folder as a tar (core/archive/tar_stream.h). Copies read the same files.
+// The bytes to upload: a file as it is, or a folder as a tar archive (core/archive/tar_stream.h). Copies read the same
+// files.
 struct ByteSource {
   std::int64_t size_bytes = 0;
-  std::string fingerprint;  // changes when the files do
+  std::string fingerprint;  // changes if the files do
   std::function<Result<std::string>(std::int64_t offset, std::int64_t count)> read;
 };
-Result<ByteSource> open_bytes(const std::string& path);  // kNotFound, and as TarStream
+Result<ByteSource> open_bytes(const std::string& path);  // kNotFound, and errors as TarStream
 
 struct UploadTarget {
-  ServerUrl server;                             // with its token
-  TlsContext tls;                               // none: not encrypted
-  std::string notes_folder;                     // where an upload's address is kept, so that another run goes on with it; empty: nowhere
-  std::chrono::milliseconds patience{600'000};  // so long a server that is away or full is asked again
-  std::int64_t piece_bytes = 4 * 1024 * 1024;   // each has its checksum
+  ServerUrl server;          // with its token
+  TlsContext tls;            // nullptr: not encrypted
+  std::string notes_folder;  // where the address of an upload is stored, so that another run can resume it; empty: nowhere
+  std::chrono::milliseconds patience{600'000};  // how long to retry while the server is unreachable or busy
+  std::int64_t piece_bytes = 4 * 1024 * 1024;   // each piece has its own checksum
 };
 
-using UploadMetadata = std::vector<std::pair<std::string, std::string>>;  // "filename", "title", "camera", "settings", "priority"
+using UploadMetadata = std::vector<std::pair<std::string, std::string>>;  // keys "filename", "title", "camera", "settings", "priority"
 
 // Called on the thread of upload(); each may be empty.
 struct UploadObserver {
-  std::function<void(std::int64_t sent_bytes, std::int64_t total_bytes)> on_progress;  // all of it durable there
-  std::function<void(const std::string& words)> on_link;                               // away, back, full; or an old upload goes on
-  std::function<bool()> interrupted;                                                   // true: give up; a later run goes on
+  std::function<void(std::int64_t sent_bytes, std::int64_t total_bytes)> on_progress;  // `sent_bytes` are durable on the server
+  std::function<void(const std::string& words)> on_link;  // unreachable, reachable again, busy; or an earlier upload is resumed
+  std::function<bool()> interrupted;                      // true: abort; a later run resumes
 };
 
-// The id of the job. The server's refusals as refusal() has them (kBusy when it stayed full); kIo: it stayed away, the source has changed,
-// or interrupted.
+// Returns the id of the job. Refusals as refusal() (kBusy if the server stayed full); kIo: the server stayed
+// unreachable, the source has changed, or interrupted.
 Result<std::string> upload(const ByteSource& source, const UploadMetadata& metadata, const UploadTarget& target,
                            const UploadObserver& observer);
 
@@ -51,10 +52,11 @@ struct JobReport {
   bool ended() const { return state == "finished" || state == "failed" || state == "cancelled"; }
 };
 
-// kNotFound, and as http_exchange().
+// kNotFound, and errors as http_exchange().
 Result<JobReport> job_report(const UploadTarget& target, const std::string& id);
-Result<std::vector<JobReport>> job_reports(const UploadTarget& target);                       // newest first
-Result<JobReport> change_job(const UploadTarget& target, const std::string& id, bool retry);  // else it is cancelled
+Result<std::vector<JobReport>> job_reports(const UploadTarget& target);  // newest first
+// Retries the job if `retry`, otherwise cancels it.
+Result<JobReport> change_job(const UploadTarget& target, const std::string& id, bool retry);
 Result<JobReport> wait_for_job(const UploadTarget& target, const std::string& id, const std::function<bool(const JobReport&)>& go_on);
 
 }  // namespace hermite

@@ -1,4 +1,4 @@
-// What all kinds of session (sessions.h) have in common.
+// The part that all kinds of session (sessions.h) share.
 #pragma once
 
 #include <cstddef>
@@ -17,11 +17,13 @@
 
 namespace hermite {
 
-// Messages that a client has not taken yet. Results come one a frame, so this is only reached by one that does not read.
+// Limits on the messages queued for a client. The server sends one result per frame, so only a client that does not
+// read reaches them.
 inline constexpr std::size_t kMaxWaitingMessages = 4096;
 inline constexpr std::size_t kMaxWaitingBytes = 8 * 1024 * 1024;
 
-// Messages in order, the end, and words for messages that are not of this kind. `wake` is called when there is something to send.
+// Queues messages in order, closes the connection, and refuses messages that do not belong to this kind of session.
+// `wake` is called when there is something to send.
 class BasicSession : public Session {
  public:
   explicit BasicSession(std::function<void()> wake) : wake_(std::move(wake)) {}
@@ -47,7 +49,7 @@ class BasicSession : public Session {
   std::string_view received() const { return received_; }  // the message that is being handled
   void queue(std::string message) {
     if (closing_ && closing_->code == CloseCode::kSlow) return;
-    // A single message may be long: a scan's results are.
+    // A single message may exceed the limit, for example the results of a scan.
     if (waiting_.size() >= kMaxWaitingMessages || (waiting_bytes_ > 0 && waiting_bytes_ + message.size() > kMaxWaitingBytes)) {
       waiting_.clear();
       waiting_bytes_ = 0;
@@ -68,7 +70,7 @@ class BasicSession : public Session {
     if (!closing_) closing_ = std::move(closing);
     wake_();
   }
-  // After fail(). Not called while the scan tells this session something.
+  // Called after fail(). Not called from within a callback of the scan.
   virtual void failed(const Error&) {}
   void wake() { wake_(); }
   void broken_rule(const std::string& words) { fail({ErrorCode::kInvalidArgument, words}, CloseCode::kProtocolError); }

@@ -35,7 +35,7 @@ asio::awaitable<bool> say_continue(Transport& stream, const HeaderParser& header
 asio::awaitable<bool> receive_body(Transport& stream, boost::beast::flat_buffer& buffer, HeaderParser& header, asio::thread_pool& disk,
                                    BodySink& sink) {
   bool open = co_await say_continue(stream, header);
-  // Whoever wants this upload next need not wait for a connection that is dead.
+  // A client that resumes this upload need not wait for a dead connection.
   sink.on_unwanted([&stream] { stream.next_layer().cancel(); });
   http::request_parser<http::buffer_body> parser(std::move(header));
   std::vector<char> piece(kBodyPieceBytes);

@@ -1,5 +1,5 @@
-// Reads a body that is too long for memory: the next piece comes from the socket when the last one is on its way to the disk. One of the
-// places that know Beast.
+// Reads a request body that is too long for memory: each piece is read from the socket only when the previous one was
+// passed to the disk thread. One of the files that use Boost.Beast.
 #pragma once
 
 #include <utility>  // Boost 1.74's awaitable.hpp needs it and does not include it
@@ -17,10 +17,11 @@ namespace hermite {
 
 using HeaderParser = boost::beast::http::request_parser<boost::beast::http::empty_body>;
 
-inline constexpr std::size_t kBodyPieceBytes = 128 * 1024;  // in memory for each connection that sends a body
+inline constexpr std::size_t kBodyPieceBytes = 128 * 1024;  // memory per connection that sends a body
 
-// Everything behind `header`, which is used up, goes to `sink`, which is closed at the end. Says 100 Continue to a client that waits for
-// it. True: all of it has come and was wanted. A piece that takes longer than a minute is the end: 2 kB a second is no upload.
+// Passes the body that follows `header` to `sink`, and closes the sink at the end. Consumes `header`. Sends 100
+// Continue to a client that expects it. Returns true if the whole body was received and the sink wanted all of it. A
+// piece that takes longer than a minute ends the connection: 2 kB/s is too slow for an upload.
 boost::asio::awaitable<bool> receive_body(Transport& stream, boost::beast::flat_buffer& buffer, HeaderParser& header,
                                           boost::asio::thread_pool& disk, BodySink& sink);
 

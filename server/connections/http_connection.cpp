@@ -32,12 +32,13 @@ using Request = http::request<http::empty_body>;
 
 constexpr std::chrono::seconds kRequestPatience(10);    // for a whole header, also between two requests
 constexpr std::chrono::seconds kAnswerPatience(60);     // without progress while an answer is written
-constexpr std::chrono::seconds kTlsGoodbyePatience(5);  // for the end of TLS
+constexpr std::chrono::seconds kTlsGoodbyePatience(5);  // for the TLS shutdown
 constexpr std::chrono::milliseconds kLingerPatience(1000);
 constexpr std::chrono::milliseconds kRefusalPatience(500);
 constexpr std::size_t kStoredPieceBytes = 256 * 1024;
 constexpr std::size_t kLingerBytes = 256 * 1024;
-// A request that still writes an upload ends when its disk does: what it reads is cut at once.
+// A request whose upload is still being written to by another request waits until the disk operation of that one has
+// ended; its reading is cancelled at once.
 constexpr std::chrono::milliseconds kWriterPatience(10'000), kWriterCheck(20);
 
 std::string text_of(beast::string_view view) { return {view.data(), view.size()}; }
@@ -45,7 +46,7 @@ std::string text_of(beast::string_view view) { return {view.data(), view.size()}
 struct Answering {
   unsigned int version = 11;
   bool encrypted = false;
-  bool head = false;  // the answer goes without its body
+  bool head = false;  // send the answer without its body
   bool keep_alive = false;
 };
 
@@ -55,8 +56,8 @@ void set_headers(Response& response, const HttpAnswer& answer, bool encrypted, b
   if (encrypted) response.set(http::field::strict_transport_security, "max-age=31536000");
   response.set(http::field::content_type, answer.content_type);
   response.set(http::field::cache_control, answer.cache_control);
-  // The viewer's Draco decoder is WebAssembly in a worker; nothing comes from anywhere else. Pictures inside a mesh are blobs that the page
-  // has made, which three.js fetches.
+  // The viewer's Draco decoder is WebAssembly in a worker; nothing is loaded from other origins. Textures inside a mesh
+  // are blobs made by the page, which three.js fetches.
   response.set("Content-Security-Policy",
                "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self' blob:; style-src 'self'; "
                "img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
@@ -73,14 +74,14 @@ void set_headers(Response& response, const HttpAnswer& answer, bool encrypted, b
   response.keep_alive(keep_alive);
 }
 
-// Piece by piece, so that the patience is for progress and not for the whole of a large cloud.
+// Writes piece by piece, so that the timeout applies to progress and not to the whole of a large cloud.
 asio::awaitable<bool> write_stored(Transport& stream, const StoredBody& body, asio::thread_pool& disk) {
   error_code error;
   for (std::uint64_t sent = 0; !error && sent < body.size_bytes;) {
     Result<std::string> piece = std::string();
     auto read = [&] { piece = body.read(body.first_byte + sent, kStoredPieceBytes); };
     co_await run_on(disk, read);
-    if (!piece.ok() || piece->empty()) co_return false;  // deleted this moment: the connection ends
+    if (!piece.ok() || piece->empty()) co_return false;  // the file was deleted meanwhile: end the connection
     piece->resize(static_cast<std::size_t>(std::min<std::uint64_t>(piece->size(), body.size_bytes - sent)));
     stream.next_layer().expires_after(kAnswerPatience);
     co_await asio::async_write(stream, asio::buffer(*piece), asio::redirect_error(asio::use_awaitable, error));
@@ -101,7 +102,7 @@ asio::awaitable<bool> write_stored_answer(Transport& stream, const HttpAnswer& a
   co_return co_await write_stored(stream, *answer.stored, disk);
 }
 
-// True when the connection can go on.
+// Returns true if the connection can continue.
 asio::awaitable<bool> write_answer(Transport& stream, HttpAnswer answer, const Answering& how, asio::thread_pool* disk) {
   if (answer.stored && disk) {
     const bool written = co_await write_stored_answer(stream, answer, how, *disk);
@@ -118,13 +119,14 @@ asio::awaitable<bool> write_answer(Transport& stream, HttpAnswer answer, const A
   co_return !error && keep_alive;
 }
 
-// What is wrong with a request as such, whatever it asks for. `body_bytes` are announced to follow.
+// Returns what is wrong with a request regardless of what it asks for; std::nullopt if nothing is. `body_bytes` is the
+// announced length of its body.
 std::optional<HttpAnswer> check_request(const Request& request, std::uint64_t body_bytes, bool long_body, const AllowedHosts& hosts) {
   const auto refuse = [](int status, const std::string& words) {
     return error_answer(status, {status == 403 ? ErrorCode::kUnauthorized : ErrorCode::kInvalidArgument, words});
   };
   if (request.version() != 11 && request.version() != 10) return refuse(505, "HTTP/1.1 or 1.0 is spoken here");
-  // Transfer codings are where proxies and servers disagree about the end of a request; none is needed here.
+  // Transfer codings are where proxies and servers disagree about the end of a request, and none is needed here.
   if (request.count(http::field::transfer_encoding) != 0) return refuse(400, "requests with Transfer-Encoding are not accepted");
   const bool may_have_body = request.method() == http::verb::post || request.method() == http::verb::patch || long_body;
   if (body_bytes > 0 && !may_have_body) return refuse(400, "only POST and PATCH requests may have a body here");
@@ -174,7 +176,7 @@ Peer peer_of_request(const Request& request, const std::string& address, bool tl
 }
 
 std::optional<HttpAnswer> check_encryption(const Peer& peer, const std::string& address, const Site& site) {
-  // A proxy on this machine that is none of the trusted ones cannot be told from a person.
+  // A proxy on this machine that is not a trusted one cannot be told from a local user.
   const bool from_here = is_loopback({address, 0}) && !lies_in_any(site.proxies, address);
   if (!site.encrypted_only || peer.encrypted || from_here) return std::nullopt;
   return error_answer(403, {ErrorCode::kUnauthorized,
@@ -182,18 +184,18 @@ std::optional<HttpAnswer> check_encryption(const Peer& peer, const std::string& 
                             "X-Forwarded-Proto: https"});
 }
 
-// The answer to a header that could not be read; none when there is nobody to answer.
+// Returns the answer to a header that could not be read; std::nullopt if nobody would read the answer.
 std::optional<HttpAnswer> answer_to(const error_code& error) {
   if (error == http::error::header_limit || error == http::error::buffer_overflow)
     return error_answer(431, {ErrorCode::kTooLarge, "the request's header is longer than " + std::to_string(kMaxHeaderBytes) + " bytes"});
-  // What is cut short by the other side or by the clock has no reader left.
+  // When the other side closed the connection or the time has run out, nobody reads an answer.
   const bool cut = error == http::error::end_of_stream || error == http::error::partial_message;
   if (cut || error.category() != http::make_error_code(http::error::bad_method).category()) return std::nullopt;
   return error_answer(400, {ErrorCode::kCorruptData, "this is no HTTP request: " + error.message()});
 }
 
-// After an answer that ends the connection: what the client still sends is read and forgotten for a moment, because a socket that is closed
-// with unread bytes takes back the answer.
+// Reads and discards for a moment what the client still sends after an answer that ends the connection, because closing
+// a socket with unread bytes resets the connection and can destroy the answer.
 asio::awaitable<void> linger(Transport& transport) {
   error_code error;
   beast::tcp_stream& stream = transport.next_layer();
@@ -209,7 +211,7 @@ asio::awaitable<void> linger(Transport& transport) {
     total += co_await stream.async_read_some(asio::buffer(forgotten), asio::redirect_error(asio::use_awaitable, error));
 }
 
-// The body that was announced behind the header, which is used up; nothing when the connection ended first.
+// Reads the body announced in the header, which is consumed; std::nullopt if the connection ended first.
 asio::awaitable<std::optional<std::string>> read_body(Transport& stream, beast::flat_buffer& buffer, HeaderParser& header) {
   http::request_parser<http::string_body> parser(std::move(header));
   parser.body_limit(kMaxBodyBytes);
@@ -222,7 +224,7 @@ asio::awaitable<std::optional<std::string>> read_body(Transport& stream, beast::
 
 bool is_long(const HttpRequest& request, const Site& site) { return site.disk && takes_long_body(request); }
 
-// The site's answer, when whoever stands in the way has gone, or has had time enough to.
+// Returns the site's answer, repeating the request while another one is in its way, for at most kWriterPatience.
 asio::awaitable<HttpAnswer> answer_patiently(Transport& stream, const Site& site, HttpRequest& request) {
   HttpAnswer answer = site.answer(request);
   asio::steady_timer pause(stream.get_executor());
@@ -237,7 +239,7 @@ asio::awaitable<HttpAnswer> answer_patiently(Transport& stream, const Site& site
   co_return answer;
 }
 
-// What a request is refused for before its body is read.
+// Returns why a request is refused before its body is read; std::nullopt if it is not.
 std::optional<HttpAnswer> check(const HeaderParser& parser, const HttpRequest& request, const Peer& peer, const std::string& address,
                                 const Site& site) {
   const std::int64_t wait_ms = site.requests ? site.requests->take(request.caller.address, request.caller.now_ms) : 0;
@@ -248,7 +250,7 @@ std::optional<HttpAnswer> check(const HeaderParser& parser, const HttpRequest& r
   return wrong;
 }
 
-// Whether the connection can be used.
+// Returns whether the connection can be used.
 asio::awaitable<bool> shake_hands(Transport& stream, std::chrono::milliseconds patience) {
   error_code error;
   if (!stream.tls()) co_return true;
@@ -257,14 +259,14 @@ asio::awaitable<bool> shake_hands(Transport& stream, std::chrono::milliseconds p
   co_return !error;
 }
 
-// A request whose header has come.
+// A request whose header was received.
 struct Incoming {
   Transport& stream;
   beast::flat_buffer& buffer;
   HeaderParser& parser;
 };
 
-// Whether the connection can go on.
+// Returns whether the connection can continue.
 asio::awaitable<bool> answer_request(Incoming incoming, const Site& site, std::optional<HttpAnswer> wrong, HttpRequest request,
                                      Answering how) {
   auto& [stream, buffer, parser] = incoming;
@@ -290,7 +292,7 @@ asio::awaitable<bool> answer_request(Incoming incoming, const Site& site, std::o
       co_await run_on(*site.disk, make);
       answer.route = named;
     } else if (long_body && request.body_bytes > 0) {
-      how.keep_alive = false;  // what follows is a body that nobody reads
+      how.keep_alive = false;  // the body that follows is not read
     }
     wrong = std::move(answer);
   }
@@ -305,7 +307,7 @@ asio::awaitable<bool> answer_request(Incoming incoming, const Site& site, std::o
 
 asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, std::string address, TlsContext tls, const Site& site) {
   error_code error;
-  socket.set_option(asio::ip::tcp::no_delay(true), error);  // three times slower without, on small messages
+  socket.set_option(asio::ip::tcp::no_delay(true), error);  // without it small messages take three times as long
   Transport stream(beast::tcp_stream(std::move(socket)), std::move(tls));
   beast::flat_buffer buffer(2 * kMaxHeaderBytes);
   const bool usable = co_await shake_hands(stream, kRequestPatience);
@@ -313,7 +315,7 @@ asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, std::string
   while (go_on) {
     HeaderParser parser;
     parser.header_limit(kMaxHeaderBytes);
-    parser.body_limit(std::numeric_limits<std::uint64_t>::max());  // check_request has its own words
+    parser.body_limit(std::numeric_limits<std::uint64_t>::max());  // check_request has its own error message
     stream.next_layer().expires_after(kRequestPatience);
     co_await http::async_read_header(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
     if (error) {
@@ -340,7 +342,7 @@ asio::awaitable<void> refuse_connection(asio::ip::tcp::socket socket, TlsContext
   Transport stream(beast::tcp_stream(std::move(socket)), std::move(tls));
   const bool usable = co_await shake_hands(stream, kRefusalPatience);
   if (!usable) co_return;
-  // A client may speak first; what it said is not even looked at.
+  // The client may already have sent a request, which is discarded without being parsed.
   std::array<char, 1024> forgotten;
   error_code ignored;
   stream.next_layer().expires_after(kRefusalPatience);

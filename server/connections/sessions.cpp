@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kServerName = "hermite " HERMITE_VERSION;
 
-// A server that is started again is back sooner than this.
+// A restarted server is available again sooner than this.
 constexpr std::uint32_t kResumeAfter_ms = 1000;
 
 class CameraSession final : public BasicSession {
@@ -40,7 +40,7 @@ class CameraSession final : public BasicSession {
   std::string scan_id() const override { return scan_->audience().info().scan_id; }
 
   void disconnected() override {
-    // A scan that has ended may be gone from the server already; this keeps it until here.
+    // The server may have dropped a scan that has ended already; `scan_` keeps it alive until here.
     scan_->camera_left(link_, {ErrorCode::kIo, "the camera's connection ended before it had finished"}, false);
   }
 
@@ -52,8 +52,8 @@ class CameraSession final : public BasicSession {
   void handle(wire::Pause&) override { scan_->pause(true); }
   void handle(wire::Unpause&) override { scan_->pause(false); }
   void handle(wire::Discard&) override { scan_->discard(); }
-  // At once: a client may take its time to close the socket. A right that has ended is no broken rule: with another token the camera may
-  // come back.
+  // Leave at once, since a client may be slow to close the socket. An expired or revoked token is not a violation of
+  // the protocol: the camera may come back with another token.
   void failed(const Error& error) override { scan_->camera_left(link_, error, error.code != ErrorCode::kUnauthorized); }
 
   const std::shared_ptr<LiveScan> scan_;
@@ -61,7 +61,7 @@ class CameraSession final : public BasicSession {
   std::uint64_t link_ = 0;
 };
 
-// For a camera whose scan cannot be gone on with: what there is to say, and the end.
+// For a camera whose scan cannot be resumed: sends the remaining messages and closes.
 class FarewellSession final : public BasicSession {
  public:
   FarewellSession(std::vector<wire::ServerMessage> messages, Closing closing, std::function<void()> wake) : BasicSession(std::move(wake)) {
@@ -126,12 +126,13 @@ wire::Welcome complete_welcome(wire::Welcome welcome) {
 
 using Greeting = std::variant<std::unique_ptr<Session>, Refusal>;
 
-// Who has to wait, for a place or for what is read from a disk: first it waits, then it is as any other.
+// For a client that has to wait for its admission or for a log that is read from disk: once that is done, it acts as
+// the real session.
 class WaitingSession final : public Session {
  public:
   using Begin = std::function<Greeting()>;
 
-  // `begin` is called when its turn has come.
+  // `begin` is called when the wait has ended.
   WaitingSession(Begin begin, std::function<void()> wake)
       : begin_(std::move(begin)), session_(std::make_unique<WaitingRoom>(std::move(wake))) {}
 
@@ -194,7 +195,7 @@ class WaitingSession final : public Session {
 
   void begin() {
     leave_ = nullptr;
-    if (session_->closing()) return;  // it broke a rule while it waited
+    if (session_->closing()) return;  // it violated a rule while it waited
     Greeting greeting = begin_();
     if (const Refusal* refusal = std::get_if<Refusal>(&greeting)) return session_->fail(refusal->error, refusal->code);
     session_ = std::get<std::unique_ptr<Session>>(std::move(greeting));
@@ -205,7 +206,7 @@ class WaitingSession final : public Session {
   }
 
   const Begin begin_;
-  std::function<void()> leave_;  // the line; none: not in one any more
+  std::function<void()> leave_;  // leaves the queue; empty: it is not in a queue any more
   std::unique_ptr<Session> session_;
 };
 
@@ -237,7 +238,7 @@ Greeting greet_camera(Scans& scans, const Grant& grant, const wire::Hello& hello
 }
 
 Greeting not_resumed(const Error& why, std::function<void()> wake) {
-  if (why.code == ErrorCode::kBusy) return go_away(why.message, std::move(wake));  // later, or by the next server
+  if (why.code == ErrorCode::kBusy) return go_away(why.message, std::move(wake));  // the camera may try later, or with the next server
   spdlog::info("a camera cannot resume: {}", why.message);
   return std::make_unique<FarewellSession>(std::vector<wire::ServerMessage>{wire::NotResumed{why.message}},
                                            Closing{close_code_of(why), why.message}, std::move(wake));
@@ -263,7 +264,7 @@ Greeting resume_scan(Scans& scans, const wire::ResumeScan& request, std::functio
   return std::make_unique<CameraSession>(scan, resumed, max_message_bytes, std::move(wake));
 }
 
-// After a start of the server the log of its scan may still have to be read. Usually that is soon done.
+// After a restart of the server, the log of the scan may still have to be read, which is usually quick.
 Greeting greet_returning_camera(Scans& scans, const wire::ResumeScan& request, std::function<void()> wake) {
   if (!scans.logs().is_waited_for(request.scan_id)) return resume_scan(scans, request, std::move(wake));
   auto waiting = std::make_unique<WaitingSession>([&scans, request, wake] { return resume_scan(scans, request, wake); }, wake);

@@ -1,5 +1,5 @@
-// What the two ends of a connection say to each other, apart from sockets: bytes of whole messages in, bytes of whole messages out.
-// The rules are those of proto/README.md. Everything belongs to the network thread.
+// The protocol of a connection, independent of sockets: whole messages in, whole messages out, as bytes. The rules are
+// in proto/README.md. Everything belongs to the network thread.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace hermite {
 
-// WebSocket close codes (RFC 6455) and ours.
+// WebSocket close codes of RFC 6455, and those of this protocol from 4000 on.
 enum class CloseCode : std::uint16_t {
   kNormal = 1000,
   kGoingAway = 1001,
@@ -35,7 +35,7 @@ enum class CloseCode : std::uint16_t {
   kBusy = 4013,
 };
 
-// With which a connection ends for that error.
+// Returns the close code of a connection that ends with this error.
 CloseCode close_code_of(const Error& error);
 
 struct Closing {
@@ -43,32 +43,33 @@ struct Closing {
   std::string words;
 };
 
-// A client may send this many messages that this server does not know.
+// How many messages of unknown types a client may send.
 inline constexpr int kMaxUnknownMessages = 1000;
 
-// The server's side of one connection after its Hello was accepted.
+// The server's side of a connection whose Hello was accepted.
 class Session {
  public:
   virtual ~Session() = default;
 
-  // A whole binary message, at most max_message_bytes() long.
+  // Handles a whole binary message of at most max_message_bytes().
   virtual void receive(std::string_view message) = 0;
   virtual std::size_t max_message_bytes() const = 0;
 
-  // The next message to send, none when there is nothing at the moment.
+  // Returns the next message to send; nullptr if there is none at the moment.
   virtual SharedBytes next() = 0;
 
-  // Set when the connection is to be closed, once next() has nothing more.
+  // Returns how to close the connection once next() returns nothing more; std::nullopt if it stays open.
   virtual std::optional<Closing> closing() const = 0;
 
-  // Tells the client in words, then closes.
+  // Sends the error to the client, then closes.
   virtual void fail(const Error& error, CloseCode code) = 0;
 
-  // What it does with which scan at the moment, for the audit log: "scan", "watch", "wait", ...; empty id: with none.
+  // What the session does at the moment, and with which scan, for the audit log: "scan", "watch", "wait", ... An empty
+  // id: no scan.
   virtual std::string what() const = 0;
   virtual std::string scan_id() const = 0;
 
-  // The connection is gone. Nothing is received any more.
+  // The connection has ended. Nothing is received any more.
   virtual void disconnected() = 0;
 };
 
@@ -79,16 +80,17 @@ struct Refusal {
 
 struct Greeted {
   std::unique_ptr<Session> session;
-  Grant grant;  // that the session rests on
+  Grant grant;  // the permissions of the session
 };
 
-// What the secret of a hello allows (Gate::admit).
+// Returns what the secret of a Hello grants (Gate::admit).
 using Admit = std::function<Result<Grant>(const std::string& secret)>;
 
-// Answers the first message of a connection. `wake` is called, on the network thread, when the session may have something to send.
+// Handles the first message of a connection. `wake` is called on the network thread when the session may have something
+// to send.
 std::variant<Greeted, Refusal> greet(Scans& scans, const Admit& admit, std::string_view first_message, std::function<void()> wake);
 
-// The message of an Error that is not about a frame.
+// Returns the message for an error that does not concern a frame.
 std::string format_error(const Error& error);
 
 }  // namespace hermite

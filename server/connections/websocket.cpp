@@ -31,10 +31,10 @@ using boost::system::error_code;
 
 constexpr std::chrono::seconds kHelloPatience(10);  // from the request to the end of the first message
 constexpr std::chrono::seconds kPingPeriod(15);
-constexpr std::chrono::seconds kGrantCheck(2);  // how long a revoked token may still hear something
+constexpr std::chrono::seconds kGrantCheck(2);  // how long a revoked token may still receive messages
 constexpr int kClosedByThem = 1006;
 
-// Shared by the reading and the writing half of one connection.
+// Shared by the reading and the writing coroutine of a connection.
 struct Connection {
   WebSocketStream stream;
   asio::steady_timer something_to_send;
@@ -42,8 +42,8 @@ struct Connection {
   asio::steady_timer grant_check;
   std::unique_ptr<Session> session;
   Grant grant;                                      // of the session
-  std::unique_ptr<ShareCount::Place> tokens_place;  // its token's, for as long as the connection is there
-  std::string noted;                                // what the audit log has of the session last
+  std::unique_ptr<ShareCount::Place> tokens_place;  // the connection's place in the share of its token, held until the connection ends
+  std::string noted;                                // what the audit log last recorded for the session
   bool reading = true;
 
   explicit Connection(Transport transport)
@@ -53,7 +53,7 @@ struct Connection {
         grant_check(stream.socket.get_executor()) {}
 };
 
-// What is wrong with a message, if the client still can be told.
+// Returns what is wrong with a message, as far as the client can still be told.
 std::optional<Refusal> objection_to(const ReadMessage& read, std::size_t max_bytes) {
   if (read.too_long)
     return Refusal{{ErrorCode::kTooLarge, "the message is longer than the " + std::to_string(max_bytes) + " bytes allowed"},
@@ -77,14 +77,14 @@ asio::awaitable<void> write_messages(std::shared_ptr<Connection> connection) {
     } else if (!connection->reading) {
       break;
     } else {
-      // Whoever has something new cancels the wait; the error that this gives means nothing.
+      // The wait is cancelled when there is something new, so its error is expected.
       error_code woken;
       connection->something_to_send.expires_after(kPingPeriod);
       co_await connection->something_to_send.async_wait(asio::redirect_error(asio::use_awaitable, woken));
       if (!woken) co_await write_ping(connection->stream, error);
     }
   }
-  // The reading half ends with the socket.
+  // Closing the socket also ends the reading coroutine.
   beast::get_lowest_layer(connection->stream.socket).close();
 }
 
@@ -101,7 +101,7 @@ asio::awaitable<void> read_messages(Connection& connection) {
   }
 }
 
-// In the audit log, when it is something new: who waits does not know yet which scan it will be.
+// Records the session in the audit log if it has changed, since a waiting client does not know its scan yet.
 void note_session(Connection& connection, const HttpWorld& world, const std::string& address) {
   const std::string what = connection.session->what(), scan_id = connection.session->scan_id();
   if (connection.noted == what + scan_id) return;
@@ -109,7 +109,8 @@ void note_session(Connection& connection, const HttpWorld& world, const std::str
   world.audit.note({unix_now_ms(), connection.grant.token_id, address, what, scan_id, "let in"});
 }
 
-// Ends the session soon after what was granted has ended. Asks now and then: nobody has to remember who came in with what.
+// Ends the session soon after its token has expired or was revoked. It polls, so that nothing has to track which
+// connections use which token.
 void watch_grant(const std::shared_ptr<Connection>& connection, const HttpWorld& world, const std::string& address) {
   connection->grant_check.expires_after(kGrantCheck);
   connection->grant_check.async_wait([weak = std::weak_ptr(connection), &world, address](const error_code& cancelled) {
@@ -121,7 +122,7 @@ void watch_grant(const std::shared_ptr<Connection>& connection, const HttpWorld&
   });
 }
 
-// The first message and its answer. A session is there afterwards, or the connection is over.
+// Reads the first message and answers it. Afterwards there is a session, or the connection has ended.
 asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, const HttpWorld& world, const Peer& peer) {
   connection->hello_deadline.expires_after(kHelloPatience);
   connection->hello_deadline.async_wait([weak = std::weak_ptr(connection)](const error_code& cancelled) {
@@ -160,7 +161,7 @@ asio::awaitable<void> begin(const std::shared_ptr<Connection>& connection, const
   error_code error;
   const std::string words = format_error(wrong->error);
   co_await write_message(connection->stream, words, error);
-  // A named value: GCC 12 destroys a temporary made of braces twice when it is an argument of co_await.
+  // A named variable, because GCC 12 destroys a braced temporary twice when it is an argument of co_await.
   const Closing closing{wrong->code, wrong->error.message};
   if (!error) co_await close(*connection, closing);
 }

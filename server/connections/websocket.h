@@ -1,4 +1,4 @@
-// One WebSocket connection from the upgrade to the end. One of the places that know Beast.
+// One WebSocket connection from the upgrade to its end. One of the files that use Boost.Beast.
 #pragma once
 
 #include <utility>  // Boost 1.74's awaitable.hpp needs it and does not include it
@@ -13,11 +13,11 @@
 
 namespace hermite {
 
-// Does the request offer our subprotocol?
+// Returns whether the request offers the subprotocol of Hermite.
 bool offers_subprotocol(const boost::beast::http::request<boost::beast::http::empty_body>& upgrade);
 
-// Runs until the connection is over: also when the token that opened it expires or is revoked. Host, Origin and subprotocol were checked.
-// `world` outlives it.
+// Runs until the connection has ended, which includes that its token expires or is revoked. The caller has checked
+// Host, Origin and subprotocol. `world` outlives it.
 boost::asio::awaitable<void> serve_websocket(Transport stream, boost::beast::http::request<boost::beast::http::empty_body> upgrade,
                                              const HttpWorld& world, Peer peer);
 

@@ -26,7 +26,7 @@ WebSocketStream::WebSocketStream(Transport transport, const WebSocketTimes& time
   websocket::permessage_deflate off;
   off.server_enable = false;
   socket.set_option(off);
-  socket.read_message_max(std::size_t{1} << 40);  // see read_message
+  socket.read_message_max(std::size_t{1} << 40);  // read_message() has its own limit
   socket.write_buffer_bytes(65536);
   socket.auto_fragment(false);
   socket.binary(true);
@@ -44,7 +44,7 @@ asio::awaitable<void> accept(WebSocketStream& stream, const beast::http::request
 asio::awaitable<ReadMessage> read_message(WebSocketStream& stream, const std::function<std::size_t()>& max_bytes) {
   ReadMessage read;
   stream.message.consume(stream.message.size());
-  // Our own limit instead of Beast's: that one closes without a word about why.
+  // Beast's own limit would close the connection without a reason.
   do {
     co_await stream.socket.async_read_some(stream.message, kReadBytes, asio::redirect_error(asio::use_awaitable, read.error));
     if (read.error) co_return read;
@@ -67,7 +67,7 @@ asio::awaitable<void> close(WebSocketStream& stream, std::uint16_t code, const s
   const std::string words = wire::told_words(all_words);
   websocket::close_reason reason;
   reason.code = code;
-  // A control frame has room for 123 bytes of words; cut between characters.
+  // A close frame has room for 123 bytes of reason; truncate it between characters.
   std::size_t length = std::min<std::size_t>(words.size(), 120);
   while (length > 0 && length < words.size() && (static_cast<unsigned char>(words[length]) & 0xC0) == 0x80) --length;
   reason.reason = websocket::reason_string(words.data(), length);

@@ -27,7 +27,7 @@ void LogReaders::go_on() {
     line_.pop_front();
     ++reading_count_;
     threads_.background([this, scan_id, wanted = wanted_.at(scan_id)] {
-      // Functions that are posted have to be copied; an open log cannot be.
+      // Posted functions must be copyable, but an open log is not.
       auto opened = std::make_shared<Opened>(wanted->open());
       threads_.network([this, scan_id, wanted, opened] { was_read(scan_id, wanted, std::move(*opened)); });
     });
@@ -37,7 +37,7 @@ void LogReaders::go_on() {
 void LogReaders::was_read(const std::string& scan_id, const std::shared_ptr<Wanted>& wanted, Opened opened) {
   --reading_count_;
   const auto found = wanted_.find(scan_id);
-  // Dropped meanwhile, and perhaps wanted anew; or it stays as it is for the next server.
+  // Otherwise it was dropped meanwhile, and perhaps requested again, or it is left to the next server.
   if (!stopping_ && found != wanted_.end() && found->second == wanted) {
     wanted_.erase(found);
     wanted->then(std::move(opened));
@@ -62,7 +62,7 @@ void LogReaders::tick(Clock::time_point now) {
   wake([now](const Waiting& one) { return now - one.since >= kReadPatience; });
 }
 
-// What they do may bring others here, or take them away.
+// The callbacks may add or remove waiting clients.
 template <class Which>
 void LogReaders::wake(Which which) {
   std::vector<Ticket> woken;

@@ -10,7 +10,7 @@ namespace hermite {
 
 namespace {
 
-// None: the store does not tell.
+// Returns the ids of scans of jobs that have not ended, or the error of the store.
 Result<std::set<std::string>> scans_of_jobs(Store& store) {
   std::set<std::string> ids;
   for (const JobState state : {JobState::kQueued, JobState::kRunning}) {

@@ -1,5 +1,6 @@
-// Files that no row of the store knows: a death came between a folder and its row, an older copy of the database was put back, or a new one
-// was begun. What they hold may be all that is left of a scan, so that a person gets time to miss it.
+// Handles files without a row in the store, which are left when a crash happens between creating a folder and its row,
+// or when an older copy of the database or a new one is used. They may be all that is left of a scan, so they are kept
+// for a while.
 #pragma once
 
 #include <chrono>
@@ -12,11 +13,12 @@ namespace hermite {
 
 inline constexpr std::chrono::days kKeepLost(30);
 
-// Moves folders of scans and files of uploads that nobody knows to lost/, and makes waste of what has been there for kKeepLost; removes the
-// unfinished files that a death has left beside the results of scans. Logs all of it. A job that has not ended knows its scan, too. What is
-// not surely unknown stays: names that are no ids, and everything the store cannot tell about.
+// Moves folders of scans and files of uploads that have no row to lost/, moves what has been there for kKeepLost to
+// waste/, and removes unfinished files that a crash has left among the results of scans. Logs all of it. Scans of jobs
+// that have not ended count as known. Leaves everything that is not certainly unknown: names that are not ids, and
+// everything on which the store fails.
 //
-// At a start, before anybody works with the files; what became waste is removed by the Waste that comes next.
+// Call it at a start, before anything uses the files; the next Waste removes what has been moved to waste/.
 void clear_orphans(const DataDirectory& data, Store& store, std::int64_t now_ms);
 
 }  // namespace hermite

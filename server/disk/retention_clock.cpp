@@ -13,8 +13,8 @@ namespace hermite {
 namespace {
 
 constexpr std::int64_t kDowntimeCredit_ms = kDay_ms;
-constexpr int kCatchUp = 2;                      // times as fast as the server runs
-constexpr std::chrono::minutes kKeepPeriod(10);  // what a death costs is caught up with
+constexpr int kCatchUp = 2;                      // how many times faster than real time
+constexpr std::chrono::minutes kKeepPeriod(10);  // the time that a crash loses is caught up
 
 }  // namespace
 

@@ -1,7 +1,7 @@
-// The time by which old things are removed. The clock of a machine may be wrong by years for an hour; what was removed in that hour is
-// gone. So this time is never ahead of the clock, goes at most twice as fast as the server runs, and is kept in a file over restarts: the
-// time in which the server did not run counts for a day at most, and what is missing is caught up with while it runs. Belongs to one
-// thread.
+// The clock for removing old data. The clock of a machine may be wrong by years for an hour, and what is removed in
+// that hour is lost. So this clock is never ahead of the machine's, runs at most twice as fast as real time, and is
+// stored in a file across restarts: time during which the server did not run counts for at most a day, and the rest is
+// caught up while it runs. Belongs to one thread.
 #pragma once
 
 #include <chrono>
@@ -14,10 +14,10 @@ class RetentionClock {
  public:
   using Steady = std::chrono::steady_clock;
 
-  // `path`: where it is kept; a file that is not there or says nothing begins with the clock's time.
+  // `path` is the file that stores it; without a valid file it starts with the machine's clock.
   RetentionClock(std::string path, std::int64_t clock_ms, Steady::time_point now);
 
-  // Unix time, or earlier.
+  // Returns Unix time, or an earlier time.
   std::int64_t now_ms() const { return now_ms_; }
   void tick(std::int64_t clock_ms, Steady::time_point now);
 

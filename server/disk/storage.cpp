@@ -2,7 +2,7 @@
 
 namespace hermite {
 
-// The folder first: blobs that are files lie in it and go with it, and there is nothing left to wait for.
+// The folder goes first: blobs that are files are in it, so nothing remains to wait for.
 Status remove_files_of_scan(const Storage& storage, const std::string& scan_id) {
   if (Status status = storage.waste.remove_scan(scan_id); !status.ok()) return status;
   storage.quota.removed(scan_id);

@@ -1,4 +1,5 @@
-// All that this server keeps, and the ways out of it: what scans, jobs and uploads share. Plain references: it may be copied.
+// Everything that stores or removes data of this server, shared by scans, jobs and uploads. Holds only references, so
+// it may be copied.
 #pragma once
 
 #include <string>
@@ -20,7 +21,7 @@ struct Storage {
   StorageQuota& quota;
 };
 
-// Frame log and results, not the row. Well, too, when there are none. kIo.
+// Removes frame log and results, but not the row. Succeeds if there are none. kIo.
 Status remove_files_of_scan(const Storage& storage, const std::string& scan_id);
 
 }  // namespace hermite

@@ -7,8 +7,8 @@ namespace hermite {
 
 namespace {
 
-constexpr std::chrono::seconds kPeriod(5);  // a running scan writes some 50 MB meanwhile, limits are gigabytes
-constexpr int kShareOfTime = 20;            // looking takes at most one part of so many of the time of a thread and a disk
+constexpr std::chrono::seconds kPeriod(5);  // a running scan writes some 50 MB in that time, while limits are gigabytes
+constexpr int kShareOfTime = 20;            // measuring takes at most this fraction (1/20) of the time of a thread and a disk
 
 std::string megabytes(std::uint64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
 

@@ -1,6 +1,6 @@
-// How much the files of all scans and uploads may take together. Looking at every file of every scan may take seconds on a slow disk: that
-// is done beside the network thread, now and then. So scans that run count as they were some seconds ago; what was removed is left out at
-// once. Belongs to the network thread.
+// Limits the total size of the files of all scans and uploads. Looking at every file may take seconds on a slow disk,
+// so it is done in the background from time to time. Running scans therefore count with their size of some seconds ago;
+// removed ones stop counting immediately. Belongs to the network thread.
 #pragma once
 
 #include <chrono>
@@ -17,12 +17,12 @@
 
 namespace hermite {
 
-// In bytes: one token may fill half of what there is, and a twentieth stays for administrators.
+// Returns the share in bytes: one token may use half of the limit, and a twentieth is reserved for administrators.
 Share storage_share(std::uint64_t limit_bytes);
 
-// Who wants more, and what is the token's already.
+// Who asks for more storage, and what its token already uses.
 struct StorageAsker {
-  bool is_admin = true;  // held to the limit for all alone
+  bool is_admin = true;  // subject to the total limit only
   std::vector<std::string> scan_ids = {};
   std::uint64_t upload_bytes = 0;
 };
@@ -30,19 +30,20 @@ struct StorageAsker {
 class StorageQuota {
  public:
   using Clock = std::chrono::steady_clock;
-  using Sizes = std::map<std::string, std::uint64_t>;  // bytes of scans, by id
+  using Sizes = std::map<std::string, std::uint64_t>;  // size of scans in bytes, by id
 
-  // `measure` is called here once, and then in the background, one call at a time. Limit 0: there is none, and it is never called.
+  // `measure` is called by the constructor once, then in the background, one call at a time. Limit 0: unlimited, and it
+  // is never called.
   StorageQuota(std::uint64_t limit_bytes, std::function<Result<Sizes>()> measure, LogReaders::Threads threads);
 
-  // Whether so much more may come to the scans, `upload_bytes` of uploads being here or promised. kBusy, in words; kIo: it is not known
-  // what there is.
+  // Checks whether `more_bytes` may be added, where `upload_bytes` is the size of uploads, stored or promised. kBusy,
+  // in words; kIo: the present size is unknown.
   Status check(std::uint64_t upload_bytes, std::uint64_t more_bytes, const StorageAsker& asker = {}) const;
   bool has_limit() const { return limit_bytes_ > 0; }
 
   void removed(const std::string& scan_id);
-  void files_changed();              // a scan has written results or an export: they count soon
-  void tick(Clock::time_point now);  // now and then
+  void files_changed();              // a scan has written results or an export: measure again soon
+  void tick(Clock::time_point now);  // to be called regularly
 
  private:
   void measure(Clock::time_point now);
@@ -52,9 +53,9 @@ class StorageQuota {
   const std::function<Result<Sizes>()> measure_;
   const LogReaders::Threads threads_;
   Result<Sizes> sizes_;
-  std::set<std::string> removed_meanwhile_;  // since the measurement that is under way began
+  std::set<std::string> removed_meanwhile_;  // since the current measurement began
   bool measuring_ = false;
-  bool outdated_ = false;  // something has changed
+  bool outdated_ = false;  // files have changed since then
   Clock::time_point measure_at_;
 };
 

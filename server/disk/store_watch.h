@@ -1,5 +1,6 @@
-// Whether the database is whole: all of it is read on a thread of its own when the server starts, and once a week from then on. Bits that
-// a disk has lost are found while there still is a backup from before. Belongs to the network thread; never blocks it.
+// Checks the integrity of the database: reads all of it on a separate thread when the server starts and then once a
+// week, so that bits lost by a disk are found while there still is a backup from before. Belongs to the network thread,
+// which it never blocks.
 #pragma once
 
 #include <chrono>
@@ -13,25 +14,25 @@
 namespace hermite {
 
 inline constexpr std::chrono::hours kCheckPeriod{7 * 24};
-inline constexpr std::chrono::hours kCheckAgainAfter{1};  // when nothing could be told
+inline constexpr std::chrono::hours kCheckAgainAfter{1};  // if the check could not be made
 
 class StoreWatch {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // `store` outlives this. The end of this waits for a check that is on its way.
+  // `store` outlives this. The destructor waits for a running check.
   explicit StoreWatch(const Store& store) : store_(store) {}
 
-  void tick(Clock::time_point now);  // now and then: begins a check when it is time, and says in the log what came of it
+  void tick(Clock::time_point now);  // to be called regularly: starts a check when one is due, and logs its result
 
-  // What the last check has found, in words; nothing when all is well, or not known yet.
+  // Returns what the last check found, in words; std::nullopt if the database is intact or not checked yet.
   const std::optional<std::string>& damage() const { return damage_; }
 
  private:
   void take_in(const Status& found, Clock::time_point now);
 
   const Store& store_;
-  Clock::time_point begun_at_, next_at_{};  // at once
+  Clock::time_point begun_at_, next_at_{};  // the first check is due immediately
   std::optional<std::string> damage_;
   std::future<Status> checking_;
 };

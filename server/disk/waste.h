@@ -1,5 +1,5 @@
-// Files that nobody wants any more. They are out of the way at once; a disk that takes its time to let go of gigabytes keeps nobody
-// waiting. Belongs to the network thread.
+// Removes files in the background: they are moved out of the way immediately, and nothing waits for a disk that deletes
+// gigabytes slowly. Belongs to the network thread.
 #pragma once
 
 #include <functional>
@@ -12,14 +12,14 @@ namespace hermite {
 
 class Waste {
  public:
-  // Runs a function soon, on a thread that may wait for a disk. What was posted there ends before `data` does, or never begins: then the
-  // next server has it to do.
+  // Runs a function soon, on a thread that may wait for a disk. Posted functions end before `data` is destroyed, or
+  // never begin; then the next server deletes the files.
   using Post = std::function<void(std::function<void()>)>;
 
-  // Begins with what an earlier server has left. `data` outlives this.
+  // Starts with the files that an earlier server has left. `data` outlives this.
   Waste(const DataDirectory& data, Post background);
 
-  // Well, too, when there are none. kIo: they are where they were.
+  // Succeed if there are no files. kIo: the files are where they were.
   Status remove_scan(const std::string& scan_id);
   Status remove_upload(const std::string& upload_id);
 

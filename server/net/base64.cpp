@@ -23,7 +23,7 @@ std::optional<std::string> decode_base64(std::string_view text) {
       if (digit == std::string_view::npos) return std::nullopt;
       bits = bits << 6 | static_cast<std::uint32_t>(digit);
     }
-    // Two texts for one value would be two checksums for one piece.
+    // Two texts for the same value would mean two checksums for the same piece.
     if ((bits & ((1u << (8 * padding)) - 1)) != 0) return std::nullopt;
     for (std::size_t i = 0; i < 3 - padding; ++i) bytes += static_cast<char>(bits >> (16 - 8 * i) & 0xff);
   }

@@ -1,4 +1,4 @@
-// RFC 4648 with its padding. Pure functions.
+// Base64 of RFC 4648 with padding. Pure functions.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@ namespace hermite {
 
 std::string encode_base64(std::string_view bytes);
 
-// Nothing for what is none; a text that is decoded is the only one for its bytes.
+// Returns std::nullopt for invalid text. Only one text is accepted for the same bytes.
 std::optional<std::string> decode_base64(std::string_view text);
 
 }  // namespace hermite

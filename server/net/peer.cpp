@@ -12,7 +12,7 @@ namespace hermite {
 namespace {
 
 using Address = std::array<std::uint8_t, 16>;
-constexpr int kMappedBits = 96;  // before an IPv4 address inside of an IPv6 one
+constexpr int kMappedBits = 96;  // length of the prefix of IPv4 addresses mapped into IPv6
 
 std::optional<Address> parse_address(std::string_view text, bool& is_v4) {
   char buffer[INET6_ADDRSTRLEN];
@@ -35,7 +35,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(from, text.find_last_not_of(" \t") - from + 1);
 }
 
-// Between the last comma and the end, which `list` loses.
+// Returns the part after the last comma, and removes it from `list`.
 std::string_view take_last(std::string_view& list) {
   const std::size_t comma = list.rfind(',');
   const std::string_view last = trimmed(comma == std::string_view::npos ? list : list.substr(comma + 1));
@@ -43,14 +43,14 @@ std::string_view take_last(std::string_view& list) {
   return last;
 }
 
-// Some proxies write the client's port behind its address: 192.0.2.7:1234, [2001:db8::1]:1234.
+// Some proxies append the client's port to its address: 192.0.2.7:1234, [2001:db8::1]:1234.
 std::string_view without_port(std::string_view text) {
   if (text.starts_with('[')) return text.substr(1, text.find(']') - 1);
   const std::size_t colon = text.find(':');
   return colon == text.rfind(':') ? text.substr(0, colon) : text;
 }
 
-// One text for each address, however it was written, so that nobody counts as two.
+// Returns the same text for an address however it was written, so that no client counts as two.
 std::string text_of(const Address& address) {
   static constexpr Address kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
   const bool is_v4 = std::equal(address.begin(), address.begin() + kMappedBits / 8, kMapped.begin());
@@ -95,7 +95,7 @@ Peer peer_of(const std::string& address, bool tls, const std::vector<Network>& p
              std::string_view forwarded_proto) {
   Peer peer{address, tls};
   if (!lies_in_any(proxies, address)) return peer;
-  // The one nearest to us wrote last.
+  // The proxy nearest to this server wrote the last value.
   if (!forwarded_proto.empty()) peer.encrypted = take_last(forwarded_proto) == "https";
   while (!forwarded_for.empty()) {
     bool is_v4 = false;

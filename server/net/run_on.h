@@ -1,4 +1,4 @@
-// Work that waits for a disk, away from the network thread. One of the places that know Asio's coroutines.
+// Runs work that waits for a disk outside the network thread. One of the files that use Asio's coroutines.
 #pragma once
 
 #include <utility>  // Boost 1.74's awaitable.hpp needs it and does not include it
@@ -13,7 +13,8 @@
 
 namespace hermite {
 
-// Runs `work` on a thread of `pool`, and comes back to this one. `work` is a named value: it has to outlive the wait.
+// Runs `work` on a thread of `pool`, and resumes on the calling thread. `work` is a named variable, since it has to
+// outlive the wait.
 template <class Work>
 boost::asio::awaitable<void> run_on(boost::asio::thread_pool& pool, Work& work) {
   namespace asio = boost::asio;

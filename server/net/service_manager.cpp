@@ -51,7 +51,7 @@ void ServiceManager::tell(const std::string& words) const {
   address.sun_family = AF_UNIX;
   std::memcpy(address.sun_path, address_.data(), address_.size());
   const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + address_.size());
-  // The manager gone, or its queue full: there is nobody to tell that to.
+  // If systemd is gone or its queue is full, nobody can be told.
   [[maybe_unused]] const ssize_t sent =
       sendto(socket_, words.data(), words.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&address), length);
 }

@@ -1,4 +1,4 @@
-// TLS 1.2 and newer by OpenSSL: certificates and whom to trust. Contexts are read-only once made and may be shared.
+// TLS 1.2 and newer by OpenSSL: certificates and trust. Contexts are read-only once created and may be shared.
 #pragma once
 
 #include <boost/asio/ssl/context.hpp>
@@ -11,15 +11,17 @@ namespace hermite {
 
 using TlsContext = std::shared_ptr<boost::asio::ssl::context>;
 
-// `certificate`: PEM, the server's own first, then its chain; `key`: its private key, PEM without a password. kInvalidArgument naming the
-// file: not there, not PEM, or a key that is not the certificate's.
+// `certificate` is a PEM file with the server's certificate first, followed by its chain; `key` is its private key, PEM
+// without a password. kInvalidArgument naming the file: missing, not PEM, or a key that does not belong to the
+// certificate.
 Result<TlsContext> server_tls(const std::string& certificate, const std::string& key);
 
-// Believes the certificate authorities of the system, or those of the file `ca` (PEM) alone when it is not empty. The host's name is
-// checked against the certificate by whoever connects. kInvalidArgument naming the file.
+// Trusts the certificate authorities of the system or, if `ca` is not empty, only those of that PEM file. The code that
+// connects checks the name of the host against the certificate. kInvalidArgument naming the file.
 Result<TlsContext> client_tls(const std::string& ca);
 
-// Believes whoever answers. Only for connections that stay on this machine, where the address says as much as a certificate could.
+// Accepts any certificate. Only for connections within this machine, where the address proves as much as a certificate
+// could.
 Result<TlsContext> unverified_client_tls();
 
 }  // namespace hermite

@@ -1,5 +1,6 @@
-// A TCP connection with or without TLS under one type, so that HTTP and WebSocket code is there once. Meets Beast's AsyncStream and its
-// requirements for teardown; beast::get_lowest_layer() gives the tcp_stream with its timeouts. One of the places that know Beast.
+// A TCP connection with or without TLS as a single type, so that the code for HTTP and WebSocket exists only once.
+// Meets Beast's AsyncStream and its requirements for teardown; beast::get_lowest_layer() returns the tcp_stream with
+// its timeouts. One of the files that use Boost.Beast.
 #pragma once
 
 #include <utility>  // Boost 1.74's awaitable.hpp needs it and does not include it
@@ -24,7 +25,7 @@ class Transport {
   using next_layer_type = Tcp;
   using executor_type = Tcp::executor_type;
 
-  // Without `tls` nothing is encrypted.
+  // Without `tls` the connection is not encrypted.
   Transport(Tcp tcp, TlsContext tls) : context_(std::move(tls)) {
     if (context_)
       stream_ = std::make_unique<Tls>(std::move(tcp), *context_);
@@ -52,11 +53,11 @@ class Transport {
  private:
   using TcpPointer = std::unique_ptr<Tcp>;
   using TlsPointer = std::unique_ptr<Tls>;
-  TlsContext context_;  // of which the stream knows only a reference
+  TlsContext context_;  // keeps alive the context, to which the stream has only a reference
   std::variant<TcpPointer, TlsPointer> stream_;
 };
 
-// Found by Beast's WebSockets when a connection ends.
+// Called by Beast's WebSockets when a connection ends.
 inline void teardown(boost::beast::role_type role, Transport& transport, boost::system::error_code& error) {
   using boost::beast::websocket::teardown;
   if (transport.tls())

@@ -9,7 +9,7 @@ namespace hermite {
 
 namespace {
 
-// Spans of one stage that overlap, as those of waiting frames do, go side by side.
+// Assigns overlapping spans of a stage, as those of waiting frames, to parallel tracks.
 class Tracks {
  public:
   struct Place {

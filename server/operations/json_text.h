@@ -1,4 +1,4 @@
-// JSON as this server sends it. Header only.
+// JSON as sent by this server. Header only.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -6,7 +6,7 @@
 
 namespace hermite {
 
-// One line. Whatever of a client's texts is no UTF-8 becomes a replacement character.
+// Returns one line. Invalid UTF-8, which may come from clients, becomes replacement characters.
 inline std::string json_text(const nlohmann::ordered_json& json) {
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }

@@ -19,10 +19,10 @@ namespace hermite {
 
 namespace {
 
-constexpr std::size_t kTokenDigits = 32;    // hashes and tokens have more, ids of scans have other letters too
-constexpr std::size_t kMaxLineKinds = 256;  // that are counted at once; bounds the memory
+constexpr std::size_t kTokenDigits = 32;    // hashes and tokens are longer; ids of scans also have other letters
+constexpr std::size_t kMaxLineKinds = 256;  // counted at once; bounds the memory
 
-// spdlog knows no fields. Its sinks run on the thread that logs, so that they find them here.
+// spdlog has no fields. Its sinks run on the thread that logs, so they find the fields here.
 thread_local const LogFields* fields_of_this_line = nullptr;
 
 bool is_hex(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
@@ -68,7 +68,7 @@ std::string json_line(const spdlog::details::log_msg& line, const std::string& m
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-// Control characters would let a client write lines of its own.
+// Control characters would let a client forge lines.
 std::string text_line(const spdlog::details::log_msg& line, std::string message) {
   for (char& c : message)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
@@ -105,7 +105,7 @@ class Lines final : public spdlog::sinks::base_sink<std::mutex> {
   }
   void flush_() override { out_.flush(); }
 
-  // How many lines like this one were left out before it; nothing when this one is to be left out.
+  // Returns how many similar lines were left out before this one; std::nullopt if this one is to be left out.
   std::optional<int> admit(const spdlog::details::log_msg& line, std::string_view payload) {
     std::string key(1, static_cast<char>('0' + line.level));
     for (const char c : payload)

@@ -1,11 +1,11 @@
-// Lines on stderr: JSON objects for journald and collectors, text for people. Uses spdlog; spdlog::info(...) and its kin end up here too
-// once the logger is the default one.
+// Logs lines to stderr: JSON objects for journald and log collectors, text for people. Uses spdlog; spdlog::info(...)
+// and the like use this logger, too, once it is the default one.
 //
 //   {"ts":"2026-01-31T12:00:00.123Z","level":"info","msg":"...","session":"<scan id>","remote":"192.0.2.7","duration":1.25}
 //
-// The last three fields are there where they are known, `duration` in seconds. No token gets out: whatever looks like one (32 or more hex
-// digits in a row, or what follows "token=") is replaced. Lines that differ in digits and scan only are let through kLinesPerWindow times
-// in kLogWindow; the next one after that says how many were left out. Any thread.
+// The last three fields are present if known, `duration` in seconds. No token is logged: anything that looks like one
+// (32 or more consecutive hex digits, or what follows "token=") is replaced. Of lines that differ only in digits and
+// scan, kLinesPerWindow are logged per kLogWindow; the next one after that says how many were left out. Any thread.
 #pragma once
 
 #include <spdlog/logger.h>
@@ -28,11 +28,11 @@ std::shared_ptr<spdlog::logger> make_logger(std::ostream& out, LogFormat format,
 
 struct LogFields {
   std::string session = {};  // id of the scan
-  std::string remote = {};   // address of the other side
+  std::string remote = {};   // address of the client
   std::optional<double> duration_s = {};
 };
 
-// A line of the default logger with fields.
+// Logs a line with fields to the default logger.
 void log_with(const LogFields& fields, spdlog::level::level_enum level, const std::string& message);
 
 }  // namespace hermite

@@ -18,7 +18,7 @@ using prometheus::Gauge;
 using prometheus::Histogram;
 using Buckets = Histogram::BucketBoundaries;
 
-// Half a millisecond, the cheapest stage, to two seconds, where nobody would call it live.
+// From half a millisecond, the cheapest stage, to two seconds, which is far from live.
 const Buckets kStageBuckets_s{0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.033, 0.05, 0.1, 0.2, 0.5, 1, 2};
 const Buckets kMeshDelayBuckets_s{0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 30};
 const Buckets kRequestBuckets_s{0.0005, 0.001, 0.005, 0.01, 0.05, 0.1, 0.5, 1, 5, 30};
@@ -37,7 +37,7 @@ Family<Histogram>& histogram(prometheus::Registry& registry, const char* name, c
 
 struct Metrics::Impl {
   prometheus::Registry registry;
-  // Kept by others, who never count down.
+  // Totals maintained elsewhere, which never decrease.
   Counter& frames_received = counter(registry, "hermite_frames_received_total", "Frames that cameras have sent").Add({});
   Counter& frames_processed = counter(registry, "hermite_frames_processed_total", "Frames that went through the reconstruction").Add({});
   Counter& frames_dropped =
@@ -84,7 +84,7 @@ struct Metrics::Impl {
   Gauge& disk_free = gauge(registry, "hermite_disk_free_bytes", "Free space for the data folder").Add({});
   Gauge& draining = gauge(registry, "hermite_draining", "1 while the server takes no new scans and ends").Add({});
   Gauge& database_damaged = gauge(registry, "hermite_database_damaged", "1 when the last check has found the database damaged").Add({});
-  std::mutex mutex;  // of text(): the counters that others keep are read, then raised
+  std::mutex mutex;  // serialises text(), which reads those totals and then raises the counters
 };
 
 Metrics::Metrics(const std::string& version) : impl_(std::make_unique<Impl>()) {

@@ -1,9 +1,9 @@
-// What the admin address answers: for monitoring and for people who look after the server. It asks for no token, so it listens on the
+// The routes of the admin address, for monitoring and for operators. It requires no token, so it listens on the
 // loopback address. On the network thread.
 //
-//   GET /healthz             "ok": the event loop answers
-//   GET /readyz              200 "ready", or 503 and a line for each reason: draining, the database, the disk, the GPU
-//   GET /metrics             Prometheus' text format
+//   GET /healthz             "ok": the event loop runs
+//   GET /readyz              200 "ready", or 503 and one line per reason: draining, the database, the disk, the GPU
+//   GET /metrics             text format of Prometheus
 //   GET /debug/trace?scan=ID the last minute of a scan's frames for chrome://tracing
 #pragma once
 
@@ -23,13 +23,13 @@
 
 namespace hermite {
 
-// Whether the GPU can be opened: tried on a thread of its own when the server starts, and again while the last try or the last scan has
-// failed.
+// Watches whether the GPU can be opened: tries it on a separate thread when the server starts, and again while the last
+// try or the last scan has failed.
 class DeviceWatch {
  public:
   explicit DeviceWatch(std::string device);
 
-  // What is wrong, in words; nothing when all is well. Starts another try when it is time. Never blocks.
+  // Returns what is wrong, in words; std::nullopt if nothing is. Starts another try when one is due. Never blocks.
   std::optional<std::string> problem(bool scan_failed);
 
  private:
@@ -53,7 +53,7 @@ struct AdminWorld {
   const bool& draining;
 };
 
-// Why the server should get no new work, in words; none when it is ready.
+// Returns why the server should not get new work, in words; empty if it is ready.
 std::vector<std::string> reasons_not_ready(const AdminWorld& world);
 
 HttpAnswer answer_admin(const AdminWorld& world, const HttpRequest& request);

@@ -1,4 +1,4 @@
-// Where the body of a request goes that is too long for memory: piece by piece, as it comes.
+// Receives a request body that is too long for memory, piece by piece.
 #pragma once
 
 #include <functional>
@@ -14,14 +14,14 @@ class BodySink {
  public:
   virtual ~BodySink() = default;
 
-  // On a thread for the disk, one call at a time. After an error nothing more is written.
+  // Called on a disk thread, one call at a time. After an error no more pieces are passed.
   virtual Status write(std::string_view piece) = 0;
-  virtual void close(bool complete) = 0;  // once, at last. `complete`: all that was announced has come
+  virtual void close(bool complete) = 0;  // called once, last. `complete`: the whole announced body was received
 
-  // On the network thread.
-  virtual bool wanted() const = 0;                          // false: no more needs to be read
-  virtual void on_unwanted(std::function<void()> run) = 0;  // called when it becomes so
-  virtual HttpAnswer answer() = 0;                          // once, after close()
+  // Called on the network thread.
+  virtual bool wanted() const = 0;                          // false: the rest of the body need not be read
+  virtual void on_unwanted(std::function<void()> run) = 0;  // `run` is called once wanted() becomes false
+  virtual HttpAnswer answer() = 0;                          // called once, after close()
 };
 
 }  // namespace hermite

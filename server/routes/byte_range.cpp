@@ -9,7 +9,7 @@ namespace hermite {
 
 namespace {
 
-// The only one of that name; a header that is there twice says nothing that can be relied on.
+// Returns the only header of that name; a repeated header is not reliable and counts as none.
 std::optional<std::string> only_header(const HttpRequest& request, std::string_view name) {
   const auto same = [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; };
   std::optional<std::string> found;
@@ -28,10 +28,10 @@ std::optional<std::uint64_t> number_of(std::string_view digits) {
 }
 
 struct ByteRange {
-  std::uint64_t first = 0, size_bytes = 0;  // 0: there is nothing of it
+  std::uint64_t first = 0, size_bytes = 0;  // size 0: the file has nothing of the range
 };
 
-// None: what is asked for makes no sense, or is more than one range.
+// Returns std::nullopt if the header is malformed or has more than one range.
 std::optional<ByteRange> parse_range(std::string_view text, std::uint64_t size_bytes) {
   constexpr std::string_view kUnit = "bytes=";
   if (!text.starts_with(kUnit)) return std::nullopt;
@@ -41,7 +41,7 @@ std::optional<ByteRange> parse_range(std::string_view text, std::uint64_t size_b
   const std::string_view from = text.substr(0, dash), to = text.substr(dash + 1);
   const std::optional<std::uint64_t> first = number_of(from), last = number_of(to);
   if ((!from.empty() && !first) || (!to.empty() && !last) || (from.empty() && to.empty())) return std::nullopt;
-  if (!first) {  // so many at the end
+  if (!first) {  // the last bytes, as many as given
     const std::uint64_t count = std::min(*last, size_bytes);
     return ByteRange{size_bytes - count, count};
   }
@@ -59,7 +59,7 @@ HttpAnswer as_asked(HttpAnswer answer, const std::string& entity_tag, const Http
   answer.headers.emplace_back("ETag", quoted);
   const std::optional<std::string> wanted = only_header(request, "range");
   if (!wanted || request.method != "GET") return answer;
-  // A date, or a weak tag, is never the same.
+  // A date or a weak tag never matches.
   if (const std::optional<std::string> condition = only_header(request, "if-range"); condition && *condition != quoted) return answer;
   const std::uint64_t size_bytes = answer.stored->size_bytes;
   const std::optional<ByteRange> range = parse_range(*wanted, size_bytes);

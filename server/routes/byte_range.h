@@ -1,14 +1,14 @@
-// Parts of stored files: one range of bytes (RFC 9110, sections 13.1.5 and 14), so that a download that was cut goes on where it was.
-// Several ranges at once are answered with the whole, as a server may. Pure functions.
+// Serves parts of stored files as single byte ranges (RFC 9110, sections 13.1.5 and 14), so that an interrupted
+// download can be resumed. A request for several ranges gets the whole file, which the RFC allows. Pure functions.
 #pragma once
 
 #include "server/routes/http_routes.h"
 
 namespace hermite {
 
-// `answer` as `request` wants it: 206 with a part of what is stored, 416 where there is nothing of that range, and as it is where none is
-// asked for, where the range makes no sense, or where If-Range names another version than `entity_tag`, which is without its quotes. An
-// answer without something stored stays as it is.
+// Returns `answer` as requested: 206 with part of the stored body; 416 if the range lies beyond it; unchanged if there
+// is no range, it is malformed, or If-Range names another version than `entity_tag` (given without quotes). An answer
+// without a stored body is returned unchanged.
 HttpAnswer as_asked(HttpAnswer answer, const std::string& entity_tag, const HttpRequest& request);
 
 }  // namespace hermite

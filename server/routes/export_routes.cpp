@@ -13,8 +13,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::int64_t kFarTooMany = std::int64_t{1} << 60;  // beyond every limit
-constexpr std::int64_t kRetry_ms = 10'000;                   // a mesh of a room takes about as long
+constexpr std::int64_t kFarTooMany = std::int64_t{1} << 60;  // exceeds every limit
+constexpr std::int64_t kRetry_ms = 10'000;                   // about how long the mesh of a room takes
 
 Json export_json(const ExportState& state) {
   const ExportOffer& format = *state.format;
@@ -40,7 +40,7 @@ constexpr const char* kBodyWords =
     "the body must be {\"format\": NAME} with, of a mesh, any of \"simplify_um\", \"triangles\", \"fill_holes_mm\" (whole numbers) and "
     "\"close\" (true or false), and nothing else";
 
-// The name of what is asked for.
+// Returns the name of the requested export.
 Result<std::string> format_of(const std::string& body) {
   const Error wrong{ErrorCode::kInvalidArgument, kBodyWords};
   const Json json = Json::parse(body, nullptr, false);
@@ -78,7 +78,7 @@ HttpAnswer list_exports(const HttpWorld& world, const Call& call) {
 
 HttpAnswer create_export(const HttpWorld& world, const Call& call) {
   const Result<std::string> format = format_of(call.request.body);
-  // What is wrong with a body is not that there is nothing at the path.
+  // An invalid body must not be reported as 404.
   if (!format.ok()) return error_answer(400, {ErrorCode::kInvalidArgument, format.error().message});
   if (!call.grant.scan_id.empty() && *format != kViewerMesh)
     return error_answer(403, {ErrorCode::kUnauthorized, "a share link may ask for " + std::string(kViewerMesh) +

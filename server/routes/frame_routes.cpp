@@ -21,7 +21,7 @@ constexpr std::int64_t kFarthest_mm = 1'000'000;
 
 std::atomic<int> frames_asked = 0;
 
-// Why there are no frames to look at, if there are none.
+// Returns why there are no frames to show; std::nullopt if there are.
 std::optional<HttpAnswer> no_frames(const HttpWorld& world, const Call& call) {
   if (!call.grant.scan_id.empty())
     return error_answer(403, {ErrorCode::kUnauthorized, "a share link shows the model of a scan and not what its camera has sent"});
@@ -33,7 +33,7 @@ std::optional<HttpAnswer> no_frames(const HttpWorld& world, const Call& call) {
   return std::nullopt;
 }
 
-// Makes the answer of what `read` finds in the frame log, on a thread for the disk.
+// Returns an answer that a disk thread makes from what `read` finds in the frame log.
 template <class Read, class Tell>
 HttpAnswer later(const HttpWorld& world, const Call& call, Read read, Tell tell) {
   if (std::optional<HttpAnswer> none = no_frames(world, call)) return *std::move(none);
@@ -67,7 +67,7 @@ Result<std::uint64_t> frame_in(const Call& call) {
   return Error{ErrorCode::kInvalidArgument, "the path must end with the number of a frame, from 0"};
 }
 
-// None: no range is asked for.
+// Returns an empty optional if no range is requested.
 Result<std::optional<DepthRange_mm>> range_in(std::string_view query) {
   if (query.empty()) return std::optional<DepthRange_mm>();
   constexpr std::string_view kFrom = "from_mm=", kTo = "&to_mm=";
@@ -82,7 +82,7 @@ Result<std::optional<DepthRange_mm>> range_in(std::string_view query) {
   return std::optional(range);
 }
 
-// Of neighbours that have fared the same there is one entry.
+// Consecutive frames with the same status share an entry.
 Json fates_json(const std::vector<ListedFrame>& frames) {
   Json runs = Json::array();
   for (std::size_t i = 0, begin = 0; i <= frames.size(); ++i) {

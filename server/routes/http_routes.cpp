@@ -61,7 +61,7 @@ HttpAnswer revoke(const HttpWorld& world, const Call& call, bool share) {
 HttpAnswer revoke_share(const HttpWorld& world, const Call& call) { return revoke(world, call, true); }
 HttpAnswer revoke_token(const HttpWorld& world, const Call& call) { return revoke(world, call, false); }
 
-// Of what a request has made: its answer names it.
+// Returns the id of what a request has created, from its answer.
 std::string made_id(const HttpAnswer& answer) {
   const Json json = Json::parse(answer.body, nullptr, false);
   if (!json.is_object()) return {};
@@ -70,7 +70,8 @@ std::string made_id(const HttpAnswer& answer) {
   return json.value("id", "");
 }
 
-// An entry of the audit log: changes, whatever came of them, and results that were taken. Lists and states are asked for all the time.
+// Writes an entry to the audit log: for changes, whatever their outcome, and for downloaded results. Lists and states
+// are requested too often to be logged.
 void note(const HttpWorld& world, const HttpRequest& request, const Grant& grant, std::string_view route, const std::string& id,
           const std::string& outcome) {
   world.audit.note({request.caller.now_ms, grant.token_id, request.caller.peer, request.method + " " + std::string(route), id, outcome});
@@ -80,13 +81,13 @@ enum class Needs { kNothing, kView, kScan, kViewAndScan, kAdmin };
 
 struct ApiRoute {
   std::string_view method;
-  std::string_view name;                 // in metrics
-  std::string_view before_id, after_id;  // the path, around an id where has_id
+  std::string_view name;                 // for metrics
+  std::string_view before_id, after_id;  // the parts of the path around the id; only before_id if there is none
   bool has_id;
   Needs needs;
   HttpAnswer (*handle)(const HttpWorld&, const Call&);
   bool long_body = false;
-  std::string_view last_part = {};  // name of what ends the path; empty: after_id does
+  std::string_view last_part = {};  // name of the last component of the path; empty: the path ends with after_id
 };
 constexpr std::string_view kScanPath = "/api/v1/scans/";
 constexpr std::string_view kUploadsPath = "/api/v1/uploads/", kJobsPath = "/api/v1/jobs/";
@@ -134,7 +135,7 @@ constexpr std::array<ApiRoute, 41> kApi = {{
     {"POST", "retry", kJobsPath, "/retry", true, Needs::kScan, retry_job},
 }};
 
-// The scope that `grant` lacks for a route, if any.
+// Returns the scope that `grant` lacks for a route, if any.
 std::optional<Scope> lacking(const Grant& grant, Needs needs) {
   if (needs == Needs::kNothing) return std::nullopt;
   if (needs == Needs::kAdmin) return may(grant, Scope::kAdmin) ? std::nullopt : std::optional(Scope::kAdmin);
@@ -143,12 +144,12 @@ std::optional<Scope> lacking(const Grant& grant, Needs needs) {
   return needs == Needs::kView || may(grant, Scope::kScan) ? std::nullopt : std::optional(Scope::kScan);
 }
 
-// What a path has of a route's own.
+// The variable parts of a path.
 struct PathParts {
-  std::string id, last_part;  // empty for a route without
+  std::string id, last_part;  // empty if the route has none
 };
 
-// Nothing when the route is for other paths.
+// Returns std::nullopt if the path does not belong to the route.
 std::optional<PathParts> match(const ApiRoute& route, std::string_view path) {
   if (!path.starts_with(route.before_id)) return std::nullopt;
   path.remove_prefix(route.before_id.size());
@@ -161,7 +162,7 @@ std::optional<PathParts> match(const ApiRoute& route, std::string_view path) {
   return PathParts{std::string(id), std::string(last_part)};
 }
 
-// The grant of whoever asks, or the answer to somebody who has none.
+// Returns the grant of the caller, or the answer for a caller without one.
 std::variant<Grant, HttpAnswer> admit(const HttpWorld& world, const HttpRequest& request) {
   constexpr std::string_view kScheme = "Bearer ";
   const std::string_view given = request.authorization;
@@ -182,7 +183,7 @@ HttpAnswer wrong_method(const std::string& allow) {
   return answer;
 }
 
-// A HEAD is a GET whose body stays behind, unless a route says otherwise.
+// A HEAD is answered as a GET without its body, unless a route handles it.
 bool fits(const ApiRoute& route, std::string_view method, std::string_view path) {
   return route.method == method || (method == "HEAD" && route.method == "GET" && path.substr(0, kUploadsPath.size()) != kUploadsPath);
 }
@@ -206,11 +207,11 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
         note(world, request, grant, route.name, id, "403");
         return on_route(route.name, error_answer(403, lacks(grant, *scope)));
       }
-      // A share link knows of no other scan, not even that it exists.
+      // A share link must not learn whether other scans exist.
       if (route.before_id == kScanPath && !may_see(grant, id))
         return on_route(route.name, refused({ErrorCode::kNotFound, "there is no scan " + id}));
       HttpAnswer answer = on_route(route.name, route.handle(world, {request, grant, id, parts->last_part}));
-      // Who changed what; paths of the routes hold ids and no secrets.
+      // Logs who changed what; the paths of the routes contain ids but no secrets.
       const bool looks = method == "GET" || method == "HEAD" || answer.body_sink || answer.ask_again;
       const bool takes_results = method == "GET" && answer.stored.has_value();
       const bool is_begun = answer.body_sink && route.handle != measure_scan;

@@ -9,7 +9,7 @@ namespace hermite {
 
 namespace {
 
-// Whoever may look at all scans may look at all jobs.
+// A token that may view all scans may view all jobs.
 bool may_see_job(const Grant& grant, const JobRow& job) { return job.token_id == grant.token_id || may(grant, Scope::kView); }
 
 Result<JobStatus> find_job(const HttpWorld& world, const Call& call) {
@@ -29,7 +29,7 @@ Result<std::string> told(const HttpWorld& world, const std::string& id) {
   return job_json(*job, *log);
 }
 
-// One that the caller may change.
+// Returns a job that the caller may change.
 Result<JobStatus> find_own_job(const HttpWorld& world, const Call& call) {
   Result<JobStatus> job = find_job(world, call);
   if (job.ok() && job->row.token_id != call.grant.token_id && !may(call.grant, Scope::kAdmin))

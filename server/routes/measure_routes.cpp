@@ -27,7 +27,7 @@ constexpr std::int64_t kMeasureRetry_ms = 1000;
 std::atomic<int> measuring = 0;
 
 struct NamedRequest {
-  std::string name;  // of one that is kept
+  std::string name;  // only for a measurement to be saved
   MeasureRequest measure;
 };
 
@@ -84,7 +84,7 @@ Result<NamedRequest> request_in(const std::string& body, bool is_kept) {
   return request;
 }
 
-// As the row has it. Rows have kinds that this program knows: the database sees to that.
+// Returns the quantity as stored in the row. The database ensures that its kind is valid.
 Quantity quantity_of(const MeasurementRow& row) {
   Quantity quantity;
   quantity.kind = measure_kind_of(row.kind).value_or(MeasureKind::kDistance);
@@ -110,7 +110,7 @@ Json json_of(const MeasurementRow& row) {
   return json;
 }
 
-// A field of CSV. What a spreadsheet would take for a formula begins with an apostrophe.
+// Returns a field of CSV. A text that a spreadsheet would take for a formula gets a leading apostrophe.
 std::string csv_field(const std::string& text) {
   std::string field = "\"";
   if (!text.empty() && std::string_view("=+-@").find(text.front()) != std::string_view::npos) field += '\'';
@@ -118,7 +118,7 @@ std::string csv_field(const std::string& text) {
   return field + "\"";
 }
 
-// "0.1000 0.2000 1.9000; 1.2000 0.2000 2.1000"
+// For example "0.1000 0.2000 1.9000; 1.2000 0.2000 2.1000".
 std::string csv_points(const std::vector<MeasurementRow::Triple>& points) {
   std::string text;
   for (const auto& [x, y, z] : points) text += (text.empty() ? "" : "; ") + printf_text("%.4f %.4f %.4f", x, y, z);
@@ -144,7 +144,7 @@ MeasurementRow row_of(const Measurement& measurement, const std::string& scan_id
   return row;
 }
 
-// The request's body on its way, and what is measured when all of it is there.
+// Receives the body of a request, and measures once it is complete.
 class MeasureBody : public BodySink {
  public:
   MeasureBody(const HttpWorld& world, const Call& call, std::string surfels_name, bool is_kept)
@@ -171,7 +171,7 @@ class MeasureBody : public BodySink {
   HttpAnswer answer() override {
     if (is_turned_away_) return wait_answer(503, "others are measuring: try again in a moment", kMeasureRetry_ms);
     if (!measured_.ok()) {
-      // What is wrong with a point is not that there is nothing at the path.
+      // An invalid point must not be reported as 404.
       const Error& error = measured_.error();
       return error.code == ErrorCode::kNotFound ? error_answer(400, {ErrorCode::kInvalidArgument, error.message}) : refused(error);
     }
@@ -199,7 +199,7 @@ class MeasureBody : public BodySink {
   Result<Measurement> measured_ = Error{ErrorCode::kInvalidArgument, "the body did not come whole"};
 };
 
-// What there is to measure in, or why nothing.
+// Returns the name of the cloud to measure in, or why there is none.
 Result<std::string> surfels_of(const HttpWorld& world, const std::string& scan_id) {
   const Result<ScanRow> row = world.scans.find(scan_id);
   if (!row.ok()) return row.error();
@@ -208,7 +208,7 @@ Result<std::string> surfels_of(const HttpWorld& world, const std::string& scan_i
   for (const char* needed : {"trajectory.txt", "report.json"})
     if (!world.scans.size_of_result(scan_id, needed).ok())
       return Error{ErrorCode::kBusy, "scan " + scan_id + " has no " + needed + ": nothing is known of the errors in it"};
-  // Scans of earlier versions have the stable surfels alone.
+  // In scans of earlier versions, cloud.ply has only the stable surfels.
   for (const char* name : {"surfels.ply", "cloud.ply"})
     if (world.scans.size_of_result(scan_id, name).ok()) return std::string(name);
   return Error{ErrorCode::kBusy, "scan " + scan_id + " has no points"};

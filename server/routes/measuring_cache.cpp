@@ -9,7 +9,7 @@ namespace hermite {
 
 namespace {
 
-// A day of 30 poses a second is 250 MB, and no scan has as many.
+// A day of 30 poses per second would be 250 MB, and no scan has that many.
 constexpr std::size_t kMaxTrajectoryBytes = std::size_t{64} << 20, kMaxReportBytes = std::size_t{1} << 20;
 
 Result<MapKnowledge> knowledge_in(Blobs& blobs, const std::string& scan_id) {
@@ -20,7 +20,7 @@ Result<MapKnowledge> knowledge_in(Blobs& blobs, const std::string& scan_id) {
   return map_knowledge_of(*trajectory, *report);
 }
 
-// Of a scan whose surfels stay where they are.
+// Iterates over surfels that are not kept in memory.
 EachPoint reading_from(Blobs& blobs, const std::string& scan_id, const std::string& surfels_name) {
   return [&blobs, scan_id, surfels_name](const std::function<void(const CloudPoint&)>& use) {
     return for_each_ply_point(

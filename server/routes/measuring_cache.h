@@ -1,4 +1,5 @@
-// What measuring needs of the scans that were last measured in, kept in memory: who measures does it several times in one scan.
+// Keeps in memory what measuring needs of the scans that were last measured in, since a user usually measures several
+// times in a scan.
 #pragma once
 
 #include <cstddef>
@@ -13,17 +14,18 @@
 
 namespace hermite {
 
-// Thread-safe. A scan whose files were put again is read anew, by Blobs::version; of a scan that is gone nothing is answered.
+// Thread-safe. Reads a scan again if its files have been put again (Blobs::version). Returns nothing for a removed
+// scan.
 class MeasuringCache {
  public:
   static constexpr std::size_t kMostScans = 4;
-  static constexpr std::uint64_t kMost_bytes = std::uint64_t{128} << 20;  // of their surfels, in all
+  static constexpr std::uint64_t kMost_bytes = std::uint64_t{128} << 20;  // surfels of all scans together
 
   explicit MeasuringCache(std::uint64_t most_bytes = kMost_bytes) : most_bytes_(most_bytes) {}
 
-  // May read for some seconds. `surfels_name` is that of a cloud of the scan. Of one with more surfels than may be kept none are, and they
-  // are read from `blobs`, which outlives the answer, each time that they are gone through. kNotFound: the scan has not the files;
-  // kTooLarge, kIo, and kCorruptData of map_knowledge_of and for_each_ply_point.
+  // May read for some seconds. `surfels_name` is the name of a cloud of the scan. If it has more surfels than may be
+  // kept, none are, and they are read from `blobs`, which outlives the result, each time they are iterated over.
+  // kNotFound: the scan lacks the files; kTooLarge, kIo, and kCorruptData as map_knowledge_of and for_each_ply_point.
   Result<std::shared_ptr<const MeasuredResult>> of(Blobs& blobs, const std::string& scan_id, const std::string& surfels_name);
 
   void forget(const std::string& scan_id);
@@ -32,7 +34,7 @@ class MeasuringCache {
 
  private:
   struct Entry {
-    std::string scan_id, version;  // of all its files
+    std::string scan_id, version;  // `version`: of all its files
     std::uint64_t bytes = 0;
     std::shared_ptr<const MeasuredResult> result;
   };
@@ -42,7 +44,7 @@ class MeasuringCache {
 
   const std::uint64_t most_bytes_;
   mutable std::mutex mutex_;
-  std::vector<Entry> entries_;  // the last used one last
+  std::vector<Entry> entries_;  // ordered by last use, the most recent one last
 };
 
 }  // namespace hermite

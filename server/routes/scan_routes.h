@@ -1,4 +1,4 @@
-// The routes by which a person looks after scans: what they may do, another title, and the end of a scan that runs. On the network thread.
+// The routes to manage scans: permissions, list, title, deletion, and the end of a running scan. On the network thread.
 #pragma once
 
 #include <optional>
@@ -8,29 +8,34 @@
 
 namespace hermite {
 
-// {"scopes": ["view", ...], "scan": id or null}: what whoever asks may do, so that a page need not offer what would be refused.
+// {"scopes": ["view", ...], "scan": id or null}: the permissions of the token, so that a page need not offer what would
+// be refused.
 HttpAnswer show_access(const HttpWorld& world, const Call& call);
 
-// {"scans": [...], "more"}: the newest first, for a share link its scan alone. ?older-than=ID goes on behind one. 400 for another query.
+// {"scans": [...], "more"}: newest first, for a share link only its scan. ?older-than=ID continues after that scan. 400
+// for any other query.
 HttpAnswer list_scans(const HttpWorld& world, const Call& call);
 
-// One entry of that list. 404.
+// An entry of that list. 404.
 HttpAnswer show_scan(const HttpWorld& world, const Call& call);
 
-// {"removed": id}: deleted with its files. 404, 409: it runs.
+// {"removed": id}: deletes it with its files. 404, 409: it is running.
 HttpAnswer remove_scan(const HttpWorld& world, const Call& call);
 
-// {"title": ...}: of the token that made the scan, or admin. The scan as it is then. 400 naming the field, 403, 404.
+// {"title": ...}: for the token that made the scan, or admin. Answers with the renamed scan. 400 naming the field, 403,
+// 404.
 HttpAnswer rename_scan(const HttpWorld& world, const Call& call);
 
-// None: whoever asks may change the scan, as the token that made it or with admin. Else the answer: 403, 404.
+// Returns std::nullopt if the caller may change the scan, as the token that made it or with admin; otherwise the
+// answer: 403, 404.
 std::optional<HttpAnswer> keep_out(const HttpWorld& world, const Call& call);
 
-// Whether `text`, which came as `field`, can be shown as a title: 1 to wire::kMaxTitleBytes without control characters. kInvalidArgument.
+// Checks whether `text`, given as `field`, is valid as a title: 1 to wire::kMaxTitleBytes without control characters.
+// kInvalidArgument.
 Status check_title(const std::string& field, const std::string& text);
 
-// A scan that runs ends as interrupted, with what it has; of the token that made it, or admin. 403, 404, 409: it has ended, or a job feeds
-// it.
+// Ends a running scan as interrupted, with what it has; for the token that made it, or admin. 403, 404, 409: it has
+// ended, or belongs to a job.
 HttpAnswer stop_scan(const HttpWorld& world, const Call& call);
 
 }  // namespace hermite

@@ -1,4 +1,5 @@
-// The viewer's files, read once at start-up. Requests are looked up by name in this table: no path is ever made from what a client sends.
+// The viewer's files, read once at start-up. Requests are looked up by name in this table: no path is ever built from
+// what a client sends.
 #pragma once
 
 #include <map>
@@ -19,11 +20,11 @@ using StaticFiles = std::map<std::string, StaticFile, std::less<>>;  // by URL p
 inline constexpr std::size_t kMaxStaticFiles = 4096;
 inline constexpr std::size_t kMaxStaticBytes = 256 * 1024 * 1024;
 
-// Regular files below `folder`; links and names with other characters than [A-Za-z0-9._-] are left out.
-// kNotFound: no such folder, or no index.html in it. kTooLarge: more than the limits above. kIo: a file that cannot be read.
+// Reads the regular files below `folder`; skips links and names with characters other than [A-Za-z0-9._-]. kNotFound:
+// no such folder, or no index.html in it. kTooLarge: more than the limits above. kIo: a file that cannot be read.
 Result<StaticFiles> read_static_files(const std::string& folder);
 
-// By the ending of the name; "application/octet-stream" when it is not known.
+// Returns the type for the extension of the name; "application/octet-stream" if it is unknown.
 std::string content_type_of(std::string_view name);
 
 }  // namespace hermite

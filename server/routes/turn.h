@@ -1,11 +1,12 @@
-// A bound on how much of one kind is under way at once. Thread-safe.
+// Limits how many operations of a kind run at once. Thread-safe.
 #pragma once
 
 #include <atomic>
 
 namespace hermite {
 
-// One of at most `most` that may be under way at once, while it lives; `taken` counts those that live.
+// Claims one of `most` concurrent operations for its lifetime; `taken` counts the living objects. Without is_mine()
+// there was no room.
 class Turn {
  public:
   Turn(std::atomic<int>& taken, int most) : taken_(taken), is_mine_(taken.fetch_add(1) < most) {}

@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kUploadLocation = "/api/v1/uploads/";
-constexpr std::int64_t kRoomRetry_ms = 30'000;  // jobs take minutes, and give back what their uploads took
+constexpr std::int64_t kRoomRetry_ms = 30'000;  // jobs take minutes, and release the space of their uploads
 
 HttpAnswer plain(int status, HttpHeaders headers = {}) {
   HttpAnswer answer;
@@ -43,7 +43,7 @@ HttpHeaders offset_headers(const UploadState& state) {
   return headers;
 }
 
-// The headers of tus, or the answer to somebody who does not keep to it.
+// Returns the headers of tus; if they violate the protocol, `wrong` is the answer.
 Result<TusHeaders> read_headers(const HttpRequest& request, HttpAnswer& wrong) {
   Result<TusHeaders> headers = parse_tus_headers(request.headers);
   if (!headers.ok()) {
@@ -57,10 +57,11 @@ Result<TusHeaders> read_headers(const HttpRequest& request, HttpAnswer& wrong) {
   return headers;
 }
 
-// The body of a request on its way into an upload.
+// Receives the body of a request into an upload.
 class UploadBody : public BodySink {
  public:
-  // What is said when as much as came is on disk. An error: of the disk, of the checksum, or why not all of it came.
+  // Makes the answer once the received bytes are on disk. `received` is an error of the disk or checksum, or why the
+  // body is incomplete.
   using Say = std::function<HttpAnswer(const UploadState& state, const Status& received)>;
 
   UploadBody(const HttpWorld& world, UploadState state, std::shared_ptr<UploadWriter> writer, Grant grant, Say say)
@@ -97,7 +98,7 @@ HttpAnswer refused_piece(const Error& error) {
   return refused_upload(error);
 }
 
-// An answer that reads the body first, or why it is not wanted.
+// Returns an answer that receives the body first, or why the body is refused.
 HttpAnswer receive(const HttpWorld& world, const Call& call, const UploadState& state, const UploadPiece& piece, UploadBody::Say say) {
   Result<std::shared_ptr<UploadWriter>> writer = world.uploads.write(state, piece, call.grant);
   if (!writer.ok()) return with_version(refused_upload(writer.error()));
@@ -153,7 +154,7 @@ HttpAnswer create_upload(const HttpWorld& world, const Call& call) {
     return refuse({ErrorCode::kInvalidArgument, "Upload-Length is missing, or Upload-Defer-Length: 1 instead"});
   if (has_body && !headers->is_piece)
     return with_version(error_answer(415, {ErrorCode::kUnsupported, "the Content-Type of a piece is " + std::string(kTusContentType)}));
-  // What is wrong with the job is said before gigabytes are sent.
+  // Report what is wrong with the job before gigabytes are sent.
   UploadRow row;
   row.metadata = headers->metadata;
   const Result<JobRow> job = job_of_upload(row);
@@ -166,7 +167,7 @@ HttpAnswer create_upload(const HttpWorld& world, const Call& call) {
   const std::string location = kUploadLocation + state->row.id;
   const auto say = [&world, location](const UploadState& now, const Status& received) {
     if (!received.ok() && now.offset_bytes == 0) {
-      world.uploads.forget(now.row.id);  // its Location is not told, so nobody could go on with it
+      world.uploads.forget(now.row.id);  // the client never learns its Location, so it could not resume it
       return refused_piece(received.error());
     }
     HttpHeaders all = offset_headers(now);
@@ -243,7 +244,7 @@ HttpAnswer put_upload(const HttpWorld& world, const Call& call) {
   return receive(world, call, *state, piece, [&world](const UploadState& now, const Status& received) {
     if (now.complete() && !now.job_id.empty()) return made(json_text({{"job", now.job_id}}), 200);
     if (now.complete()) return made(json_text({{"job", now.row.id}}), 201);
-    // Nobody knows its name, so nobody could go on with it.
+    // The client does not know its id, so it could not resume it.
     world.uploads.forget(now.row.id);
     return received.ok() ? error_answer(400, {ErrorCode::kCorruptData, "the body was cut"}) : refused_upload(received.error());
   });

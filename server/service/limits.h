@@ -1,6 +1,6 @@
-// All limits of the server in one place: what tokens share, how much of it one token may take and how much stays for administrators, and
-// what bounds single requests, messages and files. SECURITY.md has this table as it is printed here, and a test fills every share. Pure
-// functions.
+// All limits of the server in one place: the resources that tokens share, with the share of one token and the part
+// reserved for administrators, and the bounds on single requests, messages and files. SECURITY.md has this table as
+// printed here, and a test uses up every share. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace hermite {
 
-// Everything that one token could take away from the others.
+// Everything that one token could use up at the expense of others.
 enum class Shared {
   kTokens,
   kShareLinks,
@@ -31,13 +31,13 @@ inline constexpr Shared kAllShared[] = {Shared::kTokens,  Shared::kShareLinks,  
                                         Shared::kJobs,    Shared::kRunningScans, Shared::kWaitingCameras, Shared::kStorage,
                                         Shared::kViewers, Shared::kConnections,  Shared::kRequests,       Shared::kExports};
 
-// A number of 0 in `share` stands for what is not limited, or not kept, in that way.
+// In `share`, 0 means that there is no such limit, or no reserved part.
 struct SharedLimit {
   Shared which = Shared::kTokens;
   std::string what;
   Share share;
-  std::string unit;    // behind a number: "", "GB"
-  std::string answer;  // to who meets it
+  std::string unit;    // follows a number: "", "GB"
+  std::string answer;  // to a client that exceeds the limit
 };
 std::vector<SharedLimit> shared_limits(const ServiceOptions& options);
 
@@ -46,10 +46,10 @@ struct Bound {
 };
 std::vector<Bound> bounds(const ServiceOptions& options);
 
-// Both as tables of Markdown.
+// Returns both as Markdown tables.
 std::string limits_text(const ServiceOptions& options);
 
-// WebSockets. A sixteenth is for administrators.
+// For WebSockets. A sixteenth is reserved for administrators.
 Share connection_share(const ServiceOptions& options);
 
 }  // namespace hermite

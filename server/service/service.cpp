@@ -50,36 +50,37 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-// Of monitoring; those of cameras and viewers are counted apart, so that a full server can be watched.
+// For monitoring; counted separately from cameras and viewers, so that a server without free connections can still be
+// monitored.
 constexpr int kMaxAdminConnections = 32;
-constexpr int kMaxRefusing = 32;  // refused connections that are told why at once; more are just closed
+constexpr int kMaxRefusing = 32;  // refused connections that are answered at once; further ones are only closed
 constexpr std::int64_t kRefusedRetry_ms = 5000;
 constexpr const char* kVersion = HERMITE_VERSION;
-constexpr std::chrono::seconds kStopPatience(60);  // for the frame in work and the results of every scan
+constexpr std::chrono::seconds kStopPatience(60);  // for the current frame and the results of every scan
 constexpr std::chrono::milliseconds kStopCheck(20);
-constexpr std::chrono::milliseconds kTick(250);             // how exactly waits are ended that are given in seconds
-constexpr std::chrono::milliseconds kGoodbyePatience(500);  // for last messages to leave
-constexpr std::chrono::seconds kAuditPeriod(1);             // what a power cut may take of the audit log
+constexpr std::chrono::milliseconds kTick(250);             // accuracy of timeouts given in seconds
+constexpr std::chrono::milliseconds kGoodbyePatience(500);  // for last messages to be sent
+constexpr std::chrono::seconds kAuditPeriod(1);             // how much of the audit log a power failure can destroy
 constexpr std::size_t kDiskThreads = 2;                     // uploads and results wait for disks, not for processors
-// Results are read for viewers, old logs removed and files added up while logs are read.
+// While logs are read, results are read for viewers, old logs removed and file sizes added up.
 constexpr std::size_t kBackgroundThreads = kMaxLogsRead + 2;
 
 }  // namespace
 
-// Declared in the order in which things depend on each other; the context, with all its connections, goes first of all, behind the threads
-// that work for them.
+// Members are declared in order of dependency. So the thread pools are destroyed first, then the context with all its
+// connections.
 struct Service::Impl {
-  // A port, what is behind it and how many may come in. Plain references: it may be copied.
+  // A port, its handler, and its limit on connections. Holds only references, so it may be copied.
   struct Door {
     const Site& site;
     CountLimit& connections;
-    bool encrypted;  // where there is a certificate
+    bool encrypted;  // if there is a certificate
   };
 
   const ServiceOptions options;
   ListenAddress address;
   std::optional<ListenAddress> admin_address;
-  TlsContext tls;  // of new connections; none: they are not encrypted
+  TlsContext tls;  // for new connections; nullptr: not encrypted
   const DataDirectory data;
   const StaticFiles files;
   SqliteStore store;
@@ -106,16 +107,16 @@ struct Service::Impl {
   const ServiceManager manager;
   int refusing_count = 0;
   bool token_works = false;
-  bool draining = false;  // no new connections and scans; those that run may go on
-  bool ending = false;    // they are interrupted
+  bool draining = false;  // no new connections and scans; running ones may continue
+  bool ending = false;    // running scans are interrupted
   bool ended_in_time = true;
   asio::io_context context{1};
   std::optional<tcp::acceptor> acceptor, admin_acceptor;
   asio::signal_set signals{context};
   asio::steady_timer watchdog{context}, drained{context};
   asio::thread_pool background{kBackgroundThreads};
-  asio::thread_pool making{1};           // exports, which keep nobody from anything
-  asio::thread_pool disk{kDiskThreads};  // last: its work refers to connections
+  asio::thread_pool making{1};           // for exports, so that nothing else waits for them
+  asio::thread_pool disk{kDiskThreads};  // last member: its work refers to connections
 
   explicit Impl(const ServiceOptions& service_options)
       : options(checked(service_options)),
@@ -183,7 +184,7 @@ struct Service::Impl {
     try {
       admin_acceptor = open_port(context, *admin_address);
     } catch (const SetupError& error) {
-      // Several servers on one machine are not asked for addresses that nobody wanted.
+      // Several servers on one machine should not need an address that nobody asked for.
       if (options.admin_listen != ServiceOptions().admin_listen) throw;
       spdlog::warn("no health and metrics: {}; choose another --admin-listen, or off", error.what());
       return;
@@ -198,13 +199,13 @@ struct Service::Impl {
   }
 
   asio::awaitable<void> serve(tcp::socket socket, std::string address, std::string counted, Door door) {
-    // However it ends: a place that is never given back would in the end lock everybody out.
+    // Released however the connection ends: a place that is never released would eventually lock everybody out.
     struct Place {
       CountLimit& connections;
       const std::string& counted;
       ~Place() { connections.leave(counted); }
     } const place{door.connections, counted};
-    // A named value, see websocket.cpp.
+    // A named variable, see websocket.cpp.
     TlsContext context_of_now = door.encrypted ? tls : nullptr;
     co_await serve_connection(std::move(socket), std::move(address), std::move(context_of_now), door.site);
   }
@@ -220,9 +221,9 @@ struct Service::Impl {
   void take(tcp::socket socket, const Door& door) {
     error_code error;
     const tcp::endpoint other_end = socket.remote_endpoint(error);
-    if (error) return;  // it is gone already
+    if (error) return;  // closed already
     std::string address = other_end.address().to_string();
-    // All clients of a proxy come from its address.
+    // All clients of a proxy have its address.
     std::string counted = lies_in_any(door.site.proxies, address) ? std::string() : address_group(address);
     if (door.connections.enter(counted)) {
       asio::co_spawn(context, serve(std::move(socket), std::move(address), std::move(counted), door), asio::detached);
@@ -232,14 +233,14 @@ struct Service::Impl {
     }
   }
 
-  // Until the acceptor is closed.
+  // Runs until the acceptor is closed.
   asio::awaitable<void> accept(tcp::acceptor& open, Door door) {
     while (open.is_open()) {
       error_code error;
       tcp::socket socket = co_await open.async_accept(asio::redirect_error(asio::use_awaitable, error));
       if (error == asio::error::operation_aborted) co_return;
       if (error) {
-        // Out of file descriptors, most likely: others have to leave first.
+        // Most likely out of file descriptors: other connections have to end first.
         spdlog::warn("accepting a connection: {}", error.message());
         asio::steady_timer pause(context, std::chrono::milliseconds(100));
         co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
@@ -269,7 +270,7 @@ struct Service::Impl {
     }
   }
 
-  // Without new ones, until the scans that run have ended or may not go on any longer.
+  // Stops accepting new connections and scans, and waits until running scans have ended or their time is over.
   asio::awaitable<void> drain() {
     manager.tell("STOPPING=1");
     error_code error;
@@ -308,7 +309,7 @@ struct Service::Impl {
     context.stop();
   }
 
-  // Running scans may go on for a while, or, `at_once`, are ended as they are.
+  // Lets running scans continue for a while or, with `at_once`, interrupts them.
   void begin_end(bool at_once) {
     ending = ending || at_once;
     if (draining) return;
@@ -334,14 +335,14 @@ struct Service::Impl {
         read_certificate_again();
       } else {
         spdlog::info("signal {}: stopping", signal);
-        // Whoever sits at a terminal, or asks twice, does not want to wait.
+        // A user at a terminal, or a second signal, means not to wait.
         begin_end(signal == SIGINT || draining);
       }
       await_signal();
     });
   }
 
-  // From the event loop, so that a loop that hangs is noticed.
+  // Called in the event loop, so that a hanging loop is noticed.
   void feed_watchdog() {
     const std::optional<std::chrono::microseconds> period = manager.watchdog_period();
     if (!period) return;

@@ -1,4 +1,4 @@
-// What a Service is made of, taken out of its options. What cannot be is a SetupError, in words that name the option.
+// Creates the parts of a Service from its options. Invalid options are SetupErrors, in words that name the option.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -17,24 +17,26 @@
 
 namespace hermite {
 
-// The options as they are, every one within its limits.
+// Returns the options unchanged, after checking every one against its limits.
 ServiceOptions checked(const ServiceOptions& options);
 
-// Where cameras and viewers come in: others than this machine only encrypted, or because somebody insists.
+// Returns the address for cameras and viewers. Other addresses than loopback ones require TLS, or the option that
+// allows them without.
 ListenAddress checked_address(const ServiceOptions& options);
 
-// Where monitoring comes in. None: off.
+// Returns the address for monitoring; std::nullopt: off.
 std::optional<ListenAddress> checked_admin_address(const ServiceOptions& options);
 
 std::vector<Network> proxies_of(const ServiceOptions& options);
-TlsContext tls_of(const ServiceOptions& options);  // null: nothing is encrypted
+TlsContext tls_of(const ServiceOptions& options);  // nullptr: not encrypted
 ScansOptions scans_options(const ServiceOptions& options);
 UploadLimits upload_limits(const ServiceOptions& options);
 
-// In Host and Origin headers: the loopback, where it listens, and what the options add.
+// Returns the hosts allowed in Host and Origin headers: loopback names, the listening address, and those of the
+// options.
 AllowedHosts allowed_hosts(const ServiceOptions& options, const ListenAddress& address);
 
-// None, with a warning, where there are none: the service works without its viewer, cameras do not need it.
+// Returns no files, with a warning, if there are none: the service works without its viewer, which cameras do not need.
 StaticFiles viewer_files(const std::string& folder);
 
 boost::asio::ip::tcp::acceptor open_port(boost::asio::io_context& context, const ListenAddress& address);

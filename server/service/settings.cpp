@@ -23,9 +23,9 @@ struct Row {
   const char* key;
   Field field;
   const char* description;
-  int low = 0, high = 0;  // of numbers, inclusive
+  int low = 0, high = 0;  // inclusive range of numbers
   const char* unit = "";
-  List choices = {};  // of texts, empty: any
+  List choices = {};  // of texts; empty: any
 };
 
 const std::vector<Row>& rows() {
@@ -113,7 +113,7 @@ Error not_allowed(const Row& row, const std::string& value) {
   return invalid("setting " + std::string(row.key) + " is '" + value + "', allowed is " + limits_of(row));
 }
 
-// Texts go into a file between quotes and back without escapes.
+// Texts are written to the file in quotes and read back without escapes.
 Status check_text(const Row& row, const std::string& text) {
   const auto bad = [](char c) { return c == '"' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   if (std::any_of(text.begin(), text.end(), bad))
@@ -158,7 +158,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(from, text.find_last_not_of(" \t\r") - from + 1);
 }
 
-// The string at the start of `rest`, which loses it; nothing when there is none.
+// Removes a string from the start of `rest` and returns it; std::nullopt if there is none.
 std::optional<std::string> take_string(std::string_view& rest) {
   if (rest.empty() || rest.front() != '"') return std::nullopt;
   const std::size_t end = rest.find('"', 1);

@@ -1,8 +1,9 @@
-// The settings of `hermite serve`: one table of names, units, limits and words. Flags (--max-scans 4), the environment
-// (HERMITE_SERVE_MAX_SCANS=4) and the file (max-scans = 4) all go through it. Defaults are ServiceOptions'.
+// The settings of `hermite serve`: one table of names, units, limits and descriptions, which flags (--max-scans 4),
+// environment variables (HERMITE_SERVE_MAX_SCANS=4) and the file (max-scans = 4) all use. Defaults are those of
+// ServiceOptions.
 //
-// The file is a part of TOML: one `key = value` a line, where a value is a "string", a whole number, true, false, or on one line an array
-// of strings; # begins a comment. Every failure names the setting, the value and what is allowed.
+// The file is a subset of TOML: one `key = value` per line, where a value is a "string", an integer, true, false, or an
+// array of strings on one line; # starts a comment. Every error names the setting, the value and what is allowed.
 #pragma once
 
 #include <functional>
@@ -22,27 +23,28 @@ enum class SettingKind { kText, kNumber, kFlag, kList };
 struct ServiceSetting {
   std::string key;  // "max-scans"
   SettingKind kind = SettingKind::kText;
-  std::string value;        // as the file has it: "\"127.0.0.1:8080\"", "4", "true", "[\"a\", \"b\"]"
+  std::string value;        // in the syntax of the file: "\"127.0.0.1:8080\"", "4", "true", "[\"a\", \"b\"]"
   std::string limits;       // "1 to 64 scans", "auto, json or text"; empty for free text
   std::string environment;  // "HERMITE_SERVE_MAX_SCANS"
   std::string description;  // one line
 };
 std::vector<ServiceSetting> list_settings(const ServiceOptions& options);
 
-// A list takes any number of values, everything else exactly one. kInvalidArgument; kNotFound: no such setting.
+// Sets a setting. A list takes any number of values, everything else exactly one. kInvalidArgument; kNotFound: no such
+// setting.
 Status apply_setting(ServiceOptions& options, const std::string& key, const std::vector<std::string>& values);
 
-// kInvalidArgument with the number of the line.
+// Applies the text of a file. kInvalidArgument with the line number.
 Status apply_config(ServiceOptions& options, const std::string& text);
 
-// `variables` as in environ(7). A list is separated by commas. A variable that begins with HERMITE_SERVE_ and is no setting is an error: it
-// is misspelt. HERMITE_SERVE_CONFIG is left alone.
+// Applies environment variables; `variables` as in environ(7). Lists are separated by commas. A variable that starts
+// with HERMITE_SERVE_ but is not a setting is an error, since it must be misspelt; HERMITE_SERVE_CONFIG is ignored.
 Status apply_environment(ServiceOptions& options, const char* const* variables);
 
-// A file that apply_config() reads back, with what is known of each setting above it.
+// Returns a file that apply_config() can read, with a description above each setting.
 std::string format_config(const ServiceOptions& options, const ServiceOptions& defaults);
 
-// The limits of all settings and what has to hold between them.
+// Checks the limits of all settings, and the conditions between them.
 Status check(const ServiceOptions& options);
 
 }  // namespace hermite

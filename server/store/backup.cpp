@@ -43,7 +43,8 @@ Status copy_database(const std::string& from, const std::string& to) try {
   return Error{ErrorCode::kIo, "copying the database " + from + ": " + failure.what()};
 }
 
-// Of a server that runs, of what its jobs have unpacked, what nobody wants or knows, and of the database, which is copied another way.
+// Leaves out the files of a running server, those that its jobs have unpacked, removed and lost files, and the
+// database, which is copied by SQLite.
 bool is_left_out(const fs::path& relative) {
   static const std::set<std::string> names{"lock", "hermite.db", "hermite.db-wal", "hermite.db-shm", kRestoreMark};
   static const std::set<std::string> folders{"jobs", "waste", "lost"};
@@ -54,7 +55,7 @@ bool is_left_out(const fs::path& relative) {
 Status copy_file(const fs::path& from, const fs::path& to, BackupSummary& summary) {
   std::error_code error;
   fs::copy_file(from, to, error);
-  // Removed since it was listed: so is its scan.
+  // It was removed after it had been listed, and its scan with it.
   if (error == std::errc::no_such_file_or_directory && !fs::exists(from)) return Done{};
   if (error) return io_error("copying " + from.string(), error);
   fs::permissions(to, fs::perms::owner_read | fs::perms::owner_write, error);
@@ -74,7 +75,7 @@ Status copy_audit_head(const fs::path& from, const fs::path& to, BackupSummary& 
   return copy_file(head, to / kAuditFolder / kAuditHeadName, summary);
 }
 
-// Regular files and folders only: links do not belong into a data folder and could lead anywhere.
+// Copies regular files and folders only: links do not belong in a data folder and could lead anywhere.
 Status copy_files(const fs::path& from, const fs::path& to, BackupSummary& summary) {
   std::error_code error;
   fs::recursive_directory_iterator entry(from, error);
@@ -94,7 +95,7 @@ Status copy_files(const fs::path& from, const fs::path& to, BackupSummary& summa
   return Done{};
 }
 
-// The names of all that lies in it, however deep.
+// Syncs all folders below `folder`, so that the names in them are durable.
 Status sync_folders(const std::string& folder) {
   std::error_code error;
   for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
@@ -109,7 +110,7 @@ std::string parent_of(const std::string& path) { return (fs::absolute(path) / ""
 Result<BackupSummary> copy_all(const std::string& from, const std::string& to) {
   BackupSummary summary;
   const std::string database = to + "/" + kDatabase;
-  // The database first: files that come later belong to scans that it does not know yet, and do no harm.
+  // The database goes first: files written later belong to scans that it does not know yet, and do no harm.
   if (Status status = copy_database(from + "/" + kDatabase, database); !status.ok()) return status.error();
   const Result<std::int64_t> scan_count = check_database(database);
   if (!scan_count.ok()) return scan_count.error();
@@ -166,7 +167,7 @@ Result<BackupSummary> back_up(const std::string& data, const std::string& backup
 
 namespace {
 
-// Into a folder that is there and empty.
+// Restores into an existing, empty folder.
 Result<BackupSummary> restore_into(const std::string& backup, const std::string& data) {
   const std::string mark = data + "/" + kRestoreMark;
   if (!std::ofstream(mark)) return io_error("creating " + mark, std::error_code(errno, std::generic_category()));
@@ -183,7 +184,7 @@ Result<BackupSummary> restore_into(const std::string& backup, const std::string&
 Status empty_folder(const std::string& folder) {
   std::error_code error;
   const fs::path mark = fs::path(folder) / kRestoreMark;
-  // The mark last: what is left is not taken for a whole one.
+  // The mark goes last, so that the remains are never taken for a complete folder.
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
     if (!error && entry.path() != mark) fs::remove_all(entry.path(), error);
   if (!error) fs::remove(mark, error);
@@ -202,7 +203,7 @@ Result<BackupSummary> restore(const std::string& backup, const std::string& data
     return Error{ErrorCode::kInvalidArgument, data + " is not empty: restore into a new folder, or move this one away first"};
   if (Status status = create_folder(data); !status.ok()) return status.error();
   Result<BackupSummary> summary = restore_into(backup, data);
-  // A server does not start with half of it.
+  // No server must start with an incomplete folder.
   if (!summary.ok())
     if (const Status emptied = empty_folder(data); !emptied.ok()) return emptied.error();
   return summary;

@@ -1,17 +1,19 @@
-// The bulk results of scans: clouds, trajectories, reports, exports and whatever a scan leaves behind, each under the scan's id and a name.
-// Kept in a folder (file_blobs.h) or, some day, in S3; what every implementation keeps is in tests/server/store/blobs_contract.h.
+// The large results of scans: clouds, trajectories, reports, exports and other files, each under the id of its scan and
+// a name. Stored in a folder (file_blobs.h), perhaps some day in S3; the tests in tests/server/store/blobs_contract.h
+// apply to every implementation.
 //
-// Not here: frame logs and uploads. They grow by appending and are synced many times a second, what is acknowledged rests on them, and
-// nobody but the server that writes them reads them: they stay files of its own disk (data_directory.h).
+// Frame logs and uploads are not blobs. They are appended to and synced many times per second, acknowledgements depend
+// on them, and only the server that writes them reads them, so they are files on its own disk (data_directory.h).
 //
-// What an implementation owes:
-//   whole    A blob is there as it was put, or as it was before, and never in between: whoever reads, whatever dies.
-//   durable  What was put and returned well survives the death of the process, and that of the machine if its disk keeps its word.
-//   threads  Every call may come from every thread, and may block on a disk or a network.
+// Every implementation guarantees:
+//   whole    A blob is as it was put or as it was before, never in between, for every reader and whatever crashes.
+//   durable  After put has succeeded, the blob survives the death of the process, and that of the machine if its disk
+//            honours syncs.
+//   threads  Every function may be called from every thread, and may block on a disk or a network.
 //
-// Put again under its name a blob is replaced; who reads one in pieces meanwhile may get some of both, so the results of a scan are put
-// before anybody is told that it has ended, and not again after that. Exports (server/exports) come later, each before anybody is told
-// that it is there, and not again while it is.
+// Putting a blob under an existing name replaces it; a reader that reads it in pieces meanwhile may get parts of both.
+// So the results of a scan are put before its end is announced, and not again after that. Exports (server/exports) come
+// later, each put before it is announced, and not again while it exists.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +25,7 @@
 
 namespace hermite {
 
-// 1 to 64 of [a-z0-9._-], the first one a letter; does not end in ".tmp".
+// 1 to 64 characters of [a-z0-9._-], of which the first is a letter; does not end in ".tmp".
 bool is_blob_name(std::string_view name);
 
 struct BlobInfo {
@@ -32,29 +34,30 @@ struct BlobInfo {
   bool operator==(const BlobInfo&) const = default;
 };
 
-// Ids and names that are none (is_scan_id, is_blob_name) are mistakes of the caller. Failures of the disk or network are kIo, in words.
+// Invalid ids and names (is_scan_id, is_blob_name) are mistakes of the caller. Failures of the disk or network are kIo,
+// in words.
 class Blobs {
  public:
   virtual ~Blobs() = default;
 
   virtual Status put(const std::string& scan_id, const std::string& name, const std::string& bytes) = 0;
 
-  // At most `max_bytes` from `offset` on: less where the blob ends, nothing behind its end. kNotFound.
+  // Returns at most `max_bytes` from `offset` on: fewer at the end of the blob, none beyond it. kNotFound.
   virtual Result<std::string> read(const std::string& scan_id, const std::string& name, std::uint64_t offset, std::size_t max_bytes) = 0;
 
   virtual Result<std::uint64_t> size_bytes(const std::string& scan_id, const std::string& name) = 0;  // kNotFound
 
-  // Another one whenever a blob has been put again: an entity tag without its quotes, of [a-z0-9-]. kNotFound.
+  // Returns an entity tag without its quotes, of [a-z0-9-], which differs each time the blob has been put. kNotFound.
   virtual Result<std::string> version(const std::string& scan_id, const std::string& name) = 0;
 
-  virtual Result<std::vector<BlobInfo>> list(const std::string& scan_id) = 0;  // by name; empty: it has none
+  virtual Result<std::vector<BlobInfo>> list(const std::string& scan_id) = 0;  // sorted by name; empty if it has none
 
-  virtual Status remove(const std::string& scan_id) = 0;  // all of them; well, too, when there are none
+  virtual Status remove(const std::string& scan_id) = 0;  // all blobs of the scan; succeeds if there are none
 
-  virtual Status remove(const std::string& scan_id, const std::string& name) = 0;  // this one; well, too, when there is none
+  virtual Status remove(const std::string& scan_id, const std::string& name) = 0;  // this blob; succeeds if it does not exist
 };
 
-// All of it. kNotFound, kIo; kTooLarge: more than `max_bytes`.
+// Reads a whole blob. kNotFound, kIo. kTooLarge: longer than `max_bytes`.
 Result<std::string> read_blob(Blobs& blobs, const std::string& scan_id, const std::string& name, std::size_t max_bytes);
 
 }  // namespace hermite

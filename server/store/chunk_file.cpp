@@ -16,7 +16,7 @@ void put(std::string& bytes, Number number) {
   bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
 }
 
-// Takes numbers from the front; `cut` stays set once something was missing and everything then reads as zero.
+// Takes numbers from the front. `cut` is set once bytes were missing; from then on all numbers read as zero.
 struct Reader {
   std::string_view rest;
   bool cut = false;
@@ -98,7 +98,7 @@ Result<StoredChunks> parse_chunk_file(std::string_view bytes) {
   Reader reader{bytes};
   if (reader.take(kMagic.size()) != kMagic) return corrupt("does not start with " + std::string(kMagic));
   StoredChunks stored;
-  // Counts are believed only as far as there are bytes behind them: nothing is reserved from a number in the file.
+  // Counts are not trusted: nothing is reserved for a number in the file that the bytes do not bear out.
   for (std::uint32_t left = reader.number<std::uint32_t>(); left > 0; --left) {
     Result<StoredSubmap> submap = read_submap(reader);
     if (!submap.ok()) return submap.error();

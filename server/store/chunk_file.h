@@ -1,10 +1,11 @@
-// The chunks of a finished scan on disk, so that a later viewer gets what a viewer of the running scan got. Little endian:
+// The chunks of a finished scan on disk, so that a later viewer gets what a viewer of the running scan got. Little
+// endian:
 //
 //   "HRMCHNK1"
 //   u32 submap_count, then for each: u32 submap, f64 tx ty tz qx qy qz qw (world_from_submap)
 //   u32 chunk_count, then for each: u32 submap, u8 level, i16 x y z, u32 point_count, u32 byte_count, bytes (Draco)
 //
-// and nothing behind. Pure functions.
+// Nothing may follow. Pure functions.
 #pragma once
 
 #include <string>
@@ -17,7 +18,7 @@
 
 namespace hermite {
 
-inline constexpr const char* kChunksName = "chunks.bin";  // of the blob
+inline constexpr const char* kChunksName = "chunks.bin";  // name of the blob
 
 struct StoredSubmap {
   std::uint32_t submap = 0;
@@ -31,8 +32,8 @@ struct StoredChunks {
 
 std::string format_chunk_file(const StoredChunks& stored);
 
-// kCorruptData naming what is wrong: magic, a length beyond the file, bytes behind the end, a pose that is none, more than
-// kMaxPointsPerChunk.
+// kCorruptData, naming what is wrong: the magic, a length that exceeds the file, bytes after the end, an invalid pose,
+// more than kMaxPointsPerChunk points.
 Result<StoredChunks> parse_chunk_file(std::string_view bytes);
 
 }  // namespace hermite

@@ -32,7 +32,7 @@ bool is_token(const std::string& text) {
   return text.size() == kTokenDigits && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
-// A disk that fills up half way leaves no part of a token behind that the next start would stumble over.
+// If the disk fills up meanwhile, no partial token is left that would make the next start fail.
 std::string create_token(const std::string& path) {
   const std::string unfinished = path + ".new", token = random_hex(kTokenBytes), line = token + "\n";
   const OwnedDescriptor file(open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
@@ -44,7 +44,7 @@ std::string create_token(const std::string& path) {
   return token;
 }
 
-// At most `max_bytes`, without the ends of lines behind it.
+// Reads at most `max_bytes`, without trailing line ends.
 std::string read_line(const OwnedDescriptor& file, std::size_t max_bytes) {
   std::string text(max_bytes, '\0');
   const ssize_t count = pread(file.descriptor, text.data(), max_bytes, 0);
@@ -66,7 +66,7 @@ std::string read_or_create_token(const std::string& path) {
 
 namespace fs = std::filesystem;
 
-// Of all regular files, however deep. What goes between its listing and now does not count.
+// Returns the size of all regular files, recursively. Files removed after they were listed do not count.
 Result<std::uint64_t> bytes_below(const std::string& folder) {
   std::uint64_t total = 0;
   std::error_code error;
@@ -75,7 +75,7 @@ Result<std::uint64_t> bytes_below(const std::string& folder) {
     const std::uintmax_t bytes = fs::is_regular_file(entry->symlink_status(gone)) ? entry->file_size(gone) : 0;
     if (!gone) total += bytes;
   }
-  // A scan may be removed while somebody counts.
+  // A scan may be removed meanwhile.
   if (error && error != std::errc::no_such_file_or_directory)
     return Error{ErrorCode::kIo, "adding up the files in " + folder + ": " + error.message()};
   return total;
@@ -98,7 +98,7 @@ fs::file_time_type file_time(std::int64_t unix_ms) {
   return std::chrono::file_clock::from_sys(time);
 }
 
-// Of a file or folder that is open; closes it where it cannot be had.
+// Locks an open file or folder; closes it if it cannot be locked.
 int locked(int descriptor, const std::string& path) {
   if (descriptor < 0) throw io_failure("opening " + path);
   if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
@@ -111,12 +111,12 @@ int locked(int descriptor, const std::string& path) {
 
 int take_lock(const std::string& path) {
   const int descriptor = locked(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600), path);
-  if (ftruncate(descriptor, 0) == 0) return descriptor;  // the address of an earlier server
+  if (ftruncate(descriptor, 0) == 0) return descriptor;  // removes the address of an earlier server
   close(descriptor);
   throw io_failure("emptying " + path);
 }
 
-// True: it was not there. Its name stays after a power cut, and those of the folders above it that were not there either.
+// Returns true if the folder did not exist. Its name, and those of missing parents, are durable.
 bool create_with_parents(const std::string& wanted, const fs::path& folder) {
   const fs::path parent = folder.parent_path();
   std::error_code error;
@@ -124,12 +124,13 @@ bool create_with_parents(const std::string& wanted, const fs::path& folder) {
   create_with_parents(wanted, parent);
   fs::create_directory(folder, error);
   if (error) throw SetupError({ErrorCode::kIo, "creating the data folder " + wanted + ": " + error.message()});
-  // Who may not read the parent cannot sync it; who starts a server in such a place has to live with it.
+  // Without permission to read the parent it cannot be synced; whoever starts a server in such a place has to accept
+  // that.
   if (access(parent.c_str(), R_OK) == 0) or_throw(sync_path(parent));
   return true;
 }
 
-// Groups may have been let in on purpose, all users of a machine never.
+// Groups may have been given access on purpose, but all users of a machine never are.
 void close_to_others(const std::string& path) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0) throw io_failure("looking at " + path);
@@ -156,7 +157,7 @@ DataDirectory::DataDirectory(const std::string& path) : path_(path) {
     for (const char* folder : {"", "/lost"}) or_throw(sync_path(path_ + folder));
     token_ = read_or_create_token(path_ + "/token");
   } catch (...) {
-    // No destructor runs for a constructor that throws.
+    // No destructor runs when a constructor throws.
     close(lock_file_);
     if (locked_folder_ >= 0) close(locked_folder_);
     throw;
@@ -272,7 +273,7 @@ Status DataDirectory::remove_waste(const std::string& name) const {
 Status DataDirectory::lose(const std::string& place, std::int64_t now_ms) const {
   const std::string lost = path_ + "/lost/" + place;
   std::error_code error;
-  // A rename would put it into the place of an empty folder, or of a file.
+  // A rename would replace an empty folder or a file.
   if (fs::exists(fs::symlink_status(lost, error))) return Error{ErrorCode::kIo, lost + " is there already"};
   fs::rename(path_ + "/" + place, lost, error);
   if (!error) fs::last_write_time(lost, file_time(now_ms), error);
@@ -332,7 +333,7 @@ Result<std::uint64_t> DataDirectory::disk_capacity_bytes() const {
   std::error_code error;
   const std::filesystem::space_info space = std::filesystem::space(path_, error);
   if (error) return Error{ErrorCode::kIo, "asking for the size of the disk of " + path_ + ": " + error.message()};
-  return static_cast<std::uint64_t>(space.capacity - (space.free - space.available));  // what is reserved for root is not for us
+  return static_cast<std::uint64_t>(space.capacity - (space.free - space.available));  // blocks reserved for root are not available
 }
 
 Result<PublishedServer> published_server(const std::string& path) {

@@ -1,17 +1,17 @@
-// The folder that is one server's memory:
+// The folder that holds all data of a server:
 //
-//   lock          held (flock) for as long as the server runs, so that two programs never share a folder; the server's address is in it
+//   lock          locked (flock) while the server runs, so that two programs never share a folder; holds the server's address
 //   token         the first token: 64 hex digits, mode 0600
 //   hermite.db    scans, tokens, uploads and jobs (sqlite_store.h)
 //   scans/ID/     cloud.ply surfels.ply trajectory.txt tracking.txt report.json chunks.bin of an ended scan, and its exports (blobs.h)
-//   scans/ID/log/ its frames as they came (frame_log.h)
-//   scans/ID/checkpoint.bin  of one that runs: what it has come to (checkpoint_file.h)
-//   uploads/ID    the bytes of an upload, as far as they have come
-//   jobs/ID/      what a running job has unpacked; empty at every start
-//   waste/        what was removed, until the disk has let go of it
-//   restore.unfinished  a restore was cut off: no server starts here
-//   probe         comes and goes: whether the disk takes anything
-//   lost/         scans/ID and uploads/ID that no row knew at a start (orphans.h)
+//   scans/ID/log/ the frames of the scan as received (frame_log.h)
+//   scans/ID/checkpoint.bin  the state of a running scan (checkpoint_file.h)
+//   uploads/ID    the bytes of an upload received so far
+//   jobs/ID/      the files that a running job has unpacked; emptied at every start
+//   waste/        removed files whose deletion has not finished
+//   restore.unfinished  marks an interrupted restore: no server starts here
+//   probe         exists briefly, to test whether the disk is writable
+//   lost/         scans/ID and uploads/ID that had no row in the database at a start (orphans.h)
 #pragma once
 
 #include <cstdint>
@@ -23,20 +23,21 @@
 
 namespace hermite {
 
-// In a folder that a backup is being restored into (backup.h).
+// Name of the mark in a folder into which a backup is being restored (backup.h).
 inline constexpr const char* kRestoreMark = "restore.unfinished";
 
-// In audit/ (server/access/audit.h): of the folder it is copied first, so that a backup of a server that runs says of no entry that it is
-// missing.
+// In audit/ (server/access/audit.h). A backup copies the head before the rest of the folder, so that the backup of a
+// running server does not claim entries that it lacks.
 inline constexpr const char *kAuditFolder = "audit", *kAuditHeadName = "head";
 
-// Owns the lock. One owner; const functions are thread-safe.
+// Holds the lock. One owner; const functions are thread-safe.
 class DataDirectory {
  public:
-  // Creates the folder (mode 0700; one that is there is closed to other users), takes the lock and reads or makes the token. The folder
-  // itself is locked, too: that lock stays when somebody deletes the file. Throws SetupError in words: not writable, in use by another
-  // server (kBusy), open to other users and not ours to close, a token file that holds no token, a restore that was cut off. The folders
-  // and the token stay from here on, also after a power cut.
+  // Creates the folder with mode 0700, or closes an existing one to other users, takes the lock and reads or creates
+  // the token. Also locks the folder itself, a lock that remains when somebody deletes the lock file. Throws
+  // SetupError, in words: not writable, in use by another server (kBusy), open to other users and owned by somebody
+  // else, a token file without a token, an interrupted restore. From here on, folders and token survive a power
+  // failure.
   explicit DataDirectory(const std::string& path);
   ~DataDirectory();
   DataDirectory(const DataDirectory&) = delete;
@@ -47,53 +48,56 @@ class DataDirectory {
   std::string audit_folder() const { return path_ + "/" + kAuditFolder; }
   std::string retention_path() const { return path_ + "/retention"; }
 
-  // Writes where this server listens into the lock file, for programs beside it.
+  // Writes the address on which this server listens into the lock file, for other programs on this machine.
   Status publish_address(const std::string& url) const;
 
-  // Bytes of all files of each scan, by its id. Looks at every file: not for a thread that others wait for. kIo.
+  // Returns the size of all files of each scan, by its id, in bytes. Looks at every file, so do not call it on a thread
+  // that others wait for. kIo.
   Result<std::map<std::string, std::uint64_t>> scan_sizes() const;
 
-  // Bytes of all uploads but that one. Quick: they are few (kUploadShare). kIo.
+  // Returns the size of all uploads except the given one, in bytes. Fast, since there are few (kUploadShare). kIo.
   Result<std::uint64_t> uploads_bytes(const std::string& except_upload_id = "") const;
 
-  // `scan_id` must be one (is_scan_id); a path is made of nothing else.
+  // `scan_id` must be valid (is_scan_id), so that it is safe in a path.
   std::string scans_folder() const { return path_ + "/scans"; }
   std::string scan_folder(const std::string& scan_id) const;
   std::string log_folder(const std::string& scan_id) const { return scan_folder(scan_id) + "/log"; }
   Status create_scan_folder(const std::string& scan_id) const;
   Status remove_scan_folder(const std::string& scan_id) const;
-  Status remove_log_folder(const std::string& scan_id) const;  // well, too, when there is none
+  Status remove_log_folder(const std::string& scan_id) const;  // succeeds if there is none
 
-  // As above: the id must be one.
+  // `upload_id` and `job_id` must be valid, as above.
   std::string upload_path(const std::string& upload_id) const;
   std::string uploads_folder() const { return path_ + "/uploads"; }
   std::string job_folder(const std::string& job_id) const;
   Status create_job_folder(const std::string& job_id) const;
-  Status remove_job_folder(const std::string& job_id) const;  // well, too, when there is none
+  Status remove_job_folder(const std::string& job_id) const;  // succeeds if there is none
 
-  // What is not wanted any more: out of the way at once, so that its id is free, while its bytes go with remove_waste() or in vain, if that
-  // never comes, with that of the next server. The name is what it is called as waste; empty: there was nothing. kIo.
+  // Moves a folder or file to waste/, which frees its id immediately; remove_waste() deletes it later, here or in the
+  // next server. Returns its name in waste/; empty if there was nothing. kIo.
   Result<std::string> discard_scan(const std::string& scan_id) const;
   Result<std::string> discard_upload(const std::string& upload_id) const;
-  std::vector<std::string> waste() const;              // names
-  Status remove_waste(const std::string& name) const;  // as long as a disk takes for gigabytes
+  std::vector<std::string> waste() const;              // names in waste/
+  Status remove_waste(const std::string& name) const;  // takes as long as the disk takes to delete gigabytes
 
-  // Ids that have a folder or a file, whether somebody knows them or not. kIo.
+  // Returns the ids that have a folder or a file, whether the database has a row for them or not. kIo.
   Result<std::vector<std::string>> scan_ids() const;
   Result<std::vector<std::string>> logged_scan_ids() const;  // those that still have their frames
   Result<std::vector<std::string>> upload_ids() const;
-  // What a death in the middle of writing has left beside the files of a scan. How many there were. While nobody writes there.
+  // Removes the partial files that a crash while writing has left among the files of a scan, and returns their number.
+  // Call it only while nothing is written there.
   int remove_unfinished_files(const std::string& scan_id) const;
 
-  // Moves what nobody knows to lost/, from where a person may take it back. kIo, also when one of that id is lost already.
+  // Moves what has no row in the database to lost/, from where an administrator may restore it. kIo, also if that id is
+  // in lost/ already.
   Status lose_scan(const std::string& scan_id, std::int64_t now_ms) const;
   Status lose_upload(const std::string& upload_id, std::int64_t now_ms) const;
-  // Makes waste of what was lost before that time: its places, as a person knows them.
+  // Moves what was lost before that time to waste/. Returns the paths in lost/, relative to this folder.
   std::vector<std::string> discard_lost(std::int64_t lost_before_ms) const;
 
-  // Bytes free for us in the file system of this folder. kIo.
+  // Returns the bytes available to this user in the file system of this folder. kIo.
   Result<std::uint64_t> free_disk_bytes() const;
-  // Bytes that it would have free for us if nothing were stored in it. kIo.
+  // Returns the bytes that would be available to this user if nothing were stored in the file system. kIo.
   Result<std::uint64_t> disk_capacity_bytes() const;
 
  private:
@@ -106,19 +110,21 @@ class DataDirectory {
   int locked_folder_ = -1;
 };
 
-// How a program beside a server talks to it.
+// What a program on the same machine needs to connect to a server.
 struct PublishedServer {
   std::string url;    // as published
   std::string token;  // the first token
 };
 
-// Of the server that holds the lock of `path`. kNotFound: none has published its address there, or there is no token. kIo.
+// Returns address and token of the server that holds the lock of `path`. kNotFound: no server has published its address
+// there, or there is no token. kIo.
 Result<PublishedServer> published_server(const std::string& path);
 
-// Bytes free for us in the file system that holds `path` (which must exist).
+// Returns the bytes available to this user in the file system that holds `path`, which must exist.
 Result<std::uint64_t> free_bytes(const std::string& path);
 
-// Makes a file there and removes it. kIo in words: the disk takes none, as one that has become read-only.
+// Creates a file there and removes it. kIo, in words: the disk is not writable, for example because it has become
+// read-only.
 Status check_takes_files(const std::string& data_folder);
 
 }  // namespace hermite

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 Error io_error(const std::string& what, int error) { return {ErrorCode::kIo, what + ": " + std::strerror(error)}; }
 
-// For reading; a link is none of ours.
+// For reading; refuses symbolic links, since blobs are never links.
 int open_blob(const std::string& path) { return open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK); }
 
 Error cannot_open(const std::string& path, int error) {
@@ -34,7 +34,7 @@ Error cannot_open(const std::string& path, int error) {
                                                                : io_error("opening " + path, error);
 }
 
-// Of a regular file.
+// Returns the status of a regular file.
 Result<struct stat> status_of(const OwnedDescriptor& file, const std::string& path) {
   struct stat status {};
   if (fstat(file.descriptor, &status) != 0) return io_error("reading " + path, errno);
@@ -48,7 +48,7 @@ Result<std::uint64_t> size_of(const OwnedDescriptor& file, const std::string& pa
   return static_cast<std::uint64_t>(status->st_size);
 }
 
-// The name of a new folder is in its parent: that has to reach the disk, too.
+// The name of a new folder is stored in its parent, so the parent has to be synced.
 Status make_folder(const std::string& folder, const std::string& parent) {
   if (mkdir(folder.c_str(), 0700) != 0) return errno == EEXIST ? Status(Done{}) : Status(io_error("creating " + folder, errno));
   return sync_path(parent);
@@ -98,7 +98,7 @@ Result<std::uint64_t> FileBlobs::size_bytes(const std::string& scan_id, const st
   return size_of(file, path);
 }
 
-// A file that is put is a new one, whatever the clock says.
+// Every put creates a new file, which differs from the old one whatever the clock says.
 Result<std::string> FileBlobs::version(const std::string& scan_id, const std::string& name) {
   const std::string path = path_of(scan_id, name);
   const OwnedDescriptor file(open_blob(path));
@@ -120,7 +120,7 @@ Result<std::vector<BlobInfo>> FileBlobs::list(const std::string& scan_id) {
   if (error == std::errc::no_such_file_or_directory) return found;
   for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
     const std::string name = entry->path().filename();
-    std::error_code gone;  // between its listing and now: it is not there any more
+    std::error_code gone;  // set if the file was removed after it was listed
     if (!is_blob_name(name) || !fs::is_regular_file(entry->symlink_status(gone))) continue;
     const std::uintmax_t size_bytes = entry->file_size(gone);
     if (!gone) found.push_back({name, size_bytes});

@@ -1,4 +1,5 @@
-// Blobs as files: FOLDER/SCAN/NAME. What else lies in a scan's folder (its frame log) is neither listed nor removed here.
+// Blobs as files: FOLDER/SCAN/NAME. Other contents of a scan's folder (its frame log) are neither listed nor removed
+// here.
 #pragma once
 
 #include <string>
@@ -10,7 +11,7 @@ namespace hermite {
 
 class FileBlobs : public Blobs {
  public:
-  // `folder` exists.
+  // `folder` must exist.
   explicit FileBlobs(std::string folder) : folder_(std::move(folder)) {}
 
   Status put(const std::string& scan_id, const std::string& name, const std::string& bytes) override;

@@ -1,4 +1,4 @@
-// A job as a row of the store: one recording, or the frames of one scan, to be made into a scan. Plain values.
+// A job as a row of the store: a recording, or the frames of a scan, to be processed into a scan. Plain values.
 #pragma once
 
 #include <cstdint>
@@ -15,25 +15,25 @@ bool has_ended(JobState state);
 enum class JobSource { kUpload, kScan };
 const char* name_of(JobSource source);  // "upload", "scan"
 
-inline constexpr int kLowestPriority = -100, kHighestPriority = 100;  // higher ones first
-inline constexpr int kHighestPriorityForAll = 0;                      // more is for administrators
+inline constexpr int kLowestPriority = -100, kHighestPriority = 100;  // jobs of higher priority run first
+inline constexpr int kHighestPriorityForAll = 0;                      // higher ones are for administrators
 
 struct JobRow {
-  std::string id;  // of an upload's job: the upload's
+  std::string id;  // the same as the upload's for the job of an upload
   std::string token_id;
   std::string title;
   JobSource source = JobSource::kUpload;
-  std::string source_id;        // of the upload or the scan
-  std::string settings = "{}";  // JSON object of texts, as for a camera
+  std::string source_id;        // id of the upload or scan
+  std::string settings = "{}";  // JSON object of strings, as for a camera
   std::string camera;           // as in camera.json; empty: the recording's own
   int priority = 0;
   JobState state = JobState::kQueued;
-  std::string words;                // why it failed, or what is left to say about the scan
-  int attempt_count = 0;            // starts; more than one when a server ended in between
-  std::string scan_id;              // of the scan that is made; empty before the first start
+  std::string words;                // why it failed, or remarks about the scan
+  int attempt_count = 0;            // number of starts; more than one if a server ended while it ran
+  std::string scan_id;              // of the scan that it makes; empty before the first start
   std::int64_t created_at_ms = 0;   // Unix time
-  std::int64_t started_at_ms = 0;   // 0: not yet
-  std::int64_t finished_at_ms = 0;  // 0: has not ended
+  std::int64_t started_at_ms = 0;   // 0: not started
+  std::int64_t finished_at_ms = 0;  // 0: not ended
 };
 
 struct JobLine {

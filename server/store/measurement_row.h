@@ -1,4 +1,4 @@
-// What somebody has measured in a scan and kept, as a row of the store. Plain values.
+// A measurement in a scan that a user has saved, as a row of the store. Plain values.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace hermite {
 
-// Of one scan: more than a person reads through, and a few kilobytes.
+// Limit per scan: more than a person would read, and only a few kilobytes.
 inline constexpr int kMaxMeasurementsPerScan = 200;
 
 struct MeasurementRow {
@@ -17,13 +17,13 @@ struct MeasurementRow {
 
   std::string id;
   std::string scan_id;
-  std::string name;             // for people
+  std::string name;             // display name
   std::string kind;             // one of the names in core/measure/quantity.h, which also has its unit
-  std::vector<Triple> points;   // places on the surface, in the world of the scan [m]
-  std::vector<Triple> normals;  // of the surface at each point, unit; empty: kept by an earlier version, which had none
-  std::optional<Triple> up;     // of a height: what was up, unit
+  std::vector<Triple> points;   // positions on the surface, in the world frame of the scan [m]
+  std::vector<Triple> normals;  // unit normals of the surface at each point; empty: saved by an earlier version, which had none
+  std::optional<Triple> up;     // of a height: the up direction, a unit vector
   double value = 0;
-  double half_width = 0;           // of the interval around it, in the same unit
+  double half_width = 0;           // of the interval around the value, in the same unit
   std::int64_t created_at_ms = 0;  // Unix time
 };
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kApplicationId = 0x48524246;  // "HRBF"
 
-// Migration N brings user_version from N to N + 1. Never edit one that was released: add one.
+// Migration N changes user_version from N to N + 1. Never edit one that was released: add another.
 constexpr std::array<std::string_view, 6> kMigrations = {
     R"sql(
 CREATE TABLE scans(
@@ -35,7 +35,8 @@ CREATE TABLE scans(
 ) STRICT;
 CREATE INDEX scans_by_time ON scans(created_at_ms DESC, id);
 )sql",
-    // A share link is a token that opens one scan: one table, so that there is one way in to check, to expire and to revoke.
+    // A share link is a token that grants access to one scan. With a single table, one code path checks, expires and
+    // revokes both.
     R"sql(
 CREATE TABLE tokens(
   id TEXT PRIMARY KEY NOT NULL,
@@ -53,7 +54,7 @@ CREATE TABLE tokens(
 ) STRICT;
 CREATE INDEX tokens_by_scan ON tokens(scan_id);
 )sql",
-    // No foreign keys: a job outlives what it was made of, and the token that asked for it.
+    // No foreign keys: a job outlives its source and the token that requested it.
     R"sql(
 CREATE TABLE uploads(
   id TEXT PRIMARY KEY NOT NULL,
@@ -90,7 +91,7 @@ CREATE TABLE job_lines(
   PRIMARY KEY (job_id, number)
 ) STRICT;
 )sql",
-    // Whose things are, so that each token has its share; and scans whose results a full disk did not take.
+    // Owners, so that each token has its share; and scans whose results did not fit on a full disk.
     R"sql(
 ALTER TABLE scans ADD COLUMN token_id TEXT NOT NULL DEFAULT '';
 ALTER TABLE scans ADD COLUMN to_be_rebuilt INTEGER NOT NULL DEFAULT 0 CHECK (to_be_rebuilt IN (0, 1));
@@ -112,7 +113,7 @@ CREATE TABLE measurements(
 ) STRICT;
 CREATE INDEX measurements_by_scan ON measurements(scan_id, created_at_ms, id);
 )sql",
-    // Other kinds than distances, with as many points as they need. What was kept until now has no normals.
+    // Other kinds than distances, with as many points as they need. Existing measurements have no normals.
     R"sql(
 ALTER TABLE measurements ADD COLUMN kind TEXT NOT NULL DEFAULT 'distance' CHECK (kind IN ('distance', 'plane', 'height', 'angle', 'area'));
 ALTER TABLE measurements ADD COLUMN up_x REAL;
@@ -139,7 +140,7 @@ ALTER TABLE measurements DROP COLUMN to_z;
 
 int pragma(SQLite::Database& database, const std::string& name) { return database.execAndGet("PRAGMA " + name).getInt(); }
 
-// Under another name first: what has the backup's name is whole.
+// Written under another name first, so that a file with the backup's name is always complete.
 void back_up(SQLite::Database& database, const std::string& path, int version) {
   const std::string backup = backup_path(path, version), partial = backup + ".partial";
   const auto failed = [&backup](const std::string& why) {

@@ -1,4 +1,4 @@
-// The schema of the database and how an older one becomes today's. For the sources of SqliteStore only.
+// The schema of the database, and its migration from older versions. For the sources of SqliteStore only.
 #pragma once
 
 #include <string>
@@ -9,15 +9,16 @@ class Database;
 
 namespace hermite {
 
-// The schema that this program writes (SQLite's user_version).
+// Returns the version of the schema that this program writes (SQLite's user_version).
 int schema_version();
 
-// Brings `database`, which is the file at `path`, to schema_version(): one transaction a step. Before the first step a database that holds
-// anything is copied to backup_path(). Throws SetupError: of another program, newer than this program (both are left as they are), or the
-// backup cannot be written. SQLite::Exception otherwise.
+// Migrates `database`, which is the file at `path`, to schema_version(), with one transaction per step. Before the
+// first step, a database that is not empty is copied to backup_path(). Throws SetupError: the database belongs to
+// another program or is newer than this program (it is left unchanged in both cases), or the backup cannot be written.
+// Throws SQLite::Exception otherwise.
 void migrate(SQLite::Database& database, const std::string& path);
 
-// "PATH.schema-1": the database as it was before it left schema 1.
+// Returns "PATH.schema-1" for version 1: the copy of the database as it was before its migration from that version.
 std::string backup_path(const std::string& path, int version);
 
 }  // namespace hermite

@@ -1,4 +1,4 @@
-// A file descriptor that closes itself; negative: there is none. One thread at a time.
+// A file descriptor that is closed by its destructor; negative: none. One thread at a time.
 #pragma once
 
 #include <unistd.h>

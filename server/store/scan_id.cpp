@@ -18,7 +18,7 @@ constexpr std::string_view kAlphabet = "abcdefghijklmnopqrstuvwxyz0123456789";
 
 std::vector<std::uint8_t> random_bytes(std::size_t count) {
   std::vector<std::uint8_t> bytes(count);
-  // Requests of up to 256 bytes are never cut short once the source is seeded.
+  // getrandom() never returns fewer than requested up to 256 bytes once the source is seeded.
   if (count > 256 || getrandom(bytes.data(), count, 0) != static_cast<ssize_t>(count))
     throw SetupError({ErrorCode::kIo, "the system gave no random bytes (getrandom)"});
   return bytes;
@@ -30,7 +30,7 @@ std::string new_scan_id() {
   std::string id;
   while (id.size() < kLength) {
     for (const std::uint8_t byte : random_bytes(64)) {
-      // 252 is the largest multiple of 36 below 256: what lies above would favour the first letters.
+      // 252 is the largest multiple of 36 below 256; higher values would favour the first letters.
       if (byte >= 252 || id.size() == kLength) continue;
       id += kAlphabet[byte % kAlphabet.size()];
     }

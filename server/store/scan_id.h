@@ -1,4 +1,4 @@
-// Names of scans: 26 characters of [a-z0-9], random, so that they can stand in a path and in a URL as they are.
+// Ids of scans: 26 random characters of [a-z0-9], which need no escaping in a path or URL.
 #pragma once
 
 #include <string>
@@ -6,12 +6,12 @@
 
 namespace hermite {
 
-// From the system's random source: 134 bits. Throws SetupError when there is none.
+// Uses the system's random source: 134 bits. Throws SetupError if it fails.
 std::string new_scan_id();
 
 bool is_scan_id(std::string_view text);
 
-// `byte_count` random bytes as lower case hex.
+// Returns `byte_count` random bytes as lower case hex. Throws as above.
 std::string random_hex(int byte_count);
 
 }  // namespace hermite

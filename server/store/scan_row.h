@@ -15,9 +15,9 @@ struct ScanRow {
   std::string id;
   std::string title;
   ScanPhase phase = ScanPhase::kRunning;
-  std::string words;           // why, when it failed or was interrupted
-  std::string token_id;        // whose it is; empty: not known, as of those that older servers made
-  bool to_be_rebuilt = false;  // it has ended, its frames are there, and its results could not be stored
+  std::string words;           // why it failed or was interrupted
+  std::string token_id;        // of the token that owns it; empty: unknown, for scans of older servers
+  bool to_be_rebuilt = false;  // it has ended and its frames exist, but its results could not be stored
   Camera camera;
   std::int64_t frames_received = 0;
   std::int64_t frames_processed = 0;

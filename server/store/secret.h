@@ -1,5 +1,5 @@
-// Secrets that let someone in: made here, never written to a log, kept as SHA-256. One plain round is right for what nobody can guess:
-// a slow hash protects what people make up.
+// Secrets that grant access: generated here, never logged, stored as SHA-256. One plain round is enough for random
+// secrets; slow hashes protect secrets that people choose.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace hermite {
 
-// What they begin with, so that a secret that leaked into a file or a repository can be searched for.
+// Prefixes of secrets, so that one that leaked into a file or a repository can be searched for.
 inline constexpr std::string_view kTokenPrefix = "hmt_";
 inline constexpr std::string_view kSharePrefix = "hms_";
 
-// The prefix and 256 random bits as 64 hex digits.
+// Returns the prefix followed by 256 random bits as 64 hex digits.
 std::string new_secret(std::string_view prefix);
 
 }  // namespace hermite

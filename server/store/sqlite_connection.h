@@ -1,4 +1,4 @@
-// The one connection behind SqliteStore, for its sources only.
+// The connection behind SqliteStore, for its sources only.
 #pragma once
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -12,17 +12,18 @@ namespace hermite {
 struct SqliteStore::Impl {
   SQLite::Database database;
 
-  // Opens or creates; changes nothing yet. Throws SQLite::Exception.
+  // Opens or creates the file without changing anything yet. Throws SQLite::Exception.
   explicit Impl(const std::string& path);
 };
 
-// kIo, with SQLite's words.
+// Returns kIo with SQLite's message.
 Error database_error(const SQLite::Exception& failure);
 
-// Whether a token may administer, or is nobody's (the owner of the data folder). A token that is not there may not. Throws.
+// Returns whether a token has the scope admin. An empty id, which is the owner of the data folder, does; an unknown
+// token does not. Throws.
 bool may_administer(SQLite::Database& database, const std::string& token_id);
 
-// What `count` finds for that token: a statement that gives how many there are, and how many of them are the token's, its parameter 1.
+// Runs `count`, a statement that returns a total and how many of it belong to the token, which is its parameter 1.
 // Throws.
 Taken taken_of(SQLite::Statement& count, const std::string& token_id);
 

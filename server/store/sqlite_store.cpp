@@ -53,15 +53,15 @@ std::vector<ScanRow> rows_of(SQLite::Statement& query) {
   return rows;
 }
 
-// A clean end leaves no log behind: what is in it then is a dead server's, and may tell of a machine that failed.
+// A server that ends normally leaves no WAL. If there is one, the previous server crashed, perhaps with its machine.
 bool ended_uncleanly(const std::string& path) {
   std::error_code error;
   const std::uintmax_t log_bytes = std::filesystem::file_size(path + "-wal", error);
   return !error && log_bytes > 0;
 }
 
-// SQLite gives its other files the mode of the first. Of another owner's there is nothing to do here, and the folder is closed
-// (data_directory.h).
+// SQLite gives its other files the mode of the first one. The mode of files of another owner cannot be changed here,
+// but the folder is closed to others (data_directory.h).
 void make_files_private(const std::string& path) {
   for (const char* ending : {"", "-wal", "-shm"})
     if (struct stat status{}; stat((path + ending).c_str(), &status) == 0 && (status.st_mode & 0077) != 0)
@@ -95,7 +95,7 @@ SqliteStore::SqliteStore(const std::string& path) : path_(path) {
     make_files_private(path);
     if (unclean) check_whole(impl_->database, path);
     migrate(impl_->database, path);
-    // Only now: a database that was refused above stays as it was found.
+    // Only now, so that a database that was refused above stays unchanged.
     for (const char* setting : {"journal_mode = WAL", "synchronous = FULL", "journal_size_limit = 67108864"})
       impl_->database.exec(std::string("PRAGMA ") + setting);
   } catch (const SQLite::Exception& failure) {
@@ -226,7 +226,7 @@ Result<std::vector<std::string>> SqliteStore::scans_of_token(const std::string& 
 }
 
 Status SqliteStore::writable() try {
-  // Writes a page of the journal and takes it back.
+  // Writes a page to the journal and rolls back.
   SQLite::Transaction transaction(impl_->database, SQLite::TransactionBehavior::IMMEDIATE);
   impl_->database.exec("PRAGMA user_version = " + std::to_string(schema_version()));
   return Done{};

@@ -1,6 +1,6 @@
-// The store in one SQLite file. A change is on disk (synchronous = FULL) before its call returns.
+// The store in one SQLite file. A change is on disk (synchronous = FULL) when its call returns.
 //
-// One connection, which is also the only one that writes checkpoints: SQLite 3.40 can lose a WAL that two connections reset.
+// There is one connection, and no other runs WAL checkpoints: SQLite 3.40 can lose a WAL that two connections reset.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ namespace hermite {
 
 class SqliteStore : public Store {
  public:
-  // Opens or creates, and migrates an older schema after a backup (migrations.h). Throws SetupError in words: not a database, a damaged
-  // one, one of another program, or one with a newer schema than this program knows (which is left untouched).
+  // Opens or creates the file, and migrates an older schema after a backup (migrations.h). Throws SetupError, in words:
+  // not a database, damaged, of another program, or with a newer schema than this program knows (left unchanged).
   explicit SqliteStore(const std::string& path);
   ~SqliteStore() override;
   SqliteStore(const SqliteStore&) = delete;
@@ -33,9 +33,9 @@ class SqliteStore : public Store {
   Result<std::optional<ScanRow>> next_to_rebuild() override;
   Result<std::vector<std::string>> scans_of_token(const std::string& token_id) override;
   Status writable() override;
-  Status check_integrity() const override;  // over a connection of its own that only reads
+  Status check_integrity() const override;  // uses its own connection, which only reads
 
-  // sqlite_store_tokens.cpp
+  // In sqlite_store_tokens.cpp.
   Status add_token(const TokenRow& row) override;
   Result<TokenRow> find_token(const std::string& secret_sha256) override;
   Result<TokenRow> token(const std::string& id) override;
@@ -45,19 +45,19 @@ class SqliteStore : public Store {
   Status remove_token(const std::string& id) override;
   Result<int> forget_tokens(std::int64_t ended_before_ms) override;
 
-  // sqlite_store_uploads.cpp
+  // In sqlite_store_uploads.cpp.
   Status add_upload(const UploadRow& row) override;
   Status update_upload(const UploadRow& row) override;
   Result<UploadRow> upload(const std::string& id) override;
   Result<std::vector<UploadRow>> list_uploads() override;
   Status remove_upload(const std::string& id) override;
 
-  // sqlite_store_measurements.cpp
+  // In sqlite_store_measurements.cpp.
   Status add_measurement(const MeasurementRow& row) override;
   Result<std::vector<MeasurementRow>> list_measurements(const std::string& scan_id) override;
   Status remove_measurement(const std::string& scan_id, const std::string& id) override;
 
-  // sqlite_store_jobs.cpp
+  // In sqlite_store_jobs.cpp.
   Status add_job(const JobRow& row) override;
   Status update_job(const JobRow& row) override;
   Result<JobRow> job(const std::string& id) override;

@@ -1,4 +1,4 @@
-// The part of SqliteStore that is about jobs.
+// The part of SqliteStore for jobs.
 #include <sqlite3.h>
 
 #include "server/store/sqlite_connection.h"
@@ -39,14 +39,14 @@ JobRow job_row_of(const SQLite::Statement& query) {
 
 Error no_job(const std::string& id) { return {ErrorCode::kNotFound, "there is no job " + id}; }
 
-// Whether a token may have one more that waits or runs.
+// Checks whether a token may have one more job that is queued or running.
 Status check_job_share(SQLite::Database& database, const std::string& token_id) {
   SQLite::Statement count(database, "SELECT count(*), coalesce(sum(token_id = ?1), 0) FROM jobs WHERE state IN ('queued', 'running')");
   const Taken taken = taken_of(count, token_id);
   return check_share(kJobShare, taken, may_administer(database, token_id), "jobs that wait or run");
 }
 
-// Of each token only so many that have ended stay.
+// Keeps only the newest kMaxEndedJobsPerToken ended jobs of a token.
 void forget_more_than_enough(SQLite::Database& database, const std::string& token_id) {
   SQLite::Statement change(database,
                            "DELETE FROM jobs WHERE id IN (SELECT id FROM jobs WHERE token_id = ?1 AND state NOT IN ('queued', 'running') "

@@ -1,4 +1,4 @@
-// The part of SqliteStore that is about measurements.
+// The part of SqliteStore for measurements.
 #include <sqlite3.h>
 
 #include "server/store/sqlite_connection.h"
@@ -9,7 +9,7 @@ namespace {
 
 constexpr const char* kMeasurementColumns = "id, scan_id, name, kind, up_x, up_y, up_z, value, half_width, created_at_ms";
 
-// None: the first column has no number.
+// Returns std::nullopt if the first column is NULL.
 std::optional<MeasurementRow::Triple> triple_at(const SQLite::Statement& query, int column) {
   if (query.getColumn(column).isNull()) return std::nullopt;
   return MeasurementRow::Triple{query.getColumn(column).getDouble(), query.getColumn(column + 1).getDouble(),
@@ -24,7 +24,7 @@ void bind_triple(SQLite::Statement& statement, int& column, const std::optional<
       statement.bind(++column);
 }
 
-// Without its points.
+// Does not read its points.
 MeasurementRow measurement_row_of(const SQLite::Statement& query) {
   MeasurementRow row;
   row.id = query.getColumn(0).getString();

@@ -1,4 +1,4 @@
-// The part of SqliteStore that is about tokens and share links.
+// The part of SqliteStore for tokens and share links.
 #include <sqlite3.h>
 
 #include <initializer_list>
@@ -30,7 +30,7 @@ TokenRow token_row_of(const SQLite::Statement& query) {
 
 Error no_token(const std::string& id) { return {ErrorCode::kNotFound, "there is no token or share link " + id}; }
 
-// `sql` changes the token of one id, its last parameter; the ones before are `values`.
+// Runs `sql`, which changes the token with the id that is its last parameter; `values` are the parameters before.
 Status change_token(SQLite::Database& database, const char* sql, std::initializer_list<std::int64_t> values, const std::string& id) try {
   SQLite::Statement change(database, sql);
   int column = 0;
@@ -42,7 +42,7 @@ Status change_token(SQLite::Database& database, const char* sql, std::initialize
   return database_error(failure);
 }
 
-// Whether the row's maker may have one more. Tokens and share links are counted apart.
+// Checks whether the creator of the row may have one more. Tokens and share links are counted separately.
 Status check_token_share(SQLite::Database& database, const TokenRow& row) {
   const bool is_link = !row.scan_id.empty();
   SQLite::Statement count(database, std::string("SELECT count(*), coalesce(sum(made_by = ?1), 0) FROM tokens WHERE revoked_at_ms = 0 AND "
@@ -54,7 +54,8 @@ Status check_token_share(SQLite::Database& database, const TokenRow& row) {
                      is_link ? "share links that have not ended" : "tokens that have not ended");
 }
 
-// Of each maker only so many that have ended stay. The first token does always: else its file's secret would come to life again.
+// Keeps only the newest kMaxEndedLinksPerToken ended ones of a creator. The first token always stays; otherwise the
+// secret in its file would become valid again.
 void forget_more_than_enough(SQLite::Database& database, const std::string& made_by, std::int64_t now_ms) {
   SQLite::Statement change(database,
                            "DELETE FROM tokens WHERE id IN (SELECT id FROM tokens WHERE made_by = ?1 AND id <> ?2 AND "
@@ -136,7 +137,7 @@ Result<std::vector<TokenRow>> SqliteStore::list_tokens() try {
   return database_error(failure);
 }
 
-// The time of the first revocation stays.
+// Keeps the time of the first revocation.
 Status SqliteStore::revoke_token(const std::string& id, std::int64_t now_ms) {
   return change_token(impl_->database, "UPDATE tokens SET revoked_at_ms = iif(revoked_at_ms = 0, ?, revoked_at_ms) WHERE id = ?", {now_ms},
                       id);

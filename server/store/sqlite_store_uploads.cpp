@@ -1,4 +1,4 @@
-// The part of SqliteStore that is about uploads.
+// The part of SqliteStore for uploads.
 #include <sqlite3.h>
 
 #include "server/store/sqlite_connection.h"

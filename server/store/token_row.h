@@ -8,9 +8,9 @@ namespace hermite {
 
 // What a token allows.
 enum class Scope {
-  kView,   // look at scans and take their files
-  kScan,   // stream frames: make scans
-  kAdmin,  // delete scans, manage tokens; includes the others
+  kView,   // view scans and download their files
+  kScan,   // stream frames, which creates scans
+  kAdmin,  // delete scans and manage tokens; includes the other scopes
 };
 inline constexpr Scope kAllScopes[] = {Scope::kView, Scope::kScan, Scope::kAdmin};
 const char* name_of(Scope scope);  // "view", "scan", "admin"
@@ -22,19 +22,19 @@ struct Scopes {
 bool includes(const Scopes& scopes, Scope scope);
 
 struct TokenRow {
-  std::string id;             // public: names it in lists and logs
+  std::string id;             // public: identifies it in lists and logs
   std::string secret_sha256;  // 32 bytes
-  std::string name;           // for people
+  std::string name;           // display name
   Scopes scopes;
-  std::string scan_id;             // a share link: the only scan that it opens, to look at. Empty for a token
-  std::string made_by;             // id of the token that asked for it; empty: the owner of the data folder
+  std::string scan_id;             // of a share link: the only scan that it allows to view. Empty for a token
+  std::string made_by;             // id of the token that created it; empty: the owner of the data folder
   std::int64_t created_at_ms = 0;  // Unix time, here and below
   std::int64_t expires_at_ms = 0;  // 0: never
-  std::int64_t used_at_ms = 0;     // to about a minute; 0: not yet
+  std::int64_t used_at_ms = 0;     // accurate to about a minute; 0: never
   std::int64_t revoked_at_ms = 0;  // 0: not revoked
 };
 
-// The token of the file `token` in the data folder: made at the first start, allowed everything.
+// The token in the file `token` of the data folder: created at the first start, with all scopes.
 inline constexpr const char* kFirstTokenId = "first";
 
 }  // namespace hermite

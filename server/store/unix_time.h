@@ -1,4 +1,4 @@
-// The time of day as the store keeps it, and as people and programs read it. Header only.
+// Time as the store keeps it, and as text. Header only.
 #pragma once
 
 #include <chrono>
@@ -15,7 +15,7 @@ inline std::int64_t unix_now_ms() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-// "2024-05-01T12:00:00.123Z" (ISO 8601).
+// Returns for example "2024-05-01T12:00:00.123Z" (ISO 8601).
 inline std::string utc_text(std::int64_t unix_ms) {
   const std::time_t seconds = static_cast<std::time_t>(unix_ms / 1000);
   std::tm parts{};

@@ -28,7 +28,7 @@ Result<UploadFile> UploadFile::create(const std::string& path) {
   const int descriptor = ::open(path.c_str(), kFlags | O_CREAT | O_EXCL, 0600);
   if (descriptor < 0) return io_error("creating the file of an upload");
   UploadFile file(descriptor, 0);
-  // Its bytes are worth nothing without its name.
+  // The bytes are of no use unless the name of the file is durable too.
   if (Status status = sync_path(std::filesystem::path(path).parent_path()); !status.ok()) {
     unlink(path.c_str());
     return status.error();

@@ -1,5 +1,5 @@
-// The bytes of one upload on disk, written from front to back. What sync() has returned well for survives the death of this process, and
-// that of the machine if its disk keeps its word.
+// The file of an upload, written from front to back. Once sync() has succeeded, the bytes survive the death of this
+// process, and that of the machine if its disk honours syncs.
 #pragma once
 
 #include <cstdint>
@@ -21,10 +21,11 @@ class UploadFile {
 
   std::int64_t size_bytes() const { return size_bytes_; }
 
-  // Behind all that is there. After an error as much of it may be there as size_bytes() says. kIo, in words for a full disk.
+  // Appends. After an error, part of `bytes` may have been written, as size_bytes() says. kIo, with its own message for
+  // a full disk.
   Status append(std::string_view bytes);
-  Status cut(std::int64_t size_bytes);  // to that size, which is not more than there is
-  Status sync();                        // of contents and size
+  Status cut(std::int64_t size_bytes);  // truncates to that size, which must not exceed the present one
+  Status sync();                        // contents and size
 
  private:
   explicit UploadFile(int descriptor, std::int64_t size_bytes) : descriptor_(descriptor), size_bytes_(size_bytes) {}
@@ -33,10 +34,10 @@ class UploadFile {
   std::int64_t size_bytes_;
 };
 
-// How much of the upload is there. kNotFound, kIo.
+// Returns the size of the file of an upload. kNotFound, kIo.
 Result<std::int64_t> upload_size_bytes(const std::string& path);
 
-// Well, too, when it is gone. kIo.
+// Succeeds if there is no such file. kIo.
 Status remove_upload_file(const std::string& path);
 
 }  // namespace hermite

@@ -9,7 +9,7 @@ namespace hermite {
 
 namespace {
 
-constexpr std::int64_t kMaxNumber = std::int64_t{1} << 53;  // what JavaScript counts exactly
+constexpr std::int64_t kMaxNumber = std::int64_t{1} << 53;  // the largest range that JavaScript represents exactly
 
 Error invalid(std::string_view header, const std::string& words) {
   return {ErrorCode::kInvalidArgument, std::string(header) + " " + words};
@@ -23,7 +23,7 @@ bool same_name(std::string_view a, std::string_view b) {
   return true;
 }
 
-// Nothing when it is not there.
+// Returns an empty optional if the header is missing.
 Result<std::optional<std::string>> only_value(const HttpHeaders& headers, std::string_view name) {
   std::optional<std::string> value;
   for (const auto& [given, text] : headers) {
@@ -138,7 +138,7 @@ std::string decode_percent(std::string_view text) {
 }
 
 std::string http_date(std::int64_t unix_ms) {
-  // Not strftime's names: those are of the process's language.
+  // Not the names of strftime, which depend on the locale of the process.
   constexpr std::array kDays{"Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"};
   constexpr std::array kMonths{"Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
   const std::time_t seconds = static_cast<std::time_t>(unix_ms / 1000);

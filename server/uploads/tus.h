@@ -1,4 +1,4 @@
-// Headers of the resumable uploads of tus 1.0.0 (https://tus.io/protocols/resumable-upload): texts to values. Pure functions.
+// Parses the headers of resumable uploads by tus 1.0.0 (https://tus.io/protocols/resumable-upload). Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +17,10 @@ namespace hermite {
 inline constexpr const char* kTusVersion = "1.0.0";
 inline constexpr const char* kTusExtensions = "creation,creation-with-upload,creation-defer-length,checksum,expiration,termination";
 inline constexpr const char* kTusContentType = "application/offset+octet-stream";
-inline constexpr std::size_t kMaxMetadataBytes = 4096;  // of the header
+inline constexpr std::size_t kMaxMetadataBytes = 4096;  // length of the header
 inline constexpr std::size_t kMaxMetadataKeys = 16;
 
-// As they came; of a name that is there twice all values.
+// As received; a repeated name has all its values.
 using HttpHeaders = std::vector<std::pair<std::string, std::string>>;
 
 enum class ChecksumAlgorithm { kSha1, kSha256 };
@@ -37,21 +37,22 @@ struct TusHeaders {
   std::optional<std::int64_t> length_bytes;  // Upload-Length
   std::optional<std::int64_t> offset_bytes;  // Upload-Offset
   bool length_follows = false;               // Upload-Defer-Length: 1
-  std::string metadata;                      // Upload-Metadata, which parse_upload_metadata() accepts
+  std::string metadata;                      // Upload-Metadata, accepted by parse_upload_metadata()
   std::optional<Checksum> checksum;          // Upload-Checksum
   bool is_piece = false;                     // Content-Type is kTusContentType
 };
 
-// kInvalidArgument, naming header and limit: no number from 0 to 2^53, no base64, there twice, ... kUnsupported: another checksum.
+// kInvalidArgument, naming header and limit: not a number from 0 to 2^53, invalid base64, a repeated header, ...
+// kUnsupported: an unknown checksum algorithm.
 Result<TusHeaders> parse_tus_headers(const HttpHeaders& headers);
 
-// "key base64,key base64,key": keys without spaces and commas, each once, in any order. The same errors.
+// Parses "key base64,key base64,key": keys without spaces and commas, each once, in any order. Errors as above.
 Result<std::map<std::string, std::string>> parse_upload_metadata(std::string_view header);
 
-// What stands for itself and for %20 in a path; a % without two hex digits stays.
+// Decodes percent-encoding (%20) in a path; a % that two hex digits do not follow remains.
 std::string decode_percent(std::string_view text);
 
-// "Wed, 25 Jun 2014 16:00:00 GMT", as Upload-Expires has it.
+// Returns for example "Wed, 25 Jun 2014 16:00:00 GMT", the format of Upload-Expires.
 std::string http_date(std::int64_t unix_ms);
 
 }  // namespace hermite

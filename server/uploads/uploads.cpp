@@ -12,16 +12,17 @@ namespace hermite {
 
 namespace {
 
-// A client on a live link sends something every second; one that comes back after its link has died should not wait for long.
+// A client on a working link sends something every second; one that returns after its link has died should not wait for
+// long.
 constexpr std::chrono::seconds kIdleAfter(1);
-constexpr std::size_t kMaxWholeOnes = 1000;            // that are remembered
-constexpr std::int64_t kSyncBytes = 16 * 1024 * 1024;  // dirty pages of one upload that may wait for the disk
+constexpr std::size_t kMaxWholeOnes = 1000;            // limit on remembered complete uploads
+constexpr std::int64_t kSyncBytes = 16 * 1024 * 1024;  // of one upload that may wait in the page cache
 
 std::string megabytes(std::int64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
 
 Error no_upload() { return {ErrorCode::kNotFound, "there is no such upload; it may have expired"}; }
 
-// What an upload counts as: what it has announced, else what has come.
+// Returns the size with which an upload counts: the announced length or, if larger, what was received.
 std::int64_t claimed_bytes(const UploadRow& row, std::int64_t size_bytes) { return std::max(row.length_bytes, size_bytes); }
 
 }  // namespace
@@ -80,14 +81,15 @@ Status UploadWriter::close(bool complete) {
       if (Status cut = file_.cut(piece_.offset_bytes); !cut.ok()) return cut;
   }
   if (Status synced = file_.sync(); !synced.ok()) {
-    // What a failed fdatasync has lost is not known, but what was there before is.
+    // It is unknown what a failed fdatasync has lost, but earlier bytes were synced.
     if (Status cut = file_.cut(piece_.offset_bytes); !cut.ok()) return cut;
     return synced;
   }
   return verdict;
 }
 
-// What was written in vain, or taken back, is in the digest all the same: then it is none of what is there.
+// If bytes were written in vain or discarded, the digest includes them all the same, so it does not match the file and
+// is dropped.
 UploadDigest UploadWriter::take_digest() {
   if (content_.size_bytes != file_.size_bytes()) content_.context.reset();
   return std::exchange(content_, {});
@@ -111,7 +113,7 @@ Uploads::Uploads(UploadLimits limits, const Storage& storage, std::function<Stat
   }
 }
 
-// After a server that died, or did not: what is in the file is made durable before anybody is told of it.
+// After a start: makes the contents of the file durable before anything is reported of it.
 Result<std::int64_t> Uploads::recover(UploadRow row) {
   Result<UploadFile> file = UploadFile::open(data_.upload_path(row.id));
   if (!file.ok()) return file.error();
@@ -147,7 +149,7 @@ Status Uploads::check_room(std::int64_t more_bytes, const std::string& except_id
                                      " that they may take: wait until their jobs have ended, or delete some"};
 }
 
-// What is there, and what others were promised and have not sent yet.
+// Counts existing files, and what other uploads were promised and have not sent yet.
 Status Uploads::check_storage(std::int64_t more_bytes, const std::string& except_id, const std::vector<UploadRow>& rows,
                               const Grant& grant) const {
   if (!storage_.quota.has_limit()) return Done{};
@@ -174,7 +176,7 @@ Result<UploadState> Uploads::create(std::int64_t length_bytes, const std::string
     if (Status status = check_room(length_bytes, "", grant); !status.ok()) return status.error();
     state.row.length_bytes = length_bytes;
   }
-  // A file without a row is out of the way after the next start (orphans.h); a row without a file would be a promise.
+  // A file without a row is moved away at the next start (orphans.h); a row without a file would be a false promise.
   const Result<UploadFile> file = UploadFile::create(data_.upload_path(state.row.id));
   if (!file.ok()) return file.error();
   if (Status status = store_.add_upload(state.row); !status.ok()) {
@@ -274,7 +276,7 @@ std::string Uploads::job_of(const std::string& id) const {
   return twin == twins_.end() ? id : twin->second;
 }
 
-// Who sends the same file several times at once wants it once. Remembers the upload that comes first.
+// A client that sends the same file several times at once wants a single job. Remembers the first such upload.
 std::string Uploads::twin_of(const UploadRow& row, UploadDigest digest, bool is_whole) {
   if (!digest.context) return {};
   unsigned char bytes[EVP_MAX_MD_SIZE];

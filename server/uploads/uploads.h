@@ -1,7 +1,8 @@
-// Recordings on their way to the server: who may send how much, how much has come, and the one who writes. Belongs to the network thread;
-// only UploadWriter has functions for another one.
+// Uploads of recordings: their quotas, their progress, and the one writer of each. Belongs to the network thread; only
+// UploadWriter has functions for another one.
 //
-// An upload is a row and a file. How much has come is the file's length, which is only told while nobody writes: then all of it is synced.
+// An upload is a row and a file. Its progress is the length of the file, which is only reported while nobody writes;
+// then all of it is synced.
 #pragma once
 
 #include <openssl/evp.h>
@@ -28,53 +29,55 @@ namespace hermite {
 
 struct UploadLimits {
   std::int64_t upload_bytes = std::int64_t{20} << 30;
-  std::int64_t token_bytes = std::int64_t{20} << 30;  // of all uploads of one token that may not administer; 0: as much as there is
-  std::uint64_t min_free_disk_bytes = 0;              // that must remain
-  std::int64_t keep_ms = kDay_ms;                     // after something has happened with it last
+  std::int64_t token_bytes = std::int64_t{20} << 30;  // all uploads of a token without the scope admin; 0: no limit but the disk's
+  std::uint64_t min_free_disk_bytes = 0;              // must remain free
+  std::int64_t keep_ms = kDay_ms;                     // after its last use
 };
 
 struct UploadState {
   UploadRow row;
-  std::int64_t offset_bytes = 0;  // so much is on disk; -1: somebody writes, and what has come is not told
+  std::int64_t offset_bytes = 0;  // bytes on disk; -1: it is being written, and the offset is not reported
   bool complete() const { return offset_bytes == row.length_bytes; }
-  std::string job_id = {};  // of the upload that has the same bytes and came first; empty: its own
+  std::string job_id = {};  // of an earlier upload with the same bytes; empty: it has its own job
 };
 
-// A piece of an upload that somebody sends.
+// A piece of an upload that a client sends.
 struct UploadPiece {
   std::int64_t offset_bytes = 0;
   std::int64_t length_bytes = 0;
   std::optional<Checksum> checksum;
-  bool is_whole = false;  // in one request, which may be a second try: then a job of the same bytes that has finished is its answer, too
+  bool is_whole = false;  // sent in one request, perhaps as a second attempt: then a finished job of the same bytes is its answer, too
 };
 
-// SHA-256 of what has come of an upload so far: so many bytes. Nothing in it: that is not known (after a restart, or a piece taken back).
+// SHA-256 of the first `size_bytes` of an upload. Without a context it is unknown (after a restart, or after a piece
+// was discarded).
 struct UploadDigest {
   std::int64_t size_bytes = 0;
   std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context{nullptr, EVP_MD_CTX_free};
 };
 
-// Who writes an upload: there is one at a time. Destroyed on the network thread.
+// The writer of an upload, of which there is at most one at a time. Destroyed on the network thread.
 class UploadWriter {
  public:
-  // `before`: of the bytes before the piece, or nothing.
+  // `before`: digest of the bytes before the piece, or unknown.
   UploadWriter(UploadFile file, UploadPiece piece, UploadDigest before, std::function<Result<std::uint64_t>()> free_bytes,
                std::uint64_t min_free_bytes);
   ~UploadWriter();
   UploadWriter(const UploadWriter&) = delete;
   UploadWriter& operator=(const UploadWriter&) = delete;
 
-  // On a thread for the disk, one call at a time.
+  // On a disk thread, one call at a time.
   Status write(std::string_view bytes);  // kIo, kTooLarge (more than announced), kBusy (disk nearly full)
-  // Syncs, and takes back what its checksum does not fit or has not come as a whole. What is left is durable if this is well.
+  // Syncs. Discards a piece with a checksum if that does not match or the piece is incomplete. If this succeeds, what
+  // remains is durable.
   Status close(bool complete);
 
   // After close().
   std::int64_t offset_bytes() const { return file_.size_bytes(); }
-  UploadDigest take_digest();  // of all that is there, or nothing
+  UploadDigest take_digest();  // of the whole file, or unknown
   bool is_whole() const { return piece_.is_whole; }
 
-  // On the network thread. Idle: nothing has come for so long that its connection may be dead.
+  // On the network thread. is_idle(): nothing was received for so long that the connection may be dead.
   bool is_idle() const;
   bool wanted() const { return wanted_; }
   void on_unwanted(std::function<void()> run) { on_unwanted_ = std::move(run); }
@@ -88,7 +91,7 @@ class UploadWriter {
   const UploadPiece piece_;
   const std::function<Result<std::uint64_t>()> free_bytes_;
   const std::uint64_t min_free_bytes_;
-  std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> digest_;  // of the piece, where it has a checksum
+  std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> digest_;  // of the piece, if it has a checksum
   UploadDigest content_;
   std::int64_t unsynced_bytes_ = 0;
   std::atomic<std::chrono::steady_clock::time_point> written_at_ = std::chrono::steady_clock::now();
@@ -98,40 +101,45 @@ class UploadWriter {
 
 class Uploads {
  public:
-  // Takes back what a dead server has not checked, and syncs all files. `complete` is told of uploads that are whole, after a start once
-  // more of those that were before. What is in `storage` outlives this. Throws SetupError.
+  // Discards unchecked bytes that a crashed server has left, and syncs all files. `complete` is called for every
+  // complete upload, and after a start once more for those completed before. The members of `storage` outlive this.
+  // Throws SetupError.
   Uploads(UploadLimits limits, const Storage& storage, std::function<Status(const UploadRow&)> complete);
 
   // kTooLarge: more than an upload may have. kBusy: a quota or the disk is used up, in words.
   Result<UploadState> create(std::int64_t length_bytes, const std::string& metadata, const Grant& grant, std::int64_t now_ms);
 
-  // kNotFound: none, an expired one, or somebody else's.
+  // kNotFound: it does not exist, has expired, or belongs to another token.
   Result<UploadState> find(const std::string& id, const Grant& grant, std::int64_t now_ms);
 
-  // False: somebody writes it; ask again soon. Before anything is told of it or done with it. Who writes is asked to stop when nothing has
-  // come for a second, or `at_once`: of many who want to go on with it at the same time one gets through.
+  // Returns false while the upload is being written; then ask again soon. Check it before the upload is reported or
+  // changed. The writer is asked to stop if it has received nothing for a second or, with `at_once`, always; so of
+  // several clients that want to resume it at the same time one succeeds.
   bool is_free(const std::string& id, bool at_once = false);
 
-  // Of an upload that is free. kInvalidArgument: another offset than there is; kTooLarge: beyond its length; kBusy as in create().
+  // Starts a piece of an upload for which is_free() is true. kInvalidArgument: not at the current offset; kTooLarge:
+  // beyond its length; kBusy as in create().
   Result<std::shared_ptr<UploadWriter>> write(const UploadState& state, const UploadPiece& piece, const Grant& grant);
 
-  // When its writer has closed the file, before it goes. Tells of an upload that is whole; a whole one whose bytes and metadata are those
-  // of one of the same token whose job has not ended is removed again and named after that; one that came in one request also after one
-  // whose job has left a scan that is still there.
+  // Call it after the writer has closed the file and before it is destroyed. Calls `complete` for a complete upload,
+  // unless it is a duplicate: if the bytes and metadata are those of an earlier upload of the same token whose job has
+  // not ended, it is removed, and job_id names that job. For an upload that came in one request, this also holds if the
+  // earlier job has finished and its scan still exists.
   Result<UploadState> written(const UploadState& state, UploadWriter& writer, std::int64_t now_ms);
 
-  // The id of the job that stands for an upload: its own, or that of the one with the same bytes that came first. For as long as this
-  // server runs.
+  // Returns the id of the job of an upload: its own, or that of the earlier upload with the same bytes. Duplicates are
+  // remembered while this server runs, but not more than 1000.
   std::string job_of(const std::string& id) const;
 
-  Status set_length(UploadState& state, std::int64_t length_bytes, const Grant& grant);  // of one that had none. Errors as in create()
+  // Sets the length of an upload without one. Errors as in create().
+  Status set_length(UploadState& state, std::int64_t length_bytes, const Grant& grant);
   // kNotFound as in find(); kBusy: its job has not ended.
   Status remove(const std::string& id, const Grant& grant, std::int64_t now_ms);
   Result<std::vector<UploadState>> list(const Grant& grant);  // oldest first
 
-  void forget(const std::string& id);                     // well used: its bytes go
-  void keep(const std::string& id, std::int64_t now_ms);  // used in vain: it expires from now on
-  void sweep(std::int64_t now_ms);                        // removes what has expired and waits for no job
+  void forget(const std::string& id);                     // removes it with its bytes: its job has succeeded, or nobody can resume it
+  void keep(const std::string& id, std::int64_t now_ms);  // its job has failed: keeps it for keep_ms
+  void sweep(std::int64_t now_ms);                        // removes expired uploads for which no job waits
 
   const UploadLimits& limits() const { return limits_; }
 
@@ -151,9 +159,9 @@ class Uploads {
   std::string twin_of(const UploadRow& row, UploadDigest digest, bool is_whole);
 
   std::map<std::string, std::weak_ptr<UploadWriter>> writers_;  // by id
-  std::map<std::string, UploadDigest> digests_;                 // by id: of uploads that nobody writes and that are not whole
-  std::map<std::string, std::string> twins_;                    // by id, of uploads that were removed for another one: that one's id
-  std::map<std::string, std::string> whole_ones_;               // ids, by token, metadata and content
+  std::map<std::string, UploadDigest> digests_;                 // by id, of incomplete uploads that are not being written
+  std::map<std::string, std::string> twins_;                    // job ids by upload id, of uploads that were removed as duplicates
+  std::map<std::string, std::string> whole_ones_;               // ids by token, metadata and content
 };
 
 }  // namespace hermite
