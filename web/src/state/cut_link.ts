@@ -2,8 +2,6 @@
 import { dot, type Axes, type Triple } from './axes';
 import { initialCutting, sectionKinds, type Box, type Cutting, type Section } from './cutting';
 
-export const cutFields = ['axes', 'clip', 'cut'] as const;
-
 const farthest_m = 1e7;
 
 // 'axes=…&clip=…&cut=…', empty where nothing is cut.
@@ -23,11 +21,6 @@ export function readCut(query: string): Cutting {
   const axes = axesOf(numbers(fields.get('axes'), 6));
   if (!axes) return initialCutting;
   return { ...initialCutting, axes, clip: boxOf(numbers(fields.get('clip'), 6)), section: sectionOf(fields.get('cut')) };
-}
-
-// Of another query only the fields that are meant here.
-export function keptCut(fields: URLSearchParams): string {
-  return cutFields.flatMap((name) => (fields.has(name) ? [`${name}=${encodeURIComponent(fields.get(name)!).replaceAll('%2C', ',')}`] : [])).join('&');
 }
 
 function numbers(text: string | null, count: number): number[] | null {

@@ -98,8 +98,8 @@ function isSame(a: Box, b: Box): boolean {
 
 // Within the model, and never through the face across from it.
 function moved(box: Box, { axis, side }: Face, to_m: number, model: Box): Box {
-  const [least, most] =
-    side === 'low_m' ? [model.low_m[axis], Math.max(model.low_m[axis], box.high_m[axis] - thinnest_m)] : [Math.min(model.high_m[axis], box.low_m[axis] + thinnest_m), model.high_m[axis]];
+  const [low, high] = [model.low_m[axis], model.high_m[axis]];
+  const [least, most] = side === 'low_m' ? [low, Math.max(low, box.high_m[axis] - thinnest_m)] : [Math.min(high, box.low_m[axis] + thinnest_m), high];
   const values: [number, number, number] = [...box[side]];
   values[axis] = Math.min(most, Math.max(least, to_m));
   return { ...box, [side]: values };

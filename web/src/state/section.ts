@@ -116,7 +116,13 @@ class LineSet {
 
 // What of the segments is inside of the box.
 export function clippedTo(segments: readonly number[], plane: Plane, axes: Axes, box: Box): number[] {
-  const limits = threeOf(axes).map((axis, k) => ({ at: dot(axis, plane.normal) * plane.at_m, u: dot(axis, plane.u), v: dot(axis, plane.v), low: box.low_m[k]!, high: box.high_m[k]! }));
+  const limits = threeOf(axes).map((axis, k) => ({
+    at: dot(axis, plane.normal) * plane.at_m,
+    u: dot(axis, plane.u),
+    v: dot(axis, plane.v),
+    low: box.low_m[k]!,
+    high: box.high_m[k]!,
+  }));
   const kept: number[] = [];
   for (let i = 0; i < segments.length; i += 4) {
     const [u, v, toU, toV] = [segments[i]!, segments[i + 1]!, segments[i + 2]!, segments[i + 3]!];
