@@ -309,6 +309,7 @@ function shortcut(event: KeyboardEvent, { scene, options, tools }: Shortcuts): v
   if (event.key === 'c') options.dispatch({ follow: !now.follow });
   if (event.key === 's') options.dispatch({ show: now.show === 'surface' ? 'points' : 'surface' });
   if (event.key === 'i') options.dispatch({ hideBacks: !now.hideBacks });
+  if (event.key === 'e') options.dispatch({ eyeDome: !now.eyeDome });
   if (event.key === 'x') tools?.section.toggle();
   if (event.key === 'm') {
     tools?.frames.close();

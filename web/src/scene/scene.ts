@@ -7,6 +7,7 @@ import type { Cutting, Face, Model } from '../state/cutting';
 import type { ViewOptions } from '../state/view_options';
 import { CameraRig } from './camera_rig';
 import { ClipLayer } from './clip_layer';
+import { EyeDome } from './eye_dome';
 import { framingOf, type Box } from './framing';
 import { FrustumLayer } from './frustum_layer';
 import { floorHeight_m, type Direction } from './gravity';
@@ -43,13 +44,14 @@ export class ScanScene {
   private readonly live = new LiveMeshLayer(this.submaps, this.clip);
   private readonly mesh = new MeshLayer(this.clip.uniform);
   private readonly cut = new ModelCut({ points: this.points, live: this.live, mesh: this.mesh, clip: this.clip });
+  private readonly eyeDome = new EyeDome();
   private readonly frustum = new FrustumLayer();
   private readonly measured = new MeasureLayer();
   private readonly moment = new MomentLayer();
   private readonly grid = new GridLayer();
   // What hangs on the submaps comes behind them.
   private readonly layers: readonly Layer[] = [
-    ...[this.grid, this.submaps, this.points, this.live, this.mesh, new TrajectoryLayer(this.submaps), this.frustum],
+    ...[this.grid, this.submaps, this.points, this.live, this.mesh, this.eyeDome, new TrajectoryLayer(this.submaps), this.frustum],
     ...[this.clip, this.cut.section, this.measured, this.moment],
   ];
   private readonly stillness = matchMedia('(prefers-reduced-motion: reduce)');
@@ -77,6 +79,7 @@ export class ScanScene {
   ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.info.autoReset = false; // a picture may be drawn in two goes
     for (const layer of this.layers) (layer === this.grid ? this.scene : this.upright.object).add(layer.object);
     this.scene.add(this.upright.object);
     this.paint();
@@ -285,7 +288,8 @@ export class ScanScene {
     const eye = this.rig.tick(elapsed_ms, this.frustum.worldFromCamera, { upright: this.upright.object.quaternion, still });
     if (this.reframe(now_ms)) moving = true;
     this.clip.place(this.upright.object.matrix);
-    this.renderer.render(this.scene, this.rig.camera);
+    this.renderer.info.reset();
+    this.eyeDome.draw(this.renderer, this.scene, this.rig.camera, this.points.object, this.isLit());
     this.drawn_ms.push(performance.now());
     if (this.drawn_ms.length > 480) this.framesPerSecond(); // forgets the old ones
     if (eye.byHand) this.requestDraw();
@@ -347,6 +351,11 @@ export class ScanScene {
     caster.setFromCamera(new Vector2((2 * (x_px - left)) / width - 1, 1 - (2 * (y_px - top)) / height), this.rig.camera);
     const worldFromView = new Matrix4().copy(this.upright.object.matrix).invert();
     return { caster, worldFromView, inWorld: new Ray().copy(caster.ray).applyMatrix4(worldFromView) };
+  }
+
+  // Surfaces have their own light.
+  private isLit(): boolean {
+    return this.points.object.visible && !this.live.object.visible && this.options?.eyeDome === true;
   }
 
   private paint(): void {
