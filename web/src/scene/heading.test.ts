@@ -25,6 +25,11 @@ describe('wallAxes', () => {
     expect(dot(along, up)).toBeCloseTo(0);
   });
 
+  it.each([29.999, 30, 45])('finds walls without any noise, at %d degrees', (turn_deg) => {
+    const { along } = wallAxes(samplesOf([facing(turn_deg), facing(turn_deg + 90)]), up);
+    expect(Math.max(Math.abs(dot(along, facing(turn_deg))), Math.abs(dot(along, facing(turn_deg + 90))))).toBeCloseTo(1, 6);
+  });
+
   it('is the world’s x where there are no walls', () => {
     expect(wallAxes(samplesOf([up]), up).along).toEqual([1, 0, 0]);
   });

@@ -20,7 +20,12 @@ export function wallAxes(samples: SurfaceSamples, up: Triple): Axes {
     bins[Math.floor(angle_deg) % quarter_deg]! += samples.weights[i]!;
   }
   if (walls.length === 0) return axes;
-  const nearby = (bin: number): number => Array.from({ length: 2 * around_deg + 1 }, (_, k) => bins[positive(bin + k - around_deg)]!).reduce((sum, weight) => sum + weight, 0);
+  // Nearer ones count more, so that the peak is in the middle of its bins.
+  const nearby = (bin: number): number => {
+    let sum = 0;
+    for (let k = -around_deg; k <= around_deg; ++k) sum += (around_deg + 1 - Math.abs(k)) * bins[positive(bin + k)]!;
+    return sum;
+  };
   const peak_deg = bins.reduce((best, _, bin) => (nearby(bin) > nearby(best) ? bin : best), 0) + 0.5;
   let [sum, total] = [0, 0];
   for (const { angle_deg, weight } of walls) {
