@@ -1,8 +1,8 @@
 // The clip box and the section of all that a scan is shown as.
 import { Ray, Vector3 } from 'three';
 import type { Axes, Triple } from '../state/axes';
-import { faces, planeOf, type Cutting, type Face, type Model } from '../state/cutting';
-import type { Surface } from '../state/section';
+import { faces, planeOf, type Cutting, type Face, type Model, type Plane, type Section } from '../state/cutting';
+import { segmentsOf, type Surface } from '../state/section';
 import type { ClipLayer } from './clip_layer';
 import { wallAxes } from './heading';
 import type { LiveMeshLayer } from './live_mesh_layer';
@@ -26,6 +26,7 @@ interface Shown {
 export class ModelCut {
   readonly section = new SectionLayer();
   private cutting: Cutting | null = null;
+  private known: { readonly surfaces: readonly Surface[]; readonly section: Section; readonly segments: number[] } | null = null;
 
   constructor(private readonly shown: Shown) {}
 
@@ -44,7 +45,7 @@ export class ModelCut {
   }
 
   // Gives the lines of the section, in its plane.
-  show(cutting: Cutting): number[] {
+  show(cutting: Cutting): readonly number[] {
     const isSame = cutting.clip === this.cutting?.clip && cutting.active === this.cutting.active && cutting.axes === this.cutting.axes;
     this.cutting = cutting;
     if (!isSame) this.shown.clip.show(cutting.axes, cutting.clip, cutting.active);
@@ -52,10 +53,11 @@ export class ModelCut {
   }
 
   // The same of another surface.
-  refresh(): number[] {
+  refresh(): readonly number[] {
     const { axes, section, clip } = this.cutting ?? { axes: null, section: null, clip: null };
     if (!axes || !section) return this.section.show([], null);
-    return this.section.show(this.surfaces(), { plane: planeOf(axes, section), axes, clip });
+    const plane = planeOf(axes, section);
+    return this.section.show(this.segments(section, plane), { plane, axes, clip });
   }
 
   // Of the handles the one whose place in the picture `away_px` gives the least for, and no more than `reach_px`.
@@ -77,6 +79,16 @@ export class ModelCut {
     const cosine = handle.along.dot(ray.direction);
     const spread = 1 - cosine * cosine;
     return spread < alongSight ? null : handle.at_m.dot(handle.along) + (between.dot(handle.along) - cosine * between.dot(ray.direction)) / spread;
+  }
+
+  // While a face of the box is dragged the plane stays where it is.
+  private segments(section: Section, plane: Plane): number[] {
+    const surfaces = this.surfaces();
+    if (this.known?.surfaces === surfaces && this.known.section === section) return this.known.segments;
+    const segments: number[] = [];
+    for (const surface of surfaces) for (const value of segmentsOf(surface, plane)) segments.push(value);
+    this.known = { surfaces, section, segments };
+    return segments;
   }
 
   private surfaces(): readonly Surface[] {

@@ -199,7 +199,7 @@ export class ScanScene {
   }
 
   // Gives the lines where the section cuts the surface (section.ts).
-  showCutting(cutting: Cutting): number[] {
+  showCutting(cutting: Cutting): readonly number[] {
     this.requestDraw();
     return this.cut.show(cutting);
   }

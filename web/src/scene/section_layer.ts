@@ -5,7 +5,7 @@ import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
 import type { Axes } from '../state/axes';
 import type { Box, Plane } from '../state/cutting';
-import { clippedTo, placeOf, segmentsOf, type Surface } from '../state/section';
+import { clippedTo, placeOf } from '../state/section';
 import type { Layer } from './layer';
 
 const color = 0xd6336c; // shows on a light ground and on a dark one
@@ -28,10 +28,8 @@ export class SectionLayer implements Layer {
     this.object.visible = false;
   }
 
-  // Null: none. Gives what is drawn, in the plane (section.ts).
-  show(surfaces: readonly Surface[], cut: Cut | null): number[] {
-    const segments: number[] = [];
-    if (cut) for (const surface of surfaces) for (const value of segmentsOf(surface, cut.plane)) segments.push(value);
+  // Segments of the surface in the plane (section.ts); null: none. Gives those that are drawn.
+  show(segments: readonly number[], cut: Cut | null): readonly number[] {
     const shown = cut?.clip ? clippedTo(segments, cut.plane, cut.axes, cut.clip) : segments;
     this.object.visible = shown.length > 0;
     this.lines.geometry.dispose();
