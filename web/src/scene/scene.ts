@@ -309,7 +309,6 @@ export class ScanScene {
     const placed = this.floor_m === null ? framing : { ...framing, floor_y_m: this.floor_m };
     this.grid.placeUnder(placed);
     this.rig.setFraming(placed);
-    if (this.cut.surface === 'growing') this.cut.refresh();
     return true;
   }
 
