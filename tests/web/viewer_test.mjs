@@ -15,6 +15,7 @@ const artifacts = path.join(root, 'tests/web/artifacts');
 const title = 'Synthetic room';
 const sequence = 'synthetic:frames=36,rate=15,width=320,height=240';
 const endless = 'synthetic:frames=5000,width=160,height=120';
+const slowly = '5'; // frames a second of what nobody waits for the end of: the rest of two cores is for the page
 const scan_ms = 5 * 60_000; // two slow cores do three things at once here
 
 let folder, server, browser, viewer;
@@ -247,7 +248,7 @@ test('on a phone everything is within reach of a thumb', { timeout: 120_000 }, a
 test('clicks measure distances, planes, angles and areas, which are kept with the scan', { timeout: 60_000 }, async () => {
   const { page } = viewer;
   await page.getByRole('button', { name: 'Show all' }).click();
-  await page.waitForTimeout(1000);
+  await untilResting(page);
   await page.locator('.picture').press('m');
   await page.getByText('Click on two points.').waitFor();
   await page.mouse.click(560, 230); // the wall behind, and the one to the left
@@ -398,7 +399,7 @@ test('a finished scan looks the same when it is opened again, also from a restar
 
 test('a page comes back by itself when the server does', { timeout: scan_ms }, async () => {
   const { page, outage } = viewer;
-  const client = stream({ sequence: endless, title: 'Long scan' });
+  const client = stream({ sequence: endless, title: 'Long scan', rate: slowly });
   await page.goto(`${server.origin}/#/`);
   await page.getByRole('link', { name: 'Long scan' }).click();
   await untilScan(page, 'the surface of the long scan', 120_000, (scan) => scan.triangles > 0);
@@ -422,7 +423,7 @@ test('a page comes back by itself when the server does', { timeout: scan_ms }, a
 
 test('a scan is stopped, renamed, found, and deleted with a way back', { timeout: scan_ms }, async () => {
   const { page } = viewer;
-  stream({ sequence: endless, title: 'To be stopped' });
+  stream({ sequence: endless, title: 'To be stopped', rate: slowly });
   await page.goto(`${server.origin}/#/`);
   await page.getByRole('link', { name: 'To be stopped' }).click();
   await untilScan(page, 'the scan runs', 60_000, (scan) => scan.phase === 'running' && scan.framesProcessed > 5);
