@@ -1,4 +1,5 @@
 // A real Chromium without a screen, and what the test asks of its pages.
+import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';
@@ -51,6 +52,25 @@ export async function untilScan(page, words, limit_ms, condition) {
     await page.waitForTimeout(200);
   }
 }
+
+// What the page makes of `look`, which is given `known`, as soon as it is something.
+export async function until(page, words, look, known, limit_ms = 10_000) {
+  const found = await page.waitForFunction(look, known, { timeout: limit_ms }).catch(() => assert.fail(`after ${limit_ms} ms not yet: ${words}`));
+  return found.jsonValue();
+}
+
+// Where the mouse could take hold of the clip box, in the middle of the picture.
+export const handlesOf = (page) =>
+  page.evaluate(() => {
+    const canvas = document.querySelector('.picture');
+    const found = [];
+    for (let y = 100; y < 520; y += 10)
+      for (let x = 380; x < 740; x += 10) {
+        canvas.dispatchEvent(new PointerEvent('pointermove', { clientX: x, clientY: y, pointerType: 'mouse', bubbles: true }));
+        if (canvas.classList.contains('on-handle')) found.push([x, y]);
+      }
+    return found;
+  });
 
 // Until nothing moves in the picture, and for a moment longer nothing begins to.
 export async function untilResting(page, limit_ms = 30_000) {

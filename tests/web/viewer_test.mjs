@@ -8,13 +8,14 @@ import { mkdir, mkdtemp, readFile, rm } from 'node:fs/promises';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
-import { agreement, barriers, brightnessOf, holesIn, lookAt, openBrowser, openPage, scanOf, tooSmall, untilResting, untilScan } from './browser.mjs';
+import { agreement, barriers, brightnessOf, handlesOf, holesIn, lookAt, openBrowser, openPage, scanOf, tooSmall, until, untilResting, untilScan } from './browser.mjs';
 import { root, startServer, startStream } from './programs.mjs';
 
 const artifacts = path.join(root, 'tests/web/artifacts');
 const title = 'Synthetic room';
 const sequence = 'synthetic:frames=36,rate=15,width=320,height=240';
 const endless = 'synthetic:frames=5000,width=160,height=120';
+const slowly = '5'; // frames a second of what nobody waits for the end of: the rest of two cores is for the page
 const scan_ms = 5 * 60_000; // two slow cores do three things at once here
 
 let folder, server, browser, viewer;
@@ -148,13 +149,21 @@ test('the surface lies where the points lie', async () => {
   const { covered, alike } = agreement(points, surface);
   assert.ok(covered > 0.9, `of where points are, ${covered} has a surface`);
   assert.ok(alike > 0.97, `colours of normals agree by ${alike}`);
+  await picture('points');
+  const lit = await lookAt(browser.context, page);
+  await page.locator('.picture').press('e'); // dark edges are no holes
   const holes = await holesIn(browser.context, page);
   assert.ok(holes < 0.01, `${holes} of the points' picture is holes: it is no sieve`);
-  await picture('points');
+  const flat = await lookAt(browser.context, page);
+  assert.ok(lit.brightShare < flat.brightShare, `edges of points are dark: ${lit.brightShare} and ${flat.brightShare} are bright`);
+  assert.ok(lit.brightShare > 0.9 * flat.brightShare, `and little else is: ${lit.brightShare} and ${flat.brightShare} are bright`);
   const calls = await page.evaluate(() => window.hermite.drawCalls());
   assert.ok(calls > 0 && calls <= 8, `${calls} draw calls`);
   await page.getByText('Colour', { exact: true }).filter({ visible: true }).click();
   await showAs(page, 'Surface');
+  const flatSurface = await lookAt(browser.context, page);
+  await page.locator('.picture').press('e');
+  assert.equal((await lookAt(browser.context, page)).hash, flatSurface.hash, 'a surface has none of this light');
 });
 
 test('the cloud and the surface can be downloaded', { timeout: scan_ms }, async () => {
@@ -199,7 +208,7 @@ test('the cloud and the surface can be downloaded', { timeout: scan_ms }, async 
   assert.equal(await page.locator('#downloads').isVisible(), false);
 });
 
-test('on a phone everything is within reach of a thumb', { timeout: 120_000 }, async () => {
+test('on a phone everything is within reach of a thumb', { timeout: scan_ms }, async () => {
   const context = await browser.browser.newContext({ viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true, colorScheme: 'dark' });
   const phone = await openPage(context, `${server.origin}/#token=${server.token}`);
   await phone.page.getByRole('link', { name: title }).click();
@@ -219,7 +228,20 @@ test('on a phone everything is within reach of a thumb', { timeout: 120_000 }, a
   await phone.page.getByRole('button', { name: 'Measure' }).tap();
   await phone.page.locator('.measure-kind').getByText('Area', { exact: true }).tap();
   assert.deepEqual(await tooSmall(phone.page), []);
+  const rows = await phone.page.locator('.measure-kind label').evaluateAll((all) => new Set(all.map((label) => label.offsetTop)).size);
+  assert.equal(rows, 1, 'all kinds of measurements are in one row');
   await phone.page.screenshot({ path: path.join(artifacts, 'phone-measure.png') });
+  await phone.page.getByRole('button', { name: 'Close', exact: true }).tap();
+  await phone.page.getByRole('button', { name: 'More' }).tap();
+  await phone.page.getByRole('button', { name: 'Section', exact: true }).tap();
+  await phone.page.getByRole('button', { name: 'Clip box' }).tap();
+  await phone.page.locator('.section-kind').getByText('Vertical', { exact: true }).tap();
+  await phone.page.locator('.section-words').getByText(/of lines/).waitFor();
+  assert.deepEqual(await tooSmall(phone.page), []);
+  await untilResting(phone.page);
+  await phone.page.screenshot({ path: path.join(artifacts, 'phone-section.png') });
+  await phone.page.locator('.section-kind').getByText('No section').tap();
+  await phone.page.getByRole('button', { name: 'Clip box' }).tap();
   await phone.page.getByRole('button', { name: 'Close', exact: true }).tap();
   await phone.page.getByRole('button', { name: 'More' }).tap();
   await phone.page.getByRole('button', { name: 'Frames', exact: true }).tap();
@@ -247,7 +269,7 @@ test('on a phone everything is within reach of a thumb', { timeout: 120_000 }, a
 test('clicks measure distances, planes, angles and areas, which are kept with the scan', { timeout: 60_000 }, async () => {
   const { page } = viewer;
   await page.getByRole('button', { name: 'Show all' }).click();
-  await page.waitForTimeout(1000);
+  await untilResting(page);
   await page.locator('.picture').press('m');
   await page.getByText('Click on two points.').waitFor();
   await page.mouse.click(560, 230); // the wall behind, and the one to the left
@@ -353,6 +375,49 @@ test('the floor is set by a click, keys have their sheet, and the page is light 
   await page.emulateMedia({ colorScheme: 'dark' });
 });
 
+test('a clip box is dragged, and a section is taken away as a drawing', { timeout: 60_000 }, async () => {
+  const { page } = viewer;
+  await page.getByRole('button', { name: 'Show all' }).click();
+  await page.locator('.picture').press('x');
+  await page.getByRole('button', { name: 'Clip box' }).click();
+  await page.locator('.section-kind').getByText('Horizontal').click();
+  const words = page.locator('.section-words');
+  const length = async () => Number.parseFloat(await words.textContent());
+  await words.getByText(/^\d+\.\d\d m of lines in \d+ pieces\.$/).waitFor();
+  const [whole, before] = [await length(), await lookAt(browser.context, page)];
+  const newBox = (words, known) => until(page, words, (old) => [/&clip=[^&]+/.exec(location.hash)?.[0]].find((box) => box !== old), known);
+  const first = await newBox('the address has the box');
+  const handles = await handlesOf(page);
+  assert.ok(handles.length > 0, 'a handle is in the middle of the picture');
+  await page.mouse.move(...handles[0]);
+  await page.mouse.down();
+  for (const share of [0.3, 0.6]) await page.mouse.move(handles[0][0] + share * (560 - handles[0][0]), handles[0][1] + share * (300 - handles[0][1]));
+  await page.mouse.up();
+  const box = await newBox('the address has the smaller box', first);
+  assert.notEqual((await lookAt(browser.context, page)).hash, before.hash, 'what is outside of the box is gone');
+  assert.ok((await length()) <= whole, 'also from the section');
+  await picture('section');
+  const take = async (name) => {
+    const download = page.waitForEvent('download');
+    await page.getByRole('button', { name, exact: true }).click();
+    const file = await download;
+    assert.match(file.suggestedFilename(), new RegExp(`^Synthetic_room-section_horizontal_1\\.\\d+m\\.${name.toLowerCase()}$`));
+    return readFile(await file.path(), 'utf8');
+  };
+  const svg = await take('SVG');
+  const drawn = await page.evaluate((text) => {
+    const read = new DOMParser().parseFromString(text, 'image/svg+xml');
+    return { broken: read.querySelectorAll('parsererror').length, lines: read.querySelectorAll('#section path').length };
+  }, svg);
+  assert.equal(drawn.broken, 0);
+  assert.ok(drawn.lines > 0);
+  const dxf = (await take('DXF')).split('\r\n');
+  assert.equal(dxf.filter((line) => ['LINE', 'POLYLINE'].includes(line)).length, drawn.lines, 'as many lines are in both');
+  assert.deepEqual(await barriers(page), []);
+  await page.keyboard.press('Escape');
+  assert.ok((await page.evaluate(() => location.hash)).includes(box), 'the box stays when the tool is closed');
+});
+
 test('a share link shows this scan and no other', { timeout: 120_000 }, async () => {
   const { page } = viewer;
   await page.getByRole('button', { name: 'Share' }).click();
@@ -365,6 +430,7 @@ test('a share link shows this scan and no other', { timeout: 120_000 }, async ()
   await guest.goto(link);
   await untilScan(guest, 'the shared scan with its surface', 60_000, (scan) => scan.snapshotComplete && scan.points > 0 && scan.mesh.state === 'shown');
   assert.ok(!guest.url().includes('hms_'), 'the secret leaves the address');
+  assert.equal(guest.url(), page.url(), 'the clip box and the section are shared with it');
   assert.equal(await guest.getByRole('button', { name: 'Share' }).count(), 0);
   assert.equal(await guest.getByRole('button', { name: 'Frames' }).count(), 0, 'a link shows the model and not what the camera has seen');
   await guest.goto(`${server.origin}/#/`);
@@ -373,6 +439,10 @@ test('a share link shows this scan and no other', { timeout: 120_000 }, async ()
   assert.equal(await guest.getByText('Add a recording').isVisible(), false, 'what would be refused is not offered');
   assert.equal(await guest.getByRole('button', { name: 'Actions for' }).count(), 0);
   await context.close();
+  await page.locator('.picture').press('x');
+  await page.getByRole('button', { name: 'Clip box' }).click();
+  await page.locator('.section-kind').getByText('No section').click();
+  await page.keyboard.press('Escape');
 });
 
 test('a finished scan looks the same when it is opened again, also from a restarted server', async () => {
@@ -398,7 +468,7 @@ test('a finished scan looks the same when it is opened again, also from a restar
 
 test('a page comes back by itself when the server does', { timeout: scan_ms }, async () => {
   const { page, outage } = viewer;
-  const client = stream({ sequence: endless, title: 'Long scan' });
+  const client = stream({ sequence: endless, title: 'Long scan', rate: slowly });
   await page.goto(`${server.origin}/#/`);
   await page.getByRole('link', { name: 'Long scan' }).click();
   await untilScan(page, 'the surface of the long scan', 120_000, (scan) => scan.triangles > 0);
@@ -422,7 +492,7 @@ test('a page comes back by itself when the server does', { timeout: scan_ms }, a
 
 test('a scan is stopped, renamed, found, and deleted with a way back', { timeout: scan_ms }, async () => {
   const { page } = viewer;
-  stream({ sequence: endless, title: 'To be stopped' });
+  stream({ sequence: endless, title: 'To be stopped', rate: slowly });
   await page.goto(`${server.origin}/#/`);
   await page.getByRole('link', { name: 'To be stopped' }).click();
   await untilScan(page, 'the scan runs', 60_000, (scan) => scan.phase === 'running' && scan.framesProcessed > 5);

@@ -20,7 +20,7 @@ function show(): void {
   const route = routeOf(location.hash);
   page?.dispose();
   if (route.page === 'scan') {
-    page = opened = scanPage(route.scanId, storedToken(sessionStorage));
+    page = opened = scanPage(route.scanId, storedToken(sessionStorage), route.view);
   } else {
     opened = null;
     page = listPage({ token: () => storedToken(sessionStorage), setToken: (token) => storeToken(sessionStorage, token) });

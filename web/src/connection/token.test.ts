@@ -12,6 +12,11 @@ describe('readFragment', () => {
     expect(readFragment('#share=')).toEqual({ token: null, hash: '#/' });
   });
 
+  it('keeps how the scan is looked at', () => {
+    expect(readFragment('#share=hms_1&scan=s1&clip=1,2&cut=%23%2F')).toEqual({ token: 'hms_1', hash: '#/scan/s1?clip=1,2&cut=%23%2F' });
+    expect(readFragment('#share=a&token=b&scan=s1').hash).toBe('#/scan/s1');
+  });
+
   it('cleans the address even when the token is empty', () => {
     expect(readFragment('#token=')).toEqual({ token: null, hash: '#/' });
   });

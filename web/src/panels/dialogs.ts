@@ -44,6 +44,8 @@ const keys: readonly (readonly [string, string])[] = [
   ['S', 'Surface or points'],
   ['I', 'See inside'],
   ['M', 'Measure distances, heights, angles and areas'],
+  ['X', 'Clip box, and sections to draw and to download'],
+  ['E', 'Eye-dome lighting of points'],
   ['T', 'Look back: all frames of the camera'],
   ['Left, right, space', 'Frame before, next frame, play; on the slider of the frames'],
   ['C', 'Follow the camera, while it scans'],

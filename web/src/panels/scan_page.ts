@@ -4,9 +4,12 @@ import type { Watch } from '../connection/events';
 import { ScanLink } from '../connection/link';
 import { fetchAccess, fetchReport, noAccess, stopScan, type Access } from '../connection/scans';
 import { ScanScene } from '../scene/scene';
+import { cutQuery, readCut } from '../state/cut_link';
+import { reduceCutting, type Cutting, type CuttingEvent } from '../state/cutting';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
 import { meshWords } from '../state/mesh';
 import { receiver } from '../state/receiver';
+import { hashOf } from '../state/route';
 import { createStore, type Store } from '../state/store';
 import { storedUp, storeUp } from '../state/up_choice';
 import { initialViewOptions, reduceViewOptions, storedShow, storeShow, type ViewOptions } from '../state/view_options';
@@ -21,9 +24,12 @@ import { measurePanel, type MeasurePanel } from './measure_panel';
 import { menu, type MenuItem } from './menu';
 import { watchMesh } from './mesh_watch';
 import { deleteSoon, rename } from './scan_actions';
+import { sectionPanel, type SectionPanel } from './section_panel';
 import { shareButton } from './share_button';
 import { statusPanel } from './status_panel';
 import { viewPanel } from './view_panel';
+
+const addressAfter_ms = 400;
 
 type ScanStore = Store<LiveScan, LiveScanEvent>;
 type OptionsStore = Store<ViewOptions, Partial<ViewOptions>>;
@@ -34,9 +40,11 @@ export interface ScanPage extends Panel {
   readonly scan: ScanStore;
 }
 
-export function scanPage(scanId: string, token: string): ScanPage {
+// `view`: how the address says that it is looked at.
+export function scanPage(scanId: string, token: string, view: string): ScanPage {
   const scan = createStore(initialLiveScan(scanId), reduceLiveScan);
   const options: OptionsStore = createStore<ViewOptions, Partial<ViewOptions>>({ ...initialViewOptions, show: storedShow(localStorage) }, reduceViewOptions);
+  const cutting = createStore<Cutting, CuttingEvent>(readCut(view), reduceCutting);
   const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': 'The scan in three dimensions. Arrow keys move, plus and minus zoom, a question mark tells more.' });
   const stage = element('div', { class: 'stage' }, canvas);
   const empty = element('p', { class: 'empty', role: 'status' });
@@ -44,20 +52,17 @@ export function scanPage(scanId: string, token: string): ScanPage {
   const note = element('p', { class: 'mesh-note', role: 'status' });
   const floor = scene && floorPicker(canvas, (x_px, y_px) => setFloor(scene, scanId, x_px, y_px));
   scene?.setUp(storedUp(localStorage, scanId));
-  const bar = titleBar(scan, token, () => (scene && floor ? viewActions({ scanId, scene, floor, frames }) : []));
+  const bar = titleBar(scan, token, {
+    actions: () => (scene && floor && tools ? viewActions({ scanId, scene, floor, ...tools }) : []),
+    link: () => cutQuery(cutting.get()),
+  });
   const panels: Panel[] = [bar];
   const node = element('main', { class: 'scan-page' }, stage, empty, note, bar.element);
   if (floor) node.append(floor.element);
-  let tape: MeasurePanel | null = null;
-  let frames: FramesPanel | null = null;
-  if (scene) {
-    panels.push(statusPanel(scan, () => scene.framesPerSecond()));
-    tape = measurePanel({ canvas, scene, scan, token });
-    const { toggle, button } = tape;
-    // Both stand in the same place.
-    frames = framesPanel({ scene, scan, token, opened: () => node.classList.contains('measuring') && toggle() });
-    button.addEventListener('click', frames.close);
-    panels.push(viewPanel(options, scan, () => frameAll(scene, options), button, frames.button), tape, frames);
+  const tools = scene && toolsOf({ node, stage, canvas, scene, scan, cutting, token });
+  if (scene && tools) {
+    const buttons = [tools.tape, tools.section, tools.frames].map(({ button }) => button);
+    panels.push(statusPanel(scan, () => scene.framesPerSecond()), viewPanel(options, scan, () => frameAll(scene, options), ...buttons), ...Object.values(tools));
     for (const panel of panels.slice(1)) node.append(panel.element);
   }
   const unsubscribers = [
@@ -71,7 +76,8 @@ export function scanPage(scanId: string, token: string): ScanPage {
   unsubscribers.push(options.subscribe((state) => link?.watch(watchOf(state))));
   const mesh = scene && watchMesh(scan, scene, token);
   const stopReport = watchReport(scan, token);
-  const onKey = (event: KeyboardEvent): void => shortcut(event, { scene, options, tape, frames });
+  const stopAddress = watchAddress(scanId, cutting);
+  const onKey = (event: KeyboardEvent): void => shortcut(event, { scene, options, tools });
   document.addEventListener('keydown', onKey);
   canvas.addEventListener('dblclick', (event) => scene?.pivotAt(event.clientX, event.clientY));
   return {
@@ -84,12 +90,59 @@ export function scanPage(scanId: string, token: string): ScanPage {
       mesh?.dispose();
       link?.close();
       stopReport();
+      stopAddress();
       floor?.dispose();
       for (const unsubscribe of unsubscribers) unsubscribe();
       for (const panel of panels) panel.dispose();
       scene?.dispose();
     },
   };
+}
+
+interface Tools {
+  readonly tape: MeasurePanel;
+  readonly frames: FramesPanel;
+  readonly section: SectionPanel;
+}
+
+interface ToolWorld {
+  readonly node: HTMLElement; // of the page
+  readonly stage: HTMLElement;
+  readonly canvas: HTMLCanvasElement;
+  readonly scene: ScanScene;
+  readonly scan: ScanStore;
+  readonly cutting: Store<Cutting, CuttingEvent>;
+  readonly token: string;
+}
+
+// They stand in the same place: one at a time.
+function toolsOf({ node, stage, canvas, scene, scan, cutting, token }: ToolWorld): Tools {
+  const tape = measurePanel({ canvas, scene, scan, token });
+  const closeTape = (): void => {
+    if (node.classList.contains('measuring')) tape.toggle();
+  };
+  const frames: FramesPanel = framesPanel({
+    scene,
+    scan,
+    token,
+    opened() {
+      closeTape();
+      section.close();
+    },
+  });
+  const section: SectionPanel = sectionPanel({
+    stage,
+    canvas,
+    scene,
+    scan,
+    store: cutting,
+    opened() {
+      closeTape();
+      frames.close();
+    },
+  });
+  for (const { close } of [frames, section]) tape.button.addEventListener('click', close);
+  return { tape, frames, section };
 }
 
 // What is shown is what is asked for.
@@ -125,21 +178,41 @@ function watchReport(scan: ScanStore, token: string): () => void {
   });
 }
 
+// The address is that of what is seen. Browsers let it change only so often.
+function watchAddress(scanId: string, cutting: Store<Cutting, never>): () => void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let before = cutQuery(cutting.get());
+  const unsubscribe = cutting.subscribe((state) => {
+    clearTimeout(timer);
+    timer = setTimeout(() => {
+      const query = cutQuery(state);
+      if (query !== before) history.replaceState(null, '', hashOf(scanId, query));
+      before = query;
+    }, addressAfter_ms);
+  });
+  return () => {
+    clearTimeout(timer);
+    unsubscribe();
+  };
+}
+
 interface ViewWorld {
   readonly scanId: string;
   readonly scene: ScanScene;
   readonly floor: FloorPicker;
-  readonly frames: FramesPanel | null;
+  readonly frames: FramesPanel;
+  readonly section: SectionPanel;
 }
 
-function viewActions({ scanId, scene, floor, frames }: ViewWorld): MenuItem[] {
+function viewActions({ scanId, scene, floor, frames, section }: ViewWorld): MenuItem[] {
   const chosen = storedUp(localStorage, scanId) !== null;
   const again = (): void => {
     storeUp(localStorage, scanId, null);
     scene.setUp(null);
   };
   return [
-    ...(frames && !frames.button.hidden ? [{ label: 'Frames', phoneOnly: true, do: frames.toggle }] : []),
+    ...(!section.button.hidden ? [{ label: 'Section', phoneOnly: true, do: section.toggle }] : []),
+    ...(!frames.button.hidden ? [{ label: 'Frames', phoneOnly: true, do: frames.toggle }] : []),
     { label: 'Set the floor', do: () => floor.begin() },
     ...(chosen ? [{ label: 'Find the floor again', do: again }] : []),
     { label: 'Mouse and keyboard', do: showHelp },
@@ -162,16 +235,20 @@ function scanActions(scan: ScanStore, token: string, access: Access, problem: El
   ];
 }
 
-// `viewing`: what else the menu has.
-function titleBar(scan: ScanStore, token: string, viewing: () => MenuItem[]): Panel {
+interface Viewing {
+  readonly actions: () => MenuItem[]; // what else the menu has
+  readonly link: () => string; // how the scan is looked at, as fields of an address
+}
+
+function titleBar(scan: ScanStore, token: string, viewing: Viewing): Panel {
   const title = element('h1');
   const phase = statusMark();
   const downloads = downloadMenu(scan, token);
   const problem = element('span', { class: 'problem', role: 'alert' });
-  const share = shareButton(scan.get().scanId, token, problem);
+  const share = shareButton(scan.get().scanId, token, problem, viewing.link);
   let access = noAccess;
   const shareItem: MenuItem = { label: 'Share', phoneOnly: true, do: () => share.querySelector('button')?.click() };
-  const more = menu('More', () => [...(access.scan ? [shareItem] : []), ...viewing(), ...scanActions(scan, token, access, problem)]);
+  const more = menu('More', () => [...(access.scan ? [shareItem] : []), ...viewing.actions(), ...scanActions(scan, token, access, problem)]);
   const node = element(
     'header',
     { class: 'title-bar' },
@@ -221,11 +298,10 @@ function showEmpty(node: HTMLElement, words: string | null): void {
 interface Shortcuts {
   readonly scene: ScanScene | null;
   readonly options: OptionsStore;
-  readonly tape: MeasurePanel | null;
-  readonly frames: FramesPanel | null;
+  readonly tools: Tools | null;
 }
 
-function shortcut(event: KeyboardEvent, { scene, options, tape, frames }: Shortcuts): void {
+function shortcut(event: KeyboardEvent, { scene, options, tools }: Shortcuts): void {
   const typing = event.target instanceof HTMLInputElement && !['radio', 'range'].includes(event.target.type);
   if (typing || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === 'f' && scene) frameAll(scene, options);
@@ -233,10 +309,13 @@ function shortcut(event: KeyboardEvent, { scene, options, tape, frames }: Shortc
   if (event.key === 'c') options.dispatch({ follow: !now.follow });
   if (event.key === 's') options.dispatch({ show: now.show === 'surface' ? 'points' : 'surface' });
   if (event.key === 'i') options.dispatch({ hideBacks: !now.hideBacks });
+  if (event.key === 'e') options.dispatch({ eyeDome: !now.eyeDome });
+  if (event.key === 'x') tools?.section.toggle();
   if (event.key === 'm') {
-    frames?.close();
-    tape?.toggle();
+    tools?.frames.close();
+    tools?.section.close();
+    tools?.tape.toggle();
   }
-  if (event.key === 't') frames?.toggle();
+  if (event.key === 't') tools?.frames.toggle();
   if (event.key === '?') showHelp();
 }

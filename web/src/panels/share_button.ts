@@ -2,7 +2,8 @@
 import { ApiError, createShareLink } from '../connection/api';
 import { element, setText } from './dom';
 
-export function shareButton(scanId: string, token: string, problem: Element): HTMLElement {
+// `view`: how the scan is looked at now, as fields of an address, or empty.
+export function shareButton(scanId: string, token: string, problem: Element, view: () => string): HTMLElement {
   const button = element('button', { type: 'button', class: 'button', title: 'Makes a link with which others can look at this scan' }, 'Share');
   const link = element('input', { class: 'share-link', type: 'text', readonly: true, 'aria-label': 'Link to this scan' });
   const words = element('span', { class: 'share-words', role: 'status' });
@@ -12,7 +13,7 @@ export function shareButton(scanId: string, token: string, problem: Element): HT
     button.disabled = true;
     setText(problem, '');
     try {
-      link.value = await createShareLink(scanId, token);
+      link.value = [await createShareLink(scanId, token), view()].filter(Boolean).join('&');
       link.hidden = false;
       button.hidden = true;
       link.select();

@@ -31,6 +31,7 @@ export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, sca
   const inside = toggle('See inside', 'Makes what is seen from behind transparent, so that walls do not cover the room', () =>
     options.dispatch({ hideBacks: !options.get().hideBacks }),
   );
+  const eyeDome = toggle('Edges', 'Eye-dome lighting: points are darker behind edges (E)', () => options.dispatch({ eyeDome: !options.get().eyeDome }));
   const follow = toggle('Follow camera', 'Rides behind the scanning camera', () => options.dispatch({ follow: !options.get().follow }));
   const frame = element('button', { type: 'button', class: 'button', title: 'Shows the whole scan (F)' }, 'Show all');
   frame.addEventListener('click', frameAll);
@@ -42,6 +43,7 @@ export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, sca
     surface.element,
     colors.element,
     slider,
+    eyeDome,
     element('div', { class: 'buttons' }, inside, follow, frame),
     ...more,
   );
@@ -59,6 +61,8 @@ export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, sca
     size.value = String(state.pointSize_percent);
     setText(sizeText, `${state.pointSize_percent} %`);
     inside.setAttribute('aria-pressed', String(state.hideBacks));
+    eyeDome.setAttribute('aria-pressed', String(state.eyeDome));
+    eyeDome.hidden = onSurface;
     follow.setAttribute('aria-pressed', String(state.follow));
     follow.hidden = phase === 'finished' || phase === 'interrupted' || phase === 'failed'; // nobody leads any more
   };

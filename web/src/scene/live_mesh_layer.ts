@@ -2,7 +2,9 @@
 import { Box3, Group, Matrix4, Ray, Vector3 } from 'three';
 import type { MeshCube, MeshPiece, ScanEvent } from '../connection/events';
 import { nameOfCube } from '../state/chunk_ledger';
+import type { Surface } from '../state/section';
 import { meshColors, shownMeshColor, type ViewOptions } from '../state/view_options';
+import { ClipLayer } from './clip_layer';
 import type { Box } from './framing';
 import type { Hit, Layer } from './layer';
 import { MeshBatch, type PieceRange } from './mesh_batch';
@@ -25,8 +27,11 @@ export class LiveMeshLayer implements Layer {
   private readonly pieces = new Map<string, Piece>();
   private readonly batches: MeshBatch[] = [];
 
-  constructor(private readonly submaps: SubmapsLayer) {
-    const sideOf = (back: boolean): MeshMaterial => new MeshMaterial({ back, map: null, color: 'srgb', poses: submaps.poses.uniform });
+  constructor(
+    private readonly submaps: SubmapsLayer,
+    private readonly clip = new ClipLayer(),
+  ) {
+    const sideOf = (back: boolean): MeshMaterial => new MeshMaterial({ back, map: null, color: 'srgb', poses: submaps.poses.uniform, clip: clip.uniform });
     this.materials = { front: sideOf(false), back: sideOf(true) };
   }
 
@@ -82,11 +87,24 @@ export class LiveMeshLayer implements Layer {
         if (!own.intersectTriangle(a, b, c, true, point)) continue;
         const distance_m = point.distanceTo(own.origin);
         if (best && distance_m >= best.distance_m) continue;
+        const point_m = point.clone().applyMatrix4(matrix);
+        if (!this.clip.holds(point_m)) continue;
         const normal = b.sub(a).cross(c.sub(a)).transformDirection(matrix);
-        best = { point_m: point.clone().applyMatrix4(matrix), normal: normal.clone(), distance_m };
+        best = { point_m, normal: normal.clone(), distance_m };
       }
     }
     return best;
+  }
+
+  // In the world of the scan, as it stands now.
+  surfaces(): Surface[] {
+    const point = new Vector3();
+    return [...this.pieces.values()].map(({ batch, range, submap }) => {
+      const { matrix } = this.submaps.groupOf(submap);
+      const positions_m = new Float32Array(3 * range.vertexCount);
+      for (let i = 0; i < range.vertexCount; ++i) batch.placeAt(range.vertices.start + i, point).applyMatrix4(matrix).toArray(positions_m, 3 * i);
+      return { positions_m, index: Uint32Array.from({ length: range.cornerCount }, (_, i) => batch.cornerAt(range.corners.start + i) - range.vertices.start) };
+    });
   }
 
   // Another surface takes over.

@@ -1,5 +1,5 @@
 // Pieces of a surface in one buffer, drawn in one call from either side.
-import { BufferAttribute, BufferGeometry, Mesh, type Material } from 'three';
+import { BufferAttribute, BufferGeometry, Mesh, type Material, type Vector3 } from 'three';
 import type { MeshPiece } from '../connection/events';
 import { RangeAllocator } from './range_allocator';
 
@@ -93,6 +93,11 @@ export class MeshBatch {
       position_m: [this.positions.getX(i), this.positions.getY(i), this.positions.getZ(i)],
       normal: [this.normals.getX(i), this.normals.getY(i), this.normals.getZ(i)],
     };
+  }
+
+  // The same, without its normal.
+  placeAt(i: number, into: Vector3): Vector3 {
+    return into.fromArray(this.positions.array, 3 * i);
   }
 
   // The vertex at a corner.

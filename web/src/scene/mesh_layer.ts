@@ -1,8 +1,11 @@
 // The surface of a finished scan: one mesh, and behind it the same once more for those who see it from behind.
-import { Color, Group, Matrix4, Mesh, type BufferGeometry, type Material, type Object3D, type Texture } from 'three';
+import { Color, Group, Matrix4, Mesh, Vector3, type BufferGeometry, type Material, type Object3D, type Texture } from 'three';
+import type { Surface } from '../state/section';
 import { meshColors, shownMeshColor, type ViewOptions } from '../state/view_options';
+import { unclipped, type ClipUniform } from './clip_layer';
 import type { Layer } from './layer';
 import { MeshMaterial } from './mesh_material';
+import type { SampleCollector } from './samples';
 
 // glTF has y up, the world y down: half a turn about x.
 const worldFromGltf = new Matrix4().makeRotationX(Math.PI);
@@ -12,8 +15,9 @@ export class MeshLayer implements Layer {
   private materials: MeshMaterial[] = [];
   private options: ViewOptions | null = null;
   private textured = false;
+  private inWorld: Surface[] | null = null;
 
-  constructor() {
+  constructor(private readonly clip: ClipUniform = unclipped) {
     this.object.matrixAutoUpdate = false;
     this.object.matrix.copy(worldFromGltf);
     this.object.visible = false;
@@ -30,6 +34,23 @@ export class MeshLayer implements Layer {
   // What is seen from the front, to be clicked on.
   fronts(): Object3D[] {
     return this.object.children.filter((side) => side.renderOrder === 0);
+  }
+
+  // In the world of the scan.
+  surfaces(): readonly Surface[] {
+    this.inWorld ??= this.sides().map(({ geometry, matrix }) => surfaceOf(geometry, new Matrix4().multiplyMatrices(worldFromGltf, matrix)));
+    return this.inWorld;
+  }
+
+  // Some of the vertices, evenly.
+  sample(into: SampleCollector): void {
+    for (const { geometry, matrix } of this.sides()) {
+      const [positions, normals] = [geometry.getAttribute('position'), geometry.getAttribute('normal')];
+      into.add(positions.count, new Matrix4().multiplyMatrices(worldFromGltf, matrix), (i) => ({
+        position_m: [positions.getX(i), positions.getY(i), positions.getZ(i)],
+        normal: [normals.getX(i), normals.getY(i), normals.getZ(i)],
+      }));
+    }
   }
 
   // Instead of the one before; null: none. What it holds is disposed of here.
@@ -57,7 +78,7 @@ export class MeshLayer implements Layer {
     if (!geometry.hasAttribute('normal')) geometry.computeVertexNormals();
     this.textured ||= map !== null;
     for (const back of [false, true]) {
-      const material = new MeshMaterial({ back, map, tint: colorOf(mesh.material), color: geometry.hasAttribute('color') ? 'linear' : 'none' });
+      const material = new MeshMaterial({ back, map, clip: this.clip, tint: colorOf(mesh.material), color: geometry.hasAttribute('color') ? 'linear' : 'none' });
       const side = new Mesh(geometry, material);
       side.matrixAutoUpdate = false;
       side.matrix.copy(mesh.matrixWorld);
@@ -83,7 +104,20 @@ export class MeshLayer implements Layer {
     this.object.clear();
     this.materials = [];
     this.textured = false;
+    this.inWorld = null;
   }
+
+  private sides(): Mesh<BufferGeometry>[] {
+    return this.fronts() as Mesh<BufferGeometry>[];
+  }
+}
+
+function surfaceOf(geometry: BufferGeometry, worldFromMesh: Matrix4): Surface {
+  const positions = geometry.getAttribute('position');
+  const positions_m = new Float32Array(3 * positions.count);
+  const point = new Vector3();
+  for (let i = 0; i < positions.count; ++i) point.fromBufferAttribute(positions, i).applyMatrix4(worldFromMesh).toArray(positions_m, 3 * i);
+  return { positions_m, index: geometry.index?.array ?? Uint32Array.from({ length: positions.count }, (_, i) => i) };
 }
 
 function mapOf(material: Material | Material[]): Texture | null {

@@ -1,6 +1,7 @@
 // A surface in its own colours, lit softly from above and from the eye so that its shape is seen: what faces the eye keeps its colour as it is.
 // Seen from behind it is dim, and with `veil` as good as through, so that a room can be looked into from outside.
 import { BackSide, Color, FrontSide, ShaderMaterial, type DataTexture, type Texture } from 'three';
+import { unclipped, type ClipUniform } from './clip_layer';
 
 const vertexShader = /* glsl */ `
 #ifdef HAS_COLOR
@@ -14,7 +15,8 @@ attribute float row;  // of the submap that it moves with
 uniform highp sampler2D poses;
 flat varying float vFaded;
 #endif
-varying vec3 vColor, vNormal, vInView;
+uniform mat4 clip;  // ClipLayer
+varying vec3 vColor, vNormal, vInView, vInClip;
 
 void main() {
   vec4 inWorld = vec4(position, 1.0);
@@ -41,6 +43,7 @@ void main() {
   vNormal = normalMatrix * facing;
   vec4 inView = modelViewMatrix * inWorld;
   vInView = inView.xyz;
+  vInClip = (clip * modelMatrix * inWorld).xyz;
   gl_Position = projectionMatrix * inView;
 }`;
 
@@ -55,9 +58,10 @@ flat varying float vFaded;  // 1: of a part of the map that the camera is not in
 #ifdef HAS_MAP
 varying vec2 vUv;
 #endif
-varying vec3 vColor, vNormal, vInView;
+varying vec3 vColor, vNormal, vInView, vInClip;
 
 void main() {
+  if (any(greaterThan(abs(vInClip), vec3(1.0)))) discard;
   vec3 base = vColor;
 #ifdef HAS_MAP
   base = texture2D(map, vUv).rgb;
@@ -99,17 +103,18 @@ export interface MeshMaterialKind {
   readonly color: 'none' | 'linear' | 'srgb'; // of the vertices
   readonly tint?: Color; // linear, of everything
   readonly poses?: { value: DataTexture }; // of the submaps (PoseTexture), where vertices have rows of it
+  readonly clip?: ClipUniform;
 }
 
 export class MeshMaterial extends ShaderMaterial {
-  constructor({ back, map, color, tint = new Color(1, 1, 1), poses }: MeshMaterialKind) {
+  constructor({ back, map, color, tint = new Color(1, 1, 1), poses, clip = unclipped }: MeshMaterialKind) {
     super({
       vertexShader,
       fragmentShader: `#include <common>\n${fragmentShader}`,
       side: back ? BackSide : FrontSide,
       transparent: back,
       defines: { ...(color !== 'none' ? { HAS_COLOR: '' } : {}), ...(color === 'srgb' ? { SRGB_COLOR: '' } : {}), ...(map ? { HAS_MAP: '' } : {}), ...(poses ? { HAS_POSES: '' } : {}) },
-      uniforms: { map: { value: map }, tint: { value: tint }, colorMode: { value: 0 }, back: { value: back }, veil: { value: true }, ...(poses ? { poses } : {}) },
+      uniforms: { clip, map: { value: map }, tint: { value: tint }, colorMode: { value: 0 }, back: { value: back }, veil: { value: true }, ...(poses ? { poses } : {}) },
     });
   }
 

@@ -3,6 +3,7 @@ import { Box3, Group, Vector3, type Ray } from 'three';
 import type { ChunkKey, ChunkPoints, ScanEvent } from '../connection/events';
 import { nameOf } from '../state/chunk_ledger';
 import type { ViewOptions } from '../state/view_options';
+import { ClipLayer } from './clip_layer';
 import type { Box } from './framing';
 import type { Hit, Layer, ViewSize } from './layer';
 import { PointBatch, type BatchRange } from './point_batch';
@@ -34,8 +35,11 @@ export class PointsLayer implements Layer {
   private count = 0; // of all points
   private leastRadius_m = 0;
 
-  constructor(private readonly submaps: SubmapsLayer) {
-    this.material = new PointsMaterial(submaps.poses.uniform);
+  constructor(
+    private readonly submaps: SubmapsLayer,
+    private readonly clip = new ClipLayer(),
+  ) {
+    this.material = new PointsMaterial(submaps.poses.uniform, clip.uniform);
   }
 
   get drawCalls(): number {
@@ -97,7 +101,8 @@ export class PointsLayer implements Layer {
         if (along_m <= 0 || (best && along_m >= best.distance_m) || center.lengthSq() - along_m * along_m > radius_m * radius_m) continue;
         normal.fromArray(at.normal).transformDirection(matrix);
         if (normal.dot(ray.direction) > 0) continue;
-        best = { point_m: center.clone().add(ray.origin), normal: normal.clone(), distance_m: along_m };
+        const point_m = center.clone().add(ray.origin);
+        if (this.clip.holds(point_m)) best = { point_m, normal: normal.clone(), distance_m: along_m };
       }
     }
     return best;

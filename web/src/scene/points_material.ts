@@ -2,6 +2,7 @@
 // belongs to the one whose middle is nearest.
 import { ShaderMaterial, type DataTexture } from 'three';
 import { colorModes, type ViewOptions } from '../state/view_options';
+import { unclipped, type ClipUniform } from './clip_layer';
 import type { ViewSize } from './layer';
 
 const vertexShader = /* glsl */ `
@@ -13,6 +14,7 @@ uniform float sizeFactor, leastRadius;
 uniform float pixelsPerMetre;  // at a distance of one metre
 uniform int colorMode;
 uniform bool hideBacks;
+uniform mat4 clip;  // ClipLayer
 flat varying vec3 vColor, vCenter, vNormal;  // in the view
 flat varying float vRadius, vSize_px;
 
@@ -26,7 +28,9 @@ void main() {
   vec4 x = texelFetch(poses, ivec2(0, at), 0), y = texelFetch(poses, ivec2(1, at), 0), z = texelFetch(poses, ivec2(2, at), 0);
   bool faded = texelFetch(poses, ivec2(3, at), 0).x > 0.5;
   vec4 inSubmap = vec4(position, 1.0);
-  vec4 inView = modelViewMatrix * vec4(dot(x, inSubmap), dot(y, inSubmap), dot(z, inSubmap), 1.0);
+  vec4 atWorld = vec4(dot(x, inSubmap), dot(y, inSubmap), dot(z, inSubmap), 1.0);
+  vec4 inView = modelViewMatrix * atWorld;
+  bool clipped = any(greaterThan(abs((clip * modelMatrix * atWorld).xyz), vec3(1.0)));
   vec3 inWorld = vec3(dot(x.xyz, normal), dot(y.xyz, normal), dot(z.xyz, normal));
   bool hasNormal = dot(normal, normal) > 0.1;
   vec3 toEye = -normalize(inView.xyz);
@@ -34,7 +38,7 @@ void main() {
   float facing = dot(inViewNormal, toEye);
   gl_Position = vec4(0.0, 0.0, 2.0, 1.0);  // outside of the view
   gl_PointSize = 0.0;
-  if (radius <= 0.0 || inView.z > -1e-4 || (hideBacks && facing < 0.0)) return;
+  if (clipped || radius <= 0.0 || inView.z > -1e-4 || (hideBacks && facing < 0.0)) return;
 
   if (facing < 0.0) inViewNormal = -inViewNormal;
   // Seen from its edge a disc would be nothing, and what is behind would shine through.
@@ -82,11 +86,11 @@ void main() {
 
 export class PointsMaterial extends ShaderMaterial {
   // `poses`: of the submaps (PoseTexture).
-  constructor(poses: { value: DataTexture }) {
+  constructor(poses: { value: DataTexture }, clip: ClipUniform = unclipped) {
     super({
       vertexShader,
       fragmentShader,
-      uniforms: { poses, sizeFactor: { value: 1 }, leastRadius: { value: 0 }, pixelsPerMetre: { value: 800 }, colorMode: { value: 0 }, hideBacks: { value: true } },
+      uniforms: { poses, clip, sizeFactor: { value: 1 }, leastRadius: { value: 0 }, pixelsPerMetre: { value: 800 }, colorMode: { value: 0 }, hideBacks: { value: true } },
     });
   }
 

@@ -2,8 +2,12 @@
 import { Matrix4, Mesh, Quaternion, Ray, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Object3D } from 'three';
 import type { Pose, ScanEvent } from '../connection/events';
 import type { Measured, Place } from '../connection/measurements';
+import type { Axes } from '../state/axes';
+import type { Cutting, Face, Model } from '../state/cutting';
 import type { ViewOptions } from '../state/view_options';
 import { CameraRig } from './camera_rig';
+import { ClipLayer } from './clip_layer';
+import { EyeDome } from './eye_dome';
 import { framingOf, type Box } from './framing';
 import { FrustumLayer } from './frustum_layer';
 import { floorHeight_m, type Direction } from './gravity';
@@ -12,6 +16,7 @@ import type { Hit, Layer, ViewSize } from './layer';
 import { LiveMeshLayer } from './live_mesh_layer';
 import { MeasureLayer } from './measure_layer';
 import { MeshLayer } from './mesh_layer';
+import { ModelCut, type SurfaceKind } from './model_cut';
 import { MomentLayer, type Moment } from './moment_layer';
 import { PointsLayer } from './points_layer';
 import { SampleCollector } from './samples';
@@ -34,15 +39,21 @@ export class ScanScene {
   private readonly rig: CameraRig;
   private readonly upright = new Upright((delta) => this.rig.carry(delta));
   private readonly submaps = new SubmapsLayer();
-  private readonly points = new PointsLayer(this.submaps);
-  private readonly live = new LiveMeshLayer(this.submaps);
-  private readonly mesh = new MeshLayer();
+  private readonly clip = new ClipLayer();
+  private readonly points = new PointsLayer(this.submaps, this.clip);
+  private readonly live = new LiveMeshLayer(this.submaps, this.clip);
+  private readonly mesh = new MeshLayer(this.clip.uniform);
+  private readonly cut = new ModelCut({ points: this.points, live: this.live, mesh: this.mesh, clip: this.clip });
+  private readonly eyeDome = new EyeDome();
   private readonly frustum = new FrustumLayer();
   private readonly measured = new MeasureLayer();
   private readonly moment = new MomentLayer();
   private readonly grid = new GridLayer();
   // What hangs on the submaps comes behind them.
-  private readonly layers: readonly Layer[] = [this.grid, this.submaps, this.points, this.live, this.mesh, new TrajectoryLayer(this.submaps), this.frustum, this.measured, this.moment];
+  private readonly layers: readonly Layer[] = [
+    ...[this.grid, this.submaps, this.points, this.live, this.mesh, this.eyeDome, new TrajectoryLayer(this.submaps), this.frustum],
+    ...[this.clip, this.cut.section, this.measured, this.moment],
+  ];
   private readonly stillness = matchMedia('(prefers-reduced-motion: reduce)');
   private readonly unwatchTheme: () => void;
   private readonly resizeObserver: ResizeObserver;
@@ -68,6 +79,7 @@ export class ScanScene {
   ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.info.autoReset = false; // a picture may be drawn in two goes
     for (const layer of this.layers) (layer === this.grid ? this.scene : this.upright.object).add(layer.object);
     this.scene.add(this.upright.object);
     this.paint();
@@ -107,6 +119,7 @@ export class ScanScene {
   showMesh(root: Object3D): { readonly triangles: number; readonly textured: boolean } {
     this.mesh.replace(root);
     this.live.clear();
+    this.cut.refresh();
     if (this.options) this.onOptions(this.options);
     let triangles = 0;
     root.traverse((object) => {
@@ -173,6 +186,36 @@ export class ScanScene {
   showMeasured(measured: readonly Measured[], chosen: readonly Place[]): void {
     this.measured.show(measured, chosen);
     this.requestDraw();
+  }
+
+  // How far the model reaches, along axes that are known or found; null: there is none.
+  measureModel(axes: Axes | null): Model | null {
+    return this.cut.measure(axes, this.up, this.floor_m === null ? null : -this.floor_m);
+  }
+
+  // What there is to be cut.
+  get surface(): SurfaceKind {
+    return this.cut.surface;
+  }
+
+  // Gives the lines where the section cuts the surface (section.ts).
+  showCutting(cutting: Cutting): readonly number[] {
+    this.requestDraw();
+    return this.cut.show(cutting);
+  }
+
+  // The handle of the clip box there, in pixels of the page; null: none is as near.
+  handleAt(x_px: number, y_px: number, reach_px: number): Face | null {
+    const away_px = (place: Place): number => {
+      const [x, y] = this.screenOf(place) ?? [Infinity, Infinity];
+      return Math.hypot(x - x_px, y - y_px);
+    };
+    return this.cut.handleAt(away_px, reach_px);
+  }
+
+  // Where a face of the clip box goes that is dragged there, along its axis; null: nobody can say.
+  dragged(face: Face, x_px: number, y_px: number): number | null {
+    return this.cut.alongHandle(face, this.rayAt(x_px, y_px).inWorld);
   }
 
   // Where the camera was at a moment that somebody looks back at; null: nobody does.
@@ -244,7 +287,9 @@ export class ScanScene {
     if (this.upright.tick(elapsed_ms, still)) moving = this.grew = true; // framed anew as it turns
     const eye = this.rig.tick(elapsed_ms, this.frustum.worldFromCamera, { upright: this.upright.object.quaternion, still });
     if (this.reframe(now_ms)) moving = true;
-    this.renderer.render(this.scene, this.rig.camera);
+    this.clip.place(this.upright.object.matrix);
+    this.renderer.info.reset();
+    this.eyeDome.draw(this.renderer, this.scene, this.rig.camera, this.points.object, this.isLit());
     this.drawn_ms.push(performance.now());
     if (this.drawn_ms.length > 480) this.framesPerSecond(); // forgets the old ones
     if (eye.byHand) this.requestDraw();
@@ -288,18 +333,28 @@ export class ScanScene {
 
   // In the world of the scan.
   private pick(x_px: number, y_px: number): Hit | null {
-    const { left, top, width, height } = this.canvas.getBoundingClientRect();
-    const caster = new Raycaster();
-    caster.setFromCamera(new Vector2((2 * (x_px - left)) / width - 1, 1 - (2 * (y_px - top)) / height), this.rig.camera);
-    const worldFromView = new Matrix4().copy(this.upright.object.matrix).invert();
-    const ray = new Ray().copy(caster.ray).applyMatrix4(worldFromView);
+    const { caster, worldFromView, inWorld: ray } = this.rayAt(x_px, y_px);
     const hits = [this.points, this.live].flatMap((layer) => (layer.object.visible ? (layer.pick(ray) ?? []) : []));
-    const [mesh] = this.mesh.object.visible ? caster.intersectObjects(this.mesh.fronts(), false) : [];
+    const onMesh = this.mesh.object.visible ? caster.intersectObjects(this.mesh.fronts(), false) : [];
+    const mesh = onMesh.find(({ point }) => this.clip.holds(point.clone().applyMatrix4(worldFromView)));
     if (mesh?.face) {
       const normal = mesh.face.normal.clone().transformDirection(mesh.object.matrixWorld).transformDirection(worldFromView);
       hits.push({ point_m: mesh.point.clone().applyMatrix4(worldFromView), normal, distance_m: mesh.distance });
     }
     return hits.sort((a, b) => a.distance_m - b.distance_m)[0] ?? null;
+  }
+
+  private rayAt(x_px: number, y_px: number): { readonly caster: Raycaster; readonly worldFromView: Matrix4; readonly inWorld: Ray } {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const caster = new Raycaster();
+    caster.setFromCamera(new Vector2((2 * (x_px - left)) / width - 1, 1 - (2 * (y_px - top)) / height), this.rig.camera);
+    const worldFromView = new Matrix4().copy(this.upright.object.matrix).invert();
+    return { caster, worldFromView, inWorld: new Ray().copy(caster.ray).applyMatrix4(worldFromView) };
+  }
+
+  // Surfaces have their own light.
+  private isLit(): boolean {
+    return this.points.object.visible && !this.live.object.visible && this.options?.eyeDome === true;
   }
 
   private paint(): void {

@@ -6,7 +6,8 @@ describe('routeOf', () => {
   it('finds back every scan that hashOf names', () => {
     fc.assert(
       fc.property(fc.string({ minLength: 1, unit: 'grapheme' }), (scanId) => {
-        expect(routeOf(hashOf(scanId))).toEqual({ page: 'scan', scanId });
+        expect(routeOf(hashOf(scanId))).toEqual({ page: 'scan', scanId, view: '' });
+        expect(routeOf(hashOf(scanId, 'clip=1,2'))).toEqual({ page: 'scan', scanId, view: 'clip=1,2' });
       }),
     );
   });

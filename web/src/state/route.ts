@@ -1,19 +1,19 @@
 // Which page the address bar's fragment means.
 
-export type Route = { readonly page: 'list' } | { readonly page: 'scan'; readonly scanId: string };
+export type Route = { readonly page: 'list' } | { readonly page: 'scan'; readonly scanId: string; readonly view: string }; // `view`: a query
 
-const scanPath = /^#\/scan\/([^/?&#]+)$/;
+const scanPath = /^#\/scan\/([^/?&#]+)(?:\?([^#]*))?$/;
 
 export function routeOf(hash: string): Route {
-  const scan = scanPath.exec(hash)?.[1];
+  const [, scan, view = ''] = scanPath.exec(hash) ?? [];
   if (!scan) return { page: 'list' };
   try {
-    return { page: 'scan', scanId: decodeURIComponent(scan) };
+    return { page: 'scan', scanId: decodeURIComponent(scan), view };
   } catch {
     return { page: 'list' }; // a broken percent sign
   }
 }
 
-export function hashOf(scanId: string): string {
-  return `#/scan/${encodeURIComponent(scanId)}`;
+export function hashOf(scanId: string, view = ''): string {
+  return `#/scan/${encodeURIComponent(scanId)}${view && `?${view}`}`;
 }

@@ -17,10 +17,11 @@ export interface ViewOptions {
   readonly meshColor: MeshColor | null; // null: nobody has chosen
   readonly pointSize_percent: number;
   readonly hideBacks: boolean; // what is seen from behind: walls and ceilings stop hiding the room
+  readonly eyeDome: boolean; // points are darker behind edges
   readonly follow: boolean; // the view rides behind the scanning camera
 }
 
-export const initialViewOptions: ViewOptions = { show: 'surface', color: 'shaded', meshColor: null, pointSize_percent: 100, hideBacks: true, follow: false };
+export const initialViewOptions: ViewOptions = { show: 'surface', color: 'shaded', meshColor: null, pointSize_percent: 100, hideBacks: true, eyeDome: true, follow: false };
 
 // Light helps to see the shape where there are only colours of points; a picture on the surface has its own.
 export function shownMeshColor(options: ViewOptions, textured: boolean): MeshColor {

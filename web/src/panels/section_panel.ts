@@ -1,0 +1,182 @@
+// The clip box and the section plane: what is looked at of a model, and the lines where a plane cuts it, to be taken away as a drawing.
+import { fileNameOf, saveAs } from '../connection/api';
+import type { ScanScene } from '../scene/scene';
+import { rangeOf, sectionKinds, turnRange_deg, type Cutting, type CuttingEvent, type Model, type Section, type SectionKind } from '../state/cutting';
+import type { LiveScan } from '../state/live_scan';
+import { joined, type Polyline } from '../state/section';
+import { svgOf } from '../state/section_drawing';
+import { dxfOf } from '../state/section_dxf';
+import { drawingWords, placeWords, sectionName, sectionWords } from '../state/section_words';
+import type { Store } from '../state/store';
+import { clipDrag } from './clip_drag';
+import { element, setText, type Panel } from './dom';
+import { segments } from './segments';
+
+export interface SectionPanel extends Panel {
+  readonly button: HTMLElement; // opens and closes it
+  toggle(): void; // the same; nothing where there is nothing to cut
+  close(): void;
+}
+
+interface World {
+  readonly stage: HTMLElement;
+  readonly canvas: HTMLCanvasElement;
+  readonly scene: ScanScene;
+  readonly scan: Store<LiveScan, never>;
+  readonly store: Store<Cutting, CuttingEvent>;
+  readonly opened: () => void; // it stands where others may stand
+}
+
+type Cut = SectionKind | 'off';
+
+const cuts: readonly Cut[] = ['off', ...sectionKinds];
+const cutLabels: Record<Cut, string> = { off: 'No section', horizontal: 'Horizontal', vertical: 'Vertical' };
+const measureEvery_ms = 2_000; // while a scan grows
+const steps_m = { fine: 0.001, coarse: 0.01, coarseFrom: 3 } as const; // of the plane, in a model that is as large
+
+export function sectionPanel({ stage, canvas, scene, scan, store, opened }: World): SectionPanel {
+  const view = panelView((by) => store.dispatch({ kind: 'cut', by }));
+  const { node, button } = view;
+  let lines: readonly Polyline[] = [];
+  let measured_ms = -Infinity;
+  const measure = (): Model | null => {
+    const { axes, clip, section } = store.get();
+    measured_ms = performance.now();
+    return scene.measureModel(clip || section ? axes : null); // what is in use stands along the old ones
+  };
+  const remeasure = (): void => {
+    const model = measure();
+    if (model) store.dispatch({ kind: 'measured', model });
+  };
+  const open = (active: boolean): void => {
+    if (active === store.get().active) return;
+    const hadFocus = node.contains(document.activeElement);
+    if (active) {
+      opened();
+      remeasure();
+    }
+    store.dispatch({ kind: 'active', active });
+    if (!active && hadFocus) button.focus();
+  };
+  const toggle = (): void => {
+    if (!button.hidden) open(!store.get().active);
+  };
+  const show = (): void => {
+    const state = store.get();
+    node.parentElement?.classList.toggle('cutting', state.active);
+    lines = joined(scene.showCutting(state));
+    view.show(state, sectionWords({ surface: scene.surface, lines }), scene.surface === 'finished' && lines.length > 0);
+  };
+  wire(view, store, measure);
+  view.svg.addEventListener('click', () => save(store.get(), scan.get().title, lines, 'svg'));
+  view.dxf.addEventListener('click', () => save(store.get(), scan.get().title, lines, 'dxf'));
+  button.addEventListener('click', toggle);
+  view.done.addEventListener('click', () => open(false));
+  const onKey = (event: KeyboardEvent): void => {
+    if (event.key === 'Escape' && !event.defaultPrevented && !document.querySelector('dialog')) open(false);
+  };
+  document.addEventListener('keydown', onKey);
+  const stopDrag = clipDrag(stage, canvas, scene, store);
+  let surface = scene.surface;
+  const follow = ({ points, triangles, mesh }: LiveScan): void => {
+    button.hidden = points === 0 && triangles === 0 && mesh.state !== 'shown';
+    const { active, clip, section, model } = store.get();
+    const isOther = scene.surface !== surface;
+    surface = scene.surface;
+    const isDue = isOther || (!button.hidden && !model) || performance.now() - measured_ms > measureEvery_ms;
+    if (isDue && (active || clip || section)) remeasure();
+  };
+  const unsubscribers = [store.subscribe(show), scan.subscribe(follow)];
+  return {
+    element: node,
+    button,
+    toggle,
+    close: () => open(false),
+    dispose() {
+      document.removeEventListener('keydown', onKey);
+      stopDrag();
+      for (const unsubscribe of unsubscribers) unsubscribe();
+    },
+  };
+}
+
+function save({ model, section }: Cutting, title: string, lines: readonly Polyline[], ending: 'svg' | 'dxf'): void {
+  if (!model || !section || lines.length === 0) return;
+  const words = drawingWords(model, section);
+  const [text, type] = ending === 'svg' ? [svgOf(lines, { title, words }), 'image/svg+xml'] : [dxfOf(lines, `${title}: ${words}, in metres`), 'image/vnd.dxf'];
+  saveAs(new Blob([text], { type }), `${fileNameOf(title) || 'scan'}-${sectionName(model, section)}.${ending}`);
+}
+
+type View = ReturnType<typeof panelView>;
+
+function wire({ box, reset, place, turn }: View, store: Store<Cutting, CuttingEvent>, measure: () => Model | null): void {
+  box.addEventListener('click', () => store.dispatch({ kind: 'clip', on: !store.get().clip }));
+  reset.addEventListener('click', () => {
+    const model = measure();
+    if (model) store.dispatch({ kind: 'reset', model });
+  });
+  place.input.addEventListener('input', () => store.dispatch({ kind: 'moved', at_m: place.input.valueAsNumber }));
+  turn.input.addEventListener('input', () => store.dispatch({ kind: 'turned', turn_deg: turn.input.valueAsNumber }));
+}
+
+function panelView(choose: (cut: Cut) => void) {
+  const act = (text: string, title: string): HTMLButtonElement => element('button', { type: 'button', class: 'button', title }, text);
+  const title = 'A clip box, and sections to draw and to download (X)';
+  const button = element('button', { type: 'button', class: 'button section-button', title, 'aria-pressed': 'false' }, 'Section');
+  const box = act('Clip box', 'Shows only what is inside of a box; drag the dots on its faces');
+  const reset = act('Reset', 'Makes the box as large as the model');
+  const words = element('p', { class: 'section-words', role: 'status' });
+  const choice = segments('section-kind', 'Section plane', cuts, cutLabels, choose);
+  const place = sliderOf('section-at', 'Position', {});
+  const turn = sliderOf('section-turn', 'Turn', turnRange_deg);
+  const [svg, dxf] = [act('SVG', 'A drawing on paper, with its scale'), act('DXF', 'For programs that draw, in metres')];
+  const done = act('Close', 'The box and the plane stay (Escape)');
+  const files = element('span', { class: 'section-files' }, element('span', {}, 'Download'), svg, dxf);
+  const node = element(
+    'section',
+    { class: 'card section', 'aria-label': 'Section' },
+    element('div', { class: 'buttons' }, box, reset),
+    choice.element,
+    place.element,
+    turn.element,
+    words,
+    element('div', { class: 'section-foot' }, files, done),
+  );
+  const show = ({ active, clip, section, model }: Cutting, say: string, isDrawn: boolean): void => {
+    node.hidden = !active;
+    button.setAttribute('aria-pressed', String(active));
+    button.classList.toggle('in-use', clip !== null || section !== null);
+    box.setAttribute('aria-pressed', String(clip !== null));
+    reset.hidden = !clip;
+    choice.check(section?.kind ?? 'off');
+    place.element.hidden = words.hidden = !section;
+    turn.element.hidden = section?.kind !== 'vertical';
+    files.hidden = !section || !isDrawn;
+    setText(words, section ? say : '');
+    if (section && model) showSliders(section, model);
+  };
+  const showSliders = (section: Section, model: Model): void => {
+    const [low_m, high_m] = rangeOf(model, section);
+    place.input.min = String(low_m);
+    place.input.max = String(high_m);
+    place.input.step = String(high_m - low_m < steps_m.coarseFrom ? steps_m.fine : steps_m.coarse);
+    place.input.value = String(section.at_m);
+    place.say(placeWords(model, section));
+    turn.input.value = String(section.turn_deg);
+    turn.say(`${Math.round(section.turn_deg)}°`);
+  };
+  return { node, button, box, reset, choice, place, turn, svg, dxf, done, show };
+}
+
+function sliderOf(id: string, label: string, range: Readonly<Record<string, number>>) {
+  const input = element('input', { type: 'range', id, ...range });
+  const text = element('output', { for: id });
+  return {
+    element: element('label', { class: 'slider', for: id }, element('span', {}, label), input, text),
+    input,
+    say(words: string): void {
+      setText(text, words);
+      input.setAttribute('aria-valuetext', words);
+    },
+  };
+}

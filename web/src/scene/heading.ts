@@ -1,0 +1,45 @@
+// Which horizontal direction most walls face: rooms have walls at right angles. Pure.
+import { axesOf, combined, cross, dot, type Axes, type Triple } from '../state/axes';
+import type { SurfaceSamples } from './gravity';
+
+const quarter_deg = 90;
+const around_deg = 4; // of the peak, on either side
+const steepest = 0.2; // sine of how far from upright a wall may be
+
+// With that up; along is what the walls face, as near to the world's x as one of their four directions is.
+export function wallAxes(samples: SurfaceSamples, up: Triple): Axes {
+  const axes = axesOf(up, [1, 0, 0]);
+  const across = cross(axes.along, up);
+  const walls: { readonly angle_deg: number; readonly weight: number }[] = [];
+  const bins = new Float64Array(quarter_deg);
+  for (let i = 0; i < samples.count; ++i) {
+    const normal: Triple = [samples.normals[3 * i]!, samples.normals[3 * i + 1]!, samples.normals[3 * i + 2]!];
+    if (Math.abs(dot(normal, up)) > steepest) continue;
+    const angle_deg = positive((Math.atan2(dot(normal, across), dot(normal, axes.along)) * 180) / Math.PI);
+    walls.push({ angle_deg, weight: samples.weights[i]! });
+    bins[Math.floor(angle_deg) % quarter_deg]! += samples.weights[i]!;
+  }
+  if (walls.length === 0) return axes;
+  // Nearer ones count more, so that the peak is in the middle of its bins.
+  const nearby = (bin: number): number => {
+    let sum = 0;
+    for (let k = -around_deg; k <= around_deg; ++k) sum += (around_deg + 1 - Math.abs(k)) * bins[positive(bin + k)]!;
+    return sum;
+  };
+  const peak_deg = bins.reduce((best, _, bin) => (nearby(bin) > nearby(best) ? bin : best), 0) + 0.5;
+  let [sum, total] = [0, 0];
+  for (const { angle_deg, weight } of walls) {
+    const off_deg = positive(angle_deg - peak_deg + quarter_deg / 2) - quarter_deg / 2;
+    if (Math.abs(off_deg) > around_deg) continue;
+    sum += weight * off_deg;
+    total += weight;
+  }
+  const turn_deg = positive(peak_deg + sum / total + quarter_deg / 2) - quarter_deg / 2;
+  const turn_rad = (turn_deg * Math.PI) / 180;
+  return axesOf(up, combined(axes.along, Math.cos(turn_rad), across, Math.sin(turn_rad)));
+}
+
+// Into a quarter of a turn.
+function positive(angle_deg: number): number {
+  return ((angle_deg % quarter_deg) + quarter_deg) % quarter_deg;
+}
