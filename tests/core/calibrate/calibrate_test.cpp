@@ -59,15 +59,6 @@ TEST(Calibrate, FindsABend) {
   EXPECT_EQ(found.camera.fx, sequence->camera().fx);
 }
 
-// Little is seen of each place, so the number is less certain.
-TEST(Calibrate, FindsABendInSmallImages) {
-  const auto sequence = open("synthetic:frames=60,width=160,height=120,rate=15+bend=percent=6");
-  const Calibration found = calibrate(*sequence, {0, 60}, drifting(sequence->groundtruth()), {.max_view_count = 20});
-  ASSERT_EQ(found.numbers.size(), kCameraNumberCount) << found.reason;
-  EXPECT_NEAR(found.numbers[kBend].value, 1 / 1.06 - 1, 0.01);
-  EXPECT_LT(found.numbers[kBend].deviation, 0.01);
-}
-
 TEST(Calibrate, FindsAFocalLength) {
   const auto sequence = open(std::string(kRoom) + "+focal=percent=-2+noise=kinect-white,seed=2");
   const Calibration found = calibrated(*sequence);

@@ -348,8 +348,9 @@ TEST(Checkpoint, ACutOneIsCorrupt) {
 TEST(Checkpoint, ADamagedOneIsRefusedOrLivedWith) {
   const std::string& state = some_state();
   std::mt19937 random(5);
+  constexpr int kRounds = 12;
   int refused = 0;
-  for (int round = 0; round < 30; ++round) {
+  for (int round = 0; round < kRounds; ++round) {
     SCOPED_TRACE(round);
     std::string damaged = state;
     // Half of the blows fall on the front, where counts and indices lie closer together than among surfels.
@@ -365,7 +366,7 @@ TEST(Checkpoint, ADamagedOneIsRefusedOrLivedWith) {
     EXPECT_TRUE(scan.pipeline->take_changes().ok());
   }
   EXPECT_GT(refused, 0);
-  EXPECT_LT(refused, 30);
+  EXPECT_LT(refused, kRounds);
 }
 
 }  // namespace
