@@ -15,6 +15,7 @@
 #include "server/scan/scan_record.h"
 #include "server/store/scan_id.h"
 #include "server/store/sqlite_store.h"
+#include "server/store/unix_time.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/raw_client.h"
 #include "tests/support/room_frames.h"
@@ -41,6 +42,7 @@ class FrameRoutesTest : public testing::Test {
         ScanRow row;
         row.id = id;
         row.phase = ScanPhase::kFinished;
+        row.created_at_ms = row.finished_at_ms = unix_now_ms();  // the frames of older scans are removed while the test looks at them
         if (id != imported_id_) row.camera = test::room().camera();
         EXPECT_TRUE(store.add(row).ok());
         std::filesystem::create_directories(folder_ / "data/scans/" + id);
