@@ -22,7 +22,7 @@ import urllib.request
 
 sys.path[:0] = [os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", folder) for folder in ("faults", "server")]
 from independent_client import CHUNK, HELLO, RESULT, double, field, fields  # noqa: E402
-from programs import Server, wait_until  # noqa: E402
+from programs import Server, free_port, wait_until  # noqa: E402
 import viewers  # noqa: E402
 
 MESH_CHUNK = 16
@@ -55,11 +55,9 @@ class Watcher(viewers.Viewer):
             self.frame_ms[result.get(1, 0)] = double(result.get(10, b""))
 
 
-def delays(server):
+def delays(admin_port):
     """{upper bound [s]: pieces of surface that took no longer}."""
-    address = server.url.split("/#token=")[0]
-    request = urllib.request.Request(address + "/metrics", headers={"Authorization": "Bearer " + server.token()})
-    with urllib.request.urlopen(request) as answer:
+    with urllib.request.urlopen(f"http://127.0.0.1:{admin_port}/metrics") as answer:
         text = answer.read().decode()
     return {float(bound): float(count) for bound, count in re.findall(r'hermite_mesh_delay_seconds_bucket\{le="([^"]+)"\} (\S+)', text)}
 
@@ -87,7 +85,8 @@ def one_scan(server, arguments, what, more):
     while camera.poll() is None and watcher.open:
         for _ in ready.select(0.02):
             watcher.read()
-        watcher.speak()
+        if watcher.open:
+            watcher.speak()
         if watcher.frame_ms:
             watcher.running_s = time.monotonic() - start
             watcher.running_bytes = dict(watcher.bytes)
@@ -129,11 +128,13 @@ def main():
     parser.add_argument("--rounds", type=int, default=2)
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        server = Server(arguments.hermite, os.path.join(folder, "data"), ["--requests-per-second", "10000"])
+        admin_port = free_port()
+        server = Server(arguments.hermite, os.path.join(folder, "data"),
+                        ["--requests-per-second", "10000", "--admin-listen", f"127.0.0.1:{admin_port}"])
         compare(server, arguments)
-        before = delays(server)
+        before = delays(admin_port)
         one_scan(server, arguments, SURFACE, ["--live"])
-        live = {bound: count - before.get(bound, 0) for bound, count in delays(server).items()}
+        live = {bound: count - before.get(bound, 0) for bound, count in delays(admin_port).items()}
         print(f"\nLive, from a frame's arrival to a piece that shows it: {max(live.values()):.0f} pieces, median {quantile_s(live, 0.5):.2f} s, "
               f"p95 {quantile_s(live, 0.95):.2f} s.")
         server.end(signal.SIGTERM)
