@@ -1,12 +1,12 @@
-// Which horizontal direction most walls face: rooms have walls at right angles. Pure.
+// Finds the horizontal direction that most walls face, assuming that walls meet at right angles. Pure functions.
 import { axesOf, combined, cross, dot, type Axes, type Triple } from '../state/axes';
 import type { SurfaceSamples } from './gravity';
 
 const quarter_deg = 90;
-const around_deg = 4; // of the peak, on either side
-const steepest = 0.2; // sine of how far from upright a wall may be
+const around_deg = 4; // on either side of the peak
+const steepest = 0.2; // sine of the largest angle between a wall and the vertical
 
-// With that up; along is what the walls face, as near to the world's x as one of their four directions is.
+// Returns axes with this `up`. Of the four directions that the walls face, `along` is the one nearest to the world's x.
 export function wallAxes(samples: SurfaceSamples, up: Triple): Axes {
   const axes = axesOf(up, [1, 0, 0]);
   const across = cross(axes.along, up);
@@ -20,7 +20,7 @@ export function wallAxes(samples: SurfaceSamples, up: Triple): Axes {
     bins[Math.floor(angle_deg) % quarter_deg]! += samples.weights[i]!;
   }
   if (walls.length === 0) return axes;
-  // Nearer ones count more, so that the peak is in the middle of its bins.
+  // Near bins have more weight, so that the peak lies in the middle of its bins.
   const nearby = (bin: number): number => {
     let sum = 0;
     for (let k = -around_deg; k <= around_deg; ++k) sum += (around_deg + 1 - Math.abs(k)) * bins[positive(bin + k)]!;
@@ -39,7 +39,7 @@ export function wallAxes(samples: SurfaceSamples, up: Triple): Axes {
   return axesOf(up, combined(axes.along, Math.cos(turn_rad), across, Math.sin(turn_rad)));
 }
 
-// Into a quarter of a turn.
+// Returns the angle modulo 90 degrees, not negative.
 function positive(angle_deg: number): number {
   return ((angle_deg % quarter_deg) + quarter_deg) % quarter_deg;
 }

@@ -32,19 +32,19 @@ export class MeshLayer implements Layer {
   }
 
   // What is seen from the front, to be clicked on.
-  fronts(): Object3D[] {
-    return this.object.children.filter((side) => side.renderOrder === 0);
+  fronts(): Mesh<BufferGeometry>[] {
+    return this.object.children.filter((side) => side.renderOrder === 0) as Mesh<BufferGeometry>[];
   }
 
-  // In the world of the scan.
+  // Returns the triangles in the world frame of the scan. They are copied once for each mesh.
   surfaces(): readonly Surface[] {
-    this.inWorld ??= this.sides().map(({ geometry, matrix }) => surfaceOf(geometry, new Matrix4().multiplyMatrices(worldFromGltf, matrix)));
+    this.inWorld ??= this.fronts().map(({ geometry, matrix }) => surfaceOf(geometry, new Matrix4().multiplyMatrices(worldFromGltf, matrix)));
     return this.inWorld;
   }
 
-  // Some of the vertices, evenly.
+  // Adds an even sample of the vertices with their normals.
   sample(into: SampleCollector): void {
-    for (const { geometry, matrix } of this.sides()) {
+    for (const { geometry, matrix } of this.fronts()) {
       const [positions, normals] = [geometry.getAttribute('position'), geometry.getAttribute('normal')];
       into.add(positions.count, new Matrix4().multiplyMatrices(worldFromGltf, matrix), (i) => ({
         position_m: [positions.getX(i), positions.getY(i), positions.getZ(i)],
@@ -105,10 +105,6 @@ export class MeshLayer implements Layer {
     this.materials = [];
     this.textured = false;
     this.inWorld = null;
-  }
-
-  private sides(): Mesh<BufferGeometry>[] {
-    return this.fronts() as Mesh<BufferGeometry>[];
   }
 }
 

@@ -1,10 +1,10 @@
-// How far a model reaches along its axes.
+// The bounds of a model along its axes.
 import { threeOf, type Axes, type Triple } from '../state/axes';
 import type { Box } from '../state/cutting';
 import type { Surface } from '../state/section';
 import type { Box as WorldBox } from './framing';
 
-// Null: there is nothing. `boxes` are taken with their corners, surfaces with their vertices.
+// Returns null for an empty model. Of boxes the corners count, of surfaces the vertices.
 export function boundsAlong(axes: Axes, boxes: readonly WorldBox[], surfaces: readonly Surface[]): Box | null {
   const directions = threeOf(axes);
   const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];

@@ -1,4 +1,4 @@
-// The clip box and the section of all that a scan is shown as.
+// Applies the clip box to points and surfaces, and computes the section of the surface.
 import { Ray, Vector3 } from 'three';
 import type { Axes, Triple } from '../state/axes';
 import { faces, planeOf, type Cutting, type Face, type Model, type Plane, type Section } from '../state/cutting';
@@ -14,7 +14,7 @@ import { SectionLayer } from './section_layer';
 
 export type SurfaceKind = 'none' | 'growing' | 'finished';
 
-const alongSight = 0.02; // what runs as near along the line of sight cannot be dragged
+const alongSight = 0.02; // squared sine: an axis this close to the line of sight cannot be dragged along
 
 interface Shown {
   readonly points: PointsLayer;
@@ -34,7 +34,8 @@ export class ModelCut {
     return this.shown.mesh.isThere ? 'finished' : this.shown.live.isThere ? 'growing' : 'none';
   }
 
-  // Null: there is nothing. `axes`: null to find them. `floor_m`: along up, null where none is known.
+  // Returns the bounds of the model along `axes`, or along the directions of its walls if `axes` is null; null if the
+  // model is empty. `floor_m` is the height of the floor along up, null if it is unknown.
   measure(axes: Axes | null, up: Triple, floor_m: number | null): Model | null {
     const { points, live, mesh } = this.shown;
     const boxes = [...points.boxes(), ...live.boxes()];
@@ -44,7 +45,7 @@ export class ModelCut {
     return box && { ...box, axes: known, floor_m: Math.max(box.low_m[1], Math.min(box.high_m[1], floor_m ?? box.low_m[1])) };
   }
 
-  // Gives the lines of the section, in its plane.
+  // Shows this clip box and section. Returns the lines of the section in coordinates of its plane.
   show(cutting: Cutting): readonly number[] {
     const isSame = cutting.clip === this.cutting?.clip && cutting.active === this.cutting.active && cutting.axes === this.cutting.axes;
     this.cutting = cutting;
@@ -52,7 +53,7 @@ export class ModelCut {
     return this.refresh();
   }
 
-  // The same of another surface.
+  // Computes the section again after the surface has changed.
   refresh(): readonly number[] {
     const { axes, section, clip } = this.cutting ?? { axes: null, section: null, clip: null };
     if (!axes || !section) return this.section.show([], null);
@@ -60,7 +61,7 @@ export class ModelCut {
     return this.section.show(this.segments(section, plane), { plane, axes, clip });
   }
 
-  // Of the handles the one whose place in the picture `away_px` gives the least for, and no more than `reach_px`.
+  // Returns the face whose handle is nearest on the screen, by `away_px`; null if none is within `reach_px`.
   handleAt(away_px: (place: Triple) => number, reach_px: number): Face | null {
     let best: { readonly face: Face; readonly away: number } | null = null;
     for (const face of faces) {
@@ -71,7 +72,8 @@ export class ModelCut {
     return best?.face ?? null;
   }
 
-  // How far along its axis the ray passes by the handle of a face; null: one looks along the axis.
+  // Returns the coordinate on the axis of a face where the ray passes closest to it; null if the ray is nearly parallel
+  // to the axis.
   alongHandle(face: Face, ray: Ray): number | null {
     const handle = this.shown.clip.handleOf(face);
     if (!handle) return null;
@@ -81,7 +83,7 @@ export class ModelCut {
     return spread < alongSight ? null : handle.at_m.dot(handle.along) + (between.dot(handle.along) - cosine * between.dot(ray.direction)) / spread;
   }
 
-  // While a face of the box is dragged the plane stays where it is.
+  // Returns the segments where the plane cuts the surface. They are kept while only the clip box changes.
   private segments(section: Section, plane: Plane): number[] {
     const surfaces = this.surfaces();
     if (this.known?.surfaces === surfaces && this.known.section === section) return this.known.segments;

@@ -79,7 +79,7 @@ export class ScanScene {
   ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    this.renderer.info.autoReset = false; // a picture may be drawn in two goes
+    this.renderer.info.autoReset = false; // an image may take two render passes
     for (const layer of this.layers) (layer === this.grid ? this.scene : this.upright.object).add(layer.object);
     this.scene.add(this.upright.object);
     this.paint();
@@ -188,23 +188,23 @@ export class ScanScene {
     this.requestDraw();
   }
 
-  // How far the model reaches, along axes that are known or found; null: there is none.
+  // Returns the bounds of the model along these axes, or along the directions of its walls; null if the model is empty.
   measureModel(axes: Axes | null): Model | null {
     return this.cut.measure(axes, this.up, this.floor_m === null ? null : -this.floor_m);
   }
 
-  // What there is to be cut.
+  // Which surface a section would cut.
   get surface(): SurfaceKind {
     return this.cut.surface;
   }
 
-  // Gives the lines where the section cuts the surface (section.ts).
+  // Returns the lines where the section cuts the surface (section.ts).
   showCutting(cutting: Cutting): readonly number[] {
     this.requestDraw();
     return this.cut.show(cutting);
   }
 
-  // The handle of the clip box there, in pixels of the page; null: none is as near.
+  // Returns the face of the clip box whose handle is within `reach_px` of this point of the page, or null.
   handleAt(x_px: number, y_px: number, reach_px: number): Face | null {
     const away_px = (place: Place): number => {
       const [x, y] = this.screenOf(place) ?? [Infinity, Infinity];
@@ -213,7 +213,8 @@ export class ScanScene {
     return this.cut.handleAt(away_px, reach_px);
   }
 
-  // Where a face of the clip box goes that is dragged there, along its axis; null: nobody can say.
+  // Returns where a face of the clip box lies on its axis when it is dragged to this point of the page; null if the view
+  // is along the axis.
   dragged(face: Face, x_px: number, y_px: number): number | null {
     return this.cut.alongHandle(face, this.rayAt(x_px, y_px).inWorld);
   }
@@ -352,7 +353,7 @@ export class ScanScene {
     return { caster, worldFromView, inWorld: new Ray().copy(caster.ray).applyMatrix4(worldFromView) };
   }
 
-  // Surfaces have their own light.
+  // Eye-dome lighting applies to points only: surfaces are shaded by their normals.
   private isLit(): boolean {
     return this.points.object.visible && !this.live.object.visible && this.options?.eyeDome === true;
   }

@@ -1,4 +1,5 @@
-// Directions of a model: up, a horizontal one that most walls face, and the one across both. In the world of the scan. Pure.
+// The directions of a model in the world frame of the scan: up, the horizontal direction that most walls face, and the
+// one at right angles to both. Pure functions.
 
 export type Triple = readonly [number, number, number];
 
@@ -30,7 +31,7 @@ export function threeOf({ along, up }: Axes): readonly [Triple, Triple, Triple] 
   return [along, up, cross(along, up)];
 }
 
-// With that up, and along as near to the wish as can be.
+// Returns axes with this `up`, and `along` as close to `wish` as possible.
 export function axesOf(up: Triple, wish: Triple): Axes {
   const flat = combined(wish, 1, up, -dot(wish, up));
   if (Math.hypot(...flat) > 1e-3) return { along: unit(flat), up };

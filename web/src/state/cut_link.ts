@@ -1,10 +1,10 @@
-// Clip box and section plane as a part of an address, so that a link opens the same view. Pure.
+// Clip box and section plane as query parameters, so that a link opens the same view. Pure functions.
 import { dot, type Axes, type Triple } from './axes';
 import { initialCutting, sectionKinds, type Box, type Cutting, type Section } from './cutting';
 
 const farthest_m = 1e7;
 
-// 'axes=…&clip=…&cut=…', empty where nothing is cut.
+// Returns 'axes=…&clip=…&cut=…', or an empty text if there is neither a clip box nor a section.
 export function cutQuery({ axes, clip, section }: Cutting): string {
   if (!axes || (!clip && !section)) return '';
   const text = (values: readonly number[], digits: number): string => values.map((value) => String(Number(value.toFixed(digits)))).join(',');
@@ -15,7 +15,7 @@ export function cutQuery({ axes, clip, section }: Cutting): string {
   ].join('&');
 }
 
-// What cannot be understood is left out.
+// Ignores parameters that are missing or malformed.
 export function readCut(query: string): Cutting {
   const fields = new URLSearchParams(query);
   const axes = axesOf(numbers(fields.get('axes'), 6));
