@@ -29,11 +29,7 @@ constexpr double kNoTexture = 0.5, kDark = 12;
 // Least sharpness; good frames of all recordings have 0.88 to 1.5.
 constexpr double kBlurred = 0.6;
 
-// Below this observability, what is known about a motion is mostly noise. Small images of bare walls with texture have
-// at least 6.6e-5 and end 2.5 mm off; blank ones have a median of 1.5e-5 and end 88 mm off.
-constexpr double kBlank = 4e-5;
-
-// The same for a place to which the map is to be deformed.
+// Least observability at a place to which the map is to be deformed.
 constexpr double kBlankPlace = 2e-4;
 
 // Least share of inliers; rooms give 0.2 and more.
@@ -88,7 +84,7 @@ std::string why_lost(const TrackingEvidence& e, const TrackOptions& options) {
   if (shows_nothing(e.content)) return "dark or blurred: the picture shows nothing";
   const double turned_rad = std::max(e.turn_seen_rad, turn_rad(e.reference_from_camera));
   if (first && turned_rad > kFastTurn_rad) return "too fast: the camera turned by " + degrees(turned_rad) + " between two frames";
-  if (e.observability < kBlank) return "blank surface: nothing to hold on to";
+  if (e.observability < kNoiseObservability) return "blank surface: nothing to hold on to";
   return "too little in common with the scan so far";
 }
 
@@ -105,7 +101,7 @@ std::string why_weak(const TrackingEvidence& e, const TrackOptions& options) {
   const double moved_m = step_m(e.reference_from_camera), turned_rad = turn_rad(e.reference_from_camera);
   if (moved_m > 0.5 * options.max_step_m) return "too fast: " + centimetres(moved_m) + " between two frames";
   if (turned_rad > kFastTurn_rad) return "too fast: the camera turned by " + degrees(turned_rad) + " between two frames";
-  if (e.observability < kBlank) return "blank surface: little to hold on to";
+  if (e.observability < kNoiseObservability) return "blank surface: little to hold on to";
   return "";
 }
 

@@ -74,4 +74,12 @@ double observability(const Matrix6d& hessian, const Matrix6d& displacement) {
   return std::max(0.0, motions.eigenvalues()[0]);
 }
 
+Matrix6d beyond_noise(const Matrix6d& hessian, const Matrix6d& displacement) {
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> motions(hessian, displacement);
+  if (motions.info() != Eigen::Success || !motions.eigenvectors().allFinite()) return Matrix6d::Identity();
+  const Vector6d kept = (motions.eigenvalues().array() - kNoiseObservability).cwiseMax(0.0);
+  const Vector6d share = (kept.array() > 0).select(kept.array() / motions.eigenvalues().array(), 0.0).sqrt();
+  return motions.eigenvectors() * share.asDiagonal() * motions.eigenvectors().transpose() * displacement;
+}
+
 }  // namespace hermite

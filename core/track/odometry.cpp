@@ -253,7 +253,8 @@ OdometryResult Odometry::refine(const FrameMaps& frame, const SurfacePyramid& re
       result.witnesses = {{known, sums.geometric_unit()},
                           {{shared * photometric.hessian, shared * photometric.right_hand_side}, shared * sums.photometric_unit()},
                           {},
-                          0};
+                          0,
+                          sums.displacement};
       if (!start.with_image)
         photometric = motion_prior(sums.geometric_unit(), log_se3(result.reference_from_camera * inverse(start.guess)));
       if (features) {

@@ -24,8 +24,10 @@ struct Alone {
 Matrix6d step_covariance(const StepWitnesses& w) {
   const double unit = std::max({w.depth.unit, w.picture.unit, 1e-300});
   const Matrix6d prior = motion_prior(1, Vector6d::Zero()).hessian;
-  const Matrix6d hessian = w.depth.system.hessian + w.picture.system.hessian + w.corner_weight * w.corners.system.hessian + unit * prior;
-  const Matrix6d scores = kAlikeDepth * w.depth.unit * w.depth.system.hessian + kAlikePicture * w.picture.unit * w.picture.system.hessian +
+  const Matrix6d said = beyond_noise(w.depth.system.hessian + w.picture.system.hessian, w.displacement);
+  const Matrix6d depth = said.transpose() * w.depth.system.hessian * said, picture = said.transpose() * w.picture.system.hessian * said;
+  const Matrix6d hessian = depth + picture + w.corner_weight * w.corners.system.hessian + unit * prior;
+  const Matrix6d scores = kAlikeDepth * w.depth.unit * depth + kAlikePicture * w.picture.unit * picture +
                           kAlikeCorners * w.corner_weight * w.corner_weight * w.corners.system.hessian + unit * unit * prior;
   const Eigen::LDLT<Matrix6d> solver(hessian);
   const Matrix6d half = solver.solve(scores);

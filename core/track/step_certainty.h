@@ -21,11 +21,14 @@ struct StepWitness {
 struct StepWitnesses {
   StepWitness depth, picture, corners;
   double corner_weight = 0;  // weight of the corners' system relative to the others; they are evidence even where it is 0
+  // Of the points of depth and image, see normal_equations.h. Zero: their noise is not discounted.
+  Matrix6d displacement = Matrix6d::Zero();
 };
 
 // Returns the covariance of the motion that all of them have led to: the sandwich H^-1 (sum of their scores'
-// covariances) H^-1, with as many independent residuals as the correlation of their noise leaves. Where nothing
-// constrains the camera it is large but finite: 0.3 m and 0.5 rad.
+// covariances) H^-1, with as many independent residuals as the correlation of their noise leaves, and of depth and image
+// only what they know beyond noise: noise that stays with the camera says, and agrees with itself, that a camera before a
+// blank wall stands still. Where nothing constrains the camera it is large but finite: 0.3 m and 0.5 rad.
 Matrix6d step_covariance(const StepWitnesses& witnesses);
 
 // The largest difference between the motions that two kinds of residuals give alone.

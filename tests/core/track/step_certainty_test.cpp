@@ -47,6 +47,20 @@ TEST(StepCertainty, IsFiniteWhereNothingHoldsTheCamera) {
   EXPECT_TRUE(step_covariance({}).allFinite());
 }
 
+TEST(StepCertainty, WhatABlankWallSaysOfTheWayAlongItIsNoise) {
+  // Points that all move as the camera does, and hold it along the wall only by the noise of their normals.
+  StepWitness wall = knows(filled(1e9), Vector6d::Zero());
+  wall.system.hessian(0, 0) = 3e-5 * 1e9;
+  const StepWitnesses blank{wall, {}, {}, 0, 1e9 * Matrix6d::Identity()};
+  EXPECT_LT(std::sqrt(step_covariance({wall, {}, {}, 0})(0, 0)), 0.02) << "as it says itself";
+  EXPECT_NEAR(std::sqrt(step_covariance(blank)(0, 0)), 0.3, 0.01);
+  EXPECT_LT(std::sqrt(step_covariance(blank)(2, 2)), 0.01) << "across it";
+  StepWitnesses cornered = blank;
+  cornered.corners = knows(filled(1e6), Vector6d::Zero());
+  cornered.corner_weight = 1;
+  EXPECT_LT(std::sqrt(step_covariance(cornered)(0, 0)), 0.01) << "followed corners are no such noise";
+}
+
 TEST(StepCertainty, NamesTheWitnessesThatDisagree) {
   const Vector6d aside = (Vector6d() << 0.03, 0, 0, 0, 0, 0).finished();
   const StepWitnesses witnesses{knows(filled(1e6), Vector6d::Zero()), knows(filled(1e6), Vector6d::Zero()), knows(filled(1e6), aside), 0};
