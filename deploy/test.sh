@@ -3,12 +3,11 @@
 #
 #   deploy/test.sh                 all steps
 #   deploy/test.sh web browser     only these
-#   deploy/test.sh service_threads the long thread sanitizer run, which is not among them
+#   deploy/test.sh threads service_threads   the long thread sanitizer runs, which are not among them
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source deploy/install.sh
 
-export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1}
 export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
 export CTEST_OUTPUT_ON_FAILURE=1
 jobs=$(nproc)
@@ -86,7 +85,8 @@ step_sanitized() {
 
 step_sanitized_tests() { tests_of dev; }
 
-# What hands work to a helper thread, under the thread sanitizer.
+# What hands work to a helper thread, under the thread sanitizer. Not among all steps, since it builds all of core once more: run it, and the
+# next one, after a change of anything that threads share.
 step_threads() {
   cmake --preset threads
   cmake --build --preset threads --target test_adjust test_calibrate
@@ -96,7 +96,7 @@ step_threads() {
 }
 
 # The same for the service: frame log, queues, encoder, uploads, viewers, sockets, sessions and scans. Without what reconstructs most: a software
-# GPU is too slow there, and not ours. Not among all steps: it builds for ten minutes and tests for six.
+# GPU is too slow there, and not ours. It builds for ten minutes and tests for six.
 step_service_threads() {
   cmake --preset threads
   cmake --build --preset threads --target test_data test_server
@@ -149,5 +149,5 @@ install_packages
 provide_node
 install_viewer
 steps=("$@")
-[ $# -gt 0 ] || steps=(style web release release_tests library second_driver gpu_only browser demo fuzz threads sanitized sanitized_tests)
+[ $# -gt 0 ] || steps=(style web release release_tests library second_driver gpu_only browser demo fuzz sanitized sanitized_tests)
 run_steps "${steps[@]}"
