@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Debian packages of what build/release contains: hermite-server, hermite-client and hermite-dev. Has lintian look at them, and prints sizes and
-# hashes. What is not built yet is built first; after `deploy/test.sh release` nothing is.
+# Debian packages of what build/release contains: hermite-server, hermite-client and hermite-dev. Has lintian look at them, and prints
+# sizes and hashes. What is not built yet is built first; after `deploy/test.sh release` nothing is.
 #
 #   deploy/packages.sh [FOLDER]            puts them there, by default into build/packages
 #   DEBFULLNAME=..., DEBEMAIL=...          whom the packages name as their maintainer

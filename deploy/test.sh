@@ -158,5 +158,6 @@ install_packages
 provide_node
 install_viewer
 steps=("$@")
-[ $# -gt 0 ] || steps=(style web release release_tests library packages second_driver gpu_only browser demo fuzz threads sanitized sanitized_tests)
+[ $# -gt 0 ] || steps=(style web release release_tests library packages second_driver gpu_only browser demo fuzz threads sanitized
+                       sanitized_tests)
 run_steps "${steps[@]}"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Tries the packages of deploy/packages.sh in a bare Debian 12 of their own: installs, scans, changes a setting, reinstalls, upgrades, removes, purges,
-# and looks at what is left. Says what failed and exits non-zero. Needs root, debootstrap and the network; fetches about 250 MB, takes minutes.
-# systemd does not run there: the command of the unit is run as its user.
+# Tries the packages of deploy/packages.sh in a bare Debian 12 of their own: installs, scans, changes a setting, reinstalls, upgrades,
+# removes, purges, and looks at what is left. Says what failed and exits non-zero. systemd does not run there: the command of the unit is
+# run as its user. Needs root, debootstrap and the network; fetches about 150 MB, takes minutes.
 #
 #   deploy/try_packages.sh [PACKAGES] [FOLDER]     packages of this folder (build/packages), in a new system at FOLDER/root (build/try)
 #   DEBIAN_MIRROR=...                              where Debian comes from (http://deb.debian.org/debian)
