@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""What is in the packages of deploy/packages.sh: files and their rights, the service, the settings, the manual pages, the library. And that the
-same packages, built a second time, are the same bytes.
+"""What is in the packages of deploy/packages.sh: files and their rights, the service, the settings, the manual pages, the library. And that
+the same packages, built a second time, are the same bytes.
 
     check.py PACKAGES PACKAGES_AGAIN
 
-Exits non-zero, and says what is wrong. Needs dpkg-deb and CMake, and for the unit systemd-analyze, without which it says that it left that out.
-Installs nothing and writes to a temporary folder only.
+Exits non-zero, and says what is wrong. Needs dpkg-deb and CMake, and for the unit systemd-analyze, without which it says that it left that
+out. Installs nothing and writes to a temporary folder only.
 """
 import gzip
 import io
@@ -23,8 +23,8 @@ CONTENTS = {
     "hermite-server": ["etc/hermite/serve.toml", "lib/systemd/system/hermite.service", "usr/bin/hermite", "usr/share/hermite/openapi.json",
                        "usr/share/hermite/web/index.html", "usr/share/man/man1/hermite.1.gz", "usr/share/doc/hermite-server/README.md"],
     "hermite-client": ["usr/bin/hermite-client", "usr/share/man/man1/hermite-client.1.gz"],
-    "hermite-dev": ["usr/include/hermite/core/run/results.h", "usr/lib/cmake/hermite/hermite-config.cmake", "usr/lib/hermite/libhermite_run.a",
-                    "usr/share/doc/hermite-dev/examples/own_camera.cpp"],
+    "hermite-dev": ["usr/include/hermite/core/run/results.h", "usr/lib/cmake/hermite/hermite-config.cmake",
+                    "usr/lib/hermite/libhermite_run.a", "usr/share/doc/hermite-dev/examples/own_camera.cpp"],
 }
 OUTSIDE_USR = {"etc/hermite/serve.toml", "lib/systemd/system/hermite.service"}
 wrong = []
