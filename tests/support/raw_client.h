@@ -1,5 +1,5 @@
 // A client made of bytes, for what no decent client would send: HTTP and WebSocket frames by hand over a plain socket. Every read ends
-// after a minute. Header only.
+// after a minute of silence, and after five of nothing but pings. Header only.
 #pragma once
 
 #include <arpa/inet.h>
@@ -7,6 +7,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
@@ -103,7 +104,8 @@ class RawClient {
 
   // The next binary message; nothing when there is none any more. Pings are answered.
   std::optional<wire::ServerMessage> read_message() {
-    while (std::optional<Frame> frame = read_frame()) {
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(5);
+    while (std::optional<Frame> frame = std::chrono::steady_clock::now() < limit ? read_frame() : std::nullopt) {
       received_bytes_ += frame->opcode == 2 ? frame->payload.size() : 0;
       if (frame->opcode == 2) return *wire::parse_server_message(frame->payload);
       if (frame->opcode == 9) send_frame(10, frame->payload);

@@ -90,7 +90,7 @@ TEST(Scan, WithARecordingEveryFrameArrivesAndTheResultIsThatOfTheRecording) {
 TEST(Scan, APauseIsShownToViewersAndItsFramesAreNotTaken) {
   const test::TemporaryFolder folder;
   test::RunningServer server(test::test_options(folder / "data"));
-  const auto camera = room_camera(1000);
+  const auto camera = room_camera(100'000);  // more than come until it is interrupted, however slow the machine is
   std::atomic<bool> paused{false};
   std::atomic<int> interrupts{0};
   std::atomic<std::uint64_t> processed{0};
