@@ -34,8 +34,8 @@ export function modelSection({ extent, figures, hasPath, pictures, confidence }:
     ),
     element('div', { class: 'model-pictures' }, figureOf(plan!), confidence && figureOf(confidence.picture, true), ...sides.map((picture) => figureOf(picture))),
     note(
-      'All pictures have the same scale and no perspective. What is seen from behind is left out, so that one looks into a room. Ahead is where the camera looked in the first frame.',
-      hasPath ? 'The line is the path of the camera, from the dot on.' : '',
+      'All pictures have the same scale and no perspective. What is seen from behind is left out, so that one looks into a room.',
+      hasPath ? 'Ahead is where the camera looked in the first frame. The line is its path, from the dot on.' : '',
       confidence ? 'Confidence grows with every frame that sees a place, most from near and straight ahead: from violet, 3 or less, to yellow, 20 and more. Low is below 6; a point needs 3 to be kept.' : '',
     ),
   );

@@ -9,7 +9,7 @@ import { ModelPictures } from '../scene/model_pictures';
 import { pathOf, type CameraPath } from '../state/camera_path';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
 import { meshWords } from '../state/mesh';
-import { frameShares, mapFacts, scanFacts } from '../state/quality_facts';
+import { frameShares, mapFacts, scanFacts, statesUncertainty } from '../state/quality_facts';
 import { followedOf, qualityWords, type Followed } from '../state/quality_words';
 import { keepReason } from '../state/reasons';
 import { receiver } from '../state/receiver';
@@ -46,6 +46,7 @@ export function qualityPage(scanId: string, token: string): QualityPage {
   const mesh = watchMesh(scan, pictures, token);
   const told = new ToldScan(scanId, token, ended.signal, parts);
   const draw = once(() => showModel(parts.model, pictures, scan.get().followed?.parts ?? 1));
+  const watch = once(() => void told.watch(scan));
   let isLoaded = false;
   const load = once(() => {
     void told.load(scan).finally(() => {
@@ -56,6 +57,7 @@ export function qualityPage(scanId: string, token: string): QualityPage {
   const refresh = (state: LiveScan): void => {
     if (ended.signal.aborted) return;
     showState(parts, state, told.gone);
+    if (state.phase !== 'unknown') watch(); // the server has it
     if (!hasEnded(state)) return;
     load();
     const isMade = state.mesh.state === 'shown' || state.mesh.state === 'failed' || (state.points === 0 && state.snapshotComplete);
@@ -63,7 +65,6 @@ export function qualityPage(scanId: string, token: string): QualityPage {
     else if (!isMade) parts.model.replaceChildren(element('p', { class: 'quality-note', role: 'status' }, meshWords(state.mesh, true) || 'Loading the model.'));
   };
   const unsubscribe = scan.subscribe(refresh);
-  void told.watch(scan);
   const onKey = (event: KeyboardEvent): void => {
     if (event.target instanceof HTMLInputElement || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.key === 'q') location.hash = hashOf(scanId);
@@ -114,10 +115,10 @@ function partsOf(scanId: string, token: string) {
     sectionOf('Where it was lost or doubtful', doubts),
     sectionOf('The model', model),
     sectionOf('The map', map),
-  ] as const;
+  ];
   for (const section of sections) section.hidden = true;
   const node = element('main', { class: 'quality-page' }, bar, title, summary, notice, facts, ...sections);
-  return { node, title, summary, notice, share, print, facts, camera, doubts, model, map, sections };
+  return { node, title, summary, notice, share, print, facts, camera, doubts, model, map };
 }
 
 function sectionOf(name: string, content: HTMLElement): HTMLElement {
@@ -180,12 +181,11 @@ class ToldScan {
         if (this.signal.aborted) return;
         this.showFacts();
       } catch (error) {
-        // At first the connection says it, in its own words.
-        this.gone = error instanceof ApiError && error.missing && this.summary !== null;
-        if (this.gone && !this.signal.aborted) showState(this.parts, scan.get(), true);
-        if (!this.summary) return;
+        if (this.signal.aborted) return;
+        this.gone = error instanceof ApiError && error.missing;
+        if (this.gone) showState(this.parts, scan.get(), true);
       }
-      await new Promise((resolve) => setTimeout(resolve, askEvery_ms));
+      await nextLook(this.signal);
     }
   }
 
@@ -235,9 +235,26 @@ class ToldScan {
   }
 
   private showMap(report: Report): void {
-    const words = 'Position and direction are those of the last frame that was followed, with twice the standard deviation that the reconstruction itself states. Nothing here was compared with a true measurement: that the camera was followed everywhere does not say how exact the model is.';
-    fill(this.parts.map, factList(mapFacts(report)), element('p', { class: 'quality-note' }, words));
+    const words = [
+      ...(statesUncertainty(report) ? ['Position and direction at the end are those of the last frame that was followed, with twice the standard deviation that the reconstruction itself states.'] : []),
+      'Nothing here was compared with a true measurement: that the camera was followed everywhere does not say how exact the model is.',
+    ];
+    fill(this.parts.map, factList(mapFacts(report)), element('p', { class: 'quality-note' }, words.join(' ')));
   }
+}
+
+// After a while, or when somebody comes back to the page.
+function nextLook(signal: AbortSignal): Promise<void> {
+  return new Promise((resolve) => {
+    const done = (): void => {
+      clearTimeout(timer);
+      document.removeEventListener('visibilitychange', done);
+      resolve();
+    };
+    const timer = setTimeout(done, askEvery_ms);
+    document.addEventListener('visibilitychange', done);
+    signal.addEventListener('abort', done, { once: true });
+  });
 }
 
 function wordsOf(error: unknown): string {

@@ -9,11 +9,11 @@ export type Fact = readonly [label: string, value: string | null];
 
 export function scanFacts({ phase, started, ended, imported, ...scan }: ScanSummary, path: CameraPath | null): Fact[] {
   return [
-    ['Begun', started && dateWords(started)],
-    ['State', imported ? 'Imported' : `${phaseWords(phase).text}${ended && started ? `, ${durationWords((ended.getTime() - started.getTime()) / 1000)} after it began` : ''}`],
-    ['Frames', imported ? null : framesWords(scan)],
+    [imported ? 'Imported' : 'Begun', started && dateWords(started)],
+    ['State', imported ? null : `${phaseWords(phase).text}${ended && started ? `, ${durationWords((ended.getTime() - started.getTime()) / 1000)} after it began` : ''}`],
+    ['Frames', imported || phase === 'running' ? null : framesWords(scan)], // of a running one the sentence has newer numbers
     ['Recorded', path && `${durationWords(path.duration_s)} by the camera’s clock`],
-    ['Path of the camera', path && `${path.length_m.toFixed(path.length_m < 10 ? 2 : 1)} m while it was followed`],
+    ['Path of the camera', !path || path.length_m === 0 ? null : `${path.length_m.toFixed(path.length_m < 10 ? 2 : 1)} m while it was followed`],
   ];
 }
 
@@ -37,12 +37,18 @@ export function frameShares({ frames, tracked, weak, counts }: Followed): FrameS
   ];
 }
 
-export function mapFacts({ mapping, positionSigma_m, rotationSigma_deg, trackedFrames, meanFrame_ms, device }: Report): Fact[] {
+// Of the camera's pose at the end; older reports and those of scans without a tracked frame do not.
+export function statesUncertainty({ positionSigma_m, trackedFrames }: Report): boolean {
+  return positionSigma_m !== null && positionSigma_m > 0 && trackedFrames !== 0;
+}
+
+export function mapFacts(report: Report): Fact[] {
+  const { mapping, positionSigma_m, rotationSigma_deg, meanFrame_ms, device } = report;
   const number = (...names: string[]): string | null => {
     const known = names.filter((name) => name in mapping);
     return known.length === 0 ? null : count(known.reduce((sum, name) => sum + mapping[name]!, 0));
   };
-  const isStated = positionSigma_m !== null && positionSigma_m > 0 && trackedFrames !== 0;
+  const isStated = statesUncertainty(report);
   return [
     ['Loops closed', number('loops by appearance', 'loops by nearness')],
     ['Loops rejected', number('impossible places', 'ambiguous places', 'impossible loops', 'unrepeated loops', 'contradicting loops')],
@@ -52,7 +58,7 @@ export function mapFacts({ mapping, positionSigma_m, rotationSigma_deg, trackedF
     ['Keyframes', number('keyframes')],
     ['Parts', number('parts')],
     ['Parts joined', number('joined parts')],
-    ['Position at the end', isStated ? `± ${lengthWords(2 * positionSigma_m)}` : null],
+    ['Position at the end', isStated ? `± ${lengthWords(2 * positionSigma_m!)}` : null],
     ['Direction at the end', isStated && rotationSigma_deg !== null ? `± ${(2 * rotationSigma_deg).toFixed(1)}°` : null],
     ['Time for a frame', meanFrame_ms === null ? null : `${meanFrame_ms.toFixed(0)} ms on average`],
     ['Computed on', device || null],

@@ -23,7 +23,7 @@ describe('qualityWords', () => {
     expect(qualityWords(followedOf(reportOf(50, 50, 8), null))).toBe('The camera was followed in all of 50 frames; 8 of them are doubtful.');
     const lost = listOf(['tracked', 30], ['lost', 10], ['weak', 1], ['tracked', 30]);
     expect(qualityWords(followedOf(reportOf(71, 61, 1), lost))).toBe('The camera was followed in 61 of 71 frames; one of them is doubtful. It was lost once, for 1.1 s.');
-    expect(qualityWords(followedOf(reportOf(71, 61, 0), null))).toBe('The camera was followed in 61 of 71 frames. It was lost in 10 of them.');
+    expect(qualityWords(followedOf(reportOf(71, 61, 0), null))).toBe('The camera was followed in 61 of 71 frames. It was lost in 10 frames.');
     const end = listOf(['tracked', 30], ['lost', 10], ['tracked', 30], ['lost', 20]);
     expect(qualityWords(followedOf(reportOf(90, 60), end))).toContain('It was lost twice, for 3.0 s in all, and was not found again before the end.');
   });

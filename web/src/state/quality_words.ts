@@ -72,7 +72,7 @@ function weakWords(weak: number, doubts: readonly Doubt[] | null): string {
 function lostWords({ frames, tracked, doubts, stretches }: Followed): string {
   if (!frames || !tracked || tracked === frames) return '';
   const lost = doubts?.filter(({ follow }) => follow === 'lost') ?? [];
-  if (lost.length === 0) return `It was lost in ${frames - tracked === 1 ? 'one' : count(frames - tracked)} of them.`;
+  if (lost.length === 0) return `It was lost in ${frames - tracked === 1 ? 'one frame' : `${count(frames - tracked)} frames`}.`;
   const times = lost.length === 1 ? 'once' : lost.length === 2 ? 'twice' : `${name(lost.length)} times`;
   const long = lost.length === 1 ? `for ${durationWords(lengthOf(lost))}` : `for ${durationWords(lengthOf(lost))} in all`;
   return `It was lost ${times}, ${long}${stretches?.filter(({ follow }) => follow !== 'gap').at(-1)?.follow === 'lost' ? ', and was not found again before the end' : ''}.`;
