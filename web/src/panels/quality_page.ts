@@ -16,7 +16,7 @@ import { receiver } from '../state/receiver';
 import { frameHash, hashOf, qualityHash } from '../state/route';
 import { createStore, type Store } from '../state/store';
 import { storedUp } from '../state/up_choice';
-import { emptyWords, sentence, soFarWords } from '../state/words';
+import { emptyWords, partsWords, sentence, soFarWords, trackingWords } from '../state/words';
 import { showHelp } from './dialogs';
 import { element, setText, type Panel } from './dom';
 import { watchMesh } from './mesh_watch';
@@ -100,7 +100,7 @@ type Parts = ReturnType<typeof partsOf>;
 
 function partsOf(scanId: string, token: string) {
   const title = element('h1', {}, 'Quality of a scan');
-  const summary = element('p', { class: 'lead', role: 'status' });
+  const summary = element('p', { class: 'lead' }); // not read aloud whenever it changes: of a running scan it does so all the time
   const notice = element('p', { class: 'notice', role: 'status' });
   const problem = element('span', { class: 'problem', role: 'alert' });
   const share = shareButton(scanId, token, problem, () => qualityHash(scanId).split('?')[1]!);
@@ -134,16 +134,21 @@ function fill(content: HTMLElement, ...children: Node[]): void {
 function showState({ title, summary, notice, print, model }: Parts, state: LiveScan, gone: boolean): void {
   setText(title, state.title || 'Quality of a scan');
   document.title = state.title ? `${state.title}: quality – Hermite` : 'Hermite';
-  const imported = state.phase === 'finished' && state.framesReceived === 0;
-  const words = imported ? 'This model was imported: no camera has seen it here.' : state.followed ? qualityWords(state.followed, state.phaseWords) : soFarWords(state);
-  const end = state.phaseWords && state.phase !== 'unknown' ? sentence(state.phaseWords) : '';
-  setText(summary, [words, end].filter((part) => part !== '').join(' '));
+  setText(summary, [summaryWords(state), sentence(state.phaseWords)].filter((part) => part !== '').join(' '));
   const known = state.phase !== 'unknown';
   print.hidden = !known || state.phase === 'running';
   const said = gone ? 'This scan has been deleted. What is seen here was loaded before.' : known ? runningWords(state) : (emptyWords(state) ?? '');
   setText(notice, said);
   notice.hidden = said === '';
   model.parentElement!.hidden = !hasEnded(state);
+}
+
+function summaryWords(state: LiveScan): string {
+  const { phase, followed, framesReceived, tracking } = state;
+  if (phase === 'finished' && framesReceived === 0) return 'This model was imported: no camera has seen it here.';
+  if (phase !== 'running') return followed ? qualityWords(followed, state.phaseWords) : '';
+  const now = tracking === 'tracked' ? 'The camera is being followed.' : sentence(trackingWords(state).text);
+  return [now, soFarWords(state), partsWords(state)].filter((part) => part !== '').join(' ');
 }
 
 function runningWords({ connection, phase }: LiveScan): string {
@@ -227,7 +232,7 @@ class ToldScan {
       return;
     }
     const strip = followed.stretches && qualityStrip(list, followed.stretches, (frame) => (location.hash = frameHash(scanId, frame)));
-    fill(this.parts.camera, ...(strip ? [strip, legend, element('p', { class: 'quality-note on-screen' }, 'A click into the strip opens the model with the images of that moment.')] : [note('What became of each frame is not recorded in this scan.')]));
+    fill(this.parts.camera, ...(strip ? [strip, legend, element('p', { class: 'quality-note on-screen' }, 'A click into the strip opens the model with the images of that moment.')] : [legend, note('What became of each frame is not recorded in this scan.')]));
     const { doubts } = followed;
     if (!doubts || doubts.length === 0) return;
     const why = note('Why the camera was lost is told while a scan runs, and the server does not keep it: reasons are here where this page has seen the scan running. What is said of an image is what it shows by itself.');

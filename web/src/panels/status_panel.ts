@@ -44,7 +44,7 @@ export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () 
   const list = element('dl', { class: 'figures' }, ...pairs);
   const why = element('p', { class: 'why' });
   const details = element('details', { class: 'details' }, element('summary', {}, 'Details'), list, why);
-  const summary = element('p', { class: 'summary', role: 'status' });
+  const summary = element('p', { class: 'summary' }); // not read aloud whenever it changes: of a running scan it does so all the time
   const quality = element('a', { class: 'quality-link', href: qualityHash(scan.get().scanId), title: 'As a page to print (Q)' }, 'More about its quality');
   const notice = element('p', { class: 'notice', role: 'status' });
   const node = element(
