@@ -9,7 +9,7 @@ import { after, before, test } from 'node:test';
 import { barriers, openBrowser, openPage, tooSmall } from './browser.mjs';
 import { startServer, startStream } from './programs.mjs';
 
-const limit_ms = 60_000;
+const limit_ms = 3 * 60_000; // where others keep the machine busy, the server makes the surface last
 const title = 'Hand before the lens';
 let folder, artifacts, server, browser, viewer, api;
 
@@ -25,6 +25,7 @@ before(async () => {
   const { scans } = await (await fetch(`${server.origin}/api/v1/scans`, { headers })).json();
   api = { headers, scan: `${server.origin}/api/v1/scans/${scans[0].id}` };
   viewer = await openPage(browser.context, `${server.origin}/#token=${server.token}&scan=${scans[0].id}`);
+  viewer.page.setDefaultTimeout(limit_ms);
 });
 
 after(async () => {
@@ -91,6 +92,7 @@ test('a long scan of an older server, a link of somebody else, and a scan that i
   const { path: link } = await (await fetch(`${api.scan}/shares`, { method: 'POST', headers: api.headers, body: '{}' })).json();
   const context = await browser.browser.newContext();
   const guest = await openPage(context, `${server.origin}${link}&page=quality`);
+  guest.page.setDefaultTimeout(limit_ms);
   await guest.page.getByText('This link shows the model and not what the camera has seen').waitFor();
   assert.equal(await guest.page.locator('.strip, .doubt').count(), 0);
   assert.deepEqual(guest.complaints, []);
