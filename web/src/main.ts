@@ -2,12 +2,13 @@
 import { readFragment, storedToken, storeToken } from './connection/token';
 import type { Panel } from './panels/dom';
 import { listPage } from './panels/list_page';
+import { qualityPage, type QualityPage } from './panels/quality_page';
 import { scanPage, type ScanPage } from './panels/scan_page';
 import { routeOf } from './state/route';
 
 const app = document.getElementById('app')!;
 let page: Panel | null = null;
-let opened: ScanPage | null = null;
+let opened: ScanPage | QualityPage | null = null;
 
 function takeToken(): void {
   const fragment = readFragment(location.hash);
@@ -21,6 +22,8 @@ function show(): void {
   page?.dispose();
   if (route.page === 'scan') {
     page = opened = scanPage(route.scanId, storedToken(sessionStorage), route.view);
+  } else if (route.page === 'quality') {
+    page = opened = qualityPage(route.scanId, storedToken(sessionStorage));
   } else {
     opened = null;
     page = listPage({ token: () => storedToken(sessionStorage), setToken: (token) => storeToken(sessionStorage, token) });
@@ -29,7 +32,8 @@ function show(): void {
 }
 
 // For tests and the curious: what the page shows, to read only.
-const shown = { scan: () => opened?.scan.get() ?? null, drawCalls: () => opened?.drawCalls() ?? 0, isResting: () => opened?.isResting() ?? true };
+const seen = (): ScanPage | null => (opened && 'drawCalls' in opened ? opened : null);
+const shown = { scan: () => opened?.scan.get() ?? null, drawCalls: () => seen()?.drawCalls() ?? 0, isResting: () => seen()?.isResting() ?? true };
 Object.defineProperty(window, 'hermite', { value: Object.freeze(shown) });
 window.addEventListener('hashchange', show);
 show();

@@ -16,7 +16,7 @@ describe('parseScans', () => {
 
   it('survives rows with fields that are missing or of the wrong kind', () => {
     const { scans, more } = parseScans({ more: true, scans: [{ id: 'a', state: 7, frames_processed: 'many', created_at: 'soon' }, null, { title: 'no id' }] });
-    expect(scans).toEqual([{ id: 'a', title: 'Untitled scan', phase: 'unknown', words: '', frameCount: 0, droppedCount: 0, imported: false, started: null }]);
+    expect(scans).toEqual([{ id: 'a', title: 'Untitled scan', phase: 'unknown', words: '', frameCount: 0, droppedCount: 0, imported: false, started: null, ended: null }]);
     expect(more).toBe(true);
   });
 
@@ -26,7 +26,7 @@ describe('parseScans', () => {
 });
 
 describe('withOlder', () => {
-  const scan = (id: string, time_ms: number): ScanSummary => ({ id, title: id, phase: 'finished', words: '', frameCount: 1, droppedCount: 0, imported: false, started: new Date(time_ms) });
+  const scan = (id: string, time_ms: number): ScanSummary => ({ id, title: id, phase: 'finished', words: '', frameCount: 1, droppedCount: 0, imported: false, started: new Date(time_ms), ended: null });
   const ids = (scans: readonly ScanSummary[]): string[] => scans.map(({ id }) => id);
 
   it('keeps what slips out of the newest and leaves out what was removed from them', () => {

@@ -12,6 +12,7 @@ export interface ScanSummary {
   readonly droppedCount: number;
   readonly imported: boolean; // a cloud or mesh of another program: no camera has seen it
   readonly started: Date | null;
+  readonly ended: Date | null; // null while it runs
 }
 
 export class ApiError extends Error {
@@ -19,6 +20,7 @@ export class ApiError extends Error {
     message: string,
     readonly unauthorized: boolean,
     readonly passing = false, // trying again may help
+    readonly missing = false, // the server has no such thing, or no longer
   ) {
     super(message);
   }
@@ -34,6 +36,13 @@ export async function fetchScans(token: string, olderThan = ''): Promise<ScanLis
   const query = olderThan === '' ? '' : `?older-than=${encodeURIComponent(olderThan)}`;
   const response = await request(`api/v1/scans${query}`, token, { limit_ms: listLimit_ms });
   return parseScans(await response.json());
+}
+
+export async function fetchScan(scanId: string, token: string): Promise<ScanSummary> {
+  const response = await request(scanPath(scanId), token, { limit_ms: listLimit_ms });
+  const json: unknown = await response.json();
+  if (!isRecord(json) || typeof json['id'] !== 'string') throw new ApiError('The server’s answer cannot be read.', false);
+  return summaryOf(json);
 }
 
 // And those of `known` that are older than all of these: what was removed among the newer ones is gone.
@@ -99,7 +108,7 @@ export async function request(path: string, token: string, { limit_ms, method = 
   if (response.status === 401) throw new ApiError('The server does not accept this access token.', true);
   if (response.status === 403) throw new ApiError('This access token does not allow that.', true);
   if (response.status === 429) throw new ApiError('The server asks to wait a little.', false, true);
-  if (response.status === 404) throw new ApiError('The server does not have this.', false);
+  if (response.status === 404) throw new ApiError('The server does not have this.', false, false, true);
   if (!response.ok) throw new ApiError(refusalOf(await response.text().catch(() => ''), response.status), false, response.status === 409 || response.status >= 500);
   return response;
 }
@@ -136,6 +145,7 @@ function summaryOf(row: Record<string, unknown>): ScanSummary {
     droppedCount: numberOf(row['frames_dropped']) ?? 0,
     imported: row['width'] === 0,
     started: dateOf(row['created_at']),
+    ended: dateOf(row['finished_at']),
   };
 }
 

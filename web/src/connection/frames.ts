@@ -23,8 +23,8 @@ export interface DepthPicture {
   readonly picture: Blob;
   readonly shown: DepthRange; // what its colours span
   readonly measured: DepthRange; // in this frame
+  readonly valid_percent: number | null; // of the pixels that have depth
 }
-
 
 export async function fetchFrames(scanId: string, token: string, signal: AbortSignal): Promise<FrameList> {
   const response = await request(`${scanPath(scanId)}/frames`, token, { limit_ms: list_ms, signal });
@@ -42,7 +42,8 @@ export async function fetchDepth(scanId: string, token: string, frame: number, r
   const response = await request(`${scanPath(scanId)}/frames/depth/${frame}${query}`, token, { limit_ms: image_ms, signal });
   const shown = parseRange(response.headers.get('Depth-Shown-Mm'));
   const measured = parseRange(response.headers.get('Depth-Measured-Mm'));
-  return { picture: await response.blob(), shown, measured };
+  const percent = response.headers.get('Depth-Valid-Percent');
+  return { picture: await response.blob(), shown, measured, valid_percent: percent === null ? null : numberOf(Number(percent)) };
 }
 
 // trajectory.txt: a line for each frame that was used.

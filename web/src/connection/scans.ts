@@ -1,5 +1,5 @@
 // What a person changes about scans, what they may change, and what the report says of one that has ended.
-import { ApiError, isRecord, numberOf, request, scanPath } from './api';
+import { ApiError, isRecord, numberOf, request, scanPath, textOf } from './api';
 
 const limit_ms = 10_000;
 
@@ -51,10 +51,20 @@ export async function deleteScan(scanId: string, token: string, leaving = false)
   await request(scanPath(scanId), token, { limit_ms, method: 'DELETE', keepalive: leaving });
 }
 
-// Of a scan that has ended.
+// Of a scan that has ended. Null: an older server, or an import, does not say it.
 export interface Report {
   readonly surfels: number | null; // all of the map
-  readonly cloudPoints: number | null; // those that were seen often enough; null from an older server
+  readonly cloudPoints: number | null; // those that were seen often enough
+  readonly frames: number | null; // that were processed
+  readonly trackedFrames: number | null; // weak ones included
+  readonly weakFrames: number | null;
+  readonly positionSigma_m: number | null; // of the last frame that was tracked
+  readonly rotationSigma_deg: number | null;
+  readonly calibrationDoubt: string; // empty when the camera fits its images
+  readonly cameraCorrection: string; // empty when the calibration is used as it was given
+  readonly mapping: Readonly<Record<string, number>>; // counts of the map, by the server's names
+  readonly meanFrame_ms: number | null;
+  readonly device: string;
 }
 
 export async function fetchReport(scanId: string, token: string): Promise<Report> {
@@ -63,5 +73,20 @@ export async function fetchReport(scanId: string, token: string): Promise<Report
 }
 
 export function parseReport(json: unknown): Report {
-  return isRecord(json) ? { surfels: numberOf(json['surfels']), cloudPoints: numberOf(json['cloud_points']) } : { surfels: null, cloudPoints: null };
+  const report = isRecord(json) ? json : {};
+  const mapping = isRecord(report['mapping']) ? Object.entries(report['mapping']) : [];
+  return {
+    surfels: numberOf(report['surfels']),
+    cloudPoints: numberOf(report['cloud_points']),
+    frames: numberOf(report['frames']),
+    trackedFrames: numberOf(report['tracked_frames']),
+    weakFrames: numberOf(report['weak_frames']),
+    positionSigma_m: numberOf(report['position_sigma_m']),
+    rotationSigma_deg: numberOf(report['rotation_sigma_deg']),
+    calibrationDoubt: textOf(report['calibration_doubt']),
+    cameraCorrection: textOf(report['camera_correction']),
+    mapping: Object.fromEntries(mapping.filter((entry): entry is [string, number] => numberOf(entry[1]) !== null)),
+    meanFrame_ms: numberOf(report['mean_frame_ms']),
+    device: textOf(report['device']),
+  };
 }

@@ -48,6 +48,7 @@ const keys: readonly (readonly [string, string])[] = [
   ['E', 'Eye-dome lighting of points'],
   ['T', 'Look back: all frames of the camera'],
   ['Left, right, space', 'Frame before, next frame, play; on the slider of the frames'],
+  ['Q', 'The quality of the scan on a page to print, and back'],
   ['C', 'Follow the camera, while it scans'],
   ['?', 'This help'],
   ['Esc', 'Close what is open'],

@@ -21,17 +21,19 @@ interface World {
   readonly scene: ScanScene;
   readonly scan: Store<LiveScan, never>;
   readonly token: string;
+  readonly first: number | null; // the frame that the address names: it is opened there
   readonly opened: () => void; // it stands where others may stand
 }
 
 const tick_ms = 66; // two requests a frame: half of what a token may ask for in a second
 const pause_ms = 1000; // after a request that did not work
 
-export function framesPanel({ scene, scan, token, opened }: World): FramesPanel {
+export function framesPanel({ scene, scan, token, first, opened }: World): FramesPanel {
   const { scanId } = scan.get();
   const parts = partsOf();
   const button = element('button', { type: 'button', class: 'button frames-button', title: 'What the camera has seen, frame by frame (T)', 'aria-pressed': 'false' }, 'Frames');
   const back = new LookingBack(scanId, token, scene, parts);
+  let wanted = first;
   const open = (on: boolean): void => {
     const hadFocus = parts.node.contains(document.activeElement);
     parts.node.hidden = !on;
@@ -43,7 +45,8 @@ export function framesPanel({ scene, scan, token, opened }: World): FramesPanel 
       return;
     }
     opened();
-    back.open();
+    back.open(wanted);
+    wanted = null;
     parts.slider.focus();
   };
   const close = (): void => {
@@ -58,6 +61,7 @@ export function framesPanel({ scene, scan, token, opened }: World): FramesPanel 
     const ended = phase === 'finished' || phase === 'interrupted' || phase === 'failed';
     button.hidden = !ended || framesReceived === 0 || !allowed; // no camera has seen what was imported
     if (button.hidden) close();
+    else if (wanted !== null && parts.node.hidden) open(true);
   };
   const onKey = (event: KeyboardEvent): void => {
     if (event.key === 'Escape' && !event.defaultPrevented && !document.querySelector('dialog')) close();
@@ -161,14 +165,15 @@ class LookingBack {
     parts.through.addEventListener('click', () => this.pose && scene.lookThrough(this.pose));
   }
 
-  open(): void {
+  // At that frame; null: where it was, or at the first one.
+  open(frame: number | null): void {
     const mine = (this.opened = new AbortController());
     if (this.recording) return this.go(this.frame);
     this.say('Loading the frames …');
     const path = fetchPath(this.scanId, this.token, mine.signal).catch(() => ''); // of a scan without results
     Promise.all([fetchFrames(this.scanId, this.token, mine.signal), path]).then(
       ([list, text]) => {
-        if (this.opened === mine) this.take(list, posesOf(text, list.timestamps_s));
+        if (this.opened === mine) this.take(list, posesOf(text, list.timestamps_s), frame);
       },
       (error: unknown) => {
         if (this.opened === mine) this.say(wordsOf(error));
@@ -210,14 +215,14 @@ class LookingBack {
     found.hidden = buttons.hidden = words !== '';
   }
 
-  private take(list: FrameList, poses: readonly (Pose | null)[]): void {
+  private take(list: FrameList, poses: readonly (Pose | null)[], first: number | null): void {
     const count = list.timestamps_s.length;
     if (count === 0) return this.say('There is no frame.');
     this.recording = { list, poses };
     this.parts.slider.max = String(count - 1);
     this.say('');
     this.parts.slider.focus();
-    this.go(Math.max(0, nextImage(list, -1, 1)));
+    this.go(first === null ? Math.max(0, nextImage(list, -1, 1)) : Math.min(count - 1, first));
   }
 
   private choose(frame: number): void {

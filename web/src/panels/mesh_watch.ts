@@ -14,7 +14,7 @@ export interface MeshWatch {
   dispose(): void;
 }
 
-export function watchMesh(scan: Store<LiveScan, LiveScanEvent>, scene: ScanScene, token: string): MeshWatch {
+export function watchMesh(scan: Store<LiveScan, LiveScanEvent>, scene: Pick<ScanScene, 'showMesh'>, token: string): MeshWatch {
   const ended = new AbortController();
   let timer: ReturnType<typeof setTimeout> | undefined;
   let begun = false;

@@ -1,15 +1,18 @@
 // The page of one scan: the picture fills it, the panels float above. Wires the connection, the ledger, the state and the scene together.
 import { ApiError } from '../connection/api';
-import type { Watch } from '../connection/events';
+import type { ScanEvent, Watch } from '../connection/events';
 import { ScanLink } from '../connection/link';
+import { fetchFrames } from '../connection/frames';
 import { fetchAccess, fetchReport, noAccess, stopScan, type Access } from '../connection/scans';
 import { ScanScene } from '../scene/scene';
 import { cutQuery, readCut } from '../state/cut_link';
 import { reduceCutting, type Cutting, type CuttingEvent } from '../state/cutting';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
 import { meshWords } from '../state/mesh';
+import { followedOf } from '../state/quality_words';
+import { keepReason } from '../state/reasons';
 import { receiver } from '../state/receiver';
-import { hashOf } from '../state/route';
+import { frameOf, hashOf, qualityHash } from '../state/route';
 import { createStore, type Store } from '../state/store';
 import { storedUp, storeUp } from '../state/up_choice';
 import { initialViewOptions, reduceViewOptions, storedShow, storeShow, type ViewOptions } from '../state/view_options';
@@ -59,7 +62,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   const panels: Panel[] = [bar];
   const node = element('main', { class: 'scan-page' }, stage, empty, note, bar.element);
   if (floor) node.append(floor.element);
-  const tools = scene && toolsOf({ node, stage, canvas, scene, scan, cutting, token });
+  const tools = scene && toolsOf({ node, stage, canvas, scene, scan, cutting, token, frame: frameOf(view) });
   if (scene && tools) {
     const buttons = [tools.tape, tools.section, tools.frames].map(({ button }) => button);
     panels.push(statusPanel(scan, () => scene.framesPerSecond()), viewPanel(options, scan, () => frameAll(scene, options), ...buttons), ...Object.values(tools));
@@ -72,12 +75,16 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
     scan.subscribe((state) => showEmpty(note, meshWords(state.mesh, options.get().show === 'surface') || null)),
     options.subscribe((state) => showEmpty(note, meshWords(scan.get().mesh, state.show === 'surface') || null)),
   ];
-  const link = scene && new ScanLink({ scanId, token, watch: watchOf(options.get()), onEvent: receiver(scan.dispatch, (event) => scene.onEvent(event)) });
+  const onEvent = (event: ScanEvent): void => {
+    keepReason(scanId, event);
+    scene?.onEvent(event);
+  };
+  const link = scene && new ScanLink({ scanId, token, watch: watchOf(options.get()), onEvent: receiver(scan.dispatch, onEvent) });
   unsubscribers.push(options.subscribe((state) => link?.watch(watchOf(state))));
   const mesh = scene && watchMesh(scan, scene, token);
   const stopReport = watchReport(scan, token);
   const stopAddress = watchAddress(scanId, cutting);
-  const onKey = (event: KeyboardEvent): void => shortcut(event, { scene, options, tools });
+  const onKey = (event: KeyboardEvent): void => shortcut(event, { scanId, scene, options, tools });
   document.addEventListener('keydown', onKey);
   canvas.addEventListener('dblclick', (event) => scene?.pivotAt(event.clientX, event.clientY));
   return {
@@ -113,10 +120,11 @@ interface ToolWorld {
   readonly scan: ScanStore;
   readonly cutting: Store<Cutting, CuttingEvent>;
   readonly token: string;
+  readonly frame: number | null; // that the address names
 }
 
 // They stand in the same place: one at a time.
-function toolsOf({ node, stage, canvas, scene, scan, cutting, token }: ToolWorld): Tools {
+function toolsOf({ node, stage, canvas, scene, scan, cutting, token, frame }: ToolWorld): Tools {
   const tape = measurePanel({ canvas, scene, scan, token });
   const closeTape = (): void => {
     if (node.classList.contains('measuring')) tape.toggle();
@@ -125,6 +133,7 @@ function toolsOf({ node, stage, canvas, scene, scan, cutting, token }: ToolWorld
     scene,
     scan,
     token,
+    first: frame,
     opened() {
       closeTape();
       section.close();
@@ -164,18 +173,29 @@ function setFloor(scene: ScanScene, scanId: string, x_px: number, y_px: number):
   return up !== null;
 }
 
-// Once, when there is one.
+// Once, when there is one. The list of frames is asked for where there is more to say than that all were followed.
 function watchReport(scan: ScanStore, token: string): () => void {
+  const stopped = new AbortController();
+  const load = async (scanId: string): Promise<void> => {
+    const report = await fetchReport(scanId, token);
+    scan.dispatch({ kind: 'report', report });
+    scan.dispatch({ kind: 'followed', followed: followedOf(report, null) });
+    const { view, shared } = await fetchAccess(token);
+    const isPlain = report.weakFrames === 0 && report.trackedFrames === report.frames && scan.get().framesDropped === 0;
+    if (isPlain || !view || shared) return;
+    scan.dispatch({ kind: 'followed', followed: followedOf(report, await fetchFrames(scanId, token, stopped.signal)) });
+  };
   let asked = false;
-  return scan.subscribe((state) => {
+  const unsubscribe = scan.subscribe((state) => {
     const ended = state.connection === 'closed' && (state.phase === 'finished' || state.phase === 'interrupted');
-    if (asked || !ended || state.points === 0 || state.framesReceived === 0) return;
+    if (asked || !ended || state.framesProcessed === 0) return;
     asked = true;
-    fetchReport(state.scanId, token).then(
-      (report) => scan.dispatch({ kind: 'report', report }),
-      () => {}, // the counts are compared with nothing then
-    );
+    load(state.scanId).catch(() => {}); // what has come by then is said
   });
+  return () => {
+    stopped.abort();
+    unsubscribe();
+  };
 }
 
 // The address is that of what is seen. Browsers let it change only so often.
@@ -213,6 +233,7 @@ function viewActions({ scanId, scene, floor, frames, section }: ViewWorld): Menu
   return [
     ...(!section.button.hidden ? [{ label: 'Section', phoneOnly: true, do: section.toggle }] : []),
     ...(!frames.button.hidden ? [{ label: 'Frames', phoneOnly: true, do: frames.toggle }] : []),
+    { label: 'Quality', phoneOnly: true, do: () => void (location.hash = qualityHash(scanId)) },
     { label: 'Set the floor', do: () => floor.begin() },
     ...(chosen ? [{ label: 'Find the floor again', do: again }] : []),
     { label: 'Mouse and keyboard', do: showHelp },
@@ -296,12 +317,13 @@ function showEmpty(node: HTMLElement, words: string | null): void {
 }
 
 interface Shortcuts {
+  readonly scanId: string;
   readonly scene: ScanScene | null;
   readonly options: OptionsStore;
   readonly tools: Tools | null;
 }
 
-function shortcut(event: KeyboardEvent, { scene, options, tools }: Shortcuts): void {
+function shortcut(event: KeyboardEvent, { scanId, scene, options, tools }: Shortcuts): void {
   const typing = event.target instanceof HTMLInputElement && !['radio', 'range'].includes(event.target.type);
   if (typing || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === 'f' && scene) frameAll(scene, options);
@@ -311,6 +333,7 @@ function shortcut(event: KeyboardEvent, { scene, options, tools }: Shortcuts): v
   if (event.key === 'i') options.dispatch({ hideBacks: !now.hideBacks });
   if (event.key === 'e') options.dispatch({ eyeDome: !now.eyeDome });
   if (event.key === 'x') tools?.section.toggle();
+  if (event.key === 'q') location.hash = qualityHash(scanId);
   if (event.key === 'm') {
     tools?.frames.close();
     tools?.section.close();

@@ -1,12 +1,13 @@
-// What is known about the scan in numbers and words.
+// How well the scan goes or went, in a sentence; behind "Details" the numbers.
 import type { LiveScan } from '../state/live_scan';
+import { qualityWords } from '../state/quality_words';
+import { qualityHash } from '../state/route';
 import type { Store } from '../state/store';
-import { connectionWords, count, eventWords, leftOutWords, partsWords, pointsWords, positionWords, trackingWords } from '../state/words';
+import { connectionWords, count, eventWords, leftOutWords, partsWords, pointsWords, positionWords, sentence, soFarWords, trackingWords } from '../state/words';
 import { element, setText, type Panel } from './dom';
 import { statusMark } from './mark';
 
 const refresh_ms = 500;
-const narrow = '(max-width: 820px)'; // as in the style sheet
 
 interface Row {
   readonly label: string;
@@ -15,6 +16,9 @@ interface Row {
 
 // No camera has seen it.
 const isImported = (scan: LiveScan): boolean => scan.phase === 'finished' && scan.framesReceived === 0;
+
+// The connection is no news any more.
+const isQuiet = (scan: LiveScan): boolean => scan.connection === 'closed' && !scan.problem;
 
 const rows: readonly Row[] = [
   { label: 'Points shown', value: (scan) => (scan.points > 0 || scan.triangles === 0 ? count(scan.points) : null) },
@@ -28,6 +32,7 @@ const rows: readonly Row[] = [
   { label: 'Position', value: (scan) => positionWords(scan) },
   { label: 'Dropped', value: (scan) => (isImported(scan) ? null : count(scan.framesDropped)) },
   { label: 'Per frame', value: (scan) => (scan.frame_ms > 0 && scan.phase === 'running' ? `${Math.round(scan.frame_ms)} ms` : null) },
+  { label: 'Connection', value: (scan) => (isQuiet(scan) ? connectionWords(scan).text : null) }, // else it is seen above
   { label: 'Picture', value: (_, fps) => (fps > 0 ? `${fps} fps` : 'at rest') },
 ];
 
@@ -38,21 +43,30 @@ export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () 
   const pairs = rows.map((row, i) => element('div', {}, element('dt', {}, row.label), values[i]!));
   const list = element('dl', { class: 'figures' }, ...pairs);
   const why = element('p', { class: 'why' });
-  const details = element('details', { class: 'details', open: !matchMedia(narrow).matches }, element('summary', {}, 'Details'), list, why);
+  const details = element('details', { class: 'details' }, element('summary', {}, 'Details'), list, why);
+  const summary = element('p', { class: 'summary' }); // not read aloud whenever it changes: of a running scan it does so all the time
+  const quality = element('a', { class: 'quality-link', href: qualityHash(scan.get().scanId), title: 'As a page to print (Q)' }, 'More about its quality');
   const notice = element('p', { class: 'notice', role: 'status' });
   const node = element(
     'section',
     { class: 'card status', 'aria-label': 'Status' },
     element('div', { class: 'marks', role: 'status' }, tracking.element, connection.element),
+    summary,
     notice,
     details,
+    quality,
   );
 
   const show = (): void => {
     const state = scan.get();
     tracking.element.hidden = state.phase !== 'running' || state.connection !== 'open'; // else it would be old news
     tracking.show(trackingWords(state));
+    connection.element.hidden = isQuiet(state);
     connection.show(connectionWords(state));
+    const wellWords = summaryText(state);
+    setText(summary, wellWords);
+    summary.hidden = wellWords === '';
+    quality.hidden = state.phase === 'unknown';
     const fps = picturesPerSecond();
     rows.forEach((row, i) => {
       const value = row.value(state, fps);
@@ -73,6 +87,11 @@ export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () 
       clearInterval(timer);
     },
   };
+}
+
+function summaryText(scan: LiveScan): string {
+  if (isImported(scan)) return 'This model was imported: no camera has seen it here.';
+  return scan.followed ? qualityWords(scan.followed, scan.phaseWords) : soFarWords(scan);
 }
 
 // Of the surface that grows, or has been made.
@@ -96,9 +115,4 @@ function noticeText(scan: LiveScan): string {
   if (scan.old) words.push('Some of what is shown is from before, while the server builds the scan again.');
   if (scan.full) words.push('The scan is larger than this page can show; some parts are left out.');
   return words.filter((part) => part !== '').join(' ');
-}
-
-function sentence(words: string): string {
-  const upper = words.charAt(0).toUpperCase() + words.slice(1);
-  return /[.!?]$/.test(upper) || upper === '' ? upper : `${upper}.`;
 }

@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { FrameEvent, MapEventName, TrackingName } from '../connection/events';
+import { parseReport } from '../connection/scans';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from './live_scan';
 import { connectionWords, emptyWords, eventWords, leftOutWords, partsWords, pointsWords, positionWords, trackingWords, wayBackLabel } from './words';
 
@@ -109,7 +110,7 @@ describe('reduceLiveScan', () => {
     expect(leftOutWords(scan)).toContain('92 of 160 frames');
     expect(leftOutWords(after(welcome, { ...dropped, phase: 'running' }))).toBe('');
     expect(pointsWords(scan)).toBe('Shown are 1,200 points, one for every 5 mm.');
-    const told = reduceLiveScan(scan, { kind: 'report', report: { surfels: 3000, cloudPoints: 2000 } });
+    const told = reduceLiveScan(scan, { kind: 'report', report: parseReport({ surfels: 3000, cloud_points: 2000 }) });
     expect(pointsWords(told)).toContain('The cloud to download has all 2,000. The map has 3,000 surfels');
     expect(pointsWords(after())).toBe('');
   });

@@ -2,6 +2,7 @@
 import type { FrameEvent, MapEventName, ScanEvent, ScanPhaseName, TrackingName } from '../connection/events';
 import type { Report } from '../connection/scans';
 import { noMesh, type MeshState } from './mesh';
+import type { Followed } from './quality_words';
 
 export type ConnectionName = 'connecting' | 'open' | 'waiting' | 'closed';
 
@@ -40,6 +41,7 @@ export interface LiveScan {
   readonly old: boolean; // some of what is shown is from before the connection was lost
   readonly mesh: MeshState; // the surface, of a scan that has ended
   readonly report: Report | null; // the same
+  readonly followed: Followed | null; // the same: how well the camera was
 }
 
 // What the scene and the ledger tell the state, besides the events of the connection.
@@ -48,6 +50,7 @@ export type LiveScanEvent =
   | { readonly kind: 'content'; readonly points: number; readonly chunks: number; readonly triangles: number; readonly full: boolean; readonly old: boolean }
   | { readonly kind: 'mesh'; readonly mesh: MeshState }
   | { readonly kind: 'report'; readonly report: Report }
+  | { readonly kind: 'followed'; readonly followed: Followed }
   | { readonly kind: 'renamed'; readonly title: string };
 
 export function initialLiveScan(scanId: string): LiveScan {
@@ -86,6 +89,7 @@ export function initialLiveScan(scanId: string): LiveScan {
     old: false,
     mesh: noMesh,
     report: null,
+    followed: null,
   };
 }
 
@@ -138,6 +142,8 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
       return { ...state, mesh: event.mesh };
     case 'report':
       return { ...state, report: event.report };
+    case 'followed':
+      return { ...state, followed: event.followed };
     case 'renamed':
       return { ...state, title: event.title };
     case 'submapPoses':

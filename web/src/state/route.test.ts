@@ -1,6 +1,6 @@
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
-import { hashOf, routeOf } from './route';
+import { frameHash, frameOf, hashOf, qualityHash, routeOf } from './route';
 
 describe('routeOf', () => {
   it('finds back every scan that hashOf names', () => {
@@ -10,6 +10,14 @@ describe('routeOf', () => {
         expect(routeOf(hashOf(scanId, 'clip=1,2'))).toEqual({ page: 'scan', scanId, view: 'clip=1,2' });
       }),
     );
+  });
+
+  it('knows the page of the quality, also with other fields, and a frame', () => {
+    expect(routeOf(qualityHash('a/b'))).toMatchObject({ page: 'quality', scanId: 'a/b' });
+    expect(routeOf('#/scan/a?clip=1&page=quality')).toMatchObject({ page: 'quality', scanId: 'a' });
+    expect(routeOf(frameHash('a', 17))).toEqual({ page: 'scan', scanId: 'a', view: 'frame=17' });
+    expect(frameOf('frame=17')).toBe(17);
+    for (const none of ['', 'frame=', 'frame=-1', 'frame=x', 'frame=1e3', 'frame=12345678901']) expect(frameOf(none)).toBeNull();
   });
 
   it('shows the list for everything else', () => {

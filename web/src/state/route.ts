@@ -1,14 +1,16 @@
 // Which page the address bar's fragment means.
 
-export type Route = { readonly page: 'list' } | { readonly page: 'scan'; readonly scanId: string; readonly view: string }; // `view`: a query
+// `view`: a query, how the scan is looked at.
+export type Route = { readonly page: 'list' } | { readonly page: 'scan' | 'quality'; readonly scanId: string; readonly view: string };
 
 const scanPath = /^#\/scan\/([^/?&#]+)(?:\?([^#]*))?$/;
+const quality = 'page=quality'; // a field like others, so that a share link may have it
 
 export function routeOf(hash: string): Route {
   const [, scan, view = ''] = scanPath.exec(hash) ?? [];
   if (!scan) return { page: 'list' };
   try {
-    return { page: 'scan', scanId: decodeURIComponent(scan), view };
+    return { page: view.split('&').includes(quality) ? 'quality' : 'scan', scanId: decodeURIComponent(scan), view };
   } catch {
     return { page: 'list' }; // a broken percent sign
   }
@@ -16,4 +18,15 @@ export function routeOf(hash: string): Route {
 
 export function hashOf(scanId: string, view = ''): string {
   return `#/scan/${encodeURIComponent(scanId)}${view && `?${view}`}`;
+}
+
+export const qualityHash = (scanId: string): string => hashOf(scanId, quality);
+
+// The scan with this frame of its camera looked at.
+export const frameHash = (scanId: string, frame: number): string => hashOf(scanId, `frame=${frame}`);
+
+// The frame that a view names, null when it names none.
+export function frameOf(view: string): number | null {
+  const frame = new URLSearchParams(view).get('frame') ?? '';
+  return /^\d{1,9}$/.test(frame) ? Number(frame) : null;
 }

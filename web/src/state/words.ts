@@ -137,8 +137,15 @@ export function framesWords({ frameCount, droppedCount }: { readonly frameCount:
 
 // Of a scan that has ended, what it lacks, empty when nothing.
 export function leftOutWords(scan: LiveScan): string {
-  if (scan.phase === 'running' || scan.framesDropped === 0) return '';
+  if (scan.phase === 'running' || scan.framesDropped === 0 || scan.followed?.counts) return ''; // that knows which ones
   return `${count(scan.framesDropped)} of ${count(scan.framesReceived)} frames were left out, since newer ones were there before the server had time for them.`;
+}
+
+// Of a running scan, what is in the model so far.
+export function soFarWords(scan: LiveScan): string {
+  if (scan.phase !== 'running' || scan.framesProcessed === 0) return '';
+  const dropped = scan.framesDropped > 0 ? ` ${count(scan.framesDropped)} ${scan.framesDropped === 1 ? 'was' : 'were'} left out, since newer ones were there before the server had time.` : '';
+  return `${count(scan.framesProcessed)} ${scan.framesProcessed === 1 ? 'frame' : 'frames'} so far.${dropped}`;
 }
 
 // Why the counts of points differ, empty while there is nothing to compare.
@@ -161,6 +168,12 @@ export function emptyWords(scan: LiveScan): string | null {
   if (scan.connection === 'connecting' || !scan.snapshotComplete) return 'Loading the scan.';
   if (scan.phase === 'running') return 'The first points appear as soon as a surface has been seen often enough.';
   return 'This scan has no points.';
+}
+
+// With a capital letter and a full stop, where there are words.
+export function sentence(words: string): string {
+  const upper = words.charAt(0).toUpperCase() + words.slice(1);
+  return /[.!?]$/.test(upper) || upper === '' ? upper : `${upper}.`;
 }
 
 export function count(value: number): string {

@@ -1,0 +1,77 @@
+// Where the camera was lost or doubtful: when, for how long, and what it saw there.
+import { ApiError } from '../connection/api';
+import { fetchColor, fetchDepth } from '../connection/frames';
+import { clockWords, doubtWords, imageWords } from '../state/quality_words';
+import { reasonOf } from '../state/reasons';
+import { frameHash } from '../state/route';
+import type { Doubt } from '../state/stretches';
+import { sentence } from '../state/words';
+import { element, setText } from './dom';
+import { framePicture } from './frame_picture';
+
+const most_pictures = 12; // each is two requests
+
+interface Recording {
+  readonly scanId: string;
+  readonly token: string;
+  readonly signal: AbortSignal; // nobody looks any more
+}
+
+// The worst have pictures, the others a line each.
+export function qualityDoubts(doubts: readonly Doubt[], recording: Recording): HTMLElement {
+  const byWorth = [...doubts].sort((a, b) => Number(b.follow === 'lost') - Number(a.follow === 'lost') || b.to_s - b.from_s - (a.to_s - a.from_s));
+  const worst = new Set(byWorth.slice(0, most_pictures));
+  const rows = doubts.filter((doubt) => worst.has(doubt)).map((doubt) => rowOf(doubt, recording));
+  const others = doubts.filter((doubt) => !worst.has(doubt));
+  void showAll(rows.map(({ show }) => show));
+  const more = element(
+    'details',
+    { class: 'more-doubts' },
+    element('summary', {}, others.length === 1 ? 'One shorter stretch' : `${others.length} shorter stretches`),
+    element('ul', {}, ...others.map((doubt) => element('li', {}, linkOf(doubt, recording.scanId), ` ${doubtWords(doubt)}`))),
+  );
+  more.hidden = others.length === 0;
+  return element('div', {}, element('ol', { class: 'doubts' }, ...rows.map(({ node }) => node)), more);
+}
+
+// One after the other: the server asks to wait when it is asked for many at once.
+async function showAll(shows: readonly (() => Promise<void>)[]): Promise<void> {
+  for (const show of shows) await show();
+}
+
+function linkOf({ from_s, to_s, middle }: Doubt, scanId: string): HTMLElement {
+  return element('a', { href: frameHash(scanId, middle), title: 'The images of the camera at that moment' }, `${clockWords(from_s)} to ${clockWords(to_s)}`);
+}
+
+function rowOf(doubt: Doubt, { scanId, token, signal }: Recording): { readonly node: HTMLElement; readonly show: () => Promise<void> } {
+  const picture = framePicture(`Colour image of frame ${doubt.middle}`, `Frame ${doubt.middle}`);
+  picture.show('Loading.');
+  const seen = element('span', { class: 'doubt-seen' });
+  const words = [`${doubtWords(doubt)}.`, sentence(reasonOf(scanId, doubt.first, doubt.last))].join(' ').trim();
+  const node = element('li', { class: 'doubt' }, picture.element, element('div', {}, linkOf(doubt, scanId), element('span', {}, words), seen));
+  const show = async (): Promise<void> => {
+    if (signal.aborted) return;
+    let brightness: number | null = null;
+    const depth = fetchDepth(scanId, token, doubt.middle, null, signal).catch(() => null);
+    try {
+      const image = await createImageBitmap(await fetchColor(scanId, token, doubt.middle, signal));
+      brightness = brightnessOf(image);
+      picture.show(image);
+    } catch (error) {
+      picture.show(error instanceof ApiError ? error.message : 'This image cannot be read.');
+    }
+    setText(seen, imageWords((await depth)?.valid_percent ?? null, brightness));
+  };
+  return { node, show };
+}
+
+// 0 is black, 1 white.
+function brightnessOf(image: ImageBitmap): number {
+  const side = 16;
+  const drawing = Object.assign(document.createElement('canvas'), { width: side, height: side }).getContext('2d', { willReadFrequently: true })!;
+  drawing.drawImage(image, 0, 0, side, side);
+  const { data } = drawing.getImageData(0, 0, side, side);
+  let sum = 0;
+  for (let i = 0; i < data.length; i += 4) sum += data[i]! + data[i + 1]! + data[i + 2]!;
+  return sum / (3 * 255 * side * side);
+}

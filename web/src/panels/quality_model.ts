@@ -1,0 +1,70 @@
+// The model on the page of its quality: pictures with a scale, and how large it is.
+import { strayShare, type ModelLook, type ModelPicture } from '../scene/model_pictures';
+import { planSquare_m, scaleBar_m } from '../state/model_figures';
+import type { Fact } from '../state/quality_facts';
+import { percentWords } from '../state/quality_words';
+import { element } from './dom';
+
+export function factList(facts: readonly Fact[]): HTMLElement {
+  const rows = facts.filter(([, value]) => value !== null).map(([label, value]) => element('div', {}, element('dt', {}, label), element('dd', {}, value)));
+  return element('dl', { class: 'quality-facts' }, ...rows);
+}
+
+// `parts`: that the model is in, not joined.
+export function modelSection({ extent, figures, hasPath, pictures, confidence }: ModelLook, parts: number): HTMLElement {
+  const [along_m, up_m, across_m] = extent.low_m.map((low, k) => extent.high_m[k]! - low) as [number, number, number];
+  const [plan, ...sides] = pictures;
+  const within = percentWords(1 - 2 * strayShare).replace('.0', '');
+  return element(
+    'div',
+    {},
+    factList([
+      ['Extent', `${along_m.toFixed(2)} m × ${across_m.toFixed(2)} m, ${up_m.toFixed(2)} m high`],
+      ['Area of the surface', figures && areaWords(figures.area_m2)],
+      ['Ground plan', figures?.plan_m2 ? areaWords(figures.plan_m2) : null],
+      ['Floor seen', figures && figures.floorShare !== null ? `${percentWords(figures.floorShare)} of the ground plan` : null],
+      ['Low confidence', confidence && `${percentWords(confidence.lowShare)} of the points`],
+    ]),
+    note(
+      parts > 1 ? 'The parts lie to each other as nobody knows: extent, ground plan and pictures are right only within each.' : '',
+      `The extent is along the walls, with ${within} of the model between its ends in each direction, so that stray points do not count.`,
+      figures ? `The ground plan is all squares of ${100 * planSquare_m} cm with any surface in them, seen from above.` : '',
+      figures && figures.floorShare !== null ? 'The lowest level surface of some size counts as the floor.' : '',
+      'Places that nobody has looked at are in no figure: how much is missing cannot be told from the scan.',
+    ),
+    element('div', { class: 'model-pictures' }, figureOf(plan!), confidence && figureOf(confidence.picture, true), ...sides.map((picture) => figureOf(picture))),
+    note(
+      'All pictures have the same scale and no perspective. What is seen from behind is left out, so that one looks into a room.',
+      hasPath ? 'Ahead is where the camera looked in the first frame. The line is its path, from the dot on.' : '',
+      confidence ? 'Confidence grows with every frame that sees a place, most from near and straight ahead: from violet, 3 or less, to yellow, 20 and more. Low is below 6; a point needs 3 to be kept.' : '',
+    ),
+  );
+}
+
+function note(...sentences: readonly string[]): HTMLElement {
+  return element('p', { class: 'quality-note' }, sentences.filter((words) => words !== '').join(' '));
+}
+
+function figureOf({ name, canvas, width_m }: ModelPicture, hasColors = false): HTMLElement {
+  const bar_m = scaleBar_m(width_m);
+  const label = bar_m < 1 ? `${Math.round(100 * bar_m)} cm` : `${bar_m} m`;
+  canvas.setAttribute('role', 'img');
+  canvas.setAttribute('aria-label', `The model: ${name}`);
+  const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
+  for (const [key, value] of Object.entries({ viewBox: `0 0 100 2`, preserveAspectRatio: 'none', class: 'scale-bar', 'aria-hidden': 'true' })) svg.setAttribute(key, value);
+  const path = document.createElementNS('http://www.w3.org/2000/svg', 'path');
+  const end = ((100 * bar_m) / width_m).toFixed(3);
+  path.setAttribute('d', `M0 0V2M0 1H${end}M${end} 0V2`);
+  svg.append(path);
+  return element(
+    'figure',
+    { class: 'model-picture' },
+    canvas,
+    svg,
+    element('figcaption', {}, element('span', {}, label), element('span', {}, name), hasColors ? element('span', { class: 'confidence-colors', 'aria-hidden': 'true' }) : null),
+  );
+}
+
+function areaWords(area_m2: number): string {
+  return `${area_m2 < 10 ? area_m2.toFixed(2) : area_m2.toFixed(1)} m²`;
+}

@@ -1,0 +1,267 @@
+// The quality of one scan as a page to print: what became of its frames, where the camera was lost, and pictures of the model. It says what the server and
+// the model tell, and leaves out the rest.
+import { ApiError, fetchScan, type ScanSummary } from '../connection/api';
+import type { ScanEvent } from '../connection/events';
+import { fetchFrames, fetchPath, type FrameList } from '../connection/frames';
+import { ScanLink } from '../connection/link';
+import { fetchAccess, fetchReport, type Report } from '../connection/scans';
+import { ModelPictures } from '../scene/model_pictures';
+import { pathOf, type CameraPath } from '../state/camera_path';
+import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
+import { meshWords } from '../state/mesh';
+import { frameShares, mapFacts, scanFacts, statesUncertainty } from '../state/quality_facts';
+import { followedOf, qualityWords, type Followed } from '../state/quality_words';
+import { keepReason } from '../state/reasons';
+import { receiver } from '../state/receiver';
+import { frameHash, hashOf, qualityHash } from '../state/route';
+import { createStore, type Store } from '../state/store';
+import { storedUp } from '../state/up_choice';
+import { emptyWords, partsWords, sentence, soFarWords, trackingWords } from '../state/words';
+import { showHelp } from './dialogs';
+import { element, setText, type Panel } from './dom';
+import { watchMesh } from './mesh_watch';
+import { qualityDoubts } from './quality_doubts';
+import { factList, modelSection } from './quality_model';
+import { qualityStrip } from './quality_strip';
+import { shareButton } from './share_button';
+
+const askEvery_ms = 10_000; // whether the scan is still there
+
+type ScanStore = Store<LiveScan, LiveScanEvent>;
+
+export interface QualityPage extends Panel {
+  readonly scan: ScanStore;
+}
+
+export function qualityPage(scanId: string, token: string): QualityPage {
+  const scan = createStore(initialLiveScan(scanId), reduceLiveScan);
+  const ended = new AbortController();
+  const parts = partsOf(scanId, token);
+  const pictures = new ModelPictures(storedUp(localStorage, scanId));
+  const onEvent = (event: ScanEvent): void => {
+    keepReason(scanId, event);
+    pictures.onEvent(event);
+  };
+  const link = new ScanLink({ scanId, token, watch: { points: false, mesh: false }, onEvent: receiver(scan.dispatch, onEvent) });
+  const mesh = watchMesh(scan, pictures, token);
+  const told = new ToldScan(scanId, token, ended.signal, parts);
+  const draw = once(() => showModel(parts.model, pictures, scan.get().followed?.parts ?? 1));
+  const watch = once(() => void told.watch(scan));
+  let isLoaded = false;
+  const load = once(() => {
+    void told.load(scan).finally(() => {
+      isLoaded = true;
+      refresh(scan.get());
+    });
+  });
+  const refresh = (state: LiveScan): void => {
+    if (ended.signal.aborted) return;
+    showState(parts, state, told.gone);
+    if (state.phase !== 'unknown') watch(); // the server has it
+    if (!hasEnded(state)) return;
+    load();
+    const isMade = state.mesh.state === 'shown' || state.mesh.state === 'failed' || (state.points === 0 && state.snapshotComplete);
+    if (isMade && isLoaded) draw();
+    else if (!isMade) parts.model.replaceChildren(element('p', { class: 'quality-note', role: 'status' }, meshWords(state.mesh, true) || 'Loading the model.'));
+  };
+  const unsubscribe = scan.subscribe(refresh);
+  const onKey = (event: KeyboardEvent): void => {
+    if (event.target instanceof HTMLInputElement || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key === 'q') location.hash = hashOf(scanId);
+    if (event.key === '?') showHelp();
+  };
+  document.addEventListener('keydown', onKey);
+  return {
+    element: parts.node,
+    scan,
+    dispose() {
+      ended.abort();
+      document.removeEventListener('keydown', onKey);
+      unsubscribe();
+      mesh.dispose();
+      link.close();
+      pictures.dispose();
+    },
+  };
+}
+
+const hasEnded = ({ connection, phase }: LiveScan): boolean => connection === 'closed' && (phase === 'finished' || phase === 'interrupted' || phase === 'failed');
+
+function once(act: () => void): () => void {
+  let done = false;
+  return () => {
+    if (done) return;
+    done = true;
+    act();
+  };
+}
+
+type Parts = ReturnType<typeof partsOf>;
+
+function partsOf(scanId: string, token: string) {
+  const title = element('h1', {}, 'Quality of a scan');
+  const summary = element('p', { class: 'lead' }); // not read aloud whenever it changes: of a running scan it does so all the time
+  const notice = element('p', { class: 'notice', role: 'status' });
+  const problem = element('span', { class: 'problem', role: 'alert' });
+  const share = shareButton(scanId, token, problem, () => qualityHash(scanId).split('?')[1]!);
+  share.hidden = true;
+  const print = element('button', { type: 'button', class: 'button', title: 'Also as a PDF' }, 'Print');
+  print.addEventListener('click', () => window.print());
+  const back = element('a', { class: 'back', href: hashOf(scanId) }, element('span', { 'aria-hidden': 'true' }, '←'), ' Model');
+  const bar = element('header', { class: 'quality-bar' }, back, element('span', { class: 'space' }), problem, share, print);
+  const [facts, camera, doubts, model, map] = [element('div'), element('div'), element('div'), element('div'), element('div')];
+  const sections = [
+    sectionOf('The camera', camera),
+    sectionOf('Where it was lost or doubtful', doubts),
+    sectionOf('The model', model),
+    sectionOf('The map', map),
+  ];
+  for (const section of sections) section.hidden = true;
+  const node = element('main', { class: 'quality-page' }, bar, title, summary, notice, facts, ...sections);
+  return { node, title, summary, notice, share, print, facts, camera, doubts, model, map };
+}
+
+function sectionOf(name: string, content: HTMLElement): HTMLElement {
+  return element('section', {}, element('h2', {}, name), content);
+}
+
+function fill(content: HTMLElement, ...children: Node[]): void {
+  content.replaceChildren(...children);
+  content.parentElement!.hidden = children.length === 0;
+}
+
+// What the connection says, at the top of the page.
+function showState({ title, summary, notice, print, model }: Parts, state: LiveScan, gone: boolean): void {
+  setText(title, state.title || 'Quality of a scan');
+  document.title = state.title ? `${state.title}: quality – Hermite` : 'Hermite';
+  setText(summary, [summaryWords(state), sentence(state.phaseWords)].filter((part) => part !== '').join(' '));
+  const known = state.phase !== 'unknown';
+  print.hidden = !known || state.phase === 'running';
+  const said = gone ? 'This scan has been deleted. What is seen here was loaded before.' : known ? runningWords(state) : (emptyWords(state) ?? '');
+  setText(notice, said);
+  notice.hidden = said === '';
+  model.parentElement!.hidden = !hasEnded(state);
+}
+
+function summaryWords(state: LiveScan): string {
+  const { phase, followed, framesReceived, tracking } = state;
+  if (phase === 'finished' && framesReceived === 0) return 'This model was imported: no camera has seen it here.';
+  if (phase !== 'running') return followed ? qualityWords(followed, state.phaseWords) : '';
+  const now = tracking === 'tracked' ? 'The camera is being followed.' : sentence(trackingWords(state).text);
+  return [now, soFarWords(state), partsWords(state)].filter((part) => part !== '').join(' ');
+}
+
+function runningWords({ connection, phase }: LiveScan): string {
+  if (connection === 'waiting') return 'The server cannot be reached. Trying again.';
+  return phase === 'running' ? 'The scan is running. This page fills itself when it has ended.' : '';
+}
+
+function showModel(node: HTMLElement, pictures: ModelPictures, parts: number): void {
+  try {
+    const look = pictures.draw();
+    fill(node, look ? modelSection(look, parts) : element('p', { class: 'quality-note' }, 'There is no model: nothing was seen often enough.'));
+  } catch {
+    fill(node, element('p', { class: 'quality-note' }, 'This browser cannot show 3D pictures: it has no WebGL 2.'));
+  }
+}
+
+// What the server tells of the scan besides the model, each part by itself: what is missing is left out or said.
+class ToldScan {
+  gone = false;
+  private summary: ScanSummary | null = null;
+  private path: CameraPath | null = null;
+
+  constructor(
+    private readonly scanId: string,
+    private readonly token: string,
+    private readonly signal: AbortSignal,
+    private readonly parts: Parts,
+  ) {}
+
+  // Until the page is left, or the scan is gone.
+  async watch(scan: ScanStore): Promise<void> {
+    while (!this.signal.aborted && !this.gone) {
+      try {
+        if (document.visibilityState === 'visible') this.summary = await fetchScan(this.scanId, this.token);
+        if (this.signal.aborted) return;
+        this.showFacts();
+      } catch (error) {
+        if (this.signal.aborted) return;
+        this.gone = error instanceof ApiError && error.missing;
+        if (this.gone) showState(this.parts, scan.get(), true);
+      }
+      await nextLook(this.signal);
+    }
+  }
+
+  // Of a scan that has ended.
+  async load(scan: ScanStore): Promise<void> {
+    const { scanId, token, signal } = this;
+    const access = await fetchAccess(token).catch(() => null);
+    if (signal.aborted) return;
+    this.parts.share.hidden = !(access?.view && access.scan);
+    if (scan.get().framesReceived === 0) return; // imported
+    const [report, list, path] = await Promise.all([
+      fetchReport(scanId, token).catch(() => null),
+      access?.shared ? 'shared' : fetchFrames(scanId, token, signal).catch(wordsOf),
+      fetchPath(scanId, token, signal).catch(() => ''),
+    ]);
+    if (signal.aborted) return;
+    this.path = pathOf(path);
+    const followed = followedOf(report, typeof list === 'string' ? null : list);
+    if (report) scan.dispatch({ kind: 'report', report });
+    scan.dispatch({ kind: 'followed', followed });
+    this.showFacts();
+    this.showCamera(followed, list);
+    if (report) this.showMap(report);
+  }
+
+  private showFacts(): void {
+    if (this.summary) this.parts.facts.replaceChildren(factList(scanFacts(this.summary, this.path)));
+  }
+
+  private showCamera(followed: Followed, list: FrameList | string): void {
+    const { scanId, token, signal } = this;
+    const shares = frameShares(followed).map(({ kind, label, value }) =>
+      element('li', {}, element('span', { class: `swatch swatch-${kind}`, 'aria-hidden': 'true' }), element('span', {}, label), element('span', { class: 'share-value' }, value)),
+    );
+    const note = (words: string): HTMLElement => element('p', { class: 'quality-note' }, words);
+    const legend = element('ul', { class: 'shares' }, ...shares);
+    if (typeof list === 'string') {
+      fill(this.parts.camera, legend, note(list === 'shared' ? 'This link shows the model and not what the camera has seen: the strip over time and the images are left out.' : list));
+      return;
+    }
+    const strip = followed.stretches && qualityStrip(list, followed.stretches, (frame) => (location.hash = frameHash(scanId, frame)));
+    fill(this.parts.camera, ...(strip ? [strip, legend, element('p', { class: 'quality-note on-screen' }, 'A click into the strip opens the model with the images of that moment.')] : [legend, note('What became of each frame is not recorded in this scan.')]));
+    const { doubts } = followed;
+    if (!doubts || doubts.length === 0) return;
+    const why = note('Why the camera was lost is told while a scan runs, and the server does not keep it: reasons are here where this page has seen the scan running. What is said of an image is what it shows by itself.');
+    fill(this.parts.doubts, qualityDoubts(doubts, { scanId, token, signal }), why);
+  }
+
+  private showMap(report: Report): void {
+    const words = [
+      ...(statesUncertainty(report) ? ['Position and direction at the end are those of the last frame that was followed, with twice the standard deviation that the reconstruction itself states.'] : []),
+      'Nothing here was compared with a true measurement: that the camera was followed everywhere does not say how exact the model is.',
+    ];
+    fill(this.parts.map, factList(mapFacts(report)), element('p', { class: 'quality-note' }, words.join(' ')));
+  }
+}
+
+// After a while, or when somebody comes back to the page.
+function nextLook(signal: AbortSignal): Promise<void> {
+  return new Promise((resolve) => {
+    const done = (): void => {
+      clearTimeout(timer);
+      document.removeEventListener('visibilitychange', done);
+      resolve();
+    };
+    const timer = setTimeout(done, askEvery_ms);
+    document.addEventListener('visibilitychange', done);
+    signal.addEventListener('abort', done, { once: true });
+  });
+}
+
+function wordsOf(error: unknown): string {
+  return error instanceof ApiError ? error.message : 'The frames could not be loaded.';
+}

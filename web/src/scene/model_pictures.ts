@@ -1,0 +1,233 @@
+// Pictures of a model for a page: from above and from four sides, as good as without perspective, so that lengths can be read off them. Draws once, when
+// all is there, into canvases of their own.
+import { Color, Group, PerspectiveCamera, Quaternion, Scene, Vector3, WebGLRenderer, type Object3D } from 'three';
+import type { ScanEvent } from '../connection/events';
+import { threeOf, type Axes, type Triple } from '../state/axes';
+import { extentOf, figuresOf, type Extent, type ModelFigures } from '../state/model_figures';
+import { initialViewOptions, type ViewOptions } from '../state/view_options';
+import { floorHeight_m, firstCamerasUp, upOf, type Direction } from './gravity';
+import { wallAxes } from './heading';
+import { MeshLayer } from './mesh_layer';
+import { boundsAlong } from './model_bounds';
+import { PointsLayer } from './points_layer';
+import { SampleCollector } from './samples';
+import { SubmapsLayer } from './submaps_layer';
+
+export const strayShare = 0.005; // of the points at either end of each axis
+const widest_px = 760;
+const tallest = 1.25; // of the width
+const margin = 1.06;
+const awayDepths = 100; // so far away is the camera: what is near is at most a hundredth larger than what is far
+const leap_m = 0.5; // between two frames: the camera was lost
+const pathStrokes = [[10, 'rgb(255 255 255 / 0.85)'], [5, '#0c5f8a']] as const; // seen on any ground
+const lowConfidence = 6; // twice what a point needs to be kept
+
+export interface ModelPicture {
+  readonly name: string;
+  readonly canvas: HTMLCanvasElement;
+  readonly width_m: number; // of the whole picture
+}
+
+export interface ModelLook {
+  readonly extent: Extent;
+  readonly figures: ModelFigures | null; // null: there is no surface
+  readonly hasPath: boolean; // of the camera, in the picture from above
+  readonly pictures: readonly ModelPicture[];
+  readonly confidence: { readonly picture: ModelPicture; readonly lowShare: number } | null;
+}
+
+interface View {
+  readonly name: string;
+  readonly sight: Triple; // where it looks, in the world
+  readonly above: Triple; // what is up in the picture
+  readonly size: readonly [number, number, number]; // axes that are its width, height and depth
+}
+
+export class ModelPictures {
+  private readonly submaps = new SubmapsLayer();
+  private readonly points = new PointsLayer(this.submaps);
+  private readonly mesh = new MeshLayer();
+  private readonly confidences = new Uint32Array(256); // points by confidence times 8
+  private path_m = new Float32Array(); // of the camera, in the world
+  private chosenUp: Direction | null;
+  private imported = false;
+
+  // `up`: as somebody has said, null: it is found.
+  constructor(up: Direction | null) {
+    this.chosenUp = up;
+  }
+
+  onEvent(event: ScanEvent): void {
+    this.submaps.onEvent(event);
+    this.points.onEvent(event);
+    if (event.kind === 'scanState') this.imported = event.phase === 'finished' && event.received === 0;
+    if (event.kind === 'trajectory' && !event.submaps) this.path_m = Float32Array.from(event.positions_m);
+    if (event.kind === 'chunk' && event.points) for (let i = 0; i < event.points.count; ++i) ++this.confidences[event.points.colors[4 * i + 3]!]!;
+  }
+
+  showMesh(root: Object3D): { readonly triangles: number; readonly textured: boolean } {
+    this.mesh.replace(root);
+    const triangles = this.mesh.surfaces().reduce((sum, { index }) => sum + index.length / 3, 0);
+    return { triangles, textured: this.mesh.isTextured };
+  }
+
+  // Null when there is nothing to see. Throws when the browser has no WebGL 2.
+  draw(): ModelLook | null {
+    this.submaps.tick(Infinity);
+    const surfaces = this.mesh.surfaces();
+    const samples = this.samples();
+    const up = this.chosenUp ?? (this.imported ? null : upOf(samples)) ?? firstCamerasUp;
+    const axes = wallAxes(samples, up);
+    const all = boundsAlong(axes, this.points.boxes(), surfaces);
+    if (!all) return null;
+    const extent = extentOf(samples.positions_m, axes, strayShare) ?? all;
+    const floor_m = floorHeight_m(samples, up);
+    const figures = this.mesh.isThere ? figuresOf(surfaces, axes, all, floor_m) : null;
+    const seen = union(extent, extentOf(this.path_m, axes, 0));
+    const whole = union(all, seen);
+    const studio = new Studio(axes, seen, Math.hypot(...whole.low_m.map((low, k) => whole.high_m[k]! - low)));
+    try {
+      return { extent, figures, hasPath: this.path_m.length > 0, ...this.pictures(studio, axes) };
+    } finally {
+      studio.dispose();
+    }
+  }
+
+  dispose(): void {
+    this.points.dispose();
+    this.mesh.dispose();
+    this.submaps.dispose();
+  }
+
+  private samples() {
+    const total = this.points.boxes().reduce((sum, { weight }) => sum + weight, 0);
+    const samples = new SampleCollector(this.mesh.isThere ? this.mesh.surfaces().reduce((sum, { positions_m }) => sum + positions_m.length / 3, 0) : total);
+    (this.mesh.isThere ? this.mesh : this.points).sample(samples);
+    return samples.take();
+  }
+
+  private pictures(studio: Studio, axes: Axes): Pick<ModelLook, 'pictures' | 'confidence'> {
+    const [above, ...sides] = viewsOf(axes);
+    studio.add(this.points.object, this.mesh.object);
+    this.look({ ...initialViewOptions, show: 'surface' }, !this.mesh.isThere);
+    const draw = (view: View): ModelPicture => studio.picture(view, (size) => this.points.onResize(size));
+    const plan = studio.withPath(draw(above), this.path_m);
+    const pictures = [plan, ...sides.map(draw)];
+    const total = this.confidences.reduce((sum, count) => sum + count, 0);
+    if (this.imported || total === 0) return { pictures, confidence: null };
+    this.look({ ...initialViewOptions, show: 'points', color: 'confidence' }, true);
+    const low = this.confidences.subarray(0, 8 * lowConfidence).reduce((sum, count) => sum + count, 0);
+    return { pictures, confidence: { picture: { ...draw(above), name: 'Confidence' }, lowShare: low / total } };
+  }
+
+  // What is seen from behind is left out, so that a room can be looked into.
+  private look(options: ViewOptions, points: boolean): void {
+    this.points.onOptions(options);
+    this.mesh.onOptions(options);
+    this.points.object.visible = points;
+    for (const side of this.mesh.object.children) side.visible = side.renderOrder === 0;
+  }
+}
+
+function union(a: Extent, b: Extent | null): Extent {
+  if (!b) return a;
+  const [low, high] = [a.low_m.map((low, k) => Math.min(low, b.low_m[k]!)), a.high_m.map((high, k) => Math.max(high, b.high_m[k]!))];
+  return { low_m: low as unknown as Triple, high_m: high as unknown as Triple };
+}
+
+// `across` points backwards: the first camera looked the other way.
+function viewsOf(axes: Axes): readonly [View, ...View[]] {
+  const [along, up, across] = threeOf(axes);
+  const minus = (a: Triple): Triple => [-a[0], -a[1], -a[2]];
+  return [
+    { name: 'From above', sight: minus(up), above: minus(across), size: [0, 2, 1] },
+    { name: 'Looking ahead', sight: minus(across), above: up, size: [0, 1, 2] },
+    { name: 'Looking right', sight: along, above: up, size: [2, 1, 0] },
+    { name: 'Looking back', sight: across, above: up, size: [0, 1, 2] },
+    { name: 'Looking left', sight: minus(along), above: up, size: [2, 1, 0] },
+  ];
+}
+
+// Where pictures are taken, all at the same scale.
+class Studio {
+  private readonly renderer = new WebGLRenderer({ antialias: true, alpha: true });
+  private readonly scene = new Scene();
+  private readonly upright = new Group(); // shaders light what is above in the world, where y points down
+  private readonly camera = new PerspectiveCamera();
+  private readonly turn: Quaternion;
+  private readonly middle: Vector3;
+  private readonly size_m: Triple;
+  private readonly metresPerPixel: number;
+
+  // `whole_m`: across all of the model, strays included.
+  constructor(axes: Axes, { low_m, high_m }: Extent, private readonly whole_m: number) {
+    this.renderer.setClearColor(new Color(0), 0);
+    this.turn = new Quaternion().setFromUnitVectors(new Vector3(...axes.up), new Vector3(0, -1, 0));
+    this.upright.quaternion.copy(this.turn);
+    this.scene.add(this.upright);
+    const sizes = [0, 1, 2].map((k) => Math.max(0.05, high_m[k]! - low_m[k]!)) as unknown as [number, number, number];
+    this.size_m = sizes;
+    this.middle = new Vector3();
+    threeOf(axes).forEach((axis, k) => this.middle.addScaledVector(new Vector3(...axis), (low_m[k]! + high_m[k]!) / 2));
+    this.middle.applyQuaternion(this.turn);
+    const [along_m, up_m, across_m] = sizes;
+    this.metresPerPixel = (margin * Math.max(along_m, across_m, up_m / tallest, across_m / tallest)) / widest_px;
+  }
+
+  add(...objects: Object3D[]): void {
+    this.upright.add(...objects);
+  }
+
+  picture({ name, sight, above, size }: View, resize: (size: { width_px: number; height_px: number; verticalFov_rad: number }) => void): ModelPicture {
+    const [, height_m, depth_m] = size.map((axis) => this.size_m[axis]!) as [number, number, number];
+    const height_px = Math.max(60, Math.ceil((margin * height_m) / this.metresPerPixel));
+    const away_m = awayDepths * Math.max(depth_m, height_m);
+    const verticalFov_rad = 2 * Math.atan((height_px * this.metresPerPixel) / 2 / away_m);
+    this.renderer.setSize(widest_px, height_px, false);
+    resize({ width_px: widest_px, height_px, verticalFov_rad });
+    this.camera.fov = (verticalFov_rad * 180) / Math.PI;
+    this.camera.aspect = widest_px / height_px;
+    this.camera.near = Math.max(0.1 * away_m, away_m - this.whole_m);
+    this.camera.far = away_m + this.whole_m;
+    this.camera.up.set(...above).applyQuaternion(this.turn);
+    this.camera.position.set(...sight).applyQuaternion(this.turn).multiplyScalar(-away_m).add(this.middle);
+    this.camera.lookAt(this.middle);
+    this.camera.updateProjectionMatrix();
+    this.renderer.render(this.scene, this.camera);
+    const canvas = document.createElement('canvas');
+    [canvas.width, canvas.height] = [widest_px, height_px];
+    canvas.getContext('2d')!.drawImage(this.renderer.domElement, 0, 0);
+    return { name, canvas, width_m: widest_px * this.metresPerPixel };
+  }
+
+  // Draws the way of the camera, from a dot on, into the picture that was made last.
+  withPath(picture: ModelPicture, path_m: Float32Array): ModelPicture {
+    if (path_m.length === 0) return picture;
+    const { canvas } = picture;
+    const drawing = canvas.getContext('2d')!;
+    const line = new Path2D();
+    const point = new Vector3();
+    let before: Vector3 | null = null;
+    for (let i = 0; i + 2 < path_m.length; i += 3) {
+      const at = new Vector3().fromArray(path_m, i);
+      point.copy(at).applyQuaternion(this.turn).project(this.camera);
+      const [x, y] = [((point.x + 1) / 2) * canvas.width, ((1 - point.y) / 2) * canvas.height];
+      if (before && before.distanceTo(at) < leap_m) line.lineTo(x, y);
+      else line.moveTo(x, y);
+      if (!before) line.arc(x, y, 8, 0, 2 * Math.PI);
+      before = at;
+    }
+    drawing.lineJoin = 'round';
+    for (const [width, color] of pathStrokes) {
+      drawing.lineWidth = width;
+      drawing.strokeStyle = color;
+      drawing.stroke(line);
+    }
+    return picture;
+  }
+
+  dispose(): void {
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
+  }
+}

@@ -1,0 +1,96 @@
+import { describe, expect, it } from 'vitest';
+import type { FrameList, FrameStatus } from '../connection/frames';
+import { parseReport } from '../connection/scans';
+import { pathOf } from './camera_path';
+import { frameShares, mapFacts } from './quality_facts';
+import { clockWords, doubtWords, durationWords, followedOf, imageWords, percentWords, qualityWords } from './quality_words';
+
+const reportOf = (frames: number, tracked: number, weak = 0, more: Record<string, unknown> = {}) => parseReport({ frames, tracked_frames: tracked, weak_frames: weak, ...more });
+const listOf = (...runs: (readonly [FrameStatus, number])[]): FrameList => {
+  const statuses = runs.flatMap(([status, frames]) => new Array<FrameStatus>(frames).fill(status));
+  return { timestamps_s: statuses.map((_, i) => i / 10), statuses };
+};
+
+describe('qualityWords', () => {
+  it('says that all is well, and no more', () => {
+    expect(qualityWords(followedOf(reportOf(512, 512), null))).toBe('The camera was followed in all of 512 frames.');
+    expect(qualityWords(followedOf(reportOf(1, 1), null))).toBe('The camera was followed in the only frame.');
+  });
+
+  it('names doubtful and lost stretches with their time, and without the list of frames their number', () => {
+    const list = listOf(['tracked', 20], ['weak', 5], ['tracked', 20], ['weak', 3], ['tracked', 2]);
+    expect(qualityWords(followedOf(reportOf(50, 50, 8), list))).toBe('The camera was followed in all of 50 frames; two stretches of 0.8 s in all are doubtful.');
+    expect(qualityWords(followedOf(reportOf(50, 50, 8), null))).toBe('The camera was followed in all of 50 frames; 8 of them are doubtful.');
+    const lost = listOf(['tracked', 30], ['lost', 10], ['weak', 1], ['tracked', 30]);
+    expect(qualityWords(followedOf(reportOf(71, 61, 1), lost))).toBe('The camera was followed in 61 of 71 frames; one of them is doubtful. It was lost once, for 1.1 s.');
+    expect(qualityWords(followedOf(reportOf(71, 61, 0), null))).toBe('The camera was followed in 61 of 71 frames. It was lost in 10 frames.');
+    const end = listOf(['tracked', 30], ['lost', 10], ['tracked', 30], ['lost', 20]);
+    expect(qualityWords(followedOf(reportOf(90, 60), end))).toContain('It was lost twice, for 3.0 s in all, and was not found again before the end.');
+  });
+
+  it('is honest where nothing was followed, or nobody knows', () => {
+    expect(qualityWords(followedOf(reportOf(24, 0), listOf(['lost', 24])))).toBe('The camera could not be followed in any of 24 frames.');
+    expect(qualityWords(followedOf(null, null))).toBe('How well the camera was followed is not recorded in this scan.');
+    expect(qualityWords(followedOf(parseReport({ surfels: 1 }), listOf(['unknown', 9])))).toBe('How well the camera was followed is not recorded in this scan.');
+    expect(qualityWords(followedOf(null, listOf(['tracked', 9], ['lost', 1])))).toContain('in 9 of 10 frames');
+  });
+
+  it('names frames that were not used', () => {
+    const words = qualityWords(followedOf(reportOf(10, 10), listOf(['tracked', 10], ['left_out', 30], ['refused', 1], ['damaged', 2])));
+    expect(words).toContain('30 frames were left out, since newer ones');
+    expect(words).toContain('One frame was refused: its time was not after');
+    expect(words).toContain('2 frames are damaged on the server’s disk.');
+  });
+
+  it('says what is wrong with the map and the camera, but not twice', () => {
+    const doubt = 'the camera’s calibration does not fit: its focal length is too great by about 2.0 %';
+    const followed = followedOf(reportOf(10, 10, 0, { mapping: { parts: 2 }, calibration_doubt: doubt }), null);
+    const words = qualityWords(followed);
+    expect(words).toContain('The model is in two parts that were never joined: where they lie to each other is not known.');
+    expect(words).toContain('The camera’s calibration does not fit: its focal length is too great by about 2.0 %.');
+    expect(qualityWords(followed, `${doubt}; the map is in 2 parts that could not be joined: …`)).toBe('The camera was followed in all of 10 frames.');
+  });
+});
+
+describe('other words', () => {
+  it('has words for a doubt and for what an image shows', () => {
+    const [doubt] = followedOf(null, listOf(['tracked', 5], ['lost', 10], ['weak', 1], ['tracked', 5])).doubts!;
+    expect(doubtWords(doubt!)).toBe('Lost for 1.1 s: 10 frames not used, 1 frame nearly lost');
+    expect(imageWords(0, 0.01)).toBe('In this frame there is no depth, and the image is nearly black.');
+    expect(imageWords(87, 0.5)).toBe('In this frame 87 % of the pixels have depth.');
+    expect(imageWords(null, 0.5)).toBe('');
+  });
+
+  it('does not round to all or to nothing', () => {
+    expect([0, 1, 0.5, 0.99999, 0.00001].map(percentWords)).toEqual(['0 %', '100 %', '50.0 %', 'more than 99.9 %', 'less than 0.1 %']);
+    expect([0.01, 0.8, 9.97, 75, 3700].map(durationWords)).toEqual(['less than 0.1 s', '0.8 s', '10 s', '1 min 15 s', '1 h 1 min']);
+    expect([0, 59.96, 62.34].map(clockWords)).toEqual(['0:00.0', '1:00.0', '1:02.3']);
+  });
+
+  it('leaves out of the lists what is not known', () => {
+    expect(frameShares(followedOf(parseReport({}), null))).toEqual([]);
+    expect(frameShares(followedOf(reportOf(100, 75, 5), null)).map(({ value }) => value)).toEqual(['70.0 %, 70 frames', '5.0 %, 5 frames', '25.0 %, 25 frames']);
+    expect(mapFacts(parseReport({})).filter(([, value]) => value !== null)).toEqual([]);
+    const facts = new Map(mapFacts(reportOf(9, 9, 0, { position_sigma_m: 0.0166, rotation_sigma_deg: 0.48, mapping: { 'loops by appearance': 1, 'loops by nearness': 2 } })));
+    expect([facts.get('Loops closed'), facts.get('Position at the end'), facts.get('Direction at the end')]).toEqual(['3', '± 33 mm', '± 1.0°']);
+  });
+});
+
+describe('pathOf', () => {
+  const line = (time_s: number, x: number): string => `${time_s} ${x} 0 0 0 0 0 1`;
+
+  it('adds up where the camera was followed, and no trembling', () => {
+    const path = pathOf(['# a comment', ...Array.from({ length: 11 }, (_, i) => line(i / 10, i / 10))].join('\n'));
+    expect(path?.length_m).toBeCloseTo(1);
+    expect(path?.duration_s).toBeCloseTo(1);
+    const resting = pathOf(Array.from({ length: 1000 }, (_, i) => line(i / 10, 0.005 * (i % 2))).join('\n'));
+    expect(resting?.length_m).toBe(0);
+  });
+
+  it('leaves out the way of a lost camera and leaps', () => {
+    const lost = pathOf([line(0, 0), line(0.1, 0.1), line(0.2, 0.1), line(0.3, 0.1), line(0.4, 0.4), line(0.5, 0.5)].join('\n'));
+    expect(lost?.length_m).toBeCloseTo(0.2);
+    expect(pathOf([line(0, 0), line(0.1, 2), line(0.2, 2.1)].join('\n'))?.length_m).toBeCloseTo(0.1);
+    expect(pathOf('')).toBeNull();
+  });
+});
