@@ -72,6 +72,13 @@ def quantile_s(buckets, share):
     return low
 
 
+def processor_s(process):
+    """Of all its threads since it began."""
+    with open(f"/proc/{process.pid}/stat", encoding="ascii") as file:
+        user, system = file.read().rsplit(")", 1)[1].split()[11:13]
+    return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
+
+
 def one_scan(server, arguments, what, more):
     known = {scan["id"] for scan in server.scans()}
     command = ["--frames", f"0:{arguments.frames}"] if arguments.frames else []
@@ -80,7 +87,7 @@ def one_scan(server, arguments, what, more):
     wait_until(lambda: any(scan["id"] not in known for scan in server.scans()), "the scan")
     scan_id = next(scan["id"] for scan in server.scans() if scan["id"] not in known)
     watcher = Watcher(server, scan_id, what)
-    start, ready = time.monotonic(), selectors.DefaultSelector()
+    start, before_s, ready = time.monotonic(), processor_s(server.process), selectors.DefaultSelector()
     ready.register(watcher.client.socket, selectors.EVENT_READ)
     while camera.poll() is None and watcher.open:
         for _ in ready.select(0.02):
@@ -89,6 +96,7 @@ def one_scan(server, arguments, what, more):
             watcher.speak()
         if watcher.frame_ms:
             watcher.running_s = time.monotonic() - start
+            watcher.processor_s = processor_s(server.process) - before_s
             watcher.running_bytes = dict(watcher.bytes)
     report = json.loads(camera.communicate()[0])
     watcher.client.socket.close()
@@ -103,14 +111,15 @@ def compare(server, arguments):
             watcher, result = one_scan(server, arguments, what, ["--rate", "max"])
             watchers.append(watcher)
             results.add(result)
-    print("| one viewer of | ms a frame, median | whole scan [s] | kB a second to the viewer | pieces |")
-    print("|---|---|---|---|---|")
+    print("| one viewer of | ms a frame, median | whole scan [s] | processor time of the server [s] | kB a second to the viewer | pieces |")
+    print("|---|---|---|---|---|---|")
     for what, name in ((POINTS, "points"), (SURFACE, "the surface")):
         watchers = rounds[what]
         times = [ms for watcher in watchers for ms in watcher.frame_ms.values()]
         seconds = statistics.median(watcher.running_s for watcher in watchers)
+        work_s = statistics.median(watcher.processor_s for watcher in watchers)
         rate = statistics.median(sum(w.running_bytes.values()) / w.running_s / 1000 for w in watchers)
-        print(f"| {name} | {statistics.median(times):.1f} | {seconds:.1f} | {rate:.0f} | {watchers[0].pieces} |")
+        print(f"| {name} | {statistics.median(times):.1f} | {seconds:.1f} | {work_s:.1f} | {rate:.0f} | {watchers[0].pieces} |")
     ratios = []
     for points, surface in zip(rounds[POINTS], rounds[SURFACE]):
         ratios += [surface.frame_ms[k] / points.frame_ms[k] for k in points.frame_ms.keys() & surface.frame_ms.keys() if points.frame_ms[k] > 0]
