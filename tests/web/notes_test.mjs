@@ -38,12 +38,15 @@ async function ask(method, route, body, token = server.token) {
 
 // The corner of a room: a floor and two walls of 3 m, z up, as a mesh of another program.
 async function importedCorner() {
-  const vertices = [[0, 0, 0, '120 110 100'], [3, 0, 0, '150 110 90'], [3, 3, 0, '120 130 100'], [0, 3, 0, '90 110 140'], [0, 0, 3, '200 190 170'], [3, 0, 3, '170 190 200'], [0, 3, 3, '190 170 160']];
-  const faces = ['0 1 2 3', '0 4 5 1', '0 3 6 4'];
-  const header = `ply\nformat ascii 1.0\nelement vertex 7\n${['float x', 'float y', 'float z', 'uchar red', 'uchar green', 'uchar blue'].map((one) => `property ${one}\n`).join('')}element face 3\nproperty list uchar int vertex_indices\nend_header\n`;
-  const job = (await ask('PUT', 'uploads/Corner.ply', `${header}${vertices.map((one) => one.join(' ')).join('\n')}\n${faces.map((face) => `4 ${face}`).join('\n')}\n`)).json.job;
+  const floor = ['0 0 0 120 110 100', '3 0 0 150 110 90', '3 3 0 120 130 100', '0 3 0 90 110 140'];
+  const above = ['0 0 3 200 190 170', '3 0 3 170 190 200', '0 3 3 190 170 160'];
+  const faces = ['4 0 1 2 3', '4 0 4 5 1', '4 0 3 6 4'];
+  const columns = ['float x', 'float y', 'float z', 'uchar red', 'uchar green', 'uchar blue'].map((one) => `property ${one}`);
+  const lists = ['element face 3', 'property list uchar int vertex_indices', 'end_header'];
+  const header = ['ply', 'format ascii 1.0', 'element vertex 7', ...columns, ...lists];
+  const { json } = await ask('PUT', 'uploads/Corner.ply', [...header, ...floor, ...above, ...faces, ''].join('\n'));
   for (let i = 0; i < 300; ++i) {
-    const { state, scan, words } = (await ask('GET', `jobs/${job}`)).json;
+    const { state, scan, words } = (await ask('GET', `jobs/${json.job}`)).json;
     if (state === 'finished') return scan;
     assert.notEqual(state, 'failed', words);
     await new Promise((resolve) => setTimeout(resolve, 100));
@@ -92,7 +95,8 @@ test('a click puts a pin with a text, which a link shows to others as it was see
   const seen = await brightnessOf(browser.context, page);
   assert.deepEqual(await barriers(page), []);
   await picture(page, 'notes');
-  const ben = await opened(await browser.browser.newContext({ viewport: { width: 1024, height: 640 }, colorScheme: 'dark', reducedMotion: 'reduce' }), `#token=${server.token}&scan=${scanId}&note=${id}`);
+  const bens = await browser.browser.newContext({ viewport: { width: 1024, height: 640 }, colorScheme: 'dark', reducedMotion: 'reduce' });
+  const ben = await opened(bens, `#token=${server.token}&scan=${scanId}&note=${id}`);
   await panel(ben.page).locator('.note-whole').getByText('A crack <img').waitFor();
   const linked = await brightnessOf(browser.context, ben.page);
   const off = seen.reduce((sum, value, i) => sum + Math.abs(value - linked[i]), 0) / seen.length;
@@ -135,7 +139,7 @@ test('a click puts a pin with a text, which a link shows to others as it was see
   assert.equal(await panel(page).isVisible(), false);
   await page.waitForFunction(() => !location.hash.includes('note='));
   for (const one of [ada, ben]) assert.deepEqual(one.complaints.filter((words) => !/status of (404|409)/.test(words)), []);
-  await ben.page.context().close();
+  await bens.close();
 });
 
 test('a guest on a phone reads the notes and changes none', { timeout: 2 * limit_ms }, async () => {

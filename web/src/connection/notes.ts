@@ -1,4 +1,4 @@
-// What people have written at places of a scan that has ended. A change names the version that it was made of, so that nobody's text is lost.
+// What people have written at places of a scan that has ended. A change names the version that it was made of: nobody's text is lost.
 import { ApiError, isRecord, numberOf, refusalOf, request, scanPath, textOf } from './api';
 import { placeOf, type Place } from './measurements';
 
@@ -25,8 +25,11 @@ export interface NewNote {
   readonly text: string;
 }
 
-// What came of changing or removing a version of a note. 'conflict': it has another one by now, and stays as it is; 'gone': somebody has removed it.
-export type NoteChange = { readonly kind: 'done'; readonly note: Note } | { readonly kind: 'conflict'; readonly now: Note } | { readonly kind: 'gone' };
+// What came of changing or removing a version of a note.
+export type NoteChange =
+  | { readonly kind: 'done'; readonly note: Note }
+  | { readonly kind: 'conflict'; readonly now: Note } // it has another version by now, and stays as it is
+  | { readonly kind: 'gone' }; // somebody has removed it
 
 const headers = { 'Content-Type': 'application/json' };
 const unreadable = (): ApiError => new ApiError('The server’s answer cannot be read.', false);
@@ -53,7 +56,8 @@ export async function changeNote(scanId: string, token: string, note: Note, text
 
 // `leaving`: the page goes, and the request must not go with it.
 export async function removeNote(scanId: string, token: string, note: Note, leaving = false): Promise<NoteChange> {
-  const response = await request(`${pathOf(scanId, note.id)}?version=${note.version}`, token, { limit_ms, method: 'DELETE', keepalive: leaving, expected: [404, 409] });
+  const path = `${pathOf(scanId, note.id)}?version=${note.version}`;
+  const response = await request(path, token, { limit_ms, method: 'DELETE', keepalive: leaving, expected: [404, 409] });
   return response.ok ? { kind: 'done', note } : notDone(response);
 }
 
@@ -90,10 +94,12 @@ export function parseNotes(json: unknown): Note[] {
 
 export function parseNote(json: unknown): Note {
   if (!isRecord(json)) throw unreadable();
-  const [id, text, version, position_m] = [textOf(json['id']), textOf(json['text']), numberOf(json['version']), placeOf(json['position_m'])];
+  const [id, text] = [textOf(json['id']), textOf(json['text'])];
+  const [version, position_m] = [numberOf(json['version']), placeOf(json['position_m'])];
   if (id === '' || text === '' || version === null || !position_m) throw unreadable();
   const changed_ms = Date.parse(textOf(json['changed_at']));
-  return { id, position_m, view: viewOf(json['view']), text, version, changed: Number.isNaN(changed_ms) ? null : new Date(changed_ms) };
+  const changed = Number.isNaN(changed_ms) ? null : new Date(changed_ms);
+  return { id, position_m, view: viewOf(json['view']), text, version, changed };
 }
 
 function viewOf(json: unknown): NoteView | null {

@@ -35,16 +35,15 @@ const meanwhile = 'Somebody has changed this note meanwhile: it was not removed.
 // A note that the store begins with is opened as soon as it is there.
 export function notesPanel({ canvas, scene, scan, store, token, opened }: World): NotesPanel {
   const { scanId } = scan.get();
-  const fail = (error: unknown): void => store.dispatch({ kind: 'failed', words: error instanceof ApiError ? error.message : 'That did not work.' });
-  const list = (): Promise<void> => fetchNotes(scanId, token).then((notes) => store.dispatch({ kind: 'listed', notes }));
-  const removal = removing(scanId, token, store, fail, list);
-  const save = (): void => saveDraft(scanId, token, store, fail);
+  const list = listing(scanId, token, store);
+  const removal = removing(scanId, token, store, list);
+  const save = (): void => saveDraft(scanId, token, store);
   const open = (active: boolean): void => {
     if (active === store.get().active) return;
     const hadFocus = view.node.contains(document.activeElement);
     if (active) opened();
     store.dispatch({ kind: 'active', active });
-    if (active) void list().catch(fail);
+    if (active) void list();
     else if (hadFocus) view.button.focus();
   };
   const choose = (id: string | null): void => {
@@ -77,9 +76,14 @@ export function notesPanel({ canvas, scene, scan, store, token, opened }: World)
     view.show(state, removal.newest());
     scene.showNotes(pinsOf(state));
   };
-  onTap(canvas, (x_px, y_px) => tapped(x_px, y_px, scene, store, choose, view.focusText));
+  onTap(canvas, (x_px, y_px) => {
+    const { draft } = store.get();
+    const isMine = tapped([x_px, y_px], scene, store, choose);
+    if (store.get().draft !== draft) view.focusText();
+    return isMine;
+  });
   view.button.addEventListener('click', toggle);
-  const stops = [store.subscribe(show), whenSeen(() => store.get().active && void list().catch(fail)), onEscape(store, () => open(false))];
+  const stops = [store.subscribe(show), whenSeen(() => store.get().active && void list()), onEscape(store, () => open(false))];
   stops.push(whenThere({ scan, store, token, button: view.button, list, open }, () => choose(store.get().chosen)));
   return {
     element: view.node,
@@ -94,14 +98,13 @@ export function notesPanel({ canvas, scene, scan, store, token, opened }: World)
 }
 
 // A pin that was clicked is chosen; elsewhere a new note begins.
-function tapped(x_px: number, y_px: number, scene: ScanScene, store: NotingStore, choose: (id: string) => void, focusText: () => void): boolean {
+function tapped(at_px: readonly [number, number], scene: ScanScene, store: NotingStore, choose: (id: string) => void): boolean {
   const state = store.get();
   if (!state.active) return false;
-  const pin = pinAt(pinsOf(state), x_px, y_px, (place) => scene.screenOf(place));
+  const pin = pinAt(pinsOf(state), at_px, (place) => scene.screenOf(place));
   const note = pin === null ? undefined : shownNotes(state)[pin];
   if (note) choose(note.id);
-  else store.dispatch({ kind: 'placed', position_m: scene.placeAt(x_px, y_px), view: scene.view });
-  if (!note && store.get().draft) focusText();
+  else store.dispatch({ kind: 'placed', position_m: scene.placeAt(...at_px), view: scene.view });
   return true;
 }
 
@@ -115,16 +118,32 @@ function pinsOf(state: Noting): NotePin[] {
   if (!state.active) return [];
   const { draft, chosen } = state;
   const pins = shownNotes(state).map(({ id, position_m, text }, i) => ({ position_m, number: i + 1, words: id === chosen ? text : '' }));
-  if (draft && !draft.of) pins.push({ position_m: draft.position_m, number: numberOf(draft, state), words: cleaned(draft.text) || 'New note' });
-  return pins;
+  if (!draft || draft.of) return pins;
+  return [...pins, { position_m: draft.position_m, number: numberOf(draft, state), words: cleaned(draft.text) || 'New note' }];
 }
 
-function saveDraft(scanId: string, token: string, store: NotingStore, fail: (error: unknown) => void): void {
+const wordsOf = (error: unknown): string => (error instanceof ApiError ? error.message : 'That did not work.');
+
+// A list that was asked for before something was changed here is out of date.
+function listing(scanId: string, token: string, store: NotingStore): () => Promise<void> {
+  return () => {
+    const { notes: before } = store.get();
+    return fetchNotes(scanId, token).then(
+      (notes) => {
+        if (store.get().notes === before && !store.get().busy) store.dispatch({ kind: 'listed', notes });
+      },
+      (error) => store.dispatch({ kind: 'unlisted', words: wordsOf(error) }),
+    );
+  };
+}
+
+function saveDraft(scanId: string, token: string, store: NotingStore): void {
   store.dispatch({ kind: 'saving' });
   const { draft, busy } = store.get();
   if (!draft || !busy) return;
   const text = cleaned(draft.text);
   const saved = (note: Note): void => store.dispatch({ kind: 'saved', note });
+  const fail = (error: unknown): void => store.dispatch({ kind: 'failed', words: wordsOf(error) });
   if (!draft.of) {
     createNote(scanId, token, { position_m: draft.position_m, view: draft.view, text }).then(saved, fail);
     return;
@@ -136,7 +155,7 @@ function saveDraft(scanId: string, token: string, store: NotingStore, fail: (err
 }
 
 // What was removed can be taken back for some seconds; the server is told then.
-function removing(scanId: string, token: string, store: NotingStore, fail: (error: unknown) => void, list: () => Promise<void>) {
+function removing(scanId: string, token: string, store: NotingStore, list: () => Promise<void>) {
   const notes = new Map<string, { readonly note: Note; readonly number: number }>();
   const told = ({ kind }: NoteChange): void => {
     if (kind === 'conflict') throw new ApiError(meanwhile, false);
@@ -150,7 +169,7 @@ function removing(scanId: string, token: string, store: NotingStore, fail: (erro
       },
     },
     () => store.dispatch({ kind: 'away', ids: [...notes.keys()].filter((id) => trash.has(id)) }),
-    (_, error) => void list().finally(() => fail(error)),
+    (_, error) => void list().then(() => store.dispatch({ kind: 'refused', words: wordsOf(error) })),
   );
   const onLeave = (): void => trash.emptyAll();
   addEventListener('pagehide', onLeave);
@@ -188,7 +207,7 @@ function onEscape(store: NotingStore, close: () => void): () => void {
   const onKey = (event: KeyboardEvent): void => {
     const { active, draft, chosen, busy } = store.get();
     if (event.key !== 'Escape' || !active || busy || event.defaultPrevented || document.querySelector('dialog')) return;
-    if (isUnsaved(draft)) store.dispatch({ kind: 'failed', words: unsavedWords });
+    if (isUnsaved(draft)) store.dispatch({ kind: 'refused', words: unsavedWords });
     else if (draft) store.dispatch({ kind: 'cancelled' });
     else if (chosen) store.dispatch({ kind: 'chosen', id: null });
     else close();
@@ -206,7 +225,8 @@ interface Beginning {
   readonly open: (active: boolean) => void;
 }
 
-// Shows the button once the scan has ended and there is something to write on, with the number of notes. `show`: the note of the address is there.
+// Shows the button once the scan has ended and there is something to write on, with the number of notes. `show`: the note of the address is
+// there.
 function whenThere({ scan, store, token, button, list, open }: Beginning, show: () => void): () => void {
   let asked = false;
   button.hidden = true;
@@ -217,7 +237,7 @@ function whenThere({ scan, store, token, button, list, open }: Beginning, show: 
     asked = true;
     const linked = store.get().chosen !== null;
     if (linked) open(true);
-    void list().then(() => linked && store.get().chosen && show(), () => {}); // who opens it is told what is wrong
+    void list().then(() => linked && store.get().chosen && show());
     fetchAccess(token).then((access) => store.dispatch({ kind: 'access', mayWrite: access.view && access.scan }), () => {});
   });
 }

@@ -22,14 +22,16 @@ const act = (words: string, title: string, run: () => void, primary = false): HT
 };
 
 export function notesView(actions: NoteActions) {
-  const button = element('button', { type: 'button', class: 'button notes-button', title: 'Notes at places of the model (N)', 'aria-pressed': 'false' }, 'Notes');
+  const title = 'Notes at places of the model (N)';
+  const button = element('button', { type: 'button', class: 'button notes-button', title, 'aria-pressed': 'false' }, 'Notes');
   const words = element('p', { class: 'notes-words', role: 'status' });
   const writing = writingView(actions);
   const list = listView(actions);
   const removed = element('span');
   const undo = element('div', { class: 'notes-removed' }, removed, act('Undo', 'Takes the removal back', () => actions.undo()));
   const done = act('Close', 'Closes the notes (Escape)', () => actions.close());
-  const node = element('section', { class: 'card notes', 'aria-label': 'Notes' }, words, writing.node, list.node, undo, element('div', { class: 'buttons notes-foot' }, done));
+  const foot = element('div', { class: 'buttons notes-foot' }, done);
+  const node = element('section', { class: 'card notes', 'aria-label': 'Notes' }, words, writing.node, list.node, undo, foot);
   // `removedNumber`: of the note that was removed a moment ago; null: none was.
   const show = (state: Noting, removedNumber: number | null): void => {
     const count = shownNotes(state).length;
@@ -38,7 +40,8 @@ export function notesView(actions: NoteActions) {
     button.setAttribute('aria-pressed', String(state.active));
     setText(words, notingWords(state));
     const { activeElement } = document;
-    const ends = state.active && !state.draft && !writing.node.hidden && (activeElement === document.body || writing.node.contains(activeElement));
+    const isFree = activeElement === document.body || writing.node.contains(activeElement);
+    const ends = state.active && !state.draft && !writing.node.hidden && isFree;
     writing.show(state);
     list.show(state);
     if (ends) (list.node.querySelector<HTMLElement>('[aria-current]') ?? done).focus(); // what had the focus is hidden now

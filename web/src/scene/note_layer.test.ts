@@ -32,10 +32,10 @@ test('each note has a pin with its number, drawn once, and one of them has words
 test('a tap on a pin is above its tip, and the nearest pin is meant', () => {
   const pins = [pin(1, 100), pin(2, 130), pin(3, -1)];
   const screenOf = ([x_m]: NotePin['position_m']) => (x_m < 0 ? null : ([x_m, 200] as const));
-  expect(pinAt(pins, 100, 180, screenOf)).toBe(0);
-  expect(pinAt(pins, 120, 180, screenOf)).toBe(1);
-  expect(pinAt(pins, 100, 215, screenOf)).toBeNull();
-  expect(pinAt([], 100, 180, screenOf)).toBeNull();
+  expect(pinAt(pins, [100, 180], screenOf)).toBe(0);
+  expect(pinAt(pins, [120, 180], screenOf)).toBe(1);
+  expect(pinAt(pins, [100, 215], screenOf)).toBeNull();
+  expect(pinAt([], [100, 180], screenOf)).toBeNull();
 });
 
 test('a long text beside a pin is cut between characters', () => {

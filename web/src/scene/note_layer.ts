@@ -1,4 +1,5 @@
-// Notes in the picture: a pin with a number at each of them, upright and of the same size from everywhere, in front of everything. The chosen one has its words.
+// Notes in the picture: a pin with a number at each of them, upright and of the same size from everywhere, in front of everything. The
+// chosen one has its words.
 import { CanvasTexture, Group, Sprite, SpriteMaterial, SRGBColorSpace } from 'three';
 import type { Place } from '../connection/measurements';
 import { Label } from './label';
@@ -19,6 +20,7 @@ export interface NotePin {
 
 const middle_px = 22; // of a pin above its tip, and as far as from there to whoever taps beside it
 
+type OnScreen = readonly [number, number]; // pixels of the page
 type Words = Pick<Label, 'object' | 'say' | 'resize' | 'dispose'>;
 type Paint = (number: number) => CanvasTexture;
 
@@ -98,7 +100,7 @@ export class NoteLayer implements Layer {
 }
 
 // Returns the index of the pin at this point of the page; null: there is none. `screenOf`: where a place is on the page.
-export function pinAt(pins: readonly NotePin[], x_px: number, y_px: number, screenOf: (place: Place) => readonly [number, number] | null): number | null {
+export function pinAt(pins: readonly NotePin[], [x_px, y_px]: OnScreen, screenOf: (place: Place) => OnScreen | null): number | null {
   const away_px = pins.map(({ position_m }) => {
     const [x, y] = screenOf(position_m) ?? [Infinity, Infinity];
     return Math.hypot(x - x_px, y - middle_px - y_px);

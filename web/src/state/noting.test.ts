@@ -1,11 +1,13 @@
 import { expect, test } from 'vitest';
 import type { Note, NoteView } from '../connection/notes';
-import { chosenNote, cleaned, initialNoting, isUnsaved, notingWords, reduceNoting, shownNotes, textProblem, type Noting, type NotingEvent } from './noting';
+import { chosenNote, cleaned, initialNoting, isUnsaved, notingWords, reduceNoting, shownNotes, textProblem } from './noting';
+import type { Noting, NotingEvent } from './noting';
 
 const view: NoteView = { position_m: [0, 0, -1], target_m: [0, 0, 1] };
 const note = (id: string, text = `text of ${id}`, version = 1): Note => ({ id, position_m: [1, 2, 3], view, text, version, changed: null });
 const after = (...events: NotingEvent[]): Noting => events.reduce(reduceNoting, initialNoting);
-const open = [{ kind: 'access', mayWrite: true }, { kind: 'active', active: true }, { kind: 'listed', notes: [note('a'), note('b')] }] as const;
+const list = { kind: 'listed', notes: [note('a'), note('b')] } as const;
+const open = [{ kind: 'access', mayWrite: true }, { kind: 'active', active: true }, list] as const;
 const click = { kind: 'placed', position_m: [4, 5, 6], view } as const;
 const typed = (text: string) => ({ kind: 'typed', text }) as const;
 const saving = { kind: 'saving' } as const;
@@ -29,7 +31,8 @@ test('a click beside everything says so, and none does anything for who may only
 });
 
 test('what is written stays when the list comes again, when the panel is closed, and when it could not be saved', () => {
-  const state = after(...open, click, typed('a crack'), { kind: 'listed', notes: [note('b')] }, { kind: 'active', active: false }, { kind: 'active', active: true });
+  const again = [{ kind: 'listed', notes: [note('b')] }, { kind: 'active', active: false }, { kind: 'active', active: true }] as const;
+  const state = after(...open, click, typed('a crack'), ...again);
   expect(state.draft?.text).toBe('a crack');
   const failed = [saving, { kind: 'failed', words: 'No.' } as const].reduce<Noting>(reduceNoting, state);
   expect(failed).toMatchObject({ busy: false, problem: 'No.', draft: { text: 'a crack' } });
@@ -38,6 +41,14 @@ test('what is written stays when the list comes again, when the panel is closed,
 test('the same list again is the same state', () => {
   const state = after(...open);
   expect(reduceNoting(state, { kind: 'listed', notes: [note('a'), note('b')] })).toBe(state);
+});
+
+test('what goes wrong beside a saving does not end it, and a list that comes again is no problem any more', () => {
+  const state = after(...open, click, typed('a'), saving, { kind: 'unlisted', words: 'Not reached.' }, { kind: 'refused', words: 'No.' });
+  expect(state).toMatchObject({ busy: true, problem: 'No.', unlisted: 'Not reached.' });
+  const unlisted = after(...open, { kind: 'unlisted', words: 'Not reached.' });
+  expect(notingWords(unlisted)).toBe('Not reached.');
+  expect(reduceNoting(unlisted, { kind: 'listed', notes: unlisted.notes }).unlisted).toBe('');
 });
 
 test('a chosen note that is not there any more is said to be so', () => {
@@ -65,12 +76,14 @@ test('two texts of one note are both there until one has chosen', () => {
   expect(chosenNote(state)?.text).toBe('theirs');
   expect(reduceNoting(state, { kind: 'resolved', keep: 'theirs' }).draft).toBeNull();
   expect(reduceNoting(state, { kind: 'resolved', keep: 'mine' }).draft).toMatchObject({ of: { version: 5 }, text: 'mine', theirs: null });
-  expect(reduceNoting(state, { kind: 'resolved', keep: 'both' }).draft).toMatchObject({ of: { version: 5 }, text: 'theirs\n\nmine', theirs: null });
+  const both = reduceNoting(state, { kind: 'resolved', keep: 'both' });
+  expect(both.draft).toMatchObject({ of: { version: 5 }, text: 'theirs\n\nmine', theirs: null });
 });
 
 test('two texts that are too long for one note become two', () => {
   const long = 'm'.repeat(1996);
-  const state = after(...open, { kind: 'chosen', id: 'a' }, { kind: 'edited' }, typed(long), saving, conflict, { kind: 'resolved', keep: 'both' });
+  const written = after(...open, { kind: 'chosen', id: 'a' }, { kind: 'edited' }, typed(long), saving, conflict);
+  const state = reduceNoting(written, { kind: 'resolved', keep: 'both' });
   expect(state.draft).toMatchObject({ of: null, position_m: [1, 2, 3], text: long, theirs: null });
 });
 

@@ -19,9 +19,20 @@ export interface Noting {
   readonly draft: Draft | null; // it stays when the panel is closed
   readonly busy: boolean; // the draft is on its way to the server
   readonly problem: string; // in words, or empty
+  readonly unlisted: string; // why the list did not come the last time, or empty
 }
 
-export const initialNoting: Noting = { active: false, mayWrite: false, notes: [], away: [], chosen: null, draft: null, busy: false, problem: '' };
+export const initialNoting: Noting = {
+  active: false,
+  mayWrite: false,
+  notes: [],
+  away: [],
+  chosen: null,
+  draft: null,
+  busy: false,
+  problem: '',
+  unlisted: '',
+};
 
 export type NotingEvent =
   | { readonly kind: 'active'; readonly active: boolean }
@@ -38,7 +49,9 @@ export type NotingEvent =
   | { readonly kind: 'conflict'; readonly now: Note }
   | { readonly kind: 'gone' } // somebody has removed the note that is changed
   | { readonly kind: 'resolved'; readonly keep: 'mine' | 'theirs' | 'both' }
-  | { readonly kind: 'failed'; readonly words: string };
+  | { readonly kind: 'failed'; readonly words: string } // the draft was not saved
+  | { readonly kind: 'refused'; readonly words: string } // something else does not work
+  | { readonly kind: 'unlisted'; readonly words: string };
 
 export const unsavedWords = 'Save the note, or cancel: its text is not saved.';
 const mostText_bytes = 2000; // the server takes no more
@@ -69,6 +82,10 @@ export function reduceNoting(state: Noting, event: NotingEvent): Noting {
       return { ...state, notes: withNote(state.notes, event.note), chosen: event.note.id, draft: null, busy: false, problem: '' };
     case 'failed':
       return { ...state, busy: false, problem: event.words };
+    case 'refused':
+      return { ...state, problem: event.words };
+    case 'unlisted':
+      return event.words === state.unlisted ? state : { ...state, unlisted: event.words };
     default:
       return collided(state, event);
   }
@@ -78,10 +95,12 @@ export function reduceNoting(state: Noting, event: NotingEvent): Noting {
 function collided(state: Noting, event: NotingEvent & { readonly kind: 'conflict' | 'gone' | 'resolved' }): Noting {
   const { draft, notes } = state;
   if (!draft?.of) return state;
-  if (event.kind === 'conflict') return { ...state, notes: withNote(notes, event.now), draft: { ...draft, theirs: event.now }, busy: false, problem: '' };
+  if (event.kind === 'conflict')
+    return { ...state, notes: withNote(notes, event.now), draft: { ...draft, theirs: event.now }, busy: false, problem: '' };
   if (event.kind === 'resolved') return draft.theirs ? resolved(state, { ...draft, theirs: draft.theirs }, event.keep) : state;
   const problem = 'Somebody has removed this note meanwhile. Save writes it again, as a new one.';
-  return { ...state, notes: notes.filter(({ id }) => id !== draft.of?.id), chosen: null, draft: { ...draft, of: null, theirs: null }, busy: false, problem };
+  const others = notes.filter(({ id }) => id !== draft.of?.id);
+  return { ...state, notes: others, chosen: null, draft: { ...draft, of: null, theirs: null }, busy: false, problem };
 }
 
 // Both texts are one note if there is room for them, else two.
@@ -97,8 +116,9 @@ function resolved(state: Noting, draft: Draft & { readonly theirs: Note }, keep:
 function listed(state: Noting, notes: readonly Note[]): Noting {
   const chosenIsGone = state.chosen !== null && !notes.some(({ id }) => id === state.chosen);
   const same = JSON.stringify(notes) === JSON.stringify(state.notes);
-  if (same && !chosenIsGone) return state;
-  return { ...state, notes: same ? state.notes : notes, ...(chosenIsGone ? { chosen: null, problem: 'This note does not exist, or no longer.' } : {}) };
+  if (same && !chosenIsGone && state.unlisted === '') return state;
+  const gone = chosenIsGone ? { chosen: null, problem: 'This note does not exist, or no longer.' } : {};
+  return { ...state, notes: same ? state.notes : notes, unlisted: '', ...gone };
 }
 
 function placed(state: Noting, position_m: Place | null, view: NoteView): Noting {
@@ -152,8 +172,8 @@ export function textProblem(text: string): string {
 
 // What the page asks for now.
 export function notingWords(state: Noting): string {
-  const { draft, problem, busy, mayWrite } = state;
-  if (problem !== '') return problem;
+  const { draft, problem, unlisted, busy, mayWrite } = state;
+  if (problem !== '' || unlisted !== '') return problem || unlisted;
   if (busy) return 'Saving …';
   if (draft?.theirs) return 'Somebody has changed this note meanwhile. Which text is to stay?';
   if (draft?.of) return 'Change the text.';
