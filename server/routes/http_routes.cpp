@@ -18,6 +18,7 @@
 #include "server/routes/frame_routes.h"
 #include "server/routes/job_routes.h"
 #include "server/routes/measure_routes.h"
+#include "server/routes/note_routes.h"
 #include "server/routes/scan_routes.h"
 #include "server/routes/upload_routes.h"
 
@@ -91,7 +92,7 @@ struct ApiRoute {
 };
 constexpr std::string_view kScanPath = "/api/v1/scans/";
 constexpr std::string_view kUploadsPath = "/api/v1/uploads/", kJobsPath = "/api/v1/jobs/";
-constexpr std::array<ApiRoute, 41> kApi = {{
+constexpr std::array<ApiRoute, 45> kApi = {{
     {"GET", "access", "/api/v1/access", "", false, Needs::kNothing, show_access},
     {"GET", "scans", "/api/v1/scans", "", false, Needs::kView, list_scans},
     {"GET", "scan", kScanPath, "", true, Needs::kView, show_scan},
@@ -110,6 +111,10 @@ constexpr std::array<ApiRoute, 41> kApi = {{
     {"POST", "measurements", kScanPath, "/measurements", true, Needs::kViewAndScan, keep_measurement, true},
     {"GET", "measurements.csv", kScanPath, "/measurements.csv", true, Needs::kView, send_measurements},
     {"DELETE", "measurement", kScanPath, "/measurements/", true, Needs::kViewAndScan, remove_measurement, false, "measurement"},
+    {"GET", "notes", kScanPath, "/notes", true, Needs::kView, list_notes},
+    {"POST", "notes", kScanPath, "/notes", true, Needs::kViewAndScan, create_note, true},
+    {"PATCH", "note", kScanPath, "/notes/", true, Needs::kViewAndScan, change_note, true, "note"},
+    {"DELETE", "note", kScanPath, "/notes/", true, Needs::kViewAndScan, remove_note, false, "note"},
     {"GET", "frames", kScanPath, "/frames", true, Needs::kView, list_scans_frames},
     {"GET", "frame color", kScanPath, "/frames/color/", true, Needs::kView, send_color, false, "frame"},
     {"GET", "frame depth", kScanPath, "/frames/depth/", true, Needs::kView, send_depth, false, "frame"},

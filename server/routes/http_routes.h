@@ -18,6 +18,9 @@
 //   GET    /api/v1/scans/{id}/measurements    view   saved measurements, and as measurements.csv
 //   POST   /api/v1/scans/{id}/measurements    scan   measures and saves; of its own, or admin (scan and view)
 //   DELETE /api/v1/scans/{id}/measurements/{measurement}  scan  the same
+//   GET    /api/v1/scans/{id}/notes           view   what people have written at places of it (note_routes.h has these)
+//   POST   /api/v1/scans/{id}/notes           scan   writes one; of its own, or admin (scan and view)
+//   PATCH  /api/v1/scans/{id}/notes/{note}    scan   the same, also DELETE
 //   GET    /api/v1/scans/{id}/frames          view   the frames of an ended scan (frame_routes.h has these); no share link
 //   GET    /api/v1/scans/{id}/frames/color/{frame}    view   one of its images, and depth/{frame}, depth16/{frame}
 //   GET    /api/v1/scans/{id}/shares          scan   its share links (scan and view: sharing a scan requires seeing it)

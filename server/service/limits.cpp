@@ -12,11 +12,13 @@
 #include "server/routes/frame_routes.h"
 #include "server/routes/measure_routes.h"
 #include "server/routes/measuring_cache.h"
+#include "server/routes/note_routes.h"
 #include "server/scan/audience.h"
 #include "server/scan/live_scan.h"
 #include "server/service/service_setup.h"
 #include "server/store/job_row.h"
 #include "server/store/measurement_row.h"
+#include "server/store/note_row.h"
 
 namespace hermite {
 
@@ -70,7 +72,8 @@ std::vector<Bound> bounds_of_connections(const ServiceOptions& options) {
        "HTTP 429, close code 4013. A right one is still let in: many people may share an address"},
       {"addresses that are counted one by one", std::to_string(kMaxLimitedAddresses), "the others share one allowance"},
       {"header, body",
-       kib(kMaxHeaderBytes) + ", " + kib(kMaxBodyBytes) + ", " + kib(kMaxMeasureBodyBytes) + " to measure; pieces of uploads below",
+       kib(kMaxHeaderBytes) + ", " + kib(kMaxBodyBytes) + ", " + kib(kMaxMeasureBodyBytes) + " to measure, " + kib(kMaxNoteBodyBytes) +
+           " for a note; pieces of uploads below",
        "HTTP 431, 413"},
       {"first message; frames; viewers' messages",
        kib(wire::kMaxBytesBeforeWelcome) + "; 64 KiB + 8 bytes a pixel; " + kib(wire::kMaxBytesBeforeWelcome), "close code 1009"},
@@ -111,6 +114,8 @@ std::vector<Bound> bounds_of_work(const ServiceOptions& options) {
        "they are read again"},
       {"corners of an area that is measured", std::to_string(kMostCorners), "HTTP 400"},
       {"measurements of a scan that are kept", std::to_string(kMaxMeasurementsPerScan), "HTTP 409"},
+      {"notes in a scan; the text of one", std::to_string(kMaxNotesPerScan) + "; " + std::to_string(kMaxNoteTextBytes) + " bytes",
+       "HTTP 409; 400"},
       {"ended tokens and links that a list keeps, of one maker", std::to_string(kMaxEndedLinksPerToken) + ", for 90 days",
        "the oldest are forgotten"},
       {"ended jobs that a list keeps, of one token", std::to_string(kMaxEndedJobsPerToken) + ", for 90 days", "the oldest are forgotten"},

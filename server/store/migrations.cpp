@@ -17,7 +17,7 @@ namespace {
 constexpr int kApplicationId = 0x48524246;  // "HRBF"
 
 // Migration N changes user_version from N to N + 1. Never edit one that was released: add another.
-constexpr std::array<std::string_view, 6> kMigrations = {
+constexpr std::array<std::string_view, 7> kMigrations = {
     R"sql(
 CREATE TABLE scans(
   id TEXT PRIMARY KEY NOT NULL,
@@ -136,6 +136,22 @@ ALTER TABLE measurements DROP COLUMN from_z;
 ALTER TABLE measurements DROP COLUMN to_x;
 ALTER TABLE measurements DROP COLUMN to_y;
 ALTER TABLE measurements DROP COLUMN to_z;
+)sql",
+    // The view is there as a whole or not at all.
+    R"sql(
+CREATE TABLE notes(
+  id TEXT PRIMARY KEY NOT NULL,
+  scan_id TEXT NOT NULL REFERENCES scans(id) ON DELETE CASCADE,
+  x REAL NOT NULL, y REAL NOT NULL, z REAL NOT NULL,
+  eye_x REAL, eye_y REAL, eye_z REAL,
+  target_x REAL, target_y REAL, target_z REAL,
+  text TEXT NOT NULL,
+  version INTEGER NOT NULL,
+  created_at_ms INTEGER NOT NULL,
+  changed_at_ms INTEGER NOT NULL,
+  CHECK ((eye_x IS NULL) + (eye_y IS NULL) + (eye_z IS NULL) + (target_x IS NULL) + (target_y IS NULL) + (target_z IS NULL) IN (0, 6))
+) STRICT;
+CREATE INDEX notes_by_scan ON notes(scan_id, created_at_ms, id);
 )sql"};
 
 int pragma(SQLite::Database& database, const std::string& name) { return database.execAndGet("PRAGMA " + name).getInt(); }

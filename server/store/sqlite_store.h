@@ -68,6 +68,12 @@ class SqliteStore : public Store {
   Result<std::vector<JobLine>> job_lines(const std::string& id) override;
   Result<int> forget_jobs(std::int64_t ended_before_ms) override;
 
+  // In sqlite_store_notes.cpp.
+  Status add_note(const NoteRow& row) override;
+  Result<std::vector<NoteRow>> list_notes(const std::string& scan_id) override;
+  Result<NoteOutcome> change_note(const NoteRow& row) override;
+  Result<NoteOutcome> remove_note(const std::string& scan_id, const std::string& id, std::int64_t version) override;
+
  private:
   struct Impl;
   const std::string path_;

@@ -1,6 +1,6 @@
-// What a server stores besides files: one row per scan, token, upload, measurement and job. Rows outlive the server.
-// Stored in SQLite (sqlite_store.h), perhaps some day in PostgreSQL; the tests in tests/server/store/store_contract.h
-// apply to every implementation.
+// What a server stores besides files: one row per scan, token, upload, measurement, note and job. Rows outlive the
+// server. Stored in SQLite (sqlite_store.h), perhaps some day in PostgreSQL; the tests in
+// tests/server/store/store_contract.h apply to every implementation.
 //
 // Every implementation guarantees:
 //   atomic    Each call is one transaction. A call that returns an error has changed nothing (after kIo: in this process;
@@ -27,6 +27,7 @@
 #include "core/base/result.h"
 #include "server/store/job_row.h"
 #include "server/store/measurement_row.h"
+#include "server/store/note_row.h"
 #include "server/store/scan_row.h"
 #include "server/store/shares.h"
 #include "server/store/token_row.h"
@@ -53,7 +54,7 @@ class Store {
 
   // kNotFound: no such scan.
   virtual Result<ScanRow> find(const std::string& id) = 0;
-  virtual Status remove(const std::string& id) = 0;  // with its share links and measurements
+  virtual Status remove(const std::string& id) = 0;  // with its share links, measurements and notes
 
   // Return scans newest first, at most kMaxListedScans: the newest ones, or those that follow the given one. kNotFound:
   // no such scan.
@@ -118,6 +119,16 @@ class Store {
   virtual Status add_job_line(const std::string& id, const JobLine& line) = 0;
   virtual Result<std::vector<JobLine>> job_lines(const std::string& id) = 0;
   virtual Result<int> forget_jobs(std::int64_t ended_before_ms) = 0;  // with their lines. Returns their number
+
+  // Notes in a scan, at most kMaxNotesPerScan. kNotFound: no such scan. kBusy: it has that many already.
+  // kInvalidArgument: the id exists already, or a number is NaN.
+  virtual Status add_note(const NoteRow& row) = 0;
+  virtual Result<std::vector<NoteRow>> list_notes(const std::string& scan_id) = 0;  // oldest first; empty if it has none
+  // Writes the text and changed_at_ms of `row` into the note if that has the version of `row`, which then grows by 1.
+  // kNotFound: the scan has no such note.
+  virtual Result<NoteOutcome> change_note(const NoteRow& row) = 0;
+  // Removes a note if it has this version. kNotFound as above.
+  virtual Result<NoteOutcome> remove_note(const std::string& scan_id, const std::string& id, std::int64_t version) = 0;
 };
 
 }  // namespace hermite

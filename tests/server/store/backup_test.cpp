@@ -47,6 +47,7 @@ TEST_F(BackupTest, WhatIsBackedUpUnderARunningServerComesBack) {
     SqliteStore store(data.database_path());
     for (int i = 0; i < 3; ++i) add_scan(store, data);
     fs::create_symlink("/etc/passwd", data.scan_folder(ids_[0]) + "/link");
+    ASSERT_TRUE(store.add_note({"n", ids_[1], {1, 2, 3}, std::nullopt, "a crack", 1, 7, 7}).ok());
     ASSERT_TRUE(data.create_job_folder(ids_[0]).ok());
     std::ofstream(data.job_folder(ids_[0]) + "/unpacked") << "is there in the upload too";
     const auto summary = back_up(folder_ / "data", folder_ / "backup");
@@ -61,6 +62,8 @@ TEST_F(BackupTest, WhatIsBackedUpUnderARunningServerComesBack) {
   const DataDirectory data(folder_ / "restored");
   SqliteStore store(data.database_path());
   EXPECT_EQ(store.list()->size(), 3u);
+  ASSERT_EQ(store.list_notes(ids_[1])->size(), 1u);
+  EXPECT_EQ(store.list_notes(ids_[1])->front().text, "a crack");
   EXPECT_EQ(content(data.scan_folder(ids_[1]) + "/cloud.ply"), "points of " + ids_[1]);
   EXPECT_EQ(content(folder_ / "restored/token"), content(folder_ / "data/token"));
   EXPECT_EQ(fs::status(folder_ / "backup/token").permissions(), fs::perms::owner_read | fs::perms::owner_write);

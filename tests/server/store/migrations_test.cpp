@@ -1,5 +1,6 @@
 // Databases of earlier versions, through the door of SqliteStore. golden/schema-1.db was written by the hermite whose schema was 1,
-// schema-5.db made of it by the statements of the one whose schema was 5, with two measurements.
+// schema-5.db made of it by the statements of the one whose schema was 5, with two measurements, and schema-6.db made of that in the same
+// way, with a height.
 #include "server/store/migrations.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -89,6 +90,22 @@ TEST_F(MigrationsTest, DistancesThatWereKeptAreThereAfterwards) {
   EXPECT_EQ((*rows)[1].name, "Table");
   ASSERT_TRUE(store.remove_measurement("ieazy7z5rmm64yfukj5s1pwofg", door.id).ok());
   EXPECT_EQ(store.list_measurements("ieazy7z5rmm64yfukj5s1pwofg")->size(), 1u);
+}
+
+TEST_F(MigrationsTest, ScansOfBeforeThereWereNotesMayHaveThem) {
+  take_golden(6);
+  const std::string scan_id = "ieazy7z5rmm64yfukj5s1pwofg";
+  SqliteStore store(path_);
+  const auto measurements = store.list_measurements(scan_id);
+  ASSERT_TRUE(measurements.ok()) << measurements.error().message;
+  ASSERT_EQ(measurements->size(), 3u);
+  EXPECT_EQ((*measurements)[2].name, "Shelf");
+  EXPECT_EQ((*measurements)[2].kind, "height");
+  EXPECT_EQ((*measurements)[2].points.size(), 2u);
+  ASSERT_TRUE(store.list_notes(scan_id).ok());
+  EXPECT_TRUE(store.list_notes(scan_id)->empty());
+  ASSERT_TRUE(store.add_note({"n", scan_id, {1, 2, 3}, std::nullopt, "a crack", 1, 7, 7}).ok());
+  EXPECT_EQ(store.list_notes(scan_id)->size(), 1u);
 }
 
 TEST_F(MigrationsTest, ABackupIsMadeFirst) {

@@ -11,6 +11,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <limits>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -328,6 +331,79 @@ TYPED_TEST_P(StoreContract, MeasurementsAreOfAScanThatIsThereAndGoWithIt) {
   EXPECT_TRUE(this->store().list_measurements("scan")->empty());
 }
 
+TYPED_TEST_P(StoreContract, NotesAreOfAScanThatIsThereAndGoWithIt) {
+  NoteRow row{"n", "scan", {0.1, 1e-9, -3}, NoteView{{1, 2, 3}, {4, 5, 6.5}}, "a 'crack';\n\xF0\x9F\xA7\xB1", 1, 7, 7};
+  EXPECT_EQ(this->store().add_note(row).error().code, ErrorCode::kNotFound);
+  EXPECT_TRUE(this->store().list_notes("scan")->empty());
+  ASSERT_TRUE(this->store().add(scan_row("scan")).ok());
+  ASSERT_TRUE(this->store().add(scan_row("other")).ok());
+  ASSERT_TRUE(this->store().add_note(row).ok());
+  EXPECT_EQ(this->store().add_note(row).error().code, ErrorCode::kInvalidArgument);
+  NoteRow older{"m", "scan", {}, std::nullopt, "older", 1, 6, 6};
+  ASSERT_TRUE(this->store().add_note(older).ok());
+  older.id = "nowhere";
+  older.position_m[1] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(this->store().add_note(older).error().code, ErrorCode::kInvalidArgument);
+  this->world_.restart();
+  const auto rows = this->store().list_notes("scan");
+  ASSERT_THAT(ids_of(rows), testing::ElementsAre("m", "n"));
+  EXPECT_FALSE((*rows)[0].view);
+  const NoteRow& read = (*rows)[1];
+  EXPECT_EQ(read.scan_id, "scan");
+  EXPECT_EQ(read.position_m, row.position_m);
+  ASSERT_TRUE(read.view);
+  EXPECT_EQ(read.view->position_m, row.view->position_m);
+  EXPECT_EQ(read.view->target_m, row.view->target_m);
+  EXPECT_EQ(read.text, row.text);
+  EXPECT_EQ(read.version, 1);
+  EXPECT_EQ(read.created_at_ms, 7);
+  EXPECT_EQ(read.changed_at_ms, 7);
+  row.scan_id = "other";
+  for (int i = 0; i < kMaxNotesPerScan; ++i) {
+    row.id = std::to_string(i);
+    ASSERT_TRUE(this->store().add_note(row).ok());
+  }
+  row.id = "one more";
+  EXPECT_EQ(this->store().add_note(row).error().code, ErrorCode::kBusy);
+  ASSERT_TRUE(this->store().remove_note("other", "1", 1)->is_done);
+  EXPECT_TRUE(this->store().add_note(row).ok());
+  ASSERT_TRUE(this->store().remove("other").ok());
+  EXPECT_TRUE(this->store().list_notes("other")->empty());
+  EXPECT_EQ(this->store().list_notes("scan")->size(), 2u);
+}
+
+TYPED_TEST_P(StoreContract, ANoteIsChangedOnlyInTheVersionThatWasRead) {
+  ASSERT_TRUE(this->store().add(scan_row("scan")).ok());
+  ASSERT_TRUE(this->store().add_note({"n", "scan", {1, 2, 3}, std::nullopt, "first", 1, 7, 7}).ok());
+  const auto changed = this->store().change_note({"n", "scan", {}, std::nullopt, "second", 1, 0, 9});
+  ASSERT_TRUE(changed.ok()) << changed.error().message;
+  EXPECT_TRUE(changed->is_done);
+  const auto late = this->store().change_note({"n", "scan", {}, std::nullopt, "of somebody else", 1, 0, 10});
+  ASSERT_TRUE(late.ok()) << late.error().message;
+  EXPECT_FALSE(late->is_done);
+  const auto not_removed = this->store().remove_note("scan", "n", 1);
+  ASSERT_TRUE(not_removed.ok()) << not_removed.error().message;
+  EXPECT_FALSE(not_removed->is_done);
+  this->world_.die();
+  const auto rows = this->store().list_notes("scan");
+  ASSERT_EQ(rows->size(), 1u);
+  for (const NoteRow& note : {changed->note, late->note, not_removed->note, (*rows)[0]}) {
+    EXPECT_EQ(note.text, "second");
+    EXPECT_EQ(note.version, 2);
+    EXPECT_EQ(note.position_m, (std::array<double, 3>{1, 2, 3}));
+    EXPECT_EQ(note.created_at_ms, 7);
+    EXPECT_EQ(note.changed_at_ms, 9);
+  }
+  EXPECT_EQ(this->store().change_note({"n", "another", {}, std::nullopt, "third", 2, 0, 9}).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().remove_note("another", "n", 2).error().code, ErrorCode::kNotFound);
+  const auto removed = this->store().remove_note("scan", "n", 2);
+  ASSERT_TRUE(removed.ok()) << removed.error().message;
+  EXPECT_TRUE(removed->is_done);
+  EXPECT_EQ(removed->note.text, "second");
+  EXPECT_EQ(this->store().remove_note("scan", "n", 2).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(this->store().change_note({"n", "scan", {}, std::nullopt, "third", 2, 0, 9}).error().code, ErrorCode::kNotFound);
+}
+
 TYPED_TEST_P(StoreContract, AShareLinkMayOnlyLook) {
   ASSERT_TRUE(this->store().add(scan_row("scan")).ok());
   TokenRow row = share_row("s", "scan");
@@ -531,10 +607,11 @@ REGISTER_TYPED_TEST_SUITE_P(StoreContract, AScanComesBackAsItWasOverARestart, AS
                             SaysThatItTakesChangesAndIsWhole, ATokenIsFoundByItsHash, ASecretThatIsNoHashIsNoToken,
                             ARevocationStaysAsItWasFirst, ATokenKnowsItsLastUse, TokensAreListedNewestFirst,
                             AShareLinkIsOfAScanThatIsThereAndGoesWithIt, MeasurementsAreOfAScanThatIsThereAndGoWithIt,
-                            AShareLinkMayOnlyLook, TokensThatEndedLongAgoAreForgotten, AJobComesBackAsItWasOverARestart,
-                            TheNextJobIsTheHighestAndThenTheOldest, JobsAreCountedByState, TheLogOfAJobIsBounded,
-                            OldJobsAreForgottenWithTheirLogs, AnUploadComesBackAsItWasOverARestart, ThereAreOnlySoManyUploads,
-                            ThereAreOnlySoManyJobsThatHaveNotEnded, ShareLinksThatHaveEndedCountForNothing, OfWhatHasEndedTheNewestStay,
+                            NotesAreOfAScanThatIsThereAndGoWithIt, ANoteIsChangedOnlyInTheVersionThatWasRead, AShareLinkMayOnlyLook,
+                            TokensThatEndedLongAgoAreForgotten, AJobComesBackAsItWasOverARestart, TheNextJobIsTheHighestAndThenTheOldest,
+                            JobsAreCountedByState, TheLogOfAJobIsBounded, OldJobsAreForgottenWithTheirLogs,
+                            AnUploadComesBackAsItWasOverARestart, ThereAreOnlySoManyUploads, ThereAreOnlySoManyJobsThatHaveNotEnded,
+                            ShareLinksThatHaveEndedCountForNothing, OfWhatHasEndedTheNewestStay,
                             AScanKnowsItsTokenAndWhetherItIsToBeRebuilt);
 
 }  // namespace hermite::test

@@ -89,9 +89,10 @@ export interface Asking {
   readonly body?: string;
   readonly signal?: AbortSignal; // somebody may want no answer any more
   readonly keepalive?: boolean; // it outlives the page
+  readonly expected?: readonly number[]; // statuses that are no failure, though they are no success either
 }
 
-export async function request(path: string, token: string, { limit_ms, method = 'GET', headers = {}, body, signal, keepalive = false }: Asking): Promise<Response> {
+export async function request(path: string, token: string, { limit_ms, method = 'GET', headers = {}, body, signal, keepalive = false, expected = [] }: Asking): Promise<Response> {
   const limit = AbortSignal.timeout(limit_ms);
   let response: Response;
   try {
@@ -105,6 +106,7 @@ export async function request(path: string, token: string, { limit_ms, method = 
   } catch {
     throw new ApiError('The server cannot be reached.', false, true);
   }
+  if (expected.includes(response.status)) return response;
   if (response.status === 401) throw new ApiError('The server does not accept this access token.', true);
   if (response.status === 403) throw new ApiError('This access token does not allow that.', true);
   if (response.status === 429) throw new ApiError('The server asks to wait a little.', false, true);

@@ -92,7 +92,8 @@ function placesOf(value: unknown): Place[] | null {
   return places.some((place) => place === null) ? null : (places as Place[]);
 }
 
-function placeOf(value: unknown): Place | null {
+// Null: no three numbers.
+export function placeOf(value: unknown): Place | null {
   if (!Array.isArray(value) || value.length !== 3) return null;
   const numbers = value.map(numberOf);
   return numbers.some((number) => number === null) ? null : (numbers as unknown as Place);

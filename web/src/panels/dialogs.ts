@@ -44,6 +44,7 @@ const keys: readonly (readonly [string, string])[] = [
   ['S', 'Surface or points'],
   ['I', 'See inside'],
   ['M', 'Measure distances, heights, angles and areas'],
+  ['N', 'Notes: click on the model to write one'],
   ['X', 'Clip box, and sections to draw and to download'],
   ['E', 'Eye-dome lighting of points'],
   ['T', 'Look back: all frames of the camera'],

@@ -9,6 +9,8 @@ import { cutQuery, readCut } from '../state/cut_link';
 import { reduceCutting, type Cutting, type CuttingEvent } from '../state/cutting';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
 import { meshWords } from '../state/mesh';
+import { noteQuery, readNote } from '../state/note_link';
+import { initialNoting, reduceNoting, type Noting, type NotingEvent } from '../state/noting';
 import { followedOf } from '../state/quality_words';
 import { keepReason } from '../state/reasons';
 import { receiver } from '../state/receiver';
@@ -26,6 +28,7 @@ import { statusMark } from './mark';
 import { measurePanel, type MeasurePanel } from './measure_panel';
 import { menu, type MenuItem } from './menu';
 import { watchMesh } from './mesh_watch';
+import { notesPanel, type NotesPanel } from './notes_panel';
 import { deleteSoon, rename } from './scan_actions';
 import { sectionPanel, type SectionPanel } from './section_panel';
 import { shareButton } from './share_button';
@@ -48,6 +51,8 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   const scan = createStore(initialLiveScan(scanId), reduceLiveScan);
   const options: OptionsStore = createStore<ViewOptions, Partial<ViewOptions>>({ ...initialViewOptions, show: storedShow(localStorage) }, reduceViewOptions);
   const cutting = createStore<Cutting, CuttingEvent>(readCut(view), reduceCutting);
+  const noting = createStore<Noting, NotingEvent>({ ...initialNoting, chosen: readNote(view) }, reduceNoting);
+  const query = (): string => [cutQuery(cutting.get()), noteQuery(noting.get().chosen)].filter(Boolean).join('&');
   const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': 'The scan in three dimensions. Arrow keys move, plus and minus zoom, a question mark tells more.' });
   const stage = element('div', { class: 'stage' }, canvas);
   const empty = element('p', { class: 'empty', role: 'status' });
@@ -57,14 +62,14 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   scene?.setUp(storedUp(localStorage, scanId));
   const bar = titleBar(scan, token, {
     actions: () => (scene && floor && tools ? viewActions({ scanId, scene, floor, ...tools }) : []),
-    link: () => cutQuery(cutting.get()),
+    link: query,
   });
   const panels: Panel[] = [bar];
   const node = element('main', { class: 'scan-page' }, stage, empty, note, bar.element);
   if (floor) node.append(floor.element);
-  const tools = scene && toolsOf({ node, stage, canvas, scene, scan, cutting, token, frame: frameOf(view) });
+  const tools = scene && toolsOf({ node, stage, canvas, scene, scan, cutting, noting, token, frame: frameOf(view) });
   if (scene && tools) {
-    const buttons = [tools.tape, tools.section, tools.frames].map(({ button }) => button);
+    const buttons = [tools.tape, tools.notes, tools.section, tools.frames].map(({ button }) => button);
     panels.push(statusPanel(scan, () => scene.framesPerSecond()), viewPanel(options, scan, () => frameAll(scene, options), ...buttons), ...Object.values(tools));
     for (const panel of panels.slice(1)) node.append(panel.element);
   }
@@ -83,7 +88,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   unsubscribers.push(options.subscribe((state) => link?.watch(watchOf(state))));
   const mesh = scene && watchMesh(scan, scene, token);
   const stopReport = watchReport(scan, token);
-  const stopAddress = watchAddress(scanId, cutting);
+  const stopAddress = watchAddress(scanId, query, [cutting, noting]);
   const onKey = (event: KeyboardEvent): void => shortcut(event, { scanId, scene, options, tools });
   document.addEventListener('keydown', onKey);
   canvas.addEventListener('dblclick', (event) => scene?.pivotAt(event.clientX, event.clientY));
@@ -110,6 +115,7 @@ interface Tools {
   readonly tape: MeasurePanel;
   readonly frames: FramesPanel;
   readonly section: SectionPanel;
+  readonly notes: NotesPanel;
 }
 
 interface ToolWorld {
@@ -119,12 +125,13 @@ interface ToolWorld {
   readonly scene: ScanScene;
   readonly scan: ScanStore;
   readonly cutting: Store<Cutting, CuttingEvent>;
+  readonly noting: Store<Noting, NotingEvent>;
   readonly token: string;
   readonly frame: number | null; // that the address names
 }
 
 // They stand in the same place: one at a time.
-function toolsOf({ node, stage, canvas, scene, scan, cutting, token, frame }: ToolWorld): Tools {
+function toolsOf({ node, stage, canvas, scene, scan, cutting, noting, token, frame }: ToolWorld): Tools {
   const tape = measurePanel({ canvas, scene, scan, token });
   const closeTape = (): void => {
     if (node.classList.contains('measuring')) tape.toggle();
@@ -137,6 +144,7 @@ function toolsOf({ node, stage, canvas, scene, scan, cutting, token, frame }: To
     opened() {
       closeTape();
       section.close();
+      notes.close();
     },
   });
   const section: SectionPanel = sectionPanel({
@@ -148,10 +156,23 @@ function toolsOf({ node, stage, canvas, scene, scan, cutting, token, frame }: To
     opened() {
       closeTape();
       frames.close();
+      notes.close();
     },
   });
-  for (const { close } of [frames, section]) tape.button.addEventListener('click', close);
-  return { tape, frames, section };
+  const notes: NotesPanel = notesPanel({
+    canvas,
+    scene,
+    scan,
+    store: noting,
+    token,
+    opened() {
+      closeTape();
+      frames.close();
+      section.close();
+    },
+  });
+  for (const { close } of [frames, section, notes]) tape.button.addEventListener('click', close);
+  return { tape, frames, section, notes };
 }
 
 // What is shown is what is asked for.
@@ -199,20 +220,21 @@ function watchReport(scan: ScanStore, token: string): () => void {
 }
 
 // The address is that of what is seen. Browsers let it change only so often.
-function watchAddress(scanId: string, cutting: Store<Cutting, never>): () => void {
+function watchAddress(scanId: string, query: () => string, stores: readonly Pick<Store<unknown, never>, 'subscribe'>[]): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
-  let before = cutQuery(cutting.get());
-  const unsubscribe = cutting.subscribe((state) => {
+  let before = query();
+  const onChange = (): void => {
     clearTimeout(timer);
     timer = setTimeout(() => {
-      const query = cutQuery(state);
-      if (query !== before) history.replaceState(null, '', hashOf(scanId, query));
-      before = query;
+      const now = query();
+      if (now !== before) history.replaceState(null, '', hashOf(scanId, now));
+      before = now;
     }, addressAfter_ms);
-  });
+  };
+  const unsubscribers = stores.map((store) => store.subscribe(onChange));
   return () => {
     clearTimeout(timer);
-    unsubscribe();
+    for (const unsubscribe of unsubscribers) unsubscribe();
   };
 }
 
@@ -222,15 +244,17 @@ interface ViewWorld {
   readonly floor: FloorPicker;
   readonly frames: FramesPanel;
   readonly section: SectionPanel;
+  readonly notes: NotesPanel;
 }
 
-function viewActions({ scanId, scene, floor, frames, section }: ViewWorld): MenuItem[] {
+function viewActions({ scanId, scene, floor, frames, section, notes }: ViewWorld): MenuItem[] {
   const chosen = storedUp(localStorage, scanId) !== null;
   const again = (): void => {
     storeUp(localStorage, scanId, null);
     scene.setUp(null);
   };
   return [
+    ...(!notes.button.hidden ? [{ label: 'Notes', phoneOnly: true, do: notes.toggle }] : []),
     ...(!section.button.hidden ? [{ label: 'Section', phoneOnly: true, do: section.toggle }] : []),
     ...(!frames.button.hidden ? [{ label: 'Frames', phoneOnly: true, do: frames.toggle }] : []),
     { label: 'Quality', phoneOnly: true, do: () => void (location.hash = qualityHash(scanId)) },
@@ -324,7 +348,8 @@ interface Shortcuts {
 }
 
 function shortcut(event: KeyboardEvent, { scanId, scene, options, tools }: Shortcuts): void {
-  const typing = event.target instanceof HTMLInputElement && !['radio', 'range'].includes(event.target.type);
+  const { target } = event;
+  const typing = target instanceof HTMLTextAreaElement || (target instanceof HTMLInputElement && !['radio', 'range'].includes(target.type));
   if (typing || document.querySelector('dialog') || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === 'f' && scene) frameAll(scene, options);
   const now = options.get();
@@ -337,8 +362,10 @@ function shortcut(event: KeyboardEvent, { scanId, scene, options, tools }: Short
   if (event.key === 'm') {
     tools?.frames.close();
     tools?.section.close();
+    tools?.notes.close();
     tools?.tape.toggle();
   }
   if (event.key === 't') tools?.frames.toggle();
+  if (event.key === 'n') tools?.notes.toggle();
   if (event.key === '?') showHelp();
 }

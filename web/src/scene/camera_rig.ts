@@ -32,6 +32,7 @@ export class CameraRig {
   private framing: Framing | null = null;
   private placed = false;
   private pivoting = false;
+  private inModel = false; // it looks as somebody has looked at the model before
   private ticking = false;
 
   constructor(
@@ -88,13 +89,23 @@ export class CameraRig {
     this.changed();
   }
 
-  // All turns around that point from now on; it comes to the middle of the picture.
-  pivot(point: Vector3): void {
-    this.lookFrom(this.camera.position.clone().sub(this.controls.target).add(point), point);
+  // The eye, and the point that it looks at.
+  get view(): [Vector3, Vector3] {
+    return [this.camera.position.clone(), this.controls.target.clone()];
   }
 
-  // From there to that point.
+  // All turns around that point from now on; it comes to the middle of the picture.
+  pivot(point: Vector3): void {
+    this.goTo(this.camera.position.clone().sub(this.controls.target).add(point), point);
+  }
+
+  // From there to that point, which are places in the model.
   lookFrom(eye: Vector3, target: Vector3): void {
+    this.goTo(eye, target);
+    this.inModel = true;
+  }
+
+  private goTo(eye: Vector3, target: Vector3): void {
     this.release();
     this.target.copy(target);
     this.eye.copy(eye);
@@ -102,9 +113,14 @@ export class CameraRig {
     this.changed();
   }
 
-  // The world was turned about its origin: a view that somebody has chosen stays on what it shows. Others are told where to look.
+  // The world was turned about its origin: a view that somebody has chosen stays on what it shows, and from where it does if that is a place
+  // in the model. Others are told where to look.
   carry(delta: Quaternion): void {
     if (this.mode !== 'free') return;
+    if (this.inModel) {
+      for (const point of [this.controls.target, this.target, this.camera.position, this.eye]) point.applyQuaternion(delta);
+      return;
+    }
     const offset = new Vector3().subVectors(this.camera.position, this.controls.target);
     for (const point of [this.controls.target, this.target]) point.applyQuaternion(delta);
     this.camera.position.copy(this.controls.target).add(offset);
@@ -159,7 +175,7 @@ export class CameraRig {
 
   // The hand on the view always wins.
   private release(): void {
-    this.pivoting = false;
+    this.pivoting = this.inModel = false;
     if (this.mode === 'free') return;
     this.mode = 'free';
     this.touched();

@@ -126,3 +126,11 @@ function colorOf(material: Material | Material[]): Color {
   const one = Array.isArray(material) ? material[0] : material;
   return one && 'color' in one && one.color instanceof Color ? one.color : new Color(1, 1, 1);
 }
+
+export function trianglesIn(root: Object3D): number {
+  let triangles = 0;
+  root.traverse((object) => {
+    if (object instanceof Mesh) triangles += (object.geometry.index?.count ?? object.geometry.getAttribute('position').count) / 3;
+  });
+  return triangles;
+}

@@ -1,7 +1,8 @@
 // The picture of one scan. Draws only when something changed: an idle page costs nothing.
-import { Matrix4, Mesh, Quaternion, Ray, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Object3D } from 'three';
+import { Matrix4, Quaternion, Ray, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Object3D } from 'three';
 import type { Pose, ScanEvent } from '../connection/events';
 import type { Measured, Place } from '../connection/measurements';
+import type { NoteView } from '../connection/notes';
 import type { Axes } from '../state/axes';
 import type { Cutting, Face, Model } from '../state/cutting';
 import type { ViewOptions } from '../state/view_options';
@@ -15,9 +16,10 @@ import { GridLayer } from './grid_layer';
 import type { Hit, Layer, ViewSize } from './layer';
 import { LiveMeshLayer } from './live_mesh_layer';
 import { MeasureLayer } from './measure_layer';
-import { MeshLayer } from './mesh_layer';
+import { MeshLayer, trianglesIn } from './mesh_layer';
 import { ModelCut, type SurfaceKind } from './model_cut';
 import { MomentLayer, type Moment } from './moment_layer';
+import { NoteLayer, type NotePin } from './note_layer';
 import { PointsLayer } from './points_layer';
 import { SampleCollector } from './samples';
 import { SubmapsLayer } from './submaps_layer';
@@ -48,11 +50,12 @@ export class ScanScene {
   private readonly frustum = new FrustumLayer();
   private readonly measured = new MeasureLayer();
   private readonly moment = new MomentLayer();
+  private readonly notes = new NoteLayer();
   private readonly grid = new GridLayer();
   // What hangs on the submaps comes behind them.
   private readonly layers: readonly Layer[] = [
     ...[this.grid, this.submaps, this.points, this.live, this.mesh, this.eyeDome, new TrajectoryLayer(this.submaps), this.frustum],
-    ...[this.clip, this.cut.section, this.measured, this.moment],
+    ...[this.clip, this.cut.section, this.measured, this.moment, this.notes],
   ];
   private readonly stillness = matchMedia('(prefers-reduced-motion: reduce)');
   private readonly unwatchTheme: () => void;
@@ -121,11 +124,7 @@ export class ScanScene {
     this.live.clear();
     this.cut.refresh();
     if (this.options) this.onOptions(this.options);
-    let triangles = 0;
-    root.traverse((object) => {
-      if (object instanceof Mesh) triangles += (object.geometry.index?.count ?? object.geometry.getAttribute('position').count) / 3;
-    });
-    return { triangles, textured: this.mesh.isTextured };
+    return { triangles: trianglesIn(root), textured: this.mesh.isTextured };
   }
 
   // The finished surface, or the growing one, or points. What the growing one had not come to when the scan ended is there as points.
@@ -162,7 +161,7 @@ export class ScanScene {
   // What is there becomes the middle of all turning.
   pivotAt(x_px: number, y_px: number): boolean {
     const hit = this.pick(x_px, y_px);
-    if (hit) this.rig.pivot(hit.point_m.applyMatrix4(this.upright.object.matrix));
+    if (hit) this.lookAt(hit.point_m.toArray());
     return hit !== null;
   }
 
@@ -174,7 +173,7 @@ export class ScanScene {
   // Where that is in the picture, in pixels of the page; null: behind the viewer.
   screenOf(place: Place): readonly [number, number] | null {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
-    const { x, y, z } = new Vector3(...place).applyMatrix4(this.upright.object.matrix).project(this.rig.camera);
+    const { x, y, z } = this.inView(place).project(this.rig.camera);
     return z > 1 ? null : [left + ((x + 1) / 2) * width, top + ((1 - y) / 2) * height];
   }
 
@@ -186,6 +185,27 @@ export class ScanScene {
   showMeasured(measured: readonly Measured[], chosen: readonly Place[]): void {
     this.measured.show(measured, chosen);
     this.requestDraw();
+  }
+
+  showNotes(pins: readonly NotePin[]): void {
+    this.notes.show(pins);
+    this.requestDraw();
+  }
+
+  // How somebody looks now, in the world of the scan.
+  get view(): NoteView {
+    const [position_m, target_m] = this.rig.view.map((point) => point.applyMatrix4(this.worldFromView).toArray());
+    return { position_m: position_m!, target_m: target_m! };
+  }
+
+  // The same way again; also when up is found to be another one meanwhile.
+  lookAs({ position_m, target_m }: NoteView): void {
+    this.rig.lookFrom(this.inView(position_m), this.inView(target_m));
+  }
+
+  // From where somebody looks now, turned to that place.
+  lookAt(place: Place): void {
+    this.rig.pivot(this.inView(place));
   }
 
   // Returns the bounds of the model along these axes, or along the directions of its walls; null if the model is empty.
@@ -227,8 +247,8 @@ export class ScanScene {
 
   // From where the camera was, as it looked.
   lookThrough({ translation, rotation }: Pose): void {
-    const toWorld = (point_m: Vector3): Vector3 => point_m.applyQuaternion(new Quaternion(...rotation)).add(new Vector3(...translation)).applyMatrix4(this.upright.object.matrix);
-    this.rig.lookFrom(toWorld(new Vector3()), toWorld(new Vector3(0, 0, ahead_m)));
+    const target = new Vector3(0, 0, ahead_m).applyQuaternion(new Quaternion(...rotation)).add(new Vector3(...translation));
+    this.lookAs({ position_m: translation, target_m: target.toArray() });
   }
 
   // In one picture.
@@ -305,7 +325,7 @@ export class ScanScene {
     this.reframed_ms = now_ms;
     const boxes = [...this.points.boxes(), ...this.live.boxes()];
     this.findUp(boxes, now_ms);
-    const framing = framingOf(boxes.map((box) => this.turned(box)));
+    const framing = framingOf(boxes.map((box) => this.upright.turned(box)));
     if (!framing) return false;
     const placed = this.floor_m === null ? framing : { ...framing, floor_y_m: this.floor_m };
     this.grid.placeUnder(placed);
@@ -324,14 +344,6 @@ export class ScanScene {
     this.floor_m = height_m === null ? null : -height_m;
   }
 
-  // About the same box where up is up: its middle turns, and it stays as large as it is.
-  private turned({ min_m, max_m, weight }: Box): Box {
-    const low = new Vector3(...min_m);
-    const half = new Vector3(...max_m).sub(low).multiplyScalar(0.5);
-    const middle = low.add(half).applyQuaternion(this.upright.object.quaternion);
-    return { min_m: middle.clone().sub(half).toArray(), max_m: middle.clone().add(half).toArray(), weight };
-  }
-
   // In the world of the scan.
   private pick(x_px: number, y_px: number): Hit | null {
     const { caster, worldFromView, inWorld: ray } = this.rayAt(x_px, y_px);
@@ -345,11 +357,19 @@ export class ScanScene {
     return hits.sort((a, b) => a.distance_m - b.distance_m)[0] ?? null;
   }
 
+  private inView(place: Place): Vector3 {
+    return new Vector3(...place).applyMatrix4(this.upright.object.matrix);
+  }
+
+  private get worldFromView(): Matrix4 {
+    return new Matrix4().copy(this.upright.object.matrix).invert();
+  }
+
   private rayAt(x_px: number, y_px: number): { readonly caster: Raycaster; readonly worldFromView: Matrix4; readonly inWorld: Ray } {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const caster = new Raycaster();
     caster.setFromCamera(new Vector2((2 * (x_px - left)) / width - 1, 1 - (2 * (y_px - top)) / height), this.rig.camera);
-    const worldFromView = new Matrix4().copy(this.upright.object.matrix).invert();
+    const { worldFromView } = this;
     return { caster, worldFromView, inWorld: new Ray().copy(caster.ray).applyMatrix4(worldFromView) };
   }
 

@@ -1,6 +1,7 @@
 // Turns the world so that up is up: by itself from the surface, or as somebody has said. Everything of the world hangs below `object`; outside of it y
 // points down along gravity.
 import { Group, Quaternion, Vector3 } from 'three';
+import type { Box } from './framing';
 import { firstCamerasUp, upOf, type Direction, type SurfaceSamples } from './gravity';
 
 const settle_ms = 300; // time constant of the turn
@@ -16,8 +17,8 @@ export class Upright {
   private estimated_ms = -Infinity;
   private still = true;
 
-  // `turned`: after every step, by how much.
-  constructor(private readonly turned: (delta: Quaternion) => void) {
+  // `onTurned`: after every step, by how much.
+  constructor(private readonly onTurned: (delta: Quaternion) => void) {
     this.object.matrixAutoUpdate = false;
   }
 
@@ -62,8 +63,16 @@ export class Upright {
     this.object.quaternion.slerp(this.target, this.still ? 1 : 1 - Math.exp(-elapsed_ms / settle_ms));
     this.object.updateMatrix();
     this.object.matrixWorldNeedsUpdate = true;
-    this.turned(this.object.quaternion.clone().multiply(before.invert()));
+    this.onTurned(this.object.quaternion.clone().multiply(before.invert()));
     return !this.still;
+  }
+
+  // About the same box where up is up: its middle turns, and it stays as large as it is.
+  turned({ min_m, max_m, weight }: Box): Box {
+    const low = new Vector3(...min_m);
+    const half = new Vector3(...max_m).sub(low).multiplyScalar(0.5);
+    const middle = low.add(half).applyQuaternion(this.object.quaternion);
+    return { min_m: middle.clone().sub(half).toArray(), max_m: middle.clone().add(half).toArray(), weight };
   }
 
   private aim(): void {

@@ -1,0 +1,243 @@
+// Notes: pins with text at places of the model. What others write meanwhile comes when the page is looked at again, and now and then.
+import { ApiError } from '../connection/api';
+import { changeNote, createNote, fetchNotes, removeNote, type Note, type NoteChange } from '../connection/notes';
+import { fetchAccess } from '../connection/scans';
+import { pinAt, type NotePin } from '../scene/note_layer';
+import type { ScanScene } from '../scene/scene';
+import type { LiveScan } from '../state/live_scan';
+import { chosenNote, cleaned, isUnsaved, shownNotes, unsavedWords, type Noting, type NotingEvent } from '../state/noting';
+import type { Store } from '../state/store';
+import { Trash } from '../state/trash';
+import type { Panel } from './dom';
+import { notesView, numberOf } from './notes_view';
+import { onTap } from './tap';
+
+export interface NotesPanel extends Panel {
+  readonly button: HTMLElement; // opens and closes it; hidden where there is nothing to write on
+  toggle(): void; // the same
+  close(): void;
+}
+
+type NotingStore = Store<Noting, NotingEvent>;
+
+interface World {
+  readonly canvas: HTMLCanvasElement;
+  readonly scene: ScanScene;
+  readonly scan: Store<LiveScan, never>;
+  readonly store: NotingStore;
+  readonly token: string;
+  readonly opened: () => void; // it stands where others may stand
+}
+
+const fetchEvery_ms = 20_000; // while it is open and the page is seen
+const meanwhile = 'Somebody has changed this note meanwhile: it was not removed.';
+
+// A note that the store begins with is opened as soon as it is there.
+export function notesPanel({ canvas, scene, scan, store, token, opened }: World): NotesPanel {
+  const { scanId } = scan.get();
+  const list = listing(scanId, token, store);
+  const removal = removing(scanId, token, store, list);
+  const save = (): void => saveDraft(scanId, token, store);
+  const open = (active: boolean): void => {
+    if (active === store.get().active) return;
+    const hadFocus = view.node.contains(document.activeElement);
+    if (active) opened();
+    store.dispatch({ kind: 'active', active });
+    if (active) void list();
+    else if (hadFocus) view.button.focus();
+  };
+  const choose = (id: string | null): void => {
+    store.dispatch({ kind: 'chosen', id });
+    flyTo(scene, chosenNote(store.get()));
+  };
+  const view = notesView({
+    choose,
+    save,
+    edit() {
+      store.dispatch({ kind: 'edited' });
+      view.focusText();
+    },
+    remove: removal.remove,
+    type: (text) => store.dispatch({ kind: 'typed', text }),
+    cancel: () => store.dispatch({ kind: 'cancelled' }),
+    resolve(keep) {
+      store.dispatch({ kind: 'resolved', keep });
+      if (keep !== 'theirs') save();
+    },
+    undo: removal.undo,
+    close: () => open(false),
+  });
+  const toggle = (): void => {
+    if (!view.button.hidden) open(!store.get().active);
+  };
+  const show = (state: Noting): void => {
+    canvas.classList.toggle('picking-notes', state.active && state.mayWrite);
+    view.node.parentElement?.classList.toggle('noting', state.active);
+    view.show(state, removal.newest());
+    scene.showNotes(pinsOf(state));
+  };
+  onTap(canvas, (x_px, y_px) => {
+    const { draft } = store.get();
+    const isMine = tapped([x_px, y_px], scene, store, choose);
+    if (store.get().draft !== draft) view.focusText();
+    return isMine;
+  });
+  view.button.addEventListener('click', toggle);
+  const stops = [store.subscribe(show), whenSeen(() => store.get().active && void list()), onEscape(store, () => open(false))];
+  stops.push(whenThere({ scan, store, token, button: view.button, list, open }, () => choose(store.get().chosen)));
+  return {
+    element: view.node,
+    button: view.button,
+    toggle,
+    close: () => open(false),
+    dispose() {
+      for (const stop of stops) stop();
+      removal.dispose();
+    },
+  };
+}
+
+// A pin that was clicked is chosen; elsewhere a new note begins.
+function tapped(at_px: readonly [number, number], scene: ScanScene, store: NotingStore, choose: (id: string) => void): boolean {
+  const state = store.get();
+  if (!state.active) return false;
+  const pin = pinAt(pinsOf(state), at_px, (place) => scene.screenOf(place));
+  const note = pin === null ? undefined : shownNotes(state)[pin];
+  if (note) choose(note.id);
+  else store.dispatch({ kind: 'placed', position_m: scene.placeAt(...at_px), view: scene.view });
+  return true;
+}
+
+function flyTo(scene: ScanScene, note: Note | null): void {
+  if (note?.view) scene.lookAs(note.view);
+  else if (note) scene.lookAt(note.position_m);
+}
+
+// In the order of the list, and the one that is written as the last.
+function pinsOf(state: Noting): NotePin[] {
+  if (!state.active) return [];
+  const { draft, chosen } = state;
+  const pins = shownNotes(state).map(({ id, position_m, text }, i) => ({ position_m, number: i + 1, words: id === chosen ? text : '' }));
+  if (!draft || draft.of) return pins;
+  return [...pins, { position_m: draft.position_m, number: numberOf(draft, state), words: cleaned(draft.text) || 'New note' }];
+}
+
+const wordsOf = (error: unknown): string => (error instanceof ApiError ? error.message : 'That did not work.');
+
+// A list that was asked for before something was changed here is out of date.
+function listing(scanId: string, token: string, store: NotingStore): () => Promise<void> {
+  return () => {
+    const { notes: before } = store.get();
+    return fetchNotes(scanId, token).then(
+      (notes) => {
+        if (store.get().notes === before && !store.get().busy) store.dispatch({ kind: 'listed', notes });
+      },
+      (error) => store.dispatch({ kind: 'unlisted', words: wordsOf(error) }),
+    );
+  };
+}
+
+function saveDraft(scanId: string, token: string, store: NotingStore): void {
+  store.dispatch({ kind: 'saving' });
+  const { draft, busy } = store.get();
+  if (!draft || !busy) return;
+  const text = cleaned(draft.text);
+  const saved = (note: Note): void => store.dispatch({ kind: 'saved', note });
+  const fail = (error: unknown): void => store.dispatch({ kind: 'failed', words: wordsOf(error) });
+  if (!draft.of) {
+    createNote(scanId, token, { position_m: draft.position_m, view: draft.view, text }).then(saved, fail);
+    return;
+  }
+  changeNote(scanId, token, draft.of, text).then((change) => {
+    if (change.kind === 'done') saved(change.note);
+    else store.dispatch(change);
+  }, fail);
+}
+
+// What was removed can be taken back for some seconds; the server is told then.
+function removing(scanId: string, token: string, store: NotingStore, list: () => Promise<void>) {
+  const notes = new Map<string, { readonly note: Note; readonly number: number }>();
+  const told = ({ kind }: NoteChange): void => {
+    if (kind === 'conflict') throw new ApiError(meanwhile, false);
+  };
+  const trash = new Trash(
+    {
+      delete: (id, leaving) => removeNote(scanId, token, notes.get(id)!.note, leaving).then(told),
+      after(delay_ms, action) {
+        const timer = setTimeout(action, delay_ms);
+        return () => clearTimeout(timer);
+      },
+    },
+    () => store.dispatch({ kind: 'away', ids: [...notes.keys()].filter((id) => trash.has(id)) }),
+    (_, error) => void list().then(() => store.dispatch({ kind: 'refused', words: wordsOf(error) })),
+  );
+  const onLeave = (): void => trash.emptyAll();
+  addEventListener('pagehide', onLeave);
+  return {
+    remove(note: Note, number: number): void {
+      notes.set(note.id, { note, number });
+      trash.put({ id: note.id, title: note.text });
+    },
+    undo: () => trash.newest && trash.undo(trash.newest.id),
+    newest: () => (trash.newest ? notes.get(trash.newest.id)!.number : null),
+    dispose() {
+      removeEventListener('pagehide', onLeave);
+      trash.emptyAll();
+    },
+  };
+}
+
+// Whenever somebody comes back to the page, and now and then while it is seen. Returns how to stop.
+function whenSeen(look: () => void): () => void {
+  const lookIfSeen = (): void => {
+    if (document.visibilityState === 'visible') look();
+  };
+  const timer = setInterval(lookIfSeen, fetchEvery_ms);
+  addEventListener('focus', lookIfSeen);
+  document.addEventListener('visibilitychange', lookIfSeen);
+  return () => {
+    clearInterval(timer);
+    removeEventListener('focus', lookIfSeen);
+    document.removeEventListener('visibilitychange', lookIfSeen);
+  };
+}
+
+// First what is written, unless text would be lost with it, then the choice, then the panel.
+function onEscape(store: NotingStore, close: () => void): () => void {
+  const onKey = (event: KeyboardEvent): void => {
+    const { active, draft, chosen, busy } = store.get();
+    if (event.key !== 'Escape' || !active || busy || event.defaultPrevented || document.querySelector('dialog')) return;
+    if (isUnsaved(draft)) store.dispatch({ kind: 'refused', words: unsavedWords });
+    else if (draft) store.dispatch({ kind: 'cancelled' });
+    else if (chosen) store.dispatch({ kind: 'chosen', id: null });
+    else close();
+  };
+  document.addEventListener('keydown', onKey);
+  return () => document.removeEventListener('keydown', onKey);
+}
+
+interface Beginning {
+  readonly scan: Store<LiveScan, never>;
+  readonly store: NotingStore;
+  readonly token: string;
+  readonly button: HTMLElement;
+  readonly list: () => Promise<void>;
+  readonly open: (active: boolean) => void;
+}
+
+// Shows the button once the scan has ended and there is something to write on, with the number of notes. `show`: the note of the address is
+// there.
+function whenThere({ scan, store, token, button, list, open }: Beginning, show: () => void): () => void {
+  let asked = false;
+  button.hidden = true;
+  return scan.subscribe(({ phase, points, mesh }) => {
+    const ended = phase === 'finished' || phase === 'interrupted' || phase === 'failed';
+    button.hidden = !ended || (points === 0 && mesh.state !== 'shown');
+    if (button.hidden || asked) return;
+    asked = true;
+    const linked = store.get().chosen !== null;
+    if (linked) open(true);
+    void list().then(() => linked && store.get().chosen && show());
+    fetchAccess(token).then((access) => store.dispatch({ kind: 'access', mayWrite: access.view && access.scan }), () => {});
+  });
+}

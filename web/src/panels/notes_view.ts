@@ -1,0 +1,133 @@
+// What the panel of notes is made of: the text that somebody writes, two texts to choose from, the list.
+import type { Note } from '../connection/notes';
+import { chosenNote, notingWords, shownNotes, type Draft, type Noting } from '../state/noting';
+import { element, setText } from './dom';
+
+export interface NoteActions {
+  choose(id: string | null): void;
+  edit(): void;
+  remove(note: Note, number: number): void;
+  type(text: string): void;
+  save(): void;
+  cancel(): void;
+  resolve(keep: 'mine' | 'theirs' | 'both'): void;
+  undo(): void;
+  close(): void;
+}
+
+const act = (words: string, title: string, run: () => void, primary = false): HTMLButtonElement => {
+  const button = element('button', { type: 'button', class: primary ? 'button primary' : 'button', title }, words);
+  button.addEventListener('click', run);
+  return button;
+};
+
+export function notesView(actions: NoteActions) {
+  const title = 'Notes at places of the model (N)';
+  const button = element('button', { type: 'button', class: 'button notes-button', title, 'aria-pressed': 'false' }, 'Notes');
+  const words = element('p', { class: 'notes-words', role: 'status' });
+  const writing = writingView(actions);
+  const list = listView(actions);
+  const removed = element('span');
+  const undo = element('div', { class: 'notes-removed' }, removed, act('Undo', 'Takes the removal back', () => actions.undo()));
+  const done = act('Close', 'Closes the notes (Escape)', () => actions.close());
+  const foot = element('div', { class: 'buttons notes-foot' }, done);
+  const node = element('section', { class: 'card notes', 'aria-label': 'Notes' }, words, writing.node, list.node, undo, foot);
+  // `removedNumber`: of the note that was removed a moment ago; null: none was.
+  const show = (state: Noting, removedNumber: number | null): void => {
+    const count = shownNotes(state).length;
+    node.hidden = !state.active;
+    setText(button, count === 0 ? 'Notes' : `Notes (${count})`);
+    button.setAttribute('aria-pressed', String(state.active));
+    setText(words, notingWords(state));
+    const { activeElement } = document;
+    const isFree = activeElement === document.body || writing.node.contains(activeElement);
+    const ends = state.active && !state.draft && !writing.node.hidden && isFree;
+    writing.show(state);
+    list.show(state);
+    if (ends) (list.node.querySelector<HTMLElement>('[aria-current]') ?? done).focus(); // what had the focus is hidden now
+    undo.hidden = removedNumber === null;
+    setText(removed, removedNumber === null ? '' : `Note ${removedNumber} is removed.`);
+  };
+  return { node, button, show, focusText: writing.focus };
+}
+
+function writingView(actions: NoteActions) {
+  const label = element('label', { for: 'note-text' });
+  const text = element('textarea', { id: 'note-text', rows: 4 });
+  const theirs = element('p', { class: 'note-whole' });
+  const both = element('div', { class: 'notes-conflict' }, element('p', { class: 'notes-small' }, 'The text of somebody else'), theirs);
+  const save = act('Save', 'Saves the text (Ctrl and Enter)', () => actions.save(), true);
+  const saving = element('div', { class: 'buttons' }, save, act('Cancel', 'Keeps nothing of what is written here', () => actions.cancel()));
+  const choosing = element(
+    'div',
+    { class: 'buttons notes-choice' },
+    act('Keep mine', 'Your text replaces the other one', () => actions.resolve('mine')),
+    act('Keep theirs', 'Your text is thrown away', () => actions.resolve('theirs')),
+    act('Keep both', 'One after the other; as two notes if that is too long for one', () => actions.resolve('both')),
+  );
+  const node = element('div', { class: 'notes-writing' }, both, label, text, saving, choosing);
+  node.hidden = true;
+  text.addEventListener('input', () => actions.type(text.value));
+  text.addEventListener('keydown', (event) => {
+    if (event.key !== 'Enter' || !(event.ctrlKey || event.metaKey) || !choosing.hidden) return;
+    event.preventDefault();
+    actions.save();
+  });
+  const show = (state: Noting): void => {
+    const { draft, busy } = state;
+    node.hidden = !draft;
+    if (!draft) return;
+    setText(label, draft.theirs ? 'Your text' : `Note ${numberOf(draft, state)}`);
+    if (text.value !== draft.text) text.value = draft.text;
+    text.readOnly = busy;
+    both.hidden = choosing.hidden = !draft.theirs;
+    saving.hidden = !choosing.hidden;
+    setText(theirs, draft.theirs?.text ?? '');
+  };
+  return { node, show, focus: () => text.focus() };
+}
+
+// What the note has in the list, or will have.
+export function numberOf({ of }: Draft, state: Noting): number {
+  const notes = shownNotes(state);
+  const index = of ? notes.findIndex(({ id }) => id === of.id) : -1;
+  return (index < 0 ? notes.length : index) + 1;
+}
+
+function listView(actions: NoteActions) {
+  const node = element('ol', { class: 'notes-list' });
+  let shown: readonly unknown[] = [];
+  // It is made again only when it is another one, and the focus stays where it was.
+  const show = (state: Noting): void => {
+    const { notes, away, chosen, mayWrite } = state;
+    node.hidden = state.draft !== null || shownNotes(state).length === 0;
+    const known = [notes, away, chosen, mayWrite];
+    if (known.every((one, i) => one === shown[i])) return;
+    shown = known;
+    const focused = node.contains(document.activeElement) ? document.activeElement?.getAttribute('data-key') : null;
+    node.replaceChildren(...shownNotes(state).map((note, i) => rowOf(note, i + 1, note.id === chosen, mayWrite, actions)));
+    if (focused) node.querySelector<HTMLElement>(`[data-key="${CSS.escape(focused)}"]`)?.focus();
+    if (chosenNote(state)) node.querySelector('[aria-current]')?.scrollIntoView({ block: 'nearest' });
+  };
+  return { node, show };
+}
+
+function rowOf(note: Note, number: number, isChosen: boolean, mayChange: boolean, actions: NoteActions): HTMLElement {
+  const choose = element(
+    'button',
+    { type: 'button', class: 'note-choose', 'data-key': note.id, 'aria-current': isChosen ? 'true' : null },
+    element('span', { class: 'note-number' }, element('span', { class: 'unseen' }, 'Note '), String(number)),
+    isChosen ? element('span', { class: 'notes-small' }, changedWords(note)) : element('span', { class: 'note-start' }, note.text),
+  );
+  choose.addEventListener('click', () => actions.choose(note.id));
+  if (!isChosen) return element('li', {}, choose);
+  const whole = element('p', { class: 'note-whole' }, note.text);
+  if (!mayChange) return element('li', { class: 'chosen' }, choose, whole);
+  const edit = act('Edit', 'Changes the text', () => actions.edit());
+  const remove = act('Remove', 'Removes the note; it can be taken back for a moment', () => actions.remove(note, number));
+  return element('li', { class: 'chosen' }, choose, whole, element('div', { class: 'buttons' }, edit, remove));
+}
+
+function changedWords({ changed }: Note): string {
+  return changed ? changed.toLocaleString(undefined, { dateStyle: 'medium', timeStyle: 'short' }) : '';
+}

@@ -1,0 +1,187 @@
+// The notes of one page: those that are there, the chosen one, and what somebody is writing. Pure.
+import type { Place } from '../connection/measurements';
+import type { Note, NoteView } from '../connection/notes';
+
+export interface Draft {
+  readonly of: Note | null; // the note that is changed, as it was read; null: it is a new one
+  readonly position_m: Place; // in the world of the scan
+  readonly view: NoteView | null;
+  readonly text: string; // as it is written so far
+  readonly theirs: Note | null; // what somebody else has made of it meanwhile: one has to choose
+}
+
+export interface Noting {
+  readonly active: boolean; // the panel is open, and clicks mean notes
+  readonly mayWrite: boolean;
+  readonly notes: readonly Note[]; // oldest first
+  readonly away: readonly string[]; // ids of those that were removed a moment ago
+  readonly chosen: string | null; // an id; it may not be in the list yet
+  readonly draft: Draft | null; // it stays when the panel is closed
+  readonly busy: boolean; // the draft is on its way to the server
+  readonly problem: string; // in words, or empty
+  readonly unlisted: string; // why the list did not come the last time, or empty
+}
+
+export const initialNoting: Noting = {
+  active: false,
+  mayWrite: false,
+  notes: [],
+  away: [],
+  chosen: null,
+  draft: null,
+  busy: false,
+  problem: '',
+  unlisted: '',
+};
+
+export type NotingEvent =
+  | { readonly kind: 'active'; readonly active: boolean }
+  | { readonly kind: 'access'; readonly mayWrite: boolean }
+  | { readonly kind: 'listed'; readonly notes: readonly Note[] }
+  | { readonly kind: 'away'; readonly ids: readonly string[] }
+  | { readonly kind: 'chosen'; readonly id: string | null }
+  | { readonly kind: 'placed'; readonly position_m: Place | null; readonly view: NoteView } // a click on the model; null: nothing was there
+  | { readonly kind: 'edited' } // the chosen one is to be changed
+  | { readonly kind: 'typed'; readonly text: string }
+  | { readonly kind: 'cancelled' }
+  | { readonly kind: 'saving' }
+  | { readonly kind: 'saved'; readonly note: Note }
+  | { readonly kind: 'conflict'; readonly now: Note }
+  | { readonly kind: 'gone' } // somebody has removed the note that is changed
+  | { readonly kind: 'resolved'; readonly keep: 'mine' | 'theirs' | 'both' }
+  | { readonly kind: 'failed'; readonly words: string } // the draft was not saved
+  | { readonly kind: 'refused'; readonly words: string } // something else does not work
+  | { readonly kind: 'unlisted'; readonly words: string };
+
+export const unsavedWords = 'Save the note, or cancel: its text is not saved.';
+const mostText_bytes = 2000; // the server takes no more
+
+export function reduceNoting(state: Noting, event: NotingEvent): Noting {
+  switch (event.kind) {
+    case 'active':
+      return { ...state, active: event.active, chosen: event.active ? state.chosen : null, problem: '' };
+    case 'access':
+      return { ...state, mayWrite: event.mayWrite };
+    case 'listed':
+      return listed(state, event.notes);
+    case 'away':
+      return { ...state, away: event.ids, chosen: event.ids.includes(state.chosen ?? '') ? null : state.chosen };
+    case 'chosen':
+      return { ...state, chosen: event.id, problem: '' };
+    case 'placed':
+      return placed(state, event.position_m, event.view);
+    case 'edited':
+      return edited(state);
+    case 'typed':
+      return state.draft ? { ...state, draft: { ...state.draft, text: event.text }, problem: '' } : state;
+    case 'cancelled':
+      return state.busy ? state : { ...state, draft: null, problem: '' };
+    case 'saving':
+      return saving(state);
+    case 'saved':
+      return { ...state, notes: withNote(state.notes, event.note), chosen: event.note.id, draft: null, busy: false, problem: '' };
+    case 'failed':
+      return { ...state, busy: false, problem: event.words };
+    case 'refused':
+      return { ...state, problem: event.words };
+    case 'unlisted':
+      return event.words === state.unlisted ? state : { ...state, unlisted: event.words };
+    default:
+      return collided(state, event);
+  }
+}
+
+// What comes of a note that somebody else has changed or removed while it was changed here.
+function collided(state: Noting, event: NotingEvent & { readonly kind: 'conflict' | 'gone' | 'resolved' }): Noting {
+  const { draft, notes } = state;
+  if (!draft?.of) return state;
+  if (event.kind === 'conflict')
+    return { ...state, notes: withNote(notes, event.now), draft: { ...draft, theirs: event.now }, busy: false, problem: '' };
+  if (event.kind === 'resolved') return draft.theirs ? resolved(state, { ...draft, theirs: draft.theirs }, event.keep) : state;
+  const problem = 'Somebody has removed this note meanwhile. Save writes it again, as a new one.';
+  const others = notes.filter(({ id }) => id !== draft.of?.id);
+  return { ...state, notes: others, chosen: null, draft: { ...draft, of: null, theirs: null }, busy: false, problem };
+}
+
+// Both texts are one note if there is room for them, else two.
+function resolved(state: Noting, draft: Draft & { readonly theirs: Note }, keep: 'mine' | 'theirs' | 'both'): Noting {
+  if (keep === 'theirs') return { ...state, draft: null, problem: '' };
+  if (keep === 'mine') return { ...state, draft: { ...draft, of: draft.theirs, theirs: null } };
+  const text = `${draft.theirs.text}\n\n${cleaned(draft.text)}`;
+  const fits = bytesOf(text) <= mostText_bytes;
+  return { ...state, draft: { ...draft, of: fits ? draft.theirs : null, text: fits ? text : draft.text, theirs: null } };
+}
+
+// The same again changes nothing, so that the page need not show it again.
+function listed(state: Noting, notes: readonly Note[]): Noting {
+  const chosenIsGone = state.chosen !== null && !notes.some(({ id }) => id === state.chosen);
+  const same = JSON.stringify(notes) === JSON.stringify(state.notes);
+  if (same && !chosenIsGone && state.unlisted === '') return state;
+  const gone = chosenIsGone ? { chosen: null, problem: 'This note does not exist, or no longer.' } : {};
+  return { ...state, notes: same ? state.notes : notes, unlisted: '', ...gone };
+}
+
+function placed(state: Noting, position_m: Place | null, view: NoteView): Noting {
+  if (!state.active || !state.mayWrite || state.busy) return state;
+  if (!position_m) return { ...state, problem: 'There is nothing: click on a surface.' };
+  if (state.draft?.of) return { ...state, problem: unsavedWords };
+  return { ...state, chosen: null, draft: { of: null, position_m, view, text: state.draft?.text ?? '', theirs: null }, problem: '' };
+}
+
+function edited(state: Noting): Noting {
+  const note = chosenNote(state);
+  if (!note || !state.mayWrite || state.draft) return state;
+  return { ...state, draft: { of: note, position_m: note.position_m, view: note.view, text: note.text, theirs: null }, problem: '' };
+}
+
+function saving(state: Noting): Noting {
+  if (!state.draft || state.busy) return state;
+  const problem = textProblem(state.draft.text);
+  return problem === '' ? { ...state, busy: true, problem: '' } : { ...state, problem };
+}
+
+function withNote(notes: readonly Note[], note: Note): readonly Note[] {
+  return notes.some(({ id }) => id === note.id) ? notes.map((one) => (one.id === note.id ? note : one)) : [...notes, note];
+}
+
+// Those that are to be seen; their numbers count from 1.
+export function shownNotes({ notes, away }: Pick<Noting, 'notes' | 'away'>): readonly Note[] {
+  return away.length === 0 ? notes : notes.filter(({ id }) => !away.includes(id));
+}
+
+export function chosenNote(state: Noting): Note | null {
+  return shownNotes(state).find(({ id }) => id === state.chosen) ?? null;
+}
+
+// Whether text would be lost with it.
+export function isUnsaved(draft: Draft | null): boolean {
+  return draft !== null && cleaned(draft.text) !== (draft.of?.text ?? '');
+}
+
+// As the server takes it: line breaks are the only control characters, and there is no half of a character.
+export function cleaned(text: string): string {
+  return text.replace(/\r\n?/g, '\n').replaceAll('\t', ' ').replace(/[\u0000-\u0009\u000b-\u001f\u007f-\u009f]|\p{Cs}/gu, '').trim();
+}
+
+// Empty: it can be saved.
+export function textProblem(text: string): string {
+  const bytes = bytesOf(cleaned(text));
+  if (bytes === 0) return 'A note has at least one letter.';
+  return bytes > mostText_bytes ? `This has ${bytes} bytes, allowed are ${mostText_bytes}.` : '';
+}
+
+// What the page asks for now.
+export function notingWords(state: Noting): string {
+  const { draft, problem, unlisted, busy, mayWrite } = state;
+  if (problem !== '' || unlisted !== '') return problem || unlisted;
+  if (busy) return 'Saving …';
+  if (draft?.theirs) return 'Somebody has changed this note meanwhile. Which text is to stay?';
+  if (draft?.of) return 'Change the text.';
+  if (draft) return 'What is there? Another click moves the pin.';
+  if (mayWrite) return 'Click on the model to write a note there.';
+  return shownNotes(state).length === 0 ? 'There are no notes.' : 'Choose a note to see it.';
+}
+
+function bytesOf(text: string): number {
+  return new TextEncoder().encode(text).length;
+}
