@@ -33,26 +33,26 @@ Json note_json(const NoteRow& row) {
   return json;
 }
 
-Error invalid(const std::string& words) { return {ErrorCode::kInvalidArgument, words}; }
+Error invalid_note(const std::string& words) { return {ErrorCode::kInvalidArgument, words}; }
 
 // JSON has no NaN and no infinity.
 Result<Triple> position_in(const Json& json, const std::string& field) {
-  const Error wrong = invalid(field + " must be three numbers, [x, y, z] in metres");
+  const Error wrong = invalid_note(field + " must be three numbers, [x, y, z] in metres");
   if (!json.is_array() || json.size() != 3) return wrong;
   Triple position_m;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!json[axis].is_number()) return wrong;
     position_m[axis] = json[axis].get<double>();
     if (std::abs(position_m[axis]) > kFarthestNote_m)
-      return invalid(field + "[" + std::to_string(axis) + "]" +
-                     printf_text(" is %g, allowed are %.0f to %.0f", position_m[axis], -kFarthestNote_m, kFarthestNote_m));
+      return invalid_note(field + "[" + std::to_string(axis) + "]" +
+                          printf_text(" is %g, allowed are %.0f to %.0f", position_m[axis], -kFarthestNote_m, kFarthestNote_m));
   }
   return position_m;
 }
 
 Result<NoteView> view_in(const Json& json) {
   if (!json.is_object() || json.size() != 2 || !json.contains("position_m") || !json.contains("target_m"))
-    return invalid("view must have \"position_m\" and \"target_m\", and nothing else");
+    return invalid_note("view must have \"position_m\" and \"target_m\", and nothing else");
   const Result<Triple> position = position_in(json["position_m"], "view.position_m");
   if (!position.ok()) return position.error();
   const Result<Triple> target = position_in(json["target_m"], "view.target_m");
@@ -60,7 +60,7 @@ Result<NoteView> view_in(const Json& json) {
   const NoteView view{*position, *target};
   const auto along_m = [&view](std::size_t axis) { return view.target_m[axis] - view.position_m[axis]; };
   if (std::hypot(along_m(0), along_m(1), along_m(2)) < kNearestTarget_m)
-    return invalid("view.target_m is the same place as view.position_m: they must be 1 mm apart or more");
+    return invalid_note("view.target_m is the same place as view.position_m: they must be 1 mm apart or more");
   return view;
 }
 
@@ -76,20 +76,20 @@ bool has_control_character(const std::string& text) {
 
 Result<std::string> text_in(const Json& json) {
   const auto found = json.find("text");
-  if (found == json.end() || !found->is_string()) return invalid("text is missing, or no text");
+  if (found == json.end() || !found->is_string()) return invalid_note("text is missing, or no text");
   std::string text = found->get<std::string>();
   if (text.empty() || text.size() > kMaxNoteTextBytes)
-    return invalid("text has " + std::to_string(text.size()) + " bytes, allowed are 1 to " + std::to_string(kMaxNoteTextBytes));
-  if (has_control_character(text)) return invalid("text has a control character that is no newline");
+    return invalid_note("text has " + std::to_string(text.size()) + " bytes, allowed are 1 to " + std::to_string(kMaxNoteTextBytes));
+  if (has_control_character(text)) return invalid_note("text has a control character that is no newline");
   return text;
 }
 
 Result<NoteRow> new_note_in(const std::string& body) {
   const Json json = Json::parse(body, nullptr, false);
-  if (!json.is_object()) return invalid("the body must be a JSON object with \"position_m\" and \"text\"");
+  if (!json.is_object()) return invalid_note("the body must be a JSON object with \"position_m\" and \"text\"");
   for (const auto& [field, value] : json.items())
     if (field != "position_m" && field != "text" && field != "view")
-      return invalid("the body may have \"position_m\", \"text\" and \"view\", and nothing else");
+      return invalid_note("the body may have \"position_m\", \"text\" and \"view\", and nothing else");
   NoteRow row;
   const Result<Triple> position = position_in(json.value("position_m", Json()), "position_m");
   if (!position.ok()) return position.error();
@@ -109,10 +109,10 @@ Result<NoteRow> new_note_in(const std::string& body) {
 Result<NoteRow> changed_note_in(const std::string& body) {
   const Json json = Json::parse(body, nullptr, false);
   if (!json.is_object() || json.size() != 2 || !json.contains("text") || !json.contains("version"))
-    return invalid("the body must be a JSON object with \"text\" and \"version\", and nothing else");
+    return invalid_note("the body must be a JSON object with \"text\" and \"version\", and nothing else");
   const Json& version = json["version"];
   if (!version.is_number_integer() || version.get<std::int64_t>() < 1)
-    return invalid("version must be the version of the note that is changed: a whole number from 1");
+    return invalid_note("version must be the version of the note that is changed: a whole number from 1");
   Result<std::string> text = text_in(json);
   if (!text.ok()) return text.error();
   NoteRow row;
@@ -179,8 +179,8 @@ class NoteBody : public BodySink {
 HttpAnswer receive_note(const HttpWorld& world, const Call& call, bool is_new) {
   const std::uint64_t body_bytes = call.request.body_bytes;
   if (body_bytes == 0 || body_bytes > kMaxNoteBodyBytes)
-    return error_answer(body_bytes == 0 ? 400 : 413, invalid("the body has " + std::to_string(body_bytes) + " bytes, allowed are 1 to " +
-                                                             std::to_string(kMaxNoteBodyBytes)));
+    return error_answer(body_bytes == 0 ? 400 : 413, invalid_note("the body has " + std::to_string(body_bytes) +
+                                                                  " bytes, allowed are 1 to " + std::to_string(kMaxNoteBodyBytes)));
   HttpAnswer answer;
   answer.body_sink = std::make_shared<NoteBody>(world, call, is_new);
   return answer;
@@ -224,7 +224,7 @@ HttpAnswer change_note(const HttpWorld& world, const Call& call) {
 HttpAnswer remove_note(const HttpWorld& world, const Call& call) {
   if (std::optional<HttpAnswer> no = keep_out(world, call)) return *std::move(no);
   const std::optional<std::int64_t> version = version_in(call.request.query);
-  if (!version) return refused(invalid("?version= must be the version of the note that is removed: a whole number from 1"));
+  if (!version) return refused(invalid_note("?version= must be the version of the note that is removed: a whole number from 1"));
   const Result<NoteOutcome> outcome = world.store.remove_note(call.id, call.last_part, *version);
   if (!outcome.ok()) return refused(outcome.error());
   return outcome->is_done ? made(json_text({{"removed", call.last_part}})) : changed_meanwhile(outcome->note);
