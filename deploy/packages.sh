@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Debian packages of what build/release contains: hermite-server, hermite-client and hermite-dev. Has lintian look at them, and prints
-# sizes and hashes. What is not built yet is built first; after `deploy/test.sh release` nothing is.
+# Debian packages of what build/release and web/dist contain: hermite-server, hermite-client and hermite-dev. Has lintian look at them, and
+# prints sizes and hashes. Programs that are not built yet are built first; after `deploy/test.sh web release` none are. The viewer is packed
+# as it was built last.
 #
 #   deploy/packages.sh [FOLDER]            puts them there, by default into build/packages
 #   DEBFULLNAME=..., DEBEMAIL=...          whom the packages name as their maintainer
@@ -31,8 +32,8 @@ if [ "$version" != "$latest" ]; then
   exit 1
 fi
 
-rm -rf "$packages"
 mkdir -p "$packages"
+rm -f "$packages"/hermite-*.deb  # of another version
 cpack --config build/release/CPackConfig.cmake -D "CPACK_DEBIAN_COMPRESSION_TYPE=${PACKAGES_COMPRESSION:-xz}" -B "$(realpath "$packages")" \
   >"$packages/cpack.log" 2>&1 || {
   cat "$packages/cpack.log" >&2
@@ -41,6 +42,6 @@ cpack --config build/release/CPackConfig.cmake -D "CPACK_DEBIAN_COMPRESSION_TYPE
 rm -rf "$packages/_CPack_Packages"
 
 # Tags below warnings are advice that Debian's own packages do not always follow.
-[ "${PACKAGES_LINTIAN:-on}" = off ] || lintian --allow-root --fail-on error,warning "$packages"/*.deb
+[ "${PACKAGES_LINTIAN:-on}" = off ] || lintian --allow-root --fail-on error,warning "$packages"/hermite-*.deb
 cd "$packages"
-for package in *.deb; do printf '%9d bytes  %s  %s\n' "$(stat -c %s "$package")" "$(sha256sum "$package" | cut -d' ' -f1)" "$package"; done
+for package in hermite-*.deb; do printf '%9d bytes  %s  %s\n' "$(stat -c %s "$package")" "$(sha256sum "$package" | cut -d' ' -f1)" "$package"; done

@@ -163,7 +163,7 @@ try_purging() {
   inside dpkg --purge hermite-server hermite-client >"$folder/last.log" 2>&1
   holds "purging warns of nothing" says_no 'warn|error|not empty'
   holds "nothing of this name or user is left" is "$(traces)" ""
-  holds "but the user, in case backups elsewhere are its files" inside getent passwd hermite >/dev/null
+  holds "but the user, in case backups elsewhere are its files" inside sh -c 'getent passwd hermite >/dev/null'
 }
 
 try_users() {
