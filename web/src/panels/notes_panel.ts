@@ -5,6 +5,7 @@ import { fetchAccess } from '../connection/scans';
 import { pinAt, type NotePin } from '../scene/note_layer';
 import type { ScanScene } from '../scene/scene';
 import type { LiveScan } from '../state/live_scan';
+import { saveDraft, wordsOf } from '../state/note_saving';
 import { chosenNote, cleaned, isUnsaved, shownNotes, unsavedWords, type Noting, type NotingEvent } from '../state/noting';
 import type { Store } from '../state/store';
 import { Trash } from '../state/trash';
@@ -37,7 +38,8 @@ export function notesPanel({ canvas, scene, scan, store, token, opened }: World)
   const { scanId } = scan.get();
   const list = listing(scanId, token, store);
   const removal = removing(scanId, token, store, list);
-  const save = (): void => saveDraft(scanId, token, store);
+  const save = (): void =>
+    saveDraft(store, { create: (note) => createNote(scanId, token, note), change: (note, text) => changeNote(scanId, token, note, text) });
   const open = (active: boolean): void => {
     if (active === store.get().active) return;
     const hadFocus = view.node.contains(document.activeElement);
@@ -122,8 +124,6 @@ function pinsOf(state: Noting): NotePin[] {
   return [...pins, { position_m: draft.position_m, number: numberOf(draft, state), words: cleaned(draft.text) || 'New note' }];
 }
 
-const wordsOf = (error: unknown): string => (error instanceof ApiError ? error.message : 'That did not work.');
-
 // A list that was asked for before something was changed here is out of date.
 function listing(scanId: string, token: string, store: NotingStore): () => Promise<void> {
   return () => {
@@ -135,23 +135,6 @@ function listing(scanId: string, token: string, store: NotingStore): () => Promi
       (error) => store.dispatch({ kind: 'unlisted', words: wordsOf(error) }),
     );
   };
-}
-
-function saveDraft(scanId: string, token: string, store: NotingStore): void {
-  store.dispatch({ kind: 'saving' });
-  const { draft, busy } = store.get();
-  if (!draft || !busy) return;
-  const text = cleaned(draft.text);
-  const saved = (note: Note): void => store.dispatch({ kind: 'saved', note });
-  const fail = (error: unknown): void => store.dispatch({ kind: 'failed', words: wordsOf(error) });
-  if (!draft.of) {
-    createNote(scanId, token, { position_m: draft.position_m, view: draft.view, text }).then(saved, fail);
-    return;
-  }
-  changeNote(scanId, token, draft.of, text).then((change) => {
-    if (change.kind === 'done') saved(change.note);
-    else store.dispatch(change);
-  }, fail);
 }
 
 // What was removed can be taken back for some seconds; the server is told then.

@@ -57,7 +57,8 @@ function writingView(actions: NoteActions) {
   const theirs = element('p', { class: 'note-whole' });
   const both = element('div', { class: 'notes-conflict' }, element('p', { class: 'notes-small' }, 'The text of somebody else'), theirs);
   const save = act('Save', 'Saves the text (Ctrl and Enter)', () => actions.save(), true);
-  const saving = element('div', { class: 'buttons' }, save, act('Cancel', 'Keeps nothing of what is written here', () => actions.cancel()));
+  const cancel = act('Cancel', 'Keeps nothing of what is written here', () => actions.cancel());
+  const saving = element('div', { class: 'buttons' }, save, cancel);
   const choosing = element(
     'div',
     { class: 'buttons notes-choice' },
@@ -79,7 +80,9 @@ function writingView(actions: NoteActions) {
     if (!draft) return;
     setText(label, draft.theirs ? 'Your text' : `Note ${numberOf(draft, state)}`);
     if (text.value !== draft.text) text.value = draft.text;
-    text.readOnly = busy;
+    const fails = text.readOnly && !busy && document.activeElement === document.body; // a button that is disabled loses the focus
+    text.readOnly = save.disabled = cancel.disabled = busy;
+    if (fails) text.focus();
     both.hidden = choosing.hidden = !draft.theirs;
     saving.hidden = !choosing.hidden;
     setText(theirs, draft.theirs?.text ?? '');

@@ -135,7 +135,7 @@ function edited(state: Noting): Noting {
 }
 
 function saving(state: Noting): Noting {
-  if (!state.draft || state.busy) return state;
+  if (!state.draft || state.draft.theirs || state.busy) return state;
   const problem = textProblem(state.draft.text);
   return problem === '' ? { ...state, busy: true, problem: '' } : { ...state, problem };
 }
