@@ -5,8 +5,9 @@ import { fetchAccess } from '../connection/scans';
 import { pinAt, type NotePin } from '../scene/note_layer';
 import type { ScanScene } from '../scene/scene';
 import type { LiveScan } from '../state/live_scan';
+import { storeDraft } from '../state/note_drafts';
 import { saveDraft, wordsOf } from '../state/note_saving';
-import { chosenNote, cleaned, isUnsaved, shownNotes, unsavedWords, type Noting, type NotingEvent } from '../state/noting';
+import { chosenNote, cleaned, isUnsaved, shownNotes, unsavedWords, type Draft, type Noting, type NotingEvent } from '../state/noting';
 import type { Store } from '../state/store';
 import { Trash } from '../state/trash';
 import type { Panel } from './dom';
@@ -86,6 +87,7 @@ export function notesPanel({ canvas, scene, scan, store, token, opened }: World)
   });
   view.button.addEventListener('click', toggle);
   const stops = [store.subscribe(show), whenSeen(() => store.get().active && void list()), onEscape(store, () => open(false))];
+  stops.push(keepingText(scanId, store));
   stops.push(whenThere({ scan, store, token, button: view.button, list, open }, () => choose(store.get().chosen)));
   return {
     element: view.node,
@@ -185,6 +187,23 @@ function whenSeen(look: () => void): () => void {
   };
 }
 
+// What is written is kept in this tab, and whoever closes or reloads the page before it is saved is asked. Returns how to stop.
+function keepingText(scanId: string, store: NotingStore): () => void {
+  let kept: Draft | null = null;
+  const ask = (event: BeforeUnloadEvent): void => event.preventDefault();
+  const unsubscribe = store.subscribe(({ draft }) => {
+    if (draft === kept) return;
+    kept = draft;
+    storeDraft(sessionStorage, scanId, draft);
+    if (isUnsaved(draft)) addEventListener('beforeunload', ask);
+    else removeEventListener('beforeunload', ask); // a page that may ask comes back more slowly
+  });
+  return () => {
+    unsubscribe();
+    removeEventListener('beforeunload', ask);
+  };
+}
+
 // First what is written, unless text would be lost with it, then the choice, then the panel.
 function onEscape(store: NotingStore, close: () => void): () => void {
   const onKey = (event: KeyboardEvent): void => {
@@ -208,8 +227,8 @@ interface Beginning {
   readonly open: (active: boolean) => void;
 }
 
-// Shows the button once the scan has ended and there is something to write on, with the number of notes. `show`: the note of the address is
-// there.
+// Shows the button once the scan has ended and there is something to write on, with the number of notes. What was not saved when the page
+// was left is there again. `show`: the note of the address is there.
 function whenThere({ scan, store, token, button, list, open }: Beginning, show: () => void): () => void {
   let asked = false;
   button.hidden = true;
@@ -219,7 +238,7 @@ function whenThere({ scan, store, token, button, list, open }: Beginning, show: 
     if (button.hidden || asked) return;
     asked = true;
     const linked = store.get().chosen !== null;
-    if (linked) open(true);
+    if (linked || store.get().draft) open(true);
     void list().then(() => linked && store.get().chosen && show());
     fetchAccess(token).then((access) => store.dispatch({ kind: 'access', mayWrite: access.view && access.scan }), () => {});
   });

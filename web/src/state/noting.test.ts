@@ -113,3 +113,14 @@ test('a click does not take a text away that is changed', () => {
   expect(isUnsaved(state.draft)).toBe(true);
   expect(isUnsaved(after(...open, click).draft)).toBe(false);
 });
+
+test('what was saved without an answer is no draft any more once it is in the list', () => {
+  const lost = [saving, { kind: 'failed', words: 'The server cannot be reached.' }] as const;
+  const fresh: Note = { ...note('c', 'a crack'), position_m: [4, 5, 6] };
+  const state = after(...open, click, typed('a crack '), ...lost);
+  expect(reduceNoting(state, { kind: 'listed', notes: [...list.notes, fresh] })).toMatchObject({ draft: null, chosen: 'c', problem: '' });
+  expect(reduceNoting(state, { kind: 'listed', notes: [{ ...fresh, position_m: [4, 5, 6.1] }] }).draft).not.toBeNull();
+  const changed = reduceNoting(after(...editing, lost[1]), { kind: 'listed', notes: [note('a', 'mine', 2)] });
+  expect(changed).toMatchObject({ draft: null, chosen: 'a' });
+  expect(after(...open, { kind: 'chosen', id: 'a' }, { kind: 'edited' }, list).draft).not.toBeNull();
+});

@@ -54,6 +54,7 @@ export type NotingEvent =
   | { readonly kind: 'unlisted'; readonly words: string };
 
 export const unsavedWords = 'Save the note, or cancel: its text is not saved.';
+const samePlace_m = 1e-4; // two clicks are farther apart, the same place comes back nearer
 const mostText_bytes = 2000; // the server takes no more
 
 export function reduceNoting(state: Noting, event: NotingEvent): Noting {
@@ -116,9 +117,18 @@ function resolved(state: Noting, draft: Draft & { readonly theirs: Note }, keep:
 function listed(state: Noting, notes: readonly Note[]): Noting {
   const chosenIsGone = state.chosen !== null && !notes.some(({ id }) => id === state.chosen);
   const same = JSON.stringify(notes) === JSON.stringify(state.notes);
-  if (same && !chosenIsGone && state.unlisted === '') return state;
+  const written = state.busy ? undefined : notes.find((note) => isWritten(state.draft, note));
+  if (same && !chosenIsGone && !written && state.unlisted === '') return state;
   const gone = chosenIsGone ? { chosen: null, problem: 'This note does not exist, or no longer.' } : {};
-  return { ...state, notes: same ? state.notes : notes, unlisted: '', ...gone };
+  const done = written ? { chosen: written.id, draft: null, problem: '' } : {};
+  return { ...state, notes: same ? state.notes : notes, unlisted: '', ...gone, ...done };
+}
+
+// Whether the draft was saved after all: its answer was lost, or the page was left before it came.
+function isWritten(draft: Draft | null, note: Note): boolean {
+  if (!draft || draft.theirs || !isUnsaved(draft) || cleaned(draft.text) !== note.text) return false;
+  if (draft.of) return draft.of.id === note.id;
+  return draft.position_m.every((value, axis) => Math.abs(value - note.position_m[axis]!) < samePlace_m);
 }
 
 function placed(state: Noting, position_m: Place | null, view: NoteView): Noting {
