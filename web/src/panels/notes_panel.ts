@@ -7,7 +7,7 @@ import type { ScanScene } from '../scene/scene';
 import type { LiveScan } from '../state/live_scan';
 import { storeDraft } from '../state/note_drafts';
 import { saveDraft, wordsOf } from '../state/note_saving';
-import { chosenNote, cleaned, isUnsaved, shownNotes, unsavedWords, type Draft, type Noting, type NotingEvent } from '../state/noting';
+import { chosenNote, cleaned, heldWords, isUnsaved, shownNotes, type Draft, type Noting, type NotingEvent } from '../state/noting';
 import type { Store } from '../state/store';
 import { Trash } from '../state/trash';
 import type { Panel } from './dom';
@@ -209,7 +209,8 @@ function onEscape(store: NotingStore, close: () => void): () => void {
   const onKey = (event: KeyboardEvent): void => {
     const { active, draft, chosen, busy } = store.get();
     if (event.key !== 'Escape' || !active || busy || event.defaultPrevented || document.querySelector('dialog')) return;
-    if (isUnsaved(draft)) store.dispatch({ kind: 'refused', words: unsavedWords });
+    const words = heldWords(draft);
+    if (words !== '') store.dispatch({ kind: 'refused', words });
     else if (draft) store.dispatch({ kind: 'cancelled' });
     else if (chosen) store.dispatch({ kind: 'chosen', id: null });
     else close();

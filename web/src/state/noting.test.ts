@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 import type { Note, NoteView } from '../connection/notes';
-import { chosenNote, cleaned, initialNoting, isUnsaved, notingWords, reduceNoting, shownNotes, textProblem } from './noting';
+import { chosenNote, cleaned, heldWords, initialNoting, isUnsaved, notingWords, reduceNoting, shownNotes, textProblem } from './noting';
 import type { Noting, NotingEvent } from './noting';
 
 const view: NoteView = { position_m: [0, 0, -1], target_m: [0, 0, 1] };
@@ -123,4 +123,13 @@ test('what was saved without an answer is no draft any more once it is in the li
   const changed = reduceNoting(after(...editing, lost[1]), { kind: 'listed', notes: [note('a', 'mine', 2)] });
   expect(changed).toMatchObject({ draft: null, chosen: 'a' });
   expect(after(...open, { kind: 'chosen', id: 'a' }, { kind: 'edited' }, list).draft).not.toBeNull();
+});
+
+test('while there are two texts, that question is repeated, and nothing is saved', () => {
+  const state = after(...editing, conflict);
+  expect(heldWords(state.draft)).toContain('Which text is to stay?');
+  expect(notingWords(reduceNoting(state, click))).toContain('Which text is to stay?');
+  expect(reduceNoting(state, saving)).toBe(state);
+  expect(heldWords(after(...open, click, typed('a crack')).draft)).toContain('Save the note, or cancel');
+  expect([heldWords(null), heldWords(after(...open, click).draft)]).toEqual(['', '']);
 });
