@@ -102,7 +102,8 @@ export function parseNote(json: unknown): Note {
   return { id, position_m, view: viewOf(json['view']), text, version, changed };
 }
 
-function viewOf(json: unknown): NoteView | null {
+// Null: it is none.
+export function viewOf(json: unknown): NoteView | null {
   if (!isRecord(json)) return null;
   const [position_m, target_m] = [placeOf(json['position_m']), placeOf(json['target_m'])];
   return position_m && target_m ? { position_m, target_m } : null;

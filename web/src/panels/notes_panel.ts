@@ -5,7 +5,9 @@ import { fetchAccess } from '../connection/scans';
 import { pinAt, type NotePin } from '../scene/note_layer';
 import type { ScanScene } from '../scene/scene';
 import type { LiveScan } from '../state/live_scan';
-import { chosenNote, cleaned, isUnsaved, shownNotes, unsavedWords, type Noting, type NotingEvent } from '../state/noting';
+import { storeDraft } from '../state/note_drafts';
+import { saveDraft, wordsOf, type NoteServer } from '../state/note_saving';
+import { chosenNote, cleaned, heldWords, isUnsaved, shownNotes, type Draft, type Noting, type NotingEvent } from '../state/noting';
 import type { Store } from '../state/store';
 import { Trash } from '../state/trash';
 import type { Panel } from './dom';
@@ -37,13 +39,13 @@ export function notesPanel({ canvas, scene, scan, store, token, opened }: World)
   const { scanId } = scan.get();
   const list = listing(scanId, token, store);
   const removal = removing(scanId, token, store, list);
-  const save = (): void => saveDraft(scanId, token, store);
+  const save = (): void => saveDraft(store, serverOf(scanId, token));
   const open = (active: boolean): void => {
     if (active === store.get().active) return;
     const hadFocus = view.node.contains(document.activeElement);
     if (active) opened();
     store.dispatch({ kind: 'active', active });
-    if (active) void list();
+    if (active) void Promise.all([list(), askAccess(token, store)]);
     else if (hadFocus) view.button.focus();
   };
   const choose = (id: string | null): void => {
@@ -76,15 +78,11 @@ export function notesPanel({ canvas, scene, scan, store, token, opened }: World)
     view.show(state, removal.newest());
     scene.showNotes(pinsOf(state));
   };
-  onTap(canvas, (x_px, y_px) => {
-    const { draft } = store.get();
-    const isMine = tapped([x_px, y_px], scene, store, choose);
-    if (store.get().draft !== draft) view.focusText();
-    return isMine;
-  });
+  onTap(canvas, (x_px, y_px) => tapped([x_px, y_px], scene, store, { choose, begun: view.focusText }));
   view.button.addEventListener('click', toggle);
-  const stops = [store.subscribe(show), whenSeen(() => store.get().active && void list()), onEscape(store, () => open(false))];
-  stops.push(whenThere({ scan, store, token, button: view.button, list, open }, () => choose(store.get().chosen)));
+  const look = (): void => void (store.get().active && list());
+  const stops = [store.subscribe(show), keepingText(scanId, store), whenSeen(look), onEscape(store, () => open(false))];
+  stops.push(whenThere({ scan, store, button: view.button, list, open }, () => choose(store.get().chosen)));
   return {
     element: view.node,
     button: view.button,
@@ -97,14 +95,23 @@ export function notesPanel({ canvas, scene, scan, store, token, opened }: World)
   };
 }
 
+interface Tapping {
+  readonly choose: (id: string) => void;
+  readonly begun: () => void; // somebody writes there now
+}
+
 // A pin that was clicked is chosen; elsewhere a new note begins.
-function tapped(at_px: readonly [number, number], scene: ScanScene, store: NotingStore, choose: (id: string) => void): boolean {
+function tapped(at_px: readonly [number, number], scene: ScanScene, store: NotingStore, { choose, begun }: Tapping): boolean {
   const state = store.get();
   if (!state.active) return false;
   const pin = pinAt(pinsOf(state), at_px, (place) => scene.screenOf(place));
   const note = pin === null ? undefined : shownNotes(state)[pin];
-  if (note) choose(note.id);
-  else store.dispatch({ kind: 'placed', position_m: scene.placeAt(...at_px), view: scene.view });
+  if (note) {
+    choose(note.id);
+    return true;
+  }
+  store.dispatch({ kind: 'placed', position_m: scene.placeAt(...at_px), view: scene.view });
+  if (store.get().draft !== state.draft) begun();
   return true;
 }
 
@@ -122,7 +129,18 @@ function pinsOf(state: Noting): NotePin[] {
   return [...pins, { position_m: draft.position_m, number: numberOf(draft, state), words: cleaned(draft.text) || 'New note' }];
 }
 
-const wordsOf = (error: unknown): string => (error instanceof ApiError ? error.message : 'That did not work.');
+const serverOf = (scanId: string, token: string): NoteServer => ({
+  create: (note) => createNote(scanId, token, note),
+  change: (note, text) => changeNote(scanId, token, note, text),
+});
+
+// At each opening: an answer that was lost comes the next time.
+function askAccess(token: string, store: NotingStore): Promise<void> {
+  return fetchAccess(token).then(
+    ({ view, scan }) => store.dispatch({ kind: 'access', mayWrite: view && scan }),
+    (error) => store.dispatch({ kind: 'refused', words: wordsOf(error) }),
+  );
+}
 
 // A list that was asked for before something was changed here is out of date.
 function listing(scanId: string, token: string, store: NotingStore): () => Promise<void> {
@@ -135,23 +153,6 @@ function listing(scanId: string, token: string, store: NotingStore): () => Promi
       (error) => store.dispatch({ kind: 'unlisted', words: wordsOf(error) }),
     );
   };
-}
-
-function saveDraft(scanId: string, token: string, store: NotingStore): void {
-  store.dispatch({ kind: 'saving' });
-  const { draft, busy } = store.get();
-  if (!draft || !busy) return;
-  const text = cleaned(draft.text);
-  const saved = (note: Note): void => store.dispatch({ kind: 'saved', note });
-  const fail = (error: unknown): void => store.dispatch({ kind: 'failed', words: wordsOf(error) });
-  if (!draft.of) {
-    createNote(scanId, token, { position_m: draft.position_m, view: draft.view, text }).then(saved, fail);
-    return;
-  }
-  changeNote(scanId, token, draft.of, text).then((change) => {
-    if (change.kind === 'done') saved(change.note);
-    else store.dispatch(change);
-  }, fail);
 }
 
 // What was removed can be taken back for some seconds; the server is told then.
@@ -202,12 +203,30 @@ function whenSeen(look: () => void): () => void {
   };
 }
 
+// What is written is kept in this tab, and whoever closes or reloads the page before it is saved is asked. Returns how to stop.
+function keepingText(scanId: string, store: NotingStore): () => void {
+  let kept: Draft | null = null;
+  const ask = (event: BeforeUnloadEvent): void => event.preventDefault();
+  const unsubscribe = store.subscribe(({ draft }) => {
+    if (draft === kept) return;
+    kept = draft;
+    storeDraft(sessionStorage, scanId, draft);
+    if (isUnsaved(draft)) addEventListener('beforeunload', ask);
+    else removeEventListener('beforeunload', ask); // a page that may ask comes back more slowly
+  });
+  return () => {
+    unsubscribe();
+    removeEventListener('beforeunload', ask);
+  };
+}
+
 // First what is written, unless text would be lost with it, then the choice, then the panel.
 function onEscape(store: NotingStore, close: () => void): () => void {
   const onKey = (event: KeyboardEvent): void => {
     const { active, draft, chosen, busy } = store.get();
     if (event.key !== 'Escape' || !active || busy || event.defaultPrevented || document.querySelector('dialog')) return;
-    if (isUnsaved(draft)) store.dispatch({ kind: 'refused', words: unsavedWords });
+    const words = heldWords(draft);
+    if (words !== '') store.dispatch({ kind: 'refused', words });
     else if (draft) store.dispatch({ kind: 'cancelled' });
     else if (chosen) store.dispatch({ kind: 'chosen', id: null });
     else close();
@@ -219,15 +238,14 @@ function onEscape(store: NotingStore, close: () => void): () => void {
 interface Beginning {
   readonly scan: Store<LiveScan, never>;
   readonly store: NotingStore;
-  readonly token: string;
   readonly button: HTMLElement;
   readonly list: () => Promise<void>;
   readonly open: (active: boolean) => void;
 }
 
-// Shows the button once the scan has ended and there is something to write on, with the number of notes. `show`: the note of the address is
-// there.
-function whenThere({ scan, store, token, button, list, open }: Beginning, show: () => void): () => void {
+// Shows the button once the scan has ended and there is something to write on, with the number of notes. What was not saved when the page
+// was left is there again. `show`: the note of the address is there.
+function whenThere({ scan, store, button, list, open }: Beginning, show: () => void): () => void {
   let asked = false;
   button.hidden = true;
   return scan.subscribe(({ phase, points, mesh }) => {
@@ -236,8 +254,7 @@ function whenThere({ scan, store, token, button, list, open }: Beginning, show: 
     if (button.hidden || asked) return;
     asked = true;
     const linked = store.get().chosen !== null;
-    if (linked) open(true);
+    if (linked || store.get().draft) open(true);
     void list().then(() => linked && store.get().chosen && show());
-    fetchAccess(token).then((access) => store.dispatch({ kind: 'access', mayWrite: access.view && access.scan }), () => {});
   });
 }

@@ -53,11 +53,12 @@ export function notesView(actions: NoteActions) {
 
 function writingView(actions: NoteActions) {
   const label = element('label', { for: 'note-text' });
-  const text = element('textarea', { id: 'note-text', rows: 4 });
+  const text = element('textarea', { id: 'note-text', rows: 4, 'aria-describedby': 'note-readers' });
   const theirs = element('p', { class: 'note-whole' });
   const both = element('div', { class: 'notes-conflict' }, element('p', { class: 'notes-small' }, 'The text of somebody else'), theirs);
   const save = act('Save', 'Saves the text (Ctrl and Enter)', () => actions.save(), true);
-  const saving = element('div', { class: 'buttons' }, save, act('Cancel', 'Keeps nothing of what is written here', () => actions.cancel()));
+  const cancel = act('Cancel', 'Keeps nothing of what is written here', () => actions.cancel());
+  const saving = element('div', { class: 'buttons' }, save, cancel);
   const choosing = element(
     'div',
     { class: 'buttons notes-choice' },
@@ -65,7 +66,8 @@ function writingView(actions: NoteActions) {
     act('Keep theirs', 'Your text is thrown away', () => actions.resolve('theirs')),
     act('Keep both', 'One after the other; as two notes if that is too long for one', () => actions.resolve('both')),
   );
-  const node = element('div', { class: 'notes-writing' }, both, label, text, saving, choosing);
+  const readers = element('p', { class: 'notes-small', id: 'note-readers' }, 'Everybody who sees this scan can read it, also with a share link.');
+  const node = element('div', { class: 'notes-writing' }, both, label, text, readers, saving, choosing);
   node.hidden = true;
   text.addEventListener('input', () => actions.type(text.value));
   text.addEventListener('keydown', (event) => {
@@ -79,7 +81,9 @@ function writingView(actions: NoteActions) {
     if (!draft) return;
     setText(label, draft.theirs ? 'Your text' : `Note ${numberOf(draft, state)}`);
     if (text.value !== draft.text) text.value = draft.text;
-    text.readOnly = busy;
+    const fails = text.readOnly && !busy && document.activeElement === document.body; // a button that is disabled loses the focus
+    text.readOnly = save.disabled = cancel.disabled = busy;
+    if (fails) text.focus();
     both.hidden = choosing.hidden = !draft.theirs;
     saving.hidden = !choosing.hidden;
     setText(theirs, draft.theirs?.text ?? '');

@@ -9,6 +9,7 @@ import { cutQuery, readCut } from '../state/cut_link';
 import { reduceCutting, type Cutting, type CuttingEvent } from '../state/cutting';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
 import { meshWords } from '../state/mesh';
+import { storedDraft } from '../state/note_drafts';
 import { noteQuery, readNote } from '../state/note_link';
 import { initialNoting, reduceNoting, type Noting, type NotingEvent } from '../state/noting';
 import { followedOf } from '../state/quality_words';
@@ -51,7 +52,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   const scan = createStore(initialLiveScan(scanId), reduceLiveScan);
   const options: OptionsStore = createStore<ViewOptions, Partial<ViewOptions>>({ ...initialViewOptions, show: storedShow(localStorage) }, reduceViewOptions);
   const cutting = createStore<Cutting, CuttingEvent>(readCut(view), reduceCutting);
-  const noting = createStore<Noting, NotingEvent>({ ...initialNoting, chosen: readNote(view) }, reduceNoting);
+  const noting = createStore<Noting, NotingEvent>({ ...initialNoting, chosen: readNote(view), draft: storedDraft(sessionStorage, scanId) }, reduceNoting);
   const query = (): string => [cutQuery(cutting.get()), noteQuery(noting.get().chosen)].filter(Boolean).join('&');
   const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': 'The scan in three dimensions. Arrow keys move, plus and minus zoom, a question mark tells more.' });
   const stage = element('div', { class: 'stage' }, canvas);

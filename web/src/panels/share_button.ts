@@ -4,7 +4,7 @@ import { element, setText } from './dom';
 
 // `view`: how the scan is looked at now, as fields of an address, or empty.
 export function shareButton(scanId: string, token: string, problem: Element, view: () => string): HTMLElement {
-  const button = element('button', { type: 'button', class: 'button', title: 'Makes a link with which others can look at this scan' }, 'Share');
+  const button = element('button', { type: 'button', class: 'button', title: 'Makes a link with which others can look at this scan, its notes and its measurements' }, 'Share');
   const link = element('input', { class: 'share-link', type: 'text', readonly: true, 'aria-label': 'Link to this scan' });
   const words = element('span', { class: 'share-words', role: 'status' });
   const node = element('span', { class: 'share' }, words, link, button);

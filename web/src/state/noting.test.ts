@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 import type { Note, NoteView } from '../connection/notes';
-import { chosenNote, cleaned, initialNoting, isUnsaved, notingWords, reduceNoting, shownNotes, textProblem } from './noting';
+import { chosenNote, cleaned, heldWords, initialNoting, isUnsaved, notingWords, reduceNoting, shownNotes, textProblem } from './noting';
 import type { Noting, NotingEvent } from './noting';
 
 const view: NoteView = { position_m: [0, 0, -1], target_m: [0, 0, 1] };
@@ -112,4 +112,24 @@ test('a click does not take a text away that is changed', () => {
   expect(state.draft).toMatchObject({ of: { id: 'a' }, text: 'mine' });
   expect(isUnsaved(state.draft)).toBe(true);
   expect(isUnsaved(after(...open, click).draft)).toBe(false);
+});
+
+test('what was saved without an answer is no draft any more once it is in the list', () => {
+  const lost = [saving, { kind: 'failed', words: 'The server cannot be reached.' }] as const;
+  const fresh: Note = { ...note('c', 'a crack'), position_m: [4, 5, 6] };
+  const state = after(...open, click, typed('a crack '), ...lost);
+  expect(reduceNoting(state, { kind: 'listed', notes: [...list.notes, fresh] })).toMatchObject({ draft: null, chosen: 'c', problem: '' });
+  expect(reduceNoting(state, { kind: 'listed', notes: [{ ...fresh, position_m: [4, 5, 6.1] }] }).draft).not.toBeNull();
+  const changed = reduceNoting(after(...editing, lost[1]), { kind: 'listed', notes: [note('a', 'mine', 2)] });
+  expect(changed).toMatchObject({ draft: null, chosen: 'a' });
+  expect(after(...open, { kind: 'chosen', id: 'a' }, { kind: 'edited' }, list).draft).not.toBeNull();
+});
+
+test('while there are two texts, that question is repeated, and nothing is saved', () => {
+  const state = after(...editing, conflict);
+  expect(heldWords(state.draft)).toContain('Which text is to stay?');
+  expect(notingWords(reduceNoting(state, click))).toContain('Which text is to stay?');
+  expect(reduceNoting(state, saving)).toBe(state);
+  expect(heldWords(after(...open, click, typed('a crack')).draft)).toContain('Save the note, or cancel');
+  expect([heldWords(null), heldWords(after(...open, click).draft)]).toEqual(['', '']);
 });

@@ -53,7 +53,9 @@ export type NotingEvent =
   | { readonly kind: 'refused'; readonly words: string } // something else does not work
   | { readonly kind: 'unlisted'; readonly words: string };
 
-export const unsavedWords = 'Save the note, or cancel: its text is not saved.';
+const unsavedWords = 'Save the note, or cancel: its text is not saved.';
+const choiceWords = 'Somebody has changed this note meanwhile. Which text is to stay?';
+const samePlace_m = 1e-4; // two clicks are farther apart, the same place comes back nearer
 const mostText_bytes = 2000; // the server takes no more
 
 export function reduceNoting(state: Noting, event: NotingEvent): Noting {
@@ -116,15 +118,24 @@ function resolved(state: Noting, draft: Draft & { readonly theirs: Note }, keep:
 function listed(state: Noting, notes: readonly Note[]): Noting {
   const chosenIsGone = state.chosen !== null && !notes.some(({ id }) => id === state.chosen);
   const same = JSON.stringify(notes) === JSON.stringify(state.notes);
-  if (same && !chosenIsGone && state.unlisted === '') return state;
+  const written = state.busy ? undefined : notes.find((note) => isWritten(state.draft, note));
+  if (same && !chosenIsGone && !written && state.unlisted === '') return state;
   const gone = chosenIsGone ? { chosen: null, problem: 'This note does not exist, or no longer.' } : {};
-  return { ...state, notes: same ? state.notes : notes, unlisted: '', ...gone };
+  const done = written ? { chosen: written.id, draft: null, problem: '' } : {};
+  return { ...state, notes: same ? state.notes : notes, unlisted: '', ...gone, ...done };
+}
+
+// Whether the draft was saved after all: its answer was lost, or the page was left before it came.
+function isWritten(draft: Draft | null, note: Note): boolean {
+  if (!draft || draft.theirs || !isUnsaved(draft) || cleaned(draft.text) !== note.text) return false;
+  if (draft.of) return draft.of.id === note.id;
+  return draft.position_m.every((value, axis) => Math.abs(value - note.position_m[axis]!) < samePlace_m);
 }
 
 function placed(state: Noting, position_m: Place | null, view: NoteView): Noting {
   if (!state.active || !state.mayWrite || state.busy) return state;
   if (!position_m) return { ...state, problem: 'There is nothing: click on a surface.' };
-  if (state.draft?.of) return { ...state, problem: unsavedWords };
+  if (state.draft?.of) return { ...state, problem: heldWords(state.draft) || unsavedWords };
   return { ...state, chosen: null, draft: { of: null, position_m, view, text: state.draft?.text ?? '', theirs: null }, problem: '' };
 }
 
@@ -135,7 +146,7 @@ function edited(state: Noting): Noting {
 }
 
 function saving(state: Noting): Noting {
-  if (!state.draft || state.busy) return state;
+  if (!state.draft || state.draft.theirs || state.busy) return state;
   const problem = textProblem(state.draft.text);
   return problem === '' ? { ...state, busy: true, problem: '' } : { ...state, problem };
 }
@@ -158,6 +169,12 @@ export function isUnsaved(draft: Draft | null): boolean {
   return draft !== null && cleaned(draft.text) !== (draft.of?.text ?? '');
 }
 
+// What has to be done before somebody goes on to something else; empty: nothing would be lost.
+export function heldWords(draft: Draft | null): string {
+  if (draft?.theirs) return choiceWords;
+  return isUnsaved(draft) ? unsavedWords : '';
+}
+
 // As the server takes it: line breaks are the only control characters, and there is no half of a character.
 export function cleaned(text: string): string {
   return text.replace(/\r\n?/g, '\n').replaceAll('\t', ' ').replace(/[\u0000-\u0009\u000b-\u001f\u007f-\u009f]|\p{Cs}/gu, '').trim();
@@ -175,7 +192,7 @@ export function notingWords(state: Noting): string {
   const { draft, problem, unlisted, busy, mayWrite } = state;
   if (problem !== '' || unlisted !== '') return problem || unlisted;
   if (busy) return 'Saving …';
-  if (draft?.theirs) return 'Somebody has changed this note meanwhile. Which text is to stay?';
+  if (draft?.theirs) return choiceWords;
   if (draft?.of) return 'Change the text.';
   if (draft) return 'What is there? Another click moves the pin.';
   if (mayWrite) return 'Click on the model to write a note there.';
