@@ -19,13 +19,22 @@ describe('qualityWords', () => {
 
   it('names doubtful and lost stretches with their time, and without the list of frames their number', () => {
     const list = listOf(['tracked', 20], ['weak', 5], ['tracked', 20], ['weak', 3], ['tracked', 2]);
-    expect(qualityWords(followedOf(reportOf(50, 50, 8), list))).toBe('The camera was followed in all of 50 frames; two stretches of 0.8 s in all are doubtful.');
+    expect(qualityWords(followedOf(reportOf(50, 50, 8), list))).toBe('The camera was followed in all of 50 frames; 8 of them are doubtful, for 0.8 s in all.');
     expect(qualityWords(followedOf(reportOf(50, 50, 8), null))).toBe('The camera was followed in all of 50 frames; 8 of them are doubtful.');
     const lost = listOf(['tracked', 30], ['lost', 10], ['weak', 1], ['tracked', 30]);
-    expect(qualityWords(followedOf(reportOf(71, 61, 1), lost))).toBe('The camera was followed in 61 of 71 frames; one of them is doubtful. It was lost once, for 1.1 s.');
+    expect(qualityWords(followedOf(reportOf(71, 61, 1), lost))).toBe('The camera was followed in 61 of 71 frames; one of them is doubtful, for 0.1 s. It was lost once, for 1.0 s.');
     expect(qualityWords(followedOf(reportOf(71, 61, 0), null))).toBe('The camera was followed in 61 of 71 frames. It was lost in 10 frames.');
     const end = listOf(['tracked', 30], ['lost', 10], ['tracked', 30], ['lost', 20]);
     expect(qualityWords(followedOf(reportOf(90, 60), end))).toContain('It was lost twice, for 3.0 s in all, and was not found again before the end.');
+  });
+
+  it('says how long the camera was lost and doubtful, and not how long the place is in which it was', () => {
+    const runs = Array.from({ length: 300 }, (_, i) => [['tracked', 3], [i === 150 ? 'lost' : 'weak', 1]] as const).flat();
+    const followed = followedOf(reportOf(1200, 1199, 299), listOf(...runs));
+    expect(qualityWords(followed)).toBe('The camera was followed in 1,199 of 1,200 frames; 299 of them are doubtful, for 30 s in all. It was lost once, for 0.1 s.');
+    expect(followed.doubts!.map(doubtWords)).toEqual(['Lost for 0.1 s: 1 frame not in the model; doubtful for 30 s: 299 frames nearly lost, but in the model']);
+    const [twice] = followedOf(null, listOf(['tracked', 5], ['lost', 1], ['tracked', 1], ['lost', 2], ['tracked', 5])).doubts!;
+    expect(doubtWords(twice!)).toBe('Lost twice, for 0.3 s in all: 3 frames not in the model');
   });
 
   it('is honest where nothing was followed, or nobody knows', () => {
@@ -55,7 +64,7 @@ describe('qualityWords', () => {
 describe('other words', () => {
   it('has words for a doubt and for what an image shows', () => {
     const [doubt] = followedOf(null, listOf(['tracked', 5], ['lost', 10], ['weak', 1], ['tracked', 5])).doubts!;
-    expect(doubtWords(doubt!)).toBe('Lost for 1.1 s: 10 frames not used, 1 frame nearly lost');
+    expect(doubtWords(doubt!)).toBe('Lost for 1.0 s: 10 frames not in the model; doubtful for 0.1 s: 1 frame nearly lost, but in the model');
     expect(imageWords(0, 0.01)).toBe('In this frame there is no depth, and the image is nearly black.');
     expect(imageWords(87, 0.5)).toBe('In this frame 87 % of the pixels have depth.');
     expect(imageWords(null, 0.5)).toBe('');

@@ -60,21 +60,18 @@ function followedWords({ frames, tracked, weak, doubts }: Followed): string {
 
 // Behind how many frames were followed.
 function weakWords(weak: number, doubts: readonly Doubt[] | null): string {
-  const weakOnly = doubts?.filter(({ follow }) => follow === 'weak') ?? [];
-  if (weakOnly.length > 0) {
-    const of = weakOnly.length === 1 ? `of ${durationWords(lengthOf(weakOnly))} is` : `of ${durationWords(lengthOf(weakOnly))} in all are`;
-    return `; ${name(weakOnly.length)} ${weakOnly.length === 1 ? 'stretch' : 'stretches'} ${of} doubtful`;
-  }
   if (weak === 0) return '';
-  return weak === 1 ? '; one of them is doubtful' : `; ${count(weak)} of them are doubtful`;
+  const long_s = sumOf(doubts, ({ weak_s }) => weak_s);
+  const many = weak === 1 ? 'one of them is doubtful' : `${count(weak)} of them are doubtful`;
+  return `; ${many}${long_s > 0 ? `, for ${durationWords(long_s)}${weak === 1 ? '' : ' in all'}` : ''}`;
 }
 
 function lostWords({ frames, tracked, doubts, stretches }: Followed): string {
   if (!frames || !tracked || tracked === frames) return '';
-  const lost = doubts?.filter(({ follow }) => follow === 'lost') ?? [];
-  if (lost.length === 0) return `It was lost in ${frames - tracked === 1 ? 'one frame' : `${count(frames - tracked)} frames`}.`;
-  const times = lost.length === 1 ? 'once' : lost.length === 2 ? 'twice' : `${name(lost.length)} times`;
-  const long = lost.length === 1 ? `for ${durationWords(lengthOf(lost))}` : `for ${durationWords(lengthOf(lost))} in all`;
+  const losses = sumOf(doubts, (doubt) => doubt.losses);
+  if (losses === 0) return `It was lost in ${frames - tracked === 1 ? 'one frame' : `${count(frames - tracked)} frames`}.`;
+  const times = losses === 1 ? 'once' : losses === 2 ? 'twice' : `${name(losses)} times`;
+  const long = `for ${durationWords(sumOf(doubts, ({ lost_s }) => lost_s))}${losses === 1 ? '' : ' in all'}`;
   return `It was lost ${times}, ${long}${stretches?.filter(({ follow }) => follow !== 'gap').at(-1)?.follow === 'lost' ? ', and was not found again before the end' : ''}.`;
 }
 
@@ -92,11 +89,15 @@ function unusedWords(counts: FrameCounts | null): string {
 }
 
 // Of one place in the list of doubts.
-export function doubtWords({ follow, weak, lost, from_s, to_s }: Doubt): string {
+export function doubtWords({ weak, lost, weak_s, lost_s, losses }: Doubt): string {
   const frames = (number: number): string => `${count(number)} ${number === 1 ? 'frame' : 'frames'}`;
-  const long = durationWords(to_s - from_s);
-  if (follow === 'weak') return `Doubtful for ${long}: ${frames(weak)} nearly lost, but used`;
-  return `Lost for ${long}: ${frames(lost)} not used${weak > 0 ? `, ${frames(weak)} nearly lost` : ''}`;
+  const often = losses > 1 ? `${losses === 2 ? 'twice' : `${name(losses)} times`}, for ${durationWords(lost_s)} in all` : `for ${durationWords(lost_s)}`;
+  return [
+    ...(lost > 0 ? [`lost ${often}: ${frames(lost)} not in the model`] : []),
+    ...(weak > 0 ? [`doubtful for ${durationWords(weak_s)}: ${frames(weak)} nearly lost, but in the model`] : []),
+  ]
+    .join('; ')
+    .replace(/^./, (letter) => letter.toUpperCase());
 }
 
 // What the images of a frame show by themselves; empty when nothing is striking.
@@ -109,8 +110,8 @@ export function imageWords(depth_percent: number | null, brightness: number | nu
   return facts.length === 0 ? '' : sentence(`in this frame ${facts.join(', and ')}`);
 }
 
-function lengthOf(stretches: readonly Stretch[]): number {
-  return stretches.reduce((sum, { from_s, to_s }) => sum + to_s - from_s, 0);
+function sumOf(doubts: readonly Doubt[] | null, of: (doubt: Doubt) => number): number {
+  return doubts?.reduce((sum, doubt) => sum + of(doubt), 0) ?? 0;
 }
 
 const name = (number: number): string => numberNames[number] ?? count(number);
