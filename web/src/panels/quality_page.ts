@@ -4,6 +4,7 @@ import { ApiError, fetchScan, type ScanSummary } from '../connection/api';
 import type { ScanEvent } from '../connection/events';
 import { fetchFrames, fetchPath, type FrameList } from '../connection/frames';
 import { ScanLink } from '../connection/link';
+import { orMissing, patiently } from '../connection/patience';
 import { fetchAccess, fetchReport, type Report } from '../connection/scans';
 import { ModelPictures } from '../scene/model_pictures';
 import { pathOf, type CameraPath } from '../state/camera_path';
@@ -201,14 +202,15 @@ class ToldScan {
     if (signal.aborted) return;
     this.parts.share.hidden = !(access?.view && access.scan);
     if (scan.get().framesReceived === 0) return; // imported
-    const [report, list, path] = await Promise.all([
-      fetchReport(scanId, token).catch(() => null),
-      access?.shared ? 'shared' : fetchFrames(scanId, token, signal).catch(wordsOf),
-      fetchPath(scanId, token, signal).catch(() => ''),
+    const [told, list, path] = await Promise.all([
+      orMissing(patiently(() => fetchReport(scanId, token), signal)).catch((error) => wordsOf(error, 'It cannot be read.')),
+      access?.shared ? 'shared' : patiently(() => fetchFrames(scanId, token, signal), signal).catch((error) => wordsOf(error, 'The frames could not be loaded.')),
+      patiently(() => fetchPath(scanId, token, signal), signal).catch(() => ''),
     ]);
     if (signal.aborted) return;
     this.path = pathOf(path);
-    const followed = followedOf(report, typeof list === 'string' ? null : list);
+    const report = typeof told === 'string' ? null : told;
+    const followed = followedOf(report, typeof list === 'string' ? null : list, typeof told === 'string' ? told : '');
     if (report) scan.dispatch({ kind: 'report', report });
     scan.dispatch({ kind: 'followed', followed });
     this.showFacts();
@@ -232,7 +234,7 @@ class ToldScan {
       return;
     }
     const strip = followed.stretches && qualityStrip(list, followed.stretches, (frame) => (location.hash = frameHash(scanId, frame)));
-    fill(this.parts.camera, ...(strip ? [strip, legend, element('p', { class: 'quality-note on-screen' }, 'A click into the strip opens the model with the images of that moment.')] : [legend, note('What became of each frame is not recorded in this scan.')]));
+    fill(this.parts.camera, ...(strip ? [strip, legend, element('p', { class: 'quality-note on-screen' }, 'A click into the strip opens the model with the images of that moment.')] : [legend, note('The list of frames does not say what became of each.')]));
     const { doubts } = followed;
     if (!doubts || doubts.length === 0) return;
     const why = note('Why the camera was lost is told while a scan runs, and the server does not keep it: reasons are here where this page has seen the scan running. What is said of an image is what it shows by itself.');
@@ -262,6 +264,6 @@ function nextLook(signal: AbortSignal): Promise<void> {
   });
 }
 
-function wordsOf(error: unknown): string {
-  return error instanceof ApiError ? error.message : 'The frames could not be loaded.';
+function wordsOf(error: unknown, otherwise: string): string {
+  return error instanceof ApiError ? error.message : otherwise;
 }

@@ -44,6 +44,14 @@ describe('qualityWords', () => {
     expect(qualityWords(followedOf(null, listOf(['tracked', 9], ['lost', 1])))).toContain('in 9 of 10 frames');
   });
 
+  it('does not take a report that could not be loaded for one that says nothing', () => {
+    const why = 'The server asks to wait a little.';
+    const words = qualityWords(followedOf(null, null, why));
+    expect(words).toMatch(/^The scan’s report could not be loaded, .* parts, .* calibration fits\. The server asks to wait a little\.$/);
+    expect(words).not.toContain('not recorded');
+    expect(qualityWords(followedOf(null, listOf(['tracked', 9], ['lost', 1]), why))).toMatch(/in 9 of 10 frames.*could not be loaded/);
+  });
+
   it('names frames that were not used', () => {
     const words = qualityWords(followedOf(reportOf(10, 10), listOf(['tracked', 10], ['left_out', 30], ['refused', 1], ['damaged', 2])));
     expect(words).toContain('30 frames were left out, since newer ones');

@@ -11,12 +11,14 @@ export interface Followed {
   readonly counts: FrameCounts | null; // of all that were sent; null: the list cannot be had
   readonly stretches: readonly Stretch[] | null;
   readonly doubts: readonly Doubt[] | null;
-  readonly parts: number; // of the model
+  readonly parts: number; // of the model; 1 where nobody says
   readonly calibrationDoubt: string;
   readonly cameraCorrection: string;
+  readonly unread: string; // why the scan's report could not be loaded, a sentence; empty when it was, or there is none
 }
 
-export function followedOf(report: Report | null, list: FrameList | null): Followed {
+// `report`: null when the scan has none. `unread`: it may have one, but that could not be loaded.
+export function followedOf(report: Report | null, list: FrameList | null, unread = ''): Followed {
   const counts = list && countsOf(list.statuses);
   const stretches = list && stretchesOf(list);
   // A list whose frames are unknown says less than the report, which has sums.
@@ -31,6 +33,7 @@ export function followedOf(report: Report | null, list: FrameList | null): Follo
     parts: report?.mapping['parts'] ?? 1,
     calibrationDoubt: report?.calibrationDoubt ?? '',
     cameraCorrection: report?.cameraCorrection ?? '',
+    unread,
   };
 }
 
@@ -43,6 +46,7 @@ export function qualityWords(followed: Followed, said = ''): string {
     followedWords(followed),
     lostWords(followed),
     unusedWords(followed.counts),
+    unreadWords(followed),
     parts > 1 && !said.includes('could not be joined') ? `The model is in ${name(parts)} parts that were never joined: where they lie to each other is not known.` : '',
     ...[calibrationDoubt, cameraCorrection].filter((words) => words !== '' && !said.includes(words)).map(sentence),
   ]
@@ -50,8 +54,8 @@ export function qualityWords(followed: Followed, said = ''): string {
     .join(' ');
 }
 
-function followedWords({ frames, tracked, weak, doubts }: Followed): string {
-  if (frames === null || tracked === null) return 'How well the camera was followed is not recorded in this scan.';
+function followedWords({ frames, tracked, weak, doubts, unread }: Followed): string {
+  if (frames === null || tracked === null) return unread !== '' ? '' : 'How well the camera was followed is not recorded in this scan.';
   if (frames === 0) return 'No frame was processed.';
   if (tracked === 0) return frames === 1 ? 'The camera could not be followed in the only frame.' : `The camera could not be followed in any of ${count(frames)} frames.`;
   const share = tracked < frames ? `in ${count(tracked)} of ${count(frames)} frames` : frames === 1 ? 'in the only frame' : `in all of ${count(frames)} frames`;
@@ -73,6 +77,11 @@ function lostWords({ frames, tracked, doubts, stretches }: Followed): string {
   const times = losses === 1 ? 'once' : losses === 2 ? 'twice' : `${name(losses)} times`;
   const long = `for ${durationWords(sumOf(doubts, ({ lost_s }) => lost_s))}${losses === 1 ? '' : ' in all'}`;
   return `It was lost ${times}, ${long}${stretches?.filter(({ follow }) => follow !== 'gap').at(-1)?.follow === 'lost' ? ', and was not found again before the end' : ''}.`;
+}
+
+function unreadWords({ unread }: Followed): string {
+  if (unread === '') return '';
+  return `The scan’s report could not be loaded, so that what it says is missing here: how well the camera was followed, whether the model is in parts, and whether the calibration fits. ${unread}`;
 }
 
 function unusedWords(counts: FrameCounts | null): string {
