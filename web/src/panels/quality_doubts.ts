@@ -60,7 +60,7 @@ function rowOf(doubt: Doubt, { scanId, token, signal }: Recording): { readonly n
     } catch (error) {
       picture.show(error instanceof ApiError ? error.message : 'This image cannot be read.');
     }
-    setText(seen, imageWords((await depth)?.valid_percent ?? null, brightness));
+    setText(seen, imageWords(await depth, brightness));
   };
   return { node, show };
 }

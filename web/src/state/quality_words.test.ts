@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import type { FrameList, FrameStatus } from '../connection/frames';
+import { parseRange, type FrameList, type FrameStatus } from '../connection/frames';
 import { parseReport } from '../connection/scans';
 import { pathOf } from './camera_path';
 import { frameShares, mapFacts } from './quality_facts';
@@ -73,8 +73,12 @@ describe('other words', () => {
   it('has words for a doubt and for what an image shows', () => {
     const [doubt] = followedOf(null, listOf(['tracked', 5], ['lost', 10], ['weak', 1], ['tracked', 5])).doubts!;
     expect(doubtWords(doubt!)).toBe('Lost for 1.0 s: 10 frames not in the model; doubtful for 0.1 s: 1 frame nearly lost, but in the model');
-    expect(imageWords(0, 0.01)).toBe('In this frame there is no depth, and the image is nearly black.');
-    expect(imageWords(87, 0.5)).toBe('In this frame 87 % of the pixels have depth.');
+    const depth = (header: string | null, valid_percent: number | null) => ({ measured: parseRange(header), valid_percent });
+    expect(imageWords(depth('0-0', 0), 0.01)).toBe('In this frame there is no depth, and the image is nearly black.');
+    expect(imageWords(depth(null, 0), 0.5)).toBe('In this frame there is no depth.');
+    expect(imageWords(depth('412-3981', 0), 0.5)).toBe('In this frame less than 1 % of the pixels have depth.');
+    expect(imageWords(depth('412-3981', 87), 0.5)).toBe('In this frame 87 % of the pixels have depth.');
+    expect(imageWords(depth('412-3981', null), 0.5)).toBe('');
     expect(imageWords(null, 0.5)).toBe('');
   });
 

@@ -1,5 +1,5 @@
 // How well a scan went, in sentences: from what its report and the list of its frames say, and nothing beyond. Pure functions.
-import type { FrameList } from '../connection/frames';
+import type { DepthPicture, DepthRange, FrameList } from '../connection/frames';
 import type { Report } from '../connection/scans';
 import { countsOf, doubtsIn, stretchesOf, type Doubt, type FrameCounts, type Stretch } from './stretches';
 import { count, sentence } from './words';
@@ -110,13 +110,19 @@ export function doubtWords({ weak, lost, weak_s, lost_s, losses }: Doubt): strin
 }
 
 // What the images of a frame show by themselves; empty when nothing is striking.
-export function imageWords(depth_percent: number | null, brightness: number | null): string {
+export function imageWords(depth: Pick<DepthPicture, 'measured' | 'valid_percent'> | null, brightness: number | null): string {
   const facts = [
-    ...(depth_percent === null ? [] : [depth_percent === 0 ? 'there is no depth' : `${depth_percent} % of the pixels have depth`]),
+    ...(depth === null || depth.valid_percent === null ? [] : [depthWords(depth.measured, depth.valid_percent)]),
     ...(brightness !== null && brightness < 0.1 ? ['the image is nearly black'] : []),
     ...(brightness !== null && brightness > 0.95 ? ['the image is nearly white'] : []),
   ];
   return facts.length === 0 ? '' : sentence(`in this frame ${facts.join(', and ')}`);
+}
+
+// The server cuts the fraction off: 0 % may be a few pixels, which have a range.
+function depthWords({ to_mm }: DepthRange, valid_percent: number): string {
+  if (valid_percent >= 1) return `${valid_percent} % of the pixels have depth`;
+  return to_mm === 0 ? 'there is no depth' : 'less than 1 % of the pixels have depth';
 }
 
 function sumOf(doubts: readonly Doubt[] | null, of: (doubt: Doubt) => number): number {
