@@ -9,7 +9,7 @@ import { fetchAccess, fetchReport, type Report } from '../connection/scans';
 import { ModelPictures } from '../scene/model_pictures';
 import { pathOf, type CameraPath } from '../state/camera_path';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
-import { meshWords } from '../state/mesh';
+import { isMeshSettled, meshWords } from '../state/mesh';
 import { frameShares, mapFacts, scanFacts, statesUncertainty } from '../state/quality_facts';
 import { followedOf, qualityWords, type Followed } from '../state/quality_words';
 import { keepReason } from '../state/reasons';
@@ -61,9 +61,9 @@ export function qualityPage(scanId: string, token: string): QualityPage {
     if (state.phase !== 'unknown') watch(); // the server has it
     if (!hasEnded(state)) return;
     load();
-    const isMade = state.mesh.state === 'shown' || state.mesh.state === 'failed' || (state.points === 0 && state.snapshotComplete);
-    if (isMade && isLoaded) draw();
-    else if (!isMade) parts.model.replaceChildren(element('p', { class: 'quality-note', role: 'status' }, meshWords(state.mesh, true) || 'Loading the model.'));
+    const isSettled = isMeshSettled(state);
+    if (isSettled && isLoaded) draw();
+    else if (!isSettled) parts.model.replaceChildren(element('p', { class: 'quality-note', role: 'status' }, meshWords(state.mesh, true) || 'Loading the model.'));
   };
   const unsubscribe = scan.subscribe(refresh);
   const onKey = (event: KeyboardEvent): void => {
