@@ -6,7 +6,7 @@ import { fetchFrames, fetchPath, type FrameList } from '../connection/frames';
 import { ScanLink } from '../connection/link';
 import { orMissing, patiently } from '../connection/patience';
 import { fetchAccess, fetchReport, type Report } from '../connection/scans';
-import { ModelPictures } from '../scene/model_pictures';
+import { ModelPictures, NoWebGl } from '../scene/model_pictures';
 import { pathOf, type CameraPath } from '../state/camera_path';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
 import { isMeshSettled, meshWords } from '../state/mesh';
@@ -161,8 +161,10 @@ function showModel(node: HTMLElement, pictures: ModelPictures, parts: number): v
   try {
     const look = pictures.draw();
     fill(node, look ? modelSection(look, parts) : element('p', { class: 'quality-note' }, 'There is no model: nothing was seen often enough.'));
-  } catch {
-    fill(node, element('p', { class: 'quality-note' }, 'This browser cannot show 3D pictures: it has no WebGL 2.'));
+  } catch (error) {
+    const isOld = error instanceof NoWebGl;
+    if (!isOld) console.error(error); // a mistake of ours
+    fill(node, element('p', { class: 'quality-note' }, isOld ? 'This browser cannot show 3D pictures: it has no WebGL 2.' : 'The pictures of the model could not be drawn.'));
   }
 }
 

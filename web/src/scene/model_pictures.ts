@@ -36,6 +36,9 @@ export interface ModelLook {
   readonly confidence: { readonly picture: ModelPicture; readonly lowShare: number } | null;
 }
 
+// The browser makes no pictures.
+export class NoWebGl extends Error {}
+
 interface View {
   readonly name: string;
   readonly sight: Triple; // where it looks, in the world
@@ -71,7 +74,7 @@ export class ModelPictures {
     return { triangles, textured: this.mesh.isTextured };
   }
 
-  // Null when there is nothing to see. Throws when the browser has no WebGL 2.
+  // Null when there is nothing to see. Throws NoWebGl when the browser has no WebGL 2.
   draw(): ModelLook | null {
     this.submaps.tick(Infinity);
     const surfaces = this.mesh.surfaces();
@@ -148,9 +151,17 @@ function viewsOf(axes: Axes): readonly [View, ...View[]] {
   ];
 }
 
+function newRenderer(): WebGLRenderer {
+  try {
+    return new WebGLRenderer({ antialias: true, alpha: true });
+  } catch (error) {
+    throw new NoWebGl('There is no WebGL 2.', { cause: error });
+  }
+}
+
 // Where pictures are taken, all at the same scale.
 class Studio {
-  private readonly renderer = new WebGLRenderer({ antialias: true, alpha: true });
+  private readonly renderer = newRenderer();
   private readonly scene = new Scene();
   private readonly upright = new Group(); // shaders light what is above in the world, where y points down
   private readonly camera = new PerspectiveCamera();
