@@ -28,7 +28,7 @@ export function modelSection({ extent, figures, hasPath, pictures, confidence }:
     note(
       parts > 1 ? 'The parts lie to each other as nobody knows: extent, ground plan and pictures are right only within each.' : '',
       `The extent is along the walls, with ${within} of the model between its ends in each direction, so that stray points do not count.`,
-      figures ? `The ground plan is all squares of ${100 * planSquare_m} cm with any surface in them, seen from above.` : '',
+      figures ? (figures.plan_m2 === null ? 'The model is too large for a ground plan.' : `The ground plan is all squares of ${100 * planSquare_m} cm with any surface in them, seen from above.`) : '',
       figures && figures.floorShare !== null ? 'The lowest level surface of some size counts as the floor.' : '',
       'Places that nobody has looked at are in no figure: how much is missing cannot be told from the scan.',
     ),
