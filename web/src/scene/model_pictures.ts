@@ -3,17 +3,18 @@
 import { Color, Group, PerspectiveCamera, Quaternion, Scene, Vector3, WebGLRenderer, type Object3D } from 'three';
 import type { ScanEvent } from '../connection/events';
 import { threeOf, type Axes, type Triple } from '../state/axes';
-import { extentOf, figuresOf, type Extent, type ModelFigures } from '../state/model_figures';
+import { extentOf, figuresOf, weighedByArea, type Extent, type ModelFigures } from '../state/model_figures';
+import type { Surface } from '../state/section';
 import { initialViewOptions, type ViewOptions } from '../state/view_options';
 import { floorHeight_m, firstCamerasUp, upOf, type Direction } from './gravity';
-import { wallAxes } from './heading';
+import { hasWalls, wallAxes } from './heading';
 import { MeshLayer } from './mesh_layer';
 import { boundsAlong } from './model_bounds';
 import { PointsLayer } from './points_layer';
 import { SampleCollector } from './samples';
 import { SubmapsLayer } from './submaps_layer';
 
-export const strayShare = 0.005; // of the points at either end of each axis
+export const strayShare = 0.005; // of the surface, or the points, at either end of each axis
 const widest_px = 760;
 const tallest = 1.25; // of the width
 const margin = 1.06;
@@ -30,6 +31,8 @@ export interface ModelPicture {
 
 export interface ModelLook {
   readonly extent: Extent;
+  readonly extentOf: 'all' | 'surface' | 'points'; // all of the model, or what is left of these without strays
+  readonly hasWalls: boolean; // that its axes are turned to
   readonly figures: ModelFigures | null; // null: there is no surface
   readonly hasPath: boolean; // of the camera, in the picture from above
   readonly pictures: readonly ModelPicture[];
@@ -83,14 +86,15 @@ export class ModelPictures {
     const axes = wallAxes(samples, up);
     const all = boundsAlong(axes, this.points.boxes(), surfaces);
     if (!all) return null;
-    const extent = extentOf(samples.positions_m, axes, strayShare) ?? all;
+    const trimmed = this.trimmed(surfaces, samples.positions_m, axes);
+    const extent = trimmed?.extent ?? boundsAlong(axes, this.mesh.isThere ? [] : this.points.boxes(), surfaces) ?? all;
     const floor_m = floorHeight_m(samples, up);
     const figures = this.mesh.isThere ? figuresOf(surfaces, axes, all, floor_m) : null;
-    const seen = union(extent, extentOf(this.path_m, axes, 0));
+    const seen = union(extent, extentOf({ positions_m: this.path_m, weights: null }, axes, 0));
     const whole = union(all, seen);
     const studio = new Studio(axes, seen, Math.hypot(...whole.low_m.map((low, k) => whole.high_m[k]! - low)));
     try {
-      return { extent, figures, hasPath: this.path_m.length > 0, ...this.pictures(studio, axes) };
+      return { extent, extentOf: trimmed?.of ?? 'all', hasWalls: hasWalls(samples, up), figures, hasPath: this.path_m.length > 0, ...this.pictures(studio, axes) };
     } finally {
       studio.dispose();
     }
@@ -100,6 +104,14 @@ export class ModelPictures {
     this.points.dispose();
     this.mesh.dispose();
     this.submaps.dispose();
+  }
+
+  // Without strays. Null: there are none, as in what was imported, whose far ends somebody has made; or nothing is known.
+  private trimmed(surfaces: readonly Surface[], points_m: Float32Array, axes: Axes): { readonly extent: Extent; readonly of: 'surface' | 'points' } | null {
+    if (this.imported && this.mesh.isThere) return null;
+    const weighed = this.mesh.isThere ? weighedByArea(surfaces) : { positions_m: points_m, weights: null };
+    const extent = extentOf(weighed, axes, strayShare);
+    return extent && { extent, of: this.mesh.isThere ? 'surface' : 'points' };
   }
 
   private samples() {

@@ -16,20 +16,55 @@ export interface Extent {
   readonly high_m: Triple;
 }
 
+// Points of a model, each with how much of it is there; null: all with the same.
+export interface Weighted {
+  readonly positions_m: Float32Array;
+  readonly weights: Float32Array | null;
+}
+
+const most_weighed = 30_000; // triangles
 const floorFacing = 0.8; // cosine between up and what is floor
 
-// Of points, along these axes, without the farthest `strayShare` at either end: a few stray points are no room.
-export function extentOf(positions_m: Float32Array, axes: Axes, strayShare: number): Extent | null {
+// Of points, along these axes, without the farthest at either end that have `strayShare` of the weight: a few stray points are no room.
+export function extentOf({ positions_m, weights }: Weighted, axes: Axes, strayShare: number): Extent | null {
   const count = positions_m.length / 3;
   if (count === 0) return null;
+  const stray = strayShare * (weights?.reduce((sum, weight) => sum + weight, 0) ?? count);
   const [low, high] = [[0, 0, 0], [0, 0, 0]];
   threeOf(axes).forEach((axis, k) => {
-    const along_m = Float32Array.from({ length: count }, (_, i) => dot(pointAt(positions_m, i), axis)).sort();
-    const left = Math.min(Math.floor(strayShare * count), Math.floor((count - 1) / 2));
-    low[k] = along_m[left]!;
-    high[k] = along_m[count - 1 - left]!;
+    const along_m = Float32Array.from({ length: count }, (_, i) => dot(pointAt(positions_m, i), axis));
+    const order = Uint32Array.from({ length: count }, (_, i) => i).sort((i, j) => along_m[i]! - along_m[j]!);
+    low[k] = along_m[beyond(order, weights, stray)]!;
+    high[k] = along_m[beyond(order.reverse(), weights, stray)]!;
   });
   return { low_m: low as unknown as Triple, high_m: high as unknown as Triple };
+}
+
+// The first in this order that has more than `stray` of the weight up to it, itself included.
+function beyond(order: Uint32Array, weights: Float32Array | null, stray: number): number {
+  let sum = 0;
+  for (const i of order) {
+    sum += weights?.[i] ?? 1;
+    if (sum > stray) return i;
+  }
+  return order.at(-1)!;
+}
+
+// Corners of triangles, evenly taken, each with a third of the area: where vertices are dense there is no more surface.
+export function weighedByArea(surfaces: readonly Surface[]): Weighted {
+  const triangles = surfaces.reduce((sum, { index }) => sum + Math.floor(index.length / 3), 0);
+  const stride = Math.max(1, Math.ceil(triangles / most_weighed));
+  const [positions_m, weights]: [number[], number[]] = [[], []];
+  for (const { positions_m: all_m, index } of surfaces)
+    for (let i = 0; i + 2 < index.length; i += 3 * stride) {
+      const corners = [pointAt(all_m, index[i]!), pointAt(all_m, index[i + 1]!), pointAt(all_m, index[i + 2]!)] as const;
+      const third = Math.hypot(...normalOf(corners)) / 6;
+      for (const corner of corners) {
+        positions_m.push(...corner);
+        weights.push(third);
+      }
+    }
+  return { positions_m: Float32Array.from(positions_m), weights: Float32Array.from(weights) };
 }
 
 export function figuresOf(surfaces: readonly Surface[], axes: Axes, extent: Extent, floor_m: number | null): ModelFigures {
