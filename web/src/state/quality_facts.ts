@@ -23,15 +23,15 @@ export interface FrameShare {
   readonly value: string;
 }
 
-// Of the frames that were processed, and beside them those that were not used. Empty when nobody knows.
+// Of the frames that were processed (older reports do not say which were doubtful), and beside them those that were not used. Empty when nobody knows.
 export function frameShares({ frames, tracked, weak, counts }: Followed): FrameShare[] {
   if (!frames || tracked === null) return [];
-  const doubtful = weak ?? 0;
   const unused = counts ? counts.left_out + counts.refused + counts.damaged : 0;
   const words = (number: number): string => `${percentWords(number / frames)}, ${count(number)} ${number === 1 ? 'frame' : 'frames'}`;
   return [
-    { kind: 'tracked', label: 'Followed', value: words(tracked - doubtful) },
-    { kind: 'weak', label: 'Doubtful', value: words(doubtful) },
+    ...(weak === null
+      ? [{ kind: 'tracked', label: 'Followed, doubtful ones included', value: words(tracked) } as const]
+      : [{ kind: 'tracked', label: 'Followed', value: words(tracked - weak) } as const, { kind: 'weak', label: 'Doubtful', value: words(weak) } as const]),
     { kind: 'lost', label: 'Lost', value: words(frames - tracked) },
     ...(unused > 0 ? [{ kind: 'unused', label: 'Not used', value: `${count(unused)} ${unused === 1 ? 'frame' : 'frames'} beside these` } as const] : []),
   ];

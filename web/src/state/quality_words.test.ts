@@ -91,6 +91,8 @@ describe('other words', () => {
   it('leaves out of the lists what is not known', () => {
     expect(frameShares(followedOf(parseReport({}), null))).toEqual([]);
     expect(frameShares(followedOf(reportOf(100, 75, 5), null)).map(({ value }) => value)).toEqual(['70.0 %, 70 frames', '5.0 %, 5 frames', '25.0 %, 25 frames']);
+    const older = frameShares(followedOf(parseReport({ frames: 100, tracked_frames: 75 }), null));
+    expect(older.map(({ label, value }) => `${label}: ${value}`)).toEqual(['Followed, doubtful ones included: 75.0 %, 75 frames', 'Lost: 25.0 %, 25 frames']);
     expect(mapFacts(parseReport({})).filter(([, value]) => value !== null)).toEqual([]);
     const facts = new Map(mapFacts(reportOf(9, 9, 0, { position_sigma_m: 0.0166, rotation_sigma_deg: 0.48, mapping: { 'loops by appearance': 1, 'loops by nearness': 2 } })));
     expect([facts.get('Loops closed'), facts.get('Position at the end'), facts.get('Direction at the end')]).toEqual(['3', '± 33 mm', '± 1.0°']);
