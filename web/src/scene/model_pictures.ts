@@ -53,7 +53,6 @@ export class ModelPictures {
   private readonly submaps = new SubmapsLayer();
   private readonly points = new PointsLayer(this.submaps);
   private readonly mesh = new MeshLayer();
-  private readonly confidences = new Uint32Array(256); // points by confidence times 8
   private path_m = new Float32Array(); // of the camera, in the world
   private chosenUp: Direction | null;
   private imported = false;
@@ -68,7 +67,6 @@ export class ModelPictures {
     this.points.onEvent(event);
     if (event.kind === 'scanState') this.imported = event.phase === 'finished' && event.received === 0;
     if (event.kind === 'trajectory' && !event.submaps) this.path_m = Float32Array.from(event.positions_m);
-    if (event.kind === 'chunk' && event.points) for (let i = 0; i < event.points.count; ++i) ++this.confidences[event.points.colors[4 * i + 3]!]!;
   }
 
   showMesh(root: Object3D): { readonly triangles: number; readonly textured: boolean } {
@@ -128,10 +126,11 @@ export class ModelPictures {
     const draw = (view: View): ModelPicture => studio.picture(view, (size) => this.points.onResize(size));
     const plan = studio.withPath(draw(above), this.path_m);
     const pictures = [plan, ...sides.map(draw)];
-    const total = this.confidences.reduce((sum, count) => sum + count, 0);
+    const confidences = this.points.confidences();
+    const total = confidences.reduce((sum, count) => sum + count, 0);
     if (this.imported || total === 0) return { pictures, confidence: null };
     this.look({ ...initialViewOptions, show: 'points', color: 'confidence' }, true);
-    const low = this.confidences.subarray(0, 8 * lowConfidence).reduce((sum, count) => sum + count, 0);
+    const low = confidences.subarray(0, 8 * lowConfidence).reduce((sum, count) => sum + count, 0);
     return { pictures, confidence: { picture: { ...draw(above), name: 'Confidence' }, lowShare: low / total } };
   }
 
