@@ -258,11 +258,12 @@ function nextLook(signal: AbortSignal): Promise<void> {
     const done = (): void => {
       clearTimeout(timer);
       document.removeEventListener('visibilitychange', done);
+      signal.removeEventListener('abort', done);
       resolve();
     };
     const timer = setTimeout(done, askEvery_ms);
     document.addEventListener('visibilitychange', done);
-    signal.addEventListener('abort', done, { once: true });
+    signal.addEventListener('abort', done);
   });
 }
 

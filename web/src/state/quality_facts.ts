@@ -3,7 +3,7 @@ import type { ScanSummary } from '../connection/api';
 import type { Report } from '../connection/scans';
 import type { CameraPath } from './camera_path';
 import { durationWords, percentWords, type Followed } from './quality_words';
-import { count, framesWords, phaseWords } from './words';
+import { count, framesWords, phaseWords, withinWords } from './words';
 
 export type Fact = readonly [label: string, value: string | null];
 
@@ -58,14 +58,12 @@ export function mapFacts(report: Report): Fact[] {
     ['Keyframes', number('keyframes')],
     ['Parts', number('parts')],
     ['Parts joined', number('joined parts')],
-    ['Position at the end', isStated ? `± ${lengthWords(2 * positionSigma_m!)}` : null],
+    ['Position at the end', isStated ? withinWords(positionSigma_m!) : null],
     ['Direction at the end', isStated && rotationSigma_deg !== null ? `± ${(2 * rotationSigma_deg).toFixed(1)}°` : null],
     ['Time for a frame', meanFrame_ms === null ? null : `${meanFrame_ms.toFixed(0)} ms on average`],
     ['Computed on', device || null],
   ];
 }
-
-const lengthWords = (length_m: number): string => (length_m < 0.1 ? `${Math.max(1, Math.round(1000 * length_m))} mm` : `${Math.round(100 * length_m)} cm`);
 
 export function dateWords(date: Date): string {
   return date.toLocaleString('en-GB', { day: 'numeric', month: 'long', year: 'numeric', hour: '2-digit', minute: '2-digit' });

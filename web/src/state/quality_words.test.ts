@@ -95,7 +95,7 @@ describe('other words', () => {
     expect(older.map(({ label, value }) => `${label}: ${value}`)).toEqual(['Followed, doubtful ones included: 75.0 %, 75 frames', 'Lost: 25.0 %, 25 frames']);
     expect(mapFacts(parseReport({})).filter(([, value]) => value !== null)).toEqual([]);
     const facts = new Map(mapFacts(reportOf(9, 9, 0, { position_sigma_m: 0.0166, rotation_sigma_deg: 0.48, mapping: { 'loops by appearance': 1, 'loops by nearness': 2 } })));
-    expect([facts.get('Loops closed'), facts.get('Position at the end'), facts.get('Direction at the end')]).toEqual(['3', '± 33 mm', '± 1.0°']);
+    expect([facts.get('Loops closed'), facts.get('Position at the end'), facts.get('Direction at the end')]).toEqual(['3', '± 3 cm', '± 1.0°']);
   });
 });
 
