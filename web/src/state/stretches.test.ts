@@ -47,6 +47,8 @@ describe('doubtsIn', () => {
   it('has a used frame of the worst kind stand for it', () => {
     expect(doubts('tlooolt')).toMatchObject([{ lost: 2, middle: 1 }]);
     expect(doubts('tltlllt')).toMatchObject([{ lost: 4, middle: 4 }]);
+    const statuses = Array.from({ length: 18_000 }, (_, i): FrameStatus => (i % 4 < 2 ? 'tracked' : 'weak'));
+    expect(doubtsIn(stretchesOf({ timestamps_s: statuses.map((_, i) => i / 30), statuses }))).toMatchObject([{ weak: 9000, weak_s: expect.closeTo(300), middle: 2 }]); // the first of equals
   });
 });
 

@@ -33,6 +33,7 @@ export interface Doubt {
 const longestStep_s = 0.25; // from one frame to the next, and
 const longestSteps = 4; // this many usual steps; what is longer is a gap
 const together_s = 0.5; // doubts this close are one
+const longer_s = 0.001; // than another stretch; of those as long the first one counts, whatever the rounding of times
 const worst: readonly Follow[] = ['lost', 'weak', 'unknown', 'tracked', 'gap'];
 
 const isUsed = (status: FrameStatus): status is 'tracked' | 'weak' | 'lost' | 'unknown' => status === 'tracked' || status === 'weak' || status === 'lost' || status === 'unknown';
@@ -93,7 +94,7 @@ export function doubtsIn(stretches: readonly Stretch[]): Doubt[] {
       continue;
     }
     const isWorse = before.follow === 'weak' && next.follow === 'lost';
-    const standsForIt = isWorse || (before.follow === next.follow && long_s > longest_s);
+    const standsForIt = isWorse || (before.follow === next.follow && long_s > longest_s + longer_s);
     if (standsForIt) longest_s = long_s;
     found[found.length - 1] = together(before, next, standsForIt ? next.middle : before.middle);
   }
