@@ -19,7 +19,7 @@ interface Recording {
 
 // The worst have pictures, the others a line each.
 export function qualityDoubts(doubts: readonly Doubt[], recording: Recording): HTMLElement {
-  const byWorth = [...doubts].sort((a, b) => Number(b.follow === 'lost') - Number(a.follow === 'lost') || b.to_s - b.from_s - (a.to_s - a.from_s));
+  const byWorth = [...doubts].sort((a, b) => Number(b.follow === 'lost') - Number(a.follow === 'lost') || b.lost_s - a.lost_s || b.weak_s - a.weak_s);
   const worst = new Set(byWorth.slice(0, most_pictures));
   const rows = doubts.filter((doubt) => worst.has(doubt)).map((doubt) => rowOf(doubt, recording));
   const others = doubts.filter((doubt) => !worst.has(doubt));
@@ -27,7 +27,7 @@ export function qualityDoubts(doubts: readonly Doubt[], recording: Recording): H
   const more = element(
     'details',
     { class: 'more-doubts' },
-    element('summary', {}, others.length === 1 ? 'One shorter stretch' : `${others.length} shorter stretches`),
+    element('summary', {}, others.length === 1 ? 'One more place' : `${others.length} more places`),
     element('ul', {}, ...others.map((doubt) => element('li', {}, linkOf(doubt, recording.scanId), ` ${doubtWords(doubt)}`))),
   );
   more.hidden = others.length === 0;
@@ -60,7 +60,7 @@ function rowOf(doubt: Doubt, { scanId, token, signal }: Recording): { readonly n
     } catch (error) {
       picture.show(error instanceof ApiError ? error.message : 'This image cannot be read.');
     }
-    setText(seen, imageWords((await depth)?.valid_percent ?? null, brightness));
+    setText(seen, imageWords(await depth, brightness));
   };
   return { node, show };
 }

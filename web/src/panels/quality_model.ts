@@ -11,7 +11,7 @@ export function factList(facts: readonly Fact[]): HTMLElement {
 }
 
 // `parts`: that the model is in, not joined.
-export function modelSection({ extent, figures, hasPath, pictures, confidence }: ModelLook, parts: number): HTMLElement {
+export function modelSection({ extent, extentOf, hasWalls, figures, hasPath, pictures, confidence }: ModelLook, parts: number): HTMLElement {
   const [along_m, up_m, across_m] = extent.low_m.map((low, k) => extent.high_m[k]! - low) as [number, number, number];
   const [plan, ...sides] = pictures;
   const within = percentWords(1 - 2 * strayShare).replace('.0', '');
@@ -27,18 +27,27 @@ export function modelSection({ extent, figures, hasPath, pictures, confidence }:
     ]),
     note(
       parts > 1 ? 'The parts lie to each other as nobody knows: extent, ground plan and pictures are right only within each.' : '',
-      `The extent is along the walls, with ${within} of the model between its ends in each direction, so that stray points do not count.`,
-      figures ? `The ground plan is all squares of ${100 * planSquare_m} cm with any surface in them, seen from above.` : '',
+      directionWords(hasWalls, hasPath),
+      extentOf === 'all' ? 'All of the model is within it.' : `In each direction ${within} of the ${extentOf} ${extentOf === 'surface' ? 'is' : 'are'} between its ends, so that stray points do not count.`,
+      figures ? (figures.plan_m2 === null ? 'The model is too large for a ground plan.' : `The ground plan is all squares of ${100 * planSquare_m} cm with any surface in them, seen from above.`) : '',
       figures && figures.floorShare !== null ? 'The lowest level surface of some size counts as the floor.' : '',
       'Places that nobody has looked at are in no figure: how much is missing cannot be told from the scan.',
     ),
     element('div', { class: 'model-pictures' }, figureOf(plan!), confidence && figureOf(confidence.picture, true), ...sides.map((picture) => figureOf(picture))),
     note(
       'All pictures have the same scale and no perspective. What is seen from behind is left out, so that one looks into a room.',
-      hasPath ? 'Ahead is where the camera looked in the first frame. The line is its path, from the dot on.' : '',
+      hasPath ? `Ahead is where the camera looked in the first frame${hasWalls ? ', turned by up to 45° to the nearest direction of the upright surfaces' : ''}.` : '',
+      hasPath ? 'The line is the path of the camera, from the dot on.' : '',
       confidence ? 'Confidence grows with every frame that sees a place, most from near and straight ahead: from violet, 3 or less, to yellow, 20 and more. Low is below 6; a point needs 3 to be kept.' : '',
     ),
   );
+}
+
+// How the extent lies.
+function directionWords(hasWalls: boolean, hasPath: boolean): string {
+  if (hasWalls) return 'The extent is along and across the direction that most upright surfaces face.';
+  const instead = hasPath ? 'it is along and across where the camera looked in the first frame' : 'it is along and across the axes that the model came with';
+  return `There are no upright surfaces to turn the extent to: ${instead}.`;
 }
 
 function note(...sentences: readonly string[]): HTMLElement {

@@ -4,11 +4,12 @@ import { ApiError, fetchScan, type ScanSummary } from '../connection/api';
 import type { ScanEvent } from '../connection/events';
 import { fetchFrames, fetchPath, type FrameList } from '../connection/frames';
 import { ScanLink } from '../connection/link';
+import { orMissing, patiently } from '../connection/patience';
 import { fetchAccess, fetchReport, type Report } from '../connection/scans';
-import { ModelPictures } from '../scene/model_pictures';
+import { ModelPictures, NoWebGl } from '../scene/model_pictures';
 import { pathOf, type CameraPath } from '../state/camera_path';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from '../state/live_scan';
-import { meshWords } from '../state/mesh';
+import { isMeshSettled, meshWords } from '../state/mesh';
 import { frameShares, mapFacts, scanFacts, statesUncertainty } from '../state/quality_facts';
 import { followedOf, qualityWords, type Followed } from '../state/quality_words';
 import { keepReason } from '../state/reasons';
@@ -60,9 +61,9 @@ export function qualityPage(scanId: string, token: string): QualityPage {
     if (state.phase !== 'unknown') watch(); // the server has it
     if (!hasEnded(state)) return;
     load();
-    const isMade = state.mesh.state === 'shown' || state.mesh.state === 'failed' || (state.points === 0 && state.snapshotComplete);
-    if (isMade && isLoaded) draw();
-    else if (!isMade) parts.model.replaceChildren(element('p', { class: 'quality-note', role: 'status' }, meshWords(state.mesh, true) || 'Loading the model.'));
+    const isSettled = isMeshSettled(state);
+    if (isSettled && isLoaded) draw();
+    else if (!isSettled) parts.model.replaceChildren(element('p', { class: 'quality-note', role: 'status' }, meshWords(state.mesh, true) || 'Loading the model.'));
   };
   const unsubscribe = scan.subscribe(refresh);
   const onKey = (event: KeyboardEvent): void => {
@@ -160,8 +161,10 @@ function showModel(node: HTMLElement, pictures: ModelPictures, parts: number): v
   try {
     const look = pictures.draw();
     fill(node, look ? modelSection(look, parts) : element('p', { class: 'quality-note' }, 'There is no model: nothing was seen often enough.'));
-  } catch {
-    fill(node, element('p', { class: 'quality-note' }, 'This browser cannot show 3D pictures: it has no WebGL 2.'));
+  } catch (error) {
+    const isOld = error instanceof NoWebGl;
+    if (!isOld) console.error(error); // a mistake of ours
+    fill(node, element('p', { class: 'quality-note' }, isOld ? 'This browser cannot show 3D pictures: it has no WebGL 2.' : 'The pictures of the model could not be drawn.'));
   }
 }
 
@@ -201,14 +204,15 @@ class ToldScan {
     if (signal.aborted) return;
     this.parts.share.hidden = !(access?.view && access.scan);
     if (scan.get().framesReceived === 0) return; // imported
-    const [report, list, path] = await Promise.all([
-      fetchReport(scanId, token).catch(() => null),
-      access?.shared ? 'shared' : fetchFrames(scanId, token, signal).catch(wordsOf),
-      fetchPath(scanId, token, signal).catch(() => ''),
+    const [told, list, path] = await Promise.all([
+      orMissing(patiently(() => fetchReport(scanId, token), signal)).catch((error) => wordsOf(error, 'It cannot be read.')),
+      access?.shared ? 'shared' : patiently(() => fetchFrames(scanId, token, signal), signal).catch((error) => wordsOf(error, 'The frames could not be loaded.')),
+      patiently(() => fetchPath(scanId, token, signal), signal).catch(() => ''),
     ]);
     if (signal.aborted) return;
     this.path = pathOf(path);
-    const followed = followedOf(report, typeof list === 'string' ? null : list);
+    const report = typeof told === 'string' ? null : told;
+    const followed = followedOf(report, typeof list === 'string' ? null : list, typeof told === 'string' ? told : '');
     if (report) scan.dispatch({ kind: 'report', report });
     scan.dispatch({ kind: 'followed', followed });
     this.showFacts();
@@ -232,7 +236,7 @@ class ToldScan {
       return;
     }
     const strip = followed.stretches && qualityStrip(list, followed.stretches, (frame) => (location.hash = frameHash(scanId, frame)));
-    fill(this.parts.camera, ...(strip ? [strip, legend, element('p', { class: 'quality-note on-screen' }, 'A click into the strip opens the model with the images of that moment.')] : [legend, note('What became of each frame is not recorded in this scan.')]));
+    fill(this.parts.camera, ...(strip ? [strip, legend, element('p', { class: 'quality-note on-screen' }, 'A click into the strip opens the model with the images of that moment.')] : [legend, note('The list of frames does not say what became of each.')]));
     const { doubts } = followed;
     if (!doubts || doubts.length === 0) return;
     const why = note('Why the camera was lost is told while a scan runs, and the server does not keep it: reasons are here where this page has seen the scan running. What is said of an image is what it shows by itself.');
@@ -254,14 +258,15 @@ function nextLook(signal: AbortSignal): Promise<void> {
     const done = (): void => {
       clearTimeout(timer);
       document.removeEventListener('visibilitychange', done);
+      signal.removeEventListener('abort', done);
       resolve();
     };
     const timer = setTimeout(done, askEvery_ms);
     document.addEventListener('visibilitychange', done);
-    signal.addEventListener('abort', done, { once: true });
+    signal.addEventListener('abort', done);
   });
 }
 
-function wordsOf(error: unknown): string {
-  return error instanceof ApiError ? error.message : 'The frames could not be loaded.';
+function wordsOf(error: unknown, otherwise: string): string {
+  return error instanceof ApiError ? error.message : otherwise;
 }

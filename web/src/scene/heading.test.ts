@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { cross, dot, type Triple } from '../state/axes';
 import type { SurfaceSamples } from './gravity';
-import { wallAxes } from './heading';
+import { hasWalls, wallAxes } from './heading';
 
 const samplesOf = (normals: readonly Triple[]): SurfaceSamples => ({
   count: normals.length,
@@ -32,5 +32,6 @@ describe('wallAxes', () => {
 
   it('is the world’s x where there are no walls', () => {
     expect(wallAxes(samplesOf([up]), up).along).toEqual([1, 0, 0]);
+    expect([[up], [up, facing(30)], []].map((normals) => hasWalls(samplesOf(normals), up))).toEqual([false, true, false]);
   });
 });

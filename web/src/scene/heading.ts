@@ -14,7 +14,7 @@ export function wallAxes(samples: SurfaceSamples, up: Triple): Axes {
   const bins = new Float64Array(quarter_deg);
   for (let i = 0; i < samples.count; ++i) {
     const normal: Triple = [samples.normals[3 * i]!, samples.normals[3 * i + 1]!, samples.normals[3 * i + 2]!];
-    if (Math.abs(dot(normal, up)) > steepest) continue;
+    if (!isUpright(normal, up)) continue;
     const angle_deg = positive((Math.atan2(dot(normal, across), dot(normal, axes.along)) * 180) / Math.PI);
     walls.push({ angle_deg, weight: samples.weights[i]! });
     bins[Math.floor(angle_deg) % quarter_deg]! += samples.weights[i]!;
@@ -37,6 +37,14 @@ export function wallAxes(samples: SurfaceSamples, up: Triple): Axes {
   const turn_deg = positive(peak_deg + sum / total + quarter_deg / 2) - quarter_deg / 2;
   const turn_rad = (turn_deg * Math.PI) / 180;
   return axesOf(up, combined(axes.along, Math.cos(turn_rad), across, Math.sin(turn_rad)));
+}
+
+const isUpright = (normal: Triple, up: Triple): boolean => Math.abs(dot(normal, up)) <= steepest;
+
+// Whether there is anything upright that `wallAxes` turns to.
+export function hasWalls({ count, normals }: SurfaceSamples, up: Triple): boolean {
+  for (let i = 0; i < count; ++i) if (isUpright([normals[3 * i]!, normals[3 * i + 1]!, normals[3 * i + 2]!], up)) return true;
+  return false;
 }
 
 // Returns the angle modulo 90 degrees, not negative.

@@ -3,17 +3,18 @@
 import { Color, Group, PerspectiveCamera, Quaternion, Scene, Vector3, WebGLRenderer, type Object3D } from 'three';
 import type { ScanEvent } from '../connection/events';
 import { threeOf, type Axes, type Triple } from '../state/axes';
-import { extentOf, figuresOf, type Extent, type ModelFigures } from '../state/model_figures';
+import { extentOf, figuresOf, weighedByArea, type Extent, type ModelFigures } from '../state/model_figures';
+import type { Surface } from '../state/section';
 import { initialViewOptions, type ViewOptions } from '../state/view_options';
 import { floorHeight_m, firstCamerasUp, upOf, type Direction } from './gravity';
-import { wallAxes } from './heading';
+import { hasWalls, wallAxes } from './heading';
 import { MeshLayer } from './mesh_layer';
 import { boundsAlong } from './model_bounds';
 import { PointsLayer } from './points_layer';
 import { SampleCollector } from './samples';
 import { SubmapsLayer } from './submaps_layer';
 
-export const strayShare = 0.005; // of the points at either end of each axis
+export const strayShare = 0.005; // of the surface, or the points, at either end of each axis
 const widest_px = 760;
 const tallest = 1.25; // of the width
 const margin = 1.06;
@@ -30,11 +31,16 @@ export interface ModelPicture {
 
 export interface ModelLook {
   readonly extent: Extent;
+  readonly extentOf: 'all' | 'surface' | 'points'; // all of the model, or what is left of these without strays
+  readonly hasWalls: boolean; // that its axes are turned to
   readonly figures: ModelFigures | null; // null: there is no surface
   readonly hasPath: boolean; // of the camera, in the picture from above
   readonly pictures: readonly ModelPicture[];
   readonly confidence: { readonly picture: ModelPicture; readonly lowShare: number } | null;
 }
+
+// The browser makes no pictures.
+export class NoWebGl extends Error {}
 
 interface View {
   readonly name: string;
@@ -47,7 +53,6 @@ export class ModelPictures {
   private readonly submaps = new SubmapsLayer();
   private readonly points = new PointsLayer(this.submaps);
   private readonly mesh = new MeshLayer();
-  private readonly confidences = new Uint32Array(256); // points by confidence times 8
   private path_m = new Float32Array(); // of the camera, in the world
   private chosenUp: Direction | null;
   private imported = false;
@@ -62,7 +67,6 @@ export class ModelPictures {
     this.points.onEvent(event);
     if (event.kind === 'scanState') this.imported = event.phase === 'finished' && event.received === 0;
     if (event.kind === 'trajectory' && !event.submaps) this.path_m = Float32Array.from(event.positions_m);
-    if (event.kind === 'chunk' && event.points) for (let i = 0; i < event.points.count; ++i) ++this.confidences[event.points.colors[4 * i + 3]!]!;
   }
 
   showMesh(root: Object3D): { readonly triangles: number; readonly textured: boolean } {
@@ -71,7 +75,7 @@ export class ModelPictures {
     return { triangles, textured: this.mesh.isTextured };
   }
 
-  // Null when there is nothing to see. Throws when the browser has no WebGL 2.
+  // Null when there is nothing to see. Throws NoWebGl when the browser has no WebGL 2.
   draw(): ModelLook | null {
     this.submaps.tick(Infinity);
     const surfaces = this.mesh.surfaces();
@@ -80,14 +84,15 @@ export class ModelPictures {
     const axes = wallAxes(samples, up);
     const all = boundsAlong(axes, this.points.boxes(), surfaces);
     if (!all) return null;
-    const extent = extentOf(samples.positions_m, axes, strayShare) ?? all;
+    const trimmed = this.trimmed(surfaces, samples.positions_m, axes);
+    const extent = trimmed?.extent ?? boundsAlong(axes, this.mesh.isThere ? [] : this.points.boxes(), surfaces) ?? all;
     const floor_m = floorHeight_m(samples, up);
     const figures = this.mesh.isThere ? figuresOf(surfaces, axes, all, floor_m) : null;
-    const seen = union(extent, extentOf(this.path_m, axes, 0));
+    const seen = union(extent, extentOf({ positions_m: this.path_m, weights: null }, axes, 0));
     const whole = union(all, seen);
     const studio = new Studio(axes, seen, Math.hypot(...whole.low_m.map((low, k) => whole.high_m[k]! - low)));
     try {
-      return { extent, figures, hasPath: this.path_m.length > 0, ...this.pictures(studio, axes) };
+      return { extent, extentOf: trimmed?.of ?? 'all', hasWalls: hasWalls(samples, up), figures, hasPath: this.path_m.length > 0, ...this.pictures(studio, axes) };
     } finally {
       studio.dispose();
     }
@@ -97,6 +102,14 @@ export class ModelPictures {
     this.points.dispose();
     this.mesh.dispose();
     this.submaps.dispose();
+  }
+
+  // Without strays. Null: there are none, as in what was imported, whose far ends somebody has made; or nothing is known.
+  private trimmed(surfaces: readonly Surface[], points_m: Float32Array, axes: Axes): { readonly extent: Extent; readonly of: 'surface' | 'points' } | null {
+    if (this.imported && this.mesh.isThere) return null;
+    const weighed = this.mesh.isThere ? weighedByArea(surfaces) : { positions_m: points_m, weights: null };
+    const extent = extentOf(weighed, axes, strayShare);
+    return extent && { extent, of: this.mesh.isThere ? 'surface' : 'points' };
   }
 
   private samples() {
@@ -113,10 +126,11 @@ export class ModelPictures {
     const draw = (view: View): ModelPicture => studio.picture(view, (size) => this.points.onResize(size));
     const plan = studio.withPath(draw(above), this.path_m);
     const pictures = [plan, ...sides.map(draw)];
-    const total = this.confidences.reduce((sum, count) => sum + count, 0);
+    const confidences = this.points.confidences();
+    const total = confidences.reduce((sum, count) => sum + count, 0);
     if (this.imported || total === 0) return { pictures, confidence: null };
     this.look({ ...initialViewOptions, show: 'points', color: 'confidence' }, true);
-    const low = this.confidences.subarray(0, 8 * lowConfidence).reduce((sum, count) => sum + count, 0);
+    const low = confidences.subarray(0, 8 * lowConfidence).reduce((sum, count) => sum + count, 0);
     return { pictures, confidence: { picture: { ...draw(above), name: 'Confidence' }, lowShare: low / total } };
   }
 
@@ -148,9 +162,17 @@ function viewsOf(axes: Axes): readonly [View, ...View[]] {
   ];
 }
 
+function newRenderer(): WebGLRenderer {
+  try {
+    return new WebGLRenderer({ antialias: true, alpha: true });
+  } catch (error) {
+    throw new NoWebGl('There is no WebGL 2.', { cause: error });
+  }
+}
+
 // Where pictures are taken, all at the same scale.
 class Studio {
-  private readonly renderer = new WebGLRenderer({ antialias: true, alpha: true });
+  private readonly renderer = newRenderer();
   private readonly scene = new Scene();
   private readonly upright = new Group(); // shaders light what is above in the world, where y points down
   private readonly camera = new PerspectiveCamera();

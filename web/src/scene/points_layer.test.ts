@@ -49,6 +49,19 @@ describe('PointsLayer', () => {
     expect(points.drawCalls).toBe(1);
   });
 
+  it('counts the confidences of the points that it holds, and not of those that were replaced or taken away', () => {
+    const sure = (event: ScanEvent, confidence: number): ScanEvent => {
+      if (event.kind === 'chunk') event.points?.colors.fill(8 * confidence);
+      return event;
+    };
+    const { points } = play(poses([0, 10]), sure(chunk(0, 20), 3), sure(chunk(1, 40), 3));
+    points.onEvent(sure(chunk(0, 30), 6));
+    const held = (): number[] => [3, 6].map((confidence) => points.confidences()[8 * confidence]!);
+    expect(held()).toEqual([40, 30]);
+    points.onEvent(chunk(1, 0));
+    expect(held()).toEqual([0, 30]);
+  });
+
   it('fades the parts that the camera is not in, until they are joined', () => {
     const { submaps, points, faded } = play(running, poses([0, 10], [0, 1]), chunk(0), chunk(1), frame(1, 0));
     expect([faded(0), faded(1)]).toEqual([true, false]);

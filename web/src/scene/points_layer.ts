@@ -85,6 +85,13 @@ export class PointsLayer implements Layer {
     }
   }
 
+  // How many points there are of each confidence, which is an eighth of the index.
+  confidences(): Uint32Array {
+    const counts = new Uint32Array(256);
+    for (const { batch, range } of this.clouds.values()) batch.countConfidences(range, counts);
+    return counts;
+  }
+
   // The nearest disc that the ray meets from the front; `ray` in the world. The normal is 0 where a point has none: its disc faces whoever looks.
   pick(ray: Ray): Hit | null {
     let best: Hit | null = null;

@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { asItIs, type ScanExport } from '../connection/exports';
 import { initialLiveScan, reduceLiveScan, type LiveScan } from './live_scan';
-import { mayHaveMesh, meshWords, nextStep } from './mesh';
+import { isMeshSettled, mayHaveMesh, meshWords, nextStep } from './mesh';
 
 const mesh = (change: Partial<ScanExport>): ScanExport => ({
   format: 'glb-draco',
@@ -26,6 +26,16 @@ describe('mayHaveMesh', () => {
     expect(mayHaveMesh({ ...whole, phase: 'failed' })).toBe(false);
     expect(mayHaveMesh({ ...whole, points: 0 })).toBe(false);
     expect(mayHaveMesh({ ...whole, snapshotComplete: false })).toBe(false);
+  });
+
+  it('is waited for only where one may come', () => {
+    expect(isMeshSettled(whole)).toBe(false);
+    expect(isMeshSettled({ ...whole, mesh: { state: 'loading', done: 0.5 } })).toBe(false);
+    expect(isMeshSettled({ ...whole, mesh: { state: 'shown', triangles: 1, textured: false } })).toBe(true);
+    expect(isMeshSettled({ ...whole, mesh: { state: 'failed', words: 'too large' } })).toBe(true);
+    expect(isMeshSettled({ ...whole, points: 0 })).toBe(true);
+    expect(isMeshSettled({ ...whole, points: 0, snapshotComplete: false })).toBe(false);
+    expect(isMeshSettled({ ...whole, phase: 'failed' })).toBe(true);
   });
 });
 

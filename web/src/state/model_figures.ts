@@ -1,10 +1,13 @@
 // Sizes of a model that follow from its surface alone. Pure functions.
 import { dot, threeOf, type Axes, type Triple } from './axes';
+import { GroundPlan, planSquare_m, type Corners } from './ground_plan';
 import type { Surface } from './section';
+
+export { planSquare_m };
 
 export interface ModelFigures {
   readonly area_m2: number; // of the surface
-  readonly plan_m2: number | null; // of the squares that have surface in them, seen from above; null: there are too many squares
+  readonly plan_m2: number | null; // of the squares that have surface in them, seen from above; null: there are too many squares, or too much surface in them
   readonly floorShare: number | null; // of these, how many have floor in them; null: no floor is known
 }
 
@@ -13,59 +16,79 @@ export interface Extent {
   readonly high_m: Triple;
 }
 
-export const planSquare_m = 0.1;
-const most_squares = 1 << 24;
-const floorWithin_m = 0.06;
+// Points of a model, each with how much of it is there; null: all with the same.
+export interface Weighted {
+  readonly positions_m: Float32Array;
+  readonly weights: Float32Array | null;
+}
+
+const most_weighed = 30_000; // triangles
 const floorFacing = 0.8; // cosine between up and what is floor
 
-// Of points, along these axes, without the farthest `strayShare` at either end: a few stray points are no room.
-export function extentOf(positions_m: Float32Array, axes: Axes, strayShare: number): Extent | null {
+// Of points, along these axes, without the farthest at either end that have `strayShare` of the weight: a few stray points are no room.
+export function extentOf({ positions_m, weights }: Weighted, axes: Axes, strayShare: number): Extent | null {
   const count = positions_m.length / 3;
   if (count === 0) return null;
+  const stray = strayShare * (weights?.reduce((sum, weight) => sum + weight, 0) ?? count);
   const [low, high] = [[0, 0, 0], [0, 0, 0]];
   threeOf(axes).forEach((axis, k) => {
-    const along_m = Float32Array.from({ length: count }, (_, i) => dot(pointAt(positions_m, i), axis)).sort();
-    const left = Math.min(Math.floor(strayShare * count), Math.floor((count - 1) / 2));
-    low[k] = along_m[left]!;
-    high[k] = along_m[count - 1 - left]!;
+    const along_m = Float32Array.from({ length: count }, (_, i) => dot(pointAt(positions_m, i), axis));
+    const order = Uint32Array.from({ length: count }, (_, i) => i).sort((i, j) => along_m[i]! - along_m[j]!);
+    low[k] = along_m[beyond(order, weights, stray)]!;
+    high[k] = along_m[beyond(order.reverse(), weights, stray)]!;
   });
   return { low_m: low as unknown as Triple, high_m: high as unknown as Triple };
 }
 
-export function figuresOf(surfaces: readonly Surface[], axes: Axes, { low_m, high_m }: Extent, floor_m: number | null): ModelFigures {
-  const [along, up, across] = threeOf(axes);
-  const [columns, rows] = [0, 2].map((k) => Math.max(1, Math.ceil((high_m[k]! - low_m[k]!) / planSquare_m))) as [number, number];
-  const squares = columns * rows <= most_squares ? new Uint8Array(columns * rows) : null; // 1: surface, 2: floor, too
-  let area_m2 = 0;
-  const mark = (point: Triple, isFloor: boolean): void => {
-    const column = Math.floor((dot(point, along) - low_m[0]) / planSquare_m);
-    const row = Math.floor((dot(point, across) - low_m[2]) / planSquare_m);
-    if (!squares || column < 0 || row < 0 || column >= columns || row >= rows) return;
-    squares[row * columns + column]! |= isFloor && Math.abs(dot(point, up) - floor_m!) < floorWithin_m ? 3 : 1;
-  };
-  for (const { positions_m, index } of surfaces)
-    for (let i = 0; i + 2 < index.length; i += 3) {
-      const [a, b, c] = [pointAt(positions_m, index[i]!), pointAt(positions_m, index[i + 1]!), pointAt(positions_m, index[i + 2]!)];
-      const [ab, ac] = [minus(b, a), minus(c, a)];
-      const normal: Triple = [ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0]];
-      const twice_m2 = Math.hypot(...normal);
-      area_m2 += twice_m2 / 2;
-      const isFloor = floor_m !== null && dot(normal, up) > floorFacing * twice_m2;
-      pointsIn(a, ab, ac, (point) => mark(point, isFloor));
-    }
-  const [seen, floors] = [squares?.reduce((sum, square) => sum + (square & 1), 0) ?? 0, squares?.reduce((sum, square) => sum + (square >> 1), 0) ?? 0];
-  return { area_m2, plan_m2: squares && seen * planSquare_m ** 2, floorShare: floor_m === null || seen === 0 ? null : floors / seen };
+// The first in this order that has more than `stray` of the weight up to it, itself included.
+function beyond(order: Uint32Array, weights: Float32Array | null, stray: number): number {
+  let sum = 0;
+  for (const i of order) {
+    sum += weights?.[i] ?? 1;
+    if (sum > stray) return i;
+  }
+  return order.at(-1)!;
 }
 
-// Of a triangle, at most half a square apart.
-function pointsIn(a: Triple, ab: Triple, ac: Triple, visit: (point: Triple) => void): void {
-  const longest_m = Math.max(Math.hypot(...ab), Math.hypot(...ac), Math.hypot(...minus(ab, ac)));
-  const steps = Math.min(500, Math.max(1, Math.ceil((2 * longest_m) / planSquare_m)));
-  for (let i = 0; i < steps; ++i)
-    for (let j = 0; i + j < steps; ++j) {
-      const [u, v] = [(i + 1 / 3) / steps, (j + 1 / 3) / steps];
-      visit([a[0] + u * ab[0] + v * ac[0], a[1] + u * ab[1] + v * ac[1], a[2] + u * ab[2] + v * ac[2]]);
+// Corners of triangles, evenly taken, each with a third of the area: where vertices are dense there is no more surface.
+export function weighedByArea(surfaces: readonly Surface[]): Weighted {
+  const triangles = surfaces.reduce((sum, { index }) => sum + Math.floor(index.length / 3), 0);
+  const stride = Math.max(1, Math.ceil(triangles / most_weighed));
+  const [positions_m, weights]: [number[], number[]] = [[], []];
+  for (const { positions_m: all_m, index } of surfaces)
+    for (let i = 0; i + 2 < index.length; i += 3 * stride) {
+      const corners = [pointAt(all_m, index[i]!), pointAt(all_m, index[i + 1]!), pointAt(all_m, index[i + 2]!)] as const;
+      const third = Math.hypot(...normalOf(corners)) / 6;
+      for (const corner of corners) {
+        positions_m.push(...corner);
+        weights.push(third);
+      }
     }
+  return { positions_m: Float32Array.from(positions_m), weights: Float32Array.from(weights) };
+}
+
+export function figuresOf(surfaces: readonly Surface[], axes: Axes, extent: Extent, floor_m: number | null): ModelFigures {
+  const [along, up, across] = threeOf(axes);
+  let plan = GroundPlan.over(extent);
+  let area_m2 = 0;
+  for (const { positions_m, index } of surfaces)
+    for (let i = 0; i + 2 < index.length; i += 3) {
+      const corners = [pointAt(positions_m, index[i]!), pointAt(positions_m, index[i + 1]!), pointAt(positions_m, index[i + 2]!)] as const;
+      const normal = normalOf(corners);
+      const twice_m2 = Math.hypot(...normal);
+      area_m2 += twice_m2 / 2;
+      if (!plan || twice_m2 === 0) continue;
+      const isFloor = floor_m !== null && dot(normal, up) > floorFacing * twice_m2;
+      const seen = corners.map((corner): Triple => [dot(corner, along), dot(corner, up), dot(corner, across)]) as unknown as Corners;
+      if (!plan.mark(seen, isFloor ? floor_m : null)) plan = null;
+    }
+  const { surface, floor } = plan?.counts() ?? { surface: 0, floor: 0 };
+  return { area_m2, plan_m2: plan && surface * planSquare_m ** 2, floorShare: floor_m === null || surface === 0 ? null : floor / surface };
+}
+
+function normalOf([a, b, c]: Corners): Triple {
+  const [ab, ac] = [minus(b, a), minus(c, a)];
+  return [ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0]];
 }
 
 const minus = (a: Triple, b: Triple): Triple => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];

@@ -3,7 +3,7 @@ import type { ScanSummary } from '../connection/api';
 import type { Report } from '../connection/scans';
 import type { CameraPath } from './camera_path';
 import { durationWords, percentWords, type Followed } from './quality_words';
-import { count, framesWords, phaseWords } from './words';
+import { count, framesWords, phaseWords, withinWords } from './words';
 
 export type Fact = readonly [label: string, value: string | null];
 
@@ -23,15 +23,15 @@ export interface FrameShare {
   readonly value: string;
 }
 
-// Of the frames that were processed, and beside them those that were not used. Empty when nobody knows.
+// Of the frames that were processed (older reports do not say which were doubtful), and beside them those that were not used. Empty when nobody knows.
 export function frameShares({ frames, tracked, weak, counts }: Followed): FrameShare[] {
   if (!frames || tracked === null) return [];
-  const doubtful = weak ?? 0;
   const unused = counts ? counts.left_out + counts.refused + counts.damaged : 0;
   const words = (number: number): string => `${percentWords(number / frames)}, ${count(number)} ${number === 1 ? 'frame' : 'frames'}`;
   return [
-    { kind: 'tracked', label: 'Followed', value: words(tracked - doubtful) },
-    { kind: 'weak', label: 'Doubtful', value: words(doubtful) },
+    ...(weak === null
+      ? [{ kind: 'tracked', label: 'Followed, doubtful ones included', value: words(tracked) } as const]
+      : [{ kind: 'tracked', label: 'Followed', value: words(tracked - weak) } as const, { kind: 'weak', label: 'Doubtful', value: words(weak) } as const]),
     { kind: 'lost', label: 'Lost', value: words(frames - tracked) },
     ...(unused > 0 ? [{ kind: 'unused', label: 'Not used', value: `${count(unused)} ${unused === 1 ? 'frame' : 'frames'} beside these` } as const] : []),
   ];
@@ -58,14 +58,12 @@ export function mapFacts(report: Report): Fact[] {
     ['Keyframes', number('keyframes')],
     ['Parts', number('parts')],
     ['Parts joined', number('joined parts')],
-    ['Position at the end', isStated ? `± ${lengthWords(2 * positionSigma_m!)}` : null],
+    ['Position at the end', isStated ? withinWords(positionSigma_m!) : null],
     ['Direction at the end', isStated && rotationSigma_deg !== null ? `± ${(2 * rotationSigma_deg).toFixed(1)}°` : null],
     ['Time for a frame', meanFrame_ms === null ? null : `${meanFrame_ms.toFixed(0)} ms on average`],
     ['Computed on', device || null],
   ];
 }
-
-const lengthWords = (length_m: number): string => (length_m < 0.1 ? `${Math.max(1, Math.round(1000 * length_m))} mm` : `${Math.round(100 * length_m)} cm`);
 
 export function dateWords(date: Date): string {
   return date.toLocaleString('en-GB', { day: 'numeric', month: 'long', year: 'numeric', hour: '2-digit', minute: '2-digit' });

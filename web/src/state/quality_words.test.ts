@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import type { FrameList, FrameStatus } from '../connection/frames';
+import { parseRange, type FrameList, type FrameStatus } from '../connection/frames';
 import { parseReport } from '../connection/scans';
 import { pathOf } from './camera_path';
 import { frameShares, mapFacts } from './quality_facts';
@@ -19,13 +19,22 @@ describe('qualityWords', () => {
 
   it('names doubtful and lost stretches with their time, and without the list of frames their number', () => {
     const list = listOf(['tracked', 20], ['weak', 5], ['tracked', 20], ['weak', 3], ['tracked', 2]);
-    expect(qualityWords(followedOf(reportOf(50, 50, 8), list))).toBe('The camera was followed in all of 50 frames; two stretches of 0.8 s in all are doubtful.');
+    expect(qualityWords(followedOf(reportOf(50, 50, 8), list))).toBe('The camera was followed in all of 50 frames; 8 of them are doubtful, for 0.8 s in all.');
     expect(qualityWords(followedOf(reportOf(50, 50, 8), null))).toBe('The camera was followed in all of 50 frames; 8 of them are doubtful.');
     const lost = listOf(['tracked', 30], ['lost', 10], ['weak', 1], ['tracked', 30]);
-    expect(qualityWords(followedOf(reportOf(71, 61, 1), lost))).toBe('The camera was followed in 61 of 71 frames; one of them is doubtful. It was lost once, for 1.1 s.');
+    expect(qualityWords(followedOf(reportOf(71, 61, 1), lost))).toBe('The camera was followed in 61 of 71 frames; one of them is doubtful, for 0.1 s. It was lost once, for 1.0 s.');
     expect(qualityWords(followedOf(reportOf(71, 61, 0), null))).toBe('The camera was followed in 61 of 71 frames. It was lost in 10 frames.');
     const end = listOf(['tracked', 30], ['lost', 10], ['tracked', 30], ['lost', 20]);
     expect(qualityWords(followedOf(reportOf(90, 60), end))).toContain('It was lost twice, for 3.0 s in all, and was not found again before the end.');
+  });
+
+  it('says how long the camera was lost and doubtful, and not how long the place is in which it was', () => {
+    const runs = Array.from({ length: 300 }, (_, i) => [['tracked', 3], [i === 150 ? 'lost' : 'weak', 1]] as const).flat();
+    const followed = followedOf(reportOf(1200, 1199, 299), listOf(...runs));
+    expect(qualityWords(followed)).toBe('The camera was followed in 1,199 of 1,200 frames; 299 of them are doubtful, for 30 s in all. It was lost once, for 0.1 s.');
+    expect(followed.doubts!.map(doubtWords)).toEqual(['Lost for 0.1 s: 1 frame not in the model; doubtful for 30 s: 299 frames nearly lost, but in the model']);
+    const [twice] = followedOf(null, listOf(['tracked', 5], ['lost', 1], ['tracked', 1], ['lost', 2], ['tracked', 5])).doubts!;
+    expect(doubtWords(twice!)).toBe('Lost twice, for 0.3 s in all: 3 frames not in the model');
   });
 
   it('is honest where nothing was followed, or nobody knows', () => {
@@ -33,6 +42,14 @@ describe('qualityWords', () => {
     expect(qualityWords(followedOf(null, null))).toBe('How well the camera was followed is not recorded in this scan.');
     expect(qualityWords(followedOf(parseReport({ surfels: 1 }), listOf(['unknown', 9])))).toBe('How well the camera was followed is not recorded in this scan.');
     expect(qualityWords(followedOf(null, listOf(['tracked', 9], ['lost', 1])))).toContain('in 9 of 10 frames');
+  });
+
+  it('does not take a report that could not be loaded for one that says nothing', () => {
+    const why = 'The server asks to wait a little.';
+    const words = qualityWords(followedOf(null, null, why));
+    expect(words).toMatch(/^The scan’s report could not be loaded, .* parts, .* calibration fits\. The server asks to wait a little\.$/);
+    expect(words).not.toContain('not recorded');
+    expect(qualityWords(followedOf(null, listOf(['tracked', 9], ['lost', 1]), why))).toMatch(/in 9 of 10 frames.*could not be loaded/);
   });
 
   it('names frames that were not used', () => {
@@ -55,9 +72,13 @@ describe('qualityWords', () => {
 describe('other words', () => {
   it('has words for a doubt and for what an image shows', () => {
     const [doubt] = followedOf(null, listOf(['tracked', 5], ['lost', 10], ['weak', 1], ['tracked', 5])).doubts!;
-    expect(doubtWords(doubt!)).toBe('Lost for 1.1 s: 10 frames not used, 1 frame nearly lost');
-    expect(imageWords(0, 0.01)).toBe('In this frame there is no depth, and the image is nearly black.');
-    expect(imageWords(87, 0.5)).toBe('In this frame 87 % of the pixels have depth.');
+    expect(doubtWords(doubt!)).toBe('Lost for 1.0 s: 10 frames not in the model; doubtful for 0.1 s: 1 frame nearly lost, but in the model');
+    const depth = (header: string | null, valid_percent: number | null) => ({ measured: parseRange(header), valid_percent });
+    expect(imageWords(depth('0-0', 0), 0.01)).toBe('In this frame there is no depth, and the image is nearly black.');
+    expect(imageWords(depth(null, 0), 0.5)).toBe('In this frame there is no depth.');
+    expect(imageWords(depth('412-3981', 0), 0.5)).toBe('In this frame less than 1 % of the pixels have depth.');
+    expect(imageWords(depth('412-3981', 87), 0.5)).toBe('In this frame 87 % of the pixels have depth.');
+    expect(imageWords(depth('412-3981', null), 0.5)).toBe('');
     expect(imageWords(null, 0.5)).toBe('');
   });
 
@@ -70,9 +91,11 @@ describe('other words', () => {
   it('leaves out of the lists what is not known', () => {
     expect(frameShares(followedOf(parseReport({}), null))).toEqual([]);
     expect(frameShares(followedOf(reportOf(100, 75, 5), null)).map(({ value }) => value)).toEqual(['70.0 %, 70 frames', '5.0 %, 5 frames', '25.0 %, 25 frames']);
+    const older = frameShares(followedOf(parseReport({ frames: 100, tracked_frames: 75 }), null));
+    expect(older.map(({ label, value }) => `${label}: ${value}`)).toEqual(['Followed, doubtful ones included: 75.0 %, 75 frames', 'Lost: 25.0 %, 25 frames']);
     expect(mapFacts(parseReport({})).filter(([, value]) => value !== null)).toEqual([]);
     const facts = new Map(mapFacts(reportOf(9, 9, 0, { position_sigma_m: 0.0166, rotation_sigma_deg: 0.48, mapping: { 'loops by appearance': 1, 'loops by nearness': 2 } })));
-    expect([facts.get('Loops closed'), facts.get('Position at the end'), facts.get('Direction at the end')]).toEqual(['3', '± 33 mm', '± 1.0°']);
+    expect([facts.get('Loops closed'), facts.get('Position at the end'), facts.get('Direction at the end')]).toEqual(['3', '± 3 cm', '± 1.0°']);
   });
 });
 

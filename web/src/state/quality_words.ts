@@ -1,5 +1,5 @@
 // How well a scan went, in sentences: from what its report and the list of its frames say, and nothing beyond. Pure functions.
-import type { FrameList } from '../connection/frames';
+import type { DepthPicture, DepthRange, FrameList } from '../connection/frames';
 import type { Report } from '../connection/scans';
 import { countsOf, doubtsIn, stretchesOf, type Doubt, type FrameCounts, type Stretch } from './stretches';
 import { count, sentence } from './words';
@@ -11,12 +11,14 @@ export interface Followed {
   readonly counts: FrameCounts | null; // of all that were sent; null: the list cannot be had
   readonly stretches: readonly Stretch[] | null;
   readonly doubts: readonly Doubt[] | null;
-  readonly parts: number; // of the model
+  readonly parts: number; // of the model; 1 where nobody says
   readonly calibrationDoubt: string;
   readonly cameraCorrection: string;
+  readonly unread: string; // why the scan's report could not be loaded, a sentence; empty when it was, or there is none
 }
 
-export function followedOf(report: Report | null, list: FrameList | null): Followed {
+// `report`: null when the scan has none. `unread`: it may have one, but that could not be loaded.
+export function followedOf(report: Report | null, list: FrameList | null, unread = ''): Followed {
   const counts = list && countsOf(list.statuses);
   const stretches = list && stretchesOf(list);
   // A list whose frames are unknown says less than the report, which has sums.
@@ -31,6 +33,7 @@ export function followedOf(report: Report | null, list: FrameList | null): Follo
     parts: report?.mapping['parts'] ?? 1,
     calibrationDoubt: report?.calibrationDoubt ?? '',
     cameraCorrection: report?.cameraCorrection ?? '',
+    unread,
   };
 }
 
@@ -43,6 +46,7 @@ export function qualityWords(followed: Followed, said = ''): string {
     followedWords(followed),
     lostWords(followed),
     unusedWords(followed.counts),
+    unreadWords(followed),
     parts > 1 && !said.includes('could not be joined') ? `The model is in ${name(parts)} parts that were never joined: where they lie to each other is not known.` : '',
     ...[calibrationDoubt, cameraCorrection].filter((words) => words !== '' && !said.includes(words)).map(sentence),
   ]
@@ -50,8 +54,8 @@ export function qualityWords(followed: Followed, said = ''): string {
     .join(' ');
 }
 
-function followedWords({ frames, tracked, weak, doubts }: Followed): string {
-  if (frames === null || tracked === null) return 'How well the camera was followed is not recorded in this scan.';
+function followedWords({ frames, tracked, weak, doubts, unread }: Followed): string {
+  if (frames === null || tracked === null) return unread !== '' ? '' : 'How well the camera was followed is not recorded in this scan.';
   if (frames === 0) return 'No frame was processed.';
   if (tracked === 0) return frames === 1 ? 'The camera could not be followed in the only frame.' : `The camera could not be followed in any of ${count(frames)} frames.`;
   const share = tracked < frames ? `in ${count(tracked)} of ${count(frames)} frames` : frames === 1 ? 'in the only frame' : `in all of ${count(frames)} frames`;
@@ -60,22 +64,24 @@ function followedWords({ frames, tracked, weak, doubts }: Followed): string {
 
 // Behind how many frames were followed.
 function weakWords(weak: number, doubts: readonly Doubt[] | null): string {
-  const weakOnly = doubts?.filter(({ follow }) => follow === 'weak') ?? [];
-  if (weakOnly.length > 0) {
-    const of = weakOnly.length === 1 ? `of ${durationWords(lengthOf(weakOnly))} is` : `of ${durationWords(lengthOf(weakOnly))} in all are`;
-    return `; ${name(weakOnly.length)} ${weakOnly.length === 1 ? 'stretch' : 'stretches'} ${of} doubtful`;
-  }
   if (weak === 0) return '';
-  return weak === 1 ? '; one of them is doubtful' : `; ${count(weak)} of them are doubtful`;
+  const long_s = sumOf(doubts, ({ weak_s }) => weak_s);
+  const many = weak === 1 ? 'one of them is doubtful' : `${count(weak)} of them are doubtful`;
+  return `; ${many}${long_s > 0 ? `, for ${durationWords(long_s)}${weak === 1 ? '' : ' in all'}` : ''}`;
 }
 
 function lostWords({ frames, tracked, doubts, stretches }: Followed): string {
   if (!frames || !tracked || tracked === frames) return '';
-  const lost = doubts?.filter(({ follow }) => follow === 'lost') ?? [];
-  if (lost.length === 0) return `It was lost in ${frames - tracked === 1 ? 'one frame' : `${count(frames - tracked)} frames`}.`;
-  const times = lost.length === 1 ? 'once' : lost.length === 2 ? 'twice' : `${name(lost.length)} times`;
-  const long = lost.length === 1 ? `for ${durationWords(lengthOf(lost))}` : `for ${durationWords(lengthOf(lost))} in all`;
+  const losses = sumOf(doubts, (doubt) => doubt.losses);
+  if (losses === 0) return `It was lost in ${frames - tracked === 1 ? 'one frame' : `${count(frames - tracked)} frames`}.`;
+  const times = losses === 1 ? 'once' : losses === 2 ? 'twice' : `${name(losses)} times`;
+  const long = `for ${durationWords(sumOf(doubts, ({ lost_s }) => lost_s))}${losses === 1 ? '' : ' in all'}`;
   return `It was lost ${times}, ${long}${stretches?.filter(({ follow }) => follow !== 'gap').at(-1)?.follow === 'lost' ? ', and was not found again before the end' : ''}.`;
+}
+
+function unreadWords({ unread }: Followed): string {
+  if (unread === '') return '';
+  return `The scan’s report could not be loaded, so that what it says is missing here: how well the camera was followed, whether the model is in parts, and whether the calibration fits. ${unread}`;
 }
 
 function unusedWords(counts: FrameCounts | null): string {
@@ -92,25 +98,35 @@ function unusedWords(counts: FrameCounts | null): string {
 }
 
 // Of one place in the list of doubts.
-export function doubtWords({ follow, weak, lost, from_s, to_s }: Doubt): string {
+export function doubtWords({ weak, lost, weak_s, lost_s, losses }: Doubt): string {
   const frames = (number: number): string => `${count(number)} ${number === 1 ? 'frame' : 'frames'}`;
-  const long = durationWords(to_s - from_s);
-  if (follow === 'weak') return `Doubtful for ${long}: ${frames(weak)} nearly lost, but used`;
-  return `Lost for ${long}: ${frames(lost)} not used${weak > 0 ? `, ${frames(weak)} nearly lost` : ''}`;
+  const often = losses > 1 ? `${losses === 2 ? 'twice' : `${name(losses)} times`}, for ${durationWords(lost_s)} in all` : `for ${durationWords(lost_s)}`;
+  return [
+    ...(lost > 0 ? [`lost ${often}: ${frames(lost)} not in the model`] : []),
+    ...(weak > 0 ? [`doubtful for ${durationWords(weak_s)}: ${frames(weak)} nearly lost, but in the model`] : []),
+  ]
+    .join('; ')
+    .replace(/^./, (letter) => letter.toUpperCase());
 }
 
 // What the images of a frame show by themselves; empty when nothing is striking.
-export function imageWords(depth_percent: number | null, brightness: number | null): string {
+export function imageWords(depth: Pick<DepthPicture, 'measured' | 'valid_percent'> | null, brightness: number | null): string {
   const facts = [
-    ...(depth_percent === null ? [] : [depth_percent === 0 ? 'there is no depth' : `${depth_percent} % of the pixels have depth`]),
+    ...(depth === null || depth.valid_percent === null ? [] : [depthWords(depth.measured, depth.valid_percent)]),
     ...(brightness !== null && brightness < 0.1 ? ['the image is nearly black'] : []),
     ...(brightness !== null && brightness > 0.95 ? ['the image is nearly white'] : []),
   ];
   return facts.length === 0 ? '' : sentence(`in this frame ${facts.join(', and ')}`);
 }
 
-function lengthOf(stretches: readonly Stretch[]): number {
-  return stretches.reduce((sum, { from_s, to_s }) => sum + to_s - from_s, 0);
+// The server cuts the fraction off: 0 % may be a few pixels, which have a range.
+function depthWords({ to_mm }: DepthRange, valid_percent: number): string {
+  if (valid_percent >= 1) return `${valid_percent} % of the pixels have depth`;
+  return to_mm === 0 ? 'there is no depth' : 'less than 1 % of the pixels have depth';
+}
+
+function sumOf(doubts: readonly Doubt[] | null, of: (doubt: Doubt) => number): number {
+  return doubts?.reduce((sum, doubt) => sum + of(doubt), 0) ?? 0;
 }
 
 const name = (number: number): string => numberNames[number] ?? count(number);

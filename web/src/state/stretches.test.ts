@@ -25,12 +25,30 @@ describe('stretchesOf', () => {
 });
 
 describe('doubtsIn', () => {
-  const doubts = (text: string) => doubtsIn(stretchesOf(listOf(text))).map(({ follow, from_s, to_s, weak, lost, middle }) => ({ follow, from_s, to_s: Number(to_s.toFixed(3)), weak, lost, middle }));
+  const doubts = (text: string) => doubtsIn(stretchesOf(listOf(text))).map(({ first, last, ...doubt }) => doubt);
 
   it('takes what is close together for one, and the worst of it', () => {
-    expect(doubts('ttwttllltwt')).toEqual([{ follow: 'lost', from_s: expect.closeTo(0.2), to_s: 1, weak: 2, lost: 3, middle: 6 }]);
+    expect(doubts('ttwttllltwt')).toEqual([{ follow: 'lost', from_s: expect.closeTo(0.2), to_s: expect.closeTo(1), weak: 2, lost: 3, weak_s: expect.closeTo(0.2), lost_s: expect.closeTo(0.3), losses: 1, middle: 6 }]);
     expect(doubts('twttttttttllt')).toMatchObject([{ follow: 'weak', weak: 1, middle: 1 }, { follow: 'lost', lost: 2, middle: 10 }]);
     expect(doubts('tttt')).toEqual([]);
+  });
+
+  it('does not take the whole of a place for lost because of one frame in it', () => {
+    const [doubt, ...others] = doubts(`${'wttt'.repeat(150)}l${'tttw'.repeat(150)}`);
+    expect(others).toEqual([]);
+    expect(doubt).toMatchObject({ follow: 'lost', weak: 300, lost: 1, losses: 1, weak_s: expect.closeTo(30), lost_s: expect.closeTo(0.1), middle: 600 });
+  });
+
+  it('counts how often the camera was lost, and a gap finds nobody', () => {
+    expect(doubts('tltltt')).toMatchObject([{ losses: 2, lost: 2, lost_s: expect.closeTo(0.2) }]);
+    expect(doubts('ttl-----ltt')).toMatchObject([{ losses: 1, lost: 2, lost_s: expect.closeTo(0.2) }]);
+  });
+
+  it('has a used frame of the worst kind stand for it', () => {
+    expect(doubts('tlooolt')).toMatchObject([{ lost: 2, middle: 1 }]);
+    expect(doubts('tltlllt')).toMatchObject([{ lost: 4, middle: 4 }]);
+    const statuses = Array.from({ length: 18_000 }, (_, i): FrameStatus => (i % 4 < 2 ? 'tracked' : 'weak'));
+    expect(doubtsIn(stretchesOf({ timestamps_s: statuses.map((_, i) => i / 30), statuses }))).toMatchObject([{ weak: 9000, weak_s: expect.closeTo(300), middle: 2 }]); // the first of equals
   });
 });
 

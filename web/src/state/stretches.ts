@@ -9,20 +9,31 @@ export interface Stretch {
   readonly first: number; // frames, both of them in it; of a gap those beside it
   readonly last: number;
   readonly frames: number; // that were used
+  readonly middle: number; // of these; of a gap the one before it
   readonly from_s: number; // since the first frame
   readonly to_s: number;
 }
 
-// Weak or lost, with what lies between when that is short.
-export interface Doubt extends Stretch {
+// A place with weak or lost stretches, and with what lies between them when that is short. Its ends say where it is; how long the camera was doubtful or lost
+// in it are sums of its stretches.
+export interface Doubt {
+  readonly follow: 'weak' | 'lost'; // the worst
+  readonly first: number; // frames, as of a stretch
+  readonly last: number;
+  readonly from_s: number;
+  readonly to_s: number;
   readonly weak: number; // frames
   readonly lost: number;
-  readonly middle: number; // the frame that stands for it: of the worst kind that is in it
+  readonly weak_s: number;
+  readonly lost_s: number;
+  readonly losses: number; // how often it was lost that had been found before
+  readonly middle: number; // the frame that stands for it: of its longest stretch of the worst kind
 }
 
 const longestStep_s = 0.25; // from one frame to the next, and
 const longestSteps = 4; // this many usual steps; what is longer is a gap
 const together_s = 0.5; // doubts this close are one
+const longer_s = 0.001; // than another stretch; of those as long the first one counts, whatever the rounding of times
 const worst: readonly Follow[] = ['lost', 'weak', 'unknown', 'tracked', 'gap'];
 
 const isUsed = (status: FrameStatus): status is 'tracked' | 'weak' | 'lost' | 'unknown' => status === 'tracked' || status === 'weak' || status === 'lost' || status === 'unknown';
@@ -48,47 +59,68 @@ export function stretchesOf(list: FrameList): Stretch[] {
   const usual_s = [...steps_s].sort((a, b) => a - b)[Math.floor(steps_s.length / 2)] ?? 0;
   const longest_s = Math.max(longestStep_s, longestSteps * usual_s);
   const found: Stretch[] = [];
-  const add = (next: Stretch): void => {
+  let begun = 0; // the first of the used frames in the last stretch
+  const add = (next: Stretch, i: number): void => {
     const before = found.at(-1);
-    if (before?.follow !== next.follow) found.push(next);
-    else found[found.length - 1] = { ...before, last: next.last, frames: before.frames + next.frames, to_s: next.to_s };
+    if (before?.follow !== next.follow) {
+      found.push(next);
+      begun = i;
+    } else found[found.length - 1] = { ...before, last: next.last, frames: before.frames + next.frames, middle: used[Math.floor((begun + i) / 2)]!.frame, to_s: next.to_s };
   };
-  if (used[0] && used[0].at_s > 0) add({ follow: 'gap', first: 0, last: used[0].frame, frames: 0, from_s: 0, to_s: used[0].at_s });
+  if (used[0] && used[0].at_s > 0) add({ follow: 'gap', first: 0, last: used[0].frame, frames: 0, middle: 0, from_s: 0, to_s: used[0].at_s }, 0);
   used.forEach(({ frame, at_s, follow }, i) => {
     const after = used[i + 1];
     const isGap = after !== undefined && after.at_s - at_s > longest_s;
     const to_s = after === undefined || isGap ? at_s + usual_s : after.at_s;
-    add({ follow, first: frame, last: frame, frames: 1, from_s: at_s, to_s });
-    if (isGap) add({ follow: 'gap', first: frame, last: after.frame, frames: 0, from_s: to_s, to_s: after.at_s });
+    add({ follow, first: frame, last: frame, frames: 1, middle: frame, from_s: at_s, to_s }, i);
+    if (isGap) add({ follow: 'gap', first: frame, last: after.frame, frames: 0, middle: frame, from_s: to_s, to_s: after.at_s }, i);
   });
   return found;
 }
 
 export function doubtsIn(stretches: readonly Stretch[]): Doubt[] {
   const found: Doubt[] = [];
+  let isLost = false; // since before this stretch: whoever is lost on both sides of a gap was not found in it
+  let longest_s = 0; // of the stretches of the worst kind in the last place
   for (const stretch of stretches) {
-    if (stretch.follow !== 'weak' && stretch.follow !== 'lost') continue;
-    const [weak, lost] = stretch.follow === 'weak' ? [stretch.frames, 0] : [0, stretch.frames];
-    const middle = Math.floor((stretch.first + stretch.last) / 2);
+    const next = doubtOf(stretch, isLost);
+    if (stretch.follow !== 'gap') isLost = stretch.follow === 'lost';
+    if (!next) continue;
     const before = found.at(-1);
-    if (!before || stretch.from_s - before.to_s > together_s) {
-      found.push({ ...stretch, weak, lost, middle });
+    const long_s = stretch.to_s - stretch.from_s;
+    if (!before || next.from_s - before.to_s > together_s) {
+      found.push(next);
+      longest_s = long_s;
       continue;
     }
-    const isWorse = before.follow === 'weak' && stretch.follow === 'lost';
-    found[found.length - 1] = {
-      follow: isWorse ? 'lost' : before.follow,
-      first: before.first,
-      last: stretch.last,
-      frames: before.frames + stretch.frames,
-      from_s: before.from_s,
-      to_s: stretch.to_s,
-      weak: before.weak + weak,
-      lost: before.lost + lost,
-      middle: isWorse ? middle : before.middle,
-    };
+    const isWorse = before.follow === 'weak' && next.follow === 'lost';
+    const standsForIt = isWorse || (before.follow === next.follow && long_s > longest_s + longer_s);
+    if (standsForIt) longest_s = long_s;
+    found[found.length - 1] = together(before, next, standsForIt ? next.middle : before.middle);
   }
   return found;
+}
+
+function doubtOf({ follow, first, last, from_s, to_s, frames, middle }: Stretch, wasLost: boolean): Doubt | null {
+  const place = { first, last, from_s, to_s, middle };
+  if (follow === 'weak') return { ...place, follow, weak: frames, lost: 0, weak_s: to_s - from_s, lost_s: 0, losses: 0 };
+  return follow === 'lost' ? { ...place, follow, weak: 0, lost: frames, weak_s: 0, lost_s: to_s - from_s, losses: wasLost ? 0 : 1 } : null;
+}
+
+function together(a: Doubt, b: Doubt, middle: number): Doubt {
+  return {
+    follow: a.lost + b.lost > 0 ? 'lost' : 'weak',
+    first: a.first,
+    last: b.last,
+    from_s: a.from_s,
+    to_s: b.to_s,
+    weak: a.weak + b.weak,
+    lost: a.lost + b.lost,
+    weak_s: a.weak_s + b.weak_s,
+    lost_s: a.lost_s + b.lost_s,
+    losses: a.losses + b.losses,
+    middle,
+  };
 }
 
 // A piece of the strip, in shares of its length.

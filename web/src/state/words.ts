@@ -73,7 +73,12 @@ export function trackingWords(scan: LiveScan): Words {
 // How well it is known where the camera is: twice the standard deviation. Null when there is nothing to say, or it would be old news.
 export function positionWords(scan: LiveScan): string | null {
   if (scan.positionSigma_m === null || scan.phase !== 'running' || scan.connection !== 'open') return null;
-  const within_mm = 2000 * scan.positionSigma_m;
+  return withinWords(scan.positionSigma_m);
+}
+
+// Twice a standard deviation.
+export function withinWords(sigma_m: number): string {
+  const within_mm = 2000 * sigma_m;
   return within_mm < 10 ? `± ${Math.max(1, Math.round(within_mm))} mm` : `± ${Math.round(within_mm / 10)} cm`;
 }
 
