@@ -26,6 +26,9 @@ export class ApiError extends Error {
   }
 }
 
+// What people are told of a failed request.
+export const errorWords = (error: unknown, otherwise = 'That did not work.'): string => (error instanceof ApiError ? error.message : otherwise);
+
 export interface ScanList {
   readonly scans: readonly ScanSummary[]; // newest first
   readonly more: boolean; // there may be older ones

@@ -1,5 +1,5 @@
 // What stands in front of everything for a moment. The browser keeps the focus in, and closes it on Escape.
-import { ApiError } from '../connection/api';
+import { errorWords } from '../connection/api';
 import { element } from './dom';
 
 const maxTitle_bytes = 200; // the server's kMaxTitleBytes
@@ -28,7 +28,7 @@ export function askForTitle(title: string, rename: (title: string) => Promise<vo
       return;
     }
     rename(wanted).then(close, (error: unknown) => {
-      problem.textContent = error instanceof ApiError ? error.message : 'That did not work.';
+      problem.textContent = errorWords(error);
     });
   });
 }

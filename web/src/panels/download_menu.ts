@@ -1,5 +1,5 @@
 // Everything that a finished scan can be taken away as. What is not there yet is made by the server first; who has asked for it gets it when it is ready.
-import { ApiError, fileNameOf, saveAs } from '../connection/api';
+import { errorWords, fileNameOf, saveAs } from '../connection/api';
 import { asItIs, fetchExport, fetchExports, finishedAs, importedMesh, isMade, removeExport, requestExport, type MeshFinish, type ScanExport } from '../connection/exports';
 import { fetchAccess } from '../connection/scans';
 import type { LiveScan } from '../state/live_scan';
@@ -71,7 +71,7 @@ export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel
     try {
       await work();
     } catch (error) {
-      say(error instanceof ApiError ? error.message : 'That did not work.');
+      say(errorWords(error));
     }
     if (!disposed) show();
   };

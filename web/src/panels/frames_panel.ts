@@ -1,5 +1,5 @@
 // Looking back: a slider over all frames of a scan that has ended, with the images of that moment and where the camera was.
-import { ApiError } from '../connection/api';
+import { errorWords } from '../connection/api';
 import type { Pose } from '../connection/events';
 import { fetchColor, fetchDepth, fetchFrames, fetchPath, posesOf, type DepthRange, type FrameList } from '../connection/frames';
 import { fetchAccess } from '../connection/scans';
@@ -176,7 +176,7 @@ class LookingBack {
         if (this.opened === mine) this.take(list, posesOf(text, list.timestamps_s), frame);
       },
       (error: unknown) => {
-        if (this.opened === mine) this.say(wordsOf(error));
+        if (this.opened === mine) this.say(imageWords(error));
       },
     );
   }
@@ -302,11 +302,9 @@ interface Wanted {
 async function fetchImages(scanId: string, token: string, frame: number, { range, signal }: Wanted): Promise<Images> {
   const color = fetchColor(scanId, token, frame, signal).then((blob) => createImageBitmap(blob));
   const depth = fetchDepth(scanId, token, frame, range, signal).then(async ({ picture, ...ranges }) => ({ image: await createImageBitmap(picture), ...ranges }));
-  const [shown, measured] = await Promise.all([color.catch(wordsOf), depth.catch(wordsOf)]);
+  const [shown, measured] = await Promise.all([color.catch(imageWords), depth.catch(imageWords)]);
   signal.throwIfAborted();
   return { color: shown, depth: measured };
 }
 
-function wordsOf(error: unknown): string {
-  return error instanceof ApiError ? error.message : 'This image cannot be read.';
-}
+const imageWords = (error: unknown): string => errorWords(error, 'This image cannot be read.');

@@ -1,5 +1,5 @@
 // Recordings, clouds and meshes on their way to being scans: what waits, what is done with it, what failed and why; and the way to add one.
-import { ApiError } from '../connection/api';
+import { errorWords } from '../connection/api';
 import { cancelJob, fetchJobs, retryJob, type Job } from '../connection/jobs';
 import { browserWorld, sendRecording, unfinishedUploads } from '../connection/upload';
 import { jobWords, sendingWords, unfinishedWords } from '../state/words';
@@ -46,7 +46,7 @@ export function jobsPanel(token: () => string, changed: () => void): JobsPanel {
       await work();
       sayUnfinished();
     } catch (error) {
-      sayOnPage(error instanceof ApiError ? error.message : 'That did not work.');
+      sayOnPage(errorWords(error));
     }
     changed();
   };

@@ -1,5 +1,5 @@
 // The tape measure: clicks on the scan, what lies between them with its interval, and those measurements that are kept.
-import { ApiError, fileNameOf, saveAs } from '../connection/api';
+import { errorWords, fileNameOf, saveAs } from '../connection/api';
 import {
   fetchMeasurements,
   fetchMeasurementsCsv,
@@ -42,7 +42,7 @@ export function measurePanel({ canvas, scene, scan, token }: World): MeasurePane
   const view = panelView((kind) => store.dispatch({ kind: 'wanted', measure: kind }));
   const { node, button, undo, close, csv, done } = view;
   let access = noAccess;
-  const fail = (error: unknown): void => store.dispatch({ kind: 'failed', words: error instanceof ApiError ? error.message : 'That did not work.' });
+  const fail = (error: unknown): void => store.dispatch({ kind: 'failed', words: errorWords(error) });
   const begin = (active: boolean): void => {
     store.dispatch({ kind: 'active', active });
     if (!active) return;

@@ -1,12 +1,12 @@
 // Notes: pins with text at places of the model. What others write meanwhile comes when the page is looked at again, and now and then.
-import { ApiError } from '../connection/api';
+import { ApiError, errorWords } from '../connection/api';
 import { changeNote, createNote, fetchNotes, removeNote, type Note, type NoteChange } from '../connection/notes';
 import { fetchAccess } from '../connection/scans';
 import { pinAt, type NotePin } from '../scene/note_layer';
 import type { ScanScene } from '../scene/scene';
 import type { LiveScan } from '../state/live_scan';
 import { storeDraft } from '../state/note_drafts';
-import { saveDraft, wordsOf, type NoteServer } from '../state/note_saving';
+import { saveDraft, type NoteServer } from '../state/note_saving';
 import { chosenNote, cleaned, heldWords, isUnsaved, shownNotes, type Draft, type Noting, type NotingEvent } from '../state/noting';
 import type { Store } from '../state/store';
 import { Trash } from '../state/trash';
@@ -138,7 +138,7 @@ const serverOf = (scanId: string, token: string): NoteServer => ({
 function askAccess(token: string, store: NotingStore): Promise<void> {
   return fetchAccess(token).then(
     ({ view, scan }) => store.dispatch({ kind: 'access', mayWrite: view && scan }),
-    (error) => store.dispatch({ kind: 'refused', words: wordsOf(error) }),
+    (error) => store.dispatch({ kind: 'refused', words: errorWords(error) }),
   );
 }
 
@@ -150,7 +150,7 @@ function listing(scanId: string, token: string, store: NotingStore): () => Promi
       (notes) => {
         if (store.get().notes === before && !store.get().busy) store.dispatch({ kind: 'listed', notes });
       },
-      (error) => store.dispatch({ kind: 'unlisted', words: wordsOf(error) }),
+      (error) => store.dispatch({ kind: 'unlisted', words: errorWords(error) }),
     );
   };
 }
@@ -170,7 +170,7 @@ function removing(scanId: string, token: string, store: NotingStore, list: () =>
       },
     },
     () => store.dispatch({ kind: 'away', ids: [...notes.keys()].filter((id) => trash.has(id)) }),
-    (_, error) => void list().then(() => store.dispatch({ kind: 'refused', words: wordsOf(error) })),
+    (_, error) => void list().then(() => store.dispatch({ kind: 'refused', words: errorWords(error) })),
   );
   const onLeave = (): void => trash.emptyAll();
   addEventListener('pagehide', onLeave);

@@ -1,6 +1,6 @@
 // The quality of one scan as a page to print: what became of its frames, where the camera was lost, and pictures of the model. It says what the server and
 // the model tell, and leaves out the rest.
-import { ApiError, fetchScan, type ScanSummary } from '../connection/api';
+import { ApiError, errorWords, fetchScan, type ScanSummary } from '../connection/api';
 import type { ScanEvent } from '../connection/events';
 import { fetchFrames, fetchPath, type FrameList } from '../connection/frames';
 import { ScanLink } from '../connection/link';
@@ -205,8 +205,8 @@ class ToldScan {
     this.parts.share.hidden = !(access?.view && access.scan);
     if (scan.get().framesReceived === 0) return; // imported
     const [told, list, path] = await Promise.all([
-      orMissing(patiently(() => fetchReport(scanId, token), signal)).catch((error) => wordsOf(error, 'It cannot be read.')),
-      access?.shared ? 'shared' : patiently(() => fetchFrames(scanId, token, signal), signal).catch((error) => wordsOf(error, 'The frames could not be loaded.')),
+      orMissing(patiently(() => fetchReport(scanId, token), signal)).catch((error) => errorWords(error, 'It cannot be read.')),
+      access?.shared ? 'shared' : patiently(() => fetchFrames(scanId, token, signal), signal).catch((error) => errorWords(error, 'The frames could not be loaded.')),
       patiently(() => fetchPath(scanId, token, signal), signal).catch(() => ''),
     ]);
     if (signal.aborted) return;
@@ -267,6 +267,3 @@ function nextLook(signal: AbortSignal): Promise<void> {
   });
 }
 
-function wordsOf(error: unknown, otherwise: string): string {
-  return error instanceof ApiError ? error.message : otherwise;
-}

@@ -1,5 +1,5 @@
 // The rows of the list of scans: searched and sorted, and each with what whoever looks may do with it.
-import { ApiError, type ScanSummary } from '../connection/api';
+import { errorWords, type ScanSummary } from '../connection/api';
 import { noAccess, stopScan, type Access } from '../connection/scans';
 import { hashOf } from '../state/route';
 import { found, sorted, sortNames, type SortName } from '../state/scan_list';
@@ -88,7 +88,7 @@ function focusOf(node: Element): string | null {
 }
 
 function actionsOf(scan: ScanSummary, access: Access, world: ScanListWorld): MenuItem[] {
-  const refused = (error: unknown): void => world.say(error instanceof ApiError ? error.message : 'That did not work.');
+  const refused = (error: unknown): void => world.say(errorWords(error));
   const stop = (): void => void stopScan(scan.id, world.token()).then(() => world.changed(), refused);
   return [
     ...(access.scan ? [{ label: 'Rename', do: () => rename(scan.id, scan.title, world.token(), () => world.changed()) }] : []),

@@ -1,5 +1,5 @@
 // The page of one scan: the picture fills it, the panels float above. Wires the connection, the ledger, the state and the scene together.
-import { ApiError } from '../connection/api';
+import { errorWords } from '../connection/api';
 import type { ScanEvent, Watch } from '../connection/events';
 import { ScanLink } from '../connection/link';
 import { fetchFrames } from '../connection/frames';
@@ -268,7 +268,7 @@ function viewActions({ scanId, scene, floor, frames, section, notes }: ViewWorld
 // What whoever looks may do with the scan.
 function scanActions(scan: ScanStore, token: string, access: Access, problem: Element): MenuItem[] {
   const { scanId, title, phase } = scan.get();
-  const stop = (): void => void stopScan(scanId, token).catch((error: unknown) => setText(problem, error instanceof ApiError ? error.message : 'That did not work.'));
+  const stop = (): void => void stopScan(scanId, token).catch((error: unknown) => setText(problem, errorWords(error)));
   const remove = (): void => {
     deleteSoon(scanId, title, token);
     location.hash = '#/';

@@ -1,5 +1,5 @@
 // How what somebody has written comes to the server: once, however often it is asked for.
-import { ApiError } from '../connection/api';
+import { errorWords } from '../connection/api';
 import type { NewNote, Note, NoteChange } from '../connection/notes';
 import { cleaned, type Noting, type NotingEvent } from './noting';
 import type { Store } from './store';
@@ -9,8 +9,6 @@ export interface NoteServer {
   change(note: Note, text: string): Promise<NoteChange>;
 }
 
-export const wordsOf = (error: unknown): string => (error instanceof ApiError ? error.message : 'That did not work.');
-
 // Nothing happens while an earlier saving is on its way.
 export function saveDraft(store: Pick<Store<Noting, NotingEvent>, 'get' | 'dispatch'>, server: NoteServer): void {
   if (store.get().busy) return;
@@ -19,7 +17,7 @@ export function saveDraft(store: Pick<Store<Noting, NotingEvent>, 'get' | 'dispa
   if (!draft || !busy) return; // the text is none that can be saved
   const text = cleaned(draft.text);
   const saved = (note: Note): void => store.dispatch({ kind: 'saved', note });
-  const fail = (error: unknown): void => store.dispatch({ kind: 'failed', words: wordsOf(error) });
+  const fail = (error: unknown): void => store.dispatch({ kind: 'failed', words: errorWords(error) });
   if (!draft.of) {
     server.create({ position_m: draft.position_m, view: draft.view, text }).then(saved, fail);
     return;
