@@ -1,5 +1,6 @@
 // Self-calibration: finds errors of a recording's camera in the recording itself, namely of focal
-// length, principal point and the parameters of DepthCorrection. A wrong camera distorts surfaces
+// length, principal point, the parameters of DepthCorrection, and the time at which rows of its images are taken
+// (image_timing.h). A wrong camera distorts surfaces
 // differently from each viewpoint, so views from different places contradict each other, whatever
 // their poses.
 //
@@ -26,13 +27,15 @@
 #include <vector>
 
 #include "core/calibrate/joint_adjustment.h"
+#include "core/calibrate/pair_agreement.h"
 #include "core/dataset/frame_range.h"
 #include "core/dataset/sequence.h"
 
 namespace hermite {
 
 struct FoundNumber {
-  std::string name;  // "focal_factor", "cx_px", "cy_px", "bend", "inverse_offset_per_m"
+  std::string
+      name;  // "focal_factor", "cx_px", "cy_px", "bend", "inverse_offset_per_m", "depth_readout_s", "color_readout_s", "color_delay_s"
   double value = 0;  // the change of the given camera's parameter; of a factor, the part beyond 1
   double deviation = 0;
   bool is_applied = false;
@@ -40,7 +43,8 @@ struct FoundNumber {
 };
 
 struct Calibration {
-  Camera camera;  // the given camera with the applied parameters
+  Camera camera;       // the given camera with the applied parameters
+  ImageTiming timing;  // the applied parameters; RetimedSequence (retimed_sequence.h) corrects the frames
   bool is_applied = false;
   std::string reason;                // why nothing is applied, as text
   std::vector<FoundNumber> numbers;  // all, in the order of CameraNumber; empty if there was too little data

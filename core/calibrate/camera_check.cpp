@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/calibrate/pair_agreement.h"
 #include "core/calibrate/view_choice.h"
 
 namespace hermite {
@@ -80,28 +81,13 @@ bool halves_agree(const Question& question, const FreeNumbers& is_free, const Jo
   return true;
 }
 
-// Squared distances relative to depth, so that a camera that shrinks everything gains nothing.
-std::vector<double> squares_of(const Question& question, const JointSolution& solution) {
-  std::vector<double> squares;
-  for (const PairAgreement& agreement :
-       agreements_of(question.views, solution.world_from_camera, question.pairs.held_back, changed(question.camera, solution.change)))
-    squares.push_back(agreement.point_count > 0 ? std::pow(agreement.rms_m / agreement.mean_depth_m, 2) : 0);
-  return squares;
-}
-
 bool pairs_gain(const Question& question, const JointSolution& as_it_was, const JointSolution& better) {
-  const std::vector<double> before = squares_of(question, as_it_was), after = squares_of(question, better);
-  double sum = 0, squares = 0, count = 0;
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    if (!(before[i] > 0 && after[i] > 0)) continue;
-    const double gain = 1 - after[i] / before[i];
-    sum += gain;
-    squares += gain * gain;
-    ++count;
-  }
-  if (count < static_cast<double>(kLeastPairsHeldBack)) return false;
-  const double mean = sum / count, variance = std::max(0.0, squares / count - mean * mean);
-  return mean >= kLeastMeanGain && mean * mean * (count - 1) >= kLeastMeanGainErrors * kLeastMeanGainErrors * variance;
+  const auto squares = [&question](const JointSolution& solution) {
+    return squares_of(
+        agreements_of(question.views, solution.world_from_camera, question.pairs.held_back, changed(question.camera, solution.change)));
+  };
+  const PairGain gain = gain_of(squares(as_it_was), squares(better));
+  return gain.pair_count >= kLeastPairsHeldBack && gain.mean >= kLeastMeanGain && gain.mean >= kLeastMeanGainErrors * gain.standard_error;
 }
 
 }  // namespace

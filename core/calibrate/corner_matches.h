@@ -23,4 +23,9 @@ std::optional<Eigen::Vector3d> point_of(const Feature& feature, const Camera& ca
 std::vector<LandmarkMatch> match_corners(const std::vector<Feature>& source, const std::vector<Feature>& target,
                                          const Rigid3& target_from_source, const Camera& camera, double gate_px, double gate_m);
 
+// Returns the same match with source and target exchanged.
+inline LandmarkMatch reversed(const LandmarkMatch& match) {
+  return {.feature = match.landmark, .landmark = match.feature, .distance = match.distance};
+}
+
 }  // namespace hermite

@@ -39,7 +39,7 @@ const std::vector<Layer> kLayers{
     {"core/dataset",
      {"core/archive", "core/log", "core/raw", "proto/wire", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
     {"core/evaluate", {"core/dataset", "core/output/triangle_mesh.h", "core/frame/rgbd_frame.h", "core/image", "core/math", "core/base"}},
-    {"core/calibrate", {"core/adjust", "core/dataset", "core/frame", "core/math", "core/base"}},
+    {"core/calibrate", {"core/adjust", "core/dataset", "core/frame", "core/image", "core/math", "core/base"}},
     {"core/output", {"core/image", "core/math", "core/base"}},
     {"core/measure", {"core/output", "core/dataset/trajectory.h", "core/math", "core/base"}},
     {"core/import", {"core/output", "core/image", "core/math", "core/base"}},

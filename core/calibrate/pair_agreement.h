@@ -1,0 +1,48 @@
+// How well pairs of views agree with a trial camera at given poses. Pure functions, any thread.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/calibrate/view_measurement.h"
+
+namespace hermite {
+
+// The distances of points to the planes of the other view, both ways. Up to kMostApart_m they count
+// as the same surface, and they are clipped to kMostCounted_m, as in depth_consistency.h.
+inline constexpr double kMostApart_m = 0.10, kMostCounted_m = 0.05;
+struct PairAgreement {
+  double median_m = 0, rms_m = 0;
+  double mean_depth_m = 0;  // for normalisation: a camera that shrinks everything also shrinks distances
+  std::int64_t point_count = 0;
+};
+PairAgreement agreement_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera,
+                           const std::vector<ViewPair>& pairs, const TrialCamera& trial);
+// The same for each pair separately.
+std::vector<PairAgreement> agreements_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera,
+                                         const std::vector<ViewPair>& pairs, const TrialCamera& trial);
+
+// The reprojection errors of corners of the first view in the second one, in pixels of an image 640 wide. Corners are
+// matched within kMostApart_px of where they are expected, and errors are clipped to kMostCounted_px.
+inline constexpr double kMostApart_px = 12, kMostCounted_px = 3;
+struct CornerReprojection {
+  double rms_px = 0;
+  std::int64_t corner_count = 0;
+};
+std::vector<CornerReprojection> corner_reprojections_of(const std::vector<CalibrationView>& views,
+                                                        const std::vector<Rigid3>& world_from_camera, const std::vector<ViewPair>& pairs,
+                                                        const TrialCamera& trial);
+
+// By how much pairs agree better after a change: the mean over pairs of the relative decrease of squares. Pairs without
+// a square before or after do not count.
+struct PairGain {
+  double mean = 0, standard_error = 0;  // 0 for fewer than two pairs
+  std::size_t pair_count = 0;
+};
+PairGain gain_of(const std::vector<double>& squares_before, const std::vector<double>& squares_after);
+
+// Squares of the relative distances of surfaces, and of the errors of corners; 0 where a pair has none.
+std::vector<double> squares_of(const std::vector<PairAgreement>& agreements);
+std::vector<double> squares_of(const std::vector<CornerReprojection>& agreements);
+
+}  // namespace hermite
