@@ -193,6 +193,11 @@ bool fits(const ApiRoute& route, std::string_view method, std::string_view path)
   return route.method == method || (method == "HEAD" && route.method == "GET" && path.substr(0, kUploadsPath.size()) != kUploadsPath);
 }
 
+// The methods of a route of this path, as in the header Allow.
+std::string methods_of(const ApiRoute& route, std::string_view path) {
+  return std::string(route.method) + (route.method == "GET" && fits(route, "HEAD", path) ? ", HEAD" : "");
+}
+
 HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
   const std::string& method = request.method;
   std::variant<Grant, HttpAnswer> admitted = admit(world, request);
@@ -226,7 +231,7 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
       if (!looks) spdlog::info("{} {} by token {}: {}", method, request.path, grant.token_id, answer.status);
       return answer;
     }
-    allow += (allow.empty() ? "" : ", ") + std::string(route.method);
+    allow += (allow.empty() ? "" : ", ") + methods_of(route, request.path);
   }
   if (!allow.empty()) return wrong_method(allow);
   return refused({ErrorCode::kNotFound, "there is nothing at this path"});

@@ -354,7 +354,12 @@ struct Service::Impl {
   }
 };
 
-Service::Service(const ServiceOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+// What a database or a disk says of its failure does not name a place by itself.
+Service::Service(const ServiceOptions& options) try : impl_(std::make_unique<Impl>(options)) {
+} catch (const SetupError& failure) {
+  if (failure.error().code != ErrorCode::kIo) throw;
+  throw SetupError(in_context("starting with the data in " + options.data_folder, failure.error()));
+}
 Service::~Service() = default;
 
 const std::string& Service::url() const { return impl_->url; }
