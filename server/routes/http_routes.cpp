@@ -71,8 +71,8 @@ std::string made_id(const HttpAnswer& answer) {
   return json.value("id", "");
 }
 
-// Writes an entry to the audit log: for changes, whatever their outcome, and for downloaded results. Lists and states
-// are requested too often to be logged.
+// Writes an entry to the audit log: for changes, whatever their outcome, for downloaded results, and for what a token may not do. Lists and
+// states are requested too often to be logged.
 void note(const HttpWorld& world, const HttpRequest& request, const Grant& grant, std::string_view route, const std::string& id,
           const std::string& outcome) {
   world.audit.note({request.caller.now_ms, grant.token_id, request.caller.peer, request.method + " " + std::string(route), id, outcome});
@@ -218,8 +218,10 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
         return on_route(route.name, error_answer(403, lacks(grant, *scope)));
       }
       // A share link must not learn whether other scans exist.
-      if (route.before_id == kScanPath && !may_see(grant, id))
+      if (route.before_id == kScanPath && !may_see(grant, id)) {
+        note(world, request, grant, route.name, id, "404");
         return on_route(route.name, refused({ErrorCode::kNotFound, "there is no scan " + id}));
+      }
       HttpAnswer answer = on_route(route.name, route.handle(world, {request, grant, id, parts->last_part}));
       // Logs who changed what; the paths of the routes contain ids but no secrets.
       const bool looks = method == "GET" || method == "HEAD" || answer.body_sink || answer.ask_again;

@@ -162,7 +162,7 @@ TEST_F(HttpTest, OtherMethodsAreNamed) {
   EXPECT_THAT(answer, StartsWith("HTTP/1.1 405"));
   EXPECT_THAT(answer, HasSubstr("Allow: GET, HEAD\r\n"));
   EXPECT_THAT(request("GET", "/api/v1/uploads/" + id_, with_token()), HasSubstr("Allow: HEAD, PATCH, DELETE, PUT\r\n"));
-  EXPECT_THAT(request("BREW", "/"), StartsWith("HTTP/1.1 405"));
+  for (const char* other : {"BREW", "TRACE"}) EXPECT_THAT(request(other, "/"), StartsWith("HTTP/1.1 405")) << other;
 }
 
 TEST_F(HttpTest, OtherHostsAndOriginsAreRefused) {
