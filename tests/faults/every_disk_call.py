@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Lets one call of a running server fail that changes something in its data folder: the first one, then the second one, and so on.
 
-    every_disk_call.py path/to/hermite path/to/hermite-client path/to/libfailing_disk.so [--points 12 | --every K] [--seed 1] [--errors ENOSPC ...]
+    every_disk_call.py path/to/hermite path/to/hermite-client path/to/libfailing_disk.so [--points 10 | --every K] [--seed 1] [--errors ENOSPC ...]
                        [--ways alone after] [--first N]
 
 A point is the number of a call (tests/faults/failing_disk.cpp has which are counted), an error (ENOSPC, EIO, EDQUOT), and whether all calls after it
@@ -400,7 +400,7 @@ def file_of(failed_call):
 def main():
     parser = argument_parser()
     parser.add_argument("library")
-    parser.add_argument("--points", type=int, default=12)
+    parser.add_argument("--points", type=int, default=10)
     parser.add_argument("--every", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=1, help="leaves out the calls before it")
