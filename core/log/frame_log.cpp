@@ -139,13 +139,16 @@ FrameLog::FrameLog(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {
   impl_->thread = std::thread([running = impl_.get()] { running->run(); });
 }
 
-FrameLog::~FrameLog() {
+FrameLog::~FrameLog() { (void)close(); }
+
+Status FrameLog::close() {
   {
     const std::lock_guard lock(impl_->mutex);
     impl_->stopping = true;
   }
   impl_->changed.notify_one();
-  impl_->thread.join();
+  if (impl_->thread.joinable()) impl_->thread.join();
+  return impl_->failure ? Status(*impl_->failure) : Status(Done{});
 }
 
 Result<std::unique_ptr<FrameLog>> FrameLog::create(const std::string& folder, const std::string& terms, const std::string& start,

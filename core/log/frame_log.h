@@ -60,13 +60,17 @@ class FrameLog {
   struct Opened;
   static Result<Opened> open(const std::string& folder, FrameLogEvents events, FrameLogOptions options = {});
 
-  ~FrameLog();  // writes and syncs waiting records
+  ~FrameLog();  // as close(), for those who do not care whether all was written
   FrameLog(const FrameLog&) = delete;
   FrameLog& operator=(const FrameLog&) = delete;
 
   // Appends a record in the order of the calls. Returns kBusy when too many bytes wait to be
   // written. After a failure, returns that failure.
   Status append(RecordType type, std::string payload);
+
+  // Writes and syncs waiting records, and ends the thread; nothing may be appended afterwards. Returns the failure, also
+  // one of before, after which records are missing at the end of the log.
+  Status close();
 
  private:
   struct Impl;

@@ -188,7 +188,7 @@ void Audit::open_head(const std::string& hash_at_head, std::int64_t now_ms) {
   else if (!before && count_ > 0)
     note({now_ms, "", "", kHeadMissing, "", "whether entries before this one are missing is not known"});
   // An entry about missing ones has to be on disk before the head that revealed it is overwritten.
-  if (fdatasync(file_) != 0) throw SetupError(audit_error("syncing"));
+  if (fdatasync(file_) != 0) throw SetupError(audit_error("syncing " + folder_));
   if (waiting_.empty()) keep_head();
   or_throw(sync_path(path));
   or_throw(sync_path(folder_));
@@ -288,7 +288,7 @@ void Audit::tick(std::int64_t now_ms) {
     if (const Status written = write_waiting(); !written.ok()) return;
   if (!unsynced_) return;
   unsynced_ = false;
-  if (fdatasync(file_) != 0) return spdlog::error("{}", audit_error("syncing").message);
+  if (fdatasync(file_) != 0) return spdlog::error("{}", audit_error("syncing " + folder_).message);
   keep_head();
 }
 

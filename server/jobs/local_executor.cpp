@@ -25,7 +25,8 @@ void LocalExecutor::note(const std::string& id, const std::string& words) {
 
 Status LocalExecutor::submit(const JobRow& job) {
   CHECK(job.state == JobState::kQueued, "what is submitted waits");
-  Result<JobRow> known = store_.job(job.id);
+  store_ends_again();
+  Result<JobRow> known = row_of(job.id);
   if (!known.ok() && known.error().code != ErrorCode::kNotFound) return known.error();
   if (known.ok()) {
     const bool again = known->state == JobState::kFailed || known->state == JobState::kCancelled;
@@ -38,6 +39,7 @@ Status LocalExecutor::submit(const JobRow& job) {
     known->attempt_count = 0;
     known->started_at_ms = known->finished_at_ms = 0;
     if (Status status = store_.update_job(*known); !status.ok()) return status;
+    unstored_ends_.erase(job.id);
     note(job.id, "submitted again");
     return Done{};
   }
@@ -52,8 +54,13 @@ JobStatus LocalExecutor::with_stage(JobRow row) const {
   return {std::move(row), running->second.stage};
 }
 
+Result<JobRow> LocalExecutor::row_of(const std::string& id) const {
+  const auto unstored = unstored_ends_.find(id);
+  return unstored != unstored_ends_.end() ? unstored->second : store_.job(id);
+}
+
 Result<JobStatus> LocalExecutor::status(const std::string& id) {
-  Result<JobRow> row = store_.job(id);
+  Result<JobRow> row = row_of(id);
   if (!row.ok()) return row.error();
   return with_stage(*std::move(row));
 }
@@ -62,7 +69,10 @@ Result<std::vector<JobStatus>> LocalExecutor::list() {
   Result<std::vector<JobRow>> rows = store_.list_jobs();
   if (!rows.ok()) return rows.error();
   std::vector<JobStatus> jobs;
-  for (JobRow& row : *rows) jobs.push_back(with_stage(std::move(row)));
+  for (JobRow& row : *rows) {
+    const auto unstored = unstored_ends_.find(row.id);
+    jobs.push_back(with_stage(unstored != unstored_ends_.end() ? unstored->second : std::move(row)));
+  }
   return jobs;
 }
 
@@ -72,7 +82,8 @@ Result<std::vector<JobLine>> LocalExecutor::log(const std::string& id) {
 }
 
 Status LocalExecutor::cancel(const std::string& id) {
-  Result<JobRow> row = store_.job(id);
+  store_ends_again();
+  Result<JobRow> row = row_of(id);
   if (!row.ok()) return row.error();
   if (row->state == JobState::kFailed) return put_away(*std::move(row));
   if (has_ended(row->state)) return Error{ErrorCode::kBusy, "job " + id + " has ended: it is " + name_of(row->state)};
@@ -81,6 +92,7 @@ Status LocalExecutor::cancel(const std::string& id) {
   row->words = "cancelled";
   row->finished_at_ms = hooks_.now_ms();
   if (Status status = store_.update_job(*row); !status.ok()) return status;
+  unstored_ends_.erase(id);
   note(id, "cancelled");
   const auto running = running_.find(id);
   if (running == running_.end()) {
@@ -97,6 +109,7 @@ Status LocalExecutor::cancel(const std::string& id) {
 Status LocalExecutor::put_away(JobRow row) {
   row.state = JobState::kCancelled;
   if (Status status = store_.update_job(row); !status.ok()) return status;
+  unstored_ends_.erase(row.id);
   note(row.id, "put away");
   return Done{};
 }
@@ -136,13 +149,31 @@ void LocalExecutor::ended(const std::string& id, const JobEnd& end) {
     row.words = end.words;
     if (end.state == JobState::kQueued) --row.attempt_count;  // an interruption is no failed attempt
     row.finished_at_ms = has_ended(end.state) ? hooks_.now_ms() : 0;
-    if (Status status = store_.update_job(row); !status.ok()) spdlog::error("job {}: {}", id, status.error().message);
+    store_end(row);
     if (end.lacked_room) return put_off(id, row.words);
     note(id, std::string(end.state == JobState::kQueued ? "waits for the next server" : name_of(row.state)) +
                  (row.words.empty() ? "" : ": " + row.words));
   }
   pauses_.erase(id);
   if (has_ended(row.state)) hooks_.ended(row);
+}
+
+// An end that the store cannot take, as on a full disk, is kept: else the job would be running until the next server.
+void LocalExecutor::store_end(const JobRow& row) {
+  const Status stored = store_.update_job(row);
+  if (stored.ok()) return;
+  spdlog::error("job {}: that it has ended cannot be stored yet: {}", row.id, stored.error().message);
+  if (stored.error().code != ErrorCode::kNotFound) unstored_ends_[row.id] = row;
+}
+
+void LocalExecutor::store_ends_again() {
+  while (!unstored_ends_.empty()) {
+    const auto entry = unstored_ends_.begin();
+    const Status stored = store_.update_job(entry->second);
+    if (!stored.ok() && stored.error().code != ErrorCode::kNotFound) return;  // the others would fail, too
+    spdlog::info("job {}: that it has ended is stored now", entry->first);
+    unstored_ends_.erase(entry);
+  }
 }
 
 void LocalExecutor::put_off(const std::string& id, const std::string& words) {
@@ -154,6 +185,7 @@ void LocalExecutor::put_off(const std::string& id, const std::string& words) {
 
 void LocalExecutor::tick() {
   for (const auto& [id, running] : running_) running.work->tick();
+  store_ends_again();
   if (stopping_ || running_.size() >= static_cast<std::size_t>(worker_count_)) return;
   Result<std::vector<JobRow>> waiting = store_.jobs_in(JobState::kQueued);
   if (!waiting.ok()) {

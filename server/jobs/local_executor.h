@@ -79,16 +79,21 @@ class LocalExecutor : public Executor {
   void note(const std::string& id, const std::string& words);
   void put_off(const std::string& id, const std::string& words);
   JobStatus with_stage(JobRow row) const;
+  Result<JobRow> row_of(const std::string& id) const;
+  void store_end(const JobRow& row);
+  void store_ends_again();
 
   const int worker_count_;
   Store& store_;
   const Hooks hooks_;
-  const std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
   std::map<std::string, Running> running_;  // by id
   struct Pause {
     std::int64_t length_ms = 0;
     std::int64_t until_ms = 0;
   };
+  // By id: how work has ended, as long as the store could not take it. No more than worker_count_ at a time as long as the store fails,
+  // since nothing starts then.
+  std::map<std::string, JobRow> unstored_ends_;
   std::map<std::string, Pause> pauses_;              // by id, for jobs that the disk had no room for
   std::map<std::string, std::uint64_t> last_start_;  // by token: the sequence number of its last start
   std::uint64_t start_count_ = 0;

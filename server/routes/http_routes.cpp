@@ -71,8 +71,8 @@ std::string made_id(const HttpAnswer& answer) {
   return json.value("id", "");
 }
 
-// Writes an entry to the audit log: for changes, whatever their outcome, and for downloaded results. Lists and states
-// are requested too often to be logged.
+// Writes an entry to the audit log: for changes, whatever their outcome, for downloaded results, and for what a token may not do. Lists and
+// states are requested too often to be logged.
 void note(const HttpWorld& world, const HttpRequest& request, const Grant& grant, std::string_view route, const std::string& id,
           const std::string& outcome) {
   world.audit.note({request.caller.now_ms, grant.token_id, request.caller.peer, request.method + " " + std::string(route), id, outcome});
@@ -193,6 +193,11 @@ bool fits(const ApiRoute& route, std::string_view method, std::string_view path)
   return route.method == method || (method == "HEAD" && route.method == "GET" && path.substr(0, kUploadsPath.size()) != kUploadsPath);
 }
 
+// The methods of a route of this path, as in the header Allow.
+std::string methods_of(const ApiRoute& route, std::string_view path) {
+  return std::string(route.method) + (route.method == "GET" && fits(route, "HEAD", path) ? ", HEAD" : "");
+}
+
 HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
   const std::string& method = request.method;
   std::variant<Grant, HttpAnswer> admitted = admit(world, request);
@@ -213,8 +218,10 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
         return on_route(route.name, error_answer(403, lacks(grant, *scope)));
       }
       // A share link must not learn whether other scans exist.
-      if (route.before_id == kScanPath && !may_see(grant, id))
+      if (route.before_id == kScanPath && !may_see(grant, id)) {
+        note(world, request, grant, route.name, id, "404");
         return on_route(route.name, refused({ErrorCode::kNotFound, "there is no scan " + id}));
+      }
       HttpAnswer answer = on_route(route.name, route.handle(world, {request, grant, id, parts->last_part}));
       // Logs who changed what; the paths of the routes contain ids but no secrets.
       const bool looks = method == "GET" || method == "HEAD" || answer.body_sink || answer.ask_again;
@@ -226,7 +233,7 @@ HttpAnswer answer_api(const HttpWorld& world, const HttpRequest& request) {
       if (!looks) spdlog::info("{} {} by token {}: {}", method, request.path, grant.token_id, answer.status);
       return answer;
     }
-    allow += (allow.empty() ? "" : ", ") + std::string(route.method);
+    allow += (allow.empty() ? "" : ", ") + methods_of(route, request.path);
   }
   if (!allow.empty()) return wrong_method(allow);
   return refused({ErrorCode::kNotFound, "there is nothing at this path"});

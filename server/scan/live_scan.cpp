@@ -266,7 +266,11 @@ void LiveScan::worker_says(const std::string& words) {
 void LiveScan::ended(ScanEnd end) {
   audience_->tell_mesh_wanted(nullptr);
   worker_.reset();  // its thread has ended: this was its last event
-  log_.reset();     // from here on everything is on disk
+  const Status kept = log_->close();  // from here on everything is on disk, or never will be
+  log_.reset();
+  // Its results are complete. The camera has been told of fewer durable frames, but is about to forget them all.
+  if (!kept.ok() && end.phase == wire::ScanPhase::kFinished)
+    end.words += (end.words.empty() ? "" : "; ") + in_context("its last frames are not kept", kept.error()).message;
   if (discarded_) end = {wire::ScanPhase::kInterrupted, {ErrorCode::kNotFound, kDiscarded}, {}, kDiscarded, true};
   ending_ = true;
   waiting_since_.reset();

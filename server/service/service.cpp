@@ -162,6 +162,9 @@ struct Service::Impl {
     if (tls) url.replace(0, 4, "https");
     if (const Status published = data.publish_address(url); !published.ok()) throw SetupError(published.error());
     if (admin_address) open_admin();
+    // Before anybody is told that the server is there: whoever stops it then has it end as later on.
+    if (options.stop_on_signals)
+      for (const int signal : {SIGINT, SIGTERM, SIGHUP}) signals.add(signal);
   }
 
   Exports::Hooks export_hooks(const LogReaders::Post& network) {
@@ -354,7 +357,12 @@ struct Service::Impl {
   }
 };
 
-Service::Service(const ServiceOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+// What a database or a disk says of its failure does not name a place by itself.
+Service::Service(const ServiceOptions& options) try : impl_(std::make_unique<Impl>(options)) {
+} catch (const SetupError& failure) {
+  if (failure.error().code != ErrorCode::kIo) throw;
+  throw SetupError(in_context("starting with the data in " + options.data_folder, failure.error()));
+}
 Service::~Service() = default;
 
 const std::string& Service::url() const { return impl_->url; }
@@ -364,10 +372,7 @@ int Service::admin_port() const { return impl_->admin_acceptor ? impl_->admin_ad
 
 bool Service::run() {
   Impl& service = *impl_;
-  if (service.options.stop_on_signals) {
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) service.signals.add(signal);
-    service.await_signal();
-  }
+  if (service.options.stop_on_signals) service.await_signal();
   asio::co_spawn(service.context, service.accept(*service.acceptor, {*service.site, service.connections, true}), asio::detached);
   asio::co_spawn(service.context, service.tick(), asio::detached);
   if (service.admin_acceptor)

@@ -22,11 +22,11 @@ class FailingDisk : private DiskWatcher {
   }
 
  private:
-  int before(const char* call) override {
+  int before(const DiskCall& call) override {
     const int left = calls_left_.fetch_sub(1);
     if (left > 0 || (left < 0 && !stays_)) return 0;
     const char* none = nullptr;
-    failed_.compare_exchange_strong(none, call);
+    failed_.compare_exchange_strong(none, call.name);
     return error_;
   }
   void synced(int) override {}

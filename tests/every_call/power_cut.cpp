@@ -69,9 +69,9 @@ void PowerCut::acknowledge(const std::string& what, std::int64_t amount) {
   acknowledged_[what] = amount;
 }
 
-int PowerCut::before(const char* call) {
+int PowerCut::before(const DiskCall& call) {
   const std::lock_guard lock(mutex_);
-  take_pictures("before " + std::string(call) + " " + std::to_string(call_count_++));
+  take_pictures("before " + std::string(call.name) + " " + std::to_string(call_count_++));
   return 0;
 }
 

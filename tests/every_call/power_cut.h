@@ -57,7 +57,7 @@ class PowerCut : private DiskWatcher {
     std::map<std::string, ino_t> synced_entries;  // of a folder
   };
 
-  int before(const char* call) override;
+  int before(const DiskCall& call) override;
   void synced(int descriptor) override;
   ino_t meet(const std::string& path);
   void meet_all_in(const std::string& path);

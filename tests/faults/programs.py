@@ -20,21 +20,26 @@ PATIENCE_S = 300
 
 
 class Server:
-    def __init__(self, program, data, settings=(), host="127.0.0.1"):
-        """`settings`: more arguments."""
+    def __init__(self, program, data, settings=(), host="127.0.0.1", environment=None):
+        """`settings`: more arguments. `environment`: more variables of it."""
         with socket.create_server((host, 0), family=socket.AF_INET6 if ":" in host else socket.AF_INET) as free:
             self.port = free.getsockname()[1]
         listen = f"[{host}]:{self.port}" if ":" in host else f"{host}:{self.port}"
         self.command = [program, "serve", "--listen", listen, "--data", data, "--mesh-on-demand", *settings]
         self.log = open(data + ".server.log", "a+", encoding="utf-8")
+        self.environment = environment or {}
         self.process = None
         self.url = None
         self.start()
 
-    def start(self):
-        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=self.log, text=True)
+    def try_to_start(self):
+        """Whether it has started."""
+        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=self.log, text=True, env={**os.environ, **self.environment})
         self.url = self.process.stdout.readline().strip()
-        if not self.url.startswith("http"):
+        return self.url.startswith("http")
+
+    def start(self):
+        if not self.try_to_start():
             sys.exit("the server did not start: " + self.tail())
 
     def ask(self, path, method="GET", body=None):

@@ -18,7 +18,8 @@ import time
 from programs import Camera, Server, argument_parser, resident_mb
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "server"))
-from independent_client import PING, PONG, VIEWER_ACK, Client, field, fields, hello_viewer  # noqa: E402
+from independent_client import Client, hello_viewer  # noqa: E402
+from protobuf_by_hand import PING, PONG, VIEWER_ACK, field, fields  # noqa: E402
 from wsproto.events import BytesMessage, CloseConnection, Ping  # noqa: E402
 
 SEQUENCE = "synthetic:frames=240,width=320,height=240,noise=kinect-white,seed=1"

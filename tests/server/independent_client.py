@@ -17,6 +17,8 @@ import sys
 import tempfile
 import zlib
 
+from protobuf_by_hand import (CHUNK, CREDIT, ERROR, FINISH, FINISHED, FRAME, HELLO, PING, PONG, RESULT, SNAPSHOT_END, WELCOME, double, field, fields)
+
 try:
     from wsproto import ConnectionType, WSConnection
     from wsproto.events import (AcceptConnection, BytesMessage, CloseConnection, Ping, Pong, RejectConnection, Request, TextMessage)
@@ -26,61 +28,6 @@ except ImportError:
 
 WIDTH, HEIGHT, FRAME_COUNT = 96, 72, 8
 PATIENCE_S = 120
-
-
-# ---- protobuf: https://protobuf.dev/programming-guides/encoding
-
-def varint(value):
-    out = bytearray()
-    while value > 0x7F:
-        out.append(value & 0x7F | 0x80)
-        value >>= 7
-    return bytes(out + bytes([value]))
-
-
-def field(number, value):
-    if isinstance(value, float):
-        return varint(number << 3 | 1) + struct.pack("<d", value)
-    if isinstance(value, int):
-        return varint(number << 3) + varint(value)
-    data = value.encode() if isinstance(value, str) else value
-    return varint(number << 3 | 2) + varint(len(data)) + data
-
-
-def read_varint(data, at):
-    value = shift = 0
-    while True:
-        value |= (data[at] & 0x7F) << shift
-        shift += 7
-        at += 1
-        if data[at - 1] < 0x80:
-            return value, at
-
-
-def fields(data):
-    """{field number: last value}; 8 and 4 byte values as bytes."""
-    out, at = {}, 0
-    while at < len(data):
-        key, at = read_varint(data, at)
-        kind = key & 7
-        if kind == 0:
-            value, at = read_varint(data, at)
-        else:
-            length = {1: 8, 5: 4}.get(kind)
-            if length is None:
-                length, at = read_varint(data, at)
-            value, at = data[at:at + length], at + length
-        out[key >> 3] = value
-    return out
-
-
-def double(data):
-    return struct.unpack("<d", data)[0] if data else 0.0
-
-
-# Bodies of proto/scan.proto.
-HELLO, FRAME, FINISH, VIEWER_ACK, PING = 1, 2, 3, 4, 5
-WELCOME, RESULT, CREDIT, CHUNK, POSES, STATE, FINISHED, ERROR, PONG, SNAPSHOT_END, TRAJECTORY = range(1, 12)
 
 
 def hello_camera(token):

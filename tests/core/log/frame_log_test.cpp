@@ -373,6 +373,29 @@ TEST_F(FrameLogTest, NothingIsDurableAfterAFailedSync) {
   EXPECT_EQ(told_.durable(), 1u);
 }
 
+TEST_F(FrameLogTest, ClosingSaysWhetherAllWasWritten) {
+  int allowed = 2;  // of the header, of the first records
+  FrameLogOptions options;
+  options.group_time = std::chrono::hours(1);  // nothing but the end makes it sync
+  options.sync = [&allowed](int file) {
+    if (allowed-- > 0) return ::fdatasync(file);
+    errno = ENOSPC;
+    return -1;
+  };
+  auto full = FrameLog::create(log_, "terms", "start", told_.events(), options);
+  ASSERT_TRUE(full.ok());
+  ASSERT_TRUE((*full)->append(RecordType::kFrame, payload(0)).ok());
+  const Status failed = (*full)->close();
+  ASSERT_FALSE(failed.ok());
+  EXPECT_THAT(failed.error().message, HasSubstr("syncing"));
+  EXPECT_FALSE((*full)->close().ok()) << "and says so again";
+
+  auto log = FrameLog::create(log_ + "2", "terms", "start", told_.events());
+  ASSERT_TRUE(log.ok());
+  ASSERT_TRUE((*log)->append(RecordType::kFrame, payload(0)).ok());
+  EXPECT_TRUE((*log)->close().ok());
+}
+
 TEST_F(FrameLogTest, ADiskThatIsFullFromTheStartGivesNoLog) {
   FrameLogOptions options;
   options.sync = [](int) {

@@ -160,8 +160,9 @@ TEST_F(HttpTest, OtherMethodsAreNamed) {
   EXPECT_THAT(request("POST", "/"), StartsWith("HTTP/1.1 405"));
   const std::string answer = request("DELETE", "/api/v1/scans", with_token());
   EXPECT_THAT(answer, StartsWith("HTTP/1.1 405"));
-  EXPECT_THAT(answer, HasSubstr("Allow: GET"));
-  EXPECT_THAT(request("BREW", "/"), StartsWith("HTTP/1.1 405"));
+  EXPECT_THAT(answer, HasSubstr("Allow: GET, HEAD\r\n"));
+  EXPECT_THAT(request("GET", "/api/v1/uploads/" + id_, with_token()), HasSubstr("Allow: HEAD, PATCH, DELETE, PUT\r\n"));
+  for (const char* other : {"BREW", "TRACE"}) EXPECT_THAT(request(other, "/"), StartsWith("HTTP/1.1 405")) << other;
 }
 
 TEST_F(HttpTest, OtherHostsAndOriginsAreRefused) {

@@ -1,5 +1,7 @@
 #include "server/jobs/local_executor.h"
 
+#include <SQLiteCpp/SQLiteCpp.h>
+
 #include <deque>
 #include <map>
 
@@ -52,6 +54,11 @@ class LocalWorld {
   const std::vector<std::string>& removed_scans() const { return removed_scans_; }
   const std::vector<std::string>& ended() const { return ended_; }
   void wait(std::int64_t ms) { now_ms_ += ms; }
+  // While it takes nothing, no change of a job can be stored.
+  void store_takes_jobs(bool takes) {
+    SQLite::Database(folder_ / "db", SQLite::OPEN_READWRITE)
+        .exec(takes ? "DROP TRIGGER full" : "CREATE TRIGGER full BEFORE UPDATE ON jobs BEGIN SELECT RAISE(FAIL, 'no room'); END");
+  }
   std::set<std::string> finished_scans;
   bool has_room = false;
 
@@ -210,6 +217,24 @@ TEST_F(LocalExecutorTest, OneThatTheDiskHadNoRoomForIsTriedAgainLaterAndLater) {
   world_.settle();
   EXPECT_EQ(world_.executor().status(id)->row.state, JobState::kFinished);
   EXPECT_EQ(world_.done_count(id), 1);
+}
+
+TEST_F(LocalExecutorTest, AnEndThatCannotBeStoredIsToldAndStoredLater) {
+  const std::string done = submit(Work::kFinishes), lacks = submit(Work::kLacksRoom);
+  world_.local().tick();
+  world_.store_takes_jobs(false);
+  world_.settle();
+  EXPECT_EQ(world_.store().job(done)->state, JobState::kRunning);
+  EXPECT_EQ(world_.executor().status(done)->row.state, JobState::kFinished);
+  EXPECT_EQ(world_.executor().status(lacks)->row.state, JobState::kQueued);
+  for (const JobStatus& listed : *world_.executor().list()) EXPECT_NE(listed.row.state, JobState::kRunning);
+  world_.store_takes_jobs(true);
+  world_.has_room = true;
+  world_.wait(kFirstRoomPause_ms);
+  world_.settle();
+  EXPECT_EQ(world_.store().job(done)->state, JobState::kFinished);
+  EXPECT_EQ(world_.store().job(lacks)->state, JobState::kFinished);
+  EXPECT_EQ(world_.done_count(done), 1);
 }
 
 TEST_F(LocalExecutorTest, ACancelledOneIsNotTriedAgainBeforeItIsOver) {

@@ -278,6 +278,7 @@ TEST_F(HttpRoutesTest, WhoDidWhatIsInTheAuditLog) {
   const std::string view = make_token(R"(["view"])");
   const Json made = ask("POST", "/api/v1/tokens", server_->token(), R"({"scopes": ["scan"]})").json();
   EXPECT_EQ(status("DELETE", "/api/v1/scans/" + id_, view), 403);
+  EXPECT_EQ(status("GET", "/api/v1/scans/" + other_id_, make_share()["secret"]), 404);
   EXPECT_EQ(status("GET", "/api/v1/scans/" + id_ + "/cloud.ply", view), 200);
   EXPECT_EQ(status("GET", "/api/v1/scans", view), 200);
   EXPECT_EQ(status("DELETE", "/api/v1/scans/" + id_, server_->token()), 200);
@@ -294,8 +295,9 @@ TEST_F(HttpRoutesTest, WhoDidWhatIsInTheAuditLog) {
   ASSERT_TRUE(check.ok());
   EXPECT_EQ(check->broken, "");
   EXPECT_EQ(wrong, 20) << "also of those that were told to wait";
-  EXPECT_THAT(found, testing::IsSupersetOf({"POST tokens " + made["token"]["id"].get<std::string>() + " 201", "DELETE scan " + id_ + " 403",
-                                            "GET cloud.ply " + id_ + " 200", "DELETE scan " + id_ + " 200"}));
+  EXPECT_THAT(found,
+              testing::IsSupersetOf({"POST tokens " + made["token"]["id"].get<std::string>() + " 201", "DELETE scan " + id_ + " 403",
+                                     "GET scan " + other_id_ + " 404", "GET cloud.ply " + id_ + " 200", "DELETE scan " + id_ + " 200"}));
   EXPECT_THAT(found, Not(testing::Contains(HasSubstr("GET scans"))));
 }
 
