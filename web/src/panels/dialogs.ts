@@ -50,6 +50,8 @@ const keys: readonly (readonly [string, string])[] = [
   ['T', 'Look back: all frames of the camera'],
   ['Left, right, space', 'Frame before, next frame, play; on the slider of the frames'],
   ['Q', 'The quality of the scan on a page to print, and back'],
+  ['V', 'Coverage: what was scanned well, what needs another look'],
+  ['L', 'What the camera sees, while it scans'],
   ['C', 'Follow the camera, while it scans'],
   ['?', 'This help'],
   ['Esc', 'Close what is open'],

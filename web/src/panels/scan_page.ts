@@ -24,7 +24,9 @@ import { showHelp } from './dialogs';
 import { element, setText, type Panel } from './dom';
 import { downloadMenu } from './download_menu';
 import { floorPicker, type FloorPicker } from './floor_picker';
+import { coverageLegend } from './coverage_legend';
 import { framesPanel, type FramesPanel } from './frames_panel';
+import { livePanel, type LivePanel } from './live_panel';
 import { statusMark } from './mark';
 import { measurePanel, type MeasurePanel } from './measure_panel';
 import { menu, type MenuItem } from './menu';
@@ -68,11 +70,13 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   const panels: Panel[] = [bar];
   const node = element('main', { class: 'scan-page' }, stage, empty, note, bar.element);
   if (floor) node.append(floor.element);
-  const tools = scene && toolsOf({ node, stage, canvas, scene, scan, cutting, noting, token, frame: frameOf(view) });
+  const tools = scene && toolsOf({ node, stage, canvas, scene, scan, options, cutting, noting, token, frame: frameOf(view) });
   if (scene && tools) {
-    const buttons = [tools.tape, tools.notes, tools.section, tools.frames].map(({ button }) => button);
-    panels.push(statusPanel(scan, () => scene.framesPerSecond()), viewPanel(options, scan, () => frameAll(scene, options), ...buttons), ...Object.values(tools));
+    const buttons = [tools.live, tools.tape, tools.notes, tools.section, tools.frames].map(({ button }) => button);
+    const legend = coverageLegend(options, scan, scene);
+    panels.push(statusPanel(scan, () => scene.framesPerSecond()), viewPanel(options, scan, () => frameAll(scene, options), legend.element, ...buttons), ...Object.values(tools));
     for (const panel of panels.slice(1)) node.append(panel.element);
+    panels.push(legend); // stands in the panel of the view
   }
   const unsubscribers = [
     scan.subscribe((state) => showEmpty(empty, scene ? emptyWords(state) : 'This browser cannot show 3D pictures: it has no WebGL 2.')),
@@ -84,6 +88,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   const onEvent = (event: ScanEvent): void => {
     keepReason(scanId, event);
     scene?.onEvent(event);
+    tools?.live.onEvent(event);
   };
   const link = scene && new ScanLink({ scanId, token, watch: watchOf(options.get()), onEvent: receiver(scan.dispatch, onEvent) });
   unsubscribers.push(options.subscribe((state) => link?.watch(watchOf(state))));
@@ -113,6 +118,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
 }
 
 interface Tools {
+  readonly live: LivePanel;
   readonly tape: MeasurePanel;
   readonly frames: FramesPanel;
   readonly section: SectionPanel;
@@ -125,6 +131,7 @@ interface ToolWorld {
   readonly canvas: HTMLCanvasElement;
   readonly scene: ScanScene;
   readonly scan: ScanStore;
+  readonly options: OptionsStore;
   readonly cutting: Store<Cutting, CuttingEvent>;
   readonly noting: Store<Noting, NotingEvent>;
   readonly token: string;
@@ -132,7 +139,7 @@ interface ToolWorld {
 }
 
 // They stand in the same place: one at a time.
-function toolsOf({ node, stage, canvas, scene, scan, cutting, noting, token, frame }: ToolWorld): Tools {
+function toolsOf({ node, stage, canvas, scene, scan, options, cutting, noting, token, frame }: ToolWorld): Tools {
   const tape = measurePanel({ canvas, scene, scan, token });
   const closeTape = (): void => {
     if (node.classList.contains('measuring')) tape.toggle();
@@ -173,12 +180,14 @@ function toolsOf({ node, stage, canvas, scene, scan, cutting, noting, token, fra
     },
   });
   for (const { close } of [frames, section, notes]) tape.button.addEventListener('click', close);
-  return { tape, frames, section, notes };
+  const live = livePanel({ scene, scan, options, token, opened: section.close });
+  return { live, tape, frames, section, notes };
 }
 
 // What is shown is what is asked for.
-function watchOf({ show }: ViewOptions): Watch {
-  return { points: show === 'points', mesh: show === 'surface' };
+function watchOf({ show, coverage }: ViewOptions): Watch {
+  const points = show === 'points' || coverage;
+  return { points, mesh: !points };
 }
 
 function openScene(canvas: HTMLCanvasElement, onTouched: () => void): ScanScene | null {
@@ -358,6 +367,8 @@ function shortcut(event: KeyboardEvent, { scanId, scene, options, tools }: Short
   if (event.key === 's') options.dispatch({ show: now.show === 'surface' ? 'points' : 'surface' });
   if (event.key === 'i') options.dispatch({ hideBacks: !now.hideBacks });
   if (event.key === 'e') options.dispatch({ eyeDome: !now.eyeDome });
+  if (event.key === 'l') tools?.live.toggle();
+  if (event.key === 'v') options.dispatch({ coverage: !now.coverage });
   if (event.key === 'x') tools?.section.toggle();
   if (event.key === 'q') location.hash = qualityHash(scanId);
   if (event.key === 'm') {

@@ -33,6 +33,7 @@ export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, sca
   );
   const eyeDome = toggle('Edges', 'Eye-dome lighting: points are darker behind edges (E)', () => options.dispatch({ eyeDome: !options.get().eyeDome }));
   const follow = toggle('Follow camera', 'Rides behind the scanning camera', () => options.dispatch({ follow: !options.get().follow }));
+  const coverage = toggle('Coverage', 'What was scanned well, and what needs another look (V)', () => options.dispatch({ coverage: !options.get().coverage }));
   const frame = element('button', { type: 'button', class: 'button', title: 'Shows the whole scan (F)' }, 'Show all');
   frame.addEventListener('click', frameAll);
 
@@ -44,19 +45,23 @@ export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, sca
     colors.element,
     slider,
     eyeDome,
+    coverage,
     element('div', { class: 'buttons' }, inside, follow, frame),
     ...more,
   );
   const refresh = (): void => {
     const state = options.get();
-    const { mesh, phase, triangles } = scan.get();
+    const { mesh, phase, triangles, framesReceived } = scan.get();
     const there = mesh.state === 'shown';
-    const onSurface = (there || triangles > 0) && state.show === 'surface';
-    show.element.hidden = !there && triangles === 0 && phase !== 'running';
+    const onSurface = (there || triangles > 0) && state.show === 'surface' && !state.coverage;
+    show.element.hidden = state.coverage || (!there && triangles === 0 && phase !== 'running');
     show.check(state.show);
     surface.element.hidden = !onSurface;
     surface.check(shownMeshColor(state, there && mesh.textured));
-    colors.element.hidden = slider.hidden = onSurface;
+    slider.hidden = onSurface;
+    colors.element.hidden = onSurface || state.coverage;
+    coverage.hidden = framesReceived === 0;
+    coverage.setAttribute('aria-pressed', String(state.coverage));
     colors.check(state.color);
     size.value = String(state.pointSize_percent);
     setText(sizeText, `${state.pointSize_percent} %`);

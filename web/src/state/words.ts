@@ -88,6 +88,16 @@ export function wayBackLabel(frame: FrameEvent): string {
   return `Go back to this view, seen ${seconds(1000 * (frame.timestamp_s - frame.lastTracked.timestamp_s))} ago`;
 }
 
+// In the place of the images while the camera is lost. `withImage`: the view to go back to is shown.
+export function lostWords(withImage: boolean): string {
+  return withImage ? 'Camera lost. Go back to this view:' : 'Camera lost. It has to go back to the red place.';
+}
+
+// Of the image of that view.
+export function wayBackCaption({ lostFor_s }: Pick<LiveScan, 'lostFor_s'>): string {
+  return lostFor_s === null ? 'Go back here' : `Go back here, seen ${seconds(1000 * lostFor_s)} ago`;
+}
+
 const eventShown_s = 8; // by the camera's clock
 const shownCorrection_m = 0.005; // less is not worth a word
 
