@@ -23,13 +23,16 @@ constexpr std::int64_t kFarthest_mm = 1'000'000;
 
 std::atomic<int> frames_asked = 0;
 
-// Of a running scan only what is on the disk can be read.
+// Of a running scan only what is on the disk can be read: what is about to be there is an empty answer.
 std::optional<HttpAnswer> not_there_yet(const LiveScan* scan, const std::string& id, std::optional<std::uint64_t> sequence) {
   if (!sequence) return refused({ErrorCode::kBusy, "scan " + id + " is running: its frames can be listed when it has ended"});
   if (!scan) return refused({ErrorCode::kBusy, "scan " + id + " is being restored: its frames can be looked at in a moment"});
   if (*sequence < scan->durable_frames()) return std::nullopt;
-  return refused({ErrorCode::kNotFound, "frame " + std::to_string(*sequence) + " is not on the disk yet: there are " +
-                                            std::to_string(scan->durable_frames()) + " frames so far"});
+  HttpAnswer soon;
+  soon.status = 204;
+  if (*sequence < scan->counts().received) return soon;
+  return refused({ErrorCode::kNotFound, "there is no frame " + std::to_string(*sequence) + " yet: the camera has sent " +
+                                            std::to_string(scan->counts().received) + " so far"});
 }
 
 // Returns why there are no frames to show, or not this one; std::nullopt if there are.

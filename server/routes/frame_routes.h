@@ -2,10 +2,11 @@
 // http_routes.h has the table. On the network thread, except reading and decoding, which a disk thread does while the
 // request waits.
 //
-// Images of a running scan can be read as soon as they are on the disk, the list only when it has ended.
+// Images of a running scan can be read as soon as they are on the disk, and are 204 until then; the list only when it has
+// ended.
 //
 // Errors of all routes: 403 for a share link, which shows the model but not what passed before the camera; 404 no such
-// scan or frame, it is not on the disk yet, or the scan was imported; 409 the list of a running scan, or one that is being
+// scan or frame, or the scan was imported; 409 the list of a running scan, or one that is being
 // restored; 410 its frames were removed; 500 the frame is damaged; 503 too many requests at once.
 #pragma once
 

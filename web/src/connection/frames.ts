@@ -49,9 +49,11 @@ export interface LiveColor extends ServerDelays {
   readonly answered_ms: number; // when the beginning of the answer was here
 }
 
-export async function fetchLiveColor(scanId: string, token: string, frame: number, signal: AbortSignal): Promise<LiveColor> {
+// Null: it is not on the server's disk yet.
+export async function fetchLiveColor(scanId: string, token: string, frame: number, signal: AbortSignal): Promise<LiveColor | null> {
   const response = await request(`${scanPath(scanId)}/frames/color/${frame}`, token, { limit_ms: image_ms, signal });
   const answered_ms = performance.now();
+  if (response.status === 204) return null;
   const delay = (name: string): number | null => delayOf(response.headers.get(name));
   const delays = { frameAge_ms: delay('Frame-Age-Ms'), points_ms: delay('Points-Delay-Ms'), surface_ms: delay('Surface-Delay-Ms') };
   return { picture: await response.blob(), answered_ms, ...delays };

@@ -1,5 +1,5 @@
 // What the camera of a running scan sees: its newest colour and depth image; while it is lost, beside that the last view that it should go back to.
-import { ApiError, errorWords } from '../connection/api';
+import { errorWords } from '../connection/api';
 import type { ScanEvent } from '../connection/events';
 import { fetchColor, fetchDepth, fetchLiveColor, type DepthRange } from '../connection/frames';
 import { fetchAccess } from '../connection/scans';
@@ -205,8 +205,7 @@ class LiveImages {
     const mine = (this.onItsWay = new AbortController());
     const began_ms = performance.now();
     await fetch(mine.signal).catch((error: unknown) => {
-      const isEarly = error instanceof ApiError && error.missing; // it is not on the server's disk yet
-      if (this.onItsWay === mine && !isEarly && this.drawn === null) this.parts.color.show(errorWords(error, 'This image cannot be read.'));
+      if (this.onItsWay === mine && this.drawn === null) this.parts.color.show(errorWords(error, 'This image cannot be read.'));
     });
     if (this.onItsWay !== mine) return;
     this.onItsWay = null;
@@ -219,7 +218,9 @@ class LiveImages {
     const { scanId, wayBack } = scan.get();
     const { color, depth, near, far, scale } = this.parts;
     const asked_ms = performance.now();
-    const [live, shown] = await Promise.all([fetchLiveColor(scanId, token, sequence, signal), wayBack ? null : fetchDepth(scanId, token, sequence, this.range, signal)]);
+    const live = await fetchLiveColor(scanId, token, sequence, signal);
+    if (!live) return;
+    const shown = wayBack ? null : await fetchDepth(scanId, token, sequence, this.range, signal);
     const picture = await createImageBitmap(live.picture);
     const depthPicture = shown && (await createImageBitmap(shown.picture));
     if (signal.aborted) return;
