@@ -33,6 +33,8 @@ after(async () => {
 });
 
 const picture = (page, name) => page.screenshot({ path: path.join(artifacts, `${name}.png`) });
+// Buttons whose words do not fit into them.
+const cutOff = (page) => page.evaluate(() => [...document.querySelectorAll('button, .segments span')].filter((node) => node.checkVisibility() && node.scrollWidth > node.clientWidth + 1).map((node) => node.textContent));
 // How many different colours an image has that is seen, 0 where it is not.
 const colorsOf = (page, selector) =>
   until(
@@ -102,13 +104,20 @@ test('a share link is told that the camera is lost, and gets none of its images'
   await page.goto(`${server.origin}/#/`); // the processor draws for the phones from here on
 });
 
-for (const [name, viewport] of Object.entries({ upright: { width: 390, height: 844 }, lying: { width: 844, height: 390 } }))
-  test(`a phone beside the scanner has everything in reach, ${name}`, { timeout: scan_ms }, async () => {
-    const context = await browser.browser.newContext({ viewport, deviceScaleFactor: 2, hasTouch: true, isMobile: true, colorScheme: 'light', reducedMotion: 'reduce' });
+const phones = [
+  { name: 'upright', viewport: { width: 390, height: 844 }, locale: 'de-DE', lost: 'Kamera verloren. Zurück zu dieser Ansicht:' },
+  { name: 'lying', viewport: { width: 844, height: 390 }, locale: 'en-GB', lost: 'Camera lost. Go back to this view:' },
+];
+for (const { name, viewport, locale, lost } of phones)
+  test(`a phone beside the scanner has everything in reach, ${name}, in ${locale}`, { timeout: scan_ms }, async () => {
+    const context = await browser.browser.newContext({ viewport, locale, deviceScaleFactor: 2, hasTouch: true, isMobile: true, colorScheme: 'light', reducedMotion: 'reduce' });
     const { page, complaints } = await openPage(context, `${server.origin}/#token=${server.token}`);
     await page.getByRole('link', { name: 'Kitchen' }).click();
     await colorsOf(page, '.way-back');
+    await page.getByText(lost).waitFor();
+    assert.equal(await page.evaluate(() => document.documentElement.lang), locale.slice(0, 2));
     assert.deepEqual(await tooSmall(page), []);
+    assert.deepEqual(await cutOff(page), []);
     const boxOf = (selector) => page.locator(selector).boundingBox();
     const [live, view, stage] = await Promise.all(['.card.live', '.card.view', '.stage'].map(boxOf));
     assert.ok(live.y + live.height <= view.y, 'the images are not over the buttons');

@@ -1,4 +1,5 @@
 // What the camera of a scan that has ended has sent: the list of its frames, the images of one, and where it was.
+import { t } from '../texts/texts';
 import { ApiError, isRecord, numberOf, request, scanPath } from './api';
 import type { Pose } from './events';
 
@@ -83,7 +84,7 @@ export async function fetchPath(scanId: string, token: string, signal: AbortSign
 export function parseFrames(json: unknown): FrameList {
   const times = isRecord(json) && Array.isArray(json['timestamps_s']) ? json['timestamps_s'].map(numberOf) : null;
   const runs = isRecord(json) && Array.isArray(json['statuses']) ? json['statuses'].filter(isRecord) : null;
-  if (!times || !runs) throw new ApiError('The server’s list of frames cannot be read.', false);
+  if (!times || !runs) throw new ApiError(t.theServersListOfFramesCannot, false);
   const known: FrameStatus[] = [];
   for (const run of runs) {
     const status = statuses.find((name) => name === run['status']) ?? 'unknown';

@@ -4,20 +4,21 @@ import { coverageOf, type Coverage } from '../state/coverage';
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
 import type { ViewOptions } from '../state/view_options';
+import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
 
 const refresh_ms = 1000;
 
 const kinds: readonly (readonly [keyof Coverage, string])[] = [
-  ['low', 'Needs another look'],
-  ['fair', 'Nearly enough'],
-  ['good', 'Scanned well'],
+  ['low', t.needsAnotherLook],
+  ['fair', t.nearlyEnough],
+  ['good', t.scannedWell],
 ];
 
 export function coverageLegend(options: Store<ViewOptions, never>, scan: Store<LiveScan, never>, scene: Pick<ScanScene, 'confidences'>): Panel {
   const shares = kinds.map(() => element('span', { class: 'coverage-share' }));
   const rows = kinds.map(([kind, words], i) => element('li', {}, element('span', { class: `coverage-color ${kind}`, 'aria-hidden': 'true' }), element('span', {}, words), shares[i]!));
-  const node = element('section', { class: 'coverage', 'aria-label': 'Coverage', title: 'Each frame that sees a place well counts. What no frame has seen is not in the model.' }, element('ul', {}, ...rows));
+  const node = element('section', { class: 'coverage', 'aria-label': t.coverage, title: t.eachFrameThatSeesAPlace }, element('ul', {}, ...rows));
   let timer: ReturnType<typeof setInterval> | undefined;
   const count = (): void => {
     const coverage = coverageOf(scene.confidences());

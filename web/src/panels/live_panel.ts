@@ -11,6 +11,7 @@ import { liveIsWanted, storeLive } from '../state/live_choice';
 import type { Store } from '../state/store';
 import type { ViewOptions } from '../state/view_options';
 import { lostWords, sentence, trackingWords, wayBackCaption } from '../state/words';
+import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
 import { framePicture } from './frame_picture';
 import { statusMark } from './mark';
@@ -35,7 +36,7 @@ const least_ms = 500; // between images, and as long as the last ones took: half
 export function livePanel({ scene, scan, options, token, opened }: World): LivePanel {
   const parts = partsOf();
   const { node, done, there } = parts;
-  const button = element('button', { type: 'button', class: 'button live-button', title: 'What the camera sees (L)', 'aria-pressed': 'false' }, 'Camera');
+  const button = element('button', { type: 'button', class: 'button live-button', title: t.whatTheCameraSeesL, 'aria-pressed': 'false' }, t.camera);
   const images = new LiveImages({ scene, scan, options, token }, parts);
   let wanted = liveIsWanted(localStorage);
   let allowed = false;
@@ -92,10 +93,10 @@ type Parts = ReturnType<typeof partsOf>;
 function partsOf() {
   const [near, far] = [element('span'), element('span')];
   const scale = element('span', { class: 'depth-scale' }, near, element('span', { class: 'depth-colors', 'aria-hidden': 'true' }), far);
-  const color = framePicture('What the camera sees', 'Camera');
-  const depth = framePicture('Its depth: red is near, blue is far', 'Depth', scale);
+  const color = framePicture(t.whatTheCameraSees, t.camera);
+  const depth = framePicture(t.itsDepthRedIsNearBlue, t.depth, scale);
   const ago = element('span');
-  const back = framePicture('The view to go back to', ago);
+  const back = framePicture(t.theViewToGoBackTo, ago);
   back.element.classList.add('way-back');
   const lost = element('p', { class: 'live-lost', role: 'alert' });
   const why = element('p', { class: 'live-why' }); // not read aloud whenever it changes
@@ -104,9 +105,9 @@ function partsOf() {
   tracking.element.classList.add('live-tracking');
   const [behind, behindWhy] = [element('summary'), element('p')];
   const delays = element('details', { class: 'live-behind' }, behind, behindWhy);
-  const there = element('button', { type: 'button', class: 'button', title: 'Moves the view to where the camera was' }, 'Look from there');
-  const done = element('button', { type: 'button', class: 'button', 'aria-label': 'Close the camera’s images' }, 'Close');
-  const node = element('section', { class: 'card frames live', 'aria-label': 'Camera' }, tracking.element, lost, why, pictures, element('div', { class: 'live-foot' }, delays, there, done));
+  const there = element('button', { type: 'button', class: 'button', title: t.movesTheViewToWhereThe }, t.lookFromThere);
+  const done = element('button', { type: 'button', class: 'button', 'aria-label': t.closeTheCamerasImages }, t.close);
+  const node = element('section', { class: 'card frames live', 'aria-label': t.camera }, tracking.element, lost, why, pictures, element('div', { class: 'live-foot' }, delays, there, done));
   return { node, tracking, lost, pictures, color, depth, back, ago, why, near, far, scale, delays, behind, behindWhy, there, done };
 }
 
@@ -173,7 +174,7 @@ class LiveImages {
     if (isLost) {
       setText(lost, lostWords(this.allowed));
       setText(why, sentence(state.trackingReason));
-      if (wayBack.sequence !== this.drawnBack) back.show('Its image is on its way.');
+      if (wayBack.sequence !== this.drawnBack) back.show(t.itsImageIsOnItsWay);
       setText(ago, wayBackCaption(state));
     } else if (this.drawnBack !== null) {
       scene.showMoment(null);
@@ -205,7 +206,7 @@ class LiveImages {
     const mine = (this.onItsWay = new AbortController());
     const began_ms = performance.now();
     await fetch(mine.signal).catch((error: unknown) => {
-      if (this.onItsWay === mine && this.drawn === null) this.parts.color.show(errorWords(error, 'This image cannot be read.'));
+      if (this.onItsWay === mine && this.drawn === null) this.parts.color.show(errorWords(error, t.thisImageCannotBeRead));
     });
     if (this.onItsWay !== mine) return;
     this.onItsWay = null;

@@ -20,12 +20,14 @@ import { createStore, type Store } from '../state/store';
 import { storedUp, storeUp } from '../state/up_choice';
 import { initialViewOptions, reduceViewOptions, storedShow, storeShow, type ViewOptions } from '../state/view_options';
 import { emptyWords, phaseWords } from '../state/words';
+import { t } from '../texts/texts';
 import { showHelp } from './dialogs';
 import { element, setText, type Panel } from './dom';
 import { downloadMenu } from './download_menu';
 import { floorPicker, type FloorPicker } from './floor_picker';
 import { coverageLegend } from './coverage_legend';
 import { framesPanel, type FramesPanel } from './frames_panel';
+import { chooseLanguage, otherLanguages } from './language_choice';
 import { livePanel, type LivePanel } from './live_panel';
 import { statusMark } from './mark';
 import { measurePanel, type MeasurePanel } from './measure_panel';
@@ -56,7 +58,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   const cutting = createStore<Cutting, CuttingEvent>(readCut(view), reduceCutting);
   const noting = createStore<Noting, NotingEvent>({ ...initialNoting, chosen: readNote(view), draft: storedDraft(sessionStorage, scanId) }, reduceNoting);
   const query = (): string => [cutQuery(cutting.get()), noteQuery(noting.get().chosen)].filter(Boolean).join('&');
-  const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': 'The scan in three dimensions. Arrow keys move, plus and minus zoom, a question mark tells more.' });
+  const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': t.theScanInThreeDimensionsArrow });
   const stage = element('div', { class: 'stage' }, canvas);
   const empty = element('p', { class: 'empty', role: 'status' });
   const scene = openScene(canvas, () => options.dispatch({ follow: false }));
@@ -79,7 +81,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
     panels.push(legend); // stands in the panel of the view
   }
   const unsubscribers = [
-    scan.subscribe((state) => showEmpty(empty, scene ? emptyWords(state) : 'This browser cannot show 3D pictures: it has no WebGL 2.')),
+    scan.subscribe((state) => showEmpty(empty, scene ? emptyWords(state) : t.thisBrowserCannotShow3dPictures)),
     options.subscribe((state) => scene?.onOptions(state)),
     options.subscribe((state) => storeShow(localStorage, state.show)),
     scan.subscribe((state) => showEmpty(note, meshWords(state.mesh, options.get().show === 'surface') || null)),
@@ -264,13 +266,14 @@ function viewActions({ scanId, scene, floor, frames, section, notes }: ViewWorld
     scene.setUp(null);
   };
   return [
-    ...(!notes.button.hidden ? [{ label: 'Notes', phoneOnly: true, do: notes.toggle }] : []),
-    ...(!section.button.hidden ? [{ label: 'Section', phoneOnly: true, do: section.toggle }] : []),
-    ...(!frames.button.hidden ? [{ label: 'Frames', phoneOnly: true, do: frames.toggle }] : []),
-    { label: 'Quality', phoneOnly: true, do: () => void (location.hash = qualityHash(scanId)) },
-    { label: 'Set the floor', do: () => floor.begin() },
-    ...(chosen ? [{ label: 'Find the floor again', do: again }] : []),
-    { label: 'Mouse and keyboard', do: showHelp },
+    ...(!notes.button.hidden ? [{ label: t.notes, phoneOnly: true, do: notes.toggle }] : []),
+    ...(!section.button.hidden ? [{ label: t.section, phoneOnly: true, do: section.toggle }] : []),
+    ...(!frames.button.hidden ? [{ label: t.frames, phoneOnly: true, do: frames.toggle }] : []),
+    { label: t.quality, phoneOnly: true, do: () => void (location.hash = qualityHash(scanId)) },
+    { label: t.setTheFloor, do: () => floor.begin() },
+    ...(chosen ? [{ label: t.findTheFloorAgain, do: again }] : []),
+    { label: t.mouseAndKeyboard, do: showHelp },
+    ...otherLanguages.map(([chosen, name]) => ({ label: name, do: () => chooseLanguage(chosen) })),
   ];
 }
 
@@ -284,9 +287,9 @@ function scanActions(scan: ScanStore, token: string, access: Access, problem: El
   };
   const ended = phase === 'finished' || phase === 'failed' || phase === 'interrupted';
   return [
-    ...(access.scan ? [{ label: 'Rename', do: () => rename(scanId, title, token, (wanted) => scan.dispatch({ kind: 'renamed', title: wanted })) }] : []),
-    ...(access.scan && phase === 'running' ? [{ label: 'Stop and keep', do: stop }] : []),
-    ...(access.admin && ended ? [{ label: 'Delete', bad: true, do: remove }] : []),
+    ...(access.scan ? [{ label: t.rename, do: () => rename(scanId, title, token, (wanted) => scan.dispatch({ kind: 'renamed', title: wanted })) }] : []),
+    ...(access.scan && phase === 'running' ? [{ label: t.stopAndKeep, do: stop }] : []),
+    ...(access.admin && ended ? [{ label: t.delete, bad: true, do: remove }] : []),
   ];
 }
 
@@ -302,12 +305,12 @@ function titleBar(scan: ScanStore, token: string, viewing: Viewing): Panel {
   const problem = element('span', { class: 'problem', role: 'alert' });
   const share = shareButton(scan.get().scanId, token, problem, viewing.link);
   let access = noAccess;
-  const shareItem: MenuItem = { label: 'Share', phoneOnly: true, do: () => share.querySelector('button')?.click() };
-  const more = menu('More', () => [...(access.scan ? [shareItem] : []), ...viewing.actions(), ...scanActions(scan, token, access, problem)]);
+  const shareItem: MenuItem = { label: t.share, phoneOnly: true, do: () => share.querySelector('button')?.click() };
+  const more = menu(t.more, () => [...(access.scan ? [shareItem] : []), ...viewing.actions(), ...scanActions(scan, token, access, problem)]);
   const node = element(
     'header',
     { class: 'title-bar' },
-    element('a', { class: 'back', href: '#/', 'aria-label': 'All scans' }, element('span', { 'aria-hidden': 'true' }, '←'), element('span', { class: 'back-words' }, ' Scans')),
+    element('a', { class: 'back', href: '#/', 'aria-label': t.allScans }, element('span', { 'aria-hidden': 'true' }, '←'), element('span', { class: 'back-words' }, ' Scans')),
     element('div', { class: 'heading' }, title, phase.element),
     element('span', { class: 'space' }),
     problem,
@@ -324,7 +327,7 @@ function titleBar(scan: ScanStore, token: string, viewing: Viewing): Panel {
     () => {}, // the connection of the scan says what is wrong
   );
   const unsubscribe = scan.subscribe((state) => {
-    setText(title, state.title || 'Scan');
+    setText(title, state.title || t.scan);
     title.title = state.title;
     document.title = state.title ? `${state.title} – Hermite` : 'Hermite';
     phase.show(phaseWords(state.phase));

@@ -1,6 +1,7 @@
 // How far what is on the screen is behind what the camera sends. The server tells how long it took, by its own clock; the browser adds what it measured by
 // its own. Two clocks are never compared, hence the way from the camera to the server is in none of these.
 import type { ServerDelays } from '../connection/frames';
+import { decimal, t } from '../texts/texts';
 import { seconds } from './words';
 
 // By the clock of the browser.
@@ -46,23 +47,23 @@ function medianOf(values: readonly number[]): number {
   return [...values].sort((a, b) => a - b)[Math.floor(values.length / 2)]!;
 }
 
-const tenths = (duration_ms: number): string => `${(duration_ms / 1000).toFixed(duration_ms < 9950 ? 1 : 0)} s`;
+const tenths = (duration_ms: number): string => `${decimal(duration_ms / 1000, duration_ms < 9950 ? 1 : 0)} s`;
 
 // Empty while nothing is known.
 export function behindWords({ image_ms, model_ms }: Behind): string {
-  const parts = [...(model_ms === null ? [] : [`model ${tenths(model_ms)}`]), ...(image_ms === null ? [] : [`images ${tenths(image_ms)}`])];
-  return parts.length === 0 ? '' : `Delay: ${parts.join(', ')}`;
+  const parts = [...(model_ms === null ? [] : [t.model(tenths(model_ms))]), ...(image_ms === null ? [] : [t.images(tenths(image_ms))])];
+  return parts.length === 0 ? '' : t.delay(parts.join(', '));
 }
 
 export function behindParts({ model_ms, server_ms }: Behind): string {
-  const own = 'From when the server has a frame until it is on this screen. The way from the camera to the server is not in it, since their clocks differ.';
+  const own = t.fromWhenTheServerHasA;
   if (model_ms === null || server_ms === null) return own;
-  return `${own} Of the model’s ${tenths(model_ms)}, the server takes ${tenths(server_ms)}; the way and this browser take ${tenths(model_ms - server_ms)}.`;
+  return t.ofTheModelsTheServerTakes(own, tenths(model_ms), tenths(server_ms), tenths(model_ms - server_ms));
 }
 
 const quiet_ms = 3000; // cameras that send, send more often
 
 // What is said when no frame has come for long; empty: it is not long.
 export function silenceWords(since_ms: number): string {
-  return since_ms < quiet_ms ? '' : `No new frame for ${seconds(since_ms)}`;
+  return since_ms < quiet_ms ? '' : t.noNewFrameFor(seconds(since_ms));
 }
