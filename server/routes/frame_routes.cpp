@@ -2,12 +2,14 @@
 
 #include <atomic>
 #include <charconv>
+#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "server/operations/json_text.h"
 #include "server/routes/turn.h"
+#include "server/scan/arrivals.h"
 #include "server/scan/stored_frames.h"
 
 namespace hermite {
@@ -21,22 +23,33 @@ constexpr std::int64_t kFarthest_mm = 1'000'000;
 
 std::atomic<int> frames_asked = 0;
 
-// Returns why there are no frames to show; std::nullopt if there are.
-std::optional<HttpAnswer> no_frames(const HttpWorld& world, const Call& call) {
+// Of a running scan only what is on the disk can be read: what is about to be there is an empty answer.
+std::optional<HttpAnswer> not_there_yet(const LiveScan* scan, const std::string& id, std::optional<std::uint64_t> sequence) {
+  if (!sequence) return refused({ErrorCode::kBusy, "scan " + id + " is running: its frames can be listed when it has ended"});
+  if (!scan) return refused({ErrorCode::kBusy, "scan " + id + " is being restored: its frames can be looked at in a moment"});
+  if (*sequence < scan->durable_frames()) return std::nullopt;
+  HttpAnswer soon;
+  soon.status = 204;
+  if (*sequence < scan->counts().received) return soon;
+  return refused({ErrorCode::kNotFound, "there is no frame " + std::to_string(*sequence) + " yet: the camera has sent " +
+                                            std::to_string(scan->counts().received) + " so far"});
+}
+
+// Returns why there are no frames to show, or not this one; std::nullopt if there are.
+std::optional<HttpAnswer> no_frames(const HttpWorld& world, const Call& call, std::optional<std::uint64_t> sequence) {
   if (!call.grant.scan_id.empty())
     return error_answer(403, {ErrorCode::kUnauthorized, "a share link shows the model of a scan and not what its camera has sent"});
   const Result<ScanRow> row = world.scans.find(call.id);
   if (!row.ok()) return refused(row.error());
-  if (row->phase == ScanPhase::kRunning)
-    return refused({ErrorCode::kBusy, "scan " + call.id + " is running: its frames can be looked at when it has ended"});
+  if (row->phase == ScanPhase::kRunning) return not_there_yet(world.scans.running(call.id), call.id, sequence);
   if (row->camera.width == 0) return refused({ErrorCode::kNotFound, "scan " + call.id + " was imported: no camera has seen it"});
   return std::nullopt;
 }
 
-// Returns an answer that a disk thread makes from what `read` finds in the frame log.
+// Returns an answer that a disk thread makes from what `read` finds in the frame log. Without `sequence` it is about all frames.
 template <class Read, class Tell>
-HttpAnswer later(const HttpWorld& world, const Call& call, Read read, Tell tell) {
-  if (std::optional<HttpAnswer> none = no_frames(world, call)) return *std::move(none);
+HttpAnswer later(const HttpWorld& world, const Call& call, std::optional<std::uint64_t> sequence, Read read, Tell tell) {
+  if (std::optional<HttpAnswer> none = no_frames(world, call, sequence)) return *std::move(none);
   const auto turn = std::make_shared<Turn>(frames_asked, kMaxFramesAskedAtOnce);
   if (!turn->is_mine()) return wait_answer(503, "others are looking at frames: try again in a moment", kFrameRetry_ms);
   HttpAnswer answer;
@@ -53,6 +66,30 @@ HttpAnswer image_answer(const FrameImage& image) {
   answer.content_type = image.content_type;
   answer.body = image.bytes;
   return answer;
+}
+
+std::string in_ms(Arrivals::Clock::duration duration) {
+  return std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(duration).count());
+}
+
+// How far the viewers of a running scan are behind, by the clock of this machine.
+struct Behind {
+  std::optional<Arrivals::Clock::time_point> arrived;  // the frame
+  std::optional<Arrivals::Clock::duration> points, surface;
+
+  HttpHeaders headers() const {
+    HttpHeaders said;
+    if (arrived) said.emplace_back("Frame-Age-Ms", in_ms(Arrivals::Clock::now() - *arrived));
+    if (points) said.emplace_back("Points-Delay-Ms", in_ms(*points));
+    if (surface) said.emplace_back("Surface-Delay-Ms", in_ms(*surface));
+    return said;
+  }
+};
+
+Behind behind_of(const LiveScan* scan, std::uint64_t sequence) {
+  if (!scan) return {};
+  const Arrivals& arrivals = scan->arrivals();
+  return {arrivals.of(sequence), arrivals.points_delay(), arrivals.surface_delay()};
 }
 
 template <class Number>
@@ -97,7 +134,7 @@ Json fates_json(const std::vector<ListedFrame>& frames) {
 
 HttpAnswer list_scans_frames(const HttpWorld& world, const Call& call) {
   const auto read = [&blobs = world.scans.blobs(), id = call.id](const std::string& folder) { return list_frames(folder, blobs, id); };
-  return later(world, call, read, [](const FrameList& list) {
+  return later(world, call, std::nullopt, read, [](const FrameList& list) {
     Json times = Json::array();
     for (const ListedFrame& frame : list.frames) times.push_back(frame.timestamp_s ? Json(*frame.timestamp_s) : Json());
     return made(json_text(Json{{"width", list.width},
@@ -111,8 +148,12 @@ HttpAnswer list_scans_frames(const HttpWorld& world, const Call& call) {
 HttpAnswer send_color(const HttpWorld& world, const Call& call) {
   const Result<std::uint64_t> sequence = frame_in(call);
   if (!sequence.ok()) return refused(sequence.error());
-  return later(
-      world, call, [sequence = *sequence](const std::string& folder) { return read_color(folder, sequence); }, image_answer);
+  const auto read = [sequence = *sequence](const std::string& folder) { return read_color(folder, sequence); };
+  return later(world, call, *sequence, read, [behind = behind_of(world.scans.running(call.id), *sequence)](const FrameImage& image) {
+    HttpAnswer answer = image_answer(image);
+    answer.headers = behind.headers();
+    return answer;
+  });
 }
 
 HttpAnswer send_depth(const HttpWorld& world, const Call& call) {
@@ -121,7 +162,7 @@ HttpAnswer send_depth(const HttpWorld& world, const Call& call) {
   const Result<std::optional<DepthRange_mm>> range = range_in(call.request.query);
   if (!range.ok()) return refused(range.error());
   const auto read = [sequence = *sequence, range = *range](const std::string& folder) { return read_depth(folder, sequence, range); };
-  return later(world, call, read, [](const DepthView& view) {
+  return later(world, call, *sequence, read, [](const DepthView& view) {
     HttpAnswer answer = image_answer(view.picture);
     const auto span = [](const DepthRange_mm& mm) { return std::to_string(mm.nearest) + "-" + std::to_string(mm.farthest); };
     answer.headers = {{"Depth-Shown-Mm", span(view.shown)},
@@ -135,7 +176,7 @@ HttpAnswer send_raw_depth(const HttpWorld& world, const Call& call) {
   const Result<std::uint64_t> sequence = frame_in(call);
   if (!sequence.ok()) return refused(sequence.error());
   return later(
-      world, call, [sequence = *sequence](const std::string& folder) { return read_raw_depth(folder, sequence); }, image_answer);
+      world, call, *sequence, [sequence = *sequence](const std::string& folder) { return read_raw_depth(folder, sequence); }, image_answer);
 }
 
 }  // namespace hermite

@@ -22,7 +22,7 @@
 //   POST   /api/v1/scans/{id}/notes           scan   writes one; of its own, or admin (scan and view)
 //   PATCH  /api/v1/scans/{id}/notes/{note}    scan   the same, also DELETE
 //   GET    /api/v1/scans/{id}/frames          view   the frames of an ended scan (frame_routes.h has these); no share link
-//   GET    /api/v1/scans/{id}/frames/color/{frame}    view   one of its images, and depth/{frame}, depth16/{frame}
+//   GET    /api/v1/scans/{id}/frames/color/{frame}    view   one of its images, also while it runs, and depth/{frame}, depth16/{frame}
 //   GET    /api/v1/scans/{id}/shares          scan   its share links (scan and view: sharing a scan requires seeing it)
 //   POST   /api/v1/scans/{id}/shares          scan   a new one (administration.h has the bodies)
 //   GET    /api/v1/shares                     scan   all

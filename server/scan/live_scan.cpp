@@ -232,6 +232,7 @@ void LiveScan::restored(RestoredScan restored) {
 void LiveScan::frame_done(const FrameOutcome& outcome) {
   ++counts_.processed;
   surfel_count_ = outcome.result.surfel_count;
+  arrivals_.frame_done(outcome.result.sequence, outcome.arrived, Clock::now());
   if (outcome.bad_images) refuse(outcome.result.sequence, *outcome.bad_images);
   send(outcome.result);
   grant();
@@ -244,6 +245,7 @@ void LiveScan::model_changed(ModelUpdate update) {
   keyframes_ = update.keyframes;
   loops_ = update.loops;
   gpu_memory_bytes_ = update.gpu_memory_bytes;
+  if (!update.chunks.empty()) arrivals_.points_encoded(update.encoding.start, Clock::now());
   const std::optional<std::vector<wire::PoseInSubmap>> past = std::move(update.past);
   audience_->show_model(std::move(update));
   if (past) audience_->show_other_past(*past);
@@ -255,6 +257,7 @@ void LiveScan::mesh_changed(MeshUpdate update) {
     mesh_ended_ = true;
     show_state();
   }
+  if (!update.pieces.empty()) arrivals_.surface_made(update.delay);
   audience_->show_mesh(std::move(update));
 }
 

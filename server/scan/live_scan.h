@@ -14,6 +14,7 @@
 #include "core/base/result.h"
 #include "core/log/frame_log.h"
 #include "proto/wire/messages.h"
+#include "server/scan/arrivals.h"
 #include "server/scan/audience.h"
 #include "server/scan/scan_worker.h"
 
@@ -113,6 +114,8 @@ class LiveScan {
   const FrameCounts& counts() const { return counts_; }
   const Audience& audience() const { return *audience_; }
   std::shared_ptr<Audience> shared_audience() const { return audience_; }
+  const Arrivals& arrivals() const { return arrivals_; }
+  std::uint64_t durable_frames() const { return durable_; }  // frames 0 to this one (exclusive) can be read from the log
   const std::string& resume_token_sha256() const { return terms_.resume_token_sha256; }
   // None if the number of frames is unknown.
   std::optional<std::uint64_t> remaining_frames() const {
@@ -166,6 +169,7 @@ class LiveScan {
   bool discarded_ = false;
   bool lacked_room_ = false;
   bool paused_ = false;  // by its camera
+  Arrivals arrivals_;
 };
 
 }  // namespace hermite

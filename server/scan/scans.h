@@ -135,6 +135,8 @@ class Scans {
   // The bytes of a result of an ended scan. kNotFound: no such scan or result.
   Result<std::uint64_t> size_of_result(const std::string& scan_id, const std::string& name);
   Blobs& blobs() const { return blobs_; }
+  // A scan that runs and takes frames, until the next call of anything else here; nullptr: none.
+  const LiveScan* running(const std::string& scan_id) const;
   // Where the frames of a scan with that id (is_scan_id) are, or were.
   std::string log_folder(const std::string& scan_id) const { return data_.log_folder(scan_id); }
 

@@ -147,6 +147,11 @@ Status Scans::remove(const std::string& scan_id) {
 }
 
 // Present viewers see the new title when they reconnect.
+const LiveScan* Scans::running(const std::string& scan_id) const {
+  const auto running = running_.find(scan_id);
+  return running == running_.end() ? nullptr : running->second.get();
+}
+
 Status Scans::rename(const std::string& scan_id, const std::string& title) {
   if (Status renamed = store_.rename(scan_id, title); !renamed.ok()) return renamed;
   if (const auto ended = unstored_ends_.find(scan_id); ended != unstored_ends_.end()) ended->second.title = title;

@@ -5,7 +5,9 @@ import { listPage } from './panels/list_page';
 import { qualityPage, type QualityPage } from './panels/quality_page';
 import { scanPage, type ScanPage } from './panels/scan_page';
 import { routeOf } from './state/route';
+import { language } from './texts/texts';
 
+document.documentElement.lang = language;
 const app = document.getElementById('app')!;
 let page: Panel | null = null;
 let opened: ScanPage | QualityPage | null = null;

@@ -20,6 +20,7 @@
 #include "tests/support/raw_client.h"
 #include "tests/support/room_frames.h"
 #include "tests/support/running_server.h"
+#include "tests/support/scan_server_test.h"
 #include "tests/support/temporary_folder.h"
 
 namespace hermite {
@@ -28,6 +29,8 @@ namespace frame_routes_test {
 using Json = nlohmann::json;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
 
 // Of these four there are images; frame 2 was refused.
 constexpr int kLogged = 5, kRefused = 2;
@@ -230,6 +233,52 @@ TEST_F(FrameRoutesTest, AShareLinkShowsTheModelAndNotItsFrames) {
     EXPECT_EQ(ask(id_ + path, share).status, 403) << path;
     EXPECT_EQ(ask(bare_id_ + path, share).status, 404) << path;
   }
+}
+
+// The frames of a scan while its camera sends them.
+class RunningFramesTest : public test::ScanServerTest {
+ protected:
+  std::string ask(const std::string& id_and_rest, const std::string& token, const std::string& method = "GET") {
+    test::RawClient client(server_->port());
+    client.send(method + " /api/v1/scans/" + id_and_rest + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
+                token + "\r\n\r\n");
+    return client.read_to_end();
+  }
+};
+
+TEST_F(RunningFramesTest, ImagesCanBeSeenAsSoonAsTheyAreOnTheDisk) {
+  const auto camera = hello(wire::StartScan{"",
+                                            test::room().camera(),
+                                            {wire::DepthCodec::kRvlZstd},
+                                            {wire::ColorCodec::kJpeg, wire::ColorCodec::kPng},
+                                            wire::Mode::kBatch,
+                                            {},
+                                            0});
+  const auto welcome = camera->read<wire::Welcome>();
+  ASSERT_TRUE(welcome);
+  const std::string frames = welcome->scan_id + "/frames";
+  for (int i = 0; i < 2; ++i) camera->send_message(test::room_frame(i));
+  for (std::uint64_t done = 0; done < 2;) {  // both have their results, and are on the disk
+    const auto credit = camera->read<wire::Credit>();
+    ASSERT_TRUE(credit);
+    done = std::min(credit->durable_frames, credit->frames_granted - welcome->frame_credit);
+  }
+  const std::string color = ask(frames + "/color/1", server_->token());
+  EXPECT_THAT(color, StartsWith("HTTP/1.1 200"));
+  EXPECT_TRUE(color.ends_with(test::room_frame(1).color));
+  EXPECT_THAT(color, HasSubstr("\r\nFrame-Age-Ms: "));
+  EXPECT_THAT(color, Not(HasSubstr("Surface-Delay-Ms"))) << "nobody watches a surface";
+  EXPECT_THAT(ask(frames + "/depth/0", server_->token()), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(ask(frames + "/depth16/0", server_->token()), StartsWith("HTTP/1.1 200"));
+  const std::string early = ask(frames + "/color/2", server_->token());
+  EXPECT_THAT(early, StartsWith("HTTP/1.1 404"));
+  EXPECT_THAT(early, HasSubstr("there is no frame 2 yet: the camera has sent 2 so far"));
+  EXPECT_THAT(ask(frames, server_->token()), StartsWith("HTTP/1.1 409")) << "the list is not complete";
+
+  const std::string made = ask(welcome->scan_id + "/shares", server_->token(), "POST");
+  const std::string share = Json::parse(made.substr(made.find("\r\n\r\n") + 4))["secret"];
+  for (const char* path : {"", "/color/0", "/depth/0", "/depth16/0"})
+    EXPECT_THAT(ask(frames + path, share), StartsWith("HTTP/1.1 403")) << path;
 }
 
 }  // namespace frame_routes_test

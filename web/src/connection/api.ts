@@ -1,4 +1,5 @@
 // The HTTP side of the server: the list of scans and the files of one. Failures are ApiErrors in words; every request ends after a time limit.
+import { t } from '../texts/texts';
 import type { ScanPhaseName } from './events';
 
 const listLimit_ms = 10_000;
@@ -27,7 +28,7 @@ export class ApiError extends Error {
 }
 
 // What people are told of a failed request.
-export const errorWords = (error: unknown, otherwise = 'That did not work.'): string => (error instanceof ApiError ? error.message : otherwise);
+export const errorWords = (error: unknown, otherwise = t.thatDidNotWork): string => (error instanceof ApiError ? error.message : otherwise);
 
 export interface ScanList {
   readonly scans: readonly ScanSummary[]; // newest first
@@ -44,7 +45,7 @@ export async function fetchScans(token: string, olderThan = ''): Promise<ScanLis
 export async function fetchScan(scanId: string, token: string): Promise<ScanSummary> {
   const response = await request(scanPath(scanId), token, { limit_ms: listLimit_ms });
   const json: unknown = await response.json();
-  if (!isRecord(json) || typeof json['id'] !== 'string') throw new ApiError('The server’s answer cannot be read.', false);
+  if (!isRecord(json) || typeof json['id'] !== 'string') throw new ApiError(t.theServersAnswerCannotBeRead, false);
   return summaryOf(json);
 }
 
@@ -77,7 +78,7 @@ export async function createShareLink(scanId: string, token: string): Promise<st
 // The server knows the path, the page knows where it is (behind a proxy, perhaps below a folder).
 export function shareLinkOf(json: unknown, page: Pick<Location, 'origin' | 'pathname'>): string {
   const path = isRecord(json) ? json['path'] : null;
-  if (typeof path !== 'string' || !path.startsWith('/#share=')) throw new ApiError('The server’s answer cannot be read.', false);
+  if (typeof path !== 'string' || !path.startsWith('/#share=')) throw new ApiError(t.theServersAnswerCannotBeRead, false);
   return page.origin + page.pathname.replace(/[^/]*$/, '') + path.slice(1);
 }
 
@@ -107,13 +108,13 @@ export async function request(path: string, token: string, { limit_ms, method = 
       ...(body === undefined ? {} : { body }),
     });
   } catch {
-    throw new ApiError('The server cannot be reached.', false, true);
+    throw new ApiError(t.theServerCannotBeReached, false, true);
   }
   if (expected.includes(response.status)) return response;
-  if (response.status === 401) throw new ApiError('The server does not accept this access token.', true);
-  if (response.status === 403) throw new ApiError('This access token does not allow that.', true);
-  if (response.status === 429) throw new ApiError('The server asks to wait a little.', false, true);
-  if (response.status === 404) throw new ApiError('The server does not have this.', false, false, true);
+  if (response.status === 401) throw new ApiError(t.theServerDoesNotAcceptThis, true);
+  if (response.status === 403) throw new ApiError(t.thisAccessTokenDoesNotAllow, true);
+  if (response.status === 429) throw new ApiError(t.theServerAsksToWaitA, false, true);
+  if (response.status === 404) throw new ApiError(t.theServerDoesNotHaveThis, false, false, true);
   if (!response.ok) throw new ApiError(refusalOf(await response.text().catch(() => ''), response.status), false, response.status === 409 || response.status >= 500);
   return response;
 }
@@ -123,17 +124,17 @@ export function refusalOf(body: string, status: number): string {
   try {
     const json: unknown = JSON.parse(body);
     const error = isRecord(json) ? json['error'] : null;
-    if (isRecord(error) && textOf(error['message'])) return `The server says: ${textOf(error['message'])}.`;
+    if (isRecord(error) && textOf(error['message'])) return t.theServerSays(textOf(error['message']));
   } catch {
     // No JSON: a proxy has answered.
   }
-  return `The server answered with HTTP ${status}.`;
+  return t.theServerAnsweredWithHttp(status);
 }
 
 // Rows that are not scans are left out.
 export function parseScans(json: unknown): ScanList {
   const rows = isRecord(json) && Array.isArray(json['scans']) ? json['scans'] : null;
-  if (!rows) throw new ApiError('The server’s list of scans cannot be read.', false);
+  if (!rows) throw new ApiError(t.theServersListOfScansCannot, false);
   const scans = rows.filter(isRecord).filter((row) => typeof row['id'] === 'string').map(summaryOf);
   scans.sort((a, b) => (b.started?.getTime() ?? 0) - (a.started?.getTime() ?? 0));
   return { scans, more: isRecord(json) && json['more'] === true };
@@ -143,7 +144,7 @@ function summaryOf(row: Record<string, unknown>): ScanSummary {
   const id = String(row['id']);
   return {
     id,
-    title: textOf(row['title']) || 'Untitled scan',
+    title: textOf(row['title']) || t.untitledScan,
     phase: phaseOf(row['state']),
     words: textOf(row['words']),
     frameCount: numberOf(row['frames_processed']) ?? 0,

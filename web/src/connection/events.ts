@@ -100,6 +100,7 @@ export interface PastPositions {
   readonly submaps: Uint32Array | null;
 }
 
+// `waited_ms`: from when its bytes came until it was decoded.
 export type ScanEvent =
   | { readonly kind: 'connecting'; readonly attempt: number }
   | { readonly kind: 'welcome'; readonly title: string; readonly camera: CameraIntrinsics | null }
@@ -108,8 +109,8 @@ export type ScanEvent =
   | FrameEvent
   | { readonly kind: 'submapPoses'; readonly poses: readonly SubmapPose[] }
   | ({ readonly kind: 'trajectory' } & PastPositions)
-  | { readonly kind: 'chunk'; readonly key: ChunkKey; readonly version: bigint; readonly points: ChunkPoints | null } // null: removed
-  | { readonly kind: 'meshChunk'; readonly cube: MeshCube; readonly version: bigint; readonly submap: number; readonly piece: MeshPiece | null } // null: removed
+  | { readonly kind: 'chunk'; readonly key: ChunkKey; readonly version: bigint; readonly points: ChunkPoints | null; readonly waited_ms?: number } // null: removed
+  | { readonly kind: 'meshChunk'; readonly cube: MeshCube; readonly version: bigint; readonly submap: number; readonly piece: MeshPiece | null; readonly waited_ms?: number } // null: removed
   | { readonly kind: 'chunkFailed'; readonly key: ChunkKey | MeshCube; readonly reason: string }
   | { readonly kind: 'snapshotEnd' }
   | {

@@ -1,4 +1,5 @@
 // What a scan that has ended can be taken away as: the list, asking for one, and taking it.
+import { t } from '../texts/texts';
 import { ApiError, isRecord, numberOf, request, textOf, scanPath } from './api';
 
 const limit_ms = 10_000;
@@ -66,7 +67,7 @@ export async function requestExport(scanId: string, format: string, token: strin
   const body = JSON.stringify(isAlike(finish, asItIs) ? { format } : { format, ...finish });
   const response = await request(pathOf(scanId), token, { limit_ms, method: 'POST', headers: jsonType, body });
   const json: unknown = await response.json();
-  if (!isRecord(json)) throw new ApiError('The server’s answer cannot be read.', false);
+  if (!isRecord(json)) throw new ApiError(t.theServersAnswerCannotBeRead, false);
   return exportOf(json);
 }
 
@@ -84,7 +85,7 @@ export async function fetchExport(scanId: string, format: string, token: string,
   let loaded_bytes = 0;
   for (;;) {
     const { done, value } = await reader.read().catch(() => {
-      throw new ApiError('The download was cut off.', false, true);
+      throw new ApiError(t.theDownloadWasCutOff, false, true);
     });
     if (done) break;
     pieces.push(value as Uint8Array<ArrayBuffer>);
@@ -96,7 +97,7 @@ export async function fetchExport(scanId: string, format: string, token: string,
 // Entries that cannot be read are left out.
 export function parseExports(json: unknown): ScanExport[] {
   const rows = isRecord(json) && Array.isArray(json['exports']) ? json['exports'] : null;
-  if (!rows) throw new ApiError('The server’s list of exports cannot be read.', false);
+  if (!rows) throw new ApiError(t.theServersListOfExportsCannot, false);
   return rows.filter(isRecord).filter((row) => textOf(row['format']) !== '').map(exportOf);
 }
 

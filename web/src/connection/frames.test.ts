@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { parseFrames, parseRange, posesOf } from './frames';
+import { delayOf, parseFrames, parseRange, posesOf } from './frames';
 
 test('runs of statuses become one for each frame', () => {
   const json = { timestamps_s: [0, 0.1, null, 0.3], statuses: [{ status: 'tracked', frames: 2 }, { status: 'refused', frames: 1 }, { status: 'of tomorrow', frames: 9 }] };
@@ -11,6 +11,12 @@ test('runs of statuses become one for each frame', () => {
 test('a range of depth is read from its header', () => {
   expect(parseRange('412-3981')).toEqual({ from_mm: 412, to_mm: 3981 });
   for (const wrong of [null, '', '412', '-1-5', '1-2x']) expect(parseRange(wrong)).toEqual({ from_mm: 0, to_mm: 0 });
+});
+
+test('a delay is a whole number of milliseconds, or unknown', () => {
+  expect(delayOf('0')).toBe(0);
+  expect(delayOf('1234')).toBe(1234);
+  for (const wrong of [null, '', '-1', '1.5', '1e9', '9999999999']) expect(delayOf(wrong)).toBeNull();
 });
 
 test('poses are those of the same time, to the microsecond', () => {

@@ -1,4 +1,5 @@
 // What the camera of a scan that has ended has sent: the list of its frames, the images of one, and where it was.
+import { t } from '../texts/texts';
 import { ApiError, isRecord, numberOf, request, scanPath } from './api';
 import type { Pose } from './events';
 
@@ -36,6 +37,34 @@ export async function fetchColor(scanId: string, token: string, frame: number, s
   return response.blob();
 }
 
+// How far the viewers of a running scan are behind, by the server's clock, told with a colour image; null: not told.
+export interface ServerDelays {
+  readonly frameAge_ms: number | null; // since that frame arrived, when the answer was made
+  readonly points_ms: number | null; // from the arrival of a frame to the points that show it first
+  readonly surface_ms: number | null; // the same of the surface
+}
+
+// The same while the scan runs.
+export interface LiveColor extends ServerDelays {
+  readonly picture: Blob;
+  readonly answered_ms: number; // when the beginning of the answer was here
+}
+
+// Null: it is not on the server's disk yet.
+export async function fetchLiveColor(scanId: string, token: string, frame: number, signal: AbortSignal): Promise<LiveColor | null> {
+  const response = await request(`${scanPath(scanId)}/frames/color/${frame}`, token, { limit_ms: image_ms, signal });
+  const answered_ms = performance.now();
+  if (response.status === 204) return null;
+  const delay = (name: string): number | null => delayOf(response.headers.get(name));
+  const delays = { frameAge_ms: delay('Frame-Age-Ms'), points_ms: delay('Points-Delay-Ms'), surface_ms: delay('Surface-Delay-Ms') };
+  return { picture: await response.blob(), answered_ms, ...delays };
+}
+
+// Null: none, or no number of milliseconds.
+export function delayOf(header: string | null): number | null {
+  return /^\d{1,9}$/.test(header ?? '') ? Number(header) : null;
+}
+
 // `range`: what its colours are to span; null: what was measured in this frame.
 export async function fetchDepth(scanId: string, token: string, frame: number, range: DepthRange | null, signal: AbortSignal): Promise<DepthPicture> {
   const query = range ? `?from_mm=${range.from_mm}&to_mm=${range.to_mm}` : '';
@@ -55,7 +84,7 @@ export async function fetchPath(scanId: string, token: string, signal: AbortSign
 export function parseFrames(json: unknown): FrameList {
   const times = isRecord(json) && Array.isArray(json['timestamps_s']) ? json['timestamps_s'].map(numberOf) : null;
   const runs = isRecord(json) && Array.isArray(json['statuses']) ? json['statuses'].filter(isRecord) : null;
-  if (!times || !runs) throw new ApiError('The server’s list of frames cannot be read.', false);
+  if (!times || !runs) throw new ApiError(t.theServersListOfFramesCannot, false);
   const known: FrameStatus[] = [];
   for (const run of runs) {
     const status = statuses.find((name) => name === run['status']) ?? 'unknown';

@@ -1,4 +1,5 @@
 // The jobs that the server makes of recordings. How these get there: upload.ts.
+import { t } from '../texts/texts';
 import { ApiError, isRecord, numberOf, request, textOf } from './api';
 
 const limit_ms = 10_000;
@@ -38,14 +39,14 @@ export async function retryJob(id: string, token: string): Promise<void> {
 // Rows that are not jobs are left out.
 export function parseJobs(json: unknown): Job[] {
   const rows = isRecord(json) && Array.isArray(json['jobs']) ? json['jobs'] : null;
-  if (!rows) throw new ApiError('The server’s list of jobs cannot be read.', false);
+  if (!rows) throw new ApiError(t.theServersListOfJobsCannot, false);
   return rows.filter(isRecord).filter((row) => typeof row['id'] === 'string').map(jobOf);
 }
 
 function jobOf(row: Record<string, unknown>): Job {
   return {
     id: String(row['id']),
-    title: textOf(row['title']) || 'Untitled recording',
+    title: textOf(row['title']) || t.untitledRecording,
     state: stateOf(row['state']),
     stage: textOf(row['stage']),
     done: numberOf(row['done']) ?? 0,

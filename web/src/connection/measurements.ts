@@ -1,4 +1,5 @@
 // What is measured in a scan that has ended: the server fits the surface, says what lies between places, and keeps what is worth it.
+import { t } from '../texts/texts';
 import { ApiError, isRecord, numberOf, request, textOf, scanPath } from './api';
 
 const limit_ms = 30_000; // it reads all of a large scan
@@ -53,7 +54,7 @@ export async function fetchMeasurementsCsv(scanId: string, token: string): Promi
 }
 
 export function parseMeasured(json: unknown): Measured {
-  const unreadable = new ApiError('The server’s answer cannot be read.', false);
+  const unreadable = new ApiError(t.theServersAnswerCannotBeRead, false);
   if (!isRecord(json)) throw unreadable;
   const kind = measureKinds.find((one) => one === json['kind']);
   const points = placesOf(json['points']);
@@ -69,7 +70,7 @@ export function parseMeasured(json: unknown): Measured {
 // Rows that are none are left out.
 export function parseMeasurements(json: unknown): KeptMeasurement[] {
   const rows = isRecord(json) && Array.isArray(json['measurements']) ? json['measurements'] : null;
-  if (!rows) throw new ApiError('The server’s answer cannot be read.', false);
+  if (!rows) throw new ApiError(t.theServersAnswerCannotBeRead, false);
   return rows.flatMap((row) => {
     try {
       return [parseKept(row)];
@@ -82,7 +83,7 @@ export function parseMeasurements(json: unknown): KeptMeasurement[] {
 function parseKept(json: unknown): KeptMeasurement {
   const measured = parseMeasured(json);
   const { id, name } = json as Record<string, unknown>;
-  if (textOf(id) === '') throw new ApiError('The server’s answer cannot be read.', false);
+  if (textOf(id) === '') throw new ApiError(t.theServersAnswerCannotBeRead, false);
   return { ...measured, id: textOf(id), name: textOf(name) };
 }
 

@@ -1,4 +1,5 @@
 // What people have written at places of a scan that has ended. A change names the version that it was made of: nobody's text is lost.
+import { t } from '../texts/texts';
 import { ApiError, isRecord, numberOf, refusalOf, request, scanPath, textOf } from './api';
 import { placeOf, type Place } from './measurements';
 
@@ -32,7 +33,7 @@ export type NoteChange =
   | { readonly kind: 'gone' }; // somebody has removed it
 
 const headers = { 'Content-Type': 'application/json' };
-const unreadable = (): ApiError => new ApiError('The server’s answer cannot be read.', false);
+const unreadable = (): ApiError => new ApiError(t.theServersAnswerCannotBeRead, false);
 const pathOf = (scanId: string, id: string): string => `${scanPath(scanId)}/notes/${encodeURIComponent(id)}`;
 
 // Oldest first.

@@ -1,4 +1,5 @@
 // What a person changes about scans, what they may change, and what the report says of one that has ended.
+import { t } from '../texts/texts';
 import { ApiError, isRecord, numberOf, request, scanPath, textOf } from './api';
 
 const limit_ms = 10_000;
@@ -30,7 +31,7 @@ export function fetchAccess(token: string): Promise<Access> {
 
 export function parseAccess(json: unknown): Access {
   const scopes = isRecord(json) && Array.isArray(json['scopes']) ? json['scopes'] : null;
-  if (!scopes) throw new ApiError('The server’s answer cannot be read.', false);
+  if (!scopes) throw new ApiError(t.theServersAnswerCannotBeRead, false);
   const [view, scan, admin] = ['view', 'scan', 'admin'].map((scope) => scopes.includes(scope)) as [boolean, boolean, boolean];
   return { view, scan, admin, shared: typeof (json as Record<string, unknown>)['scan'] === 'string' };
 }

@@ -141,9 +141,9 @@ describe('ScanSession', () => {
     await settled();
     const cube = (x: number) => ({ part: 0, x, y: 0, z: 0 });
     expect(world.events.slice(1)).toEqual([
-      { kind: 'meshChunk', cube: cube(1), version: 1n, submap: 4, piece: onePiece },
+      { kind: 'meshChunk', cube: cube(1), version: 1n, submap: 4, piece: onePiece, waited_ms: 0 },
       { kind: 'chunkFailed', key: cube(2), reason: 'no' },
-      { kind: 'meshChunk', cube: cube(0), version: 1n, submap: 4, piece: null },
+      { kind: 'meshChunk', cube: cube(0), version: 1n, submap: 4, piece: null, waited_ms: 0 },
     ]);
     expect(world.socket.acknowledged()).toBe(world.socket.receivedBytes);
   });

@@ -120,16 +120,17 @@ export class ScanSession {
       connection.socket.close(4008, 'more than 64 MiB wait to be decoded');
       return;
     }
-    connection.work = connection.work.then(() => this.handle(connection, new Uint8Array(data)));
+    const came_ms = connection.heardAt_ms;
+    connection.work = connection.work.then(() => this.handle(connection, new Uint8Array(data), came_ms));
   }
 
   // One message after the other, never rejects.
-  private async handle(connection: Connection, bytes: Uint8Array): Promise<void> {
+  private async handle(connection: Connection, bytes: Uint8Array, came_ms: number): Promise<void> {
     if (connection !== this.connection) return;
     try {
       const incoming = decode(bytes);
-      if (incoming.kind === 'wireChunk') await this.handleChunk(connection, incoming);
-      else if (incoming.kind === 'wireMeshChunk') await this.handleMeshChunk(connection, incoming);
+      if (incoming.kind === 'wireChunk') await this.handleChunk(connection, incoming, came_ms);
+      else if (incoming.kind === 'wireMeshChunk') await this.handleMeshChunk(connection, incoming, came_ms);
       else if (incoming.kind !== 'pong' && incoming.kind !== 'unknown') this.handleEvent(connection, incoming);
     } catch (error) {
       if (!(error instanceof WireError)) throw error;
@@ -147,7 +148,7 @@ export class ScanSession {
     this.world.emit(event);
   }
 
-  private async handleChunk(connection: Connection, chunk: WireChunk): Promise<void> {
+  private async handleChunk(connection: Connection, chunk: WireChunk, came_ms: number): Promise<void> {
     const { key, version, pointCount } = chunk;
     if (pointCount === 0) {
       this.world.emit({ kind: 'chunk', key, version, points: null });
@@ -155,18 +156,18 @@ export class ScanSession {
     }
     try {
       const points = await this.world.decodeChunk(chunk.draco, pointCount, chunk.key.level);
-      if (connection === this.connection) this.world.emit({ kind: 'chunk', key, version, points });
+      if (connection === this.connection) this.world.emit({ kind: 'chunk', key, version, points, waited_ms: this.world.now_ms() - came_ms });
     } catch (error) {
       if (!(error instanceof DracoError)) throw error;
       this.world.emit({ kind: 'chunkFailed', key, reason: error.message });
     }
   }
 
-  private async handleMeshChunk(connection: Connection, chunk: WireMeshChunk): Promise<void> {
+  private async handleMeshChunk(connection: Connection, chunk: WireMeshChunk, came_ms: number): Promise<void> {
     const { cube, version, submap, triangleCount } = chunk;
     try {
       const piece = triangleCount === 0 ? null : await this.world.decodePiece(chunk.draco, triangleCount);
-      if (connection === this.connection) this.world.emit({ kind: 'meshChunk', cube, version, submap, piece });
+      if (connection === this.connection) this.world.emit({ kind: 'meshChunk', cube, version, submap, piece, waited_ms: this.world.now_ms() - came_ms });
     } catch (error) {
       if (!(error instanceof DracoError)) throw error;
       this.world.emit({ kind: 'chunkFailed', key: cube, reason: error.message });

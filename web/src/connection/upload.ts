@@ -1,5 +1,6 @@
 // Sends a recording by tus 1.0.0 (https://tus.io/protocols/resumable-upload), and goes on where it was after a broken link, a restart of
 // the server or a reload of the page: which upload belongs to which file is noted in localStorage, how much of it arrived the server knows.
+import { t } from '../texts/texts';
 import { ApiError, isRecord, refusalOf, textOf } from './api';
 import { backoffDelay_ms } from './backoff';
 
@@ -74,7 +75,7 @@ export async function sendRecording(
   onProgress: (progress: Progress) => void,
 ): Promise<void> {
   const key = fingerprint(file);
-  if (underWay.has(key)) throw new ApiError(`${file.name} is being sent already.`, false);
+  if (underWay.has(key)) throw new ApiError(t.isBeingSentAlready(file.name), false);
   underWay.add(key);
   try {
     await sendToTheEnd(new Upload(file, token, world, onProgress), file.name, world);
@@ -92,7 +93,7 @@ async function sendToTheEnd(upload: Upload, name: string, world: UploadWorld): P
     } catch (error) {
       if (!(error instanceof Interrupted)) throw error;
       if (++failures > maxFailures)
-        throw new ApiError(`The server was not there for too long. Add ${name} again and it goes on from here.`, false);
+        throw new ApiError(t.theServerWasNotThereFor(name), false);
       upload.interrupted();
       await world.wait(backoffDelay_ms(failures, world.random()));
     }
@@ -168,7 +169,7 @@ class Upload {
   private arrived(answer: Answer): boolean {
     const said = answer.header('Upload-Offset') ?? '';
     const offset = /^\d+$/.test(said) ? Number(said) : NaN;
-    if (this.id === null || !(offset <= this.file.size)) throw new ApiError('The server’s answer cannot be read.', false);
+    if (this.id === null || !(offset <= this.file.size)) throw new ApiError(t.theServersAnswerCannotBeRead, false);
     [this.offset, this.known] = [offset, true];
     this.onProgress({ share: this.share(offset), waiting: false });
     if (offset < this.file.size) this.note(this.id, answer);
@@ -204,7 +205,7 @@ class Upload {
 }
 
 function refused(answer: Answer): ApiError {
-  if (answer.status === 401) return new ApiError('The server does not accept this access token.', true);
+  if (answer.status === 401) return new ApiError(t.theServerDoesNotAcceptThis, true);
   return new ApiError(refusalOf(answer.body, answer.status), false);
 }
 

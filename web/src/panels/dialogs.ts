@@ -1,5 +1,6 @@
 // What stands in front of everything for a moment. The browser keeps the focus in, and closes it on Escape.
 import { errorWords } from '../connection/api';
+import { t } from '../texts/texts';
 import { element } from './dom';
 
 const maxTitle_bytes = 200; // the server's kMaxTitleBytes
@@ -8,23 +9,23 @@ const maxTitle_bytes = 200; // the server's kMaxTitleBytes
 export function askForTitle(title: string, rename: (title: string) => Promise<void>): void {
   const input = element('input', { type: 'text', id: 'new-title', value: title, required: true, autocomplete: 'off', maxlength: maxTitle_bytes });
   const problem = element('p', { class: 'problem', role: 'alert' });
-  const cancel = element('button', { type: 'button', class: 'button' }, 'Cancel');
+  const cancel = element('button', { type: 'button', class: 'button' }, t.cancel);
   const form = element(
     'form',
     {},
-    element('label', { for: 'new-title' }, 'Title of the scan'),
+    element('label', { for: 'new-title' }, t.titleOfTheScan),
     input,
     problem,
-    element('div', { class: 'dialog-buttons' }, cancel, element('button', { type: 'submit', class: 'button primary' }, 'Rename')),
+    element('div', { class: 'dialog-buttons' }, cancel, element('button', { type: 'submit', class: 'button primary' }, t.rename)),
   );
-  const close = openDialog('Rename', form);
+  const close = openDialog(t.rename, form);
   input.select();
   cancel.addEventListener('click', close);
   form.addEventListener('submit', (event) => {
     event.preventDefault();
     const wanted = input.value.trim();
     if (wanted === '' || new TextEncoder().encode(wanted).length > maxTitle_bytes) {
-      problem.textContent = wanted === '' ? 'A title has at least one letter.' : `This is longer than ${maxTitle_bytes} bytes.`;
+      problem.textContent = wanted === '' ? t.aTitleHasAtLeastOne : t.thisIsLongerThanBytes(maxTitle_bytes);
       return;
     }
     rename(wanted).then(close, (error: unknown) => {
@@ -34,31 +35,33 @@ export function askForTitle(title: string, rename: (title: string) => Promise<vo
 }
 
 const keys: readonly (readonly [string, string])[] = [
-  ['Drag', 'Turn'],
-  ['Right drag, or two fingers', 'Move'],
-  ['Wheel, or pinch', 'Zoom'],
-  ['Double click', 'Turn around what is there'],
-  ['Arrows', 'Move, after a click into the picture'],
-  ['+  −', 'Zoom, the same'],
-  ['F', 'Show the whole scan'],
-  ['S', 'Surface or points'],
-  ['I', 'See inside'],
-  ['M', 'Measure distances, heights, angles and areas'],
-  ['N', 'Notes: click on the model to write one'],
-  ['X', 'Clip box, and sections to draw and to download'],
-  ['E', 'Eye-dome lighting of points'],
-  ['T', 'Look back: all frames of the camera'],
-  ['Left, right, space', 'Frame before, next frame, play; on the slider of the frames'],
-  ['Q', 'The quality of the scan on a page to print, and back'],
-  ['C', 'Follow the camera, while it scans'],
-  ['?', 'This help'],
-  ['Esc', 'Close what is open'],
+  [t.drag, t.turn],
+  [t.rightDragOrTwoFingers, t.move],
+  [t.wheelOrPinch, t.zoom],
+  [t.doubleClick, t.turnAroundWhatIsThere],
+  [t.arrows, t.moveAfterAClickIntoThe],
+  ['+  −', t.zoomTheSame],
+  ['F', t.showTheWholeScan],
+  ['S', t.surfaceOrPoints],
+  ['I', t.seeInside],
+  ['M', t.measureDistancesHeightsAnglesAndAreas],
+  ['N', t.notesClickOnTheModelTo],
+  ['X', t.clipBoxAndSectionsToDraw],
+  ['E', t.eyeDomeLightingOfPoints],
+  ['T', t.lookBackAllFramesOfThe],
+  [t.leftRightSpace, t.frameBeforeNextFramePlayOn],
+  ['Q', t.theQualityOfTheScanOn],
+  ['V', t.coverageWhatWasScannedWellWhat],
+  ['L', t.whatTheCameraSeesWhileIt],
+  ['C', t.followTheCameraWhileItScans],
+  ['?', t.thisHelp],
+  [t.esc, t.closeWhatIsOpen],
 ];
 
 export function showHelp(): void {
   const rows = keys.map(([key, words]) => element('div', {}, element('dt', {}, element('kbd', {}, key)), element('dd', {}, words)));
-  const done = element('button', { type: 'button', class: 'button primary' }, 'Close');
-  const close = openDialog('Mouse, touch and keyboard', element('div', {}, element('dl', { class: 'keys' }, ...rows), element('div', { class: 'dialog-buttons' }, done)));
+  const done = element('button', { type: 'button', class: 'button primary' }, t.close);
+  const close = openDialog(t.mouseTouchAndKeyboard, element('div', {}, element('dl', { class: 'keys' }, ...rows), element('div', { class: 'dialog-buttons' }, done)));
   done.addEventListener('click', close);
 }
 

@@ -5,6 +5,7 @@ import { fetchAccess } from '../connection/scans';
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
 import { exportWords, kindWords } from '../state/words';
+import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
 import { downloadRow, type DownloadRow } from './download_row';
 import { madeExports } from './made_exports';
@@ -12,14 +13,14 @@ import { madeExports } from './made_exports';
 const pollEvery_ms = 1_500;
 
 export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel {
-  const button = element('button', { type: 'button', class: 'button', 'aria-expanded': 'false', 'aria-controls': 'downloads' }, 'Download');
+  const button = element('button', { type: 'button', class: 'button', 'aria-expanded': 'false', 'aria-controls': 'downloads' }, t.download);
   const words = element('p', { class: 'notice', role: 'status' });
   const list = element('div', { class: 'download-list' });
-  const close = element('button', { type: 'button', class: 'button close', 'aria-label': 'Close the downloads' }, 'Close');
+  const close = element('button', { type: 'button', class: 'button close', 'aria-label': t.closeTheDownloads }, t.close);
   const wordsOf = (one: ScanExport): string => exportWords(one, loaded_bytes.get(one.format) ?? null);
   const find = (format: string): ScanExport | undefined => exports.find((one) => one.format === format);
   const made = madeExports({ take: (format) => void take(() => find(format)), remove: (format) => void remove(format), wordsOf });
-  const menu = element('section', { id: 'downloads', class: 'card downloads', 'aria-label': 'Downloads' }, element('h2', {}, 'Download'), close, words, list, made.element);
+  const menu = element('section', { id: 'downloads', class: 'card downloads', 'aria-label': t.downloads }, element('h2', {}, t.download), close, words, list, made.element);
   const node = element('div', { class: 'download' }, button, menu);
   const { scanId } = scan.get();
   const rows = new Map<string, DownloadRow>();
@@ -132,7 +133,7 @@ export function downloadMenu(scan: Store<LiveScan, never>, token: string): Panel
     menu.hidden = !on;
     button.setAttribute('aria-expanded', String(on));
     if (!on) return;
-    if (exports.length === 0) say('Loading.');
+    if (exports.length === 0) say(t.loadingNow);
     fetchAccess(token).then(
       (access) => {
         mayRemove = access.scan;
@@ -181,14 +182,14 @@ function isFinished(one: ScanExport): boolean {
 }
 
 const triangleChoices: readonly [string, Partial<MeshFinish>][] = [
-  ['All', {}],
-  ['Fewer, within 1 mm', { simplify_um: 1_000 }],
-  ['Far fewer, within 5 mm', { simplify_um: 5_000 }],
+  [t.all, {}],
+  [t.fewerWithin1Mm, { simplify_um: 1_000 }],
+  [t.farFewerWithin5Mm, { simplify_um: 5_000 }],
 ];
 const holeChoices: readonly [string, Partial<MeshFinish>][] = [
-  ['Left open', {}],
-  ['Filled up to 15 cm', { fill_holes_mm: 150 }],
-  ['All closed, for printing', { fill_holes_mm: 150, close: true }],
+  [t.leftOpen, {}],
+  [t.filledUpTo15Cm, { fill_holes_mm: 150 }],
+  [t.allClosedForPrinting, { fill_holes_mm: 150, close: true }],
 ];
 
 function finishChoices(choose: (finish: MeshFinish) => void): HTMLElement {
@@ -198,7 +199,7 @@ function finishChoices(choose: (finish: MeshFinish) => void): HTMLElement {
   const holes = selectOf(holeChoices);
   const tell = (): void => choose({ ...asItIs, ...triangleChoices[triangles.selectedIndex]?.[1], ...holeChoices[holes.selectedIndex]?.[1] });
   for (const one of [triangles, holes]) one.addEventListener('change', tell);
-  return element('div', { class: 'download-finish' }, element('label', {}, 'Triangles', triangles), element('label', {}, 'Holes', holes));
+  return element('div', { class: 'download-finish' }, element('label', {}, t.triangles, triangles), element('label', {}, t.holes, holes));
 }
 
 // "Kitchen-mesh.glb".

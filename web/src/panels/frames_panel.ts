@@ -7,6 +7,7 @@ import type { ScanScene } from '../scene/scene';
 import { frameAfter, metres, nextImage, OneAtATime, statusWords, timeWords, widened } from '../state/frames';
 import type { LiveScan } from '../state/live_scan';
 import type { Store } from '../state/store';
+import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
 import { framePicture } from './frame_picture';
 import { statusMark } from './mark';
@@ -31,7 +32,7 @@ const pause_ms = 1000; // after a request that did not work
 export function framesPanel({ scene, scan, token, first, opened }: World): FramesPanel {
   const { scanId } = scan.get();
   const parts = partsOf();
-  const button = element('button', { type: 'button', class: 'button frames-button', title: 'What the camera has seen, frame by frame (T)', 'aria-pressed': 'false' }, 'Frames');
+  const button = element('button', { type: 'button', class: 'button frames-button', title: t.whatTheCameraHasSeenFrame, 'aria-pressed': 'false' }, t.frames);
   const back = new LookingBack(scanId, token, scene, parts);
   let wanted = first;
   const open = (on: boolean): void => {
@@ -111,20 +112,20 @@ function partsOf() {
   const act = (text: string, label: string, title = ''): HTMLButtonElement => element('button', { type: 'button', class: 'button', 'aria-label': label, title }, text);
   const [near, far] = [element('span'), element('span')];
   const scale = element('span', { class: 'depth-scale' }, near, element('span', { class: 'depth-colors', 'aria-hidden': 'true' }), far);
-  const color = framePicture('Colour image', 'Colour');
-  const depth = framePicture('Depth image: red is near, blue is far', 'Depth', scale);
+  const color = framePicture(t.colourImage, t.colour);
+  const depth = framePicture(t.depthImageRedIsNearBlue, t.depth, scale);
   const number = element('strong');
   const time = element('span', { class: 'frame-time' });
   const status = statusMark();
   const facts = element('div', { class: 'frame-facts' }, number, time, status.element);
   const note = element('p', { class: 'notice', role: 'status' });
-  const slider = element('input', { type: 'range', min: 0, max: 0, step: 1, value: 0, 'aria-label': 'Frame' });
-  const [before, play, after] = [act('‹', 'Frame before'), act('Play', 'Play', 'At the speed of the camera (space, on the slider)'), act('›', 'Next frame')];
-  const through = act('Look through', 'Look through the camera', 'Moves the view to where the camera was');
-  const done = act('Close', 'Close the frames');
+  const slider = element('input', { type: 'range', min: 0, max: 0, step: 1, value: 0, 'aria-label': t.frame });
+  const [before, play, after] = [act('‹', t.frameBefore), act(t.play, t.play, t.atTheSpeedOfTheCamera), act('›', t.nextFrame)];
+  const through = act(t.lookThrough, t.lookThroughTheCamera, t.movesTheViewToWhereThe);
+  const done = act(t.close, t.closeTheFrames);
   const found = element('div', { class: 'frames-found' }, element('div', { class: 'frame-pictures' }, color.element, depth.element), facts, slider);
   const buttons = element('div', { class: 'buttons' }, before, play, after, through);
-  const node = element('section', { class: 'card frames', 'aria-label': 'Frames' }, note, found, element('div', { class: 'frames-foot' }, buttons, done));
+  const node = element('section', { class: 'card frames', 'aria-label': t.frames }, note, found, element('div', { class: 'frames-foot' }, buttons, done));
   return { node, note, found, buttons, color, depth, near, far, scale, number, time, status, slider, before, play, after, through, done };
 }
 
@@ -169,7 +170,7 @@ class LookingBack {
   open(frame: number | null): void {
     const mine = (this.opened = new AbortController());
     if (this.recording) return this.go(this.frame);
-    this.say('Loading the frames …');
+    this.say(t.loadingTheFrames);
     const path = fetchPath(this.scanId, this.token, mine.signal).catch(() => ''); // of a scan without results
     Promise.all([fetchFrames(this.scanId, this.token, mine.signal), path]).then(
       ([list, text]) => {
@@ -217,7 +218,7 @@ class LookingBack {
 
   private take(list: FrameList, poses: readonly (Pose | null)[], first: number | null): void {
     const count = list.timestamps_s.length;
-    if (count === 0) return this.say('There is no frame.');
+    if (count === 0) return this.say(t.thereIsNoFrame);
     this.recording = { list, poses };
     this.parts.slider.max = String(count - 1);
     this.say('');
@@ -237,16 +238,16 @@ class LookingBack {
     const last = list.timestamps_s.length - 1;
     const words = statusWords(list.statuses[frame]!);
     slider.value = String(frame);
-    slider.setAttribute('aria-valuetext', `Frame ${frame} of ${last}, ${timeWords(list, frame)}, ${words.text}`);
-    setText(number, `Frame ${frame} / ${last}`);
+    slider.setAttribute('aria-valuetext', t.frameOf(frame, last, timeWords(list, frame), words.text));
+    setText(number, t.frameOfLast(frame, last));
     setText(time, timeWords(list, frame));
-    time.title = `${list.timestamps_s[frame] ?? 'no time'} s by the camera’s clock`;
+    time.title = t.sByTheCamerasClock(list.timestamps_s[frame] ?? t.noTime);
     status.show(words);
     before.disabled = frame === 0;
     after.disabled = frame === last;
     through.disabled = this.pose === null;
     if (list.timestamps_s[frame] !== null) this.images.want(frame);
-    else for (const picture of [color, depth]) picture.show('There is no image.');
+    else for (const picture of [color, depth]) picture.show(t.thereIsNoImage);
     if (!this.playing) this.place(); // else with its picture
   }
 
@@ -288,8 +289,8 @@ class LookingBack {
 
   private showPlay(): void {
     const { play } = this.parts;
-    setText(play, this.playing ? 'Pause' : 'Play');
-    play.setAttribute('aria-label', this.playing ? 'Pause' : 'Play');
+    setText(play, this.playing ? t.pause : t.play);
+    play.setAttribute('aria-label', this.playing ? t.pause : t.play);
   }
 }
 
@@ -307,4 +308,4 @@ async function fetchImages(scanId: string, token: string, frame: number, { range
   return { color: shown, depth: measured };
 }
 
-const imageWords = (error: unknown): string => errorWords(error, 'This image cannot be read.');
+const imageWords = (error: unknown): string => errorWords(error, t.thisImageCannotBeRead);

@@ -1,8 +1,10 @@
 // All scans of the server, newest first. The newest are asked for again every few seconds while the page is seen, older ones when somebody wants them.
 import { ApiError, fetchScans, withOlder, type ScanSummary } from '../connection/api';
 import { fetchAccess } from '../connection/scans';
+import { t } from '../texts/texts';
 import { element, type Panel } from './dom';
 import { jobsPanel } from './jobs_panel';
+import { languageChoice } from './language_choice';
 import { scanList } from './scan_list';
 
 const refresh_ms = 3_000;
@@ -24,7 +26,7 @@ export function listPage(door: ListAccess): ListPage {
   };
   const jobs = jobsPanel(door.token, () => void refresh());
   const list = scanList({ token: door.token, changed: () => void refresh(), older: () => showOlder(), say });
-  const node = element('main', { class: 'list-page' }, wordmark(), element('h1', {}, 'Scans'), notice, jobs.element, list.element, jobs.failed);
+  const node = element('main', { class: 'list-page' }, wordmark(), element('h1', {}, t.scans), notice, jobs.element, list.element, jobs.failed);
   let scans: readonly ScanSummary[] = [];
   let olderShown = false; // some beyond what the server tells at once
   let more = false;
@@ -55,7 +57,7 @@ export function listPage(door: ListAccess): ListPage {
         list.showInstead(tokenForm(door, () => void refresh()));
         return; // until a token is given
       }
-      say(error instanceof ApiError ? error.message : 'The list of scans could not be loaded.');
+      say(error instanceof ApiError ? error.message : t.theListOfScansCouldNot);
     }
     if (!disposed) timer = setTimeout(() => void refresh(), refresh_ms);
   };
@@ -68,11 +70,11 @@ export function listPage(door: ListAccess): ListPage {
       olderShown = true;
       more = next.more;
     } catch (error) {
-      say(error instanceof ApiError ? error.message : 'Older scans could not be loaded.');
+      say(error instanceof ApiError ? error.message : t.olderScansCouldNotBeLoaded);
     }
     if (!disposed) await refresh();
   };
-  say('Loading.');
+  say(t.loadingNow);
   void refresh();
   const onVisible = (): void => void refresh();
   document.addEventListener('visibilitychange', onVisible);
@@ -91,7 +93,7 @@ export function listPage(door: ListAccess): ListPage {
 }
 
 function wordmark(): HTMLElement {
-  return element('p', { class: 'wordmark' }, element('img', { src: './icon.svg', alt: '', width: 28, height: 28 }), 'Hermite');
+  return element('div', { class: 'wordmark' }, element('img', { src: './icon.svg', alt: '', width: 28, height: 28 }), 'Hermite', languageChoice());
 }
 
 function tokenForm(door: ListAccess, retry: () => void): HTMLElement {
@@ -99,10 +101,10 @@ function tokenForm(door: ListAccess, retry: () => void): HTMLElement {
   const form = element(
     'form',
     { class: 'token-form' },
-    element('p', { class: 'lead' }, door.token() ? 'The server does not accept this access token.' : 'This server asks for an access token.'),
-    element('p', {}, 'It printed a link with the token when it started. Open that link, or paste the token here.'),
-    element('label', { for: 'token' }, 'Access token'),
-    element('div', { class: 'field' }, input, element('button', { type: 'submit', class: 'button primary' }, 'Continue')),
+    element('p', { class: 'lead' }, door.token() ? t.theServerDoesNotAcceptThis : t.thisServerAsksForAnAccess),
+    element('p', {}, t.itPrintedALinkWithThe),
+    element('label', { for: 'token' }, t.accessToken),
+    element('div', { class: 'field' }, input, element('button', { type: 'submit', class: 'button primary' }, t.continue)),
   );
   form.addEventListener('submit', (event) => {
     event.preventDefault();

@@ -1,6 +1,7 @@
 // The exports of a scan that were made with options. The server keeps a limited number of them, so each can be removed here.
 import { isMade, type ScanExport } from '../connection/exports';
 import { finishWords } from '../state/words';
+import { t } from '../texts/texts';
 import { element } from './dom';
 import { downloadRow, type DownloadRow } from './download_row';
 
@@ -17,12 +18,12 @@ interface Choices {
 
 export function madeExports({ take, remove, wordsOf }: Choices): MadeExports {
   const list = element('div');
-  const node = element('div', { class: 'download-kind' }, element('h3', {}, 'Made with options'), list);
+  const node = element('div', { class: 'download-kind' }, element('h3', {}, t.madeWithOptions), list);
   const rows = new Map<string, { readonly line: HTMLElement; readonly row: DownloadRow; readonly button: HTMLElement }>();
   const add = (one: ScanExport): void => {
     const label = `${one.label}: ${finishWords(one.finish)}`;
     const row = downloadRow(label, () => take(one.format), wordsOf);
-    const button = element('button', { type: 'button', class: 'button download-remove', 'aria-label': `Remove ${label}` }, 'Remove');
+    const button = element('button', { type: 'button', class: 'button download-remove', 'aria-label': t.removeNamed(label) }, t.remove);
     button.addEventListener('click', () => remove(one.format));
     const line = element('div', { class: 'download-made' }, row.element, button);
     rows.set(one.format, { line, row, button });

@@ -16,6 +16,7 @@ import type { ScanScene } from '../scene/scene';
 import type { LiveScan } from '../state/live_scan';
 import { canClose, freeName, initialMeasuring, measureLabels, measuringWords, reduceMeasuring, type Measuring, type MeasuringEvent } from '../state/measuring';
 import { createStore, type Store } from '../state/store';
+import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
 import { segments } from './segments';
 import { onTap } from './tap';
@@ -147,18 +148,18 @@ interface Changes {
 
 // What the panel is made of. Its `show` is given no changes for whoever may only look.
 function panelView(choose: (kind: MeasureKind) => void) {
-  const button = element('button', { type: 'button', class: 'button', title: 'Measures distances, heights, angles and areas (M)', 'aria-pressed': 'false' }, 'Measure');
-  const choice = segments('measure-kind', 'What is measured', measureKinds, measureLabels, choose);
+  const button = element('button', { type: 'button', class: 'button', title: t.measuresDistancesHeightsAnglesAndAreas, 'aria-pressed': 'false' }, t.measure);
+  const choice = segments('measure-kind', t.whatIsMeasured, measureKinds, measureLabels, choose);
   const words = element('p', { class: 'measure-words', role: 'status' });
-  const undo = element('button', { type: 'button', class: 'button', title: 'Takes the last point back (Backspace)' }, 'Undo');
-  const close = element('button', { type: 'button', class: 'button primary', title: 'Connects the last corner with the first (Enter)' }, 'Close the outline');
+  const undo = element('button', { type: 'button', class: 'button', title: t.takesTheLastPointBackBackspace }, t.undo);
+  const close = element('button', { type: 'button', class: 'button primary', title: t.connectsTheLastCornerWithThe }, t.closeTheOutline);
   const steps = element('div', { class: 'buttons' }, close, undo);
   const newest = element('div', { class: 'measure-newest' });
   const list = element('ul', { class: 'measure-list' });
-  const csv = element('button', { type: 'button', class: 'button' }, 'Download CSV');
-  const done = element('button', { type: 'button', class: 'button' }, 'Close');
+  const csv = element('button', { type: 'button', class: 'button' }, t.downloadCsv);
+  const done = element('button', { type: 'button', class: 'button' }, t.close);
   const ends = element('div', { class: 'buttons' }, csv, done);
-  const node = element('section', { class: 'card measure', 'aria-label': 'Measure' }, choice.element, words, steps, newest, list, ends);
+  const node = element('section', { class: 'card measure', 'aria-label': t.measure }, choice.element, words, steps, newest, list, ends);
   const show = (state: Measuring, changes: Changes | null): void => {
     node.hidden = !state.active;
     button.setAttribute('aria-pressed', String(state.active));
@@ -178,8 +179,8 @@ function panelView(choose: (kind: MeasureKind) => void) {
 function newestRow(measured: Measured, kept: readonly KeptMeasurement[], changes: Changes | null): HTMLElement[] {
   const words = element('strong', {}, measured.words);
   if (!changes) return [words];
-  const name = element('input', { type: 'text', value: freeName(kept, measured.kind), 'aria-label': 'Name of the measurement', maxlength: 200, required: true, autocomplete: 'off' });
-  const form = element('form', {}, name, element('button', { type: 'submit', class: 'button primary' }, 'Keep'));
+  const name = element('input', { type: 'text', value: freeName(kept, measured.kind), 'aria-label': t.nameOfTheMeasurement, maxlength: 200, required: true, autocomplete: 'off' });
+  const form = element('form', {}, name, element('button', { type: 'submit', class: 'button primary' }, t.keep));
   form.addEventListener('submit', (event) => {
     event.preventDefault();
     if (name.value.trim() !== '') changes.keep(name.value.trim(), measured);
@@ -190,7 +191,7 @@ function newestRow(measured: Measured, kept: readonly KeptMeasurement[], changes
 function rowOf(one: KeptMeasurement, changes: Changes | null): HTMLElement {
   const row = element('li', {}, element('div', {}, element('span', { class: 'measure-name' }, one.name), element('span', {}, one.words)));
   if (!changes) return row;
-  const button = element('button', { type: 'button', class: 'button', 'aria-label': `Remove ${one.name}` }, '×');
+  const button = element('button', { type: 'button', class: 'button', 'aria-label': t.removeNamed(one.name) }, '×');
   button.addEventListener('click', () => changes.remove(one));
   row.append(button);
   return row;

@@ -6,6 +6,7 @@ import type { ScanScene } from '../scene/scene';
 import type { LiveScan, LiveScanEvent } from '../state/live_scan';
 import { mayHaveMesh, nextStep, type MeshState } from '../state/mesh';
 import type { Store } from '../state/store';
+import { t } from '../texts/texts';
 
 const pollEvery_ms = 1_500;
 const retryEvery_ms = 6_000; // while the server cannot be reached
@@ -65,6 +66,6 @@ export function watchMesh(scan: Store<LiveScan, LiveScanEvent>, scene: Pick<Scan
 }
 
 function words(error: unknown): string {
-  const text = error instanceof Error ? error.message : 'it could not be loaded';
+  const text = error instanceof Error ? error.message : t.itCouldNotBeLoaded;
   return text.replace(/\.$/, '');
 }

@@ -10,6 +10,7 @@ import { saveDraft, type NoteServer } from '../state/note_saving';
 import { chosenNote, cleaned, heldWords, isUnsaved, shownNotes, type Draft, type Noting, type NotingEvent } from '../state/noting';
 import type { Store } from '../state/store';
 import { Trash } from '../state/trash';
+import { t } from '../texts/texts';
 import type { Panel } from './dom';
 import { notesView, numberOf } from './notes_view';
 import { onTap } from './tap';
@@ -32,7 +33,7 @@ interface World {
 }
 
 const fetchEvery_ms = 20_000; // while it is open and the page is seen
-const meanwhile = 'Somebody has changed this note meanwhile: it was not removed.';
+const meanwhile = t.changedAndNotRemoved;
 
 // A note that the store begins with is opened as soon as it is there.
 export function notesPanel({ canvas, scene, scan, store, token, opened }: World): NotesPanel {
@@ -126,7 +127,7 @@ function pinsOf(state: Noting): NotePin[] {
   const { draft, chosen } = state;
   const pins = shownNotes(state).map(({ id, position_m, text }, i) => ({ position_m, number: i + 1, words: id === chosen ? text : '' }));
   if (!draft || draft.of) return pins;
-  return [...pins, { position_m: draft.position_m, number: numberOf(draft, state), words: cleaned(draft.text) || 'New note' }];
+  return [...pins, { position_m: draft.position_m, number: numberOf(draft, state), words: cleaned(draft.text) || t.newNote }];
 }
 
 const serverOf = (scanId: string, token: string): NoteServer => ({

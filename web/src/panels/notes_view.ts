@@ -1,6 +1,7 @@
 // What the panel of notes is made of: the text that somebody writes, two texts to choose from, the list.
 import type { Note } from '../connection/notes';
 import { chosenNote, notingWords, shownNotes, type Draft, type Noting } from '../state/noting';
+import { locale, t } from '../texts/texts';
 import { element, setText } from './dom';
 
 export interface NoteActions {
@@ -22,21 +23,21 @@ const act = (words: string, title: string, run: () => void, primary = false): HT
 };
 
 export function notesView(actions: NoteActions) {
-  const title = 'Notes at places of the model (N)';
-  const button = element('button', { type: 'button', class: 'button notes-button', title, 'aria-pressed': 'false' }, 'Notes');
+  const title = t.notesAtPlacesOfTheModel;
+  const button = element('button', { type: 'button', class: 'button notes-button', title, 'aria-pressed': 'false' }, t.notes);
   const words = element('p', { class: 'notes-words', role: 'status' });
   const writing = writingView(actions);
   const list = listView(actions);
   const removed = element('span');
-  const undo = element('div', { class: 'notes-removed' }, removed, act('Undo', 'Takes the removal back', () => actions.undo()));
-  const done = act('Close', 'Closes the notes (Escape)', () => actions.close());
+  const undo = element('div', { class: 'notes-removed' }, removed, act(t.undo, t.takesTheRemovalBack, () => actions.undo()));
+  const done = act(t.close, t.closesTheNotesEscape, () => actions.close());
   const foot = element('div', { class: 'buttons notes-foot' }, done);
-  const node = element('section', { class: 'card notes', 'aria-label': 'Notes' }, words, writing.node, list.node, undo, foot);
+  const node = element('section', { class: 'card notes', 'aria-label': t.notes }, words, writing.node, list.node, undo, foot);
   // `removedNumber`: of the note that was removed a moment ago; null: none was.
   const show = (state: Noting, removedNumber: number | null): void => {
     const count = shownNotes(state).length;
     node.hidden = !state.active;
-    setText(button, count === 0 ? 'Notes' : `Notes (${count})`);
+    setText(button, count === 0 ? t.notes : t.notesCount(count));
     button.setAttribute('aria-pressed', String(state.active));
     setText(words, notingWords(state));
     const { activeElement } = document;
@@ -46,7 +47,7 @@ export function notesView(actions: NoteActions) {
     list.show(state);
     if (ends) (list.node.querySelector<HTMLElement>('[aria-current]') ?? done).focus(); // what had the focus is hidden now
     undo.hidden = removedNumber === null;
-    setText(removed, removedNumber === null ? '' : `Note ${removedNumber} is removed.`);
+    setText(removed, removedNumber === null ? '' : t.noteIsRemoved(removedNumber));
   };
   return { node, button, show, focusText: writing.focus };
 }
@@ -55,18 +56,18 @@ function writingView(actions: NoteActions) {
   const label = element('label', { for: 'note-text' });
   const text = element('textarea', { id: 'note-text', rows: 4, 'aria-describedby': 'note-readers' });
   const theirs = element('p', { class: 'note-whole' });
-  const both = element('div', { class: 'notes-conflict' }, element('p', { class: 'notes-small' }, 'The text of somebody else'), theirs);
-  const save = act('Save', 'Saves the text (Ctrl and Enter)', () => actions.save(), true);
-  const cancel = act('Cancel', 'Keeps nothing of what is written here', () => actions.cancel());
+  const both = element('div', { class: 'notes-conflict' }, element('p', { class: 'notes-small' }, t.theTextOfSomebodyElse), theirs);
+  const save = act(t.save, t.savesTheTextCtrlAndEnter, () => actions.save(), true);
+  const cancel = act(t.cancel, t.keepsNothingOfWhatIsWritten, () => actions.cancel());
   const saving = element('div', { class: 'buttons' }, save, cancel);
   const choosing = element(
     'div',
     { class: 'buttons notes-choice' },
-    act('Keep mine', 'Your text replaces the other one', () => actions.resolve('mine')),
-    act('Keep theirs', 'Your text is thrown away', () => actions.resolve('theirs')),
-    act('Keep both', 'One after the other; as two notes if that is too long for one', () => actions.resolve('both')),
+    act(t.keepMine, t.yourTextReplacesTheOtherOne, () => actions.resolve('mine')),
+    act(t.keepTheirs, t.yourTextIsThrownAway, () => actions.resolve('theirs')),
+    act(t.keepBoth, t.oneAfterTheOtherAsTwo, () => actions.resolve('both')),
   );
-  const readers = element('p', { class: 'notes-small', id: 'note-readers' }, 'Everybody who sees this scan can read it, also with a share link.');
+  const readers = element('p', { class: 'notes-small', id: 'note-readers' }, t.everybodyWhoSeesThisScanCan);
   const node = element('div', { class: 'notes-writing' }, both, label, text, readers, saving, choosing);
   node.hidden = true;
   text.addEventListener('input', () => actions.type(text.value));
@@ -79,7 +80,7 @@ function writingView(actions: NoteActions) {
     const { draft, busy } = state;
     node.hidden = !draft;
     if (!draft) return;
-    setText(label, draft.theirs ? 'Your text' : `Note ${numberOf(draft, state)}`);
+    setText(label, draft.theirs ? t.yourText : t.noteNumber(numberOf(draft, state)));
     if (text.value !== draft.text) text.value = draft.text;
     const fails = text.readOnly && !busy && document.activeElement === document.body; // a button that is disabled loses the focus
     text.readOnly = save.disabled = cancel.disabled = busy;
@@ -120,18 +121,18 @@ function rowOf(note: Note, number: number, isChosen: boolean, mayChange: boolean
   const choose = element(
     'button',
     { type: 'button', class: 'note-choose', 'data-key': note.id, 'aria-current': isChosen ? 'true' : null },
-    element('span', { class: 'note-number' }, element('span', { class: 'unseen' }, 'Note '), String(number)),
+    element('span', { class: 'note-number' }, element('span', { class: 'unseen' }, t.noteBefore), String(number)),
     isChosen ? element('span', { class: 'notes-small' }, changedWords(note)) : element('span', { class: 'note-start' }, note.text),
   );
   choose.addEventListener('click', () => actions.choose(note.id));
   if (!isChosen) return element('li', {}, choose);
   const whole = element('p', { class: 'note-whole' }, note.text);
   if (!mayChange) return element('li', { class: 'chosen' }, choose, whole);
-  const edit = act('Edit', 'Changes the text', () => actions.edit());
-  const remove = act('Remove', 'Removes the note; it can be taken back for a moment', () => actions.remove(note, number));
+  const edit = act(t.edit, t.changesTheText, () => actions.edit());
+  const remove = act(t.remove, t.removesTheNoteItCanBe, () => actions.remove(note, number));
   return element('li', { class: 'chosen' }, choose, whole, element('div', { class: 'buttons' }, edit, remove));
 }
 
 function changedWords({ changed }: Note): string {
-  return changed ? changed.toLocaleString(undefined, { dateStyle: 'medium', timeStyle: 'short' }) : '';
+  return changed ? changed.toLocaleString(locale, { dateStyle: 'medium', timeStyle: 'short' }) : '';
 }

@@ -2,13 +2,14 @@
 import { ApiError } from '../connection/api';
 import { deleteScan, renameScan } from '../connection/scans';
 import { Trash } from '../state/trash';
+import { t } from '../texts/texts';
 import { askForTitle } from './dialogs';
 import { element, setText } from './dom';
 
 const problemFor_ms = 8_000;
 
 const words = element('span');
-const undo = element('button', { type: 'button', class: 'button' }, 'Undo');
+const undo = element('button', { type: 'button', class: 'button' }, t.undo);
 const toast = element('div', { class: 'card toast', role: 'status' }, words, undo);
 toast.hidden = true;
 let problemUntil: ReturnType<typeof setTimeout> | undefined;
@@ -28,7 +29,7 @@ export const trash = new Trash(
     changedNow();
   },
   (one, error) => {
-    say(`“${one.title}” could not be deleted. ${error instanceof ApiError ? error.message : ''}`);
+    say(t.couldNotBeDeleted(one.title, error instanceof ApiError ? error.message : ''));
   },
 );
 undo.addEventListener('click', () => trash.newest && trash.undo(trash.newest.id));
@@ -60,7 +61,7 @@ function show(): void {
   const { newest } = trash;
   toast.hidden = newest === null;
   undo.hidden = false;
-  if (newest) setText(words, `“${newest.title}” is deleted.`);
+  if (newest) setText(words, t.isDeleted(newest.title));
 }
 
 function say(text: string): void {

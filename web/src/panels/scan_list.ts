@@ -4,13 +4,14 @@ import { noAccess, stopScan, type Access } from '../connection/scans';
 import { hashOf } from '../state/route';
 import { found, sorted, sortNames, type SortName } from '../state/scan_list';
 import { ago, framesWords, phaseWords } from '../state/words';
+import { t } from '../texts/texts';
 import { element, type Panel } from './dom';
 import { statusMark } from './mark';
 import { menu, type Menu, type MenuItem } from './menu';
 import { deleteSoon, onTrashChange, rename, trash } from './scan_actions';
 
 const searchedFrom = 2; // scans; one is found without
-const sortLabels: Record<SortName, string> = { newest: 'Newest first', oldest: 'Oldest first', title: 'By title', frames: 'Most frames' };
+const sortLabels: Record<SortName, string> = { newest: t.newestFirst, oldest: t.oldestFirst, title: t.byTitle, frames: t.mostFrames };
 
 export interface ScanListWorld {
   token(): string;
@@ -25,8 +26,8 @@ export interface ScanList extends Panel {
 }
 
 export function scanList(world: ScanListWorld): ScanList {
-  const search = element('input', { type: 'search', placeholder: 'Search', 'aria-label': 'Search the titles of scans', autocomplete: 'off' });
-  const order = element('select', { 'aria-label': 'Order of the scans' }, ...sortNames.map((name) => element('option', { value: name }, sortLabels[name])));
+  const search = element('input', { type: 'search', placeholder: t.search, 'aria-label': t.searchTheTitlesOfScans, autocomplete: 'off' });
+  const order = element('select', { 'aria-label': t.orderOfTheScans }, ...sortNames.map((name) => element('option', { value: name }, sortLabels[name])));
   const finder = element('div', { class: 'finder' }, search, order);
   const content = element('div', { class: 'content' });
   const menus = new Map<string, Menu>(); // of the rows, by scan
@@ -44,7 +45,7 @@ export function scanList(world: ScanListWorld): ScanList {
   };
   const menuOf = (scan: ScanSummary): Menu => {
     menus.get(scan.id)?.dispose();
-    const made = menu(`Actions for ${scan.title}`, () => actionsOf(scan, access, world));
+    const made = menu(t.actionsFor(scan.title), () => actionsOf(scan, access, world));
     menus.set(scan.id, made);
     return made;
   };
@@ -57,7 +58,7 @@ export function scanList(world: ScanListWorld): ScanList {
     const chosen = finder.hidden ? there : sorted(found(there, search.value), order.value as SortName);
     const key = JSON.stringify([more, access, chosen, chosen.map((scan) => scan.started && ago(scan.started, now))]);
     if (there.length === 0) write('empty', emptyList(access));
-    else if (chosen.length === 0) write(`none ${search.value}`, element('p', { class: 'notice' }, `No title has “${search.value}” in it.`));
+    else if (chosen.length === 0) write(`none ${search.value}`, element('p', { class: 'notice' }, t.noTitleHasInIt(search.value)));
     else write(key, listOf(chosen, now, access.scan ? menuOf : null), ...(more ? [olderButton(world.older)] : []));
   };
   search.addEventListener('input', refresh);
@@ -91,14 +92,14 @@ function actionsOf(scan: ScanSummary, access: Access, world: ScanListWorld): Men
   const refused = (error: unknown): void => world.say(errorWords(error));
   const stop = (): void => void stopScan(scan.id, world.token()).then(() => world.changed(), refused);
   return [
-    ...(access.scan ? [{ label: 'Rename', do: () => rename(scan.id, scan.title, world.token(), () => world.changed()) }] : []),
-    ...(access.scan && scan.phase === 'running' ? [{ label: 'Stop and keep', do: stop }] : []),
-    ...(access.admin && scan.phase !== 'running' ? [{ label: 'Delete', bad: true, do: () => deleteSoon(scan.id, scan.title, world.token()) }] : []),
+    ...(access.scan ? [{ label: t.rename, do: () => rename(scan.id, scan.title, world.token(), () => world.changed()) }] : []),
+    ...(access.scan && scan.phase === 'running' ? [{ label: t.stopAndKeep, do: stop }] : []),
+    ...(access.admin && scan.phase !== 'running' ? [{ label: t.delete, bad: true, do: () => deleteSoon(scan.id, scan.title, world.token()) }] : []),
   ];
 }
 
 function olderButton(showOlder: () => Promise<void>): HTMLElement {
-  const button = element('button', { type: 'button', class: 'button older' }, 'Older scans');
+  const button = element('button', { type: 'button', class: 'button older' }, t.olderScans);
   button.addEventListener('click', () => {
     button.disabled = true;
     void showOlder();
@@ -115,7 +116,7 @@ function rowOf(scan: ScanSummary, now: Date): HTMLElement {
   const mark = statusMark();
   mark.show(phaseWords(scan.phase));
   const facts = [
-    scan.imported ? 'Imported' : framesWords(scan),
+    scan.imported ? t.imported : framesWords(scan),
     scan.started && ago(scan.started, now),
   ];
   return element(
@@ -133,8 +134,8 @@ function emptyList(access: Access): HTMLElement {
   return element(
     'div',
     { class: 'empty-list' },
-    element('p', { class: 'lead' }, 'No scans yet.'),
-    access.scan ? element('p', {}, 'Drop a recording here, or stream one, or the synthetic room, and it appears here while it grows:') : null,
+    element('p', { class: 'lead' }, t.noScansYet),
+    access.scan ? element('p', {}, t.dropARecordingHereOrStream) : null,
     access.scan ? element('pre', {}, element('code', {}, command)) : null,
   );
 }

@@ -20,11 +20,15 @@ import { createStore, type Store } from '../state/store';
 import { storedUp, storeUp } from '../state/up_choice';
 import { initialViewOptions, reduceViewOptions, storedShow, storeShow, type ViewOptions } from '../state/view_options';
 import { emptyWords, phaseWords } from '../state/words';
+import { t } from '../texts/texts';
 import { showHelp } from './dialogs';
 import { element, setText, type Panel } from './dom';
 import { downloadMenu } from './download_menu';
 import { floorPicker, type FloorPicker } from './floor_picker';
+import { coverageLegend } from './coverage_legend';
 import { framesPanel, type FramesPanel } from './frames_panel';
+import { chooseLanguage, otherLanguages } from './language_choice';
+import { livePanel, type LivePanel } from './live_panel';
 import { statusMark } from './mark';
 import { measurePanel, type MeasurePanel } from './measure_panel';
 import { menu, type MenuItem } from './menu';
@@ -54,7 +58,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   const cutting = createStore<Cutting, CuttingEvent>(readCut(view), reduceCutting);
   const noting = createStore<Noting, NotingEvent>({ ...initialNoting, chosen: readNote(view), draft: storedDraft(sessionStorage, scanId) }, reduceNoting);
   const query = (): string => [cutQuery(cutting.get()), noteQuery(noting.get().chosen)].filter(Boolean).join('&');
-  const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': 'The scan in three dimensions. Arrow keys move, plus and minus zoom, a question mark tells more.' });
+  const canvas = element('canvas', { class: 'picture', tabindex: 0, 'aria-label': t.theScanInThreeDimensionsArrow });
   const stage = element('div', { class: 'stage' }, canvas);
   const empty = element('p', { class: 'empty', role: 'status' });
   const scene = openScene(canvas, () => options.dispatch({ follow: false }));
@@ -68,14 +72,16 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   const panels: Panel[] = [bar];
   const node = element('main', { class: 'scan-page' }, stage, empty, note, bar.element);
   if (floor) node.append(floor.element);
-  const tools = scene && toolsOf({ node, stage, canvas, scene, scan, cutting, noting, token, frame: frameOf(view) });
+  const tools = scene && toolsOf({ node, stage, canvas, scene, scan, options, cutting, noting, token, frame: frameOf(view) });
   if (scene && tools) {
-    const buttons = [tools.tape, tools.notes, tools.section, tools.frames].map(({ button }) => button);
-    panels.push(statusPanel(scan, () => scene.framesPerSecond()), viewPanel(options, scan, () => frameAll(scene, options), ...buttons), ...Object.values(tools));
+    const buttons = [tools.live, tools.tape, tools.notes, tools.section, tools.frames].map(({ button }) => button);
+    const legend = coverageLegend(options, scan, scene);
+    panels.push(statusPanel(scan, () => scene.framesPerSecond()), viewPanel(options, scan, () => frameAll(scene, options), legend.element, ...buttons), ...Object.values(tools));
     for (const panel of panels.slice(1)) node.append(panel.element);
+    panels.push(legend); // stands in the panel of the view
   }
   const unsubscribers = [
-    scan.subscribe((state) => showEmpty(empty, scene ? emptyWords(state) : 'This browser cannot show 3D pictures: it has no WebGL 2.')),
+    scan.subscribe((state) => showEmpty(empty, scene ? emptyWords(state) : t.thisBrowserCannotShow3dPictures)),
     options.subscribe((state) => scene?.onOptions(state)),
     options.subscribe((state) => storeShow(localStorage, state.show)),
     scan.subscribe((state) => showEmpty(note, meshWords(state.mesh, options.get().show === 'surface') || null)),
@@ -84,6 +90,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   const onEvent = (event: ScanEvent): void => {
     keepReason(scanId, event);
     scene?.onEvent(event);
+    tools?.live.onEvent(event);
   };
   const link = scene && new ScanLink({ scanId, token, watch: watchOf(options.get()), onEvent: receiver(scan.dispatch, onEvent) });
   unsubscribers.push(options.subscribe((state) => link?.watch(watchOf(state))));
@@ -113,6 +120,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
 }
 
 interface Tools {
+  readonly live: LivePanel;
   readonly tape: MeasurePanel;
   readonly frames: FramesPanel;
   readonly section: SectionPanel;
@@ -125,6 +133,7 @@ interface ToolWorld {
   readonly canvas: HTMLCanvasElement;
   readonly scene: ScanScene;
   readonly scan: ScanStore;
+  readonly options: OptionsStore;
   readonly cutting: Store<Cutting, CuttingEvent>;
   readonly noting: Store<Noting, NotingEvent>;
   readonly token: string;
@@ -132,7 +141,7 @@ interface ToolWorld {
 }
 
 // They stand in the same place: one at a time.
-function toolsOf({ node, stage, canvas, scene, scan, cutting, noting, token, frame }: ToolWorld): Tools {
+function toolsOf({ node, stage, canvas, scene, scan, options, cutting, noting, token, frame }: ToolWorld): Tools {
   const tape = measurePanel({ canvas, scene, scan, token });
   const closeTape = (): void => {
     if (node.classList.contains('measuring')) tape.toggle();
@@ -173,12 +182,14 @@ function toolsOf({ node, stage, canvas, scene, scan, cutting, noting, token, fra
     },
   });
   for (const { close } of [frames, section, notes]) tape.button.addEventListener('click', close);
-  return { tape, frames, section, notes };
+  const live = livePanel({ scene, scan, options, token, opened: section.close });
+  return { live, tape, frames, section, notes };
 }
 
 // What is shown is what is asked for.
-function watchOf({ show }: ViewOptions): Watch {
-  return { points: show === 'points', mesh: show === 'surface' };
+function watchOf({ show, coverage }: ViewOptions): Watch {
+  const points = show === 'points' || coverage;
+  return { points, mesh: !points };
 }
 
 function openScene(canvas: HTMLCanvasElement, onTouched: () => void): ScanScene | null {
@@ -255,13 +266,14 @@ function viewActions({ scanId, scene, floor, frames, section, notes }: ViewWorld
     scene.setUp(null);
   };
   return [
-    ...(!notes.button.hidden ? [{ label: 'Notes', phoneOnly: true, do: notes.toggle }] : []),
-    ...(!section.button.hidden ? [{ label: 'Section', phoneOnly: true, do: section.toggle }] : []),
-    ...(!frames.button.hidden ? [{ label: 'Frames', phoneOnly: true, do: frames.toggle }] : []),
-    { label: 'Quality', phoneOnly: true, do: () => void (location.hash = qualityHash(scanId)) },
-    { label: 'Set the floor', do: () => floor.begin() },
-    ...(chosen ? [{ label: 'Find the floor again', do: again }] : []),
-    { label: 'Mouse and keyboard', do: showHelp },
+    ...(!notes.button.hidden ? [{ label: t.notes, phoneOnly: true, do: notes.toggle }] : []),
+    ...(!section.button.hidden ? [{ label: t.section, phoneOnly: true, do: section.toggle }] : []),
+    ...(!frames.button.hidden ? [{ label: t.frames, phoneOnly: true, do: frames.toggle }] : []),
+    { label: t.quality, phoneOnly: true, do: () => void (location.hash = qualityHash(scanId)) },
+    { label: t.setTheFloor, do: () => floor.begin() },
+    ...(chosen ? [{ label: t.findTheFloorAgain, do: again }] : []),
+    { label: t.mouseAndKeyboard, do: showHelp },
+    ...otherLanguages.map(([chosen, name]) => ({ label: name, do: () => chooseLanguage(chosen) })),
   ];
 }
 
@@ -275,9 +287,9 @@ function scanActions(scan: ScanStore, token: string, access: Access, problem: El
   };
   const ended = phase === 'finished' || phase === 'failed' || phase === 'interrupted';
   return [
-    ...(access.scan ? [{ label: 'Rename', do: () => rename(scanId, title, token, (wanted) => scan.dispatch({ kind: 'renamed', title: wanted })) }] : []),
-    ...(access.scan && phase === 'running' ? [{ label: 'Stop and keep', do: stop }] : []),
-    ...(access.admin && ended ? [{ label: 'Delete', bad: true, do: remove }] : []),
+    ...(access.scan ? [{ label: t.rename, do: () => rename(scanId, title, token, (wanted) => scan.dispatch({ kind: 'renamed', title: wanted })) }] : []),
+    ...(access.scan && phase === 'running' ? [{ label: t.stopAndKeep, do: stop }] : []),
+    ...(access.admin && ended ? [{ label: t.delete, bad: true, do: remove }] : []),
   ];
 }
 
@@ -293,12 +305,12 @@ function titleBar(scan: ScanStore, token: string, viewing: Viewing): Panel {
   const problem = element('span', { class: 'problem', role: 'alert' });
   const share = shareButton(scan.get().scanId, token, problem, viewing.link);
   let access = noAccess;
-  const shareItem: MenuItem = { label: 'Share', phoneOnly: true, do: () => share.querySelector('button')?.click() };
-  const more = menu('More', () => [...(access.scan ? [shareItem] : []), ...viewing.actions(), ...scanActions(scan, token, access, problem)]);
+  const shareItem: MenuItem = { label: t.share, phoneOnly: true, do: () => share.querySelector('button')?.click() };
+  const more = menu(t.more, () => [...(access.scan ? [shareItem] : []), ...viewing.actions(), ...scanActions(scan, token, access, problem)]);
   const node = element(
     'header',
     { class: 'title-bar' },
-    element('a', { class: 'back', href: '#/', 'aria-label': 'All scans' }, element('span', { 'aria-hidden': 'true' }, '←'), element('span', { class: 'back-words' }, ' Scans')),
+    element('a', { class: 'back', href: '#/', 'aria-label': t.allScans }, element('span', { 'aria-hidden': 'true' }, '←'), element('span', { class: 'back-words' }, ' Scans')),
     element('div', { class: 'heading' }, title, phase.element),
     element('span', { class: 'space' }),
     problem,
@@ -315,7 +327,7 @@ function titleBar(scan: ScanStore, token: string, viewing: Viewing): Panel {
     () => {}, // the connection of the scan says what is wrong
   );
   const unsubscribe = scan.subscribe((state) => {
-    setText(title, state.title || 'Scan');
+    setText(title, state.title || t.scan);
     title.title = state.title;
     document.title = state.title ? `${state.title} – Hermite` : 'Hermite';
     phase.show(phaseWords(state.phase));
@@ -358,6 +370,8 @@ function shortcut(event: KeyboardEvent, { scanId, scene, options, tools }: Short
   if (event.key === 's') options.dispatch({ show: now.show === 'surface' ? 'points' : 'surface' });
   if (event.key === 'i') options.dispatch({ hideBacks: !now.hideBacks });
   if (event.key === 'e') options.dispatch({ eyeDome: !now.eyeDome });
+  if (event.key === 'l') tools?.live.toggle();
+  if (event.key === 'v') options.dispatch({ coverage: !now.coverage });
   if (event.key === 'x') tools?.section.toggle();
   if (event.key === 'q') location.hash = qualityHash(scanId);
   if (event.key === 'm') {

@@ -8,6 +8,7 @@ import { svgOf } from '../state/section_drawing';
 import { dxfOf } from '../state/section_dxf';
 import { drawingWords, placeWords, sectionName, sectionWords } from '../state/section_words';
 import type { Store } from '../state/store';
+import { t } from '../texts/texts';
 import { clipDrag } from './clip_drag';
 import { element, setText, type Panel } from './dom';
 import { segments } from './segments';
@@ -30,7 +31,7 @@ interface World {
 type Cut = SectionKind | 'off';
 
 const cuts: readonly Cut[] = ['off', ...sectionKinds];
-const cutLabels: Record<Cut, string> = { off: 'No section', horizontal: 'Horizontal', vertical: 'Vertical' };
+const cutLabels: Record<Cut, string> = { off: t.noSection, horizontal: t.horizontal, vertical: t.vertical };
 const measureEvery_ms = 2_000; // while a scan grows
 const steps_m = { fine: 0.001, coarse: 0.01, coarseFrom: 3 } as const; // of the plane, in a model that is as large
 
@@ -103,7 +104,7 @@ export function sectionPanel({ stage, canvas, scene, scan, store, opened }: Worl
 function save({ model, section }: Cutting, title: string, lines: readonly Polyline[], ending: 'svg' | 'dxf'): void {
   if (!model || !section || lines.length === 0) return;
   const words = drawingWords(model, section);
-  const [text, type] = ending === 'svg' ? [svgOf(lines, { title, words }), 'image/svg+xml'] : [dxfOf(lines, `${title}: ${words}, in metres`), 'image/vnd.dxf'];
+  const [text, type] = ending === 'svg' ? [svgOf(lines, { title, words }), 'image/svg+xml'] : [dxfOf(lines, t.drawingInMetres(title, words)), 'image/vnd.dxf'];
   saveAs(new Blob([text], { type }), `${fileNameOf(title) || 'scan'}-${sectionName(model, section)}.${ending}`);
 }
 
@@ -121,20 +122,20 @@ function wire({ box, reset, place, turn }: View, store: Store<Cutting, CuttingEv
 
 function panelView(choose: (cut: Cut) => void) {
   const act = (text: string, title: string): HTMLButtonElement => element('button', { type: 'button', class: 'button', title }, text);
-  const title = 'A clip box, and sections to draw and to download (X)';
-  const button = element('button', { type: 'button', class: 'button section-button', title, 'aria-pressed': 'false' }, 'Section');
-  const box = act('Clip box', 'Shows only what is inside of a box; drag the dots on its faces');
-  const reset = act('Reset', 'Makes the box as large as the model');
+  const title = t.aClipBoxAndSectionsTo;
+  const button = element('button', { type: 'button', class: 'button section-button', title, 'aria-pressed': 'false' }, t.section);
+  const box = act(t.clipBox, t.showsOnlyWhatIsInsideOf);
+  const reset = act(t.reset, t.makesTheBoxAsLargeAs);
   const words = element('p', { class: 'section-words', role: 'status' });
-  const choice = segments('section-kind', 'Section plane', cuts, cutLabels, choose);
-  const place = sliderOf('section-at', 'Position', {});
-  const turn = sliderOf('section-turn', 'Turn', turnRange_deg);
-  const [svg, dxf] = [act('SVG', 'A drawing on paper, with its scale'), act('DXF', 'For programs that draw, in metres')];
-  const done = act('Close', 'The box and the plane stay (Escape)');
-  const files = element('span', { class: 'section-files' }, element('span', {}, 'Download'), svg, dxf);
+  const choice = segments('section-kind', t.sectionPlane, cuts, cutLabels, choose);
+  const place = sliderOf('section-at', t.position, {});
+  const turn = sliderOf('section-turn', t.turn, turnRange_deg);
+  const [svg, dxf] = [act('SVG', t.aDrawingOnPaperWithIts), act('DXF', t.forProgramsThatDrawInMetres)];
+  const done = act(t.close, t.theBoxAndThePlaneStay);
+  const files = element('span', { class: 'section-files' }, element('span', {}, t.download), svg, dxf);
   const node = element(
     'section',
-    { class: 'card section', 'aria-label': 'Section' },
+    { class: 'card section', 'aria-label': t.section },
     element('div', { class: 'buttons' }, box, reset),
     choice.element,
     place.element,

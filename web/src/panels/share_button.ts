@@ -1,11 +1,12 @@
 // Makes a share link of one scan and shows it for copying.
 import { ApiError, createShareLink } from '../connection/api';
+import { t } from '../texts/texts';
 import { element, setText } from './dom';
 
 // `view`: how the scan is looked at now, as fields of an address, or empty.
 export function shareButton(scanId: string, token: string, problem: Element, view: () => string): HTMLElement {
-  const button = element('button', { type: 'button', class: 'button', title: 'Makes a link with which others can look at this scan, its notes and its measurements' }, 'Share');
-  const link = element('input', { class: 'share-link', type: 'text', readonly: true, 'aria-label': 'Link to this scan' });
+  const button = element('button', { type: 'button', class: 'button', title: t.makesALinkWithWhichOthers }, t.share);
+  const link = element('input', { class: 'share-link', type: 'text', readonly: true, 'aria-label': t.linkToThisScan });
   const words = element('span', { class: 'share-words', role: 'status' });
   const node = element('span', { class: 'share' }, words, link, button);
   link.hidden = true;
@@ -17,9 +18,9 @@ export function shareButton(scanId: string, token: string, problem: Element, vie
       link.hidden = false;
       button.hidden = true;
       link.select();
-      setText(words, (await copied(link.value)) ? 'Copied. Shows this scan for 7 days:' : 'Shows this scan for 7 days:');
+      setText(words, (await copied(link.value)) ? t.copiedShowsThisScanFor7 : t.showsThisScanFor7Days);
     } catch (error) {
-      setText(problem, error instanceof ApiError ? error.message : 'The link could not be made.');
+      setText(problem, error instanceof ApiError ? error.message : t.theLinkCouldNotBeMade);
     }
     button.disabled = false;
   };

@@ -4,6 +4,7 @@ import { qualityWords } from '../state/quality_words';
 import { qualityHash } from '../state/route';
 import type { Store } from '../state/store';
 import { connectionWords, count, eventWords, leftOutWords, partsWords, pointsWords, positionWords, sentence, soFarWords, trackingWords } from '../state/words';
+import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
 import { statusMark } from './mark';
 
@@ -21,19 +22,19 @@ const isImported = (scan: LiveScan): boolean => scan.phase === 'finished' && sca
 const isQuiet = (scan: LiveScan): boolean => scan.connection === 'closed' && !scan.problem;
 
 const rows: readonly Row[] = [
-  { label: 'Points shown', value: (scan) => (scan.points > 0 || scan.triangles === 0 ? count(scan.points) : null) },
-  { label: 'Points in file', value: (scan) => (scan.report?.cloudPoints ? count(scan.report.cloudPoints) : null) },
-  { label: 'Triangles', value: trianglesText },
-  { label: 'Frames', value: (scan) => (isImported(scan) ? null : framesText(scan)) },
-  { label: 'Submaps', value: (scan) => (scan.submaps > 1 ? count(scan.submaps) : null) },
-  { label: 'Parts', value: (scan) => (scan.parts > 1 ? count(scan.parts) : null) },
-  { label: 'Keyframes', value: (scan) => (scan.keyframes > 0 ? count(scan.keyframes) : null) },
-  { label: 'Loops', value: (scan) => (scan.keyframes > 0 ? count(scan.loops) : null) },
-  { label: 'Position', value: (scan) => positionWords(scan) },
-  { label: 'Dropped', value: (scan) => (isImported(scan) ? null : count(scan.framesDropped)) },
-  { label: 'Per frame', value: (scan) => (scan.frame_ms > 0 && scan.phase === 'running' ? `${Math.round(scan.frame_ms)} ms` : null) },
-  { label: 'Connection', value: (scan) => (isQuiet(scan) ? connectionWords(scan).text : null) }, // else it is seen above
-  { label: 'Picture', value: (_, fps) => (fps > 0 ? `${fps} fps` : 'at rest') },
+  { label: t.pointsShown, value: (scan) => (scan.points > 0 || scan.triangles === 0 ? count(scan.points) : null) },
+  { label: t.pointsInFile, value: (scan) => (scan.report?.cloudPoints ? count(scan.report.cloudPoints) : null) },
+  { label: t.triangles, value: trianglesText },
+  { label: t.frames, value: (scan) => (isImported(scan) ? null : framesText(scan)) },
+  { label: t.submaps, value: (scan) => (scan.submaps > 1 ? count(scan.submaps) : null) },
+  { label: t.parts, value: (scan) => (scan.parts > 1 ? count(scan.parts) : null) },
+  { label: t.keyframes, value: (scan) => (scan.keyframes > 0 ? count(scan.keyframes) : null) },
+  { label: t.loops, value: (scan) => (scan.keyframes > 0 ? count(scan.loops) : null) },
+  { label: t.position, value: (scan) => positionWords(scan) },
+  { label: t.dropped, value: (scan) => (isImported(scan) ? null : count(scan.framesDropped)) },
+  { label: t.perFrame, value: (scan) => (scan.frame_ms > 0 && scan.phase === 'running' ? `${Math.round(scan.frame_ms)} ms` : null) },
+  { label: t.connection, value: (scan) => (isQuiet(scan) ? connectionWords(scan).text : null) }, // else it is seen above
+  { label: t.picture, value: (_, fps) => (fps > 0 ? `${fps} fps` : t.atRest) },
 ];
 
 export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () => number): Panel {
@@ -43,13 +44,13 @@ export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () 
   const pairs = rows.map((row, i) => element('div', {}, element('dt', {}, row.label), values[i]!));
   const list = element('dl', { class: 'figures' }, ...pairs);
   const why = element('p', { class: 'why' });
-  const details = element('details', { class: 'details' }, element('summary', {}, 'Details'), list, why);
+  const details = element('details', { class: 'details' }, element('summary', {}, t.details), list, why);
   const summary = element('p', { class: 'summary' }); // not read aloud whenever it changes: of a running scan it does so all the time
-  const quality = element('a', { class: 'quality-link', href: qualityHash(scan.get().scanId), title: 'As a page to print (Q)' }, 'More about its quality');
+  const quality = element('a', { class: 'quality-link', href: qualityHash(scan.get().scanId), title: t.asAPageToPrintQ }, t.moreAboutItsQuality);
   const notice = element('p', { class: 'notice', role: 'status' });
   const node = element(
     'section',
-    { class: 'card status', 'aria-label': 'Status' },
+    { class: 'card status', 'aria-label': t.status },
     element('div', { class: 'marks', role: 'status' }, tracking.element, connection.element),
     summary,
     notice,
@@ -90,7 +91,7 @@ export function statusPanel(scan: Store<LiveScan, never>, picturesPerSecond: () 
 }
 
 function summaryText(scan: LiveScan): string {
-  if (isImported(scan)) return 'This model was imported: no camera has seen it here.';
+  if (isImported(scan)) return t.thisModelWasImportedNoCamera;
   return scan.followed ? qualityWords(scan.followed, scan.phaseWords) : soFarWords(scan);
 }
 
@@ -102,7 +103,7 @@ function trianglesText(scan: LiveScan): string | null {
 
 function framesText(scan: LiveScan): string {
   if (scan.framesReceived <= scan.framesProcessed) return count(scan.framesProcessed);
-  return `${count(scan.framesProcessed)} of ${count(scan.framesReceived)}`;
+  return t.countOf(count(scan.framesProcessed), count(scan.framesReceived));
 }
 
 function noticeText(scan: LiveScan): string {
@@ -111,8 +112,8 @@ function noticeText(scan: LiveScan): string {
   words.push(sentence(scan.phaseWords), leftOutWords(scan));
   if (scan.connection === 'waiting' && scan.connectionWords) words.push(`${sentence(scan.connectionWords)}`);
   if (scan.problem && (scan.points > 0 || scan.triangles > 0)) words.push(sentence(scan.problem.message));
-  if (scan.failedChunks > 0) words.push(`${count(scan.failedChunks)} of the chunks could not be decoded.`);
-  if (scan.old) words.push('Some of what is shown is from before, while the server builds the scan again.');
-  if (scan.full) words.push('The scan is larger than this page can show; some parts are left out.');
+  if (scan.failedChunks > 0) words.push(t.ofTheChunksCouldNotBe(count(scan.failedChunks)));
+  if (scan.old) words.push(t.someOfWhatIsShownIs);
+  if (scan.full) words.push(t.theScanIsLargerThanThis);
   return words.filter((part) => part !== '').join(' ');
 }

@@ -12,51 +12,57 @@ import {
   type Show,
   type ViewOptions,
 } from '../state/view_options';
+import { t } from '../texts/texts';
 import { element, setText, type Panel } from './dom';
 import { segments } from './segments';
 
-const showLabels: Record<Show, string> = { surface: 'Surface', points: 'Points' };
-const colorLabels: Record<ColorMode, string> = { shaded: 'Shaded', rgb: 'Colour', normal: 'Normals', confidence: 'Confidence' };
-const meshColorLabels: Record<MeshColor, string> = { shaded: 'Shaded', rgb: 'Colour', normal: 'Normals' };
+const showLabels: Record<Show, string> = { surface: t.surface, points: t.points };
+const colorLabels: Record<ColorMode, string> = { shaded: t.shaded, rgb: t.colour, normal: t.normals, confidence: t.confidence };
+const meshColorLabels: Record<MeshColor, string> = { shaded: t.shaded, rgb: t.colour, normal: t.normals };
 
 // `more`: buttons of others.
 export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, scan: Store<LiveScan, never>, frameAll: () => void, ...more: HTMLElement[]): Panel {
-  const show = segments('show', 'What is shown', shows, showLabels, (chosen) => options.dispatch({ show: chosen }));
-  const colors = segments('color', 'Colour of the points', colorModes, colorLabels, (color) => options.dispatch({ color }));
-  const surface = segments('mesh-color', 'Colour of the surface', meshColors, meshColorLabels, (meshColor) => options.dispatch({ meshColor }));
+  const show = segments('show', t.whatIsShown, shows, showLabels, (chosen) => options.dispatch({ show: chosen }));
+  const colors = segments('color', t.colourOfThePoints, colorModes, colorLabels, (color) => options.dispatch({ color }));
+  const surface = segments('mesh-color', t.colourOfTheSurface, meshColors, meshColorLabels, (meshColor) => options.dispatch({ meshColor }));
   const size = element('input', { type: 'range', id: 'point-size', ...pointSizeRange_percent });
   const sizeText = element('output', { for: 'point-size' });
-  const slider = element('label', { class: 'slider', for: 'point-size' }, 'Size', size, sizeText);
+  const slider = element('label', { class: 'slider', for: 'point-size' }, t.size, size, sizeText);
   size.addEventListener('input', () => options.dispatch({ pointSize_percent: size.valueAsNumber }));
-  const inside = toggle('See inside', 'Makes what is seen from behind transparent, so that walls do not cover the room', () =>
+  const inside = toggle(t.seeInside, t.makesWhatIsSeenFromBehind, () =>
     options.dispatch({ hideBacks: !options.get().hideBacks }),
   );
-  const eyeDome = toggle('Edges', 'Eye-dome lighting: points are darker behind edges (E)', () => options.dispatch({ eyeDome: !options.get().eyeDome }));
-  const follow = toggle('Follow camera', 'Rides behind the scanning camera', () => options.dispatch({ follow: !options.get().follow }));
-  const frame = element('button', { type: 'button', class: 'button', title: 'Shows the whole scan (F)' }, 'Show all');
+  const eyeDome = toggle(t.edges, t.eyeDomeLightingPointsAreDarker, () => options.dispatch({ eyeDome: !options.get().eyeDome }));
+  const follow = toggle(t.followCamera, t.ridesBehindTheScanningCamera, () => options.dispatch({ follow: !options.get().follow }));
+  const coverage = toggle(t.coverage, t.whatWasScannedWellAndWhat, () => options.dispatch({ coverage: !options.get().coverage }));
+  const frame = element('button', { type: 'button', class: 'button', title: t.showsTheWholeScanF }, t.showAll);
   frame.addEventListener('click', frameAll);
 
   const node = element(
     'section',
-    { class: 'card view', 'aria-label': 'View' },
+    { class: 'card view', 'aria-label': t.view },
     show.element,
     surface.element,
     colors.element,
     slider,
     eyeDome,
+    coverage,
     element('div', { class: 'buttons' }, inside, follow, frame),
     ...more,
   );
   const refresh = (): void => {
     const state = options.get();
-    const { mesh, phase, triangles } = scan.get();
+    const { mesh, phase, triangles, framesReceived } = scan.get();
     const there = mesh.state === 'shown';
-    const onSurface = (there || triangles > 0) && state.show === 'surface';
-    show.element.hidden = !there && triangles === 0 && phase !== 'running';
+    const onSurface = (there || triangles > 0) && state.show === 'surface' && !state.coverage;
+    show.element.hidden = state.coverage || (!there && triangles === 0 && phase !== 'running');
     show.check(state.show);
     surface.element.hidden = !onSurface;
     surface.check(shownMeshColor(state, there && mesh.textured));
-    colors.element.hidden = slider.hidden = onSurface;
+    slider.hidden = onSurface;
+    colors.element.hidden = onSurface || state.coverage;
+    coverage.hidden = framesReceived === 0;
+    coverage.setAttribute('aria-pressed', String(state.coverage));
     colors.check(state.color);
     size.value = String(state.pointSize_percent);
     setText(sizeText, `${state.pointSize_percent} %`);

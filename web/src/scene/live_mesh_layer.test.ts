@@ -64,10 +64,12 @@ describe('LiveMeshLayer', () => {
     say(piece(1, 0, null));
     say(piece(3, 0));
     const { index } = (layer.object.children[0] as Mesh).geometry;
-    expect([0, 16, 32].map((at) => [0, 1, 2].map((i) => index!.getX(at + i)))).toEqual([
+    // As they are drawn: three corners after the other, from the beginning on.
+    const drawn = Array.from({ length: index!.count / 3 }, (_, t) => [0, 1, 2].map((i) => index!.getX(3 * t + i))).filter(([a, b, c]) => a !== b && b !== c);
+    expect(drawn).toEqual([
       [0, 1, 2],
-      [16, 17, 18],
-      [32, 33, 34],
+      [48, 49, 50],
+      [96, 97, 98],
     ]);
     expect(layer.drawCalls).toBe(2);
   });

@@ -90,7 +90,7 @@ export class MeshLayer implements Layer {
 
   private show(): void {
     if (!this.options) return;
-    this.object.visible = this.isThere && this.options.show === 'surface';
+    this.object.visible = this.isThere && this.options.show === 'surface' && !this.options.coverage;
     const look = { colorMode: meshColors.indexOf(shownMeshColor(this.options, this.textured)), veil: this.options.hideBacks };
     for (const material of this.materials) material.show(look);
   }

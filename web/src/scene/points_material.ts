@@ -1,9 +1,12 @@
 // Points as discs that lie in the surface, each as large as its neighbours are far, coloured by what the viewer asks for. Where discs overlap a pixel
 // belongs to the one whose middle is nearest.
 import { ShaderMaterial, type DataTexture } from 'three';
+import { goodConfidence, lowConfidence } from '../state/coverage';
 import { colorModes, type ViewOptions } from '../state/view_options';
 import { unclipped, type ClipUniform } from './clip_layer';
 import type { ViewSize } from './layer';
+
+const coverageMode = colorModes.length;
 
 const vertexShader = /* glsl */ `
 attribute vec4 pointColor;  // rgb and confidence * 8 / 255
@@ -16,11 +19,17 @@ uniform int colorMode;
 uniform bool hideBacks;
 uniform mat4 clip;  // ClipLayer
 flat varying vec3 vColor, vCenter, vNormal;  // in the view
-flat varying float vRadius, vSize_px;
+flat varying float vRadius, vSize_px, vStriped;
 
 vec3 confidenceColor(float confidence) {
   vec3 low = vec3(0.24, 0.16, 0.42), middle = vec3(0.16, 0.57, 0.55), high = vec3(0.95, 0.88, 0.45);
   return confidence < 0.5 ? mix(low, middle, confidence * 2.0) : mix(middle, high, confidence * 2.0 - 1.0);
+}
+
+// Orange and blue look different to everybody; stripes say it without colours.
+vec3 coverageColor(float confidence) {
+  if (confidence < float(COVERAGE_LOW)) return vec3(0.90, 0.62, 0.0);
+  return confidence < float(COVERAGE_GOOD) ? vec3(0.50, 0.78, 0.95) : vec3(0.0, 0.40, 0.66);
 }
 
 void main() {
@@ -44,14 +53,17 @@ void main() {
   // Seen from its edge a disc would be nothing, and what is behind would shine through.
   vNormal = normalize(inViewNormal + max(0.0, 0.2 - abs(facing)) * toEye);
   vec3 shown = pointColor.rgb;
-  if (colorMode == 0) {
+  float confidence = pointColor.a * 255.0 / 8.0;
+  vStriped = colorMode == COVERAGE && confidence < float(COVERAGE_LOW) ? 1.0 : 0.0;
+  if (colorMode == COVERAGE) shown = coverageColor(confidence);
+  if (colorMode == 0 || colorMode == COVERAGE) {
     vec3 up = mat3(viewMatrix) * vec3(0.0, -1.0, 0.0);  // y points down in the world
     float light = (0.56 + 0.44 * abs(facing)) * (0.86 + 0.14 * (0.5 + 0.5 * dot(inViewNormal, up))) + 0.04;
     shown = pow(pow(shown, vec3(2.2)) * light, vec3(1.0 / 2.2));  // as surfaces have it
   } else if (colorMode == 2) {
     shown = hasNormal ? mat3(modelMatrix) * inWorld * vec3(0.5, -0.5, -0.5) + 0.5 : vec3(0.4);
   } else if (colorMode == 3) {
-    shown = confidenceColor(min(pointColor.a * 255.0 / 160.0, 1.0));
+    shown = confidenceColor(min(confidence / 20.0, 1.0));
   }
   vColor = faded ? mix(vec3(0.16, 0.18, 0.22), shown, 0.35) : shown;
   vCenter = inView.xyz;
@@ -65,7 +77,7 @@ const fragmentShader = /* glsl */ `
 uniform float pixelsPerMetre;
 uniform mat4 projectionMatrix;
 flat varying vec3 vColor, vCenter, vNormal;
-flat varying float vRadius, vSize_px;
+flat varying float vRadius, vSize_px, vStriped;
 
 void main() {
   vec2 offset_px = (gl_PointCoord - 0.5) * vSize_px;
@@ -81,7 +93,8 @@ void main() {
   }
   float depth = (projectionMatrix[2][2] * -depth_m + projectionMatrix[3][2]) / depth_m;
   gl_FragDepth = 0.5 * depth + 0.5;
-  gl_FragColor = vec4(vColor, 1.0);
+  bool dark = vStriped > 0.5 && mod(gl_FragCoord.x + gl_FragCoord.y, 12.0) < 4.0;
+  gl_FragColor = vec4(dark ? vColor * 0.4 : vColor, 1.0);
 }`;
 
 export class PointsMaterial extends ShaderMaterial {
@@ -90,13 +103,14 @@ export class PointsMaterial extends ShaderMaterial {
     super({
       vertexShader,
       fragmentShader,
+      defines: { COVERAGE: coverageMode, COVERAGE_LOW: lowConfidence, COVERAGE_GOOD: goodConfidence },
       uniforms: { poses, clip, sizeFactor: { value: 1 }, leastRadius: { value: 0 }, pixelsPerMetre: { value: 800 }, colorMode: { value: 0 }, hideBacks: { value: true } },
     });
   }
 
   show(options: ViewOptions): void {
     this.uniforms['sizeFactor']!.value = options.pointSize_percent / 100;
-    this.uniforms['colorMode']!.value = colorModes.indexOf(options.color);
+    this.uniforms['colorMode']!.value = options.coverage ? coverageMode : colorModes.indexOf(options.color);
     this.uniforms['hideBacks']!.value = options.hideBacks;
   }
 

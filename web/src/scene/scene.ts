@@ -74,6 +74,7 @@ export class ScanScene {
   private running = false;
   private options: ViewOptions | null = null;
   private disposed = false;
+  private onDrawn: ((drawn_ms: number) => void) | null = null;
 
   // Throws when the browser has no WebGL 2. `onTouched`: the viewer took the view into their own hands.
   constructor(
@@ -130,7 +131,8 @@ export class ScanScene {
   // The finished surface, or the growing one, or points. What the growing one had not come to when the scan ended is there as points.
   private chooseShown(): void {
     const finished = this.mesh.object.visible;
-    const live = !finished && this.live.isThere && this.options?.show === 'surface';
+    const coverage = this.options?.coverage === true;
+    const live = !finished && this.live.isThere && this.options?.show === 'surface' && !coverage;
     this.live.setVisible(live);
     this.points.setVisible(!finished && !(live && this.running));
   }
@@ -251,6 +253,16 @@ export class ScanScene {
     this.lookAs({ position_m: translation, target_m: target.toArray() });
   }
 
+  // How many points there are of each confidence, which is an eighth of the index.
+  confidences(): Uint32Array {
+    return this.points.confidences();
+  }
+
+  // `then` is called once, with the time at which the next picture is done. Only the first one that waits is kept.
+  whenDrawn(then: (drawn_ms: number) => void): void {
+    this.onDrawn ??= then;
+  }
+
   // In one picture.
   get drawCalls(): number {
     return this.renderer.info.render.calls;
@@ -312,6 +324,9 @@ export class ScanScene {
     this.renderer.info.reset();
     this.eyeDome.draw(this.renderer, this.scene, this.rig.camera, this.points.object, this.isLit());
     this.drawn_ms.push(performance.now());
+    const onDrawn = this.onDrawn;
+    this.onDrawn = null;
+    onDrawn?.(performance.now());
     if (this.drawn_ms.length > 480) this.framesPerSecond(); // forgets the old ones
     if (eye.byHand) this.requestDraw();
     else if (moving || eye.byItself) this.requestDrawInTime();

@@ -1,5 +1,6 @@
 // Looking back at what a camera has seen: which frame plays when, what is said of one, and fetching that keeps up with whoever drags. No page in here.
 import type { DepthRange, FrameList, FrameStatus } from '../connection/frames';
+import { decimal, t } from '../texts/texts';
 import type { Words } from './words';
 
 const longestStep_s = 1; // in which nothing plays: a pause of the camera may have taken half an hour
@@ -26,19 +27,19 @@ export function nextImage({ timestamps_s }: FrameList, from: number, step: 1 | -
 export function statusWords(status: FrameStatus): Words {
   switch (status) {
     case 'tracked':
-      return { text: 'Tracked', tone: 'good' };
+      return { text: t.tracked, tone: 'good' };
     case 'weak':
-      return { text: 'Weak: nearly lost, but used', tone: 'warn' };
+      return { text: t.weakNearlyLostButUsed, tone: 'warn' };
     case 'lost':
-      return { text: 'Lost: not used, shown where it was last', tone: 'bad' };
+      return { text: t.lostNotUsedShownWhereIt, tone: 'bad' };
     case 'left_out':
-      return { text: 'Left out: there was no time for it', tone: 'warn' };
+      return { text: t.leftOutThereWasNoTime, tone: 'warn' };
     case 'refused':
-      return { text: 'Refused: its time was not after the one before', tone: 'bad' };
+      return { text: t.refusedItsTimeWasNotAfter, tone: 'bad' };
     case 'damaged':
-      return { text: 'Damaged on the server’s disk', tone: 'bad' };
+      return { text: t.damagedOnTheServersDisk, tone: 'bad' };
     case 'unknown':
-      return { text: 'What became of it is not known', tone: 'quiet' };
+      return { text: t.whatBecameOfItIsNot, tone: 'quiet' };
   }
 }
 
@@ -62,7 +63,7 @@ export function widened(range: DepthRange | null, measured: DepthRange): DepthRa
   return range ? { from_mm: Math.min(range.from_mm, from_mm), to_mm: Math.max(range.to_mm, to_mm) } : { from_mm, to_mm };
 }
 
-export const metres = (depth_mm: number): string => `${(depth_mm / 1000).toFixed(1)} m`;
+export const metres = (depth_mm: number): string => `${decimal(depth_mm / 1000, 1)} m`;
 
 // Fetches what is wished for, one at a time: while one is on its way only the newest wish is kept.
 export class OneAtATime<Item> {

@@ -2,7 +2,7 @@ import { describe, expect, it } from 'vitest';
 import type { FrameEvent, MapEventName, TrackingName } from '../connection/events';
 import { parseReport } from '../connection/scans';
 import { initialLiveScan, reduceLiveScan, type LiveScan, type LiveScanEvent } from './live_scan';
-import { connectionWords, emptyWords, eventWords, leftOutWords, partsWords, pointsWords, positionWords, trackingWords, wayBackLabel } from './words';
+import { connectionWords, emptyWords, eventWords, leftOutWords, partsWords, pointsWords, positionWords, trackingWords, wayBackCaption, wayBackLabel } from './words';
 
 const after = (...events: LiveScanEvent[]): LiveScan => events.reduce(reduceLiveScan, initialLiveScan('scan1'));
 
@@ -59,6 +59,19 @@ describe('reduceLiveScan', () => {
     expect(wayBackLabel(lost)).toBe('Go back to this view, seen 4 s ago');
     expect(wayBackLabel({ ...lost, tracking: 'tracked' })).toBe('');
     expect(wayBackLabel({ ...lost, lastTracked: null })).toBe('');
+  });
+
+  it('knows the frame that a lost camera is to go back to, until it is found again', () => {
+    const lost: FrameEvent = { ...frame('lost', 1), sequence: 310, timestamp_s: 14.2, lastTracked: { sequence: 300, timestamp_s: 10 } };
+    const seen = after(welcome, running, frame('tracked', 1), lost);
+    expect(seen.wayBack).toEqual({ sequence: 300, worldFromCamera: lost.worldFromCamera });
+    expect(seen.sequence).toBe(310);
+    const later = reduceLiveScan(seen, { ...lost, sequence: 311, timestamp_s: 14.3 });
+    expect(later.wayBack).toBe(seen.wayBack);
+    expect(wayBackCaption(later)).toBe('Go back here, seen 4 s ago');
+    expect(reduceLiveScan(later, frame('tracked', 2)).wayBack).toBeNull();
+    expect(reduceLiveScan(later, welcome).wayBack).toBeNull(); // perhaps of a scan that is built again
+    expect(after(welcome, running, { ...lost, lastTracked: null }).wayBack).toBeNull(); // nothing was ever tracked
   });
 
   it('says what happened to the map, for a while', () => {

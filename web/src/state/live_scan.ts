@@ -1,10 +1,16 @@
 // Everything that the panels say about one scan, as one value; points and poses themselves live in the scene.
-import type { FrameEvent, MapEventName, ScanEvent, ScanPhaseName, TrackingName } from '../connection/events';
+import type { FrameEvent, MapEventName, Pose, ScanEvent, ScanPhaseName, TrackingName } from '../connection/events';
 import type { Report } from '../connection/scans';
 import { noMesh, type MeshState } from './mesh';
 import type { Followed } from './quality_words';
 
 export type ConnectionName = 'connecting' | 'open' | 'waiting' | 'closed';
+
+// The last frame that was tracked: what a lost camera is to look at again.
+export interface WayBack {
+  readonly sequence: number;
+  readonly worldFromCamera: Pose;
+}
 
 export interface LiveScan {
   readonly scanId: string;
@@ -22,7 +28,9 @@ export interface LiveScan {
   readonly trackingReason: string;
   readonly lostFor_s: number | null; // since the last tracked frame, by the camera's clock; null before the first
   readonly positionSigma_m: number | null; // of the newest frame; null while lost, or when the server does not say
-  readonly timestamp_s: number; // of the newest frame
+  readonly sequence: number | null; // of the newest frame; null before the first
+  readonly timestamp_s: number; // the same
+  readonly wayBack: WayBack | null; // while the camera is lost
   readonly event: { readonly name: MapEventName; readonly correction_m: number; readonly timestamp_s: number } | null; // the newest one
   readonly submaps: number;
   readonly parts: number; // of the map that are not joined
@@ -70,7 +78,9 @@ export function initialLiveScan(scanId: string): LiveScan {
     trackingReason: '',
     lostFor_s: null,
     positionSigma_m: null,
+    sequence: null,
     timestamp_s: 0,
+    wayBack: null,
     event: null,
     submaps: 0,
     parts: 0,
@@ -98,7 +108,7 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'connecting':
       return { ...state, connection: 'connecting', connectionWords: '', snapshotComplete: false };
     case 'welcome':
-      return { ...state, connection: 'open', title: event.title, poses: 0, event: null, problem: null, failedChunks: 0 };
+      return { ...state, connection: 'open', title: event.title, poses: 0, event: null, sequence: null, wayBack: null, problem: null, failedChunks: 0 };
     case 'waiting':
       return { ...state, connection: 'waiting', connectionWords: event.reason, retryIn_ms: event.retryIn_ms };
     case 'closed':
@@ -110,7 +120,9 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
         trackingReason: event.reason,
         lostFor_s: event.lastTracked ? event.timestamp_s - event.lastTracked.timestamp_s : null,
         positionSigma_m: event.positionSigma_m,
+        sequence: event.sequence,
         timestamp_s: event.timestamp_s,
+        wayBack: wayBackOf(state.wayBack, event),
         event: newestEvent(state, event),
         frame_ms: event.frame_ms,
         surfels: event.surfelCount,
@@ -152,6 +164,13 @@ export function reduceLiveScan(state: LiveScan, event: LiveScanEvent): LiveScan 
     case 'meshChunk':
       return state; // the scene's business
   }
+}
+
+// The same object while it is the same frame, though corrections may move it a little.
+function wayBackOf(before: WayBack | null, frame: FrameEvent): WayBack | null {
+  if (frame.tracking !== 'lost' || !frame.lastTracked) return null;
+  const { sequence } = frame.lastTracked;
+  return before?.sequence === sequence ? before : { sequence, worldFromCamera: frame.worldFromCamera };
 }
 
 function newestEvent(state: LiveScan, frame: FrameEvent): LiveScan['event'] {

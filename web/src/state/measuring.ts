@@ -1,5 +1,6 @@
 // The tape measure of one page: what it measures, which points were chosen, what came of them, what is kept. Pure.
 import type { KeptMeasurement, Measured, MeasureKind, Place } from '../connection/measurements';
+import { t } from '../texts/texts';
 
 export interface Measuring {
   readonly active: boolean; // clicks choose points
@@ -29,21 +30,21 @@ export const leastCorners = 3;
 const mostCorners = 64; // the server takes no more
 
 // By the name of it, in front of people.
-export const measureLabels: Record<MeasureKind, string> = { distance: 'Distance', plane: 'To a plane', height: 'Height', angle: 'Angle', area: 'Area' };
+export const measureLabels: Record<MeasureKind, string> = { distance: t.distance, plane: t.toAPlane, height: t.height, angle: t.angle, area: t.area };
 
 const invitations: Record<MeasureKind, string> = {
-  distance: 'Click on two points.',
-  plane: 'Click on a point, then on a plane: a wall, a floor, a table.',
-  height: 'Click on two points: how much higher is one?',
-  angle: 'Click on two surfaces that are flat.',
-  area: 'Click on the corners, one after the other.',
+  distance: t.clickOnTwoPoints,
+  plane: t.clickOnAPointThenOn,
+  height: t.clickOnTwoPointsHowMuch,
+  angle: t.clickOnTwoSurfacesThatAre,
+  area: t.clickOnTheCornersOneAfter,
 };
 const seconds: Record<MeasureKind, string> = {
-  distance: 'Click on the second point.',
-  plane: 'Now click on the plane.',
-  height: 'Click on the second point.',
-  angle: 'Click on the second surface.',
-  area: 'Click on the next corner.',
+  distance: t.clickOnTheSecondPoint,
+  plane: t.nowClickOnThePlane,
+  height: t.clickOnTheSecondPoint,
+  angle: t.clickOnTheSecondSurface,
+  area: t.clickOnTheNextCorner,
 };
 
 export function reduceMeasuring(state: Measuring, event: MeasuringEvent): Measuring {
@@ -58,7 +59,7 @@ export function reduceMeasuring(state: Measuring, event: MeasuringEvent): Measur
       return state.busy ? state : { ...state, points: state.points.slice(0, -1), problem: '' };
     case 'closed':
       if (state.busy || state.measure !== 'area' || state.points.length === 0) return state;
-      return state.points.length < leastCorners ? { ...state, problem: 'An area has three corners or more.' } : { ...state, busy: true, problem: '' };
+      return state.points.length < leastCorners ? { ...state, problem: t.anAreaHasThreeCornersOr } : { ...state, busy: true, problem: '' };
     case 'measured':
       return state.busy ? { ...state, points: [], busy: false, newest: event.measured } : state;
     case 'listed':
@@ -75,7 +76,7 @@ export function reduceMeasuring(state: Measuring, event: MeasuringEvent): Measur
 
 function chosen(state: Measuring, place: Place | null): Measuring {
   if (state.busy) return state;
-  if (!place) return { ...state, problem: 'There is nothing: click on a surface.' };
+  if (!place) return { ...state, problem: t.thereIsNothingClickOnA };
   const points = [...state.points, place];
   return { ...state, points, newest: null, problem: '', busy: points.length === (state.measure === 'area' ? mostCorners : 2) };
 }
@@ -87,16 +88,16 @@ export function canClose({ measure, points, busy }: Measuring): boolean {
 // What the page asks for now.
 export function measuringWords(state: Measuring): string {
   if (state.problem !== '') return state.problem;
-  if (state.busy) return 'Measuring …';
-  if (canClose(state)) return `${state.points.length} corners. To close the outline click on the first, double click, or press Enter.`;
+  if (state.busy) return t.measuring;
+  if (canClose(state)) return t.cornersToCloseTheOutlineClick(state.points.length);
   if (state.points.length > 0) return seconds[state.measure];
-  return state.newest ? 'Click for the next one.' : invitations[state.measure];
+  return state.newest ? t.clickForTheNextOne : invitations[state.measure];
 }
 
 // A name that no kept one has yet.
 export function freeName(kept: readonly KeptMeasurement[], measure: MeasureKind): string {
   const names = new Set(kept.map((one) => one.name));
-  const label = measure === 'plane' ? 'Distance to a plane' : measureLabels[measure];
+  const label = measure === 'plane' ? t.distanceToAPlane : measureLabels[measure];
   let number = kept.filter((one) => one.kind === measure).length + 1;
   while (names.has(`${label} ${number}`)) ++number;
   return `${label} ${number}`;
@@ -106,6 +107,6 @@ export function freeName(kept: readonly KeptMeasurement[], measure: MeasureKind)
 function wordsForPeople(words: string, measure: MeasureKind): string {
   return words.replace(/^The server says: points\[(\d+)\]:? /, (_, index) => {
     const number = Number(index) + 1;
-    return measure === 'area' ? `Corner ${number}: ` : number === 1 ? 'First point: ' : 'Second point: ';
+    return measure === 'area' ? t.corner(number) : number === 1 ? t.firstPoint : t.secondPoint;
   });
 }

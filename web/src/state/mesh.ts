@@ -1,5 +1,6 @@
 // What there is of the surface of a scan, and what to do next to have it. Pure functions.
 import type { ScanExport } from '../connection/exports';
+import { t } from '../texts/texts';
 import type { LiveScan } from './live_scan';
 
 export type MeshState =
@@ -30,7 +31,7 @@ export type MeshStep =
 
 // One that has failed is asked for again when somebody opens the scan once more, not by the same page for ever.
 export function nextStep(mesh: ScanExport | undefined, asked: boolean): MeshStep {
-  if (!mesh) return { step: 'giveUp', words: 'this server makes no surfaces' };
+  if (!mesh) return { step: 'giveUp', words: t.thisServerMakesNoSurfaces };
   switch (mesh.state) {
     case 'ready':
       return { step: 'load', size_bytes: mesh.size_bytes };
@@ -38,7 +39,7 @@ export function nextStep(mesh: ScanExport | undefined, asked: boolean): MeshStep
     case 'running':
       return { step: 'wait', done: mesh.done, words: mesh.words };
     case 'missing':
-      return asked ? { step: 'giveUp', words: 'the server does not make it' } : { step: 'ask' };
+      return asked ? { step: 'giveUp', words: t.theServerDoesNotMakeIt } : { step: 'ask' };
     case 'failed':
       return asked ? { step: 'giveUp', words: mesh.words } : { step: 'ask' };
   }
@@ -48,12 +49,12 @@ export function nextStep(mesh: ScanExport | undefined, asked: boolean): MeshStep
 export function meshWords(mesh: MeshState, wanted: boolean): string {
   switch (mesh.state) {
     case 'making':
-      if (mesh.words) return `The surface waits: ${mesh.words}.`;
-      return `The surface is being made: ${percent(mesh.done)}`;
+      if (mesh.words) return t.theSurfaceWaits(mesh.words);
+      return t.theSurfaceIsBeingMade(percent(mesh.done));
     case 'loading':
-      return wanted ? `Loading the surface: ${percent(mesh.done)}` : '';
+      return wanted ? t.loadingTheSurface(percent(mesh.done)) : '';
     case 'failed':
-      return wanted ? `There is no surface of this scan: ${mesh.words}.` : '';
+      return wanted ? t.thereIsNoSurfaceOfThis(mesh.words) : '';
     default:
       return '';
   }

@@ -1,6 +1,7 @@
 // The notes of one page: those that are there, the chosen one, and what somebody is writing. Pure.
 import type { Place } from '../connection/measurements';
 import type { Note, NoteView } from '../connection/notes';
+import { t } from '../texts/texts';
 
 export interface Draft {
   readonly of: Note | null; // the note that is changed, as it was read; null: it is a new one
@@ -53,8 +54,8 @@ export type NotingEvent =
   | { readonly kind: 'refused'; readonly words: string } // something else does not work
   | { readonly kind: 'unlisted'; readonly words: string };
 
-const unsavedWords = 'Save the note, or cancel: its text is not saved.';
-const choiceWords = 'Somebody has changed this note meanwhile. Which text is to stay?';
+const unsavedWords = t.saveTheNoteOrCancelIts;
+const choiceWords = t.whichTextIsToStay;
 const samePlace_m = 1e-4; // two clicks are farther apart, the same place comes back nearer
 const mostText_bytes = 2000; // the server takes no more
 
@@ -100,7 +101,7 @@ function collided(state: Noting, event: NotingEvent & { readonly kind: 'conflict
   if (event.kind === 'conflict')
     return { ...state, notes: withNote(notes, event.now), draft: { ...draft, theirs: event.now }, busy: false, problem: '' };
   if (event.kind === 'resolved') return draft.theirs ? resolved(state, { ...draft, theirs: draft.theirs }, event.keep) : state;
-  const problem = 'Somebody has removed this note meanwhile. Save writes it again, as a new one.';
+  const problem = t.somebodyHasRemovedThisNoteMeanwhile;
   const others = notes.filter(({ id }) => id !== draft.of?.id);
   return { ...state, notes: others, chosen: null, draft: { ...draft, of: null, theirs: null }, busy: false, problem };
 }
@@ -120,7 +121,7 @@ function listed(state: Noting, notes: readonly Note[]): Noting {
   const same = JSON.stringify(notes) === JSON.stringify(state.notes);
   const written = state.busy ? undefined : notes.find((note) => isWritten(state.draft, note));
   if (same && !chosenIsGone && !written && state.unlisted === '') return state;
-  const gone = chosenIsGone ? { chosen: null, problem: 'This note does not exist, or no longer.' } : {};
+  const gone = chosenIsGone ? { chosen: null, problem: t.thisNoteDoesNotExistOr } : {};
   const done = written ? { chosen: written.id, draft: null, problem: '' } : {};
   return { ...state, notes: same ? state.notes : notes, unlisted: '', ...gone, ...done };
 }
@@ -134,7 +135,7 @@ function isWritten(draft: Draft | null, note: Note): boolean {
 
 function placed(state: Noting, position_m: Place | null, view: NoteView): Noting {
   if (!state.active || !state.mayWrite || state.busy) return state;
-  if (!position_m) return { ...state, problem: 'There is nothing: click on a surface.' };
+  if (!position_m) return { ...state, problem: t.thereIsNothingClickOnA };
   if (state.draft?.of) return { ...state, problem: heldWords(state.draft) || unsavedWords };
   return { ...state, chosen: null, draft: { of: null, position_m, view, text: state.draft?.text ?? '', theirs: null }, problem: '' };
 }
@@ -183,20 +184,20 @@ export function cleaned(text: string): string {
 // Empty: it can be saved.
 export function textProblem(text: string): string {
   const bytes = bytesOf(cleaned(text));
-  if (bytes === 0) return 'A note has at least one letter.';
-  return bytes > mostText_bytes ? `This has ${bytes} bytes, allowed are ${mostText_bytes}.` : '';
+  if (bytes === 0) return t.aNoteHasAtLeastOne;
+  return bytes > mostText_bytes ? t.thisHasBytesAllowedAre(bytes, mostText_bytes) : '';
 }
 
 // What the page asks for now.
 export function notingWords(state: Noting): string {
   const { draft, problem, unlisted, busy, mayWrite } = state;
   if (problem !== '' || unlisted !== '') return problem || unlisted;
-  if (busy) return 'Saving …';
+  if (busy) return t.saving;
   if (draft?.theirs) return choiceWords;
-  if (draft?.of) return 'Change the text.';
-  if (draft) return 'What is there? Another click moves the pin.';
-  if (mayWrite) return 'Click on the model to write a note there.';
-  return shownNotes(state).length === 0 ? 'There are no notes.' : 'Choose a note to see it.';
+  if (draft?.of) return t.changeTheText;
+  if (draft) return t.whatIsThereAnotherClickMoves;
+  if (mayWrite) return t.clickOnTheModelToWrite;
+  return shownNotes(state).length === 0 ? t.thereAreNoNotes : t.chooseANoteToSeeIt;
 }
 
 function bytesOf(text: string): number {

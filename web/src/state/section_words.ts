@@ -1,4 +1,5 @@
 // What is said of a section, and how its files are called. Pure.
+import { t } from '../texts/texts';
 import { zeroOf, type Model, type Section } from './cutting';
 import { lengthOf, type Polyline } from './section';
 import { count } from './words';
@@ -8,13 +9,13 @@ export interface CutSurface {
   readonly lines: readonly Polyline[];
 }
 
-export const noCut = 'The plane does not cut the surface.';
+export const noCut = t.thePlaneDoesNotCutThe;
 
 export function sectionWords({ surface, lines }: CutSurface): string {
-  if (surface === 'none') return 'There is no surface that could be cut.';
+  if (surface === 'none') return t.thereIsNoSurfaceThatCould;
   if (lines.length === 0) return noCut;
-  if (surface === 'growing') return 'The section can be downloaded when the surface is finished.';
-  return `${metres(lengthOf(lines))} of lines in ${lines.length === 1 ? 'one piece' : `${count(lines.length)} pieces`}.`;
+  if (surface === 'growing') return t.theSectionCanBeDownloadedWhen;
+  return t.ofLinesIn(metres(lengthOf(lines)), lines.length === 1 ? t.onePiece : t.piecesCount(count(lines.length)));
 }
 
 // "1.200 m", from the floor or where the model begins.
@@ -25,8 +26,8 @@ export function placeWords(model: Model, section: Section): string {
 // In the drawing, for those who find it later.
 export function drawingWords(model: Model, section: Section): string {
   const place = placeWords(model, section);
-  if (section.kind === 'horizontal') return `horizontal section at ${place}`;
-  return `vertical section at ${place}, turned by ${section.turn_deg} degrees`;
+  if (section.kind === 'horizontal') return t.horizontalSectionAt(place);
+  return t.verticalSectionAtTurnedByDegrees(place, section.turn_deg);
 }
 
 // Behind the name of the scan: "section_horizontal_1.200m".

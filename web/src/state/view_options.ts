@@ -14,6 +14,7 @@ export const pointSizeRange_percent = { min: 20, max: 300, step: 10 } as const; 
 export interface ViewOptions {
   readonly show: Show; // the surface as soon as there is one
   readonly color: ColorMode;
+  readonly coverage: boolean; // instead of colours: how well each place was seen, on points
   readonly meshColor: MeshColor | null; // null: nobody has chosen
   readonly pointSize_percent: number;
   readonly hideBacks: boolean; // what is seen from behind: walls and ceilings stop hiding the room
@@ -21,7 +22,7 @@ export interface ViewOptions {
   readonly follow: boolean; // the view rides behind the scanning camera
 }
 
-export const initialViewOptions: ViewOptions = { show: 'surface', color: 'shaded', meshColor: null, pointSize_percent: 100, hideBacks: true, eyeDome: true, follow: false };
+export const initialViewOptions: ViewOptions = { show: 'surface', color: 'shaded', coverage: false, meshColor: null, pointSize_percent: 100, hideBacks: true, eyeDome: true, follow: false };
 
 // Light helps to see the shape where there are only colours of points; a picture on the surface has its own.
 export function shownMeshColor(options: ViewOptions, textured: boolean): MeshColor {
