@@ -133,7 +133,7 @@ std::string limits_of(const Row& row) {
 
 std::string environment_of(const Row& row) {
   std::string name(kPrefix);
-  for (const char* c = row.key; *c; ++c) name += *c == '-' ? '_' : static_cast<char>(*c - 'a' + 'A');
+  for (const char* c = row.key; *c; ++c) name += *c == '-' ? '_' : *c >= 'a' && *c <= 'z' ? static_cast<char>(*c - 'a' + 'A') : *c;
   return name;
 }
 
