@@ -35,6 +35,7 @@ Command add_export_command(CLI::App& app);
 Command add_doctor_command(CLI::App& app);
 Command add_backup_command(CLI::App& app);
 Command add_restore_command(CLI::App& app);
+Command add_migrate_command(CLI::App& app);
 Command add_audit_command(CLI::App& app);
 Command add_token_command(CLI::App& app);
 Command add_share_command(CLI::App& app);

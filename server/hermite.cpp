@@ -10,6 +10,6 @@ int main(int argc, char** argv) {
                           {add_serve_command(app), add_reconstruct_command(app), add_calibrate_command(app), add_evaluate_command(app),
                            add_inspect_command(app), add_convert_command(app), add_mesh_command(app), add_measure_command(app),
                            add_export_command(app), add_doctor_command(app), add_backup_command(app), add_restore_command(app),
-                           add_token_command(app), add_share_command(app), add_audit_command(app)},
+                           add_migrate_command(app), add_token_command(app), add_share_command(app), add_audit_command(app)},
                           argc, argv);
 }

@@ -248,6 +248,7 @@ void Exports::begin(const Key& key, Work work) {
   if (last_turn_.size() > kMaxFailedExports) last_turn_.clear();  // most of these tokens no longer exist
   last_turn_[work.token_id] = ++count_;
   running_.emplace(Running{key, std::move(work)});
+  if (const Status there = blobs_.availability(); !there.ok()) return wait_for_room(there.error());
   // The export is about as large as its source; it is checked again when its size is known.
   const Result<std::uint64_t> of_bytes = source_bytes(key.first, *running_->work.spec.offer);
   if (!of_bytes.ok()) return fail(of_bytes.error());
@@ -301,7 +302,9 @@ void Exports::stored(const Status& put, std::uint64_t size_bytes) {
 // A full disk is temporary: the export is retried.
 void Exports::wait_for_room(const Error& why) {
   Work work = std::move(running_->work);
-  work.words = why.message + "; it is tried again when there is room";
+  const bool away = !blobs_.availability().ok();
+  work.words = away ? "the store of results does not answer; it is tried again once it does"
+                    : why.message + "; it is tried again when there is room";
   work.pause = std::clamp(2 * work.pause, kFirstRoomPause, kLongestRoomPause);
   work.begin_at = now_ + work.pause;
   spdlog::warn("scan {}: {} waits: {}", running_->key.first, running_->key.second, why.message);

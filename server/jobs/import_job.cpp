@@ -102,7 +102,7 @@ void ImportJob::thread_ended(const Result<Summary>& summary) {
       cancelled_ || !summary.ok() ? Status(summary.ok() ? Error{ErrorCode::kBusy, "cancelled"} : summary.error()) : store_scan(*summary);
   if (stored.ok()) return events_.ended({JobState::kFinished, one_text(summary->words)});
   const bool lacked_room = (stored.error().code == ErrorCode::kIo || stored.error().code == ErrorCode::kBusy) && !was_stopped &&
-                           !world_.scans.check_disk_for(room_bytes_).ok();
+                           (!world_.scans.check_disk_for(room_bytes_).ok() || !world_.scans.blobs().availability().ok());
   world_.scans.remove_unwanted(row_.scan_id);
   if (cancelled_) return events_.ended({JobState::kCancelled, {}});
   if (lacked_room) return events_.ended({JobState::kQueued, stored.error().message, true});

@@ -96,6 +96,7 @@ std::vector<std::string> reasons_not_ready(const AdminWorld& world) {
                       " (min-free-disk)");
   else if (const Status room = world.scans.check_disk(); !room.ok())
     reasons.push_back("the disk: " + room.error().message);
+  if (const Status there = world.scans.blobs().availability(); !there.ok()) reasons.push_back("the results: " + there.error().message);
   if (const std::optional<std::string> problem = world.device.problem(world.scans.device_failed())) reasons.push_back(*problem);
   return reasons;
 }

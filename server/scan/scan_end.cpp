@@ -8,8 +8,12 @@ ScanEnd failed_scan(const Error& error) { return {wire::ScanPhase::kFailed, erro
 
 ScanEnd not_stored(Blobs& blobs, const std::string& scan_id, const std::optional<Error>& reason, const Error& why) {
   if (const Status removed = blobs.remove(scan_id); !removed.ok()) spdlog::warn("scan {}: {}", scan_id, removed.error().message);
-  const Error error = in_context("its results cannot be stored", why);
-  const std::string words = (reason ? reason->message + "; " : "") + error.message + "; they are made again when there is room";
+  // Where the store is, is nothing for cameras.
+  const bool away = !blobs.availability().ok();
+  if (away) spdlog::warn("scan {}: its results cannot be stored: {}", scan_id, why.message);
+  const Error error = in_context("its results cannot be stored", away ? Error{why.code, "the store of results does not answer"} : why);
+  const std::string later = away ? "once it answers" : "when there is room";
+  const std::string words = (reason ? reason->message + "; " : "") + error.message + "; they are made again " + later;
   return {wire::ScanPhase::kInterrupted, reason.value_or(error), {}, words, false, true};
 }
 

@@ -84,12 +84,13 @@ void Scans::watch_room() {
   }
 }
 
-// After everyone who waits for a place, and only with the room that a new scan needs; otherwise it is retried.
+// After everyone who waits for a place, and only with the room that a new scan needs and while results can be stored; otherwise it is
+// retried.
 void Scans::rebuild_next(LiveScan::Clock::time_point now) {
   if (stopping_ || now < rebuild_at_ || !rebuilding_.empty() || !unstored_ends_.empty()) return;
   const Result<std::optional<ScanRow>> found = store_.next_to_rebuild();
   if (!found.ok()) return spdlog::warn("scans to be rebuilt: {}", found.error().message);
-  if (!*found || !places_.check_for_newcomer({}).ok() || !check_disk().ok()) return;
+  if (!*found || !blobs_.availability().ok() || !places_.check_for_newcomer({}).ok() || !check_disk().ok()) return;
   ScanRow row = **found;
   row.phase = ScanPhase::kRunning;
   if (const Status begun = store_.update(row); !begun.ok()) return spdlog::warn("scan {}: {}", row.id, begun.error().message);

@@ -36,9 +36,9 @@
 #include "server/routes/static_files.h"
 #include "server/scan/scans.h"
 #include "server/service/limits.h"
+#include "server/service/results_place.h"
 #include "server/service/service_setup.h"
 #include "server/store/data_directory.h"
-#include "server/store/file_blobs.h"
 #include "server/store/sqlite_store.h"
 #include "server/store/unix_time.h"
 
@@ -62,6 +62,7 @@ constexpr std::chrono::milliseconds kTick(250);             // accuracy of timeo
 constexpr std::chrono::milliseconds kGoodbyePatience(500);  // for last messages to be sent
 constexpr std::chrono::seconds kAuditPeriod(1);             // how much of the audit log a power failure can destroy
 constexpr std::size_t kDiskThreads = 2;                     // uploads and results wait for disks, not for processors
+constexpr std::size_t kRemoteThreads = 8;                   // of these, some wait for a network
 // While logs are read, results are read for viewers, old logs removed and file sizes added up.
 constexpr std::size_t kBackgroundThreads = kMaxLogsRead + 2;
 
@@ -84,7 +85,8 @@ struct Service::Impl {
   const DataDirectory data;
   const StaticFiles files;
   SqliteStore store;
-  FileBlobs blobs;
+  ResultsPlace results;
+  Blobs& blobs = results.blobs();
   StoreWatch store_watch{store};
   Metrics metrics{kVersion};
   Gate gate;
@@ -115,8 +117,8 @@ struct Service::Impl {
   asio::signal_set signals{context};
   asio::steady_timer watchdog{context}, drained{context};
   asio::thread_pool background{kBackgroundThreads};
-  asio::thread_pool making{1};           // for exports, so that nothing else waits for them
-  asio::thread_pool disk{kDiskThreads};  // last member: its work refers to connections
+  asio::thread_pool making{1};                                                  // for exports, so that nothing else waits for them
+  asio::thread_pool disk{results.is_remote() ? kRemoteThreads : kDiskThreads};  // last member: its work refers to connections
 
   explicit Impl(const ServiceOptions& service_options)
       : options(checked(service_options)),
@@ -126,7 +128,7 @@ struct Service::Impl {
         data(service_options.data_folder),
         files(viewer_files(service_options.web_folder)),
         store(data.database_path()),
-        blobs(data.scans_folder()),
+        results(options, data),
         gate(store, options.failures_per_minute),
         connections(options.max_connections, options.connections_per_address),
         requests(options.requests_per_second, 2.0 * options.requests_per_second),
@@ -144,7 +146,7 @@ struct Service::Impl {
     clear_orphans(data, store, retention->now_ms());
     waste = std::make_unique<Waste>(data, threads.background);
     quota = std::make_unique<StorageQuota>(
-        static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000, [this] { return data.scan_sizes(); }, threads);
+        static_cast<std::uint64_t>(options.storage_gb) * 1'000'000'000, [this] { return results.scan_sizes(); }, threads);
     const Storage storage{data, store, blobs, *waste, *quota};
     if (const Status recovered = recover_batch(storage); !recovered.ok()) throw SetupError(recovered.error());
     scans = std::make_unique<Scans>(scans_options(options), storage, metrics, threads);

@@ -16,6 +16,12 @@ struct ServiceOptions {
   std::string listen = "127.0.0.1:8080";        // port 0: any free one
   std::string admin_listen = "127.0.0.1:9464";  // health, metrics, traces; "off": none
   std::string data_folder;
+  std::string blobs;        // where results are: "s3://BUCKET/PREFIX"; empty: in data_folder
+  std::string s3_endpoint;  // "https://HOST:PORT"; empty: Amazon's
+  std::string s3_region = "us-east-1";
+  std::string s3_addressing = "path";        // path or virtual-host
+  std::string s3_ca;                         // PEM file; empty: the system's certificates
+  std::string s3_credentials;                // file with the key; empty: in the environment
   std::string web_folder;                    // the viewer's files
   std::string device;                        // as for Pipeline
   std::vector<std::string> allow_hosts;      // additional names in Host and Origin headers, besides those of the loopback address

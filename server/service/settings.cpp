@@ -28,58 +28,86 @@ struct Row {
   List choices = {};  // of texts; empty: any
 };
 
+std::vector<Row> with(const std::vector<Row>& more, std::vector<Row> rows) {
+  rows.insert(rows.end(), more.begin(), more.end());
+  return rows;
+}
+
+// Where results are, if not in the folder of data.
+std::vector<Row> rows_of_s3() {
+  using O = ServiceOptions;
+  return {
+      {"blobs", &O::blobs, "where the results of scans are: s3://BUCKET/PREFIX, or empty: in the folder of data"},
+      {"s3-endpoint", &O::s3_endpoint, "https://HOST:PORT of S3; empty: Amazon's of the region"},
+      {"s3-region", &O::s3_region, "region of the bucket"},
+      {"s3-addressing",
+       &O::s3_addressing,
+       "path: https://HOST/BUCKET, as most servers have it; virtual-host: https://BUCKET.HOST",
+       0,
+       0,
+       "",
+       {"path", "virtual-host"}},
+      {"s3-ca", &O::s3_ca, "certificates that S3 is checked with, PEM; empty: the system's"},
+      {"s3-credentials", &O::s3_credentials,
+       "file, mode 0600, with aws_access_key_id = ... and aws_secret_access_key = ...; empty: AWS_ACCESS_KEY_ID, ... of the environment"},
+  };
+}
+
 const std::vector<Row>& rows() {
   using O = ServiceOptions;
-  static const std::vector<Row> table{
-      {"listen", &O::listen, "IP:PORT for cameras and browsers; port 0 takes any free one"},
-      {"admin-listen", &O::admin_listen, "IP:PORT for /healthz, /readyz, /metrics and /debug/trace, without a token; off: none"},
-      {"data", &O::data_folder, "folder for scans, database and token"},
-      {"web-dir", &O::web_folder, "the viewer's files"},
-      {"device", &O::device, "GPU: an index or a part of its name; empty: the best one"},
-      {"gpu-memory", &O::gpu_memory_mb, "device memory for all scans together, an equal share each; 0: as much as there is", 0, 1'000'000,
-       "MB"},
-      {"max-scans", &O::max_scans, "scans running at once", 1, 64, "scans"},
-      {"live-rate", &O::live_rate_hz,
-       "frames a second that a live scan gets at least: while it runs, others wait if it would get fewer; 0: do not ask", 0, 60,
-       "frames/s"},
-      {"credit-window", &O::credit_window, "frames a camera may send ahead of the reconstruction", 1, 256, "frames"},
-      {"resume-window", &O::resume_window_s, "how long a scan waits for its camera when the connection is lost", 0, 86'400, "s"},
-      {"frame-patience", &O::frame_patience_s, "how long a camera that could send a frame may send none before it loses its place", 1,
-       86'400, "s"},
-      {"checkpoint-period", &O::checkpoint_period_ms,
-       "how often a running scan is stored, so that a restart works through fewer frames again; 0: never", 0, 3'600'000, "ms"},
-      {"keep-logs", &O::keep_log_days, "how long the frames of an ended scan are kept; 0: for ever", 0, 36'500, "days"},
-      {"allow-host", &O::allow_hosts, "other names that this server is reached by"},
-      {"tls-certificate", &O::tls_certificate, "certificate and its chain, PEM; read again on SIGHUP; empty: no TLS"},
-      {"tls-key", &O::tls_key, "its private key, PEM"},
-      {"trusted-proxy", &O::trusted_proxies,
-       "addresses or networks (10.0.0.0/8) of proxies that end TLS; X-Forwarded-For and -Proto are believed from these alone"},
-      {"insecure-i-know", &O::insecure_listen, "listen on other addresses than the loopback's without encryption"},
-      {"drain", &O::drain_s, "how long running scans may go on after SIGTERM before they are left to the next server", 0, 86'400, "s"},
-      {"min-free-disk", &O::min_free_disk_mb,
-       "room that stays free, beside that for results: else no scan begins, those that run end, and the server is not ready", 0,
-       1'000'000'000, "MB"},
-      {"max-connections", &O::max_connections, "connections open at once", 1, 10'000, "connections"},
-      {"connections-per-address", &O::connections_per_address, "the same of one address; a trusted proxy's are not held to it", 1, 10'000,
-       "connections"},
-      {"connections-per-token", &O::connections_per_token, "cameras and viewers of one token without the scope admin", 1, 10'000,
-       "connections"},
-      {"requests-per-second", &O::requests_per_second,
-       "HTTP requests of one address, and of one token without the scope admin; twice as many may come at once", 1, 10'000, "requests"},
-      {"failures-per-minute", &O::failures_per_minute, "wrong tokens of one address before it has to wait", 1, 1000, "tokens"},
-      {"scans-per-token", &O::scans_per_token, "scans running at once of one token without the scope admin", 1, 64, "scans"},
-      {"storage-gb", &O::storage_gb,
-       "for the files of all scans and uploads; when it is used up none begins, and those that run end; 0: no limit", 0, 1'000'000, "GB"},
-      {"job-workers", &O::job_workers, "jobs at once; each needs one of max-scans", 1, 64, "jobs"},
-      {"max-upload", &O::max_upload_gb, "one upload", 1, 1'000'000, "GB"},
-      {"uploads-per-token", &O::uploads_per_token_gb,
-       "all uploads of one token without the scope admin that wait for their job; 0: as much as there is", 0, 1'000'000, "GB"},
-      {"keep-uploads", &O::keep_upload_hours, "how long an upload waits to be gone on with, or for its failed job to be tried again", 1,
-       720, "hours"},
-      {"mesh-on-demand", &O::mesh_on_demand, "make the mesh of a scan when somebody looks at it, and not as soon as it has finished"},
-      {"log-format", &O::log_format, "of the lines on stderr; auto: text on a terminal, else JSON", 0, 0, "", {"auto", "json", "text"}},
-      {"log-level", &O::log_level, "lines below it are left out", 0, 0, "", {"debug", "info", "warn", "error"}},
-  };
+  static const std::vector<Row> table = with(
+      rows_of_s3(),
+      {
+          {"listen", &O::listen, "IP:PORT for cameras and browsers; port 0 takes any free one"},
+          {"admin-listen", &O::admin_listen, "IP:PORT for /healthz, /readyz, /metrics and /debug/trace, without a token; off: none"},
+          {"data", &O::data_folder, "folder for scans, database and token"},
+          {"web-dir", &O::web_folder, "the viewer's files"},
+          {"device", &O::device, "GPU: an index or a part of its name; empty: the best one"},
+          {"gpu-memory", &O::gpu_memory_mb, "device memory for all scans together, an equal share each; 0: as much as there is", 0,
+           1'000'000, "MB"},
+          {"max-scans", &O::max_scans, "scans running at once", 1, 64, "scans"},
+          {"live-rate", &O::live_rate_hz,
+           "frames a second that a live scan gets at least: while it runs, others wait if it would get fewer; 0: do not ask", 0, 60,
+           "frames/s"},
+          {"credit-window", &O::credit_window, "frames a camera may send ahead of the reconstruction", 1, 256, "frames"},
+          {"resume-window", &O::resume_window_s, "how long a scan waits for its camera when the connection is lost", 0, 86'400, "s"},
+          {"frame-patience", &O::frame_patience_s, "how long a camera that could send a frame may send none before it loses its place", 1,
+           86'400, "s"},
+          {"checkpoint-period", &O::checkpoint_period_ms,
+           "how often a running scan is stored, so that a restart works through fewer frames again; 0: never", 0, 3'600'000, "ms"},
+          {"keep-logs", &O::keep_log_days, "how long the frames of an ended scan are kept; 0: for ever", 0, 36'500, "days"},
+          {"allow-host", &O::allow_hosts, "other names that this server is reached by"},
+          {"tls-certificate", &O::tls_certificate, "certificate and its chain, PEM; read again on SIGHUP; empty: no TLS"},
+          {"tls-key", &O::tls_key, "its private key, PEM"},
+          {"trusted-proxy", &O::trusted_proxies,
+           "addresses or networks (10.0.0.0/8) of proxies that end TLS; X-Forwarded-For and -Proto are believed from these alone"},
+          {"insecure-i-know", &O::insecure_listen, "listen on other addresses than the loopback's without encryption"},
+          {"drain", &O::drain_s, "how long running scans may go on after SIGTERM before they are left to the next server", 0, 86'400, "s"},
+          {"min-free-disk", &O::min_free_disk_mb,
+           "room that stays free, beside that for results: else no scan begins, those that run end, and the server is not ready", 0,
+           1'000'000'000, "MB"},
+          {"max-connections", &O::max_connections, "connections open at once", 1, 10'000, "connections"},
+          {"connections-per-address", &O::connections_per_address, "the same of one address; a trusted proxy's are not held to it", 1,
+           10'000, "connections"},
+          {"connections-per-token", &O::connections_per_token, "cameras and viewers of one token without the scope admin", 1, 10'000,
+           "connections"},
+          {"requests-per-second", &O::requests_per_second,
+           "HTTP requests of one address, and of one token without the scope admin; twice as many may come at once", 1, 10'000, "requests"},
+          {"failures-per-minute", &O::failures_per_minute, "wrong tokens of one address before it has to wait", 1, 1000, "tokens"},
+          {"scans-per-token", &O::scans_per_token, "scans running at once of one token without the scope admin", 1, 64, "scans"},
+          {"storage-gb", &O::storage_gb,
+           "for the files of all scans and uploads; when it is used up none begins, and those that run end; 0: no limit", 0, 1'000'000,
+           "GB"},
+          {"job-workers", &O::job_workers, "jobs at once; each needs one of max-scans", 1, 64, "jobs"},
+          {"max-upload", &O::max_upload_gb, "one upload", 1, 1'000'000, "GB"},
+          {"uploads-per-token", &O::uploads_per_token_gb,
+           "all uploads of one token without the scope admin that wait for their job; 0: as much as there is", 0, 1'000'000, "GB"},
+          {"keep-uploads", &O::keep_upload_hours, "how long an upload waits to be gone on with, or for its failed job to be tried again", 1,
+           720, "hours"},
+          {"mesh-on-demand", &O::mesh_on_demand, "make the mesh of a scan when somebody looks at it, and not as soon as it has finished"},
+          {"log-format", &O::log_format, "of the lines on stderr; auto: text on a terminal, else JSON", 0, 0, "", {"auto", "json", "text"}},
+          {"log-level", &O::log_level, "lines below it are left out", 0, 0, "", {"debug", "info", "warn", "error"}},
+      });
   return table;
 }
 
@@ -105,7 +133,7 @@ std::string limits_of(const Row& row) {
 
 std::string environment_of(const Row& row) {
   std::string name(kPrefix);
-  for (const char* c = row.key; *c; ++c) name += *c == '-' ? '_' : static_cast<char>(*c - 'a' + 'A');
+  for (const char* c = row.key; *c; ++c) name += *c == '-' ? '_' : *c >= 'a' && *c <= 'z' ? static_cast<char>(*c - 'a' + 'A') : *c;
   return name;
 }
 

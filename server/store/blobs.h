@@ -1,6 +1,6 @@
 // The large results of scans: clouds, trajectories, reports, exports and other files, each under the id of its scan and
-// a name. Stored in a folder (file_blobs.h), perhaps some day in S3; the tests in tests/server/store/blobs_contract.h
-// apply to every implementation.
+// a name. Stored in a folder (file_blobs.h) or in S3 (server/s3/remote_blobs.h); the tests in
+// tests/server/store/blobs_contract.h apply to every implementation.
 //
 // Frame logs and uploads are not blobs. They are appended to and synced many times per second, acknowledgements depend
 // on them, and only the server that writes them reads them, so they are files on its own disk (data_directory.h).
@@ -47,7 +47,7 @@ class Blobs {
 
   virtual Result<std::uint64_t> size_bytes(const std::string& scan_id, const std::string& name) = 0;  // kNotFound
 
-  // Returns an entity tag without its quotes, of [a-z0-9-], which differs each time the blob has been put. kNotFound.
+  // Returns an entity tag without its quotes, of [a-z0-9-], which differs whenever other bytes have been put. kNotFound.
   virtual Result<std::string> version(const std::string& scan_id, const std::string& name) = 0;
 
   virtual Result<std::vector<BlobInfo>> list(const std::string& scan_id) = 0;  // sorted by name; empty if it has none
@@ -55,6 +55,10 @@ class Blobs {
   virtual Status remove(const std::string& scan_id) = 0;  // all blobs of the scan; succeeds if there are none
 
   virtual Status remove(const std::string& scan_id, const std::string& name) = 0;  // this blob; succeeds if it does not exist
+
+  // Whether blobs can be put at present, as far as it is known without asking: what is on the own disk has limits of its own. kIo, in words: the
+  // store does not answer, and what has failed for that reason is worth another attempt once it does.
+  virtual Status availability() { return Done{}; }
 };
 
 // Reads a whole blob. kNotFound, kIo. kTooLarge: longer than `max_bytes`.

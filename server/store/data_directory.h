@@ -10,6 +10,8 @@
 //   jobs/ID/      the files that a running job has unpacked; emptied at every start
 //   waste/        removed files whose deletion has not finished
 //   restore.unfinished  marks an interrupted restore: no server starts here
+//   blobs-at      says that the results of scans are in S3 and not here, and where (server/s3/remote_setup.h)
+//   blob-removals results that are to be removed from S3 (server/s3/remote_blobs.h)
 //   probe         exists briefly, to test whether the disk is writable
 //   lost/         scans/ID and uploads/ID that had no row in the database at a start (orphans.h)
 #pragma once

@@ -40,6 +40,7 @@ TEST(Settings, EveryOneIsPrintedWithItsLimitsDefaultAndVariable) {
     EXPECT_THAT(printed, HasSubstr("\n" + setting.key + " = " + setting.value + "\n"));
     EXPECT_THAT(printed, HasSubstr("# " + setting.description + "\n"));
     EXPECT_THAT(printed, HasSubstr("environment: " + setting.environment));
+    EXPECT_THAT(setting.environment, testing::MatchesRegex("HERMITE_SERVE_[A-Z0-9_]+"));
   }
   EXPECT_THAT(printed,
               HasSubstr("# default: 16; allowed: 1 to 256 frames; environment: HERMITE_SERVE_CREDIT_WINDOW\ncredit-window = 16\n"));

@@ -3,6 +3,7 @@
 //   struct World {
 //     Blobs& blobs();
 //     void die();  // the process is killed between two calls, and another one looks at what it left
+//     static std::string missing();  // may be left out: what this machine lacks; not empty: the tests are skipped
 //   };
 //   INSTANTIATE_TYPED_TEST_SUITE_P(Files, BlobsContract, World);
 #pragma once
@@ -23,6 +24,10 @@ namespace hermite::test {
 template <class World>
 class BlobsContract : public testing::Test {
  protected:
+  void SetUp() override {
+    if constexpr (requires { World::missing(); })
+      if (const std::string words = World::missing(); !words.empty()) GTEST_SKIP() << words;
+  }
   Blobs& blobs() { return world_.blobs(); }
   std::string content(const std::string& name) {
     const Result<std::string> bytes = read_blob(blobs(), scan_, name, 1 << 24);

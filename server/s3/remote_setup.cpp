@@ -1,0 +1,136 @@
+#include "server/s3/remote_setup.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+
+#include "core/base/sync_path.h"
+#include "core/output/ply.h"
+#include "server/store/scan_id.h"
+
+namespace hermite {
+
+namespace {
+
+struct Note {
+  std::string address, id;
+};
+
+constexpr const char *kAt = "/blobs-at", *kMoving = "/blobs-moving";
+
+Result<std::optional<Note>> read_note(const std::string& path) {
+  if (access(path.c_str(), F_OK) != 0)
+    return errno == ENOENT ? Result<std::optional<Note>>(std::optional<Note>()) : Error{ErrorCode::kIo, path + ": " + std::strerror(errno)};
+  std::ifstream file(path);
+  Note note;
+  if (!(file >> note.address >> note.id) || !parse_s3_location(note.address).ok())
+    return Error{ErrorCode::kCorruptData, path + " does not say where the results are: expected s3://BUCKET/PREFIX and an id"};
+  return std::optional(note);
+}
+
+Error elsewhere(const std::string& data_folder, const std::string& noted) {
+  return {ErrorCode::kInvalidArgument, "the results of " + data_folder + " are in " + noted + ", as its file blobs-at says: give --blobs " +
+                                           noted + ", or move them with `hermite migrate`"};
+}
+
+// Makes or keeps the note at `path`, and claims the prefix with its id.
+Status claim(const std::string& data_folder, const std::string& path, S3Blobs& s3) {
+  const Result<std::optional<Note>> noted = read_note(path);
+  if (!noted.ok()) return noted.error();
+  if (*noted && (*noted)->address != s3.address()) return elsewhere(data_folder, (*noted)->address);
+  const Result<std::optional<Note>> moving = read_note(data_folder + kMoving);
+  if (!moving.ok()) return moving.error();
+  const bool claimed = *moving && (*moving)->address == s3.address();
+  const std::string id = *noted ? (*noted)->id : claimed ? (*moving)->id : new_scan_id();
+  const Result<std::string> owner = s3.owner();
+  if (!owner.ok() && owner.error().code != ErrorCode::kNotFound) return owner.error();
+  if (owner.ok() && *owner != id)
+    return Error{ErrorCode::kBusy, s3.address() +
+                                       " belongs to another folder of data: take another prefix. If that folder is lost, restore its "
+                                       "backup, which has the file blobs-at"};
+  // The folder's note goes first: without an owner a prefix is free, and a folder without its note would be another one.
+  if (!*noted)
+    if (Status status = write_file_atomically(path, s3.address() + "\n" + id + "\n"); !status.ok()) return status;
+  return owner.ok() ? Status(Done{}) : s3.set_owner(id);
+}
+
+Status rename_note(const std::string& data_folder, const char* from, const char* to) {
+  if (std::rename((data_folder + from).c_str(), (data_folder + to).c_str()) != 0 && errno != ENOENT)
+    return Error{ErrorCode::kIo, "renaming " + data_folder + from + ": " + std::strerror(errno)};
+  return sync_path(data_folder);
+}
+
+}  // namespace
+
+Result<S3Options> s3_options(const S3Settings& settings) {
+  const Result<S3Location> location = parse_s3_location(settings.blobs);
+  if (!location.ok()) return in_context("setting blobs", location.error());
+  const Result<std::string> endpoint = checked_s3_endpoint(settings.endpoint, settings.region, settings.allow_plain);
+  if (!endpoint.ok()) return in_context("settings s3-endpoint and s3-region", endpoint.error());
+  if (settings.addressing != "path" && settings.addressing != "virtual-host")
+    return Error{ErrorCode::kInvalidArgument, "setting s3-addressing is '" + settings.addressing + "', allowed is path or virtual-host"};
+  if (!settings.ca_file.empty() && access(settings.ca_file.c_str(), R_OK) != 0)
+    return Error{ErrorCode::kNotFound, "setting s3-ca: " + settings.ca_file + ": " + std::strerror(errno)};
+  const Result<S3Credentials> credentials = read_s3_credentials(settings.credentials_file);
+  if (!credentials.ok()) return in_context("setting s3-credentials", credentials.error());
+  S3Options options;
+  options.endpoint = *endpoint;
+  options.region = settings.region;
+  options.bucket = location->bucket;
+  options.prefix = location->prefix;
+  options.addressing = settings.addressing == "path" ? S3Addressing::kPath : S3Addressing::kVirtualHost;
+  options.ca_file = settings.ca_file;
+  options.credentials = *credentials;
+  return options;
+}
+
+Result<std::optional<std::string>> blobs_at(const std::string& data_folder) {
+  const Result<std::optional<Note>> note = read_note(data_folder + kAt);
+  if (!note.ok()) return note.error();
+  return *note ? std::optional((*note)->address) : std::nullopt;
+}
+
+Status check_place(const std::string& data_folder, const std::string& address, bool has_results) {
+  const Result<std::optional<std::string>> noted = blobs_at(data_folder);
+  if (!noted.ok()) return noted.error();
+  if (*noted && **noted != address) return elsewhere(data_folder, **noted);
+  if (*noted || address.empty() || !has_results) return Done{};
+  return Error{ErrorCode::kInvalidArgument, "there are results in " + data_folder +
+                                                " itself: move them first, with `hermite migrate --from " + data_folder + " --to " +
+                                                address + "`"};
+}
+
+Status join_to_s3(const std::string& data_folder, S3Blobs& s3) { return claim(data_folder, data_folder + kAt, s3); }
+
+Status begin_move_to_s3(const std::string& data_folder, S3Blobs& s3) {
+  const Result<std::optional<std::string>> at = blobs_at(data_folder);
+  if (!at.ok()) return at.error();
+  return claim(data_folder, data_folder + (*at ? kAt : kMoving), s3);
+}
+
+Status end_move_to_s3(const std::string& data_folder) { return rename_note(data_folder, kMoving, kAt); }
+
+Result<bool> is_in_s3(const std::string& data_folder, const S3Blobs& s3) {
+  for (const char* name : {kAt, kMoving}) {
+    const Result<std::optional<Note>> noted = read_note(data_folder + name);
+    if (!noted.ok()) return noted.error();
+    if (*noted && (*noted)->address == s3.address()) return name == kAt;
+  }
+  return Error{ErrorCode::kInvalidArgument,
+               "the results of " + data_folder + " are not in " + s3.address() + ": its file blobs-at says otherwise"};
+}
+
+Status leave_s3(const std::string& data_folder) { return rename_note(data_folder, kAt, kMoving); }
+
+Status give_up_prefix(const std::string& data_folder, S3Blobs& s3) {
+  if (Status status = s3.remove_owner(); !status.ok()) return status;
+  const std::string path = data_folder + kMoving;
+  if (unlink(path.c_str()) != 0 && errno != ENOENT) return Error{ErrorCode::kIo, "removing " + path + ": " + std::strerror(errno)};
+  return sync_path(data_folder);
+}
+
+}  // namespace hermite
