@@ -87,7 +87,11 @@ Result<ComparedScan> ComparedScan::create(Cloud cloud, Trajectory trajectory, co
   const std::size_t count = cloud.size();
   std::erase_if(cloud, [](const CloudPoint& point) { return !is_usable(point); });
   scan.left_out_count_ = count - cloud.size();
-  for (CloudPoint& point : cloud) point.normal.normalize();
+  const bool has_confidence = std::any_of(cloud.begin(), cloud.end(), [](const CloudPoint& point) { return point.confidence > 0; });
+  for (CloudPoint& point : cloud) {
+    point.normal.normalize();
+    if (!has_confidence) point.confidence = 1;
+  }
   scan.extent_m_ = cloud.size() < kLeastSurfels ? 0 : extent_of(cloud);
   if (const Status status = check(cloud, scan.extent_m_, scan.left_out_count_, name); !status.ok()) return status.error();
   if (const Status status = validate(trajectory, name); !status.ok()) return status.error();

@@ -25,7 +25,8 @@ inline constexpr double kLeastExtent_m = 0.05, kMostExtent_m = 1000;
 class ComparedScan {
  public:
   // `trajectory` has the poses of the scan's camera in the world of its surfels; empty if they are unknown. Surfels whose
-  // position or normal is not finite, or whose normal is zero, are left out; normals are normalised. `name` begins the
+  // position or normal is not finite, or whose normal is zero, are left out; normals are normalised. In a cloud without
+  // confidences all points count alike. `name` begins the
   // message of each error: kInvalidArgument when fewer than kLeastSurfels are left or the extent is out of range,
   // kTooLarge when the extent has more bins than the grid.
   static Result<ComparedScan> create(Cloud cloud, Trajectory trajectory, const std::string& name);
