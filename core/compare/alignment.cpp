@@ -25,7 +25,7 @@ constexpr double kGateCosine = 0.7;
 constexpr double kOfDeviation = 1.4826;  // from the median of absolute values to a Gaussian's standard deviation
 constexpr double kTukey = 4.685;         // deviations: 95 % efficient for Gaussian errors
 constexpr double kLeastScale_m = 0.004;  // of samples, which are single surfels
-constexpr std::size_t kMostPlaces = 6000;
+constexpr std::size_t kMostAlignedPlaces = 6000;
 constexpr std::array kReaches_m{0.06, 0.04, 0.03, 0.03, 0.03};
 constexpr double kRegion_m = 0.5;
 constexpr std::size_t kLeastOfRegion = 6;
@@ -99,7 +99,7 @@ std::vector<Residual> sample_residuals(const SampleGrid& a, std::span<const Surf
 
 std::vector<MeasuredPlace> places_of(const CoarseScan& scan) {
   const std::span<const SurfaceSample> samples = scan.samples();
-  const std::size_t stride = samples.size() / kMostPlaces + 1;
+  const std::size_t stride = samples.size() / kMostAlignedPlaces + 1;
   std::vector<std::optional<MeasuredPlace>> fitted((samples.size() + stride - 1) / stride);
   in_parallel(fitted.size(), [&](std::size_t i) { fitted[i] = place_at(scan.scan(), samples[i * stride].position_m); });
   std::vector<MeasuredPlace> places;

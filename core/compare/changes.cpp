@@ -13,10 +13,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSpacing_m = 0.02;
+constexpr double kPlaceSpacing_m = 0.02;
 constexpr std::size_t kMostPlaces = 2'000'000;
 // What is gone has no surface of the other scan this near, on any side, and that scan saw something this far behind it.
 constexpr double kNothingWithin_m = 0.02, kBehind_m = 0.03;
+// Of a surface that moved by just the least change, noise leaves half of the places below it. So a place counts from this
+// share of the least change on, and its region must reach the least change on average (regions.h).
+constexpr double kPlaceShare = 0.75;
 // A surface that changed has nothing of the other scan within this share of the least change, on any side.
 constexpr double kClearShare = 0.5;
 
@@ -47,7 +50,7 @@ void measure_place(const Comparing& comparing, ComparedPlace& place) {
   }
   place.distance_m = found->distance_m;
   place.sigma_m = std::hypot(found->sigma_m, placing_m);
-  const double limit_m = std::max(comparing.options.least_change_m, comparing.options.least_deviations * place.sigma_m);
+  const double limit_m = std::max(kPlaceShare * comparing.options.least_change_m, comparing.options.least_deviations * place.sigma_m);
   const double clear_m = kClearShare * comparing.options.least_change_m;
   const bool has_changed =
       std::abs(found->distance_m) > limit_m && nearest_surfel_m(place.sample.position_m, comparing.other, clear_m) >= clear_m;
@@ -71,7 +74,7 @@ Status validate(const ChangeOptions& options) {
 
 ComparedSurface compared_surface(const ComparedScan& own, const ComparedScan& other, const Sight& other_sight, const Alignment& alignment,
                                  const ChangeOptions& options) {
-  SurfaceSamples samples = surface_samples(own.surfels(), kSpacing_m, kMostPlaces);
+  SurfaceSamples samples = surface_samples(own.surfels(), kPlaceSpacing_m, kMostPlaces);
   ComparedSurface surface;
   surface.spacing_m = samples.spacing_m;
   surface.of_surfel = std::move(samples.of_surfel);

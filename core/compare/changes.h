@@ -29,7 +29,7 @@ Status validate(const ChangeOptions& options);
 enum class PlaceState : std::uint8_t {
   kUnseen,   // the other scan has no surface there and has not looked there; or either surface is too broken to be measured
   kSame,     // measured, without a significant change
-  kTowards,  // the other scan's surface lies in front of it, as seen by the camera
+  kTowards,  // the other scan's surface lies in front of it, as seen by the camera, by three quarters of the least change or more
   kAway,     // it lies behind
   kGone,     // the other scan looked through it
 };

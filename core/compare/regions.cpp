@@ -47,6 +47,12 @@ ChangedRegion region_of(const ComparedSurface& surface, std::vector<std::uint32_
   return region;
 }
 
+bool is_large_enough(const ChangedRegion& region, const ChangeOptions& options) {
+  if (region.area_m2 < options.least_area_m2) return false;
+  const bool has_moved = region.kind == RegionKind::kMovedTowards || region.kind == RegionKind::kMovedAway;
+  return !has_moved || std::abs(region.mean_distance_m) + region.sigma_m >= options.least_change_m;
+}
+
 }  // namespace
 
 const char* name_of(RegionKind kind) {
@@ -79,7 +85,7 @@ std::vector<ChangedRegion> changed_regions(const ComparedSurface& surface, bool 
   std::vector<ChangedRegion> regions;
   for (auto& [root, places] : members) {
     ChangedRegion region = region_of(surface, std::move(places), is_first);
-    if (region.area_m2 >= options.least_area_m2) regions.push_back(std::move(region));
+    if (is_large_enough(region, options)) regions.push_back(std::move(region));
   }
   std::stable_sort(regions.begin(), regions.end(), [](const ChangedRegion& x, const ChangedRegion& y) { return x.area_m2 > y.area_m2; });
   return regions;

@@ -18,7 +18,7 @@ constexpr double kOtherPlace_m = 0.2, kOtherDirection_rad = 15 * M_PI / 180;
 constexpr double kNearest_m = 0.2, kFarthest_m = 6;
 // The surface is drawn as discs, which cover it without gaps: of samples this far apart, so much larger, and at least this
 // large in the image.
-constexpr double kSpacing_m = 0.015, kEnlarged = 1.1, kLeastRadius_px = 1.1;
+constexpr double kDrawnSpacing_m = 0.015, kEnlarged = 1.1, kLeastRadius_px = 1.1;
 constexpr std::size_t kMostSamples = 1'000'000;
 constexpr double kMostRadius_px = 12;
 
@@ -72,7 +72,7 @@ void draw(const Disc& disc, const Camera& camera, Image<float>& depth_m) {
 Sight::Sight(const ComparedScan& scan) : camera_(small_camera()) {
   const std::vector<Rigid3> poses = spread_poses(scan.trajectory());
   if (poses.empty()) return;
-  const SurfaceSamples surface = surface_samples(scan.surfels(), kSpacing_m, kMostSamples);
+  const SurfaceSamples surface = surface_samples(scan.surfels(), kDrawnSpacing_m, kMostSamples);
   views_.resize(poses.size());
   in_parallel(poses.size(), [&](std::size_t i) { views_[i] = view_of(surface, poses[i]); });
 }

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 constexpr int kAngleBins = 11;  // for each of the three angles, as in the paper
 constexpr int kChromaBins = 5;  // for red and for green, as shares of all light
 // Chromaticity of indoor surfaces lies around a third; shares outside this range are clamped to it.
-constexpr double kLeastShare = 0.2, kMostShare = 0.5;
+constexpr double kLeastChroma = 0.2, kMostChroma = 0.5;
 constexpr float kColorWeight = 0.7f;
 using ShapeHistogram = std::array<float, kShapeBins>;
 
@@ -49,7 +49,7 @@ void add_pair(const SurfaceSample& first, const SurfaceSample& second, ShapeHist
 void add_color(const Vector3d& color, SurfaceDescriptor& descriptor) {
   const double sum = color.sum() + 1;
   const auto bin = [&](double value) {
-    return std::clamp(static_cast<int>(kChromaBins * (value / sum - kLeastShare) / (kMostShare - kLeastShare)), 0, kChromaBins - 1);
+    return std::clamp(static_cast<int>(kChromaBins * (value / sum - kLeastChroma) / (kMostChroma - kLeastChroma)), 0, kChromaBins - 1);
   };
   descriptor[kShapeBins + kChromaBins * bin(color.x()) + bin(color.y())] += 1;
 }
