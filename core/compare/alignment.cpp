@@ -31,6 +31,9 @@ constexpr double kRegion_m = 0.5;
 constexpr std::size_t kLeastOfRegion = 6;
 // Damps motions along which flat surfaces give no information, relative to the largest.
 constexpr double kDamping = 1e-7;
+// The noise of normals, about a hundredth, looks like information about a motion along a flat surface. Below this share
+// of all information about translations a direction counts as free, with this standard deviation.
+constexpr double kLeastHeldShare = 5e-4, kFreeSigma_m = 1;
 
 double median_of(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -151,6 +154,18 @@ std::map<RegionKey, Region> regions_of(const std::vector<Residual>& residuals) {
   return regions;
 }
 
+// Adds the variance of a translation that nothing holds.
+void add_freedom(const std::vector<Residual>& residuals, Matrix6d& covariance) {
+  Eigen::Matrix3d held = Eigen::Matrix3d::Zero();
+  for (const Residual& residual : residuals)
+    if (residual.is_known) held += residual.weight * residual.normal * residual.normal.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(held);
+  for (int axis = 0; axis < 3; ++axis)
+    if (axes.eigenvalues()[axis] < kLeastHeldShare * held.trace())
+      covariance.topLeftCorner<3, 3>() +=
+          kFreeSigma_m * kFreeSigma_m * axes.eigenvectors().col(axis) * axes.eigenvectors().col(axis).transpose();
+}
+
 void add_uncertainty(const std::vector<Residual>& residuals, const Sums& sums, Alignment& alignment) {
   const std::map<RegionKey, Region> regions = regions_of(residuals);
   Matrix6d scatter = Matrix6d::Zero();
@@ -164,6 +179,7 @@ void add_uncertainty(const std::vector<Residual>& residuals, const Sums& sums, A
   const auto region_count = static_cast<double>(regions.size());
   alignment.covariance =
       inverse_information * scatter * inverse_information * (region_count / std::max(1.0, region_count - 6)) + inverse_information;
+  add_freedom(residuals, alignment.covariance);
   alignment.disagreement_m = kOfDeviation * median_of(means_m);
   Eigen::Matrix<double, 3, 6> motion;
   motion << Eigen::Matrix3d::Identity(), -skew(alignment.middle_m);

@@ -17,21 +17,18 @@ constexpr double kDescriptorReach = 6;  // spacings of samples
 constexpr std::size_t kMostFeatures = 3000, kPartners = 3;
 constexpr std::size_t kByFeatures = 16, kByPlanes = 16;
 constexpr std::size_t kRoughSamples = 1500, kFineSamples = 6000;
-constexpr double kLeastShare = 0.6, kLeastOverlap = 0.15, kMostSigma_m = 0.02;
+constexpr double kLeastShare = 0.75, kLeastShareByColor = 0.6, kSameColor = 15;
+constexpr double kLeastOverlap = 0.15, kLeastOverlapUnseen = 0.6;  // the second if nobody knows what the cameras saw
+constexpr double kMostSigma_m = 0.02;
 // Another pose is as good if it scores this share of the best one, unless its colours differ clearly more.
 constexpr double kAsGood = 0.85, kColorRatio = 1.5, kColorMargin = 4;
-// Contradictions count more than agreement: any two rooms can lay floor on floor.
-constexpr double kOfContradiction = 2;
-
 struct Judged {
   Rigid3 a_from_b;
   Agreement agreement;
   double score = 0;
 };
 
-double score_of(const Agreement& agreement) {
-  return static_cast<double>(agreement.matched) - kOfContradiction * static_cast<double>(agreement.contradicted);
-}
+double score_of(const Agreement& agreement) { return static_cast<double>(agreement.matched) - static_cast<double>(agreement.contradicted); }
 
 std::vector<Judged> judged(const CoarseScan& a, const CoarseScan& b, const std::vector<Rigid3>& candidates) {
   std::vector<Judged> poses(candidates.size());
@@ -73,7 +70,17 @@ std::vector<Judged> best_judged(const CoarseScan& a, const CoarseScan& b) {
   return poses;
 }
 
-bool is_enough(const Agreement& agreement) { return agreement.share() >= kLeastShare && agreement.overlap() >= kLeastOverlap; }
+double least_overlap(const CoarseScan& a, const CoarseScan& b) {
+  return a.sight().view_count() + b.sight().view_count() > 0 ? kLeastOverlap : kLeastOverlapUnseen;
+}
+
+double least_share(const Agreement& agreement) {
+  return agreement.has_color && agreement.color_difference <= kSameColor ? kLeastShareByColor : kLeastShare;
+}
+
+bool is_enough(const Agreement& agreement, double overlap) {
+  return agreement.share() >= least_share(agreement) && agreement.overlap() >= overlap;
+}
 
 std::string words_of(const Agreement& agreement) {
   return printf_text("%.0f %% of what both saw agrees, and %.0f %% of the smaller scan lies in the other one", 100 * agreement.share(),
@@ -94,24 +101,25 @@ Registration without_place(const CoarseScan& a, const CoarseScan& b, const Agree
   registration.agreement = best;
   const ComparedScan reflection = mirrored(b.scan());
   const std::vector<Judged> poses = best_judged(a, CoarseScan(reflection, b.spacing_m()));
-  if (!poses.empty() && is_enough(poses.front().agreement) && poses.front().agreement.overlap() > 2 * best.overlap()) {
+  if (!poses.empty() && is_enough(poses.front().agreement, least_overlap(a, b)) && poses.front().agreement.overlap() > 2 * best.overlap()) {
     registration.verdict = RegistrationVerdict::kMirrored;
     registration.words = "One of the scans is mirrored: they agree only if one is reflected. Correct its axes first.";
     return registration;
   }
   registration.words = "The two scans do not show the same place, or too little of it in common: in the best position found, " +
-                       words_of(best) + printf_text(" (at least %.0f %% and %.0f %% are needed).", 100 * kLeastShare, 100 * kLeastOverlap);
+                       words_of(best) +
+                       printf_text(" (at least %.0f %% and %.0f %% are needed).", 100 * least_share(best), 100 * least_overlap(a, b));
   if (const double ratio = a.scan().extent_m() / b.scan().extent_m(); ratio > 3 || ratio < 1 / 3.0)
     registration.words += printf_text(" The first extends over %.3g m, the second over %.3g m: are both in metres?", a.scan().extent_m(),
                                       b.scan().extent_m());
   return registration;
 }
 
-const Judged* rival_of(const std::vector<Judged>& poses, const CoarseScan& b) {
+const Judged* rival_of(const std::vector<Judged>& poses, const CoarseScan& a, const CoarseScan& b) {
   const Judged& best = poses.front();
   for (std::size_t i = 1; i < poses.size(); ++i) {
     if (is_same_pose(poses[i].a_from_b, best.a_from_b, b) || poses[i].score < kAsGood * best.score) continue;
-    if (!is_enough(poses[i].agreement) || has_better_colors(best, poses[i])) continue;
+    if (!is_enough(poses[i].agreement, least_overlap(a, b)) || has_better_colors(best, poses[i])) continue;
     return &poses[i];
   }
   return nullptr;
@@ -123,12 +131,12 @@ Registration register_scans(const CoarseScan& a, const CoarseScan& b) {
   const std::vector<Judged> poses = best_judged(a, b);
   if (poses.empty()) return without_place(a, b, {});
   const Judged& best = poses.front();
-  if (!is_enough(best.agreement)) return without_place(a, b, best.agreement);
+  if (!is_enough(best.agreement, least_overlap(a, b))) return without_place(a, b, best.agreement);
   Registration registration;
   registration.alignment = aligned_exactly(a, b, aligned_roughly(a, b, best.a_from_b, kFineSamples));
   if (registration.alignment.place_count < kLeastPlaces) return without_place(a, b, best.agreement);
   registration.agreement = agreement_of(a, b, registration.alignment.a_from_b);
-  if (const Judged* rival = rival_of(poses, b)) {
+  if (const Judged* rival = rival_of(poses, a, b)) {
     const Rigid3 turn = inverse(best.a_from_b) * rival->a_from_b;
     registration.verdict = RegistrationVerdict::kAmbiguous;
     registration.words = printf_text(

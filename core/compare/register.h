@@ -23,9 +23,9 @@ struct Registration {
 };
 
 // Compares the candidates of start_poses.h, each aligned, by the share of what both scans saw and by colours. A verdict
-// of kSamePlace needs: at least 60 % of what both saw agrees, at least 15 % of the smaller scan is in the other one, no
-// other pose agrees nearly as well, and the transform is certain to 2 cm (one standard deviation, in the middle of the
-// common surface). Deterministic; uses all processors for some seconds.
+// of kSamePlace needs: at least 75 % of what both saw agrees, or 60 % if the colours do, too; at least 15 % of the smaller
+// scan is in the other one, or 60 % if no path of a camera tells what was seen; no other pose agrees nearly as well; and the transform is
+// certain to 2 cm (one standard deviation, in the middle of the common surface). Deterministic; uses all processors for some seconds.
 Registration register_scans(const CoarseScan& a, const CoarseScan& b);
 
 const char* name_of(RegistrationVerdict verdict);  // "same_place", ...
