@@ -20,6 +20,9 @@ constexpr std::size_t kRoughSamples = 1500, kFineSamples = 6000;
 constexpr double kLeastShare = 0.75, kLeastShareByColor = 0.6, kSameColor = 15;
 constexpr double kLeastOverlap = 0.15, kLeastOverlapUnseen = 0.6;  // the second if nobody knows what the cameras saw
 constexpr double kMostSigma_m = 0.02;
+// Floor and walls of a corner agree with their reflection. So a reflection is tried unless the scans overlap this much; it
+// is the right one if it overlaps more by this factor.
+constexpr double kSurelyNotMirrored = 0.8, kMirrorRatio = 1.3;
 // Another pose is as good if it scores this share of the best one, unless its colours differ clearly more.
 constexpr double kAsGood = 0.85, kColorRatio = 1.5, kColorMargin = 4;
 struct Judged {
@@ -96,16 +99,26 @@ ComparedScan mirrored(const ComparedScan& scan) {
   return or_throw(ComparedScan::create(std::move(cloud), {}, "mirrored"));
 }
 
+// Whether B's reflection agrees with A, and better than B itself.
+bool is_mirrored(const CoarseScan& a, const CoarseScan& b, const Agreement& best) {
+  if (best.overlap() >= kSurelyNotMirrored) return false;
+  const ComparedScan reflection = mirrored(b.scan());
+  const std::vector<Judged> poses = best_judged(a, CoarseScan(reflection, b.spacing_m()));
+  return !poses.empty() && is_enough(poses.front().agreement, least_overlap(a, b)) &&
+         poses.front().agreement.overlap() > kMirrorRatio * best.overlap();
+}
+
+Registration of_mirrored(const Agreement& best) {
+  Registration registration;
+  registration.verdict = RegistrationVerdict::kMirrored;
+  registration.words = "One of the scans is mirrored: they agree better if one is reflected. Correct its axes first.";
+  registration.agreement = best;
+  return registration;
+}
+
 Registration without_place(const CoarseScan& a, const CoarseScan& b, const Agreement& best) {
   Registration registration;
   registration.agreement = best;
-  const ComparedScan reflection = mirrored(b.scan());
-  const std::vector<Judged> poses = best_judged(a, CoarseScan(reflection, b.spacing_m()));
-  if (!poses.empty() && is_enough(poses.front().agreement, least_overlap(a, b)) && poses.front().agreement.overlap() > 2 * best.overlap()) {
-    registration.verdict = RegistrationVerdict::kMirrored;
-    registration.words = "One of the scans is mirrored: they agree only if one is reflected. Correct its axes first.";
-    return registration;
-  }
   registration.words = "The two scans do not show the same place, or too little of it in common: in the best position found, " +
                        words_of(best) +
                        printf_text(" (at least %.0f %% and %.0f %% are needed).", 100 * least_share(best), 100 * least_overlap(a, b));
@@ -131,6 +144,7 @@ Registration register_scans(const CoarseScan& a, const CoarseScan& b) {
   const std::vector<Judged> poses = best_judged(a, b);
   if (poses.empty()) return without_place(a, b, {});
   const Judged& best = poses.front();
+  if (is_mirrored(a, b, best.agreement)) return of_mirrored(best.agreement);
   if (!is_enough(best.agreement, least_overlap(a, b))) return without_place(a, b, best.agreement);
   Registration registration;
   registration.alignment = aligned_exactly(a, b, aligned_roughly(a, b, best.a_from_b, kFineSamples));
