@@ -27,6 +27,7 @@ Command add_serve_command(CLI::App& app);
 Command add_reconstruct_command(CLI::App& app);
 Command add_calibrate_command(CLI::App& app);
 Command add_evaluate_command(CLI::App& app);
+Command add_compare_command(CLI::App& app);
 Command add_mesh_command(CLI::App& app);
 Command add_measure_command(CLI::App& app);
 Command add_inspect_command(CLI::App& app);

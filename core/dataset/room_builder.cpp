@@ -1,6 +1,7 @@
 #include "core/dataset/room_builder.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 namespace hermite {
@@ -50,6 +51,15 @@ Shape& Furnisher::torus(const Vector3d& center, double ring_radius, double tube_
 Shape& Furnisher::add(ShapeKind kind, const Vector3d& size, const Vector3d& center, int material) {
   out.shapes.push_back({kind, size, Eigen::Matrix3d::Identity(), center, material});
   return out.shapes.back();
+}
+
+void Furnisher::name(const std::string& name, std::size_t first) {
+  std::string unique = name;
+  const auto is_taken = [&] {
+    return std::any_of(out.objects.begin(), out.objects.end(), [&](const NamedObject& object) { return object.name == unique; });
+  };
+  for (int number = 2; is_taken(); ++number) unique = name + std::to_string(number);
+  out.objects.push_back({unique, first, out.shapes.size()});
 }
 
 void turn(Shape& shape, double angle_deg, const Vector3d& axis) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 #include "core/dataset/room_furniture.h"
 
@@ -29,6 +30,8 @@ class Furnisher {
   Shape& add(ShapeKind kind, const Eigen::Vector3d& size, const Eigen::Vector3d& center, int material);
 
   std::size_t count() const { return out.shapes.size(); }
+  // Names the shapes from `first` on. The second object of a name is "NAME2" and so on.
+  void name(const std::string& name, std::size_t first);
 
   Furniture out;
 };

@@ -23,17 +23,22 @@ void furnish_room(Furnisher& f) {
   add_trim(f);
   add_bookshelf(f);
   add_sideboard(f);
-  add_floor_lamp(f);
-  add_sofa(f);
+  const auto named = [&f](const char* name, const auto& add) {
+    const std::size_t first = f.count();
+    add();
+    f.name(name, first);
+  };
+  named("lamp", [&] { add_floor_lamp(f); });
+  named("sofa", [&] { add_sofa(f); });
   add_window(f);
-  add_desk(f);
-  add_chair(f, -0.45, -1.12, 170);
-  add_chair(f, 1.75, 1.10, 140);
-  add_door(f);
-  add_plant(f);
+  named("desk", [&] { add_desk(f); });
+  named("chair", [&] { add_chair(f, -0.45, -1.12, 170); });
+  named("chair", [&] { add_chair(f, 1.75, 1.10, 140); });
+  named("door", [&] { add_door(f); });
+  named("plant", [&] { add_plant(f); });
   add_west_wall(f);
-  add_divider(f);
-  add_coffee_table(f);
+  named("divider", [&] { add_divider(f); });
+  named("table", [&] { add_coffee_table(f); });
   add_toys(f);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "core/dataset/room_shapes.h"
@@ -22,11 +23,18 @@ struct LightZone {
   Eigen::Vector3f lamp_from_m, lamp_to_m, window_m;
 };
 
+// Shapes [first, last) that belong together, such as "sofa". An object may lie within another one.
+struct NamedObject {
+  std::string name;
+  std::size_t first, last;
+};
+
 struct Furniture {
   std::vector<Shape> shapes;  // the first, of kind kRoom, encloses everything and is solid all around
   std::vector<Material> materials;
-  std::vector<LightZone> lights;  // at least one
-  std::size_t turning_count = 0;  // the last ones, this many, turn about the world's z axis
+  std::vector<LightZone> lights;     // at least one
+  std::vector<NamedObject> objects;  // that room_changes.h can move and remove; names are unique
+  std::size_t turning_count = 0;     // the last ones, this many, turn about the world's z axis
 };
 
 // Returns the same furniture each time for the same scene.

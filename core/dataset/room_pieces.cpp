@@ -65,14 +65,20 @@ void add_sideboard(Furnisher& f) {
     f.box({x + 0.008, x + 0.445}, {front - 0.014, front + 0.02}, {0.16, 0.755}, wood);
     f.sphere({x + 0.40, front - 0.025, 0.50}, 0.018, brass);
   }
+  const std::size_t before_vase = f.count();
   f.column(-0.30, back - 0.22, {0.78, 1.04}, 0.075, vase);
   f.torus({-0.30, back - 0.22, 1.04}, 0.066, 0.016, vase);
+  f.name("vase", before_vase);
+  const std::size_t before_globe = f.count();
   f.sphere({0.10, back - 0.20, 1.00}, 0.13, globe);
   f.column(0.10, back - 0.20, {0.78, 0.88}, 0.02, brass);
   f.column(0.10, back - 0.20, {0.78, 0.82}, 0.07, brass);
+  f.name("globe", before_globe);
+  const std::size_t before_ring = f.count();
   Shape& ring = f.torus({0.58, back - 0.20, 0.955}, 0.13, 0.032, f.material(Pattern::kCeramic, 0xd0552f, 0xf0d9a0));
   turn(ring, 90, Vector3d::UnitX());
   turn(ring, 25, Vector3d::UnitZ());
+  f.name("ring", before_ring);
 
   const int picture = f.material(Pattern::kLandscape, 0x6b8f5a, 0x2c4a3a), frame = f.material(Pattern::kWood, 0x6a4526, 0x3c2412);
   f.box({-0.42, 0.72}, {back - 0.022, back + kSunk_m}, {1.33, 2.03}, frame);
@@ -127,13 +133,17 @@ void add_desk(Furnisher& f) {
   f.box({-1.25, 0.25}, {wall + 0.02, wall + 0.64}, {0.715, 0.745}, wood);
   for (const double x : {-1.20, 0.20})
     for (const double y : {wall + 0.07, wall + 0.59}) f.column(x, y, {-kSunk_m, 0.73}, 0.017, dark);
+  const std::size_t before_screen = f.count();
   f.box({-0.80, -0.20}, {wall + 0.18, wall + 0.196}, {0.85, 1.20}, dark);
   f.box({-0.785, -0.215}, {wall + 0.185, wall + 0.1975}, {0.865, 1.185}, screen);
   f.column(-0.50, wall + 0.17, {0.72, 0.95}, 0.016, dark);
   f.column(-0.50, wall + 0.18, {0.72, 0.756}, 0.10, dark);
+  f.name("screen", before_screen);
   f.box({-0.72, -0.28}, {wall + 0.36, wall + 0.50}, {0.72, 0.762}, f.material(Pattern::kTiles, 0xd4d4d0, 0x606468));
+  const std::size_t before_mug = f.count();
   f.column(-0.02, wall + 0.36, {0.73, 0.845}, 0.042, mug);
   turn(f.torus({0.028, wall + 0.36, 0.79}, 0.032, 0.007, mug), 90, Vector3d::UnitX());
+  f.name("mug", before_mug);
   const int lamp = f.material(Pattern::kMetal, 0xc8382c, 0x86201a);
   f.column(-1.08, wall + 0.22, {0.72, 0.765}, 0.08, lamp);
   f.rod({-1.08, wall + 0.22, 0.75}, {-1.16, wall + 0.24, 1.10}, 0.009, lamp);
@@ -203,11 +213,17 @@ void add_west_wall(Furnisher& f) {
   const double wall = -kHalfLength_m;
   f.box({wall - kSunk_m, wall + 0.022}, {-0.55, 0.45}, {1.22, 1.98}, frame);
   f.box({wall - kSunk_m, wall + 0.026}, {-0.51, 0.41}, {1.26, 1.94}, f.material(Pattern::kMosaic, 0x2f5f86, 0xd0683a));
+  const std::size_t before_cabinet = f.count();
   f.box({wall - kSunk_m, wall + 0.40}, {-0.62, 0.52}, {-kSunk_m, 0.42}, f.material(Pattern::kTiles, 0xe4d8c0, 0x5f7f86));
   f.box({wall - kSunk_m, wall + 0.43}, {-0.65, 0.55}, {0.40, 0.445}, wood);
+  f.name("cabinet", before_cabinet);
+  const std::size_t before_bowl = f.count();
   f.sphere({wall + 0.21, -0.40, 0.56}, 0.125, f.material(Pattern::kRings, 0xe0a030, 0x8f2f45));
+  f.name("bowl", before_bowl);
   f.torus({wall + 0.22, 0.05, 0.48}, 0.14, 0.042, f.material(Pattern::kCeramic, 0x4a7f5a, 0xf0e6d0));
+  const std::size_t before_jar = f.count();
   f.column(wall + 0.18, 0.38, {0.43, 0.72}, 0.055, f.material(Pattern::kCeramic, 0x2c4f7a, 0xe4d2a8));
+  f.name("jar", before_jar);
   f.column(-2.08, -1.58, {-kSunk_m, kRoomHeight_m + kSunk_m}, 0.17, f.material(Pattern::kTiles, 0xd9cdb6, 0x9c5a44));
   for (const double z : {0.05, kRoomHeight_m - 0.05}) f.torus({-2.08, -1.58, z}, 0.17, 0.045, frame);
 }
@@ -234,12 +250,16 @@ void add_coffee_table(Furnisher& f) {
 }
 
 void add_toys(Furnisher& f) {
+  const std::size_t before_ball = f.count();
   f.sphere({0.95, -1.15, 0.13}, 0.13, f.material(Pattern::kCeramic, 0xd93f2f, 0xf2ead8));
+  f.name("ball", before_ball);
   const int blocks[] = {f.material(Pattern::kTiles, 0xe0a030, 0xf4e6c0), f.material(Pattern::kTiles, 0x2f7f5a, 0xbfe0c4),
                         f.material(Pattern::kTiles, 0x2f5f9a, 0xc4d8ee)};
+  const std::size_t before_blocks = f.count();
   turn(f.box({1.02, 1.14}, {0.98, 1.10}, {-0.02, 0.12}, blocks[0]), 20, Vector3d::UnitZ());
   turn(f.box({0.88, 1.00}, {1.08, 1.20}, {-0.02, 0.12}, blocks[1]), -12, Vector3d::UnitZ());
   turn(f.box({0.95, 1.07}, {1.02, 1.14}, {0.11, 0.23}, blocks[2]), 40, Vector3d::UnitZ());
+  f.name("blocks", before_blocks);
 }
 
 }  // namespace hermite

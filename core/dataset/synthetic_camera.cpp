@@ -46,12 +46,27 @@ Rigid3 before_poster(double phase_rad) {
 
 Rigid3 about_z(double angle_rad) { return {Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ())), Vector3d::Zero()}; }
 
+Result<std::vector<RoomChange>> changes_of(RoomScene scene, const std::string& moved, const std::string& removed) {
+  std::vector<RoomChange> changes;
+  if (!moved.empty()) {
+    Result<std::vector<RoomChange>> parsed = parse_moved_objects(moved);
+    if (!parsed.ok()) return in_context("option moved", parsed.error());
+    changes = *std::move(parsed);
+  }
+  if (!removed.empty())
+    for (RoomChange& change : parse_removed_objects(removed)) changes.push_back(std::move(change));
+  Furniture furniture = furnish(scene);
+  if (const Status status = apply_changes(changes, furniture); !status.ok()) return in_context("option moved or removed", status.error());
+  return changes;
+}
+
 class SyntheticSequence : public Sequence {
  public:
-  explicit SyntheticSequence(const SyntheticOptions& options) : options_(options), room_(options.scene) {
+  explicit SyntheticSequence(const SyntheticOptions& options)
+      : options_(options), room_(or_throw(SyntheticRoom::create(options.scene, options.changes))) {
     groundtruth_.reserve(static_cast<std::size_t>(options.frame_count));
     for (std::int64_t i = 0; i < options.frame_count; ++i)
-      groundtruth_.push_back({timestamp_s(i), synthetic_pose(timestamp_s(i), options.speed, options.scene)});
+      groundtruth_.push_back({timestamp_s(i), synthetic_pose(on_path_s(i), options.speed, options.scene)});
   }
 
   std::string format() const override { return "synthetic"; }
@@ -67,7 +82,7 @@ class SyntheticSequence : public Sequence {
   Result<RecordedFrame> read(std::int64_t index) const override {
     CHECK(index >= 0 && index < frame_count(), "frame index outside the sequence");
     const Rigid3& world_from_camera = groundtruth_[static_cast<std::size_t>(index)].world_from_camera;
-    const double turned = turned_rad(timestamp_s(index), options_.speed, options_.scene);
+    const double turned = turned_rad(on_path_s(index), options_.speed, options_.scene);
     // Without a turntable the room is the world, and the pose must not be changed by rounding.
     RoomView view = room_.render(options_.camera, turned == 0 ? world_from_camera : about_z(turned) * world_from_camera, turned);
     auto color = encode_jpeg(view.color, kJpegQuality);
@@ -76,6 +91,8 @@ class SyntheticSequence : public Sequence {
   }
 
  private:
+  double on_path_s(std::int64_t index) const { return options_.start_s + timestamp_s(index); }
+
   const SyntheticOptions options_;
   const SyntheticRoom room_;
   Trajectory groundtruth_;
@@ -92,6 +109,12 @@ Result<SyntheticOptions> parse_synthetic_options(const std::string& text) {
       return true;
     };
   };
+  const auto keep_text = [](std::string& kept) {
+    return [&kept](std::string_view value) {
+      kept = value;
+      return !value.empty();
+    };
+  };
   const auto take_scene = [&options](std::string_view value) {
     const auto* const named = std::find_if(std::begin(kScenes), std::end(kScenes), [&](const NamedScene& s) { return value == s.name; });
     if (named == std::end(kScenes)) return false;
@@ -102,18 +125,25 @@ Result<SyntheticOptions> parse_synthetic_options(const std::string& text) {
     noise = value;
     return value == "none" || value == "gaussian" || value == "kinect" || value == "kinect-white";
   };
+  std::string moved, removed;
   Camera& camera = options.camera;
   const Status status = apply_key_values(
       text, {whole_rule("frames", 1, kMaxFrameCount, [&](std::int64_t value) { options.frame_count = value; }),
              whole_rule("width", kMinImageSide_px, kMaxImageSide_px, [&](std::int64_t value) { camera.width = static_cast<int>(value); }),
              whole_rule("height", kMinImageSide_px, kMaxImageSide_px, [&](std::int64_t value) { camera.height = static_cast<int>(value); }),
              number_rule("rate", 1, 240, options.frame_rate_hz),
+             number_rule("start", 0, 10000, options.start_s),
              number_rule("speed", 0.05, 5, options.speed),
              {"scene", "room, bare, loop, twins, office, blank, turntable or poster", take_scene},
+             {"moved", "OBJECT:DX:DY:DZ/...", keep_text(moved)},
+             {"removed", "OBJECT/...", keep_text(removed)},
              {"noise", "none, gaussian, kinect or kinect-white", take_noise},
              {"sigma_mm", "a number", keep_for_noise("sigma_mm")},
              {"seed", "a whole number", keep_for_noise("seed")}});
   if (!status.ok()) return status.error();
+  Result<std::vector<RoomChange>> changes = changes_of(options.scene, moved, removed);
+  if (!changes.ok()) return changes.error();
+  options.changes = *std::move(changes);
   camera.fx = camera.fy = kFocalOverWidth * camera.width;
   camera.cx = 0.5 * (camera.width - 1);
   camera.cy = 0.5 * (camera.height - 1);

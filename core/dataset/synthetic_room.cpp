@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/dataset/room_changes.h"
 #include "core/dataset/room_furniture.h"
 #include "core/dataset/room_light.h"
 
@@ -244,11 +245,16 @@ struct SyntheticRoom::Contents {
   RoomLight light;
 };
 
-SyntheticRoom::SyntheticRoom(RoomScene scene) {
+SyntheticRoom::SyntheticRoom(std::unique_ptr<const Contents> contents) : contents_(std::move(contents)) {}
+
+Result<SyntheticRoom> SyntheticRoom::create(RoomScene scene, const std::vector<RoomChange>& changes) {
   Furniture furniture = furnish(scene);
+  if (const Status status = apply_changes(changes, furniture); !status.ok()) return status.error();
   RoomLight light = light_of_what_stands(furniture);
-  contents_ = std::make_unique<const Contents>(Contents{std::move(furniture), std::move(light)});
+  return SyntheticRoom(std::make_unique<const Contents>(Contents{std::move(furniture), std::move(light)}));
 }
+
+SyntheticRoom::SyntheticRoom(RoomScene scene) : SyntheticRoom(or_throw(create(scene, {}))) {}
 SyntheticRoom::~SyntheticRoom() = default;
 SyntheticRoom::SyntheticRoom(SyntheticRoom&&) noexcept = default;
 

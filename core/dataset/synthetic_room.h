@@ -5,12 +5,16 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <vector>
 
 #include "core/base/image.h"
+#include "core/base/result.h"
 #include "core/math/camera.h"
 #include "core/math/rigid3.h"
 
 namespace hermite {
+
+struct RoomChange;
 
 enum class RoomScene {
   kRoom,       // furnished, 4.8 x 3.8 m
@@ -32,6 +36,8 @@ struct RoomView {
 // them.
 class SyntheticRoom {
  public:
+  // kInvalidArgument as for apply_changes (room_changes.h).
+  static Result<SyntheticRoom> create(RoomScene scene, const std::vector<RoomChange>& changes);
   explicit SyntheticRoom(RoomScene scene);
   ~SyntheticRoom();
   SyntheticRoom(SyntheticRoom&&) noexcept;
@@ -48,6 +54,7 @@ class SyntheticRoom {
 
  private:
   struct Contents;
+  explicit SyntheticRoom(std::unique_ptr<const Contents> contents);
   std::unique_ptr<const Contents> contents_;
 };
 

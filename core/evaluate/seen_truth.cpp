@@ -175,7 +175,7 @@ Result<std::shared_ptr<const SyntheticRoom>> synthetic_room_of(const std::string
   if (base.rfind(kPrefix, 0) != 0) return std::shared_ptr<const SyntheticRoom>();
   const auto options = parse_synthetic_options(base.size() > kPrefix.size() ? base.substr(kPrefix.size() + 1) : "");
   if (!options.ok()) return options.error();
-  return std::make_shared<const SyntheticRoom>(options->scene);
+  return std::make_shared<const SyntheticRoom>(or_throw(SyntheticRoom::create(options->scene, options->changes)));
 }
 
 }  // namespace

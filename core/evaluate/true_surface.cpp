@@ -47,7 +47,7 @@ Result<TrueSurface> surface_of_sequence(const Sequence& sequence, const std::str
   const std::string text = base.size() > kSynthetic.size() ? base.substr(kSynthetic.size() + 1) : "";
   const Result<SyntheticOptions> options = parse_synthetic_options(text);
   if (!options.ok()) return options.error();
-  const auto room = std::make_shared<const SyntheticRoom>(options->scene);
+  const auto room = std::make_shared<const SyntheticRoom>(or_throw(SyntheticRoom::create(options->scene, options->changes)));
   return TrueSurface{[room](const Eigen::Vector3d& point) { return std::min(room->surface_distance(point), kSurfaceReach_m); },
                      samples_of(triangles)};
 }

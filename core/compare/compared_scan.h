@@ -1,0 +1,85 @@
+// A finished scan, checked and prepared to be compared with another one. Const and thread-safe after construction.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/dataset/trajectory.h"
+#include "core/math/rigid3.h"
+#include "core/mesh/surfel_grid.h"
+#include "core/output/cloud.h"
+
+namespace hermite {
+
+// Fewer surfels do not show a place.
+inline constexpr std::size_t kLeastSurfels = 500;
+// The diagonal of a scan's bounding box, without the outermost hundredth of its points along each axis: beyond these
+// limits the unit is not the metre.
+inline constexpr double kLeastExtent_m = 0.05, kMostExtent_m = 1000;
+
+class ComparedScan {
+ public:
+  // `trajectory` has the poses of the scan's camera in the world of its surfels; empty if they are unknown. Surfels whose
+  // position or normal is not finite, or whose normal is zero, are left out; normals are normalised. In a cloud without
+  // confidences all points count alike. `name` begins the
+  // message of each error: kInvalidArgument when fewer than kLeastSurfels are left or the extent is out of range,
+  // kTooLarge when the extent has more bins than the grid.
+  static Result<ComparedScan> create(Cloud cloud, Trajectory trajectory, const std::string& name);
+
+  const Cloud& surfels() const { return surfels_; }
+  const Trajectory& trajectory() const { return trajectory_; }
+  std::size_t left_out_count() const { return left_out_count_; }
+  double extent_m() const { return extent_m_; }
+  // Whether its points have different colours: a cloud of one colour says nothing by it.
+  bool has_color() const { return has_color_; }
+
+  // Appends all surfels that are at most `reach_m` from a point, and some that are a little farther away, in an order
+  // that depends on the scan alone.
+  void append_near(const Eigen::Vector3d& point, double reach_m, std::vector<CloudPoint>& found) const;
+
+  // Calls use(surfel) for the same surfels.
+  template <class Use>
+  void for_each_near(const Eigen::Vector3d& point, double reach_m, const Use& use) const {
+    const Eigen::Vector3f reach = Eigen::Vector3f::Constant(static_cast<float>(reach_m));
+    const Eigen::Vector3f middle = point.cast<float>();
+    grid_.for_each(middle - reach, middle + reach, [&](std::uint32_t slot) { use(surfels_[slot]); });
+  }
+
+ private:
+  explicit ComparedScan(double bin_m) : grid_(bin_m / SurfelGrid::kBinCells) {}
+
+  Cloud surfels_;
+  Trajectory trajectory_;
+  std::size_t left_out_count_ = 0;
+  double extent_m_ = 0;
+  bool has_color_ = false;
+  SurfelGrid grid_;
+};
+
+// A sample of the surface: the surfel next to the middle of a cube, for each side of the surface in it.
+struct SurfaceSample {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
+  Eigen::Vector3d color = Eigen::Vector3d::Zero();  // mean of the cube's surfels on that side, 0 to 255
+  std::uint32_t surfel = 0;                         // index of the surfel
+};
+
+struct SurfaceSamples {
+  std::vector<SurfaceSample> samples;
+  std::vector<std::uint32_t> of_surfel;  // the sample of each surfel
+  double spacing_m = 0;
+};
+
+// Returns samples that are about `spacing_m` apart, in the order of their first surfels. If there would be more than
+// `most`, the spacing grows.
+SurfaceSamples surface_samples(const Cloud& surfels, double spacing_m, std::size_t most);
+
+// The same surface in another coordinate frame.
+Cloud moved_cloud(const Cloud& cloud, const Rigid3& target_from_source);
+Trajectory moved_trajectory(const Trajectory& trajectory, const Rigid3& target_from_source);
+
+}  // namespace hermite

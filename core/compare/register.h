@@ -1,0 +1,33 @@
+// Finds the rigid transform between two scans of one place without a guess, or says why there is none. Pure function.
+#pragma once
+
+#include <string>
+
+#include "core/compare/alignment.h"
+
+namespace hermite {
+
+enum class RegistrationVerdict : std::uint8_t {
+  kSamePlace,
+  kDifferentPlaces,  // no pose makes the surfaces agree
+  kAmbiguous,        // another pose agrees as well, such as half a turn of a symmetric room
+  kSliding,          // the common surfaces do not hold the scans in one direction, such as two parallel walls
+  kMirrored,         // they agree if one is mirrored
+};
+
+struct Registration {
+  RegistrationVerdict verdict = RegistrationVerdict::kDifferentPlaces;
+  std::string words;    // one sentence or two, for people
+  Alignment alignment;  // valid unless the verdict is kDifferentPlaces or kMirrored
+  Agreement agreement;  // of the best pose
+};
+
+// Compares the candidates of start_poses.h, each aligned, by the share of what both scans saw and by colours. A verdict
+// of kSamePlace needs: at least 75 % of what both saw agrees, or 60 % if the colours do, too; at least 15 % of the smaller
+// scan is in the other one, or 60 % if no path of a camera tells what was seen; no other pose agrees nearly as well; and the transform is
+// certain to 2 cm (one standard deviation, in the middle of the common surface). Deterministic; uses all processors for some seconds.
+Registration register_scans(const CoarseScan& a, const CoarseScan& b);
+
+const char* name_of(RegistrationVerdict verdict);  // "same_place", ...
+
+}  // namespace hermite
