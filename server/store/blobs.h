@@ -56,8 +56,9 @@ class Blobs {
 
   virtual Status remove(const std::string& scan_id, const std::string& name) = 0;  // this blob; succeeds if it does not exist
 
-  // Whether blobs can be put at present, as far as it is known without asking: what is on the own disk has limits of its own. kIo, in words: the
-  // store does not answer, and what has failed for that reason is worth another attempt once it does.
+  // Whether blobs can be put at present, as far as it is known without asking: what is on the own disk has limits of
+  // its own. kIo, in words: the store does not answer, and what has failed for that reason is worth another attempt once
+  // it does.
   virtual Status availability() { return Done{}; }
 };
 

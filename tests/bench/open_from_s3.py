@@ -72,7 +72,9 @@ def opened_ms(server, scan):
     while viewer.open and time.perf_counter() - last < IDLE_S + (PATIENCE_S if received == 0 else 0):
         viewer.read()
         if viewer.received > received:
-            received, last = viewer.received, time.perf_counter()
+            received, last = viewer.received, time.perf_counter()  # an ended scan is closed once all is sent
+            if not viewer.open:
+                break
             viewer.send(viewer.client.connection.send(BytesMessage(data=field(VIEWER_ACK, field(1, received)))))
         else:
             time.sleep(0.0005)
