@@ -98,7 +98,7 @@ class Watch : public CameraWatch {
       std::vector<CalibrationView> read;
       bytes.list(read, [this](ByteReader& from, CalibrationView& view) {
         view_fields(from, view);
-        const Image<Patch>& nodes = view.patches.nodes;
+        const Image<DepthPatch>& nodes = view.patches.nodes;
         from.require(view.patches.step_px == grid_.step_px && nodes.width == grid_.nodes.width && nodes.height == grid_.nodes.height &&
                          nodes.pixels.size() == grid_.nodes.pixels.size(),
                      "the patches of a view have a wrong size");

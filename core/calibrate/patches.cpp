@@ -20,7 +20,7 @@ constexpr double kFlat = 1.5;
 // Cosine of the largest angle between the plane's normal and the ray to it, 72 degrees.
 constexpr float kSteepestCosine = 0.3f;
 
-Patch patch_at(const Image<float>& inverse, int u, int v, int radius) {
+DepthPatch patch_at(const Image<float>& inverse, int u, int v, int radius) {
   const float middle = inverse.at(u, v);
   if (middle == 0) return {};
   double sum = 0, squares = 0, by_x = 0, by_y = 0, xx = 0;
@@ -52,7 +52,7 @@ PatchGrid patches_of(const DepthImage& depth, const Camera& camera) {
     if (depth_m >= kNearestPatch_m && depth_m <= kFarthestPatch_m) inverse.pixels[i] = static_cast<float>(1 / depth_m);
   }
   const int step = std::max(1, camera.width / kStepShare), radius = std::max(1, camera.width / kRadiusShare);
-  PatchGrid grid{step, Image<Patch>(camera.width / step, camera.height / step)};
+  PatchGrid grid{step, Image<DepthPatch>(camera.width / step, camera.height / step)};
   for (int row = 0; row < grid.nodes.height; ++row)
     for (int column = 0; column < grid.nodes.width; ++column) {
       const int u = grid.pixel_of(column), v = grid.pixel_of(row);
@@ -68,7 +68,7 @@ std::vector<Facet> facets_of(const PatchGrid& grid, const Camera& camera) {
   std::vector<Facet> facets(grid.nodes.pixels.size());
   for (int row = 0; row < grid.nodes.height; ++row)
     for (int column = 0; column < grid.nodes.width; ++column) {
-      const Patch& patch = grid.nodes.at(column, row);
+      const DepthPatch& patch = grid.nodes.at(column, row);
       if (patch.inverse_per_m == 0) continue;
       const double u = grid.pixel_of(column), v = grid.pixel_of(row), w = static_cast<double>(patch.inverse_per_m);
       const DepthCorrection& correction = camera.depth_correction;

@@ -18,7 +18,7 @@ inline constexpr double kNearestPatch_m = 0.4, kFarthestPatch_m = 4.5;
 // Over the pixels of a plane, 1 / measured depth is linear: inverse_per_m + per_u (u - u0) + per_v
 // (v - v0) around the node's pixel. The inverse is 0 if there is no reliable plane: at edges,
 // without depth, out of range, or if the pixels deviate from it by more than noise.
-struct Patch {
+struct DepthPatch {
   float inverse_per_m = 0;
   float per_u = 0, per_v = 0;  // 1 / (m px)
 };
@@ -27,7 +27,7 @@ struct Patch {
 // an image of 640x480.
 struct PatchGrid {
   int step_px = 0;
-  Image<Patch> nodes;
+  Image<DepthPatch> nodes;
 
   int pixel_of(int column_or_row) const { return column_or_row * step_px + step_px / 2; }
 };

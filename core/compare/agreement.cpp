@@ -76,19 +76,19 @@ CoarseScan::CoarseScan(const ComparedScan& scan, double spacing_m)
       grid_(samples_.samples, 3 * samples_.spacing_m),
       sight_(scan) {}
 
-double Agreement::share() const {
+double CoarseAgreement::share() const {
   const std::size_t seen = matched + contradicted;
   return seen == 0 ? 0 : static_cast<double>(matched) / static_cast<double>(seen);
 }
 
-double Agreement::overlap() const {
+double CoarseAgreement::overlap() const {
   const auto ratio = [](std::size_t part, std::size_t of) { return of == 0 ? 0 : static_cast<double>(part) / static_cast<double>(of); };
   return std::max(ratio(matched_a, samples_a), ratio(matched_b, samples_b));
 }
 
-Agreement agreement_of(const CoarseScan& a, const CoarseScan& b, const Rigid3& a_from_b) {
+CoarseAgreement agreement_of(const CoarseScan& a, const CoarseScan& b, const Rigid3& a_from_b) {
   const std::vector<Found> of_b = look_up_all(b, a_from_b, a), of_a = look_up_all(a, inverse(a_from_b), b);
-  Agreement agreement;
+  CoarseAgreement agreement;
   agreement.samples_a = of_a.size();
   agreement.samples_b = of_b.size();
   agreement.sample_count = of_a.size() + of_b.size();

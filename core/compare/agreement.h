@@ -39,7 +39,7 @@ class CoarseScan {
   const Sight sight_;
 };
 
-struct Agreement {
+struct CoarseAgreement {
   std::size_t sample_count = 0;  // of both scans
   std::size_t matched = 0;       // have the other scan's surface at their place
   std::size_t contradicted = 0;  // lie where the other scan looked through; the rest was not seen by the other
@@ -53,6 +53,6 @@ struct Agreement {
   double overlap() const;
 };
 
-Agreement agreement_of(const CoarseScan& a, const CoarseScan& b, const Rigid3& a_from_b);
+CoarseAgreement agreement_of(const CoarseScan& a, const CoarseScan& b, const Rigid3& a_from_b);
 
 }  // namespace hermite

@@ -166,7 +166,7 @@ void add_freedom(const std::vector<Residual>& residuals, Matrix6d& covariance) {
           kFreeSigma_m * kFreeSigma_m * axes.eigenvectors().col(axis) * axes.eigenvectors().col(axis).transpose();
 }
 
-void add_uncertainty(const std::vector<Residual>& residuals, const Sums& sums, Alignment& alignment) {
+void add_uncertainty(const std::vector<Residual>& residuals, const Sums& sums, ScanAlignment& alignment) {
   const std::map<RegionKey, Region> regions = regions_of(residuals);
   Matrix6d scatter = Matrix6d::Zero();
   std::vector<double> means_m;
@@ -203,9 +203,9 @@ Rigid3 aligned_roughly(const CoarseScan& a, const CoarseScan& b, const Rigid3& a
   return pose;
 }
 
-Alignment aligned_exactly(const CoarseScan& a, const CoarseScan& b, const Rigid3& a_from_b) {
+ScanAlignment aligned_exactly(const CoarseScan& a, const CoarseScan& b, const Rigid3& a_from_b) {
   const std::vector<MeasuredPlace> places = places_of(b);
-  Alignment alignment{a_from_b};
+  ScanAlignment alignment{a_from_b};
   std::vector<Residual> residuals;
   Sums sums;
   for (const double reach_m : kReaches_m) {

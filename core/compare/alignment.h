@@ -12,7 +12,7 @@ namespace hermite {
 Rigid3 aligned_roughly(const CoarseScan& a, const CoarseScan& b, const Rigid3& a_from_b, std::size_t most);
 
 // The result of the exact alignment. Twists are applied in A's world: a_from_b = exp_se3(twist) * estimate.
-struct Alignment {
+struct ScanAlignment {
   Rigid3 a_from_b;
   // Of the twist. The residuals of one region share the drift of both scans there; so the covariance is estimated from
   // the sums of regions of half a metre (cluster-robust covariance: Liang, Zeger, "Longitudinal data analysis using
@@ -31,6 +31,6 @@ inline constexpr std::size_t kLeastPlaces = 30;
 
 // Aligns planes fitted to the surfels of both scans, weighted by their standard deviations. Expects a result of
 // aligned_roughly.
-Alignment aligned_exactly(const CoarseScan& a, const CoarseScan& b, const Rigid3& a_from_b);
+ScanAlignment aligned_exactly(const CoarseScan& a, const CoarseScan& b, const Rigid3& a_from_b);
 
 }  // namespace hermite

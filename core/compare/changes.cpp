@@ -27,12 +27,12 @@ struct Comparing {
   const ComparedScan& own;
   const ComparedScan& other;
   const Sight& other_sight;
-  const Alignment& alignment;
+  const ScanAlignment& alignment;
   const ChangeOptions& options;
 };
 
 // Standard deviation along a normal of what the registration and the scans' drift add.
-double placing_sigma_m(const Alignment& alignment, const MeasuredPlace& place) {
+double placing_sigma_m(const ScanAlignment& alignment, const MeasuredPlace& place) {
   Vector6d gradient;
   gradient << place.normal, place.position_m.cross(place.normal);
   return std::hypot(std::sqrt(std::max(0.0, gradient.dot(alignment.covariance * gradient))), alignment.disagreement_m);
@@ -72,8 +72,8 @@ Status validate(const ChangeOptions& options) {
   return Done{};
 }
 
-ComparedSurface compared_surface(const ComparedScan& own, const ComparedScan& other, const Sight& other_sight, const Alignment& alignment,
-                                 const ChangeOptions& options) {
+ComparedSurface compared_surface(const ComparedScan& own, const ComparedScan& other, const Sight& other_sight,
+                                 const ScanAlignment& alignment, const ChangeOptions& options) {
   SurfaceSamples samples = surface_samples(own.surfels(), kPlaceSpacing_m, kMostPlaces);
   ComparedSurface surface;
   surface.spacing_m = samples.spacing_m;

@@ -52,7 +52,7 @@ struct ComparedSurface {
 
 // Compares the surface of `own` with `other`; both are in the world in which `alignment` was estimated. Uses all
 // processors; takes some 100 µs for each place.
-ComparedSurface compared_surface(const ComparedScan& own, const ComparedScan& other, const Sight& other_sight, const Alignment& alignment,
-                                 const ChangeOptions& options);
+ComparedSurface compared_surface(const ComparedScan& own, const ComparedScan& other, const Sight& other_sight,
+                                 const ScanAlignment& alignment, const ChangeOptions& options);
 
 }  // namespace hermite

@@ -22,7 +22,7 @@ Result<Comparison> compare_scans(const ComparedScan& a, const ComparedScan& b, c
   comparison.sees_b = !b.trajectory().empty();
   comparison.registration = register_scans(coarse_a, CoarseScan(b, spacing_m));
   if (comparison.registration.verdict != RegistrationVerdict::kSamePlace) return comparison;
-  const Alignment& alignment = comparison.registration.alignment;
+  const ScanAlignment& alignment = comparison.registration.alignment;
   Result<ComparedScan> moved = ComparedScan::create(moved_cloud(b.surfels(), alignment.a_from_b),
                                                     moved_trajectory(b.trajectory(), alignment.a_from_b), "the second scan");
   if (!moved.ok()) return moved.error();

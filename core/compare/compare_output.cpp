@@ -33,14 +33,14 @@ Json rows_of(const Matrix& matrix) {
 }
 
 Json registration_json(const Registration& registration) {
-  const Agreement& agreement = registration.agreement;
+  const CoarseAgreement& agreement = registration.agreement;
   Json json{{"verdict", name_of(registration.verdict)},
             {"words", registration.words},
             {"agreeing_share", agreement.share()},
             {"overlap", agreement.overlap()}};
   if (agreement.has_color) json["color_difference"] = agreement.color_difference;
   if (registration.verdict == RegistrationVerdict::kDifferentPlaces || registration.verdict == RegistrationVerdict::kMirrored) return json;
-  const Alignment& alignment = registration.alignment;
+  const ScanAlignment& alignment = registration.alignment;
   json["a_from_b"] = rows_of(alignment.a_from_b.matrix());
   json["covariance"] = rows_of(alignment.covariance);
   json["weakest_sigma_m"] = alignment.weakest_sigma_m;

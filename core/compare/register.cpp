@@ -27,17 +27,19 @@ constexpr double kSurelyNotMirrored = 0.8, kMirrorRatio = 1.3;
 constexpr double kAsGood = 0.85, kColorRatio = 1.5, kColorMargin = 4;
 struct Judged {
   Rigid3 a_from_b;
-  Agreement agreement;
+  CoarseAgreement agreement;
   double score = 0;
 };
 
-double score_of(const Agreement& agreement) { return static_cast<double>(agreement.matched) - static_cast<double>(agreement.contradicted); }
+double score_of(const CoarseAgreement& agreement) {
+  return static_cast<double>(agreement.matched) - static_cast<double>(agreement.contradicted);
+}
 
 std::vector<Judged> judged(const CoarseScan& a, const CoarseScan& b, const std::vector<Rigid3>& candidates) {
   std::vector<Judged> poses(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const Rigid3 a_from_b = aligned_roughly(a, b, candidates[i], kRoughSamples);
-    const Agreement agreement = agreement_of(a, b, a_from_b);
+    const CoarseAgreement agreement = agreement_of(a, b, a_from_b);
     poses[i] = {a_from_b, agreement, score_of(agreement)};
   }
   return poses;
@@ -77,15 +79,15 @@ double least_overlap(const CoarseScan& a, const CoarseScan& b) {
   return a.sight().view_count() + b.sight().view_count() > 0 ? kLeastOverlap : kLeastOverlapUnseen;
 }
 
-double least_share(const Agreement& agreement) {
+double least_share(const CoarseAgreement& agreement) {
   return agreement.has_color && agreement.color_difference <= kSameColor ? kLeastShareByColor : kLeastShare;
 }
 
-bool is_enough(const Agreement& agreement, double overlap) {
+bool is_enough(const CoarseAgreement& agreement, double overlap) {
   return agreement.share() >= least_share(agreement) && agreement.overlap() >= overlap;
 }
 
-std::string words_of(const Agreement& agreement) {
+std::string words_of(const CoarseAgreement& agreement) {
   return printf_text("%.0f %% of what both saw agrees, and %.0f %% of the smaller scan lies in the other one", 100 * agreement.share(),
                      100 * agreement.overlap());
 }
@@ -100,7 +102,7 @@ ComparedScan mirrored(const ComparedScan& scan) {
 }
 
 // Whether B's reflection agrees with A, and better than B itself.
-bool is_mirrored(const CoarseScan& a, const CoarseScan& b, const Agreement& best) {
+bool is_mirrored(const CoarseScan& a, const CoarseScan& b, const CoarseAgreement& best) {
   if (best.overlap() >= kSurelyNotMirrored) return false;
   const ComparedScan reflection = mirrored(b.scan());
   const std::vector<Judged> poses = best_judged(a, CoarseScan(reflection, b.spacing_m()));
@@ -108,7 +110,7 @@ bool is_mirrored(const CoarseScan& a, const CoarseScan& b, const Agreement& best
          poses.front().agreement.overlap() > kMirrorRatio * best.overlap();
 }
 
-Registration of_mirrored(const Agreement& best) {
+Registration of_mirrored(const CoarseAgreement& best) {
   Registration registration;
   registration.verdict = RegistrationVerdict::kMirrored;
   registration.words = "One of the scans is mirrored: they agree better if one is reflected. Correct its axes first.";
@@ -116,7 +118,7 @@ Registration of_mirrored(const Agreement& best) {
   return registration;
 }
 
-Registration without_place(const CoarseScan& a, const CoarseScan& b, const Agreement& best) {
+Registration without_place(const CoarseScan& a, const CoarseScan& b, const CoarseAgreement& best) {
   Registration registration;
   registration.agreement = best;
   registration.words = "The two scans do not show the same place, or too little of it in common: in the best position found, " +
@@ -159,7 +161,7 @@ Registration register_scans(const CoarseScan& a, const CoarseScan& b) {
         angle_rad(turn.rotation) * 180 / M_PI);
     return registration;
   }
-  const Alignment& alignment = registration.alignment;
+  const ScanAlignment& alignment = registration.alignment;
   if (!(alignment.weakest_sigma_m <= kMostSigma_m)) {
     registration.verdict = RegistrationVerdict::kSliding;
     registration.words =

@@ -17,9 +17,9 @@ enum class RegistrationVerdict : std::uint8_t {
 
 struct Registration {
   RegistrationVerdict verdict = RegistrationVerdict::kDifferentPlaces;
-  std::string words;    // one sentence or two, for people
-  Alignment alignment;  // valid unless the verdict is kDifferentPlaces or kMirrored
-  Agreement agreement;  // of the best pose
+  std::string words;          // one sentence or two, for people
+  ScanAlignment alignment;    // valid unless the verdict is kDifferentPlaces or kMirrored
+  CoarseAgreement agreement;  // of the best pose
 };
 
 // Compares the candidates of start_poses.h, each aligned, by the share of what both scans saw and by colours. A verdict

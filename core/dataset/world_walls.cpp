@@ -120,7 +120,7 @@ Vector2d at_wall(const Area& area, Side side, double along) {
   return {area.x.high, along};
 }
 
-void add_picture(Furnisher& f, const Area& area, Side side, const Picture& picture) {
+void add_picture(Furnisher& f, const Area& area, Side side, const WallPicture& picture) {
   const auto span = [](double middle, double length) { return Span{middle - length / 2, middle + length / 2}; };
   on_wall(f, {area, side}, span(picture.along, picture.width), {-kSunk_m, 0.022}, span(picture.z, picture.height), picture.frame);
   on_wall(f, {area, side}, span(picture.along, picture.width - 0.08), {-kSunk_m, 0.027}, span(picture.z, picture.height - 0.08),

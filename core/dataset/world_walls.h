@@ -65,10 +65,10 @@ Shape& on_wall(Furnisher& f, Wall wall, Span along, Span depth, Span z, int mate
 Eigen::Vector2d at_wall(const Area& area, Side side, double along);
 
 // A picture in a frame, `width` x `height`, with its centre at `along` and height `z`.
-struct Picture {
+struct WallPicture {
   double along, z, width, height;
   int frame, image;  // materials
 };
-void add_picture(Furnisher& f, const Area& area, Side side, const Picture& picture);
+void add_picture(Furnisher& f, const Area& area, Side side, const WallPicture& picture);
 
 }  // namespace hermite

@@ -186,11 +186,11 @@ ChartRaster raster_of(const TriangleMesh& mesh, const FlatChart& chart) {
   return raster;
 }
 
-SurfacePoint point_at(const TriangleMesh& mesh, const FlatChart& chart, std::uint32_t triangle, int x, int y) {
+ChartPoint point_at(const TriangleMesh& mesh, const FlatChart& chart, std::uint32_t triangle, int x, int y) {
   const FlatTriangle t = flat(mesh, chart, triangle);
   const Vector3f weights = nearest_weights(t, centre(x, y));
   const Vector2f beside = centre(x, y) - point_of(t, weights);
-  SurfacePoint point;
+  ChartPoint point;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::uint32_t corner = mesh.triangles[triangle][i];
     const float weight = weights[static_cast<Eigen::Index>(i)];

@@ -41,11 +41,11 @@ struct ChartRaster {
 ChartRaster raster_of(const TriangleMesh& mesh, const FlatChart& chart);
 
 // The point of a triangle at the centre of a texel. Outside the triangle it is extrapolated in the plane of the chart.
-struct SurfacePoint {
+struct ChartPoint {
   Eigen::Vector3f position_m = Eigen::Vector3f::Zero();
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit; interpolated from the vertex normals
   Eigen::Vector3f color = Eigen::Vector3f::Zero();   // 0 to 255, interpolated from the vertices
 };
-SurfacePoint point_at(const TriangleMesh& mesh, const FlatChart& chart, std::uint32_t triangle, int x, int y);
+ChartPoint point_at(const TriangleMesh& mesh, const FlatChart& chart, std::uint32_t triangle, int x, int y);
 
 }  // namespace hermite

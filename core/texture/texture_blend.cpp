@@ -55,11 +55,11 @@ TexelBlender::TexelBlender(const TriangleMesh& mesh, const Camera& camera, const
                            const BlendOptions& options)
     : mesh_(mesh), camera_(camera), views_(views), options_(options) {}
 
-std::vector<std::uint32_t> TexelBlender::views_of(const std::vector<SurfacePoint>& points, float texel_m) const {
+std::vector<std::uint32_t> TexelBlender::views_of(const std::vector<ChartPoint>& points, float texel_m) const {
   std::vector<std::pair<float, std::uint32_t>> by_quality;
   for (std::uint32_t i = 0; i < views_.size(); ++i) {
     float best = 0;
-    for (const SurfacePoint& point : points)
+    for (const ChartPoint& point : points)
       if (const std::optional<Seen> seen = seen_at(views_[i], camera_, point.position_m, point.normal, kBlendEdge_px))
         best = std::max(best, quality_of(views_[i], camera_, *seen, texel_m));
     if (best > 0) by_quality.emplace_back(-best, i);
@@ -71,7 +71,7 @@ std::vector<std::uint32_t> TexelBlender::views_of(const std::vector<SurfacePoint
   return views;
 }
 
-bool TexelBlender::blend(const SurfacePoint& point, const std::vector<std::uint32_t>& views, float texel_m, Vector3f& color) const {
+bool TexelBlender::blend(const ChartPoint& point, const std::vector<std::uint32_t>& views, float texel_m, Vector3f& color) const {
   std::array<TexelCandidate, kViewsPerTile> candidates;
   std::size_t count = 0;
   for (const std::uint32_t view : views) {
@@ -106,7 +106,7 @@ void TexelBlender::blend_tile(const FlatChart& chart, const ChartRaster& raster,
     int x, y;
   };
   std::vector<TexelPlace> places;
-  std::vector<SurfacePoint> points;
+  std::vector<ChartPoint> points;
   for (int y = tile_y; y < std::min(tile_y + kTile_texels, chart.height); ++y)
     for (int x = tile_x; x < std::min(tile_x + kTile_texels, chart.width); ++x) {
       if (raster.triangle.at(x, y) == kNoTexel) continue;
@@ -114,7 +114,7 @@ void TexelBlender::blend_tile(const FlatChart& chart, const ChartRaster& raster,
       points.push_back(point_at(mesh_, chart, raster.triangle.at(x, y), x, y));
     }
   if (points.empty()) return;
-  std::vector<SurfacePoint> asked;
+  std::vector<ChartPoint> asked;
   for (std::size_t i = 0; i < static_cast<std::size_t>(kAsked); ++i)
     asked.push_back(points[(points.size() - 1) * i / static_cast<std::size_t>(kAsked - 1)]);
   const std::vector<std::uint32_t> views = views_of(asked, chart.texel_m);

@@ -30,8 +30,8 @@ class TexelBlender {
  private:
   struct Texel;
   // Returns the views that see any of the points, best first.
-  std::vector<std::uint32_t> views_of(const std::vector<SurfacePoint>& points, float texel_m) const;
-  bool blend(const SurfacePoint& point, const std::vector<std::uint32_t>& views, float texel_m, Eigen::Vector3f& color) const;
+  std::vector<std::uint32_t> views_of(const std::vector<ChartPoint>& points, float texel_m) const;
+  bool blend(const ChartPoint& point, const std::vector<std::uint32_t>& views, float texel_m, Eigen::Vector3f& color) const;
   // By texel of a chart: the vertex colour, the difference of the views' colour from it, and whether any view sees it.
   struct Blended {
     Image<Eigen::Vector3f> of_vertices, off_vertices;

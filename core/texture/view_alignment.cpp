@@ -53,7 +53,7 @@ class ViewAligner {
     const Vector3f point = in_camera(view, seen_.samples[sample]);
     if (!(point.z() > 0.05f)) return {};
     const Eigen::Vector2f pixel = pixel_of(point);
-    const std::optional<Brightness> brightness = level.at(i, pixel.x(), pixel.y());
+    const std::optional<BrightnessSample> brightness = level.at(i, pixel.x(), pixel.y());
     if (!brightness) return {};
     const Vector3f way = view.place_m - seen_.samples[sample].position_m;
     const float cosine = std::max(seen_.samples[sample].normal.dot(way) / way.norm(), 0.05f);
@@ -75,7 +75,7 @@ class ViewAligner {
       if (!others) continue;
       const Vector3f point = in_camera(view, seen_.samples[seen_.sights[i][k]]);
       const Eigen::Vector2f pixel = pixel_of(point);
-      const std::optional<Brightness> here = level.at(i, pixel.x(), pixel.y());
+      const std::optional<BrightnessSample> here = level.at(i, pixel.x(), pixel.y());
       if (!here) continue;
       const float iz = 1 / point.z(), du = here->du * static_cast<float>(seen_.camera.fx) * iz,
                   dv = here->dv * static_cast<float>(seen_.camera.fy) * iz;

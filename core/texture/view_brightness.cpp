@@ -40,7 +40,7 @@ Image<std::uint8_t> halved(const Image<std::uint8_t>& image) {
 
 }  // namespace
 
-std::optional<Brightness> BrightnessLevel::at(std::size_t view, float u, float v) const {
+std::optional<BrightnessSample> BrightnessLevel::at(std::size_t view, float u, float v) const {
   const Image<std::uint8_t>& image = images[view];
   const float column = (u + 0.5f) * scale - 0.5f, row = (v + 0.5f) * scale - 0.5f;
   if (!(column >= 0 && row >= 0 && column < static_cast<float>(image.width - 1) && row < static_cast<float>(image.height - 1)))
@@ -48,8 +48,8 @@ std::optional<Brightness> BrightnessLevel::at(std::size_t view, float u, float v
   const int x = static_cast<int>(column), y = static_cast<int>(row);
   const float dx = column - static_cast<float>(x), dy = row - static_cast<float>(y);
   const float a = image.at(x, y), b = image.at(x + 1, y), c = image.at(x, y + 1), d = image.at(x + 1, y + 1);
-  return Brightness{(1 - dy) * ((1 - dx) * a + dx * b) + dy * ((1 - dx) * c + dx * d), scale * ((1 - dy) * (b - a) + dy * (d - c)),
-                    scale * ((1 - dx) * (c - a) + dx * (d - b))};
+  return BrightnessSample{(1 - dy) * ((1 - dx) * a + dx * b) + dy * ((1 - dx) * c + dx * d), scale * ((1 - dy) * (b - a) + dy * (d - c)),
+                          scale * ((1 - dx) * (c - a) + dx * (d - b))};
 }
 
 std::array<BrightnessLevel, kBrightnessLevels> brightness_levels(const std::vector<TextureView>& views, int thread_count) {

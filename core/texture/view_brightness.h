@@ -15,7 +15,7 @@ namespace hermite {
 // Differences of brightness, 0 to 255, up to this have full weight.
 inline constexpr float kUsualDifference = 12;
 
-struct Brightness {
+struct BrightnessSample {
   float value = 0, du = 0, dv = 0;  // 0 to 255, and its derivatives per pixel of the full-size image
 };
 
@@ -25,7 +25,7 @@ struct BrightnessLevel {
   float scale = 1;
 
   // Returns the bilinear value at a position in the full-size image [px]; std::nullopt outside.
-  std::optional<Brightness> at(std::size_t view, float u, float v) const;
+  std::optional<BrightnessSample> at(std::size_t view, float u, float v) const;
 };
 
 // Returns gain-corrected images, smoothed by 3 x 3 (1 2 1). The last level has the full-size images, each level before

@@ -52,7 +52,7 @@ class ViewWarper {
     const TextureView& view = seen_.views[i];
     const Place place = place_of(view, sample);
     const Vector2f at = place.pixel + view.warp.at(place.pixel.x(), place.pixel.y());
-    const std::optional<Brightness> brightness = level.at(i, at.x(), at.y());
+    const std::optional<BrightnessSample> brightness = level.at(i, at.x(), at.y());
     if (!brightness) return {};
     const Eigen::Vector3f way = view.place_m - seen_.samples[sample].position_m;
     return {brightness->value, std::max(seen_.samples[sample].normal.dot(way) / way.norm(), 0.05f) / (place.depth_m * place.depth_m)};
@@ -96,7 +96,7 @@ class ViewWarper {
       const Vector2f pixel = place_of(seen_.views[i], seen_.sights[i][k]).pixel;
       const std::array<WarpNode, 4> around = warp.around(pixel.x(), pixel.y());
       const Vector2f at = pixel + warp.at(pixel.x(), pixel.y());
-      const std::optional<Brightness> here = level.at(i, at.x(), at.y());
+      const std::optional<BrightnessSample> here = level.at(i, at.x(), at.y());
       if (!here) continue;
       const float difference = here->value - *others;
       const double weight = static_cast<double>(robust_weight(difference));

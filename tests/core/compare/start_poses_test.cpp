@@ -66,15 +66,15 @@ TEST(Alignment, IsAsAccurateAsItSays) {
 }
 
 TEST(Agreement, CountsWhatBothSawAndWhatContradicts) {
-  const Agreement right = agreement_of(scans().coarse_a, scans().coarse_b, scans().a_from_b);
+  const CoarseAgreement right = agreement_of(scans().coarse_a, scans().coarse_b, scans().a_from_b);
   EXPECT_GT(right.share(), 0.97);
   EXPECT_GT(right.overlap(), 0.9);
   EXPECT_TRUE(right.has_color);
   EXPECT_LT(right.color_difference, 5);
-  const Agreement wrong =
+  const CoarseAgreement wrong =
       agreement_of(scans().coarse_a, scans().coarse_b, Rigid3{Eigen::Quaterniond::Identity(), {0.35, 0, 0}} * scans().a_from_b);
   EXPECT_LT(wrong.share(), right.share() - 0.05);
-  const Agreement apart = agreement_of(scans().coarse_a, scans().coarse_b, Rigid3{Eigen::Quaterniond::Identity(), {50, 0, 0}});
+  const CoarseAgreement apart = agreement_of(scans().coarse_a, scans().coarse_b, Rigid3{Eigen::Quaterniond::Identity(), {50, 0, 0}});
   EXPECT_EQ(apart.matched + apart.contradicted, 0u);
   EXPECT_EQ(apart.share(), 0);
 }
