@@ -107,7 +107,7 @@ Json judged(const Scan& a, const Scan& b) {
   Counts counts;
   count_places(comparison, true, {room_a, room_b, room_from_a}, counts);
   count_places(comparison, false, {room_b, room_a, room_from_a}, counts);
-  const Alignment& alignment = comparison.registration.alignment;
+  const ScanAlignment& alignment = comparison.registration.alignment;
   const Rigid3 error = alignment.a_from_b * inverse(true_a_from_b);
   json["position_error_m"] = (error * alignment.middle_m - alignment.middle_m).norm();
   json["turn_error_deg"] = angle_rad(error.rotation) * 180 / M_PI;

@@ -55,7 +55,7 @@ TEST(Alignment, IsAsAccurateAsItSays) {
   off << 0.02, -0.015, 0.02, 0.05, -0.04, 0.06;
   const Rigid3 rough = aligned_roughly(scans().coarse_a, scans().coarse_b, exp_se3(off) * scans().a_from_b, 1000);
   EXPECT_TRUE(is_same_pose(rough, scans().a_from_b, scans().coarse_b));
-  const Alignment exact = aligned_exactly(scans().coarse_a, scans().coarse_b, rough);
+  const ScanAlignment exact = aligned_exactly(scans().coarse_a, scans().coarse_b, rough);
   EXPECT_GT(exact.place_count, 1000u);
   const Vector6d error = log_se3(exact.a_from_b * test::elsewhere());
   EXPECT_LT(error.head<3>().norm(), 0.0005);
