@@ -20,6 +20,8 @@ constexpr double kNothingWithin_m = 0.02, kBehind_m = 0.03;
 // Of a surface that moved by just the least change, noise leaves half of the places below it. So a place counts from this
 // share of the least change on, and its region must reach the least change on average (regions.h).
 constexpr double kPlaceShare = 0.75;
+// A place with this share of the least number of standard deviations counts beside certain ones.
+constexpr double kUncertainShare = 0.5;
 // A surface that changed has nothing of the other scan within this share of the least change, on any side.
 constexpr double kClearShare = 0.5;
 
@@ -45,15 +47,19 @@ void measure_place(const Comparing& comparing, ComparedPlace& place) {
   const double placing_m = placing_sigma_m(comparing.alignment, *own);
   if (!found) {
     const bool is_clear = nearest_surfel_m(place.sample.position_m, comparing.other, kNothingWithin_m) >= kNothingWithin_m;
-    if (is_clear && comparing.other_sight.looked_through(place.sample.position_m, kBehind_m)) place.state = PlaceState::kGone;
+    if (is_clear && comparing.other_sight.looked_through(place.sample.position_m, kBehind_m)) {
+      place.state = PlaceState::kGone;
+      place.is_certain = true;
+    }
     return;
   }
   place.distance_m = found->distance_m;
   place.sigma_m = std::hypot(found->sigma_m, placing_m);
-  const double limit_m = std::max(kPlaceShare * comparing.options.least_change_m, comparing.options.least_deviations * place.sigma_m);
+  const double size_m = std::abs(found->distance_m), deviations_m = comparing.options.least_deviations * place.sigma_m;
   const double clear_m = kClearShare * comparing.options.least_change_m;
-  const bool has_changed =
-      std::abs(found->distance_m) > limit_m && nearest_surfel_m(place.sample.position_m, comparing.other, clear_m) >= clear_m;
+  const bool has_changed = size_m > kPlaceShare * comparing.options.least_change_m && size_m > kUncertainShare * deviations_m &&
+                           nearest_surfel_m(place.sample.position_m, comparing.other, clear_m) >= clear_m;
+  place.is_certain = has_changed && size_m > deviations_m;
   place.state = !has_changed ? PlaceState::kSame : found->distance_m > 0 ? PlaceState::kTowards : PlaceState::kAway;
 }
 

@@ -28,8 +28,8 @@ Status validate(const ChangeOptions& options);
 
 enum class PlaceState : std::uint8_t {
   kUnseen,   // the other scan has no surface there and has not looked there; or either surface is too broken to be measured
-  kSame,     // measured, without a significant change
-  kTowards,  // the other scan's surface lies in front of it, as seen by the camera, by three quarters of the least change or more
+  kSame,     // measured, and not far enough from the other scan's surface to count
+  kTowards,  // the other scan's surface lies in front of it, as seen by the camera
   kAway,     // it lies behind
   kGone,     // the other scan looked through it
 };
@@ -41,6 +41,9 @@ struct ComparedPlace {
   // and the scans' drift. Only if the other surface was found.
   std::optional<double> distance_m;
   double sigma_m = 0;
+  // Whether the change is certain by itself: it has the least number of standard deviations, or something is gone. Else
+  // the place counts only with certain ones beside it (regions.h).
+  bool is_certain = false;
   double area_m2 = 0;  // that the sample stands for
 };
 

@@ -12,6 +12,8 @@ namespace hermite {
 namespace {
 
 constexpr double kJoinSpacings = 2;
+// The drift of both scans, about a millimetre, must not hide what moved by just the least change.
+constexpr double kMeanShare = 0.9;
 
 bool counts(PlaceState state, bool is_first) {
   if (state == PlaceState::kGone) return true;
@@ -47,10 +49,12 @@ ChangedRegion region_of(const ComparedSurface& surface, std::vector<std::uint32_
   return region;
 }
 
-bool is_large_enough(const ChangedRegion& region, const ChangeOptions& options) {
-  if (region.area_m2 < options.least_area_m2) return false;
+bool is_large_enough(const ChangedRegion& region, const ComparedSurface& surface, const ChangeOptions& options) {
+  double certain_m2 = 0;
+  for (const std::uint32_t place : region.places) certain_m2 += surface.places[place].is_certain ? surface.places[place].area_m2 : 0;
+  if (certain_m2 == 0 || certain_m2 < options.least_area_m2) return false;
   const bool has_moved = region.kind == RegionKind::kMovedTowards || region.kind == RegionKind::kMovedAway;
-  return !has_moved || std::abs(region.mean_distance_m) + region.sigma_m >= options.least_change_m;
+  return !has_moved || std::abs(region.mean_distance_m) >= kMeanShare * options.least_change_m;
 }
 
 }  // namespace
@@ -85,7 +89,7 @@ std::vector<ChangedRegion> changed_regions(const ComparedSurface& surface, bool 
   std::vector<ChangedRegion> regions;
   for (auto& [root, places] : members) {
     ChangedRegion region = region_of(surface, std::move(places), is_first);
-    if (is_large_enough(region, options)) regions.push_back(std::move(region));
+    if (is_large_enough(region, surface, options)) regions.push_back(std::move(region));
   }
   std::stable_sort(regions.begin(), regions.end(), [](const ChangedRegion& x, const ChangedRegion& y) { return x.area_m2 > y.area_m2; });
   return regions;

@@ -28,9 +28,9 @@ struct ChangedRegion {
 };
 
 // Joins places of the same state that are within two spacings of each other. `is_first`: the surface is the first scan's,
-// whose gone places were removed; otherwise only gone places count, which were added. Regions below the least area are
-// dropped, and moved ones whose mean distance is smaller than the least change by more than its standard deviation. The others are sorted
-// by descending area.
+// whose gone places were removed; otherwise only gone places count, which were added. Regions whose certain places have
+// less than the least area are dropped, and moved ones whose mean distance is below nine tenths of the least change. The
+// others are sorted by descending area.
 std::vector<ChangedRegion> changed_regions(const ComparedSurface& surface, bool is_first, const ChangeOptions& options);
 
 }  // namespace hermite

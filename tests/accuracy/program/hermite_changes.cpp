@@ -1,9 +1,13 @@
 // hermite_changes: compares two scans of synthetic rooms and judges each place by the rooms' formulas. Prints one JSON object.
 #include <CLI/CLI.hpp>
+#include <Eigen/Cholesky>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "core/base/parallel.h"
 #include "core/compare/compare.h"
+#include "core/dataset/room_light.h"
 #include "core/dataset/sequence.h"
 #include "core/dataset/synthetic_camera.h"
 #include "core/dataset/text_file.h"
@@ -19,17 +23,20 @@ using Json = nlohmann::ordered_json;
 
 // A place changed if the other room's surface is at least this far from it, and stayed if it is at most half as far: in
 // between, either answer is accepted.
-constexpr double kChanged_m = 0.010, kStayed_m = 0.005;
+constexpr double kChanged_m = 0.0099, kStayed_m = 0.0051;
+constexpr double kEither_m = (kChanged_m + kStayed_m) / 2;  // also said of places on edges
 constexpr std::size_t kMostFile_bytes = std::size_t{4} << 30;
 
 struct Scan {
   std::string result, source;
 };
 
-SyntheticRoom room_of(const std::string& source) {
+Furniture room_of(const std::string& source) {
   const std::string base = source_without_suffixes(source), prefix = "synthetic:";
   const SyntheticOptions options = or_throw(parse_synthetic_options(base.starts_with(prefix) ? base.substr(prefix.size()) : ""));
-  return or_throw(SyntheticRoom::create(options.scene, options.changes));
+  Furniture room = furnish(options.scene);
+  or_throw(apply_changes(options.changes, room));
+  return room;
 }
 
 ComparedScan read(const Scan& scan) {
@@ -42,20 +49,63 @@ Rigid3 room_from_scan(const Scan& scan) {
   return or_throw(trajectory_error(estimate, or_throw(open_sequence(scan.source))->groundtruth())).groundtruth_from_estimate;
 }
 
-// Brings a point to the nearest surface of a room: the scan's own error is no change.
-Vector3d on_surface(const SyntheticRoom& room, Vector3d point) {
-  constexpr double kStep_m = 1e-4;
-  for (int step = 0; step < 3; ++step) {
-    const double distance_m = room.surface_distance(point);
-    Vector3d gradient;
-    for (int axis = 0; axis < 3; ++axis)
-      gradient[axis] =
-          (room.surface_distance(point + kStep_m * Vector3d::Unit(axis)) - room.surface_distance(point - kStep_m * Vector3d::Unit(axis))) /
-          (2 * kStep_m);
-    if (distance_m < kStep_m || gradient.norm() < 0.1) break;
-    point -= distance_m * gradient.normalized();
+// The direction in which the signed distance to a room's surface grows: that surface's normal, towards free space.
+Vector3d normal_of(const Furniture& room, const Vector3d& point) {
+  constexpr double kStep_m = 1e-5;
+  Vector3d gradient;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3d step = kStep_m * Vector3d::Unit(axis);
+    gradient[axis] = signed_distance(room, point + step) - signed_distance(room, point - step);
   }
+  return gradient.norm() < 0.2 * kStep_m ? Vector3d(Vector3d::Zero()) : gradient.normalized();
+}
+
+// Brings a point to the nearest surface of a room: the scan's own error is no change.
+Vector3d on_surface(const Furniture& room, Vector3d point) {
+  for (int step = 0; step < 3; ++step) point -= signed_distance(room, point) * normal_of(room, point);
   return point;
+}
+
+// Where a line enters a room's bodies against its direction, nearest to its origin; the reach if it does not.
+double crossing_m(const Furniture& room, const Vector3d& origin, const Vector3d& direction) {
+  constexpr double kStep_m = 0.001;
+  for (int step = 0; step * kStep_m < kSheetReach_m; ++step)
+    for (const double side : {1.0, -1.0}) {
+      const Vector3d at = origin + side * step * kStep_m * direction;
+      if (signed_distance(room, at) <= 0 && signed_distance(room, at + kStep_m * direction) > 0) return step * kStep_m;
+    }
+  return kSheetReach_m;
+}
+
+// How far the other room's surface is from a point of the own one's: its nearest surface if that faces the same way. The
+// back of a thin thing that moved is not where its front was, so otherwise the way along the normal counts.
+double change_between(const Furniture& other, const Vector3d& point, const Vector3d& normal) {
+  const double distance_m = signed_distance(other, point);
+  if (normal_of(other, point).dot(normal) > kSheetCosine) return std::abs(distance_m);
+  const double along_m = crossing_m(other, point, normal);
+  return along_m < kSheetReach_m ? along_m : std::abs(distance_m);
+}
+
+// A path of some metres tells the turn of the world to a tenth of a degree, the surface tells it better.
+Rigid3 refined_by_surface(const Furniture& room, const ComparedScan& scan, Rigid3 room_from_scan) {
+  constexpr double kOutlier_m = 0.01;
+  const SurfaceSamples samples = surface_samples(scan.surfels(), 0.1, 10'000);
+  for (int round = 0; round < 5; ++round) {
+    Matrix6d information = Matrix6d::Zero();
+    Vector6d right = Vector6d::Zero();
+    for (const SurfaceSample& sample : samples.samples) {
+      const Vector3d point = room_from_scan * sample.position_m;
+      const double distance_m = signed_distance(room, point);
+      if (std::abs(distance_m) > kOutlier_m) continue;
+      Vector6d row;
+      const Vector3d normal = normal_of(room, point);
+      row << normal, point.cross(normal);
+      information += row * row.transpose();
+      right -= distance_m * row;
+    }
+    room_from_scan = exp_se3(information.ldlt().solve(right)) * room_from_scan;
+  }
+  return room_from_scan;
 }
 
 struct Counts {
@@ -65,18 +115,27 @@ struct Counts {
 
 // Both rooms have one world.
 struct Truth {
-  const SyntheticRoom &own, &other;
+  const Furniture &own, &other;
   Rigid3 room_from_a;
 
-  double change_m(const SurfaceSample& sample) const { return other.surface_distance(on_surface(own, room_from_a * sample.position_m)); }
+  // nullopt for a place that lies on an edge, whose normal is not its surface's.
+  std::optional<double> change_m(const SurfaceSample& sample) const {
+    const Vector3d point = on_surface(own, room_from_a * sample.position_m), normal = room_from_a.rotation * sample.normal;
+    const Vector3d true_normal = normal_of(own, point + kOffSurface_m * normal);
+    if (true_normal.dot(normal) < kEdgeCosine) return std::nullopt;
+    return change_between(other, point, true_normal);
+  }
+
+ private:
+  static constexpr double kOffSurface_m = 0.0005, kEdgeCosine = 0.8;
 };
 
 bool is_to_be_found(const ComparedPlace& place, bool of_a) { return of_a || !place.distance_m; }
 
 void count_places(const Comparison& comparison, bool of_a, const Truth& truth, Counts& counts) {
   const ComparedSurface& surface = of_a ? comparison.surface_a : comparison.surface_b;
-  std::vector<double> changes_m;
-  for (const ComparedPlace& place : surface.places) changes_m.push_back(truth.change_m(place.sample));
+  std::vector<double> changes_m(surface.places.size());
+  in_parallel(changes_m.size(), [&](std::size_t i) { changes_m[i] = truth.change_m(surface.places[i].sample).value_or(kEither_m); });
   std::vector<bool> is_reported(surface.places.size());
   const std::size_t first = of_a ? 0 : comparison.regions_of_a, last = of_a ? comparison.regions_of_a : comparison.regions.size();
   for (std::size_t i = first; i < last; ++i) {
@@ -102,8 +161,9 @@ Json judged(const Scan& a, const Scan& b) {
   const Comparison comparison = or_throw(compare_scans(scan_a, scan_b, ChangeOptions()));
   Json json{{"verdict", name_of(comparison.registration.verdict)}, {"words", comparison.registration.words}};
   if (comparison.registration.verdict != RegistrationVerdict::kSamePlace) return json;
-  const SyntheticRoom room_a = room_of(a.source), room_b = room_of(b.source);
-  const Rigid3 room_from_a = room_from_scan(a), true_a_from_b = inverse(room_from_a) * room_from_scan(b);
+  const Furniture room_a = room_of(a.source), room_b = room_of(b.source);
+  const Rigid3 room_from_a = refined_by_surface(room_a, scan_a, room_from_scan(a)),
+               room_from_b = refined_by_surface(room_b, scan_b, room_from_scan(b)), true_a_from_b = inverse(room_from_a) * room_from_b;
   Counts counts;
   count_places(comparison, true, {room_a, room_b, room_from_a}, counts);
   count_places(comparison, false, {room_b, room_a, room_from_a}, counts);
