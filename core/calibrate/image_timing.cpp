@@ -5,12 +5,6 @@
 #include <iterator>
 
 namespace hermite {
-namespace {
-
-// Timestamps in a trajectory file are rounded to microseconds.
-constexpr double kSameTime_s = 1e-4;
-
-}  // namespace
 
 std::optional<Vector6d> twist_per_s_at(const Trajectory& trajectory, double timestamp_s) {
   const auto time_of = [](const TimedPose& pose) { return pose.timestamp_s; };

@@ -32,6 +32,7 @@ inline Eigen::Vector3d velocity_of(const Eigen::Vector3d& point_m, const Vector6
 // ends of the trajectory and beside gaps, from one of them. std::nullopt if neither is at most kMaxPoseGap_s away, or
 // if there is no pose at that time.
 inline constexpr double kMaxPoseGap_s = 0.1;
+inline constexpr double kSameTime_s = 1e-4;  // timestamps in a trajectory file are rounded to microseconds
 std::optional<Vector6d> twist_per_s_at(const Trajectory& trajectory, double timestamp_s);
 
 }  // namespace hermite

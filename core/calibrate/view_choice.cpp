@@ -4,13 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/calibrate/image_timing.h"
+
 namespace hermite {
 namespace {
 
 constexpr double kStep_rad = 8 * std::numbers::pi / 180, kStep_m = 0.15;
-
-// Timestamps in a trajectory file are rounded to microseconds.
-constexpr double kSameTime_s = 1e-4;
 
 constexpr double kLeastOverlap = 0.25;
 // The largest distance of a point from a surface it belongs to, above the errors of poses that a

@@ -64,7 +64,7 @@ TEST(NotSanitized, NamesTestsThatExist) {
       EXPECT_TRUE(tests.lower_bound(name[1].str() + ".")->starts_with(name[1].str() + ".")) << line;
     else if (std::regex_search(line, name, std::regex(R"(^(?:[A-Za-z]+/)?([A-Za-z]+)\.([A-Za-z0-9]+)(?:/\*)?  )")))
       EXPECT_TRUE(tests.contains(name[1].str() + "." + name[2].str())) << line;
-    else if (std::regex_search(line, name, std::regex("^([a-z_]+)  ")))
+    else if (std::regex_search(line, name, std::regex("^([a-z0-9_]+)  ")))
       EXPECT_TRUE(std::regex_search(scripts, std::regex("[ (]" + name[1].str() + "[ )]"))) << line;
     else
       ADD_FAILURE() << "neither a test nor a script, two spaces and a reason: " << line;
