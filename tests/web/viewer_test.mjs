@@ -318,7 +318,7 @@ test('all frames of a finished scan can be looked back at', { timeout: 60_000 },
   const facts = page.locator('.frame-facts');
   const slider = page.getByRole('slider', { name: 'Frame' });
   // Of what is drawn: how many different colours, by kind of image.
-  const colors = () => page.locator('canvas.frame-image:not(.missing)').evaluateAll((all) => all.map((canvas) => new Set(new Uint32Array(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size));
+  const colors = () => page.locator('.card.frames:not(.live) canvas.frame-image:not(.missing)').evaluateAll((all) => all.map((canvas) => new Set(new Uint32Array(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size));
   await page.locator('.picture').press('t');
   await facts.getByText('Frame 0 / 35').waitFor();
   await slider.press('End');

@@ -66,7 +66,7 @@ export function scanPage(scanId: string, token: string, view: string): ScanPage 
   const floor = scene && floorPicker(canvas, (x_px, y_px) => setFloor(scene, scanId, x_px, y_px));
   scene?.setUp(storedUp(localStorage, scanId));
   const bar = titleBar(scan, token, {
-    actions: () => (scene && floor && tools ? viewActions({ scanId, scene, floor, ...tools }) : []),
+    actions: () => (scene && floor && tools ? viewActions({ scanId, scene, floor, options, ...tools }) : []),
     link: query,
   });
   const panels: Panel[] = [bar];
@@ -257,9 +257,10 @@ interface ViewWorld {
   readonly frames: FramesPanel;
   readonly section: SectionPanel;
   readonly notes: NotesPanel;
+  readonly options: OptionsStore;
 }
 
-function viewActions({ scanId, scene, floor, frames, section, notes }: ViewWorld): MenuItem[] {
+function viewActions({ scanId, scene, floor, frames, section, notes, options }: ViewWorld): MenuItem[] {
   const chosen = storedUp(localStorage, scanId) !== null;
   const again = (): void => {
     storeUp(localStorage, scanId, null);
@@ -269,6 +270,7 @@ function viewActions({ scanId, scene, floor, frames, section, notes }: ViewWorld
     ...(!notes.button.hidden ? [{ label: t.notes, phoneOnly: true, do: notes.toggle }] : []),
     ...(!section.button.hidden ? [{ label: t.section, phoneOnly: true, do: section.toggle }] : []),
     ...(!frames.button.hidden ? [{ label: t.frames, phoneOnly: true, do: frames.toggle }] : []),
+    { label: t.coverage, phoneOnly: true, do: () => options.dispatch({ coverage: !options.get().coverage }) },
     { label: t.quality, phoneOnly: true, do: () => void (location.hash = qualityHash(scanId)) },
     { label: t.setTheFloor, do: () => floor.begin() },
     ...(chosen ? [{ label: t.findTheFloorAgain, do: again }] : []),

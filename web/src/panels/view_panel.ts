@@ -62,6 +62,7 @@ export function viewPanel(options: Store<ViewOptions, Partial<ViewOptions>>, sca
     slider.hidden = onSurface;
     colors.element.hidden = onSurface || state.coverage;
     coverage.hidden = framesReceived === 0;
+    coverage.classList.toggle('in-menu', phase !== 'running' && !state.coverage); // on a phone
     coverage.setAttribute('aria-pressed', String(state.coverage));
     colors.check(state.color);
     size.value = String(state.pointSize_percent);
