@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kMaxObjectsKnown = 256;                   // whose checksums are kept in memory
 constexpr std::size_t kMaxBlocksKept_bytes = 64 * 1024 * 1024;  // for those who read an object piece by piece
 constexpr std::size_t kMaxSpanKept = 2;                         // blocks; who asks for more does not read piece by piece
-constexpr int kReadAttempts = 12;                                // while the object is being replaced, or its bytes are wrong
+constexpr int kReadAttempts = 12;                               // while the object is being replaced, or its bytes are wrong
 constexpr std::size_t kMaxPage_bytes = 4 * 1024 * 1024;         // of a list of a thousand keys
 constexpr int kMaxPages = 100'000;
 constexpr const char *kOwnerKey = "owner", *kCheckKey = "check/probe";

@@ -268,7 +268,7 @@ void LiveScan::worker_says(const std::string& words) {
 
 void LiveScan::ended(ScanEnd end) {
   audience_->tell_mesh_wanted(nullptr);
-  worker_.reset();  // its thread has ended: this was its last event
+  worker_.reset();                    // its thread has ended: this was its last event
   const Status kept = log_->close();  // from here on everything is on disk, or never will be
   log_.reset();
   // Its results are complete. The camera has been told of fewer durable frames, but is about to forget them all.
