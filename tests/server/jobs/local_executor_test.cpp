@@ -227,7 +227,8 @@ TEST_F(LocalExecutorTest, AnEndThatCannotBeStoredIsToldAndStoredLater) {
   EXPECT_EQ(world_.store().job(done)->state, JobState::kRunning);
   EXPECT_EQ(world_.executor().status(done)->row.state, JobState::kFinished);
   EXPECT_EQ(world_.executor().status(lacks)->row.state, JobState::kQueued);
-  for (const JobStatus& listed : *world_.executor().list()) EXPECT_NE(listed.row.state, JobState::kRunning);
+  const std::vector<JobStatus> listed = *world_.executor().list();
+  for (const JobStatus& job : listed) EXPECT_NE(job.row.state, JobState::kRunning);
   world_.store_takes_jobs(true);
   world_.has_room = true;
   world_.wait(kFirstRoomPause_ms);
