@@ -7,7 +7,6 @@
 #include <system_error>
 
 #include "core/calibrate/calibrate.h"
-#include "core/calibrate/retimed_sequence.h"
 #include "core/dataset/camera_file.h"
 #include "core/dataset/changed_sequence.h"
 #include "core/output/ply.h"
@@ -48,14 +47,6 @@ int dump_raw(const std::string& path, const Sequence& sequence, FrameRange range
   return 0;
 }
 
-// Applies what a calibration has found. `trajectory` is the one on which it is based.
-std::unique_ptr<Sequence> corrected(std::unique_ptr<Sequence> sequence, const Calibration& calibration, Trajectory trajectory) {
-  if (!(calibration.camera == sequence->camera()))
-    sequence = std::make_unique<RecalibratedSequence>(std::move(sequence), calibration.camera);
-  if (calibration.timing == ImageTiming{}) return sequence;
-  return std::make_unique<RetimedSequence>(std::move(sequence), calibration.timing, std::move(trajectory));
-}
-
 // Reconstructs, and repeats that with the camera if calibration finds a better one. Appends an object to `calibrations`
 // each time.
 OfflineRun reconstruct_calibrated(std::unique_ptr<Sequence>& sequence, FrameRange range, const Options& options, const std::string& device,
@@ -65,9 +56,8 @@ OfflineRun reconstruct_calibrated(std::unique_ptr<Sequence>& sequence, FrameRang
     const Calibration calibration = calibrate(*sequence, range, tracked_poses(run));
     calibrations.push_back(nlohmann::ordered_json::parse(format_calibration_json(calibration)));
     if (!calibration.is_applied) break;
-    Trajectory trajectory = tracked_poses(run);
     run = {};  // frees its memory for the next run
-    sequence = corrected(std::move(sequence), calibration, std::move(trajectory));
+    sequence = std::make_unique<RecalibratedSequence>(std::move(sequence), calibration.camera);
     run = reconstruct_frames(*sequence, range, options, device);
   }
   return run;

@@ -9,6 +9,7 @@
 #include "core/adjust/features.h"
 #include "core/base/check.h"
 #include "core/calibrate/view_choice.h"
+#include "core/dataset/camera_velocity.h"
 #include "core/frame/rectify.h"
 
 namespace hermite {
@@ -100,7 +101,7 @@ class Search {
   double gain_in_errors(const Trial& without, const Trial& with, std::size_t number) const {
     const auto squares = [&](const Trial& trial) {
       const std::vector<Rigid3>& poses = trial.solution.world_from_camera;
-      const TrialCamera camera = changed(camera_, trial.solution.change);
+      const Camera camera = changed(camera_, trial.solution.change);
       return number == kDepthReadout ? squares_of(agreements_of(views_, poses, pairs_.held_back, camera))
                                      : squares_of(corner_reprojections_of(views_, poses, pairs_.held_back, camera));
     };
@@ -190,8 +191,8 @@ bool agrees_better(const Trial& as_it_was, const Trial& best) {
 void conclude(Calibration& result, const Camera& camera, const Trial& as_it_was, const Trial& best, const FreeNumbers& is_free) {
   const bool is_any_free = std::ranges::find(is_free, true) != is_free.end();
   const bool is_timing_alone = std::find(is_free.begin(), is_free.begin() + kDepthReadout, true) == is_free.begin() + kDepthReadout;
-  const TrialCamera corrected = changed(camera, best.solution.change);
-  result.is_applied = is_any_free && (is_timing_alone || agrees_better(as_it_was, best)) && validate(corrected.camera).ok();
+  const Camera corrected = changed(camera, best.solution.change);
+  result.is_applied = is_any_free && (is_timing_alone || agrees_better(as_it_was, best)) && validate(corrected).ok();
   if (!is_any_free) result.reason = "no parameter of the camera is off, or none reliably so; see the reason of each";
   for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
     if (!is_free[k]) continue;
@@ -200,8 +201,7 @@ void conclude(Calibration& result, const Camera& camera, const Trial& as_it_was,
     if (!result.is_applied) result.numbers[k].reason = result.reason = "the held-out pairs of views do not agree better with the result";
   }
   if (!result.is_applied) return;
-  result.camera = corrected.camera;
-  result.timing = corrected.timing;
+  result.camera = corrected;
   result.after = best.held_back;
 }
 
@@ -209,7 +209,8 @@ void conclude(Calibration& result, const Camera& camera, const Trial& as_it_was,
 
 Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& camera, const CalibrateOptions& options) {
   Camera straight = rectified(camera);
-  straight.depth_correction = camera.depth_correction;  // patches have depth as measured, so this correction applies to them
+  straight.depth_correction = camera.depth_correction;  // views are as measured, so these two apply to them
+  straight.timing = camera.timing;
   const Search search(views, straight, options);
   Calibration result;
   result.camera = camera;

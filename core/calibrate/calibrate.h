@@ -1,6 +1,6 @@
 // Self-calibration: finds errors of a recording's camera in the recording itself, namely of focal
 // length, principal point, the parameters of DepthCorrection, and the time at which rows of its images are taken
-// (image_timing.h). A wrong camera distorts surfaces
+// (core/math/image_timing.h). A wrong camera distorts surfaces
 // differently from each viewpoint, so views from different places contradict each other, whatever
 // their poses.
 //
@@ -43,8 +43,7 @@ struct FoundNumber {
 };
 
 struct Calibration {
-  Camera camera;       // the given camera with the applied parameters
-  ImageTiming timing;  // the applied parameters; RetimedSequence (retimed_sequence.h) corrects the frames
+  Camera camera;  // the given camera with the applied parameters
   bool is_applied = false;
   std::string reason;                // why nothing is applied, as text
   std::vector<FoundNumber> numbers;  // all, in the order of CameraNumber; empty if there was too little data

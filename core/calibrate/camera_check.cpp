@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/calibrate/pair_agreement.h"
 #include "core/calibrate/view_choice.h"
@@ -15,11 +16,18 @@ namespace {
 // Kinect noise, 12 to 40 views give deviations of 0.02 to 0.07 % of focal length and 0.01 to 0.03 %
 // of bend, and values up to 0.21 and 0.09 % if nothing is off. If something else is wrong, as with
 // redkitchen's sensor or fr1's shutter, the deviations are 0.25 to 1.6 % and 0.04 to 0.6 %.
+//
+// The timing need not be known: it does no harm to a camera that moves too slowly for it to show.
 struct Asked {
   CameraNumber number;
   double usual, known, off;
 };
-constexpr std::array<Asked, 2> kAsked{{{kFocal, 0.010, 0.0015, 0.004}, {kBend, 0.015, 0.0005, 0.003}}};
+constexpr double kNeedNotBeKnown = std::numeric_limits<double>::infinity();
+constexpr std::array<Asked, 5> kAsked{{{kFocal, 0.010, 0.0015, 0.004},
+                                       {kBend, 0.015, 0.0005, 0.003},
+                                       {kDepthReadout, 0.015, kNeedNotBeKnown, 0.005},
+                                       {kColorReadout, 0.015, kNeedNotBeKnown, 0.005},
+                                       {kColorDelay, 0.012, kNeedNotBeKnown, 0.003}}};
 
 // An error must be this many standard deviations, and at most this many usual errors; beyond that
 // it is not the camera's.
@@ -51,11 +59,16 @@ struct Question {
   }
 };
 
-bool is_known(const JointSolution& solution) {
-  return std::all_of(kAsked.begin(), kAsked.end(), [&solution](const Asked& asked) {
-    const auto k = static_cast<Eigen::Index>(asked.number);
-    return solution.deviation[k] <= asked.known && std::abs(solution.change[k]) <= kMostUsual * asked.usual;
+bool is_plausible(const JointSolution& solution) {
+  return std::ranges::all_of(kAsked, [&solution](const Asked& asked) {
+    return std::abs(solution.change[static_cast<Eigen::Index>(asked.number)]) <= kMostUsual * asked.usual;
   });
+}
+
+bool is_known(const JointSolution& solution) {
+  return is_plausible(solution) && std::ranges::all_of(kAsked, [&solution](const Asked& asked) {
+           return solution.deviation[static_cast<Eigen::Index>(asked.number)] <= asked.known;
+         });
 }
 
 FreeNumbers numbers_off(const JointSolution& solution) {
@@ -81,13 +94,50 @@ bool halves_agree(const Question& question, const FreeNumbers& is_free, const Jo
   return true;
 }
 
-bool pairs_gain(const Question& question, const JointSolution& as_it_was, const JointSolution& better) {
-  const auto squares = [&question](const JointSolution& solution) {
-    return squares_of(
-        agreements_of(question.views, solution.world_from_camera, question.pairs.held_back, changed(question.camera, solution.change)));
+// By how much the held-out pairs agree better, in their surfaces or in their corners.
+PairGain gain_of_pairs(const Question& question, const JointSolution& as_it_was, const JointSolution& better, bool in_corners) {
+  const auto squares = [&](const JointSolution& solution) {
+    const Camera camera = changed(question.camera, solution.change);
+    const std::vector<Rigid3>& poses = solution.world_from_camera;
+    return in_corners ? squares_of(corner_reprojections_of(question.views, poses, question.pairs.held_back, camera))
+                      : squares_of(agreements_of(question.views, poses, question.pairs.held_back, camera));
   };
-  const PairGain gain = gain_of(squares(as_it_was), squares(better));
-  return gain.pair_count >= kLeastPairsHeldBack && gain.mean >= kLeastMeanGain && gain.mean >= kLeastMeanGainErrors * gain.standard_error;
+  return gain_of(squares(as_it_was), squares(better));
+}
+
+bool is_certain(const PairGain& gain) {
+  return gain.pair_count >= kLeastPairsHeldBack && gain.mean >= kLeastMeanGainErrors * gain.standard_error;
+}
+
+// Whether the held-out pairs agree better with the shape of the camera, and with each number of its timing. The timing
+// shows in fast movements only, so the mean over all pairs may gain little by it.
+bool pairs_gain(const Question& question, const FreeNumbers& is_free, const JointSolution& found) {
+  FreeNumbers timing_alone = is_free;
+  timing_alone[kFocal] = timing_alone[kBend] = false;
+  if (timing_alone != is_free) {
+    const PairGain gain = gain_of_pairs(question, question.solve(question.pairs.fitted, timing_alone, &found), found, false);
+    if (!is_certain(gain) || gain.mean < kLeastMeanGain) return false;
+  }
+  for (const CameraNumber number : {kDepthReadout, kColorReadout, kColorDelay}) {
+    if (!is_free[number]) continue;
+    FreeNumbers without = is_free;
+    without[number] = false;
+    const JointSolution as_it_was = question.solve(question.pairs.fitted, without, &found);
+    if (!is_certain(gain_of_pairs(question, as_it_was, found, number != kDepthReadout))) return false;
+  }
+  return true;
+}
+
+// Judges a solution with these free parameters.
+CameraCheck verdict_on(const Question& question, const FreeNumbers& is_free, JointSolution found) {
+  const FreeNumbers is_off = numbers_off(found);
+  if (is_off == FreeNumbers{}) return {CameraVerdict::kFits};
+  if (is_off != is_free) {
+    found = question.solve(question.pairs.fitted, is_off, &found);
+    if (numbers_off(found) != is_off) return {};
+  }
+  if (!is_plausible(found) || !halves_agree(question, is_off, found) || !pairs_gain(question, is_off, found)) return {};
+  return {CameraVerdict::kIsOff, found.change};
 }
 
 }  // namespace
@@ -95,19 +145,17 @@ bool pairs_gain(const Question& question, const JointSolution& as_it_was, const 
 CameraCheck check_camera(const std::vector<CalibrationView>& views, const Camera& camera) {
   const Question question{views, camera, choose_pairs(views, camera)};
   if (question.pairs.fitted.size() < kLeastPairs || question.pairs.held_back.size() < kLeastPairsHeldBack) return {};
-  FreeNumbers is_free{};
-  for (const Asked& asked : kAsked) is_free[asked.number] = true;
-  JointSolution found = question.solve(question.pairs.fitted, is_free, nullptr);
-  if (!is_known(found)) return {};
-  is_free = numbers_off(found);
-  if (is_free == FreeNumbers{}) return {CameraVerdict::kFits};
-  if (is_free[kFocal] != is_free[kBend]) {
-    found = question.solve(question.pairs.fitted, is_free, &found);
-    if (numbers_off(found) != is_free) return {};
-  }
-  if (!halves_agree(question, is_free, found)) return {};
-  if (!pairs_gain(question, question.solve(question.pairs.fitted, {}, &found), found)) return {};
-  return {CameraVerdict::kIsOff, found.change[kFocal], found.change[kBend]};
+  const bool has_velocities = std::ranges::all_of(views, [](const CalibrationView& view) { return view.known_twist_per_s.has_value(); });
+  FreeNumbers shape{}, timing{};
+  for (const Asked& asked : kAsked) (is_timing(asked.number) ? timing : shape)[asked.number] = true;
+  FreeNumbers all = shape;
+  for (std::size_t k = 0; k < kCameraNumberCount; ++k) all[k] = all[k] || (has_velocities && timing[k]);
+  const JointSolution found = question.solve(question.pairs.fitted, all, nullptr);
+  if (is_known(found)) return verdict_on(question, all, found);
+  if (!has_velocities) return {};
+  // Something else is wrong with the camera, or its movement does not tell its shape; the timing may be clear nevertheless.
+  const CameraCheck of_timing = verdict_on(question, timing, question.solve(question.pairs.fitted, timing, &found));
+  return of_timing.verdict == CameraVerdict::kIsOff ? of_timing : CameraCheck{};
 }
 
 }  // namespace hermite

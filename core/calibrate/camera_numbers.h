@@ -2,9 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstddef>
 
-#include "core/calibrate/image_timing.h"
 #include "core/math/camera.h"
 
 namespace hermite {
@@ -16,19 +16,28 @@ enum CameraNumber : std::size_t {
   kCenterY,        // added to cy [px]
   kBend,           // added to DepthCorrection::bend
   kInverseOffset,  // added to DepthCorrection::inverse_offset_per_m
-  kDepthReadout,   // ImageTiming::depth_readout_s
-  kColorReadout,   // ImageTiming::color_readout_s
-  kColorDelay,     // ImageTiming::color_delay_s
+  kDepthReadout,   // added to ImageTiming::depth_readout_s
+  kColorReadout,   // added to ImageTiming::color_readout_s
+  kColorDelay,     // added to ImageTiming::color_delay_s
   kCameraNumberCount,
 };
+inline constexpr std::size_t kTimingNumberCount = kCameraNumberCount - kDepthReadout;  // the last ones
 using CameraVector = Eigen::Matrix<double, kCameraNumberCount, 1>;
 
 inline bool is_timing(std::size_t number) { return number >= kDepthReadout; }
 
-struct TrialCamera {
-  Camera camera;
-  ImageTiming timing{};
-};
-TrialCamera changed(const Camera& camera, const CameraVector& change);
+// Returns the camera with this change of its parameters.
+inline Camera changed(Camera camera, const CameraVector& change) {
+  camera.fx *= std::exp(change[kFocal]);
+  camera.fy *= std::exp(change[kFocal]);
+  camera.cx += change[kCenterX];
+  camera.cy += change[kCenterY];
+  camera.depth_correction.bend += change[kBend];
+  camera.depth_correction.inverse_offset_per_m += change[kInverseOffset];
+  camera.timing.depth_readout_s += change[kDepthReadout];
+  camera.timing.color_readout_s += change[kColorReadout];
+  camera.timing.color_delay_s += change[kColorDelay];
+  return camera;
+}
 
 }  // namespace hermite

@@ -1,18 +1,18 @@
 // Checks during a scan whether its camera's calibration fits its views. It has fewer views than
-// calibrate.h and is therefore more cautious: it only tests focal length and depth bend, which harm
-// tracking most, and it only gives a verdict if the views agree as well as those of a camera
-// without other errors.
+// calibrate.h and is therefore more cautious: it only tests focal length, depth bend, and when the
+// rows of the images are taken, which harm tracking most, and it only gives a verdict if the views
+// agree as well as those of a camera without other errors.
 //
 // One thread at a time. Views are prepared and checked on helper threads; the results depend on the
 // frames alone.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
 
 #include "core/base/byte_stream.h"
+#include "core/calibrate/camera_numbers.h"
 #include "core/frame/rgbd_frame.h"
 #include "core/math/camera.h"
 #include "core/math/rigid3.h"
@@ -23,17 +23,9 @@ enum class CameraVerdict { kUnknown, kFits, kIsOff };
 
 struct CameraCheck {
   CameraVerdict verdict = CameraVerdict::kUnknown;
-  // The correction of a camera that is off: the logarithm of a factor of its focal length, and an
-  // addition to DepthCorrection::bend. 0: this parameter is not off.
-  double focal = 0, bend = 0;
+  // The correction of a camera that is off, see changed() in camera_numbers.h. 0: this parameter is not off.
+  CameraVector change = CameraVector::Zero();
 };
-
-inline Camera corrected(Camera camera, const CameraCheck& check) {
-  camera.fx *= std::exp(check.focal);
-  camera.fy *= std::exp(check.focal);
-  camera.depth_correction.bend += check.bend;
-  return camera;
-}
 
 // The standard deviations of the remaining errors of a camera that fits: what remained of 1 % and
 // 1.5 % after a correction from 12 to 16 views with a Kinect's noise (tests/accuracy/README.md, "A
@@ -43,6 +35,10 @@ inline constexpr double kFittingFocal = 0.0015, kFittingBend = 0.001;
 class CameraWatch {
  public:
   virtual ~CameraWatch() = default;
+
+  // Call it first for every frame that is not lost, with its pose relative to the last such frame;
+  // nullopt if that is unknown.
+  virtual void step(double timestamp_s, const std::optional<Rigid3>& last_from_camera) = 0;
 
   // Call it for every frame that is not lost; returns whether view() would keep the frame.
   virtual bool wants(const Rigid3& world_from_camera) const = 0;

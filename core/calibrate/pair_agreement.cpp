@@ -63,7 +63,7 @@ class CornerSum {
 
 template <class Sum>
 auto sums_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera, const std::vector<ViewPair>& pairs,
-             const TrialCamera& trial) {
+             const Camera& trial) {
   const ViewMeasurement measurement(views, trial, 1);
   std::vector<decltype(Sum().agreement())> agreements;
   for (const ViewPair& pair : pairs) {
@@ -77,7 +77,7 @@ auto sums_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3
 }  // namespace
 
 PairAgreement agreement_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera,
-                           const std::vector<ViewPair>& pairs, const TrialCamera& trial) {
+                           const std::vector<ViewPair>& pairs, const Camera& trial) {
   const ViewMeasurement measurement(views, trial, 1);
   SurfaceSum sum;
   for (const ViewPair& pair : pairs) sum.add(measurement, world_from_camera, pair);
@@ -85,13 +85,13 @@ PairAgreement agreement_of(const std::vector<CalibrationView>& views, const std:
 }
 
 std::vector<PairAgreement> agreements_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera,
-                                         const std::vector<ViewPair>& pairs, const TrialCamera& trial) {
+                                         const std::vector<ViewPair>& pairs, const Camera& trial) {
   return sums_of<SurfaceSum>(views, world_from_camera, pairs, trial);
 }
 
 std::vector<CornerReprojection> corner_reprojections_of(const std::vector<CalibrationView>& views,
                                                         const std::vector<Rigid3>& world_from_camera, const std::vector<ViewPair>& pairs,
-                                                        const TrialCamera& trial) {
+                                                        const Camera& trial) {
   return sums_of<CornerSum>(views, world_from_camera, pairs, trial);
 }
 

@@ -17,10 +17,10 @@ struct PairAgreement {
   std::int64_t point_count = 0;
 };
 PairAgreement agreement_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera,
-                           const std::vector<ViewPair>& pairs, const TrialCamera& trial);
+                           const std::vector<ViewPair>& pairs, const Camera& trial);
 // The same for each pair separately.
 std::vector<PairAgreement> agreements_of(const std::vector<CalibrationView>& views, const std::vector<Rigid3>& world_from_camera,
-                                         const std::vector<ViewPair>& pairs, const TrialCamera& trial);
+                                         const std::vector<ViewPair>& pairs, const Camera& trial);
 
 // The reprojection errors of corners of the first view in the second one, in pixels of an image 640 wide. Corners are
 // matched within kMostApart_px of where they are expected, and errors are clipped to kMostCounted_px.
@@ -31,7 +31,7 @@ struct CornerReprojection {
 };
 std::vector<CornerReprojection> corner_reprojections_of(const std::vector<CalibrationView>& views,
                                                         const std::vector<Rigid3>& world_from_camera, const std::vector<ViewPair>& pairs,
-                                                        const TrialCamera& trial);
+                                                        const Camera& trial);
 
 // By how much pairs agree better after a change: the mean over pairs of the relative decrease of squares. Pairs without
 // a square before or after do not count.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/calibrate/image_timing.h"
+#include "core/dataset/camera_velocity.h"
 
 namespace hermite {
 namespace {

@@ -41,22 +41,11 @@ void move_to_time_stamp(const PatchGrid& grid, const Vector6d& twist_per_s, doub
 
 }  // namespace
 
-TrialCamera changed(const Camera& camera, const CameraVector& change) {
-  TrialCamera result{camera, {change[kDepthReadout], change[kColorReadout], change[kColorDelay]}};
-  result.camera.fx *= std::exp(change[kFocal]);
-  result.camera.fy *= std::exp(change[kFocal]);
-  result.camera.cx += change[kCenterX];
-  result.camera.cy += change[kCenterY];
-  result.camera.depth_correction.bend += change[kBend];
-  result.camera.depth_correction.inverse_offset_per_m += change[kInverseOffset];
-  return result;
-}
-
-ViewMeasurement::ViewMeasurement(const std::vector<CalibrationView>& views, const TrialCamera& trial, unsigned thread_count)
-    : views_(views), camera_(trial.camera), timing_(trial.timing), facets_(views.size()) {
+ViewMeasurement::ViewMeasurement(const std::vector<CalibrationView>& views, const Camera& trial, unsigned thread_count)
+    : views_(views), camera_(trial), facets_(views.size()) {
   for_all(views.size(), thread_count, [this](std::size_t i) {
     facets_[i] = facets_of(views_[i].patches, camera_);
-    move_to_time_stamp(views_[i].patches, views_[i].twist_per_s(), timing_.depth_readout_s, camera_.height, facets_[i]);
+    move_to_time_stamp(views_[i].patches, views_[i].twist_per_s(), camera_.timing.depth_readout_s, camera_.height, facets_[i]);
   });
 }
 
@@ -65,7 +54,7 @@ std::vector<SurfaceMatch> ViewMeasurement::surface_matches(std::uint32_t source,
   const PatchGrid &from = views_[source].patches, &to = views_[target].patches;
   const Eigen::Matrix3f rotation = target_from_source.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f translation = target_from_source.translation.cast<float>();
-  const Eigen::Matrix<float, 6, 1> moving = (timing_.depth_readout_s * views_[target].twist_per_s()).cast<float>();
+  const Eigen::Matrix<float, 6, 1> moving = (camera_.timing.depth_readout_s * views_[target].twist_per_s()).cast<float>();
   const Eigen::Array2f focal = Eigen::Array2d(camera_.fx, camera_.fy).cast<float>();
   const Eigen::Array2f center = Eigen::Array2d(camera_.cx, camera_.cy).cast<float>();
   const auto projected_px = [&](const Eigen::Vector3f& point) {
@@ -147,14 +136,13 @@ void ViewMeasurement::add_surfaces(std::uint32_t source, std::uint32_t target, c
 std::vector<LandmarkMatch> ViewMeasurement::corner_matches(std::uint32_t source, std::uint32_t target, const Rigid3& target_from_source,
                                                            const MeasurementGates& gates) const {
   // Of the time within colour only the delay is considered: the readout moves a corner by less than the gates.
-  const Rigid3 of_colors = exp_se3(-timing_.color_delay_s * views_[target].twist_per_s()) * target_from_source *
-                           exp_se3(timing_.color_delay_s * views_[source].twist_per_s());
+  const Rigid3 of_colors = exp_se3(-camera_.timing.color_delay_s * views_[target].twist_per_s()) * target_from_source *
+                           exp_se3(camera_.timing.color_delay_s * views_[source].twist_per_s());
   return match_corners(views_[source].features, views_[target].features, of_colors, camera_, gates.corner_px, gates.surface_m);
 }
 
-// When a pixel of colour is taken, after the time stamp.
 double ViewMeasurement::color_time_s(const Eigen::Vector2d& pixel_px) const {
-  return timing_.color_delay_s + timing_.color_readout_s * share_of_row(pixel_px.y(), camera_.height);
+  return camera_.timing.color_time_s(pixel_px.y(), camera_.height);
 }
 
 struct ViewMeasurement::Sighting {

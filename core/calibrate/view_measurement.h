@@ -25,7 +25,7 @@ struct CalibrationView {
   Rigid3 world_from_camera;
   PatchGrid patches;
   std::vector<Feature> features;  // with depth as measured
-  // Of the camera (image_timing.h); a view without it counts as one of a camera at rest.
+  // Of the camera (core/math/image_timing.h); a view without it counts as one of a camera at rest.
   std::optional<Vector6d> known_twist_per_s{};
 
   Vector6d twist_per_s() const { return known_twist_per_s.value_or(Vector6d::Zero()); }
@@ -74,7 +74,7 @@ void for_all(std::size_t count, unsigned thread_count, const Work& work) {
 // All views with one trial camera. Holds a reference to the views. Const functions are thread-safe.
 class ViewMeasurement {
  public:
-  ViewMeasurement(const std::vector<CalibrationView>& views, const TrialCamera& trial, unsigned thread_count);
+  ViewMeasurement(const std::vector<CalibrationView>& views, const Camera& trial, unsigned thread_count);
 
   const Camera& camera() const { return camera_; }
 
@@ -106,7 +106,6 @@ class ViewMeasurement {
 
   const std::vector<CalibrationView>& views_;
   const Camera camera_;
-  const ImageTiming timing_;
   std::vector<std::vector<Facet>> facets_;  // by view, at the view's time stamp
 };
 

@@ -71,30 +71,28 @@ Status read_numbers(const nlohmann::json& object, const std::vector<NamedNumber>
   return Done{};
 }
 
+// Reads those of the numbers that the object in `object[key]` has; all of them are optional, the object too.
+Status read_some_numbers(const nlohmann::json& object, const std::string& key, const std::vector<NamedNumber>& numbers) {
+  if (!object.contains(key)) return Done{};
+  const nlohmann::json& inner = object[key];
+  if (!inner.is_object()) {
+    std::string names;
+    for (const NamedNumber& one : numbers) names += (names.empty() ? "" : ", ") + std::string(one.key);
+    return key_error(key, "is not an object with " + names);
+  }
+  for (const NamedNumber& one : numbers)
+    if (inner.contains(one.key))
+      if (const Status status = read_numbers(inner, {one}); !status.ok()) return in_context("\"" + key + "\"", status.error());
+  return Done{};
+}
+
 // Returns the distortion in `object[key]`; none if that is missing.
 Result<Distortion> distortion_of(const nlohmann::json& object, const std::string& key) {
   Distortion distortion;
-  if (!object.contains(key)) return distortion;
-  const nlohmann::json& lens = object[key];
-  if (!lens.is_object()) return key_error(key, "is not an object with k1, k2, p1, p2, k3");
-  const NamedNumber numbers[] = {
-      {"k1", &distortion.k1}, {"k2", &distortion.k2}, {"p1", &distortion.p1}, {"p2", &distortion.p2}, {"k3", &distortion.k3}};
-  for (const NamedNumber& one : numbers)
-    if (lens.contains(one.key))
-      if (const Status status = read_numbers(lens, {one}); !status.ok()) return in_context("\"" + key + "\"", status.error());
-  return distortion;
-}
-
-Result<DepthCorrection> depth_correction_of(const nlohmann::json& object) {
-  constexpr const char* kKey = "depth_correction";
-  DepthCorrection distortion;
-  if (!object.contains(kKey)) return distortion;
-  const nlohmann::json& depth = object[kKey];
-  if (!depth.is_object()) return key_error(kKey, "is not an object with bend, inverse_offset_per_m");
-  for (const NamedNumber& one :
-       {NamedNumber{"bend", &distortion.bend}, NamedNumber{"inverse_offset_per_m", &distortion.inverse_offset_per_m}})
-    if (depth.contains(one.key))
-      if (const Status status = read_numbers(depth, {one}); !status.ok()) return in_context("\"depth_correction\"", status.error());
+  const Status status = read_some_numbers(
+      object, key,
+      {{"k1", &distortion.k1}, {"k2", &distortion.k2}, {"p1", &distortion.p1}, {"p2", &distortion.p2}, {"k3", &distortion.k3}});
+  if (!status.ok()) return status.error();
   return distortion;
 }
 
@@ -167,9 +165,16 @@ Result<CameraFile> parse_camera_json(const std::string& text) {
                                                {"depth_units_per_metre", &file.camera.depth_units_per_metre}});
   if (!numbers.ok()) return numbers.error();
   if (const Status status = read_lenses(object, file); !status.ok()) return status.error();
-  const Result<DepthCorrection> depth = depth_correction_of(object);
-  if (!depth.ok()) return depth.error();
-  file.camera.depth_correction = *depth;
+  DepthCorrection& depth = file.camera.depth_correction;
+  const Status of_depth =
+      read_some_numbers(object, "depth_correction", {{"bend", &depth.bend}, {"inverse_offset_per_m", &depth.inverse_offset_per_m}});
+  if (!of_depth.ok()) return of_depth.error();
+  ImageTiming& timing = file.camera.timing;
+  const Status of_timing = read_some_numbers(object, "timing",
+                                             {{"depth_readout_s", &timing.depth_readout_s},
+                                              {"color_readout_s", &timing.color_readout_s},
+                                              {"color_delay_s", &timing.color_delay_s}});
+  if (!of_timing.ok()) return of_timing.error();
   if (const Status status = validate(file.camera); !status.ok()) return status.error();
   if (object.contains("frame_rate_hz")) {
     const Result<double> rate = number_of(object, "frame_rate_hz");
@@ -215,6 +220,9 @@ std::string format_camera_json(const CameraFile& file) {
   object["color_distortion"] = lens(camera.color ? camera.color->distortion : camera.distortion);
   if (const DepthCorrection& depth = camera.depth_correction; depth != DepthCorrection{})
     object["depth_correction"] = {{"bend", depth.bend}, {"inverse_offset_per_m", depth.inverse_offset_per_m}};
+  if (const ImageTiming& timing = camera.timing; timing != ImageTiming{})
+    object["timing"] = {
+        {"depth_readout_s", timing.depth_readout_s}, {"color_readout_s", timing.color_readout_s}, {"color_delay_s", timing.color_delay_s}};
   object["color_camera"] = nullptr;
   if (camera.color) {
     const ColorCamera& color = *camera.color;

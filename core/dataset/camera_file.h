@@ -10,6 +10,8 @@
 //   depth_distortion  only together with color_camera: the distortion of the depth image.
 //   depth_correction  an object with any of bend and inverse_offset_per_m (Camera::depth_correction): the error of depth
 //                     as recorded. Written by `hermite calibrate`.
+//   timing            an object with any of depth_readout_s, color_readout_s and color_delay_s (Camera::timing): when the
+//                     rows of the images are taken. Written by `hermite calibrate`.
 // Other keys are ignored.
 #pragma once
 

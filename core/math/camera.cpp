@@ -82,6 +82,7 @@ Camera rectified(const Camera& camera) {
   pinhole.distortion = {};
   pinhole.color.reset();
   pinhole.depth_correction = {};
+  pinhole.timing = {};
   return pinhole;
 }
 
@@ -95,13 +96,16 @@ Status validate(const Camera& camera) {
   const Status lens =
       validate_lens("camera.", {camera.fx, camera.fy, camera.cx, camera.cy, camera.distortion}, camera.width, camera.height);
   if (!lens.ok()) return lens.error();
-  const Bound depth[] = {
+  const Bound rest[] = {
       {"depth_units_per_metre", camera.depth_units_per_metre, 1, 1e6},
       {"depth_correction.bend", camera.depth_correction.bend, -kMaxBend, kMaxBend},
       {"depth_correction.inverse_offset_per_m", camera.depth_correction.inverse_offset_per_m, -kMaxInverseOffset_per_m,
        kMaxInverseOffset_per_m},
+      {"timing.depth_readout_s", camera.timing.depth_readout_s, -kMaxReadout_s, kMaxReadout_s},
+      {"timing.color_readout_s", camera.timing.color_readout_s, -kMaxReadout_s, kMaxReadout_s},
+      {"timing.color_delay_s", camera.timing.color_delay_s, -kMaxColorDelay_s, kMaxColorDelay_s},
   };
-  for (const Bound& bound : depth)
+  for (const Bound& bound : rest)
     if (!is_within(bound)) return out_of_range("camera.", bound);
   if (camera.color) return validate_color(*camera.color, camera.width, camera.height);
   return Done{};

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/base/result.h"
+#include "core/math/image_timing.h"
 #include "core/math/rigid3.h"
 
 namespace hermite {
@@ -72,6 +73,7 @@ struct Camera {
   Distortion distortion{};                // of both images as received; project and unproject are for undistorted pixels
   std::optional<ColorCamera> color{};     // nullopt: depth is registered to colour. Otherwise all of the above is of the depth image only
   DepthCorrection depth_correction{};     // of depth as received, by pixel of the undistorted image
+  ImageTiming timing{};                   // of both images as received
   bool operator==(const Camera&) const = default;
 
   Eigen::Vector2d project(const Eigen::Vector3d& point_in_camera) const {
@@ -93,16 +95,16 @@ struct Camera {
   }
 };
 
-// Returns the camera of rectified frames (core/frame/rectify.h): without distortion and depth correction, colour
-// registered.
+// Returns the camera of rectified frames (core/frame/rectify.h) that show one instant (core/frame/retime.h): without
+// distortion and depth correction, colour registered, all pixels taken at the time stamp.
 Camera rectified(const Camera& camera);
 
 // Returns kInvalidArgument, naming the field and its limits, for sizes outside [kMinImageSide_px, kMaxImageSide_px],
 // focal lengths that are not positive and finite or give a field of view outside 10 to 150 degrees, a principal point
 // outside the image, a depth scale outside [1, 1e6], a bend beyond +-kMaxBend, an inverse offset beyond
-// +-kMaxInverseOffset_per_m, and a distortion that moves a corner of the image by more than a quarter of its width; the
-// same for the colour camera (fields camera.color.*), and for a color_from_depth with a quaternion that is not of unit
-// length within 1e-3 or a translation of more than kMaxColorBaseline_m.
+// +-kMaxInverseOffset_per_m, readouts beyond +-kMaxReadout_s, a delay beyond +-kMaxColorDelay_s, and a distortion that moves a corner of
+// the image by more than a quarter of its width; the same for the colour camera (fields camera.color.*), and for a color_from_depth with a
+// quaternion that is not of unit length within 1e-3 or a translation of more than kMaxColorBaseline_m.
 Status validate(const Camera& camera);
 
 }  // namespace hermite

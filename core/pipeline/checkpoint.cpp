@@ -41,7 +41,10 @@ std::string condition_text(const Camera& camera) {
          condition_text(camera.distortion) + (camera.color ? " " + condition_text(*camera.color) : "") +
          (camera.depth_correction == DepthCorrection{}
               ? ""
-              : " depth " + condition_text({camera.depth_correction.bend, camera.depth_correction.inverse_offset_per_m}));
+              : " depth " + condition_text({camera.depth_correction.bend, camera.depth_correction.inverse_offset_per_m})) +
+         (camera.timing == ImageTiming{}
+              ? ""
+              : " timing " + condition_text({camera.timing.depth_readout_s, camera.timing.color_readout_s, camera.timing.color_delay_s}));
 }
 
 // Returns the content of the note NT_GNU_BUILD_ID of one segment, or an empty string.

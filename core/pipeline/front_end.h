@@ -54,6 +54,11 @@ class FrontEnd {
   Motion track(const FrameContent& content, const PictureFeatures& features, const DepthImage& depth, const Rigid3& world_from_reference,
                const Rigid3& last_motion, int lost_count);
 
+  // Returns the motion since the last remembered frame, from corners that did not move in it.
+  std::optional<FeatureMotion> follow_corners(const PictureFeatures& features) {
+    return corner_points_.follow(last_features_, features, [](const Eigen::Vector2d&) { return false; });
+  }
+
   // The moving regions of the last tracked frame, per coarse pixel, and its coarse surface.
   const CoarseMask& moving() const { return moving_mask_; }
   const CoarseView& coarse_view() const { return view_; }
@@ -69,9 +74,9 @@ class FrontEnd {
   CalibrationDoubt calibration_doubt() const { return certainty_.calibration(); }
 
   // Report that the camera's calibration fits its views, with these standard deviations of depth bend and focal length,
-  // or that it is off by this much.
+  // or that it is off by these shares and this time.
   void camera_fits(double bend_deviation, double focal_deviation) { certainty_.camera_fits(bend_deviation, focal_deviation); }
-  void camera_is_off(double bend, double focal) { certainty_.camera_is_off(bend, focal); }
+  void camera_is_off(double bend, double focal, double timing_s) { certainty_.camera_is_off(bend, focal, timing_s); }
 
   // The following frames belong to a new component of the map.
   void begin_component() { certainty_.begin_component(); }

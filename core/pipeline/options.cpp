@@ -50,7 +50,7 @@ std::vector<Row> frame_rows() {
       {"frame.confidence_epsilon", f(&F::confidence_epsilon), 1, 1e5, "HRBF confidence exp(-epsilon / sqrt(gradient))"},
       {"frame.project_to_surface", f(&F::project_to_surface), 0, 1, "move vertices onto the frame's own HRBF surface"},
       {"frame.correct_camera", f(&F::correct_camera), 0, 1,
-       "correct a camera whose focal length or depth bend turns out to be off, and reprocess the scan"},
+       "correct a camera whose focal length, depth bend or timing of rows turns out to be off, and reprocess the scan"},
   };
 }
 

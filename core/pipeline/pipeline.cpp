@@ -34,9 +34,20 @@ std::string correction_words(const Camera& given, const Camera& corrected) {
     std::snprintf(words, sizeof words, "%s by %+.2f %%", what, 100 * share);
     return share == 0 ? std::string() : std::string(words);
   };
-  const std::string focal = by("focal length", corrected.fx / given.fx - 1);
-  const std::string bend = by("depth in the corners of the image", corrected.depth_correction.bend - given.depth_correction.bend);
-  return "the camera's calibration was off and is corrected: " + focal + (focal.empty() || bend.empty() ? "" : ", ") + bend;
+  const auto by_ms = [](const char* what, double time_s) {
+    char words[80];
+    std::snprintf(words, sizeof words, "%s by %+.1f ms", what, 1e3 * time_s);
+    return time_s == 0 ? std::string() : std::string(words);
+  };
+  const ImageTiming &before = given.timing, &after = corrected.timing;
+  std::string all;
+  for (const std::string& one : {by("focal length", corrected.fx / given.fx - 1),
+                                 by("depth in the corners of the image", corrected.depth_correction.bend - given.depth_correction.bend),
+                                 by_ms("readout of depth", after.depth_readout_s - before.depth_readout_s),
+                                 by_ms("readout of colour", after.color_readout_s - before.color_readout_s),
+                                 by_ms("delay of colour", after.color_delay_s - before.color_delay_s)})
+    all += (all.empty() || one.empty() ? "" : ", ") + one;
+  return "the camera's calibration was off and is corrected: " + all;
 }
 
 BackEnd with_one(std::unique_ptr<Mapping> mapping) {
@@ -121,14 +132,15 @@ FrameResult Pipeline::Impl::process(const PreparedFrame& prepared) {
 // Starts over with the corrected camera and returns access to the past frames. Returns an empty function if the camera
 // stays as it is; its calibration is then in doubt.
 PastFrames Pipeline::Impl::correct_camera(const CameraCheck& check) {
-  const Camera better = corrected(current_preparer()->camera(), check);
+  const Camera better = changed(current_preparer()->camera(), check.change);
   PastFrames past_frames;
   if (back_end.past_frames && !takes_camera_as_it_is && camera_count < kMostCameras && validate(better).ok())
     past_frames = back_end.past_frames();
   if (past_frames)
     begin_with(better);
   else
-    reconstruction->front_end.camera_is_off(-check.bend, -check.focal);
+    reconstruction->front_end.camera_is_off(-check.change[kBend], -check.change[kFocal],
+                                            check.change.tail<kTimingNumberCount>().cwiseAbs().maxCoeff());
   return past_frames;
 }
 
@@ -173,6 +185,9 @@ void Pipeline::Impl::camera_fields(Bytes& bytes, Saved& camera) {
   bytes.number(camera.fx);
   bytes.number(camera.fy);
   bytes.number(camera.depth_correction.bend);
+  bytes.number(camera.timing.depth_readout_s);
+  bytes.number(camera.timing.color_readout_s);
+  bytes.number(camera.timing.color_delay_s);
 }
 
 template <class Bytes, class Saved>

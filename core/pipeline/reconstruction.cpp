@@ -110,6 +110,14 @@ void Reconstruction::hold_last_pose(FrameResult& result) {
   ++weak_frame_count;
 }
 
+// Tells the motion since the last tracked frame to those who need the camera's velocity.
+void Reconstruction::step(double timestamp_s, const Rigid3& last_from_camera) {
+  const bool is_known = lost_count == 0 && tracked_frame_count > 0;
+  const std::optional<Rigid3> motion = is_known ? std::optional(last_from_camera) : std::nullopt;
+  shutter.step(timestamp_s, motion);
+  if (watch) watch->step(timestamp_s, motion);
+}
+
 // Offers a frame that is not lost to the camera watch.
 void Reconstruction::offer_to_watch(const RgbdFrame& frame, MapEvent event) {
   if (event == MapEvent::kNewPart) watch->begin_component();
@@ -140,13 +148,20 @@ void Reconstruction::describe_pose(FrameResult& result) const {
     result.last_tracked_timestamp_s = poses[static_cast<std::size_t>(result.last_tracked_frame)].timestamp_s;
 }
 
-FrameResult Reconstruction::process(const PreparedFrame& prepared) {
+// Returns the frame corrected for a rolling shutter; nullopt if there is nothing to correct.
+std::optional<PreparedFrame> Reconstruction::in_one_instant(const PreparedFrame& taken) {
+  std::optional<PreparedFrame> corrected;
+  if (shutter.is_rolling() && lost_count == 0 && tracked_frame_count > 0)
+    timed("retime", [&] { corrected = shutter.corrected(taken, front_end.follow_corners(taken.features)); });
+  return corrected;
+}
+
+FrameResult Reconstruction::process(const PreparedFrame& taken) {
   const auto start = std::chrono::steady_clock::now();
-  const RgbdFrame& frame = prepared.frame;
-  const FrameContent& content = prepared.content;
+  const FrameContent& content = taken.content;
   FrameResult result;
   result.frame_index = static_cast<std::int64_t>(trajectory.size());
-  result.timestamp_s = frame.timestamp_s;
+  result.timestamp_s = taken.frame.timestamp_s;
   result.surfel_count = front_end.store.surfel_count();
   if (is_repeated(content)) {
     hold_last_pose(result);
@@ -157,6 +172,9 @@ FrameResult Reconstruction::process(const PreparedFrame& prepared) {
   last_depth_digest = content.depth_digest;
   repeated_count = 0;
 
+  const std::optional<PreparedFrame> corrected = in_one_instant(taken);
+  const PreparedFrame& prepared = corrected ? *corrected : taken;
+  const RgbdFrame& frame = prepared.frame;
   timed("preprocess", [&] { front_end.preprocess(prepared, result.frame_index); });
   const std::vector<Rigid3> poses_before = layout().world_from_submap;
   Motion motion;
@@ -174,6 +192,7 @@ FrameResult Reconstruction::process(const PreparedFrame& prepared) {
   if (lost || result.event != MapEvent::kNone || result.correction_m > kCorrectionThatMovesViews_m) front_end.forget_views();
   if (!lost) judge_uncertainty(motion, result);
   if (!lost) front_end.remember_view(world_from_camera, motion.odometry.reference_from_camera, prepared);
+  if (!lost) step(result.timestamp_s, motion.odometry.reference_from_camera);
   lost_count = lost ? lost_count + 1 : 0;
   if (!lost) {
     last_motion = motion.odometry.reference_from_camera;
@@ -228,6 +247,7 @@ void Reconstruction::save(ByteWriter& bytes) const {
   fields(bytes, *this);
   if (mapping) mapping->save(bytes);
   if (watch) watch->save(bytes);
+  shutter.save(bytes);
   front_end.save(bytes);
 }
 
@@ -235,6 +255,7 @@ void Reconstruction::restore(ByteReader& bytes) {
   fields(bytes, *this);
   if (mapping) mapping->restore(bytes);
   if (watch) watch->restore(bytes);
+  shutter.restore(bytes);
   front_end.restore(bytes);
   const auto frames = static_cast<std::int64_t>(poses.size());
   const std::size_t submaps = layout().world_from_submap.size();

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "core/pipeline/frame_result.h"
 #include "core/pipeline/front_end.h"
 #include "core/pipeline/options.h"
+#include "core/pipeline/rolling_shutter.h"
 
 namespace hermite {
 
@@ -29,9 +31,10 @@ struct Reconstruction {
         timeline(timeline_of_scan),
         mapping(std::move(mapping_of_scan)),
         watch(std::move(watch_of_camera)),
-        front_end(device, camera, options, timeline) {}
+        front_end(device, camera, options, timeline),
+        shutter(camera, options.frame) {}
 
-  FrameResult process(const PreparedFrame& prepared);
+  FrameResult process(const PreparedFrame& taken);
 
   // Call after the last frame: adjusts the map for the last time.
   void finish();
@@ -51,8 +54,10 @@ struct Reconstruction {
   MapEvent relocalise(const RgbdFrame& frame, const FrameContent& content, Motion& motion);
   void describe_pose(FrameResult& result) const;
   void judge_uncertainty(Motion& motion, FrameResult& result);
+  std::optional<PreparedFrame> in_one_instant(const PreparedFrame& taken);
   bool is_repeated(const FrameContent& content) const;
   void hold_last_pose(FrameResult& result);
+  void step(double timestamp_s, const Rigid3& last_from_camera);
   void offer_to_watch(const RgbdFrame& frame, MapEvent event);
   void remember(const FrameResult& result);
   void follow_corrections();
@@ -74,6 +79,7 @@ struct Reconstruction {
   const std::unique_ptr<CameraWatch> watch;  // null: the camera is used as given
   const MapLayout one_submap;
   FrontEnd front_end;
+  RollingShutter shutter;
 
   Rigid3 world_from_camera;     // of the last tracked frame; the pose of the prediction
   Rigid3 last_motion;           // reference_from_camera of the last tracked frame

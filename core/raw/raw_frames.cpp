@@ -18,7 +18,7 @@ static_assert(std::endian::native == std::endian::little, "the file is written a
 
 constexpr std::array<char, 8> kMagic{'H', 'R', 'M', 'F', 'R', 'A', 'M', 'E'};
 // 1, and these for what stands behind the header.
-constexpr std::uint32_t kPlainVersion = 1, kWithColorCamera = 1, kWithDepthCorrection = 2, kLastVersion = 4;
+constexpr std::uint32_t kPlainVersion = 1, kWithColorCamera = 1, kWithDepthCorrection = 2, kWithTiming = 4, kLastVersion = 8;
 
 struct Header {
   std::array<char, 8> magic = kMagic;
@@ -31,7 +31,7 @@ struct Header {
 };
 static_assert(sizeof(Header) == 8 + 4 * 4 + 10 * 8, "no padding");
 
-// Behind the header, where the version says so; then two f64 of the correction of depth.
+// Behind the header, where the version says so; then two f64 of the correction of depth, and three of the timing.
 struct ColorHeader {
   double fx = 0, fy = 0, cx = 0, cy = 0;
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
@@ -44,6 +44,7 @@ Header header_of(const Camera& camera, std::int64_t frame_count) {
   Header header;
   if (camera.color) header.version += kWithColorCamera;
   if (camera.depth_correction != DepthCorrection{}) header.version += kWithDepthCorrection;
+  if (camera.timing != ImageTiming{}) header.version += kWithTiming;
   header.width = static_cast<std::uint32_t>(camera.width);
   header.height = static_cast<std::uint32_t>(camera.height);
   header.frame_count = static_cast<std::uint32_t>(frame_count);
@@ -147,6 +148,10 @@ Result<RawFrameWriter> RawFrameWriter::create(const std::string& path, const Cam
     const std::array<double, 2> numbers{depth.bend, depth.inverse_offset_per_m};
     write_from(writer.file_, numbers.data(), numbers.size());
   }
+  if (const ImageTiming& timing = camera.timing; timing != ImageTiming{}) {
+    const std::array<double, 3> numbers{timing.depth_readout_s, timing.color_readout_s, timing.color_delay_s};
+    write_from(writer.file_, numbers.data(), numbers.size());
+  }
   if (!writer.file_) return writer.cannot_write();
   return writer;
 }
@@ -193,7 +198,7 @@ Result<RawFrameReader> RawFrameReader::open(const std::string& path) {
     return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, the header alone has " + std::to_string(sizeof header));
   if (header.magic != kMagic) return reader.corrupt("no file of raw frames: it does not begin with HRMFRAME");
   if (header.version < kPlainVersion || header.version > kLastVersion)
-    return reader.corrupt("version " + std::to_string(header.version) + ", this program reads versions 1 to 4");
+    return reader.corrupt("version " + std::to_string(header.version) + ", this program reads versions 1 to 8");
   reader.camera_ = camera_of(header);
   reader.header_bytes_ = sizeof header;
   if (((header.version - kPlainVersion) & kWithColorCamera) != 0) {
@@ -207,6 +212,13 @@ Result<RawFrameReader> RawFrameReader::open(const std::string& path) {
     if (!read_into(reader.file_, numbers.data(), numbers.size()))
       return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, cut in the correction of depth");
     reader.camera_.depth_correction = {numbers[0], numbers[1]};
+    reader.header_bytes_ += sizeof numbers;
+  }
+  if (((header.version - kPlainVersion) & kWithTiming) != 0) {
+    std::array<double, 3> numbers{};
+    if (!read_into(reader.file_, numbers.data(), numbers.size()))
+      return reader.corrupt("only " + std::to_string(file_bytes) + " bytes, cut in the timing of the images");
+    reader.camera_.timing = {numbers[0], numbers[1], numbers[2]};
     reader.header_bytes_ += sizeof numbers;
   }
   if (const Status valid = validate(reader.camera_); !valid.ok()) return reader.corrupt(valid.error().message);

@@ -112,7 +112,11 @@ std::string CalibrationDoubt::reason() const {
   const std::string no_fit = "the camera's calibration does not fit: ";
   if (std::abs(bend) >= std::max(kLeastBend, kDoubtSigmas * deviation))
     return no_fit + "depth in the corners of the image is" + by_about(bend);
-  return focal == 0 ? "" : no_fit + "its focal length is" + by_about(focal);
+  if (focal != 0) return no_fit + "its focal length is" + by_about(focal);
+  if (timing_s == 0) return "";
+  char words[96];
+  std::snprintf(words, sizeof words, "the time at which rows of its images are taken is wrong by about %.0f ms", 1e3 * timing_s);
+  return no_fit + words;
 }
 
 // The surface that constrains a frame.
@@ -271,16 +275,17 @@ CalibrationDoubt MapCertainty::calibration() const {
   }
   const double alike = learned_.empty() ? 0 : squares / static_cast<double>(learned_.size());
   const double scatter = std::sqrt(std::max(1.0, alike / kAlikePixels));
-  return {mean_[kBendDoubt], scatter * std::sqrt(std::max(0.0, covariance_(kBendDoubt, kBendDoubt))), focal_off_};
+  return {mean_[kBendDoubt], scatter * std::sqrt(std::max(0.0, covariance_(kBendDoubt, kBendDoubt))), focal_off_, timing_off_s_};
 }
 
 void MapCertainty::camera_fits(double bend_deviation, double focal_deviation) {
   observe_camera(Eigen::Vector2d::Zero(), {bend_deviation, focal_deviation});
 }
 
-void MapCertainty::camera_is_off(double bend, double focal) {
+void MapCertainty::camera_is_off(double bend, double focal, double timing_s) {
   observe_camera({bend, focal}, Eigen::Vector2d::Constant(kToldDeviation));
   focal_off_ = focal;
+  timing_off_s_ = timing_s;
 }
 
 // Both vectors are in the order of CameraDoubt.
@@ -341,6 +346,7 @@ void MapCertainty::save(ByteWriter& bytes) const {
   bytes.flags(was_active_);
   bytes.number(closure_count_);
   bytes.number(focal_off_);
+  bytes.number(timing_off_s_);
   bytes.list(learned_, terms_fields<ByteWriter, const CameraTerms>);
 }
 
@@ -362,8 +368,10 @@ void MapCertainty::restore(ByteReader& bytes) {
   bytes.flags(was_active_);
   bytes.number(closure_count_);
   bytes.number(focal_off_);
+  bytes.number(timing_off_s_);
   bytes.list(learned_, terms_fields<ByteReader, CameraTerms>);
-  bytes.require(mean_.allFinite() && covariance_.allFinite() && std::isfinite(focal_off_), "numbers of the certainty");
+  bytes.require(mean_.allFinite() && covariance_.allFinite() && std::isfinite(focal_off_) && std::isfinite(timing_off_s_),
+                "numbers of the certainty");
 }
 
 }  // namespace hermite

@@ -46,7 +46,8 @@ struct PoseUncertainty {
 // Whether depth in the corners of the image is too large, as a share of it.
 struct CalibrationDoubt {
   double bend = 0, deviation = 0;
-  double focal = 0;  // share by which the stated focal length is too large, once that is certain
+  double focal = 0;     // share by which the stated focal length is too large, once that is certain
+  double timing_s = 0;  // the largest error of the stated ImageTiming, once that is certain
   // Returns a text if the measurements certainly contradict the calibration; empty otherwise.
   std::string reason() const;
 };
@@ -72,9 +73,9 @@ class MapCertainty {
   CalibrationDoubt calibration() const;
 
   // Report results of the camera watch (core/calibrate/camera_watch.h): the camera is correct up to these relative
-  // standard deviations, or off by these shares.
+  // standard deviations, or off by these shares and this time.
   void camera_fits(double bend_deviation, double focal_deviation);
-  void camera_is_off(double bend, double focal);
+  void camera_is_off(double bend, double focal, double timing_s);
 
   // Starts a new component of the map: what follows is relative to its first frame, even if it is later joined to
   // others. Knowledge of the camera is kept.
@@ -115,7 +116,7 @@ class MapCertainty {
   // By submap, in the frame before; in the last frame before a loop, until this class has observed the loop.
   std::vector<bool> was_active_;
   std::uint64_t closure_count_ = 0;
-  double focal_off_ = 0;  // as reported by camera_is_off()
+  double focal_off_ = 0, timing_off_s_ = 0;  // as reported by camera_is_off()
 };
 
 // Returns the covariance, as a twist about the world's origin, of a relocalisation at `world_from_camera`, where there

@@ -116,6 +116,7 @@ Camera camera_from(const v1::Camera& message) {
   camera.depth_units_per_metre = message.depth_units_per_metre();
   camera.distortion = distortion_from(message);
   camera.depth_correction = {message.depth_bend(), message.depth_inverse_offset_per_m()};
+  camera.timing = {message.depth_readout_s(), message.color_readout_s(), message.color_delay_s()};
   if (!message.has_color()) return camera;
   const v1::ColorCamera& color = message.color();
   camera.color = ColorCamera{color.fx(), color.fy(), color.cx(), color.cy(), distortion_from(color), unchecked(color.color_from_depth())};
@@ -133,6 +134,9 @@ void write_camera(const Camera& camera, v1::Camera& message) {
   write_distortion(camera.distortion, message);
   message.set_depth_bend(camera.depth_correction.bend);
   message.set_depth_inverse_offset_per_m(camera.depth_correction.inverse_offset_per_m);
+  message.set_depth_readout_s(camera.timing.depth_readout_s);
+  message.set_color_readout_s(camera.timing.color_readout_s);
+  message.set_color_delay_s(camera.timing.color_delay_s);
   if (!camera.color) return;
   v1::ColorCamera& color = *message.mutable_color();
   color.set_fx(camera.color->fx);

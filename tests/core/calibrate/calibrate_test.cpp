@@ -114,17 +114,17 @@ TEST(Calibrate, FindsARollingShutter) {
   const auto sequence = open(std::string(kFastRoom) + "+rolling=ms=30+noise=kinect-white,seed=4");
   const Calibration found = timed(*sequence);
   expect_alone(found, {kDepthReadout, kColorReadout}, 0.030, 0.006);  // a fifth
-  EXPECT_EQ(found.camera, sequence->camera());
-  EXPECT_EQ(found.timing.depth_readout_s, found.numbers[kDepthReadout].value);
-  EXPECT_EQ(found.timing.color_readout_s, found.numbers[kColorReadout].value);
-  EXPECT_EQ(found.timing.color_delay_s, 0);
+  EXPECT_EQ(rectified(found.camera), rectified(sequence->camera()));
+  EXPECT_EQ(found.camera.timing.depth_readout_s, found.numbers[kDepthReadout].value);
+  EXPECT_EQ(found.camera.timing.color_readout_s, found.numbers[kColorReadout].value);
+  EXPECT_EQ(found.camera.timing.color_delay_s, 0);
 }
 
 TEST(Calibrate, FindsTheDelayOfColour) {
   const auto sequence = open(std::string(kFastRoom) + "+clock=ms=-20+noise=kinect-white,seed=5");
   const Calibration found = timed(*sequence);
   expect_alone(found, {kColorDelay}, -0.020, 0.004);
-  EXPECT_EQ(found.timing, (ImageTiming{0, 0, found.numbers[kColorDelay].value}));
+  EXPECT_EQ(found.camera.timing, (ImageTiming{0, 0, found.numbers[kColorDelay].value}));
 }
 
 TEST(Calibrate, SaysThatPosesTooFarApartTellNothingOfTheTiming) {
@@ -132,7 +132,7 @@ TEST(Calibrate, SaysThatPosesTooFarApartTellNothingOfTheTiming) {
   const Calibration found = timed(*sequence);
   ASSERT_EQ(found.numbers.size(), kCameraNumberCount) << found.reason;
   EXPECT_THAT(found.numbers[kDepthReadout].reason, HasSubstr("too far apart in time"));
-  EXPECT_EQ(found.timing, ImageTiming{});
+  EXPECT_EQ(found.camera.timing, ImageTiming{});
 }
 
 TEST(Calibrate, LeavesARightCameraAsItIs) {

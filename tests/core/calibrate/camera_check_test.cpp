@@ -32,15 +32,15 @@ TEST(CameraCheck, SaysThatARightCameraFits) { EXPECT_EQ(check_camera(views_of(""
 TEST(CameraCheck, FindsAFocalLengthThatIsOff) {
   const CameraCheck found = check_camera(views_of("+focal=percent=2", 14), camera_of("+focal=percent=2"));
   EXPECT_EQ(found.verdict, CameraVerdict::kIsOff);
-  EXPECT_NEAR(found.focal, -0.0198, 0.002);
-  EXPECT_EQ(found.bend, 0);
+  EXPECT_NEAR(found.change[kFocal], -0.0198, 0.002);
+  EXPECT_EQ(found.change[kBend], 0);
 }
 
 TEST(CameraCheck, FindsABendOfDepth) {
   const CameraCheck found = check_camera(views_of("+bend=percent=2", 14), camera_of("+bend=percent=2"));
   EXPECT_EQ(found.verdict, CameraVerdict::kIsOff);
-  EXPECT_EQ(found.focal, 0);
-  EXPECT_NEAR(found.bend, 1 / 1.02 - 1, 0.002);
+  EXPECT_EQ(found.change[kFocal], 0);
+  EXPECT_NEAR(found.change[kBend], 1 / 1.02 - 1, 0.002);
 }
 
 // It stands for something that no camera is.
@@ -54,15 +54,6 @@ TEST(CameraCheck, SaysNothingOfViewsThatContradictEachOther) {
 TEST(CameraCheck, SaysNothingOfFewViews) {
   EXPECT_EQ(check_camera(views_of("+focal=percent=2", 5), camera_of("+focal=percent=2")).verdict, CameraVerdict::kUnknown);
   EXPECT_EQ(check_camera({}, camera_of("")).verdict, CameraVerdict::kUnknown);
-}
-
-TEST(CameraCheck, CorrectsACamera) {
-  Camera camera = camera_of("");
-  const Camera better = corrected(camera, {CameraVerdict::kIsOff, std::log(0.98), -0.01});
-  EXPECT_DOUBLE_EQ(better.fx, 0.98 * camera.fx);
-  EXPECT_DOUBLE_EQ(better.fy, 0.98 * camera.fy);
-  EXPECT_DOUBLE_EQ(better.depth_correction.bend, -0.01);
-  EXPECT_EQ(better.cx, camera.cx);
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ TEST(CameraWatch, AnswersOnceAndIsSatisfied) {
   while (!answer && !walk.is_over()) answer = walk.take_frame();
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer->verdict, CameraVerdict::kIsOff);
-  EXPECT_NEAR(answer->focal, -0.0198, 0.003);
+  EXPECT_NEAR(answer->change[kFocal], -0.0198, 0.003);
   const int views_before = walk.view_count;
   while (!walk.is_over()) EXPECT_FALSE(walk.take_frame());
   EXPECT_EQ(walk.view_count, views_before) << "nobody needs to know any more";
@@ -71,7 +71,7 @@ TEST(CameraWatch, GoesOnFromAnyFrameToTheSameAnswerAtTheSameFrame) {
     while (!answer && !walk.is_over()) answer = walk.take_frame();
     EXPECT_EQ(walk.frame_count(), whole.frame_count());
     ASSERT_TRUE(answer);
-    EXPECT_EQ(answer->focal, expected->focal);
+    EXPECT_EQ(answer->change, expected->change);
   }
 }
 

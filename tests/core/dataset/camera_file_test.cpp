@@ -138,6 +138,25 @@ TEST(CameraFile, KeepsTheCorrectionOfDepth) {
   EXPECT_THAT(words(R"({"inverse_offset_per_m": -1})"), AllOf(HasSubstr("depth_correction.inverse_offset_per_m"), HasSubstr("allowed is")));
 }
 
+TEST(CameraFile, KeepsTheTimingOfRows) {
+  const auto with = [](const std::string& timing) {
+    return parse_camera_json(R"({"width": 640, "height": 480, "fx": 525, "fy": 525, "cx": 320, "cy": 240, "depth_units_per_metre": 1000,
+                                 "timing": )" +
+                             timing + "}");
+  };
+  const Result<CameraFile> file = with(R"({"depth_readout_s": 0.033, "color_readout_s": 0.03, "color_delay_s": -0.01})");
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->camera.timing, (ImageTiming{0.033, 0.03, -0.01}));
+  const Result<CameraFile> again = parse_camera_json(format_camera_json(*file));
+  ASSERT_TRUE(again.ok()) << again.error().message;
+  EXPECT_EQ(again->camera, file->camera);
+  EXPECT_EQ(with(R"({"color_delay_s": 0.01})")->camera.timing, (ImageTiming{0, 0, 0.01}));
+  const auto words = [&with](const char* timing) { return with(timing).error().message; };
+  EXPECT_THAT(words("5"), AllOf(HasSubstr("timing"), HasSubstr("depth_readout_s, color_readout_s, color_delay_s")));
+  EXPECT_THAT(words(R"({"color_delay_s": "late"})"), AllOf(HasSubstr("timing"), HasSubstr("color_delay_s")));
+  EXPECT_THAT(words(R"({"depth_readout_s": 0.2})"), AllOf(HasSubstr("timing.depth_readout_s"), HasSubstr("allowed is")));
+}
+
 TEST(CameraFile, BesideAFileItsOwnComesBeforeThatOfTheFolder) {
   const TempFolder folder;
   EXPECT_FALSE(*camera_beside(folder.path("a.klg")));

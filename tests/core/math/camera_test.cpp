@@ -125,6 +125,25 @@ TEST(ValidateCamera, NamesTheFieldOfTheDepthCorrection) {
   }
 }
 
+TEST(ValidateCamera, NamesTheFieldOfTheTiming) {
+  Camera camera = kKinect;
+  camera.timing = {kMaxReadout_s, -kMaxReadout_s, -kMaxColorDelay_s};
+  EXPECT_TRUE(validate(camera).ok());
+  struct Case {
+    const char* field;
+    ImageTiming timing;
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Case cases[] = {{"depth_readout_s", {0.11, 0, 0}}, {"color_readout_s", {0, -0.11, 0}}, {"color_delay_s", {0, 0, nan}}};
+  for (const Case& test : cases) {
+    camera.timing = test.timing;
+    const Status status = validate(camera);
+    ASSERT_FALSE(status.ok()) << test.field;
+    EXPECT_THAT(status.error().message, testing::StartsWith(std::string("camera.timing.") + test.field));
+    EXPECT_THAT(status.error().message, testing::HasSubstr("allowed is"));
+  }
+}
+
 TEST(Camera, CorrectsDepth) {
   EXPECT_DOUBLE_EQ(DepthCorrection{}.true_depth_m(1.5, 0.7), 1.5);
   EXPECT_DOUBLE_EQ((DepthCorrection{0.02, 0}).true_depth_m(2, 0.5), 2.02);
@@ -154,6 +173,7 @@ TEST(Camera, RectifiedItIsOnePinhole) {
   Camera camera = with_color();
   camera.distortion.k1 = 0.1;
   camera.depth_correction = {0.01, 0.01};
+  camera.timing = {0.03, 0.03, 0.01};
   EXPECT_EQ(rectified(camera), kKinect);
 }
 

@@ -312,11 +312,14 @@ TEST(Checkpoint, OtherConditionsAreRefusedByName) {
   camera.fx += 1;
   Camera corrected = walk().camera;
   corrected.depth_correction.bend = 0.01;
+  Camera rolling = walk().camera;
+  rolling.timing.depth_readout_s = 0.03;
   const Options options = adjusted_often();
   const std::pair<Error, const char*> cases[] = {
       {refusal(make_pipeline(weight), some_state()), "track.geometric_weight"},
       {refusal(make_pipeline(options, CorrectionTime::kByFrames, camera), some_state()), "camera"},
       {refusal(make_pipeline(options, CorrectionTime::kByFrames, corrected), some_state()), "camera"},
+      {refusal(make_pipeline(options, CorrectionTime::kByFrames, rolling), some_state()), "camera"},
       {refusal(std::make_unique<Pipeline>("", walk().camera, options), some_state()), "mapping"},
   };
   for (const auto& [error, name] : cases) {

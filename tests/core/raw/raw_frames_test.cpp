@@ -111,7 +111,7 @@ TEST_F(RawFramesTest, AWrongHeaderIsRefusedByFieldAndLimit) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(words_after(8, std::uint32_t{1}), "accepted") << "nothing changed";
   EXPECT_THAT(words_after(0, 'X'), HasSubstr("HRMFRAME"));
-  EXPECT_THAT(words_after(8, std::uint32_t{5}), HasSubstr("version 5, this program reads versions 1 to 4"));
+  EXPECT_THAT(words_after(8, std::uint32_t{9}), HasSubstr("version 9, this program reads versions 1 to 8"));
   EXPECT_THAT(words_after(8, std::uint32_t{2}), HasSubstr("camera.color.f")) << "frames are no colour camera";
   EXPECT_THAT(words_after(12, std::uint32_t{0}), HasSubstr("camera.width is 0"));
   EXPECT_THAT(words_after(12, std::uint32_t{4096}), HasSubstr("2048"));
@@ -169,6 +169,24 @@ TEST_F(RawFramesTest, TheCorrectionOfDepthComesBackBehindALongerHeader) {
     put({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(kHeaderBytes + (has_color ? 16 * 8 : 0) + 12)});
     EXPECT_THAT(RawFrameReader::open(path).error().message, HasSubstr("cut in the correction of depth"));
   }
+}
+
+TEST_F(RawFramesTest, TheTimingOfRowsComesBackBehindALongerHeader) {
+  Camera camera = kCamera;
+  camera.depth_correction = {-0.015, 0.02};
+  camera.timing = {0.033, 0.03, -0.01};
+  Result<RawFrameWriter> writer = RawFrameWriter::create(path, camera, 1);
+  ASSERT_TRUE(writer.ok()) << writer.error().message;
+  ASSERT_TRUE(writer->append(frame_number(0)).ok());
+  ASSERT_TRUE(writer->finish().ok());
+  Result<RawFrameReader> reader = RawFrameReader::open(path);
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  EXPECT_EQ(reader->camera(), camera);
+  EXPECT_EQ(reader->read(0)->color, frame_number(0).color);
+  const std::vector<std::uint8_t> bytes = test::file_bytes(path);
+  EXPECT_EQ(bytes[8], 1 + 2 + 4);
+  put({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(kHeaderBytes + 2 * 8 + 12)});
+  EXPECT_THAT(RawFrameReader::open(path).error().message, HasSubstr("cut in the timing of the images"));
 }
 
 TEST_F(RawFramesTest, ATimeStampThatIsNoNumberIsAnErrorOfItsFrame) {

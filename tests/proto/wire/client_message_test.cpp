@@ -94,6 +94,7 @@ TEST(ClientMessage, TheColourCameraComesBackAsItWas) {
   StartScan start = good_start();
   start.camera.color = color_camera();
   start.camera.depth_correction = {-0.015, 0.02};
+  start.camera.timing = {0.033, 0.03, -0.01};
   const Result<ClientMessage> message = round_trip(hello_with(start));
   ASSERT_TRUE(message.ok()) << message.error().message;
   EXPECT_EQ(std::get<StartScan>(std::get<Hello>(*message).role).camera, start.camera);
@@ -198,6 +199,7 @@ TEST(ClientMessage, ACameraThatCannotBeIsNamed) {
               HasSubstr("camera.depth_units_per_metre"));
   EXPECT_THAT(error_of([](StartScan& start) { start.camera.distortion.p1 = std::nan(""); }).message, HasSubstr("camera.distortion"));
   EXPECT_THAT(error_of([](StartScan& start) { start.camera.depth_correction.bend = 0.2; }).message, HasSubstr("depth_correction.bend"));
+  EXPECT_THAT(error_of([](StartScan& start) { start.camera.timing.color_delay_s = 0.2; }).message, HasSubstr("timing.color_delay_s"));
   const auto color_error = [](auto spoil) {
     return error_of([&](StartScan& start) {
              start.camera.color = color_camera();

@@ -1,4 +1,4 @@
-#include "core/calibrate/image_timing.h"
+#include "core/dataset/camera_velocity.h"
 
 #include <gtest/gtest.h>
 
@@ -15,13 +15,7 @@ Trajectory steady(const std::vector<double>& times_s) {
   return trajectory;
 }
 
-TEST(ImageTiming, RowsAreSharesOfTheReadout) {
-  EXPECT_EQ(share_of_row(0, 481), -0.5);
-  EXPECT_EQ(share_of_row(240, 481), 0);
-  EXPECT_EQ(share_of_row(480, 481), 0.5);
-}
-
-TEST(ImageTiming, TheTwistIsThatOfTheCameraInItsOwnFrame) {
+TEST(CameraVelocity, TheTwistIsThatOfTheCameraInItsOwnFrame) {
   const Trajectory trajectory = steady({0, 0.033, 0.066, 0.3});
   for (const double time_s : {0.0, 0.033, 0.066}) {
     const std::optional<Vector6d> twist_per_s = twist_per_s_at(trajectory, time_s);
@@ -30,18 +24,11 @@ TEST(ImageTiming, TheTwistIsThatOfTheCameraInItsOwnFrame) {
   }
 }
 
-TEST(ImageTiming, WithoutANearPoseThereIsNoTwist) {
+TEST(CameraVelocity, WithoutANearPoseThereIsNoTwist) {
   EXPECT_FALSE(twist_per_s_at(steady({0, 0.033, 0.066, 0.3}), 0.3)) << "the pose before is too old";
   EXPECT_FALSE(twist_per_s_at(steady({0, 0.033}), 0.016)) << "no pose at that time";
   EXPECT_FALSE(twist_per_s_at(steady({0}), 0));
   EXPECT_FALSE(twist_per_s_at({}, 0));
-}
-
-TEST(ImageTiming, TheVelocityOfAPointIsTheDerivativeOfItsMovement) {
-  const Eigen::Vector3d point_m(0.4, -0.3, 2);
-  constexpr double kStep_s = 1e-6;
-  const Eigen::Vector3d moved_m = exp_se3(kStep_s * kTwist_per_s) * point_m;
-  EXPECT_LT(((moved_m - point_m) / kStep_s - velocity_of(point_m, kTwist_per_s)).norm(), 1e-5);
 }
 
 }  // namespace

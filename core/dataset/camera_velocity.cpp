@@ -1,4 +1,4 @@
-#include "core/calibrate/image_timing.h"
+#include "core/dataset/camera_velocity.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,83 @@
+#include "core/pipeline/rolling_shutter.h"
+
+#include <cmath>
+#include <vector>
+
+#include "core/frame/picture_features.h"
+
+namespace hermite {
+
+namespace {
+
+// The corners' pixels are corrected with the velocity that they give. Each round divides the error by about the time
+// between frames over the time within one, at least 2.
+constexpr int kRounds = 3;
+
+}  // namespace
+
+// Returns the mean twist per second from corners that this frame shows at their own times.
+Vector6d RollingShutter::mean_twist_per_s(const FeatureMotion& since_last, double duration_s) const {
+  Vector6d twist_per_s = log_se3(since_last.earlier_from_frame) / duration_s;
+  for (int round = 0; round < kRounds; ++round) {
+    const Rigid3 frame_from_earlier = exp_se3(-duration_s * twist_per_s);
+    std::vector<FollowedCorner> at_stamp = since_last.corners;
+    for (FollowedCorner& corner : at_stamp)
+      corner.pixel = retimer_->color_pixel_at_stamp(corner.pixel, frame_from_earlier * corner.point_in_earlier, twist_per_s);
+    const auto motion = motion_by_corners(at_stamp, at_stamp, at_stamp.size(), since_last.camera);
+    if (!motion || motion->is_turn_only) break;
+    twist_per_s = log_se3(motion->earlier_from_frame) / duration_s;
+  }
+  return twist_per_s;
+}
+
+std::optional<Vector6d> RollingShutter::twist_per_s_at(double timestamp_s, const std::optional<FeatureMotion>& since_last) const {
+  const double duration_s = timestamp_s - last_timestamp_s_;
+  if (!(duration_s > 0 && duration_s <= kMaxStep_s)) return std::nullopt;
+  if (!since_last) return last_step_s_ > 0 ? std::optional(last_twist_per_s_) : std::nullopt;
+  if (since_last->is_turn_only) {
+    Vector6d turn_per_s = last_twist_per_s_;
+    turn_per_s.tail<3>() = log_se3(since_last->earlier_from_frame).tail<3>() / duration_s;
+    return turn_per_s;
+  }
+  // Adding half of the change since the step before, to get from the middle of the step to its end, adds more noise than
+  // it removes: TUM fr1/rpy 4.6 mm without and 5.1 mm with it, a rendered room with a rolling shutter 2.0 and 2.1 mm.
+  return mean_twist_per_s(*since_last, duration_s);
+}
+
+std::optional<PreparedFrame> RollingShutter::corrected(const PreparedFrame& frame, const std::optional<FeatureMotion>& since_last) const {
+  if (!retimer_) return std::nullopt;
+  const std::optional<Vector6d> twist_per_s = twist_per_s_at(frame.frame.timestamp_s, since_last);
+  if (!twist_per_s) return std::nullopt;
+  PreparedFrame result;
+  result.frame = retimer_->apply(frame.frame, *twist_per_s);
+  result.content = frame.content;
+  result.noise = frame.noise;
+  result.features = features_of(result.frame, camera_.depth_units_per_metre, options_);
+  result.camera_number = frame.camera_number;
+  return result;
+}
+
+void RollingShutter::step(double timestamp_s, const std::optional<Rigid3>& last_from_camera) {
+  const double duration_s = timestamp_s - last_timestamp_s_;
+  last_timestamp_s_ = timestamp_s;
+  const bool is_known = last_from_camera && duration_s > 0 && duration_s <= kMaxStep_s;
+  last_step_s_ = is_known ? duration_s : 0;
+  last_twist_per_s_ = is_known ? Vector6d(log_se3(*last_from_camera) / duration_s) : Vector6d::Zero();
+}
+
+template <class Bytes, class Saved>
+void RollingShutter::fields(Bytes& bytes, Saved& saved) {
+  bytes.number(saved.last_timestamp_s_);
+  bytes.number(saved.last_step_s_);
+  bytes.numbers(saved.last_twist_per_s_.data(), 6);
+}
+
+void RollingShutter::save(ByteWriter& bytes) const { fields(bytes, *this); }
+
+void RollingShutter::restore(ByteReader& bytes) {
+  fields(bytes, *this);
+  bytes.require(std::isfinite(last_timestamp_s_) && last_step_s_ >= 0 && last_step_s_ <= kMaxStep_s && last_twist_per_s_.allFinite(),
+                "the camera's last velocity is out of range");
+}
+
+}  // namespace hermite

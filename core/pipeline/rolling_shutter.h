@@ -1,0 +1,54 @@
+// Corrects the frames of a scan for the time at which their rows were taken (Camera::timing), with the camera's
+// velocity as far as it is known before the frame is tracked.
+//
+// The velocity is the mean since the last frame, from corners followed between the two images; without corners, that of
+// the step before. One thread at a time.
+#pragma once
+
+#include <optional>
+
+#include "core/base/byte_stream.h"
+#include "core/frame/frame_options.h"
+#include "core/frame/prepared_frame.h"
+#include "core/frame/retime.h"
+#include "core/math/camera.h"
+#include "core/track/feature_motion.h"
+
+namespace hermite {
+
+class RollingShutter {
+ public:
+  RollingShutter(const Camera& camera, const FrameOptions& options) : camera_(camera), options_(options), retimer_(retimer_of(camera)) {}
+
+  // Returns whether there is anything to correct: the camera does not take all pixels at the time stamp.
+  bool is_rolling() const { return retimer_.has_value(); }
+
+  // Returns the frame as seen in one instant; nullopt if the camera's velocity is unknown, as after a gap of more than
+  // kMaxStep_s. `since_last` is the motion since the frame of the last step(), from corners where this frame shows them;
+  // nullopt if unknown.
+  std::optional<PreparedFrame> corrected(const PreparedFrame& frame, const std::optional<FeatureMotion>& since_last) const;
+
+  // Call it for each tracked frame, with its pose relative to the frame of the last call; nullopt if that is unknown.
+  void step(double timestamp_s, const std::optional<Rigid3>& last_from_camera);
+
+  void save(ByteWriter& bytes) const;
+  void restore(ByteReader& bytes);
+
+ private:
+  std::optional<Vector6d> twist_per_s_at(double timestamp_s, const std::optional<FeatureMotion>& since_last) const;
+  Vector6d mean_twist_per_s(const FeatureMotion& since_last, double duration_s) const;
+  template <class Bytes, class Saved>
+  static void fields(Bytes& bytes, Saved& saved);
+
+  const Camera camera_;
+  const FrameOptions options_;
+  const std::optional<Retimer> retimer_;
+  double last_timestamp_s_ = 0;
+  double last_step_s_ = 0;                        // duration of the step to it; 0: its motion is unknown
+  Vector6d last_twist_per_s_ = Vector6d::Zero();  // mean of that step
+};
+
+// Velocities change by half within a quarter of a second.
+inline constexpr double kMaxStep_s = 0.15;
+
+}  // namespace hermite

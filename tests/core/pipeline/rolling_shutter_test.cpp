@@ -1,0 +1,122 @@
+#include "core/pipeline/rolling_shutter.h"
+
+#include <gtest/gtest.h>
+
+#include "core/evaluate/trajectory_error.h"
+#include "core/pipeline/frame_preparer.h"
+#include "core/pipeline/pipeline.h"
+#include "tests/support/recording.h"
+
+namespace hermite::rolling_shutter_test {
+namespace {
+
+constexpr ImageTiming kTiming{0.030, 0.030, 0.008};
+constexpr double kFrame_s = 1.0 / 30;
+const Camera kCamera = [] {
+  Camera camera{320, 240, 262, 262, 159.5, 119.5, 5000};
+  camera.timing = kTiming;
+  return camera;
+}();
+
+// Corners that a camera moving steadily shows at the times of their rows.
+FeatureMotion corners_of(const Vector6d& twist_per_s) {
+  FeatureMotion motion;
+  motion.camera = rectified(kCamera);
+  for (int i = 0; i < 60; ++i) {
+    const Eigen::Vector3d point_m(0.25 * (i % 10) - 1.1, 0.3 * (i / 10) - 0.75, 2 + 0.1 * (i % 7));
+    Eigen::Vector2d pixel = kCamera.project(point_m);
+    for (int round = 0; round < 10; ++round)
+      pixel = kCamera.project(exp_se3(-(kFrame_s + kTiming.color_time_s(pixel.y(), kCamera.height)) * twist_per_s) * point_m);
+    motion.corners.push_back({point_m, pixel});
+  }
+  motion.corner_count = 60;
+  motion.earlier_from_frame = motion_by_corners(motion.corners, motion.corners, 60, motion.camera)->earlier_from_frame;
+  return motion;
+}
+
+PreparedFrame frame_at(double timestamp_s) {
+  RgbdFrame frame{timestamp_s, DepthImage(kCamera.width, kCamera.height), ColorImage(kCamera.width, kCamera.height)};
+  for (int y = 0; y < kCamera.height; ++y)
+    for (int x = 0; x < kCamera.width; ++x) {
+      frame.depth.at(x, y) = static_cast<std::uint16_t>(8000 + 5 * x + 9 * y);
+      frame.color.at(x, y) = {static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(y), static_cast<std::uint8_t>(x + y)};
+    }
+  return FramePreparer(kCamera, Options{}, 0).prepare(std::move(frame));
+}
+
+int farthest(const DepthImage& a, const DepthImage& b) {
+  int most = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i)
+    if (a.pixels[i] != 0 && b.pixels[i] != 0) most = std::max(most, std::abs(int{a.pixels[i]} - int{b.pixels[i]}));
+  return most;
+}
+
+class RollingShutterTest : public testing::Test {
+ protected:
+  RollingShutter shutter_{kCamera, FrameOptions{}};
+  const Vector6d twist_per_s_ = (Vector6d() << 0.4, -0.2, 0.3, 0.5, -0.6, 0.3).finished();
+  const Retimer retimer_{kCamera};
+};
+
+TEST_F(RollingShutterTest, TheVelocityOfASteadyCameraComesFromTheCornersAlone) {
+  const PreparedFrame frame = frame_at(1 + kFrame_s);
+  shutter_.step(1, std::nullopt);
+  const auto corrected = shutter_.corrected(frame, corners_of(twist_per_s_));
+  ASSERT_TRUE(corrected);
+  EXPECT_LE(farthest(corrected->frame.depth, retimer_.apply(frame.frame, twist_per_s_).depth), 2);
+  EXPECT_GT(farthest(frame.frame.depth, corrected->frame.depth), 20);
+  EXPECT_EQ(corrected->content.depth_digest, frame.content.depth_digest) << "that of the frame as recorded";
+}
+
+TEST_F(RollingShutterTest, WithoutCornersItIsTheLastOne) {
+  const PreparedFrame frame = frame_at(1 + kFrame_s);
+  shutter_.step(1 - kFrame_s, std::nullopt);
+  shutter_.step(1, exp_se3(kFrame_s * twist_per_s_));
+  const auto corrected = shutter_.corrected(frame, std::nullopt);
+  ASSERT_TRUE(corrected);
+  EXPECT_EQ(corrected->frame.depth, retimer_.apply(frame.frame, log_se3(exp_se3(kFrame_s * twist_per_s_)) / kFrame_s).depth);
+}
+
+TEST_F(RollingShutterTest, AFrameWhoseVelocityIsUnknownStaysAsItIs) {
+  EXPECT_FALSE(shutter_.corrected(frame_at(1), std::nullopt)) << "the first one";
+  shutter_.step(1, std::nullopt);
+  EXPECT_FALSE(shutter_.corrected(frame_at(1 + kFrame_s), std::nullopt)) << "no motion is known";
+  EXPECT_FALSE(shutter_.corrected(frame_at(1.5), corners_of(twist_per_s_))) << "after a gap";
+  EXPECT_FALSE(shutter_.corrected(frame_at(0.9), corners_of(twist_per_s_))) << "a clock that goes back";
+}
+
+TEST_F(RollingShutterTest, GoesOnFromASavedState) {
+  shutter_.step(1 - kFrame_s, std::nullopt);
+  shutter_.step(1, exp_se3(kFrame_s * twist_per_s_));
+  ByteWriter saved;
+  shutter_.save(saved);
+  const std::string bytes = saved.take();
+  RollingShutter restored(kCamera, FrameOptions{});
+  ByteReader reader(bytes);
+  restored.restore(reader);
+  ASSERT_TRUE(reader.ok() && reader.at_end());
+  const PreparedFrame frame = frame_at(1 + kFrame_s);
+  EXPECT_EQ(restored.corrected(frame, std::nullopt)->frame.depth, shutter_.corrected(frame, std::nullopt)->frame.depth);
+}
+
+// A scan by a camera that says when its rows are taken is nearly as good as one without a rolling shutter.
+TEST(RollingShutterScan, IsMoreAccurateWithTheTimingKnown) {
+  const std::string walk = "synthetic:speed=1.5,frames=40,width=160,height=120";
+  const auto error_m = [](const test::Recording& recording, const Camera& camera) {
+    Pipeline pipeline("", camera, Options{});
+    for (const RgbdFrame& frame : recording.frames) EXPECT_TRUE(pipeline.process(frame).ok());
+    return trajectory_error(pipeline.trajectory(), recording.groundtruth)->ate_m.rmse;
+  };
+  const test::Recording clean = test::record(walk), rolling = test::record(walk + "+rolling=ms=30");
+  Camera with_timing = rolling.camera;
+  with_timing.timing = {0.030, 0.030, 0};
+  const double clean_m = error_m(clean, clean.camera), rolling_m = error_m(rolling, rolling.camera),
+               corrected_m = error_m(rolling, with_timing);
+  RecordProperty("clean_mm", std::to_string(1e3 * clean_m));
+  RecordProperty("rolling_mm", std::to_string(1e3 * rolling_m));
+  RecordProperty("corrected_mm", std::to_string(1e3 * corrected_m));
+  EXPECT_LT(corrected_m - clean_m, 0.5 * (rolling_m - clean_m));
+}
+
+}  // namespace
+}  // namespace hermite::rolling_shutter_test
