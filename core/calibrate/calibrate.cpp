@@ -48,6 +48,10 @@ constexpr double kRuleWidth_px = 640;
 
 constexpr double kMostPriorDeviations = 3, kLeastDeviations = 3;
 
+// A parameter is clearly not needed if it is this many times smaller than the least that would be: one standard
+// deviation in place of three.
+constexpr double kClearly = 3;
+
 // The least relative decrease of the held-out pairs' RMS, for all applied parameters together and
 // for each one. Errors of points within a pair are correlated: in the rendered scenes the RMS of
 // fitted and held-out pairs differs by 1 to 2 %. Changing one parameter does not change which pairs
@@ -146,26 +150,35 @@ class Search {
   const ChosenPairs pairs_;
 };
 
-// Returns the parameter with the strongest objection; nullopt if all may stay free.
-std::optional<Objection> objection_to(const JointSolution& solution, const FreeNumbers& is_free, const Camera& camera) {
-  std::optional<Objection> worst;
-  double most_beyond = 1;
+// Returns the parameters that must not stay free: those that are clearly not needed, or else the one with the strongest
+// objection, because the others may be needed without it. Empty if all may stay free.
+std::vector<Objection> objections_to(const JointSolution& solution, const FreeNumbers& is_free, const Camera& camera) {
+  struct Strength {
+    double beyond = 1;
+    const char* reason = nullptr;
+  };
+  std::array<Strength, kCameraNumberCount> objections;
   const auto object = [&](std::size_t number, double beyond, const char* reason) {
-    if (!(beyond > most_beyond)) return;
-    most_beyond = beyond;
-    worst = Objection{number, reason};
+    if (beyond > objections[number].beyond) objections[number] = {beyond, reason};
   };
   const auto size_of = [&](std::size_t k) { return std::abs(solution.change[static_cast<Eigen::Index>(k)]) / pixels_of(k, camera); };
+  const auto strongest = [&] {
+    const auto worst = std::ranges::max_element(objections, {}, &Strength::beyond);
+    return worst->reason == nullptr ? std::vector<Objection>{}
+                                    : std::vector<Objection>{{static_cast<std::size_t>(worst - objections.begin()), worst->reason}};
+  };
   for (std::size_t k = 0; k < kCameraNumberCount; ++k)
     if (is_free[k]) object(k, size_of(k) / (kMostPriorDeviations * kRules[k].deviation), "larger than a camera's plausible error");
-  if (worst) return worst;
+  if (std::vector<Objection> implausible = strongest(); !implausible.empty()) return implausible;
+  std::vector<Objection> clear;
   for (std::size_t k = 0; k < kCameraNumberCount; ++k) {
     if (!is_free[k]) continue;
     const double deviation = solution.deviation[static_cast<Eigen::Index>(k)] / pixels_of(k, camera);
     object(k, kLeastDeviations * deviation / size_of(k), "not significant");
     object(k, kRules[k].least / size_of(k), "too small to matter");
+    if (objections[k].beyond >= kClearly) clear.push_back({k, objections[k].reason});
   }
-  return worst;
+  return clear.empty() ? strongest() : clear;
 }
 
 Json agreement_json(const PairAgreement& agreement) {
@@ -242,10 +255,11 @@ Calibration calibrate(const std::vector<CalibrationView>& views, const Camera& c
   };
   const auto settle = [&] {
     for (;;) {
-      std::optional<Objection> objection = objection_to(best.solution, is_free, straight);
-      if (!objection) objection = search.halves_objection(is_free, best);
-      if (!objection) break;
-      take_back(*objection);
+      std::vector<Objection> objections = objections_to(best.solution, is_free, straight);
+      if (objections.empty())
+        if (const std::optional<Objection> of_halves = search.halves_objection(is_free, best)) objections.push_back(*of_halves);
+      if (objections.empty()) break;
+      for (const Objection& objection : objections) take_back(objection);
       best = search.try_with(is_free, &best);
     }
   };

@@ -46,7 +46,7 @@ struct Step {
   double duration_s = 0;
   std::optional<Rigid3> last_from_camera;  // nullopt: unknown
 
-  bool tells_velocity() const { return last_from_camera && duration_s > 0 && duration_s <= kMaxPoseGap_s; }
+  bool tells_velocity() const { return last_from_camera && duration_s > 0 && duration_s <= kMaxVelocityGap_s; }
 };
 
 // Returns the camera's velocity in the frame between two steps; nullopt if neither tells it.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/read_ahead.h"
+#include "core/calibrate/camera_numbers.h"
 #include "core/pipeline/checkpoint.h"
 #include "core/pipeline/cloud_points.h"
 #include "core/pipeline/frame_preparer.h"

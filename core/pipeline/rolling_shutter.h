@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/base/byte_stream.h"
+#include "core/dataset/camera_velocity.h"
 #include "core/frame/frame_options.h"
 #include "core/frame/prepared_frame.h"
 #include "core/frame/retime.h"
@@ -24,7 +25,7 @@ class RollingShutter {
   bool is_rolling() const { return retimer_.has_value(); }
 
   // Returns the frame as seen in one instant; nullopt if the camera's velocity is unknown, as after a gap of more than
-  // kMaxStep_s. `since_last` is the motion since the frame of the last step(), from corners where this frame shows them;
+  // kMaxVelocityGap_s. `since_last` is the motion since the frame of the last step(), from corners where this frame shows them;
   // nullopt if unknown.
   std::optional<PreparedFrame> corrected(const PreparedFrame& frame, const std::optional<FeatureMotion>& since_last) const;
 
@@ -47,8 +48,5 @@ class RollingShutter {
   double last_step_s_ = 0;                        // duration of the step to it; 0: its motion is unknown
   Vector6d last_twist_per_s_ = Vector6d::Zero();  // mean of that step
 };
-
-// Velocities change by half within a quarter of a second.
-inline constexpr double kMaxStep_s = 0.15;
 
 }  // namespace hermite

@@ -50,8 +50,9 @@ const std::vector<Layer> kLayers{
     {"core/digest", {"core/base"}},
     // Of what needs more than Vulkan and Eigen only plain headers: hermite_bench links this and nothing else.
     {"core/pipeline",
-     {"core/adjust/mapping.h", "core/adjust/adjust_options.h", "core/calibrate/camera_watch.h", "core/dataset/trajectory.h",
-      "core/output/cloud.h", "core/track", "core/map", "core/frame", "core/gpu", "core/math", "core/base"}},
+     {"core/adjust/mapping.h", "core/adjust/adjust_options.h", "core/calibrate/camera_watch.h", "core/calibrate/camera_numbers.h",
+      "core/dataset/trajectory.h", "core/dataset/camera_velocity.h", "core/output/cloud.h", "core/track", "core/map", "core/frame",
+      "core/gpu", "core/math", "core/base"}},
     {"core/report", {"core/pipeline", "core/dataset/camera_file.h", "core/evaluate", "core/digest", "core/base"}},
     {"core/run",
      {"core/report", "core/pipeline", "core/calibrate/camera_watch.h", "core/dataset/trajectory.h", "core/output", "core/base"}},

@@ -5,22 +5,27 @@
 #include <string>
 
 #include "core/calibrate/view_choice.h"
+#include "core/dataset/camera_velocity.h"
 
 namespace hermite {
 namespace {
 
 constexpr const char* kHall = "synthetic:scene=bare,frames=120,width=320,height=240";
 
-// Views by poses that were led astray, as a tracker's are by a wrong camera: 5 cm and 2 degrees by the last.
-std::vector<CalibrationView> views_of(const std::string& disturbance, std::size_t count) {
-  const auto sequence = *open_sequence(kHall + disturbance + "+noise=kinect-white,seed=1");
+// Views by poses that were led astray, as a tracker's are by a wrong camera: 5 cm and 2 degrees by the last. The velocity
+// of the camera is that of the true poses, if it is known.
+std::vector<CalibrationView> views_of(const std::string& disturbance, std::size_t count, const char* source = kHall,
+                                      bool has_velocities = false) {
+  const auto sequence = *open_sequence(source + disturbance + "+noise=kinect-white,seed=1");
+  const Trajectory truth = sequence->groundtruth();
   std::vector<CalibrationView> views;
-  for (const ChosenFrame& chosen : choose_frames(*sequence, {0, sequence->frame_count()}, sequence->groundtruth(), count)) {
+  for (const ChosenFrame& chosen : choose_frames(*sequence, {0, sequence->frame_count()}, truth, count)) {
     const RgbdFrame frame = *decode_frame(*sequence->read(chosen.index));
     const double share = static_cast<double>(views.size()) / static_cast<double>(count);
     const Rigid3 astray = exp_se3((Vector6d() << 0.03, -0.02, 0.035, 0.01, 0.03, -0.01).finished() * share);
     views.push_back(
         {chosen.world_from_camera * astray, patches_of(frame.depth, sequence->camera()), detect_features(frame, sequence->camera())});
+    if (has_velocities) views.back().known_twist_per_s = twist_per_s_at(truth, sequence->timestamp_s(chosen.index));
   }
   return views;
 }
@@ -41,6 +46,28 @@ TEST(CameraCheck, FindsABendOfDepth) {
   EXPECT_EQ(found.verdict, CameraVerdict::kIsOff);
   EXPECT_EQ(found.change[kFocal], 0);
   EXPECT_NEAR(found.change[kBend], 1 / 1.02 - 1, 0.002);
+}
+
+// A camera that is moved fast.
+constexpr const char* kRun = "synthetic:speed=2,frames=90,width=320,height=240";
+
+TEST(CameraCheck, FindsARollingShutterAndLateColour) {
+  const CameraCheck rolling = check_camera(views_of("+rolling=ms=30", 24, kRun, true), camera_of(""));
+  EXPECT_EQ(rolling.verdict, CameraVerdict::kIsOff);
+  EXPECT_NEAR(rolling.change[kDepthReadout], 0.030, 0.006);  // a fifth
+  EXPECT_NEAR(rolling.change[kColorReadout], 0.030, 0.006);
+  EXPECT_EQ(rolling.change.head<kDepthReadout>().norm(), 0) << "nothing else is off";
+  EXPECT_EQ(rolling.change[kColorDelay], 0);
+}
+
+TEST(CameraCheck, SaysNothingOfTheTimingOfACameraWhoseVelocityIsUnknown) {
+  const CameraCheck rolling = check_camera(views_of("+rolling=ms=30", 24, kRun), camera_of(""));
+  EXPECT_EQ(rolling.change[kDepthReadout], 0);
+}
+
+TEST(CameraCheck, SaysNothingOfTheTimingOfACameraThatTakesAllAtOnce) {
+  const CameraCheck check = check_camera(views_of("", 24, kRun, true), camera_of(""));
+  EXPECT_NE(check.verdict, CameraVerdict::kIsOff);
 }
 
 // It stands for something that no camera is.

@@ -20,6 +20,9 @@ class Walk {
 
   std::optional<CameraCheck> take_frame() {
     const Rigid3& pose = sequence_->groundtruth()[static_cast<std::size_t>(next_)].world_from_camera;
+    const Trajectory& truth = sequence_->groundtruth();
+    const auto here = static_cast<std::size_t>(next_);
+    watch->step(truth[here].timestamp_s, here == 0 ? std::nullopt : std::optional(inverse(truth[here - 1].world_from_camera) * pose));
     RgbdFrame frame = *decode_frame(*sequence_->read(next_++));
     if (watch->wants(pose)) {
       watch->view(std::move(frame), pose);
