@@ -81,8 +81,10 @@ void Scans::remove_unwanted(const std::string& scan_id) {
   drop_left(scan_id);
   if (const Status removed = remove_files_of_scan(storage_, scan_id); !removed.ok()) spdlog::warn("{}", removed.error().message);
   read_again_.erase(scan_id);
-  const Status removed = store_.remove(scan_id);
-  if (!removed.ok() && removed.error().code != ErrorCode::kNotFound) spdlog::warn("{}", removed.error().message);
+  unstored_ends_.forget(scan_id);
+  ScanRow row;
+  row.id = scan_id;
+  (void)unstored_removals_.make(row);
 }
 
 }  // namespace hermite
