@@ -179,6 +179,7 @@ class Unpacking {
     if (const char* refused = refused_type(entry))
       return Error{ErrorCode::kInvalidArgument, std::string("is ") + refused + "; only regular files are unpacked"};
     const bool is_folder = archive_entry_filetype(entry) == AE_IFDIR;
+    if (const Status status = count_inodes(parts->size()); !status.ok()) return status;
     if (is_folder) return lacks_room() ? Status(Done{}) : folder_.make_folder(*parts);
     if (parts->empty()) return Error{ErrorCode::kInvalidArgument, "is a file without a name"};
     ++summary_.file_count;
@@ -187,8 +188,21 @@ class Unpacking {
     return file.ok() ? read_contents(&*file) : file.error();
   }
 
-  bool lacks_room() const { return summary_.output_bytes > limits_.room_bytes; }
+  Status count_inodes(std::size_t count) {
+    const bool had_room = !lacks_room();
+    inode_count_ += count;
+    if (inode_count_ > limits_.capacity_inodes)
+      return Error{ErrorCode::kTooLarge, "it has more files and folders than the " + std::to_string(limits_.capacity_inodes) +
+                                             " inodes that the disk could have room for"};
+    if (had_room && lacks_room()) folder_.clear();  // others want the room meanwhile
+    return Done{};
+  }
+
+  bool lacks_room() const { return summary_.output_bytes > limits_.room_bytes || inode_count_ > limits_.room_inodes; }
   Error no_room() const {
+    if (inode_count_ > limits_.room_inodes)
+      return {ErrorCode::kBusy, "it has up to " + std::to_string(inode_count_) + " files and folders, the disk has room for " +
+                                    std::to_string(limits_.room_inodes) + " (inodes) now"};
     return {ErrorCode::kBusy,
             "unpacked it has " + megabytes(summary_.output_bytes) + ", the disk has room for " + megabytes(limits_.room_bytes) + " now"};
   }
@@ -253,6 +267,7 @@ class Unpacking {
   const UnpackWatch& watch_;
   std::vector<std::uint8_t> buffer_;
   UnpackSummary summary_;
+  std::uint64_t inode_count_ = 0;
 };
 
 Result<UnpackSummary> unpack_source(const Source& source, const FreshFolder& folder, const UnpackLimits& limits, const UnpackWatch& watch) {

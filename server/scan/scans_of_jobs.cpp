@@ -64,6 +64,7 @@ Result<std::optional<JobScan>> Scans::run_for_job(const std::string& scan_id, co
 
 Status Scans::add_imported(const ScanRow& row, bool may_be_meshed) {
   if (Status added = store_.add(row); !added.ok()) return added;
+  unstored_removals_.forget(row.id);  // of an earlier attempt of the same job
   log_with({row.id}, spdlog::level::info, fmt::format("scan {} imported", row.id));
   metrics_.scan_ended(name_of(row.phase));
   storage_.quota.files_changed();
