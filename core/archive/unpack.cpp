@@ -179,23 +179,22 @@ class Unpacking {
     if (const char* refused = refused_type(entry))
       return Error{ErrorCode::kInvalidArgument, std::string("is ") + refused + "; only regular files are unpacked"};
     const bool is_folder = archive_entry_filetype(entry) == AE_IFDIR;
-    if (const Status status = count_inodes(parts->size()); !status.ok()) return status;
+    count_inodes(parts->size());
     if (is_folder) return lacks_room() ? Status(Done{}) : folder_.make_folder(*parts);
     if (parts->empty()) return Error{ErrorCode::kInvalidArgument, "is a file without a name"};
-    ++summary_.file_count;
+    if (static_cast<std::uint64_t>(++summary_.file_count) > limits_.capacity_inodes)
+      return Error{ErrorCode::kTooLarge,
+                   "it has more files than the " + std::to_string(limits_.capacity_inodes) + " inodes that the disk could have room for"};
     if (lacks_room()) return read_contents(nullptr);
     const Result<OpenFile> file = folder_.create(*parts);
     return file.ok() ? read_contents(&*file) : file.error();
   }
 
-  Status count_inodes(std::size_t count) {
+  // No fewer than it takes.
+  void count_inodes(std::size_t count) {
     const bool had_room = !lacks_room();
     inode_count_ += count;
-    if (inode_count_ > limits_.capacity_inodes)
-      return Error{ErrorCode::kTooLarge, "it has more files and folders than the " + std::to_string(limits_.capacity_inodes) +
-                                             " inodes that the disk could have room for"};
     if (had_room && lacks_room()) folder_.clear();  // others want the room meanwhile
-    return Done{};
   }
 
   bool lacks_room() const { return summary_.output_bytes > limits_.room_bytes || inode_count_ > limits_.room_inodes; }
