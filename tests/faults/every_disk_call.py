@@ -44,7 +44,7 @@ FRAMES = 6
 SEQUENCE = f"synthetic:frames={FRAMES},width=96,height=72,seed=1"
 UPLOADED_FRAMES = 4
 SETTINGS = ("--drain", "0", "--admin-listen", "off", "--resume-window", "1", "--checkpoint-period", "100", "--requests-per-second", "1000")
-A_WHILE_S = 40  # in which everything here ends by itself, on a machine that does much else
+A_WHILE_S = 120  # in which everything here ends by itself, on a machine that does much else
 FILES = (("log of frames", r"scans/[^/]+/log(/|$)"), ("checkpoint", r"scans/[^/]+/checkpoint"), ("database", r"hermite\.db"), ("uploads, jobs", r"uploads|jobs"),
          ("audit log", r"audit"), ("results, exports", r"scans"), ("folder, token, lock", r""))
 
